@@ -1,0 +1,1 @@
+//! PETSc made safe, a file a class.

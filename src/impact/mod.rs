@@ -1,0 +1,3 @@
+//! One impact: body, impactor and contact law in time.
+
+pub mod step;

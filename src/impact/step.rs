@@ -1,0 +1,59 @@
+//! One accepted step, as observers see it.
+
+/// One accepted step: everything that a series holds of it. SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// Number of the step; 0 is the initial state.
+    pub number: usize,
+    /// Time, s.
+    pub time: f64,
+    /// The impactor along its direction of travel.
+    pub impactor: Motion,
+    /// The contact.
+    pub contact: Contact,
+    /// The energies.
+    pub energy: Energy,
+}
+
+/// Motion of the impactor along its direction of travel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    /// q, m.
+    pub position: f64,
+    /// q̇, m/s.
+    pub velocity: f64,
+    /// F/m0, m/s²: the deceleration, positive in contact.
+    pub acceleration: f64,
+}
+
+/// State of the contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// F, N.
+    pub force: f64,
+    /// α, m; negative while the bodies are apart.
+    pub indentation: f64,
+    /// aᵀu, m.
+    pub surface_displacement: f64,
+}
+
+/// Energies, J.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Energy {
+    /// ½ u̇ᵀMu̇ of the body.
+    pub kinetic: f64,
+    /// ½ uᵀKu of the body without its supports.
+    pub elastic: f64,
+    /// Potential of elastic supports and pads.
+    pub support: f64,
+    /// ½ m0 q̇².
+    pub impactor: f64,
+    /// Potential of the contact law.
+    pub contact: f64,
+    /// Lost in dampers since t = 0.
+    pub dissipated: f64,
+    /// Work of body forces and tractions since t = 0.
+    pub external: f64,
+    /// kinetic + elastic + support + impactor + contact.
+    pub total: f64,
+}

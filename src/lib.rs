@@ -1,0 +1,7 @@
+//! ricochet: low-velocity impact on elastic plates and bodies.
+//!
+//! The data's way: [`scene`] → `mesh` → `form` → `body` → [`impact`] → steps → `record`.
+
+pub mod error;
+pub mod impact;
+pub mod scene;

@@ -1,0 +1,3 @@
+//! The program `ricochet`.
+
+fn main() {}

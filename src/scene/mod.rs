@@ -1,0 +1,152 @@
+//! What the user wrote: parsed, checked, in SI units. Plain data that every constructor may read.
+
+/// A vector with one value per Cartesian component.
+pub type Vec3 = [f64; 3];
+
+/// One impact, checked: every number finite and in its range.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// Free text, shown in figures and results.
+    pub title: String,
+    /// The elastic body.
+    pub body: Body,
+    /// Terms on named surfaces; none means a free body.
+    pub supports: Vec<Support>,
+    /// The rigid body that hits.
+    pub impactor: Impactor,
+    /// Forces other than the contact's.
+    pub load: Load,
+    /// How long, and in which steps.
+    pub time: Time,
+    /// What is written.
+    pub output: Output,
+}
+
+/// The elastic body: material, geometry, elements.
+#[derive(Debug, Clone)]
+pub struct Body {
+    /// Young's modulus E1, Pa.
+    pub young: f64,
+    /// Poisson's ratio ν1, in (−1, 1/2).
+    pub poisson: f64,
+    /// Density ρ, kg/m³.
+    pub density: f64,
+    /// Where the mesh comes from.
+    pub geometry: Geometry,
+    /// Polynomial degree of the elements: 1 or 2.
+    pub order: usize,
+}
+
+/// Where the mesh comes from.
+#[derive(Debug, Clone)]
+pub enum Geometry {
+    /// A box centred on the origin, cut into hexahedra.
+    Box {
+        /// Edge lengths, m.
+        size: Vec3,
+        /// Number of hexahedra along each edge.
+        cells: [usize; 3],
+    },
+    /// A Gmsh file (2.2 or 4.1), surfaces by physical name; relative to the scene file.
+    Gmsh(std::path::PathBuf),
+}
+
+/// A term on one named surface.
+#[derive(Debug, Clone)]
+pub struct Support {
+    /// Name of the surface: of a box, or a physical name of the mesh file.
+    pub surface: String,
+    /// What holds the body there.
+    pub kind: SupportKind,
+    /// Damping c of (13), N s/m³ by component.
+    pub damping: Vec3,
+    /// Prescribed displacement ū, m.
+    pub displacement: Vec3,
+}
+
+/// What holds the body on a surface.
+#[derive(Debug, Clone)]
+pub enum SupportKind {
+    /// Springs in both directions, (11).
+    Elastic {
+        /// k, N/m³ by component.
+        stiffness: Vec3,
+    },
+    /// Springs that only push back, (12).
+    Pad {
+        /// k, N/m³ by component.
+        stiffness: Vec3,
+        /// Unit vector into the pad: each component of u that points into it is resisted.
+        normal: Vec3,
+    },
+    /// Held components, (2).
+    Clamped {
+        /// Which components are held.
+        components: [bool; 3],
+    },
+}
+
+/// The rigid impactor with one degree of freedom.
+#[derive(Debug, Clone)]
+pub struct Impactor {
+    /// m0, kg.
+    pub mass: f64,
+    /// Contact stiffness k0, N/m^1.5: given, or (15).
+    pub stiffness: f64,
+    /// Speed along the direction at t = 0, m/s.
+    pub speed: f64,
+    /// Impact point on the surface of the body, m.
+    pub point: Vec3,
+    /// Unit vector of travel d.
+    pub direction: Vec3,
+    /// Distance to the surface at t = 0, m.
+    pub gap: f64,
+}
+
+/// Forces other than the contact's, constant from t = 0 on.
+#[derive(Debug, Clone, Default)]
+pub struct Load {
+    /// b of (1), N/m³.
+    pub body_force: Vec3,
+    /// f of (3) on named surfaces.
+    pub traction: Vec<Traction>,
+}
+
+/// A constant traction on a named surface.
+#[derive(Debug, Clone)]
+pub struct Traction {
+    /// Name of the surface.
+    pub surface: String,
+    /// f, N/m².
+    pub value: Vec3,
+}
+
+/// How long, and in which steps.
+#[derive(Debug, Clone)]
+pub struct Time {
+    /// End of the run, s.
+    pub end: f64,
+    /// Step Δt, s.
+    pub step: f64,
+    /// How a step is taken.
+    pub scheme: Scheme,
+}
+
+/// How a step is taken.
+#[derive(Debug, Clone)]
+pub enum Scheme {
+    /// Newmark (1959).
+    Newmark {
+        /// β, > 0.
+        beta: f64,
+        /// γ.
+        gamma: f64,
+    },
+}
+
+/// What is written.
+#[derive(Debug, Clone)]
+pub struct Output {
+    /// Every n-th step goes into the series.
+    pub every: usize,
+}
