@@ -27,10 +27,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 impl Error {
     /// A file that could not be read or written.
     pub fn io(path: &Path, reason: impl std::fmt::Display) -> Self {
-        Self::Io {
-            path: path.to_owned(),
-            reason: reason.to_string(),
-        }
+        Self::Io { path: path.to_owned(), reason: reason.to_string() }
     }
 
     /// Exit status: 2 the scene or the command line is wrong, 3 the solve failed, 4 input or output failed.

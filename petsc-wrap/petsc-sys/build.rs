@@ -2,6 +2,138 @@
 
 use std::path::{Path, PathBuf};
 
+/// The functions that petsc-wrap calls; everything else stays out of the bindings.
+const FUNCTIONS: &[&str] = &[
+    "DMCreateLabel",
+    "DMGetCoordinateSection",
+    "DMGetCoordinatesLocal",
+    "DMGetDimension",
+    "DMGetGlobalSection",
+    "DMGetLabel",
+    "DMGetLabelName",
+    "DMGetLabelValue",
+    "DMGetNumLabels",
+    "DMPlexCreateBoxMesh",
+    "DMPlexCreateGmshFromFile",
+    "DMPlexDistribute",
+    "DMPlexGetCellType",
+    "DMPlexGetChart",
+    "DMPlexGetCone",
+    "DMPlexGetConeSize",
+    "DMPlexGetDepthStratum",
+    "DMPlexGetPartitioner",
+    "DMPlexGetTransitiveClosure",
+    "DMPlexMarkBoundaryFaces",
+    "DMPlexRestoreTransitiveClosure",
+    "DMSetLocalSection",
+    "KSPCreate",
+    "KSPGetConvergedReason",
+    "KSPGetConvergedReasonString",
+    "KSPGetIterationNumber",
+    "KSPGetPC",
+    "KSPGetResidualNorm",
+    "KSPSetFromOptions",
+    "KSPSetOperators",
+    "KSPSetOptionsPrefix",
+    "KSPSetType",
+    "KSPSolve",
+    "MatAXPY",
+    "MatAssemblyBegin",
+    "MatAssemblyEnd",
+    "MatCholeskyFactorSymbolic",
+    "MatCopy",
+    "MatCreate",
+    "MatDuplicate",
+    "MatFactorInfoInitialize",
+    "MatGetFactor",
+    "MatGetInfo",
+    "MatGetLocalSize",
+    "MatGetOwnershipRange",
+    "MatGetRow",
+    "MatGetSize",
+    "MatGetTrace",
+    "MatMPIAIJSetPreallocation",
+    "MatMult",
+    "MatMumpsGetInfog",
+    "MatMumpsGetRinfog",
+    "MatNorm",
+    "MatPreallocatorPreallocate",
+    "MatRestoreRow",
+    "MatSeqAIJSetPreallocation",
+    "MatSetOption",
+    "MatSetSizes",
+    "MatSetType",
+    "MatSetUp",
+    "MatSetValues",
+    "MatZeroRowsColumns",
+    "PCFactorSetMatSolverType",
+    "PCGetFailedReason",
+    "PCSetType",
+    "PetscErrorMessage",
+    "PetscFinalize",
+    "PetscGarbageCleanup",
+    "PetscInitialize",
+    "PetscObjectDelayedDestroy",
+    "PetscObjectDestroy",
+    "PetscOptionsClearValue",
+    "PetscOptionsGetAll",
+    "PetscOptionsHasName",
+    "PetscOptionsLeftGet",
+    "PetscOptionsLeftRestore",
+    "PetscOptionsSetValue",
+    "PetscPartitionerSetFromOptions",
+    "PetscPushErrorHandler",
+    "PetscSectionCreate",
+    "PetscSectionGetConstrainedStorageSize",
+    "PetscSectionGetOffset",
+    "PetscSectionSetChart",
+    "PetscSectionSetDof",
+    "PetscSectionSetUp",
+    "SNESComputeFunction",
+    "SNESCreate",
+    "SNESGetConvergedReason",
+    "SNESGetConvergedReasonString",
+    "SNESGetFunctionNorm",
+    "SNESGetIterationNumber",
+    "SNESGetKSP",
+    "SNESGetLineSearch",
+    "SNESLineSearchGetSNES",
+    "SNESLineSearchGetVecs",
+    "SNESLineSearchSetLambda",
+    "SNESLineSearchSetNorms",
+    "SNESLineSearchSetReason",
+    "SNESLineSearchSetType",
+    "SNESLineSearchShellSetUserFunc",
+    "SNESSetFromOptions",
+    "SNESSetFunction",
+    "SNESSetFunctionDomainError",
+    "SNESSetJacobian",
+    "SNESSetTolerances",
+    "SNESSetType",
+    "SNESSolve",
+    "VecAXPY",
+    "VecAYPX",
+    "VecAssemblyBegin",
+    "VecAssemblyEnd",
+    "VecCopy",
+    "VecCreate",
+    "VecDot",
+    "VecDuplicate",
+    "VecGetArray",
+    "VecGetArrayRead",
+    "VecGetLocalSize",
+    "VecGetOwnershipRange",
+    "VecGetSize",
+    "VecNorm",
+    "VecRestoreArray",
+    "VecRestoreArrayRead",
+    "VecScale",
+    "VecSet",
+    "VecSetSizes",
+    "VecSetType",
+    "VecSetValues",
+];
+
 /// What PETSc's headers and library need on the command lines.
 struct Petsc {
     include: Vec<PathBuf>,
@@ -36,24 +168,16 @@ fn from_env(reasons: &mut Vec<String>) -> Option<Petsc> {
     };
     let include = vec![dir.join("include"), build.join("include")];
     if !include.iter().any(|i| i.join("petscconf.h").is_file()) {
-        reasons.push(format!(
-            "no petscconf.h under {} (from PETSC_DIR, PETSC_ARCH)",
-            build.display()
-        ));
+        reasons.push(format!("no petscconf.h under {} (from PETSC_DIR, PETSC_ARCH)", build.display()));
         return None;
     }
     let lib = build.join("lib");
-    let Some(name) = ["petsc", "petsc_real"]
-        .into_iter()
-        .find(|name| lib.join(format!("lib{name}.so")).exists())
-    else {
+    let Some(name) = ["petsc", "petsc_real"].into_iter().find(|name| lib.join(format!("lib{name}.so")).exists()) else {
         reasons.push(format!("no libpetsc.so in {}", lib.display()));
         return None;
     };
     println!("cargo::rustc-link-search=native={}", lib.display());
     println!("cargo::rustc-link-lib=dylib={name}");
-    // Dependants put this into their rpath: a PETSc outside the system's folders is found at run time too.
-    println!("cargo::metadata=libdir={}", lib.display());
     Some(Petsc { include })
 }
 
@@ -61,16 +185,11 @@ fn from_pkg_config(reasons: &mut Vec<String>) -> Option<Petsc> {
     for name in ["petsc", "PETSc"] {
         match pkg_config::Config::new().probe(name) {
             Ok(library) => {
-                return Some(Petsc {
-                    include: library.include_paths,
-                });
+                return Some(Petsc { include: library.include_paths });
             }
             Err(error) => {
                 let text = error.to_string();
-                let line = text
-                    .lines()
-                    .find(|l| !l.trim().is_empty())
-                    .unwrap_or_default();
+                let line = text.lines().find(|l| !l.trim().is_empty()).unwrap_or_default();
                 reasons.push(format!("pkg-config {name}: {}", line.trim()));
             }
         }
@@ -82,12 +201,7 @@ fn from_pkg_config(reasons: &mut Vec<String>) -> Option<Petsc> {
 fn mpi_include() -> Vec<PathBuf> {
     ["ompi-c", "mpi-c", "mpich", "ompi", "mpi"]
         .into_iter()
-        .find_map(|name| {
-            pkg_config::Config::new()
-                .cargo_metadata(false)
-                .probe(name)
-                .ok()
-        })
+        .find_map(|name| pkg_config::Config::new().cargo_metadata(false).probe(name).ok())
         .map(|library| library.include_paths)
         .unwrap_or_default()
 }
@@ -106,9 +220,7 @@ fn check_configuration(petsc: &Petsc) {
         })
     };
     if defined("PETSC_USE_COMPLEX") {
-        fail(
-            "this PETSc is built with complex scalars; ricochet needs real ones (Debian: libpetsc-real-dev)",
-        );
+        fail("this PETSc is built with complex scalars; ricochet needs real ones (Debian: libpetsc-real-dev)");
     }
     if !defined("PETSC_USE_REAL_DOUBLE") {
         fail("this PETSc is not built in double precision; ricochet needs --with-precision=double");
@@ -116,22 +228,12 @@ fn check_configuration(petsc: &Petsc) {
 }
 
 fn generate(petsc: &Petsc, mpi: &[PathBuf]) {
-    let include = petsc
-        .include
-        .iter()
-        .chain(mpi)
-        .map(|i| format!("-I{}", i.display()));
+    let include = petsc.include.iter().chain(mpi).map(|i| format!("-I{}", i.display()));
     let bindings = bindgen::Builder::default()
         .header("wrapper.h")
         .clang_args(include)
-        .allowlist_function("Petsc(Initialize|Finalize|Initialized|GetVersion|PushErrorHandler|PopErrorHandler|ErrorMessage)")
-        .allowlist_function("Petsc(Object(DelayedDestroy|Destroy|GetComm|SetName|SetOptionsPrefix)|GarbageCleanup)")
-        .allowlist_function("PetscOptions(SetValue|ClearValue|InsertArgs|HasName|GetString|GetAll|LeftGet|LeftRestore|InsertString)")
-        .allowlist_function("PetscSection.*|PetscSF.*|PetscPartitioner.*|PetscMemory.*|PetscMalloc.*|PetscFreeMPI|PetscLog.*")
-        .allowlist_function("(Vec|Mat|KSP|PC|SNES|DM|IS)[A-Z].*")
-        .allowlist_var("PETSC_(DECIDE|DEFAULT|DETERMINE|COMM_WORLD|COMM_SELF|VERSION_.*)")
-        .allowlist_var("MAT(AIJ|SEQAIJ|MPIAIJ|SBAIJ|PREALLOCATOR|SOLVERMUMPS)")
-        .allowlist_type("Petsc(Error|ErrorCode|ErrorType|Int|Scalar|Bool)")
+        .allowlist_function(FUNCTIONS.join("|"))
+        .allowlist_var("PETSC_(DETERMINE|COMM_WORLD|VERSION_.*)|PetscTrFree")
         .blocklist_type("MPI_.*|ompi_.*|_?MPI.*")
         .blocklist_item("MPI_.*|ompi_.*")
         .allowlist_recursively(true)

@@ -2,12 +2,6 @@
 //!
 //! MPI types are those of the `mpi` crate. Use `petsc-wrap` instead: nothing here is checked.
 
-#![allow(
-    missing_docs,
-    non_camel_case_types,
-    non_snake_case,
-    non_upper_case_globals,
-    clippy::all
-)]
+#![allow(missing_docs, non_camel_case_types, non_snake_case, non_upper_case_globals, clippy::all)]
 
 include!(concat!(env!("OUT_DIR"), "/bindings.rs"));

@@ -1,0 +1,145 @@
+//! PETSc's error codes as Rust errors that own PETSc's message and stack.
+
+use std::cell::RefCell;
+use std::ffi::{CStr, c_char, c_int, c_void};
+use std::fmt;
+use std::panic::Location;
+
+use petsc_sys as sys;
+
+/// Result with [`Error`].
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// What went wrong in PETSc, or in a closure that PETSc called.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A call returned an error code.
+    #[error("{message} (PETSc error {code} in {}, called at {location})", function(frames))]
+    Petsc {
+        /// PETSc's error code.
+        code: i32,
+        /// PETSc's message.
+        message: String,
+        /// PETSc's stack, innermost first.
+        frames: Vec<Frame>,
+        /// Where in Rust the call was made.
+        location: &'static Location<'static>,
+    },
+    /// An index beyond a vector's or matrix's size: checked here, since PETSc does so in debugging builds only.
+    #[error("index {index} is out of range: the size is {size}")]
+    OutOfRange {
+        /// The index.
+        index: i64,
+        /// Entries, rows or columns.
+        size: usize,
+    },
+    /// An iterative method stopped without an answer.
+    #[error(transparent)]
+    Diverged(#[from] Diverged),
+    /// A closure called by PETSc returned this error.
+    #[error(transparent)]
+    Callback(Box<dyn std::error::Error>),
+}
+
+/// How a solver failed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{solver} did not converge: {reason} after {iterations} iterations, residual norm {norm:.3e}")]
+pub struct Diverged {
+    /// "KSP" or "SNES".
+    pub solver: &'static str,
+    /// PETSc's name of the reason, and the linear solver's where that is the cause.
+    pub reason: String,
+    /// Iterations done.
+    pub iterations: usize,
+    /// Norm of the last residual.
+    pub norm: f64,
+}
+
+/// One frame of PETSc's stack.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Frame {
+    /// C function.
+    pub function: String,
+    /// Source file.
+    pub file: String,
+    /// Line in it.
+    pub line: i32,
+}
+
+impl fmt::Display for Frame {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}() at {}:{}", self.function, self.file, self.line)
+    }
+}
+
+fn function(frames: &[Frame]) -> &str {
+    frames.first().map_or("PETSc", |frame| &frame.function)
+}
+
+#[derive(Default)]
+struct Trace {
+    message: String,
+    frames: Vec<Frame>,
+}
+
+thread_local! {
+    static TRACE: RefCell<Trace> = RefCell::default();
+}
+
+/// Turns a return code into a result that takes the recorded message and frames with it.
+#[track_caller]
+pub(crate) fn check(code: sys::PetscErrorCode) -> Result<()> {
+    if code == 0 {
+        return Ok(());
+    }
+    let trace = TRACE.take();
+    let message = if trace.message.is_empty() { generic(code) } else { trace.message };
+    Err(Error::Petsc { code, message, frames: trace.frames, location: Location::caller() })
+}
+
+/// Refuses indices ≥ size; negative ones mean "skip".
+pub(crate) fn check_indices(indices: &[crate::Int], size: usize) -> Result<()> {
+    match indices.iter().find(|&&index| index >= 0 && index as usize >= size) {
+        Some(&index) => Err(Error::OutOfRange { index: index as i64, size }),
+        None => Ok(()),
+    }
+}
+
+/// PETSc's one-line text for a code.
+fn generic(code: sys::PetscErrorCode) -> String {
+    let mut text = std::ptr::null();
+    // SAFETY: the out-pointer is valid; the text is static or null.
+    unsafe { sys::PetscErrorMessage(code, &raw mut text, std::ptr::null_mut()) };
+    owned(text)
+}
+
+pub(crate) fn owned(text: *const c_char) -> String {
+    if text.is_null() {
+        return String::new();
+    }
+    // SAFETY: PETSc hands out NUL-terminated strings that live at least for this call.
+    unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
+}
+
+/// PETSc's error handler: records instead of printing. Installed by the session.
+pub(crate) unsafe extern "C" fn record(
+    _comm: mpi::ffi::MPI_Comm,
+    line: c_int,
+    function: *const c_char,
+    file: *const c_char,
+    code: sys::PetscErrorCode,
+    kind: sys::PetscErrorType,
+    message: *const c_char,
+    _context: *mut c_void,
+) -> sys::PetscErrorCode {
+    let frame = Frame { function: owned(function), file: owned(file), line };
+    // try_with: an error while the thread's locals are torn down is still returned by its code.
+    let _ = TRACE.try_with(|trace| {
+        let mut trace = trace.borrow_mut();
+        if kind == sys::PetscErrorType::PETSC_ERROR_INITIAL {
+            *trace = Trace { message: owned(message).trim().to_owned(), frames: Vec::new() };
+        }
+        trace.frames.push(frame);
+    });
+    code
+}

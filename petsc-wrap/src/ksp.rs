@@ -1,0 +1,94 @@
+//! Linear solvers.
+
+use std::ffi::CString;
+
+use petsc_sys as sys;
+
+use crate::comm::Comm;
+use crate::error::{Diverged, Error, Result, check, owned};
+use crate::matrix::Matrix;
+use crate::object::Object;
+use crate::vector::Vector;
+
+/// A linear solver with its preconditioner.
+pub struct Ksp(Object<sys::_p_KSP>);
+
+impl Ksp {
+    /// A solver whose options begin with `prefix` (empty, or ending in an underscore): by default one factorisation
+    /// (see [`Ksp::default_to_cholesky`]), whatever else by PETSc's options. Collective.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. for unknown types among the options.
+    pub fn new(comm: &Comm, prefix: &str, matrix: &Matrix) -> Result<Self> {
+        let mut raw = std::ptr::null_mut();
+        // SAFETY: the communicator is valid and the out-pointer too.
+        check(unsafe { sys::KSPCreate(comm.raw(), &raw mut raw) })?;
+        let ksp = Self(Object::new(raw, comm));
+        let prefix = CString::new(prefix.replace('\0', "")).unwrap_or_default();
+        // SAFETY: PETSc copies the string.
+        check(unsafe { sys::KSPSetOptionsPrefix(raw, prefix.as_ptr()) })?;
+        // SAFETY: all are valid; PETSc counts its own references.
+        check(unsafe { sys::KSPSetOperators(raw, matrix.raw(), matrix.raw()) })?;
+        default_to_cholesky(raw)?;
+        // SAFETY: the solver is valid.
+        check(unsafe { sys::KSPSetFromOptions(raw) })?;
+        Ok(ksp)
+    }
+
+    /// Solves self·x = b; factorises when the matrix has changed. Collective.
+    ///
+    /// # Errors
+    /// PETSc's, or [`Diverged`] with the reason.
+    pub fn solve(&mut self, b: &Vector, x: &mut Vector) -> Result<()> {
+        let raw = self.0.raw();
+        // SAFETY: all are valid.
+        check(unsafe { sys::KSPSolve(raw, b.raw(), x.raw()) })?;
+        let mut reason = sys::KSPConvergedReason(0);
+        // SAFETY: the solver is valid and has solved.
+        check(unsafe { sys::KSPGetConvergedReason(raw, &raw mut reason) })?;
+        if reason.0 > 0 {
+            return Ok(());
+        }
+        let (mut iterations, mut norm) = (0, 0.0);
+        // SAFETY: as above.
+        check(unsafe { sys::KSPGetIterationNumber(raw, &raw mut iterations) })?;
+        // SAFETY: as above.
+        check(unsafe { sys::KSPGetResidualNorm(raw, &raw mut norm) })?;
+        let iterations = iterations as usize;
+        Err(Error::Diverged(Diverged { solver: "KSP", reason: reason_of(raw)?, iterations, norm }))
+    }
+}
+
+/// Cholesky's method by MUMPS (which is parallel) where PETSc has it, and no iteration; options override it.
+pub(crate) fn default_to_cholesky(ksp: sys::KSP) -> Result<()> {
+    // SAFETY: `ksp` is valid here and below; types are C strings.
+    check(unsafe { sys::KSPSetType(ksp, c"preonly".as_ptr()) })?;
+    let mut pc = std::ptr::null_mut();
+    // SAFETY: the preconditioner belongs to the solver.
+    check(unsafe { sys::KSPGetPC(ksp, &raw mut pc) })?;
+    // SAFETY: as above.
+    check(unsafe { sys::PCSetType(pc, c"cholesky".as_ptr()) })?;
+    // SAFETY: as above.
+    check(unsafe { sys::PCFactorSetMatSolverType(pc, c"mumps".as_ptr()) })
+}
+
+/// PETSc's name of why the solver stopped.
+pub(crate) fn reason_of(ksp: sys::KSP) -> Result<String> {
+    let mut text = std::ptr::null();
+    // SAFETY: the solver is valid; the text is static.
+    check(unsafe { sys::KSPGetConvergedReasonString(ksp, &raw mut text) })?;
+    let mut pc = std::ptr::null_mut();
+    // SAFETY: the preconditioner belongs to the solver.
+    check(unsafe { sys::KSPGetPC(ksp, &raw mut pc) })?;
+    let mut failed = sys::PCFailedReason(0);
+    // SAFETY: as above.
+    check(unsafe { sys::PCGetFailedReason(pc, &raw mut failed) })?;
+    let cause = match failed {
+        sys::PCFailedReason::PC_FACTOR_STRUCT_ZEROPIVOT | sys::PCFailedReason::PC_FACTOR_NUMERIC_ZEROPIVOT => {
+            " (zero pivot: the matrix is singular)"
+        }
+        sys::PCFailedReason::PC_FACTOR_OUTMEMORY => " (out of memory in the factorisation)",
+        _ => "",
+    };
+    Ok(owned(text) + cause)
+}

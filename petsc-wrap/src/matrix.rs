@@ -1,0 +1,311 @@
+//! Distributed sparse matrices (AIJ: compressed rows).
+
+use std::ops::Range;
+
+use petsc_sys as sys;
+
+use crate::Int;
+use crate::comm::Comm;
+use crate::error::{Result, check, check_indices};
+use crate::object::Object;
+use crate::vector::Vector;
+
+/// What happens to an entry that is there already.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Insert {
+    /// The values are summed.
+    Add,
+    /// The new value stays.
+    Replace,
+}
+
+impl Insert {
+    pub(crate) fn raw(self) -> sys::InsertMode {
+        match self {
+            Self::Add => sys::InsertMode::ADD_VALUES,
+            Self::Replace => sys::InsertMode::INSERT_VALUES,
+        }
+    }
+}
+
+/// A sparse matrix distributed by rows.
+pub struct Matrix(Object<sys::_p_Mat>);
+
+impl Matrix {
+    /// An AIJ matrix without entries, `local` = rows and columns of this rank, with room for `diagonal[i]` entries of
+    /// row `i` in this rank's columns and `off_diagonal[i]` in the others'. An entry without room is an error. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    ///
+    /// # Panics
+    /// When there are not as many counts as rows.
+    pub fn aij(comm: &Comm, local: (usize, usize), diagonal: &[Int], off_diagonal: &[Int]) -> Result<Self> {
+        assert_eq!((diagonal.len(), off_diagonal.len()), (local.0, local.0));
+        let matrix = Self::create(comm, local, c"aij")?;
+        // SAFETY: the slices hold one count a local row; PETSc ignores the call that is not of the matrix's type.
+        check(unsafe { sys::MatSeqAIJSetPreallocation(matrix.raw(), 0, diagonal.as_ptr()) })?;
+        // SAFETY: as above.
+        check(unsafe { sys::MatMPIAIJSetPreallocation(matrix.raw(), 0, diagonal.as_ptr(), 0, off_diagonal.as_ptr()) })?;
+        Ok(matrix)
+    }
+
+    /// A matrix that takes entries by [`Matrix::set_values`], forgets their values and remembers where they are;
+    /// [`Matrix::preallocated`] makes an AIJ matrix of it. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn pattern(comm: &Comm, local: (usize, usize)) -> Result<Self> {
+        let matrix = Self::create(comm, local, c"preallocator")?;
+        // SAFETY: sizes and type are set.
+        check(unsafe { sys::MatSetUp(matrix.raw()) })?;
+        Ok(matrix)
+    }
+
+    /// The AIJ matrix of zeros with the entries of this assembled [`Matrix::pattern`]. Collective.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. where this is no pattern.
+    pub fn preallocated(&self) -> Result<Self> {
+        let (mut rows, mut columns) = (0, 0);
+        // SAFETY: the matrix is valid and set up.
+        check(unsafe { sys::MatGetLocalSize(self.raw(), &raw mut rows, &raw mut columns) })?;
+        let matrix = Self::create(self.comm(), (rows as usize, columns as usize), c"aij")?;
+        // SAFETY: both matrices are valid and of one size.
+        check(unsafe { sys::MatPreallocatorPreallocate(self.raw(), sys::PetscBool::PETSC_TRUE, matrix.raw()) })?;
+        Ok(matrix)
+    }
+
+    fn create(comm: &Comm, local: (usize, usize), kind: &std::ffi::CStr) -> Result<Self> {
+        let mut raw = std::ptr::null_mut();
+        // SAFETY: the communicator is valid and the out-pointer too.
+        check(unsafe { sys::MatCreate(comm.raw(), &raw mut raw) })?;
+        let matrix = Self(Object::new(raw, comm));
+        let all = sys::PETSC_DETERMINE as Int;
+        // SAFETY: a fresh matrix.
+        check(unsafe { sys::MatSetSizes(raw, local.0 as Int, local.1 as Int, all, all) })?;
+        // SAFETY: a fresh matrix and a C string.
+        check(unsafe { sys::MatSetType(raw, kind.as_ptr()) })?;
+        Ok(matrix)
+    }
+
+    pub(crate) fn from_raw(raw: sys::Mat, comm: &Comm) -> Self {
+        Self(Object::new(raw, comm))
+    }
+
+    pub(crate) fn raw(&self) -> sys::Mat {
+        self.0.raw()
+    }
+
+    /// The ranks it lives on.
+    pub fn comm(&self) -> &Comm {
+        self.0.comm()
+    }
+
+    /// A matrix of the same layout and entries, values copied. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn duplicate(&self) -> Result<Self> {
+        let mut raw = std::ptr::null_mut();
+        // SAFETY: the matrix is valid and assembled.
+        check(unsafe { sys::MatDuplicate(self.raw(), sys::MatDuplicateOption::MAT_COPY_VALUES, &raw mut raw) })?;
+        Ok(Self(Object::new(raw, self.comm())))
+    }
+
+    /// Global size: rows, columns.
+    pub fn size(&self) -> (usize, usize) {
+        let (mut rows, mut columns) = (0, 0);
+        // SAFETY: the matrix is valid and has its layout, so this cannot fail.
+        unsafe { sys::MatGetSize(self.raw(), &raw mut rows, &raw mut columns) };
+        (rows as usize, columns as usize)
+    }
+
+    /// Global numbers of this rank's rows.
+    pub fn row_range(&self) -> Range<Int> {
+        let (mut begin, mut end) = (0, 0);
+        // SAFETY: the matrix is valid and has its layout, so this cannot fail.
+        unsafe { sys::MatGetOwnershipRange(self.raw(), &raw mut begin, &raw mut end) };
+        begin..end
+    }
+
+    /// Adds or replaces a dense block (`values` by rows), on any rank's rows; negative indices are skipped.
+    /// [`Matrix::assemble`] must follow. This is `MatSetValues`.
+    ///
+    /// # Errors
+    /// An index out of range; PETSc's, e.g. for an entry without room.
+    ///
+    /// # Panics
+    /// When there are not rows × columns values.
+    pub fn set_values(&mut self, rows: &[Int], columns: &[Int], values: &[f64], mode: Insert) -> Result<()> {
+        assert_eq!(rows.len() * columns.len(), values.len());
+        let size = self.size();
+        check_indices(rows, size.0)?;
+        check_indices(columns, size.1)?;
+        let (m, n) = (rows.len() as Int, columns.len() as Int);
+        // SAFETY: the slices hold m, n and m·n entries, indices within the matrix.
+        check(unsafe {
+            sys::MatSetValues(self.raw(), m, rows.as_ptr(), n, columns.as_ptr(), values.as_ptr(), mode.raw())
+        })
+    }
+
+    /// Sends entries to their ranks and closes the pattern. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn assemble(&mut self) -> Result<()> {
+        let kind = sys::MatAssemblyType::MAT_FINAL_ASSEMBLY;
+        // SAFETY: the matrix is valid.
+        check(unsafe { sys::MatAssemblyBegin(self.raw(), kind) })?;
+        // SAFETY: the matrix is valid.
+        check(unsafe { sys::MatAssemblyEnd(self.raw(), kind) })
+    }
+
+    /// y ← self·x. Collective.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. for different layouts.
+    pub fn mult(&self, x: &Vector, y: &mut Vector) -> Result<()> {
+        // SAFETY: all are valid; x and y differ by the borrow rules.
+        check(unsafe { sys::MatMult(self.raw(), x.raw(), y.raw()) })
+    }
+
+    /// self ← other, both with the same entries. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn copy_from(&mut self, other: &Matrix) -> Result<()> {
+        // SAFETY: both are valid.
+        check(unsafe { sys::MatCopy(other.raw(), self.raw(), sys::MatStructure::SAME_NONZERO_PATTERN) })
+    }
+
+    /// self ← self + factor·other; the entries of `other` must be among those of `self`. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn axpy(&mut self, factor: f64, other: &Matrix) -> Result<()> {
+        let structure = sys::MatStructure::SUBSET_NONZERO_PATTERN;
+        // SAFETY: both are valid and different by the borrow rules.
+        check(unsafe { sys::MatAXPY(self.raw(), factor, other.raw(), structure) })
+    }
+
+    /// Sets rows and columns to zero except for `diagonal` on the diagonal; the entries stay in the pattern. Each rank
+    /// may name any rows. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn zero_rows_columns(&mut self, rows: &[Int], diagonal: f64) -> Result<()> {
+        check_indices(rows, self.size().0)?;
+        self.set_option(sys::MatOption::MAT_KEEP_NONZERO_PATTERN)?;
+        let (n, none) = (rows.len() as Int, std::ptr::null_mut());
+        // SAFETY: the slice holds `n` rows; no vectors are given.
+        check(unsafe { sys::MatZeroRowsColumns(self.raw(), n, rows.as_ptr(), diagonal, none, none) })
+    }
+
+    /// Says that the matrix is, and stays, symmetric and positive definite, so that Cholesky's method applies.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn declare_positive_definite(&mut self) -> Result<()> {
+        self.set_option(sys::MatOption::MAT_SYMMETRIC)?;
+        self.set_option(sys::MatOption::MAT_SYMMETRY_ETERNAL)?;
+        self.set_option(sys::MatOption::MAT_SPD)
+    }
+
+    fn set_option(&mut self, option: sys::MatOption) -> Result<()> {
+        // SAFETY: the matrix is valid.
+        check(unsafe { sys::MatSetOption(self.raw(), option, sys::PetscBool::PETSC_TRUE) })
+    }
+
+    /// One of this rank's rows, sorted by column.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. for another rank's row, or while another [`Row`] of this matrix lives.
+    pub fn row(&self, row: Int) -> Result<Row<'_>> {
+        let (mut n, mut columns, mut values) = (0, std::ptr::null(), std::ptr::null());
+        // SAFETY: the matrix is valid; the guard restores.
+        check(unsafe { sys::MatGetRow(self.raw(), row, &raw mut n, &raw mut columns, &raw mut values) })?;
+        Ok(Row { matrix: self, row, len: n as usize, columns, values })
+    }
+
+    /// Square root of the sum of squares of all entries. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn norm_frobenius(&self) -> Result<f64> {
+        let mut value = 0.0;
+        // SAFETY: the matrix is valid and assembled.
+        check(unsafe { sys::MatNorm(self.raw(), sys::NormType::NORM_FROBENIUS, &raw mut value) })?;
+        Ok(value)
+    }
+
+    /// Sum of the diagonal. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn trace(&self) -> Result<f64> {
+        let mut value = 0.0;
+        // SAFETY: the matrix is valid and assembled.
+        check(unsafe { sys::MatGetTrace(self.raw(), &raw mut value) })?;
+        Ok(value)
+    }
+
+    /// Entries stored on all ranks. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn entries(&self) -> Result<u64> {
+        // SAFETY: a struct of floating-point numbers, for which zero bits are a value.
+        let mut info: sys::MatInfo = unsafe { std::mem::zeroed() };
+        // SAFETY: the matrix is valid and assembled.
+        check(unsafe { sys::MatGetInfo(self.raw(), sys::MatInfoType::MAT_GLOBAL_SUM, &raw mut info) })?;
+        Ok(info.nz_used as u64)
+    }
+
+    /// Destroys it at once. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn destroy(self) -> Result<()> {
+        self.0.destroy()
+    }
+}
+
+/// A row of a matrix.
+pub struct Row<'a> {
+    matrix: &'a Matrix,
+    row: Int,
+    len: usize,
+    columns: *const Int,
+    values: *const f64,
+}
+
+impl Row<'_> {
+    /// Global column numbers.
+    pub fn columns(&self) -> &[Int] {
+        if self.len == 0 {
+            return &[];
+        }
+        // SAFETY: PETSc's array has `len` entries and stays until it is restored in `drop`.
+        unsafe { std::slice::from_raw_parts(self.columns, self.len) }
+    }
+
+    /// Values, in the order of the columns.
+    pub fn values(&self) -> &[f64] {
+        if self.len == 0 {
+            return &[];
+        }
+        // SAFETY: PETSc's array has `len` entries and stays until it is restored in `drop`.
+        unsafe { std::slice::from_raw_parts(self.values, self.len) }
+    }
+}
+
+impl Drop for Row<'_> {
+    fn drop(&mut self) {
+        let mut n = self.len as Int;
+        // SAFETY: gives back what `row` got.
+        unsafe {
+            sys::MatRestoreRow(self.matrix.raw(), self.row, &raw mut n, &raw mut self.columns, &raw mut self.values)
+        };
+    }
+}

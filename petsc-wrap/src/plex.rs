@@ -1,0 +1,339 @@
+//! Unstructured meshes: topology, labels, distribution, numbering of unknowns.
+
+use std::ffi::CString;
+use std::ops::Range;
+use std::path::Path;
+
+use petsc_sys as sys;
+
+use crate::Int;
+use crate::comm::Comm;
+use crate::error::{Error, Result, check, owned};
+use crate::object::Object;
+use crate::options;
+
+/// A distributed mesh of points: cells, faces, edges and vertices share one numbering on each rank.
+pub struct Plex(Object<sys::_p_DM>);
+
+/// Shapes of cells and faces that are told apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CellType {
+    /// Three vertices.
+    Triangle,
+    /// Four vertices, plane.
+    Quadrilateral,
+    /// Four vertices, solid.
+    Tetrahedron,
+    /// Eight vertices.
+    Hexahedron,
+    /// Any other.
+    Other,
+}
+
+/// Global numbers of the unknowns on each point of this rank's part of the mesh.
+pub struct Numbering {
+    chart: Range<Int>,
+    first: Vec<Int>,
+    /// Unknowns that this rank owns.
+    pub owned: usize,
+}
+
+impl Numbering {
+    /// Global number of the first unknown on a point, and whether this rank owns it; of no meaning on a point without.
+    pub fn first(&self, point: Int) -> (Int, bool) {
+        // PETSc's encoding of another rank's number n: −(n + 1).
+        match self.first[(point - self.chart.start) as usize] {
+            n if n < 0 => (-(n + 1), false),
+            n => (n, true),
+        }
+    }
+}
+
+impl Plex {
+    /// A box cut into hexahedra, all on rank 0 until [`Plex::distribute`]. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn hexahedral_box(comm: &Comm, cells: [usize; 3], lower: [f64; 3], upper: [f64; 3]) -> Result<Self> {
+        let cells = cells.map(|n| n as Int);
+        let (simplex, interpolate) = (sys::PetscBool::PETSC_FALSE, sys::PetscBool::PETSC_TRUE);
+        let mut raw = std::ptr::null_mut();
+        // SAFETY: three entries each; no periodicity.
+        check(unsafe {
+            sys::DMPlexCreateBoxMesh(
+                comm.raw(),
+                3,
+                simplex,
+                cells.as_ptr(),
+                lower.as_ptr(),
+                upper.as_ptr(),
+                std::ptr::null(),
+                interpolate,
+                &raw mut raw,
+            )
+        })?;
+        Ok(Self(Object::new(raw, comm)))
+    }
+
+    /// A mesh from a Gmsh file (2.2 or 4.1, text or binary), all on rank 0 until [`Plex::distribute`]; every physical
+    /// name becomes a label. Only rank 0 reads, so only it may return an error. Collective.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. for a file that is not there or not of the format.
+    pub fn gmsh(comm: &Comm, path: &Path) -> Result<Self> {
+        options::set_default(comm.session(), "-dm_plex_gmsh_use_regions", "1")?;
+        let name = CString::new(path.as_os_str().as_encoded_bytes()).unwrap_or_default();
+        let mut raw = std::ptr::null_mut();
+        let interpolate = sys::PetscBool::PETSC_TRUE;
+        // SAFETY: the path is a C string that outlives the call.
+        check(unsafe { sys::DMPlexCreateGmshFromFile(comm.raw(), name.as_ptr(), interpolate, &raw mut raw) })?;
+        Ok(Self(Object::new(raw, comm)))
+    }
+
+    /// The same mesh spread over the ranks by PETSc's partitioner (`-petscpartitioner_type`). Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn distribute(self) -> Result<Self> {
+        let mut partitioner = std::ptr::null_mut();
+        // SAFETY: the mesh is valid; the partitioner belongs to it.
+        check(unsafe { sys::DMPlexGetPartitioner(self.raw(), &raw mut partitioner) })?;
+        // SAFETY: as above.
+        check(unsafe { sys::PetscPartitionerSetFromOptions(partitioner) })?;
+        let mut raw = std::ptr::null_mut();
+        // SAFETY: the mesh is valid; no overlap, and the migration is not asked for.
+        check(unsafe { sys::DMPlexDistribute(self.raw(), 0, std::ptr::null_mut(), &raw mut raw) })?;
+        // PETSc makes no second mesh on a single rank.
+        if raw.is_null() {
+            return Ok(self);
+        }
+        let comm = self.0.comm().clone();
+        self.0.destroy()?;
+        Ok(Self(Object::new(raw, &comm)))
+    }
+
+    fn raw(&self) -> sys::DM {
+        self.0.raw()
+    }
+
+    /// The ranks it lives on.
+    pub fn comm(&self) -> &Comm {
+        self.0.comm()
+    }
+
+    /// Topological dimension.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn dimension(&self) -> Result<usize> {
+        let mut value = 0;
+        // SAFETY: the mesh is valid.
+        check(unsafe { sys::DMGetDimension(self.raw(), &raw mut value) })?;
+        Ok(value as usize)
+    }
+
+    /// This rank's points of a dimension: 0 vertices, 1 edges, 2 faces, 3 cells.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn points(&self, dimension: usize) -> Result<Range<Int>> {
+        let (mut begin, mut end) = (0, 0);
+        // SAFETY: the mesh is valid.
+        check(unsafe { sys::DMPlexGetDepthStratum(self.raw(), dimension as Int, &raw mut begin, &raw mut end) })?;
+        Ok(begin..end)
+    }
+
+    /// All points of this rank.
+    fn chart(&self) -> Result<Range<Int>> {
+        let (mut begin, mut end) = (0, 0);
+        // SAFETY: the mesh is valid.
+        check(unsafe { sys::DMPlexGetChart(self.raw(), &raw mut begin, &raw mut end) })?;
+        Ok(begin..end)
+    }
+
+    /// Refuses a point that this rank does not have: PETSc checks that in debugging builds only.
+    fn check_point(&self, point: Int) -> Result<()> {
+        let chart = self.chart()?;
+        if chart.contains(&point) {
+            return Ok(());
+        }
+        Err(Error::OutOfRange { index: point as i64, size: chart.len() })
+    }
+
+    /// Shape of a point.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn cell_type(&self, point: Int) -> Result<CellType> {
+        self.check_point(point)?;
+        let mut kind = sys::DMPolytopeType(0);
+        // SAFETY: the mesh is valid and has the point.
+        check(unsafe { sys::DMPlexGetCellType(self.raw(), point, &raw mut kind) })?;
+        Ok(match kind {
+            sys::DMPolytopeType::DM_POLYTOPE_TRIANGLE => CellType::Triangle,
+            sys::DMPolytopeType::DM_POLYTOPE_QUADRILATERAL => CellType::Quadrilateral,
+            sys::DMPolytopeType::DM_POLYTOPE_TETRAHEDRON => CellType::Tetrahedron,
+            sys::DMPolytopeType::DM_POLYTOPE_HEXAHEDRON => CellType::Hexahedron,
+            _ => CellType::Other,
+        })
+    }
+
+    /// The points that bound a point, of the next lower dimension.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn cone(&self, point: Int) -> Result<&[Int]> {
+        self.check_point(point)?;
+        let (mut len, mut data) = (0, std::ptr::null());
+        // SAFETY: the mesh is valid and has the point.
+        check(unsafe { sys::DMPlexGetConeSize(self.raw(), point, &raw mut len) })?;
+        // SAFETY: as above.
+        check(unsafe { sys::DMPlexGetCone(self.raw(), point, &raw mut data) })?;
+        if len == 0 {
+            return Ok(&[]);
+        }
+        // SAFETY: `len` entries in the mesh's own array, which no method of this type changes.
+        Ok(unsafe { std::slice::from_raw_parts(data, len as usize) })
+    }
+
+    /// The point and everything that bounds it, vertices in PETSc's order for the shape.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn closure(&self, point: Int) -> Result<Vec<Int>> {
+        self.check_point(point)?;
+        let (mut len, mut data) = (0, std::ptr::null_mut());
+        let cone = sys::PetscBool::PETSC_TRUE;
+        // SAFETY: the mesh is valid and has the point; PETSc allocates.
+        check(unsafe { sys::DMPlexGetTransitiveClosure(self.raw(), point, cone, &raw mut len, &raw mut data) })?;
+        // Pairs of point and orientation.
+        // SAFETY: PETSc filled `len` pairs.
+        let points = (0..len as usize).map(|i| unsafe { *data.add(2 * i) }).collect();
+        // SAFETY: gives back what was got.
+        check(unsafe { sys::DMPlexRestoreTransitiveClosure(self.raw(), point, cone, &raw mut len, &raw mut data) })?;
+        Ok(points)
+    }
+
+    /// Coordinates of this rank's vertices, in the order of `points(0)`; `None` where the mesh carries more than
+    /// vertex coordinates (curved cells). Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn vertex_coordinates(&self) -> Result<Option<Vec<[f64; 3]>>> {
+        let (mut section, mut coordinates) = (std::ptr::null_mut(), std::ptr::null_mut());
+        // SAFETY: the mesh is valid; both are borrowed from it.
+        check(unsafe { sys::DMGetCoordinateSection(self.raw(), &raw mut section) })?;
+        // SAFETY: as above.
+        check(unsafe { sys::DMGetCoordinatesLocal(self.raw(), &raw mut coordinates) })?;
+        let (mut data, mut size) = (std::ptr::null(), 0);
+        // SAFETY: the vector is valid.
+        check(unsafe { sys::VecGetLocalSize(coordinates, &raw mut size) })?;
+        let vertices = self.points(0)?;
+        if size != 3 * (vertices.end - vertices.start) {
+            return Ok(None);
+        }
+        // SAFETY: as above; restored below.
+        check(unsafe { sys::VecGetArrayRead(coordinates, &raw mut data) })?;
+        let list = vertices
+            .map(|vertex| {
+                let mut offset = 0;
+                // SAFETY: the section covers the vertices.
+                check(unsafe { sys::PetscSectionGetOffset(section, vertex, &raw mut offset) })?;
+                // SAFETY: three coordinates at the offset.
+                Ok([0, 1, 2].map(|i| unsafe { *data.add(offset as usize + i) }))
+            })
+            .collect::<Result<Vec<_>>>();
+        // SAFETY: gives back what was got.
+        check(unsafe { sys::VecRestoreArrayRead(coordinates, &raw mut data) })?;
+        list.map(Some)
+    }
+
+    /// Puts all faces on the boundary of the whole mesh into a label. Call before [`Plex::distribute`]. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn label_boundary(&self, name: &str) -> Result<()> {
+        let name = CString::new(name).unwrap_or_default();
+        let mut label = std::ptr::null_mut();
+        // SAFETY: the mesh is valid; the name outlives the calls.
+        check(unsafe { sys::DMCreateLabel(self.raw(), name.as_ptr()) })?;
+        // SAFETY: as above; the label belongs to the mesh.
+        check(unsafe { sys::DMGetLabel(self.raw(), name.as_ptr(), &raw mut label) })?;
+        // SAFETY: as above.
+        check(unsafe { sys::DMPlexMarkBoundaryFaces(self.raw(), 1, label) })
+    }
+
+    /// Names of all labels, in the same order on every rank.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn labels(&self) -> Result<Vec<String>> {
+        let mut count = 0;
+        // SAFETY: the mesh is valid.
+        check(unsafe { sys::DMGetNumLabels(self.raw(), &raw mut count) })?;
+        (0..count)
+            .map(|i| {
+                let mut name = std::ptr::null();
+                // SAFETY: as above; the name belongs to the mesh.
+                check(unsafe { sys::DMGetLabelName(self.raw(), i, &raw mut name) })?;
+                Ok(owned(name))
+            })
+            .collect()
+    }
+
+    /// Whether a point carries a label, whatever its value.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn has_label(&self, name: &str, point: Int) -> Result<bool> {
+        self.check_point(point)?;
+        let name = CString::new(name).unwrap_or_default();
+        let mut value = -1;
+        // SAFETY: the mesh is valid and has the point; the name outlives the call.
+        check(unsafe { sys::DMGetLabelValue(self.raw(), name.as_ptr(), point, &raw mut value) })?;
+        // A point without the label has the label's default value, −1.
+        Ok(value != -1)
+    }
+
+    /// Numbers `per_point(dimension)` unknowns on each point, contiguous on each rank; a point shared by ranks is numbered
+    /// by its owner. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn number(&self, per_point: impl Fn(usize) -> usize) -> Result<Numbering> {
+        let raw = self.raw();
+        let Range { start: begin, end } = self.chart()?;
+        let mut section = std::ptr::null_mut();
+        // SAFETY: the communicator is valid.
+        check(unsafe { sys::PetscSectionCreate(self.comm().raw(), &raw mut section) })?;
+        let section: Object<sys::_p_PetscSection> = Object::new(section, self.comm());
+        // SAFETY: a fresh section, here and below.
+        check(unsafe { sys::PetscSectionSetChart(section.raw(), begin, end) })?;
+        for dimension in 0..=3 {
+            for point in self.points(dimension)? {
+                // SAFETY: the point is in the chart.
+                check(unsafe { sys::PetscSectionSetDof(section.raw(), point, per_point(dimension) as Int) })?;
+            }
+        }
+        // SAFETY: as above.
+        check(unsafe { sys::PetscSectionSetUp(section.raw()) })?;
+        // SAFETY: both are valid; the mesh takes its own reference.
+        check(unsafe { sys::DMSetLocalSection(raw, section.raw()) })?;
+        section.destroy()?;
+        let mut global = std::ptr::null_mut();
+        // SAFETY: the mesh is valid; the global section belongs to it.
+        check(unsafe { sys::DMGetGlobalSection(raw, &raw mut global) })?;
+        let first = (begin..end)
+            .map(|point| {
+                let mut offset = 0;
+                // SAFETY: the point is in the chart.
+                check(unsafe { sys::PetscSectionGetOffset(global, point, &raw mut offset) })?;
+                Ok(offset)
+            })
+            .collect::<Result<Vec<_>>>()?;
+        let mut owned = 0;
+        // SAFETY: as above.
+        check(unsafe { sys::PetscSectionGetConstrainedStorageSize(global, &raw mut owned) })?;
+        Ok(Numbering { chart: begin..end, first, owned: owned as usize })
+    }
+}

@@ -1,0 +1,107 @@
+//! MPI, then PETSc; finalised in reverse.
+
+use std::cell::Cell;
+use std::ffi::{CString, c_char, c_int};
+use std::rc::Rc;
+
+use mpi::environment::Universe;
+use petsc_sys as sys;
+
+use crate::comm::Comm;
+use crate::error::{Error, Result, check};
+
+/// The running MPI and PETSc; at most one a process, ever.
+///
+/// Clones share it. The last one to go (a handle's or this) destroys what is queued and finalises PETSc and MPI, which
+/// is collective; a rank that must leave alone calls [`Session::abort`].
+#[derive(Clone)]
+pub struct Session(Rc<Inner>);
+
+pub(crate) struct Inner {
+    /// Dropped after PETSc is finalised.
+    universe: Universe,
+    finalized: Cell<bool>,
+}
+
+impl Session {
+    /// Initialises MPI, then PETSc with the given options (as on a command line) beside those of `PETSC_OPTIONS`.
+    ///
+    /// # Errors
+    /// PETSc refuses the options. `None` where MPI was initialised before in this process.
+    pub fn start(options: &[String]) -> Option<Result<Self>> {
+        let universe = mpi::initialize()?;
+        Some(Self::with_universe(universe, options))
+    }
+
+    fn with_universe(universe: Universe, options: &[String]) -> Result<Self> {
+        // MPI's and the program's own signal handling stay in charge.
+        let words = ["ricochet".to_owned(), "-no_signal_handler".to_owned()];
+        let owned: Vec<CString> =
+            words.iter().chain(options).map(|word| CString::new(word.replace('\0', "")).unwrap_or_default()).collect();
+        let mut argv: Vec<*mut c_char> = owned.iter().map(|word| word.as_ptr().cast_mut()).collect();
+        let mut argc = argv.len() as c_int;
+        argv.push(std::ptr::null_mut());
+        let mut args = argv.as_mut_ptr();
+        // SAFETY: MPI is initialised; argc and the NULL-terminated argv outlive the call. PETSc keeps argv in a global
+        // for PetscGetArgs, which is not called here.
+        check(unsafe { sys::PetscInitialize(&raw mut argc, &raw mut args, std::ptr::null(), std::ptr::null()) })?;
+        // SAFETY: the handler has the right type and needs no context.
+        check(unsafe { sys::PetscPushErrorHandler(Some(crate::error::record), std::ptr::null_mut()) })?;
+        Ok(Self(Rc::new(Inner { universe, finalized: Cell::new(false) })))
+    }
+
+    /// All ranks.
+    pub fn world(&self) -> Comm {
+        Comm::new(self.clone(), self.0.universe.world())
+    }
+
+    /// This rank alone.
+    pub fn alone(&self) -> Comm {
+        Comm::new(self.clone(), mpi::topology::SimpleCommunicator::self_comm())
+    }
+
+    /// Ends all ranks at once with this exit status.
+    pub fn abort(&self, status: i32) -> ! {
+        use mpi::traits::Communicator;
+        self.0.universe.world().abort(status)
+    }
+
+    /// Finalises PETSc (collective) and tells what it says; otherwise done when the last handle is dropped.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn finish(self) -> Result<()> {
+        match Rc::try_unwrap(self.0) {
+            Ok(inner) => inner.finalize(),
+            Err(shared) => {
+                let handles = Rc::strong_count(&shared);
+                Err(Error::Callback(format!("{handles} PETSc handles outlive the session").into()))
+            }
+        }
+    }
+}
+
+impl Inner {
+    fn finalize(&self) -> Result<()> {
+        if self.finalized.replace(true) {
+            return Ok(());
+        }
+        // SAFETY: every handle keeps this alive, so all of them are gone and only queued objects are left.
+        check(unsafe { sys::PetscGarbageCleanup(sys::PETSC_COMM_WORLD) })?;
+        // SAFETY: as above; MPI is still initialised.
+        check(unsafe { sys::PetscFinalize() })
+    }
+}
+
+impl Drop for Inner {
+    fn drop(&mut self) {
+        if let Err(error) = self.finalize() {
+            eprintln!("PETSc could not be finalised: {error}");
+        }
+    }
+}
+
+/// PETSc's version as `major.minor.patch`.
+pub fn petsc_version() -> String {
+    format!("{}.{}.{}", sys::PETSC_VERSION_MAJOR, sys::PETSC_VERSION_MINOR, sys::PETSC_VERSION_SUBMINOR)
+}

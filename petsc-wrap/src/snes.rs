@@ -1,0 +1,327 @@
+//! Newton's method with Rust closures.
+
+use std::any::Any;
+use std::error::Error as StdError;
+use std::ffi::c_void;
+use std::mem::ManuallyDrop;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+
+use petsc_sys as sys;
+
+use crate::Int;
+use crate::comm::Comm;
+use crate::error::{Diverged, Error, Result, check, owned};
+use crate::ksp::{default_to_cholesky, reason_of};
+use crate::matrix::Matrix;
+use crate::object::Object;
+use crate::vector::Vector;
+
+/// What a closure returns.
+type Outcome<T> = std::result::Result<T, Box<dyn StdError>>;
+
+/// A Newton solver that keeps its Jacobian matrix and linear solver from solve to solve.
+///
+/// The line search is a closure of the caller's unless `-snes_linesearch_type` names one of PETSc's.
+pub struct Snes {
+    object: Object<sys::_p_SNES>,
+    jacobian: Matrix,
+}
+
+/// What stopped a closure.
+enum Stop {
+    Error(Box<dyn StdError>),
+    Panic(Box<dyn Any + Send>),
+}
+
+/// PETSC_ERR_USER: what PETSc gets to see of a [`Stop`].
+const USER_ERROR: sys::PetscErrorCode = 83;
+
+/// Runs a closure without letting a panic through to C.
+fn guard<T>(closure: impl FnOnce() -> Outcome<T>) -> std::result::Result<T, Stop> {
+    match catch_unwind(AssertUnwindSafe(closure)) {
+        Ok(Ok(value)) => Ok(value),
+        Ok(Err(error)) => Err(Stop::Error(error)),
+        Err(panic) => Err(Stop::Panic(panic)),
+    }
+}
+
+/// The closures and what they need, on the stack for a solve.
+///
+/// The line search calls back into the residual, so callbacks borrow single fields through the raw pointer, never all.
+struct Context<R, J, L> {
+    comm: Comm,
+    residual: R,
+    jacobian: J,
+    search: L,
+    stop: Option<Stop>,
+}
+
+impl<R, J, L> Context<R, J, L> {
+    /// Keeps what stopped a closure, unless an inner closure was stopped first, and tells PETSc.
+    ///
+    /// # Safety
+    /// `this` is a solve's context, and nobody holds a reference to its field `stop`.
+    unsafe fn keep(this: *mut Self, stop: Stop) -> sys::PetscErrorCode {
+        // SAFETY: by the caller.
+        unsafe { (*this).stop.get_or_insert(stop) };
+        USER_ERROR
+    }
+}
+
+impl Snes {
+    /// A solver for a Jacobian matrix (its entries all present); by default Newton's method with Cholesky's by MUMPS.
+    /// `-snes_…`, `-ksp_…` and `-pc_…` options override everything. Collective.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. for unknown types among the options.
+    pub fn new(comm: &Comm, jacobian: Matrix, absolute_tolerance: f64, max_iterations: usize) -> Result<Self> {
+        let mut raw = std::ptr::null_mut();
+        // SAFETY: the communicator is valid and the out-pointer too.
+        check(unsafe { sys::SNESCreate(comm.raw(), &raw mut raw) })?;
+        let object = Object::new(raw, comm);
+        // SAFETY: the solver is valid here and below; the type is a C string.
+        check(unsafe { sys::SNESSetType(raw, c"newtonls".as_ptr()) })?;
+        let mut search = std::ptr::null_mut();
+        // SAFETY: the line search belongs to the solver.
+        check(unsafe { sys::SNESGetLineSearch(raw, &raw mut search) })?;
+        // SAFETY: as above.
+        check(unsafe { sys::SNESLineSearchSetType(search, c"shell".as_ptr()) })?;
+        let mut ksp = std::ptr::null_mut();
+        // SAFETY: the linear solver belongs to the solver.
+        check(unsafe { sys::SNESGetKSP(raw, &raw mut ksp) })?;
+        default_to_cholesky(ksp)?;
+        let snes = Self { object, jacobian };
+        snes.set_tolerances(absolute_tolerance, max_iterations)?;
+        // SAFETY: the matrix is valid and kept by `snes`; the callback is set by each solve.
+        check(unsafe {
+            sys::SNESSetJacobian(raw, snes.jacobian.raw(), snes.jacobian.raw(), None, std::ptr::null_mut())
+        })?;
+        // SAFETY: the solver is valid.
+        check(unsafe { sys::SNESSetFromOptions(raw) })?;
+        Ok(snes)
+    }
+
+    /// Convergence by the residual's Euclidean norm alone.
+    fn set_tolerances(&self, absolute: f64, max_iterations: usize) -> Result<()> {
+        let unlimited: Int = -1;
+        // SAFETY: the solver is valid.
+        check(unsafe {
+            sys::SNESSetTolerances(self.object.raw(), absolute, 0.0, 0.0, max_iterations as Int, unlimited)
+        })
+    }
+
+    /// Solves residual(x) = 0 from the given x; returns the iterations. Collective.
+    ///
+    /// - `residual(x, f)` writes f; a NaN in it stops the solve.
+    /// - `jacobian(x, j)` writes and assembles j; where it leaves j untouched, the last factorisation is used again.
+    /// - `search(trial)` chooses the step length λ of x ← x + λ·direction.
+    ///
+    /// # Errors
+    /// [`Error::Callback`] with a closure's own error, [`Error::Diverged`], or PETSc's. A closure's panic is resumed.
+    pub fn solve<R, J, L>(&mut self, x: &mut Vector, residual: R, jacobian: J, search: L) -> Result<usize>
+    where
+        R: FnMut(&Vector, &mut Vector) -> Outcome<()>,
+        J: FnMut(&Vector, &mut Matrix) -> Outcome<()>,
+        L: FnMut(&mut Trial) -> Outcome<f64>,
+    {
+        let (raw, jacobian_raw) = (self.object.raw(), self.jacobian.raw());
+        let comm = self.object.comm().clone();
+        let mut context = Context { comm, residual, jacobian, search, stop: None };
+        let pointer = (&raw mut context).cast::<c_void>();
+        // SAFETY: the callbacks are called during SNESSolve only, while `context` lives, and cast it back to its type.
+        check(unsafe { sys::SNESSetFunction(raw, std::ptr::null_mut(), Some(call_residual::<R, J, L>), pointer) })?;
+        // SAFETY: as above.
+        check(unsafe {
+            sys::SNESSetJacobian(raw, jacobian_raw, jacobian_raw, Some(call_jacobian::<R, J, L>), pointer)
+        })?;
+        let mut search = std::ptr::null_mut();
+        // SAFETY: the line search belongs to the solver.
+        check(unsafe { sys::SNESGetLineSearch(raw, &raw mut search) })?;
+        // SAFETY: as above; of no effect where the options name another line search.
+        check(unsafe { sys::SNESLineSearchShellSetUserFunc(search, Some(call_search::<R, J, L>), pointer) })?;
+        // SAFETY: all are valid; b = 0.
+        let solved = check(unsafe { sys::SNESSolve(raw, std::ptr::null_mut(), x.raw()) });
+        match context.stop {
+            Some(Stop::Panic(panic)) => resume_unwind(panic),
+            Some(Stop::Error(error)) => return Err(Error::Callback(error)),
+            None => solved?,
+        }
+        self.outcome()
+    }
+
+    fn outcome(&self) -> Result<usize> {
+        let raw = self.object.raw();
+        let (mut reason, mut iterations, mut norm) = (sys::SNESConvergedReason(0), 0, 0.0);
+        // SAFETY: the solver is valid and has solved; the out-pointers are valid.
+        check(unsafe { sys::SNESGetConvergedReason(raw, &raw mut reason) })?;
+        // SAFETY: as above.
+        check(unsafe { sys::SNESGetIterationNumber(raw, &raw mut iterations) })?;
+        let iterations = iterations as usize;
+        if reason.0 > 0 {
+            return Ok(iterations);
+        }
+        // SAFETY: as above.
+        check(unsafe { sys::SNESGetFunctionNorm(raw, &raw mut norm) })?;
+        let mut text = std::ptr::null();
+        // SAFETY: as above; the text is static.
+        check(unsafe { sys::SNESGetConvergedReasonString(raw, &raw mut text) })?;
+        let mut text = owned(text);
+        if reason == sys::SNESConvergedReason::SNES_DIVERGED_LINEAR_SOLVE {
+            let mut ksp = std::ptr::null_mut();
+            // SAFETY: the linear solver belongs to the solver.
+            check(unsafe { sys::SNESGetKSP(raw, &raw mut ksp) })?;
+            text = format!("{text}: {}", reason_of(ksp)?);
+        }
+        Err(Error::Diverged(Diverged { solver: "SNES", reason: text, iterations, norm }))
+    }
+}
+
+/// A vector or matrix that PETSc lends for a callback: nothing is released.
+fn lend<T>(wrap: impl FnOnce() -> T) -> ManuallyDrop<T> {
+    ManuallyDrop::new(wrap())
+}
+
+unsafe extern "C" fn call_residual<R, J, L>(
+    snes: sys::SNES,
+    x: sys::Vec,
+    f: sys::Vec,
+    context: *mut c_void,
+) -> sys::PetscErrorCode
+where
+    R: FnMut(&Vector, &mut Vector) -> Outcome<()>,
+{
+    let context = context.cast::<Context<R, J, L>>();
+    // SAFETY: `solve` passed its context of this type; the residual is not re-entered, and the communicator never written.
+    let (comm, residual) = unsafe { (&(*context).comm, &mut (*context).residual) };
+    let outcome = guard(|| {
+        let x = lend(|| Vector::from_raw(x, comm));
+        let mut f = lend(|| Vector::from_raw(f, comm));
+        residual(&x, &mut f)?;
+        let undefined = f.read()?.iter().any(|value| value.is_nan());
+        Ok(undefined)
+    });
+    match outcome {
+        Ok(false) => 0,
+        // SAFETY: the solver is the one that called; PETSc turns it into a reason on all ranks.
+        Ok(true) => unsafe { sys::SNESSetFunctionDomainError(snes) },
+        // SAFETY: no reference to `stop` is live.
+        Err(stop) => unsafe { Context::keep(context, stop) },
+    }
+}
+
+unsafe extern "C" fn call_jacobian<R, J, L>(
+    _snes: sys::SNES,
+    x: sys::Vec,
+    _operator: sys::Mat,
+    matrix: sys::Mat,
+    context: *mut c_void,
+) -> sys::PetscErrorCode
+where
+    J: FnMut(&Vector, &mut Matrix) -> Outcome<()>,
+{
+    let context = context.cast::<Context<R, J, L>>();
+    // SAFETY: as in `call_residual`.
+    let (comm, jacobian) = unsafe { (&(*context).comm, &mut (*context).jacobian) };
+    let outcome = guard(|| {
+        let x = lend(|| Vector::from_raw(x, comm));
+        let mut matrix = lend(|| Matrix::from_raw(matrix, comm));
+        // An untouched matrix keeps its state counter, by which PETSc sees that the factorisation still holds.
+        jacobian(&x, &mut matrix)
+    });
+    match outcome {
+        Ok(()) => 0,
+        // SAFETY: no reference to `stop` is live.
+        Err(stop) => unsafe { Context::keep(context, stop) },
+    }
+}
+
+unsafe extern "C" fn call_search<R, J, L>(search: sys::SNESLineSearch, context: *mut c_void) -> sys::PetscErrorCode
+where
+    L: FnMut(&mut Trial) -> Outcome<f64>,
+{
+    let context = context.cast::<Context<R, J, L>>();
+    // SAFETY: as in `call_residual`, which this calls and which borrows other fields.
+    let (comm, closure) = unsafe { (&(*context).comm, &mut (*context).search) };
+    let outcome = guard(|| {
+        let mut trial = Trial::new(search, comm)?;
+        let length = closure(&mut trial)?;
+        Ok(trial.accept(search, length)?)
+    });
+    match outcome {
+        Ok(()) => 0,
+        // SAFETY: no reference to `stop` is live.
+        Err(stop) => unsafe { Context::keep(context, stop) },
+    }
+}
+
+/// A Newton direction along which a line search looks for its step length.
+///
+/// The residual is meant as the gradient of a potential Π: [`Trial::slope`] is dΠ/dλ.
+pub struct Trial {
+    snes: sys::SNES,
+    x: ManuallyDrop<Vector>,
+    f: ManuallyDrop<Vector>,
+    /// PETSc's direction: x ← x − λ y.
+    y: ManuallyDrop<Vector>,
+    w: ManuallyDrop<Vector>,
+    g: ManuallyDrop<Vector>,
+    /// The λ for which w and g hold point and residual.
+    at: Option<f64>,
+}
+
+impl Trial {
+    fn new(search: sys::SNESLineSearch, comm: &Comm) -> Result<Self> {
+        let mut snes = std::ptr::null_mut();
+        // SAFETY: PETSc's line search, during its own call.
+        check(unsafe { sys::SNESLineSearchGetSNES(search, &raw mut snes) })?;
+        let mut raw = [std::ptr::null_mut(); 5];
+        let [x, f, y, w, g] = &mut raw;
+        // SAFETY: as above; the vectors are lent.
+        check(unsafe { sys::SNESLineSearchGetVecs(search, x, f, y, w, g) })?;
+        let [x, f, y, w, g] = raw.map(|v| lend(|| Vector::from_raw(v, comm)));
+        Ok(Self { snes, x, f, y, w, g, at: None })
+    }
+
+    /// Residual·direction at x + λ·direction. Collective.
+    ///
+    /// # Errors
+    /// The residual closure's, or PETSc's.
+    pub fn slope(&mut self, length: f64) -> Result<f64> {
+        if length == 0.0 {
+            return Ok(-self.f.dot(&self.y)?);
+        }
+        self.evaluate(length)?;
+        Ok(-self.g.dot(&self.y)?)
+    }
+
+    fn evaluate(&mut self, length: f64) -> Result<()> {
+        if self.at == Some(length) {
+            return Ok(());
+        }
+        self.w.copy_from(&self.x)?;
+        self.w.axpy(-length, &self.y)?;
+        // SAFETY: all are valid; the residual callback is set.
+        check(unsafe { sys::SNESComputeFunction(self.snes, self.w.raw(), self.g.raw()) })?;
+        self.at = Some(length);
+        Ok(())
+    }
+
+    /// Moves the solver's point and residual there.
+    fn accept(&mut self, search: sys::SNESLineSearch, length: f64) -> Result<()> {
+        self.evaluate(length)?;
+        self.x.copy_from(&self.w)?;
+        self.f.copy_from(&self.g)?;
+        let (x, f, y) = (self.x.norm()?, self.f.norm()?, length.abs() * self.y.norm()?);
+        // SAFETY: PETSc's line search, during its own call.
+        check(unsafe { sys::SNESLineSearchSetLambda(search, length) })?;
+        // SAFETY: as above.
+        check(unsafe { sys::SNESLineSearchSetNorms(search, x, f, y) })?;
+        let reason = if f.is_finite() {
+            sys::SNESLineSearchReason::SNES_LINESEARCH_SUCCEEDED
+        } else {
+            sys::SNESLineSearchReason::SNES_LINESEARCH_FAILED_NANORINF
+        };
+        // SAFETY: as above.
+        check(unsafe { sys::SNESLineSearchSetReason(search, reason) })
+    }
+}

@@ -1,0 +1,283 @@
+//! Distributed vectors.
+
+use std::ops::{Deref, DerefMut, Range};
+
+use petsc_sys as sys;
+
+use crate::Int;
+use crate::comm::Comm;
+use crate::error::{Result, check, check_indices};
+use crate::matrix::Insert;
+use crate::object::Object;
+
+/// A vector distributed by contiguous ranges over the ranks of its communicator.
+pub struct Vector(Object<sys::_p_Vec>);
+
+impl Vector {
+    /// A vector of zeros with `local` entries on this rank. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn new(comm: &Comm, local: usize) -> Result<Self> {
+        let mut raw = std::ptr::null_mut();
+        // SAFETY: the communicator is valid and the out-pointer too.
+        check(unsafe { sys::VecCreate(comm.raw(), &raw mut raw) })?;
+        let vector = Self(Object::new(raw, comm));
+        // SAFETY: `raw` is a fresh vector.
+        check(unsafe { sys::VecSetSizes(raw, local as Int, sys::PETSC_DETERMINE as Int) })?;
+        // SAFETY: as above; the type's name is a C string.
+        check(unsafe { sys::VecSetType(raw, c"standard".as_ptr()) })?;
+        Ok(vector)
+    }
+
+    /// Takes over a reference that PETSc has handed out.
+    pub(crate) fn from_raw(raw: sys::Vec, comm: &Comm) -> Self {
+        Self(Object::new(raw, comm))
+    }
+
+    pub(crate) fn raw(&self) -> sys::Vec {
+        self.0.raw()
+    }
+
+    /// The ranks it lives on.
+    pub fn comm(&self) -> &Comm {
+        self.0.comm()
+    }
+
+    /// A vector of the same layout, filled with zeros. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn duplicate(&self) -> Result<Self> {
+        let mut raw = std::ptr::null_mut();
+        // SAFETY: the vector is valid.
+        check(unsafe { sys::VecDuplicate(self.raw(), &raw mut raw) })?;
+        let mut vector = Self(Object::new(raw, self.comm()));
+        vector.fill(0.0)?;
+        Ok(vector)
+    }
+
+    /// Entries on all ranks.
+    pub fn len(&self) -> usize {
+        let mut size = 0;
+        // SAFETY: the vector is valid and set up, so this cannot fail.
+        unsafe { sys::VecGetSize(self.raw(), &raw mut size) };
+        size as usize
+    }
+
+    /// Whether it has no entry on any rank.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Global indices of this rank's entries.
+    pub fn range(&self) -> Range<Int> {
+        let (mut begin, mut end) = (0, 0);
+        // SAFETY: the vector is valid and set up, so this cannot fail.
+        unsafe { sys::VecGetOwnershipRange(self.raw(), &raw mut begin, &raw mut end) };
+        begin..end
+    }
+
+    /// Sets every entry.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn fill(&mut self, value: f64) -> Result<()> {
+        // SAFETY: the vector is valid.
+        check(unsafe { sys::VecSet(self.raw(), value) })
+    }
+
+    /// self ← other.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. for different layouts.
+    pub fn copy_from(&mut self, other: &Vector) -> Result<()> {
+        // SAFETY: both vectors are valid.
+        check(unsafe { sys::VecCopy(other.raw(), self.raw()) })
+    }
+
+    /// self ← self + factor·other.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. for different layouts.
+    pub fn axpy(&mut self, factor: f64, other: &Vector) -> Result<()> {
+        // SAFETY: both vectors are valid and, by the borrow rules, different.
+        check(unsafe { sys::VecAXPY(self.raw(), factor, other.raw()) })
+    }
+
+    /// self ← factor·self + other.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. for different layouts.
+    pub fn aypx(&mut self, factor: f64, other: &Vector) -> Result<()> {
+        // SAFETY: both vectors are valid and, by the borrow rules, different.
+        check(unsafe { sys::VecAYPX(self.raw(), factor, other.raw()) })
+    }
+
+    /// self ← factor·self.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn scale(&mut self, factor: f64) -> Result<()> {
+        // SAFETY: the vector is valid.
+        check(unsafe { sys::VecScale(self.raw(), factor) })
+    }
+
+    /// selfᵀother, the same on every rank. Collective.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. for different layouts.
+    pub fn dot(&self, other: &Vector) -> Result<f64> {
+        let mut value = 0.0;
+        // SAFETY: both vectors are valid.
+        check(unsafe { sys::VecDot(self.raw(), other.raw(), &raw mut value) })?;
+        Ok(value)
+    }
+
+    /// Euclidean norm. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn norm(&self) -> Result<f64> {
+        self.norm_of(sys::NormType::NORM_2)
+    }
+
+    /// Largest absolute value. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn norm_max(&self) -> Result<f64> {
+        self.norm_of(sys::NormType::NORM_INFINITY)
+    }
+
+    fn norm_of(&self, kind: sys::NormType) -> Result<f64> {
+        let mut value = 0.0;
+        // SAFETY: the vector is valid.
+        check(unsafe { sys::VecNorm(self.raw(), kind, &raw mut value) })?;
+        Ok(value)
+    }
+
+    /// Adds to or replaces entries by global index; negative indices are skipped. [`Vector::assemble`] must follow.
+    ///
+    /// # Errors
+    /// An index out of range, or PETSc's.
+    ///
+    /// # Panics
+    /// When there are not as many values as indices.
+    pub fn set_values(&mut self, indices: &[Int], values: &[f64], mode: Insert) -> Result<()> {
+        assert_eq!(indices.len(), values.len());
+        check_indices(indices, self.len())?;
+        let n = indices.len() as Int;
+        // SAFETY: both slices hold `n` entries, indices within the vector.
+        check(unsafe { sys::VecSetValues(self.raw(), n, indices.as_ptr(), values.as_ptr(), mode.raw()) })
+    }
+
+    /// Sends entries to their ranks. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn assemble(&mut self) -> Result<()> {
+        // SAFETY: the vector is valid.
+        check(unsafe { sys::VecAssemblyBegin(self.raw()) })?;
+        // SAFETY: the vector is valid.
+        check(unsafe { sys::VecAssemblyEnd(self.raw()) })
+    }
+
+    /// This rank's entries, read-only, until the guard goes.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn read(&self) -> Result<ReadGuard<'_>> {
+        let mut data = std::ptr::null();
+        // SAFETY: the vector is valid; the guard restores.
+        check(unsafe { sys::VecGetArrayRead(self.raw(), &raw mut data) })?;
+        Ok(ReadGuard { vector: self, data, len: self.local_len() })
+    }
+
+    /// This rank's entries, writable, until the guard goes.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn write(&mut self) -> Result<WriteGuard<'_>> {
+        let mut data = std::ptr::null_mut();
+        // SAFETY: the vector is valid; the guard restores.
+        check(unsafe { sys::VecGetArray(self.raw(), &raw mut data) })?;
+        let len = self.local_len();
+        Ok(WriteGuard { vector: self, data, len })
+    }
+
+    fn local_len(&self) -> usize {
+        let range = self.range();
+        (range.end - range.start) as usize
+    }
+
+    /// Destroys it at once. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn destroy(self) -> Result<()> {
+        self.0.destroy()
+    }
+}
+
+/// Read-only view of a rank's entries.
+pub struct ReadGuard<'a> {
+    vector: &'a Vector,
+    data: *const f64,
+    len: usize,
+}
+
+impl Deref for ReadGuard<'_> {
+    type Target = [f64];
+
+    fn deref(&self) -> &[f64] {
+        if self.len == 0 {
+            return &[];
+        }
+        // SAFETY: PETSc's array has `len` entries and stays until it is restored in `drop`.
+        unsafe { std::slice::from_raw_parts(self.data, self.len) }
+    }
+}
+
+impl Drop for ReadGuard<'_> {
+    fn drop(&mut self) {
+        // SAFETY: gives back what `read` got.
+        unsafe { sys::VecRestoreArrayRead(self.vector.raw(), &raw mut self.data) };
+    }
+}
+
+/// Writable view of a rank's entries.
+pub struct WriteGuard<'a> {
+    vector: &'a mut Vector,
+    data: *mut f64,
+    len: usize,
+}
+
+impl Deref for WriteGuard<'_> {
+    type Target = [f64];
+
+    fn deref(&self) -> &[f64] {
+        if self.len == 0 {
+            return &[];
+        }
+        // SAFETY: PETSc's array has `len` entries and stays until it is restored in `drop`.
+        unsafe { std::slice::from_raw_parts(self.data, self.len) }
+    }
+}
+
+impl DerefMut for WriteGuard<'_> {
+    fn deref_mut(&mut self) -> &mut [f64] {
+        if self.len == 0 {
+            return &mut [];
+        }
+        // SAFETY: as in `deref`; the vector is borrowed mutably.
+        unsafe { std::slice::from_raw_parts_mut(self.data, self.len) }
+    }
+}
+
+impl Drop for WriteGuard<'_> {
+    fn drop(&mut self) {
+        // SAFETY: gives back what `write` got.
+        unsafe { sys::VecRestoreArray(self.vector.raw(), &raw mut self.data) };
+    }
+}

@@ -1,0 +1,118 @@
+//! Matrices, on one to three ranks.
+
+use std::process::ExitCode;
+
+use petsc_wrap::{Insert, Int, Matrix, Session, Vector, estimate_cholesky};
+
+fn start() -> Session {
+    Session::start(&[]).expect("the first session").expect("PETSc starts")
+}
+
+fn main() -> ExitCode {
+    mpi_test::run(
+        &[1, 2, 3],
+        start,
+        &[
+            ("a_pattern_becomes_the_matrix", a_pattern_becomes_the_matrix),
+            ("products_norms_and_rows", products_norms_and_rows),
+            ("an_entry_without_room_is_an_error", an_entry_without_room_is_an_error),
+            ("rows_and_columns_are_zeroed", rows_and_columns_are_zeroed),
+            ("sums_and_copies", sums_and_copies),
+            ("symbolic_factorisation_counts_the_factor", symbolic_factorisation_counts_the_factor),
+        ],
+    )
+}
+
+/// Rows of a rank in these tests.
+const LOCAL: usize = 4;
+
+/// The blocks [1 −1; −1 1] of a chain of springs, each handed over by one rank, into any kind of matrix.
+fn add_springs(session: &Session, matrix: &mut Matrix) {
+    let world = session.world();
+    let n = (LOCAL * world.size()) as Int;
+    for i in (0..n - 1).filter(|i| *i as usize % world.size() == world.rank()) {
+        matrix.set_values(&[i, i + 1], &[i, i + 1], &[1.0, -1.0, -1.0, 1.0], Insert::Add).unwrap();
+    }
+    matrix.assemble().unwrap();
+}
+
+fn springs(session: &Session) -> Matrix {
+    let mut pattern = Matrix::pattern(&session.world(), (LOCAL, LOCAL)).unwrap();
+    add_springs(session, &mut pattern);
+    let mut matrix = pattern.preallocated().unwrap();
+    add_springs(session, &mut matrix);
+    matrix
+}
+
+fn a_pattern_becomes_the_matrix(session: &Session) {
+    let matrix = springs(session);
+    let n = LOCAL * session.world().size();
+    assert_eq!(matrix.size(), (n, n));
+    assert_eq!(matrix.entries().unwrap(), 3 * n as u64 - 2);
+}
+
+fn products_norms_and_rows(session: &Session) {
+    let matrix = springs(session);
+    let n = matrix.size().0;
+    let mut x = Vector::new(&session.world(), LOCAL).unwrap();
+    let mut y = x.duplicate().unwrap();
+    x.fill(1.0).unwrap();
+    matrix.mult(&x, &mut y).unwrap();
+    assert_eq!(y.norm_max().unwrap(), 0.0);
+    // Diagonal 1, 2, …, 2, 1 and 2(n−1) entries −1: exact in floating point.
+    assert_eq!(matrix.trace().unwrap(), 2.0 * (n as f64 - 1.0));
+    let squares = 2.0 + 4.0 * (n as f64 - 2.0) + 2.0 * (n as f64 - 1.0);
+    assert!((matrix.norm_frobenius().unwrap() - squares.sqrt()).abs() < 1e-14 * squares);
+    let rows = matrix.row_range();
+    for i in rows {
+        let row = matrix.row(i).unwrap();
+        let expected: Vec<Int> = (i - 1..=i + 1).filter(|j| (0..n as Int).contains(j)).collect();
+        assert_eq!(row.columns(), expected);
+        assert_eq!(row.values().iter().sum::<f64>(), 0.0);
+    }
+}
+
+fn an_entry_without_room_is_an_error(session: &Session) {
+    let one = vec![1; LOCAL];
+    let none = vec![0; LOCAL];
+    let mut matrix = Matrix::aij(&session.world(), (LOCAL, LOCAL), &one, &none).unwrap();
+    let first = matrix.row_range().start;
+    matrix.set_values(&[first], &[first], &[1.0], Insert::Replace).unwrap();
+    assert!(matrix.set_values(&[first], &[first + 1], &[1.0], Insert::Replace).is_err());
+}
+
+fn rows_and_columns_are_zeroed(session: &Session) {
+    let mut matrix = springs(session);
+    let before = matrix.entries().unwrap();
+    let first = matrix.row_range().start;
+    matrix.zero_rows_columns(&[first], 5.0).unwrap();
+    assert_eq!(matrix.entries().unwrap(), before);
+    let row = matrix.row(first).unwrap();
+    for (j, value) in row.columns().iter().zip(row.values()) {
+        assert_eq!(*value, if *j == first { 5.0 } else { 0.0 });
+    }
+    drop(row);
+    let next = matrix.row(first + 1).unwrap();
+    let column = next.columns().iter().position(|j| *j == first).unwrap();
+    assert_eq!(next.values()[column], 0.0);
+}
+
+fn sums_and_copies(session: &Session) {
+    let a = springs(session);
+    let mut b = a.duplicate().unwrap();
+    b.axpy(2.0, &a).unwrap();
+    assert_eq!(b.trace().unwrap(), 3.0 * a.trace().unwrap());
+    b.copy_from(&a).unwrap();
+    assert_eq!(b.trace().unwrap(), a.trace().unwrap());
+    b.destroy().unwrap();
+}
+
+fn symbolic_factorisation_counts_the_factor(session: &Session) {
+    let mut matrix = springs(session);
+    matrix.declare_positive_definite().unwrap();
+    let n = matrix.size().0 as f64;
+    let estimate = estimate_cholesky(&matrix).unwrap();
+    // A chain has a factor with at most n diagonal and n − 1 other entries without fill; fronts store a little more.
+    assert!((2.0 * n - 1.0..6.0 * n).contains(&estimate.entries), "{estimate:?}");
+    assert!(estimate.operations > n, "{estimate:?}");
+}

@@ -1,0 +1,93 @@
+//! Vectors, on one to three ranks.
+
+use std::process::ExitCode;
+
+use petsc_wrap::{Insert, Session, Vector};
+
+fn start() -> Session {
+    Session::start(&[]).expect("the first session").expect("PETSc starts")
+}
+
+fn main() -> ExitCode {
+    mpi_test::run(
+        &[1, 2, 3],
+        start,
+        &[
+            ("algebra_is_that_of_slices", algebra_is_that_of_slices),
+            ("entries_reach_their_rank", entries_reach_their_rank),
+            ("uneven_and_empty_parts", uneven_and_empty_parts),
+            ("an_index_out_of_range_is_an_error", an_index_out_of_range_is_an_error),
+            ("layouts_must_agree", layouts_must_agree),
+        ],
+    )
+}
+
+/// Entry i of the vector is f(i).
+fn filled(session: &Session, local: usize, f: impl Fn(f64) -> f64) -> Vector {
+    let mut vector = Vector::new(&session.world(), local).unwrap();
+    let begin = vector.range().start;
+    for (i, value) in vector.write().unwrap().iter_mut().enumerate() {
+        *value = f((begin as usize + i) as f64);
+    }
+    vector
+}
+
+fn algebra_is_that_of_slices(session: &Session) {
+    let mut x = filled(session, 4, |i| i);
+    let y = filled(session, 4, |i| 1.0 + i);
+    let n = x.len() as f64;
+    // Small integers: sums are exact.
+    let squares = (n - 1.0) * n * (2.0 * n - 1.0) / 6.0;
+    assert_eq!(x.dot(&x).unwrap(), squares);
+    assert_eq!(x.norm().unwrap(), squares.sqrt());
+    assert_eq!(x.norm_max().unwrap(), n - 1.0);
+    x.axpy(2.0, &y).unwrap();
+    x.aypx(-1.0, &y).unwrap();
+    x.scale(3.0).unwrap();
+    // 3 (y − (i + 2 y)) with y = i + 1
+    let begin = x.range().start;
+    for (i, value) in x.read().unwrap().iter().enumerate() {
+        let i = (begin as usize + i) as f64;
+        assert_eq!(*value, 3.0 * ((i + 1.0) - (i + 2.0 * (i + 1.0))));
+    }
+    let mut z = x.duplicate().unwrap();
+    assert_eq!(z.norm().unwrap(), 0.0);
+    z.copy_from(&x).unwrap();
+    z.axpy(-1.0, &x).unwrap();
+    assert_eq!(z.norm_max().unwrap(), 0.0);
+    x.destroy().unwrap();
+}
+
+fn entries_reach_their_rank(session: &Session) {
+    let world = session.world();
+    let mut x = Vector::new(&world, 2).unwrap();
+    let n = x.len() as i32;
+    // Every rank adds 1 to every entry; a negative index is skipped.
+    let indices: Vec<petsc_wrap::Int> = (0..n).chain([-1]).map(Into::into).collect();
+    x.set_values(&indices, &vec![1.0; indices.len()], Insert::Add).unwrap();
+    x.assemble().unwrap();
+    assert!(x.read().unwrap().iter().all(|&value| value == world.size() as f64));
+}
+
+fn uneven_and_empty_parts(session: &Session) {
+    let world = session.world();
+    let x = filled(session, world.rank(), |_| 2.0);
+    let total = world.size() * (world.size() - 1) / 2;
+    assert_eq!(x.len(), total);
+    assert_eq!(x.is_empty(), total == 0);
+    assert_eq!(x.read().unwrap().len(), world.rank());
+    assert_eq!(x.dot(&x).unwrap(), 4.0 * total as f64);
+}
+
+fn layouts_must_agree(session: &Session) {
+    let x = filled(session, 2, |i| i);
+    let mut y = filled(session, 3, |i| i);
+    assert!(y.axpy(1.0, &x).is_err());
+}
+
+fn an_index_out_of_range_is_an_error(session: &Session) {
+    let mut x = filled(session, 2, |i| i);
+    let beyond = x.len() as petsc_wrap::Int;
+    let error = x.set_values(&[beyond], &[1.0], Insert::Replace).unwrap_err();
+    assert!(error.to_string().contains(&format!("index {beyond}")), "{error}");
+}
