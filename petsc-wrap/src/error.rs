@@ -97,9 +97,9 @@ pub(crate) fn check(code: sys::PetscErrorCode) -> Result<()> {
     Err(Error::Petsc { code, message, frames: trace.frames, location: Location::caller() })
 }
 
-/// Refuses indices ≥ size; negative ones mean "skip".
+/// Refuses indices outside 0..size.
 pub(crate) fn check_indices(indices: &[crate::Int], size: usize) -> Result<()> {
-    match indices.iter().find(|&&index| index >= 0 && index as usize >= size) {
+    match indices.iter().find(|&&index| usize::try_from(index).map_or(true, |index| index >= size)) {
         Some(&index) => Err(Error::OutOfRange { index: index as i64, size }),
         None => Ok(()),
     }

@@ -93,6 +93,10 @@ impl Matrix {
         Self(Object::new(raw, comm))
     }
 
+    pub(crate) fn lent(raw: sys::Mat, comm: &Comm) -> Self {
+        Self(Object::lent(raw, comm))
+    }
+
     pub(crate) fn raw(&self) -> sys::Mat {
         self.0.raw()
     }
@@ -129,7 +133,7 @@ impl Matrix {
         begin..end
     }
 
-    /// Adds or replaces a dense block (`values` by rows), on any rank's rows; negative indices are skipped.
+    /// Adds or replaces a dense block (`values` by rows), on any rank's rows.
     /// [`Matrix::assemble`] must follow. This is `MatSetValues`.
     ///
     /// # Errors

@@ -3,7 +3,6 @@
 use std::any::Any;
 use std::error::Error as StdError;
 use std::ffi::c_void;
-use std::mem::ManuallyDrop;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 use petsc_sys as sys;
@@ -176,11 +175,6 @@ impl Snes {
     }
 }
 
-/// A vector or matrix that PETSc lends for a callback: nothing is released.
-fn lend<T>(wrap: impl FnOnce() -> T) -> ManuallyDrop<T> {
-    ManuallyDrop::new(wrap())
-}
-
 unsafe extern "C" fn call_residual<R, J, L>(
     snes: sys::SNES,
     x: sys::Vec,
@@ -194,8 +188,8 @@ where
     // SAFETY: `solve` passed its context of this type; the residual is not re-entered, and the communicator never written.
     let (comm, residual) = unsafe { (&(*context).comm, &mut (*context).residual) };
     let outcome = guard(|| {
-        let x = lend(|| Vector::from_raw(x, comm));
-        let mut f = lend(|| Vector::from_raw(f, comm));
+        let x = Vector::lent(x, comm);
+        let mut f = Vector::lent(f, comm);
         residual(&x, &mut f)?;
         let undefined = f.read()?.iter().any(|value| value.is_nan());
         Ok(undefined)
@@ -223,8 +217,8 @@ where
     // SAFETY: as in `call_residual`.
     let (comm, jacobian) = unsafe { (&(*context).comm, &mut (*context).jacobian) };
     let outcome = guard(|| {
-        let x = lend(|| Vector::from_raw(x, comm));
-        let mut matrix = lend(|| Matrix::from_raw(matrix, comm));
+        let x = Vector::lent(x, comm);
+        let mut matrix = Matrix::lent(matrix, comm);
         // An untouched matrix keeps its state counter, by which PETSc sees that the factorisation still holds.
         jacobian(&x, &mut matrix)
     });
@@ -259,12 +253,12 @@ where
 /// The residual is meant as the gradient of a potential Π: [`Trial::slope`] is dΠ/dλ.
 pub struct Trial {
     snes: sys::SNES,
-    x: ManuallyDrop<Vector>,
-    f: ManuallyDrop<Vector>,
+    x: Vector,
+    f: Vector,
     /// PETSc's direction: x ← x − λ y.
-    y: ManuallyDrop<Vector>,
-    w: ManuallyDrop<Vector>,
-    g: ManuallyDrop<Vector>,
+    y: Vector,
+    w: Vector,
+    g: Vector,
     /// The λ for which w and g hold point and residual.
     at: Option<f64>,
 }
@@ -278,7 +272,7 @@ impl Trial {
         let [x, f, y, w, g] = &mut raw;
         // SAFETY: as above; the vectors are lent.
         check(unsafe { sys::SNESLineSearchGetVecs(search, x, f, y, w, g) })?;
-        let [x, f, y, w, g] = raw.map(|v| lend(|| Vector::from_raw(v, comm)));
+        let [x, f, y, w, g] = raw.map(|v| Vector::lent(v, comm));
         Ok(Self { snes, x, f, y, w, g, at: None })
     }
 

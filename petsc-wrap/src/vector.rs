@@ -30,9 +30,8 @@ impl Vector {
         Ok(vector)
     }
 
-    /// Takes over a reference that PETSc has handed out.
-    pub(crate) fn from_raw(raw: sys::Vec, comm: &Comm) -> Self {
-        Self(Object::new(raw, comm))
+    pub(crate) fn lent(raw: sys::Vec, comm: &Comm) -> Self {
+        Self(Object::lent(raw, comm))
     }
 
     pub(crate) fn raw(&self) -> sys::Vec {
@@ -157,7 +156,7 @@ impl Vector {
         Ok(value)
     }
 
-    /// Adds to or replaces entries by global index; negative indices are skipped. [`Vector::assemble`] must follow.
+    /// Adds to or replaces entries by global index. [`Vector::assemble`] must follow.
     ///
     /// # Errors
     /// An index out of range, or PETSc's.
