@@ -1,0 +1,67 @@
+//! Time of the kernels that assembly and the pad's Newton iterations call most.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use ricochet::element::{Element, Shape};
+use ricochet::form::{Material, PadForms, SolidForms, SurfaceForms};
+
+const GLASS: Material = Material {
+    young: 70e9,
+    poisson: 0.23,
+    density: 2500.,
+};
+
+/// The reference vertices, slightly distorted.
+fn vertices(shape: Shape) -> Vec<[f64; 3]> {
+    let shift = |v: usize, d: usize| 0.02 * ((3 * v + d) as f64).sin();
+    shape
+        .reference_vertices()
+        .iter()
+        .enumerate()
+        .map(|(v, x)| [0, 1, 2].map(|d| x[d] + shift(v, d)))
+        .collect()
+}
+
+fn cells(c: &mut Criterion) {
+    for (name, shape) in [
+        ("P2 tetrahedron", Shape::Tetrahedron),
+        ("Q2 hexahedron", Shape::Hexahedron),
+    ] {
+        let x = vertices(shape);
+        let mut forms = SolidForms::new(shape, 2, GLASS);
+        let mut out = vec![0.; 9 * forms.nodes() * forms.nodes()];
+        c.bench_function(&format!("{name} stiffness"), |b| {
+            b.iter(|| forms.stiffness(black_box(&x), &mut out));
+        });
+        c.bench_function(&format!("{name} mass"), |b| {
+            b.iter(|| forms.mass(black_box(&x), &mut out));
+        });
+    }
+}
+
+fn facets(c: &mut Criterion) {
+    for (name, shape) in [
+        ("P2 triangle", Shape::Triangle),
+        ("Q2 quadrilateral", Shape::Quadrilateral),
+    ] {
+        let x = vertices(shape);
+        let n = Element::new(shape, 2).nodes();
+        let mut out = vec![0.; 9 * n * n];
+        let mut surface = SurfaceForms::new(shape, 2);
+        c.bench_function(&format!("{name} spring"), |b| {
+            b.iter(|| surface.spring(black_box(&x), [1e9; 3], &mut out));
+        });
+        let mut pad = PadForms::new(shape, 2, [1e9; 3], [0., 0., -1.], [0.; 3]);
+        let u: Vec<f64> = (0..3 * n).map(|i| (i as f64).sin()).collect();
+        c.bench_function(&format!("{name} pad residual"), |b| {
+            b.iter(|| pad.residual(black_box(&x), &u, &mut out[..3 * n]));
+        });
+        c.bench_function(&format!("{name} pad tangent"), |b| {
+            b.iter(|| pad.tangent(black_box(&x), &u, &mut out));
+        });
+    }
+}
+
+criterion_group!(benches, cells, facets);
+criterion_main!(benches);

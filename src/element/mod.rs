@@ -1,0 +1,56 @@
+//! Shape functions and quadrature on reference cells. Pure: no mesh, no material.
+//!
+//! The geometry of a cell is always of degree 1 (straight-sided simplices, bilinear quadrilaterals, trilinear
+//! hexahedra), whatever the order of the element on it.
+
+mod lagrange;
+mod project;
+mod quadrature;
+mod table;
+
+pub use lagrange::Element;
+pub use project::{closest, normal};
+pub use quadrature::Quadrature;
+pub use table::Table;
+
+/// The shape of a cell or facet, with its reference cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Shape {
+    /// Vertices 0, e1, e2, e3.
+    Tetrahedron,
+    /// \[−1, 1\]³; vertices 0–3 below, counter-clockwise seen from above, 4–7 above them (VTK's order).
+    Hexahedron,
+    /// Vertices 0, e1, e2.
+    Triangle,
+    /// \[−1, 1\]²; vertices counter-clockwise.
+    Quadrilateral,
+}
+
+impl Shape {
+    /// Dimension of the reference cell.
+    pub fn dimension(self) -> usize {
+        match self {
+            Self::Tetrahedron | Self::Hexahedron => 3,
+            Self::Triangle | Self::Quadrilateral => 2,
+        }
+    }
+
+    /// Coordinates of the reference cell's vertices; a facet has ζ = 0.
+    pub fn reference_vertices(self) -> &'static [[f64; 3]] {
+        match self {
+            Self::Tetrahedron => &[[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]],
+            Self::Triangle => &[[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]],
+            Self::Hexahedron => &[
+                [-1., -1., -1.],
+                [1., -1., -1.],
+                [1., 1., -1.],
+                [-1., 1., -1.],
+                [-1., -1., 1.],
+                [1., -1., 1.],
+                [1., 1., 1.],
+                [-1., 1., 1.],
+            ],
+            Self::Quadrilateral => &[[-1., -1., 0.], [1., -1., 0.], [1., 1., 0.], [-1., 1., 0.]],
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! One-sided elastic support (12) over one facet.
+
+use super::{add_component, add_point_load, scalar_products};
+use crate::element::{Element, Quadrature, Shape, Table};
+
+/// A pad under one facet, with the space that its terms need.
+///
+/// With n the unit vector into the pad, each component i with n_i ≠ 0 pushes back where its penetration
+/// g_i = s_i (u_i − ū_i), s_i = sign n_i, is positive. The integrand has a kink, so the rule is part of the model: it is
+/// the one of degree 2·order, on triangles of order 2 the symmetric 6-point rule.
+#[derive(Debug, Clone)]
+pub struct PadForms {
+    table: Table,
+    stiffness: [f64; 3],
+    /// s_i, 0 where n_i = 0.
+    sign: [f64; 3],
+    displacement: [f64; 3],
+    scale: Vec<f64>,
+    block: Vec<f64>,
+}
+
+impl PadForms {
+    /// Forms on a facet's shape with elements of order 1 or 2; `stiffness` k (N/m³) by component, `normal` into the pad,
+    /// `displacement` ū of the pad (m).
+    pub fn new(
+        shape: Shape,
+        order: usize,
+        stiffness: [f64; 3],
+        normal: [f64; 3],
+        displacement: [f64; 3],
+    ) -> Self {
+        let element = Element::new(shape, order);
+        let table = Table::new(&element, &Quadrature::exact(shape, 2 * order));
+        Self {
+            stiffness,
+            sign: normal.map(|n| if n == 0. { 0. } else { n.signum() }),
+            displacement,
+            scale: vec![0.; table.points()],
+            block: vec![0.; table.nodes() * table.nodes()],
+            table,
+        }
+    }
+
+    /// Number of nodes of the facet.
+    pub fn nodes(&self) -> usize {
+        self.table.nodes()
+    }
+
+    /// Σ_i ∫ k_i ⟨g_i⟩ s_i v_i dS at the facet's unknowns `u`, N.
+    pub fn residual(&self, x: &[[f64; 3]], u: &[f64], out: &mut [f64]) {
+        out.fill(0.);
+        for (q, area) in self.table.areas(x).enumerate() {
+            let g = self.penetration(q, u);
+            let force =
+                [0, 1, 2].map(|i| area * self.stiffness[i] * positive_part(g[i]) * self.sign[i]);
+            add_point_load(self.table.values(q), force, out);
+        }
+    }
+
+    /// Σ_i ∫ k_i u_i v_i dS over the points where g_i > 0: the semi-smooth derivative of the residual, N/m.
+    pub fn tangent(&mut self, x: &[[f64; 3]], u: &[f64], out: &mut [f64]) {
+        out.fill(0.);
+        for i in 0..3 {
+            if self.sign[i] == 0. {
+                continue;
+            }
+            let mut touched = false;
+            for (q, area) in self.table.areas(x).enumerate() {
+                let active = self.penetration(q, u)[i] > 0.;
+                self.scale[q] = if active { area } else { 0. };
+                touched |= active;
+            }
+            if touched {
+                scalar_products(&self.table, &self.scale, &mut self.block);
+                add_component(&self.block, self.table.nodes(), i, self.stiffness[i], out);
+            }
+        }
+    }
+
+    /// Σ_i ½ ∫ k_i ⟨g_i⟩² dS, J.
+    pub fn potential(&self, x: &[[f64; 3]], u: &[f64]) -> f64 {
+        let density = |q| {
+            let g = self.penetration(q, u);
+            (0..3)
+                .map(|i| 0.5 * self.stiffness[i] * positive_part(g[i]).powi(2))
+                .sum::<f64>()
+        };
+        self.table
+            .areas(x)
+            .enumerate()
+            .map(|(q, area)| area * density(q))
+            .sum()
+    }
+
+    /// g at a point, by component.
+    fn penetration(&self, q: usize, u: &[f64]) -> [f64; 3] {
+        let mut g = self.displacement.map(|displacement| -displacement);
+        for (value, u) in self.table.values(q).iter().zip(u.chunks_exact(3)) {
+            for i in 0..3 {
+                g[i] += value * u[i];
+            }
+        }
+        [0, 1, 2].map(|i| self.sign[i] * g[i])
+    }
+}
+
+/// ⟨g⟩, which keeps NaN, so that a failed step is seen.
+fn positive_part(g: f64) -> f64 {
+    g.clamp(0., f64::INFINITY)
+}

@@ -1,0 +1,198 @@
+//! Linear elasticity and inertia over one cell, (1), (4), (5).
+
+use nalgebra::Vector3;
+
+use super::{add_component, add_point_load, scalar_products};
+use crate::element::{Element, Quadrature, Shape, Table};
+
+/// A linear isotropic material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Young's modulus E, Pa.
+    pub young: f64,
+    /// Poisson's ratio ν, in (−1, 1/2).
+    pub poisson: f64,
+    /// Density ρ, kg/m³.
+    pub density: f64,
+}
+
+impl Material {
+    /// Lamé's λ and μ of (4), Pa.
+    pub fn lame(&self) -> (f64, f64) {
+        let Self { young, poisson, .. } = *self;
+        (
+            young * poisson / ((1. + poisson) * (1. - 2. * poisson)),
+            young / (2. * (1. + poisson)),
+        )
+    }
+}
+
+/// The cell's map is not one-to-one: its Jacobian determinant is not positive at a quadrature point.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("the cell is flat or turned inside out: its Jacobian determinant is {determinant:e}")]
+pub struct Tangled {
+    /// The determinant found, m³.
+    pub determinant: f64,
+}
+
+/// Two nodes side by side, so that the compiler works on both at once.
+type Pair = [f64; 2];
+
+/// Stiffness, mass and body force of one cell, with the space that they need.
+#[derive(Debug, Clone)]
+pub struct SolidForms {
+    lame: (f64, f64),
+    density: f64,
+    /// At the points of the stiffness, exact for affine cells.
+    strain: Table,
+    /// At the points of mass and load, likewise.
+    inertia: Table,
+    /// √(weight × determinant) ∇φ in space, by pair of nodes, then point, then direction.
+    gradients: Vec<[Pair; 3]>,
+    scale: Vec<f64>,
+    block: Vec<f64>,
+}
+
+impl SolidForms {
+    /// Forms on a cell's shape with elements of order 1 or 2.
+    ///
+    /// Rules: tetrahedra, exact at degree 2(order−1) for the stiffness, 2·order for mass and load; hexahedra,
+    /// (order+1)³ Gauss points.
+    pub fn new(shape: Shape, order: usize, material: Material) -> Self {
+        let element = Element::new(shape, order);
+        let inertia = Table::new(&element, &Quadrature::exact(shape, 2 * order));
+        let strain = match shape {
+            Shape::Tetrahedron => Table::new(&element, &Quadrature::exact(shape, 2 * order - 2)),
+            _ => inertia.clone(),
+        };
+        let n = element.nodes();
+        Self {
+            lame: material.lame(),
+            density: material.density,
+            gradients: vec![[[0.; 2]; 3]; n.div_ceil(2) * strain.points()],
+            scale: vec![0.; inertia.points()],
+            block: vec![0.; n * n],
+            strain,
+            inertia,
+        }
+    }
+
+    /// Number of nodes of the cell.
+    pub fn nodes(&self) -> usize {
+        self.strain.nodes()
+    }
+
+    /// ∫ σ(u) : ε(v) dx, N/m.
+    ///
+    /// With H_{ia,jb} = ∫ ∂_a φ_i ∂_b φ_j dx the entry is λ H_{ia,jb} + μ H_{ib,ja} + μ δ_ab Σ_c H_{ic,jc}.
+    ///
+    /// # Errors
+    /// [`Tangled`], with `out` in an undefined state.
+    pub fn stiffness(&mut self, x: &[[f64; 3]], out: &mut [f64]) -> Result<(), Tangled> {
+        self.scale_gradients(x)?;
+        let (lambda, mu) = self.lame;
+        let (n, points) = (self.nodes(), self.strain.points());
+        let size = 3 * n;
+        for i in 0..n {
+            let one = &self.gradients[i / 2 * points..][..points];
+            for (pair, other) in self.gradients.chunks_exact(points).enumerate().skip(i / 2) {
+                let h = gradient_products(one, i % 2, other);
+                for (lane, j) in (2 * pair..n.min(2 * pair + 2)).enumerate() {
+                    let trace = mu * (h[0][0][lane] + h[1][1][lane] + h[2][2][lane]);
+                    for a in 0..3 {
+                        for b in 0..3 {
+                            let shear = if a == b { trace } else { 0. };
+                            let entry = lambda * h[a][b][lane] + mu * h[b][a][lane] + shear;
+                            out[(3 * i + a) * size + 3 * j + b] = entry;
+                            out[(3 * j + b) * size + 3 * i + a] = entry;
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// ∫ ρ u·v dx, kg.
+    ///
+    /// # Errors
+    /// [`Tangled`].
+    pub fn mass(&mut self, x: &[[f64; 3]], out: &mut [f64]) -> Result<(), Tangled> {
+        let n = self.nodes();
+        for q in 0..self.inertia.points() {
+            self.scale[q] = self.density * volume(&self.inertia, q, x)?;
+        }
+        scalar_products(&self.inertia, &self.scale, &mut self.block);
+        out.fill(0.);
+        for component in 0..3 {
+            add_component(&self.block, n, component, 1., out);
+        }
+        Ok(())
+    }
+
+    /// ∫ f·v dx with the body force `f` (N/m³) at a point of space, N.
+    ///
+    /// # Errors
+    /// [`Tangled`].
+    pub fn load(
+        &self,
+        x: &[[f64; 3]],
+        f: impl Fn([f64; 3]) -> [f64; 3],
+        out: &mut [f64],
+    ) -> Result<(), Tangled> {
+        out.fill(0.);
+        for q in 0..self.inertia.points() {
+            let volume = volume(&self.inertia, q, x)?;
+            let force = f(self.inertia.position(q, x)).map(|f| volume * f);
+            add_point_load(self.inertia.values(q), force, out);
+        }
+        Ok(())
+    }
+
+    fn scale_gradients(&mut self, x: &[[f64; 3]]) -> Result<(), Tangled> {
+        let points = self.strain.points();
+        for q in 0..points {
+            let jacobian = self.strain.jacobian(q, x);
+            let determinant = positive(jacobian.determinant())?;
+            let inverse = jacobian.try_inverse().ok_or(Tangled { determinant })?;
+            let to_space = inverse.transpose() * (self.strain.weight(q) * determinant).sqrt();
+            for (i, &gradient) in self.strain.gradients(q).iter().enumerate() {
+                let gradient = to_space * Vector3::from(gradient);
+                let target = &mut self.gradients[i / 2 * points + q];
+                for a in 0..3 {
+                    target[a][i % 2] = gradient[a];
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Σ_q of every product of a derivative of one node (a lane of `one`) with one of the two nodes in `other`.
+fn gradient_products(one: &[[Pair; 3]], lane: usize, other: &[[Pair; 3]]) -> [[Pair; 3]; 3] {
+    let mut sum = [[[0.; 2]; 3]; 3];
+    for (one, other) in one.iter().zip(other) {
+        for a in 0..3 {
+            let factor = one[a][lane];
+            for b in 0..3 {
+                for l in 0..2 {
+                    sum[a][b][l] += factor * other[b][l];
+                }
+            }
+        }
+    }
+    sum
+}
+
+/// Weight times Jacobian determinant at a point.
+fn volume(table: &Table, q: usize, x: &[[f64; 3]]) -> Result<f64, Tangled> {
+    Ok(table.weight(q) * positive(table.jacobian(q, x).determinant())?)
+}
+
+fn positive(determinant: f64) -> Result<f64, Tangled> {
+    if determinant > 0. {
+        Ok(determinant)
+    } else {
+        Err(Tangled { determinant })
+    }
+}
