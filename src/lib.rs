@@ -2,6 +2,9 @@
 //!
 //! The data's way: [`scene`] → `mesh` → `form` → `body` → [`impact`] → steps → `record`.
 
+pub mod contact;
 pub mod error;
 pub mod impact;
 pub mod scene;
+
+pub use error::{Error, Result};

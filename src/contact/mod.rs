@@ -1,0 +1,3 @@
+//! The contact: Hertz's law.
+
+pub mod hertz;
