@@ -6,28 +6,16 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use ricochet::element::{Element, Shape};
 use ricochet::form::{Material, PadForms, SolidForms, SurfaceForms};
 
-const GLASS: Material = Material {
-    young: 70e9,
-    poisson: 0.23,
-    density: 2500.,
-};
+const GLASS: Material = Material { young: 70e9, poisson: 0.23, density: 2500. };
 
 /// The reference vertices, slightly distorted.
 fn vertices(shape: Shape) -> Vec<[f64; 3]> {
     let shift = |v: usize, d: usize| 0.02 * ((3 * v + d) as f64).sin();
-    shape
-        .reference_vertices()
-        .iter()
-        .enumerate()
-        .map(|(v, x)| [0, 1, 2].map(|d| x[d] + shift(v, d)))
-        .collect()
+    shape.reference_vertices().iter().enumerate().map(|(v, x)| [0, 1, 2].map(|d| x[d] + shift(v, d))).collect()
 }
 
 fn cells(c: &mut Criterion) {
-    for (name, shape) in [
-        ("P2 tetrahedron", Shape::Tetrahedron),
-        ("Q2 hexahedron", Shape::Hexahedron),
-    ] {
+    for (name, shape) in [("P2 tetrahedron", Shape::Tetrahedron), ("Q2 hexahedron", Shape::Hexahedron)] {
         let x = vertices(shape);
         let mut forms = SolidForms::new(shape, 2, GLASS);
         let mut out = vec![0.; 9 * forms.nodes() * forms.nodes()];
@@ -41,10 +29,7 @@ fn cells(c: &mut Criterion) {
 }
 
 fn facets(c: &mut Criterion) {
-    for (name, shape) in [
-        ("P2 triangle", Shape::Triangle),
-        ("Q2 quadrilateral", Shape::Quadrilateral),
-    ] {
+    for (name, shape) in [("P2 triangle", Shape::Triangle), ("Q2 quadrilateral", Shape::Quadrilateral)] {
         let x = vertices(shape);
         let n = Element::new(shape, 2).nodes();
         let mut out = vec![0.; 9 * n * n];

@@ -2,12 +2,25 @@
 
 use std::path::{Path, PathBuf};
 
+use miette::{GraphicalReportHandler, GraphicalTheme};
+
+use crate::scene::{Fault, SceneError, Source};
+
 /// An error with one message for the user.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The command line is wrong.
     #[error("{0}")]
     Usage(String),
+    /// The scene is wrong.
+    #[error(transparent)]
+    Scene(Box<SceneError>),
+    /// The scene is wrong in a way that its text alone does not show.
+    #[error(transparent)]
+    Fault(Box<Fault>),
+    /// PETSc failed where it should not.
+    #[error(transparent)]
+    Petsc(#[from] petsc_wrap::Error),
     /// The solve failed.
     #[error("{0}")]
     Solve(String),
@@ -33,9 +46,45 @@ impl Error {
     /// Exit status: 2 the scene or the command line is wrong, 3 the solve failed, 4 input or output failed.
     pub fn status(&self) -> i32 {
         match self {
-            Self::Usage(_) => 2,
-            Self::Solve(_) => 3,
+            Self::Usage(_) | Self::Scene(_) | Self::Fault(_) => 2,
+            Self::Solve(_) | Self::Petsc(_) => 3,
             Self::Io { .. } => 4,
         }
+    }
+
+    /// The same error, a fault made to point into the scene's text.
+    pub fn in_scene(self, source: &Source) -> Self {
+        match self {
+            Self::Fault(fault) => source.error(&fault.key, fault.message, fault.help).into(),
+            other => other,
+        }
+    }
+
+    /// The whole message for standard error, newline included: one line, and for a scene the excerpt with the
+    /// fault marked. `colours` is for a terminal; without it the text holds no escape codes.
+    pub fn report(&self, colours: bool) -> String {
+        let Self::Scene(error) = self else {
+            return format!("error: {self}\n");
+        };
+        let theme = if colours { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
+        let mut text = String::new();
+        // Lines are left whole, so that a message can be searched for.
+        GraphicalReportHandler::new_themed(theme)
+            .with_wrap_lines(false)
+            .with_context_lines(1)
+            .render_report(&mut text, error.as_ref())
+            .map_or_else(|_| format!("error: {self}\n"), |()| text)
+    }
+}
+
+impl From<SceneError> for Error {
+    fn from(error: SceneError) -> Self {
+        Self::Scene(Box::new(error))
+    }
+}
+
+impl From<Fault> for Error {
+    fn from(fault: Fault) -> Self {
+        Self::Fault(Box::new(fault))
     }
 }

@@ -1,10 +1,17 @@
 //! ricochet: low-velocity impact on elastic plates and bodies.
 //!
-//! The data's way: [`scene`] → `mesh` → `form` → `body` → [`impact`] → steps → `record`.
+//! The data's way: [`scene`] → [`mesh`] → [`form`] (on [`element`]) → [`body`] → [`impact`] (with [`contact`] and
+//! [`scheme`]) → steps → `record`.
 
+pub mod agree;
+pub mod body;
 pub mod contact;
 pub mod element;
 pub mod error;
 pub mod form;
 pub mod impact;
+pub mod mesh;
 pub mod scene;
+pub mod scheme;
+
+pub use error::{Error, Result};

@@ -9,6 +9,7 @@
 mod comm;
 mod error;
 mod factor;
+mod gather;
 mod ksp;
 mod matrix;
 mod object;
@@ -21,6 +22,7 @@ mod vector;
 pub use comm::Comm;
 pub use error::{Diverged, Error, Frame, Result};
 pub use factor::{FactorEstimate, estimate_cholesky};
+pub use gather::Gather;
 pub use ksp::Ksp;
 pub use matrix::{Insert, Matrix, Row};
 pub use mpi;

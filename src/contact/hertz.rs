@@ -8,11 +8,7 @@ const TIME_INTEGRAL: f64 = 1.471_637_592_162_352_3;
 
 /// Contact stiffness k0 of (15), N/m^{3/2}: a sphere of the given radius on a plane, each with its Young's modulus (Pa)
 /// and Poisson's ratio.
-pub fn stiffness(
-    radius: f64,
-    (young1, poisson1): (f64, f64),
-    (young2, poisson2): (f64, f64),
-) -> f64 {
+pub fn stiffness(radius: f64, (young1, poisson1): (f64, f64), (young2, poisson2): (f64, f64)) -> f64 {
     let compliance = (1. - poisson1 * poisson1) / young1 + (1. - poisson2 * poisson2) / young2;
     4. / 3. * radius.sqrt() / compliance
 }
@@ -103,18 +99,14 @@ mod tests {
         for indentation in [1e-6, 3e-5, 4e-4] {
             // The differences err by (step/α)²/24 times about 1, and by rounding over step/α: 1e-9 in all.
             let step = 1e-5 * indentation;
-            let slope = |f: fn(&Hertz, f64) -> f64| {
-                (f(&law, indentation + step) - f(&law, indentation - step)) / (2. * step)
-            };
+            let slope =
+                |f: fn(&Hertz, f64) -> f64| (f(&law, indentation + step) - f(&law, indentation - step)) / (2. * step);
             let force = law.force(indentation);
             assert!((slope(Hertz::potential) / force - 1.).abs() < 1e-9);
             assert!((slope(Hertz::force) / law.tangent(indentation) - 1.).abs() < 1e-9);
         }
         for apart in [0., -1e-6, f64::NEG_INFINITY] {
-            assert_eq!(
-                [law.force(apart), law.tangent(apart), law.potential(apart)],
-                [0.; 3]
-            );
+            assert_eq!([law.force(apart), law.tangent(apart), law.potential(apart)], [0.; 3]);
         }
         assert!(law.force(f64::NAN).is_nan());
     }

@@ -1,8 +1,10 @@
-//! The contact of impactor and body: the local law.
+//! The contact of impactor and body: the local law, and where the body is loaded and read.
 //!
-//! Hertz's law (8) gives the force from the indentation α; where the body's displacement is read, and what part of the
-//! indentation it already holds, is the localisation's affair.
+//! [`Hertz`] gives the force from the indentation α (8); [`Localization`] is the vector a by which the body takes the
+//! force and shows its displacement (14).
 
-mod hertz;
+pub mod hertz;
+mod point;
 
-pub use hertz::{Hertz, contact_time, peak_force, stiffness};
+pub use hertz::Hertz;
+pub use point::Localization;

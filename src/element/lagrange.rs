@@ -19,19 +19,10 @@ impl Element {
     /// # Panics
     /// If the order is neither 1 nor 2: a scene admits no other.
     pub fn new(shape: Shape, order: usize) -> Self {
-        assert!(
-            matches!(order, 1 | 2),
-            "no Lagrange element of order {order}"
-        );
+        assert!(matches!(order, 1 | 2), "no Lagrange element of order {order}");
         let vertices = shape.reference_vertices();
-        let mean = |of: &&[usize]| {
-            [0, 1, 2].map(|d| of.iter().map(|&v| vertices[v][d]).sum::<f64>() / of.len() as f64)
-        };
-        Self {
-            shape,
-            order,
-            nodes: node_vertices(shape, order).iter().map(mean).collect(),
-        }
+        let mean = |of: &&[usize]| [0, 1, 2].map(|d| of.iter().map(|&v| vertices[v][d]).sum::<f64>() / of.len() as f64);
+        Self { shape, order, nodes: node_vertices(shape, order).iter().map(mean).collect() }
     }
 
     /// The shape of the reference cell.
@@ -69,9 +60,7 @@ impl Element {
             }
             Shape::Hexahedron | Shape::Quadrilateral => {
                 for (value, node) in out.iter_mut().zip(&self.nodes) {
-                    *value = (0..self.shape.dimension())
-                        .map(|d| line(self.order, node[d], xi[d]).0)
-                        .product();
+                    *value = (0..self.shape.dimension()).map(|d| line(self.order, node[d], xi[d]).0).product();
                 }
             }
         }
@@ -123,43 +112,16 @@ fn line(order: usize, node: f64, x: f64) -> (f64, f64) {
 /// Barycentric coordinates and their gradients; a triangle leaves the last ones 0.
 fn barycentric(shape: Shape, xi: [f64; 3]) -> ([f64; 4], [[f64; 3]; 4]) {
     match shape.dimension() {
-        2 => (
-            [1. - xi[0] - xi[1], xi[0], xi[1], 0.],
-            [[-1., -1., 0.], [1., 0., 0.], [0., 1., 0.], [0.; 3]],
-        ),
-        _ => (
-            [1. - xi[0] - xi[1] - xi[2], xi[0], xi[1], xi[2]],
-            [[-1.; 3], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]],
-        ),
+        2 => ([1. - xi[0] - xi[1], xi[0], xi[1], 0.], [[-1., -1., 0.], [1., 0., 0.], [0., 1., 0.], [0.; 3]]),
+        _ => ([1. - xi[0] - xi[1] - xi[2], xi[0], xi[1], xi[2]], [[-1.; 3], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]]),
     }
 }
 
 fn node_vertices(shape: Shape, order: usize) -> &'static [&'static [usize]] {
     let all: &'static [&'static [usize]] = match shape {
-        Shape::Tetrahedron => &[
-            &[0],
-            &[1],
-            &[2],
-            &[3],
-            &[0, 1],
-            &[1, 2],
-            &[2, 0],
-            &[0, 3],
-            &[1, 3],
-            &[2, 3],
-        ],
+        Shape::Tetrahedron => &[&[0], &[1], &[2], &[3], &[0, 1], &[1, 2], &[2, 0], &[0, 3], &[1, 3], &[2, 3]],
         Shape::Triangle => &[&[0], &[1], &[2], &[0, 1], &[1, 2], &[2, 0]],
-        Shape::Quadrilateral => &[
-            &[0],
-            &[1],
-            &[2],
-            &[3],
-            &[0, 1],
-            &[1, 2],
-            &[2, 3],
-            &[3, 0],
-            &[0, 1, 2, 3],
-        ],
+        Shape::Quadrilateral => &[&[0], &[1], &[2], &[3], &[0, 1], &[1, 2], &[2, 3], &[3, 0], &[0, 1, 2, 3]],
         Shape::Hexahedron => &[
             &[0],
             &[1],
@@ -190,9 +152,5 @@ fn node_vertices(shape: Shape, order: usize) -> &'static [&'static [usize]] {
             &[0, 1, 2, 3, 4, 5, 6, 7],
         ],
     };
-    if order == 1 {
-        &all[..shape.reference_vertices().len()]
-    } else {
-        all
-    }
+    if order == 1 { &all[..shape.reference_vertices().len()] } else { all }
 }

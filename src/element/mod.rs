@@ -53,4 +53,30 @@ impl Shape {
             Self::Quadrilateral => &[[-1., -1., 0.], [1., -1., 0.], [1., 1., 0.], [-1., 1., 0.]],
         }
     }
+
+    /// Shape of a cell's facets.
+    ///
+    /// # Panics
+    /// If this is a facet's shape itself.
+    pub fn facet(self) -> Self {
+        match self {
+            Self::Tetrahedron => Self::Triangle,
+            Self::Hexahedron => Self::Quadrilateral,
+            _ => panic!("{self:?} is no cell"),
+        }
+    }
+
+    /// Vertices of each facet of a cell, in right-handed order about the outward normal.
+    ///
+    /// # Panics
+    /// If this is a facet's shape itself.
+    pub fn facets(self) -> &'static [&'static [usize]] {
+        match self {
+            Self::Tetrahedron => &[&[1, 2, 3], &[0, 3, 2], &[0, 1, 3], &[0, 2, 1]],
+            Self::Hexahedron => {
+                &[&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]]
+            }
+            _ => panic!("{self:?} is no cell"),
+        }
+    }
 }

@@ -137,17 +137,11 @@ fn newton(patch: &Patch, p: Vector3<f64>, xi: Vector2<f64>) -> Vector2<f64> {
         if full.determinant() > 0. {
             hessian = full;
         }
-        step = hessian
-            .try_inverse()
-            .map_or(Vector2::zeros(), |inverse| inverse * step);
+        step = hessian.try_inverse().map_or(Vector2::zeros(), |inverse| inverse * step);
     } else {
         // Along one coordinate the patch is straight.
         for d in [0, 1] {
-            step[d] = if held[d] {
-                0.
-            } else {
-                step[d] / hessian[(d, d)]
-            };
+            step[d] = if held[d] { 0. } else { step[d] / hessian[(d, d)] };
         }
     }
     (xi + step).map(|x| x.clamp(-1., 1.))

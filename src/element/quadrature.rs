@@ -42,21 +42,14 @@ fn triangle4() -> Quadrature {
     let orbit = |a: f64| [1. - 2. * a, a, a];
     symmetric(
         Shape::Triangle,
-        &[
-            ((620. - w) / 7440., &orbit((8. - ten - a) / 18.)),
-            ((620. + w) / 7440., &orbit((8. - ten + a) / 18.)),
-        ],
+        &[((620. - w) / 7440., &orbit((8. - ten - a) / 18.)), ((620. + w) / 7440., &orbit((8. - ten + a) / 18.))],
     )
 }
 
 /// Walkington's 14-point rule of degree 5.
 fn tetrahedron5() -> Quadrature {
     let orbit = |a: f64| [1. - 3. * a, a, a, a];
-    let (a, b, c) = (
-        0.310_885_919_263_300_6,
-        0.092_735_250_310_891_23,
-        0.045_503_704_125_649_65,
-    );
+    let (a, b, c) = (0.310_885_919_263_300_6, 0.092_735_250_310_891_23, 0.045_503_704_125_649_65);
     symmetric(
         Shape::Tetrahedron,
         &[
@@ -69,10 +62,7 @@ fn tetrahedron5() -> Quadrature {
 
 /// A rule from its orbits: a weight and barycentric coordinates, taken in every distinct order.
 fn symmetric(shape: Shape, orbits: &[(f64, &[f64])]) -> Quadrature {
-    let mut rule = Quadrature {
-        points: Vec::new(),
-        weights: Vec::new(),
-    };
+    let mut rule = Quadrature { points: Vec::new(), weights: Vec::new() };
     for &(weight, barycentric) in orbits {
         for l in arrangements(barycentric) {
             let mut point = [0.; 3];
@@ -106,15 +96,9 @@ fn arrangements(values: &[f64]) -> Vec<Vec<f64>> {
 /// Gauss–Legendre in each coordinate.
 fn product(shape: Shape, degree: usize) -> Quadrature {
     let line = gauss_legendre(degree / 2 + 1);
-    let mut rule = Quadrature {
-        points: vec![[0.; 3]],
-        weights: vec![1.],
-    };
+    let mut rule = Quadrature { points: vec![[0.; 3]], weights: vec![1.] };
     for d in 0..shape.dimension() {
-        let mut next = Quadrature {
-            points: Vec::new(),
-            weights: Vec::new(),
-        };
+        let mut next = Quadrature { points: Vec::new(), weights: Vec::new() };
         for &(x, w) in &line {
             for (&point, &weight) in rule.points.iter().zip(&rule.weights) {
                 let mut point = point;
@@ -180,12 +164,7 @@ fn legendre(n: usize, x: f64) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    const SHAPES: [Shape; 4] = [
-        Shape::Triangle,
-        Shape::Tetrahedron,
-        Shape::Quadrilateral,
-        Shape::Hexahedron,
-    ];
+    const SHAPES: [Shape; 4] = [Shape::Triangle, Shape::Tetrahedron, Shape::Quadrilateral, Shape::Hexahedron];
 
     /// ∫ ξ^a η^b ζ^c over the reference cell: a! b! c! / (a+b+c+dimension)! on a simplex.
     fn exact_integral(shape: Shape, powers: [usize; 3]) -> f64 {
@@ -196,10 +175,7 @@ mod tests {
                 powers.iter().map(|&n| factorial(n)).product::<f64>()
                     / factorial(powers.iter().sum::<usize>() + dimension)
             }
-            _ => powers[..dimension]
-                .iter()
-                .map(|&n| if n % 2 == 0 { 2. / (n as f64 + 1.) } else { 0. })
-                .product(),
+            _ => powers[..dimension].iter().map(|&n| if n % 2 == 0 { 2. / (n as f64 + 1.) } else { 0. }).product(),
         }
     }
 
@@ -229,19 +205,12 @@ mod tests {
                                 .points
                                 .iter()
                                 .zip(&rule.weights)
-                                .map(|(p, w)| {
-                                    w * p[0].powi(a as i32)
-                                        * p[1].powi(b as i32)
-                                        * p[2].powi(c as i32)
-                                })
+                                .map(|(p, w)| w * p[0].powi(a as i32) * p[1].powi(b as i32) * p[2].powi(c as i32))
                                 .sum();
                             let exact = exact_integral(shape, [a, b, c]);
                             // Rounding of up to 7³ terms of size 1.
                             let error = (sum - exact).abs();
-                            assert!(
-                                error < 4e-15,
-                                "{shape:?} degree {degree}, {a} {b} {c}: {error:e}"
-                            );
+                            assert!(error < 4e-15, "{shape:?} degree {degree}, {a} {b} {c}: {error:e}");
                         }
                     }
                 }
@@ -262,16 +231,12 @@ mod tests {
     #[test]
     fn triangle_of_degree_4_is_the_symmetric_one() {
         let rule = Quadrature::exact(Shape::Triangle, 4);
-        for (l, w, q) in [
-            (0.816_847_572_980_459, 0.109_951_743_655_322, 0),
-            (0.108_103_018_168_070, 0.223_381_589_678_011, 3),
-        ] {
+        for (l, w, q) in
+            [(0.816_847_572_980_459, 0.109_951_743_655_322, 0), (0.108_103_018_168_070, 0.223_381_589_678_011, 3)]
+        {
             for q in q..q + 3 {
                 let [x, y, _] = rule.points[q];
-                let nearest = [x, y, 1. - x - y]
-                    .map(|b| (b - l).abs())
-                    .into_iter()
-                    .fold(1., f64::min);
+                let nearest = [x, y, 1. - x - y].map(|b| (b - l).abs()).into_iter().fold(1., f64::min);
                 assert!(nearest < 1e-15 && (2. * rule.weights[q] - w).abs() < 1e-15);
             }
         }

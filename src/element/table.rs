@@ -71,9 +71,7 @@ impl Table {
     /// Where point `q` lies in the cell with vertices `x`.
     pub fn position(&self, q: usize, x: &[[f64; 3]]) -> [f64; 3] {
         let values = &self.vertex_values[q * self.vertices..][..self.vertices];
-        values.iter().zip(x).fold([0.; 3], |sum, (&value, vertex)| {
-            [0, 1, 2].map(|c| sum[c] + value * vertex[c])
-        })
+        values.iter().zip(x).fold([0.; 3], |sum, (&value, vertex)| [0, 1, 2].map(|c| sum[c] + value * vertex[c]))
     }
 
     /// ∂x/∂ξ at point `q` of the cell with vertices `x`: row a component of x, column a reference coordinate.

@@ -22,13 +22,7 @@ pub struct PadForms {
 impl PadForms {
     /// Forms on a facet's shape with elements of order 1 or 2; `stiffness` k (N/m³) by component, `normal` into the pad,
     /// `displacement` ū of the pad (m).
-    pub fn new(
-        shape: Shape,
-        order: usize,
-        stiffness: [f64; 3],
-        normal: [f64; 3],
-        displacement: [f64; 3],
-    ) -> Self {
+    pub fn new(shape: Shape, order: usize, stiffness: [f64; 3], normal: [f64; 3], displacement: [f64; 3]) -> Self {
         let element = Element::new(shape, order);
         let table = Table::new(&element, &Quadrature::exact(shape, 2 * order));
         Self {
@@ -51,8 +45,7 @@ impl PadForms {
         out.fill(0.);
         for (q, area) in self.table.areas(x).enumerate() {
             let g = self.penetration(q, u);
-            let force =
-                [0, 1, 2].map(|i| area * self.stiffness[i] * positive_part(g[i]) * self.sign[i]);
+            let force = [0, 1, 2].map(|i| area * self.stiffness[i] * positive_part(g[i]) * self.sign[i]);
             add_point_load(self.table.values(q), force, out);
         }
     }
@@ -81,15 +74,9 @@ impl PadForms {
     pub fn potential(&self, x: &[[f64; 3]], u: &[f64]) -> f64 {
         let density = |q| {
             let g = self.penetration(q, u);
-            (0..3)
-                .map(|i| 0.5 * self.stiffness[i] * positive_part(g[i]).powi(2))
-                .sum::<f64>()
+            (0..3).map(|i| 0.5 * self.stiffness[i] * positive_part(g[i]).powi(2)).sum::<f64>()
         };
-        self.table
-            .areas(x)
-            .enumerate()
-            .map(|(q, area)| area * density(q))
-            .sum()
+        self.table.areas(x).enumerate().map(|(q, area)| area * density(q)).sum()
     }
 
     /// g at a point, by component.

@@ -20,10 +20,7 @@ impl Material {
     /// Lamé's λ and μ of (4), Pa.
     pub fn lame(&self) -> (f64, f64) {
         let Self { young, poisson, .. } = *self;
-        (
-            young * poisson / ((1. + poisson) * (1. - 2. * poisson)),
-            young / (2. * (1. + poisson)),
-        )
+        (young * poisson / ((1. + poisson) * (1. - 2. * poisson)), young / (2. * (1. + poisson)))
     }
 }
 
@@ -134,12 +131,7 @@ impl SolidForms {
     ///
     /// # Errors
     /// [`Tangled`].
-    pub fn load(
-        &self,
-        x: &[[f64; 3]],
-        f: impl Fn([f64; 3]) -> [f64; 3],
-        out: &mut [f64],
-    ) -> Result<(), Tangled> {
+    pub fn load(&self, x: &[[f64; 3]], f: impl Fn([f64; 3]) -> [f64; 3], out: &mut [f64]) -> Result<(), Tangled> {
         out.fill(0.);
         for q in 0..self.inertia.points() {
             let volume = volume(&self.inertia, q, x)?;
@@ -190,9 +182,5 @@ fn volume(table: &Table, q: usize, x: &[[f64; 3]]) -> Result<f64, Tangled> {
 }
 
 fn positive(determinant: f64) -> Result<f64, Tangled> {
-    if determinant > 0. {
-        Ok(determinant)
-    } else {
-        Err(Tangled { determinant })
-    }
+    if determinant > 0. { Ok(determinant) } else { Err(Tangled { determinant }) }
 }

@@ -17,11 +17,7 @@ impl SurfaceForms {
     pub fn new(shape: Shape, order: usize) -> Self {
         let element = Element::new(shape, order);
         let table = Table::new(&element, &Quadrature::exact(shape, 2 * order));
-        Self {
-            scale: vec![0.; table.points()],
-            block: vec![0.; table.nodes() * table.nodes()],
-            table,
-        }
+        Self { scale: vec![0.; table.points()], block: vec![0.; table.nodes() * table.nodes()], table }
     }
 
     /// Number of nodes of the facet.

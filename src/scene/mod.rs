@@ -1,10 +1,31 @@
 //! What the user wrote: parsed, checked, in SI units. Plain data that every constructor may read.
+//!
+//! The text's way: [`source`] (overrides applied) → `raw` (typed) → `check` (checked) → [`Scene`].
+
+mod check;
+mod decode;
+mod error;
+mod faces;
+mod fault;
+mod locate;
+mod overrides;
+mod raw;
+mod source;
+mod suggest;
+mod unavailable;
+mod values;
+
+use std::path::Path;
+
+pub use error::SceneError;
+pub use fault::Fault;
+pub use source::Source;
 
 /// A vector with one value per Cartesian component.
 pub type Vec3 = [f64; 3];
 
 /// One impact, checked: every number finite and in its range.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// Free text, shown in figures and results.
     pub title: String,
@@ -22,8 +43,36 @@ pub struct Scene {
     pub output: Output,
 }
 
+impl Scene {
+    /// Reads and checks a scene file after `overrides`, each `KEY=VALUE` with a dotted path for the key.
+    ///
+    /// # Errors
+    /// [`Error::Usage`](crate::Error::Usage) for a file that cannot be read as text;
+    /// [`Error::Scene`](crate::Error::Scene) for everything that is wrong in it or in an override.
+    pub fn read(path: &Path, overrides: &[String]) -> crate::Result<(Self, Source)> {
+        let refuse = |reason: String| crate::Error::Usage(format!("{}: {reason}", path.display()));
+        let bytes = std::fs::read(path).map_err(|reason| refuse(format!("the scene cannot be read: {reason}")))?;
+        let text = String::from_utf8(bytes).map_err(|reason| {
+            let good = &reason.as_bytes()[..reason.utf8_error().valid_up_to()];
+            refuse(format!("line {} is not text in UTF-8", locate::line(good, good.len())))
+        })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let source = Source::new(&path.display().to_string(), &text, overrides)?;
+        Ok((check::scene(&source, folder)?, source))
+    }
+
+    /// The scene in `text`, called `name` in messages; a mesh file is relative to the current folder.
+    ///
+    /// # Errors
+    /// Everything that is wrong in the text or in an override.
+    pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<(Self, Source), SceneError> {
+        let source = Source::new(name, text, overrides)?;
+        Ok((check::scene(&source, Path::new(""))?, source))
+    }
+}
+
 /// The elastic body: material, geometry, elements.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// Young's modulus E1, Pa.
     pub young: f64,
@@ -38,7 +87,7 @@ pub struct Body {
 }
 
 /// Where the mesh comes from.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Geometry {
     /// A box centred on the origin, cut into hexahedra.
     Box {
@@ -52,7 +101,7 @@ pub enum Geometry {
 }
 
 /// A term on one named surface.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Support {
     /// Name of the surface: of a box, or a physical name of the mesh file.
     pub surface: String,
@@ -65,7 +114,7 @@ pub struct Support {
 }
 
 /// What holds the body on a surface.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum SupportKind {
     /// Springs in both directions, (11).
     Elastic {
@@ -87,10 +136,12 @@ pub enum SupportKind {
 }
 
 /// The rigid impactor with one degree of freedom.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Impactor {
     /// m0, kg.
     pub mass: f64,
+    /// Radius R of the contact surface, m.
+    pub radius: f64,
     /// Contact stiffness k0, N/m^1.5: given, or (15).
     pub stiffness: f64,
     /// Speed along the direction at t = 0, m/s.
@@ -104,7 +155,7 @@ pub struct Impactor {
 }
 
 /// Forces other than the contact's, constant from t = 0 on.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Load {
     /// b of (1), N/m³.
     pub body_force: Vec3,
@@ -113,7 +164,7 @@ pub struct Load {
 }
 
 /// A constant traction on a named surface.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Traction {
     /// Name of the surface.
     pub surface: String,
@@ -122,7 +173,7 @@ pub struct Traction {
 }
 
 /// How long, and in which steps.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Time {
     /// End of the run, s.
     pub end: f64,
@@ -133,19 +184,19 @@ pub struct Time {
 }
 
 /// How a step is taken.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Scheme {
     /// Newmark (1959).
     Newmark {
-        /// β, > 0.
+        /// β, in (0, 1].
         beta: f64,
-        /// γ.
+        /// γ, in [0, 1].
         gamma: f64,
     },
 }
 
 /// What is written.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Output {
     /// Every n-th step goes into the series.
     pub every: usize,

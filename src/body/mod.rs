@@ -1,0 +1,11 @@
+//! What an impact needs of a body: operators, loads, and where it is hit.
+
+mod assembly;
+mod clamps;
+mod pads;
+mod solid;
+
+pub use assembly::{NodeGraph, Stopped, assemble, into_matrix, into_vector};
+pub use clamps::Clamps;
+pub use pads::Pads;
+pub use solid::Solid;

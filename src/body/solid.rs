@@ -1,0 +1,233 @@
+//! A 3D elastic body, assembled over a mesh.
+
+use petsc_wrap::{Matrix, Vector};
+
+use crate::agree::agree;
+use crate::contact::Localization;
+use crate::error::{Error, Result};
+use crate::form::{Material, SolidForms, SurfaceForms};
+use crate::mesh::Mesh;
+use crate::scene::{Fault, Scene, SupportKind, Vec3};
+
+use super::assembly::{NodeGraph, Stopped, assemble, into_matrix, into_vector};
+use super::{Clamps, Pads};
+
+/// The body's side of M ü + C u̇ + K u + p(u) = a F + f, three unknowns a node.
+///
+/// Matrices are those of all unknowns, held ones included; [`Clamps`] says which of them move.
+pub struct Solid {
+    /// M, kg.
+    pub mass: Matrix,
+    /// K of the elastic body alone, N/m.
+    pub elastic: Matrix,
+    /// K of the elastic supports (11), N/m.
+    pub support: Option<Matrix>,
+    /// C of the dampers (13), N s/m.
+    pub damping: Option<Matrix>,
+    /// Pads (12).
+    pub pads: Option<Pads>,
+    /// Held unknowns (2).
+    pub clamps: Clamps,
+    /// Body force and tractions, N.
+    pub load: Vector,
+    /// ∫ k ū·v dS of the elastic supports, N.
+    pub support_load: Vector,
+    /// ½ ∫ k ū·ū dS of the elastic supports, J.
+    pub support_offset: f64,
+    /// Where the impactor hits.
+    pub localization: Localization,
+}
+
+impl Solid {
+    /// Assembles a scene's body. Collective.
+    ///
+    /// # Errors
+    /// A fault of the scene that shows only on the mesh: a surface that is not there, a tangled cell, an impact point
+    /// off the body. PETSc's.
+    pub fn new(scene: &Scene, mesh: &Mesh) -> Result<Self> {
+        check_surfaces(scene, mesh)?;
+        let localization = Localization::point(mesh, &scene.impactor)?;
+        let graph = NodeGraph::new(&mesh.comm, mesh.owned_nodes, &mesh.cells, 0..mesh.cells.len())?;
+        let elastic = over_cells(scene, mesh, &graph, SolidForms::stiffness)?;
+        let mass = over_cells(scene, mesh, &graph, SolidForms::mass)?;
+        let stiffness = |kind: &SupportKind| match kind {
+            SupportKind::Elastic { stiffness } => *stiffness,
+            _ => [0.0; 3],
+        };
+        let springs: Vec<(&str, Vec3, Vec3)> =
+            scene.supports.iter().map(|s| (s.surface.as_str(), stiffness(&s.kind), s.displacement)).collect();
+        let dampers: Vec<(&str, Vec3, Vec3)> =
+            scene.supports.iter().map(|s| (s.surface.as_str(), s.damping, [0.0; 3])).collect();
+        let clamps = Clamps::new(mesh, &scene.supports)?;
+        let (support_load, support_offset) = support_load(mesh, &springs)?;
+        Ok(Self {
+            mass,
+            elastic,
+            support: over_facets(mesh, &springs)?,
+            damping: over_facets(mesh, &dampers)?,
+            pads: Pads::new(mesh, &scene.supports, &clamps)?,
+            load: load(scene, mesh)?,
+            support_load,
+            support_offset,
+            localization,
+            clamps,
+        })
+    }
+
+    /// Unknowns on all ranks.
+    pub fn unknowns(&self) -> usize {
+        self.load.len()
+    }
+
+    /// S = K + c1 C + c2 M, pads left out. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn combination(&self, c1: f64, c2: f64) -> Result<Matrix> {
+        let mut sum = self.elastic.duplicate()?;
+        sum.axpy(c2, &self.mass)?;
+        if let Some(support) = &self.support {
+            sum.axpy(1.0, support)?;
+        }
+        if let Some(damping) = &self.damping {
+            sum.axpy(c1, damping)?;
+        }
+        Ok(sum)
+    }
+}
+
+/// Every surface that the scene names must be one of the mesh.
+fn check_surfaces(scene: &Scene, mesh: &Mesh) -> Result<()> {
+    let supports = scene.supports.iter().enumerate().map(|(i, s)| (format!("support.{i}.surface"), &s.surface));
+    let tractions =
+        scene.load.traction.iter().enumerate().map(|(i, t)| (format!("load.traction.{i}.surface"), &t.surface));
+    for (key, name) in supports.chain(tractions) {
+        if !mesh.surfaces.contains_key(name) {
+            let known: Vec<String> = mesh.surfaces.keys().map(|name| format!("{name:?}")).collect();
+            let help = match known.as_slice() {
+                [] => "the mesh names no surface: give it physical surfaces in Gmsh".to_owned(),
+                known => format!("the mesh names {}", known.join(", ")),
+            };
+            return Err(Fault::new(key, format!("the mesh has no surface {name:?}"), help).into());
+        }
+    }
+    Ok(())
+}
+
+/// A kernel of the solid's forms, summed over all cells.
+fn over_cells(
+    scene: &Scene,
+    mesh: &Mesh,
+    graph: &NodeGraph,
+    kernel: impl Fn(&mut SolidForms, &[Vec3], &mut [f64]) -> std::result::Result<(), crate::form::Tangled>,
+) -> Result<Matrix> {
+    let mut forms = forms(scene, mesh);
+    let size = (3 * mesh.cells.nodes_each()).pow(2);
+    let mut matrix = graph.matrix()?;
+    let done = assemble(
+        &mesh.cells,
+        0..mesh.cells.len(),
+        size,
+        |_, x, block| kernel(&mut forms, x, block),
+        into_matrix(&mut matrix),
+    );
+    everywhere(mesh, done)?;
+    matrix.assemble()?;
+    matrix.declare_positive_definite()?;
+    Ok(matrix)
+}
+
+fn forms(scene: &Scene, mesh: &Mesh) -> SolidForms {
+    let body = &scene.body;
+    let material = Material { young: body.young, poisson: body.poisson, density: body.density };
+    SolidForms::new(mesh.cells.shape, mesh.cells.order, material)
+}
+
+/// ∫ k u·v dS summed over surfaces, each with its k; `None` where every k is zero.
+fn over_facets(mesh: &Mesh, terms: &[(&str, Vec3, Vec3)]) -> Result<Option<Matrix>> {
+    let terms: Vec<_> = terms.iter().filter(|(_, k, _)| k.iter().any(|k| *k != 0.0)).collect();
+    if terms.is_empty() {
+        return Ok(None);
+    }
+    let facets = &mesh.facets;
+    let chosen = || terms.iter().flat_map(|(name, _, _)| mesh.surfaces[*name].iter().copied());
+    let graph = NodeGraph::new(&mesh.comm, mesh.owned_nodes, facets, chosen())?;
+    let mut matrix = graph.matrix()?;
+    let mut forms = SurfaceForms::new(facets.shape, facets.order);
+    let size = (3 * facets.nodes_each()).pow(2);
+    for (name, k, _) in &terms {
+        let kernel = |_: usize, x: &[Vec3], block: &mut [f64]| {
+            forms.spring(x, *k, block);
+            Ok(())
+        };
+        everywhere(
+            mesh,
+            assemble(facets, mesh.surfaces[*name].iter().copied(), size, kernel, into_matrix(&mut matrix)),
+        )?;
+    }
+    matrix.assemble()?;
+    Ok(Some(matrix))
+}
+
+/// ∫ k ū·v dS and ½ ∫ k ū·ū dS of elastic supports.
+fn support_load(mesh: &Mesh, springs: &[(&str, Vec3, Vec3)]) -> Result<(Vector, f64)> {
+    let mut load = Vector::new(&mesh.comm, 3 * mesh.owned_nodes)?;
+    let mut twice_offset = Vector::new(&mesh.comm, 3 * mesh.owned_nodes)?;
+    for (name, k, u) in springs {
+        let traction = [0, 1, 2].map(|i| k[i] * u[i]);
+        if traction == [0.0; 3] {
+            continue;
+        }
+        let density = (0..3).map(|i| traction[i] * u[i]).sum::<f64>();
+        add_traction(mesh, name, traction, &mut load)?;
+        add_traction(mesh, name, [density, 0.0, 0.0], &mut twice_offset)?;
+    }
+    load.assemble()?;
+    twice_offset.assemble()?;
+    // The shape functions sum to one, so that the entries sum to the integral.
+    let mut ones = load.duplicate()?;
+    ones.fill(0.5)?;
+    let offset = twice_offset.dot(&ones)?;
+    Ok((load, offset))
+}
+
+/// Body force (1) and tractions (3).
+fn load(scene: &Scene, mesh: &Mesh) -> Result<Vector> {
+    let mut load = Vector::new(&mesh.comm, 3 * mesh.owned_nodes)?;
+    let force = scene.load.body_force;
+    if force != [0.0; 3] {
+        let forms = forms(scene, mesh);
+        let size = 3 * mesh.cells.nodes_each();
+        let kernel = |_: usize, x: &[Vec3], block: &mut [f64]| forms.load(x, |_| force, block);
+        everywhere(mesh, assemble(&mesh.cells, 0..mesh.cells.len(), size, kernel, into_vector(&mut load)))?;
+    }
+    for traction in &scene.load.traction {
+        add_traction(mesh, &traction.surface, traction.value, &mut load)?;
+    }
+    load.assemble()?;
+    Ok(load)
+}
+
+/// Adds ∫ f·v dS over a surface; the vector must be assembled afterwards.
+fn add_traction(mesh: &Mesh, surface: &str, f: Vec3, load: &mut Vector) -> Result<()> {
+    let facets = &mesh.facets;
+    let forms = SurfaceForms::new(facets.shape, facets.order);
+    let kernel = |_: usize, x: &[Vec3], block: &mut [f64]| {
+        forms.traction(x, |_| f, block);
+        Ok(())
+    };
+    let chosen = mesh.surfaces[surface].iter().copied();
+    everywhere(mesh, assemble(facets, chosen, 3 * facets.nodes_each(), kernel, into_vector(load)))
+}
+
+/// A tangled cell on one rank made a fault on all of them. Collective.
+fn everywhere(mesh: &Mesh, done: std::result::Result<(), Stopped>) -> Result<()> {
+    let done = match done {
+        Err(Stopped::Sink(error)) => return Err(Error::Petsc(error)),
+        Err(Stopped::Tangled([x, y, z])) => {
+            Err(format!("the mesh has a tangled cell at [{x:.6}, {y:.6}, {z:.6}]: its volume is not positive"))
+        }
+        Ok(()) => Ok(()),
+    };
+    agree(&mesh.comm, done).map_err(|message| Fault::new("body.mesh", message, "mend or remake the mesh").into())
+}

@@ -1,0 +1,104 @@
+//! A scene's geometry as cells, boundary facets by name, and numbered nodes, distributed over the ranks.
+//!
+//! DMPlex makes, reads and distributes the mesh ([`plex`]); the rest of the program sees plain arrays.
+
+mod locate;
+mod plex;
+
+use std::collections::BTreeMap;
+
+use petsc_wrap::{Comm, Int};
+
+use crate::element::{Element, Shape};
+
+pub use locate::Site;
+
+/// This rank's part of a mesh. Every cell is on one rank; nodes between ranks are owned by one of them.
+pub struct Mesh {
+    /// The ranks.
+    pub comm: Comm,
+    /// This rank's cells.
+    pub cells: Elements,
+    /// This rank's facets on the boundary of the whole body, vertices in right-handed order about the outward normal.
+    pub facets: Elements,
+    /// Every named surface, the same names on all ranks: indices into `facets`.
+    pub surfaces: BTreeMap<String, Vec<usize>>,
+    /// Nodes that this rank owns; their global numbers are contiguous.
+    pub owned_nodes: usize,
+    /// Nodes on all ranks.
+    pub nodes: usize,
+    /// Cells on all ranks.
+    pub total_cells: usize,
+    /// Diagonal of the box around the body, m.
+    pub diameter: f64,
+}
+
+/// Cells or facets of one shape with elements of one order.
+pub struct Elements {
+    /// Shape of each.
+    pub shape: Shape,
+    /// Order of the elements.
+    pub order: usize,
+    x: Vec<[f64; 3]>,
+    vertices_each: usize,
+    nodes: Vec<Int>,
+    nodes_each: usize,
+    element: Element,
+}
+
+impl Elements {
+    fn new(shape: Shape, order: usize) -> Self {
+        let element = Element::new(shape, order);
+        Self {
+            shape,
+            order,
+            x: Vec::new(),
+            vertices_each: shape.reference_vertices().len(),
+            nodes: Vec::new(),
+            nodes_each: element.nodes(),
+            element,
+        }
+    }
+
+    fn push(&mut self, x: impl IntoIterator<Item = [f64; 3]>, nodes: impl IntoIterator<Item = Int>) {
+        self.x.extend(x);
+        self.nodes.extend(nodes);
+    }
+
+    /// How many.
+    pub fn len(&self) -> usize {
+        self.x.len() / self.vertices_each
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.x.is_empty()
+    }
+
+    /// Nodes of each.
+    pub fn nodes_each(&self) -> usize {
+        self.nodes_each
+    }
+
+    /// Coordinates of the vertices of element `i`, m.
+    pub fn x(&self, i: usize) -> &[[f64; 3]] {
+        &self.x[i * self.vertices_each..(i + 1) * self.vertices_each]
+    }
+
+    /// Coordinates of the nodes of element `i`, m: each is the mean of the vertices that its edge, face or cell joins.
+    pub fn node_positions(&self, i: usize) -> impl Iterator<Item = [f64; 3]> {
+        let x = self.x(i);
+        self.element.node_vertices().iter().map(move |of| mean(of.iter().map(|&v| x[v])))
+    }
+
+    /// Global numbers of the nodes of element `i`; the unknowns of node n are 3n, 3n + 1, 3n + 2.
+    pub fn nodes(&self, i: usize) -> &[Int] {
+        &self.nodes[i * self.nodes_each..(i + 1) * self.nodes_each]
+    }
+}
+
+/// Mean of some points; there must be one.
+pub fn mean(points: impl ExactSizeIterator<Item = [f64; 3]>) -> [f64; 3] {
+    let n = points.len() as f64;
+    points.fold([0.0; 3], |sum, x| [0, 1, 2].map(|i| sum[i] + x[i] / n))
+}

@@ -1,0 +1,372 @@
+//! From a scene's geometry to a [`Mesh`], through DMPlex.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use mpi::collective::SystemOperation;
+use mpi::traits::CommunicatorCollectives;
+use petsc_wrap::{CellType, Comm, Int, Numbering, Plex};
+
+use crate::agree::agree;
+use crate::element::{Element, Shape};
+use crate::error::Result;
+use crate::scene::{Body, Fault, Geometry, Vec3};
+
+use super::{Elements, Mesh};
+
+/// Label of the facets on the boundary of the whole body.
+const BOUNDARY: &str = "ricochet boundary";
+
+/// Labels that DMPlex makes by itself.
+const INTERNAL: [&str; 8] =
+    ["celltype", "depth", "Cell Sets", "Face Sets", "Edge Sets", "Vertex Sets", "marker", BOUNDARY];
+
+impl Mesh {
+    /// Makes or reads the mesh and spreads it over the ranks. Collective.
+    ///
+    /// # Errors
+    /// A mesh file that cannot be used (a fault of `body.mesh`), the same on all ranks; PETSc's.
+    pub fn new(comm: &Comm, body: &Body) -> Result<Self> {
+        let plex = match &body.geometry {
+            Geometry::Box { size, cells } => {
+                let upper = size.map(|edge| edge / 2.0);
+                Plex::hexahedral_box(comm, *cells, upper.map(|x| -x), upper)?
+            }
+            Geometry::Gmsh(path) => read(comm, path)?,
+        };
+        plex.label_boundary(BOUNDARY)?;
+        let plex = plex.distribute()?;
+        let names: Vec<String> = match &body.geometry {
+            Geometry::Box { .. } => Vec::new(),
+            Geometry::Gmsh(_) => plex.labels()?.into_iter().filter(|name| !INTERNAL.contains(&name.as_str())).collect(),
+        };
+        let shape = shape(&plex)?;
+        let part = Part::new(&plex, shape, body.order)?;
+        let (cells, facets, marks) = part.elements(&names)?;
+        let mut surfaces: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+        match &body.geometry {
+            Geometry::Box { size, .. } => name_box_surfaces(&facets, *size, &mut surfaces),
+            Geometry::Gmsh(_) => {
+                for (name, mark) in names.into_iter().zip(marks) {
+                    if check_surface(comm, &name, &mark)? {
+                        surfaces.insert(name, mark.facets);
+                    }
+                }
+            }
+        }
+        let sum = |local: usize| {
+            let mut total = 0;
+            comm.mpi().all_reduce_into(&local, &mut total, SystemOperation::sum());
+            total
+        };
+        Ok(Self {
+            nodes: sum(part.numbering.owned),
+            total_cells: sum(cells.len()),
+            owned_nodes: part.numbering.owned,
+            diameter: diameter(comm, &cells),
+            comm: comm.clone(),
+            cells,
+            facets,
+            surfaces,
+        })
+    }
+}
+
+/// Reads a Gmsh file; rank 0 looks first, so that the commonest mistakes reach all ranks as one fault.
+fn read(comm: &Comm, path: &Path) -> Result<Plex> {
+    let looked = if comm.is_root() { look(path) } else { Ok(()) };
+    agree(comm, looked).map_err(|message| {
+        let help = "give the path, relative to the scene file, of a mesh saved by Gmsh as MSH 2.2 or 4.1";
+        Fault::new("body.mesh", message, help)
+    })?;
+    // A file that breaks off later stops rank 0 alone, inside the collective call: only then are the others aborted.
+    Plex::gmsh(comm, path).map_err(|error| {
+        let message = format!("{} cannot be read as a Gmsh mesh: {error}", path.display());
+        Fault::new("body.mesh", message, "save it again from Gmsh as MSH 2.2 or 4.1, elements of order 1").on_one_rank().into()
+    })
+}
+
+/// Whether the file opens, begins as a Gmsh file of a known version, and holds nodes and elements.
+fn look(path: &Path) -> std::result::Result<(), String> {
+    let shown = path.display();
+    let bytes = std::fs::read(path).map_err(|error| format!("{shown} cannot be read: {error}"))?;
+    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(200)]);
+    let mut lines = head.lines();
+    if lines.next().map(str::trim) != Some("$MeshFormat") {
+        return Err(format!("{shown} is not a Gmsh mesh: it does not begin with $MeshFormat"));
+    }
+    let version = lines.next().and_then(|line| line.split_whitespace().next()).unwrap_or_default();
+    if !["2.2", "4.1"].contains(&version) {
+        return Err(format!("{shown} is of Gmsh's format {version:?}; read are 2.2 and 4.1"));
+    }
+    for section in ["Nodes", "Elements"] {
+        for mark in [format!("${section}"), format!("$End{section}")] {
+            if !bytes.windows(mark.len()).any(|window| window == mark.as_bytes()) {
+                return Err(format!("{shown} holds no {mark}: the file is empty or cut off"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The one shape of all cells.
+fn shape(plex: &Plex) -> Result<Shape> {
+    let fault = |message: String| {
+        Fault::new("body.mesh", message, "mesh the volume with tetrahedra, or with hexahedra, and save all elements")
+    };
+    let comm = plex.comm();
+    if plex.dimension()? != 3 {
+        return Err(fault(format!("the mesh is of dimension {}, a solid needs 3", plex.dimension()?)).into());
+    }
+    let (mut counts, mut totals) = ([0usize; 3], [0usize; 3]);
+    for cell in plex.points(3)? {
+        counts[match plex.cell_type(cell)? {
+            CellType::Tetrahedron => 0,
+            CellType::Hexahedron => 1,
+            _ => 2,
+        }] += 1;
+    }
+    comm.mpi().all_reduce_into(&counts, &mut totals, SystemOperation::sum());
+    match totals {
+        [0, 0, 0] => Err(fault("the mesh has no cells".to_owned()).into()),
+        [_, 0, 0] => Ok(Shape::Tetrahedron),
+        [0, _, 0] => Ok(Shape::Hexahedron),
+        [tetrahedra, hexahedra, others] => Err(fault(format!(
+            "the mesh mixes shapes: {tetrahedra} tetrahedra, {hexahedra} hexahedra, {others} others"
+        ))
+        .into()),
+    }
+}
+
+/// What a physical name marks on this rank.
+#[derive(Default)]
+struct Mark {
+    /// Facets on the boundary of the body, by index.
+    facets: Vec<usize>,
+    /// Faces inside the body.
+    inside: usize,
+}
+
+/// This rank's part of a mesh while it is turned into arrays.
+struct Part<'a> {
+    plex: &'a Plex,
+    shape: Shape,
+    order: usize,
+    numbering: Numbering,
+    coordinates: Vec<Vec3>,
+    first_vertex: Int,
+    first_face: Int,
+    first_edge: Int,
+    /// Vertices of each edge, and of each face, unordered.
+    edges: Vec<Vec<Int>>,
+    faces: Vec<Vec<Int>>,
+}
+
+impl<'a> Part<'a> {
+    fn new(plex: &'a Plex, shape: Shape, order: usize) -> Result<Self> {
+        // Which points carry a node of the element: P1 and Q1 vertices, P2 also edges, Q2 every point.
+        let numbering = plex.number(|dimension| match (shape, order) {
+            (_, 1) => usize::from(dimension == 0),
+            (Shape::Tetrahedron, _) => usize::from(dimension <= 1),
+            _ => 1,
+        })?;
+        let coordinates = plex.vertex_coordinates()?;
+        let known = coordinates.ok_or("the mesh has curved cells (elements of higher order)".to_owned());
+        let coordinates = agree(plex.comm(), known).map_err(|message| {
+            Fault::new(
+                "body.mesh",
+                message,
+                "save it from Gmsh with Mesh.ElementOrder = 1; body.order sets the elements'",
+            )
+        })?;
+        let edges = plex.points(1)?.map(|edge| Ok(plex.cone(edge)?.to_vec())).collect::<Result<Vec<_>>>()?;
+        let first_edge = plex.points(1)?.start;
+        let faces = plex
+            .points(2)?
+            .map(|face| {
+                let mut vertices = Vec::with_capacity(4);
+                for edge in plex.cone(face)? {
+                    vertices.extend(&edges[(edge - first_edge) as usize]);
+                }
+                vertices.sort_unstable();
+                vertices.dedup();
+                Ok(vertices)
+            })
+            .collect::<Result<Vec<_>>>()?;
+        let (first_vertex, first_face) = (plex.points(0)?.start, plex.points(2)?.start);
+        Ok(Self { plex, shape, order, numbering, coordinates, first_vertex, first_face, first_edge, edges, faces })
+    }
+
+    /// Cells, boundary facets, and what each name marks among the latter.
+    fn elements(&self, names: &[String]) -> Result<(Elements, Elements, Vec<Mark>)> {
+        let element = Element::new(self.shape, self.order);
+        let facet_shape = self.shape.facet();
+        let facet_element = Element::new(facet_shape, self.order);
+        let mut cells = Elements::new(self.shape, self.order);
+        let mut facets = Elements::new(facet_shape, self.order);
+        let mut marks: Vec<Mark> = names.iter().map(|_| Mark::default()).collect();
+        for cell in self.plex.points(3)? {
+            let closure = Closure::new(self, cell)?;
+            cells.push(closure.x.iter().copied(), element.node_vertices().iter().map(|v| closure.node(v)));
+            for local in self.shape.facets() {
+                let face = closure.point(local);
+                let boundary = self.plex.has_label(BOUNDARY, face)?;
+                for (name, mark) in names.iter().zip(&mut marks) {
+                    if self.plex.has_label(name, face)? {
+                        if boundary {
+                            mark.facets.push(facets.len());
+                        } else {
+                            mark.inside += 1;
+                        }
+                    }
+                }
+                if boundary {
+                    let nodes = facet_element.node_vertices().iter().map(|vertices| {
+                        let in_cell: Vec<usize> = vertices.iter().map(|&i| local[i]).collect();
+                        closure.node(&in_cell)
+                    });
+                    facets.push(local.iter().map(|&i| closure.x[i]), nodes);
+                }
+            }
+        }
+        Ok((cells, facets, marks))
+    }
+}
+
+/// A cell with the points that bound it, told apart by the cell's vertices that they hold.
+struct Closure<'a> {
+    part: &'a Part<'a>,
+    x: Vec<Vec3>,
+    /// Bit i is set where the point holds the cell's vertex i.
+    points: Vec<(u8, Int)>,
+}
+
+impl<'a> Closure<'a> {
+    fn new(part: &'a Part, cell: Int) -> Result<Self> {
+        let closure = part.plex.closure(cell)?;
+        let vertex_range = part.plex.points(0)?;
+        let mut vertices: Vec<Int> = closure.iter().copied().filter(|point| vertex_range.contains(point)).collect();
+        // DMPlex lists the bottom of a hexahedron the other way round.
+        if part.shape == Shape::Hexahedron {
+            vertices.swap(1, 3);
+        }
+        let at = |vertex: &Int| part.coordinates[(vertex - part.first_vertex) as usize];
+        let x: Vec<Vec3> = vertices.iter().map(at).collect();
+        if orientation(part.shape, &x) < 0.0 {
+            // A mirrored cell is the same cell: the file only lists its vertices in the other order.
+            match part.shape {
+                Shape::Tetrahedron => vertices.swap(0, 1),
+                _ => vertices.rotate_left(4),
+            }
+        }
+        let x = vertices.iter().map(at).collect();
+        let mask = |of: &[Int]| {
+            let bit = |vertex| vertices.iter().position(|v| v == vertex).map_or(0, |i| 1u8 << i);
+            of.iter().fold(0, |mask, vertex| mask | bit(vertex))
+        };
+        let points = closure
+            .iter()
+            .map(|&point| {
+                let of = if vertex_range.contains(&point) {
+                    mask(&[point])
+                } else if let Some(vertices) = part.edge(point) {
+                    mask(vertices)
+                } else if let Some(vertices) = part.face(point) {
+                    mask(vertices)
+                } else {
+                    mask(&vertices)
+                };
+                (of, point)
+            })
+            .collect();
+        Ok(Self { part, x, points })
+    }
+
+    /// The point that holds just these vertices of the cell.
+    fn point(&self, vertices: &[usize]) -> Int {
+        let mask = vertices.iter().fold(0u8, |mask, &i| mask | 1 << i);
+        let found = self.points.iter().find(|(of, _)| *of == mask);
+        found.expect("DMPlex interpolates edges and faces of every cell").1
+    }
+
+    /// Global number of the node on the point that holds just these vertices.
+    fn node(&self, vertices: &[usize]) -> Int {
+        self.part.numbering.first(self.point(vertices)).0
+    }
+}
+
+impl Part<'_> {
+    fn edge(&self, point: Int) -> Option<&[Int]> {
+        let index = usize::try_from(point - self.first_edge).ok()?;
+        self.edges.get(index).map(Vec::as_slice)
+    }
+
+    fn face(&self, point: Int) -> Option<&[Int]> {
+        let index = usize::try_from(point - self.first_face).ok()?;
+        self.faces.get(index).map(Vec::as_slice)
+    }
+}
+
+/// Triple product of three edges: negative for a mirrored cell. A hexahedron's edges join centres of opposite faces.
+fn orientation(shape: Shape, x: &[Vec3]) -> f64 {
+    let edge = |from: &[usize], to: &[usize]| {
+        let [a, b] = [from, to].map(|of| super::mean(of.iter().map(|&i| x[i])));
+        nalgebra::Vector3::from(b) - nalgebra::Vector3::from(a)
+    };
+    let [a, b, c] = match shape {
+        Shape::Tetrahedron => [edge(&[0], &[1]), edge(&[0], &[2]), edge(&[0], &[3])],
+        _ => {
+            [edge(&[0, 3, 4, 7], &[1, 2, 5, 6]), edge(&[0, 1, 4, 5], &[2, 3, 6, 7]), edge(&[0, 1, 2, 3], &[4, 5, 6, 7])]
+        }
+    };
+    a.cross(&b).dot(&c)
+}
+
+/// Names the facets of a box by where they lie.
+fn name_box_surfaces(facets: &Elements, size: Vec3, surfaces: &mut BTreeMap<String, Vec<usize>>) {
+    let names = [["x-min", "x-max"], ["y-min", "y-max"], ["z-min", "z-max"]];
+    for name in names.iter().flatten().chain(&["side", "top", "bottom"]) {
+        surfaces.insert((*name).to_owned(), Vec::new());
+    }
+    for i in 0..facets.len() {
+        let x = facets.x(i);
+        for (axis, names) in names.iter().enumerate() {
+            // A facet lies in a face when all its vertices do; half a cell is far more than rounding.
+            let mean = x.iter().map(|x| x[axis]).sum::<f64>() / x.len() as f64;
+            let flat = x.iter().all(|x| (x[axis] - mean).abs() < 1e-9 * size[axis]);
+            if !flat || mean.abs() < 0.499_999 * size[axis] {
+                continue;
+            }
+            let upper = mean > 0.0;
+            let group = if axis < 2 { "side" } else { ["bottom", "top"][usize::from(upper)] };
+            for name in [names[usize::from(upper)], group] {
+                surfaces.entry(name.to_owned()).or_default().push(i);
+            }
+        }
+    }
+}
+
+/// Whether a name marks a surface (and not a volume or a curve); one with faces inside the body is refused.
+fn check_surface(comm: &Comm, name: &str, mark: &Mark) -> Result<bool> {
+    let (counts, mut totals) = ([mark.facets.len(), mark.inside], [0usize; 2]);
+    comm.mpi().all_reduce_into(&counts, &mut totals, SystemOperation::sum());
+    if totals[1] > 0 {
+        let message = format!("the physical surface {name:?} has {} faces inside the body", totals[1]);
+        return Err(Fault::new("body.mesh", message, "name only surfaces on the boundary of the volume").into());
+    }
+    Ok(totals[0] > 0)
+}
+
+/// Diagonal of the box around all cells.
+fn diameter(comm: &Comm, cells: &Elements) -> f64 {
+    let mut bounds = [f64::NEG_INFINITY; 6];
+    for x in (0..cells.len()).flat_map(|i| cells.x(i)) {
+        for axis in 0..3 {
+            bounds[axis] = bounds[axis].max(x[axis]);
+            bounds[3 + axis] = bounds[3 + axis].max(-x[axis]);
+        }
+    }
+    let mut all = [0.0f64; 6];
+    comm.mpi().all_reduce_into(&bounds, &mut all, SystemOperation::max());
+    (0..3).map(|axis| (all[axis] + all[3 + axis]).powi(2)).sum::<f64>().sqrt()
+}

@@ -1,0 +1,92 @@
+//! The impactor: what it is, where it hits, and how.
+
+use super::super::values::{Number, Three};
+use super::super::{Body, Geometry, Impactor, SceneError, Source, Vec3, faces, raw};
+use super::numbers::show;
+use crate::contact::hertz;
+
+pub(super) fn check(source: &Source, raw: &raw::Impactor, body: &Body) -> Result<Impactor, SceneError> {
+    let mass = source.positive("impactor.mass", raw.mass.0, "the mass m0 in kg")?;
+    let radius = source.positive("impactor.radius", raw.radius.0, "the radius R of the rounded end in m")?;
+    let speed =
+        source.positive("impactor.speed", raw.speed.0, "the speed in m/s at t = 0; `direction` says which way")?;
+    let Number(gap) = raw.gap.unwrap_or(Number(0.0));
+    source.not_negative("impactor.gap", [gap; 3], "a distance in m, 0 or more")?;
+    let direction = raw.direction.map_or([0.0, 0.0, -1.0], Three::numbers);
+    let direction = source.unit("impactor.direction", direction)?;
+    Ok(Impactor {
+        mass,
+        radius,
+        stiffness: stiffness(source, raw, body, radius)?,
+        speed,
+        point: point(source, raw, &body.geometry, direction)?,
+        direction,
+        gap,
+    })
+}
+
+/// The given contact stiffness, or (15). What is given of the elastic constants is checked in either case.
+fn stiffness(source: &Source, raw: &raw::Impactor, body: &Body, radius: f64) -> Result<f64, SceneError> {
+    if let Some(Number(young)) = raw.young {
+        source.positive("impactor.young", young, "Young's modulus in Pa")?;
+    }
+    if let Some(Number(poisson)) = raw.poisson {
+        source.finite("impactor.poisson", &[poisson])?;
+        if !(poisson > -1.0 && poisson <= 0.5) {
+            let message = format!("{poisson} is out of range");
+            return Err(source.error("impactor.poisson", message, "above -1 and at most 0.5"));
+        }
+    }
+    if let Some(Number(stiffness)) = raw.stiffness {
+        let help = "the contact stiffness k0 in N/m^1.5; left out, it follows from (15)";
+        return source.positive("impactor.stiffness", stiffness, help);
+    }
+    let required = |key: &str| {
+        let help = "give `young` and `poisson` for (15), or the contact stiffness itself as `stiffness`";
+        source.error(&format!("impactor.{key}"), "this key is required", help)
+    };
+    let Number(young) = raw.young.ok_or_else(|| required("young"))?;
+    let Number(poisson) = raw.poisson.ok_or_else(|| required("poisson"))?;
+    let value = hertz::stiffness(radius, (body.young, body.poisson), (young, poisson));
+    if value.is_finite() && value > 0.0 {
+        return Ok(value);
+    }
+    Err(source.error(
+        "impactor.young",
+        format!("the contact stiffness (15) comes out as {value}"),
+        "see that young and radius are in Pa and m, or give `stiffness` itself",
+    ))
+}
+
+fn point(source: &Source, raw: &raw::Impactor, geometry: &Geometry, direction: Vec3) -> Result<Vec3, SceneError> {
+    let path = "impactor.point";
+    let given = raw.point.map(Three::numbers);
+    if let Some(point) = given {
+        source.finite(path, &point)?;
+    }
+    let size = match (geometry, given) {
+        (Geometry::Box { size, .. }, Some(_)) => *size,
+        (Geometry::Box { size, .. }, None) => return Ok(faces::struck_centre(*size, direction)),
+        (Geometry::Gmsh(_), Some(point)) => return Ok(point),
+        (Geometry::Gmsh(_), None) => {
+            let help = "`point = [x, y, z]` in m on the surface of the mesh";
+            return Err(source.error(path, "a body from a mesh file needs this key", help));
+        }
+    };
+    let point = given.unwrap_or_default();
+    let off = faces::distance(size, point);
+    if off > faces::tolerance(size) {
+        let [x, y, z] = size.map(|edge| show(edge / 2.0));
+        let message = format!("the impact point is {off:.2e} m away from the body's surface");
+        let help = format!("the faces of the box are at x = ±{x}, y = ±{y} and z = ±{z}");
+        return Err(source.error(path, message, help));
+    }
+    if !faces::leads_inside(size, point, direction) {
+        let key = if raw.direction.is_some() { "impactor.direction" } else { path };
+        let [x, y, z] = direction.map(show);
+        let message = format!("the impactor moves along [{x}, {y}, {z}], which does not lead into the body here");
+        let help = "a direction against the outward normal of the face at the impact point";
+        return Err(source.error(key, message, help));
+    }
+    Ok(point)
+}

@@ -1,0 +1,90 @@
+//! From typed values to a checked scene: ranges, defaults, and what keys mean together.
+
+mod body;
+mod impactor;
+mod numbers;
+mod support;
+mod time;
+
+use std::path::Path;
+
+use super::decode::decode;
+use super::error::SceneError;
+use super::values::Whole;
+use super::{Geometry, Load, Output, Scene, Source, Traction, Vec3, faces, raw, suggest, unavailable};
+
+/// The scene of a source, with mesh files relative to `folder`.
+///
+/// # Errors
+/// The first fault found.
+pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError> {
+    unavailable::refuse(source)?;
+    let raw = decode(source)?;
+    word(source, "contact.localization", &raw.contact.localization, &["point"])?;
+    word(source, "solver.newton", &raw.solver.newton, &["full"])?;
+    let body = body::check(source, &raw.body, folder)?;
+    let supports = raw
+        .support
+        .0
+        .iter()
+        .enumerate()
+        .map(|(number, support)| support::check(source, number, support, &body.geometry))
+        .collect::<Result<_, _>>()?;
+    let load = load(source, &raw.load, &body.geometry)?;
+    let impactor = impactor::check(source, &raw.impactor, &body)?;
+    let time = time::check(source, &raw.time, &impactor)?;
+    Ok(Scene {
+        title: raw.title.unwrap_or_default(),
+        output: output(source, &raw.output)?,
+        body,
+        supports,
+        impactor,
+        load,
+        time,
+    })
+}
+
+fn load(source: &Source, raw: &raw::Load, geometry: &Geometry) -> Result<Load, SceneError> {
+    let body_force = raw.body_force.map_or([0.0; 3], |force| force.numbers());
+    source.finite("load.body_force", &body_force)?;
+    let mut traction = Vec::new();
+    for (number, entry) in raw.traction.0.iter().enumerate() {
+        surface(source, &format!("load.traction.{number}.surface"), &entry.surface, geometry)?;
+        let value: Vec3 = entry.value.numbers();
+        source.finite(&format!("load.traction.{number}.value"), &value)?;
+        traction.push(Traction { surface: entry.surface.clone(), value });
+    }
+    Ok(Load { body_force, traction })
+}
+
+fn output(source: &Source, raw: &raw::Output) -> Result<Output, SceneError> {
+    let Whole(every) = raw.every.unwrap_or(Whole(1));
+    let every = source.whole("output.every", every, 1..=1_000_000_000)?;
+    Ok(Output { every })
+}
+
+/// The one of `words` that was given, or the first of them where nothing was.
+fn word<'a>(source: &Source, path: &str, given: &Option<String>, words: &[&'a str]) -> Result<&'a str, SceneError> {
+    let Some(given) = given else {
+        return Ok(words[0]);
+    };
+    words.iter().copied().find(|word| word == given).ok_or_else(|| {
+        let message = format!("there is no \"{given}\" here");
+        source.error(path, message, suggest::help(given, words, '"'))
+    })
+}
+
+/// A surface's name is checked for a box; the names of a mesh file are known once it is read.
+fn surface(source: &Source, path: &str, name: &str, geometry: &Geometry) -> Result<(), SceneError> {
+    match geometry {
+        Geometry::Box { .. } if !faces::SURFACES.contains(&name) => Err(source.error(
+            path,
+            format!("a box has no surface \"{name}\""),
+            suggest::help(name, &faces::SURFACES, '"'),
+        )),
+        Geometry::Gmsh(_) if name.is_empty() => {
+            Err(source.error(path, "the name is empty", "the physical name of a surface in the mesh file"))
+        }
+        _ => Ok(()),
+    }
+}

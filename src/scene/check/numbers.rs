@@ -1,0 +1,67 @@
+//! Checks of one number, or of a few that stand at one key.
+
+use std::ops::RangeInclusive;
+
+use super::super::{SceneError, Source, Vec3};
+
+/// A number as a person writes it.
+pub(super) fn show(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
+}
+
+impl Source {
+    /// # Errors
+    /// A value that is infinite or not a number.
+    pub(super) fn finite(&self, path: &str, values: &[f64]) -> Result<(), SceneError> {
+        match values.iter().find(|value| !value.is_finite()) {
+            Some(value) => Err(self.error(path, format!("{value} is not finite"), "a finite number")),
+            None => Ok(()),
+        }
+    }
+
+    /// The value, which is finite and positive; `help` says what it means and in which unit.
+    pub(super) fn positive(&self, path: &str, value: f64, help: &str) -> Result<f64, SceneError> {
+        self.finite(path, &[value])?;
+        if value > 0.0 {
+            Ok(value)
+        } else {
+            let message = format!("must be positive, but is {}", show(value));
+            Err(self.error(path, message, help))
+        }
+    }
+
+    /// The values, which are finite and not negative.
+    pub(super) fn not_negative(&self, path: &str, values: Vec3, help: &str) -> Result<Vec3, SceneError> {
+        self.finite(path, &values)?;
+        match values.into_iter().find(|value| *value < 0.0) {
+            Some(value) => {
+                let message = format!("must not be negative, but is {}", show(value));
+                Err(self.error(path, message, help))
+            }
+            None => Ok(values),
+        }
+    }
+
+    /// The whole number, which lies in `range`.
+    pub(super) fn whole(&self, path: &str, value: i64, range: RangeInclusive<usize>) -> Result<usize, SceneError> {
+        usize::try_from(value).ok().filter(|value| range.contains(value)).ok_or_else(|| {
+            let message = format!("{value} is out of range");
+            let help = format!("a whole number from {} to {}", range.start(), range.end());
+            self.error(path, message, help)
+        })
+    }
+
+    /// The vector at length one.
+    pub(super) fn unit(&self, path: &str, vector: Vec3) -> Result<Vec3, SceneError> {
+        self.finite(path, &vector)?;
+        // Scaled first, so that no square overflows or vanishes.
+        let largest = vector.into_iter().fold(0.0_f64, |l, v| l.max(v.abs()));
+        if largest == 0.0 {
+            let help = "three numbers [x, y, z], not all zero; the length does not matter";
+            return Err(self.error(path, "a zero vector has no direction", help));
+        }
+        let scaled = vector.map(|v| v / largest);
+        let length = scaled.iter().map(|v| v * v).sum::<f64>().sqrt();
+        Ok(scaled.map(|v| v / length))
+    }
+}

@@ -1,0 +1,62 @@
+//! What is wrong in a scene: which key, in which line, and what would be right.
+
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+
+/// A fault in a scene or in an override of one. Its text is `name:line: key: message`; as a [`Diagnostic`] it also
+/// carries the source with the place marked, and what would be right.
+#[derive(Debug, thiserror::Error)]
+#[error("{}:{line}: {key}: {message}", excerpt.source.name())]
+pub struct SceneError {
+    key: String,
+    line: usize,
+    message: String,
+    excerpt: Box<Excerpt>,
+}
+
+/// The source, the place in it, and the help.
+#[derive(Debug)]
+pub(super) struct Excerpt {
+    pub source: NamedSource<String>,
+    pub mark: LabeledSpan,
+    pub help: String,
+}
+
+impl SceneError {
+    pub(super) fn new(key: String, line: usize, message: String, excerpt: Excerpt) -> Self {
+        Self { key, line, message, excerpt: Box::new(excerpt) }
+    }
+
+    /// Dotted path of the key that is wrong or missing, as `support.0.stiffness`.
+    pub fn key(&self) -> &str {
+        &self.key
+    }
+
+    /// Its line, from 1; for a missing key the line of the table where it belongs.
+    pub fn line(&self) -> usize {
+        self.line
+    }
+
+    /// What is wrong, without the place.
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
+    /// What would be right.
+    pub fn advice(&self) -> &str {
+        &self.excerpt.help
+    }
+}
+
+impl Diagnostic for SceneError {
+    fn help<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
+        Some(Box::new(&self.excerpt.help))
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        Some(&self.excerpt.source)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        Some(Box::new(std::iter::once(self.excerpt.mark.clone())))
+    }
+}

@@ -1,0 +1,89 @@
+//! The surface of a box centred on the origin: names, points, faces.
+
+use super::Vec3;
+
+/// Names of the surfaces of a box; "side" is all four faces with a horizontal normal.
+pub(super) const SURFACES: [&str; 9] = ["side", "top", "bottom", "x-min", "x-max", "y-min", "y-max", "z-min", "z-max"];
+
+/// Distance of `point` from the surface of the box, from inside or outside.
+pub(super) fn distance(size: Vec3, point: Vec3) -> f64 {
+    let beyond = beyond(size, point);
+    let depth = beyond.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    if depth <= 0.0 {
+        -depth
+    } else {
+        let [x, y, z] = beyond.map(|b| b.max(0.0));
+        x.hypot(y).hypot(z)
+    }
+}
+
+/// How near to the surface counts as on it: room for the digits of a typed number, and no more.
+pub(super) fn tolerance(size: Vec3) -> f64 {
+    1e-9 * size.into_iter().fold(0.0, f64::max)
+}
+
+/// Whether a unit `direction` at a `point` on the surface leads into the box, through any of the faces there.
+pub(super) fn leads_inside(size: Vec3, point: Vec3, direction: Vec3) -> bool {
+    // Along a face is not into it, whatever the last digit says.
+    const INWARD: f64 = -1e-9;
+    let beyond = beyond(size, point);
+    (0..3).any(|i| beyond[i].abs() <= tolerance(size) && direction[i] * point[i].signum() < INWARD)
+}
+
+/// Centre of the face that a body moving along `direction` from outside hits squarest: the one across the
+/// direction's largest component.
+pub(super) fn struck_centre(size: Vec3, direction: Vec3) -> Vec3 {
+    let axis = (0..3).fold(0, |best, i| if direction[i].abs() >= direction[best].abs() { i } else { best });
+    let mut centre = [0.0; 3];
+    centre[axis] = -direction[axis].signum() * size[axis] / 2.0;
+    centre
+}
+
+/// How far the point lies beyond the faces across each axis; negative between them.
+fn beyond(size: Vec3, point: Vec3) -> Vec3 {
+    std::array::from_fn(|i| point[i].abs() - size[i] / 2.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: Vec3 = [2.0, 4.0, 6.0];
+
+    #[test]
+    fn distance_is_to_the_nearest_point_of_the_surface() {
+        for (point, expected) in [
+            ([0.0, 0.0, 0.0], 1.0),
+            ([0.9, 0.0, 0.0], 0.1),
+            ([0.0, 1.8, 2.9], 0.1),
+            ([0.0, 0.0, -3.0], 0.0),
+            ([4.0, 6.0, 0.0], 5.0),
+            ([-2.0, 4.0, 5.0], 3.0),
+        ] {
+            // Exact up to the rounding of the decimals.
+            assert!((distance(SIZE, point) - expected).abs() < 1e-15, "{point:?}");
+        }
+    }
+
+    #[test]
+    fn at_an_edge_any_face_lets_the_impactor_in() {
+        let edge = [1.0, 0.0, 3.0];
+        assert!(leads_inside(SIZE, edge, [-1.0, 0.0, 0.0]));
+        assert!(leads_inside(SIZE, edge, [0.0, 0.0, -1.0]));
+        assert!(leads_inside(SIZE, edge, [0.8, 0.0, -0.6]));
+        assert!(!leads_inside(SIZE, edge, [0.0, 1.0, 0.0]));
+        assert!(!leads_inside(SIZE, edge, [0.6, 0.0, 0.8]));
+        assert!(!leads_inside(SIZE, [0.0, 0.0, 3.0], [-1.0, 0.0, 0.0]));
+    }
+
+    #[test]
+    fn the_struck_face_is_across_the_largest_component() {
+        assert_eq!(struck_centre(SIZE, [0.0, 0.0, -1.0]), [0.0, 0.0, 3.0]);
+        assert_eq!(struck_centre(SIZE, [0.8, 0.0, -0.6]), [-1.0, 0.0, 0.0]);
+        for direction in [[0.0, 1.0, 0.0], [0.48, -0.6, 0.64]] {
+            let centre = struck_centre(SIZE, direction);
+            assert_eq!(distance(SIZE, centre), 0.0);
+            assert!(leads_inside(SIZE, centre, direction));
+        }
+    }
+}

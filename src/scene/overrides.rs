@@ -1,0 +1,116 @@
+//! Overrides `KEY=VALUE` of single keys, written into the text of a scene.
+
+use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
+
+/// One override, as given and taken apart.
+#[derive(Debug, Clone)]
+pub(super) struct Override {
+    /// `KEY=VALUE`.
+    pub given: String,
+    /// The key's path.
+    pub segments: Vec<String>,
+    value: Value,
+}
+
+impl Override {
+    /// Takes `KEY=VALUE` apart. What does not read as a TOML value is a bare string.
+    ///
+    /// # Errors
+    /// What is wrong, when there is no `=` or no key.
+    pub fn new(given: &str) -> Result<Self, String> {
+        let (key, value) =
+            given.split_once('=').ok_or("an override has the form KEY=VALUE, and this one has no `=`")?;
+        let segments: Vec<String> = key.split('.').map(|part| part.trim().to_owned()).collect();
+        if segments.iter().any(String::is_empty) {
+            return Err("its KEY is not a path of names and numbers joined by single dots".into());
+        }
+        let value = value.trim();
+        Ok(Self { given: given.to_owned(), segments, value: value.parse().unwrap_or_else(|_| Value::from(value)) })
+    }
+
+    /// Writes the value into the document; tables on the way are made where they are missing.
+    ///
+    /// # Errors
+    /// What is wrong, when the path runs through something that is not a table, or past the end of an array.
+    pub fn apply(&self, document: &mut DocumentMut) -> Result<(), String> {
+        let segments: Vec<&str> = self.segments.iter().map(String::as_str).collect();
+        in_table(document.as_table_mut(), false, &segments, &self.value)
+    }
+}
+
+fn in_table(table: &mut dyn TableLike, inline: bool, segments: &[&str], value: &Value) -> Result<(), String> {
+    let [segment, rest @ ..] = segments else {
+        return Err("a whole entry cannot be replaced: name one of its keys".into());
+    };
+    if !rest.is_empty() {
+        let item = table
+            .entry(segment)
+            .or_insert_with(|| if inline { Item::Value(InlineTable::new().into()) } else { Item::Table(Table::new()) });
+        return in_item(item, segment, rest, value);
+    }
+    match table.get_mut(segment) {
+        Some(Item::Value(old)) => replace(old, value),
+        _ => {
+            table.insert(segment, Item::Value(value.clone()));
+        }
+    }
+    Ok(())
+}
+
+fn in_item(item: &mut Item, name: &str, rest: &[&str], value: &Value) -> Result<(), String> {
+    match item {
+        Item::Table(table) => in_table(table, false, rest, value),
+        Item::Value(Value::InlineTable(table)) => in_table(table, true, rest, value),
+        Item::Value(Value::Array(array)) => in_array(array, name, rest, value),
+        Item::ArrayOfTables(tables) => {
+            let index = index(name, rest[0], tables.len())?;
+            tables
+                .get_mut(index)
+                .map_or_else(|| Err(past_the_end(name, index, 0)), |table| in_table(table, false, &rest[1..], value))
+        }
+        Item::Value(_) | Item::None => Err(not_a_table(name, rest[0])),
+    }
+}
+
+fn in_array(array: &mut Array, name: &str, rest: &[&str], value: &Value) -> Result<(), String> {
+    let length = array.len();
+    let index = index(name, rest[0], length)?;
+    let Some(entry) = array.get_mut(index) else {
+        return Err(past_the_end(name, index, length));
+    };
+    match (&rest[1..], entry) {
+        ([], entry) => {
+            replace(entry, value);
+            Ok(())
+        }
+        (rest, Value::InlineTable(table)) => in_table(table, true, rest, value),
+        (deeper, Value::Array(inner)) => in_array(inner, rest[0], deeper, value),
+        (deeper, _) => Err(not_a_table(rest[0], deeper[0])),
+    }
+}
+
+fn index(name: &str, segment: &str, length: usize) -> Result<usize, String> {
+    let index = segment
+        .parse()
+        .map_err(|_| format!("`{name}` is an array: `{segment}` should be the number of an entry, from 0"))?;
+    if index < length { Ok(index) } else { Err(past_the_end(name, index, length)) }
+}
+
+fn past_the_end(name: &str, index: usize, length: usize) -> String {
+    match length {
+        0 => format!("`{name}` has no entries, so there is no number {index}"),
+        1 => format!("`{name}` has one entry, number 0, so there is no number {index}"),
+        _ => format!("`{name}` has {length} entries, numbers 0 to {}, so there is no number {index}", length - 1),
+    }
+}
+
+fn not_a_table(name: &str, segment: &str) -> String {
+    format!("`{name}` holds a single value, so there is no `{segment}` in it")
+}
+
+/// Keeps the white space and the comment around the old value.
+fn replace(old: &mut Value, new: &Value) {
+    let decor = old.decor().clone();
+    *old = new.clone();
+    *old.decor_mut() = decor;
+}

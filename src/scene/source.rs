@@ -1,0 +1,137 @@
+//! The text of a scene after its overrides, and errors that point into it.
+
+use std::ops::Range;
+
+use miette::{LabeledSpan, NamedSource};
+use toml_edit::{Document, DocumentMut};
+
+use super::error::{Excerpt, SceneError};
+use super::locate::{self, locate};
+use super::overrides::Override;
+
+/// The text of a scene after its overrides: all that is needed to repeat the run.
+#[derive(Debug, Clone)]
+pub struct Source {
+    name: String,
+    text: String,
+    overrides: Vec<Override>,
+}
+
+/// What an error underlines.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Mark {
+    Key,
+    Value,
+}
+
+impl Source {
+    /// Checks that `text` is TOML and writes the overrides into it.
+    pub(super) fn new(name: &str, text: &str, overrides: &[String]) -> Result<Self, SceneError> {
+        let mut source = Self { name: name.to_owned(), text: text.to_owned(), overrides: Vec::new() };
+        let mut document =
+            Document::parse(text).map_err(|error| source.syntax(error.message(), error.span()))?.into_mut();
+        for given in overrides {
+            let entry = Override::new(given)
+                .and_then(|entry| entry.apply(&mut document).map(|()| entry))
+                .map_err(|message| on_command_line(given, message))?;
+            source.overrides.push(entry);
+        }
+        if !overrides.is_empty() {
+            source.text = written(&document, overrides)?;
+        }
+        Ok(source)
+    }
+
+    /// Name of the scene in messages: its file.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The full text after overrides: a valid TOML document.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// An error at the key of a dotted path, as `support.0.surface`; where the key is missing, at its table.
+    /// `message` says what is wrong, `help` what would be right.
+    pub fn error(&self, path: &str, message: impl Into<String>, help: impl Into<String>) -> SceneError {
+        let segments: Vec<&str> = path.split('.').collect();
+        self.error_at(&segments, Mark::Value, message.into(), help.into())
+    }
+
+    /// [`error`](Self::error) for a path in segments, which may hold dots, with the key or the value underlined.
+    pub(super) fn error_at(&self, segments: &[&str], mark: Mark, mut message: String, help: String) -> SceneError {
+        // The text was parsed when the source was made; were it not to parse, the error would point to its start.
+        let document = Document::parse(self.text.as_str()).unwrap_or_else(|_| Document::default());
+        let place = locate(&document, segments);
+        let line = locate::line(self.text.as_bytes(), place.key.start);
+        let (span, label) = match segments.get(place.depth) {
+            Some(missing) if place.depth > 0 => (place.key, Some(format!("`{missing}` belongs here"))),
+            Some(_) => (place.key, None),
+            None if mark == Mark::Key => (place.key, None),
+            None => (place.value, None),
+        };
+        if let Some(entry) = self.overrides.iter().rev().find(|entry| {
+            entry.segments.len() <= segments.len() && entry.segments.iter().eq(&segments[..entry.segments.len()])
+        }) {
+            message = format!("{message} (set by --set {})", entry.given);
+        }
+        let key = segments.join(".");
+        self.fault(key, line, span, label, (message, help))
+    }
+
+    fn fault(
+        &self,
+        key: String,
+        line: usize,
+        span: Range<usize>,
+        label: Option<String>,
+        (message, help): (String, String),
+    ) -> SceneError {
+        let name = if self.overrides.is_empty() { self.name.clone() } else { format!("{} (after --set)", self.name) };
+        let excerpt = Excerpt {
+            source: NamedSource::new(name, self.text.clone()),
+            mark: LabeledSpan::new_with_span(label, span),
+            help,
+        };
+        SceneError::new(key, line, message, excerpt)
+    }
+
+    /// An error of the TOML grammar; the key is what stands left of the fault in its line.
+    fn syntax(&self, message: &str, span: Option<Range<usize>>) -> SceneError {
+        let end = self.text.len();
+        let span = span.map_or(end..end, |span| span.start.min(end)..span.end.min(end));
+        let start = self.text[..span.start].rfind('\n').map_or(0, |at| at + 1);
+        let line = self.text[start..].lines().next().unwrap_or_default();
+        let key = line.split('=').next().unwrap_or_default();
+        let key = key.trim().trim_matches(['[', ']']).to_owned();
+        let number = locate::line(self.text.as_bytes(), span.start);
+        let message = format!("not valid TOML: {}", message.replace('\n', "; "));
+        let help = "a line is `key = value`, `[table]` or `[[array of tables]]`; text stands in \"quotes\"";
+        self.fault(key, number, span, None, (message, help.into()))
+    }
+}
+
+/// The document as text, checked to be TOML again.
+fn written(document: &DocumentMut, overrides: &[String]) -> Result<String, SceneError> {
+    let text = document.to_string();
+    match Document::parse(text.as_str()) {
+        Ok(_) => Ok(text),
+        Err(error) => Err(on_command_line(
+            &overrides.join(" "),
+            format!("the scene does not stay valid TOML: {}", error.message()),
+        )),
+    }
+}
+
+/// An error in an override itself.
+fn on_command_line(given: &str, message: String) -> SceneError {
+    let text = format!("--set {given}");
+    let key = given.split('=').next().unwrap_or_default().trim();
+    let excerpt = Excerpt {
+        mark: LabeledSpan::new_with_span(None, "--set ".len()..text.len()),
+        help: "write KEY=VALUE with the key's dotted path: time.step=1e-6, support.0.stiffness=1e9".into(),
+        source: NamedSource::new("command line", text),
+    };
+    SceneError::new(key.to_owned(), 1, format!("{message} (--set {given})"), excerpt)
+}

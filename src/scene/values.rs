@@ -1,0 +1,162 @@
+//! Types of values, with error texts that say what was expected.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
+
+use super::Vec3;
+
+/// A real number; a whole one will do.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Number(pub f64);
+
+/// A whole number.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Whole(pub i64);
+
+/// Three entries, one a direction.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Three<T>(pub [T; 3]);
+
+/// One value by Cartesian component, or one for all.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ByComponent(pub Vec3);
+
+/// Any number of entries.
+#[derive(Debug)]
+pub(super) struct List<T>(pub Vec<T>);
+
+impl<T> Default for List<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl Three<Number> {
+    /// The three numbers.
+    pub fn numbers(self) -> Vec3 {
+        self.0.map(|number| number.0)
+    }
+}
+
+impl<'de> Deserialize<'de> for Number {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(NumberVisitor)
+    }
+}
+
+struct NumberVisitor;
+
+impl Visitor<'_> for NumberVisitor {
+    type Value = Number;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a number, as 0.05 or 70e9")
+    }
+
+    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Number, E> {
+        Ok(Number(value))
+    }
+
+    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Number, E> {
+        Ok(Number(value as f64))
+    }
+}
+
+impl<'de> Deserialize<'de> for Whole {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(WholeVisitor)
+    }
+}
+
+struct WholeVisitor;
+
+impl Visitor<'_> for WholeVisitor {
+    type Value = Whole;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a whole number, as 20")
+    }
+
+    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Whole, E> {
+        Ok(Whole(value))
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Three<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ThreeVisitor(PhantomData))
+    }
+}
+
+struct ThreeVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for ThreeVisitor<T> {
+    type Value = Three<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("three numbers [x, y, z]")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut entries: A) -> Result<Three<T>, A::Error> {
+        let mut all = Vec::new();
+        while let Some(entry) = entries.next_element()? {
+            all.push(entry);
+        }
+        all.try_into().map(Three).map_err(|all: Vec<T>| de::Error::invalid_length(all.len(), &self))
+    }
+}
+
+impl<'de> Deserialize<'de> for ByComponent {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ByComponentVisitor)
+    }
+}
+
+struct ByComponentVisitor;
+
+impl<'de> Visitor<'de> for ByComponentVisitor {
+    type Value = ByComponent;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("one number, or three [x, y, z]")
+    }
+
+    fn visit_f64<E: de::Error>(self, value: f64) -> Result<ByComponent, E> {
+        Ok(ByComponent([value; 3]))
+    }
+
+    fn visit_i64<E: de::Error>(self, value: i64) -> Result<ByComponent, E> {
+        self.visit_f64(value as f64)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, entries: A) -> Result<ByComponent, A::Error> {
+        let three: Three<Number> = ThreeVisitor(PhantomData).visit_seq(entries)?;
+        Ok(ByComponent(three.numbers()))
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for List<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ListVisitor(PhantomData))
+    }
+}
+
+struct ListVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for ListVisitor<T> {
+    type Value = List<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("an array; tables in one have headers in double brackets, as [[support]]")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut entries: A) -> Result<List<T>, A::Error> {
+        let mut all = Vec::new();
+        while let Some(entry) = entries.next_element()? {
+            all.push(entry);
+        }
+        Ok(List(all))
+    }
+}
