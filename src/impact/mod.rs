@@ -1,3 +1,256 @@
 //! One impact: body, impactor and contact law in time.
+//!
+//! M ü + C u̇ + K u + p(u) = a F(δ) + f,  m0 q̈ = −F(δ),  δ = q − gap − aᵀu  (10), (14), from rest at t = 0.
 
+mod ledger;
+mod newton;
+mod state;
 pub mod step;
+
+use std::ops::ControlFlow;
+
+use petsc_wrap::{Comm, Ksp, Vector};
+
+use crate::body::Solid;
+use crate::contact::{Hertz, hertz};
+use crate::error::{Error, Result};
+use crate::scene::{self, Scene};
+use crate::scheme::Newmark;
+
+use ledger::Ledger;
+use newton::Newton;
+pub use state::State;
+use step::{Contact, Motion, Step};
+
+/// Newton's residual, as a part of the largest force that a half-space would see.
+const FORCE_TOLERANCE: f64 = 1e-10;
+
+/// A body under an impactor, ready to run.
+pub struct Impact {
+    comm: Comm,
+    body: Solid,
+    impactor: scene::Impactor,
+    law: Hertz,
+    scheme: Newmark,
+    step: f64,
+    steps: usize,
+    newton: Newton,
+    ledger: Ledger,
+    state: State,
+    /// Force and displacements at hand while a step is taken.
+    work: Vector,
+    product: Vector,
+    /// Newton iterations so far.
+    pub iterations: usize,
+}
+
+impl Impact {
+    /// An impact of the scene on its body: sets up the Newton matrix and the initial state. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn new(comm: &Comm, scene: &Scene, mut body: Solid) -> Result<Self> {
+        let scene::Scheme::Newmark { beta, gamma } = scene.time.scheme;
+        let (impactor, scheme) = (scene.impactor.clone(), Newmark { beta, gamma });
+        let law = Hertz { stiffness: impactor.stiffness };
+        let step = scene.time.step;
+        let update = scheme.update(step);
+        let scale = hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed).max(body.load.norm_max()?);
+        let newton = Newton::new(comm, &body, update, impactor.mass, FORCE_TOLERANCE * scale)?;
+        let state = initial(comm, &mut body, &impactor)?;
+        let (work, product) = (body.load.duplicate()?, body.load.duplicate()?);
+        let ledger = Ledger::new(&body)?;
+        Ok(Self {
+            comm: comm.clone(),
+            body,
+            impactor,
+            law,
+            scheme,
+            step,
+            steps: steps(scene.time.end, step),
+            newton,
+            ledger,
+            state,
+            work,
+            product,
+            iterations: 0,
+        })
+    }
+
+    /// Number of steps to the end.
+    pub fn steps(&self) -> usize {
+        self.steps
+    }
+
+    /// The body.
+    pub fn body(&self) -> &Solid {
+        &self.body
+    }
+
+    /// The state reached.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Takes another state for the initial one.
+    pub fn set_state(&mut self, state: State) {
+        self.state = state;
+    }
+
+    /// Runs to the end, or until `observe`, which gets the initial state and every accepted step, breaks off. Collective.
+    ///
+    /// # Errors
+    /// [`Error::Solve`] with step, time and residual where Newton's method does not converge; the observer's; PETSc's.
+    pub fn run(&mut self, mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<()> {
+        let mut flow = observe(&self.observed(0)?)?;
+        for number in 1..=self.steps {
+            if flow.is_break() {
+                break;
+            }
+            self.advance(number)?;
+            flow = observe(&self.observed(number)?)?;
+        }
+        Ok(())
+    }
+
+    /// One step of Newmark's method: solves for the increments D of u and q.
+    fn advance(&mut self, number: usize) -> Result<()> {
+        let update = self.scheme.update(self.step);
+        let State { u, v, a, q } = &mut self.state;
+        // What the equations at t_{n+1} hold without D: f + k ū − K u_n − M a* − C v*, with a* and v* the updates for D = 0.
+        let mut known = self.body.load.duplicate()?;
+        known.copy_from(&self.body.load)?;
+        known.axpy(1.0, &self.body.support_load)?;
+        subtract(&mut known, Some(&self.body.elastic), u, &mut self.product)?;
+        subtract(&mut known, self.body.support.as_ref(), u, &mut self.product)?;
+        combine(&mut self.work, update.a, v, a)?;
+        subtract(&mut known, Some(&self.body.mass), &self.work, &mut self.product)?;
+        if self.body.damping.is_some() {
+            combine(&mut self.work, update.v, v, a)?;
+            subtract(&mut known, self.body.damping.as_ref(), &self.work, &mut self.product)?;
+        }
+        self.body.clamps.zero(&mut known)?;
+        let (_, free) = update.apply(0.0, q.velocity, q.acceleration);
+        let known_impactor = -self.impactor.mass * free;
+        // Newton starts from the increment at constant acceleration.
+        let (step, half) = (self.step, 0.5 * self.step * self.step);
+        combine(&mut self.work, [step, half], v, a)?;
+        let guess = step * q.velocity + half * q.acceleration;
+        let approach = q.position - self.impactor.gap - self.body.localization.vector.dot(u)?;
+        let problem = newton::Step {
+            u,
+            known: (&known, known_impactor),
+            approach,
+            law: self.law,
+            pads: self.body.pads.as_mut(),
+        };
+        let (increment, iterations) = self
+            .newton
+            .solve(problem, (&mut self.work, guess))
+            .map_err(|error| describe(error, number, number as f64 * self.step, self.newton.tolerance))?;
+        self.iterations += iterations;
+        self.ledger.account(&self.body, &self.work, self.step)?;
+        u.axpy(1.0, &self.work)?;
+        // v ← c1 D + v*, a ← c2 D + a*
+        combine(&mut self.product, update.a, v, a)?;
+        self.product.axpy(update.c2, &self.work)?;
+        v.scale(update.v[0])?;
+        v.axpy(update.v[1], a)?;
+        v.axpy(update.c1, &self.work)?;
+        a.copy_from(&self.product)?;
+        let (velocity, acceleration) = update.apply(increment, q.velocity, q.acceleration);
+        *q = state::Impactor { position: q.position + increment, velocity, acceleration };
+        Ok(())
+    }
+
+    /// The state as observers see it.
+    fn observed(&mut self, number: usize) -> Result<Step> {
+        let surface_displacement = self.body.localization.vector.dot(&self.state.u)?;
+        let q = self.state.q;
+        let indentation = q.position - self.impactor.gap - surface_displacement;
+        let force = self.law.force(indentation);
+        let energy = self.ledger.energy(
+            &mut self.body,
+            &self.state,
+            0.5 * self.impactor.mass * q.velocity * q.velocity,
+            self.law.potential(indentation),
+        )?;
+        Ok(Step {
+            number,
+            time: number as f64 * self.step,
+            impactor: Motion {
+                position: q.position,
+                velocity: q.velocity,
+                acceleration: force / self.impactor.mass,
+            },
+            contact: Contact { force, indentation, surface_displacement },
+            energy,
+        })
+    }
+
+    /// The ranks.
+    pub fn comm(&self) -> &Comm {
+        &self.comm
+    }
+}
+
+/// Steps that reach the end; the last may pass it by less than a step.
+pub fn steps(end: f64, step: f64) -> usize {
+    // A part of 1e-9 of a step is rounding in end/step.
+    (end / step - 1e-9).ceil().max(1.0) as usize
+}
+
+/// out ← factors[0] v + factors[1] a.
+fn combine(out: &mut Vector, factors: [f64; 2], v: &Vector, a: &Vector) -> Result<()> {
+    out.copy_from(v)?;
+    out.scale(factors[0])?;
+    out.axpy(factors[1], a)?;
+    Ok(())
+}
+
+/// out ← out − matrix·x, nothing without a matrix.
+fn subtract(out: &mut Vector, matrix: Option<&petsc_wrap::Matrix>, x: &Vector, product: &mut Vector) -> Result<()> {
+    if let Some(matrix) = matrix {
+        matrix.mult(x, product)?;
+        out.axpy(-1.0, product)?;
+    }
+    Ok(())
+}
+
+/// At rest and undeformed, held unknowns at ū; the acceleration is that of the loads, M ü = f − K u − p(u).
+fn initial(comm: &Comm, body: &mut Solid, impactor: &scene::Impactor) -> Result<State> {
+    let mut u = body.load.duplicate()?;
+    u.copy_from(&body.clamps.displacement)?;
+    let mut force = body.load.duplicate()?;
+    let mut product = body.load.duplicate()?;
+    // add_force adds p: the sign is turned by what follows.
+    if let Some(pads) = &mut body.pads {
+        pads.add_force(&u, &mut force)?;
+    }
+    force.aypx(-1.0, &body.load)?;
+    force.axpy(1.0, &body.support_load)?;
+    subtract(&mut force, Some(&body.elastic), &u, &mut product)?;
+    subtract(&mut force, body.support.as_ref(), &u, &mut product)?;
+    body.clamps.zero(&mut force)?;
+    let mut a = force.duplicate()?;
+    if force.norm_max()? > 0.0 {
+        let mut mass = body.mass.duplicate()?;
+        mass.zero_rows_columns(&body.clamps.rows, 1.0)?;
+        mass.declare_positive_definite()?;
+        Ksp::new(comm, "mass_", &mass)?.solve(&force, &mut a)?;
+    }
+    let v = u.duplicate()?;
+    Ok(State { u, v, a, q: state::Impactor { position: 0.0, velocity: impactor.speed, acceleration: 0.0 } })
+}
+
+/// A solver's failure told with step, time and residual.
+fn describe(error: petsc_wrap::Error, number: usize, time: f64, tolerance: f64) -> Error {
+    match error {
+        petsc_wrap::Error::Diverged(failure) => Error::Solve(format!(
+            "step {number}, t = {time:.6e} s: Newton's method did not converge: {} after {} iterations, residual {:.3e} N \
+             (wanted: {tolerance:.3e} N). A smaller time.step helps in most cases; -snes_monitor shows the iterations",
+            failure.reason, failure.iterations, failure.norm
+        )),
+        other => Error::Petsc(other),
+    }
+}
