@@ -52,7 +52,12 @@ fn in_table(
     let [segment, rest @ ..] = segments else {
         return Err("a whole entry cannot be replaced: name one of its keys".into());
     };
-    if !rest.is_empty() {
+    if let [next, ..] = rest {
+        if table.get(segment).is_none() && next.parse::<usize>().is_ok() {
+            return Err(format!(
+                "`{segment}` is not given, so it has no entry {next}"
+            ));
+        }
         let item = table.entry(segment).or_insert_with(|| {
             if inline {
                 Item::Value(InlineTable::new().into())

@@ -96,7 +96,7 @@ fn word<'a>(
         .copied()
         .find(|word| word == given)
         .ok_or_else(|| {
-            let message = format!("there is no \"{given}\" here");
+            let message = format!("\"{given}\" is not one of its values");
             source.error(path, message, suggest::help(given, words, '"'))
         })
 }
