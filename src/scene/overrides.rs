@@ -2,6 +2,9 @@
 
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
+/// The parts of the longest path, `load.traction.0.value.0`; a bound, so that a path cannot exhaust the stack.
+const DEEPEST: usize = 5;
+
 /// One override, as given and taken apart.
 #[derive(Debug, Clone)]
 pub(super) struct Override {
@@ -24,6 +27,12 @@ impl Override {
         let segments: Vec<String> = key.split('.').map(|part| part.trim().to_owned()).collect();
         if segments.iter().any(String::is_empty) {
             return Err("its KEY is not a path of names and numbers joined by single dots".into());
+        }
+        if segments.len() > DEEPEST {
+            return Err(format!(
+                "its KEY has {} parts, and no key of a scene has more than {DEEPEST}",
+                segments.len()
+            ));
         }
         let value = value.trim();
         Ok(Self {

@@ -324,6 +324,7 @@ fn overrides() -> Vec<BadScene> {
         set("override without a value", &["time.step"], &["command line", "no `=`", "--set time.step"], ("time.step", 1)),
         set("override without a key", &["=1"], &["--set =1", "path of names"], ("=1", 1)),
         set("override with an empty name", &["time..step=1"], &["--set time..step=1"], ("time..step", 1)),
+        set("override too deep", &["a.b.c.d.e.f=1"], &["6 parts", "--set a.b.c.d.e.f=1"], ("a.b.c.d.e.f", 1)),
         set("override past the end", &["support.3.stiffness=1e9"], &["3 entries, numbers 0 to 2", "--set support.3.stiffness=1e9"], ("support.3.stiffness", 1)),
         set("override of no entry", &["support.side.stiffness=1e9"], &["`support` is an array", "number of an entry"], ("support.side.stiffness", 1)),
         set("override below a number", &["time.step.size=1"], &["`step` holds a single value"], ("time.step.size", 1)),

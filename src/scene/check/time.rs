@@ -27,8 +27,8 @@ pub(super) fn check(
         );
         return Err(source.error("time.step", message, "at most time.end"));
     }
-    // A step of zero is one that underflowed; it fails here too.
-    if !(end / step <= MOST_STEPS) {
+    // A default step that underflowed to zero fails here too.
+    if end / step > MOST_STEPS {
         let key = if raw.step.is_some() {
             "time.step"
         } else {
