@@ -44,9 +44,7 @@ impl Gather {
     pub fn fetch(&mut self, from: &Vector) -> Result<ReadGuard<'_>> {
         let (insert, forward) = (sys::InsertMode::INSERT_VALUES, sys::ScatterMode::SCATTER_FORWARD);
         // SAFETY: all are valid here and below; PETSc checks the layouts.
-        check(unsafe {
-            sys::VecScatterBegin(self.scatter.raw(), from.raw(), self.here.raw(), insert, forward)
-        })?;
+        check(unsafe { sys::VecScatterBegin(self.scatter.raw(), from.raw(), self.here.raw(), insert, forward) })?;
         // SAFETY: as above.
         check(unsafe { sys::VecScatterEnd(self.scatter.raw(), from.raw(), self.here.raw(), insert, forward) })?;
         self.here.read()

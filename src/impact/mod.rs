@@ -137,13 +137,8 @@ impl Impact {
         combine(&mut self.work, [step, half], v, a)?;
         let guess = step * q.velocity + half * q.acceleration;
         let approach = q.position - self.impactor.gap - self.body.localization.vector.dot(u)?;
-        let problem = newton::Step {
-            u,
-            known: (&known, known_impactor),
-            approach,
-            law: self.law,
-            pads: self.body.pads.as_mut(),
-        };
+        let problem =
+            newton::Step { u, known: (&known, known_impactor), approach, law: self.law, pads: self.body.pads.as_mut() };
         let (increment, iterations) = self
             .newton
             .solve(problem, (&mut self.work, guess))
@@ -178,11 +173,7 @@ impl Impact {
         Ok(Step {
             number,
             time: number as f64 * self.step,
-            impactor: Motion {
-                position: q.position,
-                velocity: q.velocity,
-                acceleration: force / self.impactor.mass,
-            },
+            impactor: Motion { position: q.position, velocity: q.velocity, acceleration: force / self.impactor.mass },
             contact: Contact { force, indentation, surface_displacement },
             energy,
         })

@@ -82,7 +82,9 @@ fn read(comm: &Comm, path: &Path) -> Result<Plex> {
     // A file that breaks off later stops rank 0 alone, inside the collective call: only then are the others aborted.
     Plex::gmsh(comm, path).map_err(|error| {
         let message = format!("{} cannot be read as a Gmsh mesh: {error}", path.display());
-        Fault::new("body.mesh", message, "save it again from Gmsh as MSH 2.2 or 4.1, elements of order 1").on_one_rank().into()
+        Fault::new("body.mesh", message, "save it again from Gmsh as MSH 2.2 or 4.1, elements of order 1")
+            .on_one_rank()
+            .into()
     })
 }
 

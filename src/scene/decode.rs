@@ -55,7 +55,7 @@ fn refuse(source: &Source, path: &[String], text: &str) -> SceneError {
         };
         return source.error_at(&path, Mark::Key, "this key is required".into(), help);
     }
-    let (found, expected) = text.split_once(", expected ").unwrap_or((text, ""));
+    let (found, expected) = text.rsplit_once(", expected ").unwrap_or((text, ""));
     let found = match found.split_once(": ") {
         Some(("invalid type", what)) => format!("this is the wrong type: {what}"),
         Some(("invalid value", what)) => format!("this value will not do: {what}"),

@@ -1,6 +1,6 @@
 //! What the user wrote: parsed, checked, in SI units. Plain data that every constructor may read.
 //!
-//! The text's way: [`source`] (overrides applied) → `raw` (typed) → `check` (checked) → [`Scene`].
+//! The text's way: [`Source`] (overrides applied) → `raw` (typed) → `check` (checked) → [`Scene`].
 
 mod check;
 mod decode;

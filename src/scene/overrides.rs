@@ -2,6 +2,9 @@
 
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
+/// The parts of the longest path, `load.traction.0.value.0`; a bound, so that a path cannot exhaust the stack.
+const DEEPEST: usize = 5;
+
 /// One override, as given and taken apart.
 #[derive(Debug, Clone)]
 pub(super) struct Override {
@@ -24,6 +27,9 @@ impl Override {
         if segments.iter().any(String::is_empty) {
             return Err("its KEY is not a path of names and numbers joined by single dots".into());
         }
+        if segments.len() > DEEPEST {
+            return Err(format!("its KEY has {} parts, and no key of a scene has more than {DEEPEST}", segments.len()));
+        }
         let value = value.trim();
         Ok(Self { given: given.to_owned(), segments, value: value.parse().unwrap_or_else(|_| Value::from(value)) })
     }
@@ -42,7 +48,10 @@ fn in_table(table: &mut dyn TableLike, inline: bool, segments: &[&str], value: &
     let [segment, rest @ ..] = segments else {
         return Err("a whole entry cannot be replaced: name one of its keys".into());
     };
-    if !rest.is_empty() {
+    if let [next, ..] = rest {
+        if table.get(segment).is_none() && next.parse::<usize>().is_ok() {
+            return Err(format!("`{segment}` is not given, so it has no entry {next}"));
+        }
         let item = table
             .entry(segment)
             .or_insert_with(|| if inline { Item::Value(InlineTable::new().into()) } else { Item::Table(Table::new()) });

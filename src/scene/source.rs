@@ -71,9 +71,9 @@ impl Source {
             None if mark == Mark::Key => (place.key, None),
             None => (place.value, None),
         };
-        if let Some(entry) = self.overrides.iter().rev().find(|entry| {
-            entry.segments.len() <= segments.len() && entry.segments.iter().eq(&segments[..entry.segments.len()])
-        }) {
+        // The last override of this key, of a part of it, or of what it is a part of.
+        let named = |entry: &&Override| entry.segments.iter().zip(segments).all(|(a, b)| a == b);
+        if let Some(entry) = self.overrides.iter().rev().find(named) {
             message = format!("{message} (set by --set {})", entry.given);
         }
         let key = segments.join(".");
@@ -103,8 +103,7 @@ impl Source {
         let span = span.map_or(end..end, |span| span.start.min(end)..span.end.min(end));
         let start = self.text[..span.start].rfind('\n').map_or(0, |at| at + 1);
         let line = self.text[start..].lines().next().unwrap_or_default();
-        let key = line.split('=').next().unwrap_or_default();
-        let key = key.trim().trim_matches(['[', ']']).to_owned();
+        let key = left_of_equals(line).trim_matches(['[', ']']).to_owned();
         let number = locate::line(self.text.as_bytes(), span.start);
         let message = format!("not valid TOML: {}", message.replace('\n', "; "));
         let help = "a line is `key = value`, `[table]` or `[[array of tables]]`; text stands in \"quotes\"";
@@ -124,10 +123,16 @@ fn written(document: &DocumentMut, overrides: &[String]) -> Result<String, Scene
     }
 }
 
+/// What is assigned to in a line that may be no assignment: where there is nothing, the line itself.
+fn left_of_equals(line: &str) -> &str {
+    let key = line.split('=').next().unwrap_or_default().trim();
+    if key.is_empty() { line.trim() } else { key }
+}
+
 /// An error in an override itself.
 fn on_command_line(given: &str, message: String) -> SceneError {
     let text = format!("--set {given}");
-    let key = given.split('=').next().unwrap_or_default().trim();
+    let key = left_of_equals(given);
     let excerpt = Excerpt {
         mark: LabeledSpan::new_with_span(None, "--set ".len()..text.len()),
         help: "write KEY=VALUE with the key's dotted path: time.step=1e-6, support.0.stiffness=1e9".into(),

@@ -99,13 +99,25 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ThreeVisitor<T> {
         f.write_str("three numbers [x, y, z]")
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut entries: A) -> Result<Three<T>, A::Error> {
-        let mut all = Vec::new();
-        while let Some(entry) = entries.next_element()? {
-            all.push(entry);
-        }
-        all.try_into().map(Three).map_err(|all: Vec<T>| de::Error::invalid_length(all.len(), &self))
+    fn visit_seq<A: SeqAccess<'de>>(self, entries: A) -> Result<Three<T>, A::Error> {
+        three(entries, &self).map(Three)
     }
+}
+
+/// Three entries; another number of them is not what was `expected`.
+fn three<'de, A: SeqAccess<'de>, T: Deserialize<'de>>(
+    entries: A,
+    expected: &dyn de::Expected,
+) -> Result<[T; 3], A::Error> {
+    all(entries)?.try_into().map_err(|all: Vec<T>| de::Error::invalid_length(all.len(), expected))
+}
+
+fn all<'de, A: SeqAccess<'de>, T: Deserialize<'de>>(mut entries: A) -> Result<Vec<T>, A::Error> {
+    let mut all = Vec::new();
+    while let Some(entry) = entries.next_element()? {
+        all.push(entry);
+    }
+    Ok(all)
 }
 
 impl<'de> Deserialize<'de> for ByComponent {
@@ -132,8 +144,8 @@ impl<'de> Visitor<'de> for ByComponentVisitor {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, entries: A) -> Result<ByComponent, A::Error> {
-        let three: Three<Number> = ThreeVisitor(PhantomData).visit_seq(entries)?;
-        Ok(ByComponent(three.numbers()))
+        let numbers: [Number; 3] = three(entries, &self)?;
+        Ok(ByComponent(Three(numbers).numbers()))
     }
 }
 
@@ -152,11 +164,7 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ListVisitor<T> {
         f.write_str("an array; tables in one have headers in double brackets, as [[support]]")
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut entries: A) -> Result<List<T>, A::Error> {
-        let mut all = Vec::new();
-        while let Some(entry) = entries.next_element()? {
-            all.push(entry);
-        }
-        Ok(List(all))
+    fn visit_seq<A: SeqAccess<'de>>(self, entries: A) -> Result<List<T>, A::Error> {
+        all(entries).map(List)
     }
 }

@@ -92,8 +92,9 @@ fn box_of(source: &Source, size: Three<Number>, cells: Option<Three<Whole>>) -> 
 /// thickness.
 fn default_cells(size: Vec3) -> [usize; 3] {
     let thickness = size.into_iter().fold(f64::INFINITY, f64::min);
-    // As a float the ratio cannot overflow; the cast is of a number from 2 to 20.
-    size.map(|edge| (2.0 * edge / thickness).min(CELLS_ALONG_EDGE).floor() as usize)
+    // 0.6 / 0.1 is a little less than 6: the rounding is undone. The cast is of a number from 2 to 20.
+    let fitting = |edge: f64| (2.0 * edge / thickness * (1.0 + 1e-9)).min(CELLS_ALONG_EDGE);
+    size.map(|edge| fitting(edge).floor() as usize)
 }
 
 #[cfg(test)]

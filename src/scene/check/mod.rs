@@ -69,7 +69,7 @@ fn word<'a>(source: &Source, path: &str, given: &Option<String>, words: &[&'a st
         return Ok(words[0]);
     };
     words.iter().copied().find(|word| word == given).ok_or_else(|| {
-        let message = format!("there is no \"{given}\" here");
+        let message = format!("\"{given}\" is not one of its values");
         source.error(path, message, suggest::help(given, words, '"'))
     })
 }

@@ -19,8 +19,8 @@ pub(super) fn check(source: &Source, raw: &raw::Time, impactor: &Impactor) -> Re
         let message = format!("the step of {} s is longer than the run of {} s", show(step), show(end));
         return Err(source.error("time.step", message, "at most time.end"));
     }
-    // A step of zero is one that underflowed; it fails here too.
-    if !(end / step <= MOST_STEPS) {
+    // A default step that underflowed to zero fails here too.
+    if end / step > MOST_STEPS {
         let key = if raw.step.is_some() { "time.step" } else { "time.end" };
         let message = format!("the run has {:.1e} steps of {} s", end / step, show(step));
         return Err(source.error(key, message, "at most 1e9 steps: a longer step or an earlier end"));
@@ -57,14 +57,14 @@ fn default_step(impactor: &Impactor, end: f64) -> f64 {
     round_down(contact.min(end) / 100.0)
 }
 
-/// The largest of 1, 2 and 5 times a power of ten that is not above `value`, a positive number.
+/// The largest of 1, 2 and 5 times a power of ten that is not above `value`; 0 when `value` is too small for one.
 fn round_down(value: f64) -> f64 {
     let exponent = value.log10().floor() as i32;
-    // Read as decimal text, so that the step is the number a person would type.
-    let candidates =
-        [(1, exponent - 1), (5, exponent - 1), (1, exponent), (2, exponent), (5, exponent), (1, exponent + 1)];
-    candidates
-        .into_iter()
+    // The logarithm may be off in its last digit, hence the neighbours. Read as decimal text, so that the step is the
+    // number that a person would type.
+    [-1, 0, 1]
+        .iter()
+        .flat_map(|shift| [1, 2, 5].map(|digit| (digit, exponent.saturating_add(*shift))))
         .filter_map(|(digit, exponent)| format!("{digit}e{exponent}").parse::<f64>().ok())
         .filter(|candidate| *candidate <= value)
         .fold(0.0, f64::max)
@@ -85,6 +85,7 @@ mod tests {
             (9.999_999e-7, 5e-7),
             (1e-6, 1e-6),
             (1e3, 1e3),
+            (0.0, 0.0),
         ] {
             assert_eq!(round_down(value), expected, "{value}");
         }

@@ -1,0 +1,336 @@
+//! Scenes that must be refused, each one edit away from a good one.
+
+/// A scene that must be refused, and what the refusal says.
+pub struct BadScene {
+    /// What is wrong.
+    pub name: &'static str,
+    /// The scene's text.
+    pub text: String,
+    /// Overrides, `KEY=VALUE`.
+    pub overrides: Vec<String>,
+    /// Parts of the whole message.
+    pub fragments: Vec<&'static str>,
+    /// The key that the message names.
+    pub key: &'static str,
+    /// The line that the message names.
+    pub line: usize,
+}
+
+/// A good scene with a box, and every table that there is.
+pub const GOOD: &str = r#"title = "Plate"
+
+[body]
+model = "solid"
+young = 70e9
+poisson = 0.23
+density = 2500.0
+size = [1.5, 1.5, 0.1]
+cells = [20, 20, 2]
+order = 2
+
+[[support]]
+surface = "side"
+kind = "elastic"
+stiffness = 1e9
+damping = 1e3
+
+[[support]]
+surface = "bottom"
+kind = "pad"
+stiffness = [0, 0, 2e9]
+normal = [0, 0, -1]
+
+[[support]]
+surface = "x-min"
+kind = "clamped"
+components = ["x", "z"]
+
+[impactor]
+mass = 52.0
+radius = 0.05
+young = 210e9
+poisson = 0.3
+speed = 1.0
+point = [0.0, 0.0, 0.05]
+direction = [0.0, 0.0, -1.0]
+gap = 0.0
+
+[contact]
+localization = "point"
+
+[load]
+body_force = [0.0, 0.0, -24525.0]
+
+[[load.traction]]
+surface = "top"
+value = [0.0, 0.0, -1e3]
+
+[time]
+end = 0.02
+step = 1e-5
+scheme = "newmark"
+beta = 0.25
+gamma = 0.5
+
+[solver]
+newton = "full"
+
+[output]
+every = 2
+"#;
+
+/// A good scene with the fewest keys, and a mesh file.
+pub const MESH: &str = r#"[body]
+young = 70e9
+poisson = 0.23
+density = 2500
+mesh = "meshes/plate.msh"
+
+[[support]]
+surface = "rim"
+kind = "clamped"
+
+[impactor]
+mass = 52
+radius = 0.05
+stiffness = 1.669e10
+speed = 1
+point = [0, 0, 0.05]
+
+[time]
+end = 0.02
+"#;
+
+/// A good scene with the fewest keys, and a box.
+pub const SMALL: &str = r#"[body]
+young = 70e9
+poisson = 0.23
+density = 2500
+size = [1.5, 1.5, 0.1]
+
+[impactor]
+mass = 52
+radius = 0.05
+young = 210e9
+poisson = 0.3
+speed = 1
+
+[time]
+end = 0.02
+"#;
+
+/// Replaces the one place of `from` in `good`; the faulty line is the one that begins with `at`.
+fn edit(
+    name: &'static str,
+    good: &str,
+    (from, to): (&str, &str),
+    fragments: &[&'static str],
+    (key, at): (&'static str, &str),
+) -> BadScene {
+    assert_eq!(good.matches(from).count(), 1, "{name}: `{from}` is not unique");
+    let text = good.replacen(from, to, 1);
+    let line = 1 + text
+        .lines()
+        .position(|line| line.starts_with(at))
+        .unwrap_or_else(|| panic!("{name}: no line begins with `{at}`"));
+    BadScene { name, text, overrides: Vec::new(), fragments: fragments.to_vec(), key, line }
+}
+
+fn set(
+    name: &'static str,
+    overrides: &[&str],
+    fragments: &[&'static str],
+    (key, line): (&'static str, usize),
+) -> BadScene {
+    BadScene {
+        name,
+        text: GOOD.into(),
+        overrides: overrides.iter().map(|&given| given.into()).collect(),
+        fragments: fragments.to_vec(),
+        key,
+        line,
+    }
+}
+
+/// All of them.
+pub fn table() -> Vec<BadScene> {
+    let mut all = grammar();
+    all.extend(body());
+    all.extend(supports());
+    all.extend(impactor());
+    all.extend(rest());
+    all.extend(unavailable());
+    all.extend(overrides());
+    all
+}
+
+#[rustfmt::skip]
+fn grammar() -> Vec<BadScene> {
+    vec![
+        edit("no value", GOOD, ("young = 70e9", "young ="), &["not valid TOML"], ("young", "young =")),
+        edit("no key", GOOD, ("mass = 52.0", "= 52.0"), &["not valid TOML"], ("= 52.0", "= 52.0")),
+        edit("not a number", GOOD, ("mass = 52.0", "mass = 52.0 kg"), &["not valid TOML"], ("mass", "mass")),
+        edit("header left open", GOOD, ("[time]", "[time"), &["not valid TOML"], ("time", "[time")),
+        edit("key twice", GOOD, ("order = 2", "order = 2\norder = 1"), &["not valid TOML", "duplicate"], ("order", "order = 1")),
+        edit("text left open", GOOD, ("\"Plate\"", "\"Plate"), &["not valid TOML"], ("title", "title")),
+        edit("no body", SMALL, ("[body]", "[load]"), &["unknown key", "known here"], ("load.young", "young = 70e9")),
+        edit("unknown table", GOOD, ("[solver]", "[slover]"), &["unknown key", "did you mean `solver`?"], ("slover", "[slover]")),
+        edit("unknown key", GOOD, ("density", "densty"), &["unknown key", "did you mean `density`?", "`young`"], ("body.densty", "densty")),
+        edit("unknown key in a support", GOOD, ("damping", "dampnig"), &["did you mean `damping`?"], ("support.0.dampnig", "dampnig")),
+        edit("unknown key in a traction", GOOD, ("value", "valve"), &["did you mean `value`?", "`surface`"], ("load.traction.0.valve", "valve")),
+        edit("unlike any key", GOOD, ("every = 2", "quux = 2"), &["unknown key", "known here: `every`"], ("output.quux", "quux")),
+        edit("key missing", GOOD, ("young = 70e9\n", ""), &["this key is required", "`young` belongs here"], ("body.young", "[body]")),
+        edit("table missing", SMALL, ("[time]\nend = 0.02", ""), &["this key is required", "add a table [time]"], ("time", "[body]")),
+        edit("key of a support missing", GOOD, ("kind = \"pad\"\n", ""), &["this key is required"], ("support.1.kind", "[[support]]")).on_line(18),
+        edit("text for a number", GOOD, ("young = 70e9", "young = \"70e9\""), &["wrong type: string \"70e9\"", "expected a number"], ("body.young", "young")),
+        edit("number for text", GOOD, ("\"Plate\"", "40"), &["wrong type: integer `40`", "expected a string"], ("title", "title")),
+        edit("one number for three", GOOD, ("size = [1.5, 1.5, 0.1]", "size = 1.5"), &["expected three numbers [x, y, z]"], ("body.size", "size")),
+        edit("two numbers for three", GOOD, ("[1.5, 1.5, 0.1]", "[1.5, 0.1]"), &["wrong number of entries: 2", "expected three numbers"], ("body.size", "size")),
+        edit("four numbers for three", GOOD, ("[1.5, 1.5, 0.1]", "[1.5, 1.5, 0.1, 1]"), &["wrong number of entries: 4"], ("body.size", "size")),
+        edit("text among numbers", GOOD, ("[1.5, 1.5, 0.1]", "[1.5, 1.5, \"h\"]"), &["wrong type", "expected a number"], ("body.size.2", "size")),
+        edit("a broken number of cells", GOOD, ("[20, 20, 2]", "[20, 20, 2.5]"), &["expected a whole number"], ("body.cells.2", "cells")),
+        edit("support in single brackets", MESH, ("[[support]]", "[support]"), &["wrong type: a table", "[[support]]"], ("support", "[support]")),
+        edit("body without a header", SMALL, ("[body]", "body = 1\n[load]"), &["expected a table with the header [body]"], ("body", "body = 1")),
+    ]
+}
+
+#[rustfmt::skip]
+fn body() -> Vec<BadScene> {
+    vec![
+        edit("negative modulus", GOOD, ("young = 70e9", "young = -70e9"), &["must be positive, but is -7e10", "Pa"], ("body.young", "young")),
+        edit("infinite modulus", GOOD, ("young = 70e9", "young = inf"), &["not finite"], ("body.young", "young")),
+        edit("modulus not a number", GOOD, ("young = 70e9", "young = nan"), &["not finite"], ("body.young", "young")),
+        edit("incompressible", GOOD, ("poisson = 0.23", "poisson = 0.5"), &["0.5 is out of range", "incompressible"], ("body.poisson", "poisson")),
+        edit("Poisson's ratio of -1", GOOD, ("poisson = 0.23", "poisson = -1"), &["-1 is out of range"], ("body.poisson", "poisson")),
+        edit("no mass", GOOD, ("density = 2500.0", "density = 0"), &["must be positive, but is 0"], ("body.density", "density")),
+        edit("flat", GOOD, ("[1.5, 1.5, 0.1]", "[1.5, 1.5, 0]"), &["must be positive"], ("body.size", "size")),
+        edit("no cells", GOOD, ("[20, 20, 2]", "[20, 20, 0]"), &["0 is out of range", "from 1 to 10000"], ("body.cells", "cells")),
+        edit("negative cells", GOOD, ("[20, 20, 2]", "[-20, 20, 2]"), &["-20 is out of range"], ("body.cells", "cells")),
+        edit("too many cells along an edge", GOOD, ("[20, 20, 2]", "[10001, 1, 1]"), &["10001 is out of range"], ("body.cells", "cells")),
+        edit("too many cells", GOOD, ("[20, 20, 2]", "[10000, 10000, 1]"), &["100000000 cells are too many"], ("body.cells", "cells")),
+        edit("cubic elements", GOOD, ("order = 2", "order = 3"), &["3 is out of range", "from 1 to 2"], ("body.order", "order")),
+        edit("mesh and size", GOOD, ("order = 2", "mesh = \"plate.msh\""), &["either a size or a mesh"], ("body.mesh", "mesh")),
+        edit("mesh and cells", MESH, ("mesh = ", "cells = [1, 1, 1]\nmesh = "), &["a mesh file has its own cells"], ("body.cells", "cells")),
+        edit("cells without size", SMALL, ("size = [1.5, 1.5, 0.1]", "cells = [20, 20, 2]"), &["no geometry"], ("body.size", "[body]")),
+        edit("no geometry", MESH, ("mesh = \"meshes/plate.msh\"\n", ""), &["no geometry"], ("body.size", "[body]")),
+        edit("mesh without a name", MESH, ("meshes/plate.msh", ""), &["name is empty"], ("body.mesh", "mesh")),
+        edit("model misspelled", GOOD, ("model = \"solid\"", "model = \"sold\""), &["did you mean \"solid\"?"], ("body.model", "model")),
+    ]
+}
+
+#[rustfmt::skip]
+fn supports() -> Vec<BadScene> {
+    vec![
+        edit("surface misspelled", GOOD, ("\"side\"", "\"sides\""), &["no surface \"sides\"", "did you mean \"side\"?", "\"x-min\""], ("support.0.surface", "surface = \"sides\"")),
+        edit("surface of another body", GOOD, ("\"x-min\"", "\"rim\""), &["no surface \"rim\"", "\"bottom\""], ("support.2.surface", "surface = \"rim\"")),
+        edit("surface without a name", MESH, ("\"rim\"", "\"\""), &["name is empty"], ("support.0.surface", "surface")),
+        edit("kind misspelled", GOOD, ("\"elastic\"", "\"elastik\""), &["did you mean \"elastic\"?"], ("support.0.kind", "kind = \"elastik\"")),
+        edit("elastic without stiffness", GOOD, ("stiffness = 1e9\n", ""), &["this key is required", "N/m3"], ("support.0.stiffness", "[[support]]")),
+        edit("negative stiffness", GOOD, ("stiffness = 1e9", "stiffness = -1e9"), &["must not be negative"], ("support.0.stiffness", "stiffness = -1e9")),
+        edit("negative component of stiffness", GOOD, ("stiffness = 1e9", "stiffness = [1, -2, 3]"), &["must not be negative, but is -2"], ("support.0.stiffness", "stiffness = [1, -2")),
+        edit("two stiffnesses", GOOD, ("stiffness = 1e9", "stiffness = [1, 2]"), &["wrong number of entries: 2", "one number, or three"], ("support.0.stiffness", "stiffness = [1, 2]")),
+        edit("negative damping", GOOD, ("damping = 1e3", "damping = -1e3"), &["must not be negative"], ("support.0.damping", "damping")),
+        edit("elastic with a normal", GOOD, ("damping = 1e3", "normal = [0, 0, 1]"), &["kind \"elastic\" has no `normal`", "belongs to a pad"], ("support.0.normal", "normal = [0, 0, 1]")),
+        edit("elastic with components", GOOD, ("damping = 1e3", "components = [\"x\"]"), &["kind \"elastic\" has no `components`"], ("support.0.components", "components = [\"x\"]")),
+        edit("infinite displacement", GOOD, ("damping = 1e3", "displacement = [0, 0, inf]"), &["not finite"], ("support.0.displacement", "displacement")),
+        edit("pad without a normal", GOOD, ("normal = [0, 0, -1]\n", ""), &["a pad needs this key"], ("support.1.normal", "[[support]]")).on_line(18),
+        edit("pad with a zero normal", GOOD, ("normal = [0, 0, -1]", "normal = [0, 0, 0]"), &["zero vector has no direction"], ("support.1.normal", "normal")),
+        edit("pad without stiffness", GOOD, ("[0, 0, 2e9]", "[2e9, 0, 0]"), &["does not push back"], ("support.1.stiffness", "stiffness = [2e9")),
+        edit("clamped with damping", GOOD, ("components = [\"x\", \"z\"]", "damping = 1"), &["kind \"clamped\" has no `damping`"], ("support.2.damping", "damping = 1")).on_line(27),
+        edit("clamped with stiffness", GOOD, ("components = [\"x\", \"z\"]", "stiffness = 1"), &["kind \"clamped\" has no `stiffness`"], ("support.2.stiffness", "stiffness = 1")).on_line(27),
+        edit("clamped nowhere", GOOD, ("[\"x\", \"z\"]", "[]"), &["holds nothing"], ("support.2.components", "components")),
+        edit("component unknown", GOOD, ("[\"x\", \"z\"]", "[\"x\", \"w\"]"), &["no component \"w\""], ("support.2.components.1", "components")),
+        edit("component twice", GOOD, ("[\"x\", \"z\"]", "[\"x\", \"x\"]"), &["stands twice"], ("support.2.components.1", "components")),
+    ]
+}
+
+#[rustfmt::skip]
+fn impactor() -> Vec<BadScene> {
+    vec![
+        edit("weightless", GOOD, ("mass = 52.0", "mass = 0.0"), &["must be positive, but is 0"], ("impactor.mass", "mass")),
+        edit("sharp", GOOD, ("radius = 0.05", "radius = 0"), &["must be positive"], ("impactor.radius", "radius")),
+        edit("at rest", GOOD, ("speed = 1.0", "speed = 0"), &["must be positive"], ("impactor.speed", "speed")),
+        edit("going away", GOOD, ("speed = 1.0", "speed = -1.0"), &["must be positive", "which way"], ("impactor.speed", "speed")),
+        edit("impactor's Poisson's ratio", GOOD, ("poisson = 0.3", "poisson = 0.6"), &["0.6 is out of range"], ("impactor.poisson", "poisson = 0.6")),
+        edit("impactor without modulus", GOOD, ("young = 210e9\n", ""), &["this key is required", "`stiffness`"], ("impactor.young", "[impactor]")),
+        edit("modulus beyond numbers", GOOD, ("young = 210e9", "young = 1e-320"), &["the contact stiffness (15) comes out as 0"], ("impactor.young", "young = 1e-320")),
+        edit("contact stiffness zero", MESH, ("stiffness = 1.669e10", "stiffness = 0"), &["must be positive"], ("impactor.stiffness", "stiffness")),
+        edit("inside already", GOOD, ("gap = 0.0", "gap = -1e-3"), &["must not be negative, but is -0.001"], ("impactor.gap", "gap")),
+        edit("off the surface", GOOD, ("[0.0, 0.0, 0.05]", "[0.0, 0.0, 0.082]"), &["the impact point is 3.20e-2 m away from the body's surface", "z = ±0.05"], ("impactor.point", "point")),
+        edit("within the body", GOOD, ("[0.0, 0.0, 0.05]", "[0.0, 0.0, 0.0]"), &["is 5.00e-2 m away"], ("impactor.point", "point")),
+        edit("from below", GOOD, ("[0.0, 0.0, 0.05]", "[0.0, 0.0, -0.05]"), &["does not lead into the body"], ("impactor.direction", "direction")),
+        edit("from below by default", SMALL, ("speed = 1", "speed = 1\npoint = [0, 0, -0.05]"), &["does not lead into the body"], ("impactor.point", "point")),
+        edit("along the surface", GOOD, ("direction = [0.0, 0.0, -1.0]", "direction = [1, 0, 0]"), &["does not lead into the body"], ("impactor.direction", "direction")),
+        edit("no direction", GOOD, ("direction = [0.0, 0.0, -1.0]", "direction = [0, 0, 0]"), &["zero vector"], ("impactor.direction", "direction")),
+        edit("mesh without a point", MESH, ("point = [0, 0, 0.05]\n", ""), &["needs this key"], ("impactor.point", "[impactor]")),
+    ]
+}
+
+#[rustfmt::skip]
+fn rest() -> Vec<BadScene> {
+    vec![
+        edit("infinite weight", GOOD, ("-24525.0", "-inf"), &["not finite"], ("load.body_force", "body_force")),
+        edit("traction on no surface", GOOD, ("\"top\"", "\"tpo\""), &["no surface \"tpo\"", "did you mean \"top\"?"], ("load.traction.0.surface", "surface = \"tpo\"")),
+        edit("traction not a number", GOOD, ("-1e3]", "nan]"), &["not finite"], ("load.traction.0.value", "value")),
+        edit("no time", GOOD, ("end = 0.02", "end = 0"), &["must be positive"], ("time.end", "end")),
+        edit("endless", GOOD, ("end = 0.02", "end = inf"), &["not finite"], ("time.end", "end")),
+        edit("no step", GOOD, ("step = 1e-5", "step = 0.0"), &["must be positive"], ("time.step", "step")),
+        edit("one step too long", GOOD, ("step = 1e-5", "step = 0.05"), &["0.05 s is longer than the run of 0.02 s"], ("time.step", "step")),
+        edit("too many steps", GOOD, ("step = 1e-5", "step = 1e-13"), &["2.0e11 steps", "at most 1e9"], ("time.step", "step")),
+        edit("too many steps by default", SMALL, ("end = 0.02", "end = 1e9"), &["at most 1e9"], ("time.end", "end")),
+        edit("central difference by beta", GOOD, ("beta = 0.25", "beta = 0"), &["central difference"], ("time.beta", "beta")),
+        edit("negative beta", GOOD, ("beta = 0.25", "beta = -0.25"), &["-0.25 is out of range"], ("time.beta", "beta")),
+        edit("gamma above one", GOOD, ("gamma = 0.5", "gamma = 1.5"), &["1.5 is out of range"], ("time.gamma", "gamma")),
+        edit("scheme misspelled", GOOD, ("\"newmark\"", "\"Newmarc\""), &["did you mean \"newmark\"?"], ("time.scheme", "scheme")),
+        edit("never written", GOOD, ("every = 2", "every = 0"), &["0 is out of range"], ("output.every", "every")),
+        edit("localization misspelled", GOOD, ("\"point\"", "\"pont\""), &["did you mean \"point\"?"], ("contact.localization", "localization")),
+        edit("newton misspelled", GOOD, ("\"full\"", "\"ful\""), &["did you mean \"full\"?"], ("solver.newton", "newton")),
+    ]
+}
+
+#[rustfmt::skip]
+fn unavailable() -> Vec<BadScene> {
+    const NOT: &str = "not available in this version";
+    vec![
+        edit("plate theory", GOOD, ("\"solid\"", "\"mindlin\""), &["\"mindlin\"", NOT, "model = \"solid\""], ("body.model", "model")),
+        edit("reduction by word", GOOD, ("order = 2", "reduction = \"auto\""), &["\"auto\"", NOT], ("body.reduction", "reduction")),
+        edit("reduction by number", GOOD, ("order = 2", "reduction = 60"), &["a number", NOT, "\"none\""], ("body.reduction", "reduction")),
+        edit("symmetry", GOOD, ("order = 2", "symmetry = \"quarter\""), &[NOT], ("body.symmetry", "symmetry")),
+        edit("grading", GOOD, ("order = 2", "grading = 1.2"), &[NOT], ("body.grading", "grading")),
+        edit("patch", GOOD, ("\"point\"", "\"patch\""), &["\"patch\"", NOT, "localization = \"point\""], ("contact.localization", "localization")),
+        edit("patch radius", GOOD, ("localization = \"point\"", "patch_radius = 0.025"), &[NOT], ("contact.patch_radius", "patch_radius")),
+        edit("another scheme", GOOD, ("\"newmark\"", "\"modal\""), &["\"modal\"", NOT, "newmark"], ("time.scheme", "scheme")),
+        edit("accuracy", GOOD, ("[solver]", "[accuracy]\ntolerance = 1e-2\n\n[solver]"), &[NOT], ("accuracy", "[accuracy]")),
+        edit("condensed Newton", GOOD, ("\"full\"", "\"condensed\""), &["\"condensed\"", NOT], ("solver.newton", "newton")),
+        edit("energy gate", GOOD, ("newton = \"full\"", "energy_gate = 1e-2"), &[NOT], ("solver.energy_gate", "energy_gate")),
+        edit("fields", GOOD, ("every = 2", "fields = 50"), &[NOT], ("output.fields", "fields")),
+    ]
+}
+
+#[rustfmt::skip]
+fn overrides() -> Vec<BadScene> {
+    vec![
+        set("override without a value", &["time.step"], &["command line", "no `=`", "--set time.step"], ("time.step", 1)),
+        set("override without a key", &["=1"], &["--set =1", "path of names"], ("=1", 1)),
+        set("override with an empty name", &["time..step=1"], &["--set time..step=1"], ("time..step", 1)),
+        set("override too deep", &["a.b.c.d.e.f=1"], &["6 parts", "--set a.b.c.d.e.f=1"], ("a.b.c.d.e.f", 1)),
+        set("override past the end", &["support.3.stiffness=1e9"], &["3 entries, numbers 0 to 2", "--set support.3.stiffness=1e9"], ("support.3.stiffness", 1)),
+        set("override of no entry", &["support.side.stiffness=1e9"], &["`support` is an array", "number of an entry"], ("support.side.stiffness", 1)),
+        set("override below a number", &["time.step.size=1"], &["`step` holds a single value"], ("time.step.size", 1)),
+        set("override of an unknown key", &["time.stpe=1e-6"], &["unknown key", "did you mean `step`?", "--set time.stpe=1e-6"], ("time.stpe", 55)),
+        set("override out of range", &["title=Other", "body.poisson=0.7"], &["0.7 is out of range", "--set body.poisson=0.7"], ("body.poisson", 6)),
+        set("override of another type", &["body.young=stiff"], &["wrong type: string \"stiff\"", "--set body.young=stiff"], ("body.young", 5)),
+        set("override not available", &["contact.localization=patch"], &["\"patch\" is not available", "--set contact.localization=patch"], ("contact.localization", 40)),
+        set("override of an entry that is not given", &["support=[]", "output.list.0=1"], &["`list` is not given, so it has no entry 0", "--set output.list.0=1"], ("output.list.0", 1)),
+        set("override of a part", &["impactor.point.2=0.08"], &["3.00e-2 m away", "--set impactor.point.2=0.08"], ("impactor.point", 35)),
+        set("override of a whole entry", &["support.0=1"], &["whole entry", "--set support.0=1"], ("support.0", 1)),
+    ]
+}
+
+impl BadScene {
+    /// For a line that does not begin like the first of its kind.
+    fn on_line(mut self, line: usize) -> Self {
+        self.line = line;
+        self
+    }
+}

@@ -1,0 +1,171 @@
+//! What a scene comes to: defaults, the scenes of the paper, overrides, the keys of the reference.
+
+#[path = "common/bad_scenes.rs"]
+#[expect(dead_code, reason = "only the good scenes are used here")]
+mod bad_scenes;
+
+use std::path::Path;
+
+use bad_scenes::{GOOD, MESH, SMALL};
+use ricochet::Result;
+use ricochet::scene::{Geometry, Scene, Scheme, SupportKind};
+
+fn parse(text: &str, overrides: &[&str]) -> Result<Scene> {
+    let overrides: Vec<String> = overrides.iter().map(|&given| given.into()).collect();
+    Ok(Scene::parse("scene.toml", text, &overrides)?.0)
+}
+
+#[test]
+fn defaults_are_those_of_the_reference() -> Result<()> {
+    let scene = parse(SMALL, &[])?;
+    assert_eq!(scene.title, "");
+    assert!(scene.supports.is_empty() && scene.load.traction.is_empty());
+    assert_eq!(scene.load.body_force, [0.0; 3]);
+    assert_eq!(scene.body.order, 2);
+    let size = [1.5, 1.5, 0.1];
+    let cells = [20, 20, 2];
+    assert_eq!(scene.body.geometry, Geometry::Box { size, cells });
+    assert_eq!(scene.impactor.point, [0.0, 0.0, 0.05]);
+    assert_eq!(scene.impactor.direction, [0.0, 0.0, -1.0]);
+    assert_eq!(scene.impactor.gap, 0.0);
+    // 3.21807 (52² / (1.669e10² · 1))^0.2 s = 1.27e-3 s, of which a hundredth is 1.27e-5 s.
+    assert_eq!(scene.time.step, 1e-5);
+    let (beta, gamma) = (0.25, 0.5);
+    assert_eq!(scene.time.scheme, Scheme::Newmark { beta, gamma });
+    assert_eq!(scene.output.every, 1);
+    // A run shorter than a contact has a hundred steps too.
+    assert_eq!(parse(SMALL, &["time.end=3e-4"])?.time.step, 2e-6);
+    let supported = parse(MESH, &[])?;
+    let held = SupportKind::Clamped { components: [true; 3] };
+    assert_eq!(supported.supports[0].kind, held);
+    assert_eq!(supported.supports[0].damping, [0.0; 3]);
+    assert_eq!(supported.supports[0].displacement, [0.0; 3]);
+    Ok(())
+}
+
+#[test]
+fn the_paper_s_scenes_have_the_paper_s_plates_and_impactor() -> Result<()> {
+    for (name, size, end) in [
+        ("plate100", [1.5, 1.5, 0.1], 5e-3),
+        ("plate40", [1.5, 1.5, 0.04], 20e-3),
+        ("plate20", [0.5, 0.5, 0.02], 20e-3),
+    ] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.toml"));
+        let (scene, source) = Scene::read(&path, &["support.0.stiffness=1e7".into()])?;
+        let Geometry::Box { size: found, .. } = scene.body.geometry else {
+            panic!("{name} is no box");
+        };
+        assert_eq!(found, size);
+        assert_eq!((scene.body.young, scene.body.poisson, scene.body.density), (70e9, 0.23, 2500.0));
+        assert_eq!((scene.impactor.mass, scene.impactor.radius), (52.0, 0.05));
+        assert_eq!(scene.impactor.point, [0.0, 0.0, size[2] / 2.0]);
+        assert_eq!((scene.time.end, scene.time.step), (end, 2e-5));
+        // k0 of the reference solutions; the last digits may differ by the order of the operations.
+        assert!((scene.impactor.stiffness / 16690188300.054407 - 1.0).abs() < 1e-14);
+        assert_eq!(scene.supports.len(), 1);
+        let stiffness = [1e7; 3];
+        assert_eq!(scene.supports[0].kind, SupportKind::Elastic { stiffness });
+        assert!(source.text().contains("# k, N/m3"), "the comment went lost");
+    }
+    Ok(())
+}
+
+#[test]
+fn a_mesh_file_is_relative_to_the_scene_file() -> Result<()> {
+    let folder = tempfile::tempdir().map_err(|error| ricochet::Error::io(Path::new("tmp"), error))?;
+    let path = folder.path().join("scene.toml");
+    std::fs::write(&path, MESH).map_err(|error| ricochet::Error::io(&path, error))?;
+    let (scene, _) = Scene::read(&path, &[])?;
+    let expected = folder.path().join("meshes/plate.msh");
+    assert_eq!(scene.body.geometry, Geometry::Gmsh(expected));
+    let here = Geometry::Gmsh("meshes/plate.msh".into());
+    assert_eq!(parse(MESH, &[])?.body.geometry, here);
+    Ok(())
+}
+
+#[test]
+fn an_override_is_as_good_as_an_edit() -> Result<()> {
+    for (given, from, to) in [
+        ("time.step=1e-6", "step = 1e-5", "step = 1e-6"),
+        ("support.1.stiffness=3e9", "[0, 0, 2e9]", "3e9"),
+        ("support.1.stiffness.2=3e9", "[0, 0, 2e9]", "[0, 0, 3e9]"),
+        ("title=Another plate", "\"Plate\"", "\"Another plate\""),
+        ("support.0.surface=top", "\"side\"", "\"top\""),
+        ("body.mesh=plate.msh", "size = [1.5, 1.5, 0.1]\ncells = [20, 20, 2]", "mesh = 'plate.msh'"),
+        ("impactor.stiffness=1e10", "gap = 0.0", "gap = 0.0\nstiffness = 1e10"),
+        ("load.traction.0.value.1=7", "value = [0.0, 0.0, -1e3]", "value = [0.0, 7, -1e3]"),
+    ] {
+        assert_eq!(GOOD.matches(from).count(), 1, "{from}");
+        let edited = parse(&GOOD.replacen(from, to, 1), &[])?;
+        let base = match given.starts_with("body.mesh") {
+            true => GOOD.replacen(from, "", 1),
+            false => GOOD.to_owned(),
+        };
+        assert_eq!(parse(&base, &[given])?, edited, "{given}");
+    }
+    Ok(())
+}
+
+#[test]
+fn overrides_make_missing_tables_and_the_last_one_wins() -> Result<()> {
+    let scene =
+        parse(SMALL, &["output.every=3", "output.every=5", "load={body_force=[0,0,-9]}", "load.body_force.0=1"])?;
+    assert_eq!(scene.output.every, 5);
+    assert_eq!(scene.load.body_force, [1.0, 0.0, -9.0]);
+    assert!(parse(GOOD, &["support=[]"])?.supports.is_empty());
+    Ok(())
+}
+
+#[test]
+fn the_stored_text_repeats_the_scene() -> Result<()> {
+    let overrides: Vec<String> =
+        ["support=[]", "time.step=1e-6", "load.traction=[{surface='top',value=[0,0,1]}]", "title=a \"b\""]
+            .map(Into::into)
+            .into();
+    for text in [GOOD, SMALL] {
+        let (scene, source) = Scene::parse("scene.toml", text, &overrides)?;
+        let (again, same) = Scene::parse("scene.toml", source.text(), &[])?;
+        assert_eq!(again, scene);
+        assert_eq!(same.text(), source.text());
+    }
+    Ok(())
+}
+
+#[test]
+fn an_error_found_later_points_into_the_scene() -> Result<()> {
+    let (_, source) = Scene::parse("scene.toml", MESH, &["time.step=1e-5".into()])?;
+    let error = source.error("support.0.surface", "the mesh has no surface \"rim\"", "its surfaces: \"side\"");
+    assert_eq!((error.key(), error.line()), ("support.0.surface", 8));
+    let report = ricochet::Error::from(error).report(false);
+    assert!(report.contains("surface = \"rim\"") && report.contains("its surfaces"), "{report}");
+    Ok(())
+}
+
+#[test]
+fn the_reference_lists_every_key() {
+    let reference = include_str!("../docs/scene.md");
+    // The keys that a table knows are named when it is given one that it does not.
+    for table in
+        ["", "body.", "support.0.", "impactor.", "contact.", "load.", "load.traction.0.", "time.", "solver.", "output."]
+    {
+        let unknown = format!("{table}qqqqqqqqqqqq=1");
+        let Err(error) = Scene::parse("scene.toml", GOOD, &[unknown]) else {
+            panic!("an unknown key was accepted");
+        };
+        let known: Vec<&str> = error.advice().split('`').skip(1).step_by(2).collect();
+        assert!(!known.is_empty());
+        for key in known {
+            let path = format!("{table}{key}").replace(".0.", ".");
+            let listed = ["`{}` |", "**`[{}]`**", "**`[[{}]]`**"];
+            assert!(listed.iter().any(|form| reference.contains(&form.replace("{}", &path))), "{path}");
+        }
+    }
+}
+
+#[test]
+fn the_reference_s_example_is_a_scene() -> Result<()> {
+    let reference = include_str!("../docs/scene.md");
+    let example = reference.split("```").nth(1).and_then(|block| block.strip_prefix("toml\n"));
+    parse(example.unwrap_or_default(), &[])?;
+    Ok(())
+}
