@@ -92,7 +92,6 @@ class Impact(df.NonlinearProblem):
         self.step = par["step"]
         self.contact_stiffness = contact_stiffness(par)
         self.assembly_seconds = 0.0
-        self.assemblies = 0
         self._forms(mesh, marks, par)
         self._localisation(par)
         # The impactor's real number is its coordinate q: its entry of the velocity is the speed.
@@ -178,7 +177,6 @@ class Impact(df.NonlinearProblem):
         tangent = 1.5 * self.contact_stiffness * math.sqrt(max(self.indentation(), 0.0))
         A.axpy(tangent, self.contact, True)
         self.assembly_seconds += time.perf_counter() - start
-        self.assemblies += 1
 
     def advance(self):
         """Velocity and acceleration at the end of a step, which then is the old state."""
@@ -221,7 +219,7 @@ def run(source, par):
     solver.parameters["linear_solver"] = "mumps"
     solver.parameters["relative_tolerance"] = 1e-14  # the absolute one decides
     # Force scale: peak of Hertz's impact on a rigid half-space. 1e-9 of it stands above the rounding of the
-    # residual, and moves F by about 1e-9 of its peak (measured: plate20-k1e9 of tests/fixtures/reference).
+    # residual, and moves F by some 1e-9 of its peak (docs/comparison.md).
     solver.parameters["absolute_tolerance"] = (
         1e-9 * 1.14326 * problem.contact_stiffness**0.4 * par["impactor_mass"] ** 0.6 * par["speed"] ** 1.2
     )
