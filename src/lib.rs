@@ -4,4 +4,5 @@
 
 pub mod error;
 pub mod impact;
+pub mod record;
 pub mod scene;
