@@ -2,7 +2,9 @@
 //!
 //! The data's way: [`scene`] → `mesh` → `form` → `body` → [`impact`] → steps → `record`.
 
+pub mod cli;
 pub mod error;
+pub mod figure;
 pub mod impact;
 pub mod record;
 pub mod scene;
