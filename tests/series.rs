@@ -22,8 +22,10 @@ fn alone() -> MutexGuard<'static, ()> {
     ALONE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+type Column = (&'static str, &'static str, fn(&Step) -> f64);
+
 /// Every dataset of the series: path, unit, value.
-const SERIES: [(&str, &str, fn(&Step) -> f64); 15] = [
+const SERIES: [Column; 15] = [
     ("time", "s", |s| s.time),
     ("impactor/position", "m", |s| s.impactor.position),
     ("impactor/velocity", "m/s", |s| s.impactor.velocity),
@@ -265,7 +267,7 @@ fn result_in_writing_is_neither_replaced_nor_read() {
 }
 
 #[test]
-fn failed_creation_leaves_everything_as_it_was() {
+fn creation_replaces_an_older_result_only_when_it_succeeds() {
     let _alone = alone();
     let folder = tempfile::tempdir().unwrap();
     let old = folder.path().join("old.h5");
@@ -289,7 +291,7 @@ fn failed_creation_leaves_everything_as_it_was() {
         (&scene, "is no readable HDF5 file"),
         (&read_only, "is read-only"),
         (Path::new("/dev/null"), "is not a regular file"),
-        (Path::new(".."), "is not the name of a file"),
+        (Path::new("/"), "is not the name of a file"),
     ] {
         for error in [
             check_writable(path).unwrap_err(),
@@ -309,8 +311,15 @@ fn failed_creation_leaves_everything_as_it_was() {
     drop(SeriesWriter::create(&old, &provenance("new", None)).unwrap());
     assert!(SeriesWriter::create(&old, &provenance("a\0b", None)).is_err());
     assert_eq!(fs::read(&old).unwrap(), bytes);
+    let link = folder.path().join("link.h5");
+    std::os::unix::fs::symlink(&old, &link).unwrap();
+    let mut writer = SeriesWriter::create(&link, &provenance("new", None)).unwrap();
+    writer.push(&step(0)).unwrap();
+    writer.finish(&[]).unwrap();
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert_eq!(history(&old).unwrap().title, "new");
     let left = fs::read_dir(folder.path()).unwrap().count();
-    assert_eq!(left, 3, "only the three files from above");
+    assert_eq!(left, 4, "only the files from above");
 }
 
 #[test]

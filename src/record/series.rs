@@ -5,8 +5,8 @@
 //! metadata in the order of the addresses, then the length of the file, so a burst is safe if it allocates nothing:
 //! then it changes the lengths of the datasets only, each in one small write, after the rows themselves. That is why
 //! a chunk holds the whole planned series, and why the file takes its name only with its first row, when the chunks
-//! are there. What is left are some ten microseconds at the first contact (`/contacts` only), at the end (`/wall_time`
-//! only), and wherever a series outgrows its chunk.
+//! are there. Not safe is the moment of a flush in which `/contacts` gets its first chunk or `/wall_time` its attributes
+//! (these alone are lost then), or in which a series outgrows its chunk.
 
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
@@ -83,8 +83,9 @@ pub struct SeriesWriter {
     contacts: Vec<hdf5::Dataset>,
     every: usize,
     buffer: Vec<Step>,
-    written: usize,
+    rows_written: usize,
     episodes: Episodes,
+    episodes_written: usize,
     flushed: Option<Instant>,
 }
 
@@ -97,7 +98,7 @@ impl SeriesWriter {
     /// [`Error::Io`] as of [`target::check_writable`], or when writing fails.
     pub fn create(path: &Path, provenance: &Provenance) -> Result<Self> {
         target::check_writable(path)?;
-        let part = target::part(path)?;
+        let part = target::part(&target::resolved(path))?;
         let begun = begin(&part, provenance);
         if begun.is_err() {
             // The error in hand says more than one of the removal would.
@@ -112,8 +113,9 @@ impl SeriesWriter {
             contacts,
             every: 1,
             buffer: Vec::new(),
-            written: 0,
+            rows_written: 0,
             episodes: Episodes::default(),
+            episodes_written: 0,
             flushed: None,
         })
     }
@@ -148,9 +150,7 @@ impl SeriesWriter {
     pub fn flush(&mut self) -> Result<()> {
         self.write().map_err(|e| Error::io(&self.path, e))?;
         if let Some(part) = &self.part {
-            // A link stays a link: what it points to is replaced.
-            let end = fs::canonicalize(&self.path).unwrap_or_else(|_| self.path.clone());
-            fs::rename(part, end).map_err(|e| Error::io(&self.path, e))?;
+            fs::rename(part, target::resolved(&self.path)).map_err(|e| Error::io(&self.path, e))?;
             self.part = None;
         }
         Ok(())
@@ -174,17 +174,18 @@ impl SeriesWriter {
     }
 
     fn write(&mut self) -> hdf5::Result<()> {
-        append(&self.series, &SERIES, self.written, &self.buffer)?;
+        append(&self.series, &SERIES, self.rows_written, &self.buffer)?;
         // An open episode grows, so the last one that was written may have changed.
-        let known = self.contacts[0].size().saturating_sub(1);
-        let episodes = &self.episodes.all()[known..];
-        append(&self.contacts, &CONTACTS, known, episodes)?;
+        let first = self.episodes_written.saturating_sub(1);
+        let episodes = &self.episodes.all()[first..];
+        append(&self.contacts, &CONTACTS, first, episodes)?;
         self.file
             .group("contacts")?
             .attr("open_at_end")?
             .write_scalar(&self.episodes.is_open())?;
         self.file.flush()?;
-        self.written += self.buffer.len();
+        self.episodes_written = self.episodes.all().len();
+        self.rows_written += self.buffer.len();
         self.buffer.clear();
         self.flushed = Some(Instant::now());
         Ok(())

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// [`Error::Io`] with the reason: the folder is missing or not writable; the path is a folder, a device, a read-only
 /// file, a file that is no HDF5, or a result that a run is still writing.
 pub fn check_writable(path: &Path) -> Result<()> {
-    let part = part(path)?;
+    let part = part(&resolved(path))?;
     if let Ok(there) = fs::metadata(path) {
         check_replaceable(path, &there)?;
     }
@@ -25,8 +25,13 @@ pub fn check_writable(path: &Path) -> Result<()> {
         .map_err(|e| Error::io(path, format!("cannot be created: {e}")))
 }
 
-/// The file in which a new result is begun, beside `path`: an older result stays whole until the new one has its
-/// first content. (H5Fcreate would cut the older file before it finds out that somebody else has it open.)
+/// The file that `path` is or links to: a link stays a link.
+pub(super) fn resolved(path: &Path) -> PathBuf {
+    fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
+}
+
+/// The file in which a new result is begun, beside `path` (resolved): an older result stays whole until the new one
+/// has its first row. (H5Fcreate would cut the older file before it finds out that somebody else has it open.)
 pub(super) fn part(path: &Path) -> Result<PathBuf> {
     let name = path
         .file_name()
