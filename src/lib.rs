@@ -1,16 +1,19 @@
 //! ricochet: low-velocity impact on elastic plates and bodies.
 //!
 //! The data's way: [`scene`] → [`mesh`] → [`form`] (on [`element`]) → [`body`] → [`impact`] (with [`contact`] and
-//! [`scheme`]) → steps → `record`.
+//! [`scheme`]) → steps → [`record`].
 
 pub mod agree;
 pub mod body;
+pub mod cli;
 pub mod contact;
 pub mod element;
 pub mod error;
+pub mod figure;
 pub mod form;
 pub mod impact;
 pub mod mesh;
+pub mod record;
 pub mod scene;
 pub mod scheme;
 

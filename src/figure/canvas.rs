@@ -1,0 +1,223 @@
+//! What figures are drawn on: SVG or PNG, by the extension of the file.
+//!
+//! plotters knows whole pixels only, so both are drawn enlarged. An SVG is then shown smaller, which keeps fractions of
+//! a pixel; a PNG is averaged down, which smooths its edges.
+
+use super::stroke::{Point, Stroke, dashed};
+use crate::error::{Error, Result};
+use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
+use plotters::coord::Shift;
+use plotters::drawing::{DrawingArea, IntoDrawingArea};
+use plotters::element::{Circle, PathElement, Rectangle};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{
+    Color, FontDesc, FontFamily, FontStyle, FontTransform, IntoTextStyle, RGBColor, WHITE,
+};
+use std::path::Path;
+
+/// Size of a figure in its pixels.
+pub(super) const WIDTH: f64 = 1600.0;
+pub(super) const HEIGHT: f64 = 1000.0;
+
+const SVG_SCALE: u32 = 5;
+const PNG_SCALE: u32 = 3;
+
+/// Measured with DejaVu Sans; an SVG falls back on what is installed where it is shown.
+const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
+
+/// What a text's position is a point of.
+#[derive(Clone, Copy)]
+pub(super) enum Anchor {
+    /// The middle of its left edge.
+    Left,
+    /// Its middle.
+    Centre,
+    /// The middle of its right edge.
+    Right,
+    /// Its middle, and it runs upwards.
+    Upwards,
+}
+
+/// A white sheet of [`WIDTH`] × [`HEIGHT`] pixels; all lengths are in these pixels.
+pub(super) struct Canvas<'a, DB: DrawingBackend> {
+    area: DrawingArea<DB, Shift>,
+    scale: f64,
+    /// From the middle of a text's box to that of its letters, in sizes of the font: plotters' backends differ.
+    text_shift: f64,
+    /// Draws a line piece by piece with round joints: the bitmap's joints of a wide line have spikes at acute angles.
+    by_pieces: bool,
+    font: FontDesc<'a>,
+}
+
+/// A drawing for any canvas.
+pub(super) trait Drawing {
+    /// Draws it.
+    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Outcome;
+}
+
+/// An error of plotters as text.
+pub(super) type Outcome = std::result::Result<(), String>;
+
+/// Draws to the file `out`, SVG or PNG by its extension.
+pub(super) fn save(drawing: &impl Drawing, out: &Path) -> Result<()> {
+    let extension = out.extension().and_then(|e| e.to_str()).unwrap_or_default();
+    match extension.to_ascii_lowercase().as_str() {
+        "svg" => save_svg(drawing, out),
+        "png" => save_png(drawing, out),
+        _ => Err(Error::Usage(format!(
+            "{}: a figure is an .svg or a .png file",
+            out.display()
+        ))),
+    }
+}
+
+fn save_svg(drawing: &impl Drawing, out: &Path) -> Result<()> {
+    let (width, height) = (WIDTH as u32 * SVG_SCALE, HEIGHT as u32 * SVG_SCALE);
+    let mut svg = String::new();
+    let backend = SVGBackend::with_string(&mut svg, (width, height));
+    Canvas::new(backend, SVG_SCALE, 0.06, false)
+        .and_then(|canvas| canvas.finish(drawing))
+        .map_err(|e| Error::io(out, e))?;
+    let svg = svg.replacen(
+        &format!("width=\"{width}\" height=\"{height}\""),
+        &format!("width=\"{WIDTH}\" height=\"{HEIGHT}\""),
+        1,
+    );
+    std::fs::write(out, svg).map_err(|e| Error::io(out, e))
+}
+
+fn save_png(drawing: &impl Drawing, out: &Path) -> Result<()> {
+    let size = (WIDTH as u32, HEIGHT as u32);
+    let large = (size.0 * PNG_SCALE, size.1 * PNG_SCALE);
+    let mut pixels = vec![0; 3 * (large.0 * large.1) as usize];
+    let backend = BitMapBackend::with_buffer(&mut pixels, large);
+    Canvas::new(backend, PNG_SCALE, 0.19, true)
+        .and_then(|canvas| canvas.finish(drawing))
+        .map_err(|e| Error::io(out, e))?;
+    let averaged = averaged(&pixels, large.0 as usize, PNG_SCALE as usize);
+    let mut png = BitMapBackend::new(out, size);
+    png.blit_bitmap((0, 0), size, &averaged)
+        .and_then(|()| png.present())
+        .map_err(|e| Error::io(out, e))
+}
+
+/// Each square of `scale` × `scale` RGB pixels as its mean.
+fn averaged(pixels: &[u8], width: usize, scale: usize) -> Vec<u8> {
+    let rows = pixels.chunks_exact(3 * width);
+    let mut small = Vec::with_capacity(pixels.len() / (scale * scale));
+    let mut sums = vec![0_usize; 3 * width / scale];
+    for (y, row) in rows.enumerate() {
+        for (x, pixel) in row.chunks_exact(3).enumerate() {
+            for (channel, value) in pixel.iter().enumerate() {
+                sums[3 * (x / scale) + channel] += usize::from(*value);
+            }
+        }
+        if y % scale == scale - 1 {
+            small.extend(sums.iter().map(|sum| (sum / (scale * scale)) as u8));
+            sums.fill(0);
+        }
+    }
+    small
+}
+
+impl<DB: DrawingBackend> Canvas<'_, DB> {
+    fn new(
+        backend: DB,
+        scale: u32,
+        text_shift: f64,
+        by_pieces: bool,
+    ) -> std::result::Result<Self, String> {
+        plotters::style::register_font(FONT, FontStyle::Normal, dejavu::sans::regular())
+            .map_err(|_| "the font cannot be read".to_owned())?;
+        let area = backend.into_drawing_area();
+        area.fill(&WHITE).map_err(|e| e.to_string())?;
+        Ok(Self {
+            area,
+            scale: f64::from(scale),
+            text_shift,
+            by_pieces,
+            font: FontDesc::new(FontFamily::Name(FONT), 1.0, FontStyle::Normal),
+        })
+    }
+
+    fn finish(self, drawing: &impl Drawing) -> Outcome {
+        drawing.draw(&self)?;
+        self.area.present().map_err(|e| e.to_string())
+    }
+
+    /// The canvas' own pixel nearest to a point.
+    pub fn point(&self, x: f64, y: f64) -> Point {
+        let pixel = |v: f64| (v * self.scale).round() as i32;
+        (pixel(x), pixel(y))
+    }
+
+    /// A line through points from [`Self::point`].
+    pub fn line(&self, points: &[Point], stroke: &Stroke) -> Outcome {
+        if stroke.dashes.is_empty() {
+            return self.solid(points, stroke);
+        }
+        let width = stroke.width * self.scale;
+        let lengths: Vec<f64> = stroke.dashes.iter().map(|d| d * width).collect();
+        dashed(points, &lengths)
+            .iter()
+            .try_for_each(|piece| self.solid(piece, stroke))
+    }
+
+    fn solid(&self, points: &[Point], stroke: &Stroke) -> Outcome {
+        let width = (stroke.width * self.scale).round().max(1.0) as u32;
+        let style = stroke.colour.stroke_width(width);
+        let draw = |points: &[Point]| {
+            self.area
+                .draw(&PathElement::new(points, style))
+                .map_err(|e| e.to_string())
+        };
+        if !self.by_pieces {
+            return draw(points);
+        }
+        for pair in points.windows(2) {
+            draw(pair)?;
+        }
+        let inner = points.get(1..points.len().saturating_sub(1));
+        for &joint in inner.unwrap_or_default() {
+            let dot = Circle::new(joint, width / 2, stroke.colour.filled());
+            self.area.draw(&dot).map_err(|e| e.to_string())?;
+        }
+        Ok(())
+    }
+
+    /// A filled rectangle between two corners.
+    pub fn rectangle(&self, from: (f64, f64), to: (f64, f64), colour: RGBColor) -> Outcome {
+        let corners = [self.point(from.0, from.1), self.point(to.0, to.1)];
+        self.area
+            .draw(&Rectangle::new(corners, colour.filled()))
+            .map_err(|e| e.to_string())
+    }
+
+    /// A text of one line with letters of `size`.
+    pub fn text(&self, text: &str, at: (f64, f64), size: f64, anchor: Anchor) -> Outcome {
+        let shift = self.text_shift * size;
+        let (at, transform, side) = match anchor {
+            Anchor::Left => ((at.0, at.1 + shift), FontTransform::None, HPos::Left),
+            Anchor::Centre => ((at.0, at.1 + shift), FontTransform::None, HPos::Center),
+            Anchor::Right => ((at.0, at.1 + shift), FontTransform::None, HPos::Right),
+            Anchor::Upwards => ((at.0 + shift, at.1), FontTransform::Rotate270, HPos::Center),
+        };
+        let style = self
+            .font
+            .resize(size * self.scale)
+            .transform(transform)
+            .into_text_style(&self.area)
+            .color(&RGBColor(30, 30, 30))
+            .pos(Pos::new(side, VPos::Center));
+        self.area
+            .draw_text(text, &style, self.point(at.0, at.1))
+            .map_err(|e| e.to_string())
+    }
+
+    /// Width of a text with letters of `size`.
+    pub fn text_width(&self, text: &str, size: f64) -> f64 {
+        // Measured large, since the answer is in whole pixels. Without a font no text is drawn either.
+        let large = self.font.resize(100.0).box_size(text);
+        large.map_or(0.0, |(width, _)| f64::from(width) * size / 100.0)
+    }
+}

@@ -1,0 +1,6 @@
+//! Figures of results.
+
+mod axis;
+mod canvas;
+pub mod history;
+mod stroke;

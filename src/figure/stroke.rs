@@ -1,0 +1,182 @@
+//! The look of a curve, and its points as they are drawn.
+
+use plotters::style::RGBColor;
+
+/// A point on the canvas, in its own pixels.
+pub(super) type Point = (i32, i32);
+
+/// Colours that stay apart for the colour-blind: Okabe and Ito (2008) without the yellow, and grey.
+const COLOURS: [RGBColor; 8] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(0, 0, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+    RGBColor(127, 127, 127),
+];
+
+/// Lengths drawn and left out in turn, in widths of the line; none is a solid line.
+const DASHES: [&[f64]; 4] = [&[], &[6.0, 2.5], &[1.2, 2.2], &[6.0, 2.0, 1.2, 2.0]];
+
+/// More curves than this are told apart by dashes and widths too, so that they are in print.
+const BY_COLOUR: usize = 5;
+
+/// More curves than this have no look of their own.
+pub(super) const LOOKS: usize = COLOURS.len() * DASHES.len();
+
+/// How a curve is drawn; the width is in pixels of the figure.
+pub(super) struct Stroke {
+    pub colour: RGBColor,
+    pub width: f64,
+    pub dashes: &'static [f64],
+}
+
+/// The look of curve `n` of `of`: the second four are thinner, and the colours shift against the dashes from eight on.
+pub(super) fn stroke(n: usize, of: usize) -> Stroke {
+    if of <= BY_COLOUR {
+        return Stroke {
+            colour: COLOURS[n],
+            width: 4.0,
+            dashes: DASHES[0],
+        };
+    }
+    Stroke {
+        colour: COLOURS[n % COLOURS.len()],
+        width: if n % 8 < 4 { 4.5 } else { 2.5 },
+        dashes: DASHES[(n + n / 8) % DASHES.len()],
+    }
+}
+
+/// The points without those that no pixel shows: of each column the first, the lowest, the highest and the last.
+pub(super) fn thinned(points: impl Iterator<Item = Point>) -> Vec<Point> {
+    let mut thin: Vec<Point> = Vec::new();
+    let mut column: Vec<Point> = Vec::new();
+    let mut close = |column: &mut Vec<Point>| {
+        let places = 0..column.len();
+        let low = places.clone().min_by_key(|&n| column[n].1);
+        let high = places.max_by_key(|&n| column[n].1);
+        let mut kept = [Some(0), low, high, column.len().checked_sub(1)];
+        kept.sort_unstable();
+        let mut before = None;
+        for n in kept.into_iter().flatten() {
+            if before != Some(n) {
+                thin.extend(column.get(n));
+            }
+            before = Some(n);
+        }
+        column.clear();
+    };
+    for point in points {
+        if column.last().is_some_and(|last| last.0 != point.0) {
+            close(&mut column);
+        }
+        column.push(point);
+    }
+    close(&mut column);
+    thin.dedup();
+    thin
+}
+
+/// The line through `points` cut into dashes of the given lengths, drawn and left out in turn, in the points' pixels.
+pub(super) fn dashed(points: &[Point], lengths: &[f64]) -> Vec<Vec<Point>> {
+    let mut pieces = vec![Vec::new()];
+    let (mut phase, mut left) = (0, lengths[0]);
+    for pair in points.windows(2) {
+        let (from, to) = (pair[0], pair[1]);
+        let (dx, dy) = (f64::from(to.0 - from.0), f64::from(to.1 - from.1));
+        let length = dx.hypot(dy);
+        let at = |s: f64| {
+            let part = s / length;
+            let along = |a: i32, d: f64| a + (part * d).round() as i32;
+            (along(from.0, dx), along(from.1, dy))
+        };
+        let mut s = 0.0;
+        while s < length {
+            let drawn = phase % 2 == 0;
+            let cut = s + left;
+            let end = cut.min(length);
+            if let Some(piece) = pieces.last_mut().filter(|_| drawn) {
+                if piece.is_empty() {
+                    piece.push(at(s));
+                }
+                piece.push(at(end));
+            }
+            if cut > length {
+                left = cut - length;
+            } else {
+                phase = (phase + 1) % lengths.len();
+                left = lengths[phase];
+                if drawn {
+                    pieces.push(Vec::new());
+                }
+            }
+            s = end;
+        }
+    }
+    pieces.retain(|piece| piece.len() > 1);
+    pieces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_look_is_its_own() {
+        let looks: std::collections::HashSet<_> = (0..LOOKS)
+            .map(|n| {
+                let s = stroke(n, LOOKS);
+                let RGBColor(r, g, b) = s.colour;
+                (
+                    r,
+                    g,
+                    b,
+                    s.dashes.len(),
+                    s.dashes.first().map(|d| d.to_bits()),
+                )
+            })
+            .collect();
+        assert_eq!(looks.len(), LOOKS);
+    }
+
+    #[test]
+    fn thinning_keeps_the_ends_and_extremes_of_each_column() {
+        let wave = (0..100_000).map(|n| (n / 1000, (n * 7919) % 1013));
+        let thin = thinned(wave.clone());
+        assert!(thin.len() <= 400, "{}", thin.len());
+        for column in 0..100 {
+            let of = |points: &[Point]| {
+                let mut y: Vec<i32> = points
+                    .iter()
+                    .filter(|p| p.0 == column)
+                    .map(|p| p.1)
+                    .collect();
+                let ends = (y[0], y[y.len() - 1]);
+                y.sort_unstable();
+                (ends, y[0], y[y.len() - 1])
+            };
+            assert_eq!(of(&thin), of(&wave.clone().collect::<Vec<_>>()));
+        }
+    }
+
+    #[test]
+    fn dashes_cover_their_share_of_the_length_around_corners() {
+        // A staircase of 10 × (30 + 40) pixels; dashes of 8 with gaps of 4 cover two thirds.
+        let mut points = vec![(0, 0)];
+        for n in 0..10 {
+            points.push((30 * (n + 1), 40 * n));
+            points.push((30 * (n + 1), 40 * (n + 1)));
+        }
+        let pieces = dashed(&points, &[8.0, 4.0]);
+        let length = |piece: &Vec<Point>| -> i32 {
+            let side = |p: &[Point]| (p[1].0 - p[0].0).abs() + (p[1].1 - p[0].1).abs();
+            piece.windows(2).map(side).sum()
+        };
+        // 700 = 58 periods of 12, and 4 of the next dash. Every cut falls on a pixel.
+        let lengths: Vec<i32> = pieces.iter().map(length).collect();
+        assert_eq!(lengths.len(), 59);
+        assert!(lengths[..58].iter().all(|&l| l == 8) && lengths[58] == 4);
+    }
+}

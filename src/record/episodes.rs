@@ -1,0 +1,182 @@
+//! Contact episodes: when, how hard, and with what impulse the impactor and the body touch.
+
+use crate::impact::step::Step;
+
+/// One uninterrupted contact: a maximal run of consecutive steps with F > 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Episode {
+    /// Where α rises through zero, s: linear between the last step without force and the first with it.
+    pub start: f64,
+    /// Where α falls through zero, s; the last step so far while the contact lasts.
+    pub end: f64,
+    /// Largest F at a step, N.
+    pub peak_force: f64,
+    /// Step of the largest F, s.
+    pub peak_time: f64,
+    /// ∫ F dt, N s, by the trapezoidal rule: with Newmark's γ = 1/2 exactly the momentum that the impactor gave.
+    pub impulse: f64,
+}
+
+/// The episodes of a stream of steps.
+#[derive(Debug, Clone, Default)]
+pub struct Episodes {
+    all: Vec<Episode>,
+    last: Option<Step>,
+}
+
+impl Episodes {
+    /// Takes the next step; steps come in the order of time, none left out.
+    pub fn push(&mut self, step: &Step) {
+        let last = self.last.replace(*step);
+        let was_open = last.is_some_and(|last| last.contact.force > 0.0);
+        let is_open = step.contact.force > 0.0;
+        if is_open && !was_open {
+            self.all.push(Episode {
+                start: last.map_or(step.time, |last| crossing(&last, step)),
+                end: step.time,
+                peak_force: 0.0,
+                peak_time: step.time,
+                impulse: 0.0,
+            });
+        }
+        if !(is_open || was_open) {
+            return;
+        }
+        let Some(episode) = self.all.last_mut() else {
+            return;
+        };
+        if let Some(last) = last {
+            let mean = 0.5 * (last.contact.force + step.contact.force);
+            episode.impulse += mean * (step.time - last.time);
+        }
+        episode.end = match last {
+            Some(last) if !is_open => crossing(&last, step),
+            _ => step.time,
+        };
+        if step.contact.force > episode.peak_force {
+            episode.peak_force = step.contact.force;
+            episode.peak_time = step.time;
+        }
+    }
+
+    /// All episodes so far, in the order of time. While [`Self::is_open`], the last one ends at the last step.
+    pub fn all(&self) -> &[Episode] {
+        &self.all
+    }
+
+    /// Whether the contact lasts at the last step.
+    pub fn is_open(&self) -> bool {
+        self.last.is_some_and(|last| last.contact.force > 0.0)
+    }
+}
+
+/// Time at which α is zero between two steps, linear in α; one of the two where α does not change its sign.
+fn crossing(last: &Step, step: &Step) -> f64 {
+    let (from, to) = (last.contact.indentation, step.contact.indentation);
+    let part = if from == to {
+        0.0
+    } else {
+        (from / (from - to)).clamp(0.0, 1.0)
+    };
+    last.time + part * (step.time - last.time)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::impact::step::{Contact, Energy, Motion};
+    use std::f64::consts::PI;
+
+    fn step(number: usize, time: f64, indentation: f64, force: f64) -> Step {
+        Step {
+            number,
+            time,
+            impactor: Motion {
+                position: 0.0,
+                velocity: 0.0,
+                acceleration: 0.0,
+            },
+            contact: Contact {
+                force,
+                indentation,
+                surface_displacement: 0.0,
+            },
+            energy: Energy {
+                kinetic: 0.0,
+                elastic: 0.0,
+                support: 0.0,
+                impactor: 0.0,
+                contact: 0.0,
+                dissipated: 0.0,
+                external: 0.0,
+                total: 0.0,
+            },
+        }
+    }
+
+    /// Episodes of F = k ⟨α⟩ at times n Δt, n = 0 … steps.
+    fn of(alpha: impl Fn(f64) -> f64, dt: f64, steps: usize) -> Episodes {
+        let mut episodes = Episodes::default();
+        for n in 0..=steps {
+            let (t, a) = (n as f64 * dt, alpha(n as f64 * dt));
+            episodes.push(&step(n, t, a, 1e3 * a.max(0.0)));
+        }
+        episodes
+    }
+
+    #[test]
+    fn linear_indentation_is_located_exactly() {
+        // α = 1 − |t − 2|/0.7 is linear around its zeros 1.3 and 2.7, which no step meets.
+        let episodes = of(|t| 1.0 - (t - 2.0).abs() / 0.7, 0.25, 16);
+        let [e] = episodes.all() else {
+            panic!("{:?}", episodes.all())
+        };
+        // Rounding only.
+        assert!((e.start - 1.3).abs() < 1e-14 && (e.end - 2.7).abs() < 1e-14);
+        assert_eq!((e.peak_force, e.peak_time), (1e3, 2.0));
+        assert!(!episodes.is_open());
+    }
+
+    #[test]
+    fn errors_on_a_sine_keep_within_the_bounds_of_the_two_rules() {
+        // α = sin t + 0.3: in contact from t = 0 to π + z, and from 2π − z to 3π + z, z = asin 0.3.
+        let z = 0.3_f64.asin();
+        let impulse = |a: f64, b: f64| 1e3 * (a.cos() - b.cos() + 0.3 * (b - a));
+        for steps in [64, 256, 1024] {
+            let h = 11.0 / steps as f64;
+            let episodes = of(|t| t.sin() + 0.3, h, steps);
+            let [a, b] = *episodes.all() else {
+                panic!("{:?}", episodes.all())
+            };
+            assert_eq!(a.start, 0.0);
+            // Linear interpolation is off by h²/8 max|α″|, divided by the slope |α′| = cos z at the zero (0.9 leaves
+            // room for the change of the slope within a step).
+            let bound = h * h / 8.0 / (0.9 * z.cos());
+            for (time, exact) in [
+                (a.end, PI + z),
+                (b.start, 2.0 * PI - z),
+                (b.end, 3.0 * PI + z),
+            ] {
+                assert!((time - exact).abs() < bound, "{time} {exact} {bound}");
+            }
+            // Trapezoidal rule: h²/12 max|F″| a length; at each kink at most h²/2 max|F′| more.
+            let bound = 1e3 * h * h * ((PI + 2.0 * z) / 12.0 + 2.0 * 0.5);
+            assert!((a.impulse - impulse(0.0, PI + z)).abs() < bound);
+            assert!((b.impulse - impulse(2.0 * PI - z, 3.0 * PI + z)).abs() < bound);
+        }
+    }
+
+    #[test]
+    fn impulse_is_the_trapezoidal_sum_split_among_episodes() {
+        let forces = [0.0, 2.0, 0.0, 3.0, 5.0, 0.0, 0.0, 1.0];
+        let mut episodes = Episodes::default();
+        for (n, f) in forces.into_iter().enumerate() {
+            let alpha = if f > 0.0 { f } else { -1.0 };
+            episodes.push(&step(n, n as f64 * 0.5, alpha, f));
+        }
+        let impulses: Vec<f64> = episodes.all().iter().map(|e| e.impulse).collect();
+        assert_eq!(impulses, [1.0, 4.0, 0.25]);
+        assert!(episodes.is_open());
+        assert_eq!(episodes.all()[2].end, 3.5);
+    }
+}

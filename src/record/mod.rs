@@ -1,0 +1,7 @@
+//! What is written of a run, and what is read back: HDF5 files.
+
+pub mod episodes;
+pub mod provenance;
+pub mod read;
+pub mod series;
+pub mod target;

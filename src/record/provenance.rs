@@ -1,0 +1,119 @@
+//! Where a result comes from: the attributes of the root of a result file.
+
+use hdf5_metno::types::VarLenUnicode;
+use hdf5_metno::{H5Type, Location, Result};
+
+/// Everything that is needed to tell, and to repeat, how a result was made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Provenance {
+    /// Title of the scene.
+    pub title: String,
+    /// The scene's full text.
+    pub scene: String,
+    /// Version of the program.
+    pub version: String,
+    /// Git commit of the program.
+    pub commit: String,
+    /// Version of PETSc.
+    pub petsc_version: String,
+    /// Options given to PETSc.
+    pub petsc_options: String,
+    /// Number of MPI ranks.
+    pub ranks: usize,
+    /// Theory of the body: `solid`, `kirchhoff`, …
+    pub model: String,
+    /// Reduction of the body: `none`, or how many basis vectors of which kind.
+    pub reduction: String,
+    /// Number of unknowns, the impactor's included.
+    pub unknowns: usize,
+    /// Estimated error of the acceleration history over its peak, where there is an estimate.
+    pub error_estimate: Option<f64>,
+    /// Number of rows that the run will record, where the steps are fixed: it sizes the chunks of the series, so
+    /// that a run that keeps to it never has to enlarge the file.
+    pub planned_rows: Option<usize>,
+}
+
+/// What a run has cost: attributes of the root, made with the file and filled in at the end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cost {
+    /// Wall time of reading or making the mesh, s.
+    pub mesh: f64,
+    /// Wall time of assembling the body and the Newton matrix, s.
+    pub assembly: f64,
+    /// Wall time of all steps, s.
+    pub steps: f64,
+    /// Wall time of everything, s.
+    pub total: f64,
+    /// Newton iterations of all steps.
+    pub newton_iterations: usize,
+}
+
+impl Cost {
+    /// Before the end.
+    pub(super) const UNKNOWN: Self =
+        Self { mesh: f64::NAN, assembly: f64::NAN, steps: f64::NAN, total: f64::NAN, newton_iterations: 0 };
+
+    fn times(&self) -> [(&'static str, f64); 4] {
+        [
+            ("wall_time_mesh", self.mesh),
+            ("wall_time_assembly", self.assembly),
+            ("wall_time_steps", self.steps),
+            ("wall_time_total", self.total),
+        ]
+    }
+
+    pub(super) fn write(&self, root: &Location) -> Result<()> {
+        for (name, seconds) in self.times() {
+            write_scalar(root, name, seconds)?;
+        }
+        write_scalar(root, "newton_iterations", self.newton_iterations as u64)
+    }
+
+    /// Overwrites in place, so that nothing in the file moves.
+    pub(super) fn update(&self, root: &Location) -> Result<()> {
+        for (name, seconds) in self.times() {
+            root.attr(name)?.write_scalar(&seconds)?;
+        }
+        root.attr("newton_iterations")?.write_scalar(&(self.newton_iterations as u64))
+    }
+}
+
+impl Provenance {
+    /// Writes one attribute a field at `root`; a `None` is left out.
+    pub(super) fn write(&self, root: &Location) -> Result<()> {
+        for (name, text) in [
+            ("title", &self.title),
+            ("scene", &self.scene),
+            ("version", &self.version),
+            ("commit", &self.commit),
+            ("petsc_version", &self.petsc_version),
+            ("petsc_options", &self.petsc_options),
+            ("model", &self.model),
+            ("reduction", &self.reduction),
+        ] {
+            write_text(root, name, text)?;
+        }
+        write_scalar(root, "ranks", self.ranks as u64)?;
+        write_scalar(root, "unknowns", self.unknowns as u64)?;
+        if let Some(error) = self.error_estimate {
+            write_scalar(root, "error_estimate", error)?;
+        }
+        if let Some(rows) = self.planned_rows {
+            write_scalar(root, "planned_rows", rows as u64)?;
+        }
+        Ok(())
+    }
+}
+
+/// A new text attribute. A variable-length string, since fixed ones end at 64 KiB.
+pub(super) fn write_text(at: &Location, name: &str, text: &str) -> Result<()> {
+    let text: VarLenUnicode = text
+        .parse()
+        .map_err(|_| format!("attribute {name}: the text holds a NUL character"))?;
+    write_scalar(at, name, text)
+}
+
+/// A new attribute of one value.
+pub(super) fn write_scalar<T: H5Type>(at: &Location, name: &str, value: T) -> Result<()> {
+    at.new_attr::<T>().create(name)?.write_scalar(&value)
+}

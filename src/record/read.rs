@@ -1,0 +1,81 @@
+//! A result read back, as far as a figure needs it.
+
+use crate::error::{Error, Result};
+use crate::record::target::is_locked;
+use hdf5_metno as hdf5;
+use hdf5_metno::types::VarLenUnicode;
+use std::path::Path;
+
+/// The acceleration history of a result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct History {
+    /// Title of the scene; may be empty.
+    pub title: String,
+    /// Time of each row, s.
+    pub time: Vec<f64>,
+    /// Deceleration F/m0 of the impactor at each row, m/s².
+    pub acceleration: Vec<f64>,
+    /// Start and end of each contact episode, s.
+    pub contacts: Vec<(f64, f64)>,
+}
+
+/// Reads the history of the result `path`. After a kill, datasets may differ in length by one flush: the rows are
+/// those that all have.
+///
+/// # Errors
+/// [`Error::Io`] that says whether the file is missing, not HDF5, still being written, or not a result of ricochet.
+pub fn history(path: &Path) -> Result<History> {
+    if let Err(e) = std::fs::File::open(path) {
+        return Err(Error::io(path, e));
+    }
+    let file = hdf5::File::open(path).map_err(|e| not_opened(path, &e))?;
+    let column = |name: &str| {
+        let not_result = |why: String| {
+            let reason = format!("is not a result of ricochet: {why}");
+            Error::io(path, reason)
+        };
+        let dataset = file
+            .dataset(name)
+            .map_err(|_| not_result(format!("there is no dataset /{name}")))?;
+        if dataset.ndim() != 1 {
+            return Err(not_result(format!(
+                "/{name} has {} dimensions, not 1",
+                dataset.ndim()
+            )));
+        }
+        dataset
+            .read_raw::<f64>()
+            .map_err(|e| not_result(format!("/{name} cannot be read ({e})")))
+    };
+    let mut time = column("series/time")?;
+    let mut acceleration = column("series/impactor/acceleration")?;
+    let rows = time.len().min(acceleration.len());
+    time.truncate(rows);
+    acceleration.truncate(rows);
+    let start = column("contacts/start")?;
+    let end = column("contacts/end")?;
+    let title = file
+        .attr("title")
+        .and_then(|title| title.read_scalar::<VarLenUnicode>())
+        .map_err(|_| Error::io(path, "is not a result of ricochet: it has no title"))?;
+    Ok(History {
+        title: title.to_string(),
+        time,
+        acceleration,
+        contacts: start.into_iter().zip(end).collect(),
+    })
+}
+
+fn not_opened(path: &Path, error: &hdf5::Error) -> Error {
+    if path.is_dir() {
+        return Error::io(path, "is a folder");
+    }
+    if is_locked(error) {
+        let reason = "is still being written by a run (with HDF5_USE_FILE_LOCKING=FALSE in the environment it can be read)";
+        return Error::io(path, reason);
+    }
+    if error.contains_minor(hdf5::MinorErrorCode::NotHdf5) {
+        return Error::io(path, "is not an HDF5 file");
+    }
+    Error::io(path, error)
+}

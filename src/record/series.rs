@@ -1,0 +1,257 @@
+//! The series of a run, written while it goes on.
+//!
+//! A process may be killed at any moment, so the file has to be whole between any two writes that HDF5 makes. HDF5 is
+//! called in short bursts that end with a flush, about once a second. Within a flush HDF5 writes data first, then
+//! metadata in the order of the addresses, then the length of the file, so a burst is safe if it allocates nothing:
+//! then it changes the lengths of the datasets only, each in one small write, after the rows themselves. That is why
+//! a chunk holds the whole planned series, and why the file takes its name only with its first row, when the chunks
+//! are there. Not safe is the moment of a flush in which `/contacts` gets its first chunk
+//! (it alone is lost then), or in which a series outgrows its chunk.
+
+use crate::error::{Error, Result};
+use crate::impact::step::Step;
+use crate::record::episodes::{Episode, Episodes};
+use crate::record::provenance::{Cost, Provenance, write_scalar, write_text};
+use crate::record::target;
+use hdf5_metno as hdf5;
+use hdf5_metno::plist::dataset_create::FillTime;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// A dataset: its path in the file, its unit, and its value in one record.
+struct Column<T> {
+    path: &'static str,
+    units: &'static str,
+    value: fn(&T) -> f64,
+}
+
+/// Every dataset under `/series`. The time is last: HDF5 flushes in the order of the addresses, so that after a kill
+/// within a flush no dataset is shorter than the time.
+const SERIES: [Column<Step>; 15] = [
+    column("series/impactor/position", "m", |s| s.impactor.position),
+    column("series/impactor/velocity", "m/s", |s| s.impactor.velocity),
+    column("series/impactor/acceleration", "m/s2", |s| {
+        s.impactor.acceleration
+    }),
+    column("series/contact/force", "N", |s| s.contact.force),
+    column("series/contact/indentation", "m", |s| s.contact.indentation),
+    column("series/contact/surface_displacement", "m", |s| {
+        s.contact.surface_displacement
+    }),
+    column("series/energy/kinetic", "J", |s| s.energy.kinetic),
+    column("series/energy/elastic", "J", |s| s.energy.elastic),
+    column("series/energy/support", "J", |s| s.energy.support),
+    column("series/energy/impactor", "J", |s| s.energy.impactor),
+    column("series/energy/contact", "J", |s| s.energy.contact),
+    column("series/energy/dissipated", "J", |s| s.energy.dissipated),
+    column("series/energy/external", "J", |s| s.energy.external),
+    column("series/energy/total", "J", |s| s.energy.total),
+    column("series/time", "s", |s| s.time),
+];
+
+/// Every dataset under `/contacts`.
+const CONTACTS: [Column<Episode>; 5] = [
+    column("contacts/start", "s", |e| e.start),
+    column("contacts/end", "s", |e| e.end),
+    column("contacts/peak_force", "N", |e| e.peak_force),
+    column("contacts/peak_time", "s", |e| e.peak_time),
+    column("contacts/impulse", "N s", |e| e.impulse),
+];
+
+const fn column<T>(path: &'static str, units: &'static str, value: fn(&T) -> f64) -> Column<T> {
+    Column { path, units, value }
+}
+
+/// Wall time between two flushes: what a kill may cost.
+const FLUSH_EVERY: Duration = Duration::from_secs(1);
+/// Rows that a buffer holds at most, however fast they come (9 MB).
+const ROWS_BUFFERED: usize = 1 << 16;
+/// Rows in a chunk where their number is not planned, and at most (128 MiB; HDF5 allows 4 GiB).
+const CHUNK_UNPLANNED: usize = 1 << 15;
+const CHUNK_MOST: usize = 1 << 24;
+/// Episodes in a chunk.
+const CHUNK_CONTACTS: usize = 64;
+
+/// Writes the series and the contacts of one run to a file. One process (rank 0) has it.
+pub struct SeriesWriter {
+    path: PathBuf,
+    /// The file's name until the first row is on the disk.
+    part: Option<PathBuf>,
+    file: hdf5::File,
+    series: Vec<hdf5::Dataset>,
+    contacts: Vec<hdf5::Dataset>,
+    every: usize,
+    buffer: Vec<Step>,
+    rows_written: usize,
+    episodes: Episodes,
+    episodes_written: usize,
+    flushed: Option<Instant>,
+}
+
+impl SeriesWriter {
+    /// Begins the result `path` of a run described by `provenance`.
+    ///
+    /// An older result at `path` is replaced when the first step has been written, and untouched if it never is.
+    ///
+    /// # Errors
+    /// [`Error::Io`] as of [`target::check_writable`], or when writing fails.
+    pub fn create(path: &Path, provenance: &Provenance) -> Result<Self> {
+        target::check_writable(path)?;
+        let part = target::part(&target::resolved(path))?;
+        let begun = begin(&part, provenance);
+        if begun.is_err() {
+            // The error in hand says more than one of the removal would.
+            let _ = fs::remove_file(&part);
+        }
+        let (file, series, contacts) = begun.map_err(|e| Error::io(path, e))?;
+        Ok(Self {
+            path: path.to_owned(),
+            part: Some(part),
+            file,
+            series,
+            contacts,
+            every: 1,
+            buffer: Vec::new(),
+            rows_written: 0,
+            episodes: Episodes::default(),
+            episodes_written: 0,
+            flushed: None,
+        })
+    }
+
+    /// Records only the steps whose number is a multiple of `n` (0 counts as 1). The contacts are those of all steps.
+    pub fn every(mut self, n: usize) -> Self {
+        self.every = n.max(1);
+        self
+    }
+
+    /// Takes the next accepted step. The first one is on the disk when this returns; later ones follow about once a
+    /// second of wall time.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when writing fails; the rows stay in the buffer.
+    pub fn push(&mut self, step: &Step) -> Result<()> {
+        self.episodes.push(step);
+        if step.number.is_multiple_of(self.every) {
+            self.buffer.push(*step);
+        }
+        let due = self.flushed.is_none_or(|t| t.elapsed() >= FLUSH_EVERY);
+        if due || self.buffer.len() >= ROWS_BUFFERED {
+            self.flush()?;
+        }
+        Ok(())
+    }
+
+    /// Writes what is buffered, so that it outlives the process.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when writing fails; the rows stay in the buffer.
+    pub fn flush(&mut self) -> Result<()> {
+        self.write().map_err(|e| Error::io(&self.path, e))?;
+        if let Some(part) = &self.part {
+            fs::rename(part, target::resolved(&self.path)).map_err(|e| Error::io(&self.path, e))?;
+            self.part = None;
+        }
+        Ok(())
+    }
+
+    /// Ends the result: the last rows, what the run cost, and whether it came to its end.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when writing fails.
+    pub fn finish(mut self, cost: &Cost, complete: bool) -> Result<()> {
+        self.flush()?;
+        let mark = || {
+            cost.update(&self.file)?;
+            self.file.attr("complete")?.write_scalar(&complete)?;
+            self.file.flush()
+        };
+        mark().map_err(|e| Error::io(&self.path, e))
+    }
+
+    fn write(&mut self) -> hdf5::Result<()> {
+        append(&self.series, &SERIES, self.rows_written, &self.buffer)?;
+        // An open episode grows, so the last one that was written may have changed.
+        let first = self.episodes_written.saturating_sub(1);
+        let episodes = &self.episodes.all()[first..];
+        append(&self.contacts, &CONTACTS, first, episodes)?;
+        self.file
+            .group("contacts")?
+            .attr("open_at_end")?
+            .write_scalar(&self.episodes.is_open())?;
+        self.file.flush()?;
+        self.episodes_written = self.episodes.all().len();
+        self.rows_written += self.buffer.len();
+        self.buffer.clear();
+        self.flushed = Some(Instant::now());
+        Ok(())
+    }
+}
+
+impl Drop for SeriesWriter {
+    /// Writes what is buffered; an error has nobody to go to. A result without a step leaves nothing behind.
+    fn drop(&mut self) {
+        let _ = match &self.part {
+            Some(part) => fs::remove_file(part).map_err(|e| Error::io(part, e)),
+            None => self.flush(),
+        };
+    }
+}
+
+type Begun = (hdf5::File, Vec<hdf5::Dataset>, Vec<hdf5::Dataset>);
+
+/// The file at `path` with its attributes, and its datasets under `/series` and `/contacts`.
+fn begin(path: &Path, provenance: &Provenance) -> hdf5::Result<Begun> {
+    let file = hdf5::File::create(path)?;
+    provenance.write(&file)?;
+    Cost::UNKNOWN.write(&file)?;
+    write_scalar(&file, "complete", false)?;
+    let chunk = provenance
+        .planned_rows
+        .unwrap_or(CHUNK_UNPLANNED)
+        .clamp(1, CHUNK_MOST);
+    let contacts = new_datasets(&file, &CONTACTS, CHUNK_CONTACTS)?;
+    let series = new_datasets(&file, &SERIES, chunk)?;
+    let group = file.group("contacts")?;
+    write_scalar(&group, "open_at_end", false)?;
+    Ok((file, series, contacts))
+}
+
+fn new_datasets<T>(
+    file: &hdf5::File,
+    columns: &[Column<T>],
+    chunk: usize,
+) -> hdf5::Result<Vec<hdf5::Dataset>> {
+    let new = |column: &Column<T>| {
+        let dataset = file
+            .new_dataset::<f64>()
+            .shape((0..,))
+            .chunk((chunk,))
+            // Without a cache and a fill value, only new rows are written, and the rest of a chunk stays a hole.
+            .chunk_cache(0, 0, 1.0)
+            .fill_time(FillTime::Never)
+            .create(column.path)?;
+        write_text(&dataset, "units", column.units)?;
+        Ok(dataset)
+    };
+    columns.iter().map(new).collect()
+}
+
+/// Writes `records` to the rows from `first` on, and cuts the datasets behind them.
+fn append<T>(
+    datasets: &[hdf5::Dataset],
+    columns: &[Column<T>],
+    first: usize,
+    records: &[T],
+) -> hdf5::Result<()> {
+    let end = first + records.len();
+    for (dataset, column) in datasets.iter().zip(columns) {
+        if dataset.size() != end {
+            dataset.resize((end,))?;
+        }
+        let values: Vec<f64> = records.iter().map(column.value).collect();
+        dataset.write_slice(&values, first..end)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,87 @@
+//! The file that a result is written to: whether it can be, and how it takes the place of an older one.
+
+use crate::error::{Error, Result};
+use hdf5_metno as hdf5;
+use std::ffi::OsString;
+use std::fs::{self, OpenOptions};
+use std::path::{Path, PathBuf};
+
+/// Tells whether a result can be written to `path`, without touching a file that is there.
+///
+/// # Errors
+/// [`Error::Io`] with the reason: the folder is missing or not writable; the path is a folder, a device, a read-only
+/// file, a file that is no HDF5, or a result that a run is still writing.
+pub fn check_writable(path: &Path) -> Result<()> {
+    let part = part(&resolved(path))?;
+    if let Ok(there) = fs::metadata(path) {
+        check_replaceable(path, &there)?;
+    }
+    OpenOptions::new()
+        .write(true)
+        .create(true)
+        .truncate(true)
+        .open(&part)
+        .and_then(|_| fs::remove_file(&part))
+        .map_err(|e| Error::io(path, format!("cannot be created: {e}")))
+}
+
+/// The file that `path` is or links to: a link stays a link.
+pub(super) fn resolved(path: &Path) -> PathBuf {
+    fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
+}
+
+/// The file in which a new result is begun, beside `path` (resolved): an older result stays whole until the new one
+/// has its first row. (H5Fcreate would cut the older file before it finds out that somebody else has it open.)
+pub(super) fn part(path: &Path) -> Result<PathBuf> {
+    let name = path
+        .file_name()
+        .ok_or_else(|| Error::io(path, "is not the name of a file"))?;
+    let folder = path
+        .parent()
+        .filter(|p| !p.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        let reason = format!("there is no folder {}", folder.display());
+        return Err(Error::io(path, reason));
+    }
+    let mut part = OsString::from(".");
+    part.push(name);
+    part.push(format!(".{}.part", std::process::id()));
+    Ok(folder.join(part))
+}
+
+/// Whether what is at `path` is a result that may be replaced.
+fn check_replaceable(path: &Path, there: &fs::Metadata) -> Result<()> {
+    if there.is_dir() {
+        return Err(Error::io(path, "is a folder"));
+    }
+    if !there.is_file() {
+        return Err(Error::io(path, "is not a regular file"));
+    }
+    if there.permissions().readonly() {
+        return Err(Error::io(path, "is read-only"));
+    }
+    OpenOptions::new()
+        .write(true)
+        .open(path)
+        .map_err(|e| Error::io(path, format!("cannot be replaced: {e}")))?;
+    // Opening takes HDF5's shared lock, which a writer elsewhere excludes; a writer in this process shows in the mode.
+    match hdf5::File::open(path) {
+        Ok(file) if file.is_read_only() => Ok(()),
+        Ok(_) => Err(Error::io(path, IN_USE)),
+        Err(e) if is_locked(&e) => Err(Error::io(path, IN_USE)),
+        Err(e) => {
+            let reason = format!("is no readable HDF5 file, so it is not replaced ({e})");
+            Err(Error::io(path, reason))
+        }
+    }
+}
+
+const IN_USE: &str = "is open for writing: another run is not finished with it";
+
+/// Whether an open failed because another program holds the file.
+pub(super) fn is_locked(error: &hdf5::Error) -> bool {
+    error
+        .stack()
+        .is_some_and(|frames| frames.iter().any(|f| f.desc().contains("lock file")))
+}

@@ -1,0 +1,58 @@
+//! A series that follows from the number of the step, for the tests of results and of figures.
+
+use ricochet::impact::step::{Contact, Energy, Motion, Step};
+use ricochet::record::provenance::{Cost, Provenance};
+
+/// What such a run costs.
+pub const COST: Cost = Cost { mesh: 0.125, assembly: 0.25, steps: 1.5, total: 2.0, newton_iterations: 42 };
+
+/// Steps of half a contact, and of the gap after it.
+pub const HALF_PERIOD: usize = 2000;
+
+/// A step whose values all follow from its number; in contact at first for half of [`HALF_PERIOD`].
+pub fn step(number: usize) -> Step {
+    let t = number as f64;
+    let alpha = (t / HALF_PERIOD as f64 * std::f64::consts::PI).cos();
+    Step {
+        number,
+        time: 1e-5 * t,
+        impactor: Motion {
+            position: t + 0.01,
+            velocity: t + 0.02,
+            acceleration: 500.0 * alpha.max(0.0),
+        },
+        contact: Contact {
+            force: alpha.max(0.0),
+            indentation: alpha,
+            surface_displacement: t + 0.04,
+        },
+        energy: Energy {
+            kinetic: t + 0.05,
+            elastic: t + 0.06,
+            support: t + 0.07,
+            impactor: t + 0.08,
+            contact: t + 0.09,
+            dissipated: t + 0.10,
+            external: t + 0.11,
+            total: t + 0.12,
+        },
+    }
+}
+
+/// Where a result of such steps comes from; its scene is longer than the 64 KiB that HDF5 gives a plain attribute.
+pub fn provenance(title: &str, planned_rows: Option<usize>) -> Provenance {
+    Provenance {
+        title: title.into(),
+        scene: "title = \"Δt\"\n".repeat(10_000),
+        version: "0.1.0".into(),
+        commit: "0123456789ab".into(),
+        petsc_version: "3.18.5".into(),
+        petsc_options: String::new(),
+        ranks: 2,
+        model: "solid".into(),
+        reduction: "none".into(),
+        unknowns: 4711,
+        error_estimate: Some(1e-3),
+        planned_rows,
+    }
+}
