@@ -187,22 +187,6 @@ proptest! {
         }
     }
 
-    #[test]
-    fn closest_point_of_a_triangle_beats_every_sample(
-        x in facet(Shape::Triangle, 0.8),
-        p in prop::array::uniform3(-2f64..2.),
-    ) {
-        beats_every_sample(Shape::Triangle, &x, p)?;
-    }
-
-    #[test]
-    fn closest_point_of_a_quadrilateral_beats_every_sample(
-        x in facet(Shape::Quadrilateral, 0.4),
-        p in prop::array::uniform3(-3f64..3.),
-    ) {
-        beats_every_sample(Shape::Quadrilateral, &x, p)?;
-    }
-
     /// A point over the facet, along its normal and nearer than its curvature's radius, projects back.
     #[test]
     fn closest_point_is_found_back(
@@ -244,8 +228,29 @@ proptest! {
     }
 }
 
+proptest! {
+    // Warped quadrilaterals where one start ends in the farther of two minima are rare: hundreds of cases to meet one.
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn closest_point_of_a_triangle_beats_every_sample(
+        x in facet(Shape::Triangle, 0.8),
+        p in prop::array::uniform3(-2f64..2.),
+    ) {
+        beats_every_sample(Shape::Triangle, &x, p)?;
+    }
+
+    #[test]
+    fn closest_point_of_a_quadrilateral_beats_every_sample(
+        x in facet(Shape::Quadrilateral, 0.7),
+        p in prop::array::uniform3(-3f64..3.),
+    ) {
+        beats_every_sample(Shape::Quadrilateral, &x, p)?;
+    }
+}
+
 fn beats_every_sample(shape: Shape, x: &[[f64; 3]], p: [f64; 3]) -> Result<(), TestCaseError> {
-    const SAMPLES: usize = 100;
+    const SAMPLES: usize = 40;
     let (xi, distance) = closest(shape, x, p);
     let p = Vector3::from(p);
     let triangle = shape == Shape::Triangle;
