@@ -48,5 +48,10 @@ fn facets(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, cells, facets);
+criterion_group! {
+    name = benches;
+    // Criterion's plots need a registered font, which the program's plotters does not have.
+    config = Criterion::default().without_plots();
+    targets = cells, facets
+}
 criterion_main!(benches);

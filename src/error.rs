@@ -18,12 +18,18 @@ pub enum Error {
     /// The scene is wrong in a way that its text alone does not show.
     #[error(transparent)]
     Fault(Box<Fault>),
+    /// An error that the other ranks do not know of.
+    #[error(transparent)]
+    Alone(Box<Error>),
     /// PETSc failed where it should not.
     #[error(transparent)]
     Petsc(#[from] petsc_wrap::Error),
     /// The solve failed.
     #[error("{0}")]
     Solve(String),
+    /// The result cannot be written, as all ranks know.
+    #[error("{0}")]
+    Output(String),
     /// A file could not be read or written.
     #[error("{}: {reason}", path.display())]
     Io {
@@ -46,16 +52,29 @@ impl Error {
     /// Exit status: 2 the scene or the command line is wrong, 3 the solve failed, 4 input or output failed.
     pub fn status(&self) -> i32 {
         match self {
+            Self::Alone(error) => error.status(),
             Self::Usage(_) | Self::Scene(_) | Self::Fault(_) => 2,
             Self::Solve(_) | Self::Petsc(_) => 3,
-            Self::Io { .. } => 4,
+            Self::Io { .. } | Self::Output(_) => 4,
+        }
+    }
+
+    /// Whether every rank returns it, so that all can end in order.
+    pub fn is_everywhere(&self) -> bool {
+        match self {
+            Self::Usage(_) | Self::Scene(_) | Self::Solve(_) | Self::Output(_) => true,
+            Self::Fault(fault) => fault.everywhere,
+            Self::Alone(_) | Self::Io { .. } | Self::Petsc(_) => false,
         }
     }
 
     /// The same error, a fault made to point into the scene's text.
     pub fn in_scene(self, source: &Source) -> Self {
         match self {
-            Self::Fault(fault) => source.error(&fault.key, fault.message, fault.help).into(),
+            Self::Fault(fault) => {
+                let error = source.error(&fault.key, fault.message, fault.help).into();
+                if fault.everywhere { error } else { Self::Alone(Box::new(error)) }
+            }
             other => other,
         }
     }
@@ -63,8 +82,10 @@ impl Error {
     /// The whole message for standard error, newline included: one line, and for a scene the excerpt with the
     /// fault marked. `colours` is for a terminal; without it the text holds no escape codes.
     pub fn report(&self, colours: bool) -> String {
-        let Self::Scene(error) = self else {
-            return format!("error: {self}\n");
+        let error = match self {
+            Self::Alone(error) => return error.report(colours),
+            Self::Scene(error) => error,
+            _ => return format!("error: {self}\n"),
         };
         let theme = if colours { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
         let mut text = String::new();

@@ -1,3 +1,71 @@
-//! The program `ricochet`.
+//! The program `ricochet`: starts MPI and PETSc, does what the command line says, and turns an error into one message and an
+//! exit status.
 
-fn main() {}
+use std::io::IsTerminal;
+use std::process::exit;
+use std::time::Duration;
+
+use clap::Parser;
+use petsc_wrap::Session;
+use ricochet::cli::{self, Cli, Command};
+use ricochet::error::Error;
+
+fn main() {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        // Every rank gets the same words: one of them answers.
+        Err(error) if cli::is_root_by_environment() => error.exit(),
+        Err(error) => exit(error.exit_code()),
+    };
+    cli::log_to_stderr();
+    match &cli.command {
+        Command::Plot(plot) => conclude(None, cli::plot::plot(&plot.results, &plot.output).map(|()| 0)),
+        Command::Run(run) => under_petsc(&run.petsc, |session| cli::run::run(&session.world(), run)),
+        Command::Check(check) => {
+            under_petsc(&check.petsc, |session| cli::check::check(&session.world(), check).map(|()| 0))
+        }
+    }
+}
+
+fn under_petsc(options: &[String], work: impl FnOnce(&Session) -> Result<i32, Error>) {
+    match Session::start(options) {
+        Some(Ok(session)) => {
+            let result = work(&session);
+            conclude(Some(session), result);
+        }
+        Some(Err(error)) => conclude(None, Err(error.into())),
+        None => unreachable!("MPI is initialised here alone"),
+    }
+}
+
+/// Leaves the program. An error that all ranks share is told by one of them, and all end in order; an error of one rank
+/// is told by it, and it ends the others.
+fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
+    let Err(error) = result else {
+        if let Some(Err(error)) = session.map(Session::finish) {
+            eprintln!("ricochet: PETSc did not end in order: {error}");
+        }
+        exit(result.unwrap_or_default());
+    };
+    let report = error.report(std::io::stderr().is_terminal());
+    let status = error.status();
+    let root = session.as_ref().map_or_else(cli::is_root_by_environment, |session| session.world().is_root());
+    match session {
+        Some(session) if !error.is_everywhere() => {
+            if !root {
+                // Where rank 0 has the error as well, its message is the one.
+                std::thread::sleep(Duration::from_millis(500));
+            }
+            eprint!("{report}");
+            session.abort(status);
+        }
+        session => {
+            if root {
+                eprint!("{report}");
+            }
+            drop(error);
+            drop(session);
+            exit(status);
+        }
+    }
+}

@@ -30,27 +30,18 @@ fn svg_has_a_title_a_line_and_the_contacts_of_each_file() {
     let out = folder.path().join("figure.svg");
     plot(&files, &out).unwrap();
     let svg = fs::read_to_string(&out).unwrap();
-    for label in [
-        "plate &lt;a&gt; &amp; b",
-        "twin (2.h5)",
-        "twin (3.h5)",
-        "time (ms)",
-    ] {
+    for label in ["plate &lt;a&gt; &amp; b", "twin (2.h5)", "twin (3.h5)", "time (ms)"] {
         assert!(svg.contains(label), "{label}");
     }
     for colour in ["#0072B2", "#D55E00", "#009E73"] {
         let lines = svg.matches("<polyline").zip(svg.split("<polyline").skip(1));
-        let of_colour: Vec<&str> = lines
-            .map(|(_, line)| line.split('>').next().unwrap())
-            .filter(|line| line.contains(colour))
-            .collect();
+        let of_colour: Vec<&str> =
+            lines.map(|(_, line)| line.split('>').next().unwrap()).filter(|line| line.contains(colour)).collect();
         // One in the legend, of two points; one in the plot.
         assert_eq!(of_colour.len(), 2, "{colour}");
         assert_eq!(of_colour[0].matches(',').count(), 2);
         assert!(of_colour[1].matches(',').count() > 1000);
-        let bars = svg
-            .split("<rect")
-            .filter(|bar| bar.contains(&format!("fill=\"{colour}\"")));
+        let bars = svg.split("<rect").filter(|bar| bar.contains(&format!("fill=\"{colour}\"")));
         assert_eq!(bars.count(), 3, "{colour}");
     }
 }
@@ -61,9 +52,7 @@ fn png_decodes_to_a_white_sheet_with_the_curves_on_it() {
     let files = [result(folder.path(), "1.h5", "plate")];
     let out = folder.path().join("figure.PNG");
     plot(&files, &out).unwrap();
-    let png = image::load_from_memory(&fs::read(&out).unwrap())
-        .unwrap()
-        .into_rgb8();
+    let png = image::load_from_memory(&fs::read(&out).unwrap()).unwrap().into_rgb8();
     assert_eq!(png.dimensions(), (1600, 1000));
     for corner in [(0, 0), (1599, 0), (0, 999), (1599, 999)] {
         assert_eq!(png.get_pixel(corner.0, corner.1).0, [255; 3]);
@@ -87,18 +76,12 @@ fn errors_say_what_is_wrong_with_which_file() {
         (&missing, "No such file"),
         (&folder.path().to_owned(), "is a folder"),
         (&text, "is not an HDF5 file"),
-        (
-            &other,
-            "is not a result of ricochet: there is no dataset /series/time",
-        ),
+        (&other, "is not a result of ricochet: there is no dataset /series/time"),
     ] {
         let error = plot(&[good.clone(), file.clone()], &svg).unwrap_err();
         assert_eq!(error.status(), 4);
         let message = error.to_string();
-        assert!(
-            message.starts_with(&file.display().to_string()) && message.contains(reason),
-            "{message}"
-        );
+        assert!(message.starts_with(&file.display().to_string()) && message.contains(reason), "{message}");
     }
     assert!(!svg.exists());
 
@@ -106,10 +89,7 @@ fn errors_say_what_is_wrong_with_which_file() {
         let error = plot(std::slice::from_ref(&good), Path::new(out)).unwrap_err();
         assert!(matches!(error, Error::Usage(_)));
         let message = error.to_string();
-        assert!(
-            message.contains(".svg") && message.contains(".png"),
-            "{message}"
-        );
+        assert!(message.contains(".svg") && message.contains(".png"), "{message}");
     }
     for name in ["no/figure.svg", "no/figure.png"] {
         let error = plot(std::slice::from_ref(&good), &folder.path().join(name)).unwrap_err();

@@ -32,9 +32,7 @@ const SERIES: [Column; 15] = [
     ("impactor/acceleration", "m/s2", |s| s.impactor.acceleration),
     ("contact/force", "N", |s| s.contact.force),
     ("contact/indentation", "m", |s| s.contact.indentation),
-    ("contact/surface_displacement", "m", |s| {
-        s.contact.surface_displacement
-    }),
+    ("contact/surface_displacement", "m", |s| s.contact.surface_displacement),
     ("energy/kinetic", "J", |s| s.energy.kinetic),
     ("energy/elastic", "J", |s| s.energy.elastic),
     ("energy/support", "J", |s| s.energy.support),
@@ -45,20 +43,12 @@ const SERIES: [Column; 15] = [
     ("energy/total", "J", |s| s.energy.total),
 ];
 
-const CONTACTS: [(&str, &str); 5] = [
-    ("start", "s"),
-    ("end", "s"),
-    ("peak_force", "N"),
-    ("peak_time", "s"),
-    ("impulse", "N s"),
-];
+const CONTACTS: [(&str, &str); 5] =
+    [("start", "s"), ("end", "s"), ("peak_force", "N"), ("peak_time", "s"), ("impulse", "N s")];
 
 fn text(at: &hdf5::Location, name: &str) -> String {
     let attribute = at.attr(name).unwrap();
-    attribute
-        .read_scalar::<VarLenUnicode>()
-        .unwrap()
-        .to_string()
+    attribute.read_scalar::<VarLenUnicode>().unwrap().to_string()
 }
 
 fn number<T: hdf5::H5Type>(at: &hdf5::Location, name: &str) -> T {
@@ -109,10 +99,7 @@ fn check_contacts(file: &hdf5::File, last: usize) {
         assert!((impulse[n] - exact).abs() < 1e-6 * exact + 1e-12, "{n}");
     }
     let contacts = file.group("contacts").unwrap();
-    assert_eq!(
-        number::<bool>(&contacts, "open_at_end"),
-        step(last).contact.force > 0.0
-    );
+    assert_eq!(number::<bool>(&contacts, "open_at_end"), step(last).contact.force > 0.0);
 }
 
 #[test]
@@ -127,9 +114,7 @@ fn everything_written_is_read_back() {
         for n in 0..=10_001 {
             writer.push(&step(n)).unwrap();
         }
-        writer
-            .finish(&COST, true)
-            .unwrap();
+        writer.finish(&COST, true).unwrap();
 
         let file = hdf5::File::open(&path).unwrap();
         assert_eq!(checked_rows(&file, 4), 2501);
@@ -251,16 +236,11 @@ fn result_in_writing_is_neither_replaced_nor_read() {
         std::thread::sleep(Duration::from_millis(1));
     }
     let replaced = check_writable(&path).unwrap_err().to_string();
-    let created = SeriesWriter::create(&path, &provenance("", None))
-        .err()
-        .unwrap();
+    let created = SeriesWriter::create(&path, &provenance("", None)).err().unwrap();
     let read = history(&path).unwrap_err().to_string();
     child.kill().unwrap();
     child.wait().unwrap();
-    assert!(
-        replaced.ends_with("another run is not finished with it"),
-        "{replaced}"
-    );
+    assert!(replaced.ends_with("another run is not finished with it"), "{replaced}");
     assert_eq!(created.to_string(), replaced);
     assert!(read.contains("still being written"), "{read}");
     assert!(checked_rows(&hdf5::File::open(&path).unwrap(), 1) >= 1);
@@ -294,12 +274,9 @@ fn creation_replaces_an_older_result_only_when_it_succeeds() {
         (Path::new("/dev/null"), "is not a regular file"),
         (Path::new("/"), "is not the name of a file"),
     ] {
-        for error in [
-            check_writable(path).unwrap_err(),
-            SeriesWriter::create(path, &provenance("new", None))
-                .err()
-                .unwrap(),
-        ] {
+        for error in
+            [check_writable(path).unwrap_err(), SeriesWriter::create(path, &provenance("new", None)).err().unwrap()]
+        {
             assert!(matches!(error, Error::Io { .. }));
             assert!(error.to_string().contains(reason), "{error}");
         }
@@ -331,8 +308,5 @@ fn hdf5_prints_nothing_by_itself() {
     fs::write(&path, "no HDF5").unwrap();
     let output = start("provoke errors", &path).wait_with_output().unwrap();
     let stderr = String::from_utf8_lossy(&output.stderr);
-    assert!(
-        output.status.success() && !stderr.contains("HDF5-DIAG"),
-        "{stderr}"
-    );
+    assert!(output.status.success() && !stderr.contains("HDF5-DIAG"), "{stderr}");
 }

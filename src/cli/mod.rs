@@ -1,3 +1,88 @@
-//! What the user typed, and what to do about it.
+//! What the user typed, and what to do about it; one file a subcommand.
 
+pub mod check;
+mod load;
 pub mod plot;
+mod progress;
+pub mod run;
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+/// Low-velocity impact on elastic plates and bodies.
+///
+/// Runs alone or under mpirun; docs/scene.md describes scenes, docs/results.md results.
+#[derive(Debug, Parser)]
+#[command(version, about, max_term_width = 100)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Compute an impact and write its history to an HDF5 file
+    Run(Run),
+    /// Validate a scene and say what will be solved, and what it costs
+    Check(Check),
+    /// Draw the impactor's acceleration against time, one curve a result
+    Plot(Plot),
+}
+
+/// `ricochet run`
+#[derive(Debug, Args)]
+pub struct Run {
+    /// Scene file (TOML)
+    pub scene: PathBuf,
+    /// Result file; by default the scene's name with the ending .h5, in the current folder
+    #[arg(short, long, value_name = "OUT.h5")]
+    pub output: Option<PathBuf>,
+    /// Override a key of the scene by its dotted path, e.g. time.step=1e-6 or support.0.stiffness=1e9
+    #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    pub overrides: Vec<String>,
+    /// Options for PETSc, unchanged, e.g. -- -log_view -snes_monitor
+    #[arg(last = true, value_name = "PETSC OPTIONS")]
+    pub petsc: Vec<String>,
+}
+
+/// `ricochet check`
+#[derive(Debug, Args)]
+pub struct Check {
+    /// Scene file (TOML)
+    pub scene: PathBuf,
+    /// Override a key of the scene by its dotted path
+    #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    pub overrides: Vec<String>,
+    /// Options for PETSc, unchanged
+    #[arg(last = true, value_name = "PETSC OPTIONS")]
+    pub petsc: Vec<String>,
+}
+
+/// `ricochet plot`
+#[derive(Debug, Args)]
+pub struct Plot {
+    /// Result files
+    #[arg(required = true, value_name = "OUT.h5")]
+    pub results: Vec<PathBuf>,
+    /// Figure; its ending says what it is: .svg or .png
+    #[arg(short, long, value_name = "FIG.svg")]
+    pub output: PathBuf,
+}
+
+/// Whether this is rank 0, or alone, as far as the launcher's environment tells before MPI is initialised.
+pub fn is_root_by_environment() -> bool {
+    ["OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"]
+        .into_iter()
+        .find_map(|name| std::env::var(name).ok())
+        .is_none_or(|rank| rank == "0")
+}
+
+/// Warnings, and with `RICOCHET_LOG=info` or `debug` more, go to standard error.
+pub fn log_to_stderr() {
+    let filter = tracing_subscriber::EnvFilter::try_from_env("RICOCHET_LOG")
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
+    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).with_target(false).init();
+}

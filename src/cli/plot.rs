@@ -10,10 +10,7 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// As of [`history`] and [`draw`].
 pub fn plot(files: &[PathBuf], out: &Path) -> Result<()> {
-    let histories = files
-        .iter()
-        .map(|file| history(file))
-        .collect::<Result<Vec<_>>>()?;
+    let histories = files.iter().map(|file| history(file)).collect::<Result<Vec<_>>>()?;
     let titles: Vec<&str> = histories.iter().map(|h| h.title.trim()).collect();
     let labels = labels(files, &titles);
     let curves: Vec<Curve> = histories
@@ -32,15 +29,8 @@ pub fn plot(files: &[PathBuf], out: &Path) -> Result<()> {
 /// The title of each file, with the file's name where there is no title or another file has the same, and with its
 /// path where the name too is that of another.
 fn labels(files: &[PathBuf], titles: &[&str]) -> Vec<String> {
-    let names: Vec<String> = files
-        .iter()
-        .map(|file| {
-            file.file_name()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned()
-        })
-        .collect();
+    let names: Vec<String> =
+        files.iter().map(|file| file.file_name().unwrap_or_default().to_string_lossy().into_owned()).collect();
     (0..files.len())
         .map(|n| {
             let title = titles[n];
@@ -65,9 +55,7 @@ mod tests {
 
     #[test]
     fn labels_name_the_file_where_titles_do_not_tell() {
-        let files: Vec<PathBuf> = ["a/1.h5", "a/2.h5", "b/2.h5", "3.h5"]
-            .map(PathBuf::from)
-            .into();
+        let files: Vec<PathBuf> = ["a/1.h5", "a/2.h5", "b/2.h5", "3.h5"].map(PathBuf::from).into();
         assert_eq!(
             labels(&files, &["plate", "plate", "plate", ""]),
             ["plate (1.h5)", "plate (a/2.h5)", "plate (b/2.h5)", "3.h5"]

@@ -1,14 +1,14 @@
 //! The point of a facet closest to a given point, and the facet's normal.
 
-use nalgebra::{Matrix2, Matrix3x2, Vector2, Vector3};
+use nalgebra::{Matrix3x2, Vector2, Vector3};
 
 use super::{Element, Shape, table};
 
 /// The point of a facet closest to `p`: its reference coordinates and its distance.
 ///
 /// `x` are the facet's vertices. A triangle's answer is exact (Ericson, Real-Time Collision Detection, 2005, 5.1.5). A
-/// quadrilateral is a bilinear patch and the squared distance may have several minima: a Newton iteration inside the
-/// facet's bounds runs from nine starts and the best end is taken.
+/// quadrilateral is a bilinear patch and the squared distance may have several minima: a Gauss–Newton
+/// iteration inside the facet's bounds runs from each vertex and the best end is taken.
 ///
 /// # Panics
 /// If `shape` is not a facet's.
@@ -24,6 +24,9 @@ pub fn closest(shape: Shape, x: &[[f64; 3]], p: [f64; 3]) -> ([f64; 3], f64) {
 
 /// Unit normal of the facet with vertices `x` at `xi`: right-handed about the order of the vertices. Not a number where
 /// the facet is degenerate.
+///
+/// # Panics
+/// If `shape` is not a facet's.
 pub fn normal(shape: Shape, x: &[[f64; 3]], xi: [f64; 3]) -> [f64; 3] {
     let mut gradients = [[0.; 3]; 4];
     let geometry = Element::new(shape, 1);
@@ -89,7 +92,7 @@ impl Patch {
 }
 
 fn closest_on_patch(patch: &Patch, p: Vector3<f64>) -> (Vector2<f64>, f64) {
-    let starts = [-1., 0., 1.];
+    let starts = [-1., 1.];
     starts
         .into_iter()
         .flat_map(|s| starts.map(|t| Vector2::new(s, t)))
@@ -105,11 +108,11 @@ fn closest_on_patch(patch: &Patch, p: Vector3<f64>) -> (Vector2<f64>, f64) {
 fn descend(patch: &Patch, p: Vector3<f64>, mut xi: Vector2<f64>) -> Vector2<f64> {
     let square = |xi| (patch.position(xi) - p).norm_squared();
     let mut value = square(xi);
-    // Newton needs about five steps; the sweeps that replace it far from the minimum at most some tens.
+    // Near the facet about five steps, as the residual is small; more where p is as far as the radius of curvature.
     for _ in 0..100 {
-        let mut next = newton(patch, p, xi);
+        let mut next = gauss_newton(patch, p, xi);
         let mut reached = square(next);
-        // Rounding of the distance must not refuse the last Newton steps, which still gain digits of ξ.
+        // Rounding of the distance must not refuse the last steps, which still gain digits of ξ.
         if reached.is_nan() || reached > value * (1. + 1e-14) {
             next = sweep(patch, p, xi);
             reached = square(next);
@@ -123,21 +126,17 @@ fn descend(patch: &Patch, p: Vector3<f64>, mut xi: Vector2<f64>) -> Vector2<f64>
     xi
 }
 
-/// One Newton step for the coordinates that are free to move, cut off at the bounds.
-fn newton(patch: &Patch, p: Vector3<f64>, xi: Vector2<f64>) -> Vector2<f64> {
+/// One Gauss–Newton step for the coordinates that are free to move, cut off at the bounds.
+fn gauss_newton(patch: &Patch, p: Vector3<f64>, xi: Vector2<f64>) -> Vector2<f64> {
     let residual = patch.position(xi) - p;
     let tangents = patch.tangents(xi);
     let gradient = tangents.transpose() * residual;
     let held = [0, 1].map(|d| xi[d].abs() >= 1. && xi[d] * gradient[d] <= 0.);
-    let mut hessian = tangents.transpose() * tangents;
+    let hessian = tangents.transpose() * tangents;
     let mut step = -gradient;
     if held == [false; 2] {
-        let mixed = residual.dot(&patch.twist);
-        let full = hessian + Matrix2::new(0., mixed, mixed, 0.);
-        if full.determinant() > 0. {
-            hessian = full;
-        }
-        step = hessian.try_inverse().map_or(Vector2::zeros(), |inverse| inverse * step);
+        // A singular matrix gives no number, which the caller refuses.
+        step = hessian.try_inverse().map_or(Vector2::repeat(f64::NAN), |inverse| inverse * step);
     } else {
         // Along one coordinate the patch is straight.
         for d in [0, 1] {

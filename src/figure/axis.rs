@@ -26,12 +26,7 @@ impl Axis {
             e if (-2.0..5.0).contains(&e) => 0,
             e => 3 * (e / 3.0).floor() as i32,
         };
-        Self {
-            low,
-            high,
-            step,
-            exponent,
-        }
+        Self { low, high, step, exponent }
     }
 
     /// Value and label of each tick.

@@ -10,9 +10,7 @@ use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, IntoDrawingArea};
 use plotters::element::{Circle, PathElement, Rectangle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{
-    Color, FontDesc, FontFamily, FontStyle, FontTransform, IntoTextStyle, RGBColor, WHITE,
-};
+use plotters::style::{Color, FontDesc, FontFamily, FontStyle, FontTransform, IntoTextStyle, RGBColor, WHITE};
 use std::path::Path;
 
 /// Size of a figure in its pixels.
@@ -64,10 +62,7 @@ pub(super) fn save(drawing: &impl Drawing, out: &Path) -> Result<()> {
     match extension.to_ascii_lowercase().as_str() {
         "svg" => save_svg(drawing, out),
         "png" => save_png(drawing, out),
-        _ => Err(Error::Usage(format!(
-            "{}: a figure is an .svg or a .png file",
-            out.display()
-        ))),
+        _ => Err(Error::Usage(format!("{}: a figure is an .svg or a .png file", out.display()))),
     }
 }
 
@@ -96,9 +91,7 @@ fn save_png(drawing: &impl Drawing, out: &Path) -> Result<()> {
         .map_err(|e| Error::io(out, e))?;
     let averaged = averaged(&pixels, large.0 as usize, PNG_SCALE as usize);
     let mut png = BitMapBackend::new(out, size);
-    png.blit_bitmap((0, 0), size, &averaged)
-        .and_then(|()| png.present())
-        .map_err(|e| Error::io(out, e))
+    png.blit_bitmap((0, 0), size, &averaged).and_then(|()| png.present()).map_err(|e| Error::io(out, e))
 }
 
 /// Each square of `scale` × `scale` RGB pixels as its mean.
@@ -121,12 +114,7 @@ fn averaged(pixels: &[u8], width: usize, scale: usize) -> Vec<u8> {
 }
 
 impl<DB: DrawingBackend> Canvas<'_, DB> {
-    fn new(
-        backend: DB,
-        scale: u32,
-        text_shift: f64,
-        by_pieces: bool,
-    ) -> std::result::Result<Self, String> {
+    fn new(backend: DB, scale: u32, text_shift: f64, by_pieces: bool) -> std::result::Result<Self, String> {
         plotters::style::register_font(FONT, FontStyle::Normal, dejavu::sans::regular())
             .map_err(|_| "the font cannot be read".to_owned())?;
         let area = backend.into_drawing_area();
@@ -158,19 +146,13 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
         }
         let width = stroke.width * self.scale;
         let lengths: Vec<f64> = stroke.dashes.iter().map(|d| d * width).collect();
-        dashed(points, &lengths)
-            .iter()
-            .try_for_each(|piece| self.solid(piece, stroke))
+        dashed(points, &lengths).iter().try_for_each(|piece| self.solid(piece, stroke))
     }
 
     fn solid(&self, points: &[Point], stroke: &Stroke) -> Outcome {
         let width = (stroke.width * self.scale).round().max(1.0) as u32;
         let style = stroke.colour.stroke_width(width);
-        let draw = |points: &[Point]| {
-            self.area
-                .draw(&PathElement::new(points, style))
-                .map_err(|e| e.to_string())
-        };
+        let draw = |points: &[Point]| self.area.draw(&PathElement::new(points, style)).map_err(|e| e.to_string());
         if !self.by_pieces {
             return draw(points);
         }
@@ -188,9 +170,7 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
     /// A filled rectangle between two corners.
     pub fn rectangle(&self, from: (f64, f64), to: (f64, f64), colour: RGBColor) -> Outcome {
         let corners = [self.point(from.0, from.1), self.point(to.0, to.1)];
-        self.area
-            .draw(&Rectangle::new(corners, colour.filled()))
-            .map_err(|e| e.to_string())
+        self.area.draw(&Rectangle::new(corners, colour.filled())).map_err(|e| e.to_string())
     }
 
     /// A text of one line with letters of `size`.
@@ -209,9 +189,7 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
             .into_text_style(&self.area)
             .color(&RGBColor(30, 30, 30))
             .pos(Pos::new(side, VPos::Center));
-        self.area
-            .draw_text(text, &style, self.point(at.0, at.1))
-            .map_err(|e| e.to_string())
+        self.area.draw_text(text, &style, self.point(at.0, at.1)).map_err(|e| e.to_string())
     }
 
     /// Width of a text with letters of `size`.

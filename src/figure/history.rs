@@ -54,16 +54,8 @@ const CONTACTS: (f64, f64) = (36.0, 160.0);
 /// Between the plot and the contacts.
 const CONTACTS_GAP: f64 = 16.0;
 
-const GRID: Stroke = Stroke {
-    colour: RGBColor(222, 222, 222),
-    width: 1.5,
-    dashes: &[],
-};
-const FRAME: Stroke = Stroke {
-    colour: RGBColor(60, 60, 60),
-    width: 2.0,
-    dashes: &[],
-};
+const GRID: Stroke = Stroke { colour: RGBColor(222, 222, 222), width: 1.5, dashes: &[] };
+const FRAME: Stroke = Stroke { colour: RGBColor(60, 60, 60), width: 2.0, dashes: &[] };
 
 struct Figure<'a> {
     curves: &'a [Curve],
@@ -98,9 +90,7 @@ impl Drawing for Figure<'_> {
         draw_axes(canvas, &plot)?;
         self.draw_contacts(canvas, &plot)?;
         for (n, curve) in self.curves.iter().enumerate() {
-            let points = curve
-                .points()
-                .map(|(t, a)| canvas.point(plot.at_x(t), plot.at_y(a)));
+            let points = curve.points().map(|(t, a)| canvas.point(plot.at_x(t), plot.at_y(a)));
             canvas.line(&thinned(points), &stroke(n, self.curves.len()))?;
         }
         Ok(())
@@ -140,10 +130,7 @@ impl Figure<'_> {
     }
 
     /// Draws the legend at the top, and returns where it ends.
-    fn draw_legend<DB: DrawingBackend>(
-        &self,
-        canvas: &Canvas<DB>,
-    ) -> std::result::Result<f64, String> {
+    fn draw_legend<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> std::result::Result<f64, String> {
         let count = self.curves.len();
         let width = WIDTH - 2.0 * MARGIN;
         let beside = LEGEND_STROKE + 46.0;
@@ -153,11 +140,7 @@ impl Figure<'_> {
             .map(|curve| canvas.text_width(&curve.label, LEGEND_LETTERS) + beside)
             .fold(0.0, f64::max);
         let fitting = ((width / widest) as usize).clamp(1, LEGEND_COLUMNS);
-        let needed = if count > LEGEND_LONG_LINES {
-            2.max(count.div_ceil(LEGEND_LINES))
-        } else {
-            1
-        };
+        let needed = if count > LEGEND_LONG_LINES { 2.max(count.div_ceil(LEGEND_LINES)) } else { 1 };
         let columns = fitting.max(needed).min(count);
         let lines = count.div_ceil(columns);
         let column = (width / columns as f64).min(widest);
@@ -166,8 +149,7 @@ impl Figure<'_> {
             let y = MARGIN + ((n % lines) as f64 + 0.5) * LEGEND_LINE;
             let ends = [canvas.point(x, y), canvas.point(x + LEGEND_STROKE, y)];
             canvas.line(&ends, &stroke(n, count))?;
-            let fits =
-                |label: &str| canvas.text_width(label, LEGEND_LETTERS) <= column - beside + 1.0;
+            let fits = |label: &str| canvas.text_width(label, LEGEND_LETTERS) <= column - beside + 1.0;
             let label = shortened(&curve.label, fits);
             let at = (x + LEGEND_STROKE + 16.0, y);
             canvas.text(&label, at, LEGEND_LETTERS, Anchor::Left)?;
@@ -216,10 +198,7 @@ impl Curve {
 /// Grid, frame, ticks and titles of both axes.
 fn draw_axes<DB: DrawingBackend>(canvas: &Canvas<DB>, plot: &Plot) -> Outcome {
     let line = |from: (f64, f64), to: (f64, f64), stroke| {
-        canvas.line(
-            &[canvas.point(from.0, from.1), canvas.point(to.0, to.1)],
-            stroke,
-        )
+        canvas.line(&[canvas.point(from.0, from.1), canvas.point(to.0, to.1)], stroke)
     };
     for (x, label) in plot.x.ticks() {
         let x = plot.at_x(x);
@@ -240,20 +219,14 @@ fn draw_axes<DB: DrawingBackend>(canvas: &Canvas<DB>, plot: &Plot) -> Outcome {
     let middle = 0.5 * (plot.left + plot.right);
     let at = (middle, HEIGHT - MARGIN - 14.0);
     canvas.text(&title, at, LETTERS, Anchor::Centre)?;
-    let title = format!(
-        "acceleration of the impactor ({})",
-        plot.y.unit("m/s\u{b2}")
-    );
+    let title = format!("acceleration of the impactor ({})", plot.y.unit("m/s\u{b2}"));
     let at = (MARGIN + 12.0, 0.5 * (plot.top + plot.foot));
     canvas.text(&title, at, LETTERS, Anchor::Upwards)
 }
 
 /// The label if it fits, else its beginning and its end, in which titles of one study differ, around an ellipsis.
 fn shortened(label: &str, fits: impl Fn(&str) -> bool) -> String {
-    let letters: Vec<char> = label
-        .chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
+    let letters: Vec<char> = label.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     let all: String = letters.iter().collect();
     if fits(&all) {
         return all;

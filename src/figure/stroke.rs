@@ -36,11 +36,7 @@ pub(super) struct Stroke {
 /// The look of curve `n` of `of`: the second four are thinner, and the colours shift against the dashes from eight on.
 pub(super) fn stroke(n: usize, of: usize) -> Stroke {
     if of <= BY_COLOUR {
-        return Stroke {
-            colour: COLOURS[n],
-            width: 4.0,
-            dashes: DASHES[0],
-        };
+        return Stroke { colour: COLOURS[n], width: 4.0, dashes: DASHES[0] };
     }
     Stroke {
         colour: COLOURS[n % COLOURS.len()],
@@ -129,13 +125,7 @@ mod tests {
             .map(|n| {
                 let s = stroke(n, LOOKS);
                 let RGBColor(r, g, b) = s.colour;
-                (
-                    r,
-                    g,
-                    b,
-                    s.dashes.len(),
-                    s.dashes.first().map(|d| d.to_bits()),
-                )
+                (r, g, b, s.dashes.len(), s.dashes.first().map(|d| d.to_bits()))
             })
             .collect();
         assert_eq!(looks.len(), LOOKS);
@@ -148,11 +138,7 @@ mod tests {
         assert!(thin.len() <= 400, "{}", thin.len());
         for column in 0..100 {
             let of = |points: &[Point]| {
-                let mut y: Vec<i32> = points
-                    .iter()
-                    .filter(|p| p.0 == column)
-                    .map(|p| p.1)
-                    .collect();
+                let mut y: Vec<i32> = points.iter().filter(|p| p.0 == column).map(|p| p.1).collect();
                 let ends = (y[0], y[y.len() - 1]);
                 y.sort_unstable();
                 (ends, y[0], y[y.len() - 1])

@@ -15,19 +15,23 @@ pub use surface::SurfaceForms;
 use crate::element::Table;
 
 /// Σ_q s_q φ_a φ_b into the n×n slice `out`, with the scale s of each point.
+///
+/// The lower triangle is copied from the upper one: rounding must not break the symmetry.
 fn scalar_products(table: &Table, scale: &[f64], out: &mut [f64]) {
     let n = table.nodes();
     out.fill(0.);
     for (q, &scale) in scale.iter().enumerate() {
-        if scale == 0. {
-            continue;
-        }
         let values = table.values(q);
-        for (row, &a) in out.chunks_exact_mut(n).zip(values) {
-            let factor = scale * a;
-            for (entry, b) in row.iter_mut().zip(values) {
+        for (a, row) in out.chunks_exact_mut(n).enumerate() {
+            let factor = scale * values[a];
+            for (entry, b) in row[a..].iter_mut().zip(&values[a..]) {
                 *entry += factor * b;
             }
+        }
+    }
+    for a in 1..n {
+        for b in 0..a {
+            out[a * n + b] = out[b * n + a];
         }
     }
 }

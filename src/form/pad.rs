@@ -45,7 +45,7 @@ impl PadForms {
         out.fill(0.);
         for (q, area) in self.table.areas(x).enumerate() {
             let g = self.penetration(q, u);
-            let force = [0, 1, 2].map(|i| area * self.stiffness[i] * positive_part(g[i]) * self.sign[i]);
+            let force = [0, 1, 2].map(|i| area * self.stiffness[i] * g[i] * self.sign[i]);
             add_point_load(self.table.values(q), force, out);
         }
     }
@@ -74,12 +74,12 @@ impl PadForms {
     pub fn potential(&self, x: &[[f64; 3]], u: &[f64]) -> f64 {
         let density = |q| {
             let g = self.penetration(q, u);
-            (0..3).map(|i| 0.5 * self.stiffness[i] * positive_part(g[i]).powi(2)).sum::<f64>()
+            (0..3).map(|i| 0.5 * self.stiffness[i] * g[i].powi(2)).sum::<f64>()
         };
         self.table.areas(x).enumerate().map(|(q, area)| area * density(q)).sum()
     }
 
-    /// g at a point, by component.
+    /// ⟨g⟩ at a point, by component; it keeps NaN, so that a failed step is seen.
     fn penetration(&self, q: usize, u: &[f64]) -> [f64; 3] {
         let mut g = self.displacement.map(|displacement| -displacement);
         for (value, u) in self.table.values(q).iter().zip(u.chunks_exact(3)) {
@@ -87,11 +87,6 @@ impl PadForms {
                 g[i] += value * u[i];
             }
         }
-        [0, 1, 2].map(|i| self.sign[i] * g[i])
+        [0, 1, 2].map(|i| (self.sign[i] * g[i]).clamp(0., f64::INFINITY))
     }
-}
-
-/// ⟨g⟩, which keeps NaN, so that a failed step is seen.
-fn positive_part(g: f64) -> f64 {
-    g.clamp(0., f64::INFINITY)
 }

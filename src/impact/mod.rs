@@ -97,11 +97,12 @@ impl Impact {
         self.state = state;
     }
 
-    /// Runs to the end, or until `observe`, which gets the initial state and every accepted step, breaks off. Collective.
+    /// Runs to the end, or until `observe`, which gets the initial state and every accepted step, breaks off; tells which.
+    /// Collective.
     ///
     /// # Errors
     /// [`Error::Solve`] with step, time and residual where Newton's method does not converge; the observer's; PETSc's.
-    pub fn run(&mut self, mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<()> {
+    pub fn run(&mut self, mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
         let mut flow = observe(&self.observed(0)?)?;
         for number in 1..=self.steps {
             if flow.is_break() {
@@ -110,7 +111,7 @@ impl Impact {
             self.advance(number)?;
             flow = observe(&self.observed(number)?)?;
         }
-        Ok(())
+        Ok(flow)
     }
 
     /// One step of Newmark's method: solves for the increments D of u and q.

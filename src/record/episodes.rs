@@ -73,11 +73,7 @@ impl Episodes {
 /// Time at which α is zero between two steps, linear in α; one of the two where α does not change its sign.
 fn crossing(last: &Step, step: &Step) -> f64 {
     let (from, to) = (last.contact.indentation, step.contact.indentation);
-    let part = if from == to {
-        0.0
-    } else {
-        (from / (from - to)).clamp(0.0, 1.0)
-    };
+    let part = if from == to { 0.0 } else { (from / (from - to)).clamp(0.0, 1.0) };
     last.time + part * (step.time - last.time)
 }
 
@@ -91,16 +87,8 @@ mod tests {
         Step {
             number,
             time,
-            impactor: Motion {
-                position: 0.0,
-                velocity: 0.0,
-                acceleration: 0.0,
-            },
-            contact: Contact {
-                force,
-                indentation,
-                surface_displacement: 0.0,
-            },
+            impactor: Motion { position: 0.0, velocity: 0.0, acceleration: 0.0 },
+            contact: Contact { force, indentation, surface_displacement: 0.0 },
             energy: Energy {
                 kinetic: 0.0,
                 elastic: 0.0,
@@ -128,9 +116,7 @@ mod tests {
     fn linear_indentation_is_located_exactly() {
         // α = 1 − |t − 2|/0.7 is linear around its zeros 1.3 and 2.7, which no step meets.
         let episodes = of(|t| 1.0 - (t - 2.0).abs() / 0.7, 0.25, 16);
-        let [e] = episodes.all() else {
-            panic!("{:?}", episodes.all())
-        };
+        let [e] = episodes.all() else { panic!("{:?}", episodes.all()) };
         // Rounding only.
         assert!((e.start - 1.3).abs() < 1e-14 && (e.end - 2.7).abs() < 1e-14);
         assert_eq!((e.peak_force, e.peak_time), (1e3, 2.0));
@@ -145,18 +131,12 @@ mod tests {
         for steps in [64, 256, 1024] {
             let h = 11.0 / steps as f64;
             let episodes = of(|t| t.sin() + 0.3, h, steps);
-            let [a, b] = *episodes.all() else {
-                panic!("{:?}", episodes.all())
-            };
+            let [a, b] = *episodes.all() else { panic!("{:?}", episodes.all()) };
             assert_eq!(a.start, 0.0);
             // Linear interpolation is off by h²/8 max|α″|, divided by the slope |α′| = cos z at the zero (0.9 leaves
             // room for the change of the slope within a step).
             let bound = h * h / 8.0 / (0.9 * z.cos());
-            for (time, exact) in [
-                (a.end, PI + z),
-                (b.start, 2.0 * PI - z),
-                (b.end, 3.0 * PI + z),
-            ] {
+            for (time, exact) in [(a.end, PI + z), (b.start, 2.0 * PI - z), (b.end, 3.0 * PI + z)] {
                 assert!((time - exact).abs() < bound, "{time} {exact} {bound}");
             }
             // Trapezoidal rule: h²/12 max|F″| a length; at each kink at most h²/2 max|F′| more.

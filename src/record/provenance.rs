@@ -107,9 +107,7 @@ impl Provenance {
 
 /// A new text attribute. A variable-length string, since fixed ones end at 64 KiB.
 pub(super) fn write_text(at: &Location, name: &str, text: &str) -> Result<()> {
-    let text: VarLenUnicode = text
-        .parse()
-        .map_err(|_| format!("attribute {name}: the text holds a NUL character"))?;
+    let text: VarLenUnicode = text.parse().map_err(|_| format!("attribute {name}: the text holds a NUL character"))?;
     write_scalar(at, name, text)
 }
 

@@ -34,18 +34,11 @@ pub fn history(path: &Path) -> Result<History> {
             let reason = format!("is not a result of ricochet: {why}");
             Error::io(path, reason)
         };
-        let dataset = file
-            .dataset(name)
-            .map_err(|_| not_result(format!("there is no dataset /{name}")))?;
+        let dataset = file.dataset(name).map_err(|_| not_result(format!("there is no dataset /{name}")))?;
         if dataset.ndim() != 1 {
-            return Err(not_result(format!(
-                "/{name} has {} dimensions, not 1",
-                dataset.ndim()
-            )));
+            return Err(not_result(format!("/{name} has {} dimensions, not 1", dataset.ndim())));
         }
-        dataset
-            .read_raw::<f64>()
-            .map_err(|e| not_result(format!("/{name} cannot be read ({e})")))
+        dataset.read_raw::<f64>().map_err(|e| not_result(format!("/{name} cannot be read ({e})")))
     };
     let mut time = column("series/time")?;
     let mut acceleration = column("series/impactor/acceleration")?;
@@ -58,12 +51,7 @@ pub fn history(path: &Path) -> Result<History> {
         .attr("title")
         .and_then(|title| title.read_scalar::<VarLenUnicode>())
         .map_err(|_| Error::io(path, "is not a result of ricochet: it has no title"))?;
-    Ok(History {
-        title: title.to_string(),
-        time,
-        acceleration,
-        contacts: start.into_iter().zip(end).collect(),
-    })
+    Ok(History { title: title.to_string(), time, acceleration, contacts: start.into_iter().zip(end).collect() })
 }
 
 fn not_opened(path: &Path, error: &hdf5::Error) -> Error {
@@ -71,7 +59,8 @@ fn not_opened(path: &Path, error: &hdf5::Error) -> Error {
         return Error::io(path, "is a folder");
     }
     if is_locked(error) {
-        let reason = "is still being written by a run (with HDF5_USE_FILE_LOCKING=FALSE in the environment it can be read)";
+        let reason =
+            "is still being written by a run (with HDF5_USE_FILE_LOCKING=FALSE in the environment it can be read)";
         return Error::io(path, reason);
     }
     if error.contains_minor(hdf5::MinorErrorCode::NotHdf5) {

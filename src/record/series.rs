@@ -31,14 +31,10 @@ struct Column<T> {
 const SERIES: [Column<Step>; 15] = [
     column("series/impactor/position", "m", |s| s.impactor.position),
     column("series/impactor/velocity", "m/s", |s| s.impactor.velocity),
-    column("series/impactor/acceleration", "m/s2", |s| {
-        s.impactor.acceleration
-    }),
+    column("series/impactor/acceleration", "m/s2", |s| s.impactor.acceleration),
     column("series/contact/force", "N", |s| s.contact.force),
     column("series/contact/indentation", "m", |s| s.contact.indentation),
-    column("series/contact/surface_displacement", "m", |s| {
-        s.contact.surface_displacement
-    }),
+    column("series/contact/surface_displacement", "m", |s| s.contact.surface_displacement),
     column("series/energy/kinetic", "J", |s| s.energy.kinetic),
     column("series/energy/elastic", "J", |s| s.energy.elastic),
     column("series/energy/support", "J", |s| s.energy.support),
@@ -176,10 +172,7 @@ impl SeriesWriter {
         let first = self.episodes_written.saturating_sub(1);
         let episodes = &self.episodes.all()[first..];
         append(&self.contacts, &CONTACTS, first, episodes)?;
-        self.file
-            .group("contacts")?
-            .attr("open_at_end")?
-            .write_scalar(&self.episodes.is_open())?;
+        self.file.group("contacts")?.attr("open_at_end")?.write_scalar(&self.episodes.is_open())?;
         self.file.flush()?;
         self.episodes_written = self.episodes.all().len();
         self.rows_written += self.buffer.len();
@@ -207,10 +200,7 @@ fn begin(path: &Path, provenance: &Provenance) -> hdf5::Result<Begun> {
     provenance.write(&file)?;
     Cost::UNKNOWN.write(&file)?;
     write_scalar(&file, "complete", false)?;
-    let chunk = provenance
-        .planned_rows
-        .unwrap_or(CHUNK_UNPLANNED)
-        .clamp(1, CHUNK_MOST);
+    let chunk = provenance.planned_rows.unwrap_or(CHUNK_UNPLANNED).clamp(1, CHUNK_MOST);
     let contacts = new_datasets(&file, &CONTACTS, CHUNK_CONTACTS)?;
     let series = new_datasets(&file, &SERIES, chunk)?;
     let group = file.group("contacts")?;
@@ -218,11 +208,7 @@ fn begin(path: &Path, provenance: &Provenance) -> hdf5::Result<Begun> {
     Ok((file, series, contacts))
 }
 
-fn new_datasets<T>(
-    file: &hdf5::File,
-    columns: &[Column<T>],
-    chunk: usize,
-) -> hdf5::Result<Vec<hdf5::Dataset>> {
+fn new_datasets<T>(file: &hdf5::File, columns: &[Column<T>], chunk: usize) -> hdf5::Result<Vec<hdf5::Dataset>> {
     let new = |column: &Column<T>| {
         let dataset = file
             .new_dataset::<f64>()
@@ -239,12 +225,7 @@ fn new_datasets<T>(
 }
 
 /// Writes `records` to the rows from `first` on, and cuts the datasets behind them.
-fn append<T>(
-    datasets: &[hdf5::Dataset],
-    columns: &[Column<T>],
-    first: usize,
-    records: &[T],
-) -> hdf5::Result<()> {
+fn append<T>(datasets: &[hdf5::Dataset], columns: &[Column<T>], first: usize, records: &[T]) -> hdf5::Result<()> {
     let end = first + records.len();
     for (dataset, column) in datasets.iter().zip(columns) {
         if dataset.size() != end {

@@ -33,13 +33,8 @@ pub(super) fn resolved(path: &Path) -> PathBuf {
 /// The file in which a new result is begun, beside `path` (resolved): an older result stays whole until the new one
 /// has its first row. (H5Fcreate would cut the older file before it finds out that somebody else has it open.)
 pub(super) fn part(path: &Path) -> Result<PathBuf> {
-    let name = path
-        .file_name()
-        .ok_or_else(|| Error::io(path, "is not the name of a file"))?;
-    let folder = path
-        .parent()
-        .filter(|p| !p.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
+    let name = path.file_name().ok_or_else(|| Error::io(path, "is not the name of a file"))?;
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
         let reason = format!("there is no folder {}", folder.display());
         return Err(Error::io(path, reason));
@@ -61,10 +56,7 @@ fn check_replaceable(path: &Path, there: &fs::Metadata) -> Result<()> {
     if there.permissions().readonly() {
         return Err(Error::io(path, "is read-only"));
     }
-    OpenOptions::new()
-        .write(true)
-        .open(path)
-        .map_err(|e| Error::io(path, format!("cannot be replaced: {e}")))?;
+    OpenOptions::new().write(true).open(path).map_err(|e| Error::io(path, format!("cannot be replaced: {e}")))?;
     // Opening takes HDF5's shared lock, which a writer elsewhere excludes; a writer in this process shows in the mode.
     match hdf5::File::open(path) {
         Ok(file) if file.is_read_only() => Ok(()),
@@ -81,7 +73,5 @@ const IN_USE: &str = "is open for writing: another run is not finished with it";
 
 /// Whether an open failed because another program holds the file.
 pub(super) fn is_locked(error: &hdf5::Error) -> bool {
-    error
-        .stack()
-        .is_some_and(|frames| frames.iter().any(|f| f.desc().contains("lock file")))
+    error.stack().is_some_and(|frames| frames.iter().any(|f| f.desc().contains("lock file")))
 }

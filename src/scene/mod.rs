@@ -50,15 +50,30 @@ impl Scene {
     /// [`Error::Usage`](crate::Error::Usage) for a file that cannot be read as text;
     /// [`Error::Scene`](crate::Error::Scene) for everything that is wrong in it or in an override.
     pub fn read(path: &Path, overrides: &[String]) -> crate::Result<(Self, Source)> {
-        let refuse = |reason: String| crate::Error::Usage(format!("{}: {reason}", path.display()));
-        let bytes = std::fs::read(path).map_err(|reason| refuse(format!("the scene cannot be read: {reason}")))?;
-        let text = String::from_utf8(bytes).map_err(|reason| {
+        let text = Self::text(path).map_err(crate::Error::Usage)?;
+        Self::from_text(path, &text, overrides)
+    }
+
+    /// The text of a scene file.
+    ///
+    /// # Errors
+    /// Why the file cannot be read as text.
+    pub fn text(path: &Path) -> Result<String, String> {
+        let shown = path.display();
+        let bytes = std::fs::read(path).map_err(|reason| format!("{shown}: the scene cannot be read: {reason}"))?;
+        String::from_utf8(bytes).map_err(|reason| {
             let good = &reason.as_bytes()[..reason.utf8_error().valid_up_to()];
-            refuse(format!("line {} is not text in UTF-8", locate::line(good, good.len())))
-        })?;
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let source = Source::new(&path.display().to_string(), &text, overrides)?;
-        Ok((check::scene(&source, folder)?, source))
+            format!("{shown}: line {} is not text in UTF-8", locate::line(good, good.len()))
+        })
+    }
+
+    /// The scene in the text of the file at `path`; a mesh file is relative to that file's folder.
+    ///
+    /// # Errors
+    /// [`Error::Scene`](crate::Error::Scene) for everything that is wrong in the text or in an override.
+    pub fn from_text(path: &Path, text: &str, overrides: &[String]) -> crate::Result<(Self, Source)> {
+        let source = Source::new(&path.display().to_string(), text, overrides)?;
+        Ok((check::scene(&source, path.parent().unwrap_or(Path::new("")))?, source))
     }
 
     /// The scene in `text`, called `name` in messages; a mesh file is relative to the current folder.

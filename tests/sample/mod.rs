@@ -16,16 +16,8 @@ pub fn step(number: usize) -> Step {
     Step {
         number,
         time: 1e-5 * t,
-        impactor: Motion {
-            position: t + 0.01,
-            velocity: t + 0.02,
-            acceleration: 500.0 * alpha.max(0.0),
-        },
-        contact: Contact {
-            force: alpha.max(0.0),
-            indentation: alpha,
-            surface_displacement: t + 0.04,
-        },
+        impactor: Motion { position: t + 0.01, velocity: t + 0.02, acceleration: 500.0 * alpha.max(0.0) },
+        contact: Contact { force: alpha.max(0.0), indentation: alpha, surface_displacement: t + 0.04 },
         energy: Energy {
             kinetic: t + 0.05,
             elastic: t + 0.06,

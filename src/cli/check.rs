@@ -1,0 +1,119 @@
+//! `ricochet check`: what a scene asks for, and what it will cost.
+
+use petsc_wrap::{Comm, FactorEstimate, estimate_cholesky};
+
+use crate::body::Solid;
+use crate::contact::hertz;
+use crate::error::Result;
+use crate::impact::steps;
+use crate::mesh::Mesh;
+use crate::scene::{Geometry, Scene, Scheme, Support, SupportKind, Vec3};
+use crate::scheme::Newmark;
+
+use super::Check;
+use super::load::load;
+
+/// Checks a scene and prints what will be solved. Collective.
+///
+/// # Errors
+/// All that is wrong with the scene; PETSc's.
+pub fn check(comm: &Comm, arguments: &Check) -> Result<()> {
+    let (scene, source) = load(comm, &arguments.scene, &arguments.overrides)?;
+    describe(comm, &scene).map_err(|error| error.in_scene(&source))
+}
+
+fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
+    let mesh = Mesh::new(comm, &scene.body)?;
+    let body = Solid::new(scene, &mesh)?;
+    let Scheme::Newmark { beta, gamma } = scene.time.scheme;
+    let update = Newmark { beta, gamma }.update(scene.time.step);
+    let matrix = body.combination(update.c1, update.c2)?;
+    let factor = estimate_cholesky(&matrix)?;
+    let entries = matrix.entries()?;
+    let boundary: u64 = body.support.iter().chain(&body.damping).map(|m| m.entries()).sum::<petsc_wrap::Result<_>>()?;
+    if comm.is_root() {
+        print(scene, &mesh, body.unknowns(), entries as f64, boundary as f64, factor);
+    }
+    Ok(())
+}
+
+fn print(scene: &Scene, mesh: &Mesh, unknowns: usize, entries: f64, boundary: f64, factor: FactorEstimate) {
+    let (impactor, time) = (&scene.impactor, &scene.time);
+    if !scene.title.is_empty() {
+        println!("{}", scene.title);
+    }
+    let geometry = match &scene.body.geometry {
+        Geometry::Box { size: [x, y, z], .. } => format!("box {x} × {y} × {z} m"),
+        Geometry::Gmsh(path) => path.display().to_string(),
+    };
+    println!(
+        "body       solid: {geometry}, {} {} of order {}, {} nodes, {unknowns} unknowns",
+        mesh.total_cells,
+        if mesh.cells.shape == crate::element::Shape::Tetrahedron { "tetrahedra" } else { "hexahedra" },
+        scene.body.order,
+        mesh.nodes,
+    );
+    if scene.supports.is_empty() {
+        println!("supports   none: a free body");
+    }
+    for support in &scene.supports {
+        println!("support    {}", support_line(support));
+    }
+    let contact = hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed);
+    println!(
+        "impactor   {} kg at {} m/s, k0 = {:.4e} N/m^1.5, at {:?} along {:?}",
+        impactor.mass, impactor.speed, impactor.stiffness, impactor.point, impactor.direction
+    );
+    println!(
+        "contact    at a point; on a half-space it would last {:.3} ms and peak at {:.0} N",
+        1e3 * contact,
+        hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed)
+    );
+    let Scheme::Newmark { beta, gamma } = time.scheme;
+    println!(
+        "time       Newmark β = {beta}, γ = {gamma}: {} steps of {:e} s to {:e} s, {:.0} in that contact",
+        steps(time.end, time.step),
+        time.step,
+        time.end,
+        contact / time.step
+    );
+    println!(
+        "solver     full Newton (SNES), Cholesky by MUMPS: {:.2e} entries in K, {:.2e} in the factor, {:.2e} operations",
+        entries, factor.entries, factor.operations
+    );
+    // K, M, Ŝ and the Newton matrix, each with an index and a value an entry; a dozen vectors.
+    let matrices = 12.0 * (4.0 * entries + boundary) + 8.0 * 12.0 * unknowns as f64;
+    println!(
+        "memory     about {:.0} MB: matrices {:.0} MB, factorisation {:.0} MB, over all ranks",
+        1e-6 * (matrices + factor.memory),
+        1e-6 * matrices,
+        1e-6 * factor.memory
+    );
+}
+
+fn support_line(support: &Support) -> String {
+    let Support { surface, kind, damping, displacement } = support;
+    let mut line = match kind {
+        SupportKind::Elastic { stiffness } => format!("{surface}: elastic, k = {} N/m³", by_component(*stiffness)),
+        SupportKind::Pad { stiffness, normal } => {
+            format!("{surface}: pad towards {normal:?}, k = {} N/m³", by_component(*stiffness))
+        }
+        SupportKind::Clamped { components } => {
+            let held: Vec<&str> =
+                ["x", "y", "z"].into_iter().zip(components).filter(|(_, h)| **h).map(|(c, _)| c).collect();
+            format!("{surface}: clamped in {}", held.join(", "))
+        }
+    };
+    if *damping != [0.0; 3] {
+        line += &format!(", c = {} N s/m³", by_component(*damping));
+    }
+    if *displacement != [0.0; 3] {
+        line += &format!(", ū = {displacement:?} m");
+    }
+    line
+}
+
+/// One number where all components are alike.
+fn by_component(values: Vec3) -> String {
+    if values.iter().all(|value| *value == values[0]) { format!("{:e}", values[0]) } else { format!("{values:?}") }
+}

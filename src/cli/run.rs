@@ -1,0 +1,196 @@
+//! `ricochet run`: a scene to a result.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use mpi::collective::SystemOperation;
+use mpi::traits::CommunicatorCollectives;
+use petsc_wrap::{Comm, options, petsc_version};
+
+use crate::agree::agree;
+use crate::body::Solid;
+use crate::error::{Error, Result};
+use crate::impact::{Impact, steps};
+use crate::mesh::Mesh;
+use crate::record::episodes::Episodes;
+use crate::record::provenance::{Cost, Provenance};
+use crate::record::series::SeriesWriter;
+use crate::record::target::check_writable;
+use crate::scene::{Scene, Source};
+
+use super::Run;
+use super::load::load;
+use super::progress::Progress;
+
+/// Exit status of a run that a signal has ended.
+const INTERRUPTED: i32 = 130;
+
+/// Runs a scene; returns the exit status. Collective.
+///
+/// # Errors
+/// All that [`Error`] names.
+pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
+    let (scene, source) = load(comm, &arguments.scene, &arguments.overrides)?;
+    let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene));
+    // Before minutes of work whose result could not be written.
+    let writable = if comm.is_root() { check_writable(&output).map_err(|error| error.to_string()) } else { Ok(()) };
+    agree(comm, writable).map_err(|reason| Error::Output(reason))?;
+    solve(comm, &scene, &source, &output).map_err(|error| error.in_scene(&source))
+}
+
+fn default_output(scene: &Path) -> PathBuf {
+    PathBuf::from(scene.with_extension("h5").file_name().unwrap_or("ricochet.h5".as_ref()))
+}
+
+fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i32> {
+    let begin = Instant::now();
+    let mesh = Mesh::new(comm, &scene.body)?;
+    let meshed = begin.elapsed().as_secs_f64();
+    let body = Solid::new(scene, &mesh)?;
+    drop(mesh);
+    let mut impact = Impact::new(comm, scene, body)?;
+    let assembled = begin.elapsed().as_secs_f64();
+    tracing::info!(unknowns = impact.body().unknowns(), meshed, assembled, "ready");
+    let mut desk = match comm.is_root() {
+        true => Some(Desk {
+            writer: SeriesWriter::create(output, &provenance(comm, scene, source, &impact)?)?.every(scene.output.every),
+            progress: Progress::new(impact.steps()),
+            summary: Summary::default(),
+        }),
+        false => None,
+    };
+    let interrupted = on_signals();
+    let stepped = impact.run(|step| {
+        if let Some(desk) = &mut desk {
+            desk.writer.push(step)?;
+            desk.progress.step(step);
+            desk.summary.step(step);
+        }
+        Ok(if anywhere(comm, interrupted.load(Ordering::Relaxed)) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        })
+    });
+    let total = begin.elapsed().as_secs_f64();
+    let cost = Cost {
+        mesh: meshed,
+        assembly: assembled - meshed,
+        steps: total - assembled,
+        total,
+        newton_iterations: impact.iterations,
+    };
+    let flow = stepped.as_ref().ok().copied();
+    if let Some(Desk { writer, progress, summary }) = desk {
+        progress.finish();
+        // What was computed is kept, whatever ended the run.
+        writer.finish(&cost, flow == Some(ControlFlow::Continue(())))?;
+        if flow.is_some() {
+            summary.print(&cost, output);
+            warn_of_unused_options(comm)?;
+        }
+    }
+    drop(impact);
+    comm.collect_garbage()?;
+    Ok(match stepped? {
+        ControlFlow::Continue(()) => 0,
+        ControlFlow::Break(()) => INTERRUPTED,
+    })
+}
+
+/// What rank 0 keeps of a run.
+struct Desk {
+    writer: SeriesWriter,
+    progress: Progress,
+    summary: Summary,
+}
+
+/// The run in three lines.
+#[derive(Default)]
+struct Summary {
+    episodes: Episodes,
+    peak: (f64, f64),
+    rebound: f64,
+}
+
+impl Summary {
+    fn step(&mut self, step: &crate::impact::step::Step) {
+        self.episodes.push(step);
+        if step.impactor.acceleration > self.peak.0 {
+            self.peak = (step.impactor.acceleration, step.time);
+        }
+        self.rebound = step.impactor.velocity;
+    }
+
+    fn print(&self, cost: &Cost, output: &Path) {
+        let contacts: Vec<String> = self
+            .episodes
+            .all()
+            .iter()
+            .map(|episode| format!("{:.3}–{:.3} ms", 1e3 * episode.start, 1e3 * episode.end))
+            .collect();
+        let contacts = if contacts.is_empty() { "none".to_owned() } else { contacts.join(", ") };
+        println!(
+            "peak acceleration {:.2} m/s² at {:.3} ms; impactor's velocity at the end {:.4} m/s",
+            self.peak.0,
+            1e3 * self.peak.1,
+            self.rebound
+        );
+        println!("contacts: {contacts}");
+        println!(
+            "{}: {:.1} s (mesh {:.1}, assembly {:.1}, steps {:.1}), {} Newton iterations",
+            output.display(),
+            cost.total,
+            cost.mesh,
+            cost.assembly,
+            cost.steps,
+            cost.newton_iterations
+        );
+    }
+}
+
+fn provenance(comm: &Comm, scene: &Scene, source: &Source, impact: &Impact) -> Result<Provenance> {
+    Ok(Provenance {
+        title: scene.title.clone(),
+        scene: source.text().to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        commit: env!("RICOCHET_COMMIT").to_owned(),
+        petsc_version: petsc_version(),
+        petsc_options: options::all(comm.session())?,
+        ranks: comm.size(),
+        model: "solid".to_owned(),
+        reduction: "none".to_owned(),
+        unknowns: impact.body().unknowns() + 1,
+        error_estimate: None,
+        planned_rows: Some(steps(scene.time.end, scene.time.step) / scene.output.every + 1),
+    })
+}
+
+/// A flag that SIGINT and SIGTERM raise, in place of ending the process at once.
+fn on_signals() -> Arc<AtomicBool> {
+    let flag = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        if let Err(error) = signal_hook::flag::register(signal, flag.clone()) {
+            tracing::warn!("signal {signal} ends the run at once: {error}");
+        }
+    }
+    flag
+}
+
+/// Whether it is so on any rank. Collective.
+fn anywhere(comm: &Comm, here: bool) -> bool {
+    let mut all = 0;
+    comm.mpi().all_reduce_into(&i32::from(here), &mut all, SystemOperation::max());
+    all > 0
+}
+
+/// Misspelt options are the user's to know of.
+fn warn_of_unused_options(comm: &Comm) -> Result<()> {
+    for name in options::unused(comm.session())? {
+        tracing::warn!("PETSc has not used the option -{name}");
+    }
+    Ok(())
+}
