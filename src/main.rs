@@ -28,12 +28,18 @@ fn main() {
 }
 
 fn under_petsc(options: &[String], work: impl FnOnce(&Session) -> Result<i32, Error>) {
+    // PETSc would take such a word for the value of an option of ours.
+    if let Some(word) = options.first().filter(|word| !word.starts_with('-')) {
+        let message = format!("{word:?} is no PETSc option: the words after -- begin with one, as -snes_monitor");
+        conclude(None, Err(Error::Usage(message)));
+    }
     match Session::start(options) {
         Some(Ok(session)) => {
             let result = work(&session);
             conclude(Some(session), result);
         }
-        Some(Err(error)) => conclude(None, Err(error.into())),
+        // Before a scene is read, all that PETSc can refuse is its options.
+        Some(Err(error)) => conclude(None, Err(Error::Usage(format!("PETSc refuses its options: {error}")))),
         None => unreachable!("MPI is initialised here alone"),
     }
 }
@@ -51,10 +57,10 @@ fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
     let status = error.status();
     let root = session.as_ref().map_or_else(cli::is_root_by_environment, |session| session.world().is_root());
     match session {
-        Some(session) if !error.is_everywhere() => {
+        Some(session) if !error.is_everywhere() && session.world().size() > 1 => {
             if !root {
-                // Where rank 0 has the error as well, its message is the one.
-                std::thread::sleep(Duration::from_millis(500));
+                // Where rank 0 has the error as well, its message is the one, also on a busy machine.
+                std::thread::sleep(Duration::from_secs(2));
             }
             eprint!("{report}");
             session.abort(status);

@@ -6,6 +6,7 @@ pub mod plot;
 mod progress;
 pub mod run;
 
+use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
@@ -84,5 +85,11 @@ pub fn is_root_by_environment() -> bool {
 pub fn log_to_stderr() {
     let filter = tracing_subscriber::EnvFilter::try_from_env("RICOCHET_LOG")
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
-    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).with_target(false).init();
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal())
+        .without_time()
+        .with_target(false)
+        .init();
 }
