@@ -57,7 +57,8 @@ fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
     let status = error.status();
     let root = session.as_ref().map_or_else(cli::is_root_by_environment, |session| session.world().is_root());
     match session {
-        Some(session) if !error.is_everywhere() && session.world().size() > 1 => {
+        // After a failed write HDF5 crashes in its handler at exit, so that even a lone rank leaves without it.
+        Some(session) if !error.is_everywhere() && (session.world().size() > 1 || error.status() == 4) => {
             if !root {
                 // Where rank 0 has the error as well, its message is the one, also on a busy machine.
                 std::thread::sleep(Duration::from_secs(2));

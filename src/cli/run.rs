@@ -87,15 +87,22 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
     if let Some(Desk { writer, progress, summary }) = desk {
         progress.finish();
         // What was computed is kept, whatever ended the run.
-        writer.finish(&cost, flow == Some(ControlFlow::Continue(())))?;
-        if flow.is_some() {
+        let finished = writer.finish(&cost, flow == Some(ControlFlow::Continue(())));
+        // Where the run has failed already, that is what is told: a full disk fails the steps first and then the end.
+        if let Some(flow) = flow {
+            finished?;
             summary.print(&cost, output);
+            if flow.is_break() {
+                eprintln!("interrupted: {} holds the run up to t = {:e} s", output.display(), summary.end);
+            }
             warn_of_unused_options(comm)?;
         }
     }
+    // First of all: an error of rank 0 alone must not wait for the others in a collective call.
+    let flow = stepped?;
     drop(impact);
     comm.collect_garbage()?;
-    Ok(match stepped? {
+    Ok(match flow {
         ControlFlow::Continue(()) => 0,
         ControlFlow::Break(()) => INTERRUPTED,
     })
@@ -114,6 +121,7 @@ struct Summary {
     episodes: Episodes,
     peak: (f64, f64),
     rebound: f64,
+    end: f64,
 }
 
 impl Summary {
@@ -123,6 +131,7 @@ impl Summary {
             self.peak = (step.impactor.acceleration, step.time);
         }
         self.rebound = step.impactor.velocity;
+        self.end = step.time;
     }
 
     fn print(&self, cost: &Cost, output: &Path) {
