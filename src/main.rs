@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use clap::Parser;
 use petsc_wrap::Session;
-use ricochet::cli::{self, Cli, Command};
+use ricochet::cli::{self, Cli, Command, tell};
 use ricochet::error::Error;
 
 fn main() {
@@ -49,7 +49,7 @@ fn under_petsc(options: &[String], work: impl FnOnce(&Session) -> Result<i32, Er
 fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
     let Err(error) = result else {
         if let Some(Err(error)) = session.map(Session::finish) {
-            eprintln!("ricochet: PETSc did not end in order: {error}");
+            tell(format_args!("ricochet: PETSc did not end in order: {error}"));
         }
         exit(result.unwrap_or_default());
     };
@@ -63,12 +63,12 @@ fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
                 // Where rank 0 has the error as well, its message is the one, also on a busy machine.
                 std::thread::sleep(Duration::from_secs(2));
             }
-            eprint!("{report}");
+            tell(format_args!("{}", report.trim_end()));
             session.abort(status);
         }
         session => {
             if root {
-                eprint!("{report}");
+                tell(format_args!("{}", report.trim_end()));
             }
             drop(error);
             drop(session);

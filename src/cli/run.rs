@@ -24,6 +24,7 @@ use crate::scene::{Scene, Source};
 use super::Run;
 use super::load::load;
 use super::progress::Progress;
+use super::{say, tell};
 
 /// Exit status of a run that a signal has ended.
 const INTERRUPTED: i32 = 130;
@@ -93,7 +94,7 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
             finished?;
             summary.print(&cost, output);
             if flow.is_break() {
-                eprintln!("interrupted: {} holds the run up to t = {:e} s", output.display(), summary.end);
+                tell(format_args!("interrupted: {} holds the run up to t = {:e} s", output.display(), summary.end));
             }
             warn_of_unused_options(comm)?;
         }
@@ -142,14 +143,14 @@ impl Summary {
             .map(|episode| format!("{:.3}–{:.3} ms", 1e3 * episode.start, 1e3 * episode.end))
             .collect();
         let contacts = if contacts.is_empty() { "none".to_owned() } else { contacts.join(", ") };
-        println!(
+        say(format_args!(
             "peak acceleration {:.2} m/s² at {:.3} ms; impactor's velocity at the end {:.4} m/s",
             self.peak.0,
             1e3 * self.peak.1,
             self.rebound
-        );
-        println!("contacts: {contacts}");
-        println!(
+        ));
+        say(format_args!("contacts: {contacts}"));
+        say(format_args!(
             "{}: {:.1} s (mesh {:.1}, assembly {:.1}, steps {:.1}), {} Newton iterations",
             output.display(),
             cost.total,
@@ -157,7 +158,7 @@ impl Summary {
             cost.assembly,
             cost.steps,
             cost.newton_iterations
-        );
+        ));
     }
 }
 

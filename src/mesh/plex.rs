@@ -12,10 +12,17 @@ use crate::element::{Element, Shape};
 use crate::error::Result;
 use crate::scene::{Body, Fault, Geometry, Vec3};
 
-use super::{Elements, Mesh, gmsh};
+use super::gmsh::{self, Contents};
+use super::{Elements, Mesh};
 
 /// Label of the facets on the boundary of the whole body.
-pub(super) const BOUNDARY: &str = "ricochet boundary";
+const BOUNDARY: &str = "ricochet boundary";
+
+/// DMPlex's label of the faces in physical groups, by number.
+const FACES: &str = "Face Sets";
+
+/// A physical surface: number and name.
+type Group = (Int, String);
 
 impl Mesh {
     /// Makes or reads the mesh and spreads it over the ranks. Collective.
@@ -23,7 +30,7 @@ impl Mesh {
     /// # Errors
     /// A mesh file that cannot be used (a fault of `body.mesh`), the same on all ranks; PETSc's.
     pub fn new(comm: &Comm, body: &Body) -> Result<Self> {
-        let (plex, shape, names) = match &body.geometry {
+        let (plex, shape, groups) = match &body.geometry {
             Geometry::Box { size, cells } => {
                 let upper = size.map(|edge| edge / 2.0);
                 let plex = Plex::hexahedral_box(comm, *cells, upper.map(|x| -x), upper)?;
@@ -33,16 +40,13 @@ impl Mesh {
         };
         plex.label_boundary(BOUNDARY)?;
         let plex = plex.distribute()?;
-        // A name that marks nothing has no label.
-        let labels = plex.labels()?;
-        let names: Vec<String> = names.into_iter().filter(|name| labels.contains(name)).collect();
         let part = Part::new(&plex, shape, body.order)?;
-        let (cells, facets, marks) = part.elements(&names)?;
+        let (cells, facets, marks) = part.elements(&groups)?;
         let mut surfaces: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         match &body.geometry {
             Geometry::Box { size, .. } => name_box_surfaces(&facets, *size, &mut surfaces),
             Geometry::Gmsh(_) => {
-                for (name, mark) in names.into_iter().zip(marks) {
+                for ((_, name), mark) in groups.into_iter().zip(marks) {
                     if check_surface(comm, &name, &mark)? {
                         surfaces.insert(name, mark.facets);
                     }
@@ -68,24 +72,34 @@ impl Mesh {
 }
 
 /// Reads a Gmsh file; rank 0 looks first, so that what is wrong with it reaches all ranks as one fault. Also the shape of
-/// its cells and the names of its physical surfaces.
-fn read(comm: &Comm, path: &Path) -> Result<(Plex, Shape, Vec<String>)> {
+/// its cells and its physical surfaces.
+fn read(comm: &Comm, path: &Path) -> Result<(Plex, Shape, Vec<Group>)> {
     let fault = |message: String| {
         let help = "give the path, relative to the scene file, of a volume meshed and saved by Gmsh as MSH 2.2 or 4.1";
         Fault::new("body.mesh", format!("{}: {message}", path.display()), help)
     };
     let looked = if comm.is_root() {
         let bytes = std::fs::read(path).map_err(|error| format!("cannot be read: {error}"));
-        bytes.and_then(|bytes| gmsh::look(&bytes)).map(|contents| {
-            let hexahedra = contents.shape == Shape::Hexahedron;
-            (hexahedra, contents.surfaces.join("\n"))
-        })
+        bytes.and_then(|bytes| gmsh::look(&bytes)).map(Some)
     } else {
-        Ok(Default::default())
+        Ok(None)
     };
-    let (mut hexahedra, names) = agree(comm, looked).map_err(fault)?;
-    comm.mpi().process_at_rank(0).broadcast_into(&mut hexahedra);
+    let contents = agree(comm, looked).map_err(fault)?;
+    let (mut flags, mut names) = ([false; 2], String::new());
+    if let Some(Contents { shape, surfaces, all_tags }) = contents {
+        flags = [shape == Shape::Hexahedron, all_tags];
+        names = surfaces.iter().map(|(number, name)| format!("{number} {name}\n")).collect();
+    }
+    comm.mpi().process_at_rank(0).broadcast_into(&mut flags[..]);
+    let [hexahedra, all_tags] = flags;
     let names = broadcast(comm, 0, names);
+    let groups = names
+        .lines()
+        .filter_map(|line| line.split_once(' '))
+        .filter_map(|(n, name)| Some((n.parse().ok()?, name.to_owned())));
+    // By number, since PETSc's labels by name mix up dimensions, and in 2.2 take the geometric entity for a group.
+    options::set_default(comm.session(), "-dm_plex_gmsh_use_regions", "0")?;
+    options::set_default(comm.session(), "-dm_plex_gmsh_multiple_tags", if all_tags { "1" } else { "0" })?;
     // The mesh is what its cells are: surfaces that Gmsh has meshed alike stay two surfaces.
     options::set_default(comm.session(), "-dm_plex_gmsh_periodic", "0")?;
     // What is still wrong stops rank 0 alone, inside the collective call: only then are the others aborted.
@@ -94,15 +108,15 @@ fn read(comm: &Comm, path: &Path) -> Result<(Plex, Shape, Vec<String>)> {
         other => fault(other.to_string()).on_one_rank(),
     })?;
     let shape = if hexahedra { Shape::Hexahedron } else { Shape::Tetrahedron };
-    Ok((plex, shape, names.lines().map(str::to_owned).collect()))
+    Ok((plex, shape, groups.collect()))
 }
 
-/// What a physical name marks on this rank.
+/// What a physical surface marks on this rank.
 #[derive(Default)]
 struct Mark {
     /// Facets on the boundary of the body, by index.
     facets: Vec<usize>,
-    /// Faces inside the body.
+    /// Faces inside the body, each counted by both of its cells.
     inside: usize,
 }
 
@@ -151,14 +165,14 @@ impl<'a> Part<'a> {
         Ok(Self { plex, shape, order, numbering, coordinates, first_vertex, first_face, first_edge, edges, faces })
     }
 
-    /// Cells, boundary facets, and what each name marks among the latter.
-    fn elements(&self, names: &[String]) -> Result<(Elements, Elements, Vec<Mark>)> {
+    /// Cells, boundary facets, and what each group marks among the latter.
+    fn elements(&self, groups: &[Group]) -> Result<(Elements, Elements, Vec<Mark>)> {
         let element = Element::new(self.shape, self.order);
         let facet_shape = self.shape.facet();
         let facet_element = Element::new(facet_shape, self.order);
         let mut cells = Elements::new(self.shape, self.order);
         let mut facets = Elements::new(facet_shape, self.order);
-        let mut marks: Vec<Mark> = names.iter().map(|_| Mark::default()).collect();
+        let mut marks: Vec<Mark> = groups.iter().map(|_| Mark::default()).collect();
         for cell in self.plex.points(3)? {
             let closure = Closure::new(self, cell)?;
             let nodes = element.node_vertices().iter().map(|vertices| closure.node(vertices));
@@ -166,8 +180,8 @@ impl<'a> Part<'a> {
             for local in self.shape.facets() {
                 let face = closure.point(local)?;
                 let boundary = self.plex.has_label(BOUNDARY, face)?;
-                for (name, mark) in names.iter().zip(&mut marks) {
-                    if self.plex.has_label(name, face)? {
+                for ((number, _), mark) in groups.iter().zip(&mut marks) {
+                    if self.plex.has_label_value(FACES, *number, face)? {
                         if boundary {
                             mark.facets.push(facets.len());
                         } else {
@@ -308,12 +322,12 @@ fn name_box_surfaces(facets: &Elements, size: Vec3, surfaces: &mut BTreeMap<Stri
     }
 }
 
-/// Whether a name marks a surface (and not a volume or a curve); one with faces inside the body is refused.
+/// Whether a name marks anything; one with faces inside the body is refused.
 fn check_surface(comm: &Comm, name: &str, mark: &Mark) -> Result<bool> {
     let (counts, mut totals) = ([mark.facets.len(), mark.inside], [0usize; 2]);
     comm.mpi().all_reduce_into(&counts, &mut totals, SystemOperation::sum());
     if totals[1] > 0 {
-        let message = format!("the physical surface {name:?} has {} faces inside the body", totals[1]);
+        let message = format!("the physical surface {name:?} has {} faces inside the body", totals[1] / 2);
         return Err(Fault::new("body.mesh", message, "name only surfaces on the boundary of the volume").into());
     }
     Ok(totals[0] > 0)

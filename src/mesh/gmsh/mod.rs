@@ -19,16 +19,15 @@ use words::Words;
 pub(super) struct Contents {
     /// The one shape of all cells.
     pub shape: Shape,
-    /// Physical names of dimension 2.
-    pub surfaces: Vec<String>,
+    /// Physical groups of dimension 2: number and name.
+    pub surfaces: Vec<(i32, String)>,
+    /// Whether all tags of an element are physical groups (4.1), or the first one only (2.2).
+    pub all_tags: bool,
 }
 
 /// What PETSc's reader holds at most: tags of an element or entity, bytes of a physical name.
 const TAGS: usize = 16;
 const NAME: usize = 127;
-
-/// Labels that DMPlex, or this program, makes by itself.
-const RESERVED: [&str; 3] = ["celltype", "depth", super::plex::BOUNDARY];
 
 /// Walks through a file.
 ///
@@ -62,7 +61,7 @@ pub(super) fn look(bytes: &[u8]) -> Result<Contents, String> {
     if modern { walk.elements_41() } else { walk.elements_22() }?;
     walk.words.expect("$EndElements")?;
     walk.nodes.check_use()?;
-    Ok(Contents { shape: walk.shape()?, surfaces })
+    Ok(Contents { shape: walk.shape()?, surfaces, all_tags: modern })
 }
 
 struct Walk<'a> {
@@ -113,19 +112,16 @@ impl<'a> Walk<'a> {
         if found == wanted { Ok(()) } else { self.words.error(format!("expected {wanted}, found {found:?}")) }
     }
 
-    fn surface_names(&mut self) -> Result<Vec<String>, String> {
+    fn surface_names(&mut self) -> Result<Vec<(i32, String)>, String> {
         let mut surfaces = Vec::new();
         for _ in 0..self.words.written_count()? {
             let dimension = self.words.written_count()?;
-            self.words.written_count()?;
+            let number = self.words.written_count()? as i32;
             let quoted = self.words.line()?.trim();
-            if RESERVED.iter().any(|name| quoted == format!("{name:?}")) {
-                return self.words.error(format!("the physical name {quoted} is taken: choose another one"));
-            }
             match quoted.strip_prefix('"').and_then(|name| name.strip_suffix('"')) {
                 Some(name) if (1..=NAME).contains(&name.len()) => {
                     if dimension == 2 {
-                        surfaces.push(name.to_owned());
+                        surfaces.push((number, name.to_owned()));
                     }
                 }
                 _ => return self.words.error(format!("expected a name in quotes, found {quoted:?}")),
