@@ -1,0 +1,142 @@
+//! The program run as a user runs it: alone or under mpirun, with a limit on its time.
+
+use std::fs::{self, File};
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+/// A small box that runs in a tenth of a second: 50 steps, 150 unknowns.
+#[allow(dead_code, reason = "not every test that shares this module runs it")]
+pub const BOX: &str = r#"title = "Small plate"
+[body]
+young = 70e9
+poisson = 0.23
+density = 2500
+size = [0.5, 0.5, 0.02]
+cells = [4, 4, 1]
+order = 1
+[impactor]
+mass = 52
+radius = 0.05
+young = 210e9
+poisson = 0.3
+speed = 1
+[time]
+end = 1e-3
+step = 2e-5
+"#;
+
+/// Longer than anything takes on a busy machine.
+pub const LIMIT: Duration = Duration::from_secs(60);
+
+/// How the program ended, and what it said.
+#[derive(Debug)]
+#[allow(dead_code, reason = "not every test that shares this module reads all")]
+pub struct Outcome {
+    pub status: Option<i32>,
+    pub signal: Option<i32>,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+/// The program in `folder`, on so many ranks under mpirun, or alone where `ranks` is 0.
+pub fn ricochet(folder: &Path, ranks: usize) -> Command {
+    let program = env!("CARGO_BIN_EXE_ricochet");
+    let mut command = match ranks {
+        0 => Command::new(program),
+        ranks => {
+            let mut command = mpi_test::mpirun(ranks);
+            command.arg(program);
+            command
+        }
+    };
+    command.current_dir(folder).env("OMP_NUM_THREADS", "1").env_remove("PETSC_OPTIONS").env_remove("RICOCHET_LOG");
+    command
+}
+
+/// A started program; its output goes to files, so that nobody waits for a reader.
+pub struct Started {
+    pub child: Child,
+    output: [std::path::PathBuf; 2],
+    _folder: tempfile::TempDir,
+}
+
+pub fn start(command: &mut Command) -> Started {
+    static NUMBER: AtomicUsize = AtomicUsize::new(0);
+    let folder = tempfile::Builder::new()
+        .prefix(&format!("output-{}-", NUMBER.fetch_add(1, Ordering::Relaxed)))
+        .tempdir()
+        .expect("a temporary folder");
+    let output = ["stdout", "stderr"].map(|name| folder.path().join(name));
+    let [stdout, stderr] = output.each_ref().map(|path| File::create(path).expect("a temporary file"));
+    // A group of its own, so that a signal to it reaches mpirun's helpers and nobody else.
+    let child = command.stdin(Stdio::null()).stdout(stdout).stderr(stderr).process_group(0).spawn();
+    Started { child: child.expect("the program starts"), output, _folder: folder }
+}
+
+impl Started {
+    /// Waits for the end; a program that passes the limit is killed and fails the test.
+    pub fn wait(mut self, limit: Duration) -> Outcome {
+        let status = wait(&mut self.child, limit);
+        let [stdout, stderr] =
+            self.output.map(|path| String::from_utf8_lossy(&fs::read(path).unwrap_or_default()).into_owned());
+        let Some(status) = status else {
+            panic!("not ended after {limit:?}; it said:\n{stdout}{stderr}");
+        };
+        Outcome { status: status.code(), signal: status.signal(), stdout, stderr }
+    }
+}
+
+fn wait(child: &mut Child, limit: Duration) -> Option<ExitStatus> {
+    let begin = Instant::now();
+    while begin.elapsed() < limit {
+        if let Some(status) = child.try_wait().expect("the child is ours") {
+            return Some(status);
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    // mpirun ends its ranks at SIGTERM.
+    send("TERM", &format!("-{}", child.id()));
+    std::thread::sleep(Duration::from_secs(3));
+    send("KILL", &format!("-{}", child.id()));
+    let _ = child.wait();
+    None
+}
+
+/// Sends a signal to a process, or to a group (`-` and its number).
+pub fn send(signal: &str, target: &str) {
+    let _ = Command::new("kill").args([&format!("-{signal}"), "--", target]).stderr(Stdio::null()).status();
+}
+
+/// Runs to the end.
+#[allow(dead_code, reason = "not every test that shares this module runs to the end")]
+pub fn run(command: &mut Command) -> Outcome {
+    start(command).wait(LIMIT)
+}
+
+/// Does the work of all items on a few threads; the messages of those that fail.
+#[allow(dead_code, reason = "not every test that shares this module has many items")]
+pub fn on_threads<T: Sync>(
+    threads: usize,
+    items: &[T],
+    work: impl Fn(usize, &T) -> Result<(), String> + Sync,
+) -> Vec<String> {
+    let next = AtomicUsize::new(0);
+    let failures = std::sync::Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                loop {
+                    let n = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(item) = items.get(n) else { break };
+                    if let Err(message) = work(n, item) {
+                        failures.lock().unwrap_or_else(|e| e.into_inner()).push(message);
+                    }
+                }
+            });
+        }
+    });
+    failures.into_inner().unwrap_or_else(|e| e.into_inner())
+}

@@ -1,0 +1,396 @@
+//! Good runs, and runs that are ended from outside, through the program itself.
+
+#[path = "common/bad_meshes.rs"]
+#[allow(dead_code, reason = "the sample meshes alone are used here")]
+mod bad_meshes;
+#[path = "common/program.rs"]
+mod program;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use hdf5_metno as hdf5;
+use hdf5_metno::types::VarLenUnicode;
+use program::{BOX, LIMIT, Outcome, Started, ricochet, run, send, start};
+use tempfile::TempDir;
+
+/// Steps of [`BOX`].
+const STEPS: usize = 50;
+
+/// As [`BOX`], for minutes.
+fn long() -> String {
+    BOX.replace("end = 1e-3", "end = 10").replace("[4, 4, 1]", "[8, 8, 1]")
+}
+
+/// A folder with a scene in it.
+fn folder(scene: &str) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("scene.toml"), scene).unwrap();
+    folder
+}
+
+fn words(line: &str) -> impl Iterator<Item = &str> {
+    line.split_whitespace()
+}
+
+fn good(folder: &TempDir, ranks: usize, line: &str) -> Outcome {
+    let outcome = run(ricochet(folder.path(), ranks).args(words(line)));
+    assert_eq!(outcome.status, Some(0), "{line}: {outcome:#?}");
+    outcome
+}
+
+fn text(file: &hdf5::File, name: &str) -> String {
+    file.attr(name).unwrap().read_scalar::<VarLenUnicode>().unwrap().to_string()
+}
+
+fn number<T: hdf5::H5Type>(file: &hdf5::File, name: &str) -> T {
+    file.attr(name).unwrap().read_scalar().unwrap()
+}
+
+/// A series of a result.
+fn column(path: &Path, name: &str) -> Vec<f64> {
+    hdf5::File::open(path).unwrap().dataset(&format!("series/{name}")).unwrap().read_raw().unwrap()
+}
+
+fn is_complete(path: &Path) -> bool {
+    number(&hdf5::File::open(path).unwrap(), "complete")
+}
+
+/// Largest difference of two series, over the largest value.
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let largest = a.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    a.iter().zip(b).fold(0.0f64, |m, (x, y)| m.max((x - y).abs())) / largest
+}
+
+#[test]
+fn a_result_tells_where_it_comes_from() {
+    let folder = folder(BOX);
+    let line = "run scene.toml --set output.every=7 --set impactor.speed=2 -- -snes_rtol 0 -snes_maxit 9";
+    let outcome = good(&folder, 2, line);
+    assert!(outcome.stdout.contains("peak acceleration") && outcome.stdout.contains("scene.h5"), "{outcome:#?}");
+    // A misspelt option is told, and the run goes on.
+    assert!(outcome.stderr.contains("WARN PETSc has not used the option -snes_maxit\n"), "{outcome:#?}");
+    assert!(!outcome.stderr.contains('\u{1b}'));
+    let file = hdf5::File::open(folder.path().join("scene.h5")).unwrap();
+    assert_eq!(text(&file, "title"), "Small plate");
+    assert_eq!(text(&file, "version"), env!("CARGO_PKG_VERSION"));
+    assert!(text(&file, "commit").len() >= 7);
+    assert!(text(&file, "petsc_version").starts_with("3."));
+    assert!(text(&file, "petsc_options").contains("-snes_rtol 0"));
+    assert_eq!((text(&file, "model"), text(&file, "reduction")), ("solid".into(), "none".into()));
+    assert_eq!(number::<u64>(&file, "ranks"), 2);
+    // 5 × 5 × 2 nodes, and the impactor.
+    assert_eq!(number::<u64>(&file, "unknowns"), 151);
+    assert!(number::<bool>(&file, "complete"));
+    let iterations = number::<u64>(&file, "newton_iterations");
+    assert!((STEPS as u64..10 * STEPS as u64).contains(&iterations), "{iterations}");
+    let times = ["mesh", "assembly", "steps", "total"].map(|p| number::<f64>(&file, &format!("wall_time_{p}")));
+    assert!(times.iter().all(|t| *t > 0.0) && (times[..3].iter().sum::<f64>() - times[3]).abs() < 1e-9, "{times:?}");
+    // Every seventh of the steps 0 to 50.
+    let time = column(&folder.path().join("scene.h5"), "time");
+    assert_eq!(time.len(), 8);
+    assert!(time.iter().enumerate().all(|(n, t)| (t - 1.4e-4 * n as f64).abs() < 1e-15), "{time:?}");
+
+    // The stored text alone repeats the run.
+    let again = self::folder(&text(&file, "scene"));
+    good(&again, 2, "run scene.toml -o again.h5");
+    let [first, second] = [folder.path().join("scene.h5"), again.path().join("again.h5")];
+    assert!(difference(&column(&first, "contact/force"), &column(&second, "contact/force")) < 1e-9);
+}
+
+#[test]
+fn ranks_agree() {
+    let scene = BOX.replace("order = 1", "order = 2").replace("[4, 4, 1]", "[6, 5, 1]")
+        + "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\ndamping = 1e4\n";
+    let folder = folder(&scene);
+    let results: Vec<PathBuf> = (0..=3)
+        .map(|ranks| {
+            let name = format!("{ranks}.h5");
+            good(&folder, ranks, &format!("run scene.toml -o {name}"));
+            folder.path().join(name)
+        })
+        .collect();
+    for name in ["contact/force", "impactor/position", "contact/surface_displacement", "energy/elastic"] {
+        let alone = column(&results[0], name);
+        assert!(alone.iter().any(|x| *x != 0.0), "{name}");
+        for other in &results[1..] {
+            // The residual is solved to 1e-10 of the force; the rest is rounding that bending amplifies.
+            let off = difference(&alone, &column(other, name));
+            assert!(off < 1e-7, "{name}: {off:e} in {}", other.display());
+        }
+    }
+}
+
+/// The same tetrahedra in both of Gmsh's formats. In 2.2 an element carries also the number of its geometric entity, which
+/// is not a physical group: the bottom is entity 1, and "side" is group 1.
+#[test]
+fn mesh_formats_agree() {
+    let scene = BOX.replace("size = [0.5, 0.5, 0.02]\ncells = [4, 4, 1]", "mesh = \"mesh.msh\"")
+        + "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e12\n";
+    let scene = scene.replace("speed = 1", "speed = 1\npoint = [0, 0, 0.5]");
+    let forces = ["block-tet22.msh", "block-tet41.msh"].map(|mesh| {
+        let folder = folder(&scene);
+        fs::write(folder.path().join("mesh.msh"), bad_meshes::sample(mesh)).unwrap();
+        good(&folder, 0, "run scene.toml");
+        column(&folder.path().join("scene.h5"), "contact/force")
+    });
+    // The bottom held as well changes the force by 3e-4.
+    assert!(difference(&forces[0], &forces[1]) < 1e-9);
+}
+
+/// Starts a long run and waits for its first row.
+fn begun(folder: &TempDir, ranks: usize) -> Started {
+    let started = start(ricochet(folder.path(), ranks).args(words("run scene.toml -o out.h5")));
+    let begin = Instant::now();
+    while !folder.path().join("out.h5").exists() {
+        assert!(begin.elapsed() < LIMIT, "no first row");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    started
+}
+
+/// The rows of a run that was ended are the first ones of the whole run.
+fn check_prefix(path: &Path) -> usize {
+    assert!(!is_complete(path));
+    let time = column(path, "time");
+    for (n, t) in time.iter().enumerate() {
+        assert!((t - 2e-5 * n as f64).abs() <= 1e-12 * t, "row {n} is at {t}");
+    }
+    let whole = folder(&long().replace("end = 10", "end = 2e-3"));
+    good(&whole, 0, "run scene.toml");
+    let (part, whole) = (column(path, "contact/force"), column(&whole.path().join("scene.h5"), "contact/force"));
+    let rows = time.len().min(part.len()).min(whole.len());
+    // Equal up to the rounding of another number of ranks.
+    let largest = whole.iter().fold(0.0, |m, x| f64::max(m, *x));
+    assert!((0..rows).all(|n| (part[n] - whole[n]).abs() <= 1e-9 * largest));
+    time.len()
+}
+
+#[test]
+fn a_killed_run_leaves_a_readable_prefix() {
+    let mut most = 0;
+    for milliseconds in [0, 40, 900, 1100, 2300] {
+        let folder = folder(&long());
+        let mut started = begun(&folder, 0);
+        std::thread::sleep(Duration::from_millis(milliseconds));
+        started.child.kill().unwrap();
+        let outcome = started.wait(LIMIT);
+        assert_eq!(outcome.signal, Some(9));
+        let rows = check_prefix(&folder.path().join("out.h5"));
+        assert!(rows >= 1);
+        most = most.max(rows);
+        // Nothing stands in the way of a next run.
+        good(&folder, 0, "run scene.toml -o out.h5 --set time.end=1e-4");
+    }
+    assert!(most > 100, "no run came far: {most} rows");
+}
+
+/// Status 130, a file that is whole up to there, and one line that says so.
+fn check_interrupted(folder: &TempDir, outcome: &Outcome) {
+    assert_eq!(outcome.status, Some(130), "{outcome:#?}");
+    let path = folder.path().join("out.h5");
+    let rows = check_prefix(&path);
+    let last = 2e-5 * (rows - 1) as f64;
+    let lines: Vec<&str> = outcome.stderr.lines().filter(|line| line.starts_with("interrupted: ")).collect();
+    assert_eq!(lines.len(), 1, "{outcome:#?}");
+    let told: f64 = lines[0].rsplit("t = ").next().unwrap().trim_end_matches(" s").parse().unwrap();
+    assert!((told - last).abs() < 1e-12, "{told} and {last}");
+    assert_eq!(column(&path, "energy/total").len(), rows);
+}
+
+#[test]
+fn sigterm_ends_a_run_in_order() {
+    let folder = folder(&long());
+    let started = begun(&folder, 0);
+    std::thread::sleep(Duration::from_millis(300));
+    send("TERM", &started.child.id().to_string());
+    check_interrupted(&folder, &started.wait(LIMIT));
+}
+
+/// Ended by SIGINT after its first line of progress, which is due after ten seconds.
+#[test]
+fn sigint_ends_a_run_in_order_and_progress_is_sparse() {
+    let folder = folder(&long());
+    let started = begun(&folder, 0);
+    std::thread::sleep(Duration::from_millis(11_500));
+    send("INT", &started.child.id().to_string());
+    let outcome = started.wait(LIMIT);
+    check_interrupted(&folder, &outcome);
+    let lines: Vec<&str> = outcome.stderr.lines().filter(|line| line.starts_with("step ")).collect();
+    assert_eq!(lines.len(), 1, "{outcome:#?}");
+    assert!(lines[0].contains(" of 500000, t = ") && lines[0].ends_with(" s left"), "{lines:?}");
+    assert!(!outcome.stderr.contains('\r') && !outcome.stderr.contains('\u{1b}'));
+}
+
+/// The processes whose parent is this one.
+fn children(parent: u32) -> Vec<String> {
+    let parent = parent.to_string();
+    fs::read_dir("/proc")
+        .unwrap()
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .filter(|name| name.bytes().all(|byte| byte.is_ascii_digit()))
+        .filter(|process| {
+            let stat = fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
+            // After the name in brackets: state, parent.
+            let fields = stat.rsplit(')').next().unwrap_or_default().split_whitespace().nth(1);
+            fields == Some(parent.as_str())
+        })
+        .collect()
+}
+
+#[test]
+fn a_signal_to_one_rank_interrupts_all() {
+    let folder = folder(&long());
+    let started = begun(&folder, 2);
+    let ranks = children(started.child.id());
+    assert_eq!(ranks.len(), 2);
+    send("TERM", &ranks[1]);
+    check_interrupted(&folder, &started.wait(LIMIT));
+}
+
+#[test]
+fn a_killed_rank_ends_all() {
+    let folder = folder(&long());
+    let started = begun(&folder, 2);
+    let ranks = children(started.child.id());
+    assert_eq!(ranks.len(), 2);
+    send("KILL", &ranks[1]);
+    let begin = Instant::now();
+    let outcome = started.wait(Duration::from_secs(20));
+    assert!(outcome.status != Some(0), "{outcome:#?}");
+    let gone = |rank: &String| !Path::new("/proc").join(rank).exists();
+    while !ranks.iter().all(gone) {
+        assert!(begin.elapsed() < Duration::from_secs(10), "a rank lives on");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert!(begin.elapsed() < Duration::from_secs(10));
+    assert!(check_prefix(&folder.path().join("out.h5")) >= 1);
+}
+
+/// Up to the contact, after five steps through a gap of 0.1 mm, each step is linear and one iteration is enough.
+#[test]
+fn a_solver_that_fails_says_where_and_the_rows_so_far_are_kept() {
+    for ranks in [0, 2] {
+        let folder = folder(BOX);
+        let line = "run scene.toml -o out.h5 --set impactor.gap=1e-4 -- -snes_max_it 1";
+        let outcome = run(ricochet(folder.path(), ranks).args(words(line)));
+        assert_eq!(outcome.status, Some(3), "{outcome:#?}");
+        let messages: Vec<&str> = outcome.stderr.lines().filter(|line| line.starts_with("error: ")).collect();
+        assert_eq!(messages.len(), 1, "{outcome:#?}");
+        for part in ["step 6, t = 1.2", "e-4 s: ", "did not converge", "residual ", " N (wanted: "] {
+            assert!(messages[0].contains(part), "{part}: {}", messages[0]);
+        }
+        assert!(!outcome.stderr.contains("PETSC ERROR") && !outcome.stderr.contains("panicked"));
+        let path = folder.path().join("out.h5");
+        assert_eq!(column(&path, "time").len(), 6);
+        assert!(!is_complete(&path));
+    }
+}
+
+/// A limit on the size of files stands for a full disk: 32 MiB, where the planned rows need more.
+#[test]
+fn a_full_disk_is_told_in_one_line() {
+    let folder = folder(&BOX.replace("end = 1e-3", "end = 20"));
+    let mut command = Command::new("bash");
+    let limited =
+        format!("trap '' XFSZ; ulimit -f 32768; exec '{}' run scene.toml -o out.h5", env!("CARGO_BIN_EXE_ricochet"));
+    let outcome = run(command.args(["-c", &limited]).current_dir(folder.path()).env("OMP_NUM_THREADS", "1"));
+    assert_eq!(outcome.status, Some(4), "{outcome:#?}");
+    let first = outcome.stderr.lines().next();
+    assert_eq!(first, Some("error: out.h5: cannot be written: File too large"), "{outcome:#?}");
+    assert_eq!(outcome.stderr.matches("error: ").count(), 1);
+}
+
+#[test]
+fn check_and_run_agree_on_unknowns_and_memory() {
+    let scene = BOX.replace("order = 1", "order = 2").replace("[4, 4, 1]", "[20, 20, 2]");
+    let folder = folder(&scene.replace("end = 1e-3", "end = 1e-4"));
+    let said = good(&folder, 0, "check scene.toml").stdout;
+    let before = |unit: &str| -> f64 {
+        let words: Vec<&str> = said.split(unit).next().unwrap().split_whitespace().collect();
+        words[words.len() - 1].parse().unwrap()
+    };
+    let (unknowns, estimate) = (before(" unknowns"), before(" MB: matrices"));
+
+    // What the program takes without a mesh to speak of is not the scene's.
+    let small = self::folder(BOX);
+    let own = peak_memory(ricochet(small.path(), 0).args(words("run scene.toml")));
+    let all = peak_memory(ricochet(folder.path(), 0).args(words("run scene.toml")));
+    let file = hdf5::File::open(folder.path().join("scene.h5")).unwrap();
+    assert_eq!(number::<u64>(&file, "unknowns") as f64, unknowns + 1.0);
+    let ratio = (all - own) / estimate;
+    println!("memory: estimated {estimate} MB, measured {all:.0} − {own:.0} MB, ratio {ratio:.2}");
+    // An estimate to choose a machine by: neither half nor double of what is taken.
+    assert!((0.5..2.0).contains(&ratio), "estimated {estimate} MB, measured {all:.0} − {own:.0} MB");
+}
+
+/// Peak of the resident memory, MB, sampled until the end.
+fn peak_memory(command: &mut Command) -> f64 {
+    let mut started = start(command);
+    let status = format!("/proc/{}/status", started.child.id());
+    let mut peak = 0.0f64;
+    while started.child.try_wait().unwrap().is_none() {
+        let text = fs::read_to_string(&status).unwrap_or_default();
+        let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let kilobytes = line.and_then(|line| line.split_whitespace().next()?.parse::<f64>().ok());
+        peak = peak.max(kilobytes.unwrap_or(0.0) * 1.024e-3);
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    assert_eq!(started.wait(LIMIT).status, Some(0));
+    peak
+}
+
+#[test]
+fn figures_are_made() {
+    let folder = folder(BOX);
+    good(&folder, 0, "run scene.toml");
+    good(&folder, 0, "run scene.toml -o other.h5 --set impactor.speed=2");
+    good(&folder, 0, "plot scene.h5 other.h5 -o figure.svg");
+    good(&folder, 0, "plot scene.h5 -o figure.png");
+    let svg = fs::read_to_string(folder.path().join("figure.svg")).unwrap();
+    assert!(svg.starts_with("<svg") && svg.contains("Small plate (other.h5)"));
+    assert!(fs::read(folder.path().join("figure.png")).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn help_and_version() {
+    let folder = folder(BOX);
+    let help = good(&folder, 0, "--help").stdout;
+    assert!(["run", "check", "plot"].iter().all(|command| help.contains(&format!("\n  {command} "))), "{help}");
+    assert!(good(&folder, 0, "run --help").stdout.contains("--set <KEY=VALUE>"));
+    assert_eq!(good(&folder, 0, "--version").stdout, format!("ricochet {}\n", env!("CARGO_PKG_VERSION")));
+    // One answer, not one a rank.
+    assert_eq!(good(&folder, 2, "--version").stdout.lines().count(), 1);
+}
+
+/// A pty by `script` of util-linux.
+#[test]
+fn a_terminal_shows_a_bar() {
+    let folder = folder(&long().replace("end = 10", "end = 5e-3"));
+    let command = format!("{} run scene.toml", env!("CARGO_BIN_EXE_ricochet"));
+    let on_terminal = run(Command::new("script")
+        .args(["-qec", &command, "/dev/null"])
+        .current_dir(folder.path())
+        .env("TERM", "xterm")
+        .env("OMP_NUM_THREADS", "1"));
+    assert_eq!(on_terminal.status, Some(0), "{on_terminal:#?}");
+    assert!(on_terminal.stdout.contains("/250 steps, ") && on_terminal.stdout.contains('█'), "{on_terminal:#?}");
+    assert!(is_complete(&folder.path().join("scene.h5")));
+    let elsewhere = good(&folder, 0, "run scene.toml");
+    assert_eq!(elsewhere.stderr, "");
+}
+
+#[test]
+fn a_reader_who_leaves_early_is_no_error() {
+    let folder = folder(BOX);
+    for arguments in ["check scene.toml", "run scene.toml", "run missing.toml 2>&1"] {
+        let line = format!("'{}' {arguments} | true; exit ${{PIPESTATUS[0]}}", env!("CARGO_BIN_EXE_ricochet"));
+        let outcome = run(Command::new("bash").args(["-c", &line]).current_dir(folder.path()));
+        let expected = if arguments.contains("missing") { 2 } else { 0 };
+        assert_eq!(outcome.status, Some(expected), "{outcome:#?}");
+        assert_eq!(outcome.stderr, "");
+    }
+}
