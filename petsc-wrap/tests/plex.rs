@@ -118,10 +118,16 @@ fn gmsh_names_become_labels(session: &Session) {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/fixtures/reference/plate20-k0/mesh.msh");
     let plex = Plex::gmsh(&session.world(), path.as_ref()).unwrap().distribute().unwrap();
     let labels = plex.labels().unwrap();
-    for (name, faces) in [("side", 80), ("top", 200), ("bottom", 200)] {
+    for (number, (name, faces)) in (1..).zip([("side", 80), ("top", 200), ("bottom", 200)]) {
         assert!(labels.iter().any(|label| label == name), "{labels:?}");
         let here = plex.points(2).unwrap().filter(|&face| plex.has_label(name, face).unwrap()).count();
         assert_eq!(sum(session, here), faces, "{name}");
+        // By its number; by another number or label none.
+        for (label, value, faces) in [(name, number, faces), (name, 77, 0), ("no label", 1, 0)] {
+            let here =
+                plex.points(2).unwrap().filter(|&face| plex.has_label_value(label, value, face).unwrap()).count();
+            assert_eq!(sum(session, here), faces, "{label} {value}");
+        }
     }
     let cells = plex.points(3).unwrap();
     assert_eq!(sum(session, cells.len()), 600);
