@@ -23,7 +23,7 @@ pub enum Error {
     Alone(Box<Error>),
     /// PETSc failed where it should not.
     #[error(transparent)]
-    Petsc(#[from] petsc_wrap::Error),
+    Petsc(petsc_wrap::Error),
     /// The solve failed.
     #[error("{0}")]
     Solve(String),
@@ -95,6 +95,22 @@ impl Error {
             .with_context_lines(1)
             .render_report(&mut text, error.as_ref())
             .map_or_else(|_| format!("error: {self}\n"), |()| text)
+    }
+}
+
+impl From<petsc_wrap::Error> for Error {
+    /// An option that PETSc does not understand is the command line's fault; every rank finds it, as all have the same.
+    fn from(error: petsc_wrap::Error) -> Self {
+        /// PETSc's code for the name of a type that does not exist.
+        const UNKNOWN_TYPE: i32 = 86;
+        match error {
+            petsc_wrap::Error::Petsc { code, message, frames, .. }
+                if code == UNKNOWN_TYPE || frames.first().is_some_and(|f| f.function.starts_with("PetscOptions")) =>
+            {
+                Self::Usage(format!("a PETSc option is wrong: {message}"))
+            }
+            other => Self::Petsc(other),
+        }
     }
 }
 

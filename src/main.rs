@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use clap::Parser;
 use petsc_wrap::Session;
-use ricochet::cli::{self, Cli, Command};
+use ricochet::cli::{self, Cli, Command, tell};
 use ricochet::error::Error;
 
 fn main() {
@@ -28,12 +28,18 @@ fn main() {
 }
 
 fn under_petsc(options: &[String], work: impl FnOnce(&Session) -> Result<i32, Error>) {
+    // PETSc would take such a word for the value of an option of ours.
+    if let Some(word) = options.first().filter(|word| !word.starts_with('-')) {
+        let message = format!("{word:?} is no PETSc option: the words after -- begin with one, as -snes_monitor");
+        conclude(None, Err(Error::Usage(message)));
+    }
     match Session::start(options) {
         Some(Ok(session)) => {
             let result = work(&session);
             conclude(Some(session), result);
         }
-        Some(Err(error)) => conclude(None, Err(error.into())),
+        // Before a scene is read, all that PETSc can refuse is its options.
+        Some(Err(error)) => conclude(None, Err(Error::Usage(format!("PETSc refuses its options: {error}")))),
         None => unreachable!("MPI is initialised here alone"),
     }
 }
@@ -43,7 +49,7 @@ fn under_petsc(options: &[String], work: impl FnOnce(&Session) -> Result<i32, Er
 fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
     let Err(error) = result else {
         if let Some(Err(error)) = session.map(Session::finish) {
-            eprintln!("ricochet: PETSc did not end in order: {error}");
+            tell(format_args!("ricochet: PETSc did not end in order: {error}"));
         }
         exit(result.unwrap_or_default());
     };
@@ -51,17 +57,18 @@ fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
     let status = error.status();
     let root = session.as_ref().map_or_else(cli::is_root_by_environment, |session| session.world().is_root());
     match session {
-        Some(session) if !error.is_everywhere() => {
+        // After a failed write HDF5 crashes in its handler at exit, so that even a lone rank leaves without it.
+        Some(session) if !error.is_everywhere() && (session.world().size() > 1 || error.status() == 4) => {
             if !root {
-                // Where rank 0 has the error as well, its message is the one.
-                std::thread::sleep(Duration::from_millis(500));
+                // Where rank 0 has the error as well, its message is the one, also on a busy machine.
+                std::thread::sleep(Duration::from_secs(2));
             }
-            eprint!("{report}");
+            tell(format_args!("{}", report.trim_end()));
             session.abort(status);
         }
         session => {
             if root {
-                eprint!("{report}");
+                tell(format_args!("{}", report.trim_end()));
             }
             drop(error);
             drop(session);

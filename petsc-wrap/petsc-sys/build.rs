@@ -12,6 +12,7 @@ const FUNCTIONS: &[&str] = &[
     "DMGetLabel",
     "DMGetLabelName",
     "DMGetLabelValue",
+    "DMLabelStratumHasPoint",
     "DMGetNumLabels",
     "DMPlexCreateBoxMesh",
     "DMPlexCreateGmshFromFile",

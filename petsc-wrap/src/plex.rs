@@ -295,6 +295,25 @@ impl Plex {
         Ok(value != -1)
     }
 
+    /// Whether a label gives a point this value, maybe among others; none does where there is no such label.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn has_label_value(&self, name: &str, value: Int, point: Int) -> Result<bool> {
+        self.check_point(point)?;
+        let name = CString::new(name).unwrap_or_default();
+        let mut label = std::ptr::null_mut();
+        // SAFETY: the mesh is valid; the name outlives the call, and the label belongs to the mesh.
+        check(unsafe { sys::DMGetLabel(self.raw(), name.as_ptr(), &raw mut label) })?;
+        if label.is_null() {
+            return Ok(false);
+        }
+        let mut found = sys::PetscBool::PETSC_FALSE;
+        // SAFETY: the label is valid.
+        check(unsafe { sys::DMLabelStratumHasPoint(label, value, point, &raw mut found) })?;
+        Ok(found == sys::PetscBool::PETSC_TRUE)
+    }
+
     /// Numbers `per_point(dimension)` unknowns on each point, contiguous on each rank; a point shared by ranks is numbered
     /// by its owner. Collective.
     ///

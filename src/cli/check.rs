@@ -12,6 +12,7 @@ use crate::scheme::Newmark;
 
 use super::Check;
 use super::load::load;
+use super::say;
 
 /// Checks a scene and prints what will be solved. Collective.
 ///
@@ -40,55 +41,55 @@ fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
 fn print(scene: &Scene, mesh: &Mesh, unknowns: usize, entries: f64, boundary: f64, factor: FactorEstimate) {
     let (impactor, time) = (&scene.impactor, &scene.time);
     if !scene.title.is_empty() {
-        println!("{}", scene.title);
+        say(format_args!("{}", scene.title));
     }
     let geometry = match &scene.body.geometry {
         Geometry::Box { size: [x, y, z], .. } => format!("box {x} × {y} × {z} m"),
         Geometry::Gmsh(path) => path.display().to_string(),
     };
-    println!(
+    say(format_args!(
         "body       solid: {geometry}, {} {} of order {}, {} nodes, {unknowns} unknowns",
         mesh.total_cells,
         if mesh.cells.shape == crate::element::Shape::Tetrahedron { "tetrahedra" } else { "hexahedra" },
         scene.body.order,
         mesh.nodes,
-    );
+    ));
     if scene.supports.is_empty() {
-        println!("supports   none: a free body");
+        say(format_args!("supports   none: a free body"));
     }
     for support in &scene.supports {
-        println!("support    {}", support_line(support));
+        say(format_args!("support    {}", support_line(support)));
     }
     let contact = hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed);
-    println!(
+    say(format_args!(
         "impactor   {} kg at {} m/s, k0 = {:.4e} N/m^1.5, at {:?} along {:?}",
         impactor.mass, impactor.speed, impactor.stiffness, impactor.point, impactor.direction
-    );
-    println!(
+    ));
+    say(format_args!(
         "contact    at a point; on a half-space it would last {:.3} ms and peak at {:.0} N",
         1e3 * contact,
         hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed)
-    );
+    ));
     let Scheme::Newmark { beta, gamma } = time.scheme;
-    println!(
+    say(format_args!(
         "time       Newmark β = {beta}, γ = {gamma}: {} steps of {:e} s to {:e} s, {:.0} in that contact",
         steps(time.end, time.step),
         time.step,
         time.end,
         contact / time.step
-    );
-    println!(
+    ));
+    say(format_args!(
         "solver     full Newton (SNES), Cholesky by MUMPS: {:.2e} entries in K, {:.2e} in the factor, {:.2e} operations",
         entries, factor.entries, factor.operations
-    );
+    ));
     // K, M, Ŝ and the Newton matrix, each with an index and a value an entry; a dozen vectors.
     let matrices = 12.0 * (4.0 * entries + boundary) + 8.0 * 12.0 * unknowns as f64;
-    println!(
+    say(format_args!(
         "memory     about {:.0} MB: matrices {:.0} MB, factorisation {:.0} MB, over all ranks",
         1e-6 * (matrices + factor.memory),
         1e-6 * matrices,
         1e-6 * factor.memory
-    );
+    ));
 }
 
 fn support_line(support: &Support) -> String {

@@ -6,6 +6,8 @@ pub mod plot;
 mod progress;
 pub mod run;
 
+use std::fmt;
+use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
@@ -80,9 +82,25 @@ pub fn is_root_by_environment() -> bool {
         .is_none_or(|rank| rank == "0")
 }
 
+/// A line on standard output. A reader who has gone, as in `ricochet check … | head -1`, is no error.
+pub fn say(line: fmt::Arguments) {
+    let _ = writeln!(io::stdout(), "{line}");
+}
+
+/// A line on standard error, likewise.
+pub fn tell(line: fmt::Arguments) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
 /// Warnings, and with `RICOCHET_LOG=info` or `debug` more, go to standard error.
 pub fn log_to_stderr() {
     let filter = tracing_subscriber::EnvFilter::try_from_env("RICOCHET_LOG")
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
-    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).with_target(false).init();
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(io::stderr)
+        .with_ansi(io::stderr().is_terminal())
+        .without_time()
+        .with_target(false)
+        .init();
 }

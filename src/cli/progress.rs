@@ -7,6 +7,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::impact::step::Step;
 
+use super::tell;
+
 /// Shows the progress of a run's steps.
 pub enum Progress {
     /// On a terminal.
@@ -53,7 +55,7 @@ impl Progress {
                 }
                 *last = Instant::now();
                 let left = begin.elapsed().as_secs_f64() * (*steps - step.number) as f64 / step.number as f64;
-                eprintln!("step {} of {steps}, {}, {left:.0} s left", step.number, state());
+                tell(format_args!("step {} of {steps}, {}, {left:.0} s left", step.number, state()));
             }
         }
     }

@@ -24,6 +24,7 @@ use crate::scene::{Scene, Source};
 use super::Run;
 use super::load::load;
 use super::progress::Progress;
+use super::{say, tell};
 
 /// Exit status of a run that a signal has ended.
 const INTERRUPTED: i32 = 130;
@@ -87,15 +88,22 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
     if let Some(Desk { writer, progress, summary }) = desk {
         progress.finish();
         // What was computed is kept, whatever ended the run.
-        writer.finish(&cost, flow == Some(ControlFlow::Continue(())))?;
-        if flow.is_some() {
+        let finished = writer.finish(&cost, flow == Some(ControlFlow::Continue(())));
+        // Where the run has failed already, that is what is told: a full disk fails the steps first and then the end.
+        if let Some(flow) = flow {
+            finished?;
             summary.print(&cost, output);
+            if flow.is_break() {
+                tell(format_args!("interrupted: {} holds the run up to t = {:e} s", output.display(), summary.end));
+            }
             warn_of_unused_options(comm)?;
         }
     }
+    // First of all: an error of rank 0 alone must not wait for the others in a collective call.
+    let flow = stepped?;
     drop(impact);
     comm.collect_garbage()?;
-    Ok(match stepped? {
+    Ok(match flow {
         ControlFlow::Continue(()) => 0,
         ControlFlow::Break(()) => INTERRUPTED,
     })
@@ -114,6 +122,7 @@ struct Summary {
     episodes: Episodes,
     peak: (f64, f64),
     rebound: f64,
+    end: f64,
 }
 
 impl Summary {
@@ -123,6 +132,7 @@ impl Summary {
             self.peak = (step.impactor.acceleration, step.time);
         }
         self.rebound = step.impactor.velocity;
+        self.end = step.time;
     }
 
     fn print(&self, cost: &Cost, output: &Path) {
@@ -133,14 +143,14 @@ impl Summary {
             .map(|episode| format!("{:.3}–{:.3} ms", 1e3 * episode.start, 1e3 * episode.end))
             .collect();
         let contacts = if contacts.is_empty() { "none".to_owned() } else { contacts.join(", ") };
-        println!(
+        say(format_args!(
             "peak acceleration {:.2} m/s² at {:.3} ms; impactor's velocity at the end {:.4} m/s",
             self.peak.0,
             1e3 * self.peak.1,
             self.rebound
-        );
-        println!("contacts: {contacts}");
-        println!(
+        ));
+        say(format_args!("contacts: {contacts}"));
+        say(format_args!(
             "{}: {:.1} s (mesh {:.1}, assembly {:.1}, steps {:.1}), {} Newton iterations",
             output.display(),
             cost.total,
@@ -148,7 +158,7 @@ impl Summary {
             cost.assembly,
             cost.steps,
             cost.newton_iterations
-        );
+        ));
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! DMPlex makes, reads and distributes the mesh ([`plex`]); the rest of the program sees plain arrays.
 
+mod gmsh;
 mod locate;
 mod plex;
 

@@ -4,22 +4,25 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use mpi::collective::SystemOperation;
-use mpi::traits::CommunicatorCollectives;
-use petsc_wrap::{CellType, Comm, Int, Numbering, Plex};
+use mpi::traits::{Communicator, CommunicatorCollectives, Root};
+use petsc_wrap::{Comm, Int, Numbering, Plex, options};
 
-use crate::agree::agree;
+use crate::agree::{agree, broadcast};
 use crate::element::{Element, Shape};
 use crate::error::Result;
 use crate::scene::{Body, Fault, Geometry, Vec3};
 
+use super::gmsh::{self, Contents};
 use super::{Elements, Mesh};
 
 /// Label of the facets on the boundary of the whole body.
 const BOUNDARY: &str = "ricochet boundary";
 
-/// Labels that DMPlex makes by itself.
-const INTERNAL: [&str; 8] =
-    ["celltype", "depth", "Cell Sets", "Face Sets", "Edge Sets", "Vertex Sets", "marker", BOUNDARY];
+/// DMPlex's label of the faces in physical groups, by number.
+const FACES: &str = "Face Sets";
+
+/// A physical surface: number and name.
+type Group = (Int, String);
 
 impl Mesh {
     /// Makes or reads the mesh and spreads it over the ranks. Collective.
@@ -27,27 +30,23 @@ impl Mesh {
     /// # Errors
     /// A mesh file that cannot be used (a fault of `body.mesh`), the same on all ranks; PETSc's.
     pub fn new(comm: &Comm, body: &Body) -> Result<Self> {
-        let plex = match &body.geometry {
+        let (plex, shape, groups) = match &body.geometry {
             Geometry::Box { size, cells } => {
                 let upper = size.map(|edge| edge / 2.0);
-                Plex::hexahedral_box(comm, *cells, upper.map(|x| -x), upper)?
+                let plex = Plex::hexahedral_box(comm, *cells, upper.map(|x| -x), upper)?;
+                (plex, Shape::Hexahedron, Vec::new())
             }
             Geometry::Gmsh(path) => read(comm, path)?,
         };
         plex.label_boundary(BOUNDARY)?;
         let plex = plex.distribute()?;
-        let names: Vec<String> = match &body.geometry {
-            Geometry::Box { .. } => Vec::new(),
-            Geometry::Gmsh(_) => plex.labels()?.into_iter().filter(|name| !INTERNAL.contains(&name.as_str())).collect(),
-        };
-        let shape = shape(&plex)?;
         let part = Part::new(&plex, shape, body.order)?;
-        let (cells, facets, marks) = part.elements(&names)?;
+        let (cells, facets, marks) = part.elements(&groups)?;
         let mut surfaces: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         match &body.geometry {
             Geometry::Box { size, .. } => name_box_surfaces(&facets, *size, &mut surfaces),
             Geometry::Gmsh(_) => {
-                for (name, mark) in names.into_iter().zip(marks) {
+                for ((_, name), mark) in groups.into_iter().zip(marks) {
                     if check_surface(comm, &name, &mark)? {
                         surfaces.insert(name, mark.facets);
                     }
@@ -72,80 +71,52 @@ impl Mesh {
     }
 }
 
-/// Reads a Gmsh file; rank 0 looks first, so that the commonest mistakes reach all ranks as one fault.
-fn read(comm: &Comm, path: &Path) -> Result<Plex> {
-    let looked = if comm.is_root() { look(path) } else { Ok(()) };
-    agree(comm, looked).map_err(|message| {
-        let help = "give the path, relative to the scene file, of a mesh saved by Gmsh as MSH 2.2 or 4.1";
-        Fault::new("body.mesh", message, help)
-    })?;
-    // A file that breaks off later stops rank 0 alone, inside the collective call: only then are the others aborted.
-    Plex::gmsh(comm, path).map_err(|error| {
-        let message = format!("{} cannot be read as a Gmsh mesh: {error}", path.display());
-        Fault::new("body.mesh", message, "save it again from Gmsh as MSH 2.2 or 4.1, elements of order 1")
-            .on_one_rank()
-            .into()
-    })
-}
-
-/// Whether the file opens, begins as a Gmsh file of a known version, and holds nodes and elements.
-fn look(path: &Path) -> std::result::Result<(), String> {
-    let shown = path.display();
-    let bytes = std::fs::read(path).map_err(|error| format!("{shown} cannot be read: {error}"))?;
-    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(200)]);
-    let mut lines = head.lines();
-    if lines.next().map(str::trim) != Some("$MeshFormat") {
-        return Err(format!("{shown} is not a Gmsh mesh: it does not begin with $MeshFormat"));
-    }
-    let version = lines.next().and_then(|line| line.split_whitespace().next()).unwrap_or_default();
-    if !["2.2", "4.1"].contains(&version) {
-        return Err(format!("{shown} is of Gmsh's format {version:?}; read are 2.2 and 4.1"));
-    }
-    for section in ["Nodes", "Elements"] {
-        for mark in [format!("${section}"), format!("$End{section}")] {
-            if !bytes.windows(mark.len()).any(|window| window == mark.as_bytes()) {
-                return Err(format!("{shown} holds no {mark}: the file is empty or cut off"));
-            }
-        }
-    }
-    Ok(())
-}
-
-/// The one shape of all cells.
-fn shape(plex: &Plex) -> Result<Shape> {
+/// Reads a Gmsh file; rank 0 looks first, so that what is wrong with it reaches all ranks as one fault. Also the shape of
+/// its cells and its physical surfaces.
+fn read(comm: &Comm, path: &Path) -> Result<(Plex, Shape, Vec<Group>)> {
     let fault = |message: String| {
-        Fault::new("body.mesh", message, "mesh the volume with tetrahedra, or with hexahedra, and save all elements")
+        let help = "give the path, relative to the scene file, of a volume meshed and saved by Gmsh as MSH 2.2 or 4.1";
+        Fault::new("body.mesh", format!("{}: {message}", path.display()), help)
     };
-    let comm = plex.comm();
-    if plex.dimension()? != 3 {
-        return Err(fault(format!("the mesh is of dimension {}, a solid needs 3", plex.dimension()?)).into());
+    let looked = if comm.is_root() {
+        let bytes = std::fs::read(path).map_err(|error| format!("cannot be read: {error}"));
+        bytes.and_then(|bytes| gmsh::look(&bytes)).map(Some)
+    } else {
+        Ok(None)
+    };
+    let contents = agree(comm, looked).map_err(fault)?;
+    let (mut flags, mut names) = ([false; 2], String::new());
+    if let Some(Contents { shape, surfaces, all_tags }) = contents {
+        flags = [shape == Shape::Hexahedron, all_tags];
+        names = surfaces.iter().map(|(number, name)| format!("{number} {name}\n")).collect();
     }
-    let (mut counts, mut totals) = ([0usize; 3], [0usize; 3]);
-    for cell in plex.points(3)? {
-        counts[match plex.cell_type(cell)? {
-            CellType::Tetrahedron => 0,
-            CellType::Hexahedron => 1,
-            _ => 2,
-        }] += 1;
-    }
-    comm.mpi().all_reduce_into(&counts, &mut totals, SystemOperation::sum());
-    match totals {
-        [0, 0, 0] => Err(fault("the mesh has no cells".to_owned()).into()),
-        [_, 0, 0] => Ok(Shape::Tetrahedron),
-        [0, _, 0] => Ok(Shape::Hexahedron),
-        [tetrahedra, hexahedra, others] => Err(fault(format!(
-            "the mesh mixes shapes: {tetrahedra} tetrahedra, {hexahedra} hexahedra, {others} others"
-        ))
-        .into()),
-    }
+    comm.mpi().process_at_rank(0).broadcast_into(&mut flags[..]);
+    let [hexahedra, all_tags] = flags;
+    let names = broadcast(comm, 0, names);
+    let groups = names
+        .lines()
+        .filter_map(|line| line.split_once(' '))
+        .filter_map(|(n, name)| Some((n.parse().ok()?, name.to_owned())));
+    // By number, since PETSc's labels by name mix up dimensions, and in 2.2 take the geometric entity for a group.
+    options::set_default(comm.session(), "-dm_plex_gmsh_use_regions", "0")?;
+    options::set_default(comm.session(), "-dm_plex_gmsh_multiple_tags", if all_tags { "1" } else { "0" })?;
+    // The mesh is what its cells are: surfaces that Gmsh has meshed alike stay two surfaces.
+    options::set_default(comm.session(), "-dm_plex_gmsh_periodic", "0")?;
+    // What is still wrong stops rank 0 alone, inside the collective call: only then are the others aborted.
+    let plex = Plex::gmsh(comm, path).map_err(|error| match error {
+        petsc_wrap::Error::Petsc { message, .. } => fault(message).on_one_rank(),
+        other => fault(other.to_string()).on_one_rank(),
+    })?;
+    let shape = if hexahedra { Shape::Hexahedron } else { Shape::Tetrahedron };
+    Ok((plex, shape, groups.collect()))
 }
 
-/// What a physical name marks on this rank.
+/// What a physical surface marks on this rank.
 #[derive(Default)]
 struct Mark {
     /// Facets on the boundary of the body, by index.
     facets: Vec<usize>,
-    /// Faces inside the body.
+    /// Faces inside the body, each counted by both of its cells.
     inside: usize,
 }
 
@@ -174,13 +145,8 @@ impl<'a> Part<'a> {
         })?;
         let coordinates = plex.vertex_coordinates()?;
         let known = coordinates.ok_or("the mesh has curved cells (elements of higher order)".to_owned());
-        let coordinates = agree(plex.comm(), known).map_err(|message| {
-            Fault::new(
-                "body.mesh",
-                message,
-                "save it from Gmsh with Mesh.ElementOrder = 1; body.order sets the elements'",
-            )
-        })?;
+        let coordinates = agree(plex.comm(), known)
+            .map_err(|message| Fault::new("body.mesh", message, "save it from Gmsh with Mesh.ElementOrder = 1"))?;
         let edges = plex.points(1)?.map(|edge| Ok(plex.cone(edge)?.to_vec())).collect::<Result<Vec<_>>>()?;
         let first_edge = plex.points(1)?.start;
         let faces = plex
@@ -199,22 +165,23 @@ impl<'a> Part<'a> {
         Ok(Self { plex, shape, order, numbering, coordinates, first_vertex, first_face, first_edge, edges, faces })
     }
 
-    /// Cells, boundary facets, and what each name marks among the latter.
-    fn elements(&self, names: &[String]) -> Result<(Elements, Elements, Vec<Mark>)> {
+    /// Cells, boundary facets, and what each group marks among the latter.
+    fn elements(&self, groups: &[Group]) -> Result<(Elements, Elements, Vec<Mark>)> {
         let element = Element::new(self.shape, self.order);
         let facet_shape = self.shape.facet();
         let facet_element = Element::new(facet_shape, self.order);
         let mut cells = Elements::new(self.shape, self.order);
         let mut facets = Elements::new(facet_shape, self.order);
-        let mut marks: Vec<Mark> = names.iter().map(|_| Mark::default()).collect();
+        let mut marks: Vec<Mark> = groups.iter().map(|_| Mark::default()).collect();
         for cell in self.plex.points(3)? {
             let closure = Closure::new(self, cell)?;
-            cells.push(closure.x.iter().copied(), element.node_vertices().iter().map(|v| closure.node(v)));
+            let nodes = element.node_vertices().iter().map(|vertices| closure.node(vertices));
+            cells.push(closure.x.iter().copied(), nodes.collect::<Result<Vec<_>>>()?);
             for local in self.shape.facets() {
-                let face = closure.point(local);
+                let face = closure.point(local)?;
                 let boundary = self.plex.has_label(BOUNDARY, face)?;
-                for (name, mark) in names.iter().zip(&mut marks) {
-                    if self.plex.has_label(name, face)? {
+                for ((number, _), mark) in groups.iter().zip(&mut marks) {
+                    if self.plex.has_label_value(FACES, *number, face)? {
                         if boundary {
                             mark.facets.push(facets.len());
                         } else {
@@ -227,7 +194,7 @@ impl<'a> Part<'a> {
                         let in_cell: Vec<usize> = vertices.iter().map(|&i| local[i]).collect();
                         closure.node(&in_cell)
                     });
-                    facets.push(local.iter().map(|&i| closure.x[i]), nodes);
+                    facets.push(local.iter().map(|&i| closure.x[i]), nodes.collect::<Result<Vec<_>>>()?);
                 }
             }
         }
@@ -285,15 +252,22 @@ impl<'a> Closure<'a> {
     }
 
     /// The point that holds just these vertices of the cell.
-    fn point(&self, vertices: &[usize]) -> Int {
+    fn point(&self, vertices: &[usize]) -> Result<Int> {
         let mask = vertices.iter().fold(0u8, |mask, &i| mask | 1 << i);
         let found = self.points.iter().find(|(of, _)| *of == mask);
-        found.expect("DMPlex interpolates edges and faces of every cell").1
+        Ok(found.map(|(_, point)| *point).ok_or_else(|| self.misfit())?)
+    }
+
+    /// Two hexahedra that share the vertices of a face, and go round it in different orders.
+    fn misfit(&self) -> Fault {
+        let [x, y, z] = super::mean(self.x.iter().copied());
+        let message = format!("the cell at [{x:.6}, {y:.6}, {z:.6}] does not fit its neighbour");
+        Fault::new("body.mesh", message, "mend or remake the mesh").on_one_rank()
     }
 
     /// Global number of the node on the point that holds just these vertices.
-    fn node(&self, vertices: &[usize]) -> Int {
-        self.part.numbering.first(self.point(vertices)).0
+    fn node(&self, vertices: &[usize]) -> Result<Int> {
+        Ok(self.part.numbering.first(self.point(vertices)?).0)
     }
 }
 
@@ -348,12 +322,12 @@ fn name_box_surfaces(facets: &Elements, size: Vec3, surfaces: &mut BTreeMap<Stri
     }
 }
 
-/// Whether a name marks a surface (and not a volume or a curve); one with faces inside the body is refused.
+/// Whether a name marks anything; one with faces inside the body is refused.
 fn check_surface(comm: &Comm, name: &str, mark: &Mark) -> Result<bool> {
     let (counts, mut totals) = ([mark.facets.len(), mark.inside], [0usize; 2]);
     comm.mpi().all_reduce_into(&counts, &mut totals, SystemOperation::sum());
     if totals[1] > 0 {
-        let message = format!("the physical surface {name:?} has {} faces inside the body", totals[1]);
+        let message = format!("the physical surface {name:?} has {} faces inside the body", totals[1] / 2);
         return Err(Fault::new("body.mesh", message, "name only surfaces on the boundary of the volume").into());
     }
     Ok(totals[0] > 0)

@@ -100,7 +100,7 @@ impl SeriesWriter {
             // The error in hand says more than one of the removal would.
             let _ = fs::remove_file(&part);
         }
-        let (file, series, contacts) = begun.map_err(|e| Error::io(path, e))?;
+        let (file, series, contacts) = begun.map_err(|e| not_written(path, &e))?;
         Ok(Self {
             path: path.to_owned(),
             part: Some(part),
@@ -144,7 +144,7 @@ impl SeriesWriter {
     /// # Errors
     /// [`Error::Io`] when writing fails; the rows stay in the buffer.
     pub fn flush(&mut self) -> Result<()> {
-        self.write().map_err(|e| Error::io(&self.path, e))?;
+        self.write().map_err(|e| not_written(&self.path, &e))?;
         if let Some(part) = &self.part {
             fs::rename(part, target::resolved(&self.path)).map_err(|e| Error::io(&self.path, e))?;
             self.part = None;
@@ -163,7 +163,7 @@ impl SeriesWriter {
             self.file.attr("complete")?.write_scalar(&complete)?;
             self.file.flush()
         };
-        mark().map_err(|e| Error::io(&self.path, e))
+        mark().map_err(|e| not_written(&self.path, &e))
     }
 
     fn write(&mut self) -> hdf5::Result<()> {
@@ -190,6 +190,14 @@ impl Drop for SeriesWriter {
             None => self.flush(),
         };
     }
+}
+
+/// HDF5's error as one line: the system's reason where there is one, as on a full disk.
+fn not_written(path: &Path, error: &hdf5::Error) -> Error {
+    let text = error.to_string();
+    let system = text.split_once("error message = '").and_then(|(_, rest)| rest.split('\'').next());
+    let reason = system.or(text.lines().next()).unwrap_or_default();
+    Error::io(path, format!("cannot be written: {reason}"))
 }
 
 type Begun = (hdf5::File, Vec<hdf5::Dataset>, Vec<hdf5::Dataset>);
