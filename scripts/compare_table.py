@@ -1,7 +1,7 @@
 """compare_table.py DIR [REFERENCE.csv]: prints what scripts/compare-fenics measured, as a Markdown table.
 
-DIR holds, a round each: fenics.ROUND.csv and .json (fenics_listing.py), ricochet.nRANKS.ROUND.h5 (docs of the results) and
-ricochet.nRANKS.ROUND.memory.RANK (peak_memory.py). Of several rounds the shortest time and the largest memory count.
+DIR holds, a round each: fenics.ROUND.csv and .json (fenics_listing.py), ricochet.NAME.ROUND.h5 (docs of the results) and
+ricochet.NAME.ROUND.memory.RANK (peak_memory.py); NAME is nRANKS, or nRANKS-direct for a factorisation in every iteration. Of several rounds the shortest time and the largest memory count.
 """
 
 import glob
@@ -43,10 +43,10 @@ def fenics(folder):
     return read_csv(f"{folder}/fenics.1.csv"), cost
 
 
-def ricochet(folder, ranks):
-    """Series and cost of ricochet's runs on so many ranks."""
+def ricochet(folder, name):
+    """Series and cost of ricochet's runs of a name: nRANKS, or nRANKS-direct."""
     series, runs = None, []
-    for path in sorted(glob.glob(f"{folder}/ricochet.n{ranks}.*.h5")):
+    for path in sorted(glob.glob(f"{folder}/ricochet.{name}.*.h5")):
         parts = glob.glob(path.removesuffix(".h5") + ".memory.*")
         memory = sum(int(open(part, encoding="ascii").read()) for part in parts)
         with h5py.File(path, "r") as file:
@@ -101,8 +101,10 @@ def main():
     series, cost = fenics(folder)
     columns = [("FEniCS, 1 rank", series, cost)]
     files = (os.path.basename(path) for path in glob.glob(f"{folder}/ricochet.n*.h5"))
-    for ranks in sorted({int(re.match(r"ricochet\.n(\d+)\.", name)[1]) for name in files}):
-        columns.append((f"ricochet, {ranks} rank" + "s" * (ranks > 1), *ricochet(folder, ranks)))
+    for name in sorted({re.match(r"ricochet\.(n\d+(-direct)?)\.", name)[1] for name in files}):
+        ranks = int(re.match(r"n(\d+)", name)[1])
+        title = f"ricochet, {ranks} rank" + "s" * (ranks > 1) + ", factorising always" * name.endswith("-direct")
+        columns.append((title, *ricochet(folder, name)))
     print(f"{cost['unknowns']} unknowns, {len(series['time']) - 1} steps")
     if len(sys.argv) > 2:
         print("\n".join(table(columns, read_csv(sys.argv[2]), "the reference")))

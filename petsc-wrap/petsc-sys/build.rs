@@ -34,9 +34,11 @@ const FUNCTIONS: &[&str] = &[
     "KSPGetIterationNumber",
     "KSPGetPC",
     "KSPGetResidualNorm",
+    "KSPGetType",
     "KSPSetFromOptions",
     "KSPSetOperators",
     "KSPSetOptionsPrefix",
+    "KSPSetTolerances",
     "KSPSetType",
     "KSPSolve",
     "MatAXPY",
@@ -70,6 +72,7 @@ const FUNCTIONS: &[&str] = &[
     "MatZeroRowsColumns",
     "PCFactorSetMatSolverType",
     "PCGetFailedReason",
+    "PCGetType",
     "PCSetType",
     "PetscErrorMessage",
     "PetscFinalize",
@@ -110,6 +113,7 @@ const FUNCTIONS: &[&str] = &[
     "SNESSetFunction",
     "SNESSetFunctionDomainError",
     "SNESSetJacobian",
+    "SNESSetLagPreconditioner",
     "SNESSetTolerances",
     "SNESSetType",
     "SNESSolve",
@@ -238,7 +242,7 @@ fn generate(petsc: &Petsc, mpi: &[PathBuf]) {
         .header("wrapper.h")
         .clang_args(include)
         .allowlist_function(FUNCTIONS.join("|"))
-        .allowlist_var("PETSC_(DETERMINE|COMM_WORLD|VERSION_.*)|PetscTrFree")
+        .allowlist_var("PETSC_(DETERMINE|DEFAULT|COMM_WORLD|VERSION_.*)|PetscTrFree")
         .blocklist_type("MPI_.*|ompi_.*|_?MPI.*")
         .blocklist_item("MPI_.*|ompi_.*")
         .allowlist_recursively(true)

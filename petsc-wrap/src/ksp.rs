@@ -59,10 +59,28 @@ impl Ksp {
     }
 }
 
-/// Cholesky's method by MUMPS (which is parallel) where PETSc has it, and no iteration; options override it.
+/// One application of Cholesky's method by MUMPS (which is parallel); options override it.
 pub(crate) fn default_to_cholesky(ksp: sys::KSP) -> Result<()> {
     // SAFETY: `ksp` is valid here and below; types are C strings.
     check(unsafe { sys::KSPSetType(ksp, c"preonly".as_ptr()) })?;
+    precondition_by_cholesky(ksp)
+}
+
+/// Conjugate gradients, by default preconditioned with Cholesky's method by MUMPS: with the matrix's own factor one
+/// iteration solves, with that of a matrix nearby a few.
+pub(crate) fn default_to_refined_cholesky(ksp: sys::KSP) -> Result<()> {
+    // SAFETY: `ksp` is valid here and below; types are C strings.
+    check(unsafe { sys::KSPSetType(ksp, c"cg".as_ptr()) })?;
+    let (default, most) = (f64::from(sys::PETSC_DEFAULT), 1000);
+    // SAFETY: as above.
+    check(unsafe { sys::KSPSetTolerances(ksp, DIRECT, default, default, most) })?;
+    precondition_by_cholesky(ksp)
+}
+
+/// Relative residual at which an iteration counts as a direct solve: rounding in a backward-stable one leaves about as much.
+const DIRECT: f64 = 1e-13;
+
+fn precondition_by_cholesky(ksp: sys::KSP) -> Result<()> {
     let mut pc = std::ptr::null_mut();
     // SAFETY: the preconditioner belongs to the solver.
     check(unsafe { sys::KSPGetPC(ksp, &raw mut pc) })?;
@@ -70,6 +88,18 @@ pub(crate) fn default_to_cholesky(ksp: sys::KSP) -> Result<()> {
     check(unsafe { sys::PCSetType(pc, c"cholesky".as_ptr()) })?;
     // SAFETY: as above.
     check(unsafe { sys::PCFactorSetMatSolverType(pc, c"mumps".as_ptr()) })
+}
+
+/// Whether the options have left [`default_to_refined_cholesky`] as it is.
+pub(crate) fn is_refined_cholesky(ksp: sys::KSP) -> Result<bool> {
+    let (mut ksp_type, mut pc, mut pc_type) = (std::ptr::null(), std::ptr::null_mut(), std::ptr::null());
+    // SAFETY: `ksp` is valid here and below, and the preconditioner belongs to it; the names are static or null.
+    check(unsafe { sys::KSPGetType(ksp, &raw mut ksp_type) })?;
+    // SAFETY: as above.
+    check(unsafe { sys::KSPGetPC(ksp, &raw mut pc) })?;
+    // SAFETY: as above.
+    check(unsafe { sys::PCGetType(pc, &raw mut pc_type) })?;
+    Ok(owned(ksp_type) == "cg" && owned(pc_type) == "cholesky")
 }
 
 /// PETSc's name of why the solver stopped.

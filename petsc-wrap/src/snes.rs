@@ -10,7 +10,7 @@ use petsc_sys as sys;
 use crate::Int;
 use crate::comm::Comm;
 use crate::error::{Diverged, Error, Result, check, owned};
-use crate::ksp::{default_to_cholesky, reason_of};
+use crate::ksp::{default_to_refined_cholesky, is_refined_cholesky, reason_of};
 use crate::matrix::Matrix;
 use crate::object::Object;
 use crate::vector::Vector;
@@ -24,7 +24,12 @@ type Outcome<T> = std::result::Result<T, Box<dyn StdError>>;
 pub struct Snes {
     object: Object<sys::_p_SNES>,
     jacobian: Matrix,
+    /// Whether the linear solver's factor may serve more than one Jacobian.
+    keep_factor: bool,
 }
+
+/// Iterations of a linear solve from which a new factor is cheaper: a factorisation costs ten solves or more.
+const FEW: Int = 8;
 
 /// What stopped a closure.
 enum Stop {
@@ -52,6 +57,7 @@ struct Context<R, J, L> {
     residual: R,
     jacobian: J,
     search: L,
+    keep_factor: bool,
     stop: Option<Stop>,
 }
 
@@ -68,8 +74,11 @@ impl<R, J, L> Context<R, J, L> {
 }
 
 impl Snes {
-    /// A solver for a Jacobian matrix (its entries all present); by default Newton's method with Cholesky's by MUMPS.
-    /// `-snes_…`, `-ksp_…` and `-pc_…` options override everything. Collective.
+    /// A solver for a symmetric positive definite Jacobian matrix (its entries all present).
+    ///
+    /// By default Newton's method with linear solves to rounding: Cholesky's method by MUMPS, whose factor is kept as the
+    /// preconditioner of conjugate gradients while these need but a few iterations. After a change of the matrix by rank r they need
+    /// r + 1. With `-ksp_type preonly` every Jacobian is factorised. `-snes_…`, `-ksp_…` and `-pc_…` options override everything. Collective.
     ///
     /// # Errors
     /// PETSc's, e.g. for unknown types among the options.
@@ -88,8 +97,8 @@ impl Snes {
         let mut ksp = std::ptr::null_mut();
         // SAFETY: the linear solver belongs to the solver.
         check(unsafe { sys::SNESGetKSP(raw, &raw mut ksp) })?;
-        default_to_cholesky(ksp)?;
-        let snes = Self { object, jacobian };
+        default_to_refined_cholesky(ksp)?;
+        let mut snes = Self { object, jacobian, keep_factor: false };
         snes.set_tolerances(absolute_tolerance, max_iterations)?;
         // SAFETY: the matrix is valid and kept by `snes`; the callback is set by each solve.
         check(unsafe {
@@ -97,6 +106,7 @@ impl Snes {
         })?;
         // SAFETY: the solver is valid.
         check(unsafe { sys::SNESSetFromOptions(raw) })?;
+        snes.keep_factor = is_refined_cholesky(ksp)?;
         Ok(snes)
     }
 
@@ -125,7 +135,7 @@ impl Snes {
     {
         let (raw, jacobian_raw) = (self.object.raw(), self.jacobian.raw());
         let comm = self.object.comm().clone();
-        let mut context = Context { comm, residual, jacobian, search, stop: None };
+        let mut context = Context { comm, residual, jacobian, search, keep_factor: self.keep_factor, stop: None };
         let pointer = (&raw mut context).cast::<c_void>();
         // SAFETY: the callbacks are called during SNESSolve only, while `context` lives, and cast it back to its type.
         check(unsafe { sys::SNESSetFunction(raw, std::ptr::null_mut(), Some(call_residual::<R, J, L>), pointer) })?;
@@ -203,8 +213,21 @@ where
     }
 }
 
+/// Lets the linear solver keep its factor for the next Jacobian, unless the last one strained it.
+fn keep_factor_while_it_serves(snes: sys::SNES) -> Result<()> {
+    let (mut ksp, mut iterations) = (std::ptr::null_mut(), 0);
+    // SAFETY: the solver is the one that calls; the linear solver belongs to it.
+    check(unsafe { sys::SNESGetKSP(snes, &raw mut ksp) })?;
+    // SAFETY: as above.
+    check(unsafe { sys::KSPGetIterationNumber(ksp, &raw mut iterations) })?;
+    // PETSc's codes: −1 keep, −2 renew once and keep.
+    let lag = if iterations <= FEW { -1 } else { -2 };
+    // SAFETY: as above.
+    check(unsafe { sys::SNESSetLagPreconditioner(snes, lag) })
+}
+
 unsafe extern "C" fn call_jacobian<R, J, L>(
-    _snes: sys::SNES,
+    snes: sys::SNES,
     x: sys::Vec,
     _operator: sys::Mat,
     matrix: sys::Mat,
@@ -215,10 +238,13 @@ where
 {
     let context = context.cast::<Context<R, J, L>>();
     // SAFETY: as in `call_residual`.
-    let (comm, jacobian) = unsafe { (&(*context).comm, &mut (*context).jacobian) };
+    let (comm, jacobian, keep_factor) = unsafe { (&(*context).comm, &mut (*context).jacobian, (*context).keep_factor) };
     let outcome = guard(|| {
         let x = Vector::lent(x, comm);
         let mut matrix = Matrix::lent(matrix, comm);
+        if keep_factor {
+            keep_factor_while_it_serves(snes)?;
+        }
         // An untouched matrix keeps its state counter, by which PETSc sees that the factorisation still holds.
         jacobian(&x, &mut matrix)
     });

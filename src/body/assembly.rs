@@ -52,59 +52,56 @@ pub fn into_vector(vector: &mut Vector) -> impl FnMut(&[Int], &[f64]) -> petsc_w
     |indices, block| vector.set_values(indices, block, Insert::Add)
 }
 
-/// Which nodes share an element: the sparsity of every matrix assembled over these elements.
+/// A matrix of zeros with an entry wherever unknowns of two nodes of a chosen element meet; `owned` nodes are this rank's.
+/// Collective.
 ///
-/// Kept for nodes, a ninth of the entries of a matrix for their unknowns.
-pub struct NodeGraph {
-    comm: Comm,
-    graph: Matrix,
+/// The pattern is found for nodes, a ninth of its entries. The zeros stand in order before the first value comes, so that adding an
+/// element's block moves nothing.
+///
+/// # Errors
+/// PETSc's.
+pub fn zeros(
+    comm: &Comm,
+    owned: usize,
+    elements: &Elements,
+    chosen: impl IntoIterator<Item = usize>,
+) -> Result<Matrix> {
+    let graph = node_graph(comm, owned, elements, chosen)?;
+    let range = graph.row_range();
+    let (mut here, mut elsewhere) = (Vec::with_capacity(3 * owned), Vec::with_capacity(3 * owned));
+    for node in range.clone() {
+        let row = graph.row(node)?;
+        let own = row.columns().iter().filter(|column| range.contains(column)).count();
+        here.extend([3 * own as Int; 3]);
+        elsewhere.extend([3 * (row.columns().len() - own) as Int; 3]);
+    }
+    let mut matrix = Matrix::aij(comm, (3 * owned, 3 * owned), &here, &elsewhere)?;
+    let (mut columns, mut values) = (Vec::new(), Vec::new());
+    for node in range {
+        unknowns(graph.row(node)?.columns(), &mut columns);
+        values.resize(3 * columns.len(), 0.0);
+        matrix.set_values(&[3 * node, 3 * node + 1, 3 * node + 2], &columns, &values, Insert::Replace)?;
+    }
+    matrix.assemble()?;
+    graph.destroy()?;
+    Ok(matrix)
 }
 
-impl NodeGraph {
-    /// The graph of the chosen elements, for `owned` nodes of this rank. Collective.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn new(
-        comm: &Comm,
-        owned: usize,
-        elements: &Elements,
-        chosen: impl IntoIterator<Item = usize>,
-    ) -> Result<Self> {
-        let mut pattern = Matrix::pattern(comm, (owned, owned))?;
-        let ones = vec![1.0; elements.nodes_each().pow(2)];
-        for i in chosen {
-            let nodes = elements.nodes(i);
-            pattern.set_values(nodes, nodes, &ones, Insert::Add)?;
-        }
-        pattern.assemble()?;
-        let graph = pattern.preallocated()?;
-        pattern.destroy()?;
-        Ok(Self { comm: comm.clone(), graph })
+/// Which nodes share a chosen element: a matrix with a row a node.
+fn node_graph(
+    comm: &Comm,
+    owned: usize,
+    elements: &Elements,
+    chosen: impl IntoIterator<Item = usize>,
+) -> Result<Matrix> {
+    let mut pattern = Matrix::pattern(comm, (owned, owned))?;
+    let ones = vec![1.0; elements.nodes_each().pow(2)];
+    for i in chosen {
+        let nodes = elements.nodes(i);
+        pattern.set_values(nodes, nodes, &ones, Insert::Add)?;
     }
-
-    /// A matrix for three unknowns a node with room for just these couplings. Collective.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn matrix(&self) -> Result<Matrix> {
-        let range = self.graph.row_range();
-        let nodes = (range.end - range.start) as usize;
-        let (mut diagonal, mut off_diagonal) = (Vec::with_capacity(3 * nodes), Vec::with_capacity(3 * nodes));
-        for row in range.clone() {
-            let row = self.graph.row(row)?;
-            let here = row.columns().iter().filter(|column| range.contains(column)).count();
-            diagonal.extend([3 * here as Int; 3]);
-            off_diagonal.extend([3 * (row.columns().len() - here) as Int; 3]);
-        }
-        Ok(Matrix::aij(&self.comm, (3 * nodes, 3 * nodes), &diagonal, &off_diagonal)?)
-    }
-
-    /// Couplings between nodes, on all ranks. Collective.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn couplings(&self) -> Result<u64> {
-        Ok(self.graph.entries()?)
-    }
+    pattern.assemble()?;
+    let graph = pattern.preallocated()?;
+    pattern.destroy()?;
+    Ok(graph)
 }

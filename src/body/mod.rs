@@ -5,7 +5,7 @@ mod clamps;
 mod pads;
 mod solid;
 
-pub use assembly::{NodeGraph, Stopped, assemble, into_matrix, into_vector};
+pub use assembly::{Stopped, assemble, into_matrix, into_vector, zeros};
 pub use clamps::Clamps;
 pub use pads::Pads;
 pub use solid::Solid;

@@ -9,7 +9,7 @@ use crate::form::{Material, SolidForms, SurfaceForms};
 use crate::mesh::Mesh;
 use crate::scene::{Fault, Scene, SupportKind, Vec3};
 
-use super::assembly::{NodeGraph, Stopped, assemble, into_matrix, into_vector};
+use super::assembly::{Stopped, assemble, into_matrix, into_vector, zeros};
 use super::{Clamps, Pads};
 
 /// The body's side of M ü + C u̇ + K u + p(u) = a F + f, three unknowns a node.
@@ -47,9 +47,9 @@ impl Solid {
     pub fn new(scene: &Scene, mesh: &Mesh) -> Result<Self> {
         check_surfaces(scene, mesh)?;
         let localization = Localization::point(mesh, &scene.impactor)?;
-        let graph = NodeGraph::new(&mesh.comm, mesh.owned_nodes, &mesh.cells, 0..mesh.cells.len())?;
-        let elastic = over_cells(scene, mesh, &graph, SolidForms::stiffness)?;
-        let mass = over_cells(scene, mesh, &graph, SolidForms::mass)?;
+        let pattern = zeros(&mesh.comm, mesh.owned_nodes, &mesh.cells, 0..mesh.cells.len())?;
+        let mass = over_cells(scene, mesh, pattern.duplicate()?, SolidForms::mass)?;
+        let elastic = over_cells(scene, mesh, pattern, SolidForms::stiffness)?;
         let stiffness = |kind: &SupportKind| match kind {
             SupportKind::Elastic { stiffness } => *stiffness,
             _ => [0.0; 3],
@@ -114,16 +114,15 @@ fn check_surfaces(scene: &Scene, mesh: &Mesh) -> Result<()> {
     Ok(())
 }
 
-/// A kernel of the solid's forms, summed over all cells.
+/// A kernel of the solid's forms, summed over all cells into a matrix of zeros.
 fn over_cells(
     scene: &Scene,
     mesh: &Mesh,
-    graph: &NodeGraph,
+    mut matrix: Matrix,
     kernel: impl Fn(&mut SolidForms, &[Vec3], &mut [f64]) -> std::result::Result<(), crate::form::Tangled>,
 ) -> Result<Matrix> {
     let mut forms = forms(scene, mesh);
     let size = (3 * mesh.cells.nodes_each()).pow(2);
-    let mut matrix = graph.matrix()?;
     let done = assemble(
         &mesh.cells,
         0..mesh.cells.len(),
@@ -151,8 +150,7 @@ fn over_facets(mesh: &Mesh, terms: &[(&str, Vec3, Vec3)]) -> Result<Option<Matri
     }
     let facets = &mesh.facets;
     let chosen = || terms.iter().flat_map(|(name, _, _)| mesh.surfaces[*name].iter().copied());
-    let graph = NodeGraph::new(&mesh.comm, mesh.owned_nodes, facets, chosen())?;
-    let mut matrix = graph.matrix()?;
+    let mut matrix = zeros(&mesh.comm, mesh.owned_nodes, facets, chosen())?;
     let mut forms = SurfaceForms::new(facets.shape, facets.order);
     let size = (3 * facets.nodes_each()).pow(2);
     for (name, k, _) in &terms {

@@ -37,7 +37,8 @@ pub struct Impact {
     newton: Newton,
     ledger: Ledger,
     state: State,
-    /// Force and displacements at hand while a step is taken.
+    /// What a step needs: the part of its equations without D, D itself, and a matrix's product.
+    known: Vector,
     work: Vector,
     product: Vector,
     /// Newton iterations so far.
@@ -58,7 +59,7 @@ impl Impact {
         let scale = hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed).max(body.load.norm_max()?);
         let newton = Newton::new(comm, &body, update, impactor.mass, FORCE_TOLERANCE * scale)?;
         let state = initial(comm, &mut body, &impactor)?;
-        let (work, product) = (body.load.duplicate()?, body.load.duplicate()?);
+        let [known, work, product] = [body.load.duplicate()?, body.load.duplicate()?, body.load.duplicate()?];
         let ledger = Ledger::new(&body)?;
         Ok(Self {
             comm: comm.clone(),
@@ -71,6 +72,7 @@ impl Impact {
             newton,
             ledger,
             state,
+            known,
             work,
             product,
             iterations: 0,
@@ -119,18 +121,18 @@ impl Impact {
         let update = self.scheme.update(self.step);
         let State { u, v, a, q } = &mut self.state;
         // What the equations at t_{n+1} hold without D: f + k ū − K u_n − M a* − C v*, with a* and v* the updates for D = 0.
-        let mut known = self.body.load.duplicate()?;
+        let known = &mut self.known;
         known.copy_from(&self.body.load)?;
         known.axpy(1.0, &self.body.support_load)?;
-        subtract(&mut known, Some(&self.body.elastic), u, &mut self.product)?;
-        subtract(&mut known, self.body.support.as_ref(), u, &mut self.product)?;
+        subtract(known, Some(&self.body.elastic), u, &mut self.product)?;
+        subtract(known, self.body.support.as_ref(), u, &mut self.product)?;
         combine(&mut self.work, update.a, v, a)?;
-        subtract(&mut known, Some(&self.body.mass), &self.work, &mut self.product)?;
+        subtract(known, Some(&self.body.mass), &self.work, &mut self.product)?;
         if self.body.damping.is_some() {
             combine(&mut self.work, update.v, v, a)?;
-            subtract(&mut known, self.body.damping.as_ref(), &self.work, &mut self.product)?;
+            subtract(known, self.body.damping.as_ref(), &self.work, &mut self.product)?;
         }
-        self.body.clamps.zero(&mut known)?;
+        self.body.clamps.zero(known)?;
         let (_, free) = update.apply(0.0, q.velocity, q.acceleration);
         let known_impactor = -self.impactor.mass * free;
         // Newton starts from the increment at constant acceleration.
@@ -139,7 +141,7 @@ impl Impact {
         let guess = step * q.velocity + half * q.acceleration;
         let approach = q.position - self.impactor.gap - self.body.localization.vector.dot(u)?;
         let problem =
-            newton::Step { u, known: (&known, known_impactor), approach, law: self.law, pads: self.body.pads.as_mut() };
+            newton::Step { u, known: (known, known_impactor), approach, law: self.law, pads: self.body.pads.as_mut() };
         let (increment, iterations) = self
             .newton
             .solve(problem, (&mut self.work, guess))

@@ -1,18 +1,17 @@
 //! From a scene's geometry to a [`Mesh`], through DMPlex.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use mpi::collective::SystemOperation;
-use mpi::traits::{Communicator, CommunicatorCollectives, Root};
-use petsc_wrap::{Comm, Int, Numbering, Plex, options};
+use mpi::traits::CommunicatorCollectives;
+use petsc_wrap::{CellType, Comm, Int, Numbering, Plex};
 
-use crate::agree::{agree, broadcast};
+use crate::agree::agree;
 use crate::element::{Element, Shape};
 use crate::error::Result;
 use crate::scene::{Body, Fault, Geometry, Vec3};
 
-use super::gmsh::{self, Contents};
+use super::gmsh::{self, Group};
 use super::{Elements, Mesh};
 
 /// Label of the facets on the boundary of the whole body.
@@ -21,26 +20,22 @@ const BOUNDARY: &str = "ricochet boundary";
 /// DMPlex's label of the faces in physical groups, by number.
 const FACES: &str = "Face Sets";
 
-/// A physical surface: number and name.
-type Group = (Int, String);
-
 impl Mesh {
     /// Makes or reads the mesh and spreads it over the ranks. Collective.
     ///
     /// # Errors
     /// A mesh file that cannot be used (a fault of `body.mesh`), the same on all ranks; PETSc's.
     pub fn new(comm: &Comm, body: &Body) -> Result<Self> {
-        let (plex, shape, groups) = match &body.geometry {
+        let (plex, groups) = match &body.geometry {
             Geometry::Box { size, cells } => {
                 let upper = size.map(|edge| edge / 2.0);
-                let plex = Plex::hexahedral_box(comm, *cells, upper.map(|x| -x), upper)?;
-                (plex, Shape::Hexahedron, Vec::new())
+                (Plex::hexahedral_box(comm, *cells, upper.map(|x| -x), upper)?, Vec::new())
             }
-            Geometry::Gmsh(path) => read(comm, path)?,
+            Geometry::Gmsh(path) => gmsh::read(comm, path)?,
         };
         plex.label_boundary(BOUNDARY)?;
         let plex = plex.distribute()?;
-        let part = Part::new(&plex, shape, body.order)?;
+        let part = Part::new(&plex, shape(&plex)?, body.order)?;
         let (cells, facets, marks) = part.elements(&groups)?;
         let mut surfaces: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         match &body.geometry {
@@ -71,44 +66,34 @@ impl Mesh {
     }
 }
 
-/// Reads a Gmsh file; rank 0 looks first, so that what is wrong with it reaches all ranks as one fault. Also the shape of
-/// its cells and its physical surfaces.
-fn read(comm: &Comm, path: &Path) -> Result<(Plex, Shape, Vec<Group>)> {
+/// The one shape of all cells. Collective.
+fn shape(plex: &Plex) -> Result<Shape> {
     let fault = |message: String| {
-        let help = "give the path, relative to the scene file, of a volume meshed and saved by Gmsh as MSH 2.2 or 4.1";
-        Fault::new("body.mesh", format!("{}: {message}", path.display()), help)
+        Fault::new("body.mesh", message, "mesh the volume with tetrahedra, or with hexahedra, and save all elements")
     };
-    let looked = if comm.is_root() {
-        let bytes = std::fs::read(path).map_err(|error| format!("cannot be read: {error}"));
-        bytes.and_then(|bytes| gmsh::look(&bytes)).map(Some)
-    } else {
-        Ok(None)
-    };
-    let contents = agree(comm, looked).map_err(fault)?;
-    let (mut flags, mut names) = ([false; 2], String::new());
-    if let Some(Contents { shape, surfaces, all_tags }) = contents {
-        flags = [shape == Shape::Hexahedron, all_tags];
-        names = surfaces.iter().map(|(number, name)| format!("{number} {name}\n")).collect();
+    let dimension = plex.dimension()?;
+    if dimension != 3 {
+        return Err(fault(format!("the mesh is of dimension {dimension}, a solid needs 3")).into());
     }
-    comm.mpi().process_at_rank(0).broadcast_into(&mut flags[..]);
-    let [hexahedra, all_tags] = flags;
-    let names = broadcast(comm, 0, names);
-    let groups = names
-        .lines()
-        .filter_map(|line| line.split_once(' '))
-        .filter_map(|(n, name)| Some((n.parse().ok()?, name.to_owned())));
-    // By number, since PETSc's labels by name mix up dimensions, and in 2.2 take the geometric entity for a group.
-    options::set_default(comm.session(), "-dm_plex_gmsh_use_regions", "0")?;
-    options::set_default(comm.session(), "-dm_plex_gmsh_multiple_tags", if all_tags { "1" } else { "0" })?;
-    // The mesh is what its cells are: surfaces that Gmsh has meshed alike stay two surfaces.
-    options::set_default(comm.session(), "-dm_plex_gmsh_periodic", "0")?;
-    // What is still wrong stops rank 0 alone, inside the collective call: only then are the others aborted.
-    let plex = Plex::gmsh(comm, path).map_err(|error| match error {
-        petsc_wrap::Error::Petsc { message, .. } => fault(message).on_one_rank(),
-        other => fault(other.to_string()).on_one_rank(),
-    })?;
-    let shape = if hexahedra { Shape::Hexahedron } else { Shape::Tetrahedron };
-    Ok((plex, shape, groups.collect()))
+    let (mut counts, mut totals) = ([0usize; 3], [0usize; 3]);
+    for cell in plex.points(3)? {
+        counts[match plex.cell_type(cell)? {
+            CellType::Tetrahedron => 0,
+            CellType::Hexahedron => 1,
+            _ => 2,
+        }] += 1;
+    }
+    plex.comm().mpi().all_reduce_into(&counts, &mut totals, SystemOperation::sum());
+    match totals {
+        [0, 0, 0] => Err(fault("the mesh has no cells".to_owned()).into()),
+        [_, 0, 0] => Ok(Shape::Tetrahedron),
+        [0, _, 0] => Ok(Shape::Hexahedron),
+        [tetrahedra, hexahedra, others] => {
+            let message =
+                format!("the mesh mixes shapes: {tetrahedra} tetrahedra, {hexahedra} hexahedra, {others} others");
+            Err(fault(message).into())
+        }
+    }
 }
 
 /// What a physical surface marks on this rank.
