@@ -38,7 +38,7 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
     let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene));
     // Before minutes of work whose result could not be written.
     let writable = if comm.is_root() { check_writable(&output).map_err(|error| error.to_string()) } else { Ok(()) };
-    agree(comm, writable).map_err(|reason| Error::Output(reason))?;
+    agree(comm, writable).map_err(Error::Output)?;
     solve(comm, &scene, &source, &output).map_err(|error| error.in_scene(&source))
 }
 
