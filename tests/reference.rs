@@ -1,9 +1,13 @@
 //! The eight reference cases, computed with FEniCS by an independent script: same mesh, element and step.
 
+#[path = "common/field.rs"]
+mod field;
+
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use field::interpolate;
 use petsc_wrap::{Ksp, Session};
 use ricochet::body::Solid;
 use ricochet::impact::Impact;
@@ -136,17 +140,6 @@ fn invariants_and_statics(session: &Session) {
     }
 }
 
-/// The nodal interpolant of a field.
-fn interpolate(mesh: &Mesh, into: &mut petsc_wrap::Vector, field: impl Fn([f64; 3]) -> [f64; 3]) {
-    for cell in 0..mesh.cells.len() {
-        for (&node, x) in mesh.cells.nodes(cell).iter().zip(mesh.cells.node_positions(cell)) {
-            let unknowns = [3 * node, 3 * node + 1, 3 * node + 2];
-            into.set_values(&unknowns, &field(x), petsc_wrap::Insert::Replace).unwrap();
-        }
-    }
-    into.assemble().unwrap();
-}
-
 /// Potential and resultant of the pad under a given linear field.
 fn pad(session: &Session, case: &Case) {
     let (mesh, mut solid, _) = case.solid(session, None);
@@ -192,12 +185,11 @@ fn series(session: &Session) {
         let (_, solid, scene) = case.solid(session, None);
         let mut impact = Impact::new(&world, &scene, solid).unwrap();
         let mut steps: Vec<Step> = Vec::new();
-        impact
-            .run(|step| {
-                steps.push(*step);
-                Ok(ControlFlow::Continue(()))
-            })
-            .unwrap();
+        let flow = impact.run(|step| {
+            steps.push(*step);
+            Ok(ControlFlow::Continue(()))
+        });
+        assert!(flow.unwrap().is_continue());
         let expected = table(case.folder.join("series.csv"));
         assert_eq!(steps.len(), expected.len(), "{}", case.name);
         let worst = |column: usize, get: fn(&Step) -> f64| {

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
-use ricochet::contact::{Hertz, stiffness};
+use ricochet::contact::{Hertz, hertz};
 use ricochet::element::{Element, Quadrature, Shape};
 use ricochet::form::{PadForms, SurfaceForms};
 
@@ -207,7 +207,7 @@ proptest! {
         u in prop::collection::vec(-1e-4f64..1e-4, 6),
         indentation in 1e-5f64..1e-3,
     ) {
-        let law = Hertz { stiffness: stiffness(0.05, (70e9, 0.23), (210e9, 0.3)) };
+        let law = Hertz { stiffness: hertz::stiffness(0.05, (70e9, 0.23), (210e9, 0.3)) };
         let mut localisation: Vec<f64> = a.iter().map(|a| -a).collect();
         localisation.push(1.);
         let localisation = DVector::from_vec(localisation);

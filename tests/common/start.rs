@@ -1,0 +1,30 @@
+//! From a scene's text to an impact that is ready to run.
+
+use std::ops::ControlFlow;
+
+use petsc_wrap::Comm;
+use ricochet::body::Solid;
+use ricochet::impact::Impact;
+use ricochet::impact::step::Step;
+use ricochet::mesh::Mesh;
+use ricochet::scene::Scene;
+
+/// The impact of a scene. Collective.
+pub fn start(comm: &Comm, text: &str) -> (Mesh, Impact) {
+    let (scene, _) = Scene::parse("test", text, &[]).unwrap_or_else(|error| panic!("{}", error));
+    let mesh = Mesh::new(comm, &scene.body).unwrap();
+    let body = Solid::new(&scene, &mesh).unwrap();
+    let impact = Impact::new(comm, &scene, body).unwrap();
+    (mesh, impact)
+}
+
+/// Runs to the end of the scene. Collective.
+pub fn run(impact: &mut Impact) -> Vec<Step> {
+    let mut steps = Vec::new();
+    let flow = impact.run(|step| {
+        steps.push(*step);
+        Ok(ControlFlow::Continue(()))
+    });
+    assert!(flow.unwrap_or_else(|error| panic!("{error}")).is_continue());
+    steps
+}
