@@ -61,8 +61,11 @@ impl Nodes {
         }
     }
 
-    /// A node outside all cells that other elements use would be a vertex without stiffness.
+    /// There must be cells; a node outside all of them that other elements use would be a vertex without stiffness.
     pub fn check_use(&self) -> Result<(), String> {
+        if !self.states.contains(&IN_CELL) {
+            return Err("the mesh has no cells: a solid needs tetrahedra or hexahedra".to_owned());
+        }
         match self.states.iter().position(|state| *state == LOOSE) {
             Some(index) => Err(format!(
                 "node {} belongs to a point, line or surface but to no cell: save without Mesh.SaveAll",
