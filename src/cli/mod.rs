@@ -12,11 +12,14 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+/// Version and commit.
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("RICOCHET_COMMIT"), ")");
+
 /// Low-velocity impact on elastic plates and bodies.
 ///
 /// Runs alone or under mpirun; docs/scene.md describes scenes, docs/results.md results.
 #[derive(Debug, Parser)]
-#[command(version, about, max_term_width = 100)]
+#[command(version = VERSION, about, max_term_width = 100)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
