@@ -101,11 +101,12 @@ impl Error {
 impl From<petsc_wrap::Error> for Error {
     /// An option that PETSc does not understand is the command line's fault; every rank finds it, as all have the same.
     fn from(error: petsc_wrap::Error) -> Self {
-        /// PETSc's code for the name of a type that does not exist.
-        const UNKNOWN_TYPE: i32 = 86;
+        /// PETSc's codes for the name of a type, and of a package for factorisations, that do not exist.
+        const UNKNOWN: [i32; 2] = [86, 92];
         match error {
             petsc_wrap::Error::Petsc { code, message, frames, .. }
-                if code == UNKNOWN_TYPE || frames.first().is_some_and(|f| f.function.starts_with("PetscOptions")) =>
+                if UNKNOWN.contains(&code)
+                    || frames.first().is_some_and(|f| f.function.starts_with("PetscOptions")) =>
             {
                 Self::Usage(format!("a PETSc option is wrong: {message}"))
             }

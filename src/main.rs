@@ -19,6 +19,8 @@ fn main() {
     };
     cli::log_to_stderr();
     match &cli.command {
+        // Under mpirun one rank draws.
+        Command::Plot(_) if !cli::is_root_by_environment() => exit(0),
         Command::Plot(plot) => conclude(None, cli::plot::plot(&plot.results, &plot.output).map(|()| 0)),
         Command::Run(run) => under_petsc(&run.petsc, |session| cli::run::run(&session.world(), run)),
         Command::Check(check) => {

@@ -252,7 +252,7 @@ fn newton_matrix(session: &Session) {
     let folder = tempfile::tempdir().unwrap();
     for kind in kinds(folder.path()) {
         let file = folder.path().join(format!("jacobian-{}", kind.number));
-        options::set_default(session, VIEW, &format!("binary:{}", file.display())).unwrap();
+        options::set(session, VIEW, &format!("binary:{}", file.display())).unwrap();
         // The gap closes in the third step. A body force makes every step solve.
         let text = scene(&kind, [0.07, 0.03, 0.05], [0.3, -0.4, -1.0], 2.5e-5)
             .replace("end = 4e-4\nstep = 2e-5", "end = 1e-5\nstep = 1e-5");

@@ -15,7 +15,7 @@ pub struct Ksp(Object<sys::_p_KSP>);
 
 impl Ksp {
     /// A solver whose options begin with `prefix` (empty, or ending in an underscore): by default one factorisation
-    /// (see [`Ksp::default_to_cholesky`]), whatever else by PETSc's options. Collective.
+    /// by MUMPS, whatever else by PETSc's options. Collective.
     ///
     /// # Errors
     /// PETSc's, e.g. for unknown types among the options.
@@ -56,6 +56,14 @@ impl Ksp {
         check(unsafe { sys::KSPGetResidualNorm(raw, &raw mut norm) })?;
         let iterations = iterations as usize;
         Err(Error::Diverged(Diverged { solver: "KSP", reason: reason_of(raw)?, iterations, norm }))
+    }
+
+    /// Destroys it at once, its factor too. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn destroy(self) -> Result<()> {
+        self.0.destroy()
     }
 }
 

@@ -93,8 +93,8 @@ impl Matrix {
         Self(Object::new(raw, comm))
     }
 
-    pub(crate) fn lent(raw: sys::Mat, comm: &Comm) -> Self {
-        Self(Object::lent(raw, comm))
+    pub(crate) fn lent(raw: sys::Mat, comm: &Comm) -> Result<Self> {
+        Ok(Self(Object::lent(raw, comm)?))
     }
 
     pub(crate) fn raw(&self) -> sys::Mat {

@@ -11,21 +11,27 @@ fn text(value: &str) -> CString {
     CString::new(value.replace('\0', "")).unwrap_or_default()
 }
 
-/// Sets an option (`name` with its leading dash) unless the user has set it.
+/// Whether an option (`name` with its leading dash) is set.
 ///
 /// # Errors
 /// PETSc's.
-pub fn set_default(_session: &Session, name: &str, value: &str) -> Result<()> {
-    let (name, value) = (text(name), text(value));
+pub fn is_set(_session: &Session, name: &str) -> Result<bool> {
+    let name = text(name);
     let mut set = sys::PetscBool::PETSC_FALSE;
     let (database, prefix) = (std::ptr::null_mut(), std::ptr::null());
-    // SAFETY: PETSc is initialised (a session exists); the strings outlive the calls, and PETSc copies them.
+    // SAFETY: PETSc is initialised (a session exists); the string outlives the call.
     check(unsafe { sys::PetscOptionsHasName(database, prefix, name.as_ptr(), &raw mut set) })?;
-    if set == sys::PetscBool::PETSC_FALSE {
-        // SAFETY: as above.
-        check(unsafe { sys::PetscOptionsSetValue(database, name.as_ptr(), value.as_ptr()) })?;
-    }
-    Ok(())
+    Ok(set == sys::PetscBool::PETSC_TRUE)
+}
+
+/// Sets an option, also where it is set already.
+///
+/// # Errors
+/// PETSc's.
+pub fn set(_session: &Session, name: &str, value: &str) -> Result<()> {
+    let (name, value) = (text(name), text(value));
+    // SAFETY: PETSc is initialised; the strings outlive the call, and PETSc copies them.
+    check(unsafe { sys::PetscOptionsSetValue(std::ptr::null_mut(), name.as_ptr(), value.as_ptr()) })
 }
 
 /// Removes an option, so that it no longer applies to objects made later.

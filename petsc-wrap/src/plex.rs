@@ -8,7 +8,7 @@ use petsc_sys as sys;
 
 use crate::Int;
 use crate::comm::Comm;
-use crate::error::{Error, Result, check, owned};
+use crate::error::{Error, Result, check};
 use crate::object::Object;
 use crate::options;
 
@@ -75,18 +75,28 @@ impl Plex {
         Ok(Self(Object::new(raw, comm)))
     }
 
-    /// A mesh from a Gmsh file (2.2 or 4.1, text or binary), all on rank 0 until [`Plex::distribute`]; every physical
-    /// name becomes a label. Only rank 0 reads, so only it may return an error. Collective.
+    /// A mesh from a Gmsh file (2.2 or 4.1, text or binary), all on rank 0 until [`Plex::distribute`].
+    ///
+    /// The faces of physical group n have the value n of the label `Face Sets`: for `all_groups` in every group that they are in,
+    /// otherwise in the first. In files of version 2.2, PETSc takes an element's geometric entity for a further group, so that
+    /// only its first is sure. Only rank 0 reads, so only it may return an error. Collective.
     ///
     /// # Errors
     /// PETSc's, e.g. for a file that is not there or not of the format.
-    pub fn gmsh(comm: &Comm, path: &Path) -> Result<Self> {
-        options::set_default(comm.session(), "-dm_plex_gmsh_use_regions", "1")?;
+    pub fn gmsh(comm: &Comm, path: &Path, all_groups: bool) -> Result<Self> {
+        /// What a mesh is made of here is not a matter of options: groups by number, and each surface for itself.
+        const FIXED: [&str; 3] = ["-dm_plex_gmsh_multiple_tags", "-dm_plex_gmsh_use_regions", "-dm_plex_gmsh_periodic"];
+        for (name, value) in FIXED.into_iter().zip([all_groups, false, false]) {
+            options::set(comm.session(), name, if value { "1" } else { "0" })?;
+        }
         let name = CString::new(path.as_os_str().as_encoded_bytes()).unwrap_or_default();
         let mut raw = std::ptr::null_mut();
         let interpolate = sys::PetscBool::PETSC_TRUE;
         // SAFETY: the path is a C string that outlives the call.
         check(unsafe { sys::DMPlexCreateGmshFromFile(comm.raw(), name.as_ptr(), interpolate, &raw mut raw) })?;
+        for name in FIXED {
+            options::clear(comm.session(), name)?;
+        }
         Ok(Self(Object::new(raw, comm)))
     }
 
@@ -261,24 +271,6 @@ impl Plex {
         check(unsafe { sys::DMGetLabel(self.raw(), name.as_ptr(), &raw mut label) })?;
         // SAFETY: as above.
         check(unsafe { sys::DMPlexMarkBoundaryFaces(self.raw(), 1, label) })
-    }
-
-    /// Names of all labels, in the same order on every rank.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn labels(&self) -> Result<Vec<String>> {
-        let mut count = 0;
-        // SAFETY: the mesh is valid.
-        check(unsafe { sys::DMGetNumLabels(self.raw(), &raw mut count) })?;
-        (0..count)
-            .map(|i| {
-                let mut name = std::ptr::null();
-                // SAFETY: as above; the name belongs to the mesh.
-                check(unsafe { sys::DMGetLabelName(self.raw(), i, &raw mut name) })?;
-                Ok(owned(name))
-            })
-            .collect()
     }
 
     /// Whether a point carries a label, whatever its value.

@@ -5,6 +5,7 @@ use std::ffi::{CString, c_char, c_int};
 use std::rc::Rc;
 
 use mpi::environment::Universe;
+use mpi::traits::Communicator;
 use petsc_sys as sys;
 
 use crate::comm::Comm;
@@ -62,7 +63,6 @@ impl Session {
 
     /// Ends all ranks at once with this exit status.
     pub fn abort(&self, status: i32) -> ! {
-        use mpi::traits::Communicator;
         self.0.universe.world().abort(status)
     }
 
@@ -95,11 +95,18 @@ impl Inner {
 
 impl Drop for Inner {
     fn drop(&mut self) {
+        if std::thread::panicking() {
+            // The other ranks are somewhere else: waiting for them in PetscFinalize would wait for ever.
+            self.universe.world().abort(PANICKED);
+        }
         if let Err(error) = self.finalize() {
             eprintln!("PETSc could not be finalised: {error}");
         }
     }
 }
+
+/// Exit status after a panic, as of any Rust program.
+const PANICKED: i32 = 101;
 
 /// PETSc's version as `major.minor.patch`.
 pub fn petsc_version() -> String {

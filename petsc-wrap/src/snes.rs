@@ -13,6 +13,7 @@ use crate::error::{Diverged, Error, Result, check, owned};
 use crate::ksp::{default_to_refined_cholesky, is_refined_cholesky, reason_of};
 use crate::matrix::Matrix;
 use crate::object::Object;
+use crate::options;
 use crate::vector::Vector;
 
 /// What a closure returns.
@@ -106,7 +107,7 @@ impl Snes {
         })?;
         // SAFETY: the solver is valid.
         check(unsafe { sys::SNESSetFromOptions(raw) })?;
-        snes.keep_factor = is_refined_cholesky(ksp)?;
+        snes.keep_factor = is_refined_cholesky(ksp)? && !options::is_set(comm.session(), "-snes_lag_preconditioner")?;
         Ok(snes)
     }
 
@@ -117,6 +118,18 @@ impl Snes {
         check(unsafe {
             sys::SNESSetTolerances(self.object.raw(), absolute, 0.0, 0.0, max_iterations as Int, unlimited)
         })
+    }
+
+    /// The residual's Euclidean norm below which a solve has converged.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn absolute_tolerance(&self) -> Result<f64> {
+        let (mut value, none) = (0.0, std::ptr::null_mut());
+        let (raw, unasked) = (self.object.raw(), std::ptr::null_mut());
+        // SAFETY: the solver is valid; null asks for nothing.
+        check(unsafe { sys::SNESGetTolerances(raw, &raw mut value, none, none, unasked, unasked) })?;
+        Ok(value)
     }
 
     /// Solves residual(x) = 0 from the given x; returns the iterations. Collective.
@@ -198,8 +211,8 @@ where
     // SAFETY: `solve` passed its context of this type; the residual is not re-entered, and the communicator never written.
     let (comm, residual) = unsafe { (&(*context).comm, &mut (*context).residual) };
     let outcome = guard(|| {
-        let x = Vector::lent(x, comm);
-        let mut f = Vector::lent(f, comm);
+        let x = Vector::lent(x, comm)?;
+        let mut f = Vector::lent(f, comm)?;
         residual(&x, &mut f)?;
         let undefined = f.read()?.iter().any(|value| value.is_nan());
         Ok(undefined)
@@ -240,8 +253,8 @@ where
     // SAFETY: as in `call_residual`.
     let (comm, jacobian, keep_factor) = unsafe { (&(*context).comm, &mut (*context).jacobian, (*context).keep_factor) };
     let outcome = guard(|| {
-        let x = Vector::lent(x, comm);
-        let mut matrix = Matrix::lent(matrix, comm);
+        let x = Vector::lent(x, comm)?;
+        let mut matrix = Matrix::lent(matrix, comm)?;
         if keep_factor {
             keep_factor_while_it_serves(snes)?;
         }
@@ -299,7 +312,7 @@ impl Trial {
         // SAFETY: as above; the vectors are lent.
         check(unsafe { sys::SNESLineSearchGetVecs(search, x, f, y, w, g) })?;
         let [x, f, y, w, g] = raw.map(|v| Vector::lent(v, comm));
-        Ok(Self { snes, x, f, y, w, g, at: None })
+        Ok(Self { snes, x: x?, f: f?, y: y?, w: w?, g: g?, at: None })
     }
 
     /// Residual·direction at x + λ·direction. Collective.

@@ -30,8 +30,8 @@ impl Vector {
         Ok(vector)
     }
 
-    pub(crate) fn lent(raw: sys::Vec, comm: &Comm) -> Self {
-        Self(Object::lent(raw, comm))
+    pub(crate) fn lent(raw: sys::Vec, comm: &Comm) -> Result<Self> {
+        Ok(Self(Object::lent(raw, comm)?))
     }
 
     pub(crate) fn raw(&self) -> sys::Vec {

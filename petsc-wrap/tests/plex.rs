@@ -21,7 +21,7 @@ fn main() -> ExitCode {
             ("the_boundary_is_that_of_the_whole", the_boundary_is_that_of_the_whole),
             ("unknowns_are_numbered_once", unknowns_are_numbered_once),
             ("a_file_that_is_no_mesh_is_an_error", a_file_that_is_no_mesh_is_an_error),
-            ("gmsh_names_become_labels", gmsh_names_become_labels),
+            ("physical_groups_are_found_by_number", physical_groups_are_found_by_number),
         ],
     )
 }
@@ -80,7 +80,6 @@ fn coordinates_stay_with_their_vertices(session: &Session) {
 
 fn the_boundary_is_that_of_the_whole(session: &Session) {
     let plex = block(session);
-    assert!(plex.labels().unwrap().contains(&"skin".to_owned()));
     let skin = plex.points(2).unwrap().filter(|&face| plex.has_label("skin", face).unwrap()).count();
     // Faces between ranks are not among them: a boundary face has one cell, so it is on one rank.
     assert_eq!(sum(session, skin), 2 * (4 * 3 + 4 * 2 + 3 * 2));
@@ -110,24 +109,19 @@ fn unknowns_are_numbered_once(session: &Session) {
 
 fn a_file_that_is_no_mesh_is_an_error(session: &Session) {
     // On its own communicator, since only the reading rank returns the error.
-    let error = Plex::gmsh(&session.alone(), "no-such-mesh.msh".as_ref()).err().expect("an error");
+    let error = Plex::gmsh(&session.alone(), "no-such-mesh.msh".as_ref(), true).err().expect("an error");
     assert!(error.to_string().contains("no-such-mesh.msh"), "{error}");
 }
 
-fn gmsh_names_become_labels(session: &Session) {
+fn physical_groups_are_found_by_number(session: &Session) {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/fixtures/reference/plate20-k0/mesh.msh");
-    let plex = Plex::gmsh(&session.world(), path.as_ref()).unwrap().distribute().unwrap();
-    let labels = plex.labels().unwrap();
-    for (number, (name, faces)) in (1..).zip([("side", 80), ("top", 200), ("bottom", 200)]) {
-        assert!(labels.iter().any(|label| label == name), "{labels:?}");
-        let here = plex.points(2).unwrap().filter(|&face| plex.has_label(name, face).unwrap()).count();
-        assert_eq!(sum(session, here), faces, "{name}");
-        // By its number; by another number or label none.
-        for (label, value, faces) in [(name, number, faces), (name, 77, 0), ("no label", 1, 0)] {
-            let here =
-                plex.points(2).unwrap().filter(|&face| plex.has_label_value(label, value, face).unwrap()).count();
-            assert_eq!(sum(session, here), faces, "{label} {value}");
-        }
+    let plex = Plex::gmsh(&session.world(), path.as_ref(), true).unwrap().distribute().unwrap();
+    // Side, top and bottom, a number without faces, and a label that is not there.
+    for (label, number, faces) in
+        [("Face Sets", 1, 80), ("Face Sets", 2, 200), ("Face Sets", 3, 200), ("Face Sets", 77, 0), ("no label", 1, 0)]
+    {
+        let here = plex.points(2).unwrap().filter(|&face| plex.has_label_value(label, number, face).unwrap()).count();
+        assert_eq!(sum(session, here), faces, "{label} {number}");
     }
     let cells = plex.points(3).unwrap();
     assert_eq!(sum(session, cells.len()), 600);

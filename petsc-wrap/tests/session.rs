@@ -16,7 +16,7 @@ fn main() -> ExitCode {
         &[
             ("there_is_one_session", there_is_one_session),
             ("options_reach_the_database", options_reach_the_database),
-            ("an_option_of_the_user_stays", an_option_of_the_user_stays),
+            ("options_are_set_and_cleared", options_are_set_and_cleared),
             ("errors_carry_message_frames_and_place", errors_carry_message_frames_and_place),
             ("a_handle_dropped_on_one_rank_blocks_nobody", a_handle_dropped_on_one_rank_blocks_nobody),
         ],
@@ -35,13 +35,14 @@ fn options_reach_the_database(session: &Session) {
     assert!(options::unused(session).unwrap().contains(&"session_test".to_owned()));
 }
 
-fn an_option_of_the_user_stays(session: &Session) {
-    options::set_default(session, "-session_test", "8").unwrap();
-    assert!(options::all(session).unwrap().contains("-session_test 7"));
-    options::set_default(session, "-session_default", "9").unwrap();
-    assert!(options::all(session).unwrap().contains("-session_default 9"));
-    options::clear(session, "-session_default").unwrap();
-    assert!(!options::all(session).unwrap().contains("-session_default"));
+fn options_are_set_and_cleared(session: &Session) {
+    assert!(!options::is_set(session, "-session_other").unwrap());
+    options::set(session, "-session_other", "8").unwrap();
+    options::set(session, "-session_other", "9").unwrap();
+    assert!(options::is_set(session, "-session_other").unwrap());
+    assert!(options::all(session).unwrap().contains("-session_other 9"));
+    options::clear(session, "-session_other").unwrap();
+    assert!(!options::is_set(session, "-session_other").unwrap());
 }
 
 fn errors_carry_message_frames_and_place(session: &Session) {

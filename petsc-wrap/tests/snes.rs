@@ -18,6 +18,7 @@ fn main() -> ExitCode {
             ("slopes_are_those_of_the_potential", slopes_are_those_of_the_potential),
             ("errors_of_closures_come_back", errors_of_closures_come_back),
             ("panics_of_closures_come_back", panics_of_closures_come_back),
+            ("a_handle_taken_out_of_a_closure_stays_valid", a_handle_taken_out_of_a_closure_stays_valid),
             ("nan_stops_the_solve", nan_stops_the_solve),
             ("too_few_iterations_are_told", too_few_iterations_are_told),
         ],
@@ -156,6 +157,29 @@ fn panics_of_closures_come_back(session: &Session) {
     }));
     std::panic::set_hook(hook);
     assert_eq!(caught.unwrap_err().downcast_ref::<&str>(), Some(&"marked"));
+}
+
+fn a_handle_taken_out_of_a_closure_stays_valid(session: &Session) {
+    let (mut snes, mut x) = solver(session, 20);
+    let mut taken = x.duplicate().unwrap();
+    let mut calls = 0;
+    snes.solve(
+        &mut x,
+        |x, f| {
+            residual(x, f, |x| x)?;
+            calls += 1;
+            if calls == 1 {
+                std::mem::swap(f, &mut taken);
+            }
+            Ok(())
+        },
+        |x, j| Ok(jacobian(x, j, |_| 1.0)?),
+        |_| Ok(1.0),
+    )
+    .unwrap();
+    drop(snes);
+    // SNES goes on in the vector that it lent, which is the one taken; it must outlive the solver.
+    assert!(taken.norm_max().unwrap().is_finite());
 }
 
 fn nan_stops_the_solve(session: &Session) {

@@ -132,7 +132,6 @@ fn over_cells(
     );
     everywhere(mesh, done)?;
     matrix.assemble()?;
-    matrix.declare_positive_definite()?;
     Ok(matrix)
 }
 

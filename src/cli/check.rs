@@ -28,7 +28,8 @@ fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
     let body = Solid::new(scene, &mesh)?;
     let Scheme::Newmark { beta, gamma } = scene.time.scheme;
     let update = Newmark { beta, gamma }.update(scene.time.step);
-    let matrix = body.combination(update.c1, update.c2)?;
+    let mut matrix = body.combination(update.c1, update.c2)?;
+    matrix.declare_positive_definite()?;
     let factor = estimate_cholesky(&matrix)?;
     let entries = matrix.entries()?;
     let boundary: u64 = body.support.iter().chain(&body.damping).map(|m| m.entries()).sum::<petsc_wrap::Result<_>>()?;

@@ -53,6 +53,8 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
     let body = Solid::new(scene, &mesh)?;
     drop(mesh);
     let mut impact = Impact::new(comm, scene, body)?;
+    // The mesh is no longer needed.
+    comm.collect_garbage()?;
     let assembled = begin.elapsed().as_secs_f64();
     tracing::info!(unknowns = impact.body().unknowns(), meshed, assembled, "ready");
     let mut desk = match comm.is_root() {

@@ -22,7 +22,7 @@ use newton::Newton;
 pub use state::State;
 use step::{Contact, Motion, Step};
 
-/// Newton's residual, as a part of the largest force that a half-space would see.
+/// Newton's residual, as a part of the largest force: that on a half-space, or one at the start.
 const FORCE_TOLERANCE: f64 = 1e-10;
 
 /// A body under an impactor, ready to run.
@@ -56,9 +56,9 @@ impl Impact {
         let law = Hertz { stiffness: impactor.stiffness };
         let step = scene.time.step;
         let update = scheme.update(step);
-        let scale = hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed).max(body.load.norm_max()?);
+        let (state, forces) = initial(comm, &mut body, &impactor, law)?;
+        let scale = forces.max(hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed));
         let newton = Newton::new(comm, &body, update, impactor.mass, FORCE_TOLERANCE * scale)?;
-        let state = initial(comm, &mut body, &impactor)?;
         let [known, work, product] = [body.load.duplicate()?, body.load.duplicate()?, body.load.duplicate()?];
         let ledger = Ledger::new(&body)?;
         Ok(Self {
@@ -145,7 +145,7 @@ impl Impact {
         let (increment, iterations) = self
             .newton
             .solve(problem, (&mut self.work, guess))
-            .map_err(|error| describe(error, number, number as f64 * self.step, self.newton.tolerance))?;
+            .map_err(|error| describe(error, number, number as f64 * self.step, self.newton.tolerance()))?;
         self.iterations += iterations;
         self.ledger.account(&self.body, &self.work, self.step)?;
         u.axpy(1.0, &self.work)?;
@@ -211,8 +211,9 @@ fn subtract(out: &mut Vector, matrix: Option<&petsc_wrap::Matrix>, x: &Vector, p
     Ok(())
 }
 
-/// At rest and undeformed, held unknowns at ū; the acceleration is that of the loads, M ü = f − K u − p(u).
-fn initial(comm: &Comm, body: &mut Solid, impactor: &scene::Impactor) -> Result<State> {
+/// At rest and undeformed, held unknowns at ū; the acceleration is that of the forces, M ü = a F + f − K u − p(u). Also the
+/// largest of those terms, N.
+fn initial(comm: &Comm, body: &mut Solid, impactor: &scene::Impactor, law: Hertz) -> Result<(State, f64)> {
     let mut u = body.load.duplicate()?;
     u.copy_from(&body.clamps.displacement)?;
     let mut force = body.load.duplicate()?;
@@ -221,30 +222,49 @@ fn initial(comm: &Comm, body: &mut Solid, impactor: &scene::Impactor) -> Result<
     if let Some(pads) = &mut body.pads {
         pads.add_force(&u, &mut force)?;
     }
+    let mut largest = force.norm_max()?.max(body.load.norm_max()?).max(body.support_load.norm_max()?);
     force.aypx(-1.0, &body.load)?;
     force.axpy(1.0, &body.support_load)?;
-    subtract(&mut force, Some(&body.elastic), &u, &mut product)?;
-    subtract(&mut force, body.support.as_ref(), &u, &mut product)?;
+    for matrix in [Some(&body.elastic), body.support.as_ref()] {
+        subtract(&mut force, matrix, &u, &mut product)?;
+        largest = largest.max(product.norm_max()?);
+    }
+    // Nothing, unless a held surface is pushed towards the impactor from the start.
+    let a = &body.localization.vector;
+    let contact = law.force(-impactor.gap - a.dot(&u)?);
+    force.axpy(contact, a)?;
     body.clamps.zero(&mut force)?;
     let mut a = force.duplicate()?;
     if force.norm_max()? > 0.0 {
         let mut mass = body.mass.duplicate()?;
         mass.zero_rows_columns(&body.clamps.rows, 1.0)?;
         mass.declare_positive_definite()?;
-        Ksp::new(comm, "mass_", &mass)?.solve(&force, &mut a)?;
+        let mut ksp = Ksp::new(comm, "mass_", &mass)?;
+        ksp.solve(&force, &mut a)?;
+        ksp.destroy()?;
+        mass.destroy()?;
     }
     let v = u.duplicate()?;
-    Ok(State { u, v, a, q: state::Impactor { position: 0.0, velocity: impactor.speed, acceleration: 0.0 } })
+    let q = state::Impactor { position: 0.0, velocity: impactor.speed, acceleration: -contact / impactor.mass };
+    Ok((State { u, v, a, q }, largest))
 }
 
-/// A solver's failure told with step, time and residual.
-fn describe(error: petsc_wrap::Error, number: usize, time: f64, tolerance: f64) -> Error {
+/// A failure told with step and time, and a solver's with its residual.
+fn describe(error: petsc_wrap::Error, number: usize, time: f64, tolerance: petsc_wrap::Result<f64>) -> Error {
+    let place = format!("step {number}, t = {time:.6e} s");
     match error {
         petsc_wrap::Error::Diverged(failure) => Error::Solve(format!(
-            "step {number}, t = {time:.6e} s: Newton's method did not converge: {} after {} iterations, residual {:.3e} N \
-             (wanted: {tolerance:.3e} N). A smaller time.step helps in most cases; -snes_monitor shows the iterations",
-            failure.reason, failure.iterations, failure.norm
+            "{place}: Newton's method did not converge: {} after {} iterations, residual {:.3e} N (wanted: {:.3e} N). \
+             A smaller time.step helps in most cases; -snes_monitor shows the iterations",
+            failure.reason,
+            failure.iterations,
+            failure.norm,
+            tolerance.unwrap_or_default()
         )),
-        other => Error::Petsc(other),
+        other => match Error::from(other) {
+            // Whether other ranks have it too is not known.
+            Error::Petsc(error) => Error::Alone(Box::new(Error::Solve(format!("{place}: {error}")))),
+            told => told,
+        },
     }
 }

@@ -37,8 +37,6 @@ pub struct Newton {
     increment: Vector,
     known: Vector,
     displacement: Vector,
-    /// Converged when the Euclidean norm of R is below, N.
-    pub tolerance: f64,
 }
 
 /// What a step's equations are made of.
@@ -58,16 +56,13 @@ pub struct Step<'a> {
 impl Newton {
     /// Assembles Ŝ and the pattern of the Newton matrix. Collective.
     pub(super) fn new(comm: &Comm, body: &Solid, update: Update, mass: f64, tolerance: f64) -> Result<Self> {
-        let entries = &body.localization.entries;
-        let mut indices: Vec<Int> = entries.iter().map(|(index, _)| *index).collect();
+        let (all, _): (Vec<Int>, Vec<f64>) = body.localization.entries.iter().copied().unzip();
+        let free = Gather::new(&body.clamps.free, &all)?.fetch(&body.clamps.free)?.to_vec();
         // A held unknown takes no force; what it adds to δ is constant and part of δ_n.
-        let free = Gather::new(&body.clamps.free, &indices)?.fetch(&body.clamps.free)?.to_vec();
-        let mut values: Vec<f64> = entries.iter().zip(&free).map(|((_, value), free)| -value * free).collect();
-        let last = body.unknowns() as Int;
-        if !indices.is_empty() {
-            indices.push(last);
-            values.push(1.0);
-        }
+        let of_body = body.localization.entries.iter().zip(&free).filter(|(_, free)| **free != 0.0);
+        let of_impactor = (!all.is_empty()).then_some((body.unknowns() as Int, 1.0));
+        let (indices, values): (Vec<Int>, Vec<f64>) =
+            of_body.map(|((index, value), _)| (*index, -value)).chain(of_impactor).unzip();
         let is_last = comm.rank() + 1 == comm.size();
         let local = {
             let range = body.load.range();
@@ -89,8 +84,12 @@ impl Newton {
             direction,
             entries: (indices, values),
             tangent: 0.0,
-            tolerance,
         })
+    }
+
+    /// Converged when the Euclidean norm of R is below, N.
+    pub(super) fn tolerance(&self) -> petsc_wrap::Result<f64> {
+        self.snes.absolute_tolerance()
     }
 
     /// Solves for the increments from a guess, which it replaces; returns the impactor's and the iterations. Collective.

@@ -1,5 +1,8 @@
 //! Where a point lies on the surface of a distributed mesh.
 
+use std::cmp::Ordering;
+
+use mpi::collective::SystemOperation;
 use mpi::traits::{Communicator, CommunicatorCollectives, Root};
 use petsc_wrap::Int;
 
@@ -29,35 +32,31 @@ impl Mesh {
     /// most squarely is taken, so that the answer does not depend on the number of ranks. Collective.
     pub fn locate(&self, point: Vec3, direction: Vec3) -> Site {
         let shape = self.facets.shape;
-        let tie = 1e-12 * self.diameter;
-        // Sorted by distance (up to rounding), by facing, then by place: a total order that knows no partition.
-        let mut best: Option<(Candidate, usize, Vec3)> = None;
-        for i in 0..self.facets.len() {
-            let x = self.facets.x(i);
-            let (xi, distance) = closest(shape, x, point);
-            let outward = normal(shape, x, xi);
-            let candidate = Candidate { distance, facing: dot(outward, direction), place: mean(x.iter().copied()) };
-            if best.as_ref().is_none_or(|(other, _, _)| candidate.before(other, tie)) {
-                best = Some((candidate, i, xi));
-            }
-        }
-        let mine = best.as_ref().map_or(Candidate::NONE, |(candidate, _, _)| *candidate).pack();
+        let projections: Vec<(Vec3, f64)> =
+            (0..self.facets.len()).map(|i| closest(shape, self.facets.x(i), point)).collect();
+        let here = projections.iter().fold(f64::INFINITY, |least, (_, distance)| least.min(*distance));
+        let mut least = 0.0;
+        self.comm.mpi().all_reduce_into(&here, &mut least, SystemOperation::min());
+        // Facets that meet at the point differ by rounding alone.
+        let near = least + 1e-12 * self.diameter;
+        let best = (0..projections.len())
+            .filter(|&i| projections[i].1 <= near)
+            .map(|i| {
+                (Preference::new(self.facets.x(i), normal(shape, self.facets.x(i), projections[i].0), direction), i)
+            })
+            .min_by(|(one, _), (other, _)| one.compare(other));
+        let mine = best.as_ref().map_or(Preference::NONE, |(preference, _)| *preference);
         let size = self.comm.size();
-        let mut all = vec![0.0; mine.len() * size];
-        self.comm.mpi().all_gather_into(&mine[..], &mut all[..]);
-        let candidates: Vec<Candidate> = all.chunks_exact(mine.len()).map(Candidate::unpack).collect();
-        let winner = (1..size).fold(0, |w, r| if candidates[r].before(&candidates[w], tie) { r } else { w });
-        let mut site = Site {
-            distance: candidates[winner].distance,
-            x: [0.0; 3],
-            normal: [0.0; 3],
-            nodes: Vec::new(),
-            weights: Vec::new(),
-        };
+        let mut all = vec![0.0; mine.0.len() * size];
+        self.comm.mpi().all_gather_into(&mine.0[..], &mut all[..]);
+        let preferences: Vec<Preference> =
+            all.chunks_exact(mine.0.len()).map(|r| Preference([r[0], r[1], r[2], r[3]])).collect();
+        let winner = (1..size).fold(0, |w, r| if preferences[r].compare(&preferences[w]).is_lt() { r } else { w });
+        let mut site = Site { distance: least, x: [0.0; 3], normal: [0.0; 3], nodes: Vec::new(), weights: Vec::new() };
         let mut shared = [0.0; 6];
         if winner == self.comm.rank() {
-            let (_, facet, xi) = best.expect("the winner has a facet");
-            let x = self.facets.x(facet);
+            let (_, facet) = best.expect("the winner has a facet");
+            let (x, xi) = (self.facets.x(facet), projections[facet].0);
             shared[..3].copy_from_slice(&interpolate(&Element::new(shape, 1), x, xi));
             shared[3..].copy_from_slice(&normal(shape, x, xi));
             site.nodes = self.facets.nodes(facet).to_vec();
@@ -71,36 +70,23 @@ impl Mesh {
     }
 }
 
-/// A facet that may be the closest.
+/// Which of several facets that hold the point is taken: how squarely it faces the direction (to six digits, past rounding),
+/// then the place of its centre. A total order that knows no partition.
 #[derive(Clone, Copy)]
-struct Candidate {
-    distance: f64,
-    /// Outward normal · direction: −1 for a head-on hit.
-    facing: f64,
-    place: Vec3,
-}
+struct Preference([f64; 4]);
 
-impl Candidate {
-    /// A rank without boundary facets.
-    const NONE: Self = Self { distance: f64::INFINITY, facing: 0.0, place: [0.0; 3] };
+impl Preference {
+    /// A part of the mesh without a facet that holds the point.
+    const NONE: Self = Self([f64::INFINITY; 4]);
 
-    fn before(&self, other: &Self, tie: f64) -> bool {
-        if (self.distance - other.distance).abs() > tie {
-            return self.distance < other.distance;
-        }
-        if (self.facing - other.facing).abs() > 1e-9 {
-            return self.facing < other.facing;
-        }
-        self.place < other.place
+    fn new(x: &[Vec3], outward: Vec3, direction: Vec3) -> Self {
+        let [a, b, c] = mean(x.iter().copied());
+        Self([(1e6 * dot(outward, direction)).round(), a, b, c])
     }
 
-    fn pack(self) -> [f64; 5] {
-        let [x, y, z] = self.place;
-        [self.distance, self.facing, x, y, z]
-    }
-
-    fn unpack(packed: &[f64]) -> Self {
-        Self { distance: packed[0], facing: packed[1], place: [packed[2], packed[3], packed[4]] }
+    fn compare(&self, other: &Self) -> Ordering {
+        let pairs = self.0.iter().zip(&other.0);
+        pairs.map(|(one, other)| one.total_cmp(other)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
     }
 }
 

@@ -1,0 +1,50 @@
+//! Fetching entries of distributed vectors, on one to three ranks.
+
+use std::process::ExitCode;
+
+use petsc_wrap::{Gather, Int, Session, Vector};
+
+fn start() -> Session {
+    Session::start(&[]).expect("the first session").expect("PETSc starts")
+}
+
+fn main() -> ExitCode {
+    mpi_test::run(
+        &[1, 2, 3],
+        start,
+        &[
+            ("entries_of_any_rank_in_any_order", entries_of_any_rank_in_any_order),
+            ("nothing_and_too_much", nothing_and_too_much),
+        ],
+    )
+}
+
+/// Entry i is 10 i.
+fn tens(session: &Session) -> Vector {
+    let mut vector = Vector::new(&session.world(), 3).unwrap();
+    let begin = vector.range().start;
+    for (value, i) in vector.write().unwrap().iter_mut().zip(begin..) {
+        *value = 10.0 * i as f64;
+    }
+    vector
+}
+
+fn entries_of_any_rank_in_any_order(session: &Session) {
+    let mut vector = tens(session);
+    let last = vector.len() as Int - 1;
+    let wanted = [last, 0, last, 1];
+    let mut gather = Gather::new(&vector, &wanted).unwrap();
+    for factor in [1.0, 2.0] {
+        let expected = wanted.map(|i| factor * 10.0 * i as f64);
+        assert_eq!(*gather.fetch(&vector).unwrap(), expected);
+        vector.scale(2.0).unwrap();
+    }
+}
+
+fn nothing_and_too_much(session: &Session) {
+    let vector = tens(session);
+    // Only one rank wants something.
+    let wanted: &[Int] = if session.world().is_root() { &[2] } else { &[] };
+    assert_eq!(Gather::new(&vector, wanted).unwrap().fetch(&vector).unwrap().len(), wanted.len());
+    assert!(Gather::new(&vector, &[vector.len() as Int]).is_err());
+}
