@@ -146,10 +146,28 @@ impl Snes {
         J: FnMut(&Vector, &mut Matrix) -> Outcome<()>,
         L: FnMut(&mut Trial) -> Outcome<f64>,
     {
-        let (raw, jacobian_raw) = (self.object.raw(), self.jacobian.raw());
         let comm = self.object.comm().clone();
         let mut context = Context { comm, residual, jacobian, search, keep_factor: self.keep_factor, stop: None };
-        let pointer = (&raw mut context).cast::<c_void>();
+        match self.attempt(x, &mut context) {
+            // A factor kept from another Jacobian was no help: on from here with a new one for each.
+            Err(Error::Diverged(failure)) if self.keep_factor && self.linear_solve_failed()? => {
+                context.keep_factor = false;
+                // SAFETY: the solver is valid.
+                check(unsafe { sys::SNESSetLagPreconditioner(self.object.raw(), 1) })?;
+                Ok(failure.iterations + self.attempt(x, &mut context)?)
+            }
+            outcome => outcome,
+        }
+    }
+
+    fn attempt<R, J, L>(&self, x: &mut Vector, context: &mut Context<R, J, L>) -> Result<usize>
+    where
+        R: FnMut(&Vector, &mut Vector) -> Outcome<()>,
+        J: FnMut(&Vector, &mut Matrix) -> Outcome<()>,
+        L: FnMut(&mut Trial) -> Outcome<f64>,
+    {
+        let (raw, jacobian_raw) = (self.object.raw(), self.jacobian.raw());
+        let pointer = std::ptr::from_mut(context).cast::<c_void>();
         // SAFETY: the callbacks are called during SNESSolve only, while `context` lives, and cast it back to its type.
         check(unsafe { sys::SNESSetFunction(raw, std::ptr::null_mut(), Some(call_residual::<R, J, L>), pointer) })?;
         // SAFETY: as above.
@@ -163,7 +181,7 @@ impl Snes {
         check(unsafe { sys::SNESLineSearchShellSetUserFunc(search, Some(call_search::<R, J, L>), pointer) })?;
         // SAFETY: all are valid; b = 0.
         let solved = check(unsafe { sys::SNESSolve(raw, std::ptr::null_mut(), x.raw()) });
-        match context.stop {
+        match context.stop.take() {
             Some(Stop::Panic(panic)) => resume_unwind(panic),
             Some(Stop::Error(error)) => return Err(Error::Callback(error)),
             None => solved?,
@@ -171,15 +189,24 @@ impl Snes {
         self.outcome()
     }
 
+    fn reason(&self) -> Result<sys::SNESConvergedReason> {
+        let mut reason = sys::SNESConvergedReason(0);
+        // SAFETY: the solver is valid and has solved.
+        check(unsafe { sys::SNESGetConvergedReason(self.object.raw(), &raw mut reason) })?;
+        Ok(reason)
+    }
+
+    fn linear_solve_failed(&self) -> Result<bool> {
+        Ok(self.reason()? == sys::SNESConvergedReason::SNES_DIVERGED_LINEAR_SOLVE)
+    }
+
     fn outcome(&self) -> Result<usize> {
         let raw = self.object.raw();
-        let (mut reason, mut iterations, mut norm) = (sys::SNESConvergedReason(0), 0, 0.0);
-        // SAFETY: the solver is valid and has solved; the out-pointers are valid.
-        check(unsafe { sys::SNESGetConvergedReason(raw, &raw mut reason) })?;
-        // SAFETY: as above.
+        let (mut iterations, mut norm) = (0, 0.0);
+        // SAFETY: the solver is valid and has solved; the out-pointers are valid, here and below.
         check(unsafe { sys::SNESGetIterationNumber(raw, &raw mut iterations) })?;
         let iterations = iterations as usize;
-        if reason.0 > 0 {
+        if self.reason()?.0 > 0 {
             return Ok(iterations);
         }
         // SAFETY: as above.
@@ -188,7 +215,7 @@ impl Snes {
         // SAFETY: as above; the text is static.
         check(unsafe { sys::SNESGetConvergedReasonString(raw, &raw mut text) })?;
         let mut text = owned(text);
-        if reason == sys::SNESConvergedReason::SNES_DIVERGED_LINEAR_SOLVE {
+        if self.linear_solve_failed()? {
             let mut ksp = std::ptr::null_mut();
             // SAFETY: the linear solver belongs to the solver.
             check(unsafe { sys::SNESGetKSP(raw, &raw mut ksp) })?;

@@ -15,6 +15,7 @@ fn main() -> ExitCode {
         &[
             ("newton_converges_quadratically", newton_converges_quadratically),
             ("an_untouched_jacobian_is_not_factorised_again", an_untouched_jacobian_is_not_factorised_again),
+            ("a_factor_that_is_no_help_is_replaced", a_factor_that_is_no_help_is_replaced),
             ("slopes_are_those_of_the_potential", slopes_are_those_of_the_potential),
             ("errors_of_closures_come_back", errors_of_closures_come_back),
             ("panics_of_closures_come_back", panics_of_closures_come_back),
@@ -98,6 +99,41 @@ fn an_untouched_jacobian_is_not_factorised_again(session: &Session) {
     .unwrap();
     assert!(calls > 20, "{calls} iterations: quadratic convergence would need 6");
     assert!((x.norm_max().unwrap() - 2f64.cbrt()).abs() < 1e-11);
+}
+
+/// The factor of the unit matrix, kept for one whose three hundred eigenvalues lie between 1 and 1e12: conjugate gradients
+/// cannot do it in their hundred iterations.
+fn a_factor_that_is_no_help_is_replaced(session: &Session) {
+    const MANY: usize = 300;
+    let world = session.world();
+    let jacobian = Matrix::aij(&world, (MANY, MANY), &[1; MANY], &[0; MANY]).unwrap();
+    let mut x = Vector::new(&world, MANY).unwrap();
+    let first = x.range().start;
+    let mut snes = Snes::new(&world, jacobian, TOLERANCE, 20).unwrap();
+    for exponent in [0.0, 12.0] {
+        let slope = |i: Int| 10_f64.powf(exponent * f64::from(i - first) / MANY as f64);
+        x.fill(1.0).unwrap();
+        snes.solve(
+            &mut x,
+            |x, f| {
+                let x = x.read()?;
+                for ((i, f), x) in (first..).zip(f.write()?.iter_mut()).zip(x.iter()) {
+                    *f = slope(i) * x;
+                }
+                Ok(())
+            },
+            |x, matrix| {
+                for i in x.range() {
+                    matrix.set_values(&[i], &[i], &[slope(i)], Insert::Replace)?;
+                }
+                matrix.assemble()?;
+                Ok(matrix.declare_positive_definite()?)
+            },
+            |_| Ok(1.0),
+        )
+        .unwrap();
+        assert!(x.norm_max().unwrap() <= TOLERANCE);
+    }
 }
 
 fn slopes_are_those_of_the_potential(session: &Session) {

@@ -19,8 +19,9 @@ use crate::scheme::Update;
 /// What closures return to SNES.
 type Outcome = std::result::Result<(), Box<dyn std::error::Error>>;
 
-/// More iterations than any convergent step has needed; quadratic convergence takes three to six.
-const MAX_ITERATIONS: usize = 50;
+/// A bound for what cannot converge. Contact takes three to six; a pad takes more the more of its points change sides in
+/// a step, some hundred when it is as stiff as the body and the step is large.
+const MAX_ITERATIONS: usize = 1000;
 
 /// The Newton solver of a run: its matrix pattern and symbolic factorisation serve all steps.
 pub struct Newton {
