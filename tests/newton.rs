@@ -77,6 +77,12 @@ fn cases() -> Vec<Case> {
             steps: 20,
             ..PLAIN
         },
+        Case {
+            name: "beside a simple support",
+            impactor: "speed = 1.0\npoint = [0.2, 0.02, 0.01]",
+            rest: "[[support]]\nsurface = \"side\"\nkind = \"clamped\"\ncomponents = [\"z\"]\n",
+            ..PLAIN
+        },
         Case { name: "clamped, elastic and pad, moved", rest: ALL, ..PLAIN },
         Case { name: "clamped, elastic and pad, moved; large steps", rest: ALL, step: 1e-3, ..PLAIN },
         Case { name: "clamped, elastic and pad, moved; slow", impactor: "speed = 1e-3", rest: ALL, ..PLAIN },
@@ -153,7 +159,7 @@ fn residual(impact: &Impact, force: f64) -> f64 {
 /// One iteration is too few for a step that enters contact.
 fn a_failure_tells_where(session: &Session) {
     const OPTION: &str = "-snes_max_it";
-    options::set_default(session, OPTION, "1").unwrap();
+    options::set(session, OPTION, "1").unwrap();
     let text = scene(&Case { impactor: "speed = 1.0\ngap = 2.5e-5", ..PLAIN }).replace("end = 1e-5", "end = 1e-3");
     let (_, mut impact) = start(&session.world(), &text);
     options::clear(session, OPTION).unwrap();
