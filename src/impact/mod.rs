@@ -22,8 +22,12 @@ use newton::Newton;
 pub use state::State;
 use step::{Contact, Motion, Step};
 
-/// Newton's residual, as a part of the largest force: that on a half-space, or one at the start.
+/// Newton's residual, as a part of the largest force that a half-space would see.
 const FORCE_TOLERANCE: f64 = 1e-10;
+
+/// What rounding leaves of the residual, as a part of the largest term in it at the start: where a slow impactor meets a body that is
+/// held bent, this is more.
+const ROUNDING: f64 = 100.0 * f64::EPSILON;
 
 /// A body under an impactor, ready to run.
 pub struct Impact {
@@ -57,8 +61,9 @@ impl Impact {
         let step = scene.time.step;
         let update = scheme.update(step);
         let (state, forces) = initial(comm, &mut body, &impactor, law)?;
-        let scale = forces.max(hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed));
-        let newton = Newton::new(comm, &body, update, impactor.mass, FORCE_TOLERANCE * scale)?;
+        let contact = hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed);
+        let tolerance = (FORCE_TOLERANCE * contact).max(ROUNDING * forces);
+        let newton = Newton::new(comm, &body, update, impactor.mass, tolerance)?;
         let [known, work, product] = [body.load.duplicate()?, body.load.duplicate()?, body.load.duplicate()?];
         let ledger = Ledger::new(&body)?;
         Ok(Self {
@@ -222,12 +227,12 @@ fn initial(comm: &Comm, body: &mut Solid, impactor: &scene::Impactor, law: Hertz
     if let Some(pads) = &mut body.pads {
         pads.add_force(&u, &mut force)?;
     }
-    let mut largest = force.norm_max()?.max(body.load.norm_max()?).max(body.support_load.norm_max()?);
+    let mut largest = force.norm()?.max(body.load.norm()?).max(body.support_load.norm()?);
     force.aypx(-1.0, &body.load)?;
     force.axpy(1.0, &body.support_load)?;
     for matrix in [Some(&body.elastic), body.support.as_ref()] {
         subtract(&mut force, matrix, &u, &mut product)?;
-        largest = largest.max(product.norm_max()?);
+        largest = largest.max(product.norm()?);
     }
     // Nothing, unless a held surface is pushed towards the impactor from the start.
     let a = &body.localization.vector;
