@@ -42,7 +42,8 @@ const CELLS: [usize; 3] = [4, 3, 2];
 
 /// Impact point, direction (of any length), and nodes with a weight that is not zero: hexahedra of order 1 and 2, tetrahedra of
 /// order 1 and 2. Bricks are 0.1 × 0.1 × 0.05 m; their faces' diagonals run from the least to the largest corner.
-const HITS: [(&str, [f64; 3], [f64; 3], [usize; 4]); 10] = [
+type Hit = (&'static str, [f64; 3], [f64; 3], [usize; 4]);
+const HITS: [Hit; 10] = [
     ("vertex", [0.0, 0.05, 0.05], [0.0, 0.0, -1.0], [1, 1, 1, 1]),
     ("edge", [0.1, 0.02, 0.05], [0.0, 0.0, -1.0], [2, 3, 2, 3]),
     ("middle of an edge", [0.1, 0.0, 0.05], [0.0, 0.0, -1.0], [2, 1, 2, 1]),

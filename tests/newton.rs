@@ -75,7 +75,6 @@ fn cases() -> Vec<Case> {
             rest: HARD_PAD,
             step: 1e-3,
             steps: 20,
-            ..PLAIN
         },
         Case {
             name: "beside a simple support",
