@@ -309,3 +309,16 @@ fn patch_error(shape: Shape, order: usize, vertices: &[[f64; 3]], gradient: Matr
         .solve(&load);
     (solution - exact.select_rows(&inner)).amax()
 }
+
+/// The bottom of a cube turned by half a turn: the determinant is ζ², positive at the Gauss points of order 1.
+#[test]
+fn a_hexahedron_twisted_by_half_a_turn_is_tangled() {
+    let mut x: Vec<[f64; 3]> = Shape::Hexahedron.reference_vertices().to_vec();
+    x[..4].rotate_left(2);
+    let material = Material { young: 1.0, poisson: 0.3, density: 1.0 };
+    for order in [1, 2] {
+        let mut forms = SolidForms::new(Shape::Hexahedron, order, material);
+        let mut out = vec![0.0; (3 * forms.nodes()).pow(2)];
+        assert!(forms.stiffness(&x, &mut out).is_err(), "order {order}");
+    }
+}

@@ -199,7 +199,7 @@ pub fn steps(end: f64, step: f64) -> usize {
     (end / step - 1e-9).ceil().max(1.0) as usize
 }
 
-/// out ← factors[0] v + factors[1] a.
+/// out ← αv + βa with the factors α, β.
 fn combine(out: &mut Vector, factors: [f64; 2], v: &Vector, a: &Vector) -> Result<()> {
     out.copy_from(v)?;
     out.scale(factors[0])?;

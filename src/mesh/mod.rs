@@ -1,6 +1,6 @@
 //! A scene's geometry as cells, boundary facets by name, and numbered nodes, distributed over the ranks.
 //!
-//! DMPlex makes, reads and distributes the mesh ([`plex`]); the rest of the program sees plain arrays.
+//! DMPlex makes, reads and distributes the mesh (`plex`); the rest of the program sees plain arrays.
 
 mod gmsh;
 mod locate;
