@@ -27,6 +27,8 @@ pub struct Snes {
     jacobian: Matrix,
     /// Whether the linear solver's factor may serve more than one Jacobian.
     keep_factor: bool,
+    /// Whether `-snes_atol` says when a solve has converged.
+    tolerance_given: bool,
 }
 
 /// Iterations of a linear solve from which a new factor is cheaper: a factorisation costs ten solves or more.
@@ -99,7 +101,7 @@ impl Snes {
         // SAFETY: the linear solver belongs to the solver.
         check(unsafe { sys::SNESGetKSP(raw, &raw mut ksp) })?;
         default_to_refined_cholesky(ksp)?;
-        let mut snes = Self { object, jacobian, keep_factor: false };
+        let mut snes = Self { object, jacobian, keep_factor: false, tolerance_given: false };
         snes.set_tolerances(absolute_tolerance, max_iterations)?;
         // SAFETY: the matrix is valid and kept by `snes`; the callback is set by each solve.
         check(unsafe {
@@ -107,6 +109,7 @@ impl Snes {
         })?;
         // SAFETY: the solver is valid.
         check(unsafe { sys::SNESSetFromOptions(raw) })?;
+        snes.tolerance_given = options::is_set(comm.session(), "-snes_atol")?;
         snes.keep_factor = is_refined_cholesky(ksp)? && !options::is_set(comm.session(), "-snes_lag_preconditioner")?;
         Ok(snes)
     }
@@ -118,6 +121,19 @@ impl Snes {
         check(unsafe {
             sys::SNESSetTolerances(self.object.raw(), absolute, 0.0, 0.0, max_iterations as Int, unlimited)
         })
+    }
+
+    /// Sets the residual's Euclidean norm below which a solve has converged, unless `-snes_atol` does.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn set_absolute_tolerance(&mut self, value: f64) -> Result<()> {
+        if self.tolerance_given {
+            return Ok(());
+        }
+        let (same, count) = (f64::from(sys::PETSC_DEFAULT), sys::PETSC_DEFAULT as Int);
+        // SAFETY: the solver is valid; PETSc's mark leaves the other limits as they are.
+        check(unsafe { sys::SNESSetTolerances(self.object.raw(), value, same, same, count, count) })
     }
 
     /// The residual's Euclidean norm below which a solve has converged.

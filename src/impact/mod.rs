@@ -25,8 +25,8 @@ use step::{Contact, Motion, Step};
 /// Newton's residual, as a part of the largest force that a half-space would see.
 const FORCE_TOLERANCE: f64 = 1e-10;
 
-/// What rounding leaves of the residual, as a part of the largest term in it at the start: where a slow impactor meets a body that is
-/// held bent, this is more.
+/// What rounding leaves of the residual, as a part of its largest term: more than the above where a slow impactor meets a body that is
+/// bent or moves for other reasons.
 const ROUNDING: f64 = 100.0 * f64::EPSILON;
 
 /// A body under an impactor, ready to run.
@@ -39,6 +39,8 @@ pub struct Impact {
     step: f64,
     steps: usize,
     newton: Newton,
+    /// [`FORCE_TOLERANCE`] in N.
+    tolerance: f64,
     ledger: Ledger,
     state: State,
     /// What a step needs: the part of its equations without D, D itself, and a matrix's product.
@@ -60,9 +62,8 @@ impl Impact {
         let law = Hertz { stiffness: impactor.stiffness };
         let step = scene.time.step;
         let update = scheme.update(step);
-        let (state, forces) = initial(comm, &mut body, &impactor, law)?;
-        let contact = hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed);
-        let tolerance = (FORCE_TOLERANCE * contact).max(ROUNDING * forces);
+        let state = initial(comm, &mut body, &impactor, law)?;
+        let tolerance = FORCE_TOLERANCE * hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed);
         let newton = Newton::new(comm, &body, update, impactor.mass, tolerance)?;
         let [known, work, product] = [body.load.duplicate()?, body.load.duplicate()?, body.load.duplicate()?];
         let ledger = Ledger::new(&body)?;
@@ -75,6 +76,7 @@ impl Impact {
             step,
             steps: steps(scene.time.end, step),
             newton,
+            tolerance,
             ledger,
             state,
             known,
@@ -129,14 +131,20 @@ impl Impact {
         let known = &mut self.known;
         known.copy_from(&self.body.load)?;
         known.axpy(1.0, &self.body.support_load)?;
-        subtract(known, Some(&self.body.elastic), u, &mut self.product)?;
-        subtract(known, self.body.support.as_ref(), u, &mut self.product)?;
+        let mut largest = known.norm()?;
+        let mut subtract = |matrix: Option<&petsc_wrap::Matrix>, x: &Vector| -> Result<()> {
+            largest = largest.max(subtract(known, matrix, x, &mut self.product)?);
+            Ok(())
+        };
+        subtract(Some(&self.body.elastic), u)?;
+        subtract(self.body.support.as_ref(), u)?;
         combine(&mut self.work, update.a, v, a)?;
-        subtract(known, Some(&self.body.mass), &self.work, &mut self.product)?;
+        subtract(Some(&self.body.mass), &self.work)?;
         if self.body.damping.is_some() {
             combine(&mut self.work, update.v, v, a)?;
-            subtract(known, self.body.damping.as_ref(), &self.work, &mut self.product)?;
+            subtract(self.body.damping.as_ref(), &self.work)?;
         }
+        self.newton.set_tolerance(self.tolerance.max(ROUNDING * largest))?;
         self.body.clamps.zero(known)?;
         let (_, free) = update.apply(0.0, q.velocity, q.acceleration);
         let known_impactor = -self.impactor.mass * free;
@@ -207,18 +215,16 @@ fn combine(out: &mut Vector, factors: [f64; 2], v: &Vector, a: &Vector) -> Resul
     Ok(())
 }
 
-/// out ← out − matrix·x, nothing without a matrix.
-fn subtract(out: &mut Vector, matrix: Option<&petsc_wrap::Matrix>, x: &Vector, product: &mut Vector) -> Result<()> {
-    if let Some(matrix) = matrix {
-        matrix.mult(x, product)?;
-        out.axpy(-1.0, product)?;
-    }
-    Ok(())
+/// out ← out − matrix·x, nothing without a matrix; the norm of what was subtracted.
+fn subtract(out: &mut Vector, matrix: Option<&petsc_wrap::Matrix>, x: &Vector, product: &mut Vector) -> Result<f64> {
+    let Some(matrix) = matrix else { return Ok(0.0) };
+    matrix.mult(x, product)?;
+    out.axpy(-1.0, product)?;
+    Ok(product.norm()?)
 }
 
-/// At rest and undeformed, held unknowns at ū; the acceleration is that of the forces, M ü = a F + f − K u − p(u). Also the
-/// largest of those terms, N.
-fn initial(comm: &Comm, body: &mut Solid, impactor: &scene::Impactor, law: Hertz) -> Result<(State, f64)> {
+/// At rest and undeformed, held unknowns at ū; the acceleration is that of the forces, M ü = a F + f − K u − p(u).
+fn initial(comm: &Comm, body: &mut Solid, impactor: &scene::Impactor, law: Hertz) -> Result<State> {
     let mut u = body.load.duplicate()?;
     u.copy_from(&body.clamps.displacement)?;
     let mut force = body.load.duplicate()?;
@@ -227,12 +233,10 @@ fn initial(comm: &Comm, body: &mut Solid, impactor: &scene::Impactor, law: Hertz
     if let Some(pads) = &mut body.pads {
         pads.add_force(&u, &mut force)?;
     }
-    let mut largest = force.norm()?.max(body.load.norm()?).max(body.support_load.norm()?);
     force.aypx(-1.0, &body.load)?;
     force.axpy(1.0, &body.support_load)?;
     for matrix in [Some(&body.elastic), body.support.as_ref()] {
         subtract(&mut force, matrix, &u, &mut product)?;
-        largest = largest.max(product.norm()?);
     }
     // Nothing, unless a held surface is pushed towards the impactor from the start.
     let a = &body.localization.vector;
@@ -251,7 +255,7 @@ fn initial(comm: &Comm, body: &mut Solid, impactor: &scene::Impactor, law: Hertz
     }
     let v = u.duplicate()?;
     let q = state::Impactor { position: 0.0, velocity: impactor.speed, acceleration: -contact / impactor.mass };
-    Ok((State { u, v, a, q }, largest))
+    Ok(State { u, v, a, q })
 }
 
 /// A failure told with step and time, and a solver's with its residual.

@@ -88,6 +88,11 @@ impl Newton {
         })
     }
 
+    /// Sets [`Newton::tolerance`], unless the user has.
+    pub(super) fn set_tolerance(&mut self, tolerance: f64) -> petsc_wrap::Result<()> {
+        self.snes.set_absolute_tolerance(tolerance)
+    }
+
     /// Converged when the Euclidean norm of R is below, N.
     pub(super) fn tolerance(&self) -> petsc_wrap::Result<f64> {
         self.snes.absolute_tolerance()
