@@ -144,7 +144,10 @@ impl Summary {
             .iter()
             .map(|episode| format!("{:.3}–{:.3} ms", 1e3 * episode.start, 1e3 * episode.end))
             .collect();
-        let contacts = if contacts.is_empty() { "none".to_owned() } else { contacts.join(", ") };
+        let mut contacts = if contacts.is_empty() { "none".to_owned() } else { contacts.join(", ") };
+        if self.episodes.is_open() {
+            contacts += ", and still in contact";
+        }
         say(format_args!(
             "peak acceleration {:.2} m/s² at {:.3} ms; impactor's velocity at the end {:.4} m/s",
             self.peak.0,
