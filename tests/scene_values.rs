@@ -46,9 +46,9 @@ fn defaults_are_those_of_the_reference() -> Result<()> {
 #[test]
 fn the_paper_s_scenes_have_the_paper_s_plates_and_impactor() -> Result<()> {
     for (name, size, end) in [
-        ("plate100", [1.5, 1.5, 0.1], 5e-3),
-        ("plate40", [1.5, 1.5, 0.04], 20e-3),
-        ("plate20", [0.5, 0.5, 0.02], 20e-3),
+        ("plate100", [1.5, 1.5, 0.1], 2.5e-3),
+        ("plate40", [1.5, 1.5, 0.04], 10e-3),
+        ("plate20", [0.5, 0.5, 0.02], 10e-3),
     ] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.toml"));
         let (scene, source) = Scene::read(&path, &["support.0.stiffness=1e7".into()])?;
