@@ -33,13 +33,30 @@ fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
     let factor = estimate_cholesky(&matrix)?;
     let entries = matrix.entries()?;
     let boundary: u64 = body.support.iter().chain(&body.damping).map(|m| m.entries()).sum::<petsc_wrap::Result<_>>()?;
+    let mass = mass(&body)?;
     if comm.is_root() {
-        print(scene, &mesh, body.unknowns(), entries as f64, boundary as f64, factor);
+        print(scene, &mesh, (body.unknowns(), mass), entries as f64, boundary as f64, factor);
     }
     Ok(())
 }
 
-fn print(scene: &Scene, mesh: &Mesh, unknowns: usize, entries: f64, boundary: f64, factor: FactorEstimate) {
+/// Mass of the body, kg: 1ᵀM1 counts it once for each component.
+fn mass(body: &Solid) -> Result<f64> {
+    let mut ones = body.load.duplicate()?;
+    let mut product = body.load.duplicate()?;
+    ones.fill(1.0)?;
+    body.mass.mult(&ones, &mut product)?;
+    Ok(product.dot(&ones)? / 3.0)
+}
+
+fn print(
+    scene: &Scene,
+    mesh: &Mesh,
+    (unknowns, mass): (usize, f64),
+    entries: f64,
+    boundary: f64,
+    factor: FactorEstimate,
+) {
     let (impactor, time) = (&scene.impactor, &scene.time);
     if !scene.title.is_empty() {
         say(format_args!("{}", scene.title));
@@ -49,7 +66,7 @@ fn print(scene: &Scene, mesh: &Mesh, unknowns: usize, entries: f64, boundary: f6
         Geometry::Gmsh(path) => path.display().to_string(),
     };
     say(format_args!(
-        "body       solid: {geometry}, {} {} of order {}, {} nodes, {unknowns} unknowns",
+        "body       solid: {geometry}, {mass:.4} kg, {} {} of order {}, {} nodes, {unknowns} unknowns",
         mesh.total_cells,
         if mesh.cells.shape == crate::element::Shape::Tetrahedron { "tetrahedra" } else { "hexahedra" },
         scene.body.order,
@@ -61,10 +78,17 @@ fn print(scene: &Scene, mesh: &Mesh, unknowns: usize, entries: f64, boundary: f6
     for support in &scene.supports {
         say(format_args!("support    {}", support_line(support)));
     }
+    let load = &scene.load;
+    if load.body_force != [0.0; 3] {
+        say(format_args!("load       body force {:?} N/m³", load.body_force));
+    }
+    for traction in &load.traction {
+        say(format_args!("load       {}: traction {:?} N/m²", traction.surface, traction.value));
+    }
     let contact = hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed);
     say(format_args!(
-        "impactor   {} kg at {} m/s, k0 = {:.4e} N/m^1.5, at {:?} along {:?}",
-        impactor.mass, impactor.speed, impactor.stiffness, impactor.point, impactor.direction
+        "impactor   {} kg at {} m/s, {} m away, k0 = {:.4e} N/m^1.5, at {:?} along {:?}",
+        impactor.mass, impactor.speed, impactor.gap, impactor.stiffness, impactor.point, impactor.direction
     ));
     say(format_args!(
         "contact    at a point; on a half-space it would last {:.3} ms and peak at {:.0} N",
@@ -79,6 +103,9 @@ fn print(scene: &Scene, mesh: &Mesh, unknowns: usize, entries: f64, boundary: f6
         time.end,
         contact / time.step
     ));
+    if contact < 20.0 * time.step {
+        say(format_args!("           fewer than 20 steps in a contact: expect its force to depend on the step"));
+    }
     say(format_args!(
         "solver     full Newton (SNES), Cholesky by MUMPS: {:.2e} entries in K, {:.2e} in the factor, {:.2e} operations",
         entries, factor.entries, factor.operations
