@@ -31,7 +31,6 @@ const ROUNDING: f64 = 100.0 * f64::EPSILON;
 
 /// A body under an impactor, ready to run.
 pub struct Impact {
-    comm: Comm,
     body: Solid,
     impactor: scene::Impactor,
     law: Hertz,
@@ -68,7 +67,6 @@ impl Impact {
         let [known, work, product] = [body.load.duplicate()?, body.load.duplicate()?, body.load.duplicate()?];
         let ledger = Ledger::new(&body)?;
         Ok(Self {
-            comm: comm.clone(),
             body,
             impactor,
             law,
@@ -193,11 +191,6 @@ impl Impact {
             contact: Contact { force, indentation, surface_displacement },
             energy,
         })
-    }
-
-    /// The ranks.
-    pub fn comm(&self) -> &Comm {
-        &self.comm
     }
 }
 
