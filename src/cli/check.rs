@@ -26,8 +26,8 @@ pub fn check(comm: &Comm, arguments: &Check) -> Result<()> {
 fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
     let mesh = Mesh::new(comm, &scene.body)?;
     let body = Solid::new(scene, &mesh)?;
-    let Scheme::Newmark { beta, gamma } = scene.time.scheme;
-    let update = Newmark { beta, gamma }.update(scene.time.step);
+    let Scheme::Newmark { beta, gamma } = scene.time.scheme else { unimplemented!() };
+    let update = Newmark { beta, gamma }.update(scene.time.step.unwrap_or(1e-5));
     let mut matrix = body.combination(update.c1, update.c2)?;
     matrix.declare_positive_definite()?;
     let factor = estimate_cholesky(&matrix)?;
@@ -95,15 +95,15 @@ fn print(
         1e3 * contact,
         hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed)
     ));
-    let Scheme::Newmark { beta, gamma } = time.scheme;
+    let Scheme::Newmark { beta, gamma } = time.scheme else { unimplemented!() };
     say(format_args!(
         "time       Newmark β = {beta}, γ = {gamma}: {} steps of {:e} s to {:e} s, {:.0} in that contact",
-        steps(time.end, time.step),
-        time.step,
+        steps(time.end, time.step.unwrap_or(1e-5)),
+        time.step.unwrap_or(1e-5),
         time.end,
-        contact / time.step
+        contact / time.step.unwrap_or(1e-5)
     ));
-    if contact < 20.0 * time.step {
+    if contact < 20.0 * time.step.unwrap_or(1e-5) {
         say(format_args!("           fewer than 20 steps in a contact: expect its force to depend on the step"));
     }
     say(format_args!(

@@ -180,7 +180,7 @@ fn provenance(comm: &Comm, scene: &Scene, source: &Source, impact: &Impact) -> R
         reduction: "none".to_owned(),
         unknowns: impact.body().unknowns() + 1,
         error_estimate: None,
-        planned_rows: Some(steps(scene.time.end, scene.time.step) / scene.output.every + 1),
+        planned_rows: Some(steps(scene.time.end, scene.time.step.unwrap_or(1e-5)) / scene.output.every + 1),
     })
 }
 

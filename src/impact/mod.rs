@@ -56,10 +56,10 @@ impl Impact {
     /// # Errors
     /// PETSc's.
     pub fn new(comm: &Comm, scene: &Scene, mut body: Solid) -> Result<Self> {
-        let scene::Scheme::Newmark { beta, gamma } = scene.time.scheme;
+        let scene::Scheme::Newmark { beta, gamma } = scene.time.scheme else { unimplemented!() };
         let (impactor, scheme) = (scene.impactor.clone(), Newmark { beta, gamma });
         let law = Hertz { stiffness: impactor.stiffness };
-        let step = scene.time.step;
+        let step = scene.time.step.unwrap_or(1e-5);
         let update = scheme.update(step);
         let state = initial(comm, &mut body, &impactor, law)?;
         let tolerance = FORCE_TOLERANCE * hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed);

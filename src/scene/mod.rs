@@ -35,10 +35,16 @@ pub struct Scene {
     pub supports: Vec<Support>,
     /// The rigid body that hits.
     pub impactor: Impactor,
+    /// How the contact's force reaches the body.
+    pub contact: Contact,
     /// Forces other than the contact's.
     pub load: Load,
     /// How long, and in which steps.
     pub time: Time,
+    /// Error of the acceleration history over its peak that error-controlled steps aim at.
+    pub tolerance: f64,
+    /// How a step is solved.
+    pub solver: Solver,
     /// What is written.
     pub output: Output,
 }
@@ -169,6 +175,18 @@ pub struct Impactor {
     pub gap: f64,
 }
 
+/// How the contact's force reaches the body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Contact {
+    /// Hertz's pressure over a disc.
+    Patch {
+        /// r_p, m; chosen on the mesh where it is left out.
+        radius: Option<f64>,
+    },
+    /// A force at one point, the paper's.
+    Point,
+}
+
 /// Forces other than the contact's, constant from t = 0 on.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Load {
@@ -192,8 +210,8 @@ pub struct Traction {
 pub struct Time {
     /// End of the run, s.
     pub end: f64,
-    /// Step Δt, s.
-    pub step: f64,
+    /// Step Δt, s; controlled by the error where it is left out.
+    pub step: Option<f64>,
     /// How a step is taken.
     pub scheme: Scheme,
 }
@@ -208,6 +226,36 @@ pub enum Scheme {
         /// γ, in [0, 1].
         gamma: f64,
     },
+    /// Generalised-α (Chung & Hulbert 1993).
+    GeneralizedAlpha {
+        /// Spectral radius at infinite frequency ρ∞, in [0, 1].
+        rho_inf: f64,
+    },
+    /// Midpoint rule with discrete gradients, energy-conserving (Gonzalez 2000).
+    Energy,
+    /// Explicit, with lumped mass.
+    CentralDifference {
+        /// Whether a step above the stable one is taken all the same.
+        allow_unstable: bool,
+    },
+}
+
+/// How a step is solved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solver {
+    /// Which Newton's method.
+    pub newton: Newton,
+    /// The part of the initial energy that the balance may be off by before the run is stopped.
+    pub energy_gate: Option<f64>,
+}
+
+/// Which Newton's method solves an implicit step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Newton {
+    /// One linear solve and a scalar equation.
+    Condensed,
+    /// All unknowns and the block aaᵀ, as in the paper.
+    Full,
 }
 
 /// What is written.

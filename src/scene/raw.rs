@@ -20,6 +20,8 @@ pub(super) struct Scene {
     pub load: Load,
     pub time: Time,
     #[serde(default)]
+    pub accuracy: Accuracy,
+    #[serde(default)]
     pub solver: Solver,
     #[serde(default)]
     pub output: Output,
@@ -74,6 +76,7 @@ pub(super) struct Impactor {
 #[serde(deny_unknown_fields, expecting = "a table with the header [contact]")]
 pub(super) struct Contact {
     pub localization: Option<String>,
+    pub patch_radius: Option<Number>,
 }
 
 /// `[load]`
@@ -102,6 +105,15 @@ pub(super) struct Time {
     pub scheme: Option<String>,
     pub beta: Option<Number>,
     pub gamma: Option<Number>,
+    pub rho_inf: Option<Number>,
+    pub allow_unstable: Option<bool>,
+}
+
+/// `[accuracy]`
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table with the header [accuracy]")]
+pub(super) struct Accuracy {
+    pub tolerance: Option<Number>,
 }
 
 /// `[solver]`
@@ -109,6 +121,7 @@ pub(super) struct Time {
 #[serde(deny_unknown_fields, expecting = "a table with the header [solver]")]
 pub(super) struct Solver {
     pub newton: Option<String>,
+    pub energy_gate: Option<Number>,
 }
 
 /// `[output]`

@@ -10,8 +10,10 @@ use std::path::Path;
 
 use super::decode::decode;
 use super::error::SceneError;
-use super::values::Whole;
-use super::{Geometry, Load, Output, Scene, Source, Traction, Vec3, faces, raw, suggest, unavailable};
+use super::values::{Number, Whole};
+use super::{
+    Contact, Geometry, Load, Newton, Output, Scene, Solver, Source, Traction, Vec3, faces, raw, suggest, unavailable,
+};
 
 /// The scene of a source, with mesh files relative to `folder`.
 ///
@@ -20,8 +22,6 @@ use super::{Geometry, Load, Output, Scene, Source, Traction, Vec3, faces, raw, s
 pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError> {
     unavailable::refuse(source)?;
     let raw = decode(source)?;
-    word(source, "contact.localization", &raw.contact.localization, &["point"])?;
-    word(source, "solver.newton", &raw.solver.newton, &["full"])?;
     let body = body::check(source, &raw.body, folder)?;
     let supports = raw
         .support
@@ -32,9 +32,12 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
         .collect::<Result<_, _>>()?;
     let load = load(source, &raw.load, &body.geometry)?;
     let impactor = impactor::check(source, &raw.impactor, &body)?;
-    let time = time::check(source, &raw.time, &impactor)?;
+    let time = time::check(source, &raw.time)?;
     Ok(Scene {
         title: raw.title.unwrap_or_default(),
+        contact: contact(source, &raw.contact)?,
+        tolerance: tolerance(source, &raw.accuracy)?,
+        solver: solver(source, &raw.solver)?,
         output: output(source, &raw.output)?,
         body,
         supports,
@@ -42,6 +45,41 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
         load,
         time,
     })
+}
+
+fn contact(source: &Source, raw: &raw::Contact) -> Result<Contact, SceneError> {
+    let kind = word(source, "contact.localization", &raw.localization, &["patch", "point"])?;
+    let path = "contact.patch_radius";
+    match (kind, raw.patch_radius) {
+        ("patch", None) => Ok(Contact::Patch { radius: None }),
+        ("patch", Some(Number(radius))) => {
+            let radius = source.positive(path, radius, "the radius of the patch in m; left out, it is chosen")?;
+            Ok(Contact::Patch { radius: Some(radius) })
+        }
+        (_, None) => Ok(Contact::Point),
+        (_, Some(_)) => Err(source.error(path, "a point has no radius", "take it out, or `localization = \"patch\"`")),
+    }
+}
+
+fn tolerance(source: &Source, raw: &raw::Accuracy) -> Result<f64, SceneError> {
+    let path = "accuracy.tolerance";
+    let Number(tolerance) = raw.tolerance.unwrap_or(Number(1e-2));
+    source.finite(path, &[tolerance])?;
+    if (1e-6..=0.5).contains(&tolerance) {
+        return Ok(tolerance);
+    }
+    let help = "from 1e-6 to 0.5: the error of the acceleration history over its peak";
+    Err(source.error(path, format!("{} is out of range", numbers::show(tolerance)), help))
+}
+
+fn solver(source: &Source, raw: &raw::Solver) -> Result<Solver, SceneError> {
+    let newton = match word(source, "solver.newton", &raw.newton, &["condensed", "full"])? {
+        "condensed" => Newton::Condensed,
+        _ => Newton::Full,
+    };
+    let help = "the part of the initial energy that may be gained or lost, as 1e-2";
+    let gate = |Number(gate): Number| source.positive("solver.energy_gate", gate, help);
+    Ok(Solver { newton, energy_gate: raw.energy_gate.map(gate).transpose()? })
 }
 
 fn load(source: &Source, raw: &raw::Load, geometry: &Geometry) -> Result<Load, SceneError> {
