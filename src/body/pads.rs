@@ -61,17 +61,19 @@ impl Pads {
         Ok(Some(Self { comm, pads, gather, free, each, block: vec![0.0; each * each] }))
     }
 
-    /// Adds the free part of p(u), N, to `f`, which may be longer than u. Collective; assembles `f`.
+    /// Adds the free part of p, N, to `f`, which may be longer than u: p(u), or, with a displacement `from`, the discrete
+    /// gradient of the potential between the two. Collective; assembles `f`.
     ///
     /// # Errors
     /// PETSc's.
-    pub fn add_force(&mut self, u: &Vector, f: &mut Vector) -> petsc_wrap::Result<()> {
+    pub fn add_force(&mut self, from: Option<&Vector>, u: &Vector, f: &mut Vector) -> petsc_wrap::Result<()> {
+        let from = self.fetch_from(from)?;
         let block = &mut self.block[..self.each];
         let u = self.gather.fetch(u)?;
-        let mut parts = u.chunks_exact(self.each).zip(self.free.chunks_exact(self.each));
+        let mut parts = u.chunks_exact(self.each).zip(self.free.chunks_exact(self.each)).enumerate();
         for pad in &self.pads {
-            for ((x, indices), (u, free)) in pad.facets.iter().zip(&mut parts) {
-                pad.forms.residual(x, u, block);
+            for ((x, indices), (i, (u, free))) in pad.facets.iter().zip(&mut parts) {
+                pad.forms.residual(x, part(&from, i, self.each), u, block);
                 block.iter_mut().zip(free).for_each(|(value, free)| *value *= free);
                 f.set_values(indices, block, Insert::Add)?;
             }
@@ -79,23 +81,35 @@ impl Pads {
         f.assemble()
     }
 
-    /// Adds the free part of ∂p/∂u (semi-smooth), N/m, to a matrix, which must be assembled afterwards. Collective.
+    /// Adds the free part of `factor` ∂p/∂u (semi-smooth), N/m, to a matrix, which must be assembled afterwards; p as in
+    /// [`Self::add_force`]. Collective.
     ///
     /// # Errors
     /// PETSc's.
-    pub fn add_tangent(&mut self, u: &Vector, matrix: &mut Matrix) -> petsc_wrap::Result<()> {
+    pub fn add_tangent(
+        &mut self,
+        from: Option<&Vector>,
+        u: &Vector,
+        factor: f64,
+        matrix: &mut Matrix,
+    ) -> petsc_wrap::Result<()> {
+        let from = self.fetch_from(from)?;
         let u = self.gather.fetch(u)?;
-        let mut parts = u.chunks_exact(self.each).zip(self.free.chunks_exact(self.each));
+        let mut parts = u.chunks_exact(self.each).zip(self.free.chunks_exact(self.each)).enumerate();
         for pad in &mut self.pads {
-            for ((x, indices), (u, free)) in pad.facets.iter().zip(&mut parts) {
-                pad.forms.tangent(x, u, &mut self.block);
+            for ((x, indices), (i, (u, free))) in pad.facets.iter().zip(&mut parts) {
+                pad.forms.tangent(x, part(&from, i, self.each), u, &mut self.block);
                 for (row, i) in self.block.chunks_exact_mut(self.each).zip(free) {
-                    row.iter_mut().zip(free).for_each(|(value, j)| *value *= i * j);
+                    row.iter_mut().zip(free).for_each(|(value, j)| *value *= factor * i * j);
                 }
                 matrix.set_values(indices, indices, &self.block, Insert::Add)?;
             }
         }
         Ok(())
+    }
+
+    fn fetch_from(&mut self, from: Option<&Vector>) -> petsc_wrap::Result<Option<Vec<f64>>> {
+        from.map(|from| Ok(self.gather.fetch(from)?.to_vec())).transpose()
     }
 
     /// ∫ ½ k ⟨·⟩² dS over all pads, J, the same on all ranks. Collective.
@@ -115,4 +129,9 @@ impl Pads {
         self.comm.mpi().all_reduce_into(&here, &mut all, SystemOperation::sum());
         Ok(all)
     }
+}
+
+/// The values of facet `i`, with `each` of them a facet.
+fn part(all: &Option<Vec<f64>>, i: usize, each: usize) -> Option<&[f64]> {
+    all.as_ref().map(|all| &all[i * each..(i + 1) * each])
 }

@@ -36,6 +36,8 @@ pub struct Solid {
     pub support_offset: f64,
     /// Where the impactor hits.
     pub localization: Localization,
+    /// How many such bodies make the whole: 1, or 4 for a quarter of a symmetric box.
+    pub copies: f64,
 }
 
 impl Solid {
@@ -71,6 +73,7 @@ impl Solid {
             support_offset,
             localization,
             clamps,
+            copies: 1.0,
         })
     }
 
@@ -93,6 +96,18 @@ impl Solid {
             sum.axpy(c1, damping)?;
         }
         Ok(sum)
+    }
+
+    /// [`Self::combination`] with the held unknowns taken out, to be solved with. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn operator(&self, c1: f64, c2: f64) -> Result<Matrix> {
+        let mut matrix = self.combination(c1, c2)?;
+        let typical = matrix.trace()? / self.unknowns() as f64;
+        matrix.zero_rows_columns(&self.clamps.rows, typical)?;
+        matrix.declare_positive_definite()?;
+        Ok(matrix)
     }
 }
 

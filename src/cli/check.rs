@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::impact::steps;
 use crate::mesh::Mesh;
 use crate::scene::{Geometry, Scene, Scheme, Support, SupportKind, Vec3};
-use crate::scheme::Newmark;
+use crate::scheme::Implicit;
 
 use super::Check;
 use super::load::load;
@@ -26,8 +26,7 @@ pub fn check(comm: &Comm, arguments: &Check) -> Result<()> {
 fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
     let mesh = Mesh::new(comm, &scene.body)?;
     let body = Solid::new(scene, &mesh)?;
-    let Scheme::Newmark { beta, gamma } = scene.time.scheme else { unimplemented!() };
-    let update = Newmark { beta, gamma }.update(scene.time.step.unwrap_or(1e-5));
+    let update = Implicit::new(scene.time.scheme).expect("implicit").stage(scene.time.step.unwrap_or(1e-5));
     let mut matrix = body.combination(update.c1, update.c2)?;
     matrix.declare_positive_definite()?;
     let factor = estimate_cholesky(&matrix)?;

@@ -35,6 +35,12 @@ impl Hertz {
     pub fn potential(&self, indentation: f64) -> f64 {
         self.stiffness * positive_part(indentation).powf(EXPONENT + 1.) / (EXPONENT + 1.)
     }
+
+    /// The indentation (m) at which the tangent is 1/c for a compliance c (m/N): there the law loses its monotony when the
+    /// compliance's part is taken out. Infinite for c = 0.
+    pub fn critical_indentation(&self, compliance: f64) -> f64 {
+        (EXPONENT * self.stiffness * compliance).powf(-1. / (EXPONENT - 1.))
+    }
 }
 
 /// Contact time (s) of a free mass (kg) that hits a fixed half-space with the given speed (m/s): 2 (α_max/v)

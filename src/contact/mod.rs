@@ -1,10 +1,12 @@
 //! The contact of impactor and body: the local law, and where the body is loaded and read.
 //!
-//! [`Hertz`] gives the force from the indentation α (8); [`Localization`] is the vector a by which the body takes the
+//! [`Hertz`] gives the force from the indentation α (8), [`Law`] from the approach; [`Localization`] is the vector a by which the body takes the
 //! force and shows its displacement (14).
 
 pub mod hertz;
+mod law;
 mod point;
 
 pub use hertz::Hertz;
+pub use law::Law;
 pub use point::Localization;

@@ -12,6 +12,8 @@ pub struct Localization {
     pub vector: Vector,
     /// The entries that are not zero, with their global numbers; all on one rank.
     pub entries: Vec<(Int, f64)>,
+    /// c_l.
+    pub compliance: f64,
 }
 
 impl Localization {
@@ -56,6 +58,6 @@ impl Localization {
         let (indices, values): (Vec<Int>, Vec<f64>) = entries.iter().copied().unzip();
         vector.set_values(&indices, &values, Insert::Replace)?;
         vector.assemble()?;
-        Ok(Self { vector, entries })
+        Ok(Self { vector, entries, compliance: 0.0 })
     }
 }

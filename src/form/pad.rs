@@ -40,18 +40,20 @@ impl PadForms {
         self.table.nodes()
     }
 
-    /// Σ_i ∫ k_i ⟨g_i⟩ s_i v_i dS at the facet's unknowns `u`, N.
-    pub fn residual(&self, x: &[[f64; 3]], u: &[f64], out: &mut [f64]) {
+    /// Σ_i ∫ k_i ⟨g_i⟩ s_i v_i dS at the facet's unknowns `u`, N; with unknowns `from`, the mean of ⟨g_i⟩ between the two that
+    /// does just the potential's work (its discrete gradient).
+    pub fn residual(&self, x: &[[f64; 3]], from: Option<&[f64]>, u: &[f64], out: &mut [f64]) {
         out.fill(0.);
         for (q, area) in self.table.areas(x).enumerate() {
-            let g = self.penetration(q, u);
-            let force = [0, 1, 2].map(|i| area * self.stiffness[i] * g[i] * self.sign[i]);
+            let pressed = self.pressed(q, from, u);
+            let force = [0, 1, 2].map(|i| area * self.stiffness[i] * pressed[i].0 * self.sign[i]);
             add_point_load(self.table.values(q), force, out);
         }
     }
 
-    /// Σ_i ∫ k_i u_i v_i dS over the points where g_i > 0: the semi-smooth derivative of the residual, N/m.
-    pub fn tangent(&mut self, x: &[[f64; 3]], u: &[f64], out: &mut [f64]) {
+    /// The semi-smooth derivative of the residual with respect to `u`, N/m: Σ_i ∫ k_i u_i v_i dS over the points where g_i > 0,
+    /// or with what the mean has of it.
+    pub fn tangent(&mut self, x: &[[f64; 3]], from: Option<&[f64]>, u: &[f64], out: &mut [f64]) {
         out.fill(0.);
         for i in 0..3 {
             if self.sign[i] == 0. {
@@ -59,9 +61,9 @@ impl PadForms {
             }
             let mut touched = false;
             for (q, area) in self.table.areas(x).enumerate() {
-                let active = self.penetration(q, u)[i] > 0.;
-                self.scale[q] = if active { area } else { 0. };
-                touched |= active;
+                let slope = self.pressed(q, from, u)[i].1;
+                self.scale[q] = slope * area;
+                touched |= slope != 0.;
             }
             if touched {
                 scalar_products(&self.table, &self.scale, &mut self.block);
@@ -73,13 +75,25 @@ impl PadForms {
     /// Σ_i ½ ∫ k_i ⟨g_i⟩² dS, J.
     pub fn potential(&self, x: &[[f64; 3]], u: &[f64]) -> f64 {
         let density = |q| {
-            let g = self.penetration(q, u);
+            let g = self.penetration(q, u).map(positive_part);
             (0..3).map(|i| 0.5 * self.stiffness[i] * g[i].powi(2)).sum::<f64>()
         };
         self.table.areas(x).enumerate().map(|(q, area)| area * density(q)).sum()
     }
 
-    /// ⟨g⟩ at a point, by component; it keeps NaN, so that a failed step is seen.
+    /// ⟨g⟩ or its mean at a point, by component, with its derivative.
+    fn pressed(&self, q: usize, from: Option<&[f64]>, u: &[f64]) -> [(f64, f64); 3] {
+        let g = self.penetration(q, u);
+        match from {
+            None => g.map(|g| (positive_part(g), if g > 0. { 1. } else { 0. })),
+            Some(from) => {
+                let before = self.penetration(q, from);
+                [0, 1, 2].map(|i| mean(before[i], g[i]))
+            }
+        }
+    }
+
+    /// g at a point, by component.
     fn penetration(&self, q: usize, u: &[f64]) -> [f64; 3] {
         let mut g = self.displacement.map(|displacement| -displacement);
         for (value, u) in self.table.values(q).iter().zip(u.chunks_exact(3)) {
@@ -87,6 +101,27 @@ impl PadForms {
                 g[i] += value * u[i];
             }
         }
-        [0, 1, 2].map(|i| (self.sign[i] * g[i]).clamp(0., f64::INFINITY))
+        [0, 1, 2].map(|i| self.sign[i] * g[i])
+    }
+}
+
+/// ⟨g⟩; it keeps NaN, so that a failed step is seen.
+fn positive_part(g: f64) -> f64 {
+    g.clamp(0., f64::INFINITY)
+}
+
+/// The difference of ½⟨g⟩² between two penetrations over their difference, and its derivative in the second.
+fn mean(from: f64, to: f64) -> (f64, f64) {
+    match (from > 0., to > 0.) {
+        (true, true) => (0.5 * (from + to), 0.5),
+        (false, false) => (0. * (from + to), 0.),
+        (false, true) => {
+            let part = to / (to - from);
+            (0.5 * to * part, part * (1. - 0.5 * part))
+        }
+        (true, false) => {
+            let part = from / (from - to);
+            (0.5 * from * part, 0.5 * part * part)
+        }
     }
 }

@@ -1,59 +1,131 @@
 //! Where the energy is, step by step.
+//!
+//! With D, Δa, Δv, ΔF the changes over a step of the family α_m, α_f, β, γ, the discrete equations give exactly
+//!
+//! ΔE + D·C v̄ − D·f = ΔV − F D_δ + Δψ − p·D − (1/2 − α_f) D·(K D + C Δv) − (1 − γ − α_m) D·M Δa − Δt² (β − γ/2) Δa·M((1−γ) a_n + γ a_{n+1})
+//!
+//! over body and impactor, E the total energy, v̄ the mean velocity, V and ψ the potentials of contact and pads, F and p the forces
+//! that the step used. The left side is what came and went; the right side is what the scheme itself made or lost. It is zero
+//! for the midpoint rule with discrete gradients. (For the central difference: β = 0, with the lumped mass.)
 
 use petsc_wrap::Vector;
 
 use crate::body::Solid;
 use crate::error::Result;
+use crate::scheme::Implicit;
 
-use super::State;
+use super::setting::Setting;
+use super::state::Moment;
 use super::step::Energy;
 
-/// Sums what has left and entered the system, and tells the energies of a state.
+/// What a step exchanged, J.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Exchange {
+    /// Lost in dampers: D·C v̄.
+    pub dissipated: f64,
+    /// Done by loads: D·f.
+    pub external: f64,
+    /// Made (or, negative, lost) by the scheme.
+    pub numerical: f64,
+}
+
+/// What did work over a step.
+pub struct Work<'a> {
+    /// D, m.
+    pub increment: &'a Vector,
+    /// F, N.
+    pub force: f64,
+    /// p, N.
+    pub pads: Option<&'a Vector>,
+}
+
+/// The exchange of one step. `work` is overwritten. Collective.
+pub(super) fn exchange(
+    body: &Solid,
+    setting: &Setting,
+    (scheme, step): (&Implicit, f64),
+    (from, to): (&Moment, &Moment),
+    done: Work,
+    work: &mut Vector,
+) -> Result<Exchange> {
+    let Implicit { alpha_m, alpha_f, beta, gamma, .. } = *scheme;
+    let d = done.increment;
+    let impactor = to.state.q.position - from.state.q.position;
+    let (q0, q1) = (from.state.q, to.state.q);
+    let mut exchange = Exchange { external: body.load.dot(d)?, ..Exchange::default() };
+    let potential = |approach| setting.law.potential(approach);
+    exchange.numerical +=
+        potential(to.approach) - potential(from.approach) - done.force * (to.approach - from.approach);
+    if let Some(pads) = done.pads {
+        exchange.numerical += to.pads - from.pads - pads.dot(d)?;
+    }
+    let mut damping = 0.0;
+    if let (Some(before), Some(after)) = (&from.products.damping, &to.products.damping) {
+        let (before, after) = (before.dot(d)?, after.dot(d)?);
+        exchange.dissipated += 0.5 * (before + after);
+        damping = after - before;
+    }
+    let lag = 0.5 - alpha_f;
+    if lag != 0.0 {
+        let mut stiffness = to.products.elastic.dot(d)? - from.products.elastic.dot(d)?;
+        if let (Some(before), Some(after)) = (&from.products.support, &to.products.support) {
+            stiffness += after.dot(d)? - before.dot(d)?;
+        }
+        exchange.numerical -= lag * (stiffness + damping);
+    }
+    let (of_mass, of_square) = (1.0 - gamma - alpha_m, step * step * (beta - 0.5 * gamma));
+    if of_mass != 0.0 {
+        let body = to.inertia.dot(d)? - from.inertia.dot(d)?;
+        let impactor = setting.mass * impactor * (q1.acceleration - q0.acceleration);
+        exchange.numerical -= of_mass * (body + impactor);
+    }
+    if of_square != 0.0 {
+        work.copy_from(&to.state.a)?;
+        work.axpy(-1.0, &from.state.a)?;
+        let body = (1.0 - gamma) * from.inertia.dot(work)? + gamma * to.inertia.dot(work)?;
+        let mean = (1.0 - gamma) * q0.acceleration + gamma * q1.acceleration;
+        let impactor = setting.mass * mean * (q1.acceleration - q0.acceleration);
+        exchange.numerical -= of_square * (body + impactor);
+    }
+    Ok(exchange)
+}
+
+/// The sums since t = 0.
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Ledger {
-    dissipated: f64,
-    external: f64,
-    product: Vector,
+    sum: Exchange,
 }
 
 impl Ledger {
-    pub(super) fn new(body: &Solid) -> Result<Self> {
-        Ok(Self { dissipated: 0.0, external: 0.0, product: body.load.duplicate()? })
+    /// Counts a step.
+    pub(super) fn account(&mut self, step: Exchange) {
+        self.sum.dissipated += step.dissipated;
+        self.sum.external += step.external;
+        self.sum.numerical += step.numerical;
     }
 
-    /// Counts the dampers' loss and the loads' work over an increment of u in a step (s). With the mean velocity
-    /// ΔU/Δt the balance of the average acceleration's linear part is exact. Collective.
-    pub(super) fn account(&mut self, body: &Solid, increment: &Vector, step: f64) -> Result<()> {
-        if let Some(damping) = &body.damping {
-            damping.mult(increment, &mut self.product)?;
-            self.dissipated += self.product.dot(increment)? / step;
+    /// The energies of a moment of the whole body. Collective.
+    pub(super) fn energy(&self, body: &Solid, setting: &Setting, at: &Moment) -> Result<Energy> {
+        let Moment { state, products, .. } = at;
+        let copies = setting.copies;
+        let kinetic = copies * 0.5 * products.momentum.dot(&state.v)?;
+        let elastic = copies * 0.5 * products.elastic.dot(&state.u)?;
+        let mut support = body.support_offset - body.support_load.dot(&state.u)? + at.pads;
+        if let Some(product) = &products.support {
+            support += 0.5 * product.dot(&state.u)?;
         }
-        self.external += body.load.dot(increment)?;
-        Ok(())
-    }
-
-    /// The energies of a state; impactor's and contact's are given. Collective.
-    pub(super) fn energy(&mut self, body: &mut Solid, state: &State, impactor: f64, contact: f64) -> Result<Energy> {
-        let State { u, v, .. } = state;
-        body.mass.mult(v, &mut self.product)?;
-        let kinetic = 0.5 * self.product.dot(v)?;
-        body.elastic.mult(u, &mut self.product)?;
-        let elastic = 0.5 * self.product.dot(u)?;
-        let mut support = body.support_offset - body.support_load.dot(u)?;
-        if let Some(matrix) = &body.support {
-            matrix.mult(u, &mut self.product)?;
-            support += 0.5 * self.product.dot(u)?;
-        }
-        if let Some(pads) = &mut body.pads {
-            support += pads.potential(u)?;
-        }
+        let support = copies * support;
+        let impactor = copies * 0.5 * setting.mass * state.q.velocity * state.q.velocity;
+        let contact = copies * setting.law.potential(at.approach);
         Ok(Energy {
             kinetic,
             elastic,
             support,
             impactor,
             contact,
-            dissipated: self.dissipated,
-            external: self.external,
+            dissipated: copies * self.sum.dissipated,
+            external: copies * self.sum.external,
+            numerical: copies * self.sum.numerical,
             total: kinetic + elastic + support + impactor + contact,
         })
     }

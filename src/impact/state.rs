@@ -1,6 +1,9 @@
-//! The state of body and impactor at one time.
+//! The state of body and impactor at one time, and the forces in it.
 
-use petsc_wrap::Vector;
+use petsc_wrap::{Matrix, Vector};
+
+use crate::body::Solid;
+use crate::error::Result;
 
 /// Displacement, velocity and acceleration of body and impactor.
 pub struct State {
@@ -23,4 +26,90 @@ pub struct Impactor {
     pub velocity: f64,
     /// q̈, m/s².
     pub acceleration: f64,
+}
+
+/// The operators applied to a state, kept so that each is applied once a step.
+pub struct Products {
+    /// K u of the body alone, N.
+    pub elastic: Vector,
+    /// K u of the elastic supports, N.
+    pub support: Option<Vector>,
+    /// C u̇, N.
+    pub damping: Option<Vector>,
+    /// M u̇, N s.
+    pub momentum: Vector,
+}
+
+impl State {
+    /// A state of zeros.
+    pub(super) fn zero(body: &Solid) -> Result<Self> {
+        let zeros = || body.load.duplicate();
+        let q = Impactor { position: 0.0, velocity: 0.0, acceleration: 0.0 };
+        Ok(Self { u: zeros()?, v: zeros()?, a: zeros()?, q })
+    }
+}
+
+impl Products {
+    /// Products of zeros.
+    pub(super) fn zero(body: &Solid) -> Result<Self> {
+        let zeros = || body.load.duplicate();
+        let of = |matrix: &Option<Matrix>| matrix.as_ref().map(|_| zeros()).transpose();
+        Ok(Self { elastic: zeros()?, support: of(&body.support)?, damping: of(&body.damping)?, momentum: zeros()? })
+    }
+
+    /// All of them anew from u and u̇. Collective.
+    pub(super) fn update(&mut self, body: &Solid, state: &State) -> Result<()> {
+        body.elastic.mult(&state.u, &mut self.elastic)?;
+        body.mass.mult(&state.v, &mut self.momentum)?;
+        if let (Some(matrix), Some(product)) = (&body.support, &mut self.support) {
+            matrix.mult(&state.u, product)?;
+        }
+        if let (Some(matrix), Some(product)) = (&body.damping, &mut self.damping) {
+            matrix.mult(&state.v, product)?;
+        }
+        Ok(())
+    }
+
+    /// out ← out + factor (K u + C u̇), the supports' part of K included.
+    pub(super) fn add_internal(&self, factor: f64, out: &mut Vector) -> Result<()> {
+        for product in [Some(&self.elastic), self.support.as_ref(), self.damping.as_ref()].into_iter().flatten() {
+            out.axpy(factor, product)?;
+        }
+        Ok(())
+    }
+}
+
+/// A state with its products: the two ends of a step.
+pub struct Moment {
+    /// u, u̇, ü, q.
+    pub state: State,
+    /// K u, C u̇, M u̇.
+    pub products: Products,
+    /// M ü of the free unknowns, N.
+    pub inertia: Vector,
+    /// aᵀu, m.
+    pub surface: f64,
+    /// δ = q − gap − aᵀu, m.
+    pub approach: f64,
+    /// Potential of the pads, J.
+    pub pads: f64,
+}
+
+impl Moment {
+    /// At rest at u = 0.
+    pub(super) fn zero(body: &Solid) -> Result<Self> {
+        let (state, products) = (State::zero(body)?, Products::zero(body)?);
+        Ok(Self { state, products, inertia: body.load.duplicate()?, surface: 0.0, approach: 0.0, pads: 0.0 })
+    }
+
+    /// All but the inertia anew, after u, u̇ and q have changed. Collective.
+    pub(super) fn update(&mut self, body: &mut Solid, gap: f64) -> Result<()> {
+        self.products.update(body, &self.state)?;
+        self.surface = body.localization.vector.dot(&self.state.u)?;
+        self.approach = self.state.q.position - gap - self.surface;
+        if let Some(pads) = &mut body.pads {
+            self.pads = pads.potential(&self.state.u)?;
+        }
+        Ok(())
+    }
 }

@@ -54,6 +54,9 @@ pub struct Energy {
     pub dissipated: f64,
     /// Work of body forces and tractions since t = 0.
     pub external: f64,
+    /// Made (or, negative, lost) by the time integration since t = 0: what its own equations say, so that
+    /// total + dissipated − external − numerical stays at its initial value to rounding.
+    pub numerical: f64,
     /// kinetic + elastic + support + impactor + contact.
     pub total: f64,
 }

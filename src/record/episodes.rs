@@ -97,6 +97,7 @@ mod tests {
                 contact: 0.0,
                 dissipated: 0.0,
                 external: 0.0,
+                numerical: 0.0,
                 total: 0.0,
             },
         }

@@ -28,7 +28,7 @@ struct Column<T> {
 
 /// Every dataset under `/series`. The time is last: HDF5 flushes in the order of the addresses, so that after a kill
 /// within a flush no dataset is shorter than the time.
-const SERIES: [Column<Step>; 15] = [
+const SERIES: [Column<Step>; 16] = [
     column("series/impactor/position", "m", |s| s.impactor.position),
     column("series/impactor/velocity", "m/s", |s| s.impactor.velocity),
     column("series/impactor/acceleration", "m/s2", |s| s.impactor.acceleration),
@@ -42,6 +42,7 @@ const SERIES: [Column<Step>; 15] = [
     column("series/energy/contact", "J", |s| s.energy.contact),
     column("series/energy/dissipated", "J", |s| s.energy.dissipated),
     column("series/energy/external", "J", |s| s.energy.external),
+    column("series/energy/numerical", "J", |s| s.energy.numerical),
     column("series/energy/total", "J", |s| s.energy.total),
     column("series/time", "s", |s| s.time),
 ];

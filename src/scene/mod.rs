@@ -217,7 +217,7 @@ pub struct Time {
 }
 
 /// How a step is taken.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scheme {
     /// Newmark (1959).
     Newmark {

@@ -26,6 +26,7 @@ pub fn step(number: usize) -> Step {
             contact: t + 0.09,
             dissipated: t + 0.10,
             external: t + 0.11,
+            numerical: 0.0,
             total: t + 0.12,
         },
     }

@@ -1,8 +1,8 @@
 //! The paper's Newton step: body and impactor in one matrix, which holds the block âF′âᵀ.
 //!
-//! Unknowns are the increments D = (ΔU, Δq) over a step; â = (−a, 1) restricted to the unknowns that are free:
+//! Unknowns are the stage's increments E = (E_u, E_q); â = (−a, 1) restricted to the unknowns that are free:
 //!
-//! R(D) = Ŝ D − g + p(u_n + ΔU) + â F(δ_n + âᵀD),   R′ = Ŝ + p′ + â F′ âᵀ,   Ŝ = diag(K + c1 C + c2 M, c2 m0).
+//! R(E) = Ŝ E − g + p + â F(δ_n + âᵀE),   R′ = Ŝ + p′ + â F′ âᵀ,   Ŝ = diag(K + c1 C + c2 M, c2 m0).
 //!
 //! The impactor's row is the last one, owned by the last rank. R is the gradient of a strictly convex potential, since Ŝ
 //! is positive definite and p and F do not decrease; so Newton's direction always descends, and a line search that brackets the
@@ -11,10 +11,11 @@
 use mpi::traits::{Communicator, Root};
 use petsc_wrap::{Comm, Gather, Insert, Int, Matrix, Snes, Trial, Vector};
 
-use crate::body::{Pads, Solid};
-use crate::contact::Hertz;
-use crate::error::Result;
-use crate::scheme::Update;
+use crate::body::Solid;
+use crate::error::{Error, Result};
+use crate::scheme::Affine;
+
+use super::implicit::{Problem, Solved};
 
 /// What closures return to SNES.
 type Outcome = std::result::Result<(), Box<dyn std::error::Error>>;
@@ -24,55 +25,45 @@ type Outcome = std::result::Result<(), Box<dyn std::error::Error>>;
 const MAX_ITERATIONS: usize = 1000;
 
 /// The Newton solver of a run: its matrix pattern and symbolic factorisation serve all steps.
-pub struct Newton {
+pub struct Full {
     comm: Comm,
     snes: Snes,
     /// Ŝ, with held unknowns taken out.
     constant: Matrix,
-    /// â as a vector, and as its entries on the rank that has the impact point.
+    /// â as a vector, and as its entries, all of them on every rank; those of this rank's rows lie in the range.
     direction: Vector,
     entries: (Vec<Int>, Vec<f64>),
+    rows: std::ops::Range<usize>,
     /// F′ in the Jacobian as it stands.
     tangent: f64,
     /// Increments and their known part, laid out with the impactor's row.
     increment: Vector,
     known: Vector,
     displacement: Vector,
+    /// Residual that counts as none, N, but for rounding.
+    tolerance: f64,
 }
 
-/// What a step's equations are made of.
-pub struct Step<'a> {
-    /// u_n.
-    pub u: &'a Vector,
-    /// g, of the body and of the impactor.
-    pub known: (&'a Vector, f64),
-    /// δ_n.
-    pub approach: f64,
-    /// F.
-    pub law: Hertz,
-    /// p.
-    pub pads: Option<&'a mut Pads>,
-}
-
-impl Newton {
+impl Full {
     /// Assembles Ŝ and the pattern of the Newton matrix. Collective.
-    pub(super) fn new(comm: &Comm, body: &Solid, update: Update, mass: f64, tolerance: f64) -> Result<Self> {
+    pub(super) fn new(comm: &Comm, body: &Solid, stage: Affine, mass: f64, tolerance: f64) -> Result<Self> {
         let (all, _): (Vec<Int>, Vec<f64>) = body.localization.entries.iter().copied().unzip();
         let free = Gather::new(&body.clamps.free, &all)?.fetch(&body.clamps.free)?.to_vec();
         // A held unknown takes no force; what it adds to δ is constant and part of δ_n.
         let of_body = body.localization.entries.iter().zip(&free).filter(|(_, free)| **free != 0.0);
-        let of_impactor = (!all.is_empty()).then_some((body.unknowns() as Int, 1.0));
         let (indices, values): (Vec<Int>, Vec<f64>) =
-            of_body.map(|((index, value), _)| (*index, -value)).chain(of_impactor).unzip();
+            of_body.map(|((index, value), _)| (*index, -value)).chain([(body.unknowns() as Int, 1.0)]).unzip();
         let is_last = comm.rank() + 1 == comm.size();
         let local = {
             let range = body.load.range();
             (range.end - range.start) as usize + usize::from(is_last)
         };
         let mut direction = Vector::new(comm, local)?;
-        direction.set_values(&indices, &values, Insert::Replace)?;
+        let range = direction.range();
+        let rows = indices.partition_point(|i| *i < range.start)..indices.partition_point(|i| *i < range.end);
+        direction.set_values(&indices[rows.clone()], &values[rows.clone()], Insert::Replace)?;
         direction.assemble()?;
-        let constant = constant(comm, body, update, mass, &direction)?;
+        let constant = constant(comm, body, stage, mass, &indices[..indices.len() - 1])?;
         let mut jacobian = constant.duplicate()?;
         jacobian.declare_positive_definite()?;
         Ok(Self {
@@ -84,31 +75,28 @@ impl Newton {
             displacement: body.load.duplicate()?,
             direction,
             entries: (indices, values),
+            rows,
             tangent: 0.0,
+            tolerance,
         })
     }
 
-    /// Sets [`Newton::tolerance`], unless the user has.
-    pub(super) fn set_tolerance(&mut self, tolerance: f64) -> petsc_wrap::Result<()> {
-        self.snes.set_absolute_tolerance(tolerance)
-    }
-
-    /// Converged when the Euclidean norm of R is below, N.
-    pub(super) fn tolerance(&self) -> petsc_wrap::Result<f64> {
-        self.snes.absolute_tolerance()
-    }
-
-    /// Solves for the increments from a guess, which it replaces; returns the impactor's and the iterations. Collective.
-    pub(super) fn solve(&mut self, step: Step, start: (&mut Vector, f64)) -> petsc_wrap::Result<(f64, usize)> {
-        let Step { u, known, approach, law, pads } = step;
-        pack(known, &mut self.known)?;
-        pack((&*start.0, start.1), &mut self.increment)?;
+    /// Solves a step from a guess of E, which it replaces. Collective.
+    pub(super) fn solve(&mut self, problem: Problem, increment: &mut Vector) -> petsc_wrap::Result<Solved> {
+        let Problem { u, known, known_impactor, force, pads, guess, largest, .. } = problem;
+        self.snes.set_absolute_tolerance(self.tolerance.max(largest))?;
+        pack((known, known_impactor), &mut self.known)?;
+        pack((&*increment, guess), &mut self.increment)?;
         let (direction, constant, known, entries) = (&self.direction, &self.constant, &self.known, &self.entries);
         let (displacement, current) = (std::cell::RefCell::new(&mut self.displacement), &mut self.tangent);
+        let (rows, approach) = (self.rows.clone(), force.from);
         let pads = std::cell::RefCell::new(pads);
+        // Pads take the displacement at the stage, or, for a mean force, at the two ends of the step.
+        let (from, scale) = if force.gradient { (Some(u), 1.0 / force.theta) } else { (None, 1.0) };
         let displaced = |d: &Vector| -> petsc_wrap::Result<()> {
             let mut displacement = displacement.borrow_mut();
             unpack(d, &mut displacement)?;
+            displacement.scale(scale)?;
             displacement.axpy(1.0, u)
         };
         let residual = |d: &Vector, r: &mut Vector| -> Outcome {
@@ -116,13 +104,13 @@ impl Newton {
             r.axpy(-1.0, known)?;
             if let Some(pads) = pads.borrow_mut().as_deref_mut() {
                 displaced(d)?;
-                pads.add_force(&displacement.borrow(), r)?;
+                pads.add_force(from, &displacement.borrow(), r)?;
             }
-            r.axpy(law.force(approach + direction.dot(d)?), direction)?;
+            r.axpy(force.at(approach + direction.dot(d)?).0, direction)?;
             Ok(())
         };
         let jacobian = |d: &Vector, j: &mut Matrix| -> Outcome {
-            let tangent = law.tangent(approach + direction.dot(d)?);
+            let tangent = force.at(approach + direction.dot(d)?).1;
             let mut pads = pads.borrow_mut();
             if pads.is_none() && tangent == *current {
                 return Ok(());
@@ -130,19 +118,36 @@ impl Newton {
             j.copy_from(constant)?;
             if let Some(pads) = pads.as_deref_mut() {
                 displaced(d)?;
-                pads.add_tangent(&displacement.borrow(), j)?;
+                pads.add_tangent(from, &displacement.borrow(), scale, j)?;
             }
-            // âF′âᵀ, entry by entry as in the paper, whole from the rank that has the impact point.
+            // âF′âᵀ, entry by entry as in the paper, each rank its own rows.
             let (indices, values) = entries;
-            let block: Vec<f64> = values.iter().flat_map(|a| values.iter().map(move |b| tangent * a * b)).collect();
-            j.set_values(indices, indices, &block, Insert::Add)?;
+            let mine = &values[rows.clone()];
+            let block: Vec<f64> = mine.iter().flat_map(|a| values.iter().map(move |b| tangent * a * b)).collect();
+            j.set_values(&indices[rows.clone()], indices, &block, Insert::Add)?;
             j.assemble()?;
             *current = tangent;
             Ok(())
         };
         let iterations = self.snes.solve(&mut self.increment, residual, jacobian, |trial| Ok(step_length(trial)?))?;
-        unpack(&self.increment, start.0)?;
-        Ok((impactor(&self.comm, &self.increment)?, iterations))
+        unpack(&self.increment, increment)?;
+        let force = force.at(approach + self.direction.dot(&self.increment)?).0;
+        Ok(Solved { increment: impactor(&self.comm, &self.increment)?, force, iterations })
+    }
+
+    /// A failure told with its residual.
+    pub(super) fn describe(&self, error: petsc_wrap::Error) -> Error {
+        match error {
+            petsc_wrap::Error::Diverged(failure) => Error::Solve(format!(
+                "Newton's method did not converge: {} after {} iterations, residual {:.3e} N (wanted: {:.3e} N). \
+                 A smaller time.step helps in most cases; -snes_monitor shows the iterations",
+                failure.reason,
+                failure.iterations,
+                failure.norm,
+                self.snes.absolute_tolerance().unwrap_or_default()
+            )),
+            other => Error::from(other),
+        }
     }
 }
 
@@ -175,64 +180,51 @@ fn step_length(trial: &mut Trial) -> petsc_wrap::Result<f64> {
     Ok(low)
 }
 
-/// Ŝ with room for ââᵀ and a unit-like diagonal for held unknowns.
-fn constant(comm: &Comm, body: &Solid, update: Update, mass: f64, direction: &Vector) -> Result<Matrix> {
-    let combination = body.combination(update.c1, update.c2)?;
-    let range = direction.range();
-    let rows = combination.row_range();
+/// Ŝ with room for ââᵀ, whose entries couple the impactor and all of `coupled` with one another.
+fn constant(comm: &Comm, body: &Solid, stage: Affine, mass: f64, coupled: &[Int]) -> Result<Matrix> {
+    let operator = body.operator(stage.c1, stage.c2)?;
+    let rows = operator.row_range();
     let last = body.unknowns() as Int;
     let is_last = comm.rank() + 1 == comm.size();
-    // â's entries couple the impactor with unknowns of one facet, whose own couplings are in the body's pattern already.
-    let coupled: Vec<Int> = {
-        let values = direction.read()?;
-        rows.clone().filter(|row| values[(row - range.start) as usize] != 0.0).collect()
-    };
-    let all = gather_all(comm, &coupled);
+    let owned = coupled.iter().filter(|row| rows.contains(row)).count();
     let (mut here, mut elsewhere) = (Vec::new(), Vec::new());
+    let mut columns = Vec::new();
     for row in rows.clone() {
-        let entries = combination.row(row)?;
-        let own = entries.columns().iter().filter(|column| rows.contains(column)).count();
-        let impactor = usize::from(coupled.contains(&row));
-        here.push((own + if is_last { impactor } else { 0 }) as Int);
-        elsewhere.push((entries.columns().len() - own + if is_last { 0 } else { impactor }) as Int);
+        columns.clear();
+        columns.extend_from_slice(operator.row(row)?.columns());
+        if coupled.binary_search(&row).is_ok() {
+            columns.extend_from_slice(coupled);
+            columns.push(last);
+            columns.sort_unstable();
+            columns.dedup();
+        }
+        let own = columns.iter().filter(|c| rows.contains(c) || (is_last && **c == last)).count();
+        here.push(own as Int);
+        elsewhere.push((columns.len() - own) as Int);
     }
     if is_last {
-        here.push(1 + coupled.len() as Int);
-        elsewhere.push((all.len() - coupled.len()) as Int);
+        here.push(1 + owned as Int);
+        elsewhere.push((coupled.len() - owned) as Int);
     }
-    let local = (range.end - range.start) as usize;
+    let local = (rows.end - rows.start) as usize + usize::from(is_last);
     let mut matrix = Matrix::aij(comm, (local, local), &here, &elsewhere)?;
+    let zeros = vec![0.0; coupled.len() + 1];
+    let with_impactor: Vec<Int> = coupled.iter().copied().chain([last]).collect();
     for row in rows {
-        let entries = combination.row(row)?;
+        if coupled.binary_search(&row).is_ok() {
+            matrix.set_values(&[row], &with_impactor, &zeros, Insert::Replace)?;
+        }
+        let entries = operator.row(row)?;
         matrix.set_values(&[row], entries.columns(), entries.values(), Insert::Replace)?;
     }
-    for row in coupled {
-        matrix.set_values(&[row], &[last], &[0.0], Insert::Replace)?;
-    }
     if is_last {
-        matrix.set_values(&[last], &all, &vec![0.0; all.len()], Insert::Replace)?;
-        matrix.set_values(&[last], &[last], &[update.c2 * mass], Insert::Replace)?;
+        matrix.set_values(&[last], &with_impactor, &zeros, Insert::Replace)?;
+        matrix.set_values(&[last], &[last], &[stage.c2 * mass], Insert::Replace)?;
     }
     matrix.assemble()?;
-    let typical = combination.trace()? / body.unknowns() as f64;
-    combination.destroy()?;
-    matrix.zero_rows_columns(&body.clamps.rows, typical)?;
+    operator.destroy()?;
     matrix.declare_positive_definite()?;
     Ok(matrix)
-}
-
-/// The lists of all ranks, one after the other. Collective.
-fn gather_all(comm: &Comm, mine: &[Int]) -> Vec<Int> {
-    let mut all = Vec::new();
-    for root in 0..comm.size() {
-        let process = comm.mpi().process_at_rank(root as i32);
-        let mut length = mine.len();
-        process.broadcast_into(&mut length);
-        let mut list = if root == comm.rank() { mine.to_vec() } else { vec![0; length] };
-        process.broadcast_into(&mut list[..]);
-        all.extend(list);
-    }
-    all
 }
 
 /// Body's and impactor's values in one vector, the impactor's last.

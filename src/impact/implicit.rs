@@ -1,0 +1,210 @@
+//! One step of an implicit scheme: its equation set up, solved, and the state at its end.
+
+use petsc_wrap::{Comm, Vector};
+
+use crate::body::{Pads, Solid};
+use crate::error::Result;
+use crate::scene;
+use crate::scheme::{Implicit, StageForce};
+
+use super::condensed::Condensed;
+use super::full::Full;
+use super::ledger::{Exchange, Work, exchange};
+use super::setting::Setting;
+use super::state::{Impactor, Moment, State};
+
+/// What rounding leaves of the residual, as a part of its largest term: more than the tolerance where a slow impactor
+/// meets a body that is bent or moves for other reasons.
+const ROUNDING: f64 = 100.0 * f64::EPSILON;
+
+/// A step's equations S E + p = g + a F, c2 m0 E_q = g_q − F for the stage's increments E and E_q.
+pub struct Problem<'a> {
+    /// u_n.
+    pub u: &'a Vector,
+    /// g, N.
+    pub known: &'a Vector,
+    /// g_q, N.
+    pub known_impactor: f64,
+    /// a.
+    pub direction: &'a Vector,
+    /// F at the stage.
+    pub force: StageForce,
+    /// p.
+    pub pads: Option<&'a mut Pads>,
+    /// Where to start, m.
+    pub guess: f64,
+    /// Largest term of the equations, N: what rounding is measured by.
+    pub largest: f64,
+}
+
+/// What a solver returns beside E.
+pub struct Solved {
+    /// E_q, m.
+    pub increment: f64,
+    /// F, N.
+    pub force: f64,
+    /// Newton iterations, scalar ones in the condensed step.
+    pub iterations: usize,
+}
+
+/// Who solves the equations of one step size.
+enum Solver {
+    Condensed(Box<Condensed>),
+    Full(Box<Full>),
+}
+
+/// An implicit scheme at one step size.
+pub struct Stepper {
+    scheme: Implicit,
+    step: f64,
+    solver: Solver,
+    known: Vector,
+    work: Vector,
+    /// p at the stage, where there are pads.
+    pads: Option<Vector>,
+}
+
+impl Stepper {
+    /// Sets up the solver: a pad needs the full Newton's method. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub(super) fn new(
+        comm: &Comm,
+        body: &Solid,
+        setting: Setting,
+        (scheme, step): (Implicit, f64),
+        newton: scene::Newton,
+        tolerance: f64,
+    ) -> Result<Self> {
+        let stage = scheme.stage(step);
+        let solver = match newton {
+            scene::Newton::Condensed if body.pads.is_none() => {
+                Solver::Condensed(Box::new(Condensed::new(comm, body, stage, setting.mass)?))
+            }
+            _ => Solver::Full(Box::new(Full::new(comm, body, stage, setting.mass, tolerance)?)),
+        };
+        let zeros = || body.load.duplicate();
+        let pads = body.pads.as_ref().map(|_| zeros()).transpose()?;
+        Ok(Self { scheme, step, solver, known: zeros()?, work: zeros()?, pads })
+    }
+
+    /// Δt, s.
+    pub(super) fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// Takes a step: writes the state at its end, and what was exchanged over it. Returns the Newton iterations. Collective.
+    pub(super) fn advance(
+        &mut self,
+        body: &mut Solid,
+        setting: &Setting,
+        from: &Moment,
+        to: &mut Moment,
+    ) -> Result<(Exchange, usize)> {
+        let (scheme, step, theta) = (self.scheme, self.step, self.scheme.theta());
+        let stage = scheme.stage(step);
+        let (state, products) = (&from.state, &from.products);
+        // g = f − K u_n − M a* − C v*, with a* and v* what the stage has of them for E = 0.
+        let known = &mut self.known;
+        known.copy_from(&body.load)?;
+        known.axpy(1.0, &body.support_load)?;
+        known.axpy(-1.0, &products.elastic)?;
+        if let Some(support) = &products.support {
+            known.axpy(-1.0, support)?;
+        }
+        known.axpy(-stage.a[0], &products.momentum)?;
+        known.axpy(-stage.a[1], &from.inertia)?;
+        if let (Some(matrix), Some(damping)) = (&body.damping, &products.damping) {
+            known.axpy(-stage.v[0], damping)?;
+            if stage.v[1] != 0.0 {
+                matrix.mult(&state.a, &mut self.work)?;
+                known.axpy(-stage.v[1], &self.work)?;
+            }
+        }
+        body.clamps.zero(known)?;
+        let q = state.q;
+        let known_impactor = -setting.mass * stage.apply(0.0, q.velocity, q.acceleration).1;
+        let force = StageForce { law: setting.law, from: from.approach, theta, gradient: scheme.gradient };
+        let Solid { localization, pads, .. } = &mut *body;
+        let increment = &mut self.work;
+        let mut problem = Problem {
+            u: &state.u,
+            known,
+            known_impactor,
+            direction: &localization.vector,
+            force,
+            pads: pads.as_mut(),
+            guess: 0.0,
+            largest: 0.0,
+        };
+        let solved = match &mut self.solver {
+            Solver::Condensed(condensed) => condensed.solve(&problem, increment)?,
+            Solver::Full(full) => {
+                // Newton starts from the increment at constant acceleration.
+                let (first, second) = (theta * step, 0.5 * theta * theta * step * step);
+                increment.copy_from(&state.v)?;
+                increment.scale(first)?;
+                increment.axpy(second, &state.a)?;
+                problem.guess = first * q.velocity + second * q.acceleration;
+                let terms = [(1.0, &products.elastic), (stage.a[0], &products.momentum), (stage.a[1], &from.inertia)];
+                for (factor, term) in terms {
+                    problem.largest = problem.largest.max(ROUNDING * factor.abs() * term.norm()?);
+                }
+                full.solve(problem, increment).map_err(|error| full.describe(error))?
+            }
+        };
+        increment.scale(1.0 / theta)?;
+        let impactor = solved.increment / theta;
+        self.end(from, &mut to.state, impactor)?;
+        if let (Some(pads), Some(force)) = (&mut body.pads, &mut self.pads) {
+            force.fill(0.0)?;
+            if scheme.gradient {
+                pads.add_force(Some(&state.u), &to.state.u, force)?;
+            } else {
+                // The known part has served.
+                self.known.copy_from(&state.u)?;
+                self.known.axpy(theta, &self.work)?;
+                pads.add_force(None, &self.known, force)?;
+            }
+        }
+        to.update(body, setting.gap)?;
+        self.inertia(body, from, to, solved.force)?;
+        let work = Work { increment: &self.work, force: solved.force, pads: self.pads.as_ref() };
+        let exchange = exchange(body, setting, (&scheme, step), (from, to), work, &mut self.known)?;
+        Ok((exchange, solved.iterations))
+    }
+
+    /// u, u̇ and ü at the end of a step, from D in `work`.
+    fn end(&self, from: &Moment, to: &mut State, impactor: f64) -> Result<()> {
+        let (state, end) = (&from.state, self.scheme.end(self.step));
+        to.u.copy_from(&state.u)?;
+        to.u.axpy(1.0, &self.work)?;
+        for (out, (c, [of_v, of_a])) in [(&mut to.v, (end.c1, end.v)), (&mut to.a, (end.c2, end.a))] {
+            out.copy_from(&state.v)?;
+            out.scale(of_v)?;
+            out.axpy(of_a, &state.a)?;
+            out.axpy(c, &self.work)?;
+        }
+        let (velocity, acceleration) = end.apply(impactor, state.q.velocity, state.q.acceleration);
+        to.q = Impactor { position: state.q.position + impactor, velocity, acceleration };
+        Ok(())
+    }
+
+    /// M ü at the end, from the balance at the stage: free of the rounding that a recurrence would gather, and of a product.
+    fn inertia(&self, body: &Solid, from: &Moment, to: &mut Moment, force: f64) -> Result<()> {
+        let Implicit { alpha_m, alpha_f, .. } = self.scheme;
+        let Moment { products, inertia, .. } = to;
+        inertia.copy_from(&body.load)?;
+        inertia.axpy(1.0, &body.support_load)?;
+        inertia.axpy(force, &body.localization.vector)?;
+        if let Some(pads) = &self.pads {
+            inertia.axpy(-1.0, pads)?;
+        }
+        from.products.add_internal(-alpha_f, inertia)?;
+        products.add_internal(alpha_f - 1.0, inertia)?;
+        inertia.axpy(-alpha_m, &from.inertia)?;
+        inertia.scale(1.0 / (1.0 - alpha_m))?;
+        Ok(body.clamps.zero(inertia)?)
+    }
+}

@@ -1,0 +1,43 @@
+//! The state at t = 0.
+
+use petsc_wrap::{Comm, Ksp};
+
+use crate::body::Solid;
+use crate::error::Result;
+
+use super::setting::Setting;
+use super::state::{Impactor, Moment};
+
+/// At rest and undeformed, held unknowns at ū; the acceleration is that of the forces, M ü = a F + f − K u − p(u). Collective.
+///
+/// # Errors
+/// PETSc's.
+pub(super) fn start(comm: &Comm, body: &mut Solid, setting: &Setting, moment: &mut Moment) -> Result<()> {
+    moment.state.u.copy_from(&body.clamps.displacement)?;
+    moment.state.q = Impactor { position: 0.0, velocity: setting.speed, acceleration: 0.0 };
+    moment.update(body, setting.gap)?;
+    // Nothing, unless a held surface is pushed towards the impactor from the start.
+    let contact = setting.law.force(moment.approach);
+    moment.state.q.acceleration = -contact / setting.mass;
+    let force = &mut moment.inertia;
+    force.fill(0.0)?;
+    // add_force adds p: the sign is turned by what follows.
+    if let Some(pads) = &mut body.pads {
+        pads.add_force(None, &moment.state.u, force)?;
+    }
+    force.aypx(-1.0, &body.load)?;
+    force.axpy(1.0, &body.support_load)?;
+    moment.products.add_internal(-1.0, force)?;
+    force.axpy(contact, &body.localization.vector)?;
+    body.clamps.zero(force)?;
+    if force.norm_max()? > 0.0 {
+        let mut mass = body.mass.duplicate()?;
+        mass.zero_rows_columns(&body.clamps.rows, 1.0)?;
+        mass.declare_positive_definite()?;
+        let mut ksp = Ksp::new(comm, "mass_", &mass)?;
+        ksp.solve(force, &mut moment.state.a)?;
+        ksp.destroy()?;
+        mass.destroy()?;
+    }
+    Ok(())
+}

@@ -1,0 +1,43 @@
+//! The generalised-α scheme (J. Chung & G. M. Hulbert, A time integration algorithm for structural dynamics with improved
+//! numerical dissipation: the generalized-α method, J. Appl. Mech. 60, 1993).
+//!
+//! Second order, unconditionally stable; ρ∞ is the part of the highest frequencies that is left after a step, from 1
+//! (none damped: the midpoint rule) to 0 (gone after one step).
+
+use super::Implicit;
+
+/// The scheme with least damping of low frequencies for a given ρ∞ in [0, 1].
+pub fn generalized_alpha(rho_inf: f64) -> Implicit {
+    let alpha_m = (2.0 * rho_inf - 1.0) / (rho_inf + 1.0);
+    let alpha_f = rho_inf / (rho_inf + 1.0);
+    let gamma = 0.5 - alpha_m + alpha_f;
+    Implicit { alpha_m, alpha_f, beta: 0.25 * (1.0 - alpha_m + alpha_f).powi(2), gamma, gradient: false }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The spectral radius of a step at very high frequency is ρ∞.
+    #[test]
+    fn what_is_left_of_the_highest_frequencies() {
+        for rho_inf in [0.2, 0.5, 0.8] {
+            let scheme = generalized_alpha(rho_inf);
+            // ωΔt = 1e4: the radius is reached to the square root of 1/ωΔt, since the eigenvalue −ρ∞ is double.
+            let (step, squared) = (1.0, 1e8);
+            let (stage, end) = (scheme.stage(step), scheme.end(step));
+            let (mut u, mut v, mut a) = (1.0_f64, 0.0, -squared);
+            let mut growth = 0.0;
+            for _ in 0..60 {
+                let before = a.abs();
+                let known = -(stage.apply(0.0, v, a).1 + squared * u);
+                let increment = known / (stage.c2 + squared) / scheme.theta();
+                (v, a) = end.apply(increment, v, a);
+                u += increment;
+                growth = a.abs() / before;
+            }
+            // A double eigenvalue: the factor of n λⁿ⁻¹ tends to λ like 1/n.
+            assert!((growth - rho_inf).abs() < 0.05 * rho_inf, "{rho_inf}: {growth}");
+        }
+    }
+}
