@@ -12,32 +12,40 @@ use super::tell;
 /// Shows the progress of a run's steps.
 pub enum Progress {
     /// On a terminal.
-    Bar(ProgressBar),
+    Bar {
+        /// Its position runs to [`PARTS`].
+        bar: ProgressBar,
+        /// End of the run, s.
+        end: f64,
+    },
     /// Into a log.
     Lines(Lines),
 }
 
 /// Lines of progress, not more often than they are worth reading.
 pub struct Lines {
-    steps: usize,
+    end: f64,
     begin: Instant,
     last: Instant,
 }
+
+/// Resolution of the bar.
+const PARTS: u64 = 10_000;
 
 /// Time between two lines.
 const EVERY: Duration = Duration::from_secs(10);
 
 impl Progress {
-    /// Progress of so many steps, on standard error.
-    pub fn new(steps: usize) -> Self {
+    /// Progress to the end of a run, s, on standard error.
+    pub fn new(end: f64) -> Self {
         if std::io::stderr().is_terminal() {
-            let bar = ProgressBar::new(steps as u64);
-            let style = "{bar:40} {pos}/{len} steps, {eta} left, {msg}";
+            let bar = ProgressBar::new(PARTS);
+            let style = "{bar:40} {percent} %, {eta} left, {msg}";
             bar.set_style(ProgressStyle::with_template(style).expect("the template is valid"));
-            Self::Bar(bar)
+            Self::Bar { bar, end }
         } else {
             let begin = Instant::now();
-            Self::Lines(Lines { steps, begin, last: begin })
+            Self::Lines(Lines { end, begin, last: begin })
         }
     }
 
@@ -45,24 +53,24 @@ impl Progress {
     pub fn step(&mut self, step: &Step) {
         let state = || format!("t = {:.3} ms, F = {:.1} N", 1e3 * step.time, step.contact.force);
         match self {
-            Self::Bar(bar) => {
-                bar.set_position(step.number as u64);
+            Self::Bar { bar, end } => {
+                bar.set_position((PARTS as f64 * (step.time / *end).min(1.0)) as u64);
                 bar.set_message(state());
             }
-            Self::Lines(Lines { steps, begin, last }) => {
+            Self::Lines(Lines { end, begin, last }) => {
                 if last.elapsed() < EVERY || step.number == 0 {
                     return;
                 }
                 *last = Instant::now();
-                let left = begin.elapsed().as_secs_f64() * (*steps - step.number) as f64 / step.number as f64;
-                tell(format_args!("step {} of {steps}, {}, {left:.0} s left", step.number, state()));
+                let left = begin.elapsed().as_secs_f64() * (*end - step.time).max(0.0) / step.time;
+                tell(format_args!("step {}, {} of {:.3} ms, {left:.0} s left", step.number, state(), 1e3 * *end));
             }
         }
     }
 
     /// The run is over.
     pub fn finish(self) {
-        if let Self::Bar(bar) = self {
+        if let Self::Bar { bar, .. } = self {
             bar.finish_and_clear();
         }
     }

@@ -13,7 +13,7 @@ use petsc_wrap::{Comm, options, petsc_version};
 use crate::agree::agree;
 use crate::body::Solid;
 use crate::error::{Error, Result};
-use crate::impact::{Impact, steps};
+use crate::impact::Impact;
 use crate::mesh::Mesh;
 use crate::record::episodes::Episodes;
 use crate::record::provenance::{Cost, Provenance};
@@ -60,7 +60,7 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
     let mut desk = match comm.is_root() {
         true => Some(Desk {
             writer: SeriesWriter::create(output, &provenance(comm, scene, source, &impact)?)?.every(scene.output.every),
-            progress: Progress::new(impact.steps()),
+            progress: Progress::new(scene.time.end),
             summary: Summary::default(),
         }),
         false => None,
@@ -84,7 +84,7 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
         assembly: assembled - meshed,
         steps: total - assembled,
         total,
-        newton_iterations: impact.iterations,
+        newton_iterations: impact.count.iterations,
     };
     let flow = stepped.as_ref().ok().copied();
     if let Some(Desk { writer, progress, summary }) = desk {
@@ -180,7 +180,7 @@ fn provenance(comm: &Comm, scene: &Scene, source: &Source, impact: &Impact) -> R
         reduction: "none".to_owned(),
         unknowns: impact.body().unknowns() + 1,
         error_estimate: None,
-        planned_rows: Some(steps(scene.time.end, scene.time.step.unwrap_or(1e-5)) / scene.output.every + 1),
+        planned_rows: impact.steps().map(|steps| steps / scene.output.every + 1),
     })
 }
 

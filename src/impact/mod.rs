@@ -3,14 +3,17 @@
 //! M ü + C u̇ + K u + p(u) = a F(δ) + f,  m0 q̈ = −F(δ),  δ = q − gap − aᵀu  (10), (14), from rest at t = 0.
 
 mod condensed;
+mod controlled;
 mod full;
 mod gate;
 mod implicit;
 mod initial;
+mod ladder;
 mod ledger;
 mod setting;
 mod state;
 pub mod step;
+mod trajectory;
 
 use std::ops::ControlFlow;
 
@@ -18,66 +21,76 @@ use petsc_wrap::Comm;
 
 use crate::body::Solid;
 use crate::contact::hertz;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::scene::Scene;
 use crate::scheme::Implicit;
 
+use controlled::Controlled;
 use gate::Gate;
-use implicit::Stepper;
-use ledger::Ledger;
+use ladder::Ladder;
 pub use setting::Setting;
-use state::Moment;
 pub use state::{Impactor, State};
-use step::{Contact, Motion, Step};
+use step::Step;
+use trajectory::{Trajectory, at};
 
 /// Newton's residual, as a part of the largest force that a half-space would see.
 const FORCE_TOLERANCE: f64 = 1e-10;
 
 /// A body under an impactor, ready to run.
 pub struct Impact {
+    comm: Comm,
     body: Solid,
     setting: Setting,
-    stepper: Stepper,
-    steps: usize,
+    ladder: Ladder,
     gate: Gate,
-    ledger: Ledger,
-    /// The state reached, and room for the next.
-    now: Moment,
-    next: Moment,
-    /// Newton iterations so far.
+    end: f64,
+    /// Wanted error where the steps are chosen by it; `None` for steps of one size.
+    tolerance: Option<f64>,
+    trajectory: Trajectory,
+    /// What the runs have cost so far.
+    pub count: Count,
+}
+
+/// What was done for a run.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Count {
+    /// Steps taken, rejected ones and those of an error estimate included: each is one linear solve in the condensed step.
+    pub solves: usize,
+    /// Newton iterations.
     pub iterations: usize,
+    /// Estimated error of the acceleration over its peak, where steps are chosen by it.
+    pub error: Option<f64>,
 }
 
 impl Impact {
-    /// An impact of the scene on its body: sets up the solver and the initial state. Collective.
+    /// An impact of the scene on its body: sets up the initial state. Collective.
     ///
     /// # Errors
     /// PETSc's.
     pub fn new(comm: &Comm, scene: &Scene, mut body: Solid) -> Result<Self> {
         let setting = Setting::new(&scene.impactor, &body);
         let scheme = Implicit::new(scene.time.scheme).expect("implicit");
-        let step = scene.time.step.unwrap_or(1e-5);
-        let mut now = Moment::zero(&body)?;
-        initial::start(comm, &mut body, &setting, &mut now)?;
-        let next = Moment::zero(&body)?;
-        let tolerance = FORCE_TOLERANCE * hertz::peak_force(setting.law.hertz.stiffness, setting.mass, setting.speed);
-        let stepper = Stepper::new(comm, &body, setting, (scheme, step), scene.solver.newton, tolerance)?;
+        let end = scene.time.end;
+        let tolerance = scene.time.step.is_none().then_some(scene.tolerance);
+        let step = scene.time.step.unwrap_or_else(|| controlled::first_step(&setting, scene.tolerance, end));
+        let newton_tolerance =
+            FORCE_TOLERANCE * hertz::peak_force(setting.law.hertz.stiffness, setting.mass, setting.speed);
         Ok(Self {
-            steps: steps(scene.time.end, step),
+            ladder: Ladder::new(comm, setting, (scheme, scene.solver.newton), newton_tolerance, step),
             gate: Gate::new(scene.solver.energy_gate),
-            ledger: Ledger::default(),
+            end,
+            tolerance,
+            trajectory: Trajectory::new(comm, &mut body, &setting)?,
+            comm: comm.clone(),
             body,
             setting,
-            stepper,
-            now,
-            next,
-            iterations: 0,
+            count: Count::default(),
         })
     }
 
-    /// Number of steps to the end.
-    pub fn steps(&self) -> usize {
-        self.steps
+    /// Number of steps to the end, where they are of one size.
+    pub fn steps(&self) -> Option<usize> {
+        self.tolerance.is_none().then(|| steps(self.end, self.ladder.step(0)))
     }
 
     /// The body.
@@ -87,69 +100,54 @@ impl Impact {
 
     /// The state reached.
     pub fn state(&self) -> &State {
-        &self.now.state
+        &self.trajectory.now.state
     }
 
-    /// Takes another state for the initial one. Collective.
+    /// Takes another state for the initial one of steps of one size. Collective.
     ///
     /// # Errors
     /// PETSc's.
     pub fn set_state(&mut self, state: State) -> Result<()> {
-        self.body.mass.mult(&state.a, &mut self.now.inertia)?;
-        self.body.clamps.zero(&mut self.now.inertia)?;
-        self.now.state = state;
-        self.now.update(&mut self.body, self.setting.gap)
+        self.trajectory.set_state(state, &mut self.body, &self.setting)
     }
 
     /// Runs to the end, or until `observe`, which gets the initial state and every accepted step, breaks off; tells which.
     /// Collective.
     ///
     /// # Errors
-    /// [`Error::Solve`] with step and time where a step is not solved, the contact law is left or the energy gate
+    /// [`crate::Error::Solve`] with step and time where a step is not solved, the contact law is left or the energy gate
     /// closes; the observer's; PETSc's.
-    pub fn run(&mut self, mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
-        let start = self.observed(0, 0.0)?;
-        self.gate.open(&start);
-        let mut flow = observe(&start)?;
-        for number in 1..=self.steps {
-            if flow.is_break() {
-                break;
-            }
-            let time = number as f64 * self.stepper.step();
-            self.advance().map_err(|error| at(error, number, time))?;
-            let step = self.observed(number, time)?;
-            self.gate.check(&step).map_err(|error| at(error, number, time))?;
-            flow = observe(&step)?;
-        }
+    pub fn run(&mut self, observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
+        let Some(tolerance) = self.tolerance else { return self.run_in_equal_steps(observe) };
+        let Self { comm, setting, ladder, gate, count, end, .. } = self;
+        let controlled = Controlled { comm, setting, ladder, gate, count, end: *end, tolerance };
+        let (flow, trajectory) = controlled.run(&mut self.body, observe)?;
+        self.trajectory = trajectory;
         Ok(flow)
     }
 
-    /// One step.
-    fn advance(&mut self) -> Result<()> {
-        let (exchange, iterations) = self.stepper.advance(&mut self.body, &self.setting, &self.now, &mut self.next)?;
-        self.setting.admit(self.next.approach)?;
-        self.iterations += iterations;
-        self.ledger.account(exchange);
-        std::mem::swap(&mut self.now, &mut self.next);
-        Ok(())
-    }
-
-    /// The state as observers see it.
-    fn observed(&self, number: usize, time: f64) -> Result<Step> {
-        let Setting { law, mass, copies, .. } = self.setting;
-        let Moment { state, surface, approach, .. } = &self.now;
-        let force = law.force(*approach);
-        Ok(Step {
-            number,
-            time,
-            impactor: Motion { position: state.q.position, velocity: state.q.velocity, acceleration: force / mass },
-            contact: Contact {
-                force: copies * force,
-                indentation: law.indentation(*approach),
-                surface_displacement: *surface,
-            },
-            energy: self.ledger.energy(&self.body, &self.setting, &self.now)?,
-        })
+    fn run_in_equal_steps(
+        &mut self,
+        mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>,
+    ) -> Result<ControlFlow<()>> {
+        let Self { body, setting, trajectory, gate, count, .. } = self;
+        (trajectory.time, trajectory.steps) = (0.0, 0);
+        let start = trajectory.observed(body, setting)?;
+        gate.open(&start);
+        let mut flow = observe(&start)?;
+        let stepper = self.ladder.at(0, body)?;
+        for number in 1..=steps(self.end, stepper.step()) {
+            if flow.is_break() {
+                break;
+            }
+            let time = number as f64 * stepper.step();
+            count.iterations += trajectory.advance(stepper, time, body, setting)?;
+            count.solves += 1;
+            let step = trajectory.observed(body, setting)?;
+            gate.check(&step).map_err(|error| at(error, number, time))?;
+            flow = observe(&step)?;
+        }
+        Ok(flow)
     }
 }
 
@@ -157,15 +155,4 @@ impl Impact {
 pub fn steps(end: f64, step: f64) -> usize {
     // A part of 1e-9 of a step is rounding in end/step.
     (end / step - 1e-9).ceil().max(1.0) as usize
-}
-
-/// A failure told with step and time.
-fn at(error: Error, number: usize, time: f64) -> Error {
-    let place = format!("step {number}, t = {time:.6e} s");
-    match error {
-        Error::Solve(message) => Error::Solve(format!("{place}: {message}")),
-        // Whether other ranks have it too is not known.
-        Error::Petsc(error) => Error::Alone(Box::new(Error::Solve(format!("{place}: {error}")))),
-        other => other,
-    }
 }

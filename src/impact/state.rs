@@ -112,4 +112,29 @@ impl Moment {
         }
         Ok(())
     }
+
+    /// δ̇ = q̇ − aᵀu̇, m/s. Collective.
+    pub(super) fn rate(&self, body: &Solid) -> Result<f64> {
+        Ok(self.state.q.velocity - body.localization.vector.dot(&self.state.v)?)
+    }
+
+    /// Becomes a copy of another moment of the same body.
+    pub(super) fn copy_from(&mut self, other: &Self) -> Result<()> {
+        let (state, from) = (&mut self.state, &other.state);
+        for (to, from) in [(&mut state.u, &from.u), (&mut state.v, &from.v), (&mut state.a, &from.a)] {
+            to.copy_from(from)?;
+        }
+        state.q = from.q;
+        let (products, from) = (&mut self.products, &other.products);
+        products.elastic.copy_from(&from.elastic)?;
+        products.momentum.copy_from(&from.momentum)?;
+        for (to, from) in [(&mut products.support, &from.support), (&mut products.damping, &from.damping)] {
+            if let (Some(to), Some(from)) = (to, from) {
+                to.copy_from(from)?;
+            }
+        }
+        self.inertia.copy_from(&other.inertia)?;
+        (self.surface, self.approach, self.pads) = (other.surface, other.approach, other.pads);
+        Ok(())
+    }
 }

@@ -35,6 +35,10 @@ pub struct Contact {
     pub indentation: f64,
     /// aᵀu, m.
     pub surface_displacement: f64,
+    /// δ = q − gap − aᵀu, m: α, less the part of a patch's own dent.
+    pub approach: f64,
+    /// δ̇, m/s.
+    pub rate: f64,
 }
 
 /// Energies, J.

@@ -5,7 +5,7 @@ use crate::impact::step::Step;
 /// One uninterrupted contact: a maximal run of consecutive steps with F > 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Episode {
-    /// Where α rises through zero, s: linear between the last step without force and the first with it.
+    /// Where α rises through zero, s: between the last step without force and the first with it.
     pub start: f64,
     /// Where α falls through zero, s; the last step so far while the contact lasts.
     pub end: f64,
@@ -70,11 +70,26 @@ impl Episodes {
     }
 }
 
-/// Time at which α is zero between two steps, linear in α; one of the two where α does not change its sign.
+/// Time at which δ, and with it α, is zero between two steps: on the cubic through both values and rates, found by bisection; one of
+/// the two where δ does not change its sign.
 fn crossing(last: &Step, step: &Step) -> f64 {
-    let (from, to) = (last.contact.indentation, step.contact.indentation);
-    let part = if from == to { 0.0 } else { (from / (from - to)).clamp(0.0, 1.0) };
-    last.time + part * (step.time - last.time)
+    let length = step.time - last.time;
+    let (from, to) = (last.contact.approach, step.contact.approach);
+    if (from > 0.0) == (to > 0.0) {
+        return if from.abs() < to.abs() { last.time } else { step.time };
+    }
+    let (rate_from, rate_to) = (length * last.contact.rate, length * step.contact.rate);
+    let cubic = |x: f64| {
+        let (y, hermite) = (1.0 - x, x * x * (3.0 - 2.0 * x));
+        from * (1.0 - hermite) + to * hermite + x * y * (rate_from * y - rate_to * x)
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    // 2⁻⁵³ of the step.
+    for _ in 0..53 {
+        let middle = 0.5 * (low + high);
+        if (cubic(middle) > 0.0) == (from > 0.0) { low = middle } else { high = middle }
+    }
+    last.time + low * length
 }
 
 #[cfg(test)]
@@ -83,12 +98,12 @@ mod tests {
     use crate::impact::step::{Contact, Energy, Motion};
     use std::f64::consts::PI;
 
-    fn step(number: usize, time: f64, indentation: f64, force: f64) -> Step {
+    fn step(number: usize, time: f64, (indentation, rate): (f64, f64), force: f64) -> Step {
         Step {
             number,
             time,
             impactor: Motion { position: 0.0, velocity: 0.0, acceleration: 0.0 },
-            contact: Contact { force, indentation, surface_displacement: 0.0 },
+            contact: Contact { force, indentation, surface_displacement: 0.0, approach: indentation, rate },
             energy: Energy {
                 kinetic: 0.0,
                 elastic: 0.0,
@@ -103,12 +118,12 @@ mod tests {
         }
     }
 
-    /// Episodes of F = k ⟨α⟩ at times n Δt, n = 0 … steps.
-    fn of(alpha: impl Fn(f64) -> f64, dt: f64, steps: usize) -> Episodes {
+    /// Episodes of F = k ⟨α⟩ at times n Δt, n = 0 … steps; α and its rate are functions of the time.
+    fn of(alpha: impl Fn(f64) -> (f64, f64), dt: f64, steps: usize) -> Episodes {
         let mut episodes = Episodes::default();
         for n in 0..=steps {
             let (t, a) = (n as f64 * dt, alpha(n as f64 * dt));
-            episodes.push(&step(n, t, a, 1e3 * a.max(0.0)));
+            episodes.push(&step(n, t, a, 1e3 * a.0.max(0.0)));
         }
         episodes
     }
@@ -116,7 +131,7 @@ mod tests {
     #[test]
     fn linear_indentation_is_located_exactly() {
         // α = 1 − |t − 2|/0.7 is linear around its zeros 1.3 and 2.7, which no step meets.
-        let episodes = of(|t| 1.0 - (t - 2.0).abs() / 0.7, 0.25, 16);
+        let episodes = of(|t| (1.0 - (t - 2.0).abs() / 0.7, (2.0 - t).signum() / 0.7), 0.25, 16);
         let [e] = episodes.all() else { panic!("{:?}", episodes.all()) };
         // Rounding only.
         assert!((e.start - 1.3).abs() < 1e-14 && (e.end - 2.7).abs() < 1e-14);
@@ -131,12 +146,12 @@ mod tests {
         let impulse = |a: f64, b: f64| 1e3 * (a.cos() - b.cos() + 0.3 * (b - a));
         for steps in [64, 256, 1024] {
             let h = 11.0 / steps as f64;
-            let episodes = of(|t| t.sin() + 0.3, h, steps);
+            let episodes = of(|t| (t.sin() + 0.3, t.cos()), h, steps);
             let [a, b] = *episodes.all() else { panic!("{:?}", episodes.all()) };
             assert_eq!(a.start, 0.0);
-            // Linear interpolation is off by h²/8 max|α″|, divided by the slope |α′| = cos z at the zero (0.9 leaves
-            // room for the change of the slope within a step).
-            let bound = h * h / 8.0 / (0.9 * z.cos());
+            // The cubic is off by h⁴/384 max|α⁗|, divided by the slope |α′| = cos z at the zero (0.9 leaves room for the
+            // change of the slope within a step); at the last step count that is rounding.
+            let bound = h.powi(4) / 384.0 / (0.9 * z.cos()) + 1e-14;
             for (time, exact) in [(a.end, PI + z), (b.start, 2.0 * PI - z), (b.end, 3.0 * PI + z)] {
                 assert!((time - exact).abs() < bound, "{time} {exact} {bound}");
             }
@@ -153,7 +168,7 @@ mod tests {
         let mut episodes = Episodes::default();
         for (n, f) in forces.into_iter().enumerate() {
             let alpha = if f > 0.0 { f } else { -1.0 };
-            episodes.push(&step(n, n as f64 * 0.5, alpha, f));
+            episodes.push(&step(n, n as f64 * 0.5, (alpha, 0.0), f));
         }
         let impulses: Vec<f64> = episodes.all().iter().map(|e| e.impulse).collect();
         assert_eq!(impulses, [1.0, 4.0, 0.25]);

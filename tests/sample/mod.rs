@@ -17,7 +17,13 @@ pub fn step(number: usize) -> Step {
         number,
         time: 1e-5 * t,
         impactor: Motion { position: t + 0.01, velocity: t + 0.02, acceleration: 500.0 * alpha.max(0.0) },
-        contact: Contact { force: alpha.max(0.0), indentation: alpha, surface_displacement: t + 0.04 },
+        contact: Contact {
+            force: alpha.max(0.0),
+            indentation: alpha,
+            surface_displacement: t + 0.04,
+            approach: alpha,
+            rate: 0.0,
+        },
         energy: Energy {
             kinetic: t + 0.05,
             elastic: t + 0.06,
@@ -26,7 +32,7 @@ pub fn step(number: usize) -> Step {
             contact: t + 0.09,
             dissipated: t + 0.10,
             external: t + 0.11,
-            numerical: 0.0,
+            numerical: t + 0.115,
             total: t + 0.12,
         },
     }
