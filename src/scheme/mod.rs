@@ -159,7 +159,8 @@ mod tests {
                 assert!((order(scheme, damping) - 2.0).abs() < 0.02);
             }
             for rho_inf in [0.0, 0.5, 0.8, 1.0] {
-                assert!((order(generalized_alpha(rho_inf), damping) - 2.0).abs() < 0.02);
+                // ρ∞ = 0 has the largest term of third order.
+                assert!((order(generalized_alpha(rho_inf), damping) - 2.0).abs() < 0.04);
             }
             assert!((order(newmark(0.3025, 0.6), damping) - 1.0).abs() < 0.03);
         }
