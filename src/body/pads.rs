@@ -66,12 +66,29 @@ impl Pads {
     /// # Errors
     /// PETSc's.
     pub fn add_force(&mut self, u: &Vector, f: &mut Vector) -> petsc_wrap::Result<()> {
+        self.add(u, f, PadForms::residual)
+    }
+
+    /// As [`Pads::add_force`], the largest tangent times u: that of pads pressed everywhere ([`PadForms::pressed`]).
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn add_pressed(&mut self, u: &Vector, f: &mut Vector) -> petsc_wrap::Result<()> {
+        self.add(u, f, PadForms::pressed)
+    }
+
+    fn add(
+        &mut self,
+        u: &Vector,
+        f: &mut Vector,
+        kernel: impl Fn(&PadForms, &[[f64; 3]], &[f64], &mut [f64]),
+    ) -> petsc_wrap::Result<()> {
         let block = &mut self.block[..self.each];
         let u = self.gather.fetch(u)?;
         let mut parts = u.chunks_exact(self.each).zip(self.free.chunks_exact(self.each));
         for pad in &self.pads {
             for ((x, indices), (u, free)) in pad.facets.iter().zip(&mut parts) {
-                pad.forms.residual(x, u, block);
+                kernel(&pad.forms, x, u, block);
                 block.iter_mut().zip(free).for_each(|(value, free)| *value *= free);
                 f.set_values(indices, block, Insert::Add)?;
             }

@@ -70,6 +70,17 @@ impl PadForms {
         }
     }
 
+    /// Σ_i ∫ k_i u_i v_i dS over the components that the pad resists, N: the tangent of a pad pressed everywhere, which is the
+    /// largest, times `u`.
+    pub fn pressed(&self, x: &[[f64; 3]], u: &[f64], out: &mut [f64]) {
+        out.fill(0.);
+        for (q, area) in self.table.areas(x).enumerate() {
+            let at_point = self.displacement_at(q, u);
+            let force = [0, 1, 2].map(|i| area * self.stiffness[i] * self.sign[i].abs() * at_point[i]);
+            add_point_load(self.table.values(q), force, out);
+        }
+    }
+
     /// Σ_i ½ ∫ k_i ⟨g_i⟩² dS, J.
     pub fn potential(&self, x: &[[f64; 3]], u: &[f64]) -> f64 {
         let density = |q| {
@@ -81,12 +92,18 @@ impl PadForms {
 
     /// ⟨g⟩ at a point, by component; it keeps NaN, so that a failed step is seen.
     fn penetration(&self, q: usize, u: &[f64]) -> [f64; 3] {
-        let mut g = self.displacement.map(|displacement| -displacement);
+        let u = self.displacement_at(q, u);
+        [0, 1, 2].map(|i| (self.sign[i] * (u[i] - self.displacement[i])).clamp(0., f64::INFINITY))
+    }
+
+    /// u at a point.
+    fn displacement_at(&self, q: usize, u: &[f64]) -> [f64; 3] {
+        let mut sum = [0.; 3];
         for (value, u) in self.table.values(q).iter().zip(u.chunks_exact(3)) {
             for i in 0..3 {
-                g[i] += value * u[i];
+                sum[i] += value * u[i];
             }
         }
-        [0, 1, 2].map(|i| (self.sign[i] * g[i]).clamp(0., f64::INFINITY))
+        sum
     }
 }
