@@ -150,7 +150,8 @@ fn over_cells(
     Ok(matrix)
 }
 
-fn forms(scene: &Scene, mesh: &Mesh) -> SolidForms {
+/// The kernels of the scene's material on the mesh's cells.
+pub(super) fn forms(scene: &Scene, mesh: &Mesh) -> SolidForms {
     let body = &scene.body;
     let material = Material { young: body.young, poisson: body.poisson, density: body.density };
     SolidForms::new(mesh.cells.shape, mesh.cells.order, material)
@@ -233,7 +234,7 @@ fn add_traction(mesh: &Mesh, surface: &str, f: Vec3, load: &mut Vector) -> Resul
 }
 
 /// A tangled cell on one rank made a fault on all of them. Collective.
-fn everywhere(mesh: &Mesh, done: std::result::Result<(), Stopped>) -> Result<()> {
+pub(super) fn everywhere(mesh: &Mesh, done: std::result::Result<(), Stopped>) -> Result<()> {
     let done = match done {
         Err(Stopped::Sink(error)) => return Err(Error::Petsc(error)),
         Err(Stopped::Tangled([x, y, z])) => {

@@ -7,12 +7,16 @@
 //! M ü_m + C u̇_f + K u_f + p = a F + f, balanced at a stage between the two times: ü_m = (1 − α_m) ü_{n+1} + α_m ü_n, and
 //! u_f, u̇_f likewise with α_f. The forces F and p are those at the stage, or discrete gradients over the step.
 
+mod central_difference;
 mod energy;
 mod generalized_alpha;
+mod limit;
 mod newmark;
 
+pub use central_difference::CentralDifference;
 pub use energy::energy;
 pub use generalized_alpha::generalized_alpha;
+pub use limit::critical_frequency;
 pub use newmark::newmark;
 
 use crate::contact::Law;
