@@ -5,10 +5,12 @@
 //! coordinates `x` come in the order of the shape's reference vertices. Nothing is allocated after construction.
 
 mod pad;
+mod pressure;
 mod solid;
 mod surface;
 
 pub use pad::PadForms;
+pub use pressure::PressureForms;
 pub use solid::{Material, SolidForms, Tangled};
 pub use surface::SurfaceForms;
 
