@@ -4,7 +4,12 @@
 //! force and shows its displacement (14).
 
 pub mod hertz;
+mod localization;
+mod patch;
 mod point;
+mod radius;
+pub mod zener;
 
 pub use hertz::Hertz;
-pub use point::Localization;
+pub use localization::Localization;
+pub use radius::{Patch, Reason};

@@ -29,7 +29,7 @@ pub struct Newton {
     snes: Snes,
     /// Ŝ, with held unknowns taken out.
     constant: Matrix,
-    /// â as a vector, and as its entries on the rank that has the impact point.
+    /// â as a vector, and as its entries on rank 0.
     direction: Vector,
     entries: (Vec<Int>, Vec<f64>),
     /// F′ in the Jacobian as it stands.
@@ -57,10 +57,12 @@ pub struct Step<'a> {
 impl Newton {
     /// Assembles Ŝ and the pattern of the Newton matrix. Collective.
     pub(super) fn new(comm: &Comm, body: &Solid, update: Update, mass: f64, tolerance: f64) -> Result<Self> {
-        let (all, _): (Vec<Int>, Vec<f64>) = body.localization.entries.iter().copied().unzip();
+        // One rank adds the block.
+        let entries = if comm.is_root() { &body.localization.entries[..] } else { &[] };
+        let (all, _): (Vec<Int>, Vec<f64>) = entries.iter().copied().unzip();
         let free = Gather::new(&body.clamps.free, &all)?.fetch(&body.clamps.free)?.to_vec();
         // A held unknown takes no force; what it adds to δ is constant and part of δ_n.
-        let of_body = body.localization.entries.iter().zip(&free).filter(|(_, free)| **free != 0.0);
+        let of_body = entries.iter().zip(&free).filter(|(_, free)| **free != 0.0);
         let of_impactor = (!all.is_empty()).then_some((body.unknowns() as Int, 1.0));
         let (indices, values): (Vec<Int>, Vec<f64>) =
             of_body.map(|((index, value), _)| (*index, -value)).chain(of_impactor).unzip();
@@ -132,7 +134,7 @@ impl Newton {
                 displaced(d)?;
                 pads.add_tangent(&displacement.borrow(), j)?;
             }
-            // âF′âᵀ, entry by entry as in the paper, whole from the rank that has the impact point.
+            // âF′âᵀ, entry by entry as in the paper, whole from rank 0.
             let (indices, values) = entries;
             let block: Vec<f64> = values.iter().flat_map(|a| values.iter().map(move |b| tangent * a * b)).collect();
             j.set_values(indices, indices, &block, Insert::Add)?;
