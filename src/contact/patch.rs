@@ -20,8 +20,8 @@ use crate::scene::{Fault, Scene, Vec3};
 /// Where the scene gives the radius.
 const KEY: &str = "contact.patch_radius";
 
-/// What may be missing of the patch's total: far above rounding.
-const MISSING: f64 = 1e-9;
+/// What may be missing of the total of a patch: far above the quadrature's error.
+const MISSING: f64 = 1e-10;
 
 /// By how much a patch is made smaller until it has room.
 const SMALLER: f64 = 0.8;
