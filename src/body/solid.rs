@@ -7,7 +7,7 @@ use crate::contact::Localization;
 use crate::error::{Error, Result};
 use crate::form::{Material, SolidForms, SurfaceForms};
 use crate::mesh::Mesh;
-use crate::scene::{Fault, Scene, SupportKind, Vec3};
+use crate::scene::{Contact, Fault, Scene, SupportKind, Vec3};
 
 use super::assembly::{Stopped, assemble, into_matrix, into_vector, zeros};
 use super::{Clamps, Pads};
@@ -48,7 +48,10 @@ impl Solid {
     /// off the body. PETSc's.
     pub fn new(scene: &Scene, mesh: &Mesh) -> Result<Self> {
         check_surfaces(scene, mesh)?;
-        let localization = Localization::point(mesh, &scene.impactor)?;
+        let localization = match scene.contact {
+            Contact::Patch { radius } => Localization::patch(mesh, scene, radius)?,
+            Contact::Point => Localization::point(mesh, &scene.impactor)?,
+        };
         let pattern = zeros(&mesh.comm, mesh.owned_nodes, &mesh.cells, 0..mesh.cells.len())?;
         let mass = over_cells(scene, mesh, pattern.duplicate()?, SolidForms::mass)?;
         let elastic = over_cells(scene, mesh, pattern, SolidForms::stiffness)?;
@@ -73,7 +76,7 @@ impl Solid {
             support_offset,
             localization,
             clamps,
-            copies: 1.0,
+            copies: mesh.copies as f64,
         })
     }
 

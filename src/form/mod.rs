@@ -6,11 +6,13 @@
 
 mod lumping;
 mod pad;
+mod pressure;
 mod solid;
 mod surface;
 
 pub use lumping::lump;
 pub use pad::PadForms;
+pub use pressure::PressureForms;
 pub use solid::{Material, SolidForms, Tangled};
 pub use surface::SurfaceForms;
 

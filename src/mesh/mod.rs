@@ -4,6 +4,7 @@
 
 mod gmsh;
 mod locate;
+mod measure;
 mod plex;
 
 use std::collections::BTreeMap;
@@ -32,6 +33,8 @@ pub struct Mesh {
     pub total_cells: usize,
     /// Diagonal of the box around the body, m.
     pub diameter: f64,
+    /// Bodies like this one that make up the whole: 4 where it is a quarter about the impact point's normal, otherwise 1.
+    pub copies: usize,
 }
 
 /// Cells or facets of one shape with elements of one order.

@@ -58,6 +58,7 @@ impl Mesh {
             total_cells: sum(cells.len()),
             owned_nodes: part.numbering.owned,
             diameter: diameter(comm, &cells),
+            copies: 1,
             comm: comm.clone(),
             cells,
             facets,
