@@ -36,6 +36,8 @@ pub struct Solid {
     pub support_offset: f64,
     /// Where the impactor hits.
     pub localization: Localization,
+    /// How many such bodies make the whole: 4 where a quarter stands for it.
+    pub copies: f64,
 }
 
 impl Solid {
@@ -71,6 +73,7 @@ impl Solid {
             support_offset,
             localization,
             clamps,
+            copies: mesh.copies as f64,
         })
     }
 
