@@ -14,5 +14,4 @@ pub mod zener;
 pub use hertz::Hertz;
 pub use law::Law;
 pub use localization::Localization;
-pub use point::Localization;
 pub use radius::{Patch, Reason};
