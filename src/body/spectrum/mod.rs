@@ -18,7 +18,7 @@ const TOLERANCE: f64 = 0.01;
 /// Probability of a larger error, over the starts of Lanczos' method.
 const RISK: f64 = 1e-3;
 
-/// Vectors of the basis at most. Above what [`enough`] asks for a body of any size.
+/// Vectors of the basis at most: more than [`enough`] asks for any body whose unknowns 32 bits can number.
 const MOST: usize = 120;
 
 /// Which M a scheme has.
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn bases_are_just_large_enough_and_not_cut_short() {
-        for n in [10, 1000, 1_000_000_000, usize::MAX] {
+        for n in [10, 1000, 1_000_000, i32::MAX as usize] {
             let risk = |k: usize| 1.648 * (n as f64).sqrt() * (-TOLERANCE.sqrt() * (2 * k - 1) as f64).exp();
             assert!(risk(enough(n)) <= RISK && risk(enough(n) - 1) > RISK);
             assert!(enough(n) < MOST);
