@@ -56,8 +56,8 @@ pub struct LargestFrequency {
 /// Lanczos' method in the inner product of M, each vector made orthogonal to all others twice (B. N. Parlett, The Symmetric
 /// Eigenvalue Problem, 1998, chapters 6 and 13), from a start that looks random and is the same on any number of ranks. It stops
 /// once the residual is below 1% of θ and the basis is so large that, for a random start, θ falls short of ω_max² by more than
-/// 1% with a probability below 10⁻³, whatever the spectrum (J. Kuczyński & H. Woźniakowski, SIAM J. Matrix Anal. Appl. 13,
-/// 1992, theorem 4.2): at 50 to 90 vectors.
+/// 1% with a probability below 10⁻³, whatever the spectrum (J. Kuczyński & H. Woźniakowski, Estimating the largest eigenvalue by
+/// the power and Lanczos algorithms with a random start, SIAM J. Matrix Anal. Appl. 13, 1992): at 50 to 90 vectors.
 ///
 /// # Errors
 /// PETSc's.
