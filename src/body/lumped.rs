@@ -39,7 +39,7 @@ fn mass(scene: &Scene, mesh: &Mesh) -> Result<Vector> {
     let mut consistent = vec![0.0; size * size];
     let kernel = |_: usize, x: &[Vec3], block: &mut [f64]| {
         forms.mass(x, &mut consistent)?;
-        lump(cells.order, &consistent, block);
+        lump(&consistent, block);
         Ok(())
     };
     everywhere(mesh, assemble(cells, 0..cells.len(), size, kernel, into_vector(&mut mass)))?;
@@ -60,7 +60,7 @@ fn damping(scene: &Scene, mesh: &Mesh) -> Result<Option<Vector>> {
     for support in dampers {
         let kernel = |_: usize, x: &[Vec3], block: &mut [f64]| {
             forms.spring(x, support.damping, &mut consistent);
-            lump(facets.order, &consistent, block);
+            lump(&consistent, block);
             Ok(())
         };
         let chosen = mesh.surfaces[&support.surface].iter().copied();
