@@ -7,10 +7,10 @@ use crate::contact::Localization;
 use crate::error::{Error, Result};
 use crate::form::{Material, SolidForms, SurfaceForms};
 use crate::mesh::Mesh;
-use crate::scene::{Contact, Fault, Scene, SupportKind, Vec3};
+use crate::scene::{Contact, Fault, Scene, Scheme, SupportKind, Vec3};
 
 use super::assembly::{Stopped, assemble, into_matrix, into_vector, zeros};
-use super::{Clamps, Pads};
+use super::{Clamps, Lumped, Pads};
 
 /// The body's side of M ü + C u̇ + K u + p(u) = a F + f, three unknowns a node.
 ///
@@ -24,6 +24,8 @@ pub struct Solid {
     pub support: Option<Matrix>,
     /// C of the dampers (13), N s/m.
     pub damping: Option<Matrix>,
+    /// Diagonals in the places of M and C, where the scheme is explicit.
+    pub lumped: Option<Lumped>,
     /// Pads (12).
     pub pads: Option<Pads>,
     /// Held unknowns (2).
@@ -63,6 +65,7 @@ impl Solid {
             scene.supports.iter().map(|s| (s.surface.as_str(), stiffness(&s.kind), s.displacement)).collect();
         let dampers: Vec<(&str, Vec3, Vec3)> =
             scene.supports.iter().map(|s| (s.surface.as_str(), s.damping, [0.0; 3])).collect();
+        let explicit = matches!(scene.time.scheme, Scheme::CentralDifference { .. });
         let clamps = Clamps::new(mesh, &scene.supports)?;
         let (support_load, support_offset) = support_load(mesh, &springs)?;
         Ok(Self {
@@ -70,6 +73,7 @@ impl Solid {
             elastic,
             support: over_facets(mesh, &springs)?,
             damping: over_facets(mesh, &dampers)?,
+            lumped: explicit.then(|| Lumped::new(scene, mesh)).transpose()?,
             pads: Pads::new(mesh, &scene.supports, &clamps)?,
             load: load(scene, mesh)?,
             support_load,
@@ -83,6 +87,37 @@ impl Solid {
     /// Unknowns on all ranks.
     pub fn unknowns(&self) -> usize {
         self.load.len()
+    }
+
+    /// out ← M v, with the lumped M where the scheme is explicit. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn apply_mass(&self, v: &Vector, out: &mut Vector) -> Result<()> {
+        match &self.lumped {
+            Some(lumped) => {
+                out.copy_from(v)?;
+                out.pointwise_mult(&lumped.mass)?;
+            }
+            None => self.mass.mult(v, out)?,
+        }
+        Ok(())
+    }
+
+    /// out ← C v, with the lumped C where the scheme is explicit; nothing without dampers. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn apply_damping(&self, v: &Vector, out: &mut Vector) -> Result<()> {
+        match (&self.lumped, &self.damping) {
+            (Some(Lumped { damping: Some(diagonal), .. }), _) => {
+                out.copy_from(v)?;
+                out.pointwise_mult(diagonal)?;
+            }
+            (_, Some(matrix)) => matrix.mult(v, out)?,
+            _ => {}
+        }
+        Ok(())
     }
 
     /// S = K + c1 C + c2 M, pads left out. Collective.

@@ -54,7 +54,7 @@ enum Solver {
 }
 
 /// An implicit scheme at one step size.
-pub struct Stepper {
+pub struct ImplicitStepper {
     scheme: Implicit,
     step: f64,
     solver: Solver,
@@ -64,7 +64,7 @@ pub struct Stepper {
     pads: Option<Vector>,
 }
 
-impl Stepper {
+impl ImplicitStepper {
     /// Sets up the solver: a pad needs the full Newton's method. Collective.
     ///
     /// # Errors
@@ -74,8 +74,7 @@ impl Stepper {
         body: &Solid,
         setting: Setting,
         (scheme, step): (Implicit, f64),
-        newton: scene::Newton,
-        tolerance: f64,
+        (newton, tolerance): (scene::Newton, f64),
     ) -> Result<Self> {
         let stage = scheme.stage(step);
         let solver = match newton {
@@ -87,11 +86,6 @@ impl Stepper {
         let zeros = || body.load.duplicate();
         let pads = body.pads.as_ref().map(|_| zeros()).transpose()?;
         Ok(Self { scheme, step, solver, known: zeros()?, work: zeros()?, pads })
-    }
-
-    /// Δt, s.
-    pub(super) fn step(&self) -> f64 {
-        self.step
     }
 
     /// Takes a step: writes the state at its end, and what was exchanged over it. Returns the Newton iterations. Collective.

@@ -5,7 +5,7 @@ use petsc_wrap::Comm;
 use crate::body::Solid;
 use crate::error::{Error, Result};
 
-use super::implicit::Stepper;
+use super::ladder::Stepper;
 use super::initial;
 use super::ledger::Ledger;
 use super::setting::Setting;
@@ -70,7 +70,7 @@ impl Trajectory {
     /// # Errors
     /// PETSc's.
     pub(super) fn set_state(&mut self, state: State, body: &mut Solid, setting: &Setting) -> Result<()> {
-        body.mass.mult(&state.a, &mut self.now.inertia)?;
+        body.apply_mass(&state.a, &mut self.now.inertia)?;
         body.clamps.zero(&mut self.now.inertia)?;
         self.now.state = state;
         self.now.update(body, setting.gap)
