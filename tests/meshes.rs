@@ -39,7 +39,8 @@ fn scene(mesh: &Path, order: usize, height: f64, surface: &str) -> Scene {
         "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = {DENSITY}\nmesh = {mesh:?}\norder = {order}\n\
          [[support]]\nsurface = {surface:?}\nkind = \"elastic\"\nstiffness = 1.0\n\
          [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e10\nspeed = 1.0\npoint = [0.0, 0.0, {height}]\n\
-         [time]\nend = 5e-5\nstep = 1e-6\n"
+         [time]\nend = 5e-5\nstep = 1e-6\n\
+         [contact]\nlocalization = \"point\"\n[solver]\nnewton = \"full\"\n"
     );
     Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}")).0
 }

@@ -91,9 +91,11 @@ fn cases() -> Vec<Case> {
 fn scene(case: &Case) -> String {
     let Case { impactor, rest, step, .. } = case;
     format!(
-        "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.5, 0.5, 0.02]\ncells = [4, 4, 1]\n{rest}\
+        "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.5, 0.5, 0.02]\ncells = [4, 4, 1]\n\
+         symmetry = \"none\"\n{rest}\
          [impactor]\nmass = 52.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\n{impactor}\n\
-         [time]\nend = {step:e}\nstep = {step:e}\n"
+         [time]\nend = {step:e}\nstep = {step:e}\n\
+         [contact]\nlocalization = \"point\"\n[solver]\nnewton = \"full\"\n"
     )
 }
 

@@ -73,7 +73,8 @@ impl Case {
             "[body]\nyoung = {:e}\npoisson = {:e}\ndensity = {:e}\nmesh = {:?}\norder = 2\n\
              [impactor]\nmass = {:e}\nradius = {:e}\nyoung = {:e}\npoisson = {:e}\nspeed = {:e}\n\
              point = [0.0, 0.0, {:e}]\ndirection = [0.0, 0.0, -1.0]\n\
-             [time]\nend = {:e}\nstep = {:e}\n{}",
+             [time]\nend = {:e}\nstep = {:e}\n\
+             [contact]\nlocalization = \"point\"\n[solver]\nnewton = \"full\"\n{}",
             p("E"),
             p("nu"),
             p("rho"),
