@@ -71,6 +71,11 @@ impl Patch {
         }
         Self { radius, reason, thickness, cell, limit_radius }
     }
+
+    /// The same, as large as the surface has room for.
+    pub(super) fn cut_to(self, radius: f64) -> Self {
+        Self { radius, reason: Reason::Surface, ..self }
+    }
 }
 
 /// c_l r_p, m²/N: the mean displacement of a half-space along a unit vector, weighted by Hertz's pressure over a disc, under the
@@ -103,6 +108,23 @@ pub(super) fn limits(body: &Body, impactor: &Impactor, mass: f64, thickness: f64
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Geometry;
+
+    /// The mean over all directions of a wave of what Cerruti's and Boussinesq's solutions give it, (1 − ν cos² φ) to 1 − ν, since
+    /// the pressure's spectrum is round.
+    #[test]
+    fn compliance_along_the_surface() {
+        for poisson in [-0.5, 0.0, 0.23, 0.49] {
+            let body = Body { young: 70e9, poisson, density: 1.0, order: 1, geometry: Geometry::Gmsh("".into()) };
+            let waves = (0..12).map(|i| 1.0 - poisson * (f64::from(i) * std::f64::consts::PI / 12.0).cos().powi(2));
+            let along = waves.sum::<f64>() / 12.0 / (1.0 - poisson);
+            let normal = 0.6 * (1.0 - poisson * poisson) / 70e9;
+            for (cosine, expected) in [(1.0, 1.0), (-1.0, 1.0), (0.0, along), (0.6, 0.36 + 0.64 * along)] {
+                let ratio = unit_compliance(&body, cosine) / normal;
+                assert!((ratio / expected - 1.0).abs() < 1e-14, "{poisson} {cosine}: {ratio} {expected}");
+            }
+        }
+    }
 
     #[test]
     fn the_largest_demand_decides() {
