@@ -37,8 +37,8 @@ fn main() -> ExitCode {
     )
 }
 
-/// A flat face of a body: its centre, two unit vectors along it, right-handed about its outward normal, with the room that there is, and whether its facets are
-/// affine.
+/// A flat face of a body: its centre, two unit vectors along it, right-handed about its outward normal, with the room
+/// that there is, and whether its facets are affine.
 struct Face {
     name: &'static str,
     geometry: String,
@@ -131,8 +131,8 @@ fn linear([x, y, z]: [f64; 3]) -> [f64; 3] {
     [0.3 + x - 2.0 * y + 0.5 * z, -0.2 + 0.7 * x + y - z, 0.1 - x + 0.4 * y + 3.0 * z]
 }
 
-/// ∫p = 1, ∫p x = 0, ∫p x² = r²/5 by the reading of fields, for centres anywhere and radii from a hundredth of a cell to the whole
-/// face, hit from all directions.
+/// ∫p = 1, ∫p x = 0, ∫p x² = r²/5 by the reading of fields, for centres anywhere and radii from a hundredth of a cell
+/// to the whole face, hit from all directions.
 fn totals_and_moments(session: &Session) {
     let world = session.world();
     let folder = tempfile::tempdir().unwrap();
@@ -183,8 +183,8 @@ fn totals_and_moments(session: &Session) {
     }
 }
 
-/// A field with a kink along an edge of the mesh, |x − x_edge|, is read as r (3/8 + 3/4 e² − e⁴/8) with the edge at e r from the
-/// centre: smooth in e, unlike a point's reading, also where the edge is a hair away.
+/// A field with a kink along an edge of the mesh, |x − x_edge|, is read as r (3/8 + 3/4 e² − e⁴/8) with the edge at e
+/// r from the centre: smooth in e, unlike a point's reading, also where the edge is a hair away.
 fn an_edge_under_the_patch(session: &Session) {
     let world = session.world();
     for cells in [[8, 6, 2], [80, 6, 2]] {
@@ -299,8 +299,8 @@ fn a_quarter(session: &Session) {
     assert!(refused(&mesh, &scene, Some(radius)).message.contains("within the patch"));
 }
 
-/// On a block the static aᵀK⁻¹a changes with the radius as c_l does, so that their difference is the block's own: along the normal
-/// and, with the part along the surface, aslant.
+/// On a block the static aᵀK⁻¹a changes with the radius as c_l does, so that their difference is the block's own:
+/// along the normal and, with the part along the surface, aslant.
 fn the_half_space_is_taken_out(session: &Session) {
     let world = session.world();
     let mut scene = scene(&boxed([0.48, 0.48, 0.24], [12, 12, 6]), 2, [0.0, 0.0, 0.12]);
@@ -322,8 +322,8 @@ fn the_half_space_is_taken_out(session: &Session) {
                 (a.vector.dot(&u).unwrap(), a.compliance)
             });
             let ratio = (small.0 - large.0) / (small.1 - large.1);
-            // 3% with these cells, of 2/3 and 1/2 of the radius, 2% with cells of half that; aslant, the normal's c_l alone is
-            // 9% less.
+            // 3% with these cells, of 2/3 and 1/2 of the radius, 2% with cells of 3/4 of that; aslant, the normal's c_l
+            // alone is 9% less.
             assert!((ratio - 1.0).abs() < 0.035, "{direction:?} at {point:?}: {ratio}");
         }
     }

@@ -1,8 +1,8 @@
 //! Localisation by a patch: the contact force as Hertz's pressure over a disc of the surface.
 //!
-//! The disc lies in the plane normal to the surface at the impact point, and the surface is projected onto it. The same vector
-//! a loads and reads, so that energy and momentum stay exact; what an elastic half-space would yield under the patch belongs to Hertz's
-//! law, and is taken out of it by c_l.
+//! The disc lies in the plane normal to the surface at the impact point, and the surface is projected onto it. The
+//! same vector a loads and reads, so that energy and momentum stay exact; what an elastic half-space would yield
+//! under the patch belongs to Hertz's law, and is taken out of it by c_l.
 
 use std::collections::BTreeMap;
 
@@ -27,13 +27,13 @@ const MISSING: f64 = 1e-10;
 const SMALLER: f64 = 0.8;
 
 impl Localization {
-    /// The consistent load vector of Hertz's pressure with total 1 over a disc around the impact point, times the direction of
-    /// travel. Without a radius (m) one is chosen for the thickness, the cells and the contact, and made smaller until it
-    /// has room on the surface. Collective.
+    /// The consistent load vector of Hertz's pressure with total 1 over a disc around the impact point, times the
+    /// direction of travel. Without a radius (m) one is chosen for the thickness, the cells and the contact, and made
+    /// smaller until it has room on the surface. Collective.
     ///
     /// # Errors
-    /// A fault of the scene where the point is off the surface, the direction leads out of the body, the patch reaches
-    /// past the surface, or the contact law would soften to nothing even on a thin plate; PETSc's.
+    /// A fault of the scene where the point is off the surface, the direction leads out of the body, the patch
+    /// reaches past the surface, or the contact law would soften to nothing even on a thin plate; PETSc's.
     pub fn patch(mesh: &Mesh, scene: &Scene, radius: Option<f64>) -> Result<Self> {
         let (body, impactor) = (&scene.body, &scene.impactor);
         let site = site(mesh, impactor)?;
@@ -126,11 +126,11 @@ impl Frame {
     }
 }
 
-/// ∫ p φ dA by node, ascending, where it is not zero, over its sum; and that sum as a part of what it would be with the whole
-/// patch on the surface. The same on all ranks. Collective.
+/// ∫ p φ dA by node, ascending, where it is not zero, over its sum; and that sum as a part of what it would be with
+/// the whole patch on the surface. The same on all ranks. Collective.
 ///
-/// Facets farther from the plane than the patch is wide are of another part of the surface. On a quarter of the body a quarter of the
-/// patch carries a quarter of the force: the sum is 1 all the same.
+/// Facets farther from the plane than the patch is wide are of another part of the surface. On a quarter of the body
+/// a quarter of the patch carries a quarter of the force: the sum is 1 all the same.
 fn weights(mesh: &Mesh, frame: &Frame, radius: f64) -> (Vec<(Int, f64)>, f64) {
     let facets = &mesh.facets;
     let forms = PressureForms::new(facets.shape, facets.order);

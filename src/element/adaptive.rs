@@ -1,7 +1,7 @@
 //! Adaptive quadrature of vector-valued functions on an interval.
 
-/// The non-negative nodes of the 15-point Kronrod rule on \[−1, 1\] and their weights; every second node is one of the
-/// 7-point Gauss rule, whose weight comes third (Piessens et al., QUADPACK, 1983, QK15).
+/// The non-negative nodes of the 15-point Kronrod rule on \[−1, 1\] and their weights; every second node is one of
+/// the 7-point Gauss rule, whose weight comes third (Piessens et al., QUADPACK, 1983, QK15).
 const KRONROD: [(f64, f64, f64); 8] = [
     (0.991_455_371_120_812_6, 0.022_935_322_010_529_224, 0.),
     (0.949_107_912_342_758_5, 0.063_092_092_629_978_55, 0.129_484_966_168_869_7),
@@ -16,8 +16,8 @@ const KRONROD: [(f64, f64, f64); 8] = [
 /// Halvings of an interval after which what is left of it cannot matter.
 const DEEPEST: usize = 50;
 
-/// ∫ f over an interval, bisected until the rules of 7 and 15 points agree to the absolute tolerance on every piece, in
-/// every component. The result is that of 15 points, whose error is far smaller where f is smooth.
+/// ∫ f over an interval, bisected until the rules of 7 and 15 points agree to the absolute tolerance on every piece,
+/// in every component. The result is that of 15 points, whose error is far smaller where f is smooth.
 pub fn adaptive<const N: usize>(
     (begin, end): (f64, f64),
     tolerance: f64,

@@ -33,7 +33,8 @@ pub struct Mesh {
     pub total_cells: usize,
     /// Diagonal of the box around the body, m.
     pub diameter: f64,
-    /// Bodies like this one that make up the whole: 4 where it is a quarter about the impact point's normal, otherwise 1.
+    /// Bodies like this one that make up the whole: 4 where it is a quarter about the impact point's normal,
+    /// otherwise 1.
     pub copies: usize,
 }
 
