@@ -262,9 +262,9 @@ fn newton_matrix(session: &Session) {
         // For each step: how many matrices were solved with before it, and δ at Newton's first guess.
         let firsts: Vec<(usize, f64)> = (0..8)
             .map(|_| {
-                let first = (impact.iterations, guessed_approach(&impact, 2.5e-5, 1e-5));
+                let first = (impact.count.iterations, guessed_approach(&impact, 2.5e-5, 1e-5));
                 assert_eq!(run(&mut impact).len(), 2, "a run of one step");
-                assert!(impact.iterations > first.0);
+                assert!(impact.count.iterations > first.0);
                 first
             })
             .collect();

@@ -97,7 +97,8 @@ fn formats_2_and_4_give_the_same(session: &Session) {
     let world = session.world();
     let measures = |name: &str| {
         let scene = scene(&file(name), 2, 0.5, "bottom");
-        let body = body(&world, &scene).unwrap();
+        let mesh = Mesh::new(&world, &scene.body).unwrap();
+        let body = Solid::new(&scene, &mesh).unwrap();
         let mut values: Vec<f64> = [&body.mass, &body.elastic, body.support.as_ref().unwrap()]
             .iter()
             .flat_map(|matrix| [matrix.trace().unwrap(), matrix.norm_frobenius().unwrap()])

@@ -109,9 +109,9 @@ fn hard_cases(session: &Session) {
         let scale = hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed);
         let (mut most, mut largest) = (0, 0.0_f64);
         for number in 1..=case.steps {
-            let before = impact.iterations;
+            let before = impact.count.iterations;
             let step = run(&mut impact)[1];
-            most = most.max(impact.iterations - before);
+            most = most.max(impact.count.iterations - before);
             largest = largest.max(step.contact.force);
             // Newton stops at 1e-10 of the force that a half-space would see: m0 q̈ = −F to ten times that.
             let row = impactor.mass * impact.state().q.acceleration + step.contact.force;
@@ -126,7 +126,7 @@ fn hard_cases(session: &Session) {
             println!(
                 "{:46} {:5.2} iterations a step, {most} at most",
                 case.name,
-                impact.iterations as f64 / case.steps as f64
+                impact.count.iterations as f64 / case.steps as f64
             );
         }
         drop(impact);

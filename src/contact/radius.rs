@@ -108,14 +108,21 @@ pub(super) fn limits(body: &Body, impactor: &Impactor, mass: f64, thickness: f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Geometry;
+    use crate::scene::{Geometry, Symmetry};
 
     /// The mean over all directions of a wave of what Cerruti's and Boussinesq's solutions give it, (1 − ν cos² φ) to
     /// 1 − ν, since the pressure's spectrum is round.
     #[test]
     fn compliance_along_the_surface() {
         for poisson in [-0.5, 0.0, 0.23, 0.49] {
-            let body = Body { young: 70e9, poisson, density: 1.0, order: 1, geometry: Geometry::Gmsh("".into()) };
+            let body = Body {
+                young: 70e9,
+                poisson,
+                density: 1.0,
+                order: 1,
+                geometry: Geometry::Gmsh("".into()),
+                symmetry: Symmetry::None { reason: None },
+            };
             let waves = (0..12).map(|i| 1.0 - poisson * (f64::from(i) * std::f64::consts::PI / 12.0).cos().powi(2));
             let along = waves.sum::<f64>() / 12.0 / (1.0 - poisson);
             let normal = 0.6 * (1.0 - poisson * poisson) / 70e9;
