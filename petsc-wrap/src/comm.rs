@@ -2,8 +2,9 @@
 
 use std::rc::Rc;
 
+use mpi::datatype::PartitionMut;
 use mpi::topology::SimpleCommunicator;
-use mpi::traits::{AsRaw, Communicator};
+use mpi::traits::{AsRaw, Communicator, CommunicatorCollectives, Equivalence};
 use petsc_sys as sys;
 
 use crate::error::{Result, check};
@@ -45,6 +46,23 @@ impl Comm {
     /// The session.
     pub fn session(&self) -> &Session {
         &self.session
+    }
+
+    /// The lists of all ranks, one after the other, on every rank. Collective.
+    pub fn all_gather<T: Equivalence + Clone + Default>(&self, mine: &[T]) -> Vec<T> {
+        let mut counts = vec![0; self.size()];
+        self.mpi.all_gather_into(&(mine.len() as i32), &mut counts[..]);
+        let starts: Vec<i32> = counts
+            .iter()
+            .scan(0, |next, count| {
+                let start = *next;
+                *next += count;
+                Some(start)
+            })
+            .collect();
+        let mut all = vec![T::default(); counts.iter().sum::<i32>() as usize];
+        self.mpi.all_gather_varcount_into(mine, &mut PartitionMut::new(&mut all[..], counts, starts));
+        all
     }
 
     /// Destroys what dropped handles left behind. Collective.

@@ -7,5 +7,5 @@ mod solid;
 
 pub use assembly::{Stopped, assemble, into_matrix, into_vector, zeros};
 pub use clamps::Clamps;
-pub use pads::Pads;
+pub use pads::{PadPoints, Pads};
 pub use solid::Solid;

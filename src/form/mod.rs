@@ -8,7 +8,7 @@ mod pad;
 mod solid;
 mod surface;
 
-pub use pad::PadForms;
+pub use pad::{PadForms, PadPoint, pressed};
 pub use solid::{Material, SolidForms, Tangled};
 pub use surface::SurfaceForms;
 

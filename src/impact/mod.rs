@@ -10,6 +10,9 @@ mod implicit;
 mod initial;
 mod ladder;
 mod ledger;
+mod pad_condensed;
+mod reduced;
+mod search;
 mod setting;
 mod state;
 pub mod step;
@@ -27,6 +30,7 @@ use crate::scheme::Implicit;
 
 use controlled::Controlled;
 use gate::Gate;
+pub use implicit::Method;
 use ladder::Ladder;
 pub use setting::Setting;
 pub use state::{Impactor, State};
