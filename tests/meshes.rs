@@ -101,7 +101,7 @@ fn formats_2_and_4_give_the_same(session: &Session) {
             .iter()
             .flat_map(|matrix| [matrix.trace().unwrap(), matrix.norm_frobenius().unwrap()])
             .collect();
-        let mut impact = Impact::new(&world, &scene, body).unwrap();
+        let mut impact = Impact::new(&mesh, &scene, body).unwrap();
         let flow = impact.run(|step| {
             values.push(step.contact.force);
             Ok(std::ops::ControlFlow::Continue(()))

@@ -183,7 +183,7 @@ fn series(session: &Session) {
     for case in CASES.map(Case::new) {
         let begin = std::time::Instant::now();
         let (_, solid, scene) = case.solid(session, None);
-        let mut impact = Impact::new(&world, &scene, solid).unwrap();
+        let mut impact = Impact::new(&mesh, &scene, solid).unwrap();
         let mut steps: Vec<Step> = Vec::new();
         let flow = impact.run(|step| {
             steps.push(*step);

@@ -191,6 +191,9 @@ proptest! {
                 let force = &s * &stretch;
                 prop_assert!((residual(&pad, x, &u) - &force).amax() < 1e-14 * K[2]);
                 prop_assert!((tangent(&mut pad, x, &u) - &s).amax() < 1e-14 * K[2]);
+                let mut of_pressed = DVector::from_element(3 * n, f64::NAN);
+                pad.pressed(x, off.as_slice(), of_pressed.as_mut_slice());
+                prop_assert!((of_pressed - &s * &off).amax() < 1e-14 * K[2], "pressed whatever u is");
                 let energy = force.dot(&stretch) / 2.;
                 prop_assert!((pad.potential(x, u.as_slice()) / energy - 1.).abs() < 1e-13);
                 prop_assert_eq!(residual(&pad, x, &off).amax(), 0.);

@@ -243,6 +243,15 @@ impl Matrix {
         Ok(value)
     }
 
+    /// Copies the diagonal into a vector with the layout of the rows. Collective.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. for another layout.
+    pub fn diagonal(&self, into: &mut Vector) -> Result<()> {
+        // SAFETY: the matrix is assembled, the vector valid; PETSc checks the layouts.
+        check(unsafe { sys::MatGetDiagonal(self.raw(), into.raw()) })
+    }
+
     /// Sum of the diagonal. Collective.
     ///
     /// # Errors

@@ -133,6 +133,50 @@ impl Vector {
         Ok(value)
     }
 
+    /// Entry by entry self ← self·other.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. for different layouts.
+    pub fn pointwise_mult(&mut self, other: &Vector) -> Result<()> {
+        // SAFETY: both vectors are valid; PETSc lets the result be one of the factors.
+        check(unsafe { sys::VecPointwiseMult(self.raw(), self.raw(), other.raw()) })
+    }
+
+    /// Entry by entry self ← self/other, 0 where other is 0.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. for different layouts.
+    pub fn pointwise_divide(&mut self, other: &Vector) -> Result<()> {
+        // SAFETY: both vectors are valid; PETSc lets the result be the dividend.
+        check(unsafe { sys::VecPointwiseDivide(self.raw(), self.raw(), other.raw()) })
+    }
+
+    /// selfᵀother with each of the others, in one reduction; the same on every rank. Collective.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. for different layouts.
+    pub fn dots(&self, others: &[Vector]) -> Result<Vec<f64>> {
+        let raw: Vec<sys::Vec> = others.iter().map(Vector::raw).collect();
+        let mut values = vec![0.0; others.len()];
+        // SAFETY: all vectors are valid, and there are as many of them as places for values.
+        check(unsafe { sys::VecMDot(self.raw(), raw.len() as Int, raw.as_ptr(), values.as_mut_ptr()) })?;
+        Ok(values)
+    }
+
+    /// self ← self + Σ factor·other.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. for different layouts.
+    ///
+    /// # Panics
+    /// When there are not as many factors as vectors.
+    pub fn add_combination(&mut self, factors: &[f64], others: &[Vector]) -> Result<()> {
+        assert_eq!(factors.len(), others.len());
+        let mut raw: Vec<sys::Vec> = others.iter().map(Vector::raw).collect();
+        // SAFETY: all vectors are valid and, by the borrow rules, none is the result; there is one factor for each.
+        check(unsafe { sys::VecMAXPY(self.raw(), raw.len() as Int, factors.as_ptr(), raw.as_mut_ptr()) })
+    }
+
     /// Euclidean norm. Collective.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! Fetching entries of distributed vectors, on one to three ranks.
+//! Fetching entries of distributed vectors, and lists of other ranks, on one to three ranks.
 
 use std::process::ExitCode;
 
@@ -15,6 +15,7 @@ fn main() -> ExitCode {
         &[
             ("entries_of_any_rank_in_any_order", entries_of_any_rank_in_any_order),
             ("nothing_and_too_much", nothing_and_too_much),
+            ("lists_of_all_ranks", lists_of_all_ranks),
         ],
     )
 }
@@ -47,4 +48,14 @@ fn nothing_and_too_much(session: &Session) {
     let wanted: &[Int] = if session.world().is_root() { &[2] } else { &[] };
     assert_eq!(Gather::new(&vector, wanted).unwrap().fetch(&vector).unwrap().len(), wanted.len());
     assert!(Gather::new(&vector, &[vector.len() as Int]).is_err());
+}
+
+/// Rank r has r numbers.
+fn lists_of_all_ranks(session: &Session) {
+    let comm = session.world();
+    let list = |rank: usize| (0..rank).map(move |i| (10 * rank + i) as f64);
+    let mine: Vec<f64> = list(comm.rank()).collect();
+    let all: Vec<f64> = (0..comm.size()).flat_map(list).collect();
+    assert_eq!(comm.all_gather(&mine), all);
+    assert!(comm.all_gather::<Int>(&[]).is_empty());
 }

@@ -61,6 +61,12 @@ fn products_norms_and_rows(session: &Session) {
     assert_eq!(y.norm_max().unwrap(), 0.0);
     // Diagonal 1, 2, …, 2, 1 and 2(n−1) entries −1: exact in floating point.
     assert_eq!(matrix.trace().unwrap(), 2.0 * (n as f64 - 1.0));
+    matrix.diagonal(&mut x).unwrap();
+    let begin = matrix.row_range().start;
+    for (place, value) in x.read().unwrap().iter().enumerate() {
+        let i = begin as usize + place;
+        assert_eq!(*value, if i == 0 || i == n - 1 { 1.0 } else { 2.0 });
+    }
     let squares = 2.0 + 4.0 * (n as f64 - 2.0) + 2.0 * (n as f64 - 1.0);
     assert!((matrix.norm_frobenius().unwrap() - squares.sqrt()).abs() < 1e-14 * squares);
     let rows = matrix.row_range();

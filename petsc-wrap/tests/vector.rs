@@ -14,6 +14,8 @@ fn main() -> ExitCode {
         start,
         &[
             ("algebra_is_that_of_slices", algebra_is_that_of_slices),
+            ("products_and_quotients_by_entry", products_and_quotients_by_entry),
+            ("many_vectors_at_once", many_vectors_at_once),
             ("entries_reach_their_rank", entries_reach_their_rank),
             ("uneven_and_empty_parts", uneven_and_empty_parts),
             ("an_index_out_of_range_is_an_error", an_index_out_of_range_is_an_error),
@@ -58,6 +60,38 @@ fn algebra_is_that_of_slices(session: &Session) {
     x.destroy().unwrap();
 }
 
+fn products_and_quotients_by_entry(session: &Session) {
+    let mut x = filled(session, 4, |i| i);
+    let y = filled(session, 4, |i| 8.0 - i);
+    let n = x.len() as f64;
+    x.pointwise_mult(&y).unwrap();
+    let begin = x.range().start;
+    let entry = |place: usize| (begin as usize + place) as f64;
+    for (place, value) in x.read().unwrap().iter().enumerate() {
+        assert_eq!(*value, entry(place) * (8.0 - entry(place)));
+    }
+    // The product of small integers is divided exactly; entry 8, on three ranks, is 0/0.
+    x.pointwise_divide(&y).unwrap();
+    for (place, value) in x.read().unwrap().iter().enumerate() {
+        assert_eq!(*value, if entry(place) == 8.0 { 0.0 } else { entry(place) });
+    }
+    assert_eq!(x.norm_max().unwrap(), n - 1.0);
+}
+
+fn many_vectors_at_once(session: &Session) {
+    let mut x = filled(session, 3, |i| 2.0 - i);
+    let others = [filled(session, 3, |i| i), filled(session, 3, |_| 1.0)];
+    let expected: Vec<f64> = others.iter().map(|other| x.dot(other).unwrap()).collect();
+    // Small integers: sums are exact.
+    assert_eq!(x.dots(&others).unwrap(), expected);
+    assert!(x.dots(&[]).unwrap().is_empty());
+    // 2 − i + i − 2
+    x.add_combination(&[1.0, -2.0], &others).unwrap();
+    assert_eq!(x.norm_max().unwrap(), 0.0);
+    x.add_combination(&[], &[]).unwrap();
+    assert_eq!(x.norm_max().unwrap(), 0.0);
+}
+
 fn entries_reach_their_rank(session: &Session) {
     let world = session.world();
     let mut x = Vector::new(&world, 2).unwrap();
@@ -83,6 +117,8 @@ fn layouts_must_agree(session: &Session) {
     let x = filled(session, 2, |i| i);
     let mut y = filled(session, 3, |i| i);
     assert!(y.axpy(1.0, &x).is_err());
+    assert!(y.pointwise_mult(&x).is_err());
+    assert!(y.pointwise_divide(&x).is_err());
 }
 
 fn an_index_out_of_range_is_an_error(session: &Session) {

@@ -1,4 +1,4 @@
-//! Held components of the displacement, (2).
+//! Held components of the displacement, (2), and those normal to planes of symmetry.
 
 use petsc_wrap::{Insert, Int, Vector};
 
@@ -17,7 +17,7 @@ pub struct Clamps {
 }
 
 impl Clamps {
-    /// The clamps among the supports; where two hold one unknown, the later one's ū stands. Collective.
+    /// The clamps among the supports and the planes of symmetry; where two hold one unknown, the later one's ū stands. Collective.
     ///
     /// # Errors
     /// PETSc's.
@@ -48,6 +48,15 @@ impl Clamps {
             free.assemble()?;
             displacement.assemble()?;
         }
+        for (axis, nodes) in mesh.mirror_nodes.iter().enumerate() {
+            for node in nodes {
+                let unknown = [3 * node + axis as Int];
+                free.set_values(&unknown, &[0.0], Insert::Replace)?;
+                displacement.set_values(&unknown, &[0.0], Insert::Replace)?;
+            }
+        }
+        free.assemble()?;
+        displacement.assemble()?;
         let first = free.range().start;
         let held = |(i, free): (usize, &f64)| (*free == 0.0).then_some(first + i as Int);
         let rows = free.read()?.iter().enumerate().filter_map(held).collect();

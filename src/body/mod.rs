@@ -2,10 +2,14 @@
 
 mod assembly;
 mod clamps;
+mod lumped;
 mod pads;
 mod solid;
+mod spectrum;
 
 pub use assembly::{Stopped, assemble, into_matrix, into_vector, zeros};
 pub use clamps::Clamps;
+pub use lumped::Lumped;
 pub use pads::{PadPoints, Pads};
 pub use solid::Solid;
+pub use spectrum::{Inertia, LargestFrequency, LinearContact, largest_frequency};

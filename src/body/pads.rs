@@ -86,12 +86,31 @@ impl Pads {
     /// PETSc's.
     pub fn add_force(&mut self, from: Option<&Vector>, u: &Vector, f: &mut Vector) -> petsc_wrap::Result<()> {
         let from = self.fetch_from(from)?;
-        let block = &mut self.block[..self.each];
+        self.add(u, f, |forms, i, each, x, u, block| forms.residual(x, part(&from, i, each), u, block))
+    }
+
+    /// As [`Pads::add_force`], the largest tangent times u: that of pads pressed everywhere ([`PadForms::pressed`]).
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn add_pressed(&mut self, u: &Vector, f: &mut Vector) -> petsc_wrap::Result<()> {
+        self.add(u, f, |forms, _, _, x, u, block| forms.pressed(x, u, block))
+    }
+
+    /// Adds a kernel's part of each facet; it gets the facet's number and its unknowns' number.
+    fn add(
+        &mut self,
+        u: &Vector,
+        f: &mut Vector,
+        kernel: impl Fn(&PadForms, usize, usize, &[[f64; 3]], &[f64], &mut [f64]),
+    ) -> petsc_wrap::Result<()> {
+        let each = self.each;
+        let block = &mut self.block[..each];
         let u = self.gather.fetch(u)?;
-        let mut parts = u.chunks_exact(self.each).zip(self.free.chunks_exact(self.each)).enumerate();
+        let mut parts = u.chunks_exact(each).zip(self.free.chunks_exact(each)).enumerate();
         for pad in &self.pads {
             for ((x, indices), (i, (u, free))) in pad.facets.iter().zip(&mut parts) {
-                pad.forms.residual(x, part(&from, i, self.each), u, block);
+                kernel(&pad.forms, i, each, x, u, block);
                 block.iter_mut().zip(free).for_each(|(value, free)| *value *= free);
                 f.set_values(indices, block, Insert::Add)?;
             }

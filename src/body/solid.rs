@@ -7,10 +7,10 @@ use crate::contact::Localization;
 use crate::error::{Error, Result};
 use crate::form::{Material, SolidForms, SurfaceForms};
 use crate::mesh::Mesh;
-use crate::scene::{Fault, Scene, SupportKind, Vec3};
+use crate::scene::{Contact, Fault, Scene, Scheme, SupportKind, Vec3};
 
 use super::assembly::{Stopped, assemble, into_matrix, into_vector, zeros};
-use super::{Clamps, Pads};
+use super::{Clamps, Lumped, Pads};
 
 /// The body's side of M ü + C u̇ + K u + p(u) = a F + f, three unknowns a node.
 ///
@@ -24,6 +24,8 @@ pub struct Solid {
     pub support: Option<Matrix>,
     /// C of the dampers (13), N s/m.
     pub damping: Option<Matrix>,
+    /// Diagonals in the places of M and C, where the scheme is explicit.
+    pub lumped: Option<Lumped>,
     /// Pads (12).
     pub pads: Option<Pads>,
     /// Held unknowns (2).
@@ -48,7 +50,10 @@ impl Solid {
     /// off the body. PETSc's.
     pub fn new(scene: &Scene, mesh: &Mesh) -> Result<Self> {
         check_surfaces(scene, mesh)?;
-        let localization = Localization::point(mesh, &scene.impactor)?;
+        let localization = match scene.contact {
+            Contact::Patch { radius } => Localization::patch(mesh, scene, radius)?,
+            Contact::Point => Localization::point(mesh, &scene.impactor)?,
+        };
         let pattern = zeros(&mesh.comm, mesh.owned_nodes, &mesh.cells, 0..mesh.cells.len())?;
         let mass = over_cells(scene, mesh, pattern.duplicate()?, SolidForms::mass)?;
         let elastic = over_cells(scene, mesh, pattern, SolidForms::stiffness)?;
@@ -60,6 +65,7 @@ impl Solid {
             scene.supports.iter().map(|s| (s.surface.as_str(), stiffness(&s.kind), s.displacement)).collect();
         let dampers: Vec<(&str, Vec3, Vec3)> =
             scene.supports.iter().map(|s| (s.surface.as_str(), s.damping, [0.0; 3])).collect();
+        let explicit = matches!(scene.time.scheme, Scheme::CentralDifference { .. });
         let clamps = Clamps::new(mesh, &scene.supports)?;
         let (support_load, support_offset) = support_load(mesh, &springs)?;
         Ok(Self {
@@ -67,19 +73,51 @@ impl Solid {
             elastic,
             support: over_facets(mesh, &springs)?,
             damping: over_facets(mesh, &dampers)?,
+            lumped: explicit.then(|| Lumped::new(scene, mesh)).transpose()?,
             pads: Pads::new(mesh, &scene.supports, &clamps)?,
             load: load(scene, mesh)?,
             support_load,
             support_offset,
             localization,
             clamps,
-            copies: 1.0,
+            copies: mesh.copies as f64,
         })
     }
 
     /// Unknowns on all ranks.
     pub fn unknowns(&self) -> usize {
         self.load.len()
+    }
+
+    /// out ← M v, with the lumped M where the scheme is explicit. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn apply_mass(&self, v: &Vector, out: &mut Vector) -> Result<()> {
+        match &self.lumped {
+            Some(lumped) => {
+                out.copy_from(v)?;
+                out.pointwise_mult(&lumped.mass)?;
+            }
+            None => self.mass.mult(v, out)?,
+        }
+        Ok(())
+    }
+
+    /// out ← C v, with the lumped C where the scheme is explicit; nothing without dampers. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn apply_damping(&self, v: &Vector, out: &mut Vector) -> Result<()> {
+        match (&self.lumped, &self.damping) {
+            (Some(Lumped { damping: Some(diagonal), .. }), _) => {
+                out.copy_from(v)?;
+                out.pointwise_mult(diagonal)?;
+            }
+            (_, Some(matrix)) => matrix.mult(v, out)?,
+            _ => {}
+        }
+        Ok(())
     }
 
     /// S = K + c1 C + c2 M, pads left out. Collective.
@@ -150,7 +188,8 @@ fn over_cells(
     Ok(matrix)
 }
 
-fn forms(scene: &Scene, mesh: &Mesh) -> SolidForms {
+/// The kernels of the scene's material on the mesh's cells.
+pub(super) fn forms(scene: &Scene, mesh: &Mesh) -> SolidForms {
     let body = &scene.body;
     let material = Material { young: body.young, poisson: body.poisson, density: body.density };
     SolidForms::new(mesh.cells.shape, mesh.cells.order, material)
@@ -233,7 +272,7 @@ fn add_traction(mesh: &Mesh, surface: &str, f: Vec3, load: &mut Vector) -> Resul
 }
 
 /// A tangled cell on one rank made a fault on all of them. Collective.
-fn everywhere(mesh: &Mesh, done: std::result::Result<(), Stopped>) -> Result<()> {
+pub(super) fn everywhere(mesh: &Mesh, done: std::result::Result<(), Stopped>) -> Result<()> {
     let done = match done {
         Err(Stopped::Sink(error)) => return Err(Error::Petsc(error)),
         Err(Stopped::Tangled([x, y, z])) => {

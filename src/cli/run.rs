@@ -51,8 +51,8 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
     let mesh = Mesh::new(comm, &scene.body)?;
     let meshed = begin.elapsed().as_secs_f64();
     let body = Solid::new(scene, &mesh)?;
+    let mut impact = Impact::new(&mesh, scene, body)?;
     drop(mesh);
-    let mut impact = Impact::new(comm, scene, body)?;
     // The mesh is no longer needed.
     comm.collect_garbage()?;
     let assembled = begin.elapsed().as_secs_f64();

@@ -54,8 +54,8 @@ pub fn peak_force(stiffness: f64, mass: f64, speed: f64) -> f64 {
     Hertz { stiffness }.force(peak_indentation(stiffness, mass, speed))
 }
 
-/// α_max, where the potential holds all of the kinetic energy.
-fn peak_indentation(stiffness: f64, mass: f64, speed: f64) -> f64 {
+/// α_max (m) of the same impact, where the potential holds all of the kinetic energy.
+pub fn peak_indentation(stiffness: f64, mass: f64, speed: f64) -> f64 {
     let ratio = 0.5 * mass * speed * speed * (EXPONENT + 1.) / stiffness;
     ratio.powf(1. / (EXPONENT + 1.))
 }

@@ -5,8 +5,13 @@
 
 pub mod hertz;
 mod law;
+mod localization;
+mod patch;
 mod point;
+mod radius;
+pub mod zener;
 
 pub use hertz::Hertz;
 pub use law::Law;
-pub use point::Localization;
+pub use localization::Localization;
+pub use radius::{Patch, Reason};

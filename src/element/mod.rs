@@ -3,11 +3,15 @@
 //! The geometry of a cell is always of degree 1 (straight-sided simplices, bilinear quadrilaterals, trilinear
 //! hexahedra), whatever the order of the element on it.
 
+mod adaptive;
+mod inverse;
 mod lagrange;
 mod project;
 mod quadrature;
 mod table;
 
+pub use adaptive::adaptive;
+pub use inverse::Inverse;
 pub use lagrange::Element;
 pub use project::{closest, normal};
 pub use quadrature::Quadrature;

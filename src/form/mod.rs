@@ -4,11 +4,15 @@
 //! With n nodes a matrix is a row-major slice of (3n)² and a vector a slice of 3n; both are overwritten. The vertex
 //! coordinates `x` come in the order of the shape's reference vertices. Nothing is allocated after construction.
 
+mod lumping;
 mod pad;
+mod pressure;
 mod solid;
 mod surface;
 
-pub use pad::{PadForms, PadPoint, pressed};
+pub use lumping::lump;
+pub use pad::{PadForms, PadPoint, pressed_depth};
+pub use pressure::PressureForms;
 pub use solid::{Material, SolidForms, Tangled};
 pub use surface::SurfaceForms;
 

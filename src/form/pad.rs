@@ -45,8 +45,8 @@ impl PadForms {
     pub fn residual(&self, x: &[[f64; 3]], from: Option<&[f64]>, u: &[f64], out: &mut [f64]) {
         out.fill(0.);
         for (q, area) in self.table.areas(x).enumerate() {
-            let pressed = self.pressed(q, from, u);
-            let force = [0, 1, 2].map(|i| area * self.stiffness[i] * pressed[i].0 * self.sign[i]);
+            let push = self.push(q, from, u);
+            let force = [0, 1, 2].map(|i| area * self.stiffness[i] * push[i].0 * self.sign[i]);
             add_point_load(self.table.values(q), force, out);
         }
     }
@@ -61,7 +61,7 @@ impl PadForms {
             }
             let mut touched = false;
             for (q, area) in self.table.areas(x).enumerate() {
-                let slope = self.pressed(q, from, u)[i].1;
+                let slope = self.push(q, from, u)[i].1;
                 self.scale[q] = slope * area;
                 touched |= slope != 0.;
             }
@@ -69,6 +69,17 @@ impl PadForms {
                 scalar_products(&self.table, &self.scale, &mut self.block);
                 add_component(&self.block, self.table.nodes(), i, self.stiffness[i], out);
             }
+        }
+    }
+
+    /// Σ_i ∫ k_i u_i v_i dS over the components that the pad resists, N: the tangent of a pad pressed everywhere, which is the
+    /// largest, times `u`.
+    pub fn pressed(&self, x: &[[f64; 3]], u: &[f64], out: &mut [f64]) {
+        out.fill(0.);
+        for (q, area) in self.table.areas(x).enumerate() {
+            let at_point = self.displacement_at(q, u);
+            let force = [0, 1, 2].map(|i| area * self.stiffness[i] * self.sign[i].abs() * at_point[i]);
+            add_point_load(self.table.values(q), force, out);
         }
     }
 
@@ -96,21 +107,27 @@ impl PadForms {
     }
 
     /// ⟨g⟩ or its mean at a point, by component, with its derivative.
-    fn pressed(&self, q: usize, from: Option<&[f64]>, u: &[f64]) -> [(f64, f64); 3] {
+    fn push(&self, q: usize, from: Option<&[f64]>, u: &[f64]) -> [(f64, f64); 3] {
         let g = self.penetration(q, u);
         let before = from.map(|from| self.penetration(q, from));
-        [0, 1, 2].map(|i| pressed(before.map(|before| before[i]), g[i]))
+        [0, 1, 2].map(|i| pressed_depth(before.map(|before| before[i]), g[i]))
     }
 
     /// g at a point, by component.
     fn penetration(&self, q: usize, u: &[f64]) -> [f64; 3] {
-        let mut g = self.displacement.map(|displacement| -displacement);
+        let u = self.displacement_at(q, u);
+        [0, 1, 2].map(|i| self.sign[i] * (u[i] - self.displacement[i]))
+    }
+
+    /// u at a point.
+    fn displacement_at(&self, q: usize, u: &[f64]) -> [f64; 3] {
+        let mut sum = [0.; 3];
         for (value, u) in self.table.values(q).iter().zip(u.chunks_exact(3)) {
             for i in 0..3 {
-                g[i] += value * u[i];
+                sum[i] += value * u[i];
             }
         }
-        [0, 1, 2].map(|i| self.sign[i] * g[i])
+        sum
     }
 }
 
@@ -131,7 +148,7 @@ pub struct PadPoint<'a> {
 
 /// ⟨g⟩ (m) of a penetration, or, with the penetration `from` before a step, the mean of ⟨·⟩ that does just the work of ½⟨g⟩²;
 /// and the derivative with respect to `to`.
-pub fn pressed(from: Option<f64>, to: f64) -> (f64, f64) {
+pub fn pressed_depth(from: Option<f64>, to: f64) -> (f64, f64) {
     match from {
         None => (positive_part(to), if to > 0. { 1. } else { 0. }),
         Some(from) => mean(from, to),

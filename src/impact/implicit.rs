@@ -78,7 +78,7 @@ impl Method {
 }
 
 /// An implicit scheme at one step size.
-pub struct Stepper {
+pub struct ImplicitStepper {
     scheme: Implicit,
     step: f64,
     solver: Solver,
@@ -88,7 +88,7 @@ pub struct Stepper {
     pads: Option<Vector>,
 }
 
-impl Stepper {
+impl ImplicitStepper {
     /// Sets up the solver. Collective.
     ///
     /// # Errors
@@ -98,8 +98,7 @@ impl Stepper {
         body: &Solid,
         setting: Setting,
         (scheme, step): (Implicit, f64),
-        newton: scene::Newton,
-        tolerance: f64,
+        (newton, tolerance): (scene::Newton, f64),
     ) -> Result<Self> {
         let stage = scheme.stage(step);
         let condensed = |pushed: Vec<Int>| {
@@ -114,11 +113,6 @@ impl Stepper {
         let zeros = || body.load.duplicate();
         let pads = body.pads.as_ref().map(|_| zeros()).transpose()?;
         Ok(Self { scheme, step, solver, known: zeros()?, work: zeros()?, pads })
-    }
-
-    /// Δt, s.
-    pub(super) fn step(&self) -> f64 {
-        self.step
     }
 
     /// Takes a step: writes the state at its end, and what was exchanged over it. Returns the Newton iterations. Collective.

@@ -30,7 +30,10 @@ pub(super) fn start(comm: &Comm, body: &mut Solid, setting: &Setting, moment: &m
     moment.products.add_internal(-1.0, force)?;
     force.axpy(contact, &body.localization.vector)?;
     body.clamps.zero(force)?;
-    if force.norm_max()? > 0.0 {
+    if let Some(lumped) = &body.lumped {
+        moment.state.a.copy_from(force)?;
+        moment.state.a.pointwise_divide(&lumped.mass)?;
+    } else if force.norm_max()? > 0.0 {
         let mut mass = body.mass.duplicate()?;
         mass.zero_rows_columns(&body.clamps.rows, 1.0)?;
         mass.declare_positive_definite()?;

@@ -7,14 +7,52 @@ use crate::error::Result;
 use crate::scene;
 use crate::scheme::Implicit;
 
-use super::implicit::Stepper;
+use super::explicit::ExplicitStepper;
+use super::implicit::ImplicitStepper;
+use super::ledger::Exchange;
 use super::setting::Setting;
+use super::state::Moment;
+
+/// A scheme at one step size.
+pub struct Stepper {
+    step: f64,
+    kind: Kind,
+}
+
+enum Kind {
+    Implicit(ImplicitStepper),
+    Explicit(ExplicitStepper),
+}
+
+impl Stepper {
+    /// Δt, s.
+    pub(super) fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// Takes a step: writes the state at its end. Returns what was exchanged over it, and the Newton iterations. Collective.
+    ///
+    /// # Errors
+    /// [`crate::Error::Solve`] where the step is not solved; PETSc's.
+    pub(super) fn advance(
+        &mut self,
+        body: &mut Solid,
+        setting: &Setting,
+        from: &Moment,
+        to: &mut Moment,
+    ) -> Result<(Exchange, usize)> {
+        match &mut self.kind {
+            Kind::Implicit(stepper) => stepper.advance(body, setting, from, to),
+            Kind::Explicit(stepper) => Ok((stepper.advance(body, setting, from, to)?, 0)),
+        }
+    }
+}
 
 /// Steps of 2^level times a base.
 pub struct Ladder {
     comm: Comm,
     setting: Setting,
-    scheme: Implicit,
+    scheme: scene::Scheme,
     newton: scene::Newton,
     /// What counts as zero in the full Newton's method, N.
     tolerance: f64,
@@ -27,7 +65,7 @@ impl Ladder {
     pub(super) fn new(
         comm: &Comm,
         setting: Setting,
-        (scheme, newton): (Implicit, scene::Newton),
+        (scheme, newton): (scene::Scheme, scene::Newton),
         tolerance: f64,
         base: f64,
     ) -> Self {
@@ -50,8 +88,14 @@ impl Ladder {
         let step = self.step(level);
         let slot = &mut self.steppers[level];
         if slot.is_none() {
-            *slot =
-                Some(Stepper::new(&self.comm, body, self.setting, (self.scheme, step), self.newton, self.tolerance)?);
+            let kind = match Implicit::new(self.scheme) {
+                Some(scheme) => {
+                    let newton = (self.newton, self.tolerance);
+                    Kind::Implicit(ImplicitStepper::new(&self.comm, body, self.setting, (scheme, step), newton)?)
+                }
+                None => Kind::Explicit(ExplicitStepper::new(body, step)?),
+            };
+            *slot = Some(Stepper { step, kind });
         }
         Ok(slot.as_mut().expect("just set up"))
     }

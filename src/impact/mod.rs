@@ -4,6 +4,7 @@
 
 mod condensed;
 mod controlled;
+mod explicit;
 mod full;
 mod gate;
 mod implicit;
@@ -25,8 +26,8 @@ use petsc_wrap::Comm;
 use crate::body::Solid;
 use crate::contact::hertz;
 use crate::error::Result;
-use crate::scene::Scene;
-use crate::scheme::Implicit;
+use crate::mesh::Mesh;
+use crate::scene::{Scene, Scheme};
 
 use controlled::Controlled;
 use gate::Gate;
@@ -67,20 +68,24 @@ pub struct Count {
 }
 
 impl Impact {
-    /// An impact of the scene on its body: sets up the initial state. Collective.
+    /// An impact of the scene on its body, made on the mesh: sets up the initial state. Collective.
     ///
     /// # Errors
-    /// PETSc's.
-    pub fn new(comm: &Comm, scene: &Scene, mut body: Solid) -> Result<Self> {
+    /// A fault of the scene where an explicit step is not stable; PETSc's.
+    pub fn new(mesh: &Mesh, scene: &Scene, mut body: Solid) -> Result<Self> {
+        let (comm, end) = (&mesh.comm, scene.time.end);
         let setting = Setting::new(&scene.impactor, &body);
-        let scheme = Implicit::new(scene.time.scheme).expect("implicit");
-        let end = scene.time.end;
-        let tolerance = scene.time.step.is_none().then_some(scene.tolerance);
-        let step = scene.time.step.unwrap_or_else(|| controlled::first_step(&setting, scene.tolerance, end));
+        let (step, tolerance) = match (scene.time.scheme, scene.time.step) {
+            (Scheme::CentralDifference { allow_unstable }, step) => {
+                (explicit::step(mesh, &mut body, &setting, (step, allow_unstable))?, None)
+            }
+            (_, Some(step)) => (step, None),
+            (_, None) => (controlled::first_step(&setting, scene.tolerance, end), Some(scene.tolerance)),
+        };
         let newton_tolerance =
             FORCE_TOLERANCE * hertz::peak_force(setting.law.hertz.stiffness, setting.mass, setting.speed);
         Ok(Self {
-            ladder: Ladder::new(comm, setting, (scheme, scene.solver.newton), newton_tolerance, step),
+            ladder: Ladder::new(comm, setting, (scene.time.scheme, scene.solver.newton), newton_tolerance, step),
             gate: Gate::new(scene.solver.energy_gate),
             end,
             tolerance,

@@ -17,7 +17,7 @@ use std::convert::Infallible;
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use crate::form::pressed;
+use crate::form::pressed_depth;
 use crate::scheme::StageForce;
 
 use super::search::step_length;
@@ -157,7 +157,7 @@ impl Reduced {
         for (q, (columns, values)) in self.points.entries().enumerate() {
             let (from, weight) = (step.penetration[q], self.points.weights[q]);
             let to = from + scale * moving(columns, values, last).map(|(i, value)| value * z[i]).sum::<f64>();
-            let (depth, slope) = pressed(gradient.then_some(from), to);
+            let (depth, slope) = pressed_depth(gradient.then_some(from), to);
             self.tangents[q] = weight * scale * slope;
             if depth != 0.0 {
                 moving(columns, values, last).for_each(|(i, value)| forces[i] += weight * depth * value);

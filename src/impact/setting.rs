@@ -33,7 +33,7 @@ impl Setting {
             gap: impactor.gap,
             law: Law {
                 hertz: Hertz { stiffness: impactor.stiffness / copies },
-                compliance: body.localization.compliance * copies,
+                compliance: body.localization.compliance,
             },
             copies,
         }

@@ -60,12 +60,12 @@ impl Products {
     /// All of them anew from u and u̇. Collective.
     pub(super) fn update(&mut self, body: &Solid, state: &State) -> Result<()> {
         body.elastic.mult(&state.u, &mut self.elastic)?;
-        body.mass.mult(&state.v, &mut self.momentum)?;
+        body.apply_mass(&state.v, &mut self.momentum)?;
         if let (Some(matrix), Some(product)) = (&body.support, &mut self.support) {
             matrix.mult(&state.u, product)?;
         }
-        if let (Some(matrix), Some(product)) = (&body.damping, &mut self.damping) {
-            matrix.mult(&state.v, product)?;
+        if let Some(product) = &mut self.damping {
+            body.apply_damping(&state.v, product)?;
         }
         Ok(())
     }

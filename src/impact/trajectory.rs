@@ -5,8 +5,8 @@ use petsc_wrap::Comm;
 use crate::body::Solid;
 use crate::error::{Error, Result};
 
-use super::implicit::Stepper;
 use super::initial;
+use super::ladder::Stepper;
 use super::ledger::Ledger;
 use super::setting::Setting;
 use super::state::{Moment, State};
@@ -70,7 +70,7 @@ impl Trajectory {
     /// # Errors
     /// PETSc's.
     pub(super) fn set_state(&mut self, state: State, body: &mut Solid, setting: &Setting) -> Result<()> {
-        body.mass.mult(&state.a, &mut self.now.inertia)?;
+        body.apply_mass(&state.a, &mut self.now.inertia)?;
         body.clamps.zero(&mut self.now.inertia)?;
         self.now.state = state;
         self.now.update(body, setting.gap)

@@ -11,8 +11,7 @@ use crate::scene::Vec3;
 
 use super::{Mesh, mean};
 
-/// The point of the surface closest to a given point. The same on every rank, but for `nodes` and `weights`, which only
-/// one rank has.
+/// The point of the surface closest to a given point. The same on every rank.
 #[derive(Debug, Clone)]
 pub struct Site {
     /// Distance between the two, m.
@@ -21,10 +20,12 @@ pub struct Site {
     pub x: Vec3,
     /// Outward unit normal of the facet.
     pub normal: Vec3,
-    /// Global numbers of the facet's nodes; empty on all ranks but one.
+    /// Global numbers of the facet's nodes.
     pub nodes: Vec<Int>,
     /// Values of their shape functions at the point.
     pub weights: Vec<f64>,
+    /// Longest edge of the facets that hold the point, m.
+    pub cell: f64,
 }
 
 impl Mesh {
@@ -34,13 +35,17 @@ impl Mesh {
         let shape = self.facets.shape;
         let projections: Vec<(Vec3, f64)> =
             (0..self.facets.len()).map(|i| closest(shape, self.facets.x(i), point)).collect();
+        let mpi = self.comm.mpi();
         let here = projections.iter().fold(f64::INFINITY, |least, (_, distance)| least.min(*distance));
         let mut least = 0.0;
-        self.comm.mpi().all_reduce_into(&here, &mut least, SystemOperation::min());
+        mpi.all_reduce_into(&here, &mut least, SystemOperation::min());
         // Facets that meet at the point differ by rounding alone.
         let near = least + 1e-12 * self.diameter;
-        let best = (0..projections.len())
-            .filter(|&i| projections[i].1 <= near)
+        let holding = || (0..projections.len()).filter(|&i| projections[i].1 <= near);
+        let longest = holding().map(|i| longest_edge(self.facets.x(i))).fold(0.0, f64::max);
+        let mut cell = 0.0;
+        mpi.all_reduce_into(&longest, &mut cell, SystemOperation::max());
+        let best = holding()
             .map(|i| {
                 (Preference::new(self.facets.x(i), normal(shape, self.facets.x(i), projections[i].0), direction), i)
             })
@@ -48,25 +53,27 @@ impl Mesh {
         let mine = best.as_ref().map_or(Preference::NONE, |(preference, _)| *preference);
         let size = self.comm.size();
         let mut all = vec![0.0; mine.0.len() * size];
-        self.comm.mpi().all_gather_into(&mine.0[..], &mut all[..]);
+        mpi.all_gather_into(&mine.0[..], &mut all[..]);
         let preferences: Vec<Preference> =
             all.chunks_exact(mine.0.len()).map(|r| Preference([r[0], r[1], r[2], r[3]])).collect();
         let winner = (1..size).fold(0, |w, r| if preferences[r].compare(&preferences[w]).is_lt() { r } else { w });
-        let mut site = Site { distance: least, x: [0.0; 3], normal: [0.0; 3], nodes: Vec::new(), weights: Vec::new() };
         let mut shared = [0.0; 6];
+        let mut nodes = vec![0; self.facets.nodes_each()];
+        let mut weights = vec![0.0; nodes.len()];
         if winner == self.comm.rank() {
             let (_, facet) = best.expect("the winner has a facet");
             let (x, xi) = (self.facets.x(facet), projections[facet].0);
             shared[..3].copy_from_slice(&interpolate(&Element::new(shape, 1), x, xi));
             shared[3..].copy_from_slice(&normal(shape, x, xi));
-            site.nodes = self.facets.nodes(facet).to_vec();
-            site.weights = vec![0.0; site.nodes.len()];
-            Element::new(shape, self.facets.order).values(xi, &mut site.weights);
+            nodes.copy_from_slice(self.facets.nodes(facet));
+            Element::new(shape, self.facets.order).values(xi, &mut weights);
         }
-        self.comm.mpi().process_at_rank(winner as i32).broadcast_into(&mut shared[..]);
-        site.x.copy_from_slice(&shared[..3]);
-        site.normal.copy_from_slice(&shared[3..]);
-        site
+        let process = mpi.process_at_rank(winner as i32);
+        process.broadcast_into(&mut shared[..]);
+        process.broadcast_into(&mut nodes[..]);
+        process.broadcast_into(&mut weights[..]);
+        let [x, y, z, nx, ny, nz] = shared;
+        Site { distance: least, x: [x, y, z], normal: [nx, ny, nz], nodes, weights, cell }
     }
 }
 
@@ -100,6 +107,11 @@ fn interpolate(element: &Element, x: &[Vec3], xi: Vec3) -> Vec3 {
         }
     }
     point
+}
+
+fn longest_edge(x: &[Vec3]) -> f64 {
+    let ends = x.iter().zip(x.iter().cycle().skip(1));
+    ends.map(|(a, b)| [0, 1, 2].map(|i| (a[i] - b[i]).powi(2)).iter().sum::<f64>().sqrt()).fold(0.0, f64::max)
 }
 
 fn dot(a: Vec3, b: Vec3) -> f64 {

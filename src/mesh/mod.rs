@@ -3,7 +3,9 @@
 //! DMPlex makes, reads and distributes the mesh (`plex`); the rest of the program sees plain arrays.
 
 mod gmsh;
+mod grid;
 mod locate;
+mod measure;
 mod plex;
 
 use std::collections::BTreeMap;
@@ -14,23 +16,28 @@ use crate::element::{Element, Shape};
 
 pub use locate::Site;
 
-/// This rank's part of a mesh. Every cell is on one rank; nodes between ranks are owned by one of them.
+/// This rank's part of a mesh. Every cell is on one rank; nodes between ranks are owned by one of them. The mesh may be that
+/// of a quarter of the body, between two planes of symmetry.
 pub struct Mesh {
     /// The ranks.
     pub comm: Comm,
     /// This rank's cells.
     pub cells: Elements,
-    /// This rank's facets on the boundary of the whole body, vertices in right-handed order about the outward normal.
+    /// This rank's facets on the boundary of the whole body, planes of symmetry left out, vertices in right-handed order about the outward normal.
     pub facets: Elements,
     /// Every named surface, the same names on all ranks: indices into `facets`.
     pub surfaces: BTreeMap<String, Vec<usize>>,
+    /// Global numbers of the nodes on planes of symmetry, by the axis normal to them; those that this rank's cells touch.
+    pub mirror_nodes: [Vec<Int>; 3],
+    /// How many such meshes make the whole body: 1, or 4 for a quarter.
+    pub copies: usize,
     /// Nodes that this rank owns; their global numbers are contiguous.
     pub owned_nodes: usize,
     /// Nodes on all ranks.
     pub nodes: usize,
     /// Cells on all ranks.
     pub total_cells: usize,
-    /// Diagonal of the box around the body, m.
+    /// Diagonal of the box around the mesh, m.
     pub diameter: f64,
 }
 

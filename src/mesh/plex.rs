@@ -12,6 +12,7 @@ use crate::error::Result;
 use crate::scene::{Body, Fault, Geometry, Vec3};
 
 use super::gmsh::{self, Group};
+use super::grid::Grid;
 use super::{Elements, Mesh};
 
 /// Label of the facets on the boundary of the whole body.
@@ -26,44 +27,65 @@ impl Mesh {
     /// # Errors
     /// A mesh file that cannot be used (a fault of `body.mesh`), the same on all ranks; PETSc's.
     pub fn new(comm: &Comm, body: &Body) -> Result<Self> {
-        let (plex, groups) = match &body.geometry {
-            Geometry::Box { size, cells } => {
-                let upper = size.map(|edge| edge / 2.0);
-                (Plex::hexahedral_box(comm, *cells, upper.map(|x| -x), upper)?, Vec::new())
-            }
-            Geometry::Gmsh(path) => gmsh::read(comm, path)?,
-        };
-        plex.label_boundary(BOUNDARY)?;
-        let plex = plex.distribute()?;
-        let part = Part::new(&plex, shape(&plex)?, body.order)?;
-        let (cells, facets, marks) = part.elements(&groups)?;
-        let mut surfaces: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         match &body.geometry {
-            Geometry::Box { size, .. } => name_box_surfaces(&facets, *size, &mut surfaces),
-            Geometry::Gmsh(_) => {
+            Geometry::Box { planes, .. } => {
+                let grid = Grid::new(planes, &body.symmetry);
+                let plex = spread(grid.cubes(comm)?)?;
+                let part = Part::new(&plex, body.order, |vertex| grid.place(vertex))?;
+                let (cells, facets, _) = part.elements(&[])?;
+                let (facets, mirror_nodes) = grid.cut(&facets);
+                let surfaces = grid.surfaces(&facets);
+                let mesh = Self::collect(comm, part.numbering.owned, cells, facets, surfaces);
+                Ok(Self { mirror_nodes, copies: grid.copies(), ..mesh })
+            }
+            Geometry::Gmsh(path) => {
+                let (plex, groups) = gmsh::read(comm, path)?;
+                let plex = spread(plex)?;
+                let part = Part::new(&plex, body.order, |vertex| vertex)?;
+                let (cells, facets, marks) = part.elements(&groups)?;
+                let mut surfaces = BTreeMap::new();
                 for ((_, name), mark) in groups.into_iter().zip(marks) {
                     if check_surface(comm, &name, &mark)? {
                         surfaces.insert(name, mark.facets);
                     }
                 }
+                Ok(Self::collect(comm, part.numbering.owned, cells, facets, surfaces))
             }
         }
+    }
+
+    /// A whole body's mesh from its parts. Collective.
+    fn collect(
+        comm: &Comm,
+        owned_nodes: usize,
+        cells: Elements,
+        facets: Elements,
+        surfaces: BTreeMap<String, Vec<usize>>,
+    ) -> Self {
         let sum = |local: usize| {
             let mut total = 0;
             comm.mpi().all_reduce_into(&local, &mut total, SystemOperation::sum());
             total
         };
-        Ok(Self {
-            nodes: sum(part.numbering.owned),
+        Self {
+            nodes: sum(owned_nodes),
             total_cells: sum(cells.len()),
-            owned_nodes: part.numbering.owned,
+            owned_nodes,
             diameter: diameter(comm, &cells),
+            copies: 1,
             comm: comm.clone(),
             cells,
             facets,
             surfaces,
-        })
+            mirror_nodes: Default::default(),
+        }
     }
+}
+
+/// The mesh over all ranks, with its boundary labelled. Collective.
+fn spread(plex: Plex) -> Result<Plex> {
+    plex.label_boundary(BOUNDARY)?;
+    Ok(plex.distribute()?)
 }
 
 /// The one shape of all cells. Collective.
@@ -121,7 +143,9 @@ struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    fn new(plex: &'a Plex, shape: Shape, order: usize) -> Result<Self> {
+    /// `place` moves a vertex to where it belongs. Collective.
+    fn new(plex: &'a Plex, order: usize, place: impl Fn(Vec3) -> Vec3) -> Result<Self> {
+        let shape = shape(plex)?;
         // Which points carry a node of the element: P1 and Q1 vertices, P2 also edges, Q2 every point.
         let numbering = plex.number(|dimension| match (shape, order) {
             (_, 1) => usize::from(dimension == 0),
@@ -132,6 +156,7 @@ impl<'a> Part<'a> {
         let known = coordinates.ok_or("the mesh has curved cells (elements of higher order)".to_owned());
         let coordinates = agree(plex.comm(), known)
             .map_err(|message| Fault::new("body.mesh", message, "save it from Gmsh with Mesh.ElementOrder = 1"))?;
+        let coordinates = coordinates.into_iter().map(place).collect();
         let edges = plex.points(1)?.map(|edge| Ok(plex.cone(edge)?.to_vec())).collect::<Result<Vec<_>>>()?;
         let first_edge = plex.points(1)?.start;
         let faces = plex
@@ -281,30 +306,6 @@ fn orientation(shape: Shape, x: &[Vec3]) -> f64 {
         }
     };
     a.cross(&b).dot(&c)
-}
-
-/// Names the facets of a box by where they lie.
-fn name_box_surfaces(facets: &Elements, size: Vec3, surfaces: &mut BTreeMap<String, Vec<usize>>) {
-    let names = [["x-min", "x-max"], ["y-min", "y-max"], ["z-min", "z-max"]];
-    for name in names.iter().flatten().chain(&["side", "top", "bottom"]) {
-        surfaces.insert((*name).to_owned(), Vec::new());
-    }
-    for i in 0..facets.len() {
-        let x = facets.x(i);
-        for (axis, names) in names.iter().enumerate() {
-            // A facet lies in a face when all its vertices do; half a cell is far more than rounding.
-            let mean = x.iter().map(|x| x[axis]).sum::<f64>() / x.len() as f64;
-            let flat = x.iter().all(|x| (x[axis] - mean).abs() < 1e-9 * size[axis]);
-            if !flat || mean.abs() < 0.499_999 * size[axis] {
-                continue;
-            }
-            let upper = mean > 0.0;
-            let group = if axis < 2 { "side" } else { ["bottom", "top"][usize::from(upper)] };
-            for name in [names[usize::from(upper)], group] {
-                surfaces.entry(name.to_owned()).or_default().push(i);
-            }
-        }
-    }
 }
 
 /// Whether a name marks anything; one with faces inside the body is refused.

@@ -5,6 +5,23 @@ use super::Vec3;
 /// Names of the surfaces of a box; "side" is all four faces with a horizontal normal.
 pub(super) const SURFACES: [&str; 9] = ["side", "top", "bottom", "x-min", "x-max", "y-min", "y-max", "z-min", "z-max"];
 
+/// A face of a box: the axis that it is normal to, and whether it is the upper one.
+pub(super) type Face = (usize, bool);
+
+/// The faces that the name of a surface of a box stands for.
+pub(super) fn faces(name: &str) -> &'static [Face] {
+    match name {
+        "side" => &[(0, false), (0, true), (1, false), (1, true)],
+        "x-min" => &[(0, false)],
+        "x-max" => &[(0, true)],
+        "y-min" => &[(1, false)],
+        "y-max" => &[(1, true)],
+        "z-min" | "bottom" => &[(2, false)],
+        "z-max" | "top" => &[(2, true)],
+        _ => &[],
+    }
+}
+
 /// Distance of `point` from the surface of the box, from inside or outside.
 pub(super) fn distance(size: Vec3, point: Vec3) -> f64 {
     let beyond = beyond(size, point);
@@ -22,12 +39,38 @@ pub(super) fn tolerance(size: Vec3) -> f64 {
     1e-9 * size.into_iter().fold(0.0, f64::max)
 }
 
+/// The point with each coordinate that is at the middle or at an end of its edge, but for 1e-9 of it, exactly there.
+pub(super) fn snap(size: Vec3, point: Vec3) -> Vec3 {
+    std::array::from_fn(|i| {
+        let (half, near) = (size[i] / 2.0, 1e-9 * size[i]);
+        match point[i] {
+            x if x.abs() <= near => 0.0,
+            x if (x.abs() - half).abs() <= near => half.copysign(x),
+            x => x,
+        }
+    })
+}
+
 /// Whether a unit `direction` at a `point` on the surface leads into the box, through any of the faces there.
 pub(super) fn leads_inside(size: Vec3, point: Vec3, direction: Vec3) -> bool {
     // Along a face is not into it, whatever the last digit says.
-    const INWARD: f64 = -1e-9;
+    inward(size, point, direction).into_iter().any(|inward| inward > 1e-9)
+}
+
+/// The axis across the face through which a unit `direction` leads into the box at a `point` on its surface; at an edge or
+/// a corner the face that it hits squarest.
+pub(super) fn struck_axis(size: Vec3, point: Vec3, direction: Vec3) -> usize {
+    let inward = inward(size, point, direction);
+    (0..3).fold(0, |best, i| if inward[i] >= inward[best] { i } else { best })
+}
+
+/// The direction's component along the inward normal of the face across each axis; −∞ where the point is on none.
+fn inward(size: Vec3, point: Vec3, direction: Vec3) -> Vec3 {
     let beyond = beyond(size, point);
-    (0..3).any(|i| beyond[i].abs() <= tolerance(size) && direction[i] * point[i].signum() < INWARD)
+    std::array::from_fn(|i| match beyond[i].abs() <= tolerance(size) {
+        true => -direction[i] * point[i].signum(),
+        false => f64::NEG_INFINITY,
+    })
 }
 
 /// Centre of the face that a body moving along `direction` from outside hits squarest: the one across the
@@ -74,6 +117,25 @@ mod tests {
         assert!(!leads_inside(SIZE, edge, [0.0, 1.0, 0.0]));
         assert!(!leads_inside(SIZE, edge, [0.6, 0.0, 0.8]));
         assert!(!leads_inside(SIZE, [0.0, 0.0, 3.0], [-1.0, 0.0, 0.0]));
+    }
+
+    #[test]
+    fn the_struck_axis_is_that_of_a_face_at_the_point() {
+        assert_eq!(struck_axis(SIZE, [0.0, 0.5, 3.0], [0.8, 0.0, -0.6]), 2);
+        assert_eq!(struck_axis(SIZE, [1.0, 0.0, 3.0], [-0.8, 0.0, -0.6]), 0);
+        assert_eq!(struck_axis(SIZE, [0.0, -2.0, 0.0], [0.0, 1.0, 0.0]), 1);
+    }
+
+    #[test]
+    fn a_point_snaps_to_the_middle_and_to_the_faces() {
+        assert_eq!(snap(SIZE, [1e-9, -1.999_999_999, 3.0]), [0.0, -2.0, 3.0]);
+        let free = [1e-8, -1.999_999_98, 1.5];
+        assert_eq!(snap(SIZE, free), free);
+    }
+
+    #[test]
+    fn every_surface_has_its_faces() {
+        assert!(SURFACES.iter().all(|name| !faces(name).is_empty()));
     }
 
     #[test]

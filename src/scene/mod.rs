@@ -7,6 +7,7 @@ mod decode;
 mod error;
 mod faces;
 mod fault;
+mod layout;
 mod locate;
 mod overrides;
 mod raw;
@@ -105,6 +106,24 @@ pub struct Body {
     pub geometry: Geometry,
     /// Polynomial degree of the elements: 1 or 2.
     pub order: usize,
+    /// What part of it is solved.
+    pub symmetry: Symmetry,
+}
+
+/// What part of the body is solved.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Symmetry {
+    /// The whole.
+    None {
+        /// Why it was not cut, where a cut was to be made if possible.
+        reason: Option<String>,
+    },
+    /// The part of a box where the coordinates of both axes are positive. The planes where one of them is zero are planes of
+    /// symmetry of the whole scene.
+    Quarter {
+        /// The axes normal to those planes, ascending.
+        axes: [usize; 2],
+    },
 }
 
 /// Where the mesh comes from.
@@ -114,8 +133,8 @@ pub enum Geometry {
     Box {
         /// Edge lengths, m.
         size: Vec3,
-        /// Number of hexahedra along each edge.
-        cells: [usize; 3],
+        /// Coordinates of the grid planes across each axis, m, ascending from −size/2 to size/2; the cells lie between them.
+        planes: [Vec<f64>; 3],
     },
     /// A Gmsh file (2.2 or 4.1), surfaces by physical name; relative to the scene file.
     Gmsh(std::path::PathBuf),

@@ -38,6 +38,7 @@ pub(super) struct Body {
     pub density: Number,
     pub size: Option<Three<Number>>,
     pub cells: Option<Three<Whole>>,
+    pub grading: Option<ByComponent>,
     pub mesh: Option<String>,
     pub order: Option<Whole>,
     pub symmetry: Option<String>,

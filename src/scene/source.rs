@@ -59,8 +59,24 @@ impl Source {
         self.error_at(&segments, Mark::Value, message.into(), help.into())
     }
 
+    /// [`error`](Self::error) at a key that does not go with another one; it tells of an override of either.
+    pub(super) fn conflict(&self, path: &str, with: &str, message: String, help: String) -> SceneError {
+        let message = match (self.overridden(path), self.overridden(with)) {
+            (None, Some(given)) => format!("{message} (set by --set {given})"),
+            _ => message,
+        };
+        self.error(path, message, help)
+    }
+
+    /// The last override of a key, of a part of it, or of what it is a part of.
+    fn overridden(&self, path: &str) -> Option<&str> {
+        let named =
+            |entry: &&Override| entry.segments.iter().map(String::as_str).zip(path.split('.')).all(|(a, b)| a == b);
+        self.overrides.iter().rev().find(named).map(|entry| entry.given.as_str())
+    }
+
     /// [`error`](Self::error) for a path in segments, which may hold dots, with the key or the value underlined.
-    pub(super) fn error_at(&self, segments: &[&str], mark: Mark, mut message: String, help: String) -> SceneError {
+    pub(super) fn error_at(&self, segments: &[&str], mark: Mark, message: String, help: String) -> SceneError {
         // The text was parsed when the source was made; were it not to parse, the error would point to its start.
         let document = Document::parse(self.text.as_str()).unwrap_or_else(|_| Document::default());
         let place = locate(&document, segments);
@@ -71,12 +87,11 @@ impl Source {
             None if mark == Mark::Key => (place.key, None),
             None => (place.value, None),
         };
-        // The last override of this key, of a part of it, or of what it is a part of.
-        let named = |entry: &&Override| entry.segments.iter().zip(segments).all(|(a, b)| a == b);
-        if let Some(entry) = self.overrides.iter().rev().find(named) {
-            message = format!("{message} (set by --set {})", entry.given);
-        }
         let key = segments.join(".");
+        let message = match self.overridden(&key) {
+            Some(given) => format!("{message} (set by --set {given})"),
+            None => message,
+        };
         self.fault(key, line, span, label, (message, help))
     }
 

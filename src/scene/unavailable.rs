@@ -22,8 +22,6 @@ const UNAVAILABLE: &[(&str, What, &str)] = &[
     ("body.model", Words(&["auto", "half-space", "infinite-plate", "kirchhoff", "mindlin"]), "model = \"solid\""),
     ("body.reduction", Words(&["auto"]), "reduction = \"none\""),
     ("body.reduction", Number, "reduction = \"none\""),
-    ("body.symmetry", Words(&["auto", "quarter"]), "symmetry = \"none\""),
-    ("body.grading", Key, "cells of one size along each edge (body.cells), or a mesh file (body.mesh)"),
     ("time.scheme", Words(&["modal"]), "\"newmark\", \"generalized-alpha\", \"energy\" and \"central-difference\""),
     ("output.fields", Key, "the series, with output.every"),
     ("output.probes", Key, "the series, with output.every"),

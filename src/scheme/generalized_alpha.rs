@@ -24,17 +24,17 @@ mod tests {
         for rho_inf in [0.2, 0.5, 0.8] {
             let scheme = generalized_alpha(rho_inf);
             // ωΔt = 1e4: the radius is reached to the square root of 1/ωΔt, since the eigenvalue −ρ∞ is double.
-            let (step, squared) = (1.0, 1e8);
+            let (step, squared): (f64, f64) = (1.0, 1e8);
             let (stage, end) = (scheme.stage(step), scheme.end(step));
-            let (mut u, mut v, mut a) = (1.0_f64, 0.0, -squared);
+            let (mut u, mut v, mut a) = (1.0, 0.0, -squared);
             let mut growth = 0.0;
             for _ in 0..60 {
-                let before = a.abs();
+                let before = f64::abs(a);
                 let known = -(stage.apply(0.0, v, a).1 + squared * u);
                 let increment = known / (stage.c2 + squared) / scheme.theta();
                 (v, a) = end.apply(increment, v, a);
                 u += increment;
-                growth = a.abs() / before;
+                growth = f64::abs(a) / before;
             }
             // A double eigenvalue: the factor of n λⁿ⁻¹ tends to λ like 1/n.
             assert!((growth - rho_inf).abs() < 0.05 * rho_inf, "{rho_inf}: {growth}");

@@ -14,7 +14,7 @@ pub fn start(comm: &Comm, text: &str) -> (Mesh, Impact) {
     let (scene, _) = Scene::parse("test", text, &[]).unwrap_or_else(|error| panic!("{}", error));
     let mesh = Mesh::new(comm, &scene.body).unwrap();
     let body = Solid::new(&scene, &mesh).unwrap();
-    let impact = Impact::new(comm, &scene, body).unwrap();
+    let impact = Impact::new(&mesh, &scene, body).unwrap();
     (mesh, impact)
 }
 

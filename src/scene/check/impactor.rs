@@ -1,11 +1,17 @@
 //! The impactor: what it is, where it hits, and how.
 
 use super::super::values::{Number, Three};
-use super::super::{Body, Geometry, Impactor, SceneError, Source, Vec3, faces, raw};
+use super::super::{Impactor, SceneError, Source, Vec3, faces, raw};
+use super::body::{Material, Outline};
 use super::numbers::show;
 use crate::contact::hertz;
 
-pub(super) fn check(source: &Source, raw: &raw::Impactor, body: &Body) -> Result<Impactor, SceneError> {
+pub(super) fn check(
+    source: &Source,
+    raw: &raw::Impactor,
+    body: &Material,
+    outline: &Outline,
+) -> Result<Impactor, SceneError> {
     let mass = source.positive("impactor.mass", raw.mass.0, "the mass m0 in kg")?;
     let radius = source.positive("impactor.radius", raw.radius.0, "the radius R of the rounded end in m")?;
     let speed =
@@ -19,14 +25,14 @@ pub(super) fn check(source: &Source, raw: &raw::Impactor, body: &Body) -> Result
         radius,
         stiffness: stiffness(source, raw, body, radius)?,
         speed,
-        point: point(source, raw, &body.geometry, direction)?,
+        point: point(source, raw, outline, direction)?,
         direction,
         gap,
     })
 }
 
 /// The given contact stiffness, or (15). What is given of the elastic constants is checked in either case.
-fn stiffness(source: &Source, raw: &raw::Impactor, body: &Body, radius: f64) -> Result<f64, SceneError> {
+fn stiffness(source: &Source, raw: &raw::Impactor, body: &Material, radius: f64) -> Result<f64, SceneError> {
     if let Some(Number(young)) = raw.young {
         source.positive("impactor.young", young, "Young's modulus in Pa")?;
     }
@@ -58,17 +64,17 @@ fn stiffness(source: &Source, raw: &raw::Impactor, body: &Body, radius: f64) -> 
     ))
 }
 
-fn point(source: &Source, raw: &raw::Impactor, geometry: &Geometry, direction: Vec3) -> Result<Vec3, SceneError> {
+fn point(source: &Source, raw: &raw::Impactor, outline: &Outline, direction: Vec3) -> Result<Vec3, SceneError> {
     let path = "impactor.point";
     let given = raw.point.map(Three::numbers);
     if let Some(point) = given {
         source.finite(path, &point)?;
     }
-    let size = match (geometry, given) {
-        (Geometry::Box { size, .. }, Some(_)) => *size,
-        (Geometry::Box { size, .. }, None) => return Ok(faces::struck_centre(*size, direction)),
-        (Geometry::Gmsh(_), Some(point)) => return Ok(point),
-        (Geometry::Gmsh(_), None) => {
+    let size = match (outline, given) {
+        (Outline::Box(size), Some(_)) => *size,
+        (Outline::Box(size), None) => return Ok(faces::struck_centre(*size, direction)),
+        (Outline::Gmsh(_), Some(point)) => return Ok(point),
+        (Outline::Gmsh(_), None) => {
             let help = "`point = [x, y, z]` in m on the surface of the mesh";
             return Err(source.error(path, "a body from a mesh file needs this key", help));
         }
@@ -88,5 +94,5 @@ fn point(source: &Source, raw: &raw::Impactor, geometry: &Geometry, direction: V
         let help = "a direction against the outward normal of the face at the impact point";
         return Err(source.error(key, message, help));
     }
-    Ok(point)
+    Ok(faces::snap(size, point))
 }

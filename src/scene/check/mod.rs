@@ -1,9 +1,11 @@
 //! From typed values to a checked scene: ranges, defaults, and what keys mean together.
 
 mod body;
+mod grid;
 mod impactor;
 mod numbers;
 mod support;
+mod symmetry;
 mod time;
 
 use std::path::Path;
@@ -12,8 +14,10 @@ use super::decode::decode;
 use super::error::SceneError;
 use super::values::{Number, Whole};
 use super::{
-    Contact, Geometry, Load, Newton, Output, Scene, Solver, Source, Traction, Vec3, faces, raw, suggest, unavailable,
+    Body, Contact, Geometry, Load, Newton, Output, Scene, Solver, Source, Traction, Vec3, faces, raw, suggest,
+    unavailable,
 };
+use body::{Material, Outline};
 
 /// The scene of a source, with mesh files relative to `folder`.
 ///
@@ -22,28 +26,39 @@ use super::{
 pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError> {
     unavailable::refuse(source)?;
     let raw = decode(source)?;
-    let body = body::check(source, &raw.body, folder)?;
+    let material = body::material(source, &raw.body)?;
+    let outline = body::outline(source, &raw.body, folder)?;
     let supports = raw
         .support
         .0
         .iter()
         .enumerate()
-        .map(|(number, support)| support::check(source, number, support, &body.geometry))
-        .collect::<Result<_, _>>()?;
-    let load = load(source, &raw.load, &body.geometry)?;
-    let impactor = impactor::check(source, &raw.impactor, &body)?;
-    let time = time::check(source, &raw.time)?;
+        .map(|(number, support)| support::check(source, number, support, &outline))
+        .collect::<Result<Vec<_>, _>>()?;
+    let load = load(source, &raw.load, &outline)?;
+    let impactor = impactor::check(source, &raw.impactor, &material, &outline)?;
+    let contact = contact(source, &raw.contact)?;
+    let Material { young, poisson, density, order } = material;
+    let geometry = match outline {
+        Outline::Gmsh(path) => Geometry::Gmsh(path),
+        Outline::Box(size) => {
+            let hit = grid::Hit { size, impactor: &impactor, contact, order };
+            Geometry::Box { size, planes: grid::check(source, &raw.body, hit)? }
+        }
+    };
+    let parts = symmetry::Parts { geometry: &geometry, impactor: &impactor, supports: &supports, load: &load };
+    let symmetry = symmetry::check(source, &raw.body, &parts)?;
     Ok(Scene {
         title: raw.title.unwrap_or_default(),
-        contact: contact(source, &raw.contact)?,
+        body: Body { young, poisson, density, geometry, order, symmetry },
+        supports,
+        impactor,
+        contact,
+        load,
+        time: time::check(source, &raw.time)?,
         tolerance: tolerance(source, &raw.accuracy)?,
         solver: solver(source, &raw.solver)?,
         output: output(source, &raw.output)?,
-        body,
-        supports,
-        impactor,
-        load,
-        time,
     })
 }
 
@@ -57,7 +72,10 @@ fn contact(source: &Source, raw: &raw::Contact) -> Result<Contact, SceneError> {
             Ok(Contact::Patch { radius: Some(radius) })
         }
         (_, None) => Ok(Contact::Point),
-        (_, Some(_)) => Err(source.error(path, "a point has no radius", "take it out, or `localization = \"patch\"`")),
+        (_, Some(_)) => {
+            let help = "take it out, or `localization = \"patch\"`".into();
+            Err(source.conflict(path, "contact.localization", "a point has no radius".into(), help))
+        }
     }
 }
 
@@ -82,12 +100,12 @@ fn solver(source: &Source, raw: &raw::Solver) -> Result<Solver, SceneError> {
     Ok(Solver { newton, energy_gate: raw.energy_gate.map(gate).transpose()? })
 }
 
-fn load(source: &Source, raw: &raw::Load, geometry: &Geometry) -> Result<Load, SceneError> {
+fn load(source: &Source, raw: &raw::Load, outline: &Outline) -> Result<Load, SceneError> {
     let body_force = raw.body_force.map_or([0.0; 3], |force| force.numbers());
     source.finite("load.body_force", &body_force)?;
     let mut traction = Vec::new();
     for (number, entry) in raw.traction.0.iter().enumerate() {
-        surface(source, &format!("load.traction.{number}.surface"), &entry.surface, geometry)?;
+        surface(source, &format!("load.traction.{number}.surface"), &entry.surface, outline)?;
         let value: Vec3 = entry.value.numbers();
         source.finite(&format!("load.traction.{number}.value"), &value)?;
         traction.push(Traction { surface: entry.surface.clone(), value });
@@ -113,14 +131,14 @@ fn word<'a>(source: &Source, path: &str, given: &Option<String>, words: &[&'a st
 }
 
 /// A surface's name is checked for a box; the names of a mesh file are known once it is read.
-fn surface(source: &Source, path: &str, name: &str, geometry: &Geometry) -> Result<(), SceneError> {
-    match geometry {
-        Geometry::Box { .. } if !faces::SURFACES.contains(&name) => Err(source.error(
+fn surface(source: &Source, path: &str, name: &str, outline: &Outline) -> Result<(), SceneError> {
+    match outline {
+        Outline::Box(_) if !faces::SURFACES.contains(&name) => Err(source.error(
             path,
             format!("a box has no surface \"{name}\""),
             suggest::help(name, &faces::SURFACES, '"'),
         )),
-        Geometry::Gmsh(_) if name.is_empty() => {
+        Outline::Gmsh(_) if name.is_empty() => {
             Err(source.error(path, "the name is empty", "the physical name of a surface in the mesh file"))
         }
         _ => Ok(()),

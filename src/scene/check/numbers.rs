@@ -51,7 +51,7 @@ impl Source {
         })
     }
 
-    /// The vector at length one.
+    /// The vector at length one. A component below 1e-12 of that is rounding, and made zero.
     pub(super) fn unit(&self, path: &str, vector: Vec3) -> Result<Vec3, SceneError> {
         self.finite(path, &vector)?;
         // Scaled first, so that no square overflows or vanishes.
@@ -62,6 +62,6 @@ impl Source {
         }
         let scaled = vector.map(|v| v / largest);
         let length = scaled.iter().map(|v| v * v).sum::<f64>().sqrt();
-        Ok(scaled.map(|v| v / length))
+        Ok(scaled.map(|v| if v.abs() > 1e-12 * length { v / length } else { 0.0 }))
     }
 }

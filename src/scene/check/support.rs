@@ -1,17 +1,18 @@
 //! One support on one surface.
 
 use super::super::values::{ByComponent, List};
-use super::super::{Geometry, SceneError, Source, Support, SupportKind, Vec3, raw};
+use super::super::{SceneError, Source, Support, SupportKind, Vec3, raw};
+use super::body::Outline;
 use super::{surface, word};
 
 pub(super) fn check(
     source: &Source,
     number: usize,
     raw: &raw::Support,
-    geometry: &Geometry,
+    outline: &Outline,
 ) -> Result<Support, SceneError> {
     let at = |key: &str| format!("support.{number}.{key}");
-    surface(source, &at("surface"), &raw.surface, geometry)?;
+    surface(source, &at("surface"), &raw.surface, outline)?;
     let kinds = ["elastic", "pad", "clamped"];
     let kind = match word(source, &at("kind"), &Some(raw.kind.clone()), &kinds)? {
         "elastic" => {
@@ -51,8 +52,9 @@ fn refuse(source: &Source, raw: &raw::Support, number: usize, kind: &str, keys: 
             _ => (raw.normal.is_some(), "a pad"),
         };
         if given {
-            return Err(source.error(
+            return Err(source.conflict(
                 &format!("support.{number}.{key}"),
+                &format!("support.{number}.kind"),
                 format!("a support of kind \"{kind}\" has no `{key}`"),
                 format!("take `{key}` out: it belongs to {owner}"),
             ));

@@ -38,7 +38,8 @@ fn scheme(source: &Source, raw: &raw::Time) -> Result<Scheme, SceneError> {
     ];
     if let Some((key, _, owner)) = parameters.into_iter().find(|(_, given, owner)| *given && *owner != name) {
         let message = format!("the scheme \"{name}\" has no `{key}`");
-        return Err(source.error(&format!("time.{key}"), message, format!("take it out: it belongs to \"{owner}\"")));
+        let help = format!("take it out: it belongs to \"{owner}\"");
+        return Err(source.conflict(&format!("time.{key}"), "time.scheme", message, help));
     }
     match name {
         "newmark" => newmark(source, raw),

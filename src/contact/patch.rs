@@ -1,0 +1,146 @@
+//! Localisation by a patch: the contact force as Hertz's pressure over a disc of the surface.
+//!
+//! The disc lies in the plane normal to the surface at the impact point, and the surface is projected onto it. The same vector
+//! a loads and reads, so that energy and momentum stay exact; what an elastic half-space would yield under the patch belongs to Hertz's
+//! law, and is taken out of it by c_l.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Vector3;
+use petsc_wrap::Int;
+
+use super::localization::site;
+use super::radius::{limits, unit_compliance};
+use super::{Localization, Patch, Reason};
+use crate::error::Result;
+use crate::form::PressureForms;
+use crate::mesh::{Mesh, Site};
+use crate::scene::{Fault, Scene, Vec3};
+
+/// Where the scene gives the radius.
+const KEY: &str = "contact.patch_radius";
+
+/// What may be missing of the total of a patch: far above the quadrature's error.
+const MISSING: f64 = 1e-10;
+
+/// By how much a patch is made smaller until it has room.
+const SMALLER: f64 = 0.8;
+
+impl Localization {
+    /// The consistent load vector of Hertz's pressure with total 1 over a disc around the impact point, times the direction of
+    /// travel. Without a radius (m) one is chosen for the thickness, the cells and the contact, and made smaller until it
+    /// has room on the surface. Collective.
+    ///
+    /// # Errors
+    /// A fault of the scene where the point is off the surface, the direction leads out of the body, the patch reaches
+    /// past the surface, or the contact law would soften to nothing even on a thin plate; PETSc's.
+    pub fn patch(mesh: &Mesh, scene: &Scene, radius: Option<f64>) -> Result<Self> {
+        let (body, impactor) = (&scene.body, &scene.impactor);
+        let site = site(mesh, impactor)?;
+        let thickness = mesh.thickness(&site);
+        let cosine = Vector3::from(site.normal).dot(&Vector3::from(impactor.direction));
+        let unit_compliance = unit_compliance(body, cosine);
+        let copies = mesh.copies as f64;
+        let mass = body.density * mesh.volume() * copies;
+        let (limit_radius, least) = limits(body, impactor, mass, thickness, unit_compliance);
+        let chosen = Patch::choose(thickness, site.cell, limit_radius);
+        let mut patch = radius.map_or(chosen, |radius| Patch { radius, reason: Reason::Scene, ..chosen });
+        if patch.radius < least {
+            return Err(too_small(patch.radius, least).into());
+        }
+        let frame = Frame::new(&site);
+        let weights = loop {
+            let mut weights = weights(mesh, &frame, patch.radius);
+            let total: f64 = weights.iter().map(|(_, weight)| weight).sum();
+            if (total * copies - 1.0).abs() < MISSING {
+                // On a quarter a quarter of it, which carries a quarter of the force.
+                weights.iter_mut().for_each(|(_, weight)| *weight /= total);
+                break weights;
+            }
+            if radius.is_some() {
+                return Err(no_room(patch.radius, total * copies).into());
+            }
+            patch = Patch { radius: SMALLER * patch.radius, reason: Reason::Surface, ..patch };
+            if patch.radius < least.max(1e-6 * mesh.diameter) {
+                return Err(none_fits(patch.radius, least).into());
+            }
+        };
+        let compliance = copies * unit_compliance / patch.radius;
+        Ok(Self { compliance, patch: Some(patch), ..Self::new(mesh, &weights, impactor.direction)? })
+    }
+}
+
+fn too_small(radius: f64, least: f64) -> Fault {
+    let message = format!(
+        "a patch of radius {radius:.3e} m is too small for this impact: below about {least:.3e} m the contact has \
+         negative stiffness"
+    );
+    Fault::new(KEY, message, "a larger radius, or `localization = \"point\"`")
+}
+
+fn no_room(radius: f64, share: f64) -> Fault {
+    let message = if share < 1.0 {
+        format!("only {:.2}% of a patch of radius {radius:.3e} m is on the surface", 100.0 * share)
+    } else {
+        format!("the surface lies {share:.2} times within the patch of radius {radius:.3e} m")
+    };
+    Fault::new(KEY, message, "a smaller radius, or an impact point farther from the edge of the surface")
+}
+
+fn none_fits(radius: f64, least: f64) -> Fault {
+    let message = format!(
+        "the surface around the impact point has no room for a patch of {:.3e} m, and below about {least:.3e} m the contact \
+         has negative stiffness",
+        radius / SMALLER
+    );
+    Fault::new(KEY, message, "an impact point farther from the edge of the surface, or `localization = \"point\"`")
+}
+
+/// Coordinates about the impact point: two in the plane of the patch, and the outward normal.
+struct Frame {
+    origin: Vector3<f64>,
+    axes: [Vector3<f64>; 3],
+}
+
+impl Frame {
+    fn new(site: &Site) -> Self {
+        let normal = Vector3::from(site.normal);
+        let mut least = Vector3::zeros();
+        least[normal.iamin()] = 1.0;
+        let first = normal.cross(&least).normalize();
+        Self { origin: site.x.into(), axes: [first, normal.cross(&first), normal] }
+    }
+
+    fn coordinates(&self, x: Vec3) -> [f64; 3] {
+        let from = Vector3::from(x) - self.origin;
+        self.axes.map(|axis| axis.dot(&from))
+    }
+}
+
+/// ∫ p φ dA by node, ascending, where it is not zero; the same on all ranks. Collective.
+///
+/// Facets farther from the plane than the patch is wide are of another part of the surface.
+fn weights(mesh: &Mesh, frame: &Frame, radius: f64) -> Vec<(Int, f64)> {
+    let facets = &mesh.facets;
+    let forms = PressureForms::new(facets.shape, facets.order);
+    let mut load = vec![0.0; facets.nodes_each()];
+    let (mut nodes, mut values) = (Vec::new(), Vec::new());
+    for facet in 0..facets.len() {
+        let x: Vec<Vec3> = facets.x(facet).iter().map(|x| frame.coordinates(*x).map(|c| c / radius)).collect();
+        if x.iter().all(|x| x[2] > 1.0) || x.iter().all(|x| x[2] < -1.0) {
+            continue;
+        }
+        let plane: Vec<[f64; 2]> = x.iter().map(|x| [x[0], x[1]]).collect();
+        forms.load(&plane, &mut load);
+        let met = facets.nodes(facet).iter().zip(&load).filter(|(_, value)| **value != 0.0);
+        for (node, value) in met {
+            nodes.push(*node);
+            values.push(*value);
+        }
+    }
+    let mut sum = BTreeMap::new();
+    for (node, value) in mesh.comm.all_gather(&nodes).into_iter().zip(mesh.comm.all_gather(&values)) {
+        *sum.entry(node).or_insert(0.0) += value;
+    }
+    sum.into_iter().collect()
+}

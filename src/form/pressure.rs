@@ -1,0 +1,263 @@
+//! Hertz's pressure over a disc, integrated against the shape functions of one facet.
+
+use std::f64::consts::PI;
+
+use crate::element::{Element, Inverse, Shape, adaptive};
+
+/// Nodes of a facet at most: the biquadratic quadrilateral's.
+const NODES: usize = 9;
+
+/// What two quadrature rules may differ by on one piece of a facet; the total is 1. The finer rule is better by far.
+const TOLERANCE: f64 = 1e-13;
+
+/// The load of p(r) = 3/(2π R²) √(1 − r²/R²), r < R, on one facet: total 1 over the whole disc (Johnson, Contact
+/// Mechanics, 1985, 3.4).
+///
+/// In polar coordinates about the disc's centre, with r = R sin φ: p r dr = 3/(2π) cos²φ sin φ dφ has no root at the rim. A ray crosses a
+/// convex facet between two of its edges, smoothly in its angle but where it passes a vertex or where an edge meets
+/// the rim; between such angles the quadrature is adaptive. So no cell is cut by the rim, and none is too large or too small.
+pub struct PressureForms {
+    element: Element,
+}
+
+/// The line through an edge, seen from the disc's centre: inside the facet, normal·x ≥ offset. The same numbers but for the sign
+/// from both of the facets that share the edge.
+struct Line {
+    normal: [f64; 2],
+    offset: f64,
+}
+
+impl PressureForms {
+    /// Forms on a facet's shape with elements of order 1 or 2.
+    pub fn new(shape: Shape, order: usize) -> Self {
+        Self { element: Element::new(shape, order) }
+    }
+
+    /// ∫ p φ_i dA over the facet, one value a node.
+    ///
+    /// `x` are the vertices in the plane of the disc, relative to its centre, in its radii, counter-clockwise. A facet that is not
+    /// seen whole from above (turned away, on edge, folded) gives zeros.
+    pub fn load(&self, x: &[[f64; 2]], out: &mut [f64]) {
+        out.fill(0.);
+        let lines: Vec<Line> = edges(x).filter_map(|(from, to)| Line::through(from, to)).collect();
+        if !is_seen(x) || lines.iter().any(|line| line.offset >= 1.) {
+            return;
+        }
+        let inverse = Inverse::new(self.element.shape(), x);
+        let mut along_ray = |angle: f64| {
+            let (sin, cos) = angle.sin_cos();
+            let (enters, leaves) = crossing(&lines, [cos, sin]);
+            if enters >= leaves {
+                return [0.; NODES];
+            }
+            adaptive((enters.asin(), leaves.asin()), 1e-2 * TOLERANCE, &mut |phi: f64| {
+                let r = phi.sin();
+                let mut values = [0.; NODES];
+                self.element.values(inverse.at([r * cos, r * sin]), &mut values[..self.element.nodes()]);
+                let weight = 1.5 / PI * phi.cos().powi(2) * r;
+                values.map(|value| weight * value)
+            })
+        };
+        for arc in angles(x, &lines).windows(2) {
+            let sum = adaptive((arc[0], arc[1]), TOLERANCE, &mut along_ray);
+            for (out, sum) in out.iter_mut().zip(sum) {
+                *out += sum;
+            }
+        }
+    }
+}
+
+impl Line {
+    /// None where the ends are one.
+    fn through(from: [f64; 2], to: [f64; 2]) -> Option<Self> {
+        let [x, y] = [to[0] - from[0], to[1] - from[1]];
+        let length = x.hypot(y);
+        let offset = (from[0] * to[1] - from[1] * to[0]) / -length;
+        (length > 0.).then_some(Self { normal: [-y / length, x / length], offset })
+    }
+}
+
+/// The edges, each from its vertex to the next.
+fn edges(x: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
+    x.iter().copied().zip(x.iter().copied().cycle().skip(1))
+}
+
+/// Whether the polygon is convex, counter-clockwise, and more than a line, up to rounding.
+fn is_seen(x: &[[f64; 2]]) -> bool {
+    let along: Vec<[f64; 2]> = edges(x).map(|(from, to)| [to[0] - from[0], to[1] - from[1]]).collect();
+    let longest = along.iter().map(|edge| edge[0].hypot(edge[1])).fold(0., f64::max);
+    let rounding = 1e-12 * longest * longest;
+    let turns = || edges(&along).map(|(one, next)| one[0] * next[1] - one[1] * next[0]);
+    turns().all(|turn| turn > -rounding) && turns().sum::<f64>() > rounding
+}
+
+/// Where a ray from the centre is in the facet and the disc.
+fn crossing(lines: &[Line], ray: [f64; 2]) -> (f64, f64) {
+    lines.iter().fold((0., 1.), |(enters, leaves): (f64, f64), line| {
+        let slope = line.normal[0] * ray[0] + line.normal[1] * ray[1];
+        if slope > 0. {
+            (enters.max(line.offset / slope), leaves)
+        } else if slope < 0. {
+            (enters, leaves.min(line.offset / slope))
+        } else {
+            (enters, if line.offset > 0. { 0. } else { leaves })
+        }
+    })
+}
+
+/// Angles from −π to π between which the crossings are smooth: those of the vertices and of where edges meet the rim. An
+/// edge at a small distance from the centre turns up and is gone within an angle as small, which a rule might step over;
+/// so circles within the rim count as well, down to one that holds 1e-14 of the load.
+fn angles(x: &[[f64; 2]], lines: &[Line]) -> Vec<f64> {
+    let radii = (0..9).map(|step| 0.125_f64.powi(step));
+    let on_circles = radii.flat_map(|radius| {
+        lines.iter().filter(move |line| line.offset.abs() < radius).flat_map(move |Line { normal, offset }| {
+            let half = (radius * radius - offset * offset).sqrt();
+            [-half, half].map(|t| (offset * normal[1] - t * normal[0]).atan2(offset * normal[0] + t * normal[1]))
+        })
+    });
+    let mut angles: Vec<f64> = x.iter().map(|v| v[1].atan2(v[0])).chain([-PI, PI]).chain(on_circles).collect();
+    angles.sort_by(f64::total_cmp);
+    angles.dedup();
+    angles
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHAPES: [(Shape, usize); 4] =
+        [(Shape::Triangle, 1), (Shape::Triangle, 2), (Shape::Quadrilateral, 1), (Shape::Quadrilateral, 2)];
+
+    /// Load of a facet and its first and second moments, by the interpolants of 1, x, y, x², xy, y².
+    fn moments(shape: Shape, order: usize, x: &[[f64; 2]]) -> [f64; 6] {
+        let element = Element::new(shape, order);
+        let mut load = vec![0.; element.nodes()];
+        PressureForms::new(shape, order).load(x, &mut load);
+        let mut sum = [0.; 6];
+        for (load, of) in load.iter().zip(element.node_vertices()) {
+            let [x, y] = [0, 1].map(|axis| of.iter().map(|&v| x[v][axis]).sum::<f64>() / of.len() as f64);
+            for (sum, field) in sum.iter_mut().zip([1., x, y, x * x, x * y, y * y]) {
+                *sum += load * field;
+            }
+        }
+        sum
+    }
+
+    fn assert_close(found: &[f64], expected: &[f64], name: &str) {
+        // Pieces of 1e-13 at worst, some ten of them.
+        let worst = found.iter().zip(expected).map(|(f, e)| (f - e).abs()).fold(0., f64::max);
+        assert!(worst < 2e-13, "{name}: {found:?} instead of {expected:?}");
+    }
+
+    /// Total 1, ∫ p x = 0, ∫ p x² = 1/5, wherever the facet around the disc lies and however large it is.
+    #[test]
+    fn disc_within_a_facet() {
+        for (shape, order) in SHAPES {
+            for size in [3., 1e3, 1e6] {
+                let all = [[-1., -1.2], [1.5, -1.], [1.4, 1.1], [-1.1, 0.9]].map(|v: [f64; 2]| v.map(|v| size * v));
+                let x: &[[f64; 2]] = match shape {
+                    Shape::Triangle => &[[-size, -size], [3. * size, -size], [-size, 3. * size]],
+                    _ => &all,
+                };
+                let found = moments(shape, order, x);
+                let rounding = 1e-16 * size * size;
+                assert!((found[0] - 1.).abs() < 1e-13 && found[1].abs() < 1e-13 + rounding, "{shape:?} {found:?}");
+                assert!(found[2].abs() < 1e-13 + rounding, "{shape:?} {found:?}");
+                if order == 2 && shape == Shape::Triangle && size < 10. {
+                    assert_close(&found, &[1., 0., 0., 0.2, 0., 0.2], "second moments");
+                }
+            }
+        }
+    }
+
+    /// A half-plane whose edge is at the distance e from the centre holds 1/2 + 3/4 (e − e³/3), as the pressure's integral
+    /// along a line at the distance e is 3/4 (1 − e²); and of the first moment across the edge −3/16 (1 − e²)².
+    #[test]
+    fn edge_at_any_distance() {
+        for (shape, order) in SHAPES {
+            for e in [0., 1e-16, 1e-12, 1e-9, 1e-7, 1e-6, 1e-4, 0.01, 0.3, 0.9, 0.999_999, 1., 1.5] {
+                for e in [e, -e] {
+                    for turn in [0., 0.1, 1., 2.5, 4., 5.5] {
+                        // x < e, turned.
+                        let (sin, cos) = f64::sin_cos(turn);
+                        let corners: &[[f64; 2]] = match shape {
+                            Shape::Triangle => &[[e, -6.], [e, 6.], [-9., 0.]],
+                            _ => &[[e, -2.], [e, 2.], [-3., 4.], [-3., -5.]],
+                        };
+                        let x: Vec<[f64; 2]> =
+                            corners.iter().map(|[x, y]| [cos * x - sin * y, sin * x + cos * y]).collect();
+                        let [total, mx, my, ..] = moments(shape, order, &x);
+                        let inside = e.clamp(-1., 1.);
+                        let expected = 0.5 + 0.75 * (inside - inside.powi(3) / 3.);
+                        let across = -3. / 16. * (1. - inside * inside).powi(2);
+                        let found = [total, cos * mx + sin * my, cos * my - sin * mx];
+                        assert_close(&found, &[expected, across, 0.], &format!("{shape:?} {order}, e = {e}, {turn}"));
+                    }
+                }
+            }
+        }
+    }
+
+    /// A right angle at the centre: a quarter; ∫ p x = 3/32, ∫ p xy = 1/(10π).
+    #[test]
+    fn corner_at_the_centre() {
+        for (shape, order) in SHAPES {
+            let x: &[[f64; 2]] = match shape {
+                Shape::Triangle => &[[0., 0.], [4., 0.], [0., 4.]],
+                _ => &[[0., 0.], [4., 0.], [4., 4.], [0., 4.]],
+            };
+            let expected = [0.25, 3. / 32., 3. / 32., 0.05, 0.1 / PI, 0.05];
+            let compared = if order == 2 { 6 } else { 3 };
+            assert_close(&moments(shape, order, x)[..compared], &expected[..compared], &format!("{shape:?} {order}"));
+        }
+    }
+
+    /// Facets that cover the disc share out its load, from a patch within a few to a patch over many, with the centre
+    /// on a vertex, on an edge, a hair off either, and anywhere.
+    #[test]
+    fn facets_share_out_the_load() {
+        for (shape, order) in SHAPES {
+            for cell in [0.07, 0.3, 0.9, 7.] {
+                for [dx, dy] in [[0., 0.], [0.4, 0.], [1e-12, 0.3], [1e-6, 1e-12], [0.37, 0.61], [0.5, 0.5 + 1e-9]] {
+                    let n = (1.1 / cell) as i32 + 2;
+                    let mut sum = [0.; 6];
+                    let at = |i: i32, j: i32| {
+                        let [x, y] = [f64::from(i) - dx, f64::from(j) - dy];
+                        // Sheared: still affine.
+                        [cell * (x + 0.2 * y), cell * (y - 0.1 * x)]
+                    };
+                    for (i, j) in (-n..=n).flat_map(|i| (-n..=n).map(move |j| (i, j))) {
+                        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                        let facets: &[&[[f64; 2]]] = match shape {
+                            Shape::Triangle => &[&[a, b, c], &[a, c, d]],
+                            _ => &[&[a, b, c, d]],
+                        };
+                        for facet in facets {
+                            for (sum, part) in sum.iter_mut().zip(moments(shape, order, facet)) {
+                                *sum += part;
+                            }
+                        }
+                    }
+                    let compared = if order == 2 { 6 } else { 3 };
+                    let worst = sum.iter().zip([1., 0., 0., 0.2, 0., 0.2]).take(compared);
+                    let worst = worst.map(|(s, e)| (s - e).abs()).fold(0., f64::max);
+                    // Rounding of some hundred facets; moments are of the size of the cells.
+                    assert!(worst < 1e-13 * (1. + cell * cell), "{shape:?} {order}, {cell} {dx} {dy}: {sum:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn facets_not_seen_whole_give_nothing() {
+        for x in [
+            // Turned away, on edge, folded.
+            &[[-1., -1.], [-1., 1.], [1., 1.], [1., -1.]],
+            &[[-1., 0.], [1., 0.], [1., 1e-17], [-1., 1e-17]],
+            &[[-1., -1.], [1., -1.], [-0.5, -0.5], [-1., 1.]],
+        ] {
+            assert_eq!(moments(Shape::Quadrilateral, 1, x), [0.; 6]);
+        }
+    }
+}

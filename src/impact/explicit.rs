@@ -1,0 +1,157 @@
+//! One step of the central difference with lumped mass: nothing is solved, the force is that at the new place.
+
+use petsc_wrap::Vector;
+
+use crate::body::{Inertia, LargestFrequency, LinearContact, Lumped, Solid, largest_frequency};
+use crate::contact::hertz;
+use crate::error::Result;
+use crate::mesh::Mesh;
+use crate::scene::Fault;
+use crate::scheme::{CentralDifference, Implicit, critical_frequency, newmark};
+
+use super::ledger::{Exchange, Work, exchange};
+use super::setting::Setting;
+use super::state::{Impactor, Moment};
+
+/// Of the estimated limit, the step that is taken where none is given: room for what the estimate leaves open.
+const OF_LIMIT: f64 = 0.95;
+
+/// The central difference at one step size.
+pub struct ExplicitStepper {
+    scheme: CentralDifference,
+    /// v_{n+1/2}, m/s; then D, m.
+    half: Vector,
+    force: Vector,
+    pads: Option<Vector>,
+}
+
+impl ExplicitStepper {
+    pub(super) fn new(body: &Solid, step: f64) -> Result<Self> {
+        let zeros = || body.load.duplicate();
+        let pads = body.pads.as_ref().map(|_| zeros()).transpose()?;
+        Ok(Self { scheme: CentralDifference { step }, half: zeros()?, force: zeros()?, pads })
+    }
+
+    /// Takes a step: writes the state at its end, returns what was exchanged over it. Collective.
+    ///
+    /// # Panics
+    /// When the body has no lumped mass.
+    pub(super) fn advance(
+        &mut self,
+        body: &mut Solid,
+        setting: &Setting,
+        from: &Moment,
+        to: &mut Moment,
+    ) -> Result<Exchange> {
+        let (scheme, state) = (self.scheme, &from.state);
+        predict(scheme, from, to, &mut self.half)?;
+        let (position, q_half) = scheme.predict(state.q.position, state.q.velocity, state.q.acceleration);
+        to.state.q.position = position;
+        to.state.v.copy_from(&self.half)?;
+        to.update(body, setting.gap)?;
+        let contact = setting.law.force(to.approach);
+        // f + a F − K u − p at the new place; the dampers' force is part of the correction.
+        let force = &mut self.force;
+        force.copy_from(&body.load)?;
+        force.axpy(1.0, &body.support_load)?;
+        force.axpy(contact, &body.localization.vector)?;
+        force.axpy(-1.0, &to.products.elastic)?;
+        if let Some(support) = &to.products.support {
+            force.axpy(-1.0, support)?;
+        }
+        if let (Some(pads), Some(push)) = (&mut body.pads, &mut self.pads) {
+            push.fill(0.0)?;
+            pads.add_force(None, &to.state.u, push)?;
+            force.axpy(-1.0, push)?;
+        }
+        body.clamps.zero(force)?;
+        let lumped = body.lumped.as_ref().expect("an explicit scheme's body has a lumped mass");
+        correct(scheme, lumped, (&self.half, &self.force), to)?;
+        let (velocity, acceleration) = scheme.correct(q_half, -contact, setting.mass, 0.0);
+        to.state.q = Impactor { position, velocity, acceleration };
+        body.apply_mass(&to.state.v, &mut to.products.momentum)?;
+        body.apply_mass(&to.state.a, &mut to.inertia)?;
+        if let Some(product) = &mut to.products.damping {
+            body.apply_damping(&to.state.v, product)?;
+        }
+        // The ledger's D.
+        self.half.copy_from(&to.state.u)?;
+        self.half.axpy(-1.0, &state.u)?;
+        let work = Work { increment: &self.half, force: contact, pads: self.pads.as_ref() };
+        let family = Implicit { beta: 0.0, ..newmark(0.25, 0.5) };
+        exchange(body, setting, (&family, scheme.step), (from, to), work, &mut self.force)
+    }
+}
+
+/// u_{n+1} and v_{n+1/2} of the body.
+fn predict(scheme: CentralDifference, from: &Moment, to: &mut Moment, half: &mut Vector) -> Result<()> {
+    let (u, v, a) = (from.state.u.read()?, from.state.v.read()?, from.state.a.read()?);
+    let (mut new, mut half) = (to.state.u.write()?, half.write()?);
+    for i in 0..u.len() {
+        (new[i], half[i]) = scheme.predict(u[i], v[i], a[i]);
+    }
+    Ok(())
+}
+
+/// u̇_{n+1} and ü_{n+1} of the body, from v_{n+1/2} and the force.
+fn correct(
+    scheme: CentralDifference,
+    lumped: &Lumped,
+    (half, force): (&Vector, &Vector),
+    to: &mut Moment,
+) -> Result<()> {
+    let (half, force, mass) = (half.read()?, force.read()?, lumped.mass.read()?);
+    let damping = lumped.damping.as_ref().map(Vector::read).transpose()?;
+    let (mut v, mut a) = (to.state.v.write()?, to.state.a.write()?);
+    for i in 0..half.len() {
+        let damping = damping.as_ref().map_or(0.0, |damping| damping[i]);
+        (v[i], a[i]) = scheme.correct(half[i], force[i], mass[i], damping);
+    }
+    Ok(())
+}
+
+/// ω_max of the lumped body with the impactor on it, at the stiffness that an impact on a half-space would reach. Collective.
+///
+/// # Errors
+/// PETSc's.
+///
+/// # Panics
+/// When the body has no lumped mass.
+pub(super) fn largest(mesh: &Mesh, body: &mut Solid, setting: &Setting) -> Result<LargestFrequency> {
+    let law = setting.law;
+    let peak = hertz::peak_indentation(law.hertz.stiffness, setting.mass, setting.speed);
+    let approach = peak - law.compliance * law.hertz.force(peak);
+    let contact = LinearContact { tangent: law.tangent(approach.min(law.limit())), mass: setting.mass };
+    let lumped = body.lumped.take().expect("an explicit scheme's body has a lumped mass");
+    let largest = largest_frequency(mesh, body, Inertia::Lumped(&lumped.mass), Some(contact));
+    body.lumped = Some(lumped);
+    largest
+}
+
+/// The step (s) of an explicit run: the given one if it is stable or `allow_unstable` is set, or else what is stable. Collective.
+///
+/// # Errors
+/// A fault of `time.step`; PETSc's.
+pub(super) fn step(
+    mesh: &Mesh,
+    body: &mut Solid,
+    setting: &Setting,
+    (given, allow_unstable): (Option<f64>, bool),
+) -> Result<f64> {
+    let largest = largest(mesh, body, setting)?;
+    let limit = critical_frequency(0.0, 0.5) / largest.bound;
+    let Some(step) = given else { return Ok(OF_LIMIT * limit) };
+    if step <= limit || allow_unstable {
+        return Ok(step);
+    }
+    Err(Fault::new(
+        "time.step",
+        format!(
+            "the central difference is stable up to a step of {limit:.3e} s on this mesh, 2/ω_max with ω_max = {:.3e} rad/s, \
+             and the step is {step:.3e} s",
+            largest.bound
+        ),
+        "a smaller step, none at all (then it is chosen), an implicit scheme, or `allow_unstable = true` to see it fail",
+    )
+    .into())
+}

@@ -1,0 +1,65 @@
+//! How large the body is, and how thick under a point of its surface.
+
+use mpi::collective::SystemOperation;
+use mpi::traits::CommunicatorCollectives;
+use nalgebra::Vector3;
+
+use super::{Mesh, Site};
+use crate::element::{Element, Quadrature, Table};
+use crate::scene::Vec3;
+
+impl Mesh {
+    /// Volume of all cells, m³. Collective.
+    pub fn volume(&self) -> f64 {
+        let shape = self.cells.shape;
+        // The determinant of a trilinear map is of degree 2 in each coordinate.
+        let table = Table::new(&Element::new(shape, 1), &Quadrature::exact(shape, 2));
+        let of_cell = |x: &[Vec3]| -> f64 {
+            (0..table.points()).map(|q| table.weight(q) * table.jacobian(q, x).determinant()).sum()
+        };
+        let here: f64 = (0..self.cells.len()).map(|i| of_cell(self.cells.x(i))).sum();
+        let mut all = 0.0;
+        self.comm.mpi().all_reduce_into(&here, &mut all, SystemOperation::sum());
+        all
+    }
+
+    /// Distance from a point of the surface along the inward normal there to where that line leaves the body, m. Collective.
+    ///
+    /// Warped quadrilaterals count as two triangles each, so that no line slips between them.
+    pub fn thickness(&self, site: &Site) -> f64 {
+        let (origin, inward) = (Vector3::from(site.x), -Vector3::from(site.normal));
+        let rounding = 1e-9 * self.diameter;
+        let mut here = f64::INFINITY;
+        for x in (0..self.facets.len()).map(|i| self.facets.x(i)) {
+            for i in 2..x.len() {
+                let corners = [x[0], x[i - 1], x[i]].map(|x| Vector3::from(x) - origin);
+                if let Some(distance) = exit(corners, inward, rounding) {
+                    here = here.min(distance.max(0.0));
+                }
+            }
+        }
+        let mut least = 0.0_f64;
+        self.comm.mpi().all_reduce_into(&here, &mut least, SystemOperation::min());
+        // No line in the body is longer.
+        least.min(self.diameter)
+    }
+}
+
+/// Where the line from the origin leaves through a triangle, right-handed about its outward normal; a miss by no more than
+/// rounding is a hit, since a line may follow an edge.
+fn exit([a, b, c]: [Vector3<f64>; 3], along: Vector3<f64>, rounding: f64) -> Option<f64> {
+    let area = (b - a).cross(&(c - a));
+    let facing = area.dot(&along);
+    if facing <= 1e-9 * area.norm() {
+        return None;
+    }
+    let distance = a.dot(&area) / facing;
+    let foot = along * distance;
+    let outside = |from: Vector3<f64>, to: Vector3<f64>| {
+        // Distance of the foot from the edge's line, on the far side from the triangle.
+        let edge = to - from;
+        (foot - from).cross(&edge).dot(&area) > rounding * edge.norm() * area.norm()
+    };
+    let missed = outside(a, b) || outside(b, c) || outside(c, a);
+    (!missed && distance >= -rounding).then_some(distance)
+}

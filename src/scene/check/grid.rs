@@ -1,0 +1,231 @@
+//! The grid planes of a box: its cells, graded towards the impact point.
+
+use super::super::values::{ByComponent, Three, Whole};
+use super::super::{Contact, Impactor, SceneError, Source, Vec3, faces, layout, raw};
+use super::numbers::show;
+
+/// The most hexahedra in a box: quadratic ones have 24 unknowns each, which leaves room in 32-bit indices.
+const MOST_CELLS: usize = 10_000_000;
+
+/// The most cells along an edge.
+const MOST_ALONG_EDGE: usize = 10_000;
+
+/// The largest ratio of cells along an edge.
+const LARGEST_RATIO: f64 = 1e4;
+
+/// What decides on a box's cells, besides what is given of them.
+#[derive(Clone, Copy)]
+pub(super) struct Hit<'a> {
+    /// Edge lengths, m.
+    pub size: Vec3,
+    /// Where and how it is hit.
+    pub impactor: &'a Impactor,
+    /// The patch that the cells are to resolve.
+    pub contact: Contact,
+    /// Polynomial degree of the elements.
+    pub order: usize,
+}
+
+/// The grid planes across each axis.
+pub(super) fn check(source: &Source, raw: &raw::Body, hit: Hit) -> Result<[Vec<f64>; 3], SceneError> {
+    let Hit { size, impactor: Impactor { point, .. }, .. } = hit;
+    let given = raw.cells.map(|cells| whole_cells(source, cells)).transpose()?;
+    let ratios = raw.grading.map(|grading| ratios(source, grading)).transpose()?;
+    let planes: [Vec<f64>; 3] = match (given, ratios) {
+        (None, None) => default::planes(hit),
+        (cells, ratios) => {
+            let cells = cells.unwrap_or_else(|| default::planes(hit).map(|planes| planes.len() - 1));
+            let ratios = ratios.unwrap_or([1.0; 3]);
+            std::array::from_fn(|i| layout::geometric(size[i], point[i], cells[i], ratios[i]))
+        }
+    };
+    if planes.iter().any(|planes| planes.windows(2).any(|pair| pair[0] >= pair[1])) {
+        let message = "the cells are too thin for their coordinates to differ";
+        return Err(source.error("body.size", message, "edges of like orders of magnitude, in m"));
+    }
+    Ok(planes)
+}
+
+fn whole_cells(source: &Source, Three(given): Three<Whole>) -> Result<[usize; 3], SceneError> {
+    let mut cells = [0; 3];
+    for (cells, Whole(given)) in cells.iter_mut().zip(given) {
+        *cells = source.whole("body.cells", given, 1..=MOST_ALONG_EDGE)?;
+    }
+    let total: usize = cells.iter().product();
+    if total > MOST_CELLS {
+        return Err(source.error(
+            "body.cells",
+            format!("{total} cells are too many"),
+            format!("at most {MOST_CELLS} cells in all, so that unknowns can be numbered"),
+        ));
+    }
+    Ok(cells)
+}
+
+fn ratios(source: &Source, ByComponent(ratios): ByComponent) -> Result<Vec3, SceneError> {
+    let path = "body.grading";
+    source.finite(path, &ratios)?;
+    match ratios.iter().find(|ratio| !(1.0..=LARGEST_RATIO).contains(*ratio)) {
+        Some(ratio) => {
+            let help = format!("the largest cell edge over the smallest, from 1 to {LARGEST_RATIO}; 1 is uniform");
+            Err(source.error(path, format!("{} is out of range", show(*ratio)), help))
+        }
+        None => Ok(ratios),
+    }
+}
+
+/// Cells where none are given.
+mod default {
+    use super::{Contact, Hit, Vec3, faces, layout};
+
+    /// Cells along a long edge under a force at a point, which no mesh resolves.
+    const UNIFORM: f64 = 20.0;
+
+    // The constants of a mesh that resolves the patch.
+
+    /// Radius of the patch over the thickness, where it is left out.
+    const PATCH: f64 = 0.25;
+    /// The least such radius over the shortest edge, however near to an edge the point is.
+    const LEAST_PATCH: f64 = 1.0 / 64.0;
+    /// The smallest cell over the radius.
+    const SMALLEST: f64 = 0.5;
+    /// Growth from cell to cell along the struck face, and into the body.
+    const GROWTH: [f64; 2] = [1.4, 1.5];
+    /// The largest cell over the shortest edge, for elements of order 1 and 2: it has to carry the flexural waves.
+    const LARGEST: [f64; 2] = [0.75, 1.5];
+    /// The smallest cell over the thickness, at most: two layers.
+    const LAYER: f64 = 0.4;
+    /// The most cells of the whole body.
+    const MOST: usize = 30_000;
+
+    /// The grid planes across each axis.
+    pub(super) fn planes(hit: Hit) -> [Vec<f64>; 3] {
+        let Hit { size, impactor, contact, order } = hit;
+        let Contact::Patch { radius } = contact else {
+            return uniform(size);
+        };
+        let axis = faces::struck_axis(size, impactor.point, impactor.direction);
+        let [thinnest, longest] =
+            [f64::min, f64::max].map(|pick: fn(f64, f64) -> f64| size.into_iter().fold(size[0], pick));
+        // The disc has to fit on the face.
+        let reach = (0..3).filter(|i| *i != axis).map(|i| 0.5 * size[i] - impactor.point[i].abs());
+        let fitting = || reach.fold(PATCH * size[axis], f64::min).max(LEAST_PATCH * thinnest);
+        // Not so small that coordinates would not differ.
+        let smallest = (SMALLEST * radius.unwrap_or_else(fitting)).max(1e-12 * longest).max(f64::MIN_POSITIVE);
+        let mut smallest = size.map(|edge| smallest.min(0.5 * edge));
+        smallest[axis] = smallest[axis].min(LAYER * size[axis]);
+        let mut growth = [GROWTH[0]; 3];
+        growth[axis] = GROWTH[1];
+        // Smaller than that there would be too many in any case.
+        let mut largest = (LARGEST[order - 1] * thinnest).max(longest / MOST as f64).max(f64::MIN_POSITIVE);
+        loop {
+            let planes: [Vec<f64>; 3] =
+                std::array::from_fn(|i| layout::growing(size[i], impactor.point[i], smallest[i], growth[i], largest));
+            if planes.iter().map(|planes| planes.len() - 1).product::<usize>() <= MOST {
+                return planes;
+            }
+            // The far cells are coarsened first.
+            if largest < longest {
+                largest *= 1.1;
+            } else {
+                growth = growth.map(|growth| growth.powf(1.1));
+            }
+        }
+    }
+
+    /// Two cells through the thinnest edge; along the others 20, or fewer where these would be shorter than half the
+    /// thickness. All are even, so that a centred hit has its planes of symmetry between cells.
+    fn uniform(size: Vec3) -> [Vec<f64>; 3] {
+        let thickness = size.into_iter().fold(f64::INFINITY, f64::min);
+        // 0.6 / 0.1 is a little less than 6: the rounding is undone. The cast is of a number from 1 to 10.
+        let pairs = |edge: f64| (edge / thickness * (1.0 + 1e-9)).min(UNIFORM / 2.0).floor() as usize;
+        size.map(|edge| layout::uniform(edge, 2 * pairs(edge)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn hit(size: Vec3, point: Vec3, contact: Contact, order: usize) -> [Vec<f64>; 3] {
+        let direction = [0.0, 0.0, -1.0];
+        let impactor = Impactor { mass: 52.0, radius: 0.05, stiffness: 1.7e10, speed: 1.0, point, direction, gap: 0.0 };
+        default::planes(Hit { size, impactor: &impactor, contact, order })
+    }
+
+    fn top(size: Vec3) -> Vec3 {
+        [0.0, 0.0, 0.5 * size[2]]
+    }
+
+    #[test]
+    fn under_a_point_the_cells_are_moderate_and_no_flatter_than_they_need_be() {
+        for (size, cells) in [
+            ([1.5, 1.5, 0.1], [20, 20, 2]),
+            ([1.0, 1.0, 1.0], [2, 2, 2]),
+            ([0.3, 0.1, 1e9], [6, 2, 20]),
+            ([0.36, 0.1, 0.19], [6, 2, 2]),
+            ([1e-300, 1e300, 1.0], [2, 20, 20]),
+        ] {
+            let planes = hit(size, top(size), Contact::Point, 2);
+            assert_eq!(planes.each_ref().map(|planes| planes.len() - 1), cells);
+            assert_eq!(planes, [0, 1, 2].map(|i| layout::uniform(size[i], cells[i])));
+        }
+    }
+
+    /// Of all sizes: at the point cells of half the radius, growing within bounds, the waves carried where the number allows.
+    #[test]
+    fn under_a_patch_the_cells_resolve_it() {
+        let chosen = Contact::Patch { radius: None };
+        for (size, point, contact, order) in [
+            ([1.5, 1.5, 0.1], [0.0, 0.0, 0.05], chosen, 2),
+            ([1.5, 1.5, 0.1], [0.31, -0.62, 0.05], chosen, 2),
+            ([1.5, 1.5, 0.04], [0.0, 0.0, 0.02], chosen, 1),
+            ([0.5, 0.5, 0.02], [0.0, 0.0, 0.01], Contact::Patch { radius: Some(0.02) }, 2),
+            ([0.15, 0.01, 0.01], [0.01, 0.0, 0.005], chosen, 2),
+            ([1.0, 1.0, 1.0], [0.0, 0.0, 0.5], chosen, 2),
+        ] {
+            let planes = hit(size, point, contact, order);
+            let patch = match contact {
+                Contact::Patch { radius: Some(radius) } => radius,
+                _ => 0.25 * size[2],
+            };
+            let thinnest = size.into_iter().fold(f64::INFINITY, f64::min);
+            for (i, planes) in planes.iter().enumerate() {
+                let edges: Vec<f64> = planes.windows(2).map(|pair| pair[1] - pair[0]).collect();
+                let at = planes
+                    .iter()
+                    .position(|x| *x == point[i])
+                    .unwrap_or_else(|| panic!("{size:?}: no plane at the point"));
+                let beside = edges[at.saturating_sub(1)..(at + 1).min(edges.len())].iter();
+                // 1e-8 for what rounding leaves of a length.
+                assert!(beside.fold(0.0, |m, e| f64::max(m, *e)) <= 0.5 * patch * (1.0 + 1e-8), "{size:?}, axis {i}");
+                assert!(
+                    edges.iter().all(|e| *e <= [0.75, 1.5][order - 1] * thinnest * (1.0 + 1e-8)),
+                    "{size:?}, axis {i}"
+                );
+                for pair in edges.windows(2) {
+                    assert!((pair[0] / pair[1]).ln().abs() <= 1.5f64.ln() + 1e-6, "{size:?}, axis {i}: {edges:?}");
+                }
+            }
+            assert!((2..=8).contains(&(planes[2].len() - 1)), "{size:?}: {} layers", planes[2].len() - 1);
+        }
+    }
+
+    #[test]
+    fn no_size_asks_for_more_cells_than_anyone_waits_for() {
+        for size in [
+            [1e3, 1e3, 1e-3],
+            [0.3, 0.1, 1e9],
+            [1e-300, 1e300, 1.0],
+            [5e-324, 1.0, f64::MAX],
+            [5e-324; 3],
+            [1.0, 1.0, 1e-9],
+        ] {
+            for radius in [None, Some(1e-300), Some(1e-6), Some(1e300)] {
+                let planes = hit(size, top(size), Contact::Patch { radius }, 2);
+                let cells = planes.each_ref().map(|planes| planes.len() - 1);
+                assert!(cells.iter().product::<usize>() <= 30_000, "{size:?}, {radius:?}: {cells:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! Whether a scene has two planes of symmetry, so that a quarter of the body does for the whole.
+
+use super::super::faces::{Face, faces, struck_axis};
+use super::super::{Geometry, Impactor, Load, SceneError, Source, Support, SupportKind, Symmetry, Vec3, raw};
+use super::word;
+
+/// What of a scene has to be symmetric.
+pub(super) struct Parts<'a> {
+    pub geometry: &'a Geometry,
+    pub impactor: &'a Impactor,
+    pub supports: &'a [Support],
+    pub load: &'a Load,
+}
+
+/// What part of the body is solved.
+pub(super) fn check(source: &Source, raw: &raw::Body, parts: &Parts) -> Result<Symmetry, SceneError> {
+    let path = "body.symmetry";
+    let asked = word(source, path, &raw.symmetry, &["auto", "none", "quarter"])?;
+    if asked == "none" {
+        return Ok(Symmetry::None { reason: None });
+    }
+    match planes(parts) {
+        Ok(axes) => Ok(Symmetry::Quarter { axes }),
+        Err(reason) if asked == "auto" => Ok(Symmetry::None { reason: Some(reason) }),
+        Err(reason) => {
+            let message = format!("the scene does not have two planes of symmetry: {reason}");
+            Err(source.error(path, message, "\"auto\" or \"none\", or a scene that is its own mirror image"))
+        }
+    }
+}
+
+const NAMES: [&str; 3] = ["x", "y", "z"];
+
+/// The axes normal to the two planes of symmetry through the impact point, or what breaks the symmetry.
+fn planes(parts: &Parts) -> Result<[usize; 2], String> {
+    let Parts { geometry, impactor, supports, load } = parts;
+    let Geometry::Box { size, planes } = geometry else {
+        return Err("the body is from a mesh file".into());
+    };
+    let struck = struck_axis(*size, impactor.point, impactor.direction);
+    let axes = match struck {
+        0 => [1, 2],
+        1 => [0, 2],
+        _ => [0, 1],
+    };
+    for axis in axes {
+        let name = NAMES[axis];
+        if impactor.point[axis] != 0.0 {
+            return Err(format!(
+                "the impact point is not in the centre of the face: {name} = {}",
+                impactor.point[axis]
+            ));
+        }
+        if impactor.direction[axis] != 0.0 {
+            return Err("the impactor does not move along the normal of the face".into());
+        }
+        let cells = planes[axis].len() - 1;
+        if cells % 2 == 1 {
+            return Err(format!("the number of cells along {name}, {cells}, is odd"));
+        }
+        let without = |number: usize| {
+            let surface = &supports[number].surface;
+            format!("support.{number} on {surface:?} has no mirror image across {name} = 0")
+        };
+        if let Some(number) = unmatched(&springs(supports), |spring| spring.mirrored(axis)) {
+            return Err(without(number));
+        }
+        if let Some(number) = uneven_clamp(supports, axis) {
+            return Err(without(number));
+        }
+        if load.body_force[axis] != 0.0 {
+            return Err(format!("load.body_force has a component along {name}"));
+        }
+        if let Some(number) = unmatched(&tractions(load), |traction| traction.mirrored(axis)) {
+            let surface = &load.traction[number].surface;
+            return Err(format!("load.traction.{number} on {surface:?} has no mirror image across {name} = 0"));
+        }
+    }
+    Ok(axes)
+}
+
+/// The first term that is not there as often as its mirror image.
+fn unmatched<T: PartialEq>(terms: &[(usize, T)], image: impl Fn(&T) -> T) -> Option<usize> {
+    let count = |of: &T| terms.iter().filter(|(_, term)| term == of).count();
+    terms.iter().find(|(_, term)| count(term) != count(&image(term))).map(|(number, _)| *number)
+}
+
+/// An elastic support or a pad on one face. Their terms add up, so that their order does not matter.
+#[derive(PartialEq)]
+struct Spring {
+    face: Face,
+    stiffness: Vec3,
+    /// Into a pad.
+    normal: Option<Vec3>,
+    damping: Vec3,
+    displacement: Vec3,
+}
+
+impl Spring {
+    fn mirrored(&self, axis: usize) -> Self {
+        Self {
+            face: mirrored_face(self.face, axis),
+            normal: self.normal.map(|normal| mirrored(normal, axis)),
+            displacement: mirrored(self.displacement, axis),
+            ..*self
+        }
+    }
+}
+
+/// The springs on each face, with their support's number.
+fn springs(supports: &[Support]) -> Vec<(usize, Spring)> {
+    let mut springs = Vec::new();
+    for (number, support) in supports.iter().enumerate() {
+        let (stiffness, normal) = match support.kind {
+            SupportKind::Elastic { stiffness } => (stiffness, None),
+            SupportKind::Pad { stiffness, normal } => (stiffness, Some(normal)),
+            SupportKind::Clamped { .. } => continue,
+        };
+        let Support { damping, displacement, .. } = *support;
+        springs.extend(
+            faces(&support.surface)
+                .iter()
+                .map(|&face| (number, Spring { face, stiffness, normal, damping, displacement })),
+        );
+    }
+    springs
+}
+
+/// A traction on one face.
+#[derive(PartialEq)]
+struct Pull {
+    face: Face,
+    value: Vec3,
+}
+
+impl Pull {
+    fn mirrored(&self, axis: usize) -> Self {
+        Self { face: mirrored_face(self.face, axis), value: mirrored(self.value, axis) }
+    }
+}
+
+/// The tractions on each face, with their number.
+fn tractions(load: &Load) -> Vec<(usize, Pull)> {
+    let entries = load.traction.iter().enumerate();
+    let faces =
+        entries.flat_map(|(number, entry)| faces(&entry.surface).iter().map(move |&face| (number, face, entry.value)));
+    faces.map(|(number, face, value)| (number, Pull { face, value })).collect()
+}
+
+fn mirrored_face((normal, upper): Face, axis: usize) -> Face {
+    (normal, upper != (normal == axis))
+}
+
+fn mirrored(mut vector: Vec3, axis: usize) -> Vec3 {
+    vector[axis] = -vector[axis];
+    vector
+}
+
+/// A clamped support that holds what its mirror image does not. On an edge or a corner the last of the clamps there counts,
+/// so that each of the box's faces, edges and corners is looked at: a place is −1, 0 or 1 along each axis.
+fn uneven_clamp(supports: &[Support], axis: usize) -> Option<usize> {
+    for mut place in (0..27i8).map(|n| [n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1]) {
+        for component in 0..3 {
+            let here = held(supports, place, component);
+            place[axis] = -place[axis];
+            let there = held(supports, place, component);
+            place[axis] = -place[axis];
+            let sign = if component == axis { -1.0 } else { 1.0 };
+            if here.map(|(_, u)| u) != there.map(|(_, u)| sign * u) {
+                return here.or(there).map(|(number, _)| number);
+            }
+        }
+    }
+    None
+}
+
+/// The clamped support that holds a component at a place of the surface, and its ū.
+fn held(supports: &[Support], place: [i8; 3], component: usize) -> Option<(usize, f64)> {
+    let touches = |&(axis, upper): &Face| place[axis] == if upper { 1 } else { -1 };
+    supports.iter().enumerate().rev().find_map(|(number, support)| match support.kind {
+        SupportKind::Clamped { components } if components[component] && faces(&support.surface).iter().any(touches) => {
+            Some((number, support.displacement[component]))
+        }
+        _ => None,
+    })
+}
