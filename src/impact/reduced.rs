@@ -115,33 +115,29 @@ impl Reduced {
 
     /// Solves for the forces, from a guess of them. `at` is z under forces `applied`.
     pub(super) fn solve(&mut self, step: &Step, at: &DVector<f64>, applied: &DVector<f64>) -> Outcome {
-        let mut z = at - &self.compliance * (&self.forces - applied);
         // What rounding of the displacements is measured by.
         let largest = step.penetration.iter().chain(at.iter()).fold(0.0_f64, |max, value| max.max(value.abs()));
         let mut outcome = Outcome { iterations: 0, residual: f64::NAN, converged: false };
         loop {
+            let z = at - &self.compliance * (&self.forces - applied);
             let r = self.push(step, &z) - &self.forces;
             outcome.residual = r.norm();
             outcome.converged = outcome.residual <= step.tolerance;
             if outcome.converged || !outcome.residual.is_finite() || outcome.iterations == MAX_ITERATIONS {
                 return outcome;
             }
-            // (Ĝ⁻¹ + D) dz = −r, so that dφ = −Ĝ⁻¹dz = r + D dz.
-            let mut forces = r.clone();
-            let direction = self.direction(-r, step.tolerance);
-            self.points.add_tangent(&self.tangents, &direction, &mut forces);
-            let way = -(&self.compliance * &forces);
+            let way = self.direction(-r, step.tolerance);
             if way.amax() <= 2.0 * f64::EPSILON * largest {
                 outcome.converged = true;
                 return outcome;
             }
+            let forces = -(&self.stiffness * &way);
             let (before, change) = (self.forces.dot(&way), forces.dot(&way));
             let slope = |length: f64| {
                 let pushed = self.push(step, &(&z + length * &way)).dot(&way);
                 Ok::<_, Infallible>(pushed - before - length * change)
             };
             let Ok(length) = step_length(slope);
-            z.axpy(length, &way, 1.0);
             self.forces.axpy(length, &forces, 1.0);
             outcome.iterations += 1;
         }
