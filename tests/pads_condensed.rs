@@ -58,7 +58,7 @@ fn cases() -> Vec<Case> {
         case("off-centre, energy", PAD, off, ENERGY, 2e-5, 60),
         case("clamped, elastic and pad, moved", ALL, "speed = 1.0", "", 2e-5, 60),
         case("clamped, elastic and pad, moved; large steps", ALL, "speed = 1.0", ENERGY, 1e-3, 20),
-        case("a pad like a wall, corner", HARD_PAD, "speed = 5.0\npoint = [0.25, 0.25, 0.01]", ENERGY, 1e-3, 20),
+        case("a pad like a wall, corner", HARD_PAD, "speed = 5.0\npoint = [0.25, 0.25, 0.01]", ENERGY, 3e-4, 40),
         case("a pad like a wall", HARD_PAD, off, ENERGY, 1e-4, 30),
         case("a pad like a wall, small steps", HARD_PAD, off, ENERGY, 1e-5, 50),
     ]
@@ -124,12 +124,13 @@ fn agrees_with_full(session: &Session) {
         let drift = condensed.drift();
         if world.is_root() {
             println!(
-                "{:45} {:.1e} {:.1e} {:.1e} {:.1e}, drift {drift:.1e}; {:.2} iterations a step against {:.2}, time {:.2}",
+                "{:45} {:.1e} {:.1e} {:.1e} {:.1e}, drift {drift:.1e} against {:.1e}; {:.2} iterations a step against {:.2}, time {:.2}",
                 case.name,
                 errors[0],
                 errors[1],
                 errors[2],
                 errors[3],
+                full.drift(),
                 condensed.iterations,
                 full.iterations,
                 condensed.seconds / full.seconds

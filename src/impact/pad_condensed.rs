@@ -21,6 +21,9 @@ pub(super) const MOST_UNKNOWNS: usize = 1200;
 /// Passes after which rounding is all that can be left.
 const PASSES: usize = 4;
 
+/// Part of the tolerance to which the small equations are solved: iterations cost little there, a further pass a solve.
+const FIRST: f64 = 0.01;
+
 /// The pads' part of the condensed step of one step size.
 pub struct PadStep {
     comm: Comm,
@@ -108,7 +111,7 @@ impl PadStep {
         let tolerance = self.tolerance.max(problem.largest);
         let displacement = self.gather.fetch(problem.u)?.to_vec();
         let penetration = self.reduced.as_ref().map_or_else(Vec::new, |reduced| reduced.penetration(&displacement));
-        let step = Step { contact: &problem.force, penetration: &penetration, tolerance };
+        let mut step = Step { contact: &problem.force, penetration: &penetration, tolerance: FIRST * tolerance };
         // φ that E has already.
         let mut applied = DVector::zeros(self.pushed.len() + 1);
         let (mut force, mut iterations) = (0.0, 0);
@@ -120,8 +123,8 @@ impl PadStep {
             if !told.converged {
                 return Err(Error::Solve(format!(
                     "Newton's method on the pads did not converge: {iterations} iterations, residual {:.3e} N (wanted: \
-                     {tolerance:.3e} N). A smaller time.step helps in most cases",
-                    told.residual
+                     {:.3e} N). A smaller time.step helps in most cases",
+                    told.residual, step.tolerance
                 )));
             }
             increment.axpy(told.force - force, response.answer)?;
@@ -131,6 +134,7 @@ impl PadStep {
             }
             response.ksp.solve(&self.load, &mut self.correction)?;
             increment.axpy(-1.0, &self.correction)?;
+            step.tolerance = tolerance;
         }
         Ok(Solved { increment: free_impactor - response.of_impactor * force, force, iterations })
     }

@@ -122,15 +122,11 @@ impl Reduced {
             let z = at - &self.compliance * (&self.forces - applied);
             let r = self.push(step, &z) - &self.forces;
             outcome.residual = r.norm();
-            outcome.converged = outcome.residual <= step.tolerance;
+            outcome.converged = outcome.residual <= step.tolerance.max(self.points.rounding(&self.tangents, largest));
             if outcome.converged || !outcome.residual.is_finite() || outcome.iterations == MAX_ITERATIONS {
                 return outcome;
             }
             let way = self.direction(-r, step.tolerance);
-            if way.amax() <= 2.0 * f64::EPSILON * largest {
-                outcome.converged = true;
-                return outcome;
-            }
             let forces = -(&self.stiffness * &way);
             let (before, change) = (self.forces.dot(&way), forces.dot(&way));
             let slope = |length: f64| {
@@ -241,6 +237,18 @@ impl Points {
             moving(columns, values, last).for_each(|(i, value)| out[i] += tangent * at_point * value);
         }
         out[last] += tangents[self.weights.len()] * x[last];
+    }
+
+    /// Norm of what rounding of displacements of this size leaves in D times them.
+    fn rounding(&self, tangents: &[f64], size: f64) -> f64 {
+        /// Roundings in z, in what D is multiplied by and in the sum over points.
+        const FEW: f64 = 16.0 * f64::EPSILON;
+        let at_point = |((_, values), tangent): ((&[usize], &[f64]), &f64)| {
+            let sum: f64 = values.iter().map(|value| value.abs()).sum();
+            (tangent * sum * sum).powi(2)
+        };
+        let pads: f64 = self.entries().zip(tangents).map(at_point).sum();
+        FEW * size * (pads + tangents[self.weights.len()].powi(2)).sqrt()
     }
 
     /// Adds D to a matrix.
