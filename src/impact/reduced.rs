@@ -267,3 +267,71 @@ impl Points {
 fn moving<'a>(columns: &'a [usize], values: &'a [f64], last: usize) -> impl Iterator<Item = (usize, f64)> {
     columns.iter().copied().zip(values.iter().copied()).filter(move |(i, _)| *i < last)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::{Hertz, Law};
+
+    /// A chain of ten unknowns under thirty points, and a contact: G = exp(−|i − j|/4) and the like, m/N times 1e-9.
+    fn chain(stiffness: f64) -> Reduced {
+        let n = 10;
+        let kernel = |i: usize, j: usize| 1e-9 * (-0.25 * (i as f64 - j as f64).abs()).exp();
+        let mut compliance = DMatrix::from_fn(n + 1, n + 1, kernel);
+        for i in 0..n {
+            let shown = 0.3 * kernel(i, 4);
+            (compliance[(i, n)], compliance[(n, i)]) = (-shown, -shown);
+        }
+        let (mut columns, mut values) = (Vec::new(), Vec::new());
+        for q in 0..30 {
+            let i = (q / 3).min(n - 2);
+            let part = 0.1 + 0.4 * (q % 3) as f64;
+            // The last unknown's neighbour is held.
+            columns.extend([i, if q < 27 { i + 1 } else { n + 1 }]);
+            values.extend([1.0 - part, part]);
+        }
+        let weights = (0..30).map(|q| stiffness * (1.0 + 0.1 * q as f64)).collect();
+        Reduced::new(Points { nodes: 2, weights, offsets: vec![0.0; 30], columns, values }, compliance).unwrap()
+    }
+
+    /// Over decades of stiffness, from any guess, the forces are those of the displacements that they lead to.
+    #[test]
+    fn forces_and_displacements_agree_wherever_newton_starts() {
+        for stiffness in [1e5, 1e9, 1e13, 1e17] {
+            for gradient in [false, true] {
+                let mut reduced = chain(stiffness);
+                for trial in 0..20 {
+                    // Displacements of all signs, which change with the trial: the forces of the last are a bad guess.
+                    let wave = |i: usize| 1e-4 * (1.7 * i as f64 + 2.3 * f64::from(trial)).sin();
+                    let law = Law { hertz: Hertz { stiffness: 1e10 }, compliance: 0.0 };
+                    let contact = StageForce { law, from: wave(20), theta: if gradient { 0.5 } else { 1.0 }, gradient };
+                    let before: Vec<f64> = (0..12).map(|i| wave(i + 30)).collect();
+                    let penetration = reduced.penetration(&before);
+                    let step = Step { contact: &contact, penetration: &penetration, tolerance: 1e-8 };
+                    let at = DVector::from_fn(11, |i, _| wave(i));
+                    let outcome = reduced.solve(&step, &at, &DVector::zeros(11));
+                    assert!(outcome.converged && outcome.iterations < 40, "{stiffness:e}: {outcome:?}");
+                    // From the definitions, not from the solver's own sums.
+                    let z = &at - &reduced.compliance * &reduced.forces;
+                    let scale = if gradient { 2.0 } else { 1.0 };
+                    let mut expected = DVector::zeros(11);
+                    expected[10] = contact.at(z[10]).0;
+                    for (q, (columns, values)) in reduced.points.entries().enumerate() {
+                        let free = |i: &&usize| **i < 10;
+                        let moved: f64 =
+                            columns.iter().zip(values).filter(|(i, _)| free(i)).map(|(i, v)| v * z[*i]).sum();
+                        let (from, to) = (penetration[q], penetration[q] + scale * moved);
+                        let square = |g: f64| 0.5 * g.max(0.0).powi(2);
+                        let depth = if gradient { (square(to) - square(from)) / (to - from) } else { to.max(0.0) };
+                        for (i, value) in columns.iter().zip(values).filter(|(i, _)| free(i)) {
+                            expected[*i] += reduced.points.weights[q] * depth * value;
+                        }
+                    }
+                    // The tolerance; thirty points up to four times as stiff show sixteen roundings of 1e-4 m.
+                    let left = (&expected - &reduced.forces).norm();
+                    assert!(left <= 2e-8 + 8e-18 * stiffness, "{stiffness:e}: {left:e} N");
+                }
+            }
+        }
+    }
+}
