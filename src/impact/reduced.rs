@@ -28,6 +28,9 @@ const MAX_ITERATIONS: usize = 1000;
 /// The residual of Newton's linear equations, as a part of the one before.
 const FORCING: f64 = 1e-4;
 
+/// Roundings in z, in what D is multiplied by and in the sum over points.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// Rank of Ĝ over the iterations of conjugate gradients from which a new factor is cheaper.
 const RENEW: usize = 20;
 
@@ -122,7 +125,8 @@ impl Reduced {
             let z = at - &self.compliance * (&self.forces - applied);
             let r = self.push(step, &z) - &self.forces;
             outcome.residual = r.norm();
-            outcome.converged = outcome.residual <= step.tolerance.max(self.points.rounding(&self.tangents, largest));
+            let rounding = ROUNDING * largest * self.points.stiffest(self.tangents[self.points.weights.len()]);
+            outcome.converged = outcome.residual <= step.tolerance.max(rounding);
             if outcome.converged || !outcome.residual.is_finite() || outcome.iterations == MAX_ITERATIONS {
                 return outcome;
             }
@@ -239,16 +243,15 @@ impl Points {
         out[last] += tangents[self.weights.len()] * x[last];
     }
 
-    /// Norm of what rounding of displacements of this size leaves in D times them.
-    fn rounding(&self, tangents: &[f64], size: f64) -> f64 {
-        /// Roundings in z, in what D is multiplied by and in the sum over points.
-        const FEW: f64 = 16.0 * f64::EPSILON;
-        let at_point = |((_, values), tangent): ((&[usize], &[f64]), &f64)| {
+    /// Norm of the largest D, all points pressed but the contact's F′ as it is: what rounding of displacements is seen through,
+    /// since a point may be pressed by no more than that.
+    fn stiffest(&self, contact: f64) -> f64 {
+        let at_point = |((_, values), weight): ((&[usize], &[f64]), &f64)| {
             let sum: f64 = values.iter().map(|value| value.abs()).sum();
-            (tangent * sum * sum).powi(2)
+            (weight * sum * sum).powi(2)
         };
-        let pads: f64 = self.entries().zip(tangents).map(at_point).sum();
-        FEW * size * (pads + tangents[self.weights.len()].powi(2)).sqrt()
+        let pads: f64 = self.entries().zip(&self.weights).map(at_point).sum();
+        (pads + contact * contact).sqrt()
     }
 
     /// Adds D to a matrix.
