@@ -162,13 +162,13 @@ impl PadStep {
             applied.copy_from(&reduced.forces);
         }
         self.load.assemble()?;
-        Ok(told.from_root(&self.comm))
+        Ok(told.shared(&self.comm))
     }
 }
 
 impl Told {
-    /// What rank 0 has. Collective.
-    fn from_root(self, comm: &Comm) -> Self {
+    /// What rank 0 has, on every rank. Collective.
+    fn shared(self, comm: &Comm) -> Self {
         let flag = |yes: bool| f64::from(u8::from(yes));
         let mut values = [self.force, flag(self.pushes), flag(self.converged), self.iterations as f64, self.residual];
         comm.mpi().process_at_rank(0).broadcast_into(&mut values);
