@@ -11,7 +11,10 @@ mod implicit;
 mod initial;
 mod ladder;
 mod ledger;
+mod pad_condensed;
 mod plan;
+mod reduced;
+mod search;
 mod setting;
 mod state;
 pub mod step;
@@ -29,6 +32,7 @@ use crate::scene::Scene;
 
 use controlled::Controlled;
 use gate::Gate;
+pub use implicit::Method;
 use ladder::Ladder;
 pub use plan::{Plan, steps};
 pub use setting::Setting;
