@@ -20,6 +20,8 @@ pub struct Solid {
     pub mass: Matrix,
     /// K of the elastic body alone, N/m.
     pub elastic: Matrix,
+    /// Upper triangles of M and K: what products are made with, at half the memory traffic.
+    triangles: [Matrix; 2],
     /// K of the elastic supports (11), N/m.
     pub support: Option<Matrix>,
     /// C of the dampers (13), N s/m.
@@ -61,6 +63,7 @@ impl Solid {
             SupportKind::Elastic { stiffness } => *stiffness,
             _ => [0.0; 3],
         };
+        let triangles = [mass.upper_triangle(3)?, elastic.upper_triangle(3)?];
         let springs: Vec<(&str, Vec3, Vec3)> =
             scene.supports.iter().map(|s| (s.surface.as_str(), stiffness(&s.kind), s.displacement)).collect();
         let dampers: Vec<(&str, Vec3, Vec3)> =
@@ -71,6 +74,7 @@ impl Solid {
         Ok(Self {
             mass,
             elastic,
+            triangles,
             support: over_facets(mesh, &springs)?,
             damping: over_facets(mesh, &dampers)?,
             lumped: explicit.then(|| Lumped::new(scene, mesh)).transpose()?,
@@ -99,9 +103,17 @@ impl Solid {
                 out.copy_from(v)?;
                 out.pointwise_mult(&lumped.mass)?;
             }
-            None => self.mass.mult(v, out)?,
+            None => self.triangles[0].mult(v, out)?,
         }
         Ok(())
+    }
+
+    /// out ← K u of the body alone. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn apply_elastic(&self, u: &Vector, out: &mut Vector) -> Result<()> {
+        Ok(self.triangles[1].mult(u, out)?)
     }
 
     /// out ← C v, with the lumped C where the scheme is explicit; nothing without dampers. Collective.
