@@ -34,7 +34,7 @@ fn main() -> ExitCode {
 /// The paper's plate of 0.04 m on a mesh that is coarse: what is conserved is so on any.
 const PLATE: &str = "size = [1.5, 1.5, 0.04]\ncells = [8, 8, 1]\ngrading = [6, 6, 1]";
 
-/// Issue of all tests: what rounding leaves, as a part of the initial energy.
+/// What rounding may leave, as a part of the initial energy: noise in K u of up to 5e-10 was seen, and no drift.
 const ROUNDING: f64 = 1e-9;
 
 /// Contact time of the paper's impactor on a half-space, s.
@@ -141,7 +141,9 @@ fn the_ledger_closes_for_every_scheme(session: &Session) {
                 }
                 // Explicit steps are chosen; of the others there are about a dozen in a contact.
                 let step = if explicit { "" } else { "step = 1e-4\n" };
-                let rest = format!("{rest}[solver]\nnewton = \"{newton}\"\n");
+                // A displaced clamp starts with a jerk of the highest frequencies, which ρ∞ = 0 overshoots before it
+                // damps them: to five times the initial energy, where a run without a gate of its own is stopped.
+                let rest = format!("{rest}[solver]\nnewton = \"{newton}\"\nenergy_gate = 10.0\n");
                 let impactor = "mass = 52.0\nspeed = 1.0\ngap = 1.234e-4";
                 let text = scene(PLATE, impactor, &format!("end = 0.01\n{step}{scheme}"), &rest);
                 let (_, mut impact) = start(&world, &text);
