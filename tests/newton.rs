@@ -95,7 +95,7 @@ fn scene(case: &Case) -> String {
          symmetry = \"none\"\n{rest}\
          [impactor]\nmass = 52.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\n{impactor}\n\
          [time]\nend = {step:e}\nstep = {step:e}\n\
-         [contact]\nlocalization = \"point\"\n[solver]\nnewton = \"full\"\n"
+         [contact]\nlocalization = \"point\"\n[solver]\nnewton = \"full\"\nenergy_gate = 1e9\n"
     )
 }
 

@@ -45,6 +45,7 @@ const FUNCTIONS: &[&str] = &[
     "MatCholeskyFactorSymbolic",
     "MatCopy",
     "MatCreate",
+    "MatCreateMAIJ",
     "MatConvert",
     "MatDuplicate",
     "MatFactorInfoInitialize",

@@ -117,6 +117,18 @@ impl Matrix {
         Ok(Self(Object::new(raw, self.comm())))
     }
 
+    /// The Kronecker product of this matrix with the identity of the given size, for products with vectors: one stored entry serves
+    /// all components of an unknown. It refers to this matrix's entries. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn by_component(&self, components: usize) -> Result<Self> {
+        let mut raw = std::ptr::null_mut();
+        // SAFETY: the matrix is valid, and PETSc counts the new one's reference to it; the out-pointer is valid.
+        check(unsafe { sys::MatCreateMAIJ(self.raw(), components as Int, &raw mut raw) })?;
+        Ok(Self(Object::new(raw, self.comm())))
+    }
+
     /// A copy of this symmetric matrix that stores one triangle by square blocks of the given size: its products read less than
     /// half of the memory. Collective.
     ///

@@ -75,8 +75,12 @@ impl Impact {
         let plan = Plan::new(mesh, scene, &mut body, &setting)?;
         let newton_tolerance =
             FORCE_TOLERANCE * hertz::peak_force(setting.law.hertz.stiffness, setting.mass, setting.speed);
+        let (methods, base) = ((scene.time.scheme, scene.solver.newton), plan.step());
+        let mut ladder = Ladder::new(comm, setting, methods, newton_tolerance, base);
+        // Here, so that wrong options for PETSc are found before anything is written.
+        ladder.at(0, &body)?;
         Ok(Self {
-            ladder: Ladder::new(comm, setting, (scene.time.scheme, scene.solver.newton), newton_tolerance, plan.step()),
+            ladder,
             gate: Gate::new(scene.solver.energy_gate),
             end,
             plan,
