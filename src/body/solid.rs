@@ -42,6 +42,8 @@ pub struct Solid {
     pub localization: Localization,
     /// The rigid motions, which multigrid needs to know of.
     rigid_motions: NullSpace,
+    /// The body moved as a whole by one in the impactor's direction.
+    pub translation: Vector,
     /// How many such bodies make the whole: 1, or 4 for a quarter of a symmetric box.
     pub copies: f64,
 }
@@ -84,6 +86,7 @@ impl Solid {
             load: load(scene, mesh)?,
             support_load,
             support_offset,
+            translation: translation(mesh, scene.impactor.direction)?,
             localization,
             rigid_motions: rigid_motions(mesh)?,
             clamps,
@@ -274,6 +277,15 @@ fn over_facets(mesh: &Mesh, terms: &[(&str, Vec3, Vec3)]) -> Result<Option<Matri
     }
     matrix.assemble()?;
     Ok(Some(matrix))
+}
+
+/// d at every node.
+fn translation(mesh: &Mesh, direction: Vec3) -> Result<Vector> {
+    let mut vector = Vector::new(&mesh.comm, 3 * mesh.owned_nodes)?;
+    for node in vector.write()?.chunks_exact_mut(3) {
+        node.copy_from_slice(&direction);
+    }
+    Ok(vector)
 }
 
 /// ∫ k ū·v dS and ½ ∫ k ū·ū dS of elastic supports.
