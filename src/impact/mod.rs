@@ -11,6 +11,7 @@ mod implicit;
 mod initial;
 mod ladder;
 mod ledger;
+mod limit;
 mod setting;
 mod state;
 pub mod step;
@@ -29,6 +30,7 @@ use crate::scene::{Scene, Scheme};
 use controlled::Controlled;
 use gate::Gate;
 use ladder::Ladder;
+pub use limit::stable_step;
 pub use setting::Setting;
 pub use state::{Impactor, State};
 use step::Step;
@@ -73,7 +75,7 @@ impl Impact {
         let setting = Setting::new(&scene.impactor, &body);
         let (step, tolerance) = match (scene.time.scheme, scene.time.step) {
             (Scheme::CentralDifference { allow_unstable }, step) => {
-                (explicit::step(mesh, &mut body, &setting, (step, allow_unstable))?, None)
+                (explicit::step(mesh, &mut body, scene, (step, allow_unstable))?, None)
             }
             (_, Some(step)) => (step, None),
             (_, None) => (controlled::first_step(&setting, scene.tolerance, end), Some(scene.tolerance)),
@@ -103,6 +105,11 @@ impl Impact {
         &self.body
     }
 
+    /// The body, for another impact on it.
+    pub fn into_body(self) -> Solid {
+        self.body
+    }
+
     /// The state reached.
     pub fn state(&self) -> &State {
         &self.trajectory.now.state
@@ -120,8 +127,8 @@ impl Impact {
     /// Collective.
     ///
     /// # Errors
-    /// [`crate::Error::Solve`] with step and time where a step is not solved, the contact law is left or the energy gate
-    /// closes; the observer's; PETSc's.
+    /// [`crate::Error::Solve`] with step and time where a step is not solved or the contact law is left,
+    /// [`crate::Error::Unstable`] where the energy gate closes; the observer's; PETSc's.
     pub fn run(&mut self, observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
         let Some(tolerance) = self.tolerance else { return self.run_in_equal_steps(observe) };
         let Self { comm, setting, ladder, gate, count, end, .. } = self;
