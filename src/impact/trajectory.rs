@@ -5,8 +5,8 @@ use petsc_wrap::Comm;
 use crate::body::Solid;
 use crate::error::{Error, Result};
 
-use super::ladder::Stepper;
 use super::initial;
+use super::ladder::Stepper;
 use super::ledger::Ledger;
 use super::setting::Setting;
 use super::state::{Moment, State};
