@@ -6,7 +6,7 @@ use petsc_wrap::Comm;
 
 use crate::agree::agree;
 use crate::error::{Error, Result};
-use crate::figure::map::{Cell, Map, Row, draw};
+use crate::figure::map::{Cell, Map, Row, Value, draw};
 use crate::mesh::Mesh;
 use crate::record::folder::Folder;
 use crate::scene::Scene;
@@ -41,9 +41,10 @@ pub fn stability(comm: &Comm, arguments: &Stability) -> Result<i32> {
         }
         warn_of_unused_options(comm)?;
     }
-    let is_complete = found.is_some_and(|study| study.is_complete);
+    let is_complete = found.as_ref().is_some_and(|study| study.is_complete);
     if !is_complete && comm.is_root() {
-        tell(format_args!("interrupted: what was done so far is written"));
+        let what = if found.is_some() { "what was done so far is written" } else { "nothing was done so far" };
+        tell(format_args!("interrupted: {what}"));
     }
     Ok(if is_complete { 0 } else { INTERRUPTED })
 }
@@ -75,7 +76,11 @@ fn map(study: &Study, scene: &Scene) -> Map {
             .runs
             .iter()
             .map(|run| {
-                let value = |value: f64| run.verdict.reason().is_none().then_some(value);
+                let value = |number: f64| match run.verdict {
+                    Verdict::Grows(_) => Value::Unbounded,
+                    Verdict::Refused(_) => Value::Missing,
+                    _ => Value::Number(number),
+                };
                 Cell {
                     step: run.step,
                     values: vec![value(run.measured.energy_error), value(run.measured.first_error)],
@@ -88,9 +93,10 @@ fn map(study: &Study, scene: &Scene) -> Map {
     marks.extend(scene.time.step.map(|step| (step, "the scene's step".to_owned())));
     Map {
         title: scene.title.clone(),
-        panels: vec!["error of the energy / initial".into(), "error of the force / peak, first contact".into()],
+        panels: vec!["energy error / initial energy".into(), "force error / peak, first contact".into()],
         rows: rows.collect(),
         contact: study.contact,
         marks,
+        good: format!("both within {:e}", study.tolerance),
     }
 }

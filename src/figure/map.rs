@@ -11,7 +11,7 @@ use std::path::Path;
 /// Heat maps over the same rows and steps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Map {
-    /// Above all; shortened by nothing, so one line.
+    /// Above all.
     pub title: String,
     /// What each map shows, left to right.
     pub panels: Vec<String>,
@@ -19,8 +19,10 @@ pub struct Map {
     pub rows: Vec<Row>,
     /// Duration of a contact, s: the upper axis counts steps in it.
     pub contact: f64,
-    /// Steps marked through all rows, s, with what the legend says of each.
+    /// Up to two steps marked through all rows, s, with what the legend says of each.
     pub marks: Vec<(f64, String)>,
+    /// What the legend says of the dots.
+    pub good: String,
 }
 
 /// A row of cells.
@@ -41,10 +43,21 @@ pub struct Row {
 pub struct Cell {
     /// Δt, s.
     pub step: f64,
-    /// One value a panel, not negative; `None` where there is none because the run has failed.
-    pub values: Vec<Option<f64>>,
+    /// One value a panel.
+    pub values: Vec<Value>,
     /// Whether it gets a dot.
     pub is_good: bool,
+}
+
+/// What a cell shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Value {
+    /// A number that is not negative.
+    Number(f64),
+    /// None, since the solution grows without bound.
+    Unbounded,
+    /// None for another reason.
+    Missing,
 }
 
 /// Draws to `out`, an SVG or a PNG of 1600 × 1000 pixels by its extension.
@@ -82,7 +95,8 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(8, 81, 156),
     RGBColor(8, 38, 82),
 ];
-const FAILED: RGBColor = RGBColor(213, 94, 0);
+const UNBOUNDED: RGBColor = RGBColor(213, 94, 0);
+const MISSING: RGBColor = RGBColor(160, 160, 160);
 const INK: RGBColor = RGBColor(30, 30, 30);
 const PAPER: RGBColor = RGBColor(255, 255, 255);
 const LIMIT: Stroke = Stroke { colour: INK, width: 5.0, dashes: &[] };
@@ -152,10 +166,11 @@ impl Map {
                 let (low, high) = row.extent(m);
                 // A white line between neighbours.
                 let corners = ((plot.at(low) + 1.0, top), (plot.at(high) - 1.0, bottom));
-                let value = cell.values.get(panel).copied().flatten();
-                canvas.rectangle(corners.0, corners.1, value.map_or(FAILED, colour))?;
+                let value = cell.values.get(panel).copied().unwrap_or(Value::Missing);
+                canvas.rectangle(corners.0, corners.1, value.colour())?;
                 if cell.is_good {
-                    let ink = if value.is_some_and(|value| place(value) > 0.55) { PAPER } else { INK };
+                    let is_dark = matches!(value, Value::Number(number) if place(number) > 0.55);
+                    let ink = if is_dark { PAPER } else { INK };
                     canvas.dot((0.5 * (corners.0.0 + corners.1.0), middle), 4.5, ink)?;
                 }
             }
@@ -213,7 +228,7 @@ impl Map {
     /// The colours at the left, what is drawn over them at the right.
     fn draw_legend<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Outcome {
         let (y, height) = (HEIGHT - 62.0, 24.0);
-        let (left, width) = (MARGIN + 30.0, 360.0);
+        let (left, width) = (MARGIN + 24.0, 330.0);
         for n in 0..width as usize {
             let x = left + n as f64;
             let value = 10_f64.powf(f64::from(SCALE.0) + f64::from(SCALE.1 - SCALE.0) * n as f64 / width);
@@ -223,20 +238,27 @@ impl Map {
             let x = left + width * f64::from(power - SCALE.0) / f64::from(SCALE.1 - SCALE.0);
             canvas.text(&exponential(power), (x, y + 32.0), SMALL, Anchor::Centre)?;
         }
-        let mut x = left + width + 60.0;
+        let mut x = left + width + 50.0;
         let mut entry = |text: &str, draw: &dyn Fn(f64) -> Outcome| -> Outcome {
             draw(x)?;
             canvas.text(text, (x + 46.0, y), SMALL, Anchor::Left)?;
-            x += 46.0 + canvas.text_width(text, SMALL) + 36.0;
+            x += 46.0 + canvas.text_width(text, SMALL) + 26.0;
             Ok(())
         };
-        entry("failed", &|x| canvas.rectangle((x, y - 0.5 * height), (x + 36.0, y + 0.5 * height), FAILED))?;
-        entry("right", &|x| canvas.dot((x + 18.0, y), 4.5, INK))?;
+        for (value, text) in [(Value::Unbounded, "blows up"), (Value::Missing, "not solved")] {
+            let mut cells = self.rows.iter().flat_map(|row| &row.cells);
+            if cells.any(|cell| cell.values.contains(&value)) {
+                entry(text, &|x| {
+                    canvas.rectangle((x, y - 0.5 * height), (x + 36.0, y + 0.5 * height), value.colour())
+                })?;
+            }
+        }
+        entry(&self.good, &|x| canvas.dot((x + 18.0, y), 4.5, INK))?;
         let upright = |x: f64, stroke: &Stroke| {
             canvas.line(&[canvas.point(x + 18.0, y - 22.0), canvas.point(x + 18.0, y + 22.0)], stroke)
         };
         if self.rows.iter().any(|row| row.limit < f64::INFINITY) {
-            entry("limit by theory", &|x| upright(x, &LIMIT))?;
+            entry("predicted limit", &|x| upright(x, &LIMIT))?;
         }
         for ((_, text), stroke) in self.marks.iter().zip(&MARKS) {
             entry(text, &|x| upright(x, stroke))?;
@@ -253,6 +275,16 @@ impl Row {
         let before = cell.checked_sub(1).and_then(step).unwrap_or(0.0);
         let after = step(cell + 1).unwrap_or(f64::INFINITY);
         ((before * here).sqrt().max(here / REACH), (here * after).sqrt().min(here * REACH))
+    }
+}
+
+impl Value {
+    fn colour(self) -> RGBColor {
+        match self {
+            Self::Number(number) => colour(number),
+            Self::Unbounded => UNBOUNDED,
+            Self::Missing => MISSING,
+        }
     }
 }
 
@@ -290,7 +322,7 @@ mod tests {
 
     #[test]
     fn cells_meet_their_near_neighbours_and_stay_apart_from_far_ones() {
-        let cell = |step| Cell { step, values: vec![Some(0.1)], is_good: true };
+        let cell = |step| Cell { step, values: vec![Value::Number(0.1)], is_good: true };
         let cells = [1.0, 1.2, 2.0, 16.0].map(cell).into();
         let row = Row { label: String::new(), note: String::new(), limit: 0.0, cells };
         let extents: Vec<_> = (0..4).map(|n| row.extent(n)).collect();

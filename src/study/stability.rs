@@ -19,7 +19,8 @@ use super::plan::{Demand, Occasion, Plan};
 use super::schemes::{compared, is_explicit};
 use super::verdict::{Ending, Verdict};
 
-/// Steps a contact that second-order schemes need for about a percent of the force.
+/// Steps a contact at which average acceleration has the force of an impact on a half-space to 0.6% (at 10, to 2.2%). A body that
+/// vibrates during the contact needs more.
 pub const ENOUGH: f64 = 20.0;
 
 /// A study.
@@ -99,7 +100,7 @@ impl Row {
 }
 
 /// Runs the scene by all schemes. `interrupted` tells, the same on all ranks, whether to leave off; `told` gets each row. `None` where
-/// it was interrupted before the references were there. Collective.
+/// it was interrupted before the first run was done. Collective.
 ///
 /// # Errors
 /// All that a run of the scene by the energy-conserving scheme in small steps may have; PETSc's.
@@ -163,11 +164,16 @@ pub fn stability(
             let measured = measure.finish();
             row.runs.push(Run { step, measured, verdict: Verdict::new(ending, &measured, scene.tolerance) });
         }
-        told(&row);
-        study.rows.push(row);
+        if !row.runs.is_empty() {
+            told(&row);
+            study.rows.push(row);
+        }
         if !study.is_complete {
             break;
         }
+    }
+    if study.rows.is_empty() {
+        return Ok(None);
     }
     reference.estimate(&study.rows);
     study.reference = reference;

@@ -64,7 +64,7 @@ pub fn gist(study: &Study) -> Vec<String> {
         lines.push(line([&label(row.scheme), &step(row.holds()), &step(row.grows()), &theory(row)]));
     }
     lines.push(format!(
-        "theory: for about a percent of the force, {ENOUGH} steps a contact, {:.2e} s",
+        "theory: a contact takes {ENOUGH} steps, {:.2e} s, and more where the body vibrates meanwhile",
         study.contact / ENOUGH
     ));
     lines
