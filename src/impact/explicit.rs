@@ -5,7 +5,7 @@ use petsc_wrap::Vector;
 use crate::body::{Lumped, Solid};
 use crate::error::Result;
 use crate::mesh::Mesh;
-use crate::scene::{Fault, Scene};
+use crate::scene::{Fault, Scheme};
 use crate::scheme::{CentralDifference, Implicit, newmark};
 
 use super::ledger::{Exchange, Work, exchange};
@@ -117,13 +117,13 @@ fn correct(
 pub(super) fn step(
     mesh: &Mesh,
     body: &mut Solid,
-    scene: &Scene,
+    setting: &Setting,
     (given, allow_unstable): (Option<f64>, bool),
 ) -> Result<f64> {
     if let (Some(step), true) = (given, allow_unstable) {
         return Ok(step);
     }
-    let limit = stable_step(mesh, body, &scene.impactor, scene.time.scheme)?;
+    let limit = stable_step(mesh, body, setting, Scheme::CentralDifference { allow_unstable })?;
     let Some(step) = given else { return Ok(OF_LIMIT * limit) };
     if step <= limit {
         return Ok(step);

@@ -4,7 +4,7 @@ use crate::body::{Inertia, LinearContact, Solid, largest_frequency};
 use crate::contact::hertz;
 use crate::error::Result;
 use crate::mesh::Mesh;
-use crate::scene;
+use crate::scene::Scheme;
 use crate::scheme::critical_frequency;
 
 use super::setting::Setting;
@@ -14,16 +14,16 @@ use super::setting::Setting;
 ///
 /// # Errors
 /// PETSc's.
-pub fn stable_step(mesh: &Mesh, body: &mut Solid, impactor: &scene::Impactor, scheme: scene::Scheme) -> Result<f64> {
+pub fn stable_step(mesh: &Mesh, body: &mut Solid, setting: &Setting, scheme: Scheme) -> Result<f64> {
     let critical = match scheme {
-        scene::Scheme::Newmark { beta, gamma } => critical_frequency(beta, gamma),
-        scene::Scheme::GeneralizedAlpha { .. } | scene::Scheme::Energy => f64::INFINITY,
-        scene::Scheme::CentralDifference { .. } => critical_frequency(0.0, 0.5),
+        Scheme::Newmark { beta, gamma } => critical_frequency(beta, gamma),
+        Scheme::GeneralizedAlpha { .. } | Scheme::Energy => f64::INFINITY,
+        Scheme::CentralDifference { .. } => critical_frequency(0.0, 0.5),
     };
     if critical == 0.0 || critical.is_infinite() {
         return Ok(critical);
     }
-    let Setting { law, mass, speed, .. } = Setting::new(impactor, body);
+    let Setting { law, mass, speed, .. } = *setting;
     let peak = hertz::peak_indentation(law.hertz.stiffness, mass, speed);
     let approach = peak - law.compliance * law.hertz.force(peak);
     let contact = LinearContact { tangent: law.tangent(approach.min(law.limit())), mass };

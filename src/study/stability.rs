@@ -10,7 +10,7 @@ use crate::body::{Lumped, Solid};
 use crate::contact::hertz;
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
-use crate::impact::{Impact, stable_step};
+use crate::impact::{Impact, Setting, stable_step};
 use crate::mesh::Mesh;
 use crate::scene::{Newton, Scene, Scheme, Solver, Time};
 
@@ -227,7 +227,9 @@ impl<'a> Bench<'a> {
     fn limit(&mut self, scheme: Scheme) -> Result<f64> {
         let mesh = self.mesh;
         let impactor = self.scene.impactor.clone();
-        let limit = stable_step(mesh, self.body(scheme), &impactor, scheme);
+        let body = self.body(scheme);
+        let setting = Setting::new(&impactor, body);
+        let limit = stable_step(mesh, body, &setting, scheme);
         mesh.comm.collect_garbage()?;
         limit
     }
