@@ -27,6 +27,9 @@ pub enum Error {
     /// The solve failed.
     #[error("{0}")]
     Solve(String),
+    /// The time integration has made or lost energy beyond what the gate allows.
+    #[error("{0}")]
+    Unstable(String),
     /// The result cannot be written, as all ranks know.
     #[error("{0}")]
     Output(String),
@@ -54,7 +57,7 @@ impl Error {
         match self {
             Self::Alone(error) => error.status(),
             Self::Usage(_) | Self::Scene(_) | Self::Fault(_) => 2,
-            Self::Solve(_) | Self::Petsc(_) => 3,
+            Self::Solve(_) | Self::Unstable(_) | Self::Petsc(_) => 3,
             Self::Io { .. } | Self::Output(_) => 4,
         }
     }
@@ -62,7 +65,7 @@ impl Error {
     /// Whether every rank returns it, so that all can end in order.
     pub fn is_everywhere(&self) -> bool {
         match self {
-            Self::Usage(_) | Self::Scene(_) | Self::Solve(_) | Self::Output(_) => true,
+            Self::Usage(_) | Self::Scene(_) | Self::Solve(_) | Self::Unstable(_) | Self::Output(_) => true,
             Self::Fault(fault) => fault.everywhere,
             Self::Alone(_) | Self::Io { .. } | Self::Petsc(_) => false,
         }

@@ -16,5 +16,6 @@ pub mod mesh;
 pub mod record;
 pub mod scene;
 pub mod scheme;
+pub mod study;
 
 pub use error::{Error, Result};

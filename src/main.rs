@@ -23,6 +23,9 @@ fn main() {
         Command::Plot(_) if !cli::is_root_by_environment() => exit(0),
         Command::Plot(plot) => conclude(None, cli::plot::plot(&plot.results, &plot.output).map(|()| 0)),
         Command::Run(run) => under_petsc(&run.petsc, |session| cli::run::run(&session.world(), run)),
+        Command::Stability(stability) => {
+            under_petsc(&stability.petsc, |session| cli::stability::stability(&session.world(), stability))
+        }
         Command::Check(check) => {
             under_petsc(&check.petsc, |session| cli::check::check(&session.world(), check).map(|()| 0))
         }

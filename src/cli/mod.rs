@@ -1,16 +1,21 @@
 //! What the user typed, and what to do about it; one file a subcommand.
 
 pub mod check;
+mod interrupt;
 mod load;
 pub mod plot;
 mod progress;
 pub mod run;
+pub mod stability;
 
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use petsc_wrap::{Comm, options};
+
+use crate::error::Result;
 
 /// Version and commit.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("RICOCHET_COMMIT"), ")");
@@ -35,6 +40,8 @@ pub enum Command {
     Check(Check),
     /// Draw the impactor's acceleration against time, one curve a result
     Plot(Plot),
+    /// Show where each time integration scheme holds on a scene and where it fails: schemes × steps
+    Stability(Stability),
 }
 
 /// `ricochet run`
@@ -77,6 +84,22 @@ pub struct Plot {
     pub output: PathBuf,
 }
 
+/// `ricochet stability`
+#[derive(Debug, Args)]
+pub struct Stability {
+    /// Scene file (TOML)
+    pub scene: PathBuf,
+    /// Folder for stability.csv, .svg and .png; made where it is missing
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Override a key of the scene by its dotted path
+    #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    pub overrides: Vec<String>,
+    /// Options for PETSc, unchanged
+    #[arg(last = true, value_name = "PETSC OPTIONS")]
+    pub petsc: Vec<String>,
+}
+
 /// Whether this is rank 0, or alone, as far as the launcher's environment tells before MPI is initialised.
 pub fn is_root_by_environment() -> bool {
     ["OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"]
@@ -93,6 +116,14 @@ pub fn say(line: fmt::Arguments) {
 /// A line on standard error, likewise.
 pub fn tell(line: fmt::Arguments) {
     let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// Misspelt options are the user's to know of.
+fn warn_of_unused_options(comm: &Comm) -> Result<()> {
+    for name in options::unused(comm.session())? {
+        tracing::warn!("PETSc has not used the option -{name}");
+    }
+    Ok(())
 }
 
 /// Warnings, and with `RICOCHET_LOG=info` or `debug` more, go to standard error.

@@ -2,12 +2,8 @@
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use mpi::collective::SystemOperation;
-use mpi::traits::CommunicatorCollectives;
 use petsc_wrap::{Comm, options, petsc_version};
 
 use crate::agree::agree;
@@ -23,12 +19,10 @@ use crate::record::target::check_writable;
 use crate::scene::{Scene, Source};
 
 use super::Run;
+use super::interrupt::{INTERRUPTED, Interrupt};
 use super::load::load;
 use super::progress::Progress;
-use super::{say, tell};
-
-/// Exit status of a run that a signal has ended.
-const INTERRUPTED: i32 = 130;
+use super::{say, tell, warn_of_unused_options};
 
 /// Runs a scene; returns the exit status. Collective.
 ///
@@ -66,18 +60,14 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
         }),
         false => None,
     };
-    let interrupted = on_signals();
+    let interrupt = Interrupt::on_signals();
     let stepped = impact.run(|step| {
         if let Some(desk) = &mut desk {
             desk.writer.push(step)?;
             desk.progress.step(step);
             desk.summary.step(step);
         }
-        Ok(if anywhere(comm, interrupted.load(Ordering::Relaxed)) {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        })
+        Ok(if interrupt.is_raised(comm) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     });
     let total = begin.elapsed().as_secs_f64();
     let cost = Cost {
@@ -209,30 +199,4 @@ fn provenance(comm: &Comm, scene: &Scene, source: &Source, impact: &Impact) -> R
         unknowns: impact.body().unknowns() + 1,
         planned_rows: impact.steps().map(|steps| steps / scene.output.every + 1),
     })
-}
-
-/// A flag that SIGINT and SIGTERM raise, in place of ending the process at once.
-fn on_signals() -> Arc<AtomicBool> {
-    let flag = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-        if let Err(error) = signal_hook::flag::register(signal, flag.clone()) {
-            tracing::warn!("signal {signal} ends the run at once: {error}");
-        }
-    }
-    flag
-}
-
-/// Whether it is so on any rank. Collective.
-fn anywhere(comm: &Comm, here: bool) -> bool {
-    let mut all = 0;
-    comm.mpi().all_reduce_into(&i32::from(here), &mut all, SystemOperation::max());
-    all > 0
-}
-
-/// Misspelt options are the user's to know of.
-fn warn_of_unused_options(comm: &Comm) -> Result<()> {
-    for name in options::unused(comm.session())? {
-        tracing::warn!("PETSc has not used the option -{name}");
-    }
-    Ok(())
 }

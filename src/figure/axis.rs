@@ -53,16 +53,21 @@ impl Axis {
         if self.exponent == 0 {
             return unit.to_owned();
         }
-        let superscript = |c| match c {
-            '-' => '\u{207b}',
-            '1' => '\u{b9}',
-            '2' => '\u{b2}',
-            '3' => '\u{b3}',
-            digit => char::from_u32(0x2070 + digit as u32 - '0' as u32).unwrap_or(digit),
-        };
-        let power: String = self.exponent.to_string().chars().map(superscript).collect();
-        format!("10{power} {unit}")
+        format!("{} {unit}", exponential(self.exponent))
     }
+}
+
+/// A power of ten, as 10⁻⁶.
+pub(super) fn exponential(exponent: i32) -> String {
+    let superscript = |c| match c {
+        '-' => '\u{207b}',
+        '1' => '\u{b9}',
+        '2' => '\u{b2}',
+        '3' => '\u{b3}',
+        digit => char::from_u32(0x2070 + digit as u32 - '0' as u32).unwrap_or(digit),
+    };
+    let power: String = exponent.to_string().chars().map(superscript).collect();
+    format!("10{power}")
 }
 
 /// The next of 1, 2, 2.5 and 5 times a power of ten.

@@ -173,6 +173,13 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
         self.area.draw(&Rectangle::new(corners, colour.filled())).map_err(|e| e.to_string())
     }
 
+    /// A filled circle.
+    pub fn dot(&self, middle: (f64, f64), radius: f64, colour: RGBColor) -> Outcome {
+        let radius = (radius * self.scale).round() as i32;
+        let circle = Circle::new(self.point(middle.0, middle.1), radius, colour.filled());
+        self.area.draw(&circle).map_err(|e| e.to_string())
+    }
+
     /// A text of one line with letters of `size`.
     pub fn text(&self, text: &str, at: (f64, f64), size: f64, anchor: Anchor) -> Outcome {
         let shift = self.text_shift * size;

@@ -3,4 +3,5 @@
 mod axis;
 mod canvas;
 pub mod history;
+pub mod map;
 mod stroke;

@@ -2,14 +2,14 @@
 
 use petsc_wrap::Vector;
 
-use crate::body::{Inertia, LargestFrequency, LinearContact, Lumped, Solid, largest_frequency};
-use crate::contact::hertz;
+use crate::body::{Lumped, Solid};
 use crate::error::Result;
 use crate::mesh::Mesh;
-use crate::scene::Fault;
-use crate::scheme::{CentralDifference, Implicit, critical_frequency, newmark};
+use crate::scene::{Fault, Scheme};
+use crate::scheme::{CentralDifference, Implicit, newmark};
 
 use super::ledger::{Exchange, Work, exchange};
+use super::limit::stable_step;
 use super::setting::Setting;
 use super::state::{Impactor, Moment};
 
@@ -110,24 +110,6 @@ fn correct(
     Ok(())
 }
 
-/// ω_max of the lumped body with the impactor on it, at the stiffness that an impact on a half-space would reach. Collective.
-///
-/// # Errors
-/// PETSc's.
-///
-/// # Panics
-/// When the body has no lumped mass.
-pub(super) fn largest(mesh: &Mesh, body: &mut Solid, setting: &Setting) -> Result<LargestFrequency> {
-    let law = setting.law;
-    let peak = hertz::peak_indentation(law.hertz.stiffness, setting.mass, setting.speed);
-    let approach = peak - law.compliance * law.hertz.force(peak);
-    let contact = LinearContact { tangent: law.tangent(approach.min(law.limit())), mass: setting.mass };
-    let lumped = body.lumped.take().expect("an explicit scheme's body has a lumped mass");
-    let largest = largest_frequency(mesh, body, Inertia::Lumped(&lumped.mass), Some(contact));
-    body.lumped = Some(lumped);
-    largest
-}
-
 /// The step (s) of an explicit run: the given one if it is stable or `allow_unstable` is set, or else what is stable. Collective.
 ///
 /// # Errors
@@ -138,10 +120,12 @@ pub(super) fn step(
     setting: &Setting,
     (given, allow_unstable): (Option<f64>, bool),
 ) -> Result<f64> {
-    let largest = largest(mesh, body, setting)?;
-    let limit = critical_frequency(0.0, 0.5) / largest.bound;
+    if let (Some(step), true) = (given, allow_unstable) {
+        return Ok(step);
+    }
+    let limit = stable_step(mesh, body, setting, Scheme::CentralDifference { allow_unstable })?;
     let Some(step) = given else { return Ok(OF_LIMIT * limit) };
-    if step <= limit || allow_unstable {
+    if step <= limit {
         return Ok(step);
     }
     Err(Fault::new(
@@ -149,7 +133,7 @@ pub(super) fn step(
         format!(
             "the central difference is stable up to a step of {limit:.3e} s on this mesh, 2/ω_max with ω_max = {:.3e} rad/s, \
              and the step is {step:.3e} s",
-            largest.bound
+            2.0 / limit
         ),
         "a smaller step, none at all (then it is chosen), an implicit scheme, or `allow_unstable = true` to see it fail",
     )

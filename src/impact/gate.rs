@@ -29,11 +29,11 @@ impl Gate {
     /// Refuses a step whose balance is off, or which is not a number.
     ///
     /// # Errors
-    /// [`Error::Solve`].
+    /// [`Error::Unstable`].
     pub(super) fn check(&self, step: &Step) -> Result<()> {
         let energy = &step.energy;
         if !(energy.total.is_finite() && step.contact.force.is_finite() && step.impactor.position.is_finite()) {
-            return Err(Error::Solve(format!(
+            return Err(Error::Unstable(format!(
                 "the solution is no number any more; the steps before it are kept. {ADVICE}"
             )));
         }
@@ -42,14 +42,14 @@ impl Gate {
             && balance.abs() > part * self.initial.abs()
         {
             let (verb, amount) = if balance > 0.0 { ("gained", balance) } else { ("lost", -balance) };
-            return Err(Error::Solve(format!(
+            return Err(Error::Unstable(format!(
                 "{:.3} % of the initial energy {verb} by the time integration, and solver.energy_gate allows {:.3} %. {ADVICE}",
                 100.0 * amount / self.initial,
                 100.0 * part
             )));
         }
         if self.part.is_none() && balance > BLOW_UP * (self.initial.abs() + energy.external.abs()) {
-            return Err(Error::Solve(format!(
+            return Err(Error::Unstable(format!(
                 "the time integration has made {balance:.3e} J from nothing, more than the {:.3e} J there are: it is unstable. {ADVICE}",
                 self.initial.abs() + energy.external.abs()
             )));

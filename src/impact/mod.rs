@@ -11,6 +11,7 @@ mod implicit;
 mod initial;
 mod ladder;
 mod ledger;
+mod limit;
 mod pad_condensed;
 mod plan;
 mod reduced;
@@ -34,6 +35,7 @@ use controlled::Controlled;
 use gate::Gate;
 pub use implicit::Method;
 use ladder::Ladder;
+pub use limit::stable_step;
 pub use plan::{Plan, steps};
 pub use setting::Setting;
 pub use state::{Impactor, State};
@@ -109,6 +111,11 @@ impl Impact {
         &self.body
     }
 
+    /// The body, for another impact on it.
+    pub fn into_body(self) -> Solid {
+        self.body
+    }
+
     /// The state reached.
     pub fn state(&self) -> &State {
         &self.trajectory.now.state
@@ -126,8 +133,8 @@ impl Impact {
     /// Collective.
     ///
     /// # Errors
-    /// [`crate::Error::Solve`] with step and time where a step is not solved, the contact law is left or the energy gate
-    /// closes; the observer's; PETSc's.
+    /// [`crate::Error::Solve`] with step and time where a step is not solved or the contact law is left,
+    /// [`crate::Error::Unstable`] where the energy gate closes; the observer's; PETSc's.
     pub fn run(&mut self, observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
         let Plan::Controlled { tolerance, .. } = self.plan else { return self.run_in_equal_steps(observe) };
         let Self { comm, setting, ladder, gate, count, end, .. } = self;

@@ -113,6 +113,7 @@ pub(super) fn at(error: Error, number: usize, time: f64) -> Error {
     let place = format!("step {number}, t = {time:.6e} s");
     match error {
         Error::Solve(message) => Error::Solve(format!("{place}: {message}")),
+        Error::Unstable(message) => Error::Unstable(format!("{place}: {message}")),
         // Whether other ranks have it too is not known.
         Error::Petsc(error) => Error::Alone(Box::new(Error::Solve(format!("{place}: {error}")))),
         other => other,

@@ -1,6 +1,7 @@
 //! What is written of a run, and what is read back: HDF5 files.
 
 pub mod episodes;
+pub mod folder;
 pub mod provenance;
 pub mod read;
 pub mod series;

@@ -1,0 +1,102 @@
+//! `ricochet stability`: a scene to a table and a map of where schemes hold.
+
+use std::time::Instant;
+
+use petsc_wrap::Comm;
+
+use crate::agree::agree;
+use crate::error::{Error, Result};
+use crate::figure::map::{Cell, Map, Row, Value, draw};
+use crate::mesh::Mesh;
+use crate::record::folder::Folder;
+use crate::scene::Scene;
+use crate::study::stability::{ENOUGH, Study};
+use crate::study::table::{csv, gist, theory};
+use crate::study::{Verdict, label, stability as study};
+
+use super::interrupt::{INTERRUPTED, Interrupt};
+use super::load::load;
+use super::{Stability, say, tell, warn_of_unused_options};
+
+/// Studies a scene and writes what was found; returns the exit status. Collective.
+///
+/// # Errors
+/// All that [`Error`] names.
+pub fn stability(comm: &Comm, arguments: &Stability) -> Result<i32> {
+    let (scene, source) = load(comm, &arguments.scene, &arguments.overrides)?;
+    // Before minutes of work whose result could not be written.
+    let folder = if comm.is_root() { Folder::create(&arguments.output).map(Some) } else { Ok(None) };
+    let folder = agree(comm, folder.map_err(|error| error.to_string())).map_err(Error::Output)?;
+    let interrupt = Interrupt::on_signals();
+    let found = find(comm, &scene, &interrupt).map_err(|error| error.in_scene(&source))?;
+    let written = match (&folder, &found) {
+        (Some(folder), Some(study)) => write(folder, study, &scene),
+        _ => Ok(()),
+    };
+    agree(comm, written.map_err(|error| error.to_string())).map_err(Error::Output)?;
+    if comm.is_root() {
+        if let Some(study) = &found {
+            gist(study).iter().for_each(|line| say(format_args!("{line}")));
+            say(format_args!("{}: stability.csv, .svg, .png", arguments.output.display()));
+        }
+        warn_of_unused_options(comm)?;
+    }
+    let is_complete = found.as_ref().is_some_and(|study| study.is_complete);
+    if !is_complete && comm.is_root() {
+        let what = if found.is_some() { "what was done so far is written" } else { "nothing was done so far" };
+        tell(format_args!("interrupted: {what}"));
+    }
+    Ok(if is_complete { 0 } else { INTERRUPTED })
+}
+
+fn find(comm: &Comm, scene: &Scene, interrupt: &Interrupt) -> Result<Option<Study>> {
+    let (begin, mesh) = (Instant::now(), Mesh::new(comm, &scene.body)?);
+    let mut told = |row: &study::Row| {
+        if comm.is_root() {
+            let (name, count) = (label(row.scheme), row.runs.len());
+            tell(format_args!("{name}: {count} runs done after {:.0} s", begin.elapsed().as_secs_f64()));
+        }
+    };
+    study::stability(&mesh, scene, &mut || interrupt.is_raised(comm), &mut told)
+}
+
+fn write(folder: &Folder, study: &Study, scene: &Scene) -> Result<()> {
+    folder.put("stability.csv", |path| std::fs::write(path, csv(study)).map_err(|e| Error::io(path, e)))?;
+    let map = map(study, scene);
+    ["stability.svg", "stability.png"].into_iter().try_for_each(|name| folder.put(name, |path| draw(&map, path)))
+}
+
+/// The map of a study.
+fn map(study: &Study, scene: &Scene) -> Map {
+    let rows = study.rows.iter().map(|row| Row {
+        label: label(row.scheme),
+        note: format!("stable {}", theory(row)),
+        limit: row.limit,
+        cells: row
+            .runs
+            .iter()
+            .map(|run| {
+                let value = |number: f64| match run.verdict {
+                    Verdict::Grows(_) => Value::Unbounded,
+                    Verdict::Refused(_) => Value::Missing,
+                    _ => Value::Number(number),
+                };
+                Cell {
+                    step: run.step,
+                    values: vec![value(run.measured.energy_error), value(run.measured.first_error)],
+                    is_good: run.verdict == Verdict::Holds,
+                }
+            })
+            .collect(),
+    });
+    let mut marks = vec![(study.contact / ENOUGH, format!("{ENOUGH} steps a contact"))];
+    marks.extend(scene.time.step.map(|step| (step, "the scene's step".to_owned())));
+    Map {
+        title: scene.title.clone(),
+        panels: vec!["energy error / initial energy".into(), "force error / peak, first contact".into()],
+        rows: rows.collect(),
+        contact: study.contact,
+        marks,
+        good: format!("both within {:e}", study.tolerance),
+    }
+}

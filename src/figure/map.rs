@@ -1,0 +1,333 @@
+//! Values over steps, a row a scheme: heat maps side by side with a common scale.
+
+use super::axis::exponential;
+use super::canvas::{Anchor, Canvas, Drawing, HEIGHT, Outcome, WIDTH, save};
+use super::stroke::Stroke;
+use crate::error::{Error, Result};
+use plotters::backend::DrawingBackend;
+use plotters::style::RGBColor;
+use std::path::Path;
+
+/// Heat maps over the same rows and steps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Map {
+    /// Above all.
+    pub title: String,
+    /// What each map shows, left to right.
+    pub panels: Vec<String>,
+    /// The rows, downwards.
+    pub rows: Vec<Row>,
+    /// Duration of a contact, s: the upper axis counts steps in it.
+    pub contact: f64,
+    /// Up to two steps marked through all rows, s, with what the legend says of each.
+    pub marks: Vec<(f64, String)>,
+    /// What the legend says of the dots.
+    pub good: String,
+}
+
+/// A row of cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// Its name.
+    pub label: String,
+    /// Below the name, in small letters.
+    pub note: String,
+    /// Where a boundary is drawn, s: 0 and infinity are the left and the right end.
+    pub limit: f64,
+    /// Its cells, by ascending step.
+    pub cells: Vec<Cell>,
+}
+
+/// A cell of a row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cell {
+    /// Δt, s.
+    pub step: f64,
+    /// One value a panel.
+    pub values: Vec<Value>,
+    /// Whether it gets a dot.
+    pub is_good: bool,
+}
+
+/// What a cell shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Value {
+    /// A number that is not negative.
+    Number(f64),
+    /// None, since the solution grows without bound.
+    Unbounded,
+    /// None for another reason.
+    Missing,
+}
+
+/// Draws to `out`, an SVG or a PNG of 1600 × 1000 pixels by its extension.
+///
+/// # Errors
+/// [`Error::Usage`] for another extension or a map without a cell; [`Error::Io`] when the file cannot be written.
+pub fn draw(map: &Map, out: &Path) -> Result<()> {
+    if map.panels.is_empty() || map.rows.iter().all(|row| row.cells.is_empty()) {
+        return Err(Error::Usage("a map without cells shows nothing".into()));
+    }
+    save(map, out)
+}
+
+const LETTERS: f64 = 28.0;
+const SMALL: f64 = 21.0;
+const MARGIN: f64 = 26.0;
+const TOP: f64 = 172.0;
+const BOTTOM: f64 = 830.0;
+/// Between the panels.
+const GAP: f64 = 34.0;
+/// Of a row's height, what its cells take.
+const FILL: f64 = 0.84;
+/// A cell reaches this far to each side, as a factor of its step, if none is nearer.
+const REACH: f64 = std::f64::consts::SQRT_2;
+
+/// Powers of ten that the scale goes from and to.
+const SCALE: (i32, i32) = (-6, 0);
+/// Light to dark: Blues of ColorBrewer (C. Brewer, 2003) without the two lightest, which paper would swallow.
+const COLOURS: [RGBColor; 7] = [
+    RGBColor(232, 241, 250),
+    RGBColor(198, 219, 239),
+    RGBColor(158, 202, 225),
+    RGBColor(107, 174, 214),
+    RGBColor(49, 130, 189),
+    RGBColor(8, 81, 156),
+    RGBColor(8, 38, 82),
+];
+const UNBOUNDED: RGBColor = RGBColor(213, 94, 0);
+const MISSING: RGBColor = RGBColor(160, 160, 160);
+const INK: RGBColor = RGBColor(30, 30, 30);
+const PAPER: RGBColor = RGBColor(255, 255, 255);
+const LIMIT: Stroke = Stroke { colour: INK, width: 5.0, dashes: &[] };
+const FRAME: Stroke = Stroke { colour: RGBColor(60, 60, 60), width: 2.0, dashes: &[] };
+/// The marks, in their order.
+const MARKS: [Stroke; 2] = [
+    Stroke { colour: RGBColor(0, 120, 90), width: 3.0, dashes: &[4.0, 2.5] },
+    Stroke { colour: RGBColor(150, 60, 120), width: 3.0, dashes: &[1.2, 1.6] },
+];
+
+/// One panel's place: steps to pixels.
+struct Plot {
+    left: f64,
+    right: f64,
+    /// Natural logarithms of the steps at both ends.
+    range: (f64, f64),
+}
+
+impl Plot {
+    fn at(&self, step: f64) -> f64 {
+        let part = (step.ln() - self.range.0) / (self.range.1 - self.range.0);
+        self.left + part.clamp(0.0, 1.0) * (self.right - self.left)
+    }
+
+    fn holds(&self, step: f64) -> bool {
+        (self.range.0..=self.range.1).contains(&step.ln())
+    }
+}
+
+impl Drawing for Map {
+    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Outcome {
+        let labels =
+            self.rows.iter().map(|row| canvas.text_width(&row.label, LETTERS).max(canvas.text_width(&row.note, SMALL)));
+        let first = MARGIN + labels.fold(0.0, f64::max) + 20.0;
+        let count = self.panels.len() as f64;
+        let width = (WIDTH - MARGIN - first - (count - 1.0) * GAP) / count;
+        canvas.text(&self.title, (0.5 * WIDTH, MARGIN + 16.0), LETTERS, Anchor::Centre)?;
+        let pitch = (BOTTOM - TOP) / self.rows.len() as f64;
+        for (n, row) in self.rows.iter().enumerate() {
+            let y = TOP + (n as f64 + 0.5) * pitch;
+            canvas.text(&row.label, (first - 16.0, y - 0.5 * SMALL), LETTERS, Anchor::Right)?;
+            canvas.text(&row.note, (first - 16.0, y + 0.6 * LETTERS), SMALL, Anchor::Right)?;
+        }
+        for n in 0..self.panels.len() {
+            let left = first + n as f64 * (width + GAP);
+            let plot = Plot { left, right: left + width, range: self.range() };
+            self.draw_panel(canvas, &plot, n)?;
+        }
+        self.draw_legend(canvas)
+    }
+}
+
+impl Map {
+    /// Logarithms of the ends of all cells.
+    fn range(&self) -> (f64, f64) {
+        let steps = self.rows.iter().flat_map(|row| &row.cells).map(|cell| cell.step);
+        let (low, high) = steps.fold((f64::INFINITY, 0.0_f64), |(low, high), s| (low.min(s), high.max(s)));
+        ((low / REACH).ln(), (high * REACH).ln())
+    }
+
+    fn draw_panel<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot, panel: usize) -> Outcome {
+        let pitch = (BOTTOM - TOP) / self.rows.len() as f64;
+        for (n, row) in self.rows.iter().enumerate() {
+            let middle = TOP + (n as f64 + 0.5) * pitch;
+            let (top, bottom) = (middle - 0.5 * FILL * pitch, middle + 0.5 * FILL * pitch);
+            for (m, cell) in row.cells.iter().enumerate() {
+                let (low, high) = row.extent(m);
+                // A white line between neighbours.
+                let corners = ((plot.at(low) + 1.0, top), (plot.at(high) - 1.0, bottom));
+                let value = cell.values.get(panel).copied().unwrap_or(Value::Missing);
+                canvas.rectangle(corners.0, corners.1, value.colour())?;
+                if cell.is_good {
+                    let is_dark = matches!(value, Value::Number(number) if place(number) > 0.55);
+                    let ink = if is_dark { PAPER } else { INK };
+                    canvas.dot((0.5 * (corners.0.0 + corners.1.0), middle), 4.5, ink)?;
+                }
+            }
+        }
+        for ((step, _), stroke) in self.marks.iter().zip(&MARKS).filter(|((step, _), _)| plot.holds(*step)) {
+            let x = plot.at(*step);
+            canvas.line(&[canvas.point(x, TOP), canvas.point(x, BOTTOM)], stroke)?;
+        }
+        for (n, row) in self.rows.iter().enumerate().filter(|(_, row)| row.limit < f64::INFINITY) {
+            let (x, y) = (plot.at(row.limit), TOP + n as f64 * pitch);
+            canvas.line(&[canvas.point(x, y + 1.0), canvas.point(x, y + pitch - 1.0)], &LIMIT)?;
+        }
+        self.draw_axes(canvas, plot, &self.panels[panel])
+    }
+
+    /// Frame, ticks at powers of ten and the titles: steps below, steps a contact above.
+    fn draw_axes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot, title: &str) -> Outcome {
+        let line = |from: (f64, f64), to: (f64, f64)| {
+            canvas.line(&[canvas.point(from.0, from.1), canvas.point(to.0, to.1)], &FRAME)
+        };
+        for y in [TOP, BOTTOM] {
+            line((plot.left, y), (plot.right, y))?;
+        }
+        for x in [plot.left, plot.right] {
+            line((x, TOP), (x, BOTTOM))?;
+        }
+        for power in -15..=6 {
+            for digit in 1..10 {
+                let value = f64::from(digit) * 10_f64.powi(power);
+                let length = if digit == 1 { 10.0 } else { 5.0 };
+                if plot.holds(value) {
+                    let x = plot.at(value);
+                    line((x, BOTTOM), (x, BOTTOM + length))?;
+                    if digit == 1 {
+                        canvas.text(&exponential(power), (x, BOTTOM + 28.0), LETTERS, Anchor::Centre)?;
+                    }
+                }
+                let step = self.contact / value;
+                if plot.holds(step) {
+                    let x = plot.at(step);
+                    line((x, TOP - length), (x, TOP))?;
+                    if digit == 1 {
+                        let label = format!("{value}");
+                        canvas.text(&label, (x, TOP - 28.0), LETTERS, Anchor::Centre)?;
+                    }
+                }
+            }
+        }
+        let middle = 0.5 * (plot.left + plot.right);
+        canvas.text(title, (middle, 74.0), LETTERS, Anchor::Centre)?;
+        canvas.text("steps a contact", (middle, 110.0), SMALL, Anchor::Centre)?;
+        canvas.text("time step (s)", (middle, BOTTOM + 60.0), SMALL, Anchor::Centre)
+    }
+
+    /// The colours at the left, what is drawn over them at the right.
+    fn draw_legend<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Outcome {
+        let (y, height) = (HEIGHT - 62.0, 24.0);
+        let (left, width) = (MARGIN + 24.0, 330.0);
+        for n in 0..width as usize {
+            let x = left + n as f64;
+            let value = 10_f64.powf(f64::from(SCALE.0) + f64::from(SCALE.1 - SCALE.0) * n as f64 / width);
+            canvas.rectangle((x, y - 0.5 * height), (x + 1.0, y + 0.5 * height), colour(value))?;
+        }
+        for power in (SCALE.0..=SCALE.1).step_by(2) {
+            let x = left + width * f64::from(power - SCALE.0) / f64::from(SCALE.1 - SCALE.0);
+            canvas.text(&exponential(power), (x, y + 32.0), SMALL, Anchor::Centre)?;
+        }
+        let mut x = left + width + 50.0;
+        let mut entry = |text: &str, draw: &dyn Fn(f64) -> Outcome| -> Outcome {
+            draw(x)?;
+            canvas.text(text, (x + 46.0, y), SMALL, Anchor::Left)?;
+            x += 46.0 + canvas.text_width(text, SMALL) + 26.0;
+            Ok(())
+        };
+        for (value, text) in [(Value::Unbounded, "blows up"), (Value::Missing, "not solved")] {
+            let mut cells = self.rows.iter().flat_map(|row| &row.cells);
+            if cells.any(|cell| cell.values.contains(&value)) {
+                entry(text, &|x| {
+                    canvas.rectangle((x, y - 0.5 * height), (x + 36.0, y + 0.5 * height), value.colour())
+                })?;
+            }
+        }
+        entry(&self.good, &|x| canvas.dot((x + 18.0, y), 4.5, INK))?;
+        let upright = |x: f64, stroke: &Stroke| {
+            canvas.line(&[canvas.point(x + 18.0, y - 22.0), canvas.point(x + 18.0, y + 22.0)], stroke)
+        };
+        if self.rows.iter().any(|row| row.limit < f64::INFINITY) {
+            entry("predicted limit", &|x| upright(x, &LIMIT))?;
+        }
+        for ((_, text), stroke) in self.marks.iter().zip(&MARKS) {
+            entry(text, &|x| upright(x, stroke))?;
+        }
+        Ok(())
+    }
+}
+
+impl Row {
+    /// From where to where a cell reaches, s: half the way to its neighbours, if they are near.
+    fn extent(&self, cell: usize) -> (f64, f64) {
+        let step = |n: usize| self.cells.get(n).map(|cell| cell.step);
+        let here = self.cells[cell].step;
+        let before = cell.checked_sub(1).and_then(step).unwrap_or(0.0);
+        let after = step(cell + 1).unwrap_or(f64::INFINITY);
+        ((before * here).sqrt().max(here / REACH), (here * after).sqrt().min(here * REACH))
+    }
+}
+
+impl Value {
+    fn colour(self) -> RGBColor {
+        match self {
+            Self::Number(number) => colour(number),
+            Self::Unbounded => UNBOUNDED,
+            Self::Missing => MISSING,
+        }
+    }
+}
+
+/// Where a value lies on the scale, from 0 to 1.
+fn place(value: f64) -> f64 {
+    let (low, high) = (f64::from(SCALE.0), f64::from(SCALE.1));
+    // Without a number it is as bad as can be.
+    let power = value.log10().min(high).max(low);
+    if value.is_nan() { 1.0 } else { (power - low) / (high - low) }
+}
+
+fn colour(value: f64) -> RGBColor {
+    let at = place(value) * (COLOURS.len() - 1) as f64;
+    let n = (at as usize).min(COLOURS.len() - 2);
+    let (from, to, part) = (COLOURS[n], COLOURS[n + 1], at - n as f64);
+    let mixed = |a: u8, b: u8| (f64::from(a) + part * (f64::from(b) - f64::from(a))).round() as u8;
+    RGBColor(mixed(from.0, to.0), mixed(from.1, to.1), mixed(from.2, to.2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_darken_with_the_value_and_end_with_the_scale() {
+        let light = |value: f64| {
+            let RGBColor(r, g, b) = colour(value);
+            0.3 * f64::from(r) + 0.6 * f64::from(g) + 0.1 * f64::from(b)
+        };
+        let shades: Vec<f64> = (-60..=0).map(|n| light(10_f64.powf(0.1 * f64::from(n)))).collect();
+        assert!(shades.windows(2).all(|pair| pair[1] < pair[0]));
+        assert_eq!((light(0.0), light(1e-9)), (shades[0], shades[0]));
+        assert_eq!((light(f64::INFINITY), light(f64::NAN)), (shades[60], shades[60]));
+    }
+
+    #[test]
+    fn cells_meet_their_near_neighbours_and_stay_apart_from_far_ones() {
+        let cell = |step| Cell { step, values: vec![Value::Number(0.1)], is_good: true };
+        let cells = [1.0, 1.2, 2.0, 16.0].map(cell).into();
+        let row = Row { label: String::new(), note: String::new(), limit: 0.0, cells };
+        let extents: Vec<_> = (0..4).map(|n| row.extent(n)).collect();
+        assert_eq!(extents[0], (1.0 / REACH, 1.2_f64.sqrt()));
+        assert_eq!((extents[0].1, extents[1].1), (extents[1].0, extents[2].0));
+        assert_eq!((extents[2].1, extents[3].0), (2.0 * REACH, 16.0 / REACH));
+    }
+}

@@ -1,0 +1,35 @@
+//! The largest step that theory allows a scheme on a body, known before anything is run.
+
+use crate::body::{Inertia, LinearContact, Solid, largest_frequency};
+use crate::contact::hertz;
+use crate::error::Result;
+use crate::mesh::Mesh;
+use crate::scene::Scheme;
+use crate::scheme::critical_frequency;
+
+use super::setting::Setting;
+
+/// Ω_crit/ω_max (s) of the body with the impactor on it, at the stiffness that an impact on a half-space would reach; infinite
+/// for schemes that are stable at every step, 0 for those that are at none. M is the lumped one where the body has it. Collective.
+///
+/// # Errors
+/// PETSc's.
+pub fn stable_step(mesh: &Mesh, body: &mut Solid, setting: &Setting, scheme: Scheme) -> Result<f64> {
+    let critical = match scheme {
+        Scheme::Newmark { beta, gamma } => critical_frequency(beta, gamma),
+        Scheme::GeneralizedAlpha { .. } | Scheme::Energy => f64::INFINITY,
+        Scheme::CentralDifference { .. } => critical_frequency(0.0, 0.5),
+    };
+    if critical == 0.0 || critical.is_infinite() {
+        return Ok(critical);
+    }
+    let Setting { law, mass, speed, .. } = *setting;
+    let peak = hertz::peak_indentation(law.hertz.stiffness, mass, speed);
+    let approach = peak - law.compliance * law.hertz.force(peak);
+    let contact = LinearContact { tangent: law.tangent(approach.min(law.limit())), mass };
+    let lumped = body.lumped.take();
+    let inertia = lumped.as_ref().map_or(Inertia::Consistent, |lumped| Inertia::Lumped(&lumped.mass));
+    let largest = largest_frequency(mesh, body, inertia, Some(contact));
+    body.lumped = lumped;
+    Ok(critical / largest?.bound)
+}

@@ -1,0 +1,71 @@
+//! A folder of results, each of which appears whole or not at all.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+
+/// A folder that is there and can be written to.
+#[derive(Debug)]
+pub struct Folder {
+    path: PathBuf,
+}
+
+impl Folder {
+    /// Makes the folder, and those above it, where they are not there yet.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where that cannot be done, or no file can be made in it.
+    pub fn create(path: &Path) -> Result<Self> {
+        let folder = Self { path: path.to_owned() };
+        let probe = folder.part("probe");
+        fs::create_dir_all(path)
+            .and_then(|()| fs::write(&probe, ""))
+            .and_then(|()| fs::remove_file(&probe))
+            .map_err(|e| Error::io(path, format!("is no folder that can be written to: {e}")))?;
+        Ok(folder)
+    }
+
+    /// Has `write` make a file, which then takes its name in place of an older one. Until then it has another name with the
+    /// same ending.
+    ///
+    /// # Errors
+    /// Those of `write`; [`Error::Io`] when the file cannot take its name.
+    pub fn put(&self, name: &str, write: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
+        let (part, path) = (self.part(name), self.path.join(name));
+        let done = write(&part).and_then(|()| fs::rename(&part, &path).map_err(|e| Error::io(&path, e)));
+        if done.is_err() {
+            // The error in hand says more than one of the removal would.
+            let _ = fs::remove_file(&part);
+        }
+        done
+    }
+
+    fn part(&self, name: &str) -> PathBuf {
+        self.path.join(format!(".{}.{name}", std::process::id()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_appear_whole_or_not_at_all() {
+        let above = tempfile::tempdir().unwrap();
+        let path = above.path().join("a/b");
+        let folder = Folder::create(&path).unwrap();
+        folder.put("x.csv", |part| fs::write(part, "first").map_err(|e| Error::io(part, e))).unwrap();
+        let failed = folder.put("x.csv", |part| {
+            fs::write(part, "sec").unwrap();
+            Err(Error::Output("full".into()))
+        });
+        assert!(failed.is_err());
+        assert_eq!(fs::read_to_string(path.join("x.csv")).unwrap(), "first");
+        assert_eq!(fs::read_dir(&path).unwrap().count(), 1);
+        // Where a file stands, there is no folder.
+        let error = Folder::create(&path.join("x.csv")).unwrap_err();
+        assert_eq!(error.status(), 4);
+        assert!(error.to_string().contains("x.csv: is no folder that can be written to"), "{error}");
+    }
+}

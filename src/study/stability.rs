@@ -1,0 +1,279 @@
+//! Where each scheme holds and where it fails on a scene: schemes × steps.
+//!
+//! Every pair is a run of the scene. Its energy is measured by the ledger; its acceleration against that of a reference with the same
+//! mass matrix in finer steps: the energy-conserving scheme, or for the lumped mass the central difference, so that what is measured is
+//! the error of the time integration alone.
+
+use std::ops::ControlFlow;
+
+use crate::body::{Lumped, Solid};
+use crate::contact::hertz;
+use crate::error::{Error, Result};
+use crate::impact::step::Step;
+use crate::impact::{Impact, Setting, stable_step};
+use crate::mesh::Mesh;
+use crate::scene::{Newton, Scene, Scheme, Solver, Time};
+
+use super::history::{History, Measure, Measured};
+use super::plan::{Demand, Occasion, Plan};
+use super::schemes::{compared, is_explicit};
+use super::verdict::{Ending, Verdict};
+
+/// Steps a contact at which average acceleration has the force of an impact on a half-space to 0.6% (at 10, to 2.2%). A body that
+/// vibrates during the contact needs more.
+pub const ENOUGH: f64 = 20.0;
+
+/// A study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Study {
+    /// Duration of the reference's first contact episode, s; that on a half-space where it did not end.
+    pub contact: f64,
+    /// End of the runs, s.
+    pub end: f64,
+    /// What counts as right: a part of the initial energy, and of the peak of the acceleration.
+    pub tolerance: f64,
+    /// The reference with the consistent mass.
+    pub reference: Reference,
+    /// That with the lumped one, and by how much its acceleration differs from the other's in the first contact episode, over the
+    /// peak: what lumping changes.
+    pub explicit: Option<(Reference, f64)>,
+    /// One a scheme; the last may lack runs where the study was interrupted.
+    pub rows: Vec<Row>,
+    /// What was left out, and why.
+    pub notes: Vec<String>,
+    /// Whether all was done.
+    pub is_complete: bool,
+}
+
+/// The run that others are measured by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reference {
+    /// Its scheme.
+    pub scheme: Scheme,
+    /// Δt, s.
+    pub step: f64,
+    /// What was measured of it, without a reference of its own.
+    pub measured: Measured,
+    /// Estimate of its own error in the first contact episode, over the peak: half of the difference from the same scheme in
+    /// steps twice as large, where that was run.
+    pub error: Option<f64>,
+}
+
+/// The runs of a scheme.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// The scheme.
+    pub scheme: Scheme,
+    /// Below this step theory has it stable, s: infinite for always, 0 for never.
+    pub limit: f64,
+    /// Its runs, by ascending step.
+    pub runs: Vec<Run>,
+}
+
+/// One scheme at one step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// Δt, s.
+    pub step: f64,
+    /// What was measured.
+    pub measured: Measured,
+    /// What that means.
+    pub verdict: Verdict,
+}
+
+impl Row {
+    /// The runs from the finest on, as long as each is as wanted; the step of the last.
+    fn last_while(&self, wanted: impl Fn(&Verdict) -> bool) -> Option<f64> {
+        self.runs.iter().take_while(|run| wanted(&run.verdict)).last().map(|run| run.step)
+    }
+
+    /// The largest step up to which all hold, s.
+    pub fn holds(&self) -> Option<f64> {
+        self.last_while(|verdict| *verdict == Verdict::Holds)
+    }
+
+    /// The smallest step at which energy is made from nothing, s.
+    pub fn grows(&self) -> Option<f64> {
+        let fails = |run: &&Run| matches!(run.verdict, Verdict::Grows(_) | Verdict::Gains);
+        self.runs.iter().find(fails).map(|run| run.step)
+    }
+}
+
+/// Runs the scene by all schemes. `interrupted` tells, the same on all ranks, whether to leave off; `told` gets each row. `None` where
+/// it was interrupted before the first run was done. Collective.
+///
+/// # Errors
+/// All that a run of the scene by the energy-conserving scheme in small steps may have; PETSc's.
+pub fn stability(
+    mesh: &Mesh,
+    scene: &Scene,
+    interrupted: &mut dyn FnMut() -> bool,
+    told: &mut dyn FnMut(&Row),
+) -> Result<Option<Study>> {
+    let body = Solid::new(scene, mesh)?;
+    let unknowns = body.unknowns();
+    let mut bench = Bench::new(mesh, scene, body, interrupted)?;
+    let schemes = compared(scene.time.scheme);
+    let mut demands = Vec::new();
+    for scheme in &schemes {
+        let limit = bench.limit(*scheme)?;
+        demands.push(Demand { limit, is_explicit: is_explicit(*scheme) });
+    }
+    let impactor = &scene.impactor;
+    let contact = hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed);
+    let plan = Plan::new(
+        &Occasion {
+            contact,
+            touch: impactor.gap / impactor.speed,
+            end: scene.time.end,
+            step: scene.time.step,
+            unknowns,
+        },
+        &demands,
+    );
+    bench.scene.time.end = plan.end;
+
+    let Some((mut reference, history)) = bench.reference(Scheme::Energy, plan.reference, None)? else {
+        return Ok(None);
+    };
+    let mut explicit = None;
+    if let Some(step) = plan.explicit_reference {
+        let scheme = Scheme::CentralDifference { allow_unstable: true };
+        let Some((run, own)) = bench.reference(scheme, step, Some(&history))? else { return Ok(None) };
+        explicit = Some((run, own));
+    }
+    let mut study = Study {
+        contact: history.contact().unwrap_or(contact),
+        end: plan.end,
+        tolerance: scene.tolerance,
+        reference,
+        explicit: None,
+        rows: Vec::new(),
+        notes: plan.notes,
+        is_complete: true,
+    };
+    for ((scheme, demand), steps) in schemes.into_iter().zip(&demands).zip(&plan.steps) {
+        let own = explicit.as_ref().filter(|_| demand.is_explicit).map(|(_, history)| history);
+        let mut row = Row { scheme, limit: demand.limit, runs: Vec::new() };
+        for &step in steps {
+            let mut measure = Measure::new(Some(own.unwrap_or(&history)));
+            let Some(ending) = bench.run(scheme, step, |step| measure.push(step))? else {
+                study.is_complete = false;
+                break;
+            };
+            let measured = measure.finish();
+            row.runs.push(Run { step, measured, verdict: Verdict::new(ending, &measured, scene.tolerance) });
+        }
+        if !row.runs.is_empty() {
+            told(&row);
+            study.rows.push(row);
+        }
+        if !study.is_complete {
+            break;
+        }
+    }
+    if study.rows.is_empty() {
+        return Ok(None);
+    }
+    reference.estimate(&study.rows);
+    study.reference = reference;
+    study.explicit = explicit.map(|(mut run, _)| {
+        run.estimate(&study.rows);
+        (run, run.measured.first_error)
+    });
+    Ok(Some(study))
+}
+
+impl Reference {
+    /// The error, from the runs.
+    fn estimate(&mut self, rows: &[Row]) {
+        let row = rows.iter().find(|row| row.scheme == self.scheme);
+        let twice = |run: &&Run| (run.step / self.step / 2.0 - 1.0).abs() < 1e-9 && run.verdict.reason().is_none();
+        let run = row.and_then(|row| row.runs.iter().find(twice));
+        self.error = run.map(|run| 0.5 * run.measured.first_error);
+    }
+}
+
+/// One body for many runs.
+struct Bench<'a> {
+    mesh: &'a Mesh,
+    scene: Scene,
+    /// There except while a run has it, or after an error.
+    body: Option<Solid>,
+    /// The lumped mass while the body has the consistent one.
+    lumped: Option<Lumped>,
+    interrupted: &'a mut dyn FnMut() -> bool,
+}
+
+impl<'a> Bench<'a> {
+    /// With the body of the scene, whose gate is opened and whose steps are solved by the condensed Newton's method: as by the full
+    /// one, but faster.
+    fn new(mesh: &'a Mesh, scene: &Scene, body: Solid, interrupted: &'a mut dyn FnMut() -> bool) -> Result<Self> {
+        let lumped = if body.lumped.is_none() { Some(Lumped::new(scene, mesh)?) } else { None };
+        let solver = Solver { newton: Newton::Condensed, energy_gate: None };
+        Ok(Self { mesh, scene: Scene { solver, ..scene.clone() }, body: Some(body), lumped, interrupted })
+    }
+
+    /// The body with the mass that a scheme needs.
+    fn body(&mut self, scheme: Scheme) -> &mut Solid {
+        let body = self.body.as_mut().expect("every run that did not end the study has handed it back");
+        if is_explicit(scheme) != body.lumped.is_some() {
+            std::mem::swap(&mut body.lumped, &mut self.lumped);
+        }
+        body
+    }
+
+    /// What theory allows the scheme, s. Collective.
+    fn limit(&mut self, scheme: Scheme) -> Result<f64> {
+        let mesh = self.mesh;
+        let impactor = self.scene.impactor.clone();
+        let body = self.body(scheme);
+        let setting = Setting::new(&impactor, body);
+        let limit = stable_step(mesh, body, &setting, scheme);
+        mesh.comm.collect_garbage()?;
+        limit
+    }
+
+    /// A run that must not fail, with its history, measured against another one where there is one; `None` where it is interrupted. Collective.
+    fn reference(
+        &mut self,
+        scheme: Scheme,
+        step: f64,
+        other: Option<&History>,
+    ) -> Result<Option<(Reference, History)>> {
+        let (mut measure, mut history) = (Measure::new(other), History::default());
+        let ending = self.run(scheme, step, |step| {
+            measure.push(step);
+            history.push(step);
+        })?;
+        match ending {
+            None => Ok(None),
+            Some(Ending::Whole) => {
+                Ok(Some((Reference { scheme, step, measured: measure.finish(), error: None }, history)))
+            }
+            Some(Ending::Unstable(reason)) => Err(Error::Unstable(reason)),
+            Some(Ending::Unsolved(reason)) => Err(Error::Solve(reason)),
+        }
+    }
+
+    /// A run and how it ended; `None` where it was interrupted. Collective.
+    fn run(&mut self, scheme: Scheme, step: f64, mut observe: impl FnMut(&Step)) -> Result<Option<Ending>> {
+        self.body(scheme);
+        self.scene.time = Time { step: Some(step), scheme, ..self.scene.time };
+        let body = self.body.take().expect("it has just been made ready");
+        let mut impact = Impact::new(self.mesh, &self.scene, body)?;
+        let ended = impact.run(|step| {
+            observe(step);
+            Ok(if (self.interrupted)() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+        });
+        self.body = Some(impact.into_body());
+        self.mesh.comm.collect_garbage()?;
+        match ended {
+            Ok(ControlFlow::Continue(())) => Ok(Some(Ending::Whole)),
+            Ok(ControlFlow::Break(())) => Ok(None),
+            Err(Error::Unstable(reason)) => Ok(Some(Ending::Unstable(reason))),
+            Err(Error::Solve(reason)) => Ok(Some(Ending::Unsolved(reason))),
+            Err(other) => Err(other),
+        }
+    }
+}
