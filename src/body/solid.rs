@@ -99,6 +99,18 @@ impl Solid {
         self.load.len()
     }
 
+    /// Whether nothing resists a translation along the impactor's direction. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn is_free(&self) -> Result<bool> {
+        let mut held = self.translation.duplicate()?;
+        held.copy_from(&self.translation)?;
+        self.clamps.zero(&mut held)?;
+        held.axpy(-1.0, &self.translation)?;
+        Ok(self.support.is_none() && self.pads.is_none() && held.norm_max()? == 0.0)
+    }
+
     /// out ← M v, with the lumped M where the scheme is explicit. Collective.
     ///
     /// # Errors
