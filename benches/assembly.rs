@@ -69,9 +69,9 @@ fn child() {
     let world = session.world();
     for (name, geometry) in SCENES {
         let text = format!(
-            "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\norder = 2\n{geometry}\n\
+            "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\norder = 2\nsymmetry = \"none\"\n{geometry}\n\
              [impactor]\nmass = 52.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\npoint = [0.0, 0.0, {}]\n\
-             [time]\nend = 1e-3\n[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\n",
+             [time]\nend = 1e-3\n[contact]\nlocalization = \"point\"\n[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\n",
             if geometry.contains("mesh") { 0.01 } else { 0.075 }
         );
         let scene = Scene::parse(name, &text, &[]).expect("the scene is right").0;

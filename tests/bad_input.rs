@@ -62,6 +62,10 @@ point = [0.5, 0.5, 2]
 [time]
 end = 1e-4
 step = 2e-5
+[contact]
+localization = "point"
+[solver]
+newton = "full"
 "#;
 
 /// Words that no user may see.

@@ -27,8 +27,9 @@ fn main() -> ExitCode {
 /// A scene: what is special in `body` and `rest` (supports and loads), in `impactor` and in `time`.
 fn scene(body: &str, rest: &str, impactor: &str, time: &str) -> String {
     format!(
-        "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n{body}\n{rest}\n\
-         [impactor]\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\n{impactor}\n[time]\n{time}\n"
+        "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsymmetry = \"none\"\n{body}\n{rest}\n\
+         [impactor]\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\n{impactor}\n[time]\n{time}\n\
+         [contact]\nlocalization = \"point\"\n[solver]\nnewton = \"full\"\n"
     )
 }
 

@@ -134,9 +134,11 @@ fn study(session: &Session, family: &Family, boundary: &str) {
 fn solve(comm: &Comm, geometry: &str, order: usize, boundary: &str) -> f64 {
     let Material { young, poisson, density } = MATERIAL;
     let text = format!(
-        "[body]\nyoung = {young:e}\npoisson = {poisson}\ndensity = {density:e}\norder = {order}\n{geometry}\n{boundary}\
+        "[body]\nyoung = {young:e}\npoisson = {poisson}\ndensity = {density:e}\nsymmetry = \"none\"\n\
+         order = {order}\n{geometry}\n{boundary}\
          [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e10\nspeed = 1.0\npoint = [0.0, 0.0, {}]\n\
-         [time]\nend = 1e-3\nstep = 1e-5\n",
+         [time]\nend = 1e-3\nstep = 1e-5\n\
+         [contact]\nlocalization = \"point\"\n[solver]\nnewton = \"full\"\n",
         SIZE[2] / 2.0
     );
     let (scene, _) = Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}"));

@@ -39,7 +39,8 @@ fn scene(mesh: &Path, order: usize, height: f64, surface: &str) -> Scene {
         "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = {DENSITY}\nmesh = {mesh:?}\norder = {order}\n\
          [[support]]\nsurface = {surface:?}\nkind = \"elastic\"\nstiffness = 1.0\n\
          [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e10\nspeed = 1.0\npoint = [0.0, 0.0, {height}]\n\
-         [time]\nend = 5e-5\nstep = 1e-6\n"
+         [time]\nend = 5e-5\nstep = 1e-6\n\
+         [contact]\nlocalization = \"point\"\n[solver]\nnewton = \"full\"\n"
     );
     Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}")).0
 }
@@ -96,7 +97,8 @@ fn formats_2_and_4_give_the_same(session: &Session) {
     let world = session.world();
     let measures = |name: &str| {
         let scene = scene(&file(name), 2, 0.5, "bottom");
-        let body = body(&world, &scene).unwrap();
+        let mesh = Mesh::new(&world, &scene.body).unwrap();
+        let body = Solid::new(&scene, &mesh).unwrap();
         let mut values: Vec<f64> = [&body.mass, &body.elastic, body.support.as_ref().unwrap()]
             .iter()
             .flat_map(|matrix| [matrix.trace().unwrap(), matrix.norm_frobenius().unwrap()])

@@ -36,6 +36,10 @@ point = [0.1, 0.1, 0.5]
 [time]
 end = 1e-4
 step = 2e-5
+[contact]
+localization = "point"
+[solver]
+newton = "full"
 "#;
 
 /// Damage at a place that is given as a part of the whole.

@@ -91,9 +91,11 @@ fn cases() -> Vec<Case> {
 fn scene(case: &Case) -> String {
     let Case { impactor, rest, step, .. } = case;
     format!(
-        "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.5, 0.5, 0.02]\ncells = [4, 4, 1]\n{rest}\
+        "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.5, 0.5, 0.02]\ncells = [4, 4, 1]\n\
+         symmetry = \"none\"\n{rest}\
          [impactor]\nmass = 52.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\n{impactor}\n\
-         [time]\nend = {step:e}\nstep = {step:e}\n"
+         [time]\nend = {step:e}\nstep = {step:e}\n\
+         [contact]\nlocalization = \"point\"\n[solver]\nnewton = \"full\"\n"
     )
 }
 
@@ -107,9 +109,9 @@ fn hard_cases(session: &Session) {
         let scale = hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed);
         let (mut most, mut largest) = (0, 0.0_f64);
         for number in 1..=case.steps {
-            let before = impact.iterations;
+            let before = impact.count.iterations;
             let step = run(&mut impact)[1];
-            most = most.max(impact.iterations - before);
+            most = most.max(impact.count.iterations - before);
             largest = largest.max(step.contact.force);
             // Newton stops at 1e-10 of the force that a half-space would see: m0 q̈ = −F to ten times that.
             let row = impactor.mass * impact.state().q.acceleration + step.contact.force;
@@ -124,7 +126,7 @@ fn hard_cases(session: &Session) {
             println!(
                 "{:46} {:5.2} iterations a step, {most} at most",
                 case.name,
-                impact.iterations as f64 / case.steps as f64
+                impact.count.iterations as f64 / case.steps as f64
             );
         }
         drop(impact);

@@ -73,7 +73,8 @@ impl Case {
             "[body]\nyoung = {:e}\npoisson = {:e}\ndensity = {:e}\nmesh = {:?}\norder = 2\n\
              [impactor]\nmass = {:e}\nradius = {:e}\nyoung = {:e}\npoisson = {:e}\nspeed = {:e}\n\
              point = [0.0, 0.0, {:e}]\ndirection = [0.0, 0.0, -1.0]\n\
-             [time]\nend = {:e}\nstep = {:e}\n{}",
+             [time]\nend = {:e}\nstep = {:e}\n\
+             [contact]\nlocalization = \"point\"\n[solver]\nnewton = \"full\"\n{}",
             p("E"),
             p("nu"),
             p("rho"),
@@ -150,7 +151,7 @@ fn pad(session: &Session, case: &Case) {
     let expected = |what: &str| case.number(&format!("invariants.pad_check.{what}"));
     assert_close(case, "pad potential", pads.potential(&u).unwrap(), expected("potential"));
     let mut force = solid.load.duplicate().unwrap();
-    pads.add_force(&u, &mut force).unwrap();
+    pads.add_force(None, &u, &mut force).unwrap();
     u.fill(-1.0).unwrap();
     assert_close(case, "pad resultant", force.dot(&u).unwrap(), expected("resultant"));
 }
@@ -182,7 +183,7 @@ fn series(session: &Session) {
     let world = session.world();
     for case in CASES.map(Case::new) {
         let begin = std::time::Instant::now();
-        let (_, solid, scene) = case.solid(session, None);
+        let (mesh, solid, scene) = case.solid(session, None);
         let mut impact = Impact::new(&mesh, &scene, solid).unwrap();
         let mut steps: Vec<Step> = Vec::new();
         let flow = impact.run(|step| {
@@ -212,7 +213,7 @@ fn series(session: &Session) {
                 errors[1],
                 errors[2],
                 errors[3],
-                impact.iterations,
+                impact.count.iterations,
                 begin.elapsed().as_secs_f64()
             );
         }

@@ -3,7 +3,7 @@
 #[path = "common/bad_scenes.rs"]
 mod bad_scenes;
 
-use bad_scenes::{BadScene, GOOD, MESH, SMALL, table};
+use bad_scenes::{BadScene, GOOD, MESH, QUARTER, SMALL, table};
 use ricochet::scene::{Scene, SceneError};
 use ricochet::{Error, Result};
 
@@ -20,7 +20,7 @@ fn report(error: SceneError) -> String {
 
 #[test]
 fn the_scenes_that_the_table_edits_are_good() -> Result<()> {
-    for text in [GOOD, MESH, SMALL] {
+    for text in [GOOD, MESH, SMALL, QUARTER] {
         Scene::parse("good.toml", text, &[])?;
     }
     Ok(())

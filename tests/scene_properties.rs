@@ -4,7 +4,7 @@
 #[expect(dead_code, reason = "only the good scenes are used here")]
 mod bad_scenes;
 
-use bad_scenes::{GOOD, MESH, SMALL};
+use bad_scenes::{GOOD, MESH, QUARTER, SMALL};
 use proptest::prelude::*;
 use ricochet::Error;
 use ricochet::scene::{Geometry, Scene, Scheme, SupportKind, Vec3};
@@ -134,7 +134,11 @@ proptest! {
         prop_assert_eq!(scene.title, "Plate \u{3b1}");
         let body = &scene.body;
         prop_assert_eq!((body.young, body.poisson, body.density, body.order), (young, poisson, density, order));
-        prop_assert_eq!(&body.geometry, &Geometry::Box { size, cells });
+        let Geometry::Box { size: found, planes } = &body.geometry else {
+            return Err(TestCaseError::fail("a size was given"));
+        };
+        prop_assert_eq!(*found, size);
+        prop_assert_eq!(planes.each_ref().map(|planes| planes.len() - 1), cells);
         prop_assert_eq!(scene.output.every, every);
         let [elastic, pad, clamped] = &scene.supports[..] else {
             return Err(TestCaseError::fail("three supports were given"));
@@ -161,25 +165,8 @@ proptest! {
         prop_assert!((dot(impactor.direction, direction) / length - 1.0).abs() < 1e-15);
         prop_assert_eq!(scene.load.body_force, force);
         prop_assert_eq!((scene.load.traction[0].surface.as_str(), scene.load.traction[0].value), ("y-max", traction));
-        prop_assert_eq!((scene.time.end, scene.time.step), (end, step));
+        prop_assert_eq!((scene.time.end, scene.time.step), (end, Some(step)));
         prop_assert_eq!(scene.time.scheme, Scheme::Newmark { beta, gamma });
-    }
-
-    #[test]
-    fn the_default_step_is_a_round_hundredth_of_the_contact(
-        (mass, speed, stiffness) in (positive(), positive(), positive()),
-    ) {
-        let overrides = [("mass", mass), ("speed", speed), ("stiffness", stiffness), ]
-            .map(|(key, value)| format!("impactor.{key}={value:e}"));
-        let time = 3.21807 * ((mass / stiffness).powi(2) / speed).powf(0.2);
-        let mut overrides = overrides.to_vec();
-        overrides.push(format!("time.end={:e}", 10.0 * time));
-        let (scene, _) = Scene::parse("scene.toml", SMALL, &overrides).map_err(|e| TestCaseError::fail(e.to_string()))?;
-        let step = scene.time.step;
-        // 5 → 2 is the widest gap; 1e-4 is the room for the digits of the constant.
-        prop_assert!(step <= time / 100.0 * (1.0 + 1e-4) && step > time / 250.0 * (1.0 - 1e-4));
-        let digit = format!("{step:e}");
-        prop_assert!(["1e", "2e", "5e"].iter().any(|start| digit.starts_with(start)), "{}", digit);
     }
 
     #[test]
@@ -189,7 +176,7 @@ proptest! {
 
     #[test]
     fn a_damaged_scene_is_not_fatal(
-        good in prop::sample::select(vec![GOOD, MESH, SMALL]),
+        good in prop::sample::select(vec![GOOD, MESH, SMALL, QUARTER]),
         damage in prop::collection::vec((any::<prop::sample::Index>(), 0..12usize, scrap()), 1..4),
     ) {
         let mut letters: Vec<char> = good.chars().collect();
@@ -206,7 +193,7 @@ proptest! {
 
     #[test]
     fn random_values_of_real_keys_are_not_fatal(
-        good in prop::sample::select(vec![GOOD, MESH, SMALL]),
+        good in prop::sample::select(vec![GOOD, MESH, SMALL, QUARTER]),
         settings in prop::collection::vec((key(), scrap()), 1..4),
     ) {
         let overrides: Vec<String> = settings.into_iter().map(|(key, value)| format!("{key}={value}")).collect();
@@ -236,6 +223,9 @@ fn key() -> impl Strategy<Value = &'static str> {
         "body.size",
         "body.size.2",
         "body.cells",
+        "body.grading",
+        "body.symmetry",
+        "contact.patch_radius",
         "body.mesh",
         "body.reduction",
         "support",
@@ -265,6 +255,8 @@ fn number_key() -> impl Strategy<Value = &'static str> {
         "body.density",
         "body.size.0",
         "body.size.2",
+        "body.grading",
+        "contact.patch_radius",
         "impactor.mass",
         "impactor.radius",
         "impactor.young",

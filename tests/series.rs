@@ -136,6 +136,7 @@ fn everything_written_is_read_back() {
             assert_eq!(number::<f64>(&file, &format!("wall_time_{phase}")), seconds);
         }
         assert_eq!(number::<u64>(&file, "newton_iterations"), 42);
+        assert_eq!(number::<u64>(&file, "solves"), 21);
 
         let history = history(&path).unwrap();
         assert_eq!(history.title, given.title);

@@ -39,7 +39,7 @@ impl Dense {
         if let Some(pads) = &mut body.pads {
             let mut pressed = body.load.duplicate().unwrap();
             pressed.fill(-1.0).unwrap();
-            pads.add_tangent(&pressed, &mut stiffness).unwrap();
+            pads.add_tangent(None, &pressed, 1.0, &mut stiffness).unwrap();
             stiffness.assemble().unwrap();
         }
         let free: Vec<usize> = (0..body.unknowns()).filter(|i| !body.clamps.rows.contains(&(*i as _))).collect();

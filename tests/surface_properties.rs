@@ -32,13 +32,13 @@ fn spring(shape: Shape, order: usize, x: &[[f64; 3]], k: [f64; 3]) -> DMatrix<f6
 
 fn residual(pad: &PadForms, x: &[[f64; 3]], u: &DVector<f64>) -> DVector<f64> {
     let mut out = vec![f64::NAN; u.len()];
-    pad.residual(x, u.as_slice(), &mut out);
+    pad.residual(x, None, u.as_slice(), &mut out);
     DVector::from_vec(out)
 }
 
 fn tangent(pad: &mut PadForms, x: &[[f64; 3]], u: &DVector<f64>) -> DMatrix<f64> {
     let mut out = vec![f64::NAN; u.len() * u.len()];
-    pad.tangent(x, u.as_slice(), &mut out);
+    pad.tangent(x, None, u.as_slice(), &mut out);
     DMatrix::from_row_slice(u.len(), u.len(), &out)
 }
 

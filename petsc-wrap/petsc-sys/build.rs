@@ -45,6 +45,8 @@ const FUNCTIONS: &[&str] = &[
     "MatCholeskyFactorSymbolic",
     "MatCopy",
     "MatCreate",
+    "MatCreateMAIJ",
+    "MatConvert",
     "MatDuplicate",
     "MatFactorInfoInitialize",
     "MatGetDiagonal",

@@ -118,6 +118,36 @@ impl Matrix {
         Ok(Self(Object::new(raw, self.comm())))
     }
 
+    /// The Kronecker product of this matrix with the identity of the given size, for products with vectors: one stored entry serves
+    /// all components of an unknown. It refers to this matrix's entries. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn by_component(&self, components: usize) -> Result<Self> {
+        let mut raw = std::ptr::null_mut();
+        // SAFETY: the matrix is valid, and PETSc counts the new one's reference to it; the out-pointer is valid.
+        check(unsafe { sys::MatCreateMAIJ(self.raw(), components as Int, &raw mut raw) })?;
+        Ok(Self(Object::new(raw, self.comm())))
+    }
+
+    /// A copy of this symmetric matrix that stores one triangle by square blocks of the given size: its products read less than
+    /// half of the memory. Collective.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. where the block size does not divide this rank's rows.
+    pub fn upper_triangle(&self, block: usize) -> Result<Self> {
+        // SAFETY: the matrix is valid, here and below.
+        check(unsafe { sys::MatSetBlockSize(self.raw(), block as Int) })?;
+        // SAFETY: as above.
+        check(unsafe { sys::MatSetOption(self.raw(), sys::MatOption::MAT_SYMMETRIC, sys::PetscBool::PETSC_TRUE) })?;
+        let mut raw = std::ptr::null_mut();
+        // SAFETY: as above; the type is a C string, the out-pointer is valid.
+        check(unsafe {
+            sys::MatConvert(self.raw(), c"sbaij".as_ptr(), sys::MatReuse::MAT_INITIAL_MATRIX, &raw mut raw)
+        })?;
+        Ok(Self(Object::new(raw, self.comm())))
+    }
+
     /// Global size: rows, columns.
     pub fn size(&self) -> (usize, usize) {
         let (mut rows, mut columns) = (0, 0);

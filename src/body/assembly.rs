@@ -88,8 +88,11 @@ pub fn zeros(
     Ok(matrix)
 }
 
-/// Which nodes share a chosen element: a matrix with a row a node.
-fn node_graph(
+/// A matrix of zeros with a row a node and an entry wherever two nodes share a chosen element. Collective.
+///
+/// # Errors
+/// PETSc's.
+pub(super) fn node_graph(
     comm: &Comm,
     owned: usize,
     elements: &Elements,

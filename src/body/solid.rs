@@ -1,6 +1,6 @@
 //! A 3D elastic body, assembled over a mesh.
 
-use petsc_wrap::{Matrix, NullSpace, Vector};
+use petsc_wrap::{Insert, Int, Matrix, NullSpace, Vector};
 
 use crate::agree::agree;
 use crate::contact::Localization;
@@ -9,7 +9,7 @@ use crate::form::{Material, SolidForms, SurfaceForms};
 use crate::mesh::Mesh;
 use crate::scene::{Contact, Fault, Scene, Scheme, SupportKind, Vec3};
 
-use super::assembly::{Stopped, assemble, into_matrix, into_vector, zeros};
+use super::assembly::{Stopped, assemble, into_matrix, into_vector, node_graph, zeros};
 use super::{Clamps, Lumped, Pads};
 
 /// The body's side of M ü + C u̇ + K u + p(u) = a F + f, three unknowns a node.
@@ -20,6 +20,8 @@ pub struct Solid {
     pub mass: Matrix,
     /// K of the elastic body alone, N/m.
     pub elastic: Matrix,
+    /// M and K for products, with a ninth and half of the memory traffic: M's entries by node, and K's upper triangle.
+    products: [Matrix; 2],
     /// K of the elastic supports (11), N/m.
     pub support: Option<Matrix>,
     /// C of the dampers (13), N s/m.
@@ -63,6 +65,7 @@ impl Solid {
             SupportKind::Elastic { stiffness } => *stiffness,
             _ => [0.0; 3],
         };
+        let products = [mass_by_node(scene, mesh)?, elastic.upper_triangle(3)?];
         let springs: Vec<(&str, Vec3, Vec3)> =
             scene.supports.iter().map(|s| (s.surface.as_str(), stiffness(&s.kind), s.displacement)).collect();
         let dampers: Vec<(&str, Vec3, Vec3)> =
@@ -73,6 +76,7 @@ impl Solid {
         Ok(Self {
             mass,
             elastic,
+            products,
             support: over_facets(mesh, &springs)?,
             damping: over_facets(mesh, &dampers)?,
             lumped: explicit.then(|| Lumped::new(scene, mesh)).transpose()?,
@@ -102,9 +106,17 @@ impl Solid {
                 out.copy_from(v)?;
                 out.pointwise_mult(&lumped.mass)?;
             }
-            None => self.mass.mult(v, out)?,
+            None => self.products[0].mult(v, out)?,
         }
         Ok(())
+    }
+
+    /// out ← K u of the body alone. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn apply_elastic(&self, u: &Vector, out: &mut Vector) -> Result<()> {
+        Ok(self.products[1].mult(u, out)?)
     }
 
     /// out ← C v, with the lumped C where the scheme is explicit; nothing without dampers. Collective.
@@ -213,6 +225,26 @@ fn over_cells(
 }
 
 /// The kernels of the scene's material on the mesh's cells.
+/// M for products: alike in all three components, so one entry for a pair of nodes.
+fn mass_by_node(scene: &Scene, mesh: &Mesh) -> Result<Matrix> {
+    let cells = &mesh.cells;
+    let mut matrix = node_graph(&mesh.comm, mesh.owned_nodes, cells, 0..cells.len())?;
+    let mut forms = forms(scene, mesh);
+    let (nodes, unknowns) = (cells.nodes_each(), 3 * cells.nodes_each());
+    let mut of_nodes = vec![0.0; nodes * nodes];
+    let mut numbers = vec![0; nodes];
+    let sink = |indices: &[Int], block: &[f64]| {
+        numbers.iter_mut().zip(indices.iter().step_by(3)).for_each(|(node, unknown)| *node = unknown / 3);
+        let rows = block.chunks_exact(unknowns).step_by(3);
+        of_nodes.iter_mut().zip(rows.flat_map(|row| row.iter().step_by(3))).for_each(|(to, from)| *to = *from);
+        matrix.set_values(&numbers, &numbers, &of_nodes, Insert::Add)
+    };
+    let size = unknowns * unknowns;
+    everywhere(mesh, assemble(cells, 0..cells.len(), size, |_, x, block| forms.mass(x, block), sink))?;
+    matrix.assemble()?;
+    Ok(matrix.by_component(3)?)
+}
+
 pub(super) fn forms(scene: &Scene, mesh: &Mesh) -> SolidForms {
     let body = &scene.body;
     let material = Material { young: body.young, poisson: body.poisson, density: body.density };

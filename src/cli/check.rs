@@ -1,14 +1,17 @@
 //! `ricochet check`: what a scene asks for, and what it will cost.
 
+use std::fmt;
+
 use petsc_wrap::{Comm, FactorEstimate, estimate_cholesky};
 
 use crate::body::Solid;
-use crate::contact::hertz;
+use crate::contact::{Reason, hertz};
+use crate::element::Shape;
 use crate::error::Result;
-use crate::impact::steps;
+use crate::impact::{Method, Plan, Setting, steps};
 use crate::mesh::Mesh;
-use crate::scene::{Geometry, Scene, Scheme, Support, SupportKind, Vec3};
-use crate::scheme::Implicit;
+use crate::scene::{Geometry, Scene, Scheme, Support, SupportKind, Symmetry, Vec3};
+use crate::scheme::{Implicit, critical_frequency};
 
 use super::Check;
 use super::load::load;
@@ -25,21 +28,31 @@ pub fn check(comm: &Comm, arguments: &Check) -> Result<()> {
 
 fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
     let mesh = Mesh::new(comm, &scene.body)?;
-    let body = Solid::new(scene, &mesh)?;
-    let update = Implicit::new(scene.time.scheme).expect("implicit").stage(scene.time.step.unwrap_or(1e-5));
-    let mut matrix = body.combination(update.c1, update.c2)?;
-    matrix.declare_positive_definite()?;
-    let factor = estimate_cholesky(&matrix)?;
-    let entries = matrix.entries()?;
+    let mut body = Solid::new(scene, &mesh)?;
+    let setting = Setting::new(&scene.impactor, &body);
+    let plan = Plan::new(&mesh, scene, &mut body, &setting)?;
+    let factor = match Implicit::new(scene.time.scheme) {
+        Some(scheme) => {
+            let stage = scheme.stage(plan.step());
+            Some(estimate_cholesky(&body.operator(stage.c1, stage.c2)?)?)
+        }
+        None => None,
+    };
+    // Asks all ranks where there are pads.
+    let method = Method::of(scene.solver.newton, &body);
+    let entries = body.elastic.entries()?;
     let boundary: u64 = body.support.iter().chain(&body.damping).map(|m| m.entries()).sum::<petsc_wrap::Result<_>>()?;
-    let mass = mass(&body)?;
+    let mass = body.copies * mass(&body)?;
     if comm.is_root() {
-        print(scene, &mesh, (body.unknowns(), mass), entries as f64, boundary as f64, factor);
+        print_scene(scene, &mesh, (body.unknowns(), mass));
+        print_contact(scene, &body);
+        print_time(scene, &plan);
+        print_cost(&body, &method, &plan, (entries as f64, boundary as f64), factor);
     }
     Ok(())
 }
 
-/// Mass of the body, kg: 1ᵀM1 counts it once for each component.
+/// Mass of the modelled part of the body, kg: 1ᵀM1 counts it once for each component.
 fn mass(body: &Solid) -> Result<f64> {
     let mut ones = body.load.duplicate()?;
     let mut product = body.load.duplicate()?;
@@ -48,15 +61,7 @@ fn mass(body: &Solid) -> Result<f64> {
     Ok(product.dot(&ones)? / 3.0)
 }
 
-fn print(
-    scene: &Scene,
-    mesh: &Mesh,
-    (unknowns, mass): (usize, f64),
-    entries: f64,
-    boundary: f64,
-    factor: FactorEstimate,
-) {
-    let (impactor, time) = (&scene.impactor, &scene.time);
+fn print_scene(scene: &Scene, mesh: &Mesh, (unknowns, mass): (usize, f64)) {
     if !scene.title.is_empty() {
         say(format_args!("{}", scene.title));
     }
@@ -64,13 +69,19 @@ fn print(
         Geometry::Box { size: [x, y, z], .. } => format!("box {x} × {y} × {z} m"),
         Geometry::Gmsh(path) => path.display().to_string(),
     };
+    let shape = if mesh.cells.shape == Shape::Tetrahedron { "tetrahedra" } else { "hexahedra" };
+    say(format_args!("body       solid: {geometry}, {mass:.4} kg"));
     say(format_args!(
-        "body       solid: {geometry}, {mass:.4} kg, {} {} of order {}, {} nodes, {unknowns} unknowns",
-        mesh.total_cells,
-        if mesh.cells.shape == crate::element::Shape::Tetrahedron { "tetrahedra" } else { "hexahedra" },
-        scene.body.order,
-        mesh.nodes,
+        "mesh       {} {shape} of order {}, {} nodes, {unknowns} unknowns",
+        mesh.total_cells, scene.body.order, mesh.nodes,
     ));
+    match &scene.body.symmetry {
+        Symmetry::Quarter { .. } => {
+            say(format_args!("symmetry   a quarter stands for the whole, with identical results"))
+        }
+        Symmetry::None { reason: Some(reason) } => say(format_args!("symmetry   none: {reason}")),
+        Symmetry::None { reason: None } => {}
+    }
     if scene.supports.is_empty() {
         say(format_args!("supports   none: a free body"));
     }
@@ -84,39 +95,137 @@ fn print(
     for traction in &load.traction {
         say(format_args!("load       {}: traction {:?} N/m²", traction.surface, traction.value));
     }
-    let contact = hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed);
+}
+
+fn print_contact(scene: &Scene, body: &Solid) {
+    let impactor = &scene.impactor;
+    let [x, y, z] = impactor.direction.map(|d| (1e6 * d).round() / 1e6);
     say(format_args!(
-        "impactor   {} kg at {} m/s, {} m away, k0 = {:.4e} N/m^1.5, at {:?} along {:?}",
-        impactor.mass, impactor.speed, impactor.gap, impactor.stiffness, impactor.point, impactor.direction
+        "impactor   {} kg at {} m/s, {} m away, k0 = {:.4e} N/m^1.5, at {:?} along [{x}, {y}, {z}]",
+        impactor.mass, impactor.speed, impactor.gap, impactor.stiffness, impactor.point
     ));
     say(format_args!(
-        "contact    at a point; on a half-space it would last {:.3} ms and peak at {:.0} N",
-        1e3 * contact,
+        "contact    on a half-space it would last {:.4} ms and peak at {:.0} N",
+        1e3 * contact_time(scene),
         hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed)
     ));
-    let Scheme::Newmark { beta, gamma } = time.scheme else { unimplemented!() };
+    let Some(patch) = &body.localization.patch else {
+        say(format_args!("           at a point: the force depends on the mesh, and has no limit as it is refined"));
+        return;
+    };
+    let reason = match patch.reason {
+        Reason::Scene => "as the scene says".to_owned(),
+        Reason::Thickness => format!("a quarter of the thickness of {:.4} m", patch.thickness),
+        Reason::Cells => format!("two cells of {:.4} m", patch.cell),
+        Reason::Contact => "what the contact needs".to_owned(),
+        Reason::Surface => "what has room on the surface".to_owned(),
+    };
     say(format_args!(
-        "time       Newmark β = {beta}, γ = {gamma}: {} steps of {:e} s to {:e} s, {:.0} in that contact",
-        steps(time.end, time.step.unwrap_or(1e-5)),
-        time.step.unwrap_or(1e-5),
-        time.end,
-        contact / time.step.unwrap_or(1e-5)
+        "patch      radius {:.4e} m, {reason}; it leaves about {:.1e} of the peak open",
+        patch.radius,
+        patch.error()
     ));
-    if contact < 20.0 * time.step.unwrap_or(1e-5) {
-        say(format_args!("           fewer than 20 steps in a contact: expect its force to depend on the step"));
+    if patch.is_coarse() {
+        warn(format_args!(
+            "cells of {:.4} m do not resolve the patch: they should be {:.4} m or smaller at the impact point (body.grading)",
+            patch.cell,
+            0.5 * patch.radius
+        ));
     }
+    if patch.error() > 0.5 * scene.tolerance {
+        warn(format_args!(
+            "the patch is large for this thickness: finer cells at the impact point allow a smaller one"
+        ));
+    }
+    if patch.is_critical() {
+        warn(format_args!(
+            "on a half-space the contact would outgrow the patch, which takes {:.4e} m: the run stops if it does",
+            patch.limit_radius
+        ));
+    }
+}
+
+fn print_time(scene: &Scene, plan: &Plan) {
+    let scheme = match scene.time.scheme {
+        Scheme::Newmark { beta, gamma } => format!("Newmark β = {beta}, γ = {gamma}"),
+        Scheme::GeneralizedAlpha { rho_inf } => format!("generalised-α with ρ∞ = {rho_inf}"),
+        Scheme::Energy => "energy-conserving midpoint rule".to_owned(),
+        Scheme::CentralDifference { .. } => "central difference with lumped mass".to_owned(),
+    };
+    let (end, contact) = (scene.time.end, contact_time(scene));
+    match *plan {
+        Plan::Equal { step } => say(format_args!(
+            "time       {scheme}: {} steps of {step:.4e} s to {end:e} s, {:.0} in that contact",
+            steps(end, step),
+            contact / step
+        )),
+        Plan::Controlled { first, tolerance } => say(format_args!(
+            "time       {scheme}, to {end:e} s in steps chosen for an error of {tolerance:e} of the peak, {first:.2e} s at first in contact"
+        )),
+    }
+    if let Scheme::Newmark { beta, gamma } = scene.time.scheme
+        && critical_frequency(beta, gamma) == 0.0
+    {
+        warn(format_args!("γ below 1/2: every vibration grows"));
+    }
+    if contact < 20.0 * plan.step() {
+        warn(format_args!("fewer than 20 steps in a contact: expect its force to depend on the step"));
+    }
+}
+
+fn print_cost(
+    body: &Solid,
+    method: &Method,
+    plan: &Plan,
+    (entries, boundary): (f64, f64),
+    factor: Option<FactorEstimate>,
+) {
+    let vectors = 30.0 * 8.0 * body.unknowns() as f64;
+    let Some(factor) = factor else {
+        let matrices = 12.0 * (2.0 * entries + boundary) + vectors;
+        say(format_args!("solver     none: every unknown by itself"));
+        return say(format_args!("memory     about {:.0} MB over all ranks", 1e-6 * matrices));
+    };
+    // K, M and S; in the full method also Ŝ and the Newton matrix; three dense ones for pads.
+    let (name, matrices, dense) = match method {
+        Method::Condensed => ("condensed Newton: one solve and a scalar equation a step".to_owned(), 3.0, 0.0),
+        Method::CondensedOnPads(pushed) => {
+            let n = pushed.len();
+            (
+                format!("condensed Newton: two solves and {n} equations of the pads a step"),
+                3.0,
+                24.0 * (n as f64).powi(2),
+            )
+        }
+        Method::Full => ("full Newton (SNES) with the block aaᵀ".to_owned(), 5.0, 0.0),
+    };
+    // In chosen steps those in contact, those of the error estimate, and the larger ones out of contact.
+    let (factors, note) = match plan {
+        Plan::Equal { .. } => (1.0, ""),
+        Plan::Controlled { .. } => (3.0, ", in up to five step sizes, three as a rule"),
+    };
     say(format_args!(
-        "solver     full Newton (SNES), Cholesky by MUMPS: {:.2e} entries in K, {:.2e} in the factor, {:.2e} operations",
-        entries, factor.entries, factor.operations
+        "solver     {name}; Cholesky by MUMPS{note}: {entries:.2e} entries in K, {:.2e} in a factor, {:.2e} operations",
+        factor.entries, factor.operations
     ));
-    // K, M, Ŝ and the Newton matrix, each with an index and a value an entry; a dozen vectors.
-    let matrices = 12.0 * (4.0 * entries + boundary) + 8.0 * 12.0 * unknowns as f64;
+    let matrices = 12.0 * ((2.0 + factors * (matrices - 2.0)) * entries + boundary) + factors * dense + vectors;
+    let factors = factors * factor.memory;
     say(format_args!(
-        "memory     about {:.0} MB: matrices {:.0} MB, factorisation {:.0} MB, over all ranks",
-        1e-6 * (matrices + factor.memory),
+        "memory     about {:.0} MB: matrices {:.0} MB, factorisations {:.0} MB, over all ranks",
+        1e-6 * (matrices + factors),
         1e-6 * matrices,
-        1e-6 * factor.memory
+        1e-6 * factors
     ));
+}
+
+/// Contact time on a half-space, s.
+fn contact_time(scene: &Scene) -> f64 {
+    hertz::contact_time(scene.impactor.stiffness, scene.impactor.mass, scene.impactor.speed)
+}
+
+/// What the user should know before the run.
+fn warn(line: fmt::Arguments) {
+    say(format_args!("           note: {line}"));
 }
 
 fn support_line(support: &Support) -> String {

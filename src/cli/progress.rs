@@ -58,7 +58,7 @@ impl Progress {
                 bar.set_message(state());
             }
             Self::Lines(Lines { end, begin, last }) => {
-                if last.elapsed() < EVERY || step.number == 0 {
+                if last.elapsed() < EVERY || step.time < 0.01 * *end {
                     return;
                 }
                 *last = Instant::now();

@@ -14,6 +14,7 @@ use crate::agree::agree;
 use crate::body::Solid;
 use crate::error::{Error, Result};
 use crate::impact::Impact;
+use crate::impact::step::Energy;
 use crate::mesh::Mesh;
 use crate::record::episodes::Episodes;
 use crate::record::provenance::{Cost, Provenance};
@@ -85,6 +86,8 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
         steps: total - assembled,
         total,
         newton_iterations: impact.count.iterations,
+        solves: impact.count.solves,
+        error_estimate: impact.count.error.unwrap_or(f64::NAN),
     };
     let flow = stepped.as_ref().ok().copied();
     if let Some(Desk { writer, progress, summary }) = desk {
@@ -94,7 +97,7 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
         // Where the run has failed already, that is what is told: a full disk fails the steps first and then the end.
         if let Some(flow) = flow {
             finished?;
-            summary.print(&cost, output);
+            summary.print(scene, &cost, output);
             if flow.is_break() {
                 tell(format_args!("interrupted: {} holds the run up to t = {:e} s", output.display(), summary.end));
             }
@@ -125,6 +128,8 @@ struct Summary {
     peak: (f64, f64),
     rebound: f64,
     end: f64,
+    initial: f64,
+    energy: Energy,
 }
 
 impl Summary {
@@ -135,9 +140,13 @@ impl Summary {
         }
         self.rebound = step.impactor.velocity;
         self.end = step.time;
+        if step.number == 0 {
+            self.initial = step.energy.total;
+        }
+        self.energy = step.energy;
     }
 
-    fn print(&self, cost: &Cost, output: &Path) {
+    fn print(&self, scene: &Scene, cost: &Cost, output: &Path) {
         let contacts: Vec<String> = self
             .episodes
             .all()
@@ -155,13 +164,32 @@ impl Summary {
             self.rebound
         ));
         say(format_args!("contacts: {contacts}"));
+        let energy = &self.energy;
         say(format_args!(
-            "{}: {:.1} s (mesh {:.1}, assembly {:.1}, steps {:.1}), {} Newton iterations",
+            "energy: {:+.1e} of the initial {:.4} J made by the time integration{}",
+            energy.numerical / self.initial,
+            self.initial,
+            if cost.error_estimate.is_nan() {
+                String::new()
+            } else {
+                format!("; estimated error of the acceleration {:.1e} of its peak", cost.error_estimate)
+            }
+        ));
+        if cost.error_estimate > scene.tolerance {
+            tell(format_args!(
+                "note: the first contact meets accuracy.tolerance = {:e}, the later ones depend on it more and do not: a smaller \
+                 tolerance tells what they tend to",
+                scene.tolerance
+            ));
+        }
+        say(format_args!(
+            "{}: {:.1} s (mesh {:.1}, assembly {:.1}, steps {:.1}), {} steps and {} Newton iterations",
             output.display(),
             cost.total,
             cost.mesh,
             cost.assembly,
             cost.steps,
+            cost.solves,
             cost.newton_iterations
         ));
     }
@@ -179,7 +207,6 @@ fn provenance(comm: &Comm, scene: &Scene, source: &Source, impact: &Impact) -> R
         model: "solid".to_owned(),
         reduction: "none".to_owned(),
         unknowns: impact.body().unknowns() + 1,
-        error_estimate: None,
         planned_rows: impact.steps().map(|steps| steps / scene.output.every + 1),
     })
 }

@@ -7,8 +7,8 @@ use crate::error::Result;
 use crate::mesh::{Mesh, Site};
 use crate::scene::{Fault, Impactor, Vec3};
 
-/// The vector a of (14): aᵀu is the surface's displacement under the impactor, a F the load on the body. Its entries sum
-/// to the direction of travel d.
+/// The vector a of (14): aᵀu is the surface's displacement under the impactor, a F the load on the body. Its entries
+/// sum to the direction of travel d.
 pub struct Localization {
     /// a, distributed as the displacements.
     pub vector: Vector,

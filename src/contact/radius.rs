@@ -23,8 +23,8 @@ pub struct Patch {
     pub thickness: f64,
     /// Longest edge of the facets at the impact point, m.
     pub cell: f64,
-    /// The radius at which the contact law has no stiffness left at the indentation of an impact on a half-space, m. The body
-    /// yields, so that a run may hold below it.
+    /// The radius at which the contact law has no stiffness left at the indentation of an impact on a half-space, m.
+    /// The body yields, so that a run may hold below it.
     pub limit_radius: f64,
 }
 
@@ -71,24 +71,29 @@ impl Patch {
         }
         Self { radius, reason, thickness, cell, limit_radius }
     }
+
+    /// The same, as large as the surface has room for.
+    pub(super) fn cut_to(self, radius: f64) -> Self {
+        Self { radius, reason: Reason::Surface, ..self }
+    }
 }
 
-/// c_l r_p, m²/N: the mean displacement of a half-space along a unit vector, weighted by Hertz's pressure over a disc, under the
-/// same pressure along that vector; `cosine` is the one between the vector and the normal.
+/// c_l r_p, m²/N: the mean displacement of a half-space along a unit vector, weighted by Hertz's pressure over a
+/// disc, under the same pressure along that vector; `cosine` is the one between the vector and the normal.
 ///
-/// (3/5) (1 − ν²)/E for the part along the normal and (2 − ν)/(2 − 2ν) times that for the part along the surface, which do not
-/// couple in the mean (Johnson, Contact Mechanics, 1985, (3.41a) and (3.91a)).
+/// (3/5) (1 − ν²)/E for the part along the normal and (2 − ν)/(2 − 2ν) times that for the part along the surface,
+/// which do not couple in the mean (Johnson, Contact Mechanics, 1985, (3.41a) and (3.91a)).
 pub(super) fn unit_compliance(body: &Body, cosine: f64) -> f64 {
     let nu = body.poisson;
     let normal = cosine * cosine;
     0.6 * (1.0 - nu * nu) / body.young * (normal + (1.0 - normal) * (2.0 - nu) / (2.0 - 2.0 * nu))
 }
 
-/// Radii at which the law has no stiffness left, 1 = c_l F′(α): at the indentation of an impact on a half-space, and at the least
-/// that a first hit can be expected to reach, m. `mass` is the body's, kg.
+/// Radii at which the law has no stiffness left, 1 = c_l F′(α): at the indentation of an impact on a half-space, and
+/// at the least that a first hit can be expected to reach, m. `mass` is the body's, kg.
 ///
-/// The least is that of Zener's plate of the local thickness, without echoes, hit by the reduced mass of impactor and body, since a
-/// light body flies off.
+/// The least is that of Zener's plate of the local thickness, without echoes, hit by the reduced mass of impactor and
+/// body, since a light body flies off.
 pub(super) fn limits(body: &Body, impactor: &Impactor, mass: f64, thickness: f64, unit_compliance: f64) -> (f64, f64) {
     let Impactor { stiffness, speed, .. } = *impactor;
     let radius = |indentation| unit_compliance * Hertz { stiffness }.tangent(indentation);
@@ -103,6 +108,30 @@ pub(super) fn limits(body: &Body, impactor: &Impactor, mass: f64, thickness: f64
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::{Geometry, Symmetry};
+
+    /// The mean over all directions of a wave of what Cerruti's and Boussinesq's solutions give it, (1 − ν cos² φ) to
+    /// 1 − ν, since the pressure's spectrum is round.
+    #[test]
+    fn compliance_along_the_surface() {
+        for poisson in [-0.5, 0.0, 0.23, 0.49] {
+            let body = Body {
+                young: 70e9,
+                poisson,
+                density: 1.0,
+                order: 1,
+                geometry: Geometry::Gmsh("".into()),
+                symmetry: Symmetry::None { reason: None },
+            };
+            let waves = (0..12).map(|i| 1.0 - poisson * (f64::from(i) * std::f64::consts::PI / 12.0).cos().powi(2));
+            let along = waves.sum::<f64>() / 12.0 / (1.0 - poisson);
+            let normal = 0.6 * (1.0 - poisson * poisson) / 70e9;
+            for (cosine, expected) in [(1.0, 1.0), (-1.0, 1.0), (0.0, along), (0.6, 0.36 + 0.64 * along)] {
+                let ratio = unit_compliance(&body, cosine) / normal;
+                assert!((ratio / expected - 1.0).abs() < 1e-14, "{poisson} {cosine}: {ratio} {expected}");
+            }
+        }
+    }
 
     #[test]
     fn the_largest_demand_decides() {

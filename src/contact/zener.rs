@@ -1,6 +1,7 @@
 //! Impact on an infinite plate (Zener, The intrinsic inelasticity of large plates, Phys. Rev. 59, 1941).
 //!
-//! Under a force F an infinite Kirchhoff plate moves at the speed F/Z, Z = 8 √(ρ h D), so that m0 and Hertz's law give
+//! Under a force F an infinite Kirchhoff plate moves at the speed F/Z, Z = 8 √(ρ h D), so that m0 and Hertz's law
+//! give
 //!
 //! σ″ + (1 + λ d/dτ)⟨σ⟩^{3/2} = 0,  σ(0) = 0,  σ′(0) = 1,  λ = k0^{2/5} v^{1/5} m0^{3/5} / Z,
 //!
@@ -8,7 +9,8 @@
 
 use super::Hertz;
 
-/// Step of the integration up to the peak, in units of its time: errors of 1e-7, by the kink of ⟨σ⟩^{3/2} at the touch.
+/// Step of the integration up to the peak, in units of its time: errors of 1e-7, by the kink of ⟨σ⟩^{3/2} at the
+/// touch.
 const STEP: f64 = 1e-3;
 
 /// Z (N s/m) of a plate with Young's modulus (Pa) and Poisson's ratio, density (kg/m³) and thickness (m).
@@ -17,8 +19,8 @@ pub fn impedance((young, poisson): (f64, f64), density: f64, thickness: f64) -> 
     8. * (density * thickness * bending).sqrt()
 }
 
-/// Largest indentation (m) where a mass (kg) hits a plate of the impedance (N s/m) at a speed (m/s), without echoes: less
-/// than on a half-space, which an infinite impedance is.
+/// Largest indentation (m) where a mass (kg) hits a plate of the impedance (N s/m) at a speed (m/s), without echoes:
+/// less than on a half-space, which an infinite impedance is.
 pub fn peak_indentation(stiffness: f64, mass: f64, speed: f64, impedance: f64) -> f64 {
     let lambda = stiffness.powf(0.4) * speed.powf(0.2) * mass.powf(0.6) / impedance;
     (mass * speed * speed / stiffness).powf(0.4) * peak(lambda)
@@ -38,8 +40,8 @@ fn peak(lambda: f64) -> f64 {
     }
 }
 
-/// The state in coordinates that stay of order one up to the peak for every λ: s = σ/S and w = σ′ + λσ^{3/2}, with the
-/// time τ/S and S = min(1, λ^{-2/3}), so that s′ = w − λ S^{3/2} ⟨s⟩^{3/2} and w′ = −S^{5/2} ⟨s⟩^{3/2}.
+/// The state in coordinates that stay of order one up to the peak for every λ: s = σ/S and w = σ′ + λσ^{3/2}, with
+/// the time τ/S and S = min(1, λ^{-2/3}), so that s′ = w − λ S^{3/2} ⟨s⟩^{3/2} and w′ = −S^{5/2} ⟨s⟩^{3/2}.
 struct Motion {
     /// S.
     scale: f64,
@@ -109,7 +111,8 @@ mod tests {
         }
     }
 
-    /// An infinite impedance is a half-space; for a small one the mass goes on at its speed, the plate at F/Z: λσ^{3/2} = 1.
+    /// An infinite impedance is a half-space; for a small one the mass goes on at its speed, the plate at F/Z:
+    /// λσ^{3/2} = 1.
     #[test]
     fn limits() {
         let (stiffness, mass, speed) = (1.669e10, 52., 1.3);
@@ -121,7 +124,8 @@ mod tests {
         assert_eq!(peak_indentation(stiffness, mass, speed, 0.), 0.);
     }
 
-    /// The paper's plate of 0.1 m: D = 70e9·1e-3/(12·0.9471) = 6.1591525e6 N m, ρh = 250 kg/m², by hand to eight digits.
+    /// The paper's plate of 0.1 m: D = 70e9·1e-3/(12·0.9471) = 6.1591525e6 N m, ρh = 250 kg/m², by hand to eight
+    /// digits.
     #[test]
     fn impedance_by_hand() {
         let found = impedance((70e9, 0.23), 2500., 0.1);

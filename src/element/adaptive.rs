@@ -1,14 +1,14 @@
 //! Adaptive quadrature of vector-valued functions on an interval.
 
-/// The non-negative nodes of the 15-point Kronrod rule on \[−1, 1\] and their weights; every second node is one of the
-/// 7-point Gauss rule, whose weight comes third (Piessens et al., QUADPACK, 1983, QK15).
+/// The non-negative nodes of the 15-point Kronrod rule on \[−1, 1\] and their weights; every second node is one of
+/// the 7-point Gauss rule, whose weight comes third (Piessens et al., QUADPACK, 1983, QK15).
 const KRONROD: [(f64, f64, f64); 8] = [
     (0.991_455_371_120_812_6, 0.022_935_322_010_529_224, 0.),
     (0.949_107_912_342_758_5, 0.063_092_092_629_978_55, 0.129_484_966_168_869_7),
     (0.864_864_423_359_769_1, 0.104_790_010_322_250_18, 0.),
     (0.741_531_185_599_394_4, 0.140_653_259_715_525_92, 0.279_705_391_489_276_64),
     (0.586_087_235_467_691_1, 0.169_004_726_639_267_9, 0.),
-    (0.405_845_151_377_397_2, 0.190_350_578_064_785_4, 0.381_830_050_505_118_93),
+    (0.405_845_151_377_397_2, 0.190_350_578_064_785_4, 0.381_830_050_505_118_9),
     (0.207_784_955_007_898_47, 0.204_432_940_075_298_9, 0.),
     (0., 0.209_482_141_084_727_82, 0.417_959_183_673_469_4),
 ];
@@ -16,8 +16,8 @@ const KRONROD: [(f64, f64, f64); 8] = [
 /// Halvings of an interval after which what is left of it cannot matter.
 const DEEPEST: usize = 50;
 
-/// ∫ f over an interval, bisected until the rules of 7 and 15 points agree to the absolute tolerance on every piece, in
-/// every component. The result is that of 15 points, whose error is far smaller where f is smooth.
+/// ∫ f over an interval, bisected until the rules of 7 and 15 points agree to the absolute tolerance on every piece,
+/// in every component. The result is that of 15 points, whose error is far smaller where f is smooth.
 pub fn adaptive<const N: usize>(
     (begin, end): (f64, f64),
     tolerance: f64,

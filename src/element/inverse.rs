@@ -34,8 +34,8 @@ impl Inverse {
 
     /// Reference coordinates of a point of the facet.
     ///
-    /// Elimination of ξ₁ leaves a ξ₂² + b ξ₂ + c = 0, whose slope at a root is the Jacobian determinant there: inside the facet that is
-    /// positive, so the root wanted is (−b + √(b² − 4ac))/2a, in the form without cancellation.
+    /// Elimination of ξ₁ leaves a ξ₂² + b ξ₂ + c = 0, whose slope at a root is the Jacobian determinant there: inside
+    /// the facet that is positive, so the root wanted is (−b + √(b² − 4ac))/2a, in the form without cancellation.
     pub fn at(&self, point: [f64; 2]) -> [f64; 3] {
         let p = Vector2::from(point) - self.origin;
         let a = self.twist.perp(&self.second);

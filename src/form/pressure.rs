@@ -13,15 +13,16 @@ const TOLERANCE: f64 = 1e-13;
 /// The load of p(r) = 3/(2π R²) √(1 − r²/R²), r < R, on one facet: total 1 over the whole disc (Johnson, Contact
 /// Mechanics, 1985, 3.4).
 ///
-/// In polar coordinates about the disc's centre, with r = R sin φ: p r dr = 3/(2π) cos²φ sin φ dφ has no root at the rim. A ray crosses a
-/// convex facet between two of its edges, smoothly in its angle but where it passes a vertex or where an edge meets
-/// the rim; between such angles the quadrature is adaptive. So no cell is cut by the rim, and none is too large or too small.
+/// In polar coordinates about the disc's centre, with r = R sin φ: p r dr = 3/(2π) cos²φ sin φ dφ has no root at the
+/// rim. A ray crosses a convex facet between two of its edges, smoothly in its angle but where it passes a vertex or
+/// where an edge meets the rim; between such angles the quadrature is adaptive, for facets that the rim cuts, large
+/// and small ones alike.
 pub struct PressureForms {
     element: Element,
 }
 
-/// The line through an edge, seen from the disc's centre: inside the facet, normal·x ≥ offset. The same numbers but for the sign
-/// from both of the facets that share the edge.
+/// The line through an edge, seen from the disc's centre: inside the facet, normal·x ≥ offset. The same numbers but
+/// for the sign from both of the facets that share the edge.
 struct Line {
     normal: [f64; 2],
     offset: f64,
@@ -35,8 +36,8 @@ impl PressureForms {
 
     /// ∫ p φ_i dA over the facet, one value a node.
     ///
-    /// `x` are the vertices in the plane of the disc, relative to its centre, in its radii, counter-clockwise. A facet that is not
-    /// seen whole from above (turned away, on edge, folded) gives zeros.
+    /// `x` are the vertices in the plane of the disc, relative to its centre, in its radii, counter-clockwise. A
+    /// facet that is not seen whole from above (turned away, on edge, folded) gives zeros.
     pub fn load(&self, x: &[[f64; 2]], out: &mut [f64]) {
         out.fill(0.);
         let lines: Vec<Line> = edges(x).filter_map(|(from, to)| Line::through(from, to)).collect();
@@ -105,9 +106,9 @@ fn crossing(lines: &[Line], ray: [f64; 2]) -> (f64, f64) {
     })
 }
 
-/// Angles from −π to π between which the crossings are smooth: those of the vertices and of where edges meet the rim. An
-/// edge at a small distance from the centre turns up and is gone within an angle as small, which a rule might step over;
-/// so circles within the rim count as well, down to one that holds 1e-14 of the load.
+/// Angles from −π to π between which the crossings are smooth: those of the vertices and of where edges meet the rim.
+/// An edge at a small distance from the centre turns up and is gone within an angle as small, which a rule might step
+/// over; so circles within the rim count as well, down to one that holds 1e-14 of the load.
 fn angles(x: &[[f64; 2]], lines: &[Line]) -> Vec<f64> {
     let radii = (0..9).map(|step| 0.125_f64.powi(step));
     let on_circles = radii.flat_map(|radius| {
@@ -171,8 +172,9 @@ mod tests {
         }
     }
 
-    /// A half-plane whose edge is at the distance e from the centre holds 1/2 + 3/4 (e − e³/3), as the pressure's integral
-    /// along a line at the distance e is 3/4 (1 − e²); and of the first moment across the edge −3/16 (1 − e²)².
+    /// A half-plane whose edge is at the distance e from the centre holds 1/2 + 3/4 (e − e³/3), as the pressure's
+    /// integral along a line at the distance e is 3/4 (1 − e²); and of the first moment across the edge −3/16 (1 −
+    /// e²)².
     #[test]
     fn edge_at_any_distance() {
         for (shape, order) in SHAPES {

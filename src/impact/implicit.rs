@@ -193,7 +193,8 @@ impl ImplicitStepper {
             }
         }
         to.update(body, setting.gap)?;
-        self.inertia(body, from, to, solved.force)?;
+        body.apply_mass(&to.state.a, &mut to.inertia)?;
+        body.clamps.zero(&mut to.inertia)?;
         let work = Work { increment: &self.work, force: solved.force, pads: self.pads.as_ref() };
         let exchange = exchange(body, setting, (&scheme, step), (from, to), work, &mut self.known)?;
         Ok((exchange, solved.iterations))
@@ -213,22 +214,5 @@ impl ImplicitStepper {
         let (velocity, acceleration) = end.apply(impactor, state.q.velocity, state.q.acceleration);
         to.q = Impactor { position: state.q.position + impactor, velocity, acceleration };
         Ok(())
-    }
-
-    /// M ü at the end, from the balance at the stage: free of the rounding that a recurrence would gather, and of a product.
-    fn inertia(&self, body: &Solid, from: &Moment, to: &mut Moment, force: f64) -> Result<()> {
-        let Implicit { alpha_m, alpha_f, .. } = self.scheme;
-        let Moment { products, inertia, .. } = to;
-        inertia.copy_from(&body.load)?;
-        inertia.axpy(1.0, &body.support_load)?;
-        inertia.axpy(force, &body.localization.vector)?;
-        if let Some(pads) = &self.pads {
-            inertia.axpy(-1.0, pads)?;
-        }
-        from.products.add_internal(-alpha_f, inertia)?;
-        products.add_internal(alpha_f - 1.0, inertia)?;
-        inertia.axpy(-alpha_m, &from.inertia)?;
-        inertia.scale(1.0 / (1.0 - alpha_m))?;
-        Ok(body.clamps.zero(inertia)?)
     }
 }

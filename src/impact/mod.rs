@@ -12,6 +12,7 @@ mod initial;
 mod ladder;
 mod ledger;
 mod pad_condensed;
+mod plan;
 mod reduced;
 mod search;
 mod setting;
@@ -27,12 +28,13 @@ use crate::body::Solid;
 use crate::contact::hertz;
 use crate::error::Result;
 use crate::mesh::Mesh;
-use crate::scene::{Scene, Scheme};
+use crate::scene::Scene;
 
 use controlled::Controlled;
 use gate::Gate;
 pub use implicit::Method;
 use ladder::Ladder;
+pub use plan::{Plan, steps};
 pub use setting::Setting;
 pub use state::{Impactor, State};
 use step::Step;
@@ -49,8 +51,7 @@ pub struct Impact {
     ladder: Ladder,
     gate: Gate,
     end: f64,
-    /// Wanted error where the steps are chosen by it; `None` for steps of one size.
-    tolerance: Option<f64>,
+    plan: Plan,
     trajectory: Trajectory,
     /// What the runs have cost so far.
     pub count: Count,
@@ -75,20 +76,18 @@ impl Impact {
     pub fn new(mesh: &Mesh, scene: &Scene, mut body: Solid) -> Result<Self> {
         let (comm, end) = (&mesh.comm, scene.time.end);
         let setting = Setting::new(&scene.impactor, &body);
-        let (step, tolerance) = match (scene.time.scheme, scene.time.step) {
-            (Scheme::CentralDifference { allow_unstable }, step) => {
-                (explicit::step(mesh, &mut body, &setting, (step, allow_unstable))?, None)
-            }
-            (_, Some(step)) => (step, None),
-            (_, None) => (controlled::first_step(&setting, scene.tolerance, end), Some(scene.tolerance)),
-        };
+        let plan = Plan::new(mesh, scene, &mut body, &setting)?;
         let newton_tolerance =
             FORCE_TOLERANCE * hertz::peak_force(setting.law.hertz.stiffness, setting.mass, setting.speed);
+        let (methods, base) = ((scene.time.scheme, scene.solver.newton), plan.step());
+        let mut ladder = Ladder::new(comm, setting, methods, newton_tolerance, base);
+        // Here, so that wrong options for PETSc are found before anything is written.
+        ladder.at(0, &body)?;
         Ok(Self {
-            ladder: Ladder::new(comm, setting, (scene.time.scheme, scene.solver.newton), newton_tolerance, step),
+            ladder,
             gate: Gate::new(scene.solver.energy_gate),
             end,
-            tolerance,
+            plan,
             trajectory: Trajectory::new(comm, &mut body, &setting)?,
             comm: comm.clone(),
             body,
@@ -99,7 +98,10 @@ impl Impact {
 
     /// Number of steps to the end, where they are of one size.
     pub fn steps(&self) -> Option<usize> {
-        self.tolerance.is_none().then(|| steps(self.end, self.ladder.step(0)))
+        match self.plan {
+            Plan::Equal { step } => Some(steps(self.end, step)),
+            Plan::Controlled { .. } => None,
+        }
     }
 
     /// The body.
@@ -127,7 +129,7 @@ impl Impact {
     /// [`crate::Error::Solve`] with step and time where a step is not solved, the contact law is left or the energy gate
     /// closes; the observer's; PETSc's.
     pub fn run(&mut self, observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
-        let Some(tolerance) = self.tolerance else { return self.run_in_equal_steps(observe) };
+        let Plan::Controlled { tolerance, .. } = self.plan else { return self.run_in_equal_steps(observe) };
         let Self { comm, setting, ladder, gate, count, end, .. } = self;
         let controlled = Controlled { comm, setting, ladder, gate, count, end: *end, tolerance };
         let (flow, trajectory) = controlled.run(&mut self.body, observe)?;
@@ -158,10 +160,4 @@ impl Impact {
         }
         Ok(flow)
     }
-}
-
-/// Steps that reach the end; the last may pass it by less than a step.
-pub fn steps(end: f64, step: f64) -> usize {
-    // A part of 1e-9 of a step is rounding in end/step.
-    (end / step - 1e-9).ceil().max(1.0) as usize
 }

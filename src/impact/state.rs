@@ -59,7 +59,7 @@ impl Products {
 
     /// All of them anew from u and u̇. Collective.
     pub(super) fn update(&mut self, body: &Solid, state: &State) -> Result<()> {
-        body.elastic.mult(&state.u, &mut self.elastic)?;
+        body.apply_elastic(&state.u, &mut self.elastic)?;
         body.apply_mass(&state.v, &mut self.momentum)?;
         if let (Some(matrix), Some(product)) = (&body.support, &mut self.support) {
             matrix.mult(&state.u, product)?;

@@ -42,7 +42,7 @@ pub struct Contact {
 }
 
 /// Energies, J.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Energy {
     /// ½ u̇ᵀMu̇ of the body.
     pub kinetic: f64,

@@ -23,7 +23,8 @@ impl Mesh {
         all
     }
 
-    /// Distance from a point of the surface along the inward normal there to where that line leaves the body, m. Collective.
+    /// Distance from a point of the surface along the inward normal there to where that line leaves the body, m.
+    /// Collective.
     ///
     /// Warped quadrilaterals count as two triangles each, so that no line slips between them.
     pub fn thickness(&self, site: &Site) -> f64 {
@@ -45,8 +46,8 @@ impl Mesh {
     }
 }
 
-/// Where the line from the origin leaves through a triangle, right-handed about its outward normal; a miss by no more than
-/// rounding is a hit, since a line may follow an edge.
+/// Where the line from the origin leaves through a triangle, right-handed about its outward normal; a miss by no more
+/// than rounding is a hit, since a line may follow an edge.
 fn exit([a, b, c]: [Vector3<f64>; 3], along: Vector3<f64>, rounding: f64) -> Option<f64> {
     let area = (b - a).cross(&(c - a));
     let facing = area.dot(&along);

@@ -26,14 +26,12 @@ pub struct Provenance {
     pub reduction: String,
     /// Number of unknowns, the impactor's included.
     pub unknowns: usize,
-    /// Estimated error of the acceleration history over its peak, where there is an estimate.
-    pub error_estimate: Option<f64>,
     /// Number of rows that the run will record, where the steps are fixed: it sizes the chunks of the series, so
     /// that a run that keeps to it never has to enlarge the file.
     pub planned_rows: Option<usize>,
 }
 
-/// What a run has cost: attributes of the root, made with the file and filled in at the end.
+/// What a run has cost, and how good it is: attributes of the root, made with the file and filled in at the end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
     /// Wall time of reading or making the mesh, s.
@@ -46,35 +44,57 @@ pub struct Cost {
     pub total: f64,
     /// Newton iterations of all steps.
     pub newton_iterations: usize,
+    /// Steps taken, those that were rejected and those of the error estimate included.
+    pub solves: usize,
+    /// Estimated error of the acceleration history over its peak; NaN where there is no estimate.
+    pub error_estimate: f64,
 }
 
 impl Cost {
     /// Before the end.
-    pub(super) const UNKNOWN: Self =
-        Self { mesh: f64::NAN, assembly: f64::NAN, steps: f64::NAN, total: f64::NAN, newton_iterations: 0 };
+    pub(super) const UNKNOWN: Self = Self {
+        mesh: f64::NAN,
+        assembly: f64::NAN,
+        steps: f64::NAN,
+        total: f64::NAN,
+        newton_iterations: 0,
+        solves: 0,
+        error_estimate: f64::NAN,
+    };
 
-    fn times(&self) -> [(&'static str, f64); 4] {
+    fn numbers(&self) -> [(&'static str, f64); 5] {
         [
             ("wall_time_mesh", self.mesh),
             ("wall_time_assembly", self.assembly),
             ("wall_time_steps", self.steps),
             ("wall_time_total", self.total),
+            ("error_estimate", self.error_estimate),
         ]
     }
 
+    fn counts(&self) -> [(&'static str, u64); 2] {
+        [("newton_iterations", self.newton_iterations as u64), ("solves", self.solves as u64)]
+    }
+
     pub(super) fn write(&self, root: &Location) -> Result<()> {
-        for (name, seconds) in self.times() {
-            write_scalar(root, name, seconds)?;
+        for (name, number) in self.numbers() {
+            write_scalar(root, name, number)?;
         }
-        write_scalar(root, "newton_iterations", self.newton_iterations as u64)
+        for (name, count) in self.counts() {
+            write_scalar(root, name, count)?;
+        }
+        Ok(())
     }
 
     /// Overwrites in place, so that nothing in the file moves.
     pub(super) fn update(&self, root: &Location) -> Result<()> {
-        for (name, seconds) in self.times() {
-            root.attr(name)?.write_scalar(&seconds)?;
+        for (name, number) in self.numbers() {
+            root.attr(name)?.write_scalar(&number)?;
         }
-        root.attr("newton_iterations")?.write_scalar(&(self.newton_iterations as u64))
+        for (name, count) in self.counts() {
+            root.attr(name)?.write_scalar(&count)?;
+        }
+        Ok(())
     }
 }
 
@@ -95,9 +115,6 @@ impl Provenance {
         }
         write_scalar(root, "ranks", self.ranks as u64)?;
         write_scalar(root, "unknowns", self.unknowns as u64)?;
-        if let Some(error) = self.error_estimate {
-            write_scalar(root, "error_estimate", error)?;
-        }
         if let Some(rows) = self.planned_rows {
             write_scalar(root, "planned_rows", rows as u64)?;
         }

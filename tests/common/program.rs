@@ -17,6 +17,7 @@ density = 2500
 size = [0.5, 0.5, 0.02]
 cells = [4, 4, 1]
 order = 1
+symmetry = "none"
 [impactor]
 mass = 52
 radius = 0.05
@@ -26,6 +27,10 @@ speed = 1
 [time]
 end = 1e-3
 step = 2e-5
+[contact]
+localization = "point"
+[solver]
+newton = "full"
 "#;
 
 /// Longer than anything takes on a busy machine.

@@ -39,7 +39,7 @@ pub(super) fn check(source: &Source, raw: &raw::Body, hit: Hit) -> Result<[Vec<f
             std::array::from_fn(|i| layout::geometric(size[i], point[i], cells[i], ratios[i]))
         }
     };
-    if planes.iter().any(|planes| planes.windows(2).any(|pair| pair[0] >= pair[1])) {
+    if planes.iter().any(|planes| planes.len() < 2 || planes.windows(2).any(|pair| pair[0] >= pair[1])) {
         let message = "the cells are too thin for their coordinates to differ";
         return Err(source.error("body.size", message, "edges of like orders of magnitude, in m"));
     }
