@@ -124,9 +124,11 @@ impl Reduced {
         loop {
             let z = at - &self.compliance * (&self.forces - applied);
             let r = self.push(step, &z) - &self.forces;
-            outcome.residual = r.norm();
+            let last = std::mem::replace(&mut outcome.residual, r.norm());
             let rounding = ROUNDING * largest * self.points.stiffest(self.tangents[self.points.weights.len()]);
-            outcome.converged = outcome.residual <= step.tolerance.max(rounding);
+            // Where rounding may be all that is left, iterations go on while they make it less.
+            let idle = outcome.residual <= rounding && outcome.residual >= 0.5 * last;
+            outcome.converged = outcome.residual <= step.tolerance || idle;
             if outcome.converged || !outcome.residual.is_finite() || outcome.iterations == MAX_ITERATIONS {
                 return outcome;
             }
