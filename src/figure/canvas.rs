@@ -90,6 +90,8 @@ fn save_png(drawing: &impl Drawing, out: &Path) -> Result<()> {
         .and_then(|canvas| canvas.finish(drawing))
         .map_err(|e| Error::io(out, e))?;
     let averaged = averaged(&pixels, large.0 as usize, PNG_SCALE as usize);
+    // The file first: its own error says more than that of the image.
+    std::fs::File::create(out).map_err(|e| Error::io(out, e))?;
     let mut png = BitMapBackend::new(out, size);
     png.blit_bitmap((0, 0), size, &averaged).and_then(|()| png.present()).map_err(|e| Error::io(out, e))
 }

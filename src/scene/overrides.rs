@@ -12,11 +12,12 @@ pub(super) struct Override {
     pub given: String,
     /// The key's path.
     pub segments: Vec<String>,
-    value: Value,
+    /// `None` takes the key out.
+    value: Option<Value>,
 }
 
 impl Override {
-    /// Takes `KEY=VALUE` apart. What does not read as a TOML value is a bare string.
+    /// Takes `KEY=VALUE` apart. What does not read as a TOML value is a bare string; nothing takes the key out.
     ///
     /// # Errors
     /// What is wrong, when there is no `=` or no key.
@@ -31,7 +32,8 @@ impl Override {
             return Err(format!("its KEY has {} parts, and no key of a scene has more than {DEEPEST}", segments.len()));
         }
         let value = value.trim();
-        Ok(Self { given: given.to_owned(), segments, value: value.parse().unwrap_or_else(|_| Value::from(value)) })
+        let read = |value: &str| value.parse().unwrap_or_else(|_| Value::from(value));
+        Ok(Self { given: given.to_owned(), segments, value: (!value.is_empty()).then(|| read(value)) })
     }
 
     /// Writes the value into the document; tables on the way are made where they are missing.
@@ -40,11 +42,11 @@ impl Override {
     /// What is wrong, when the path runs through something that is not a table, or past the end of an array.
     pub fn apply(&self, document: &mut DocumentMut) -> Result<(), String> {
         let segments: Vec<&str> = self.segments.iter().map(String::as_str).collect();
-        in_table(document.as_table_mut(), false, &segments, &self.value)
+        in_table(document.as_table_mut(), false, &segments, self.value.as_ref())
     }
 }
 
-fn in_table(table: &mut dyn TableLike, inline: bool, segments: &[&str], value: &Value) -> Result<(), String> {
+fn in_table(table: &mut dyn TableLike, inline: bool, segments: &[&str], value: Option<&Value>) -> Result<(), String> {
     let [segment, rest @ ..] = segments else {
         return Err("a whole entry cannot be replaced: name one of its keys".into());
     };
@@ -57,16 +59,19 @@ fn in_table(table: &mut dyn TableLike, inline: bool, segments: &[&str], value: &
             .or_insert_with(|| if inline { Item::Value(InlineTable::new().into()) } else { Item::Table(Table::new()) });
         return in_item(item, segment, rest, value);
     }
-    match table.get_mut(segment) {
-        Some(Item::Value(old)) => replace(old, value),
-        _ => {
+    match (table.get_mut(segment), value) {
+        (Some(Item::Value(old)), Some(value)) => replace(old, value),
+        (_, Some(value)) => {
             table.insert(segment, Item::Value(value.clone()));
+        }
+        (_, None) => {
+            table.remove(segment);
         }
     }
     Ok(())
 }
 
-fn in_item(item: &mut Item, name: &str, rest: &[&str], value: &Value) -> Result<(), String> {
+fn in_item(item: &mut Item, name: &str, rest: &[&str], value: Option<&Value>) -> Result<(), String> {
     match item {
         Item::Table(table) => in_table(table, false, rest, value),
         Item::Value(Value::InlineTable(table)) => in_table(table, true, rest, value),
@@ -81,7 +86,7 @@ fn in_item(item: &mut Item, name: &str, rest: &[&str], value: &Value) -> Result<
     }
 }
 
-fn in_array(array: &mut Array, name: &str, rest: &[&str], value: &Value) -> Result<(), String> {
+fn in_array(array: &mut Array, name: &str, rest: &[&str], value: Option<&Value>) -> Result<(), String> {
     let length = array.len();
     let index = index(name, rest[0], length)?;
     let Some(entry) = array.get_mut(index) else {
@@ -89,7 +94,7 @@ fn in_array(array: &mut Array, name: &str, rest: &[&str], value: &Value) -> Resu
     };
     match (&rest[1..], entry) {
         ([], entry) => {
-            replace(entry, value);
+            replace(entry, value.ok_or("an entry of an array cannot be taken out: set the whole array")?);
             Ok(())
         }
         (rest, Value::InlineTable(table)) => in_table(table, true, rest, value),
