@@ -76,6 +76,10 @@ impl Plan {
             .map(|doublings| Self::at(occasion, demands, (doublings, 0.5 * affordable / floor)))
             .find(|plan| plan.cost(demands) * floor <= affordable)
             .unwrap_or_else(|| Self::at(occasion, demands, (DOUBLINGS, 0.5 * affordable / floor)));
+        if plan.reference > 1.5 * occasion.base() {
+            let finest = 2.0 * plan.reference;
+            plan.notes.push(format!("the ladder begins at {finest:.3e} s, {:.0} steps a contact", contact / finest));
+        }
         plan.end = (affordable / plan.cost(demands)).clamp(floor, end);
         if plan.end < end {
             plan.notes.push(format!(
@@ -223,6 +227,7 @@ mod tests {
             let work = plan.cost(&demands) * plan.end * (unknowns as f64).max(LEAST);
             assert!(work <= 1.001 * BUDGET || plan.reference > 7.9 * SMALL.base(), "{unknowns}: {work:e}");
             assert!(plan.end >= LEAST_CONTACTS * SMALL.contact && !plan.notes.is_empty());
+            assert_eq!(plan.reference > 1.5 * SMALL.base(), plan.notes.iter().any(|note| note.contains("ladder")));
         }
         let plan = Plan::new(&SMALL, &[ALWAYS, explicit(1e-10)]);
         assert_eq!((plan.explicit_reference, plan.steps[1].len(), plan.notes.len()), (None, 10, 1));
