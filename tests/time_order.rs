@@ -77,7 +77,7 @@ fn free_vibration(session: &Session) {
         };
         let (u, v, a) = (with(amplitude), with(0.0), with(-omega * omega * amplitude));
         let q = impact.state().q;
-        impact.set_state(State { u, v, a, q });
+        impact.set_state(State { u, v, a, q }).unwrap();
         let series = run(&mut impact);
         let energy = |step: &Step| step.energy.kinetic + step.energy.elastic;
         let initial = energy(&series[0]);

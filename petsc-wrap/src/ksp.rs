@@ -4,18 +4,22 @@ use std::ffi::CString;
 
 use petsc_sys as sys;
 
+use crate::Int;
 use crate::comm::Comm;
 use crate::error::{Diverged, Error, Result, check, owned};
 use crate::matrix::Matrix;
 use crate::object::Object;
 use crate::vector::Vector;
 
+/// Relative residual at which iterative methods stop: PETSc's 1e-5 would be an error of that size in every step.
+const ITERATIVE: f64 = 1e-12;
+
 /// A linear solver with its preconditioner.
 pub struct Ksp(Object<sys::_p_KSP>);
 
 impl Ksp {
     /// A solver whose options begin with `prefix` (empty, or ending in an underscore): by default one factorisation
-    /// by MUMPS, whatever else by PETSc's options. Collective.
+    /// by MUMPS, whatever else by PETSc's options; an iterative one stops at a relative residual of 1e-12. Collective.
     ///
     /// # Errors
     /// PETSc's, e.g. for unknown types among the options.
@@ -30,7 +34,10 @@ impl Ksp {
         // SAFETY: all are valid; PETSc counts its own references.
         check(unsafe { sys::KSPSetOperators(raw, matrix.raw(), matrix.raw()) })?;
         default_to_cholesky(raw)?;
-        // SAFETY: the solver is valid.
+        let same = f64::from(sys::PETSC_DEFAULT);
+        // SAFETY: the solver is valid here and below.
+        check(unsafe { sys::KSPSetTolerances(raw, ITERATIVE, same, same, sys::PETSC_DEFAULT as Int) })?;
+        // SAFETY: as above.
         check(unsafe { sys::KSPSetFromOptions(raw) })?;
         Ok(ksp)
     }
@@ -49,13 +56,22 @@ impl Ksp {
         if reason.0 > 0 {
             return Ok(());
         }
-        let (mut iterations, mut norm) = (0, 0.0);
-        // SAFETY: as above.
-        check(unsafe { sys::KSPGetIterationNumber(raw, &raw mut iterations) })?;
+        let mut norm = 0.0;
         // SAFETY: as above.
         check(unsafe { sys::KSPGetResidualNorm(raw, &raw mut norm) })?;
-        let iterations = iterations as usize;
+        let iterations = self.iterations()?;
         Err(Error::Diverged(Diverged { solver: "KSP", reason: reason_of(raw)?, iterations, norm }))
+    }
+
+    /// Iterations of the last solve.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn iterations(&self) -> Result<usize> {
+        let mut iterations = 0;
+        // SAFETY: the solver is valid.
+        check(unsafe { sys::KSPGetIterationNumber(self.0.raw(), &raw mut iterations) })?;
+        Ok(iterations as usize)
     }
 
     /// Destroys it at once, its factor too. Collective.

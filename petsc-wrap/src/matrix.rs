@@ -7,6 +7,7 @@ use petsc_sys as sys;
 use crate::Int;
 use crate::comm::Comm;
 use crate::error::{Result, check, check_indices};
+use crate::null_space::NullSpace;
 use crate::object::Object;
 use crate::vector::Vector;
 
@@ -244,6 +245,24 @@ impl Matrix {
         self.set_option(sys::MatOption::MAT_SYMMETRIC)?;
         self.set_option(sys::MatOption::MAT_SYMMETRY_ETERNAL)?;
         self.set_option(sys::MatOption::MAT_SPD)
+    }
+
+    /// Says that unknowns come in blocks, as the components at a node; copies of the matrix know it too. Collective.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. where a rank's rows are not whole blocks.
+    pub fn set_block_size(&mut self, size: usize) -> Result<()> {
+        // SAFETY: the matrix is valid and has its layout.
+        check(unsafe { sys::MatSetBlockSize(self.raw(), size as Int) })
+    }
+
+    /// Tells algebraic multigrid which vectors it must not lose on its coarse levels. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn set_near_null_space(&mut self, space: &NullSpace) -> Result<()> {
+        // SAFETY: both are valid; PETSc counts its own references.
+        check(unsafe { sys::MatSetNearNullSpace(self.raw(), space.raw()) })
     }
 
     fn set_option(&mut self, option: sys::MatOption) -> Result<()> {

@@ -76,6 +76,7 @@ pub fn zeros(
         elsewhere.extend([3 * (row.columns().len() - own) as Int; 3]);
     }
     let mut matrix = Matrix::aij(comm, (3 * owned, 3 * owned), &here, &elsewhere)?;
+    matrix.set_block_size(3)?;
     let (mut columns, mut values) = (Vec::new(), Vec::new());
     for node in range {
         unknowns(graph.row(node)?.columns(), &mut columns);

@@ -10,6 +10,6 @@ mod spectrum;
 pub use assembly::{Stopped, assemble, into_matrix, into_vector, zeros};
 pub use clamps::Clamps;
 pub use lumped::Lumped;
-pub use pads::Pads;
+pub use pads::{PadPoints, Pads};
 pub use solid::Solid;
 pub use spectrum::{Inertia, LargestFrequency, LinearContact, largest_frequency};

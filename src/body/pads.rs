@@ -5,7 +5,7 @@ use mpi::traits::CommunicatorCollectives;
 use petsc_wrap::{Comm, Gather, Insert, Int, Matrix, Vector};
 
 use crate::error::Result;
-use crate::form::PadForms;
+use crate::form::{PadForms, PadPoint};
 use crate::mesh::Mesh;
 use crate::scene::{Support, SupportKind};
 
@@ -29,6 +29,24 @@ pub struct Pads {
 struct Pad {
     forms: PadForms,
     facets: Vec<(Vec<[f64; 3]>, Vec<Int>)>,
+}
+
+/// Pads as their quadrature points, component by component: a point pushes back with w ⟨g⟩ on each of its unknowns times s φ_a,
+/// g = Σ s φ_a u_a − s ū.
+#[derive(Debug, Clone, Default)]
+pub struct PadPoints {
+    /// Unknowns of a point.
+    pub nodes: usize,
+    /// w, N/m, by point.
+    pub weights: Vec<f64>,
+    /// s ū, m, by point.
+    pub offsets: Vec<f64>,
+    /// Global numbers of the unknowns, point by point.
+    pub unknowns: Vec<Int>,
+    /// s φ_a, likewise.
+    pub values: Vec<f64>,
+    /// Whether the unknown is free, likewise.
+    pub free: Vec<bool>,
 }
 
 impl Pads {
@@ -127,6 +145,55 @@ impl Pads {
         Ok(())
     }
 
+    /// The free unknowns that a pad can push, by global number, in order; the same on all ranks. Collective.
+    pub fn pushed(&self) -> Vec<Int> {
+        let mut here: Vec<Int> = Vec::new();
+        self.each_point(|_, entries| here.extend(entries.filter(|entry| entry.2).map(|entry| entry.0)));
+        distinct(&mut here);
+        let mut all = self.comm.all_gather(&here);
+        distinct(&mut all);
+        all
+    }
+
+    /// The points of all pads, of all ranks on every rank. Collective.
+    pub fn points(&self) -> PadPoints {
+        let mut points = PadPoints { nodes: self.each / 3, ..PadPoints::default() };
+        let mut free = Vec::new();
+        self.each_point(|point, entries| {
+            points.weights.push(point.weight);
+            points.offsets.push(point.offset);
+            for (unknown, value, is_free) in entries {
+                points.unknowns.push(unknown);
+                points.values.push(value);
+                free.push(u8::from(is_free));
+            }
+        });
+        let all = |mine: &[f64]| self.comm.all_gather(mine);
+        PadPoints {
+            nodes: points.nodes,
+            weights: all(&points.weights),
+            offsets: all(&points.offsets),
+            unknowns: self.comm.all_gather(&points.unknowns),
+            values: all(&points.values),
+            free: self.comm.all_gather(&free).into_iter().map(|free| free != 0).collect(),
+        }
+    }
+
+    /// Visits this rank's points, each with (unknown, s φ_a, whether it is free) of the nodes of its facet.
+    fn each_point(&self, mut visit: impl FnMut(&PadPoint, &mut dyn Iterator<Item = (Int, f64, bool)>)) {
+        let mut free = self.free.chunks_exact(self.each);
+        for pad in &self.pads {
+            for ((x, indices), free) in pad.facets.iter().zip(&mut free) {
+                for point in pad.forms.points(x) {
+                    let unknowns = indices.iter().zip(free).skip(point.component).step_by(3);
+                    let mut entries =
+                        unknowns.zip(point.values).map(|((&i, &free), value)| (i, point.sign * value, free != 0.0));
+                    visit(&point, &mut entries);
+                }
+            }
+        }
+    }
+
     fn fetch_from(&mut self, from: Option<&Vector>) -> petsc_wrap::Result<Option<Vec<f64>>> {
         from.map(|from| Ok(self.gather.fetch(from)?.to_vec())).transpose()
     }
@@ -148,6 +215,11 @@ impl Pads {
         self.comm.mpi().all_reduce_into(&here, &mut all, SystemOperation::sum());
         Ok(all)
     }
+}
+
+fn distinct(list: &mut Vec<Int>) {
+    list.sort_unstable();
+    list.dedup();
 }
 
 /// The values of facet `i`, with `each` of them a facet.

@@ -1,6 +1,6 @@
 //! A 3D elastic body, assembled over a mesh.
 
-use petsc_wrap::{Insert, Int, Matrix, Vector};
+use petsc_wrap::{Insert, Int, Matrix, NullSpace, Vector};
 
 use crate::agree::agree;
 use crate::contact::Localization;
@@ -40,6 +40,10 @@ pub struct Solid {
     pub support_offset: f64,
     /// Where the impactor hits.
     pub localization: Localization,
+    /// The rigid motions, which multigrid needs to know of.
+    rigid_motions: NullSpace,
+    /// The body moved as a whole by one in the impactor's direction.
+    pub translation: Vector,
     /// How many such bodies make the whole: 1, or 4 for a quarter of a symmetric box.
     pub copies: f64,
 }
@@ -82,7 +86,9 @@ impl Solid {
             load: load(scene, mesh)?,
             support_load,
             support_offset,
+            translation: translation(mesh, scene.impactor.direction)?,
             localization,
+            rigid_motions: rigid_motions(mesh)?,
             clamps,
             copies: mesh.copies as f64,
         })
@@ -91,6 +97,18 @@ impl Solid {
     /// Unknowns on all ranks.
     pub fn unknowns(&self) -> usize {
         self.load.len()
+    }
+
+    /// Whether nothing resists a translation along the impactor's direction. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn is_free(&self) -> Result<bool> {
+        let mut held = self.translation.duplicate()?;
+        held.copy_from(&self.translation)?;
+        self.clamps.zero(&mut held)?;
+        held.axpy(-1.0, &self.translation)?;
+        Ok(self.support.is_none() && self.pads.is_none() && held.norm_max()? == 0.0)
     }
 
     /// out ← M v, with the lumped M where the scheme is explicit. Collective.
@@ -148,7 +166,7 @@ impl Solid {
         Ok(sum)
     }
 
-    /// [`Self::combination`] with the held unknowns taken out, to be solved with. Collective.
+    /// [`Self::combination`] with the held unknowns taken out, to be solved with by direct or iterative methods. Collective.
     ///
     /// # Errors
     /// PETSc's.
@@ -157,8 +175,29 @@ impl Solid {
         let typical = matrix.trace()? / self.unknowns() as f64;
         matrix.zero_rows_columns(&self.clamps.rows, typical)?;
         matrix.declare_positive_definite()?;
+        matrix.set_near_null_space(&self.rigid_motions)?;
         Ok(matrix)
     }
+}
+
+/// Translations and rotations: what K maps to nothing, or to little where supports are soft or clamped parts few. Collective.
+fn rigid_motions(mesh: &Mesh) -> Result<NullSpace> {
+    let mut coordinates = Vector::new(&mesh.comm, 3 * mesh.owned_nodes)?;
+    let first = coordinates.range().start;
+    {
+        let mut values = coordinates.write()?;
+        let cells = &mesh.cells;
+        for (&node, x) in (0..cells.len()).flat_map(|i| cells.nodes(i).iter().zip(cells.node_positions(i))) {
+            // A node of another rank is set there.
+            let at = usize::try_from(3 * node - first).ok();
+            if let Some(place) = at.and_then(|at| values.get_mut(at..at + 3)) {
+                place.copy_from_slice(&x);
+            }
+        }
+    }
+    let motions = NullSpace::rigid_body(&mut coordinates)?;
+    coordinates.destroy()?;
+    Ok(motions)
 }
 
 /// Every surface that the scene names must be one of the mesh.
@@ -250,6 +289,15 @@ fn over_facets(mesh: &Mesh, terms: &[(&str, Vec3, Vec3)]) -> Result<Option<Matri
     }
     matrix.assemble()?;
     Ok(Some(matrix))
+}
+
+/// d at every node.
+fn translation(mesh: &Mesh, direction: Vec3) -> Result<Vector> {
+    let mut vector = Vector::new(&mesh.comm, 3 * mesh.owned_nodes)?;
+    for node in vector.write()?.chunks_exact_mut(3) {
+        node.copy_from_slice(&direction);
+    }
+    Ok(vector)
 }
 
 /// ∫ k ū·v dS and ½ ∫ k ū·ū dS of elastic supports.

@@ -8,9 +8,9 @@ use crate::body::Solid;
 use crate::contact::{Reason, hertz};
 use crate::element::Shape;
 use crate::error::Result;
-use crate::impact::{Plan, Setting, steps};
+use crate::impact::{Method, Plan, Setting, steps};
 use crate::mesh::Mesh;
-use crate::scene::{Geometry, Newton, Scene, Scheme, Support, SupportKind, Symmetry, Vec3};
+use crate::scene::{Geometry, Scene, Scheme, Support, SupportKind, Symmetry, Vec3};
 use crate::scheme::{Implicit, critical_frequency};
 
 use super::Check;
@@ -38,6 +38,8 @@ fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
         }
         None => None,
     };
+    // Asks all ranks where there are pads.
+    let method = Method::of(scene.solver.newton, &body);
     let entries = body.elastic.entries()?;
     let boundary: u64 = body.support.iter().chain(&body.damping).map(|m| m.entries()).sum::<petsc_wrap::Result<_>>()?;
     let mass = body.copies * mass(&body)?;
@@ -45,7 +47,7 @@ fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
         print_scene(scene, &mesh, (body.unknowns(), mass));
         print_contact(scene, &body);
         print_time(scene, &plan);
-        print_cost(scene, &body, &plan, (entries as f64, boundary as f64), factor);
+        print_cost(&body, &method, &plan, (entries as f64, boundary as f64), factor);
     }
     Ok(())
 }
@@ -172,8 +174,8 @@ fn print_time(scene: &Scene, plan: &Plan) {
 }
 
 fn print_cost(
-    scene: &Scene,
     body: &Solid,
+    method: &Method,
     plan: &Plan,
     (entries, boundary): (f64, f64),
     factor: Option<FactorEstimate>,
@@ -184,11 +186,18 @@ fn print_cost(
         say(format_args!("solver     none: every unknown by itself"));
         return say(format_args!("memory     about {:.0} MB over all ranks", 1e-6 * matrices));
     };
-    // K, M and S; in the full method also Ŝ and the Newton matrix.
-    let (name, matrices) = match (scene.solver.newton, &body.pads) {
-        (Newton::Condensed, None) => ("condensed Newton: one solve and a scalar equation a step", 3.0),
-        (Newton::Condensed, Some(_)) => ("Newton with the nonlinear part on the pads", 5.0),
-        (Newton::Full, _) => ("full Newton (SNES) with the block aaᵀ", 5.0),
+    // K, M and S; in the full method also Ŝ and the Newton matrix; three dense ones for pads.
+    let (name, matrices, dense) = match method {
+        Method::Condensed => ("condensed Newton: one solve and a scalar equation a step".to_owned(), 3.0, 0.0),
+        Method::CondensedOnPads(pushed) => {
+            let n = pushed.len();
+            (
+                format!("condensed Newton: two solves and {n} equations of the pads a step"),
+                3.0,
+                24.0 * (n as f64).powi(2),
+            )
+        }
+        Method::Full => ("full Newton (SNES) with the block aaᵀ".to_owned(), 5.0, 0.0),
     };
     // In chosen steps those in contact, those of the error estimate, and the larger ones out of contact.
     let (factors, note) = match plan {
@@ -199,7 +208,7 @@ fn print_cost(
         "solver     {name}; Cholesky by MUMPS{note}: {entries:.2e} entries in K, {:.2e} in a factor, {:.2e} operations",
         factor.entries, factor.operations
     ));
-    let matrices = 12.0 * ((2.0 + factors * (matrices - 2.0)) * entries + boundary) + vectors;
+    let matrices = 12.0 * ((2.0 + factors * (matrices - 2.0)) * entries + boundary) + factors * dense + vectors;
     let factors = factors * factor.memory;
     say(format_args!(
         "memory     about {:.0} MB: matrices {:.0} MB, factorisations {:.0} MB, over all ranks",

@@ -11,7 +11,7 @@ mod solid;
 mod surface;
 
 pub use lumping::lump;
-pub use pad::PadForms;
+pub use pad::{PadForms, PadPoint, pressed_depth};
 pub use pressure::PressureForms;
 pub use solid::{Material, SolidForms, Tangled};
 pub use surface::SurfaceForms;

@@ -92,16 +92,25 @@ impl PadForms {
         self.table.areas(x).enumerate().map(|(q, area)| area * density(q)).sum()
     }
 
+    /// The points of a facet with the components that are resisted there: what the sums above consist of.
+    pub fn points<'a>(&'a self, x: &'a [[f64; 3]]) -> impl Iterator<Item = PadPoint<'a>> {
+        self.table.areas(x).enumerate().flat_map(move |(q, area)| {
+            let resisted = (0..3).filter(|&i| self.sign[i] != 0. && self.stiffness[i] > 0.);
+            resisted.map(move |component| PadPoint {
+                component,
+                weight: self.stiffness[component] * area,
+                sign: self.sign[component],
+                offset: self.sign[component] * self.displacement[component],
+                values: self.table.values(q),
+            })
+        })
+    }
+
     /// ⟨g⟩ or its mean at a point, by component, with its derivative.
     fn push(&self, q: usize, from: Option<&[f64]>, u: &[f64]) -> [(f64, f64); 3] {
         let g = self.penetration(q, u);
-        match from {
-            None => g.map(|g| (positive_part(g), if g > 0. { 1. } else { 0. })),
-            Some(from) => {
-                let before = self.penetration(q, from);
-                [0, 1, 2].map(|i| mean(before[i], g[i]))
-            }
-        }
+        let before = from.map(|from| self.penetration(q, from));
+        [0, 1, 2].map(|i| pressed_depth(before.map(|before| before[i]), g[i]))
     }
 
     /// g at a point, by component.
@@ -119,6 +128,30 @@ impl PadForms {
             }
         }
         sum
+    }
+}
+
+/// One component of a pad at one quadrature point: it pushes back with w ⟨g⟩, g = s Σ φ_a u_a − s ū.
+#[derive(Debug, Clone, Copy)]
+pub struct PadPoint<'a> {
+    /// Which component.
+    pub component: usize,
+    /// w = k dS, N/m.
+    pub weight: f64,
+    /// s, 1 or −1.
+    pub sign: f64,
+    /// s ū, m.
+    pub offset: f64,
+    /// φ_a, by the facet's nodes.
+    pub values: &'a [f64],
+}
+
+/// ⟨g⟩ (m) of a penetration, or, with the penetration `from` before a step, the mean of ⟨·⟩ that does just the work of ½⟨g⟩²;
+/// and the derivative with respect to `to`.
+pub fn pressed_depth(from: Option<f64>, to: f64) -> (f64, f64) {
+    match from {
+        None => (positive_part(to), if to > 0. { 1. } else { 0. }),
+        Some(from) => mean(from, to),
     }
 }
 

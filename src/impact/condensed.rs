@@ -3,15 +3,17 @@
 //! While S = K + c1 C + c2 M is constant, the stage's increment is E = E* + w F with E* = S⁻¹g, w = S⁻¹a, and the impactor's
 //! E*_q − F/(c2 m0). The approach is then δ = δ* − s F, s = aᵀw + 1/(c2 m0), and F follows from δ + s F(δ) = δ*. The left side rises
 //! with δ, so a Newton iteration that keeps a bracket always converges, across the kink at δ = 0 and for any step. By the
-//! formula of Sherman and Morrison this is the solution of the full Newton system with its block âF′âᵀ.
+//! formula of Sherman and Morrison this is the solution of the full Newton system with its block âF′âᵀ. Pads add unknowns to that
+//! equation ([`super::pad_condensed`]).
 
-use petsc_wrap::{Comm, Ksp, Vector};
+use petsc_wrap::{Comm, Int, Ksp, Vector};
 
 use crate::body::Solid;
 use crate::error::Result;
 use crate::scheme::{Affine, StageForce};
 
 use super::implicit::{Problem, Solved};
+use super::pad_condensed::{PadStep, Response};
 
 /// The factorised S of one step size, and what a unit force does.
 pub struct Condensed {
@@ -22,11 +24,20 @@ pub struct Condensed {
     compliance: f64,
     /// 1/(c2 m0), m/N.
     of_impactor: f64,
+    /// Where pads push.
+    pads: Option<PadStep>,
 }
 
 impl Condensed {
-    /// Assembles and factorises S for a stage. Collective.
-    pub(super) fn new(comm: &Comm, body: &Solid, stage: Affine, mass: f64) -> Result<Self> {
+    /// Assembles and factorises S for a stage; `pushed` are the unknowns that pads push ([`crate::body::Pads::pushed`]), whose
+    /// residual (N) counts as none below `tolerance`. Collective.
+    pub(super) fn new(
+        comm: &Comm,
+        body: &Solid,
+        stage: Affine,
+        mass: f64,
+        (pushed, tolerance): (Vec<Int>, f64),
+    ) -> Result<Self> {
         let matrix = body.operator(stage.c1, stage.c2)?;
         let mut ksp = Ksp::new(comm, "", &matrix)?;
         let mut force = body.load.duplicate()?;
@@ -36,17 +47,26 @@ impl Condensed {
         ksp.solve(&force, &mut answer)?;
         let of_impactor = 1.0 / (stage.c2 * mass);
         let compliance = force.dot(&answer)? + of_impactor;
-        Ok(Self { ksp, answer, compliance, of_impactor })
+        let response = Response { ksp: &mut ksp, answer: &answer, compliance, of_impactor };
+        let pads = match &body.pads {
+            Some(pads) if !pushed.is_empty() => Some(PadStep::new(comm, pads, pushed, response, tolerance)?),
+            _ => None,
+        };
+        Ok(Self { ksp, answer, compliance, of_impactor, pads })
     }
 
     /// Solves a step. Collective.
     pub(super) fn solve(&mut self, problem: &Problem, increment: &mut Vector) -> Result<Solved> {
-        self.ksp.solve(problem.known, increment)?;
-        let (a, of_impactor) = (problem.direction, self.of_impactor);
+        let Self { ksp, answer, compliance, of_impactor, pads } = self;
+        let (a, of_impactor, compliance) = (problem.direction, *of_impactor, *compliance);
+        ksp.solve(problem.known, increment)?;
+        if let Some(pads) = pads {
+            return pads.solve(Response { ksp, answer, compliance, of_impactor }, problem, increment);
+        }
         let free_impactor = of_impactor * problem.known_impactor;
         let free = problem.force.from + free_impactor - a.dot(increment)?;
-        let (force, iterations) = solve_scalar(&problem.force, free, self.compliance);
-        increment.axpy(force, &self.answer)?;
+        let (force, iterations) = solve_scalar(&problem.force, free, compliance);
+        increment.axpy(force, answer)?;
         Ok(Solved { increment: free_impactor - of_impactor * force, force, iterations })
     }
 }

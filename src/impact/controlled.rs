@@ -11,7 +11,7 @@
 
 use std::ops::ControlFlow;
 
-use petsc_wrap::Comm;
+use petsc_wrap::{Comm, Vector};
 
 use crate::body::Solid;
 use crate::contact::hertz;
@@ -59,8 +59,10 @@ struct Pair {
     /// Largest acceleration and largest difference of the two so far, m/s².
     peak: f64,
     difference: f64,
-    /// Range of aᵀu so far, m.
+    /// Range so far of aᵀu, less the motion of a free body as a whole, m.
     surface: [f64; 2],
+    /// What gives that motion of a free body from u, along the direction of travel.
+    mean: Option<Vector>,
 }
 
 /// What a first guess of the step in contact is, s.
@@ -96,7 +98,7 @@ impl Controlled<'_> {
                 pair.copy_from(&saved)?;
                 continue;
             }
-            pair.compare(self.setting, &told);
+            pair.compare(self.setting, &told)?;
             self.count.error = pair.error();
             if let Some(steps) = &mut held {
                 // Relative to a peak that is still to come the error means nothing.
@@ -138,7 +140,7 @@ impl Controlled<'_> {
         }
         let clearance = -pair.fine.now.approach.max(pair.coarse.now.approach);
         let rate = pair.fine.now.rate(body)?;
-        // Farther away than twice what the surface has moved so far, contact is not near.
+        // Farther away than twice what the surface has moved to and fro, contact is not near.
         let far = clearance > 2.0 * (pair.surface[1] - pair.surface[0]);
         let stays_off = |level: usize| {
             let way = rate * 2.0 * self.ladder.step(level);
@@ -172,7 +174,8 @@ impl Controlled<'_> {
 impl Pair {
     fn new(comm: &Comm, body: &mut Solid, setting: &Setting) -> Result<Self> {
         let [fine, coarse] = [Trajectory::new(comm, body, setting)?, Trajectory::new(comm, body, setting)?];
-        Ok(Self { fine, coarse, peak: 0.0, difference: 0.0, surface: [0.0; 2] })
+        let mean = if body.is_free()? { Some(mean_displacement(body)?) } else { None };
+        Ok(Self { fine, coarse, peak: 0.0, difference: 0.0, surface: [0.0; 2], mean })
     }
 
     fn copy_from(&mut self, other: &Self) -> Result<()> {
@@ -184,19 +187,30 @@ impl Pair {
         self.fine.now.approach.max(self.coarse.now.approach) >= 0.0
     }
 
-    /// Takes what the steps told and how the two differ after them.
-    fn compare(&mut self, setting: &Setting, told: &[Step]) {
+    /// Takes what the steps told and how the two differ after them. Collective.
+    fn compare(&mut self, setting: &Setting, told: &[Step]) -> Result<()> {
         for step in told {
             self.peak = self.peak.max(step.impactor.acceleration);
-            let surface = step.contact.surface_displacement;
-            self.surface = [self.surface[0].min(surface), self.surface[1].max(surface)];
         }
+        let now = &self.fine.now;
+        let whole = self.mean.as_ref().map_or(Ok(0.0), |mean| mean.dot(&now.state.u))?;
+        let surface = now.surface - whole;
+        self.surface = [self.surface[0].min(surface), self.surface[1].max(surface)];
         let difference = self.fine.acceleration(setting) - self.coarse.acceleration(setting);
         self.difference = self.difference.max(difference.abs());
+        Ok(())
     }
 
     /// The estimated error of the fine acceleration over its peak, once there is a peak.
     fn error(&self) -> Option<f64> {
         (self.peak > 0.0).then(|| 0.5 * self.difference / self.peak)
     }
+}
+
+/// M t / tᵀM t for the translation t: the mean displacement of a body along it. Collective.
+fn mean_displacement(body: &Solid) -> Result<Vector> {
+    let mut mean = body.load.duplicate()?;
+    body.apply_mass(&body.translation, &mut mean)?;
+    mean.scale(1.0 / mean.dot(&body.translation)?)?;
+    Ok(mean)
 }

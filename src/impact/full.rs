@@ -9,13 +9,14 @@
 //! zero of the slope converges from anywhere, across the kinks of contact and pads.
 
 use mpi::traits::{Communicator, Root};
-use petsc_wrap::{Comm, Gather, Insert, Int, Matrix, Snes, Trial, Vector};
+use petsc_wrap::{Comm, Gather, Insert, Int, Matrix, Snes, Vector};
 
 use crate::body::Solid;
 use crate::error::{Error, Result};
 use crate::scheme::Affine;
 
 use super::implicit::{Problem, Solved};
+use super::search::step_length;
 
 /// What closures return to SNES.
 type Outcome = std::result::Result<(), Box<dyn std::error::Error>>;
@@ -129,7 +130,9 @@ impl Full {
             *current = tangent;
             Ok(())
         };
-        let iterations = self.snes.solve(&mut self.increment, residual, jacobian, |trial| Ok(step_length(trial)?))?;
+        let iterations = self
+            .snes
+            .solve(&mut self.increment, residual, jacobian, |trial| Ok(step_length(|length| trial.slope(length))?))?;
         unpack(&self.increment, increment)?;
         let force = force.at(approach + self.direction.dot(&self.increment)?).0;
         Ok(Solved { increment: impactor(&self.comm, &self.increment)?, force, iterations })
@@ -149,35 +152,6 @@ impl Full {
             other => Error::from(other),
         }
     }
-}
-
-/// The full step, unless it overshoots: then the zero of the slope, bracketed, by the Illinois rule (Dowell & Jarratt, A
-/// modified regula falsi method, BIT 11, 1971).
-fn step_length(trial: &mut Trial) -> petsc_wrap::Result<f64> {
-    /// The slope left over that a next Newton direction will remove anyway.
-    const ENOUGH: f64 = 0.5;
-    let before = trial.slope(0.0)?;
-    let full = trial.slope(1.0)?;
-    // NaN is passed on, for SNES to report.
-    if before >= 0.0 || full.is_nan() || full <= ENOUGH * -before {
-        return Ok(1.0);
-    }
-    let ((mut low, mut slope_low), (mut high, mut slope_high)) = ((0.0, before), (1.0, full));
-    for _ in 0..30 {
-        let length = (low * slope_high - high * slope_low) / (slope_high - slope_low);
-        let slope = trial.slope(length)?;
-        if slope.abs() <= ENOUGH * -before {
-            return Ok(length);
-        }
-        if slope < 0.0 {
-            (low, slope_low) = (length, slope);
-            slope_high /= 2.0;
-        } else {
-            (high, slope_high) = (length, slope);
-            slope_low /= 2.0;
-        }
-    }
-    Ok(low)
 }
 
 /// Ŝ with room for ââᵀ, whose entries couple the impactor and all of `coupled` with one another.

@@ -1,15 +1,16 @@
 //! One step of an implicit scheme: its equation set up, solved, and the state at its end.
 
-use petsc_wrap::{Comm, Vector};
+use petsc_wrap::{Comm, Int, Vector};
 
 use crate::body::{Pads, Solid};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene;
 use crate::scheme::{Implicit, StageForce};
 
 use super::condensed::Condensed;
 use super::full::Full;
 use super::ledger::{Exchange, Work, exchange};
+use super::pad_condensed;
 use super::setting::Setting;
 use super::state::{Impactor, Moment, State};
 
@@ -33,7 +34,7 @@ pub struct Problem<'a> {
     pub pads: Option<&'a mut Pads>,
     /// Where to start, m.
     pub guess: f64,
-    /// Largest term of the equations, N: what rounding is measured by.
+    /// What rounding leaves of the residual, N.
     pub largest: f64,
 }
 
@@ -43,7 +44,7 @@ pub struct Solved {
     pub increment: f64,
     /// F, N.
     pub force: f64,
-    /// Newton iterations, scalar ones in the condensed step.
+    /// Newton iterations, of the condensed equations in the condensed step.
     pub iterations: usize,
 }
 
@@ -51,6 +52,29 @@ pub struct Solved {
 enum Solver {
     Condensed(Box<Condensed>),
     Full(Box<Full>),
+}
+
+/// How a body's steps are solved.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Method {
+    /// All unknowns by Newton's method.
+    Full,
+    /// One solve and a scalar equation.
+    Condensed,
+    /// Two solves, and Newton's method on these unknowns, which pads push: their global numbers.
+    CondensedOnPads(Vec<Int>),
+}
+
+impl Method {
+    /// What is asked for, but for pads of so many unknowns that the full Newton's method is cheaper. Collective.
+    pub fn of(newton: scene::Newton, body: &Solid) -> Self {
+        let pushed = body.pads.as_ref().map(Pads::pushed).unwrap_or_default();
+        match newton {
+            scene::Newton::Condensed if pushed.is_empty() => Self::Condensed,
+            scene::Newton::Condensed if pushed.len() <= pad_condensed::MOST_UNKNOWNS => Self::CondensedOnPads(pushed),
+            _ => Self::Full,
+        }
+    }
 }
 
 /// An implicit scheme at one step size.
@@ -65,7 +89,7 @@ pub struct ImplicitStepper {
 }
 
 impl ImplicitStepper {
-    /// Sets up the solver: a pad needs the full Newton's method. Collective.
+    /// Sets up the solver. Collective.
     ///
     /// # Errors
     /// PETSc's.
@@ -77,11 +101,14 @@ impl ImplicitStepper {
         (newton, tolerance): (scene::Newton, f64),
     ) -> Result<Self> {
         let stage = scheme.stage(step);
-        let solver = match newton {
-            scene::Newton::Condensed if body.pads.is_none() => {
-                Solver::Condensed(Box::new(Condensed::new(comm, body, stage, setting.mass)?))
-            }
-            _ => Solver::Full(Box::new(Full::new(comm, body, stage, setting.mass, tolerance)?)),
+        let condensed = |pushed: Vec<Int>| {
+            let condensed = Condensed::new(comm, body, stage, setting.mass, (pushed, tolerance))?;
+            Ok::<_, Error>(Solver::Condensed(Box::new(condensed)))
+        };
+        let solver = match Method::of(newton, body) {
+            Method::Condensed => condensed(Vec::new())?,
+            Method::CondensedOnPads(pushed) => condensed(pushed)?,
+            Method::Full => Solver::Full(Box::new(Full::new(comm, body, stage, setting.mass, tolerance)?)),
         };
         let zeros = || body.load.duplicate();
         let pads = body.pads.as_ref().map(|_| zeros()).transpose()?;
@@ -122,6 +149,13 @@ impl ImplicitStepper {
         let force = StageForce { law: setting.law, from: from.approach, theta, gradient: scheme.gradient };
         let Solid { localization, pads, .. } = &mut *body;
         let increment = &mut self.work;
+        let mut largest = 0.0_f64;
+        if pads.is_some() || matches!(self.solver, Solver::Full(_)) {
+            let terms = [(1.0, &products.elastic), (stage.a[0], &products.momentum), (stage.a[1], &from.inertia)];
+            for (factor, term) in terms {
+                largest = largest.max(ROUNDING * factor.abs() * term.norm()?);
+            }
+        }
         let mut problem = Problem {
             u: &state.u,
             known,
@@ -130,7 +164,7 @@ impl ImplicitStepper {
             force,
             pads: pads.as_mut(),
             guess: 0.0,
-            largest: 0.0,
+            largest,
         };
         let solved = match &mut self.solver {
             Solver::Condensed(condensed) => condensed.solve(&problem, increment)?,
@@ -141,10 +175,6 @@ impl ImplicitStepper {
                 increment.scale(first)?;
                 increment.axpy(second, &state.a)?;
                 problem.guess = first * q.velocity + second * q.acceleration;
-                let terms = [(1.0, &products.elastic), (stage.a[0], &products.momentum), (stage.a[1], &from.inertia)];
-                for (factor, term) in terms {
-                    problem.largest = problem.largest.max(ROUNDING * factor.abs() * term.norm()?);
-                }
                 full.solve(problem, increment).map_err(|error| full.describe(error))?
             }
         };

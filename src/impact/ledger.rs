@@ -109,7 +109,9 @@ impl Ledger {
         let Moment { state, products, .. } = at;
         let copies = setting.copies;
         let kinetic = copies * 0.5 * products.momentum.dot(&state.v)?;
-        let elastic = copies * 0.5 * products.elastic.dot(&state.u)?;
+        // Of u less its translation, as K u is made.
+        let bent = products.elastic.dot(&state.u)? - at.surface * products.elastic.dot(&body.translation)?;
+        let elastic = copies * 0.5 * bent;
         let mut support = body.support_offset - body.support_load.dot(&state.u)? + at.pads;
         if let Some(product) = &products.support {
             support += 0.5 * product.dot(&state.u)?;

@@ -12,7 +12,10 @@ mod initial;
 mod ladder;
 mod ledger;
 mod limit;
+mod pad_condensed;
 mod plan;
+mod reduced;
+mod search;
 mod setting;
 mod state;
 pub mod step;
@@ -30,6 +33,7 @@ use crate::scene::Scene;
 
 use controlled::Controlled;
 use gate::Gate;
+pub use implicit::Method;
 use ladder::Ladder;
 pub use limit::stable_step;
 pub use plan::{Plan, steps};

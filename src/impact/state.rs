@@ -57,9 +57,13 @@ impl Products {
         Ok(Self { elastic: zeros()?, support: of(&body.support)?, damping: of(&body.damping)?, momentum: zeros()? })
     }
 
-    /// All of them anew from u and u̇. Collective.
-    pub(super) fn update(&mut self, body: &Solid, state: &State) -> Result<()> {
-        body.apply_elastic(&state.u, &mut self.elastic)?;
+    /// All of them anew from u, with aᵀu (m), and u̇. Collective.
+    pub(super) fn update(&mut self, body: &Solid, state: &State, surface: f64) -> Result<()> {
+        // K u knows no translation, but its rounding does: on a body that has flown off that is 1e-9 of the energy.
+        let bent = &mut self.momentum;
+        bent.copy_from(&state.u)?;
+        bent.axpy(-surface, &body.translation)?;
+        body.apply_elastic(bent, &mut self.elastic)?;
         body.apply_mass(&state.v, &mut self.momentum)?;
         if let (Some(matrix), Some(product)) = (&body.support, &mut self.support) {
             matrix.mult(&state.u, product)?;
@@ -104,8 +108,8 @@ impl Moment {
 
     /// All but the inertia anew, after u, u̇ and q have changed. Collective.
     pub(super) fn update(&mut self, body: &mut Solid, gap: f64) -> Result<()> {
-        self.products.update(body, &self.state)?;
         self.surface = body.localization.vector.dot(&self.state.u)?;
+        self.products.update(body, &self.state, self.surface)?;
         self.approach = self.state.q.position - gap - self.surface;
         if let Some(pads) = &mut body.pads {
             self.pads = pads.potential(&self.state.u)?;

@@ -19,6 +19,7 @@ pub fn start(comm: &Comm, text: &str) -> (Mesh, Impact) {
 }
 
 /// Runs to the end of the scene. Collective.
+#[allow(dead_code, reason = "not every test that shares this module runs to the end")]
 pub fn run(impact: &mut Impact) -> Vec<Step> {
     let mut steps = Vec::new();
     let flow = impact.run(|step| {

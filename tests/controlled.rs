@@ -1,0 +1,104 @@
+//! Steps chosen by the error: they meet the tolerance, at less cost than steps of one size.
+
+#[path = "common/glass.rs"]
+mod glass;
+#[path = "common/start.rs"]
+mod start;
+
+use std::process::ExitCode;
+
+use glass::{plate, sides};
+use petsc_wrap::{Comm, Session};
+use ricochet::impact::step::Step;
+use ricochet::record::episodes::{Episode, Episodes};
+use start::{run, start};
+
+fn session() -> Session {
+    Session::start(&[]).expect("the first session").expect("PETSc starts")
+}
+
+/// On one rank: other tests show that the series are the same on several.
+fn main() -> ExitCode {
+    mpi_test::run(&[1], session, &[("the_tolerance_is_met_with_fewer_solves", the_tolerance_is_met_with_fewer_solves)])
+}
+
+/// The paper's plate of 0.04 m on a coarse mesh: the error meant is that of the steps.
+const PLATE: &str = "size = [1.5, 1.5, 0.04]\ncells = [16, 16, 1]\ngrading = [8, 8, 1]";
+
+/// Whole run, s: three hits, free or on springs.
+const END: f64 = 0.02;
+
+/// Steps of the reference: so that it is off by some 3e-5 itself.
+const FINE: f64 = 1e-6;
+
+/// The impactor's acceleration in the first contact, and what the run cost.
+struct History {
+    series: Vec<Step>,
+    episodes: Vec<Episode>,
+    solves: usize,
+}
+
+fn history(comm: &Comm, stiffness: f64, (end, steps): (f64, &str)) -> History {
+    let (_, mut impact) = start(comm, &plate(PLATE, &format!("end = {end:e}\n{steps}"), &sides(stiffness, 0.0)));
+    let series = run(&mut impact);
+    let mut episodes = Episodes::default();
+    series.iter().for_each(|step| episodes.push(step));
+    let solves = impact.count.solves;
+    drop(impact);
+    comm.collect_garbage().unwrap();
+    History { series, episodes: episodes.all().to_vec(), solves }
+}
+
+impl History {
+    fn peak(&self) -> f64 {
+        self.series.iter().map(|step| step.impactor.acceleration).fold(0.0, f64::max)
+    }
+
+    /// Acceleration between the steps, m/s².
+    fn at(&self, time: f64) -> f64 {
+        let after = self.series.partition_point(|step| step.time < time).clamp(1, self.series.len() - 1);
+        let [a, b] = [&self.series[after - 1], &self.series[after]];
+        let part = (time - a.time) / (b.time - a.time);
+        a.impactor.acceleration * (1.0 - part) + b.impactor.acceleration * part
+    }
+
+    /// Largest error over the peak at the steps within the reference's first contact.
+    fn error(&self, reference: &Self) -> f64 {
+        let first = reference.episodes[0];
+        let within = self.series.iter().filter(|step| step.time <= first.end);
+        let off = |step: &Step| (step.impactor.acceleration - reference.at(step.time)).abs();
+        within.map(off).fold(0.0, f64::max) / reference.peak()
+    }
+}
+
+/// The error in the first contact is within the tolerance, and steps of one size that are as good need more solves over the run.
+fn the_tolerance_is_met_with_fewer_solves(session: &Session) {
+    let world = session.world();
+    for (stiffness, end) in [(0.0, 2e-3), (1e9, 3e-3)] {
+        let fine = history(&world, stiffness, (end, &format!("step = {FINE:e}")));
+        let fixed: Vec<(f64, f64)> = [2e-5, 1e-5, 5e-6, 2.5e-6]
+            .map(|step| {
+                let run = history(&world, stiffness, (end, &format!("step = {step:e}")));
+                println!("k = {stiffness:e}, steps of {step:.1e} s: error {:.2e}", run.error(&fine));
+                (step, run.error(&fine))
+            })
+            .to_vec();
+        for tolerance in [1e-2, 1e-3] {
+            let controlled = history(&world, stiffness, (END, &format!("[accuracy]\ntolerance = {tolerance:e}")));
+            let error = controlled.error(&fine);
+            // The fixed step of the same error, on the line between two of the table in logarithms.
+            let pair = fixed.windows(2).find(|pair| pair[1].1 <= error).expect("a fixed step that is as good");
+            let slope = (pair[0].1 / pair[1].1).ln() / (pair[0].0 / pair[1].0).ln();
+            let step = pair[1].0 * (error / pair[1].1).powf(1.0 / slope);
+            let solves = (END / step).ceil() as usize;
+            println!(
+                "k = {stiffness:e}, tolerance {tolerance:e}: error {error:.2e}, {} hits, {} solves; fixed steps of {step:.2e} s: {solves}",
+                controlled.episodes.len(),
+                controlled.solves,
+            );
+            assert!(fine.episodes[0].end < end && controlled.episodes.len() >= 3, "three hits, the first one compared");
+            assert!(error <= tolerance, "k = {stiffness:e}, tolerance {tolerance:e}: {error:e}");
+            assert!(controlled.solves < solves, "{} solves, {solves} by fixed steps", controlled.solves);
+        }
+    }
+}
