@@ -9,11 +9,14 @@ const COARSEST: f64 = 1.0;
 /// How often the reference's step may be doubled to save work.
 const DOUBLINGS: u32 = 3;
 
-/// Unknowns times steps of a study: some minutes on one core.
+/// Unknowns times implicit steps of a study: some minutes on one core.
 const BUDGET: f64 = 2e8;
 
 /// Unknowns that a step costs at least, in what a small body's step costs besides.
 const LEAST: f64 = 1000.0;
+
+/// What an explicit step costs, which solves nothing, as a part of an implicit one.
+const EXPLICIT: f64 = 0.25;
 
 /// Contact times after the first touch that a run goes on for at least, if the scene's does.
 const LEAST_CONTACTS: f64 = 1.5;
@@ -73,6 +76,10 @@ impl Plan {
             .map(|doublings| Self::at(occasion, demands, (doublings, 0.5 * affordable / floor)))
             .find(|plan| plan.cost(demands) * floor <= affordable)
             .unwrap_or_else(|| Self::at(occasion, demands, (DOUBLINGS, 0.5 * affordable / floor)));
+        if plan.reference > 1.5 * occasion.base() {
+            let finest = 2.0 * plan.reference;
+            plan.notes.push(format!("the ladder begins at {finest:.3e} s, {:.0} steps a contact", contact / finest));
+        }
         plan.end = (affordable / plan.cost(demands)).clamp(floor, end);
         if plan.end < end {
             plan.notes.push(format!(
@@ -83,7 +90,7 @@ impl Plan {
         plan
     }
 
-    /// The plan with the reference's step doubled so often; what needs more steps a second than `most` is left out.
+    /// The plan with the reference's step doubled so often; what costs more implicit steps a second than `most` is left out.
     fn at(occasion: &Occasion, demands: &[Demand], (doublings, most): (u32, f64)) -> Self {
         let base = f64::from(1 << doublings) * occasion.base();
         let mut plan =
@@ -92,7 +99,7 @@ impl Plan {
             let has_limit = demand.limit > 0.0 && demand.limit.is_finite();
             let wanted = if has_limit { finest(base, demand.limit) } else { 2.0 * base };
             let reference = demand.is_explicit.then_some(base.min(0.5 * wanted));
-            let is_affordable = 1.0 / wanted + reference.map_or(0.0, f64::recip) <= most;
+            let is_affordable = demand.weight() * (1.0 / wanted + reference.map_or(0.0, f64::recip)) <= most;
             let mut steps = Vec::new();
             if has_limit && is_affordable {
                 steps.extend(AROUND.map(|part| part * demand.limit));
@@ -121,13 +128,21 @@ impl Plan {
         plan
     }
 
-    /// Steps a second of all runs together; those that theory sees blow up end soon.
+    /// Implicit steps a second that cost as much as all runs together; those that theory sees blow up end soon.
     fn cost(&self, demands: &[Demand]) -> f64 {
         let runs = self.steps.iter().zip(demands).flat_map(|(steps, demand)| {
             let limit = if demand.limit == 0.0 { f64::INFINITY } else { demand.limit };
-            steps.iter().filter(move |step| **step <= limit)
+            steps.iter().filter(move |step| **step <= limit).map(|step| demand.weight() / step)
         });
-        runs.chain([&self.reference]).chain(&self.explicit_reference).map(|step| 1.0 / step).sum()
+        let references = 1.0 / self.reference + self.explicit_reference.map_or(0.0, |step| EXPLICIT / step);
+        runs.sum::<f64>() + references
+    }
+}
+
+impl Demand {
+    /// What a step costs, as a part of an implicit one.
+    fn weight(&self) -> f64 {
+        if self.is_explicit { EXPLICIT } else { 1.0 }
     }
 }
 
@@ -212,6 +227,7 @@ mod tests {
             let work = plan.cost(&demands) * plan.end * (unknowns as f64).max(LEAST);
             assert!(work <= 1.001 * BUDGET || plan.reference > 7.9 * SMALL.base(), "{unknowns}: {work:e}");
             assert!(plan.end >= LEAST_CONTACTS * SMALL.contact && !plan.notes.is_empty());
+            assert_eq!(plan.reference > 1.5 * SMALL.base(), plan.notes.iter().any(|note| note.contains("ladder")));
         }
         let plan = Plan::new(&SMALL, &[ALWAYS, explicit(1e-10)]);
         assert_eq!((plan.explicit_reference, plan.steps[1].len(), plan.notes.len()), (None, 10, 1));
