@@ -54,7 +54,7 @@ fn point_and_patch(session: &Session) {
     ];
     let [mut points, mut patches] = [vec![], vec![]];
     for (cell, body) in meshes {
-        let point = peak(&world, body, "end = 2.6e-3\nstep = 2e-5", "localization = \"point\"");
+        let point = peak(&world, body, "end = 2.4e-3\nstep = 4e-5", "localization = \"point\"");
         points.push(point);
         if (5..=10).contains(&cell) {
             patches.push(peak(&world, body, "end = 8e-4\nstep = 1e-5", "patch_radius = 0.025"));
