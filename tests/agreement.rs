@@ -17,12 +17,8 @@ use results::{column, difference, folder, good};
 const ROUNDING: f64 = 1e-7;
 
 /// Four schemes and the settings of each.
-const SCHEMES: [(&str, &str); 4] = [
-    ("newmark", ""),
-    ("generalized-alpha", "--set time.rho_inf=0.6"),
-    ("energy", ""),
-    ("central-difference", ""),
-];
+const SCHEMES: [(&str, &str); 4] =
+    [("newmark", ""), ("generalized-alpha", "--set time.rho_inf=0.6"), ("energy", ""), ("central-difference", "")];
 
 /// The paper's plate of 0.04 m on springs, on a coarse mesh: three hits in 8 ms.
 fn scene() -> String {
@@ -52,16 +48,14 @@ fn ways_to_the_answer_agree() {
         let base = format!("--set time.scheme={scheme} {settings} {step}");
         let reference = solved(&folder, &format!("{scheme}-reference"), 0, &base);
         assert!(hits(&reference) >= 2, "{scheme}: {} hits", hits(&reference));
-        let mut others = vec![
-            ("two ranks", 2, ""),
-            ("three ranks", 3, ""),
-            ("the whole", 0, "--set body.symmetry=none"),
-        ];
+        let mut others =
+            vec![("two ranks", 2, ""), ("three ranks", 3, ""), ("the whole", 0, "--set body.symmetry=none")];
         if !explicit {
             others.push(("full Newton", 0, "--set solver.newton=full"));
         }
         for (name, ranks, overrides) in others {
-            let other = solved(&folder, &format!("{scheme}-{}", name.replace(' ', "-")), ranks, &format!("{base} {overrides}"));
+            let other =
+                solved(&folder, &format!("{scheme}-{}", name.replace(' ', "-")), ranks, &format!("{base} {overrides}"));
             for series in ["impactor/acceleration", "contact/surface_displacement", "energy/elastic"] {
                 let off = difference(&column(&reference, series), &column(&other, series));
                 println!("{scheme}, {name}: {series} differs by {off:.1e}");

@@ -19,11 +19,7 @@ fn session() -> Session {
 
 /// On one rank: other tests show that the series are the same on several.
 fn main() -> ExitCode {
-    mpi_test::run(
-        &[1],
-        session,
-        &[("the_tolerance_is_met_with_fewer_solves", the_tolerance_is_met_with_fewer_solves)],
-    )
+    mpi_test::run(&[1], session, &[("the_tolerance_is_met_with_fewer_solves", the_tolerance_is_met_with_fewer_solves)])
 }
 
 /// The paper's plate of 0.04 m on a coarse mesh: the error meant is that of the steps.
@@ -88,8 +84,7 @@ fn the_tolerance_is_met_with_fewer_solves(session: &Session) {
             })
             .to_vec();
         for tolerance in [1e-2, 1e-3] {
-            let controlled =
-                history(&world, stiffness, (END, &format!("[accuracy]\ntolerance = {tolerance:e}")));
+            let controlled = history(&world, stiffness, (END, &format!("[accuracy]\ntolerance = {tolerance:e}")));
             let error = controlled.error(&fine);
             // The fixed step of the same error, on the line between two of the table in logarithms.
             let pair = fixed.windows(2).find(|pair| pair[1].1 <= error).expect("a fixed step that is as good");

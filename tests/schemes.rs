@@ -155,11 +155,12 @@ fn the_ledger_closes_for_every_scheme(session: &Session) {
                 let of = |part: fn(&Step) -> f64| {
                     series.iter().map(|step| part(step).abs()).fold(0.0, f64::max) / series[0].energy.total
                 };
-                let [dissipated, external, numerical] =
-                    [|step: &Step| step.energy.dissipated, |step: &Step| step.energy.external, |step: &Step| {
-                        step.energy.numerical
-                    }]
-                    .map(of);
+                let [dissipated, external, numerical] = [
+                    |step: &Step| step.energy.dissipated,
+                    |step: &Step| step.energy.external,
+                    |step: &Step| step.energy.numerical,
+                ]
+                .map(of);
                 let hits = episodes(&series);
                 println!(
                     "{name}, {} {newton}: {hits} hits, {} steps, {dissipated:.1e} dissipated, {external:.1e} external, \

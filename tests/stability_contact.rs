@@ -49,7 +49,8 @@ fn range(session: &Session, scheme: &str, steps: u32) -> [f64; 2] {
     let world = session.world();
     let all: Vec<f64> = (0..PHASES).map(|n| off(&world, scheme, steps, f64::from(n) / f64::from(PHASES))).collect();
     world.collect_garbage().unwrap();
-    let [low, high] = [all.iter().copied().fold(f64::INFINITY, f64::min), all.iter().copied().fold(-f64::INFINITY, f64::max)];
+    let [low, high] =
+        [all.iter().copied().fold(f64::INFINITY, f64::min), all.iter().copied().fold(-f64::INFINITY, f64::max)];
     println!("{}, {steps} steps a contact: restitution off by {low:.2e} to {high:.2e}", scheme.replace('\n', ", "));
     [low, high]
 }

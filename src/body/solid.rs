@@ -239,7 +239,6 @@ fn over_cells(
     Ok(matrix)
 }
 
-/// The kernels of the scene's material on the mesh's cells.
 /// M for products: alike in all three components, so one entry for a pair of nodes.
 fn mass_by_node(scene: &Scene, mesh: &Mesh) -> Result<Matrix> {
     let cells = &mesh.cells;
@@ -260,6 +259,7 @@ fn mass_by_node(scene: &Scene, mesh: &Mesh) -> Result<Matrix> {
     Ok(matrix.by_component(3)?)
 }
 
+/// The kernels of the scene's material on the mesh's cells.
 pub(super) fn forms(scene: &Scene, mesh: &Mesh) -> SolidForms {
     let body = &scene.body;
     let material = Material { young: body.young, poisson: body.poisson, density: body.density };

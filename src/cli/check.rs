@@ -180,9 +180,12 @@ fn print_cost(
     (entries, boundary): (f64, f64),
     factor: Option<FactorEstimate>,
 ) {
-    let vectors = 30.0 * 8.0 * body.unknowns() as f64;
+    // Those of one motion, or of two with what is kept to go back to.
+    let vectors = if matches!(plan, Plan::Equal { .. }) { 30.0 } else { 100.0 } * 8.0 * body.unknowns() as f64;
+    // For products: one triangle of K, and M by node.
+    let products = 0.6 * entries;
     let Some(factor) = factor else {
-        let matrices = 12.0 * (2.0 * entries + boundary) + vectors;
+        let matrices = 12.0 * (2.0 * entries + products + boundary) + vectors;
         say(format_args!("solver     none: every unknown by itself"));
         return say(format_args!("memory     about {:.0} MB over all ranks", 1e-6 * matrices));
     };
@@ -202,7 +205,7 @@ fn print_cost(
     // In chosen steps those in contact, those of the error estimate, and the larger ones out of contact.
     let (factors, note) = match plan {
         Plan::Equal { .. } => (1.0, ""),
-        Plan::Controlled { .. } => (3.0, ", in up to five step sizes, three as a rule"),
+        Plan::Controlled { .. } => (5.0, ", in up to five step sizes"),
     };
     say(format_args!(
         "solver     {name}; Cholesky by MUMPS{note}: {entries:.2e} entries in K, {:.2e} in a factor, {:.2e} operations",

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::time::Instant;
 
 use petsc_wrap::{Comm, options, petsc_version};
@@ -60,7 +61,9 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
         }),
         false => None,
     };
-    let interrupt = Interrupt::on_signals();
+    let interrupt = Rc::new(Interrupt::on_signals());
+    let (asked, ranks) = (interrupt.clone(), comm.clone());
+    impact.set_interrupt(move || asked.is_raised(&ranks));
     let stepped = impact.run(|step| {
         if let Some(desk) = &mut desk {
             desk.writer.push(step)?;
@@ -70,6 +73,8 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
         Ok(if interrupt.is_raised(comm) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     });
     let total = begin.elapsed().as_secs_f64();
+    let patch_error = impact.body().localization.patch.map_or(0.0, |patch| patch.error());
+    let missed = impact.count.error.is_some_and(|error| error > scene.tolerance);
     let cost = Cost {
         mesh: meshed,
         assembly: assembled - meshed,
@@ -77,7 +82,7 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
         total,
         newton_iterations: impact.count.iterations,
         solves: impact.count.solves,
-        error_estimate: impact.count.error.unwrap_or(f64::NAN),
+        error_estimate: impact.count.error.map_or(f64::NAN, |error| error + patch_error),
     };
     let flow = stepped.as_ref().ok().copied();
     if let Some(Desk { writer, progress, summary }) = desk {
@@ -87,7 +92,14 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
         // Where the run has failed already, that is what is told: a full disk fails the steps first and then the end.
         if let Some(flow) = flow {
             finished?;
-            summary.print(scene, &cost, output);
+            summary.print(&cost, output);
+            if missed {
+                tell(format_args!(
+                    "note: the first contact meets accuracy.tolerance = {:e}, the later ones depend on it and do not: a smaller tolerance \
+                     tells what they tend to",
+                    scene.tolerance
+                ));
+            }
             if flow.is_break() {
                 tell(format_args!("interrupted: {} holds the run up to t = {:e} s", output.display(), summary.end));
             }
@@ -136,7 +148,7 @@ impl Summary {
         self.energy = step.energy;
     }
 
-    fn print(&self, scene: &Scene, cost: &Cost, output: &Path) {
+    fn print(&self, cost: &Cost, output: &Path) {
         let contacts: Vec<String> = self
             .episodes
             .all()
@@ -165,15 +177,8 @@ impl Summary {
                 format!("; estimated error of the acceleration {:.1e} of its peak", cost.error_estimate)
             }
         ));
-        if cost.error_estimate > scene.tolerance {
-            tell(format_args!(
-                "note: the first contact meets accuracy.tolerance = {:e}, the later ones depend on it more and do not: a smaller \
-                 tolerance tells what they tend to",
-                scene.tolerance
-            ));
-        }
         say(format_args!(
-            "{}: {:.1} s (mesh {:.1}, assembly {:.1}, steps {:.1}), {} steps and {} Newton iterations",
+            "{}: {:.1} s (mesh {:.1}, assembly {:.1}, steps {:.1}), {} solves and {} Newton iterations",
             output.display(),
             cost.total,
             cost.mesh,

@@ -42,7 +42,8 @@ impl Law {
         let scaled = (part * part * approach).min(4.0 / 27.0);
         // y = c_l k0 √α with y² (1 − y) = scaled.
         let angle = ((1.0 - 13.5 * scaled).acos() - std::f64::consts::TAU) / 3.0;
-        let mut y = (1.0 / 3.0 + 2.0 / 3.0 * angle.cos()).max(scaled.sqrt());
+        // Below, the formula has no digits left, and y² = scaled (1 + y) is known to 1e-4.
+        let mut y = if scaled < 1e-8 { scaled.sqrt() } else { 1.0 / 3.0 + 2.0 / 3.0 * angle.cos() };
         for _ in 0..4 {
             y -= (y * y * (1.0 - y) - scaled) / (y * (2.0 - 3.0 * y)).max(f64::MIN_POSITIVE);
         }

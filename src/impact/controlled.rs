@@ -1,8 +1,8 @@
 //! Steps chosen by the error of the acceleration history.
 //!
-//! A twin takes every second step with double the size. Both are of second order, so a third of the difference between the two
+//! A twin takes every second step with double the size. Of a scheme of second order a third of the difference between the two
 //! accelerations is the error of the finer one; half of it is taken, since the impact's own discontinuities lower the order that is
-//! seen. This is an estimate of the whole error so far, not of one step's: what waves lose on their way to the edges and back shows
+//! seen. Of a scheme of first order all of it is. This is an estimate of the whole error so far, not of one step's: what waves lose on their way to the edges and back shows
 //! only when they return. While the first contact episode lasts, nothing is told; where it shows too large an error the
 //! run begins anew with smaller steps.
 //!
@@ -11,15 +11,17 @@
 
 use std::ops::ControlFlow;
 
-use petsc_wrap::{Comm, Vector};
+use petsc_wrap::Comm;
 
 use crate::body::Solid;
 use crate::contact::hertz;
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::scene::Fault;
 
 use super::Count;
 use super::gate::Gate;
 use super::ladder::Ladder;
+use super::pair::Pair;
 use super::setting::Setting;
 use super::step::Step;
 use super::trajectory::{Trajectory, at};
@@ -36,8 +38,15 @@ const AIM: f64 = 0.6;
 /// Of the peak so far, what the acceleration has to fall below for the peak to be over.
 const PAST: f64 = 0.8;
 
-/// The order that is seen: two, but for the beginning and the end of contact.
-const ORDER: f64 = 1.7;
+/// For schemes of first and of second order: the part of the difference that is the error, and the order that is seen, which the
+/// beginning and the end of contact lower.
+const SEEN: [(f64, f64); 2] = [(1.0, 0.9), (0.5, 1.7)];
+
+/// How often the first contact may be taken again: each time the steps shrink to 0.8 or less.
+const MOST_RESTARTS: usize = 12;
+
+/// More steps than anyone waits for.
+const MOST_STEPS: f64 = 1e7;
 
 /// What a controlled run is made of beside the body.
 pub struct Controlled<'a> {
@@ -50,25 +59,27 @@ pub struct Controlled<'a> {
     pub end: f64,
     /// Wanted error of the acceleration over its peak.
     pub tolerance: f64,
-}
-
-/// The fine and the coarse trajectory, and how they differ.
-struct Pair {
-    fine: Trajectory,
-    coarse: Trajectory,
-    /// Largest acceleration and largest difference of the two so far, m/s².
-    peak: f64,
-    difference: f64,
-    /// Range so far of aᵀu, less the motion of a free body as a whole, m.
-    surface: [f64; 2],
-    /// What gives that motion of a free body from u, along the direction of travel.
-    mean: Option<Vector>,
+    /// Order of the scheme, 1 or 2.
+    pub order: usize,
+    /// Whether the run is to end early; the same on all ranks, and asked on all. Steps are not told while the first contact lasts.
+    pub interrupted: &'a dyn Fn() -> bool,
 }
 
 /// What a first guess of the step in contact is, s.
-pub(super) fn first_step(setting: &Setting, tolerance: f64, end: f64) -> f64 {
+///
+/// # Errors
+/// A fault of `time.end` where the run would take too many of them.
+pub(super) fn first_step(setting: &Setting, tolerance: f64, end: f64) -> Result<f64> {
     let contact = hertz::contact_time(setting.law.hertz.stiffness, setting.mass, setting.speed);
-    (FIRST * tolerance.sqrt() * contact).min(end / 2.0)
+    let step = (FIRST * tolerance.sqrt() * contact).min(end / 2.0);
+    if end / step <= MOST_STEPS {
+        return Ok(step);
+    }
+    let message = format!(
+        "a contact of {contact:.1e} s asks for steps of {step:.1e} s, and the run for {:.1e} of them",
+        end / step
+    );
+    Err(Fault::new("time.end", message, "an earlier end, a larger accuracy.tolerance, or a `time.step`").into())
 }
 
 impl Controlled<'_> {
@@ -79,53 +90,115 @@ impl Controlled<'_> {
         mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>,
     ) -> Result<(ControlFlow<()>, Trajectory)> {
         let mut pair = Pair::new(self.comm, body, self.setting)?;
-        let mut saved = Pair::new(self.comm, body, self.setting)?;
         let start = pair.fine.observed(body, self.setting)?;
         self.gate.open(&start);
-        let mut flow = observe(&start)?;
+        if observe(&start)?.is_break() {
+            return Ok((ControlFlow::Break(()), pair.fine));
+        }
         // Steps that are not told yet, while the first episode may still be taken back.
         let mut held = Some(Vec::new());
+        let ended = self.advance_to_end(&mut pair, body, &mut held, &mut observe);
+        // What was computed is kept, whatever has ended the run.
+        for step in held.into_iter().flatten() {
+            self.gate.check(&step).map_err(|error| at(error, step.number, step.time))?;
+            let _ = observe(&step)?;
+        }
+        Ok((ended?, pair.fine))
+    }
+
+    fn advance_to_end(
+        &mut self,
+        pair: &mut Pair,
+        body: &mut Solid,
+        held: &mut Option<Vec<Step>>,
+        observe: &mut impl FnMut(&Step) -> Result<ControlFlow<()>>,
+    ) -> Result<ControlFlow<()>> {
+        let mut saved = Pair::new(self.comm, body, self.setting)?;
+        let (part, seen) = SEEN[self.order - 1];
         // Until when the smallest steps are taken, after a larger one led into contact.
         let mut careful = 0.0;
-        while flow.is_continue() && !self.is_over(&pair) {
-            let level = if pair.fine.time < careful { LEVELS[0] } else { self.level(&pair, body)? };
-            if level > LEVELS[0] {
-                saved.copy_from(&pair)?;
+        let mut restarts = 0;
+        while !self.is_over(pair) {
+            if (self.interrupted)() {
+                return Ok(ControlFlow::Break(()));
             }
-            let mut told = self.advance(&mut pair, level, body)?;
-            if level > LEVELS[0] && (pair.is_touching() || told[0].contact.force > 0.0) {
-                careful = pair.fine.time;
+            let level = if pair.fine.time < careful { LEVELS[0] } else { self.level(pair, body)? };
+            if level > LEVELS[0] {
+                saved.copy_from(pair)?;
+            }
+            let before = pair.fine.time;
+            let advanced = self.advance(pair, level, body);
+            let failed = matches!(&advanced, Err(Error::Solve(_) | Error::Unstable(_)));
+            if level > LEVELS[0] && (failed || pair.is_touching() || pair.has_touched) {
+                careful = before + 2.0 * self.ladder.step(level);
                 pair.copy_from(&saved)?;
                 continue;
             }
+            if let (true, Some(steps)) = (failed && restarts < MOST_RESTARTS, held.as_mut()) {
+                restarts += 1;
+                steps.clear();
+                careful = 0.0;
+                *pair = self.again(body, 0.5)?;
+                continue;
+            }
+            let mut told = advanced?;
             pair.compare(self.setting, &told)?;
-            self.count.error = pair.error();
-            if let Some(steps) = &mut held {
+            let error = pair.difference().map(|difference| part * difference);
+            self.count.error = error;
+            if let Some(steps) = held {
                 // Relative to a peak that is still to come the error means nothing.
                 let past_peak = pair.fine.acceleration(self.setting) < PAST * pair.peak;
-                if let Some(error) = pair.error().filter(|error| past_peak && *error > self.tolerance) {
-                    let factor = (AIM * self.tolerance / error).powf(1.0 / ORDER).clamp(0.1, 0.8);
-                    tracing::info!(error, time = pair.fine.time, factor, "the first contact again, in smaller steps");
-                    let base = factor * self.ladder.step(LEVELS[0]);
-                    self.ladder.rebase(base)?;
+                let complete = self.is_over(pair) || (past_peak && !pair.is_touching());
+                if let Some(error) = error.filter(|error| (past_peak || complete) && *error > self.tolerance) {
+                    restarts += 1;
+                    if restarts > MOST_RESTARTS {
+                        let message = format!(
+                            "the error of the first contact stays at {error:.1e} of its peak, above accuracy.tolerance = {:e}, \
+                             down to steps of {:.1e} s",
+                            self.tolerance,
+                            self.ladder.step(LEVELS[0])
+                        );
+                        return Err(at(Error::Solve(message), pair.fine.steps, pair.fine.time));
+                    }
                     steps.clear();
-                    (pair, careful) = (Pair::new(self.comm, body, self.setting)?, 0.0);
-                    self.comm.collect_garbage()?;
+                    careful = 0.0;
+                    *pair = self.again(body, (AIM * self.tolerance / error).powf(1.0 / seen).clamp(0.1, 0.8))?;
                     continue;
                 }
                 steps.append(&mut told);
-                if (past_peak && !pair.is_touching()) || self.is_over(&pair) {
+                if complete {
                     told = held.take().unwrap_or_default();
                 }
             }
+            let mut flow = ControlFlow::Continue(());
             for step in &told {
                 self.gate.check(step).map_err(|error| at(error, step.number, step.time))?;
-                if flow.is_continue() {
-                    flow = observe(step)?;
+                // All that are accepted already are told before a break is heeded.
+                if observe(step)?.is_break() {
+                    flow = ControlFlow::Break(());
                 }
             }
+            if flow.is_break() {
+                return Ok(flow);
+            }
         }
-        Ok((flow, pair.fine))
+        Ok(ControlFlow::Continue(()))
+    }
+
+    /// The beginning again, in steps smaller by a factor. Collective.
+    fn again(&mut self, body: &mut Solid, factor: f64) -> Result<Pair> {
+        let base = factor * self.ladder.step(LEVELS[0]);
+        tracing::info!(base, "the first contact again, in smaller steps");
+        if self.end / base > MOST_STEPS {
+            return Err(Error::Solve(format!(
+                "accuracy.tolerance = {:e} asks for steps below {base:.1e} s, more than {MOST_STEPS:.0e} to the end",
+                self.tolerance
+            )));
+        }
+        self.ladder.rebase(base)?;
+        let pair = Pair::new(self.comm, body, self.setting)?;
+        self.comm.collect_garbage()?;
+        Ok(pair)
     }
 
     fn is_over(&self, pair: &Pair) -> bool {
@@ -153,9 +226,11 @@ impl Controlled<'_> {
     /// Two steps of the fine trajectory, which are returned, and one of the coarse.
     fn advance(&mut self, pair: &mut Pair, level: usize, body: &mut Solid) -> Result<Vec<Step>> {
         let mut told = Vec::with_capacity(2);
+        pair.has_touched = false;
         for _ in 0..2 {
             self.step(&mut pair.fine, level, body)?;
             told.push(pair.fine.observed(body, self.setting)?);
+            pair.has_touched |= pair.fine.now.approach > 0.0;
         }
         self.step(&mut pair.coarse, level + 1, body)?;
         Ok(told)
@@ -169,48 +244,4 @@ impl Controlled<'_> {
         self.count.solves += 1;
         Ok(())
     }
-}
-
-impl Pair {
-    fn new(comm: &Comm, body: &mut Solid, setting: &Setting) -> Result<Self> {
-        let [fine, coarse] = [Trajectory::new(comm, body, setting)?, Trajectory::new(comm, body, setting)?];
-        let mean = if body.is_free()? { Some(mean_displacement(body)?) } else { None };
-        Ok(Self { fine, coarse, peak: 0.0, difference: 0.0, surface: [0.0; 2], mean })
-    }
-
-    fn copy_from(&mut self, other: &Self) -> Result<()> {
-        self.fine.copy_from(&other.fine)?;
-        self.coarse.copy_from(&other.coarse)
-    }
-
-    fn is_touching(&self) -> bool {
-        self.fine.now.approach.max(self.coarse.now.approach) >= 0.0
-    }
-
-    /// Takes what the steps told and how the two differ after them. Collective.
-    fn compare(&mut self, setting: &Setting, told: &[Step]) -> Result<()> {
-        for step in told {
-            self.peak = self.peak.max(step.impactor.acceleration);
-        }
-        let now = &self.fine.now;
-        let whole = self.mean.as_ref().map_or(Ok(0.0), |mean| mean.dot(&now.state.u))?;
-        let surface = now.surface - whole;
-        self.surface = [self.surface[0].min(surface), self.surface[1].max(surface)];
-        let difference = self.fine.acceleration(setting) - self.coarse.acceleration(setting);
-        self.difference = self.difference.max(difference.abs());
-        Ok(())
-    }
-
-    /// The estimated error of the fine acceleration over its peak, once there is a peak.
-    fn error(&self) -> Option<f64> {
-        (self.peak > 0.0).then(|| 0.5 * self.difference / self.peak)
-    }
-}
-
-/// M t / tᵀM t for the translation t: the mean displacement of a body along it. Collective.
-fn mean_displacement(body: &Solid) -> Result<Vector> {
-    let mut mean = body.load.duplicate()?;
-    body.apply_mass(&body.translation, &mut mean)?;
-    mean.scale(1.0 / mean.dot(&body.translation)?)?;
-    Ok(mean)
 }

@@ -1,6 +1,7 @@
 //! Stops a run whose energy has gone wrong.
 
 use crate::error::{Error, Result};
+use crate::scene::{Scene, Scheme};
 
 use super::step::Step;
 
@@ -13,12 +14,14 @@ const BLOW_UP: f64 = 1.0;
 pub struct Gate {
     part: Option<f64>,
     initial: f64,
+    /// What the user can do.
+    advice: String,
 }
 
 impl Gate {
     /// A gate that stops at a part of the initial energy; without one, at a blow-up.
-    pub(super) fn new(part: Option<f64>) -> Self {
-        Self { part, initial: 0.0 }
+    pub(super) fn new(part: Option<f64>, advice: String) -> Self {
+        Self { part, initial: 0.0, advice }
     }
 
     /// Takes the initial energy.
@@ -31,10 +34,10 @@ impl Gate {
     /// # Errors
     /// [`Error::Unstable`].
     pub(super) fn check(&self, step: &Step) -> Result<()> {
-        let energy = &step.energy;
+        let (energy, advice) = (&step.energy, &self.advice);
         if !(energy.total.is_finite() && step.contact.force.is_finite() && step.impactor.position.is_finite()) {
             return Err(Error::Unstable(format!(
-                "the solution is no number any more; the steps before it are kept. {ADVICE}"
+                "the solution is no number any more; the steps before it are kept. {advice}"
             )));
         }
         let balance = energy.total + energy.dissipated - energy.external - self.initial;
@@ -43,14 +46,14 @@ impl Gate {
         {
             let (verb, amount) = if balance > 0.0 { ("gained", balance) } else { ("lost", -balance) };
             return Err(Error::Unstable(format!(
-                "{:.3} % of the initial energy {verb} by the time integration, and solver.energy_gate allows {:.3} %. {ADVICE}",
+                "{:.3} % of the initial energy {verb} by the time integration, and solver.energy_gate allows {:.3} %. {advice}",
                 100.0 * amount / self.initial,
                 100.0 * part
             )));
         }
-        if self.part.is_none() && balance > BLOW_UP * (self.initial.abs() + energy.external.abs()) {
+        if self.part.is_none() && balance.abs() > BLOW_UP * (self.initial.abs() + energy.external.abs()) {
             return Err(Error::Unstable(format!(
-                "the time integration has made {balance:.3e} J from nothing, more than the {:.3e} J there are: it is unstable. {ADVICE}",
+                "the time integration has made {balance:.3e} J from nothing, more than the {:.3e} J there are: it is unstable. {advice}",
                 self.initial.abs() + energy.external.abs()
             )));
         }
@@ -58,4 +61,14 @@ impl Gate {
     }
 }
 
-const ADVICE: &str = "A smaller time.step, or time.scheme = \"energy\", helps";
+/// What helps against energy that comes from nowhere.
+pub(super) fn advice(scene: &Scene) -> String {
+    let steps = match scene.time.step {
+        Some(_) => "A smaller time.step",
+        None => "A smaller accuracy.tolerance",
+    };
+    match scene.time.scheme {
+        Scheme::Energy => format!("{steps} helps"),
+        _ => format!("{steps}, or time.scheme = \"energy\", helps"),
+    }
+}

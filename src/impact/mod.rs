@@ -13,6 +13,7 @@ mod ladder;
 mod ledger;
 mod limit;
 mod pad_condensed;
+mod pair;
 mod plan;
 mod reduced;
 mod search;
@@ -30,6 +31,7 @@ use crate::contact::hertz;
 use crate::error::Result;
 use crate::mesh::Mesh;
 use crate::scene::Scene;
+use crate::scheme::Implicit;
 
 use controlled::Controlled;
 use gate::Gate;
@@ -55,6 +57,9 @@ pub struct Impact {
     end: f64,
     plan: Plan,
     trajectory: Trajectory,
+    /// Order of the scheme.
+    order: usize,
+    interrupted: Box<dyn Fn() -> bool>,
     /// What the runs have cost so far.
     pub count: Count,
 }
@@ -62,7 +67,8 @@ pub struct Impact {
 /// What was done for a run.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Count {
-    /// Steps taken, rejected ones and those of an error estimate included: each is one linear solve in the condensed step.
+    /// Steps taken, rejected ones and those of an error estimate included: each is one linear solve in the condensed step, a few with
+    /// pads.
     pub solves: usize,
     /// Newton iterations.
     pub iterations: usize,
@@ -87,13 +93,15 @@ impl Impact {
         ladder.at(0, &body)?;
         Ok(Self {
             ladder,
-            gate: Gate::new(scene.solver.energy_gate),
+            gate: Gate::new(scene.solver.energy_gate, gate::advice(scene)),
             end,
             plan,
             trajectory: Trajectory::new(comm, &mut body, &setting)?,
             comm: comm.clone(),
             body,
             setting,
+            order: Implicit::new(scene.time.scheme).map_or(2, |scheme| scheme.order()),
+            interrupted: Box::new(|| false),
             count: Count::default(),
         })
     }
@@ -109,6 +117,12 @@ impl Impact {
     /// The body.
     pub fn body(&self) -> &Solid {
         &self.body
+    }
+
+    /// Has a run ask now and then whether it is to end early, also while it does not tell its steps yet. The answer must be the same
+    /// on all ranks; all of them ask.
+    pub fn set_interrupt(&mut self, interrupted: impl Fn() -> bool + 'static) {
+        self.interrupted = Box::new(interrupted);
     }
 
     /// The body, for another impact on it.
@@ -138,7 +152,9 @@ impl Impact {
     pub fn run(&mut self, observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
         let Plan::Controlled { tolerance, .. } = self.plan else { return self.run_in_equal_steps(observe) };
         let Self { comm, setting, ladder, gate, count, end, .. } = self;
-        let controlled = Controlled { comm, setting, ladder, gate, count, end: *end, tolerance };
+        let order = self.order;
+        let interrupted = &*self.interrupted;
+        let controlled = Controlled { comm, setting, ladder, gate, count, end: *end, tolerance, order, interrupted };
         let (flow, trajectory) = controlled.run(&mut self.body, observe)?;
         self.trajectory = trajectory;
         Ok(flow)

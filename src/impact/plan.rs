@@ -3,7 +3,8 @@
 use crate::body::Solid;
 use crate::error::Result;
 use crate::mesh::Mesh;
-use crate::scene::{Scene, Scheme};
+use crate::scene::{Fault, Scene, Scheme};
+use crate::scheme::critical_frequency;
 
 use super::setting::Setting;
 use super::{controlled, explicit};
@@ -33,12 +34,14 @@ impl Plan {
     pub fn new(mesh: &Mesh, scene: &Scene, body: &mut Solid, setting: &Setting) -> Result<Self> {
         Ok(match (scene.time.scheme, scene.time.step) {
             (Scheme::CentralDifference { allow_unstable }, given) => {
-                Self::Equal { step: explicit::step(mesh, body, setting, (given, allow_unstable))? }
+                let step = explicit::step(mesh, body, setting, (given, allow_unstable))?;
+                Self::Equal { step: step.min(scene.time.end) }
             }
             (_, Some(step)) => Self::Equal { step },
-            (_, None) => {
+            (scheme, None) => {
+                check_stable(scheme)?;
                 let tolerance = scene.tolerance;
-                Self::Controlled { first: controlled::first_step(setting, tolerance, scene.time.end), tolerance }
+                Self::Controlled { first: controlled::first_step(setting, tolerance, scene.time.end)?, tolerance }
             }
         })
     }
@@ -49,6 +52,21 @@ impl Plan {
             Self::Equal { step } | Self::Controlled { first: step, .. } => step,
         }
     }
+}
+
+/// Refuses to choose steps for a scheme that does not bear them all.
+fn check_stable(scheme: Scheme) -> Result<()> {
+    let Scheme::Newmark { beta, gamma } = scheme else { return Ok(()) };
+    let (key, message) = match critical_frequency(beta, gamma) {
+        limit if limit.is_infinite() => return Ok(()),
+        0.0 => ("time.gamma", "with γ below 1/2 every vibration grows: no step can be chosen for it"),
+        _ => (
+            "time.beta",
+            "with 2β below γ Newmark's method has a largest stable step, which steps chosen by the error do not keep",
+        ),
+    };
+    Err(Fault::new(key, message, "a `time.step` of your own, or 2β ≥ γ ≥ 1/2; `ricochet stability` shows the limits")
+        .into())
 }
 
 /// Steps that reach the end; the last may pass it by less than a step.

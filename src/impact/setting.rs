@@ -1,7 +1,7 @@
 //! What an impact is made of, beside its body: the numbers of impactor and contact.
 
 use crate::body::Solid;
-use crate::contact::{Hertz, Law};
+use crate::contact::{Hertz, Law, hertz};
 use crate::error::{Error, Result};
 use crate::scene;
 
@@ -42,10 +42,17 @@ impl Setting {
     /// Refuses an approach beyond what the contact law can follow.
     ///
     /// # Errors
-    /// [`Error::Solve`].
+    /// [`Error::Solve`]; [`Error::Unstable`] where no impact reaches as far.
     pub(super) fn admit(&self, approach: f64) -> Result<()> {
         if approach <= self.law.limit() || approach.is_nan() {
             return Ok(());
+        }
+        // No impact presses harder than this on a body at rest; one that moves may do so by a little.
+        let hardest = hertz::peak_force(self.law.hertz.stiffness, self.mass, self.speed);
+        if self.law.force(approach) > 10.0 * hardest.max(self.law.force(self.law.limit())) {
+            return Err(Error::Unstable(
+                "the motion has blown up: the time integration is unstable at this step".into(),
+            ));
         }
         Err(Error::Solve(format!(
             "the contact is as wide as the patch that stands for it: at a force of {:.4e} N the law's stiffness would turn \

@@ -59,7 +59,8 @@ impl Products {
 
     /// All of them anew from u, with aᵀu (m), and u̇. Collective.
     pub(super) fn update(&mut self, body: &Solid, state: &State, surface: f64) -> Result<()> {
-        // K u knows no translation, but its rounding does: on a body that has flown off that is 1e-9 of the energy.
+        // K u knows no translation, but its rounding does: on a body that has flown off that is 1e-9 of the energy. The
+        // momentum's place is free until it is made anew below.
         let bent = &mut self.momentum;
         bent.copy_from(&state.u)?;
         bent.axpy(-surface, &body.translation)?;

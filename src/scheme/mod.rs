@@ -48,6 +48,12 @@ impl Implicit {
         }
     }
 
+    /// Order in time: 2 where γ = 1/2 − α_m + α_f, otherwise 1.
+    pub fn order(&self) -> usize {
+        let off = self.gamma - (0.5 - self.alpha_m + self.alpha_f);
+        if off.abs() < 1e-12 { 2 } else { 1 }
+    }
+
     /// 1 − α_f: the stage's increment E over the step's D.
     pub fn theta(&self) -> f64 {
         1.0 - self.alpha_f

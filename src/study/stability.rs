@@ -266,6 +266,12 @@ impl<'a> Bench<'a> {
             observe(step);
             Ok(if (self.interrupted)() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
         });
+        // An error that one rank alone may have comes first: the others do not wait for it in what follows.
+        if let Err(error) = &ended
+            && !error.is_everywhere()
+        {
+            return ended.map(|_| None);
+        }
         self.body = Some(impact.into_body());
         self.mesh.comm.collect_garbage()?;
         match ended {

@@ -1,0 +1,71 @@
+//! A trajectory and its twin at double steps, and how the two differ.
+
+use petsc_wrap::{Comm, Vector};
+
+use crate::body::Solid;
+use crate::error::Result;
+
+use super::setting::Setting;
+use super::step::Step;
+use super::trajectory::Trajectory;
+
+/// The fine and the coarse trajectory, and how they differ.
+pub struct Pair {
+    /// The one that is told.
+    pub fine: Trajectory,
+    /// Its twin.
+    pub coarse: Trajectory,
+    /// Whether the fine one has been in contact over the last two steps.
+    pub has_touched: bool,
+    /// Largest acceleration and largest difference of the two so far, m/s².
+    pub peak: f64,
+    difference: f64,
+    /// Range so far of aᵀu, less the motion of a free body as a whole, m.
+    pub surface: [f64; 2],
+    /// What gives that motion of a free body from u, along the direction of travel.
+    mean: Option<Vector>,
+}
+
+impl Pair {
+    pub(super) fn new(comm: &Comm, body: &mut Solid, setting: &Setting) -> Result<Self> {
+        let [fine, coarse] = [Trajectory::new(comm, body, setting)?, Trajectory::new(comm, body, setting)?];
+        let mean = if body.is_free()? { Some(mean_displacement(body)?) } else { None };
+        Ok(Self { fine, coarse, has_touched: false, peak: 0.0, difference: 0.0, surface: [0.0; 2], mean })
+    }
+
+    pub(super) fn copy_from(&mut self, other: &Self) -> Result<()> {
+        self.fine.copy_from(&other.fine)?;
+        self.coarse.copy_from(&other.coarse)
+    }
+
+    pub(super) fn is_touching(&self) -> bool {
+        self.fine.now.approach.max(self.coarse.now.approach) >= 0.0
+    }
+
+    /// Takes what the steps told and how the two differ after them. Collective.
+    pub(super) fn compare(&mut self, setting: &Setting, told: &[Step]) -> Result<()> {
+        for step in told {
+            self.peak = self.peak.max(step.impactor.acceleration);
+        }
+        let now = &self.fine.now;
+        let whole = self.mean.as_ref().map_or(Ok(0.0), |mean| mean.dot(&now.state.u))?;
+        let surface = now.surface - whole;
+        self.surface = [self.surface[0].min(surface), self.surface[1].max(surface)];
+        let difference = self.fine.acceleration(setting) - self.coarse.acceleration(setting);
+        self.difference = self.difference.max(difference.abs());
+        Ok(())
+    }
+
+    /// Largest difference of the two accelerations over the peak, once there is a peak.
+    pub(super) fn difference(&self) -> Option<f64> {
+        (self.peak > 0.0).then(|| self.difference / self.peak)
+    }
+}
+
+/// M t / tᵀM t for the translation t: the mean displacement of a body along it. Collective.
+fn mean_displacement(body: &Solid) -> Result<Vector> {
+    let mut mean = body.load.duplicate()?;
+    body.apply_mass(&body.translation, &mut mean)?;
+    mean.scale(1.0 / mean.dot(&body.translation)?)?;
+    Ok(mean)
+}
