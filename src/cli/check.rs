@@ -1,7 +1,5 @@
 //! `ricochet check`: what a scene asks for, and what it will cost.
 
-use std::fmt;
-
 use petsc_wrap::{Comm, FactorEstimate, estimate_cholesky};
 
 use crate::body::Solid;
@@ -11,10 +9,11 @@ use crate::error::Result;
 use crate::impact::{Method, Plan, Setting, steps};
 use crate::mesh::Mesh;
 use crate::scene::{Geometry, Scene, Scheme, Support, SupportKind, Symmetry, Vec3};
-use crate::scheme::{Implicit, critical_frequency};
+use crate::scheme::Implicit;
 
 use super::Check;
 use super::load::load;
+use super::notes::notes;
 use super::say;
 
 /// Checks a scene and prints what will be solved. Collective.
@@ -47,6 +46,9 @@ fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
         print_scene(scene, &mesh, (body.unknowns(), mass));
         print_contact(scene, &body);
         print_time(scene, &plan);
+        for note in notes(scene, &body, &plan) {
+            say(format_args!("note       {note}"));
+        }
         print_cost(&body, &method, &plan, (entries as f64, boundary as f64), factor);
     }
     Ok(())
@@ -121,28 +123,14 @@ fn print_contact(scene: &Scene, body: &Solid) {
         Reason::Surface => "what has room on the surface".to_owned(),
     };
     say(format_args!(
-        "patch      radius {:.4e} m, {reason}; it leaves about {:.1e} of the peak open",
+        "patch      radius {:.4e} m, {reason}; {}",
         patch.radius,
-        patch.error()
+        if patch.is_coarse() {
+            "the cells do not resolve it".to_owned()
+        } else {
+            format!("it leaves about {:.1e} of the peak open", patch.error())
+        }
     ));
-    if patch.is_coarse() {
-        warn(format_args!(
-            "cells of {:.4} m do not resolve the patch: they should be {:.4} m or smaller at the impact point (body.grading)",
-            patch.cell,
-            0.5 * patch.radius
-        ));
-    }
-    if patch.error() > 0.5 * scene.tolerance {
-        warn(format_args!(
-            "the patch is large for this thickness: finer cells at the impact point allow a smaller one"
-        ));
-    }
-    if patch.is_critical() {
-        warn(format_args!(
-            "on a half-space the contact would outgrow the patch, which takes {:.4e} m: the run stops if it does",
-            patch.limit_radius
-        ));
-    }
 }
 
 fn print_time(scene: &Scene, plan: &Plan) {
@@ -162,14 +150,6 @@ fn print_time(scene: &Scene, plan: &Plan) {
         Plan::Controlled { first, tolerance } => say(format_args!(
             "time       {scheme}, to {end:e} s in steps chosen for an error of {tolerance:e} of the peak, {first:.2e} s at first in contact"
         )),
-    }
-    if let Scheme::Newmark { beta, gamma } = scene.time.scheme
-        && critical_frequency(beta, gamma) == 0.0
-    {
-        warn(format_args!("γ below 1/2: every vibration grows"));
-    }
-    if contact < 20.0 * plan.step() {
-        warn(format_args!("fewer than 20 steps in a contact: expect its force to depend on the step"));
     }
 }
 
@@ -224,11 +204,6 @@ fn print_cost(
 /// Contact time on a half-space, s.
 fn contact_time(scene: &Scene) -> f64 {
     hertz::contact_time(scene.impactor.stiffness, scene.impactor.mass, scene.impactor.speed)
-}
-
-/// What the user should know before the run.
-fn warn(line: fmt::Arguments) {
-    say(format_args!("           note: {line}"));
 }
 
 fn support_line(support: &Support) -> String {

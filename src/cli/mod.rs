@@ -3,6 +3,7 @@
 pub mod check;
 mod interrupt;
 mod load;
+mod notes;
 pub mod plot;
 mod progress;
 pub mod run;

@@ -22,6 +22,7 @@ use crate::scene::{Scene, Source};
 use super::Run;
 use super::interrupt::{INTERRUPTED, Interrupt};
 use super::load::load;
+use super::notes::notes;
 use super::progress::Progress;
 use super::{say, tell, warn_of_unused_options};
 
@@ -53,6 +54,11 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
     comm.collect_garbage()?;
     let assembled = begin.elapsed().as_secs_f64();
     tracing::info!(unknowns = impact.body().unknowns(), meshed, assembled, "ready");
+    if comm.is_root() {
+        for note in notes(scene, impact.body(), impact.plan()) {
+            tell(format_args!("note: {note}"));
+        }
+    }
     let mut desk = match comm.is_root() {
         true => Some(Desk {
             writer: SeriesWriter::create(output, &provenance(comm, scene, source, &impact)?)?.every(scene.output.every),
@@ -101,7 +107,7 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
                 ));
             }
             if flow.is_break() {
-                tell(format_args!("interrupted: {} holds the run up to t = {:e} s", output.display(), summary.end));
+                tell(format_args!("interrupted: {} holds the run up to t = {:.6e} s", output.display(), summary.end));
             }
             warn_of_unused_options(comm)?;
         }
@@ -153,28 +159,31 @@ impl Summary {
             .episodes
             .all()
             .iter()
-            .map(|episode| format!("{:.3}–{:.3} ms", 1e3 * episode.start, 1e3 * episode.end))
+            .map(|episode| format!("{}–{} ms", short(1e3 * episode.start), short(1e3 * episode.end)))
             .collect();
         let mut contacts = if contacts.is_empty() { "none".to_owned() } else { contacts.join(", ") };
         if self.episodes.is_open() {
             contacts += ", and still in contact";
         }
         say(format_args!(
-            "peak acceleration {:.2} m/s² at {:.3} ms; impactor's velocity at the end {:.4} m/s",
-            self.peak.0,
-            1e3 * self.peak.1,
-            self.rebound
+            "peak acceleration {} m/s² at {} ms; impactor's velocity at the end {} m/s",
+            short(self.peak.0),
+            short(1e3 * self.peak.1),
+            short(self.rebound)
         ));
         say(format_args!("contacts: {contacts}"));
         let energy = &self.energy;
         say(format_args!(
-            "energy: {:+.1e} of the initial {:.4} J made by the time integration{}",
+            "energy: {:+.1e} of the initial {} J made by the time integration{}",
             energy.numerical / self.initial,
-            self.initial,
+            short(self.initial),
             if cost.error_estimate.is_nan() {
                 String::new()
             } else {
-                format!("; estimated error of the acceleration {:.1e} of its peak", cost.error_estimate)
+                format!(
+                    "; estimated error of the acceleration, by steps and patch, {:.1e} of its peak",
+                    cost.error_estimate
+                )
             }
         ));
         say(format_args!(
@@ -204,4 +213,14 @@ fn provenance(comm: &Comm, scene: &Scene, source: &Source, impact: &Impact) -> R
         unknowns: impact.body().unknowns() + 1,
         planned_rows: impact.steps().map(|steps| steps / scene.output.every + 1),
     })
+}
+
+/// Five digits, with a power of ten where the number is very small or large.
+fn short(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-2..1e6).contains(&size) {
+        return format!("{value:.4e}");
+    }
+    let before = if size < 1.0 { 0 } else { size.log10().floor() as usize };
+    format!("{value:.*}", 4_usize.saturating_sub(before))
 }

@@ -45,6 +45,9 @@ const SEEN: [(f64, f64); 2] = [(1.0, 0.9), (0.5, 1.7)];
 /// How often the first contact may be taken again: each time the steps shrink to 0.8 or less.
 const MOST_RESTARTS: usize = 12;
 
+/// Steps of a run at least: it ends with a pair of them, and may pass its end by one.
+const LEAST: f64 = 20.0;
+
 /// More steps than anyone waits for.
 const MOST_STEPS: f64 = 1e7;
 
@@ -71,7 +74,7 @@ pub struct Controlled<'a> {
 /// A fault of `time.end` where the run would take too many of them.
 pub(super) fn first_step(setting: &Setting, tolerance: f64, end: f64) -> Result<f64> {
     let contact = hertz::contact_time(setting.law.hertz.stiffness, setting.mass, setting.speed);
-    let step = (FIRST * tolerance.sqrt() * contact).min(end / 2.0);
+    let step = (FIRST * tolerance.sqrt() * contact).min(end / LEAST);
     if end / step <= MOST_STEPS {
         return Ok(step);
     }

@@ -93,7 +93,7 @@ impl Impact {
         ladder.at(0, &body)?;
         Ok(Self {
             ladder,
-            gate: Gate::new(scene.solver.energy_gate, gate::advice(scene)),
+            gate: Gate::new(scene),
             end,
             plan,
             trajectory: Trajectory::new(comm, &mut body, &setting)?,
@@ -104,6 +104,11 @@ impl Impact {
             interrupted: Box::new(|| false),
             count: Count::default(),
         })
+    }
+
+    /// Which steps it takes.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
     }
 
     /// Number of steps to the end, where they are of one size.

@@ -22,8 +22,8 @@ pub struct Measured {
     pub energy_error: f64,
     /// Largest total + dissipated − external over the initial energy.
     pub growth: f64,
-    /// Largest difference of the acceleration from the reference's at the run's own times up to the end of the reference's
-    /// first contact episode, over the reference's peak in it.
+    /// Largest difference of the acceleration from the reference's, at the run's own times up to the end of the reference's
+    /// first contact episode and at its peak, over that peak.
     pub first_error: f64,
     /// The same over the whole run, over the reference's peak.
     pub whole_error: f64,
@@ -46,6 +46,11 @@ impl History {
     fn first_end(&self) -> f64 {
         let last = self.time.last().copied().unwrap_or_default();
         self.episodes.all().first().map_or(last, |episode| episode.end)
+    }
+
+    /// Time of the first contact's peak, s.
+    fn first_peak(&self) -> f64 {
+        self.episodes.all().first().map_or(f64::INFINITY, |episode| episode.peak_time)
     }
 
     /// Largest acceleration up to a time, m/s².
@@ -71,6 +76,9 @@ impl History {
 pub(super) struct Measure<'a> {
     reference: Option<&'a History>,
     first_end: f64,
+    /// Time of the reference's first peak, s, and the last step's time and acceleration: a step that leaps over the peak has missed it.
+    first_peak: f64,
+    before: (f64, f64),
     last: f64,
     initial: f64,
     lowest: f64,
@@ -87,6 +95,8 @@ impl<'a> Measure<'a> {
         Self {
             reference,
             first_end: reference.map_or(0.0, History::first_end),
+            first_peak: reference.map_or(f64::INFINITY, History::first_peak),
+            before: (0.0, 0.0),
             last: reference.and_then(|history| history.time.last().copied()).unwrap_or_default(),
             initial: 0.0,
             lowest: f64::INFINITY,
@@ -106,6 +116,17 @@ impl<'a> Measure<'a> {
         }
         (self.lowest, self.highest) = (self.lowest.min(balance), self.highest.max(balance));
         (self.steps, self.time) = (step.number, step.time);
+        let (from, now) = (self.before, (step.time, step.impactor.acceleration));
+        self.before = now;
+        if let Some(reference) = self.reference
+            && from.0 < self.first_peak
+            && self.first_peak <= now.0
+        {
+            let part = (self.first_peak - from.0) / (now.0 - from.0);
+            let difference = (from.1 + part * (now.1 - from.1) - reference.at(self.first_peak)).abs();
+            self.first_difference = self.first_difference.max(difference);
+            self.whole_difference = self.whole_difference.max(difference);
+        }
         let Some(reference) = self.reference.filter(|_| step.time <= self.last * (1.0 + 1e-12)) else { return };
         let difference = (step.impactor.acceleration - reference.at(step.time.min(self.last))).abs();
         self.whole_difference = self.whole_difference.max(difference);

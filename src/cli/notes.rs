@@ -1,0 +1,55 @@
+//! What a user should know of a scene before its numbers are trusted.
+
+use crate::body::Solid;
+use crate::contact::hertz;
+use crate::impact::Plan;
+use crate::scene::{Scene, Scheme};
+use crate::scheme::critical_frequency;
+
+/// The notes on a scene, with its body and its steps: nothing that is wrong, but much that a number may depend on.
+pub fn notes(scene: &Scene, body: &Solid, plan: &Plan) -> Vec<String> {
+    let mut notes = Vec::new();
+    let impactor = &scene.impactor;
+    if let Some(patch) = &body.localization.patch {
+        if patch.is_coarse() {
+            notes.push(format!(
+                "cells of {:.4} m do not resolve the patch: they should be {:.4} m or smaller at the impact point (body.grading)",
+                patch.cell,
+                0.5 * patch.radius
+            ));
+        }
+        if patch.error() > 0.5 * scene.tolerance {
+            notes.push(format!(
+                "the patch is large for a thickness of {:.4} m and leaves about {:.1e} of the peak open: finer cells at the impact \
+                 point allow a smaller one (body.grading)",
+                patch.thickness,
+                patch.error()
+            ));
+        }
+        if patch.is_critical() {
+            notes.push(format!(
+                "on a half-space the contact would outgrow the patch, which takes {:.4e} m: the run stops if it does",
+                patch.limit_radius
+            ));
+        }
+    }
+    if let Scheme::Newmark { beta, gamma } = scene.time.scheme
+        && critical_frequency(beta, gamma) == 0.0
+    {
+        notes.push("with γ below 1/2 every vibration grows".to_owned());
+    }
+    let contact = hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed);
+    if contact < 20.0 * plan.step() {
+        notes.push("fewer than 20 steps in a contact: expect its force to depend on the step".to_owned());
+    }
+    let indentation = hertz::peak_indentation(impactor.stiffness, impactor.mass, impactor.speed);
+    if indentation > 0.1 * impactor.radius {
+        notes.push(format!(
+            "on a half-space the impactor would sink in by {indentation:.2e} m: Hertz's law holds while that is small against its radius"
+        ));
+    }
+    if impactor.gap > impactor.speed * scene.time.end {
+        notes.push("the gap is wider than the impactor's way to time.end".to_owned());
+    }
+    notes
+}
