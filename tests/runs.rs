@@ -171,7 +171,7 @@ fn a_terminal_shows_a_bar() {
         .env("TERM", "xterm")
         .env("OMP_NUM_THREADS", "1"));
     assert_eq!(on_terminal.status, Some(0), "{on_terminal:#?}");
-    assert!(on_terminal.stdout.contains("/250 steps, ") && on_terminal.stdout.contains('█'), "{on_terminal:#?}");
+    assert!(on_terminal.stdout.contains(" %, ") && on_terminal.stdout.contains('█'), "{on_terminal:#?}");
     assert!(is_complete(&folder.path().join("scene.h5")));
     let elsewhere = good(&folder, 0, "run scene.toml");
     assert_eq!(elsewhere.stderr, "");

@@ -245,7 +245,7 @@ fn gamma_below_a_half(session: &Session) {
         let (steps, ended) = block.vibrate(&world, part * period, &scheme(0.45));
         let error = ended.expect_err("γ < 1/2 grows");
         println!("γ = 0.45, ω_max Δt = {part}: {error}");
-        assert!(matches!(error, Error::Solve(_)) && error.status() == 3, "{error:?}");
+        assert!(matches!(error, Error::Unstable(_)) && error.status() == 3, "{error:?}");
         let message = error.to_string();
         assert!(message.contains(&format!("step {}, t = ", steps.len())) && message.contains("unstable"), "{message}");
         assert!(steps.len() > 1 && steps.iter().all(|step| step.energy.total.is_finite()));

@@ -16,15 +16,12 @@ pub struct Gate {
     initial: f64,
     /// What the user can do.
     advice: String,
-    /// Whether the user wants to see a blow-up.
-    open: bool,
 }
 
 impl Gate {
-    /// The gate of a scene: at a part of the initial energy, or at a blow-up, unless an unstable step is asked for.
+    /// The gate of a scene: at a part of the initial energy, or at a blow-up.
     pub(super) fn new(scene: &Scene) -> Self {
-        let open = matches!(scene.time.scheme, Scheme::CentralDifference { allow_unstable: true });
-        Self { part: scene.solver.energy_gate, initial: 0.0, advice: advice(scene), open }
+        Self { part: scene.solver.energy_gate, initial: 0.0, advice: advice(scene) }
     }
 
     /// Takes the initial energy.
@@ -53,7 +50,7 @@ impl Gate {
                 amount / self.initial
             )));
         }
-        if self.part.is_none() && !self.open && balance.abs() > BLOW_UP * (self.initial.abs() + energy.external.abs()) {
+        if self.part.is_none() && balance.abs() > BLOW_UP * (self.initial.abs() + energy.external.abs()) {
             return Err(Error::Unstable(format!(
                 "the time integration has made {balance:.3e} J from nothing, more than the {:.3e} J there are: it is unstable. {advice}",
                 self.initial.abs() + energy.external.abs()

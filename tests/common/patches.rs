@@ -32,7 +32,7 @@ pub fn scene(geometry: &str, order: usize, point: [f64; 3]) -> Scene {
 
 /// The lines of a scene for a box.
 pub fn boxed(size: [f64; 3], cells: [usize; 3]) -> String {
-    format!("size = {size:?}\ncells = {cells:?}")
+    format!("size = {size:?}\ncells = {cells:?}\nsymmetry = \"none\"")
 }
 
 /// The line for a mesh with this text, written into a file.

@@ -21,6 +21,8 @@ pub const HALF_PERIOD: usize = 2000;
 pub fn step(number: usize) -> Step {
     let t = number as f64;
     let alpha = (t / HALF_PERIOD as f64 * std::f64::consts::PI).cos();
+    let phase = t / HALF_PERIOD as f64 * std::f64::consts::PI;
+    let rate = -phase.sin() * std::f64::consts::PI / (1e-5 * HALF_PERIOD as f64);
     Step {
         number,
         time: 1e-5 * t,
@@ -30,7 +32,7 @@ pub fn step(number: usize) -> Step {
             indentation: alpha,
             surface_displacement: t + 0.04,
             approach: alpha,
-            rate: 0.0,
+            rate,
         },
         energy: Energy {
             kinetic: t + 0.05,
