@@ -3,13 +3,19 @@
 mod assembly;
 mod clamps;
 mod lumped;
+mod modal;
+mod modes;
 mod pads;
+mod projection;
 mod solid;
 mod spectrum;
 
 pub use assembly::{Stopped, assemble, into_matrix, into_vector, zeros};
 pub use clamps::Clamps;
 pub use lumped::Lumped;
+pub use modal::ModalBody;
+pub use modes::{Free, Mode, Modes, Spectrum};
 pub use pads::{PadPoints, Pads};
+pub use projection::Projection;
 pub use solid::Solid;
 pub use spectrum::{Inertia, LargestFrequency, LinearContact, largest_frequency};

@@ -15,13 +15,16 @@ const LIMIT: f64 = 0.99;
 pub struct Law {
     /// F(α).
     pub hertz: Hertz,
-    /// c_l, m/N; 0 for the paper's point.
+    /// c_l, m/N; 0 for the paper's point. Negative where the law holds a part of the body that the approach does not show.
     pub compliance: f64,
 }
 
 impl Law {
-    /// The approach (m) beyond which the law is not to be trusted; infinite without c_l.
+    /// The approach (m) beyond which the law is not to be trusted; infinite unless c_l is positive.
     pub fn limit(&self) -> f64 {
+        if self.compliance <= 0.0 {
+            return f64::INFINITY;
+        }
         self.approach(LIMIT * LIMIT * self.hertz.critical_indentation(self.compliance))
     }
 
@@ -39,6 +42,9 @@ impl Law {
             return approach;
         }
         let part = self.compliance * self.hertz.stiffness;
+        if part < 0.0 {
+            return root_of_sum(approach, -part).powi(2);
+        }
         let scaled = (part * part * approach).min(4.0 / 27.0);
         // y = c_l k0 √α with y² (1 − y) = scaled.
         let angle = ((1.0 - 13.5 * scaled).acos() - std::f64::consts::TAU) / 3.0;
@@ -111,6 +117,18 @@ impl Law {
     }
 }
 
+/// x > 0 of x² + part x³ = approach, by Newton's method from above, where the sum is convex: it falls to the root and stays there.
+fn root_of_sum(approach: f64, part: f64) -> f64 {
+    let mut x = approach.sqrt().min((approach / part).cbrt());
+    loop {
+        let next = x - (x * x * (1.0 + part * x) - approach) / (x * (2.0 + 3.0 * part * x));
+        if next >= x * (1.0 - 4.0 * f64::EPSILON) || next.is_nan() {
+            return next;
+        }
+        x = next;
+    }
+}
+
 /// The law at an approach.
 struct State {
     /// α at the approach, or at the limit.
@@ -125,10 +143,11 @@ struct State {
 mod tests {
     use super::*;
 
-    /// The paper's impactor on a patch of 25 mm, and without one.
-    const LAWS: [Law; 2] = [
+    /// The paper's impactor on a patch of 25 mm, without one, and on a spring.
+    const LAWS: [Law; 3] = [
         Law { hertz: Hertz { stiffness: 1.669e10 }, compliance: 0.6 * 0.9471 / (70e9 * 0.025) },
         Law { hertz: Hertz { stiffness: 1.669e10 }, compliance: 0.0 },
+        Law { hertz: Hertz { stiffness: 1.669e10 }, compliance: -3e-10 },
     ];
 
     #[test]
@@ -198,7 +217,7 @@ mod tests {
     /// At the limit the tangent is large and positive; a law without c_l has none.
     #[test]
     fn the_limit_is_where_the_stiffness_would_turn_negative() {
-        let [law, free] = LAWS;
+        let [law, free, _] = LAWS;
         let indentation = law.indentation(law.limit());
         let slope = law.compliance * law.hertz.tangent(indentation);
         assert!((slope - LIMIT).abs() < 1e-9, "{slope}");

@@ -26,14 +26,18 @@ pub struct Setting {
 impl Setting {
     /// The setting of a scene with its body.
     pub fn new(impactor: &scene::Impactor, body: &Solid) -> Self {
-        let copies = body.copies;
+        Self::of(impactor, body.copies, body.localization.compliance)
+    }
+
+    /// The setting of an impactor with one of `copies` parts of a body, whose contact law has the compliance (m/N).
+    pub fn of(impactor: &scene::Impactor, copies: f64, compliance: f64) -> Self {
         Self {
             mass: impactor.mass / copies,
             speed: impactor.speed,
             gap: impactor.gap,
             law: Law {
                 hertz: Hertz { stiffness: impactor.stiffness / copies },
-                compliance: body.localization.compliance,
+                compliance,
             },
             copies,
         }

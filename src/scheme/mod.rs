@@ -11,6 +11,7 @@ mod central_difference;
 mod energy;
 mod generalized_alpha;
 mod limit;
+pub mod modal;
 mod newmark;
 
 pub use central_difference::CentralDifference;

@@ -1,0 +1,46 @@
+//! A body for steps in modal coordinates.
+
+use super::modes::{Modes, Spectrum};
+use super::Projection;
+use crate::contact::Patch;
+use crate::error::Result;
+
+/// Modes, with what the contact law needs of the body.
+pub struct ModalBody {
+    source: Source,
+    /// c_l of the contact law, m/N, of the modelled part.
+    pub compliance: f64,
+    /// How many such parts make the whole.
+    pub copies: f64,
+    /// The patch, where there is one.
+    pub patch: Option<Patch>,
+}
+
+enum Source {
+    Given(Modes),
+    Spectrum(Spectrum),
+}
+
+impl ModalBody {
+    /// A body of given modes, all of which take part.
+    pub fn given(modes: Modes) -> Self {
+        Self { source: Source::Given(modes), compliance: 0.0, copies: 1.0, patch: None }
+    }
+
+    /// A body on a basis.
+    pub fn of(projection: &Projection) -> Self {
+        let Projection { compliance, copies, patch, .. } = *projection;
+        Self { source: Source::Spectrum(Spectrum::new(projection)), compliance, copies, patch }
+    }
+
+    /// The modes up to a frequency, rad/s, the others by their static answer.
+    ///
+    /// # Errors
+    /// [`crate::Error::Solve`] where dampers leave the body without independent modes.
+    pub fn modes(&self, cutoff: f64) -> Result<Modes> {
+        match &self.source {
+            Source::Given(modes) => Ok(modes.clone()),
+            Source::Spectrum(spectrum) => spectrum.modes(cutoff),
+        }
+    }
+}

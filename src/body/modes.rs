@@ -1,0 +1,274 @@
+//! A linear body in modal coordinates: what the contact's force does to the surface under the impactor.
+
+use nalgebra::{Complex, DMatrix, DVector, Schur, SymmetricEigen};
+
+use super::Projection;
+use crate::error::{Error, Result};
+
+/// A body's answer to the contact's force, u_hit = aᵀu, as a sum over first-order coordinates, one free motion, and a spring:
+///
+/// ż_i = λ_i z_i + b_i F + g_i,  Ẍ = F/m + g,  u_hit = Re Σ c_i z_i + X + r F.
+///
+/// A free vibration of frequency ω is one z = v + iωx with λ = iω; with dampers the z are the coordinates along the eigenvectors
+/// of (x, v), of which one of each conjugate pair is kept. An infinite plate is one with λ = 0.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Modes {
+    /// The coordinates.
+    pub modes: Vec<Mode>,
+    /// 1/m of the free motions together, 1/kg; g, m/s²; and Σ f² of their loads, W.
+    pub free: Free,
+    /// r, m/N: the static answer of the modes that are left out.
+    pub residual: f64,
+    /// Σ φ²/ω⁴ of the modes that are left out, m s²/N: their answer is r F less this times F̈, and less still.
+    pub neglected: f64,
+    /// Where the energy is.
+    pub(crate) forms: Forms,
+}
+
+/// One first-order coordinate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mode {
+    /// λ, 1/s.
+    pub rate: Complex<f64>,
+    /// b.
+    pub input: Complex<f64>,
+    /// g.
+    pub load: Complex<f64>,
+    /// c.
+    pub output: Complex<f64>,
+}
+
+/// The motions that nothing resists, as one: with φ and f of each, u = Σ φ x, ẍ = φ F + f.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Free {
+    /// Σ φ², 1/kg.
+    pub mobility: f64,
+    /// Σ φ f, m/s².
+    pub load: f64,
+    /// Σ f², W.
+    pub square: f64,
+}
+
+/// Quadratic forms of the energies, with what they need of the real coordinates x, in which M = 1 and K is diagonal.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Forms {
+    /// ω², 1/s².
+    pub squares: DVector<f64>,
+    /// K of the supports.
+    pub support: DMatrix<f64>,
+    /// ∫ k ū of the supports.
+    pub support_load: DVector<f64>,
+    /// ½ ∫ k ū·ū, J.
+    pub support_offset: f64,
+    /// f.
+    pub load: DVector<f64>,
+    /// x and v from z, with dampers: Re(X z), Re(V z).
+    pub damped: Option<[DMatrix<Complex<f64>>; 2]>,
+}
+
+/// ω² below this part of the largest one is rounding.
+const ROUNDING: f64 = 1e-14;
+
+/// Condition number of the eigenvectors above which a damped body has no modal form to trust.
+const CONDITION: f64 = 1e9;
+
+impl Modes {
+    /// A body that does not move: a half-space, whose dent Hertz's law holds.
+    pub fn none() -> Self {
+        Self { modes: Vec::new(), free: Free::default(), residual: 0.0, neglected: 0.0, forms: Forms::none() }
+    }
+
+    /// A surface that moves at F/Z: an infinite plate of the impedance Z, N s/m.
+    pub fn dashpot(impedance: f64) -> Self {
+        let [zero, one] = [Complex::new(0.0, 0.0), Complex::new(1.0, 0.0)];
+        let mode = Mode { rate: zero, input: one / impedance, load: zero, output: one };
+        Self { modes: vec![mode], ..Self::none() }
+    }
+
+    /// The fastest of the rates |λ|, 1/s.
+    pub fn fastest(&self) -> f64 {
+        self.modes.iter().map(|mode| mode.rate.norm()).fold(0.0, f64::max)
+    }
+}
+
+/// The free vibrations of a body on a basis.
+pub struct Spectrum {
+    /// ω², 1/s², ascending.
+    squares: DVector<f64>,
+    /// Vᵀa, Vᵀf and Vᵀ∫kū along them.
+    force: DVector<f64>,
+    load: DVector<f64>,
+    support_load: DVector<f64>,
+    support: DMatrix<f64>,
+    damping: Option<DMatrix<f64>>,
+    support_offset: f64,
+}
+
+impl Spectrum {
+    /// Solves K y = ω² y on the basis.
+    pub fn new(projection: &Projection) -> Self {
+        let eigen = SymmetricEigen::new(&projection.elastic + &projection.support);
+        let mut order: Vec<usize> = (0..projection.vectors()).collect();
+        order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
+        let vectors = eigen.eigenvectors.select_columns(&order);
+        let along = |v: &DVector<f64>| vectors.tr_mul(v);
+        let on = |m: &DMatrix<f64>| vectors.tr_mul(&(m * &vectors));
+        Self {
+            squares: eigen.eigenvalues.select_rows(&order),
+            force: along(&projection.force),
+            load: along(&projection.load),
+            support_load: along(&projection.support_load),
+            support: on(&projection.support),
+            damping: projection.damping.as_ref().map(on),
+            support_offset: projection.support_offset,
+        }
+    }
+
+    /// The modes up to a frequency, rad/s; those above are left out but for their static answer.
+    ///
+    /// # Errors
+    /// [`Error::Solve`] where dampers leave the body without independent modes.
+    pub fn modes(&self, cutoff: f64) -> Result<Modes> {
+        let count = self.squares.iter().filter(|square| **square <= cutoff * cutoff).count();
+        let (mut residual, mut neglected) = (0.0, 0.0);
+        for (force, square) in self.force.iter().zip(&self.squares).skip(count) {
+            residual += force * force / square;
+            neglected += (force / square).powi(2);
+        }
+        let most_damped = self.damping.as_ref().map_or(0.0, |d| d.amax());
+        let is_free = |&i: &usize| {
+            let held = self.damping.as_ref().is_some_and(|d| d.column(i).amax() > 1e-12 * most_damped);
+            self.squares[i] <= ROUNDING * self.squares.max() && !held
+        };
+        let (rigid, moving): (Vec<usize>, Vec<usize>) = (0..count).partition(is_free);
+        let loads = &self.load + &self.support_load;
+        let mut free = Free::default();
+        for i in rigid {
+            let (force, load) = (self.force[i], loads[i]);
+            free.mobility += force * force;
+            free.load += force * load;
+            free.square += load * load;
+        }
+        let of_moving = |v: &DVector<f64>| v.select_rows(&moving);
+        let block = |m: &DMatrix<f64>| m.select_rows(&moving).select_columns(&moving);
+        let squares = of_moving(&self.squares).map(|square| square.max(0.0));
+        let (force, load) = (of_moving(&self.force), of_moving(&loads));
+        let (modes, damped) = match &self.damping {
+            None => (vibrations(&squares, &force, &load), None),
+            Some(damping) => {
+                let (modes, shapes) = damped(&squares, &block(damping), &force, &load)?;
+                (modes, Some(shapes))
+            }
+        };
+        let forms = Forms {
+            support: block(&self.support),
+            support_load: of_moving(&self.support_load),
+            support_offset: self.support_offset,
+            load: of_moving(&self.load),
+            squares,
+            damped,
+        };
+        Ok(Modes { modes, free, residual, neglected, forms })
+    }
+}
+
+impl Forms {
+    fn none() -> Self {
+        let empty = DVector::zeros(0);
+        Self {
+            squares: empty.clone(),
+            support: DMatrix::zeros(0, 0),
+            support_load: empty.clone(),
+            support_offset: 0.0,
+            load: empty,
+            damped: None,
+        }
+    }
+}
+
+/// z = v + iωx: ż = iω z + φF + f, x = Im z/ω.
+fn vibrations(squares: &DVector<f64>, force: &DVector<f64>, load: &DVector<f64>) -> Vec<Mode> {
+    let real = |x: f64| Complex::new(x, 0.0);
+    let mode = |i: usize| {
+        // A frequency of nothing but rounding is not divided by.
+        let frequency = squares[i].max(f64::MIN_POSITIVE).sqrt();
+        Mode {
+            rate: Complex::new(0.0, frequency),
+            input: real(force[i]),
+            load: real(load[i]),
+            output: Complex::new(0.0, -force[i] / frequency),
+        }
+    };
+    (0..squares.len()).map(mode).collect()
+}
+
+type Damped = (Vec<Mode>, [DMatrix<Complex<f64>>; 2]);
+
+/// The eigenvectors of (s x, v)˙ = [0 s; −ω²/s −C] (s x, v), s = ω where there is one.
+fn damped(
+    squares: &DVector<f64>,
+    damping: &DMatrix<f64>,
+    force: &DVector<f64>,
+    load: &DVector<f64>,
+) -> Result<Damped> {
+    let n = squares.len();
+    let scales: Vec<f64> =
+        (0..n).map(|i| squares[i].sqrt().max(damping[(i, i)]).max(f64::MIN_POSITIVE)).collect();
+    let real = |x: f64| Complex::new(x, 0.0);
+    let mut matrix = DMatrix::zeros(2 * n, 2 * n);
+    for i in 0..n {
+        matrix[(i, n + i)] = real(scales[i]);
+        matrix[(n + i, i)] = real(-squares[i] / scales[i]);
+        for j in 0..n {
+            matrix[(n + i, n + j)] = real(-damping[(i, j)]);
+        }
+    }
+    let (unitary, triangle) = Schur::new(matrix).unpack();
+    let vectors = &unitary * triangular_eigenvectors(&triangle);
+    let inverse = vectors.clone().try_inverse().filter(|inverse| inverse.norm() * vectors.norm() < CONDITION);
+    let Some(inverse) = inverse else {
+        return Err(Error::Solve(
+            "the dampers leave the body without independent modes (critical damping): another damping, or another time.scheme".into(),
+        ));
+    };
+    let size = triangle.diagonal().iter().map(|z| z.norm()).fold(0.0, f64::max);
+    // Of a conjugate pair one, counted twice; real ones once.
+    let chosen: Vec<(usize, f64)> = (0..2 * n)
+        .filter_map(|k| match triangle[(k, k)].im {
+            im if im.abs() <= 1e-12 * size => Some((k, 1.0)),
+            im if im > 0.0 => Some((k, 2.0)),
+            _ => None,
+        })
+        .collect();
+    let along = |k: usize, v: &DVector<f64>| (0..n).map(|i| inverse[(k, n + i)] * v[i]).sum::<Complex<f64>>();
+    let places = DMatrix::from_fn(n, chosen.len(), |i, c| vectors[(i, chosen[c].0)] * (chosen[c].1 / scales[i]));
+    let speeds = DMatrix::from_fn(n, chosen.len(), |i, c| vectors[(n + i, chosen[c].0)] * chosen[c].1);
+    let mode = |(c, &(k, _)): (usize, &(usize, f64))| Mode {
+        rate: triangle[(k, k)],
+        input: along(k, force),
+        load: along(k, load),
+        output: (0..n).map(|i| places[(i, c)] * force[i]).sum(),
+    };
+    Ok((chosen.iter().enumerate().map(mode).collect(), [places, speeds]))
+}
+
+/// Unit eigenvectors of an upper triangle, by columns.
+fn triangular_eigenvectors(triangle: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+    let n = triangle.nrows();
+    let size = triangle.camax();
+    let mut vectors = DMatrix::zeros(n, n);
+    for k in 0..n {
+        let value = triangle[(k, k)];
+        vectors[(k, k)] = Complex::new(1.0, 0.0);
+        for i in (0..k).rev() {
+            let sum: Complex<f64> = (i + 1..=k).map(|j| triangle[(i, j)] * vectors[(j, k)]).sum();
+            let gap = value - triangle[(i, i)];
+            // Equal eigenvalues: a vector at the rounding's size, which the condition number shows.
+            let gap = if gap.norm() < f64::EPSILON * size { Complex::new(f64::EPSILON * size, 0.0) } else { gap };
+            vectors[(i, k)] = sum / gap;
+        }
+        let length = vectors.column(k).norm();
+        vectors.column_mut(k).unscale_mut(length);
+    }
+    vectors
+}

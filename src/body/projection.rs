@@ -1,0 +1,57 @@
+//! A linear body on a basis of few vectors, orthonormal in its mass.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::contact::Patch;
+
+/// ÿ + C ẏ + (K_e + K_s) y = a F + f: a body's operators on a basis V with VᵀMV = 1, so that u = V y.
+///
+/// Bases are nested: the first vectors of one are a basis too ([`Projection::leading`]).
+#[derive(Debug, Clone)]
+pub struct Projection {
+    /// VᵀKV of the elastic body alone, 1/s².
+    pub elastic: DMatrix<f64>,
+    /// VᵀKV of the elastic supports (11), 1/s².
+    pub support: DMatrix<f64>,
+    /// VᵀCV of the dampers (13), 1/s; `None` without dampers.
+    pub damping: Option<DMatrix<f64>>,
+    /// Vᵀa.
+    pub force: DVector<f64>,
+    /// Vᵀf of body forces and tractions.
+    pub load: DVector<f64>,
+    /// Vᵀ∫ k ū of the supports.
+    pub support_load: DVector<f64>,
+    /// ½ ∫ k ū·ū dS of the supports, J.
+    pub support_offset: f64,
+    /// c_l of the contact law, m/N, of the modelled part.
+    pub compliance: f64,
+    /// How many such parts make the whole.
+    pub copies: f64,
+    /// The patch, where there is one.
+    pub patch: Option<Patch>,
+}
+
+impl Projection {
+    /// Vectors of the basis.
+    pub fn vectors(&self) -> usize {
+        self.force.len()
+    }
+
+    /// The same body on the first `count` vectors of the basis.
+    pub fn leading(&self, count: usize) -> Self {
+        let square = |m: &DMatrix<f64>| m.view((0, 0), (count, count)).into_owned();
+        let head = |v: &DVector<f64>| v.rows(0, count).into_owned();
+        Self {
+            elastic: square(&self.elastic),
+            support: square(&self.support),
+            damping: self.damping.as_ref().map(square),
+            force: head(&self.force),
+            load: head(&self.load),
+            support_load: head(&self.support_load),
+            support_offset: self.support_offset,
+            compliance: self.compliance,
+            copies: self.copies,
+            patch: self.patch,
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! What a body does over a step of one size: the answers to its state and to the force, from tables.
+
+use nalgebra::Complex;
+
+use crate::body::Modes;
+use crate::scheme::modal::{free_weights, weights};
+
+/// The parts of a step at which its table looks: where the force is unknown (1/2 and 1), and where it is checked.
+pub const LOOKS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+
+/// The numbers of 1/2 and 1 among [`LOOKS`].
+pub const NODES: [usize; 2] = [1, 3];
+
+/// The state of a body in modal coordinates, and of the impactor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// z.
+    pub modes: Vec<Complex<f64>>,
+    /// X, m, and Ẋ, m/s, of the free motions.
+    pub free: [f64; 2],
+    /// q, m, and q̇, m/s.
+    pub impactor: [f64; 2],
+    /// ∫F dt, N s.
+    pub impulse: f64,
+    /// ∫∫F dt dt, N s².
+    pub way: f64,
+    /// Time, s.
+    pub time: f64,
+}
+
+impl State {
+    /// At rest, but for the impactor's speed (m/s).
+    pub fn start(modes: &Modes, speed: f64) -> Self {
+        let zero = Complex::new(0.0, 0.0);
+        Self {
+            modes: vec![zero; modes.modes.len()],
+            free: [0.0; 2],
+            impactor: [0.0, speed],
+            impulse: 0.0,
+            way: 0.0,
+            time: 0.0,
+        }
+    }
+
+    /// Re Σ c z + X, m: the surface's displacement but for its spring.
+    pub fn surface(&self, modes: &Modes) -> f64 {
+        let moved: f64 = modes.modes.iter().zip(&self.modes).map(|(mode, z)| real_product(mode.output, *z)).sum();
+        moved + self.free[0]
+    }
+
+    /// The rate of [`State::surface`] under a force (N), m/s.
+    pub fn surface_rate(&self, modes: &Modes, force: f64) -> f64 {
+        let rate = |(mode, z): (&crate::body::Mode, &Complex<f64>)| {
+            real_product(mode.output, mode.rate * z + mode.input * force + mode.load)
+        };
+        modes.modes.iter().zip(&self.modes).map(rate).sum::<f64>() + self.free[1]
+    }
+}
+
+/// Re(a b).
+fn real_product(a: Complex<f64>, b: Complex<f64>) -> f64 {
+    a.re * b.re - a.im * b.im
+}
+
+/// One look at a step: δ there is δ of the state left alone, less the answers to the force's three values.
+struct Look {
+    tau: f64,
+    /// c e^{λτh} by coordinate: first all real parts, then all imaginary ones, so that the sums run over vectors.
+    rows: (Vec<f64>, Vec<f64>),
+    /// What the loads move, m.
+    load: f64,
+    /// δ's answer to F at 0, h/2 and h, m/N.
+    answers: [f64; 3],
+}
+
+/// What a step of the size h does.
+pub struct Answer {
+    /// h, s.
+    pub step: f64,
+    looks: Vec<Look>,
+    /// e^{λh}, and the weights of the force's values with b h in them, by coordinate.
+    growth: Vec<Complex<f64>>,
+    inputs: Vec<[Complex<f64>; 3]>,
+    loads: Vec<Complex<f64>>,
+}
+
+impl Answer {
+    /// The tables of a step, s, for an impactor of a mass, kg.
+    pub fn new(modes: &Modes, mass: f64, step: f64) -> Self {
+        let count = modes.modes.len();
+        let mut looks: Vec<Look> = LOOKS
+            .iter()
+            .map(|&tau| {
+                let way = free_weights(tau).1.map(|w| w * step * step);
+                Look {
+                    tau,
+                    rows: (Vec::with_capacity(count), Vec::with_capacity(count)),
+                    load: 0.5 * modes.free.load * (tau * step).powi(2),
+                    answers: way.map(|w| w * (modes.free.mobility + 1.0 / mass)),
+                }
+            })
+            .collect();
+        let mut answer = Self {
+            step,
+            looks: Vec::new(),
+            growth: Vec::with_capacity(count),
+            inputs: Vec::with_capacity(count),
+            loads: Vec::with_capacity(count),
+        };
+        for mode in &modes.modes {
+            let y = mode.rate * step;
+            for look in &mut looks {
+                let (weights, phi) = weights(y, look.tau);
+                let growth = phi * y * look.tau + 1.0;
+                let row = mode.output * growth;
+                look.rows.0.push(row.re);
+                look.rows.1.push(row.im);
+                look.load += real_product(mode.output, mode.load * phi) * look.tau * step;
+                let of_force = mode.output * mode.input * step;
+                for (answer, weight) in look.answers.iter_mut().zip(weights) {
+                    *answer += real_product(of_force, weight);
+                }
+                if look.tau == 1.0 {
+                    answer.growth.push(growth);
+                    answer.inputs.push(weights.map(|w| mode.input * w * step));
+                    answer.loads.push(mode.load * phi * step);
+                }
+            }
+        }
+        answer.looks = looks;
+        answer
+    }
+
+    /// δ at every look, m, with no force: `gap` in m.
+    pub fn free(&self, state: &State, gap: f64) -> [f64; 4] {
+        [0, 1, 2, 3].map(|k| {
+            let Look { tau, rows: (real, imaginary), load, .. } = &self.looks[k];
+            let t = tau * self.step;
+            let moved: f64 =
+                real.iter().zip(imaginary).zip(&state.modes).map(|((re, im), z)| re * z.re - im * z.im).sum();
+            let impactor = state.impactor[0] + t * state.impactor[1];
+            impactor - gap - (state.free[0] + t * state.free[1] + load + moved)
+        })
+    }
+
+    /// How much δ falls at a look for F of 1 N at 0, h/2 and h, m/N.
+    pub fn answers(&self, look: usize) -> [f64; 3] {
+        self.looks[look].answers
+    }
+
+    /// The state at the end under the force's three values, N.
+    pub fn advance(&self, state: &mut State, modes: &Modes, mass: f64, force: [f64; 3]) {
+        let h = self.step;
+        for (i, z) in state.modes.iter_mut().enumerate() {
+            let [a, b, c] = self.inputs[i];
+            *z = self.growth[i] * *z + self.loads[i] + a * force[0] + b * force[1] + c * force[2];
+        }
+        let (velocity, way) = free_weights(1.0);
+        let sum = |w: [f64; 3]| w[0] * force[0] + w[1] * force[1] + w[2] * force[2];
+        let (impulse, way) = (h * sum(velocity), h * h * sum(way));
+        let free = modes.free;
+        state.free[0] += h * state.free[1] + way * free.mobility + 0.5 * h * h * free.load;
+        state.free[1] += impulse * free.mobility + h * free.load;
+        state.impactor[0] += h * state.impactor[1] - way / mass;
+        state.impactor[1] -= impulse / mass;
+        state.way += way + h * state.impulse;
+        state.impulse += impulse;
+        state.time += h;
+    }
+}

@@ -1,0 +1,85 @@
+//! Where the energy is, in modal coordinates.
+//!
+//! The linear part is exact: what the force's quadratic F does on body and impactor, −∫F δ̇ dt, arrives there to rounding. Energy is
+//! made only where that is not what the contact's potential V loses: ΔV − ∫F δ̇ dt over a step.
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+use crate::body::Modes;
+use crate::impact::Setting;
+use crate::impact::step::Energy;
+use crate::scheme::modal::quadratic;
+
+use super::answer::State;
+use super::motion::Taken;
+
+/// What was exchanged since t = 0, J of the modelled part.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Ledger {
+    numerical: f64,
+    initial: Option<f64>,
+}
+
+impl Ledger {
+    /// Counts a step; `potential` is what the contact's has risen by, J.
+    pub fn account(&mut self, taken: &Taken, potential: f64) {
+        // ∫F δ̇ dt = [F δ] − ∫Ḟ δ dt; δ is a quartic through its five values, Ḟ is linear: Boole's rule is exact for it.
+        let [a, b, c] = taken.force;
+        let slope = |tau: f64| 4.0 * b - 3.0 * a - c + 2.0 * tau * (2.0 * a - 4.0 * b + 2.0 * c);
+        let weights = [7.0, 32.0, 12.0, 32.0, 7.0];
+        let inside: f64 =
+            (0..5).map(|k| weights[k] / 90.0 * slope(0.25 * k as f64) * taken.approach[k]).sum();
+        let ends = quadratic(taken.force, 1.0) * taken.approach[4] - a * taken.approach[0];
+        self.numerical += potential - (ends - inside);
+    }
+
+    /// The energies, of the whole body, at a state, a force (N) and a potential of the contact (J).
+    pub fn energy(&mut self, modes: &Modes, setting: &Setting, state: &State, (force, contact): (f64, f64)) -> Energy {
+        let forms = &modes.forms;
+        let (x, v) = coordinates(modes, state);
+        let of_support = 0.5 * x.dot(&(&forms.support * &x));
+        let support = of_support - forms.support_load.dot(&x) + forms.support_offset;
+        let bent = 0.5 * forms.squares.iter().zip(&x).map(|(square, x)| square * x * x).sum::<f64>();
+        let elastic = bent - of_support + 0.5 * modes.residual * force * force;
+        let free = modes.free;
+        let (impulse, t) = (state.impulse, state.time);
+        let moving = free.mobility * impulse * impulse + 2.0 * free.load * impulse * t + free.square * t * t;
+        let kinetic = 0.5 * (v.norm_squared() + moving);
+        let impactor = 0.5 * setting.mass * state.impactor[1] * state.impactor[1];
+        let external = forms.load.dot(&x) + free.load * state.way + 0.5 * free.square * t * t;
+        let total = kinetic + elastic + support + impactor + contact;
+        let initial = *self.initial.get_or_insert(total - external);
+        // Without dampers what the integration made is what the balance is off by.
+        let off = total - external - initial;
+        let (dissipated, numerical) = match forms.damped {
+            None => (0.0, off),
+            Some(_) => (self.numerical - off, self.numerical),
+        };
+        let n = setting.copies;
+        Energy {
+            kinetic: n * kinetic,
+            elastic: n * elastic,
+            support: n * support,
+            impactor: n * impactor,
+            contact: n * contact,
+            dissipated: n * dissipated,
+            external: n * external,
+            numerical: n * numerical,
+            total: n * total,
+        }
+    }
+}
+
+/// x and v of the vibrations.
+fn coordinates(modes: &Modes, state: &State) -> (DVector<f64>, DVector<f64>) {
+    let z = &state.modes;
+    if let Some([places, speeds]) = &modes.forms.damped {
+        let real = |m: &DMatrix<Complex<f64>>| {
+            DVector::from_fn(m.nrows(), |i, _| (0..m.ncols()).map(|k| (m[(i, k)] * z[k]).re).sum())
+        };
+        return (real(places), real(speeds));
+    }
+    let count = modes.forms.squares.len();
+    let frequency = |i: usize| modes.forms.squares[i].max(f64::MIN_POSITIVE).sqrt();
+    (DVector::from_fn(count, |i, _| z[i].im / frequency(i)), DVector::from_fn(count, |i, _| z[i].re))
+}

@@ -1,0 +1,190 @@
+//! One impact on a body in modal coordinates: its linear part exact, contacts begun and ended where they are, steps by the error.
+//!
+//! A step h resolves frequencies up to a few over h. Faster modes answer the force as springs do, so that no step is unstable:
+//! which modes those are goes with the largest step. A run in steps chosen by the error is made twice, in steps of which one's
+//! largest is half of the other's, and the difference is the estimate of the error, by the steps and by the modes left out.
+
+mod answer;
+mod ledger;
+mod motion;
+mod stage;
+mod trace;
+
+use std::ops::ControlFlow;
+
+use crate::body::{ModalBody, Modes};
+use crate::contact::{Law, hertz};
+use crate::error::{Error, Result};
+use crate::scene::{Impactor, Scene};
+
+use super::step::{Contact, Motion as ImpactorMotion, Step};
+use super::trajectory::at;
+use super::{Count, Setting};
+use ledger::Ledger;
+use motion::{Motion, Steps};
+use trace::Trace;
+
+/// Modes up to this over the largest step take part in the motion.
+const RESOLVED: f64 = 3.0;
+
+/// Largest step, as a part of the contact time on a half-space, for an error of 1; it goes with the third root of the error.
+const FIRST: f64 = 0.15;
+
+/// Halvings of the largest step at most.
+const REFINEMENTS: usize = 14;
+
+/// Steps of one run at most.
+const MOST_STEPS: usize = 10_000_000;
+
+/// An impact on a modal body.
+pub struct ModalImpact<'a> {
+    body: &'a ModalBody,
+    setting: Setting,
+    end: f64,
+    /// Given step, s.
+    step: Option<f64>,
+    tolerance: f64,
+    contact_time: f64,
+    /// What the runs have cost so far.
+    pub count: Count,
+}
+
+/// A run that is done.
+struct Done {
+    trace: Trace,
+    steps: Vec<Step>,
+}
+
+impl<'a> ModalImpact<'a> {
+    /// An impactor and the times of a scene, on a body.
+    pub fn new(scene: &Scene, body: &'a ModalBody) -> Self {
+        let impactor = &scene.impactor;
+        Self {
+            body,
+            setting: setting(impactor, body),
+            end: scene.time.end,
+            step: scene.time.step,
+            tolerance: scene.tolerance,
+            contact_time: hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed),
+            count: Count::default(),
+        }
+    }
+
+    /// Impactor and contact.
+    pub fn setting(&self) -> &Setting {
+        &self.setting
+    }
+
+    /// Runs to the end and shows `observe` the initial state and every step, until it breaks off; tells which.
+    ///
+    /// # Errors
+    /// [`Error::Solve`] with step and time where a step is not solved or the contact law is left; the observer's.
+    pub fn run(&mut self, mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
+        let done = match self.step {
+            Some(step) => self.once(Steps { largest: step, defect: None }, true)?,
+            None => self.controlled()?,
+        };
+        for step in &done.steps {
+            if observe(step)?.is_break() {
+                return Ok(ControlFlow::Break(()));
+            }
+        }
+        Ok(ControlFlow::Continue(()))
+    }
+
+    /// Halves the steps until the tolerance is met in the first contact.
+    fn controlled(&mut self) -> Result<Done> {
+        let contact = self.contact_time;
+        let mut largest = (2.0 * FIRST * self.tolerance.cbrt() * contact).min(0.5 * self.end);
+        // What a step may be off by goes with its length as the error does.
+        let defect = |largest: f64, peak: f64| peak * (largest / (FIRST * contact)).powi(3).min(0.1);
+        let guess = 0.3 * hertz::peak_force(self.setting.law.hertz.stiffness, self.setting.mass, self.setting.speed);
+        let mut coarse = self.once(Steps { largest, defect: Some(defect(largest, guess)) }, false)?;
+        for _ in 0..REFINEMENTS {
+            largest *= 0.5;
+            let peak = coarse.trace.peak();
+            let peak = if peak > 0.0 { peak } else { guess };
+            let fine = self.once(Steps { largest, defect: Some(defect(largest, peak)) }, true)?;
+            // Of order two at least: the finer run's error is a third of the difference.
+            let (first, all) = fine.trace.difference(&coarse.trace);
+            self.count.error = Some(all / 3.0);
+            if first / 3.0 <= self.tolerance {
+                return Ok(fine);
+            }
+            coarse = fine;
+        }
+        Err(Error::Solve(format!(
+            "steps below {largest:.1e} s do not bring the error under accuracy.tolerance = {:e}",
+            self.tolerance
+        )))
+    }
+
+    /// One run; with the steps as observers see them, or with the force alone.
+    fn once(&mut self, steps: Steps, observed: bool) -> Result<Done> {
+        let modes = self.body.modes(RESOLVED / steps.largest)?;
+        let setting = self.setting;
+        // The springs of the modes left out are in the law.
+        let law = Law { compliance: setting.law.compliance - modes.residual, ..setting.law };
+        let mut motion = Motion::new(&modes, law, (setting.mass, setting.speed, setting.gap), steps);
+        let mut done = Done { trace: Trace::default(), steps: Vec::new() };
+        let mut ledger = Ledger::default();
+        if observed {
+            done.steps.push(seen(0, &motion, (&modes, &setting), &mut ledger));
+        }
+        let mut number = 0;
+        // What is left but for rounding is nothing.
+        while self.end - motion.state.time > 1e-12 * self.end {
+            number += 1;
+            let before = law.potential(motion.approach);
+            let taken = motion.advance(self.end).map_err(|error| at(error, number, motion.state.time))?;
+            let time = motion.state.time;
+            let shown = motion.approach - modes.residual * motion.force;
+            setting.admit(shown).map_err(|error| at(error, number, time))?;
+            if number > MOST_STEPS {
+                return Err(Error::Solve(format!("more than {MOST_STEPS} steps up to t = {time:.6e} s")));
+            }
+            done.trace.push(time - taken.step, taken.step, taken.force);
+            if observed {
+                ledger.account(&taken, law.potential(motion.approach) - before);
+                done.steps.push(seen(number, &motion, (&modes, &setting), &mut ledger));
+            }
+        }
+        self.count.solves += motion.solves;
+        self.count.iterations += motion.iterations;
+        Ok(done)
+    }
+}
+
+fn setting(impactor: &Impactor, body: &ModalBody) -> Setting {
+    Setting::of(impactor, body.copies, body.compliance)
+}
+
+/// The moment as observers see it.
+fn seen(number: usize, motion: &Motion, (modes, setting): (&Modes, &Setting), ledger: &mut Ledger) -> Step {
+    let (state, force) = (&motion.state, motion.force);
+    let approach = motion.approach - modes.residual * force;
+    let rate = motion.rate();
+    // δ = δ_modes − r F.
+    let law = Law { compliance: setting.law.compliance - modes.residual, ..setting.law };
+    let tangent = if force > 0.0 { law.tangent(motion.approach) } else { 0.0 };
+    Step {
+        number,
+        time: state.time,
+        impactor: ImpactorMotion {
+            position: state.impactor[0],
+            velocity: state.impactor[1],
+            acceleration: force / setting.mass,
+        },
+        contact: Contact {
+            force: setting.copies * force,
+            indentation: law.indentation(motion.approach),
+            surface_displacement: state.surface(modes) + modes.residual * force,
+            approach,
+            rate: rate * (1.0 - modes.residual * tangent),
+        },
+        energy: {
+            let potential = law.potential(motion.approach) - 0.5 * modes.residual * force * force;
+            ledger.energy(modes, setting, state, (force, potential))
+        },
+    }
+}

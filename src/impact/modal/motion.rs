@@ -1,0 +1,263 @@
+//! The motion in modal coordinates, step by step: contact and flight, with the moments between them found.
+
+use crate::body::Modes;
+use crate::contact::Law;
+use crate::error::{Error, Result};
+
+use super::answer::{Answer, LOOKS, State};
+use super::stage::{Stage, solve};
+
+/// Halvings of the step at most.
+const LEVELS: usize = 40;
+
+/// Which steps are taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Steps {
+    /// The largest, s.
+    pub largest: f64,
+    /// Allowed difference of law and force within a step, N; `None` for steps of one size.
+    pub defect: Option<f64>,
+}
+
+/// One step taken: the force's three values, N.
+pub struct Taken {
+    /// Its size, s.
+    pub step: f64,
+    /// F at its begin, middle and end, N.
+    pub force: [f64; 3],
+    /// δ at its begin and at the looks, m.
+    pub approach: [f64; 5],
+}
+
+/// Body and impactor on their way.
+pub struct Motion<'a> {
+    modes: &'a Modes,
+    law: Law,
+    mass: f64,
+    gap: f64,
+    steps: Steps,
+    /// Tables by halvings of the largest step.
+    tables: Vec<Option<Answer>>,
+    level: usize,
+    /// The last step's force, to go on from.
+    last: Option<([f64; 3], f64)>,
+    touching: bool,
+    /// The state reached.
+    pub state: State,
+    /// F, N.
+    pub force: f64,
+    /// δ of the modes, m.
+    pub approach: f64,
+    /// Steps tried.
+    pub solves: usize,
+    /// Newton iterations.
+    pub iterations: usize,
+}
+
+impl<'a> Motion<'a> {
+    /// At rest at t = 0; `law` in terms of the approach that the modes show.
+    pub fn new(modes: &'a Modes, law: Law, (mass, speed, gap): (f64, f64, f64), steps: Steps) -> Self {
+        Self {
+            modes,
+            law,
+            mass,
+            gap,
+            steps,
+            tables: (0..=LEVELS).map(|_| None).collect(),
+            level: 0,
+            last: None,
+            touching: false,
+            state: State::start(modes, speed),
+            force: 0.0,
+            approach: -gap,
+            solves: 0,
+            iterations: 0,
+        }
+    }
+
+    /// δ̇ of the modes, m/s.
+    pub fn rate(&self) -> f64 {
+        self.state.impactor[1] - self.state.surface_rate(self.modes, self.force)
+    }
+
+    /// Takes a step, not beyond `end` (s).
+    ///
+    /// # Errors
+    /// [`Error::Solve`] where no step is small enough.
+    pub fn advance(&mut self, end: f64) -> Result<Taken> {
+        loop {
+            let left = end - self.state.time;
+            let taken = if self.touching { self.press(left)? } else { self.fly(left) };
+            if let Some(taken) = taken {
+                return Ok(taken);
+            }
+        }
+    }
+
+    /// The table of a step of the level's size or of what is left, whichever is shorter.
+    fn table(&mut self, left: f64) -> Answer {
+        let step = self.steps.largest * 0.5_f64.powi(self.level as i32);
+        // What is left but for rounding is a step of its own.
+        if step > left * (1.0 - 1e-9) {
+            return Answer::new(self.modes, self.mass, left);
+        }
+        let (modes, mass) = (self.modes, self.mass);
+        self.tables[self.level].take().unwrap_or_else(|| Answer::new(modes, mass, step))
+    }
+
+    fn put_back(&mut self, table: Answer) {
+        if table.step == self.steps.largest * 0.5_f64.powi(self.level as i32) {
+            self.tables[self.level] = Some(table);
+        }
+    }
+
+    /// A step without contact; `None` where contact begins at once.
+    fn fly(&mut self, left: f64) -> Option<Taken> {
+        self.level = 0;
+        let table = self.table(left);
+        let free = table.free(&self.state, self.gap);
+        self.solves += 1;
+        let Some(look) = free.iter().position(|approach| *approach > 0.0) else {
+            let taken = self.take(&table, [0.0; 3], free);
+            self.put_back(table);
+            return Some(taken);
+        };
+        self.touching = true;
+        // As small as it has to be, for F = t^{3/2} has no quadratic.
+        self.level = if self.steps.defect.is_some() { 3 } else { 0 };
+        let (mut low, mut high) = (if look == 0 { 0.0 } else { LOOKS[look - 1] * table.step }, LOOKS[look] * table.step);
+        self.put_back(table);
+        if look == 0 && self.approach >= 0.0 {
+            return None;
+        }
+        let mut at = (if look == 0 { self.approach } else { free[look - 1] }, free[look]);
+        let touch = find(&mut low, &mut high, &mut at, |t| {
+            Answer::new(self.modes, self.mass, t).free(&self.state, self.gap)[3]
+        });
+        if touch <= 0.0 {
+            return None;
+        }
+        let table = Answer::new(self.modes, self.mass, touch);
+        let free = table.free(&self.state, self.gap);
+        let taken = self.take(&table, [0.0; 3], free);
+        self.approach = 0.0;
+        Some(taken)
+    }
+
+    /// A step in contact; `None` where it has ended already.
+    fn press(&mut self, left: f64) -> Result<Option<Taken>> {
+        loop {
+            let table = self.table(left);
+            let free = table.free(&self.state, self.gap);
+            self.solves += 1;
+            let stage = solve(&self.law, &table, free, self.force, self.guess(table.step), false);
+            if let Some(Stage { iterations, .. }) = stage {
+                self.iterations += iterations;
+            }
+            let level = self.level;
+            let worst = self.steps.defect.unwrap_or(f64::INFINITY);
+            let stage = stage.filter(|stage| stage.defect <= worst);
+            let Some(stage) = stage else {
+                self.put_back(table);
+                self.level += 1;
+                if self.level > LEVELS {
+                    return Err(Error::Solve("the contact's force is not found at any step".into()));
+                }
+                continue;
+            };
+            if stage.approach.iter().all(|approach| *approach <= 0.0) {
+                self.put_back(table);
+                self.let_go();
+                return Ok(None);
+            }
+            if let Some(look) = stage.approach.iter().position(|approach| *approach <= 0.0) {
+                let length = LOOKS[look] * table.step;
+                self.put_back(table);
+                return Ok(Some(self.release(length)));
+            }
+            let taken = self.take(&table, stage.force, stage.approach);
+            self.put_back(table);
+            // The defect falls with the third power of the step: an eighth of it is what the next size will show.
+            if self.steps.defect.is_some() && stage.defect < worst / 12.0 {
+                self.level = level.saturating_sub(1);
+            }
+            return Ok(Some(taken));
+        }
+    }
+
+    /// A step to the end of the contact, within `length` (s): the size at which δ is zero at its end, with the force.
+    fn release(&mut self, length: f64) -> Taken {
+        let solved = |motion: &Self, step: f64| {
+            let table = Answer::new(motion.modes, motion.mass, step);
+            let free = table.free(&motion.state, motion.gap);
+            let guess = [motion.guess(step)[0], 0.0];
+            let stage = solve(&motion.law, &table, free, motion.force, guess, true);
+            (table, stage)
+        };
+        let end = |step: f64| match solved(self, step).1 {
+            Some(stage) => stage.approach[3],
+            None => f64::NAN,
+        };
+        let (mut low, mut high) = (0.0, length);
+        let mut at = (self.approach, end(length));
+        let step = if at.1 < 0.0 { find(&mut low, &mut high, &mut at, end) } else { length };
+        let (table, stage) = solved(self, step);
+        let (force, approach) = match stage {
+            Some(stage) => (stage.force, stage.approach),
+            // A step too short to be told from none.
+            None => ([self.force, 0.0, 0.0], [0.0; 4]),
+        };
+        let taken = self.take(&table, force, approach);
+        self.let_go();
+        taken
+    }
+
+    fn let_go(&mut self) {
+        self.touching = false;
+        (self.force, self.last) = (0.0, None);
+        self.approach = self.approach.min(0.0);
+    }
+
+    /// δ at the middle and the end of a step, by the last one's force carried on.
+    fn guess(&self, step: f64) -> [f64; 2] {
+        let linear = [0.5, 1.0].map(|tau| self.approach + tau * step * self.rate());
+        if self.last.is_none() { linear.map(|x| x.max(0.0)) } else { linear }
+    }
+
+    fn take(&mut self, table: &Answer, force: [f64; 3], approach: [f64; 4]) -> Taken {
+        table.advance(&mut self.state, self.modes, self.mass, force);
+        let all = [self.approach, approach[0], approach[1], approach[2], approach[3]];
+        (self.force, self.approach, self.last) = (force[2], approach[3], Some((force, table.step)));
+        Taken { step: table.step, force, approach: all }
+    }
+}
+
+/// A zero between two places, with the values there, by the method of false position in Illinois' variant.
+fn find(low: &mut f64, high: &mut f64, at: &mut (f64, f64), mut value: impl FnMut(f64) -> f64) -> f64 {
+    let scale = at.0.abs().max(at.1.abs());
+    let mut kept = 0;
+    for _ in 0..100 {
+        let next = (*low * at.1 - *high * at.0) / (at.1 - at.0);
+        if !(next > *low && next < *high) || *high - *low <= 4.0 * f64::EPSILON * *high {
+            break;
+        }
+        let here = value(next);
+        if here.abs() <= 1e-14 * scale || here.is_nan() {
+            return next;
+        }
+        if (here > 0.0) == (at.1 > 0.0) {
+            (*high, at.1) = (next, here);
+            if kept == 1 {
+                at.0 *= 0.5;
+            }
+            kept = 1;
+        } else {
+            (*low, at.0) = (next, here);
+            if kept == -1 {
+                at.1 *= 0.5;
+            }
+            kept = -1;
+        }
+    }
+    *high
+}

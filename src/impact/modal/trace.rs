@@ -1,0 +1,55 @@
+//! A force as a run gives it: quadratics in time, one a step.
+
+use crate::scheme::modal::quadratic;
+
+/// F(t), N.
+#[derive(Debug, Clone, Default)]
+pub struct Trace {
+    /// Begin and size of each step, s, and its three values.
+    steps: Vec<(f64, f64, [f64; 3])>,
+}
+
+impl Trace {
+    /// Adds a step.
+    pub fn push(&mut self, begin: f64, step: f64, force: [f64; 3]) {
+        self.steps.push((begin, step, force));
+    }
+
+    /// Largest of the values.
+    pub fn peak(&self) -> f64 {
+        self.steps.iter().flat_map(|(_, _, force)| *force).fold(0.0, f64::max)
+    }
+
+    /// F at a time.
+    fn at(&self, time: f64) -> f64 {
+        let next = self.steps.partition_point(|(begin, _, _)| *begin <= time);
+        let Some((begin, step, force)) = self.steps.get(next.saturating_sub(1)) else { return 0.0 };
+        quadratic(*force, ((time - begin) / step).clamp(0.0, 1.0))
+    }
+
+    /// End of the first contact, s.
+    fn first_end(&self) -> f64 {
+        let touched = self.steps.iter().position(|(_, _, force)| force[1] > 0.0).unwrap_or(self.steps.len());
+        let end = self.steps[touched..].iter().find(|(_, _, force)| force[2] == 0.0);
+        end.map_or(f64::INFINITY, |(begin, step, _)| begin + step)
+    }
+
+    /// Largest difference to another trace over the peak, in the first contact and over all: that in force and, up to a step's length,
+    /// in time.
+    pub fn difference(&self, other: &Self) -> (f64, f64) {
+        let peak = self.peak().max(f64::MIN_POSITIVE);
+        let end = self.first_end().max(other.first_end());
+        let times = |trace: &Self| {
+            trace.steps.iter().flat_map(|(begin, step, _)| [begin + 0.5 * step, begin + step]).collect::<Vec<f64>>()
+        };
+        let (mut first, mut all) = (0.0_f64, 0.0_f64);
+        for time in times(self).into_iter().chain(times(other)) {
+            let off = (self.at(time) - other.at(time)).abs() / peak;
+            all = all.max(off);
+            if time <= end {
+                first = first.max(off);
+            }
+        }
+        (first, all)
+    }
+}
