@@ -5,7 +5,7 @@
 use std::time::Instant;
 
 use petsc_wrap::{Session, mpi};
-use ricochet::body::Solid;
+use ricochet::body::Body;
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
 
@@ -81,7 +81,7 @@ fn child() {
             use mpi::traits::CommunicatorCollectives;
             world.mpi().barrier();
             let begin = Instant::now();
-            let body = Solid::new(&scene, &mesh).expect("a body");
+            let body = Body::solid(&scene, &mesh).expect("a body");
             world.mpi().barrier();
             best = best.min(begin.elapsed().as_secs_f64());
             unknowns = body.unknowns();

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use petsc_wrap::{Ksp, Session};
-use ricochet::body::Solid;
+use ricochet::body::Body;
 use ricochet::impact::Impact;
 use ricochet::mesh::Mesh;
 use ricochet::scene::{Newton, Scene};
@@ -37,8 +37,8 @@ fn scene(steps: usize) -> Scene {
 fn step(mesh: &Mesh, newton: Newton, steps: usize) -> f64 {
     let mut scene = scene(steps + 1);
     scene.solver.newton = newton;
-    let body = Solid::new(&scene, mesh).expect("a body");
-    let mut impact = Impact::new(mesh, &scene, body).expect("an impact");
+    let body = Body::solid(&scene, mesh).expect("a body");
+    let mut impact = Impact::new(&scene, body).expect("an impact");
     let mut begin = Instant::now();
     let flow = impact.run(|step| {
         if step.number == 1 {
@@ -53,7 +53,7 @@ fn step(mesh: &Mesh, newton: Newton, steps: usize) -> f64 {
 /// Seconds a solve with the operator of a step.
 fn solve(mesh: &Mesh) -> f64 {
     let scene = scene(1);
-    let body = Solid::new(&scene, mesh).expect("a body");
+    let body = Body::solid(&scene, mesh).expect("a body");
     let stage = newmark(0.25, 0.5).stage(STEP);
     let matrix = body.operator(stage.c1, stage.c2).expect("an operator");
     let mut ksp = Ksp::new(&mesh.comm, "", &matrix).expect("a solver");

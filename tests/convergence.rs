@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
 use petsc_wrap::{Comm, Gather, Int, Ksp, Session, Vector, mpi};
-use ricochet::body::{Clamps, Solid, assemble, into_vector};
+use ricochet::body::{Body, Clamps, assemble, into_vector};
 use ricochet::element::{Element, Quadrature, Shape, Table};
 use ricochet::form::{Material, SolidForms, SurfaceForms};
 use ricochet::mesh::Mesh;
@@ -143,7 +143,7 @@ fn solve(comm: &Comm, geometry: &str, order: usize, boundary: &str) -> f64 {
     );
     let (scene, _) = Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}"));
     let mesh = Mesh::new(comm, &scene.body).unwrap();
-    let body = Solid::new(&scene, &mesh).unwrap();
+    let body = Body::solid(&scene, &mesh).unwrap();
     let clamps = Clamps::with(&mesh, &scene.supports, |_, x| displacement(x)).unwrap();
 
     // Loads: the scene's constant ones, and beside them what is missing to those of the field.

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::process::ExitCode;
 
 use petsc_wrap::Session;
-use ricochet::body::Solid;
+use ricochet::body::Body;
 use ricochet::contact::hertz;
 use ricochet::error::{Error, Result};
 use ricochet::impact::Impact;
@@ -24,8 +24,8 @@ fn series(session: &Session, overrides: &[&str]) -> Result<(Scene, Vec<Step>)> {
     let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
     let (scene, _) = Scene::parse("extreme", SCENE, &overrides)?;
     let mesh = Mesh::new(&session.world(), &scene.body)?;
-    let body = Solid::new(&scene, &mesh)?;
-    let mut impact = Impact::new(&mesh, &scene, body)?;
+    let body = Body::solid(&scene, &mesh)?;
+    let mut impact = Impact::new(&scene, body)?;
     let mut steps = Vec::new();
     let ended = impact.run(|step| {
         steps.push(*step);

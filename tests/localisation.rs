@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use petsc_wrap::{Comm, Gather, Int, Session, options};
-use ricochet::body::Solid;
+use ricochet::body::Body;
 use ricochet::contact::Hertz;
 use ricochet::element::Shape;
 use ricochet::error::Error;
@@ -189,7 +189,7 @@ fn the_same_on_all_numbers_of_ranks(session: &Session) {
 fn fault(comm: &Comm, text: &str) -> ricochet::scene::Fault {
     let (scene, _) = Scene::parse("test", text, &[]).unwrap_or_else(|error| panic!("{error}"));
     let mesh = Mesh::new(comm, &scene.body).unwrap();
-    match Solid::new(&scene, &mesh) {
+    match Body::solid(&scene, &mesh) {
         Err(Error::Fault(fault)) => *fault,
         Err(error) => panic!("{error}"),
         Ok(_) => panic!("accepted"),

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use petsc_wrap::{Comm, Matrix, Session};
-use ricochet::body::Solid;
+use ricochet::body::Body;
 use ricochet::element::Shape;
 use ricochet::error::Error;
 use ricochet::impact::Impact;
@@ -49,12 +49,12 @@ fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("meshes").join(name)
 }
 
-fn body(comm: &Comm, scene: &Scene) -> Result<Solid, Error> {
-    Solid::new(scene, &Mesh::new(comm, &scene.body)?)
+fn body(comm: &Comm, scene: &Scene) -> Result<Body, Error> {
+    Body::solid(scene, &Mesh::new(comm, &scene.body)?)
 }
 
 /// 1ᵀA1 / 3: of M the mass, of unit springs the area.
-fn third_of_sum(matrix: &Matrix, like: &Solid) -> f64 {
+fn third_of_sum(matrix: &Matrix, like: &Body) -> f64 {
     let (mut ones, mut product) = (like.load.duplicate().unwrap(), like.load.duplicate().unwrap());
     ones.fill(1.0).unwrap();
     matrix.mult(&ones, &mut product).unwrap();
@@ -98,12 +98,12 @@ fn formats_2_and_4_give_the_same(session: &Session) {
     let measures = |name: &str| {
         let scene = scene(&file(name), 2, 0.5, "bottom");
         let mesh = Mesh::new(&world, &scene.body).unwrap();
-        let body = Solid::new(&scene, &mesh).unwrap();
+        let body = Body::solid(&scene, &mesh).unwrap();
         let mut values: Vec<f64> = [&body.mass, &body.elastic, body.support.as_ref().unwrap()]
             .iter()
             .flat_map(|matrix| [matrix.trace().unwrap(), matrix.norm_frobenius().unwrap()])
             .collect();
-        let mut impact = Impact::new(&mesh, &scene, body).unwrap();
+        let mut impact = Impact::new(&scene, body).unwrap();
         let flow = impact.run(|step| {
             values.push(step.contact.force);
             Ok(std::ops::ControlFlow::Continue(()))

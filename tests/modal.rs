@@ -40,7 +40,13 @@ fn run(scene: &Scene, body: &ModalBody) -> Vec<Step> {
         Ok(ControlFlow::Continue(()))
     });
     assert!(flow.unwrap().is_continue());
-    println!("{} steps, {} solves, {} iterations, error {:?}", steps.len(), impact.count.solves, impact.count.iterations, impact.count.error);
+    println!(
+        "{} steps, {} solves, {} iterations, error {:?}",
+        steps.len(),
+        impact.count.solves,
+        impact.count.iterations,
+        impact.count.error
+    );
     steps
 }
 
@@ -81,6 +87,11 @@ fn half_space() {
     let last = steps.last().unwrap();
     let largest = steps.iter().map(|s| s.contact.force).fold(0.0, f64::max);
     let end = steps.iter().skip(1).find(|s| s.contact.force == 0.0).unwrap().time;
-    println!("{} {} {}", last.impactor.velocity, largest / (k.powf(0.4) * m.powf(0.6) * v.powf(1.2)), end / (m * m / (k * k * v)).powf(0.2));
+    println!(
+        "{} {} {}",
+        last.impactor.velocity,
+        largest / (k.powf(0.4) * m.powf(0.6) * v.powf(1.2)),
+        end / (m * m / (k * k * v)).powf(0.2)
+    );
     println!("{:?}", last.energy);
 }

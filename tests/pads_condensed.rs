@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use petsc_wrap::{Comm, Session};
-use ricochet::body::Solid;
+use ricochet::body::Body;
 use ricochet::impact::Method;
 use ricochet::impact::step::Step;
 use ricochet::mesh::Mesh;
@@ -157,7 +157,7 @@ fn methods(session: &Session) {
         let text = scene(case, newton).replace("cells = [4, 4, 1]", cells);
         let (scene, _) = Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}"));
         let mesh = Mesh::new(&world, &scene.body).unwrap();
-        Method::of(scene.solver.newton, &Solid::new(&scene, &mesh).unwrap())
+        Method::of(scene.solver.newton, &Body::solid(&scene, &mesh).unwrap())
     };
     let pushed = |case: &Case| match method(case, "condensed", "cells = [4, 4, 1]") {
         Method::CondensedOnPads(unknowns) => unknowns.len(),

@@ -13,7 +13,7 @@ use std::process::ExitCode;
 
 use patches::{POISSON, SIZE, YOUNG, boxed, made, reading, refused, sample, scene, turn, turned};
 use petsc_wrap::{Ksp, Session};
-use ricochet::body::Solid;
+use ricochet::body::Body;
 use ricochet::contact::{Localization, Reason};
 use ricochet::element::Shape;
 use ricochet::mesh::Mesh;
@@ -307,7 +307,7 @@ fn the_half_space_is_taken_out(session: &Session) {
     let kind = SupportKind::Clamped { components: [true; 3] };
     scene.supports.push(Support { surface: "bottom".into(), kind, damping: [0.0; 3], displacement: [0.0; 3] });
     let mesh = Mesh::new(&world, &scene.body).unwrap();
-    let body = Solid::new(&scene, &mesh).unwrap();
+    let body = Body::solid(&scene, &mesh).unwrap();
     let mut stiffness = body.combination(0.0, 0.0).unwrap();
     stiffness.zero_rows_columns(&body.clamps.rows, YOUNG).unwrap();
     stiffness.declare_positive_definite().unwrap();

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use field::interpolate;
 use petsc_wrap::{Ksp, Session};
-use ricochet::body::Solid;
+use ricochet::body::Body;
 use ricochet::impact::Impact;
 use ricochet::impact::step::Step;
 use ricochet::mesh::Mesh;
@@ -92,10 +92,10 @@ impl Case {
         Scene::parse(self.name, &text, &[]).unwrap_or_else(|error| panic!("{error}")).0
     }
 
-    fn solid(&self, session: &Session, supports: Option<&str>) -> (Mesh, Solid, Scene) {
+    fn solid(&self, session: &Session, supports: Option<&str>) -> (Mesh, Body, Scene) {
         let scene = self.scene(supports);
         let mesh = Mesh::new(&session.world(), &scene.body).unwrap();
-        let solid = Solid::new(&scene, &mesh).unwrap();
+        let solid = Body::solid(&scene, &mesh).unwrap();
         (mesh, solid, scene)
     }
 }
@@ -183,8 +183,8 @@ fn series(session: &Session) {
     let world = session.world();
     for case in CASES.map(Case::new) {
         let begin = std::time::Instant::now();
-        let (mesh, solid, scene) = case.solid(session, None);
-        let mut impact = Impact::new(&mesh, &scene, solid).unwrap();
+        let (_, solid, scene) = case.solid(session, None);
+        let mut impact = Impact::new(&scene, solid).unwrap();
         let mut steps: Vec<Step> = Vec::new();
         let flow = impact.run(|step| {
             steps.push(*step);

@@ -6,7 +6,7 @@ mod start;
 use std::process::ExitCode;
 
 use petsc_wrap::{Comm, Ksp, Matrix, Session, options};
-use ricochet::body::Solid;
+use ricochet::body::Body;
 use ricochet::impact::step::Step;
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
@@ -50,9 +50,9 @@ fn elastic(stiffness: &str) -> String {
 
 const CLAMPED: &str = "[[support]]\nsurface = \"side\"\nkind = \"clamped\"\n";
 
-fn solid(comm: &Comm, cells: &str, side: &str) -> Solid {
+fn solid(comm: &Comm, cells: &str, side: &str) -> Body {
     let (scene, _) = Scene::parse("test", &scene(cells, side), &[]).unwrap_or_else(|error| panic!("{error}"));
-    Solid::new(&scene, &Mesh::new(comm, &scene.body).unwrap()).unwrap()
+    Body::solid(&scene, &Mesh::new(comm, &scene.body).unwrap()).unwrap()
 }
 
 /// Something done under options of PETSc's.
@@ -64,7 +64,7 @@ fn with_options<T>(session: &Session, chosen: &[(&str, &str)], work: impl FnOnce
 }
 
 /// Iterations for S⁻¹a under the options; the solution is that of the direct method.
-fn iterations(session: &Session, body: &Solid, matrix: &Matrix, chosen: &[(&str, &str)]) -> usize {
+fn iterations(session: &Session, body: &Body, matrix: &Matrix, chosen: &[(&str, &str)]) -> usize {
     let (world, a) = (session.world(), &body.localization.vector);
     let (mut exact, mut x) = (a.duplicate().unwrap(), a.duplicate().unwrap());
     Ksp::new(&world, "", matrix).unwrap().solve(a, &mut exact).unwrap();

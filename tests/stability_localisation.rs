@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use glass::plate;
 use petsc_wrap::{Comm, Session};
-use ricochet::body::Solid;
+use ricochet::body::Body;
 use ricochet::error::Error;
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
@@ -83,7 +83,7 @@ fn patch_below_the_contact(session: &Session) {
     let solid = |radius: f64| {
         let (scene, _) = Scene::parse("test", &held(radius), &[]).unwrap_or_else(|error| panic!("{error}"));
         let mesh = Mesh::new(&world, &scene.body).unwrap();
-        Solid::new(&scene, &mesh)
+        Body::solid(&scene, &mesh)
     };
     let limit = solid(0.02).unwrap().localization.patch.unwrap().limit_radius;
     let Err(error) = solid(0.3 * limit) else { panic!("{:e} m is accepted", 0.3 * limit) };

@@ -6,7 +6,7 @@ mod bricks;
 use std::process::ExitCode;
 
 use petsc_wrap::{Comm, Ksp, Session};
-use ricochet::body::Solid;
+use ricochet::body::Body;
 use ricochet::element::Shape;
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
@@ -41,7 +41,7 @@ fn deflection(comm: &Comm, shape: Shape, order: usize, cells: usize, thickness: 
     );
     let (scene, _) = Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}"));
     let mesh = Mesh::new(comm, &scene.body).unwrap();
-    let body = Solid::new(&scene, &mesh).unwrap();
+    let body = Body::solid(&scene, &mesh).unwrap();
     let operator = body.operator(0.0, 0.0).unwrap();
     let mut solver = Ksp::new(comm, "", &operator).unwrap();
     let mut load = body.load.duplicate().unwrap();

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use petsc_wrap::{Comm, Insert, Int, Ksp, Matrix, Session, Vector};
-use ricochet::body::Solid;
+use ricochet::body::Body;
 use ricochet::mesh::Mesh;
 use ricochet::scene::{Geometry, Scene, Support, SupportKind, Symmetry};
 
@@ -77,7 +77,7 @@ fn measures_of_graded_boxes_and_quarters(session: &Session) {
                 displacement: [0.0; 3],
             };
             scene.supports = surfaces.iter().map(unit).collect();
-            let solid = Solid::new(&scene, &mesh).unwrap();
+            let solid = Body::solid(&scene, &mesh).unwrap();
             let volume = solid.copies * third_of_sum(&solid.mass, &solid.load) / 2500.0;
             let springs = solid.copies * third_of_sum(solid.support.as_ref().expect("unit springs"), &solid.load);
             // Sums of some thousand entries.
@@ -203,7 +203,7 @@ fn answer(comm: &Comm, case: &Case, symmetry: &str) -> Answer {
     let Geometry::Box { size, .. } = scene.body.geometry else { panic!("no box") };
     let mesh = Mesh::new(comm, &scene.body).unwrap();
     assert_eq!(mesh.copies, if symmetry == "none" { 1 } else { 4 });
-    let mut body = Solid::new(&scene, &mesh).unwrap();
+    let mut body = Body::solid(&scene, &mesh).unwrap();
     let mut matrix = body.combination(case.operator[0], case.operator[1]).unwrap();
     let held = &body.clamps.displacement;
     let mut product = held.duplicate().unwrap();

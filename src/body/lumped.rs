@@ -25,7 +25,7 @@ impl Lumped {
     /// A fault of the mesh, a tangled cell; PETSc's.
     ///
     /// # Panics
-    /// When the mesh has not the surfaces that the scene names: building a [`Solid`](super::Solid) finds that out.
+    /// When the mesh has not the surfaces that the scene names: building a [`Body`](super::Body) finds that out.
     pub fn new(scene: &Scene, mesh: &Mesh) -> Result<Self> {
         Ok(Self { mass: mass(scene, mesh)?, damping: damping(scene, mesh)? })
     }

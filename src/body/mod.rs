@@ -2,9 +2,12 @@
 
 mod assembly;
 mod clamps;
+mod deviates;
+mod krylov;
 mod lumped;
 mod modal;
 mod modes;
+mod operators;
 mod pads;
 mod projection;
 mod solid;
@@ -12,10 +15,11 @@ mod spectrum;
 
 pub use assembly::{Stopped, assemble, into_matrix, into_vector, zeros};
 pub use clamps::Clamps;
+pub use krylov::Krylov;
 pub use lumped::Lumped;
 pub use modal::ModalBody;
 pub use modes::{Free, Mode, Modes, Spectrum};
+pub use operators::Body;
 pub use pads::{PadPoints, Pads};
 pub use projection::Projection;
-pub use solid::Solid;
 pub use spectrum::{Inertia, LargestFrequency, LinearContact, largest_frequency};

@@ -1,7 +1,7 @@
 //! A body for steps in modal coordinates.
 
-use super::modes::{Modes, Spectrum};
 use super::Projection;
+use super::modes::{Modes, Spectrum};
 use crate::contact::Patch;
 use crate::error::Result;
 

@@ -205,15 +205,9 @@ fn vibrations(squares: &DVector<f64>, force: &DVector<f64>, load: &DVector<f64>)
 type Damped = (Vec<Mode>, [DMatrix<Complex<f64>>; 2]);
 
 /// The eigenvectors of (s x, v)˙ = [0 s; −ω²/s −C] (s x, v), s = ω where there is one.
-fn damped(
-    squares: &DVector<f64>,
-    damping: &DMatrix<f64>,
-    force: &DVector<f64>,
-    load: &DVector<f64>,
-) -> Result<Damped> {
+fn damped(squares: &DVector<f64>, damping: &DMatrix<f64>, force: &DVector<f64>, load: &DVector<f64>) -> Result<Damped> {
     let n = squares.len();
-    let scales: Vec<f64> =
-        (0..n).map(|i| squares[i].sqrt().max(damping[(i, i)]).max(f64::MIN_POSITIVE)).collect();
+    let scales: Vec<f64> = (0..n).map(|i| squares[i].sqrt().max(damping[(i, i)]).max(f64::MIN_POSITIVE)).collect();
     let real = |x: f64| Complex::new(x, 0.0);
     let mut matrix = DMatrix::zeros(2 * n, 2 * n);
     for i in 0..n {

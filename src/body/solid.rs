@@ -10,51 +10,16 @@ use crate::mesh::Mesh;
 use crate::scene::{Contact, Fault, Scene, Scheme, SupportKind, Vec3};
 
 use super::assembly::{Stopped, assemble, into_matrix, into_vector, node_graph, zeros};
-use super::{Clamps, Lumped, Pads};
+use super::deviates::{normal, place};
+use super::{Body, Clamps, Lumped, Pads};
 
-/// The body's side of M ü + C u̇ + K u + p(u) = a F + f, three unknowns a node.
-///
-/// Matrices are those of all unknowns, held ones included; [`Clamps`] says which of them move.
-pub struct Solid {
-    /// M, kg.
-    pub mass: Matrix,
-    /// K of the elastic body alone, N/m.
-    pub elastic: Matrix,
-    /// M and K for products, with a ninth and half of the memory traffic: M's entries by node, and K's upper triangle.
-    products: [Matrix; 2],
-    /// K of the elastic supports (11), N/m.
-    pub support: Option<Matrix>,
-    /// C of the dampers (13), N s/m.
-    pub damping: Option<Matrix>,
-    /// Diagonals in the places of M and C, where the scheme is explicit.
-    pub lumped: Option<Lumped>,
-    /// Pads (12).
-    pub pads: Option<Pads>,
-    /// Held unknowns (2).
-    pub clamps: Clamps,
-    /// Body force and tractions, N.
-    pub load: Vector,
-    /// ∫ k ū·v dS of the elastic supports, N.
-    pub support_load: Vector,
-    /// ½ ∫ k ū·ū dS of the elastic supports, J.
-    pub support_offset: f64,
-    /// Where the impactor hits.
-    pub localization: Localization,
-    /// The rigid motions, which multigrid needs to know of.
-    rigid_motions: NullSpace,
-    /// The body moved as a whole by one in the impactor's direction.
-    pub translation: Vector,
-    /// How many such bodies make the whole: 1, or 4 for a quarter of a symmetric box.
-    pub copies: f64,
-}
-
-impl Solid {
-    /// Assembles a scene's body. Collective.
+impl Body {
+    /// Assembles a scene's body of solid elements, three unknowns a node. Collective.
     ///
     /// # Errors
     /// A fault of the scene that shows only on the mesh: a surface that is not there, a tangled cell, an impact point
     /// off the body. PETSc's.
-    pub fn new(scene: &Scene, mesh: &Mesh) -> Result<Self> {
+    pub fn solid(scene: &Scene, mesh: &Mesh) -> Result<Self> {
         check_surfaces(scene, mesh)?;
         let localization = match scene.contact {
             Contact::Patch { radius } => Localization::patch(mesh, scene, radius)?,
@@ -88,95 +53,11 @@ impl Solid {
             support_offset,
             translation: translation(mesh, scene.impactor.direction)?,
             localization,
-            rigid_motions: rigid_motions(mesh)?,
+            rigid_motions: Some(rigid_motions(mesh)?),
+            deviates: deviates(mesh)?,
             clamps,
             copies: mesh.copies as f64,
         })
-    }
-
-    /// Unknowns on all ranks.
-    pub fn unknowns(&self) -> usize {
-        self.load.len()
-    }
-
-    /// Whether nothing resists a translation along the impactor's direction. Collective.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn is_free(&self) -> Result<bool> {
-        let mut held = self.translation.duplicate()?;
-        held.copy_from(&self.translation)?;
-        self.clamps.zero(&mut held)?;
-        held.axpy(-1.0, &self.translation)?;
-        Ok(self.support.is_none() && self.pads.is_none() && held.norm_max()? == 0.0)
-    }
-
-    /// out ← M v, with the lumped M where the scheme is explicit. Collective.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn apply_mass(&self, v: &Vector, out: &mut Vector) -> Result<()> {
-        match &self.lumped {
-            Some(lumped) => {
-                out.copy_from(v)?;
-                out.pointwise_mult(&lumped.mass)?;
-            }
-            None => self.products[0].mult(v, out)?,
-        }
-        Ok(())
-    }
-
-    /// out ← K u of the body alone. Collective.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn apply_elastic(&self, u: &Vector, out: &mut Vector) -> Result<()> {
-        Ok(self.products[1].mult(u, out)?)
-    }
-
-    /// out ← C v, with the lumped C where the scheme is explicit; nothing without dampers. Collective.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn apply_damping(&self, v: &Vector, out: &mut Vector) -> Result<()> {
-        match (&self.lumped, &self.damping) {
-            (Some(Lumped { damping: Some(diagonal), .. }), _) => {
-                out.copy_from(v)?;
-                out.pointwise_mult(diagonal)?;
-            }
-            (_, Some(matrix)) => matrix.mult(v, out)?,
-            _ => {}
-        }
-        Ok(())
-    }
-
-    /// S = K + c1 C + c2 M, pads left out. Collective.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn combination(&self, c1: f64, c2: f64) -> Result<Matrix> {
-        let mut sum = self.elastic.duplicate()?;
-        sum.axpy(c2, &self.mass)?;
-        if let Some(support) = &self.support {
-            sum.axpy(1.0, support)?;
-        }
-        if let Some(damping) = &self.damping {
-            sum.axpy(c1, damping)?;
-        }
-        Ok(sum)
-    }
-
-    /// [`Self::combination`] with the held unknowns taken out, to be solved with by direct or iterative methods. Collective.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn operator(&self, c1: f64, c2: f64) -> Result<Matrix> {
-        let mut matrix = self.combination(c1, c2)?;
-        let typical = matrix.trace()? / self.unknowns() as f64;
-        matrix.zero_rows_columns(&self.clamps.rows, typical)?;
-        matrix.declare_positive_definite()?;
-        matrix.set_near_null_space(&self.rigid_motions)?;
-        Ok(matrix)
     }
 }
 
@@ -198,6 +79,20 @@ fn rigid_motions(mesh: &Mesh) -> Result<NullSpace> {
     let motions = NullSpace::rigid_body(&mut coordinates)?;
     coordinates.destroy()?;
     Ok(motions)
+}
+
+/// By where the nodes lie, not by their numbers.
+fn deviates(mesh: &Mesh) -> Result<Vector> {
+    let mut deviates = Vector::new(&mesh.comm, 3 * mesh.owned_nodes)?;
+    for cell in 0..mesh.cells.len() {
+        for (&node, position) in mesh.cells.nodes(cell).iter().zip(mesh.cells.node_positions(cell)) {
+            let key = place(position, mesh.diameter);
+            let values = [0, 1, 2].map(|component| normal(key.wrapping_add(component)));
+            deviates.set_values(&[3 * node, 3 * node + 1, 3 * node + 2], &values, Insert::Replace)?;
+        }
+    }
+    deviates.assemble()?;
+    Ok(deviates)
 }
 
 /// Every surface that the scene names must be one of the mesh.

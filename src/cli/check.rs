@@ -2,7 +2,7 @@
 
 use petsc_wrap::{Comm, FactorEstimate, estimate_cholesky};
 
-use crate::body::Solid;
+use crate::body::Body;
 use crate::contact::{Reason, hertz};
 use crate::element::Shape;
 use crate::error::Result;
@@ -27,9 +27,9 @@ pub fn check(comm: &Comm, arguments: &Check) -> Result<()> {
 
 fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
     let mesh = Mesh::new(comm, &scene.body)?;
-    let mut body = Solid::new(scene, &mesh)?;
+    let mut body = Body::solid(scene, &mesh)?;
     let setting = Setting::new(&scene.impactor, &body);
-    let plan = Plan::new(&mesh, scene, &mut body, &setting)?;
+    let plan = Plan::new(scene, &mut body, &setting)?;
     let factor = match Implicit::new(scene.time.scheme) {
         Some(scheme) => {
             let stage = scheme.stage(plan.step());
@@ -55,7 +55,7 @@ fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
 }
 
 /// Mass of the modelled part of the body, kg: 1ᵀM1 counts it once for each component.
-fn mass(body: &Solid) -> Result<f64> {
+fn mass(body: &Body) -> Result<f64> {
     let mut ones = body.load.duplicate()?;
     let mut product = body.load.duplicate()?;
     ones.fill(1.0)?;
@@ -99,7 +99,7 @@ fn print_scene(scene: &Scene, mesh: &Mesh, (unknowns, mass): (usize, f64)) {
     }
 }
 
-fn print_contact(scene: &Scene, body: &Solid) {
+fn print_contact(scene: &Scene, body: &Body) {
     let impactor = &scene.impactor;
     let [x, y, z] = impactor.direction.map(|d| (1e6 * d).round() / 1e6);
     say(format_args!(
@@ -154,7 +154,7 @@ fn print_time(scene: &Scene, plan: &Plan) {
 }
 
 fn print_cost(
-    body: &Solid,
+    body: &Body,
     method: &Method,
     plan: &Plan,
     (entries, boundary): (f64, f64),

@@ -1,13 +1,13 @@
 //! What a user should know of a scene before its numbers are trusted.
 
-use crate::body::Solid;
+use crate::body::Body;
 use crate::contact::hertz;
 use crate::impact::Plan;
 use crate::scene::{Scene, Scheme};
 use crate::scheme::critical_frequency;
 
 /// The notes on a scene, with its body and its steps: nothing that is wrong, but much that a number may depend on.
-pub fn notes(scene: &Scene, body: &Solid, plan: &Plan) -> Vec<String> {
+pub fn notes(scene: &Scene, body: &Body, plan: &Plan) -> Vec<String> {
     let mut notes = Vec::new();
     let impactor = &scene.impactor;
     if let Some(patch) = &body.localization.patch {

@@ -8,7 +8,7 @@ use std::time::Instant;
 use petsc_wrap::{Comm, options, petsc_version};
 
 use crate::agree::agree;
-use crate::body::Solid;
+use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::impact::Impact;
 use crate::impact::step::Energy;
@@ -47,8 +47,8 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
     let begin = Instant::now();
     let mesh = Mesh::new(comm, &scene.body)?;
     let meshed = begin.elapsed().as_secs_f64();
-    let body = Solid::new(scene, &mesh)?;
-    let mut impact = Impact::new(&mesh, scene, body)?;
+    let body = Body::solid(scene, &mesh)?;
+    let mut impact = Impact::new(scene, body)?;
     drop(mesh);
     // The mesh is no longer needed.
     comm.collect_garbage()?;

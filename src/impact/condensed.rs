@@ -8,7 +8,7 @@
 
 use petsc_wrap::{Comm, Int, Ksp, Vector};
 
-use crate::body::Solid;
+use crate::body::Body;
 use crate::error::Result;
 use crate::scheme::{Affine, StageForce};
 
@@ -33,7 +33,7 @@ impl Condensed {
     /// residual (N) counts as none below `tolerance`. Collective.
     pub(super) fn new(
         comm: &Comm,
-        body: &Solid,
+        body: &Body,
         stage: Affine,
         mass: f64,
         (pushed, tolerance): (Vec<Int>, f64),

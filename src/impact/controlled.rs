@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 
 use petsc_wrap::Comm;
 
-use crate::body::Solid;
+use crate::body::Body;
 use crate::contact::hertz;
 use crate::error::{Error, Result};
 use crate::scene::Fault;
@@ -89,7 +89,7 @@ impl Controlled<'_> {
     /// Runs to the end or until `observe` breaks off; returns which, and the fine trajectory. Collective.
     pub(super) fn run(
         mut self,
-        body: &mut Solid,
+        body: &mut Body,
         mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>,
     ) -> Result<(ControlFlow<()>, Trajectory)> {
         let mut pair = Pair::new(self.comm, body, self.setting)?;
@@ -112,7 +112,7 @@ impl Controlled<'_> {
     fn advance_to_end(
         &mut self,
         pair: &mut Pair,
-        body: &mut Solid,
+        body: &mut Body,
         held: &mut Option<Vec<Step>>,
         observe: &mut impl FnMut(&Step) -> Result<ControlFlow<()>>,
     ) -> Result<ControlFlow<()>> {
@@ -189,7 +189,7 @@ impl Controlled<'_> {
     }
 
     /// The beginning again, in steps smaller by a factor. Collective.
-    fn again(&mut self, body: &mut Solid, factor: f64) -> Result<Pair> {
+    fn again(&mut self, body: &mut Body, factor: f64) -> Result<Pair> {
         let base = factor * self.ladder.step(LEVELS[0]);
         tracing::info!(base, "the first contact again, in smaller steps");
         if self.end / base > MOST_STEPS {
@@ -210,7 +210,7 @@ impl Controlled<'_> {
     }
 
     /// The level of the next steps: the larger ones where the impactor is off and will be after them. Collective.
-    fn level(&self, pair: &Pair, body: &Solid) -> Result<usize> {
+    fn level(&self, pair: &Pair, body: &Body) -> Result<usize> {
         if pair.is_touching() {
             return Ok(LEVELS[0]);
         }
@@ -227,7 +227,7 @@ impl Controlled<'_> {
     }
 
     /// Two steps of the fine trajectory, which are returned, and one of the coarse.
-    fn advance(&mut self, pair: &mut Pair, level: usize, body: &mut Solid) -> Result<Vec<Step>> {
+    fn advance(&mut self, pair: &mut Pair, level: usize, body: &mut Body) -> Result<Vec<Step>> {
         let mut told = Vec::with_capacity(2);
         pair.has_touched = false;
         for _ in 0..2 {
@@ -240,7 +240,7 @@ impl Controlled<'_> {
     }
 
     /// A step of a trajectory at a level.
-    fn step(&mut self, trajectory: &mut Trajectory, level: usize, body: &mut Solid) -> Result<()> {
+    fn step(&mut self, trajectory: &mut Trajectory, level: usize, body: &mut Body) -> Result<()> {
         let stepper = self.ladder.at(level, body)?;
         let time = trajectory.time + stepper.step();
         self.count.iterations += trajectory.advance(stepper, time, body, self.setting)?;

@@ -2,9 +2,8 @@
 
 use petsc_wrap::Vector;
 
-use crate::body::{Lumped, Solid};
+use crate::body::{Body, Lumped};
 use crate::error::Result;
-use crate::mesh::Mesh;
 use crate::scene::{Fault, Scheme};
 use crate::scheme::{CentralDifference, Implicit, newmark};
 
@@ -26,7 +25,7 @@ pub struct ExplicitStepper {
 }
 
 impl ExplicitStepper {
-    pub(super) fn new(body: &Solid, step: f64) -> Result<Self> {
+    pub(super) fn new(body: &Body, step: f64) -> Result<Self> {
         let zeros = || body.load.duplicate();
         let pads = body.pads.as_ref().map(|_| zeros()).transpose()?;
         Ok(Self { scheme: CentralDifference { step }, half: zeros()?, force: zeros()?, pads })
@@ -38,7 +37,7 @@ impl ExplicitStepper {
     /// When the body has no lumped mass.
     pub(super) fn advance(
         &mut self,
-        body: &mut Solid,
+        body: &mut Body,
         setting: &Setting,
         from: &Moment,
         to: &mut Moment,
@@ -114,16 +113,11 @@ fn correct(
 ///
 /// # Errors
 /// A fault of `time.step`; PETSc's.
-pub(super) fn step(
-    mesh: &Mesh,
-    body: &mut Solid,
-    setting: &Setting,
-    (given, allow_unstable): (Option<f64>, bool),
-) -> Result<f64> {
+pub(super) fn step(body: &mut Body, setting: &Setting, (given, allow_unstable): (Option<f64>, bool)) -> Result<f64> {
     if let (Some(step), true) = (given, allow_unstable) {
         return Ok(step);
     }
-    let limit = stable_step(mesh, body, setting, Scheme::CentralDifference { allow_unstable })?;
+    let limit = stable_step(body, setting, Scheme::CentralDifference { allow_unstable })?;
     let Some(step) = given else { return Ok(OF_LIMIT * limit) };
     if step <= limit {
         return Ok(step);

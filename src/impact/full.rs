@@ -11,7 +11,7 @@
 use mpi::traits::{Communicator, Root};
 use petsc_wrap::{Comm, Gather, Insert, Int, Matrix, Snes, Vector};
 
-use crate::body::Solid;
+use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::scheme::Affine;
 
@@ -47,7 +47,7 @@ pub struct Full {
 
 impl Full {
     /// Assembles Ŝ and the pattern of the Newton matrix. Collective.
-    pub(super) fn new(comm: &Comm, body: &Solid, stage: Affine, mass: f64, tolerance: f64) -> Result<Self> {
+    pub(super) fn new(comm: &Comm, body: &Body, stage: Affine, mass: f64, tolerance: f64) -> Result<Self> {
         let (all, _): (Vec<Int>, Vec<f64>) = body.localization.entries.iter().copied().unzip();
         let free = Gather::new(&body.clamps.free, &all)?.fetch(&body.clamps.free)?.to_vec();
         // A held unknown takes no force; what it adds to δ is constant and part of δ_n.
@@ -155,7 +155,7 @@ impl Full {
 }
 
 /// Ŝ with room for ââᵀ, whose entries couple the impactor and all of `coupled` with one another.
-fn constant(comm: &Comm, body: &Solid, stage: Affine, mass: f64, coupled: &[Int]) -> Result<Matrix> {
+fn constant(comm: &Comm, body: &Body, stage: Affine, mass: f64, coupled: &[Int]) -> Result<Matrix> {
     let operator = body.operator(stage.c1, stage.c2)?;
     let rows = operator.row_range();
     let last = body.unknowns() as Int;

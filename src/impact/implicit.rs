@@ -2,7 +2,7 @@
 
 use petsc_wrap::{Comm, Int, Vector};
 
-use crate::body::{Pads, Solid};
+use crate::body::{Body, Pads};
 use crate::error::{Error, Result};
 use crate::scene;
 use crate::scheme::{Implicit, StageForce};
@@ -67,7 +67,7 @@ pub enum Method {
 
 impl Method {
     /// What is asked for, but for pads of so many unknowns that the full Newton's method is cheaper. Collective.
-    pub fn of(newton: scene::Newton, body: &Solid) -> Self {
+    pub fn of(newton: scene::Newton, body: &Body) -> Self {
         let pushed = body.pads.as_ref().map(Pads::pushed).unwrap_or_default();
         match newton {
             scene::Newton::Condensed if pushed.is_empty() => Self::Condensed,
@@ -95,7 +95,7 @@ impl ImplicitStepper {
     /// PETSc's.
     pub(super) fn new(
         comm: &Comm,
-        body: &Solid,
+        body: &Body,
         setting: Setting,
         (scheme, step): (Implicit, f64),
         (newton, tolerance): (scene::Newton, f64),
@@ -118,7 +118,7 @@ impl ImplicitStepper {
     /// Takes a step: writes the state at its end, and what was exchanged over it. Returns the Newton iterations. Collective.
     pub(super) fn advance(
         &mut self,
-        body: &mut Solid,
+        body: &mut Body,
         setting: &Setting,
         from: &Moment,
         to: &mut Moment,
@@ -147,7 +147,7 @@ impl ImplicitStepper {
         let q = state.q;
         let known_impactor = -setting.mass * stage.apply(0.0, q.velocity, q.acceleration).1;
         let force = StageForce { law: setting.law, from: from.approach, theta, gradient: scheme.gradient };
-        let Solid { localization, pads, .. } = &mut *body;
+        let Body { localization, pads, .. } = &mut *body;
         let increment = &mut self.work;
         let mut largest = 0.0_f64;
         if pads.is_some() || matches!(self.solver, Solver::Full(_)) {

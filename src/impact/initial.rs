@@ -2,7 +2,7 @@
 
 use petsc_wrap::{Comm, Ksp};
 
-use crate::body::Solid;
+use crate::body::Body;
 use crate::error::Result;
 
 use super::setting::Setting;
@@ -12,7 +12,7 @@ use super::state::{Impactor, Moment};
 ///
 /// # Errors
 /// PETSc's.
-pub(super) fn start(comm: &Comm, body: &mut Solid, setting: &Setting, moment: &mut Moment) -> Result<()> {
+pub(super) fn start(comm: &Comm, body: &mut Body, setting: &Setting, moment: &mut Moment) -> Result<()> {
     moment.state.u.copy_from(&body.clamps.displacement)?;
     moment.state.q = Impactor { position: 0.0, velocity: setting.speed, acceleration: 0.0 };
     moment.update(body, setting.gap)?;

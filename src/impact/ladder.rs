@@ -2,7 +2,7 @@
 
 use petsc_wrap::Comm;
 
-use crate::body::Solid;
+use crate::body::Body;
 use crate::error::Result;
 use crate::scene;
 use crate::scheme::Implicit;
@@ -36,7 +36,7 @@ impl Stepper {
     /// [`crate::Error::Solve`] where the step is not solved; PETSc's.
     pub(super) fn advance(
         &mut self,
-        body: &mut Solid,
+        body: &mut Body,
         setting: &Setting,
         from: &Moment,
         to: &mut Moment,
@@ -81,7 +81,7 @@ impl Ladder {
     ///
     /// # Errors
     /// PETSc's.
-    pub(super) fn at(&mut self, level: usize, body: &Solid) -> Result<&mut Stepper> {
+    pub(super) fn at(&mut self, level: usize, body: &Body) -> Result<&mut Stepper> {
         if self.steppers.len() <= level {
             self.steppers.resize_with(level + 1, || None);
         }

@@ -10,7 +10,7 @@
 
 use petsc_wrap::Vector;
 
-use crate::body::Solid;
+use crate::body::Body;
 use crate::error::Result;
 use crate::scheme::Implicit;
 
@@ -41,7 +41,7 @@ pub struct Work<'a> {
 
 /// The exchange of one step. `work` is overwritten. Collective.
 pub(super) fn exchange(
-    body: &Solid,
+    body: &Body,
     setting: &Setting,
     (scheme, step): (&Implicit, f64),
     (from, to): (&Moment, &Moment),
@@ -105,7 +105,7 @@ impl Ledger {
     }
 
     /// The energies of a moment of the whole body. Collective.
-    pub(super) fn energy(&self, body: &Solid, setting: &Setting, at: &Moment) -> Result<Energy> {
+    pub(super) fn energy(&self, body: &Body, setting: &Setting, at: &Moment) -> Result<Energy> {
         let Moment { state, products, .. } = at;
         let copies = setting.copies;
         let kinetic = copies * 0.5 * products.momentum.dot(&state.v)?;

@@ -1,9 +1,8 @@
 //! The largest step that theory allows a scheme on a body, known before anything is run.
 
-use crate::body::{Inertia, LinearContact, Solid, largest_frequency};
+use crate::body::{Body, Inertia, LinearContact, largest_frequency};
 use crate::contact::hertz;
 use crate::error::Result;
-use crate::mesh::Mesh;
 use crate::scene::Scheme;
 use crate::scheme::critical_frequency;
 
@@ -14,7 +13,7 @@ use super::setting::Setting;
 ///
 /// # Errors
 /// PETSc's.
-pub fn stable_step(mesh: &Mesh, body: &mut Solid, setting: &Setting, scheme: Scheme) -> Result<f64> {
+pub fn stable_step(body: &mut Body, setting: &Setting, scheme: Scheme) -> Result<f64> {
     let critical = match scheme {
         Scheme::Newmark { beta, gamma } => critical_frequency(beta, gamma),
         Scheme::GeneralizedAlpha { .. } | Scheme::Energy => f64::INFINITY,
@@ -29,7 +28,7 @@ pub fn stable_step(mesh: &Mesh, body: &mut Solid, setting: &Setting, scheme: Sch
     let contact = LinearContact { tangent: law.tangent(approach.min(law.limit())), mass };
     let lumped = body.lumped.take();
     let inertia = lumped.as_ref().map_or(Inertia::Consistent, |lumped| Inertia::Lumped(&lumped.mass));
-    let largest = largest_frequency(mesh, body, inertia, Some(contact));
+    let largest = largest_frequency(body, inertia, Some(contact));
     body.lumped = lumped;
     Ok(critical / largest?.bound)
 }

@@ -27,10 +27,9 @@ use std::ops::ControlFlow;
 
 use petsc_wrap::Comm;
 
-use crate::body::Solid;
+use crate::body::Body;
 use crate::contact::hertz;
 use crate::error::Result;
-use crate::mesh::Mesh;
 use crate::scene::Scene;
 use crate::scheme::Implicit;
 
@@ -52,7 +51,7 @@ const FORCE_TOLERANCE: f64 = 1e-10;
 /// A body under an impactor, ready to run.
 pub struct Impact {
     comm: Comm,
-    body: Solid,
+    body: Body,
     setting: Setting,
     ladder: Ladder,
     gate: Gate,
@@ -79,14 +78,14 @@ pub struct Count {
 }
 
 impl Impact {
-    /// An impact of the scene on its body, made on the mesh: sets up the initial state. Collective.
+    /// An impact of the scene on its body: sets up the initial state. Collective.
     ///
     /// # Errors
     /// A fault of the scene where an explicit step is not stable; PETSc's.
-    pub fn new(mesh: &Mesh, scene: &Scene, mut body: Solid) -> Result<Self> {
-        let (comm, end) = (&mesh.comm, scene.time.end);
+    pub fn new(scene: &Scene, mut body: Body) -> Result<Self> {
+        let (comm, end) = (&body.comm().clone(), scene.time.end);
         let setting = Setting::new(&scene.impactor, &body);
-        let plan = Plan::new(mesh, scene, &mut body, &setting)?;
+        let plan = Plan::new(scene, &mut body, &setting)?;
         let newton_tolerance =
             FORCE_TOLERANCE * hertz::peak_force(setting.law.hertz.stiffness, setting.mass, setting.speed);
         let (methods, base) = ((scene.time.scheme, scene.solver.newton), plan.step());
@@ -122,7 +121,7 @@ impl Impact {
     }
 
     /// The body.
-    pub fn body(&self) -> &Solid {
+    pub fn body(&self) -> &Body {
         &self.body
     }
 
@@ -133,7 +132,7 @@ impl Impact {
     }
 
     /// The body, for another impact on it.
-    pub fn into_body(self) -> Solid {
+    pub fn into_body(self) -> Body {
         self.body
     }
 

@@ -2,7 +2,7 @@
 
 use petsc_wrap::{Comm, Vector};
 
-use crate::body::Solid;
+use crate::body::Body;
 use crate::error::Result;
 
 use super::setting::Setting;
@@ -27,7 +27,7 @@ pub struct Pair {
 }
 
 impl Pair {
-    pub(super) fn new(comm: &Comm, body: &mut Solid, setting: &Setting) -> Result<Self> {
+    pub(super) fn new(comm: &Comm, body: &mut Body, setting: &Setting) -> Result<Self> {
         let [fine, coarse] = [Trajectory::new(comm, body, setting)?, Trajectory::new(comm, body, setting)?];
         let mean = if body.is_free()? { Some(mean_displacement(body)?) } else { None };
         Ok(Self { fine, coarse, has_touched: false, peak: 0.0, difference: 0.0, surface: [0.0; 2], mean })
@@ -63,7 +63,7 @@ impl Pair {
 }
 
 /// M t / tᵀM t for the translation t: the mean displacement of a body along it. Collective.
-fn mean_displacement(body: &Solid) -> Result<Vector> {
+fn mean_displacement(body: &Body) -> Result<Vector> {
     let mut mean = body.load.duplicate()?;
     body.apply_mass(&body.translation, &mut mean)?;
     mean.scale(1.0 / mean.dot(&body.translation)?)?;

@@ -1,8 +1,7 @@
 //! Which steps a run takes.
 
-use crate::body::Solid;
+use crate::body::Body;
 use crate::error::Result;
-use crate::mesh::Mesh;
 use crate::scene::{Fault, Scene, Scheme};
 use crate::scheme::critical_frequency;
 
@@ -31,10 +30,10 @@ impl Plan {
     ///
     /// # Errors
     /// A fault of `time.step` where an explicit step is not stable; PETSc's.
-    pub fn new(mesh: &Mesh, scene: &Scene, body: &mut Solid, setting: &Setting) -> Result<Self> {
+    pub fn new(scene: &Scene, body: &mut Body, setting: &Setting) -> Result<Self> {
         Ok(match (scene.time.scheme, scene.time.step) {
             (Scheme::CentralDifference { allow_unstable }, given) => {
-                let step = explicit::step(mesh, body, setting, (given, allow_unstable))?;
+                let step = explicit::step(body, setting, (given, allow_unstable))?;
                 Self::Equal { step: step.min(scene.time.end) }
             }
             (_, Some(step)) => Self::Equal { step },

@@ -1,6 +1,6 @@
 //! What an impact is made of, beside its body: the numbers of impactor and contact.
 
-use crate::body::Solid;
+use crate::body::Body;
 use crate::contact::{Hertz, Law, hertz};
 use crate::error::{Error, Result};
 use crate::scene;
@@ -25,7 +25,7 @@ pub struct Setting {
 
 impl Setting {
     /// The setting of a scene with its body.
-    pub fn new(impactor: &scene::Impactor, body: &Solid) -> Self {
+    pub fn new(impactor: &scene::Impactor, body: &Body) -> Self {
         Self::of(impactor, body.copies, body.localization.compliance)
     }
 
@@ -35,10 +35,7 @@ impl Setting {
             mass: impactor.mass / copies,
             speed: impactor.speed,
             gap: impactor.gap,
-            law: Law {
-                hertz: Hertz { stiffness: impactor.stiffness / copies },
-                compliance,
-            },
+            law: Law { hertz: Hertz { stiffness: impactor.stiffness / copies }, compliance },
             copies,
         }
     }

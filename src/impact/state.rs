@@ -2,7 +2,7 @@
 
 use petsc_wrap::{Matrix, Vector};
 
-use crate::body::Solid;
+use crate::body::Body;
 use crate::error::Result;
 
 /// Displacement, velocity and acceleration of body and impactor.
@@ -42,7 +42,7 @@ pub struct Products {
 
 impl State {
     /// A state of zeros.
-    pub(super) fn zero(body: &Solid) -> Result<Self> {
+    pub(super) fn zero(body: &Body) -> Result<Self> {
         let zeros = || body.load.duplicate();
         let q = Impactor { position: 0.0, velocity: 0.0, acceleration: 0.0 };
         Ok(Self { u: zeros()?, v: zeros()?, a: zeros()?, q })
@@ -51,14 +51,14 @@ impl State {
 
 impl Products {
     /// Products of zeros.
-    pub(super) fn zero(body: &Solid) -> Result<Self> {
+    pub(super) fn zero(body: &Body) -> Result<Self> {
         let zeros = || body.load.duplicate();
         let of = |matrix: &Option<Matrix>| matrix.as_ref().map(|_| zeros()).transpose();
         Ok(Self { elastic: zeros()?, support: of(&body.support)?, damping: of(&body.damping)?, momentum: zeros()? })
     }
 
     /// All of them anew from u, with aᵀu (m), and u̇. Collective.
-    pub(super) fn update(&mut self, body: &Solid, state: &State, surface: f64) -> Result<()> {
+    pub(super) fn update(&mut self, body: &Body, state: &State, surface: f64) -> Result<()> {
         // K u knows no translation, but its rounding does: on a body that has flown off that is 1e-9 of the energy. The
         // momentum's place is free until it is made anew below.
         let bent = &mut self.momentum;
@@ -102,13 +102,13 @@ pub struct Moment {
 
 impl Moment {
     /// At rest at u = 0.
-    pub(super) fn zero(body: &Solid) -> Result<Self> {
+    pub(super) fn zero(body: &Body) -> Result<Self> {
         let (state, products) = (State::zero(body)?, Products::zero(body)?);
         Ok(Self { state, products, inertia: body.load.duplicate()?, surface: 0.0, approach: 0.0, pads: 0.0 })
     }
 
     /// All but the inertia anew, after u, u̇ and q have changed. Collective.
-    pub(super) fn update(&mut self, body: &mut Solid, gap: f64) -> Result<()> {
+    pub(super) fn update(&mut self, body: &mut Body, gap: f64) -> Result<()> {
         self.surface = body.localization.vector.dot(&self.state.u)?;
         self.products.update(body, &self.state, self.surface)?;
         self.approach = self.state.q.position - gap - self.surface;
@@ -119,7 +119,7 @@ impl Moment {
     }
 
     /// δ̇ = q̇ − aᵀu̇, m/s. Collective.
-    pub(super) fn rate(&self, body: &Solid) -> Result<f64> {
+    pub(super) fn rate(&self, body: &Body) -> Result<f64> {
         Ok(self.state.q.velocity - body.localization.vector.dot(&self.state.v)?)
     }
 

@@ -2,7 +2,7 @@
 
 use petsc_wrap::Comm;
 
-use crate::body::Solid;
+use crate::body::Body;
 use crate::error::{Error, Result};
 
 use super::initial;
@@ -29,7 +29,7 @@ impl Trajectory {
     ///
     /// # Errors
     /// PETSc's.
-    pub(super) fn new(comm: &Comm, body: &mut Solid, setting: &Setting) -> Result<Self> {
+    pub(super) fn new(comm: &Comm, body: &mut Body, setting: &Setting) -> Result<Self> {
         let mut now = Moment::zero(body)?;
         initial::start(comm, body, setting, &mut now)?;
         Ok(Self { now, next: Moment::zero(body)?, ledger: Ledger::default(), time: 0.0, steps: 0 })
@@ -43,7 +43,7 @@ impl Trajectory {
         &mut self,
         stepper: &mut Stepper,
         time: f64,
-        body: &mut Solid,
+        body: &mut Body,
         setting: &Setting,
     ) -> Result<usize> {
         let (number, wrong) = (self.steps + 1, |error| at(error, self.steps + 1, time));
@@ -69,7 +69,7 @@ impl Trajectory {
     ///
     /// # Errors
     /// PETSc's.
-    pub(super) fn set_state(&mut self, state: State, body: &mut Solid, setting: &Setting) -> Result<()> {
+    pub(super) fn set_state(&mut self, state: State, body: &mut Body, setting: &Setting) -> Result<()> {
         body.apply_mass(&state.a, &mut self.now.inertia)?;
         body.clamps.zero(&mut self.now.inertia)?;
         self.now.state = state;
@@ -85,7 +85,7 @@ impl Trajectory {
     ///
     /// # Errors
     /// PETSc's.
-    pub(super) fn observed(&self, body: &Solid, setting: &Setting) -> Result<Step> {
+    pub(super) fn observed(&self, body: &Body, setting: &Setting) -> Result<Step> {
         let Moment { state, surface, approach, .. } = &self.now;
         let force = setting.law.force(*approach);
         Ok(Step {

@@ -70,7 +70,10 @@ mod tests {
                 };
                 let sum: Complex<f64> = (0..n).step_by(2).map(|i| at(i) + at(i + 1) * 4.0 + at(i + 2)).sum();
                 // Simpson's error: |y|⁴/(180 n⁴).
-                assert!((sum / (3.0 * n as f64) - value).norm() < 1e-13 + y.norm().powi(4) / 180.0 / (n as f64).powi(4), "{y} {k}");
+                assert!(
+                    (sum / (3.0 * n as f64) - value).norm() < 1e-13 + y.norm().powi(4) / 180.0 / (n as f64).powi(4),
+                    "{y} {k}"
+                );
             }
         }
     }

@@ -6,7 +6,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::body::{Lumped, Solid};
+use crate::body::{Body, Lumped};
 use crate::contact::hertz;
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
@@ -110,7 +110,7 @@ pub fn stability(
     interrupted: &mut dyn FnMut() -> bool,
     told: &mut dyn FnMut(&Row),
 ) -> Result<Option<Study>> {
-    let body = Solid::new(scene, mesh)?;
+    let body = Body::solid(scene, mesh)?;
     let unknowns = body.unknowns();
     let mut bench = Bench::new(mesh, scene, body, interrupted)?;
     let schemes = compared(scene.time.scheme);
@@ -199,7 +199,7 @@ struct Bench<'a> {
     mesh: &'a Mesh,
     scene: Scene,
     /// There except while a run has it, or after an error.
-    body: Option<Solid>,
+    body: Option<Body>,
     /// The lumped mass while the body has the consistent one.
     lumped: Option<Lumped>,
     interrupted: &'a mut dyn FnMut() -> bool,
@@ -208,14 +208,14 @@ struct Bench<'a> {
 impl<'a> Bench<'a> {
     /// With the body of the scene, whose gate is opened and whose steps are solved by the condensed Newton's method: as by the full
     /// one, but faster.
-    fn new(mesh: &'a Mesh, scene: &Scene, body: Solid, interrupted: &'a mut dyn FnMut() -> bool) -> Result<Self> {
+    fn new(mesh: &'a Mesh, scene: &Scene, body: Body, interrupted: &'a mut dyn FnMut() -> bool) -> Result<Self> {
         let lumped = if body.lumped.is_none() { Some(Lumped::new(scene, mesh)?) } else { None };
         let solver = Solver { newton: Newton::Condensed, energy_gate: None };
         Ok(Self { mesh, scene: Scene { solver, ..scene.clone() }, body: Some(body), lumped, interrupted })
     }
 
     /// The body with the mass that a scheme needs.
-    fn body(&mut self, scheme: Scheme) -> &mut Solid {
+    fn body(&mut self, scheme: Scheme) -> &mut Body {
         let body = self.body.as_mut().expect("every run that did not end the study has handed it back");
         if is_explicit(scheme) != body.lumped.is_some() {
             std::mem::swap(&mut body.lumped, &mut self.lumped);
@@ -229,7 +229,7 @@ impl<'a> Bench<'a> {
         let impactor = self.scene.impactor.clone();
         let body = self.body(scheme);
         let setting = Setting::new(&impactor, body);
-        let limit = stable_step(mesh, body, &setting, scheme);
+        let limit = stable_step(body, &setting, scheme);
         mesh.comm.collect_garbage()?;
         limit
     }
@@ -261,7 +261,7 @@ impl<'a> Bench<'a> {
         self.body(scheme);
         self.scene.time = Time { step: Some(step), scheme, ..self.scene.time };
         let body = self.body.take().expect("it has just been made ready");
-        let mut impact = Impact::new(self.mesh, &self.scene, body)?;
+        let mut impact = Impact::new(&self.scene, body)?;
         let ended = impact.run(|step| {
             observe(step);
             Ok(if (self.interrupted)() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })

@@ -6,7 +6,7 @@ mod bricks;
 use std::path::Path;
 
 use petsc_wrap::Comm;
-use ricochet::body::{Inertia, LargestFrequency, LinearContact, Lumped, Solid, largest_frequency};
+use ricochet::body::{Body, Inertia, LargestFrequency, LinearContact, Lumped, largest_frequency};
 use ricochet::contact::{Hertz, hertz};
 use ricochet::element::Shape;
 use ricochet::mesh::Mesh;
@@ -46,7 +46,7 @@ pub const ON_PAD: &str = "[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nnor
 /// A body on all ranks of a communicator.
 pub struct Parts {
     pub mesh: Mesh,
-    pub body: Solid,
+    pub body: Body,
     pub lumped: Lumped,
     pub scene: Scene,
 }
@@ -58,7 +58,7 @@ pub fn parts(comm: &Comm, kind: Kind, size: [f64; 3], distortion: f64, supports:
     std::fs::write(&file, bricks::bricks(kind.shape, size, kind.cells, distortion)).unwrap();
     let (scene, _) = Scene::parse("test", &text(&file, kind.order, size, supports), &[]).unwrap();
     let mesh = Mesh::new(comm, &scene.body).unwrap();
-    let body = Solid::new(&scene, &mesh).unwrap();
+    let body = Body::solid(&scene, &mesh).unwrap();
     let lumped = Lumped::new(&scene, &mesh).unwrap();
     Parts { mesh, body, lumped, scene }
 }
@@ -82,5 +82,5 @@ pub fn peak_contact(scene: &Scene) -> LinearContact {
 /// ω_max of the parts, with lumped or consistent mass. Collective.
 pub fn largest(parts: &mut Parts, consistent: bool, contact: Option<LinearContact>) -> LargestFrequency {
     let inertia = if consistent { Inertia::Consistent } else { Inertia::Lumped(&parts.lumped.mass) };
-    largest_frequency(&parts.mesh, &mut parts.body, inertia, contact).unwrap()
+    largest_frequency(&mut parts.body, inertia, contact).unwrap()
 }

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use petsc_wrap::Comm;
-use ricochet::body::Solid;
+use ricochet::body::Body;
 use ricochet::impact::Impact;
 use ricochet::impact::step::Step;
 use ricochet::mesh::Mesh;
@@ -13,8 +13,8 @@ use ricochet::scene::Scene;
 pub fn start(comm: &Comm, text: &str) -> (Mesh, Impact) {
     let (scene, _) = Scene::parse("test", text, &[]).unwrap_or_else(|error| panic!("{}", error));
     let mesh = Mesh::new(comm, &scene.body).unwrap();
-    let body = Solid::new(&scene, &mesh).unwrap();
-    let impact = Impact::new(&mesh, &scene, body).unwrap();
+    let body = Body::solid(&scene, &mesh).unwrap();
+    let impact = Impact::new(&scene, body).unwrap();
     (mesh, impact)
 }
 

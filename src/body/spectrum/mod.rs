@@ -6,9 +6,8 @@ mod pencil;
 use nalgebra::{DMatrix, SymmetricEigen};
 use petsc_wrap::Vector;
 
-use super::Solid;
+use super::Body;
 use crate::error::Result;
-use crate::mesh::Mesh;
 
 use pencil::Pencil;
 
@@ -62,16 +61,15 @@ pub struct LargestFrequency {
 /// # Errors
 /// PETSc's.
 pub fn largest_frequency(
-    mesh: &Mesh,
-    body: &mut Solid,
+    body: &mut Body,
     inertia: Inertia,
     contact: Option<LinearContact>,
 ) -> Result<LargestFrequency> {
-    let mut pencil = Pencil::new(&mesh.comm, body, inertia, contact)?;
+    let mut pencil = Pencil::new(body, inertia, contact)?;
     let dimension = pencil.dimension()?;
     // The next vector of the basis before it is normalised, and its product with M.
     let (mut x, mut momentum) = (pencil.vector()?, pencil.vector()?);
-    let mut q = pencil.random(mesh, &mut x)?;
+    let mut q = pencil.random(&mut x)?;
     let mut q_momentum = pencil.mass((&x, q), &mut momentum)?;
     let mut length = (x.dot(&momentum)? + q * q_momentum).sqrt();
     let (mut basis, mut basis_q) = (Vec::new(), Vec::new());

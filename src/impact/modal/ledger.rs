@@ -27,8 +27,7 @@ impl Ledger {
         let [a, b, c] = taken.force;
         let slope = |tau: f64| 4.0 * b - 3.0 * a - c + 2.0 * tau * (2.0 * a - 4.0 * b + 2.0 * c);
         let weights = [7.0, 32.0, 12.0, 32.0, 7.0];
-        let inside: f64 =
-            (0..5).map(|k| weights[k] / 90.0 * slope(0.25 * k as f64) * taken.approach[k]).sum();
+        let inside: f64 = (0..5).map(|k| weights[k] / 90.0 * slope(0.25 * k as f64) * taken.approach[k]).sum();
         let ends = quadratic(taken.force, 1.0) * taken.approach[4] - a * taken.approach[0];
         self.numerical += potential - (ends - inside);
     }

@@ -125,7 +125,8 @@ impl<'a> Motion<'a> {
         self.touching = true;
         // As small as it has to be, for F = t^{3/2} has no quadratic.
         self.level = if self.steps.defect.is_some() { 3 } else { 0 };
-        let (mut low, mut high) = (if look == 0 { 0.0 } else { LOOKS[look - 1] * table.step }, LOOKS[look] * table.step);
+        let (mut low, mut high) =
+            (if look == 0 { 0.0 } else { LOOKS[look - 1] * table.step }, LOOKS[look] * table.step);
         self.put_back(table);
         if look == 0 && self.approach >= 0.0 {
             return None;

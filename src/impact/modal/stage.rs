@@ -65,8 +65,7 @@ pub fn solve(law: &Law, answer: &Answer, free: [f64; 4], first: f64, guess: [f64
             part *= 0.5;
         }
         if part < 1e-3 {
-            return (old <= 1e3 * rounding)
-                .then(|| finish(law, answer, free, [first, at[0].0, at[1].0], iteration));
+            return (old <= 1e3 * rounding).then(|| finish(law, answer, free, [first, at[0].0, at[1].0], iteration));
         }
     }
     None

@@ -1,0 +1,181 @@
+//! Rational Krylov bases of a linear body.
+//!
+//! The impactor sees the body through a alone: one force in, one displacement out. The vectors
+//!
+//! q₁ = S⁻¹ a,  q_{j+1} = −S⁻¹ ((C + 2sM) q_j + M p_j),  S = K + sC + s²M,
+//!
+//! made orthonormal in M, span what a unit force does near the rate s, with its derivatives in s up to the number of vectors: free
+//! motions, dampers and the dent under a static force included (Z. Bai & Y. Su, SOAR: A second-order Arnoldi method for the solution
+//! of the quadratic eigenvalue problem, SIAM J. Matrix Anal. Appl. 26, 2005; without dampers the shift-and-invert Lanczos method of
+//! load-dependent Ritz vectors, E. L. Wilson, M.-W. Yuan & J. M. Dickens, Earthq. Eng. Struct. Dyn. 10, 1982). Every vector is made
+//! orthogonal to all others twice, and K itself is projected.
+
+use nalgebra::{DMatrix, DVector};
+use petsc_wrap::{Comm, Ksp, Vector};
+
+use super::{Body, Projection};
+use crate::error::Result;
+
+/// A new vector shorter than this part of what it was before it was made orthogonal adds nothing but rounding.
+const EXHAUSTED: f64 = 1e-10;
+
+/// A basis that grows, and the body on it.
+pub struct Krylov {
+    /// s, 1/s.
+    shift: f64,
+    solver: Ksp,
+    basis: Vec<Vector>,
+    /// p, with dampers.
+    auxiliary: Vec<Vector>,
+    /// Products that are projected by the way, row by row of the lower triangle: K of the body, K of the supports, C.
+    rows: [Vec<Vec<f64>>; 3],
+    work: [Vector; 2],
+    /// What the chains begin with: a, and the loads where there are any; all chains grow by turns.
+    starts: Vec<Vector>,
+    exhausted: bool,
+}
+
+impl Krylov {
+    /// Factorises S at a rate s (1/s). Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn new(comm: &Comm, body: &Body, shift: f64) -> Result<Self> {
+        let matrix = body.operator(shift, shift * shift)?;
+        let mut loads = body.load.duplicate()?;
+        loads.copy_from(&body.load)?;
+        loads.axpy(1.0, &body.support_load)?;
+        let mut force = body.load.duplicate()?;
+        force.copy_from(&body.localization.vector)?;
+        let mut starts = vec![force];
+        if loads.norm_max()? > 0.0 {
+            starts.push(loads);
+        }
+        for start in &mut starts {
+            body.clamps.zero(start)?;
+        }
+        Ok(Self {
+            shift,
+            solver: Ksp::new(comm, "", &matrix)?,
+            basis: Vec::new(),
+            auxiliary: Vec::new(),
+            rows: [const { Vec::new() }; 3],
+            work: [body.load.duplicate()?, body.load.duplicate()?],
+            starts,
+            exhausted: false,
+        })
+    }
+
+    /// Vectors so far.
+    pub fn vectors(&self) -> usize {
+        self.basis.len()
+    }
+
+    /// Whether the basis holds all that the force can reach, to rounding.
+    pub fn is_exhausted(&self) -> bool {
+        self.exhausted
+    }
+
+    /// Adds vectors up to a number. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn grow(&mut self, body: &Body, vectors: usize) -> Result<()> {
+        while self.basis.len() < vectors && !self.exhausted {
+            self.add(body)?;
+        }
+        Ok(())
+    }
+
+    fn add(&mut self, body: &Body) -> Result<()> {
+        let Self { shift, solver, basis, auxiliary, work: [known, product], starts, .. } = self;
+        let (count, chains) = (basis.len(), starts.len());
+        let mut next = body.load.duplicate()?;
+        let mut companion = body.damping.is_some().then(|| body.load.duplicate()).transpose()?;
+        if count < chains {
+            solver.solve(&starts[count], &mut next)?;
+        } else {
+            let last = &basis[count - chains];
+            body.apply_mass(last, known)?;
+            if let Some(damping) = &body.damping {
+                known.scale(2.0 * *shift)?;
+                damping.mult(last, product)?;
+                known.axpy(1.0, product)?;
+                body.apply_mass(&auxiliary[count - chains], product)?;
+                known.axpy(1.0, product)?;
+                known.scale(-1.0)?;
+            }
+            body.clamps.zero(known)?;
+            solver.solve(known, &mut next)?;
+            if let Some(companion) = &mut companion {
+                companion.copy_from(last)?;
+            }
+        }
+        if let Some(companion) = &mut companion
+            && count < chains
+        {
+            companion.fill(0.0)?;
+        }
+        body.apply_mass(&next, product)?;
+        let before = next.dot(product)?.max(0.0).sqrt();
+        for _ in 0..2 {
+            let shares: Vec<f64> = product.dots(basis)?.iter().map(|share| -share).collect();
+            next.add_combination(&shares, basis)?;
+            if let Some(companion) = &mut companion {
+                companion.add_combination(&shares, auxiliary)?;
+            }
+            body.apply_mass(&next, product)?;
+        }
+        let length = next.dot(product)?.max(0.0).sqrt();
+        if length <= EXHAUSTED * before {
+            self.exhausted = true;
+            return Ok(());
+        }
+        next.scale(1.0 / length)?;
+        if let Some(mut companion) = companion {
+            companion.scale(1.0 / length)?;
+            auxiliary.push(companion);
+        }
+        basis.push(next);
+        self.project(body)
+    }
+
+    /// The last vector's rows of the projected operators.
+    fn project(&mut self, body: &Body) -> Result<()> {
+        let Self { basis, rows, work: [product, _], .. } = self;
+        let Some(last) = basis.last() else { return Ok(()) };
+        body.apply_elastic(last, product)?;
+        rows[0].push(product.dots(basis)?);
+        for (matrix, rows) in [&body.support, &body.damping].into_iter().zip(&mut rows[1..]) {
+            if let Some(matrix) = matrix {
+                matrix.mult(last, product)?;
+                rows.push(product.dots(basis)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// The body on the basis. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn projection(&self, body: &Body) -> Result<Projection> {
+        let count = self.basis.len();
+        let square = |rows: &[Vec<f64>]| {
+            DMatrix::from_fn(count, count, |i, j| rows.get(i.max(j)).map_or(0.0, |row| row[i.min(j)]))
+        };
+        let along = |v: &Vector| Ok::<_, crate::Error>(DVector::from_vec(v.dots(&self.basis)?));
+        Ok(Projection {
+            elastic: square(&self.rows[0]),
+            support: square(&self.rows[1]),
+            damping: body.damping.is_some().then(|| square(&self.rows[2])),
+            force: along(&body.localization.vector)?,
+            load: along(&body.load)?,
+            support_load: along(&body.support_load)?,
+            support_offset: body.support_offset,
+            compliance: body.localization.compliance,
+            copies: body.copies,
+            patch: body.localization.patch,
+        })
+    }
+}

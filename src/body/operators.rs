@@ -1,0 +1,140 @@
+//! A linear body with its pads, as operators that any scheme can apply and solve with.
+
+use petsc_wrap::{Comm, Matrix, NullSpace, Vector};
+
+use crate::contact::Localization;
+use crate::error::Result;
+
+use super::{Clamps, Lumped, Pads};
+
+/// The body's side of M ü + C u̇ + K u + p(u) = a F + f, as PETSc holds it.
+///
+/// Matrices are those of all unknowns, held ones included; [`Clamps`] says which of them move.
+pub struct Body {
+    /// M, kg.
+    pub mass: Matrix,
+    /// K of the elastic body alone, N/m.
+    pub elastic: Matrix,
+    /// M and K for products, with a ninth and half of the memory traffic: M's entries by node, and K's upper triangle.
+    pub(super) products: [Matrix; 2],
+    /// K of the elastic supports (11), N/m.
+    pub support: Option<Matrix>,
+    /// C of the dampers (13), N s/m.
+    pub damping: Option<Matrix>,
+    /// Diagonals in the places of M and C, where the scheme is explicit.
+    pub lumped: Option<Lumped>,
+    /// Pads (12).
+    pub pads: Option<Pads>,
+    /// Held unknowns (2).
+    pub clamps: Clamps,
+    /// Body force and tractions, N.
+    pub load: Vector,
+    /// ∫ k ū·v dS of the elastic supports, N.
+    pub support_load: Vector,
+    /// ½ ∫ k ū·ū dS of the elastic supports, J.
+    pub support_offset: f64,
+    /// Where the impactor hits.
+    pub localization: Localization,
+    /// The rigid motions, which multigrid needs to know of, where there are unknowns enough for that.
+    pub(super) rigid_motions: Option<NullSpace>,
+    /// The body moved as a whole by one in the impactor's direction.
+    pub translation: Vector,
+    /// Numbers that look like independent normal deviates, the same on any number of ranks: where iterations start.
+    pub deviates: Vector,
+    /// How many such bodies make the whole: 1, or 4 for a quarter of a symmetric box.
+    pub copies: f64,
+}
+
+impl Body {
+    /// The ranks that share it.
+    pub fn comm(&self) -> &Comm {
+        self.mass.comm()
+    }
+
+    /// Unknowns on all ranks.
+    pub fn unknowns(&self) -> usize {
+        self.load.len()
+    }
+
+    /// Whether nothing resists a translation along the impactor's direction. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn is_free(&self) -> Result<bool> {
+        let mut held = self.translation.duplicate()?;
+        held.copy_from(&self.translation)?;
+        self.clamps.zero(&mut held)?;
+        held.axpy(-1.0, &self.translation)?;
+        Ok(self.support.is_none() && self.pads.is_none() && held.norm_max()? == 0.0)
+    }
+
+    /// out ← M v, with the lumped M where the scheme is explicit. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn apply_mass(&self, v: &Vector, out: &mut Vector) -> Result<()> {
+        match &self.lumped {
+            Some(lumped) => {
+                out.copy_from(v)?;
+                out.pointwise_mult(&lumped.mass)?;
+            }
+            None => self.products[0].mult(v, out)?,
+        }
+        Ok(())
+    }
+
+    /// out ← K u of the body alone. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn apply_elastic(&self, u: &Vector, out: &mut Vector) -> Result<()> {
+        Ok(self.products[1].mult(u, out)?)
+    }
+
+    /// out ← C v, with the lumped C where the scheme is explicit; nothing without dampers. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn apply_damping(&self, v: &Vector, out: &mut Vector) -> Result<()> {
+        match (&self.lumped, &self.damping) {
+            (Some(Lumped { damping: Some(diagonal), .. }), _) => {
+                out.copy_from(v)?;
+                out.pointwise_mult(diagonal)?;
+            }
+            (_, Some(matrix)) => matrix.mult(v, out)?,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// S = K + c1 C + c2 M, pads left out. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn combination(&self, c1: f64, c2: f64) -> Result<Matrix> {
+        let mut sum = self.elastic.duplicate()?;
+        sum.axpy(c2, &self.mass)?;
+        if let Some(support) = &self.support {
+            sum.axpy(1.0, support)?;
+        }
+        if let Some(damping) = &self.damping {
+            sum.axpy(c1, damping)?;
+        }
+        Ok(sum)
+    }
+
+    /// [`Self::combination`] with the held unknowns taken out, to be solved with by direct or iterative methods. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn operator(&self, c1: f64, c2: f64) -> Result<Matrix> {
+        let mut matrix = self.combination(c1, c2)?;
+        let typical = matrix.trace()? / self.unknowns() as f64;
+        matrix.zero_rows_columns(&self.clamps.rows, typical)?;
+        matrix.declare_positive_definite()?;
+        if let Some(motions) = &self.rigid_motions {
+            matrix.set_near_null_space(motions)?;
+        }
+        Ok(matrix)
+    }
+}
