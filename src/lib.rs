@@ -13,6 +13,7 @@ pub mod figure;
 pub mod form;
 pub mod impact;
 pub mod mesh;
+pub mod model;
 pub mod record;
 pub mod scene;
 pub mod scheme;

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use mpi::datatype::PartitionMut;
 use mpi::topology::SimpleCommunicator;
-use mpi::traits::{AsRaw, Communicator, CommunicatorCollectives, Equivalence};
+use mpi::traits::{AsRaw, Communicator, CommunicatorCollectives, Equivalence, Root};
 use petsc_sys as sys;
 
 use crate::error::{Result, check};
@@ -63,6 +63,11 @@ impl Comm {
         let mut all = vec![T::default(); counts.iter().sum::<i32>() as usize];
         self.mpi.all_gather_varcount_into(mine, &mut PartitionMut::new(&mut all[..], counts, starts));
         all
+    }
+
+    /// The values of rank 0 in place of each rank's own. Collective.
+    pub fn take_of_root(&self, values: &mut [f64]) {
+        self.mpi.process_at_rank(0).broadcast_into(values);
     }
 
     /// Destroys what dropped handles left behind. Collective.

@@ -165,7 +165,13 @@ impl Krylov {
             DMatrix::from_fn(count, count, |i, j| rows.get(i.max(j)).map_or(0.0, |row| row[i.min(j)]))
         };
         let along = |v: &Vector| Ok::<_, crate::Error>(DVector::from_vec(v.dots(&self.basis)?));
-        Ok(Projection {
+        let mut momentum = body.translation.duplicate()?;
+        // Of a body that is held the basis has no translation, which K would map to nothing.
+        if body.is_free()? {
+            body.apply_mass(&body.translation, &mut momentum)?;
+        }
+        let mut projection = Projection {
+            translation: along(&momentum)?,
             elastic: square(&self.rows[0]),
             support: square(&self.rows[1]),
             damping: body.damping.is_some().then(|| square(&self.rows[2])),
@@ -176,6 +182,9 @@ impl Krylov {
             compliance: body.localization.compliance,
             copies: body.copies,
             patch: body.localization.patch,
-        })
+        };
+        // Sums over ranks may differ in their last digits, and with them the decisions that follow from them.
+        projection.numbers().for_each(|numbers| body.comm().take_of_root(numbers));
+        Ok(projection)
     }
 }

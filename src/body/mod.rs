@@ -12,6 +12,7 @@ mod pads;
 mod projection;
 mod solid;
 mod spectrum;
+mod system;
 
 pub use assembly::{Stopped, assemble, into_matrix, into_vector, zeros};
 pub use clamps::Clamps;
@@ -23,3 +24,4 @@ pub use operators::Body;
 pub use pads::{PadPoints, Pads};
 pub use projection::Projection;
 pub use spectrum::{Inertia, LargestFrequency, LinearContact, largest_frequency};
+pub use system::System;

@@ -1,7 +1,9 @@
 //! A linear body on a basis of few vectors, orthonormal in its mass.
 
 use nalgebra::{DMatrix, DVector};
+use nalgebra_sparse::CsrMatrix;
 
+use super::System;
 use crate::contact::Patch;
 
 /// ÿ + C ẏ + (K_e + K_s) y = a F + f: a body's operators on a basis V with VᵀMV = 1, so that u = V y.
@@ -17,6 +19,8 @@ pub struct Projection {
     pub damping: Option<DMatrix<f64>>,
     /// Vᵀa.
     pub force: DVector<f64>,
+    /// VᵀMt of the unit translation t along the impactor's direction.
+    pub translation: DVector<f64>,
     /// Vᵀf of body forces and tractions.
     pub load: DVector<f64>,
     /// Vᵀ∫ k ū of the supports.
@@ -32,9 +36,40 @@ pub struct Projection {
 }
 
 impl Projection {
+    /// The body for schemes that know no modes: y are its unknowns.
+    pub fn system(&self) -> System {
+        let of = |m: &DMatrix<f64>| CsrMatrix::from(m);
+        let count = self.vectors();
+        System {
+            mass: CsrMatrix::identity(count),
+            elastic: of(&self.elastic),
+            support: (self.support.amax() > 0.0).then(|| of(&self.support)),
+            damping: self.damping.as_ref().map(of),
+            held: Vec::new(),
+            load: self.load.as_slice().to_vec(),
+            support_load: self.support_load.as_slice().to_vec(),
+            support_offset: self.support_offset,
+            localization: self.force.as_slice().to_vec(),
+            compliance: self.compliance,
+            patch: self.patch,
+            translation: self.translation.as_slice().to_vec(),
+            copies: self.copies,
+        }
+    }
+
     /// Vectors of the basis.
     pub fn vectors(&self) -> usize {
         self.force.len()
+    }
+
+    /// All the numbers of the arrays.
+    pub(super) fn numbers(&mut self) -> impl Iterator<Item = &mut [f64]> {
+        let Self { elastic, support, damping, force, translation, load, support_load, .. } = self;
+        [Some(elastic), Some(support), damping.as_mut()]
+            .into_iter()
+            .flatten()
+            .map(|m| m.as_mut_slice())
+            .chain([force, translation, load, support_load].map(|v| v.as_mut_slice()))
     }
 
     /// The same body on the first `count` vectors of the basis.
@@ -46,6 +81,7 @@ impl Projection {
             support: square(&self.support),
             damping: self.damping.as_ref().map(square),
             force: head(&self.force),
+            translation: head(&self.translation),
             load: head(&self.load),
             support_load: head(&self.support_load),
             support_offset: self.support_offset,

@@ -38,7 +38,7 @@ use gate::Gate;
 pub use implicit::Method;
 use ladder::Ladder;
 pub use limit::stable_step;
-pub use modal::ModalImpact;
+pub use modal::{ModalImpact, Steps, Trace};
 pub use plan::{Plan, steps};
 pub use setting::Setting;
 pub use state::{Impactor, State};

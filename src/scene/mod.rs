@@ -93,9 +93,13 @@ impl Scene {
     }
 }
 
-/// The elastic body: material, geometry, elements.
+/// The elastic body: theory, material, geometry, elements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
+    /// What is taken into account.
+    pub model: Model,
+    /// What is made of a linear body before it is stepped.
+    pub reduction: Reduction,
     /// Young's modulus E1, Pa.
     pub young: f64,
     /// Poisson's ratio ν1, in (−1, 1/2).
@@ -108,6 +112,34 @@ pub struct Body {
     pub order: usize,
     /// What part of it is solved.
     pub symmetry: Symmetry,
+}
+
+/// What a body's theory takes into account, the least first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Model {
+    /// The least that the scene's tolerance allows.
+    Auto,
+    /// Its dent alone, which Hertz's law holds.
+    HalfSpace,
+    /// Bending waves without echoes (Zener 1941).
+    InfinitePlate,
+    /// Bending of a thin plate.
+    Kirchhoff,
+    /// Bending with shear and rotary inertia (Reissner 1945, Mindlin 1951).
+    Mindlin,
+    /// Elasticity in three dimensions.
+    Solid,
+}
+
+/// What is made of a linear body before it is stepped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reduction {
+    /// A Krylov basis as large as the tolerance asks for where the scheme is modal, otherwise nothing.
+    Auto,
+    /// Nothing.
+    None,
+    /// A Krylov basis of so many vectors.
+    Vectors(usize),
 }
 
 /// What part of the body is solved.
@@ -135,6 +167,8 @@ pub enum Geometry {
         size: Vec3,
         /// Coordinates of the grid planes across each axis, m, ascending from −size/2 to size/2; the cells lie between them.
         planes: [Vec<f64>; 3],
+        /// Whether the scene gives the cells.
+        is_given: bool,
     },
     /// A Gmsh file (2.2 or 4.1), surfaces by physical name; relative to the scene file.
     Gmsh(std::path::PathBuf),
@@ -231,7 +265,9 @@ pub struct Time {
     pub end: f64,
     /// Step Δt, s; controlled by the error where it is left out.
     pub step: Option<f64>,
-    /// How a step is taken.
+    /// Whether the body moves in modal coordinates, exactly in its linear part.
+    pub modal: bool,
+    /// How a step is taken otherwise.
     pub scheme: Scheme,
 }
 

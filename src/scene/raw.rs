@@ -3,7 +3,7 @@
 
 use serde::Deserialize;
 
-use super::values::{ByComponent, List, Number, Three, Whole};
+use super::values::{ByComponent, List, Number, Three, Whole, WordOrWhole};
 
 /// The root table.
 #[derive(Debug, Deserialize)]
@@ -32,7 +32,7 @@ pub(super) struct Scene {
 #[serde(deny_unknown_fields, expecting = "a table with the header [body]")]
 pub(super) struct Body {
     pub model: Option<String>,
-    pub reduction: Option<String>,
+    pub reduction: Option<WordOrWhole>,
     pub young: Number,
     pub poisson: Number,
     pub density: Number,

@@ -15,6 +15,13 @@ pub(super) struct Number(pub f64);
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Whole(pub i64);
 
+/// A word, or a whole number.
+#[derive(Debug, Clone)]
+pub(super) enum WordOrWhole {
+    Word(String),
+    Whole(i64),
+}
+
 /// Three entries, one a direction.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Three<T>(pub [T; 3]);
@@ -81,6 +88,30 @@ impl Visitor<'_> for WholeVisitor {
 
     fn visit_i64<E: de::Error>(self, value: i64) -> Result<Whole, E> {
         Ok(Whole(value))
+    }
+}
+
+impl<'de> Deserialize<'de> for WordOrWhole {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(WordOrWholeVisitor)
+    }
+}
+
+struct WordOrWholeVisitor;
+
+impl Visitor<'_> for WordOrWholeVisitor {
+    type Value = WordOrWhole;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a word or a whole number")
+    }
+
+    fn visit_str<E: de::Error>(self, value: &str) -> Result<WordOrWhole, E> {
+        Ok(WordOrWhole::Word(value.to_owned()))
+    }
+
+    fn visit_i64<E: de::Error>(self, value: i64) -> Result<WordOrWhole, E> {
+        Ok(WordOrWhole::Whole(value))
     }
 }
 

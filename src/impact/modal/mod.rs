@@ -21,8 +21,9 @@ use super::step::{Contact, Motion as ImpactorMotion, Step};
 use super::trajectory::at;
 use super::{Count, Setting};
 use ledger::Ledger;
-use motion::{Motion, Steps};
-use trace::Trace;
+use motion::Motion;
+pub use motion::Steps;
+pub use trace::Trace;
 
 /// Modes up to this over the largest step take part in the motion.
 const RESOLVED: f64 = 3.0;
@@ -32,6 +33,9 @@ const FIRST: f64 = 0.15;
 
 /// Halvings of the largest step at most.
 const REFINEMENTS: usize = 14;
+
+/// Part of the tolerance that the steps may take.
+const OF_STEPS: f64 = 0.3;
 
 /// Steps of one run at most.
 const MOST_STEPS: usize = 10_000_000;
@@ -53,6 +57,7 @@ pub struct ModalImpact<'a> {
 struct Done {
     trace: Trace,
     steps: Vec<Step>,
+    sizes: Steps,
 }
 
 impl<'a> ModalImpact<'a> {
@@ -64,7 +69,7 @@ impl<'a> ModalImpact<'a> {
             setting: setting(impactor, body),
             end: scene.time.end,
             step: scene.time.step,
-            tolerance: scene.tolerance,
+            tolerance: OF_STEPS * scene.tolerance,
             contact_time: hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed),
             count: Count::default(),
         }
@@ -80,16 +85,32 @@ impl<'a> ModalImpact<'a> {
     /// # Errors
     /// [`Error::Solve`] with step and time where a step is not solved or the contact law is left; the observer's.
     pub fn run(&mut self, mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
-        let done = match self.step {
-            Some(step) => self.once(Steps { largest: step, defect: None }, true)?,
-            None => self.controlled()?,
-        };
+        let done = self.done()?;
         for step in &done.steps {
             if observe(step)?.is_break() {
                 return Ok(ControlFlow::Break(()));
             }
         }
         Ok(ControlFlow::Continue(()))
+    }
+
+    /// The force alone, in the given steps or those of the scene; with the steps it took.
+    ///
+    /// # Errors
+    /// As [`ModalImpact::run`].
+    pub fn trace(&mut self, steps: Option<Steps>) -> Result<(Trace, Steps)> {
+        let done = match steps {
+            Some(steps) => self.once(steps, false)?,
+            None => self.done()?,
+        };
+        Ok((done.trace, done.sizes))
+    }
+
+    fn done(&mut self) -> Result<Done> {
+        match self.step {
+            Some(step) => self.once(Steps { largest: step, defect: None }, true),
+            None => self.controlled(),
+        }
     }
 
     /// Halves the steps until the tolerance is met in the first contact.
@@ -126,7 +147,7 @@ impl<'a> ModalImpact<'a> {
         // The springs of the modes left out are in the law.
         let law = Law { compliance: setting.law.compliance - modes.residual, ..setting.law };
         let mut motion = Motion::new(&modes, law, (setting.mass, setting.speed, setting.gap), steps);
-        let mut done = Done { trace: Trace::default(), steps: Vec::new() };
+        let mut done = Done { trace: Trace::default(), steps: Vec::new(), sizes: steps };
         let mut ledger = Ledger::default();
         if observed {
             done.steps.push(seen(0, &motion, (&modes, &setting), &mut ledger));

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::super::values::Whole;
-use super::super::{SceneError, Source, Vec3, raw};
+use super::super::values::WordOrWhole;
+use super::super::{Model, Reduction, SceneError, Source, Vec3, raw};
 use super::word;
 
 /// The numbers of the body that stand alone.
@@ -23,8 +24,6 @@ pub(super) enum Outline {
 }
 
 pub(super) fn material(source: &Source, raw: &raw::Body) -> Result<Material, SceneError> {
-    word(source, "body.model", &raw.model, &["solid"])?;
-    word(source, "body.reduction", &raw.reduction, &["none"])?;
     let young = source.positive("body.young", raw.young.0, "Young's modulus in Pa, as 70e9 for glass")?;
     let density = source.positive("body.density", raw.density.0, "the density in kg/m3, as 2500 for glass")?;
     let Whole(order) = raw.order.unwrap_or(Whole(2));
@@ -34,6 +33,39 @@ pub(super) fn material(source: &Source, raw: &raw::Body) -> Result<Material, Sce
         density,
         order: source.whole("body.order", order, 1..=2)?,
     })
+}
+
+/// Most vectors of a basis that can be asked for.
+const MOST_VECTORS: usize = 2000;
+
+/// The theory, and what is made of a linear body.
+pub(super) fn theory(source: &Source, raw: &raw::Body) -> Result<(Model, Reduction), SceneError> {
+    let words = ["auto", "half-space", "infinite-plate", "kirchhoff", "mindlin", "solid"];
+    let model = match word(source, "body.model", &raw.model, &words)? {
+        "half-space" => Model::HalfSpace,
+        "infinite-plate" => Model::InfinitePlate,
+        "kirchhoff" => Model::Kirchhoff,
+        "mindlin" => Model::Mindlin,
+        "solid" => Model::Solid,
+        _ => Model::Auto,
+    };
+    let path = "body.reduction";
+    let reduction = match &raw.reduction {
+        None => Reduction::Auto,
+        Some(WordOrWhole::Whole(vectors)) => {
+            Reduction::Vectors(source.whole(path, *vectors, 1..=MOST_VECTORS)?)
+        }
+        Some(WordOrWhole::Word(given)) => match word(source, path, &Some(given.clone()), &["auto", "none"])? {
+            "none" => Reduction::None,
+            _ => Reduction::Auto,
+        },
+    };
+    if raw.mesh.is_some() && !matches!(model, Model::Auto | Model::Solid) {
+        let name = raw.model.as_deref().unwrap_or_default();
+        let message = format!("the theory \"{name}\" is for a box, and the body is a mesh file");
+        return Err(source.conflict("body.model", "body.mesh", message, "\"solid\", or `size` in place of `mesh`".into()));
+    }
+    Ok((model, reduction))
 }
 
 fn poisson(source: &Source, value: f64) -> Result<f64, SceneError> {

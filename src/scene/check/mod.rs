@@ -3,6 +3,7 @@
 mod body;
 mod grid;
 mod impactor;
+mod modal;
 mod numbers;
 mod support;
 mod symmetry;
@@ -43,19 +44,27 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
         Outline::Gmsh(path) => Geometry::Gmsh(path),
         Outline::Box(size) => {
             let hit = grid::Hit { size, impactor: &impactor, contact, order };
-            Geometry::Box { size, planes: grid::check(source, &raw.body, hit)? }
+            Geometry::Box {
+                size,
+                planes: grid::check(source, &raw.body, hit)?,
+                is_given: raw.body.cells.is_some() || raw.body.grading.is_some(),
+            }
         }
     };
     let parts = symmetry::Parts { geometry: &geometry, impactor: &impactor, supports: &supports, load: &load };
     let symmetry = symmetry::check(source, &raw.body, &parts)?;
+    let (model, reduction) = body::theory(source, &raw.body)?;
+    let against = modal::against(&raw, (model, reduction), &supports);
+    let time = time::check(source, &raw.time, against)?;
+    modal::only(source, &raw, model, &time)?;
     Ok(Scene {
         title: raw.title.unwrap_or_default(),
-        body: Body { young, poisson, density, geometry, order, symmetry },
+        body: Body { model, reduction, young, poisson, density, geometry, order, symmetry },
         supports,
         impactor,
         contact,
         load,
-        time: time::check(source, &raw.time)?,
+        time,
         tolerance: tolerance(source, &raw.accuracy)?,
         solver: solver(source, &raw.solver)?,
         output: output(source, &raw.output)?,

@@ -34,7 +34,7 @@ const NAMES: [&str; 3] = ["x", "y", "z"];
 /// The axes normal to the two planes of symmetry through the impact point, or what breaks the symmetry.
 fn planes(parts: &Parts) -> Result<[usize; 2], String> {
     let Parts { geometry, impactor, supports, load } = parts;
-    let Geometry::Box { size, planes } = geometry else {
+    let Geometry::Box { size, planes, .. } = geometry else {
         return Err("the body is from a mesh file".into());
     };
     let struck = struck_axis(*size, impactor.point, impactor.direction);

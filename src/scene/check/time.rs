@@ -8,10 +8,19 @@ use super::word;
 /// More steps than anyone waits for: a step that small is a slip.
 const MOST_STEPS: f64 = 1e9;
 
-pub(super) fn check(source: &Source, raw: &raw::Time) -> Result<Time, SceneError> {
+/// `against` is what rules modal coordinates out, a key with the reason.
+pub(super) fn check(source: &Source, raw: &raw::Time, against: Option<(String, String)>) -> Result<Time, SceneError> {
     let end = source.positive("time.end", raw.end.0, "the end of the run in s")?;
     let step = raw.step.map(|Number(step)| step_within(source, step, end)).transpose()?;
-    Ok(Time { end, step, scheme: scheme(source, raw)? })
+    let asked = raw.scheme.as_deref() == Some("modal");
+    if let (true, Some((key, reason))) = (asked, &against) {
+        let help = "another scheme, as \"newmark\", or another value of that key".to_owned();
+        return Err(source.conflict("time.scheme", key, reason.clone(), help));
+    }
+    // A parameter of a scheme asks for that scheme.
+    let parameters = raw.beta.is_some() || raw.gamma.is_some() || raw.rho_inf.is_some() || raw.allow_unstable.is_some();
+    let modal = asked || (raw.scheme.is_none() && against.is_none() && !parameters);
+    Ok(Time { end, step, modal, scheme: scheme(source, raw)? })
 }
 
 fn step_within(source: &Source, step: f64, end: f64) -> Result<f64, SceneError> {
@@ -28,8 +37,8 @@ fn step_within(source: &Source, step: f64, end: f64) -> Result<f64, SceneError> 
 }
 
 fn scheme(source: &Source, raw: &raw::Time) -> Result<Scheme, SceneError> {
-    let name =
-        word(source, "time.scheme", &raw.scheme, &["newmark", "generalized-alpha", "energy", "central-difference"])?;
+    let words = ["newmark", "generalized-alpha", "energy", "central-difference", "modal"];
+    let name = word(source, "time.scheme", &raw.scheme, &words)?;
     let parameters = [
         ("beta", raw.beta.is_some(), "newmark"),
         ("gamma", raw.gamma.is_some(), "newmark"),
@@ -42,7 +51,7 @@ fn scheme(source: &Source, raw: &raw::Time) -> Result<Scheme, SceneError> {
         return Err(source.conflict(&format!("time.{key}"), "time.scheme", message, help));
     }
     match name {
-        "newmark" => newmark(source, raw),
+        "newmark" | "modal" => newmark(source, raw),
         "generalized-alpha" => {
             let Number(rho_inf) = raw.rho_inf.unwrap_or(Number(0.8));
             source.finite("time.rho_inf", &[rho_inf])?;

@@ -1,0 +1,103 @@
+//! A body given by numbers, without a mesh: small enough that every rank has all of it.
+
+use nalgebra_sparse::CsrMatrix;
+use petsc_wrap::{Comm, Insert, Int, Matrix, Vector};
+
+use crate::contact::{Localization, Patch};
+use crate::error::Result;
+
+use super::deviates::normal;
+use super::{Body, Clamps};
+
+/// M ü + C u̇ + K u = a F + f of a body, all unknowns numbered from zero, held ones among them.
+#[derive(Debug, Clone)]
+pub struct System {
+    /// M.
+    pub mass: CsrMatrix<f64>,
+    /// K of the elastic body alone.
+    pub elastic: CsrMatrix<f64>,
+    /// K of the elastic supports (11).
+    pub support: Option<CsrMatrix<f64>>,
+    /// C of the dampers (13).
+    pub damping: Option<CsrMatrix<f64>>,
+    /// Held unknowns and their values.
+    pub held: Vec<(usize, f64)>,
+    /// f of body forces and tractions.
+    pub load: Vec<f64>,
+    /// ∫ k ū·v dS of the elastic supports.
+    pub support_load: Vec<f64>,
+    /// ½ ∫ k ū·ū dS of the elastic supports, J.
+    pub support_offset: f64,
+    /// a: aᵀu is the surface's displacement along the impactor's direction, m.
+    pub localization: Vec<f64>,
+    /// c of the contact law α = δ + c F, m/N, of the modelled part.
+    pub compliance: f64,
+    /// The patch of a body of solid elements.
+    pub patch: Option<Patch>,
+    /// The unknowns of a unit translation along the impactor's direction.
+    pub translation: Vec<f64>,
+    /// How many such bodies make the whole.
+    pub copies: f64,
+}
+
+impl Body {
+    /// The system's operators, as PETSc holds them on one rank.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn of(alone: &Comm, system: &System) -> Result<Self> {
+        let vector = |values: &[f64]| {
+            let mut vector = Vector::new(alone, values.len())?;
+            vector.write()?.copy_from_slice(values);
+            Ok::<_, crate::Error>(vector)
+        };
+        let count = system.load.len();
+        let of_list = |matrix: &Option<CsrMatrix<f64>>| matrix.as_ref().map(|m| matrix_of(alone, m)).transpose();
+        let (mut free, mut displacement) = (vec![1.0; count], vec![0.0; count]);
+        for (unknown, value) in &system.held {
+            (free[*unknown], displacement[*unknown]) = (0.0, *value);
+        }
+        let clamps = Clamps {
+            free: vector(&free)?,
+            displacement: vector(&displacement)?,
+            rows: (0..).zip(&free).filter(|(_, free)| **free == 0.0).map(|(i, _): (Int, _)| i).collect(),
+        };
+        let entries = (0..).zip(&system.localization).filter(|(_, a)| **a != 0.0).map(|(i, a)| (i, *a)).collect();
+        let deviates: Vec<f64> = (0..count as u64).map(normal).collect();
+        let (mass, elastic) = (matrix_of(alone, &system.mass)?, matrix_of(alone, &system.elastic)?);
+        Ok(Self {
+            products: [mass.duplicate()?, elastic.upper_triangle(1)?],
+            mass,
+            elastic,
+            support: of_list(&system.support)?,
+            damping: of_list(&system.damping)?,
+            lumped: None,
+            pads: None,
+            clamps,
+            load: vector(&system.load)?,
+            support_load: vector(&system.support_load)?,
+            support_offset: system.support_offset,
+            localization: Localization {
+                vector: vector(&system.localization)?,
+                entries,
+                compliance: system.compliance,
+                patch: system.patch,
+            },
+            rigid_motions: None,
+            translation: vector(&system.translation)?,
+            deviates: vector(&deviates)?,
+            copies: system.copies,
+        })
+    }
+}
+
+fn matrix_of(alone: &Comm, from: &CsrMatrix<f64>) -> Result<Matrix> {
+    let counts: Vec<Int> = from.row_iter().map(|row| row.nnz() as Int).collect();
+    let mut matrix = Matrix::aij(alone, (from.nrows(), from.ncols()), &counts, &vec![0; counts.len()])?;
+    for (number, row) in (0..).zip(from.row_iter()) {
+        let columns: Vec<Int> = row.col_indices().iter().map(|column| *column as Int).collect();
+        matrix.set_values(&[number], &columns, row.values(), Insert::Replace)?;
+    }
+    matrix.assemble()?;
+    Ok(matrix)
+}

@@ -1,0 +1,62 @@
+//! What rules modal coordinates out, and what there is in them alone.
+
+use super::super::{Model, Reduction, SceneError, Source, Support, SupportKind, Time, raw};
+
+/// The first key that rules modal coordinates out, with the reason.
+pub(super) fn against(
+    raw: &raw::Scene,
+    (model, reduction): (Model, Reduction),
+    supports: &[Support],
+) -> Option<(String, String)> {
+    if raw.solver.newton.as_deref() == Some("full") {
+        let reason = "the full Newton's method solves for all unknowns, which modal coordinates are not".to_owned();
+        return Some(("solver.newton".to_owned(), reason));
+    }
+    if matches!(model, Model::HalfSpace | Model::InfinitePlate) {
+        return None;
+    }
+    if reduction == Reduction::None {
+        let reason = "modal coordinates are those of a reduced body".to_owned();
+        return Some(("body.reduction".to_owned(), reason));
+    }
+    supports.iter().enumerate().find_map(|(i, support)| linear(support).map(|reason| (format!("support.{i}.kind"), reason)))
+}
+
+/// Why a support leaves the body without modes.
+fn linear(support: &Support) -> Option<String> {
+    match support.kind {
+        SupportKind::Pad { .. } => Some("a body on pads is not linear, and has no modes".to_owned()),
+        SupportKind::Clamped { .. } if support.displacement != [0.0; 3] => {
+            Some("modal coordinates hold surfaces at zero, and this one is held at a displacement".to_owned())
+        }
+        _ => None,
+    }
+}
+
+/// Refuses what only modal coordinates have with another scheme, and what they have not.
+///
+/// # Errors
+/// A theory without unknowns under a scheme that steps unknowns; the same for the explicit scheme on any body but a mesh of solid elements.
+pub(super) fn only(source: &Source, raw: &raw::Scene, model: Model, time: &Time) -> Result<(), SceneError> {
+    let Some(scheme) = &raw.time.scheme else { return Ok(()) };
+    let name = raw.body.model.as_deref().unwrap_or_default();
+    if !time.modal && matches!(model, Model::HalfSpace | Model::InfinitePlate) {
+        let message = format!("the theory \"{name}\" has no unknowns that \"{scheme}\" could step");
+        let help = "leave the scheme out, or `scheme = \"modal\"`".to_owned();
+        return Err(source.conflict("time.scheme", "body.model", message, help));
+    }
+    if scheme == "central-difference" {
+        let help = "another scheme, or `model = \"solid\"` with `reduction = \"none\"`".to_owned();
+        if matches!(model, Model::Kirchhoff | Model::Mindlin) {
+            let message = format!("the theory \"{name}\" has no lumped mass, which the explicit scheme needs");
+            return Err(source.conflict("time.scheme", "body.model", message, help));
+        }
+        if raw.body.reduction.is_some() && !time.modal {
+            if let Some(super::super::values::WordOrWhole::Whole(_)) = raw.body.reduction {
+                let message = "a reduced body has no lumped mass, which the explicit scheme needs".to_owned();
+                return Err(source.conflict("time.scheme", "body.reduction", message, help));
+            }
+        }
+    }
+    Ok(())
+}
