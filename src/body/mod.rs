@@ -4,6 +4,7 @@ mod assembly;
 mod clamps;
 mod lumped;
 mod pads;
+pub mod plate;
 mod solid;
 mod spectrum;
 
