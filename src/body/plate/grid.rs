@@ -8,47 +8,44 @@ use crate::scene::{Impactor, growing};
 
 use super::frame::Frame;
 
-/// Cell at the hit, in thicknesses.
-const AT_HIT: f64 = 0.5;
-
 /// Each cell over the one before.
-const GROWTH: f64 = 1.6;
+const GROWTH: f64 = 2.0;
 
 /// The largest cell, in lengths of the flexural wave of the contact's frequency.
-const OF_WAVE: f64 = 0.15;
+const OF_WAVE: f64 = 0.13;
 
 /// The fewest cells along an edge.
 const LEAST: f64 = 6.0;
 
 /// The most cells along an edge: more are no small system.
-const MOST: f64 = 400.0;
+const MOST: f64 = 100.0;
 
-/// The lines of the grid along both axes of the modelled part.
+/// The lines of the grid along both axes of the modelled part, with cells of at most `smallest` (m) at the hit.
 ///
 /// # Errors
-/// How many cells there would be along an edge, if too many.
+/// How many cells there would be along an edge, where that is no number of cells of a small system.
 pub(super) fn lines(
     frame: &Frame,
     section: &Section,
     impactor: &Impactor,
+    smallest: f64,
     fineness: f64,
 ) -> Result<[Vec<f64>; 2], f64> {
     let wave = wavelength(section, impactor);
-    let [x, y] = [0, 1].map(|axis| {
-        let (edge, at) = (frame.edges[axis], frame.hit[axis]);
+    let along = |axis: usize| {
+        let edge = frame.edges[axis];
         let largest = fineness * (OF_WAVE * wave).min(edge / LEAST);
-        let cells = edge / largest;
-        if cells.is_nan() || cells > MOST {
+        let cells = if frame.quarter { 0.5 * edge / largest } else { edge / largest };
+        if !(cells > 0.0 && cells <= MOST) {
             return Err(cells);
         }
-        let smallest = AT_HIT * section.thickness * fineness;
-        let mut lines = growing(edge, at, smallest, GROWTH.powf(fineness), largest);
+        let mut lines = growing(edge, frame.hit[axis], smallest, GROWTH.powf(fineness), largest);
         if frame.quarter {
             lines.retain(|x| *x >= 0.0);
         }
         Ok(lines)
-    });
-    Ok([x?, y?])
+    };
+    Ok([along(0)?, along(1)?])
 }
 
 /// Length of the flexural wave with the contact's frequency, m. The contact lasts as long as on a half-space, or on a plate that
