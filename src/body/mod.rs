@@ -9,6 +9,7 @@ mod modal;
 mod modes;
 mod operators;
 mod pads;
+pub mod plate;
 mod projection;
 mod solid;
 mod spectrum;

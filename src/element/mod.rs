@@ -14,7 +14,7 @@ pub use adaptive::adaptive;
 pub use inverse::Inverse;
 pub use lagrange::Element;
 pub use project::{closest, normal};
-pub use quadrature::Quadrature;
+pub use quadrature::{Quadrature, gauss_legendre};
 pub use table::Table;
 
 /// The shape of a cell or facet, with its reference cell.

@@ -135,7 +135,7 @@ fn collapsed(shape: Shape, degree: usize) -> Quadrature {
 }
 
 /// Nodes and weights of the `n`-point Gauss–Legendre rule on \[−1, 1\].
-fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
+pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     (0..n)
         .map(|i| {
             let mut x = -(std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();

@@ -4,16 +4,22 @@
 //! With n nodes a matrix is a row-major slice of (3n)² and a vector a slice of 3n; both are overwritten. The vertex
 //! coordinates `x` come in the order of the shape's reference vertices. Nothing is allocated after construction.
 
+mod disc;
 mod lumping;
 mod pad;
+pub mod plate;
 mod pressure;
 mod solid;
+mod spline;
 mod surface;
+pub mod tensor;
 
+pub use disc::pressure_rule;
 pub use lumping::lump;
 pub use pad::{PadForms, PadPoint, pressed_depth};
 pub use pressure::PressureForms;
 pub use solid::{Material, SolidForms, Tangled};
+pub use spline::Spline;
 pub use surface::SurfaceForms;
 
 use crate::element::Table;

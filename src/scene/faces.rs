@@ -6,10 +6,10 @@ use super::Vec3;
 pub(super) const SURFACES: [&str; 9] = ["side", "top", "bottom", "x-min", "x-max", "y-min", "y-max", "z-min", "z-max"];
 
 /// A face of a box: the axis that it is normal to, and whether it is the upper one.
-pub(super) type Face = (usize, bool);
+pub(crate) type Face = (usize, bool);
 
 /// The faces that the name of a surface of a box stands for.
-pub(super) fn faces(name: &str) -> &'static [Face] {
+pub(crate) fn faces(name: &str) -> &'static [Face] {
     match name {
         "side" => &[(0, false), (0, true), (1, false), (1, true)],
         "x-min" => &[(0, false)],

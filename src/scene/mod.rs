@@ -19,7 +19,9 @@ mod values;
 use std::path::Path;
 
 pub use error::SceneError;
+pub(crate) use faces::faces;
 pub use fault::Fault;
+pub(crate) use layout::growing;
 pub use source::Source;
 
 /// A vector with one value per Cartesian component.

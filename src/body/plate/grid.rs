@@ -1,0 +1,61 @@
+//! The cells of a plate: small where it is hit, growing to what carries the flexural waves of the contact.
+
+use std::f64::consts::TAU;
+
+use crate::contact::{hertz, zener};
+use crate::form::plate::Section;
+use crate::scene::{Impactor, growing};
+
+use super::frame::Frame;
+
+/// Each cell over the one before.
+const GROWTH: f64 = 2.0;
+
+/// The largest cell, in lengths of the flexural wave of the contact's frequency.
+const OF_WAVE: f64 = 0.13;
+
+/// The fewest cells along an edge.
+const LEAST: f64 = 6.0;
+
+/// The most cells along an edge: more are no small system.
+const MOST: f64 = 100.0;
+
+/// The lines of the grid along both axes of the modelled part, with cells of at most `smallest` (m) at the hit.
+///
+/// # Errors
+/// How many cells there would be along an edge, where that is no number of cells of a small system.
+pub(super) fn lines(
+    frame: &Frame,
+    section: &Section,
+    impactor: &Impactor,
+    smallest: f64,
+    fineness: f64,
+) -> Result<[Vec<f64>; 2], f64> {
+    let wave = wavelength(section, impactor);
+    let along = |axis: usize| {
+        let edge = frame.edges[axis];
+        let largest = fineness * (OF_WAVE * wave).min(edge / LEAST);
+        let cells = if frame.quarter { 0.5 * edge / largest } else { edge / largest };
+        if !(cells > 0.0 && cells <= MOST) {
+            return Err(cells);
+        }
+        let mut lines = growing(edge, frame.hit[axis], smallest, GROWTH.powf(fineness), largest);
+        if frame.quarter {
+            lines.retain(|x| *x >= 0.0);
+        }
+        Ok(lines)
+    };
+    Ok([along(0)?, along(1)?])
+}
+
+/// Length of the flexural wave with the contact's frequency, m. The contact lasts as long as on a half-space, or on a plate that
+/// yields less: there the force rises to what the plate's impedance Z gives, k0 (v t)^{3/2} = Z v, within t.
+fn wavelength(section: &Section, impactor: &Impactor) -> f64 {
+    let Impactor { stiffness, mass, speed, .. } = *impactor;
+    let impedance = zener::impedance((section.young, section.poisson), section.density, section.thickness);
+    let rise = (impedance / stiffness).powf(2.0 / 3.0) / speed.cbrt();
+    let time = hertz::contact_time(stiffness, mass, speed).min(6.0 * rise);
+    let frequency = TAU / time;
+    let wavenumber = (section.density * section.thickness / section.rigidity()).sqrt() * frequency;
+    TAU / wavenumber.sqrt()
+}

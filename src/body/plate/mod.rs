@@ -1,0 +1,165 @@
+//! A box hit on a face, as a thin plate: small linear systems of Kirchhoff's or of Reissner's and Mindlin's theory.
+
+mod boundary;
+mod frame;
+mod grid;
+pub mod layer;
+mod site;
+mod theory;
+
+pub use theory::Theory;
+
+use boundary::Boundary;
+use frame::Frame;
+use layer::Layer;
+use site::Site;
+
+use crate::error::Result;
+use crate::form::plate::{DEFLECTION, Section};
+use crate::form::tensor::Entries;
+use crate::scene::{Fault, Scene};
+
+/// Choices that a scene does not make.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Size of all cells over the default's.
+    pub fineness: f64,
+    /// κ of Mindlin's theory. Left out it is 5/(6 − ν), which gives the speed of long waves to one order more than Reissner's
+    /// static 5/6 (Stephen, Mindlin plate theory: best shear coefficient and higher spectra validity, J. Sound Vib. 202, 1997).
+    pub shear_factor: Option<f64>,
+    /// Radius of Mindlin's disc over the thickness.
+    pub disc: f64,
+    /// r_p of the solid that is to be matched, m; 0 for its limit.
+    pub patch_radius: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { fineness: 1.0, shear_factor: None, disc: 0.5, patch_radius: 0.0 }
+    }
+}
+
+/// The body's side of M ü + C u̇ + K u = a F + f, as plain numbers in SI units.
+///
+/// The unknowns are coefficients of splines: of w along the impactor's direction (m), then of Mindlin's rotations θ along the two
+/// axes of the plane, ascending (rad); a slope's coefficient is one of w. Matrices are those of all unknowns, held ones included.
+#[derive(Debug, Clone)]
+pub struct Plate {
+    /// Number of unknowns.
+    pub unknowns: usize,
+    /// M; kg for those of w.
+    pub mass: Entries,
+    /// K of the plate alone; N/m for those of w.
+    pub elastic: Entries,
+    /// K of the elastic supports (11); `None` when zero.
+    pub support: Option<Entries>,
+    /// C of the dampers (13); `None` when zero.
+    pub damping: Option<Entries>,
+    /// Held unknowns with their value: clamped sides (2) and planes of symmetry; ascending.
+    pub held: Vec<(usize, f64)>,
+    /// Body force and tractions, N for those of w.
+    pub load: Vec<f64>,
+    /// ∫ k ū·v of the elastic supports.
+    pub support_load: Vec<f64>,
+    /// ½ ∫ k ū·ū of the elastic supports, J.
+    pub support_offset: f64,
+    /// a: aᵀu is the displacement of the surface along the impactor's direction, a F the load.
+    pub localization: Vec<f64>,
+    /// c of α = δ + c F for the part that is modelled, m/N: −c_M times [`Self::copies`]; 0 for Kirchhoff's theory.
+    pub compliance: f64,
+    /// A translation by one along the impactor's direction.
+    pub translation: Vec<f64>,
+    /// How many such parts make the whole: 1, or 4 for a quarter.
+    pub copies: f64,
+    /// Cells along both axes of the modelled part.
+    pub cells: [usize; 2],
+    /// How Mindlin's plate is hit.
+    pub local: Option<Local>,
+}
+
+/// What stands for the local field on a Reissner–Mindlin plate; see [`layer`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Local {
+    /// κ.
+    pub shear_factor: f64,
+    /// r_m, m.
+    pub radius: f64,
+    /// s: the surface is read as w + s h² ∇·θ.
+    pub reading: f64,
+    /// c_M of the whole plate, m/N: α = δ − c_M F.
+    pub compliance: f64,
+}
+
+/// Why a plate theory does not stand for a scene: one clause.
+///
+/// # Errors
+/// That clause.
+pub fn admits(scene: &Scene, theory: Theory) -> std::result::Result<(), String> {
+    parts(scene, theory, &Settings::default()).map(|_| ())
+}
+
+fn parts(scene: &Scene, theory: Theory, settings: &Settings) -> std::result::Result<(Frame, Boundary), String> {
+    let frame = Frame::new(scene)?;
+    let boundary = Boundary::new(scene, &frame, theory)?;
+    let radius = settings.disc * frame.thickness;
+    if theory == Theory::Mindlin && radius > frame.room() * (1.0 + 1e-9) {
+        return Err(format!(
+            "the hit is {:.3e} m from an edge, and the disc that it spreads over has a radius of {radius:.3e} m",
+            frame.room()
+        ));
+    }
+    Ok((frame, boundary))
+}
+
+impl Plate {
+    /// Builds a scene's plate.
+    ///
+    /// # Errors
+    /// A fault of `body.model` where the theory does not stand for the scene, or where the plate would take very many cells.
+    pub fn new(scene: &Scene, theory: Theory, settings: &Settings) -> Result<Self> {
+        let fault = |reason: String| {
+            let message = format!("{}'s plate does not stand for this scene: {reason}", theory.name());
+            Fault::new("body.model", message, "model = \"solid\"")
+        };
+        let (frame, boundary) = parts(scene, theory, settings).map_err(fault)?;
+        let body = &scene.body;
+        let section =
+            Section { thickness: frame.thickness, young: body.young, poisson: body.poisson, density: body.density };
+        let local = (theory == Theory::Mindlin).then(|| Local::new(&section, settings));
+        let smallest = settings.fineness * local.map_or(section.thickness, |local| 2.0 * local.radius);
+        let lines = grid::lines(&frame, &section, &scene.impactor, smallest, settings.fineness)
+            .map_err(|cells| fault(format!("it would take {cells:.0} cells along an edge")))?;
+        let tensor = theory.tensor(&lines);
+        let copies = if frame.quarter { 4.0 } else { 1.0 };
+        let site = Site { frame: &frame, section: &section, lines: &lines, tensor: &tensor, theory };
+        let (support_load, support_offset) = site.support_load(&boundary.springs);
+        Ok(Self {
+            unknowns: tensor.unknowns(),
+            mass: tensor.matrix(&theory.mass(&section)),
+            elastic: tensor.matrix(&theory.elastic(&section, local.map_or(0.0, |local| local.shear_factor))),
+            support: site.springs(&boundary.springs),
+            damping: site.springs(&boundary.dampers),
+            held: site.held(&boundary.clamps),
+            load: site.load(&boundary),
+            support_load,
+            support_offset,
+            localization: site.localization(local.as_ref(), copies),
+            compliance: local.map_or(0.0, |local| -local.compliance * copies),
+            translation: tensor.one(DEFLECTION),
+            copies,
+            cells: lines.each_ref().map(|lines| lines.len() - 1),
+            local,
+        })
+    }
+}
+
+impl Local {
+    fn new(section: &Section, settings: &Settings) -> Self {
+        let h = section.thickness;
+        let Settings { disc, patch_radius, .. } = *settings;
+        let shear_factor = settings.shear_factor.unwrap_or(5.0 / (6.0 - section.poisson));
+        let layer = Layer { poisson: section.poisson, shear_factor, disc, patch: patch_radius / h };
+        let compliance = layer.compliance() / (section.young * h);
+        Self { shear_factor, radius: disc * h, reading: layer.reading(), compliance }
+    }
+}

@@ -1,0 +1,135 @@
+//! What holds and loads a plate, on its discretisation.
+
+use super::boundary::{Boundary, Clamp, Place, Spring};
+use super::frame::Frame;
+use super::{Local, Theory};
+use crate::form::plate::{DEFLECTION, Section, deflection, rotation};
+use crate::form::pressure_rule;
+use crate::form::tensor::{AREA, Entries, Linear, Part, Square, Tensor};
+
+/// A plate's discretisation, with what lives on it.
+pub(super) struct Site<'a> {
+    pub frame: &'a Frame,
+    pub section: &'a Section,
+    pub lines: &'a [Vec<f64>; 2],
+    pub tensor: &'a Tensor,
+    pub theory: Theory,
+}
+
+impl Site<'_> {
+    /// Ends of the modelled part along both axes.
+    fn ends(&self) -> [[f64; 2]; 2] {
+        self.lines.each_ref().map(|lines| [lines[0], lines[lines.len() - 1]])
+    }
+
+    /// h for a side face, 1 for a face.
+    fn height(&self, place: Place) -> f64 {
+        match place {
+            Place::Face => 1.0,
+            Place::Side { .. } => self.section.thickness,
+        }
+    }
+
+    /// Springs k: k h on w along a side, and k h³/12 on the rotations; k on w over a face.
+    pub fn springs(&self, springs: &[Spring]) -> Option<Entries> {
+        let mut forms = Vec::new();
+        for Spring { place, in_plane, across, .. } in springs {
+            let along = place.along(self.ends());
+            let mut add = |factor: f64, part: Part| {
+                if factor != 0.0 {
+                    forms.push(Square { factor, parts: vec![part], place: along });
+                }
+            };
+            add(across * self.height(*place), deflection([0, 0]));
+            for (axis, k) in in_plane.iter().enumerate() {
+                add(k * self.section.inertia(), self.theory.rotation(axis));
+            }
+        }
+        (!forms.is_empty()).then(|| self.tensor.matrix(&forms))
+    }
+
+    /// ∫ k ū v and ½ ∫ k ū².
+    pub fn support_load(&self, springs: &[Spring]) -> (Vec<f64>, f64) {
+        let forms: Vec<(Linear, f64)> = springs
+            .iter()
+            .map(|Spring { place, across, displacement, .. }| {
+                let factor = across * displacement * self.height(*place);
+                (Linear { factor, part: deflection([0, 0]), place: place.along(self.ends()) }, *displacement)
+            })
+            .collect();
+        let one = self.tensor.one(DEFLECTION);
+        let work = |form: Linear| dot(&self.tensor.vector(&[form]), &one);
+        let offset = forms.iter().map(|(form, displacement)| 0.5 * displacement * work(*form)).sum();
+        let forms: Vec<Linear> = forms.into_iter().map(|(form, _)| form).collect();
+        (self.tensor.vector(&forms), offset)
+    }
+
+    /// Body force and tractions.
+    pub fn load(&self, boundary: &Boundary) -> Vec<f64> {
+        let part = deflection([0, 0]);
+        let body = Linear { factor: boundary.body_force * self.section.thickness, part, place: AREA };
+        let tractions = boundary.tractions.iter().map(|(place, value)| Linear {
+            factor: value * self.height(*place),
+            part,
+            place: place.along(self.ends()),
+        });
+        let forms: Vec<Linear> = tractions.chain([body]).filter(|form| form.factor != 0.0).collect();
+        self.tensor.vector(&forms)
+    }
+
+    /// Unknowns of clamped sides, the last clamp's value for each, and those of planes of symmetry.
+    pub fn held(&self, clamps: &[Clamp]) -> Vec<(usize, f64)> {
+        let one = self.tensor.one(DEFLECTION);
+        let mut values = vec![None; self.tensor.unknowns()];
+        let mut hold = |(field, depth): (usize, usize), axis: usize, upper: bool, value: f64| {
+            let splines = self.tensor.splines(field);
+            let last = splines[axis].functions() - 1;
+            for along in 0..splines[1 - axis].functions() {
+                let mut functions = [along; 2];
+                functions[axis] = if upper { last - depth } else { depth };
+                let unknown = self.tensor.unknown(field, functions);
+                values[unknown] = Some(if value == 0.0 { 0.0 } else { value * one[unknown] });
+            }
+        };
+        for Clamp { axis, upper, in_plane, across } in clamps {
+            if let Some(displacement) = across {
+                hold((DEFLECTION, 0), *axis, *upper, *displacement);
+            }
+            for rotation in (0..2).filter(|&i| in_plane[i]) {
+                if let Some(place) = self.theory.rotation_at_end(rotation, *axis) {
+                    hold(place, *axis, *upper, 0.0);
+                }
+            }
+        }
+        if self.frame.quarter {
+            for axis in 0..2 {
+                if let Some(place) = self.theory.rotation_at_end(axis, axis) {
+                    hold(place, axis, false, 0.0);
+                }
+            }
+        }
+        values.into_iter().enumerate().filter_map(|(unknown, value)| Some((unknown, value?))).collect()
+    }
+
+    /// a: a point for Kirchhoff's theory, a disc for Mindlin's.
+    pub fn localization(&self, local: Option<&Local>, copies: f64) -> Vec<f64> {
+        let mut a = vec![0.0; self.tensor.unknowns()];
+        let Some(Local { radius, reading, .. }) = local else {
+            self.tensor.add_point(deflection([0, 0]), self.frame.hit, 1.0, &mut a);
+            return a;
+        };
+        let [x, y] = self.lines;
+        let of_stretch = reading * self.section.thickness.powi(2);
+        for (point, weight) in pressure_rule(self.frame.hit, *radius, [x, y]) {
+            let weight = copies * weight;
+            self.tensor.add_point(deflection([0, 0]), point, weight, &mut a);
+            self.tensor.add_point(rotation(0, [1, 0]), point, weight * of_stretch, &mut a);
+            self.tensor.add_point(rotation(1, [0, 1]), point, weight * of_stretch, &mut a);
+        }
+        a
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,243 @@
+//! B-splines along a line, and integrals of their products.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::element::gauss_legendre;
+
+/// Functions that are not zero in one cell, at most: degree 5.
+pub const WIDTH: usize = 6;
+
+/// Piecewise polynomials on the cells between given breaks, by B-splines on open knots: the first function alone is 1 at
+/// the line's start, the last alone at its end (de Boor, A Practical Guide to Splines, 1978).
+#[derive(Debug, Clone)]
+pub struct Spline {
+    degree: usize,
+    breaks: Vec<f64>,
+    /// Breaks, each as often as the smoothness leaves room for.
+    knots: Vec<f64>,
+    slopes: bool,
+}
+
+impl Spline {
+    /// Splines of a degree from 1 to 5 with `smoothness` < degree continuous derivatives, on at least one cell between
+    /// ascending breaks.
+    pub fn new(breaks: &[f64], degree: usize, smoothness: usize) -> Self {
+        Self::with_multiplicity(breaks, degree, |_| degree - smoothness)
+    }
+
+    /// Of degree 3 at least, where the coefficients at either end are the value there and, next to it, the slope. So that the
+    /// latter's function stays within the first cell, one more continuous derivative is given up at its end.
+    pub fn with_slopes(breaks: &[f64], degree: usize, smoothness: usize) -> Self {
+        let beside_end = |i: usize| i == 1 || i + 2 == breaks.len();
+        let times = |i: usize| (degree - smoothness).max(if beside_end(i) { 2 } else { 1 });
+        Self { slopes: true, ..Self::with_multiplicity(breaks, degree, times) }
+    }
+
+    fn with_multiplicity(breaks: &[f64], degree: usize, times: impl Fn(usize) -> usize) -> Self {
+        let times = |i: usize| if i == 0 || i + 1 == breaks.len() { degree + 1 } else { times(i) };
+        let knots = breaks.iter().enumerate().flat_map(|(i, x)| std::iter::repeat_n(*x, times(i))).collect();
+        Self { degree, breaks: breaks.to_vec(), knots, slopes: false }
+    }
+
+    /// The cells' ends.
+    pub fn breaks(&self) -> &[f64] {
+        &self.breaks
+    }
+
+    /// Number of functions.
+    pub fn functions(&self) -> usize {
+        self.knots.len() - self.degree - 1
+    }
+
+    /// Coefficients of the constant 1.
+    pub fn one(&self) -> DVector<f64> {
+        let mut one = DVector::from_element(self.functions(), 1.0);
+        if self.slopes {
+            let n = one.len();
+            (one[1], one[n - 2]) = (0.0, 0.0);
+        }
+        one
+    }
+
+    /// A derivative of the functions at a place of the line: the first one that is not zero in its cell, and the values of
+    /// that and the next `degree` ones. At a break the cell above counts.
+    pub fn at(&self, x: f64, derivative: usize) -> (usize, [f64; WIDTH]) {
+        let (p, t) = (self.degree, &self.knots);
+        let span = t.partition_point(|t| *t <= x).clamp(p + 1, self.functions()) - 1;
+        let mut values = [0.0; WIDTH];
+        values[0] = if derivative > p { 0.0 } else { 1.0 };
+        // From each degree q − 1 to q, of the value first, then of the derivatives.
+        for q in 1..=p {
+            let mut next = [0.0; WIDTH];
+            for j in 0..q {
+                let i = span + 1 + j - q;
+                let part = values[j] / (t[i + q] - t[i]);
+                let (rises, falls) =
+                    if q + derivative <= p { (x - t[i], t[i + q] - x) } else { (q as f64, -(q as f64)) };
+                next[j + 1] += rises * part;
+                next[j] += falls * part;
+            }
+            values = next;
+        }
+        if self.slopes {
+            self.to_slopes(span - p, &mut values);
+        }
+        (span - p, values)
+    }
+
+    /// From the first two B-splines B0, B1 to B0 + B1, of value 1 and slope 0, and B1 scaled to a slope of 1; so at the end.
+    fn to_slopes(&self, first: usize, values: &mut [f64; WIDTH]) {
+        let (p, n) = (self.degree as f64, self.functions());
+        let [first_cell, last_cell] = [1, self.breaks.len() - 1].map(|i| self.breaks[i] - self.breaks[i - 1]);
+        for j in 0..=self.degree {
+            match first + j {
+                0 => values[j] += values[j + 1],
+                1 => values[j] *= first_cell / p,
+                i if i == n - 1 => {
+                    values[j] += values[j - 1];
+                    values[j - 1] *= -last_cell / p;
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// The functions' derivative at a place, all of them.
+    pub fn values(&self, x: f64, derivative: usize) -> DVector<f64> {
+        let mut all = DVector::zeros(self.functions());
+        let (first, values) = self.at(x, derivative);
+        for (j, value) in values.iter().enumerate().take(self.degree + 1) {
+            all[first + j] = *value;
+        }
+        all
+    }
+
+    /// ∫ of the functions' derivative along the line.
+    pub fn integrals(&self, derivative: usize) -> DVector<f64> {
+        let mut sums = DVector::zeros(self.functions());
+        for (x, weight) in self.rule(self.degree) {
+            let (first, values) = self.at(x, derivative);
+            for (j, value) in values.iter().enumerate().take(self.degree + 1) {
+                sums[first + j] += weight * value;
+            }
+        }
+        sums
+    }
+
+    /// ∫ of products of these functions' derivative (rows) with that of others (columns) on the same breaks.
+    pub fn products(&self, derivative: usize, other: &Self, of_other: usize) -> DMatrix<f64> {
+        let mut sums = DMatrix::zeros(self.functions(), other.functions());
+        for (x, weight) in self.rule(self.degree + other.degree) {
+            let (row, rows) = self.at(x, derivative);
+            let (column, columns) = other.at(x, of_other);
+            for j in 0..=other.degree {
+                for i in 0..=self.degree {
+                    sums[(row + i, column + j)] += weight * rows[i] * columns[j];
+                }
+            }
+        }
+        sums
+    }
+
+    /// Points and weights that integrate polynomials of a degree on each cell.
+    fn rule(&self, degree: usize) -> impl Iterator<Item = (f64, f64)> {
+        let rule = gauss_legendre(degree / 2 + 1);
+        self.breaks.windows(2).flat_map(move |cell| {
+            let (middle, half) = (0.5 * (cell[0] + cell[1]), 0.5 * (cell[1] - cell[0]));
+            rule.clone().into_iter().map(move |(x, weight)| (middle + half * x, half * weight))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BREAKS: [f64; 5] = [-0.3, 0.1, 0.25, 1.0, 1.4];
+
+    fn splines() -> Vec<Spline> {
+        let smooth = (1..=5).flat_map(|p| (0..p).map(move |s| Spline::new(&BREAKS, p, s)));
+        let ends = [(3, 1), (3, 2), (4, 3), (5, 2)].map(|(p, s)| Spline::with_slopes(&BREAKS, p, s));
+        let single = [Spline::new, Spline::with_slopes].map(|new| new(&BREAKS[..2], 3, 2));
+        smooth.chain(ends).chain(single).collect()
+    }
+
+    #[test]
+    fn they_sum_to_one_and_their_derivatives_are_those_of_differences() {
+        for spline in splines() {
+            let (start, end) = (spline.breaks[0], spline.breaks[spline.breaks.len() - 1]);
+            for k in 0..=60 {
+                let x = start + (end - start) * f64::from(k) / 60.0;
+                // Rounding of some ten terms.
+                assert!((spline.one().dot(&spline.values(x, 0)) - 1.0).abs() < 1e-14);
+                let step = 1e-5 * (end - start);
+                if spline.breaks.iter().any(|b| (b - x).abs() <= step) {
+                    continue;
+                }
+                for d in 0..=spline.degree {
+                    let slope = (spline.values(x + step, d) - spline.values(x - step, d)) / (2.0 * step);
+                    let next = spline.values(x, d + 1);
+                    // (step/cell)² and rounding over step/cell.
+                    assert!((&slope - &next).amax() <= 1e-7 * next.amax().max(spline.values(x, d).amax() / step));
+                }
+            }
+        }
+    }
+
+    /// Values and slopes at the ends are single coefficients.
+    #[test]
+    fn ends_are_single_coefficients() {
+        for spline in splines() {
+            let n = spline.functions();
+            let unit = |i: usize| DVector::from_fn(n, |j, _| if i == j { 1.0 } else { 0.0 });
+            let (start, end) = (spline.breaks[0], spline.breaks[spline.breaks.len() - 1]);
+            let mut expected = vec![(start, 0, unit(0)), (end, 0, unit(n - 1))];
+            if spline.slopes {
+                expected.extend([(start, 1, unit(1)), (end, 1, unit(n - 2))]);
+            }
+            for (x, derivative, unit) in expected {
+                assert!((spline.values(x, derivative) - unit).amax() < 1e-14, "{x} {derivative}");
+            }
+        }
+    }
+
+    /// Derivatives are continuous across a break up to the smoothness and no further.
+    #[test]
+    fn smoothness_is_that_asked_for() {
+        for (degree, smoothness) in [(3, 1), (3, 2), (4, 3), (2, 0)] {
+            let spline = Spline::new(&BREAKS, degree, smoothness);
+            for derivative in 0..=smoothness + 1 {
+                let jump = spline.values(0.25 - 1e-12, derivative) - spline.values(0.25, derivative);
+                let part = jump.amax() / spline.values(0.25, derivative).amax();
+                // Slopes over 1e-12 of a cell.
+                assert_eq!(part < 1e-9, derivative <= smoothness, "{degree} {smoothness} {derivative}: {part:e}");
+            }
+        }
+    }
+
+    /// Integrals by parts: ∫ u'v + ∫ uv' = [uv].
+    #[test]
+    fn products_are_integrated_exactly() {
+        for spline in splines() {
+            let other = Spline::new(&spline.breaks, 2, 1);
+            let (start, end) = (spline.breaks[0], spline.breaks[spline.breaks.len() - 1]);
+            let sum = spline.products(1, &other, 0) + spline.products(0, &other, 1);
+            let at = |x: f64| spline.values(x, 0) * other.values(x, 0).transpose();
+            assert!((sum - (at(end) - at(start))).amax() < 1e-13);
+            let along = spline.products(0, &other, 0) * other.one();
+            assert!((along - spline.integrals(0)).amax() < 1e-14);
+        }
+    }
+
+    /// Slopes of splines of degree p are splines of degree p − 1 with one continuous derivative less.
+    #[test]
+    fn slopes_lie_in_the_space_below() {
+        for p in 2..=5 {
+            let (spline, below) = (Spline::new(&BREAKS, p, p - 1), Spline::new(&BREAKS, p - 1, p - 2));
+            let mass = below.products(0, &below, 0).cholesky().expect("a mass matrix");
+            let projected = mass.solve(&below.products(0, &spline, 1));
+            let defect = spline.products(1, &spline, 1) - spline.products(1, &below, 0) * projected;
+            assert!(defect.amax() < 1e-11 * spline.products(1, &spline, 1).amax(), "{p}: {:e}", defect.amax());
+        }
+    }
+}
