@@ -85,6 +85,14 @@ impl Scene {
         Ok((check::scene(&source, path.parent().unwrap_or(Path::new("")))?, source))
     }
 
+    /// The axis across the face of a box that is hit; `None` for a mesh file.
+    pub fn struck_axis(&self) -> Option<usize> {
+        match &self.body.geometry {
+            Geometry::Box { size, .. } => Some(faces::struck_axis(*size, self.impactor.point, self.impactor.direction)),
+            Geometry::Gmsh(_) => None,
+        }
+    }
+
     /// The scene in `text`, called `name` in messages; a mesh file is relative to the current folder.
     ///
     /// # Errors

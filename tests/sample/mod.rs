@@ -5,8 +5,8 @@ use ricochet::record::provenance::{Cost, Provenance};
 
 /// What such a run costs.
 pub const COST: Cost = Cost {
-    mesh: 0.125,
-    assembly: 0.25,
+    model: 0.125,
+    setup: 0.25,
     steps: 1.5,
     total: 2.0,
     newton_iterations: 42,

@@ -16,7 +16,7 @@ use site::Site;
 
 use crate::error::Result;
 use crate::form::plate::{DEFLECTION, Section};
-use crate::form::tensor::Entries;
+pub use crate::form::tensor::Entries;
 use crate::scene::{Fault, Scene};
 
 /// Choices that a scene does not make.

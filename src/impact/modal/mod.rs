@@ -37,6 +37,9 @@ const REFINEMENTS: usize = 14;
 /// Part of the tolerance that the steps may take.
 const OF_STEPS: f64 = 0.3;
 
+/// Steps between two questions whether to go on.
+const ASK_EVERY: usize = 1024;
+
 /// Steps of one run at most.
 const MOST_STEPS: usize = 10_000_000;
 
@@ -49,6 +52,7 @@ pub struct ModalImpact<'a> {
     step: Option<f64>,
     tolerance: f64,
     contact_time: f64,
+    interrupted: &'a dyn Fn() -> bool,
     /// What the runs have cost so far.
     pub count: Count,
 }
@@ -71,8 +75,15 @@ impl<'a> ModalImpact<'a> {
             step: scene.time.step,
             tolerance: OF_STEPS * scene.tolerance,
             contact_time: hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed),
+            interrupted: &|| false,
             count: Count::default(),
         }
+    }
+
+    /// Has a run ask now and then whether it is to end early, before it has told its steps.
+    #[must_use]
+    pub fn interrupted_by(self, interrupted: &'a dyn Fn() -> bool) -> Self {
+        Self { interrupted, ..self }
     }
 
     /// Impactor and contact.
@@ -129,7 +140,7 @@ impl<'a> ModalImpact<'a> {
             // Of order two at least: the finer run's error is a third of the difference.
             let (first, all) = fine.trace.difference(&coarse.trace);
             self.count.error = Some(all / 3.0);
-            if first / 3.0 <= self.tolerance {
+            if first / 3.0 <= self.tolerance || (self.interrupted)() {
                 return Ok(fine);
             }
             coarse = fine;
@@ -163,6 +174,9 @@ impl<'a> ModalImpact<'a> {
             setting.admit(shown).map_err(|error| at(error, number, time))?;
             if number > MOST_STEPS {
                 return Err(Error::Solve(format!("more than {MOST_STEPS} steps up to t = {time:.6e} s")));
+            }
+            if number % ASK_EVERY == 0 && (self.interrupted)() {
+                break;
             }
             done.trace.push(time - taken.step, taken.step, taken.force);
             if observed {
