@@ -42,7 +42,7 @@ impl Default for Settings {
 /// The body's side of M ü + C u̇ + K u = a F + f, as plain numbers in SI units.
 ///
 /// The unknowns are coefficients of splines: of w along the impactor's direction (m), then of Mindlin's rotations θ along the two
-/// axes of the plane, ascending (rad); a slope's coefficient is one of w. Matrices are those of all unknowns, held ones included.
+/// axes of the plane, ascending (rad). At its ends Kirchhoff's w has slopes among its coefficients. Matrices are those of all unknowns, held ones included.
 #[derive(Debug, Clone)]
 pub struct Plate {
     /// Number of unknowns.
@@ -126,8 +126,8 @@ impl Plate {
         let section =
             Section { thickness: frame.thickness, young: body.young, poisson: body.poisson, density: body.density };
         let local = (theory == Theory::Mindlin).then(|| Local::new(&section, settings));
-        let smallest = settings.fineness * local.map_or(section.thickness, |local| 2.0 * local.radius);
-        let lines = grid::lines(&frame, &section, &scene.impactor, smallest, settings.fineness)
+        let disc = local.map(|local| local.radius);
+        let lines = grid::lines(&frame, &section, &scene.impactor, disc, settings.fineness)
             .map_err(|cells| fault(format!("it would take {cells:.0} cells along an edge")))?;
         let tensor = theory.tensor(&lines);
         let copies = if frame.quarter { 4.0 } else { 1.0 };
