@@ -14,6 +14,7 @@ mod raw;
 mod source;
 mod suggest;
 mod unavailable;
+mod units;
 mod values;
 
 use std::path::Path;
@@ -21,6 +22,7 @@ use std::path::Path;
 pub use error::SceneError;
 pub use fault::Fault;
 pub use source::Source;
+pub use units::unit;
 
 /// A vector with one value per Cartesian component.
 pub type Vec3 = [f64; 3];
@@ -80,6 +82,15 @@ impl Scene {
     /// [`Error::Scene`](crate::Error::Scene) for everything that is wrong in the text or in an override.
     pub fn from_text(path: &Path, text: &str, overrides: &[String]) -> crate::Result<(Self, Source)> {
         let source = Source::new(&path.display().to_string(), text, overrides)?;
+        Ok((check::scene(&source, path.parent().unwrap_or(Path::new("")))?, source))
+    }
+
+    /// The scene of the file at `path`, whose text is `source`, with `values` (each `KEY=VALUE`) of a sweep written into it.
+    ///
+    /// # Errors
+    /// Everything that is wrong in the values, or in the scene with them.
+    pub fn varied(path: &Path, source: &Source, values: &[String]) -> Result<(Self, Source), SceneError> {
+        let source = source.varied(values)?;
         Ok((check::scene(&source, path.parent().unwrap_or(Path::new("")))?, source))
     }
 
