@@ -46,14 +46,14 @@ fn names(whole: &Path) -> (String, String) {
 pub fn parts(whole: &Path) -> Vec<PathBuf> {
     let (stem, ending) = names(whole);
     let folder = whole.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let is_part = |path: &PathBuf| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let is_part = |name: &String| {
         let middle = name.strip_prefix(&stem).and_then(|rest| rest.strip_suffix(&ending));
         middle.is_some_and(|middle| between(middle, "-of-").is_some())
     };
     // A folder that cannot be listed has no parts that could be read.
-    let entries = std::fs::read_dir(folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path()));
-    let mut parts: Vec<PathBuf> = entries.filter(is_part).collect();
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+    let mut parts: Vec<PathBuf> = names.filter(is_part).map(|name| whole.with_file_name(name)).collect();
     parts.sort();
     parts
 }

@@ -2,8 +2,8 @@
 
 /// What is wrong with a key that has no values.
 const FORM: &str = "it has the form KEY=A..B:N or KEY=A,B,C";
-/// Digits to which a value between two ends is rounded, so that round steps between round ends give round values.
-const DIGITS: usize = 15;
+/// Digits to which a value between two ends is rounded (counted from the first of the larger end), so that round steps between round ends give round values.
+const DIGITS: f64 = 15.0;
 /// Values of one range, and members of one sweep, at most: a bound on memory.
 pub(super) const MOST: usize = 1_000_000;
 
@@ -78,14 +78,19 @@ fn at((from, to): (f64, f64), n: usize, last: usize, log: bool) -> f64 {
     match n {
         0 => from,
         _ if n == last => to,
-        _ if log => rounded(10f64.powf(between(from.log10(), to.log10()))),
-        _ => rounded(between(from, to)),
+        _ if log => {
+            let value = 10f64.powf(between(from.log10(), to.log10()));
+            rounded(value, value)
+        }
+        _ => rounded(between(from, to), from.abs().max(to.abs())),
     }
 }
 
-/// The nearest number with [`DIGITS`] digits.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value)
+/// The nearest number that ends with the digit at which `size` has its last of [`DIGITS`].
+fn rounded(value: f64, size: f64) -> f64 {
+    let power = |value: f64| value.abs().log10().floor();
+    let digits = DIGITS - 1.0 - (power(size) - power(value));
+    if digits < 0.0 { 0.0 } else { format!("{value:.*e}", digits as usize).parse().unwrap_or(value) }
 }
 
 /// A number as TOML has it, which reads back the same: a small whole one without a point, since some keys want whole numbers.
