@@ -203,3 +203,23 @@ fn one_key_is_drawn_as_a_curve_and_two_as_a_map() {
     assert_eq!(cells.iter().min(), [&cells[0], &cells[4]].into_iter().min());
     assert_eq!(cells.iter().max(), [&cells[3], &cells[7]].into_iter().max());
 }
+
+#[test]
+fn what_no_figure_shows_is_said() {
+    let folder = folder(&supported());
+    good(&folder, 0, "sweep scene.toml --vary time.scheme=newmark,energy -o words.h5");
+    good(
+        &folder,
+        0,
+        "sweep scene.toml --vary impactor.speed=1,2 --vary impactor.mass=1,2 --vary impactor.gap=0,1e-5 -o three.h5",
+    );
+    for (line, why) in [
+        ("plot words.h5 -o f.png", "over the numbers of one or two keys, not over time.scheme"),
+        ("plot three.h5 -o f.png", "not over impactor.speed, impactor.mass, impactor.gap"),
+        ("plot words.h5 three.h5 -o f.png", "words.h5: a sweep has a figure of its own"),
+    ] {
+        let outcome = run(ricochet(folder.path(), 0).args(words(line)));
+        assert_eq!(outcome.status, Some(2), "{outcome:?}");
+        assert!(outcome.stderr.contains(why) && !file(&folder, "f.png").exists(), "{outcome:?}");
+    }
+}

@@ -72,8 +72,8 @@ impl Scale {
 /// From where to where the cell of each of some values reaches, which ascend: half the way to its neighbours; the outer ones are
 /// symmetric. `is_log` halves the way on a logarithmic axis.
 pub(super) fn cells(values: &[f64], is_log: bool) -> Vec<(f64, f64)> {
-    let (on, back): (fn(f64) -> f64, fn(f64) -> f64) = if is_log { (f64::ln, f64::exp) } else { (|x| x, |x| x) };
-    let at: Vec<f64> = values.iter().map(|value| on(*value)).collect();
+    let back = |x: f64| if is_log { x.exp() } else { x };
+    let at: Vec<f64> = values.iter().map(|value| if is_log { value.ln() } else { *value }).collect();
     let middles: Vec<f64> = at.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
     let alone = if is_log { 0.5 } else { 0.5 * at.first().map_or(1.0, |x| x.abs().max(1e-300)) };
     let cell = |n: usize| {
