@@ -113,7 +113,7 @@ fn shards_put_together_are_the_whole() {
     assert!(said.stdout.contains("s.h5: 7 of 7 members, 7 of them were there"), "{said:?}");
     assert_eq!(said.stderr.matches("members taken over from s.").count(), 3, "{said:?}");
     assert_eq!(content(&file(&folder, "s.h5")), content(&file(&folder, "whole.h5")));
-    // Two of three parts, of which one belongs to another sweep.
+    // Two of three parts: the rest is computed. Then a part of another sweep.
     std::fs::remove_file(file(&folder, "s.h5")).unwrap();
     std::fs::remove_file(file(&folder, "s.3-of-3.h5")).unwrap();
     let said = good(&folder, 0, &format!("{line} -o s.h5"));
