@@ -22,7 +22,7 @@ use super::interrupt::{INTERRUPTED, Interrupt};
 use super::load::load;
 use super::notes::{describe_model, notes};
 use super::progress::Progress;
-use super::{say, tell, warn_of_unused_options};
+use super::{say, short, tell, warn_of_unused_options};
 
 /// Runs a scene; returns the exit status. Collective.
 ///
@@ -217,17 +217,7 @@ fn provenance(comm: &Comm, scene: &Scene, source: &Source, model: &Model) -> Res
     })
 }
 
-/// Two digits of a time below ten seconds, tenths above.
+/// Milliseconds below ten seconds, tenths of a second above.
 fn seconds(value: f64) -> String {
     if value >= 10.0 { format!("{value:.1}") } else { format!("{value:.3}") }
-}
-
-/// Five digits, with a power of ten where the number is very small or large.
-fn short(value: f64) -> String {
-    let size = value.abs();
-    if size != 0.0 && !(1e-2..1e6).contains(&size) {
-        return format!("{value:.4e}");
-    }
-    let before = if size < 1.0 { 0 } else { size.log10().floor() as usize };
-    format!("{value:.*}", 4_usize.saturating_sub(before))
 }

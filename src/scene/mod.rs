@@ -14,6 +14,7 @@ mod raw;
 mod source;
 mod suggest;
 mod unavailable;
+mod units;
 mod values;
 
 use std::path::Path;
@@ -23,6 +24,7 @@ pub(crate) use faces::faces;
 pub use fault::Fault;
 pub(crate) use layout::growing;
 pub use source::Source;
+pub use units::unit;
 
 /// A vector with one value per Cartesian component.
 pub type Vec3 = [f64; 3];
@@ -91,6 +93,15 @@ impl Scene {
             Geometry::Box { size, .. } => Some(faces::struck_axis(*size, self.impactor.point, self.impactor.direction)),
             Geometry::Gmsh(_) => None,
         }
+    }
+
+    /// The scene of the file at `path`, whose text is `source`, with `values` (each `KEY=VALUE`) of a sweep written into it.
+    ///
+    /// # Errors
+    /// Everything that is wrong in the values, or in the scene with them.
+    pub fn varied(path: &Path, source: &Source, values: &[String]) -> Result<(Self, Source), SceneError> {
+        let source = source.varied(values)?;
+        Ok((check::scene(&source, path.parent().unwrap_or(Path::new("")))?, source))
     }
 
     /// The scene in `text`, called `name` in messages; a mesh file is relative to the current folder.

@@ -1,0 +1,15 @@
+//! A scene with some of its keys varied: every member an impact of its own, on one rank alone.
+
+mod digest;
+mod grid;
+mod member;
+mod shard;
+mod spread;
+mod vary;
+
+pub use digest::{Task, digest};
+pub use grid::Grid;
+pub use member::{Outcome, simulate};
+pub use shard::{Shard, parts};
+pub use spread::{Compute, Kept, spread};
+pub use vary::Variation;
