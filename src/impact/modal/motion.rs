@@ -164,7 +164,7 @@ impl<'a> Motion<'a> {
                 }
                 continue;
             };
-            if stage.approach.iter().all(|approach| *approach <= 0.0) {
+            if self.approach <= 0.0 && stage.approach.iter().all(|approach| *approach <= 0.0) {
                 self.put_back(table);
                 self.let_go();
                 return Ok(None);
@@ -244,7 +244,7 @@ fn zero(approach: &[f64; 4], begin: f64, look: usize) -> f64 {
     let value = |k: usize| if k == 0 { begin } else { approach[k - 1] };
     // Looks are quarters of the step.
     let last = look + 1;
-    let (c, b, a) = (value(last), value(last - 1), if last >= 2 { value(last - 2) } else { return 0.125 });
+    let (c, b, a) = (value(last), value(last - 1), if last >= 2 { value(last - 2) } else { return 0.25 * begin / (begin - approach[0]) });
     // In quarters before the last look.
     let (slope, bend) = (0.5 * (4.0 * b - 3.0 * c - a), 0.5 * (a - 2.0 * b + c));
     let back = -2.0 * c / (slope + (slope * slope - 4.0 * bend * c).max(0.0).sqrt());
