@@ -136,7 +136,9 @@ fn print_contact(scene: &Scene, patch: Option<&Patch>) {
     ));
     let Some(patch) = patch else {
         if scene.contact == Contact::Point {
-            say(format_args!("           at a point: the force depends on the mesh, and has no limit as it is refined"));
+            say(format_args!(
+                "           at a point: the force depends on the mesh, and has no limit as it is refined"
+            ));
         }
         return;
     };

@@ -10,9 +10,10 @@ use petsc_wrap::{Comm, options, petsc_version};
 
 use crate::agree::agree;
 use crate::error::{Error, Result};
+use crate::model;
 use crate::record::sweep::{Header, Member, Quantity, Status, Sweep as Part, SweepWriter};
-use crate::scene::{Scene, Source};
-use crate::study::sweep::{Grid, Task, Variation, digest, parts, spread};
+use crate::scene::{Model, Scene, Source};
+use crate::study::sweep::{Bodies, Census, Grid, Task, Variation, digest, parts, spread};
 
 use super::interrupt::{INTERRUPTED, Interrupt};
 use super::load::load;
@@ -28,22 +29,38 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     let variations = arguments.vary.iter().map(|given| Variation::parse(given, arguments.log));
     let grid = variations.collect::<std::result::Result<_, _>>().and_then(Grid::new).map_err(Error::Usage)?;
     let (scene, source) = load(comm, &arguments.scene, &arguments.overrides)?;
+    let mut census = Census::default();
     for index in 0..grid.len() {
-        task(arguments, &source, &grid, index)?;
+        census.count(index, &task(arguments, &source, &grid, index)?.scene);
     }
     let header = header(comm, arguments, &grid, (&scene, &source))?;
     let desk = if comm.is_root() { Desk::open(arguments, &header).map(Some) } else { Ok(None) };
     let desk = agree(comm, desk.map_err(|error| error.to_string())).map_err(Error::Output)?;
     let todo: Vec<usize> = desk.as_ref().map_or(Vec::new(), Desk::missing);
+    let mut todo_somewhere = !todo.is_empty();
+    comm.mpi().process_at_rank(0).broadcast_into(&mut todo_somewhere);
     let desk = desk.map(|desk| Rc::new(RefCell::new(Desk { progress: Members::new(todo.len()), ..desk })));
 
     let (interrupt, alone) = (Interrupt::on_signals(), comm.session().alone());
+    // One theory for all, lest it change from one member to the next.
+    let theory = match (scene.body.model, todo_somewhere) {
+        (Model::Auto, true) if !grid.varies("body.model") => {
+            let theory = census.theory(comm, |index| Ok(task(arguments, &source, &grid, index)?.scene))?;
+            if comm.is_root() {
+                tell(format_args!("{} for all members", model::name(theory)));
+            }
+            theory
+        }
+        (model, _) => model,
+    };
+    let scene_of = |index: usize| Ok(task(arguments, &source, &grid, index)?.scene);
+    let mut bodies = Bodies::new(&alone, &census, &scene_of, theory, arguments.series);
     let keeper = desk.clone();
     let flow = spread(
         comm,
         todo,
         move || interrupt.is_raised_here(),
-        &mut |index, interrupted| digest(&alone, &task(arguments, &source, &grid, index)?, interrupted),
+        &mut |index, interrupted| digest(&alone, &task(arguments, &source, &grid, index)?, &mut bodies, interrupted),
         Box::new(move |member| keeper.as_ref().map_or(Ok(()), |desk| desk.borrow_mut().keep(member))),
     )?;
     let mut status = if flow.is_break() { INTERRUPTED } else { 0 };

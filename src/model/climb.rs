@@ -98,7 +98,9 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>) -> Result<Option<
     let bound = OF_DISTANCE * first;
     let distance = format!("kirchhoff and mindlin differ by {first:.1e} in the first contact");
     if bound > 0.5 * tolerance {
-        passed.push(format!("{distance}, so that mindlin may be off by {bound:.1e}, too much for {tolerance:.0e}: hence solid"));
+        passed.push(format!(
+            "{distance}, so that mindlin may be off by {bound:.1e}, too much for {tolerance:.0e}: hence solid"
+        ));
         return Ok(None);
     }
     passed.push(format!("{distance}, so that solid would change mindlin by {bound:.1e} at most"));

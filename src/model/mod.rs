@@ -5,7 +5,7 @@ mod reduce;
 mod simulation;
 mod theory;
 
-pub use reduce::{Reduced, reduce};
+pub use reduce::{OF_BASIS, Reduced, SAFETY, reduce};
 pub use simulation::Simulation;
 pub use theory::{admits, name};
 
@@ -30,6 +30,8 @@ pub struct Model {
     pub words: String,
     /// Vectors of the basis, where there is one.
     pub vectors: Option<usize>,
+    /// The body on a larger basis, by which this one is judged.
+    pub larger: Option<ModalBody>,
     /// Estimated error of the acceleration over its peak by the basis and the theory: in the first contact, and over all.
     pub error: Option<(f64, f64)>,
     /// Why this theory and not another, where that was to be found.
@@ -75,6 +77,7 @@ impl Model {
             unknowns,
             words,
             vectors: None,
+            larger: None,
             error: None,
             reason: None,
         };
@@ -85,7 +88,7 @@ impl Model {
                 if !scene.time.modal && !matches!(scene.body.reduction, Reduction::Vectors(_)) {
                     return Ok(model(Dynamics::Stepped(body), unknowns, words));
                 }
-                let Reduced { projection, error } = reduce(&body, scene)?;
+                let Reduced { projection, larger, error } = reduce(&body, scene)?;
                 drop(body);
                 comm.collect_garbage()?;
                 let dynamics = if scene.time.modal {
@@ -94,7 +97,8 @@ impl Model {
                     Dynamics::Stepped(Box::new(Body::of(&comm.session().alone(), &projection.system())?))
                 };
                 let vectors = Some(projection.vectors());
-                Ok(Self { vectors, error: Some(error), ..model(dynamics, unknowns, words) })
+                let larger = Some(ModalBody::of(&larger));
+                Ok(Self { vectors, larger, error: Some(error), ..model(dynamics, unknowns, words) })
             }
         }
     }

@@ -14,10 +14,10 @@ const MOST: usize = 1500;
 
 /// A basis is judged by one of half as many vectors more, whose own error is part of the difference: where errors fall with the
 /// square of the number, (1 − 1.5⁻²)⁻¹ = 1.8 of the difference, and where they fall slower at times, more.
-const SAFETY: f64 = 3.0;
+pub const SAFETY: f64 = 3.0;
 
 /// Part of the tolerance that the basis may take.
-const OF_BASIS: f64 = 0.3;
+pub const OF_BASIS: f64 = 0.3;
 
 /// The rate s at which a basis is made, times the contact time on a half-space. From 5 to 50 bases are much alike.
 const RATE: f64 = 15.0;
@@ -26,6 +26,8 @@ const RATE: f64 = 15.0;
 pub struct Reduced {
     /// The body.
     pub projection: Projection,
+    /// It on the larger basis by which the error was found.
+    pub larger: Projection,
     /// Estimated error of the acceleration over its peak: in the first contact, and over all.
     pub error: (f64, f64),
 }
@@ -57,7 +59,8 @@ pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
                     let error = (SAFETY * first, SAFETY * all);
                     if enough || error.0 <= OF_BASIS * scene.tolerance {
                         tracing::info!(vectors = smaller, first = error.0, all = error.1, "reduced");
-                        return Ok(Reduced { projection: projection.leading(*smaller), error });
+                        let (larger, projection) = (projection.clone(), projection.leading(*smaller));
+                        return Ok(Reduced { projection, larger, error });
                     }
                 }
                 last = Some((count, trace));

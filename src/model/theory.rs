@@ -53,7 +53,11 @@ pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
 /// A fault of `body.model` where the theory does not stand for the scene; those of meshes; PETSc's.
 pub fn build(comm: &Comm, scene: &Scene, theory: Model) -> Result<Built> {
     admits(scene, theory).map_err(|reason| {
-        Fault::new("body.model", format!("\"{}\" does not stand for this scene: {reason}", name(theory)), "\"solid\", or \"auto\"")
+        Fault::new(
+            "body.model",
+            format!("\"{}\" does not stand for this scene: {reason}", name(theory)),
+            "\"solid\", or \"auto\"",
+        )
     })?;
     Ok(match theory {
         Model::HalfSpace => Built::Given(ModalBody::given(Modes::none())),

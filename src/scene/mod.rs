@@ -136,7 +136,7 @@ pub struct Body {
 }
 
 /// What a body's theory takes into account, the least first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Model {
     /// The least that the scene's tolerance allows.
     Auto,

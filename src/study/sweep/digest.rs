@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use petsc_wrap::Comm;
 
+use super::bodies::Bodies;
 use super::member::simulate;
 use crate::error::{Error, Result};
 use crate::record::episodes::Episodes;
@@ -28,11 +29,16 @@ pub struct Task {
 ///
 /// # Errors
 /// What no member can be computed with: options that PETSc does not understand.
-pub fn digest(comm: &Comm, task: &Task, interrupted: Rc<dyn Fn() -> bool>) -> Result<Option<Member>> {
+pub fn digest(
+    comm: &Comm,
+    task: &Task,
+    bodies: &mut Bodies<'_>,
+    interrupted: Rc<dyn Fn() -> bool>,
+) -> Result<Option<Member>> {
     let begin = Instant::now();
     let mut member = Member::new(task.index, task.has_series);
     let mut episodes = Episodes::default();
-    let outcome = simulate(comm, &task.scene, interrupted, |step| {
+    let outcome = simulate(comm, &task.scene, bodies, interrupted, |step| {
         episodes.push(step);
         member.push(step, task.scene.output.every);
     });

@@ -34,6 +34,11 @@ impl Grid {
         self.members
     }
 
+    /// Whether a key is among those varied.
+    pub fn varies(&self, key: &str) -> bool {
+        self.variations.iter().any(|variation| variation.key == key)
+    }
+
     /// Whether there is none; there always is one.
     pub fn is_empty(&self) -> bool {
         self.members == 0

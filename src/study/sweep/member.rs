@@ -5,6 +5,7 @@ use std::rc::Rc;
 
 use petsc_wrap::Comm;
 
+use super::bodies::Bodies;
 use crate::error::Result;
 use crate::impact::step::Step;
 use crate::model::{Model, Simulation};
@@ -19,7 +20,7 @@ pub struct Outcome {
     pub unknowns: usize,
 }
 
-/// Computes the impact of a scene to its end, and gives each accepted step to `observe`. `interrupted` is asked now and then
+/// Computes the impact of a scene to its end, on a body among those kept where it is there, and gives each accepted step to `observe`. `interrupted` is asked now and then
 /// whether to leave off, and keeps to its answer; then the outcome is `None`. Collective on `comm`.
 ///
 /// # Errors
@@ -27,9 +28,13 @@ pub struct Outcome {
 pub fn simulate(
     comm: &Comm,
     scene: &Scene,
+    bodies: &mut Bodies<'_>,
     interrupted: Rc<dyn Fn() -> bool>,
     mut observe: impl FnMut(&Step),
 ) -> Result<Option<Outcome>> {
+    if scene.time.modal {
+        return bodies.simulate(scene, &interrupted, &mut observe);
+    }
     let model = Model::new(comm, scene)?;
     let unknowns = model.unknowns + 1;
     let mut simulation = Simulation::new(scene, model)?;

@@ -1,5 +1,7 @@
 //! A scene with some of its keys varied: every member an impact of its own, on one rank alone.
 
+mod bodies;
+mod census;
 mod digest;
 mod grid;
 mod member;
@@ -7,6 +9,8 @@ mod shard;
 mod spread;
 mod vary;
 
+pub use bodies::Bodies;
+pub use census::Census;
 pub use digest::{Task, digest};
 pub use grid::Grid;
 pub use member::{Outcome, simulate};
