@@ -101,7 +101,9 @@ fn what_rules_plates_out(session: &Session) {
         (
             plate,
             "",
-            format!("{newmark}\n[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nstiffness = 1e9\nnormal = [0, 0, -1]"),
+            format!(
+                "{newmark}\n[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nstiffness = 1e9\nnormal = [0, 0, -1]"
+            ),
             "is a pad",
         ),
         (plate, "direction = [0.1, 0.0, -1.0]", String::new(), "normal of a face"),

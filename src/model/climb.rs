@@ -66,7 +66,8 @@ fn formula(comm: &Comm, scene: &Scene) -> Result<Option<(Model, String)>> {
     let (body, impactor) = (&scene.body, &scene.impactor);
     // Nearer to an edge than its thickness the body is softer; and what else moves it, a half-space does not know.
     let is_near_edge = (0..3).any(|i| i != axis && 0.5 * size[i] - impactor.point[i].abs() < size[axis]);
-    let is_moved = scene.load != Load::default() || scene.supports.iter().any(|support| support.displacement != [0.0; 3]);
+    let is_moved =
+        scene.load != Load::default() || scene.supports.iter().any(|support| support.displacement != [0.0; 3]);
     if is_near_edge || is_moved {
         return Ok(None);
     }

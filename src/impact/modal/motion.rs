@@ -244,7 +244,11 @@ fn zero(approach: &[f64; 4], begin: f64, look: usize) -> f64 {
     let value = |k: usize| if k == 0 { begin } else { approach[k - 1] };
     // Looks are quarters of the step.
     let last = look + 1;
-    let (c, b, a) = (value(last), value(last - 1), if last >= 2 { value(last - 2) } else { return 0.25 * begin / (begin - approach[0]) });
+    let (c, b, a) = (
+        value(last),
+        value(last - 1),
+        if last >= 2 { value(last - 2) } else { return 0.25 * begin / (begin - approach[0]) },
+    );
     // In quarters before the last look.
     let (slope, bend) = (0.5 * (4.0 * b - 3.0 * c - a), 0.5 * (a - 2.0 * b + c));
     let back = -2.0 * c / (slope + (slope * slope - 4.0 * bend * c).max(0.0).sqrt());
