@@ -41,13 +41,19 @@ fn linear(support: &Support) -> Option<String> {
 /// # Errors
 /// A theory without unknowns under a scheme that steps unknowns; the same for the explicit scheme on any body but a mesh of solid elements.
 pub(super) fn only(source: &Source, raw: &raw::Scene, model: Model, time: &Time) -> Result<(), SceneError> {
-    let Some(scheme) = &raw.time.scheme else { return Ok(()) };
     let name = raw.body.model.as_deref().unwrap_or_default();
     if !time.modal && matches!(model, Model::HalfSpace | Model::InfinitePlate) {
-        let message = format!("the theory \"{name}\" has no unknowns that \"{scheme}\" could step");
-        let help = "leave the scheme out, or `scheme = \"modal\"`".to_owned();
-        return Err(source.conflict("time.scheme", "body.model", message, help));
+        let asked = [
+            ("time.scheme", raw.time.scheme.is_some()),
+            ("time.beta", raw.time.beta.is_some()),
+            ("time.gamma", raw.time.gamma.is_some()),
+        ];
+        let key = asked.into_iter().find(|(_, given)| *given).map_or("solver.newton", |(key, _)| key);
+        let message = format!("the theory \"{name}\" has no unknowns to step or to solve for");
+        let help = "leave it out: a formula moves in modal coordinates".to_owned();
+        return Err(source.conflict(key, "body.model", message, help));
     }
+    let Some(scheme) = &raw.time.scheme else { return Ok(()) };
     if scheme == "central-difference" {
         let help = "another scheme, or `model = \"solid\"` with `reduction = \"none\"`".to_owned();
         if matches!(model, Model::Kirchhoff | Model::Mindlin) {
