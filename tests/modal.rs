@@ -29,6 +29,7 @@ fn main() -> ExitCode {
             ("fewer_steps_than_newmark", fewer_steps_than_newmark),
             ("energy_is_what_the_steps_make", energy_is_what_the_steps_make),
             ("no_step_is_unstable", no_step_is_unstable),
+            ("every_speed_comes_to_its_end", every_speed_comes_to_its_end),
         ],
     )
 }
@@ -160,5 +161,26 @@ fn no_step_is_unstable(session: &Session) {
         assert!(flow.unwrap().is_continue());
         println!("  Δt = {step:e}: {:.1e} of the energy made", made / initial);
         assert!(made < 2e-3 * initial);
+    }
+}
+
+/// Contacts that graze, that end before they have begun, and that begin while another one ends: among hundreds of speeds each happens.
+fn every_speed_comes_to_its_end(session: &Session) {
+    let mut scene = scene(&sides(1e8, 0.0), "");
+    scene.time.end = 0.02;
+    let body = body(session, &scene);
+    for n in 0..300 {
+        scene.impactor.speed = 0.1 + 4.9 * f64::from(n) / 299.0;
+        let (mut initial, mut made, mut last) = (0.0, 0.0_f64, 0.0);
+        let flow = ModalImpact::new(&scene, &body).run(|step| {
+            initial = if step.number == 0 { step.energy.total } else { initial };
+            made = made.max(step.energy.numerical.abs());
+            assert!(step.time > last || step.number == 0);
+            last = step.time;
+            Ok(ControlFlow::Continue(()))
+        });
+        assert!(flow.unwrap().is_continue());
+        // By the tolerance of 1e-2.
+        assert!((last - scene.time.end).abs() < 1e-12 && made < 1e-3 * initial, "{} {made}", scene.impactor.speed);
     }
 }
