@@ -101,9 +101,11 @@ fn fewer_steps_than_newmark(session: &Session) {
             stepped.time.step = Some(step);
             let ran = run_scene(&session.world(), &stepped);
             let mass = scene.impactor.mass / 4.0;
-            let off = ran.steps.iter().filter(|s| s.time <= end).map(|s| {
-                (s.impactor.acceleration - reference.at(s.time) / mass).abs()
-            });
+            let off = ran
+                .steps
+                .iter()
+                .filter(|s| s.time <= end)
+                .map(|s| (s.impactor.acceleration - reference.at(s.time) / mass).abs());
             let off = off.fold(0.0, f64::max) / (reference.peak() / mass);
             if off <= 1e-3 {
                 break ((end / step) as usize, off);
@@ -139,8 +141,11 @@ fn energy_is_what_the_steps_make(session: &Session) {
 
 /// Where a patch's negative compliance makes other schemes of this kind grow: hundreds of modes, steps large and small alike.
 fn no_step_is_unstable(session: &Session) {
-    let text = plate("model = \"solid\"\nreduction = 80\nsize = [0.5, 0.5, 0.02]\ncells = [12, 12, 2]", "end = 4e-3", &sides(1e10, 0.0))
-        + "[contact]\npatch_radius = 0.01\n";
+    let text = plate(
+        "model = \"solid\"\nreduction = 80\nsize = [0.5, 0.5, 0.02]\ncells = [12, 12, 2]",
+        "end = 4e-3",
+        &sides(1e10, 0.0),
+    ) + "[contact]\npatch_radius = 0.01\n";
     let mut scene = parse(&text);
     let body = body(session, &scene);
     for step in [2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2e-7] {
