@@ -106,6 +106,12 @@ fn what_rules_plates_out(session: &Session) {
             ),
             "is a pad",
         ),
+        (
+            plate,
+            "",
+            format!("{newmark}\n[[support]]\nsurface = \"side\"\nkind = \"clamped\"\ndisplacement = [0.0, 0.0, 1e-4]"),
+            "held at a displacement",
+        ),
         (plate, "direction = [0.1, 0.0, -1.0]", String::new(), "normal of a face"),
         (plate, "", "[load]\nbody_force = [1.0, 0.0, 0.0]".to_owned(), "in the plate's plane"),
         (plate, "point = [0.49, 0.0, 0.02]", String::new(), "from an edge"),

@@ -10,7 +10,7 @@ use crate::body::ModalBody;
 use crate::contact::{hertz, zener};
 use crate::error::Result;
 use crate::impact::{ModalImpact, Steps, Trace};
-use crate::scene::{Fault, Geometry, Load, Model as Theory, Newton, Scene, Scheme};
+use crate::scene::{Fault, Geometry, Load, Model as Theory, Newton, Scene, Scheme, Support, SupportKind};
 
 use super::{Dynamics, Model, admits, name};
 
@@ -44,6 +44,9 @@ pub(super) fn climb(comm: &Comm, scene: &Scene) -> Result<Model> {
         Ok(()) if !scene.time.modal && matches!(scene.time.scheme, Scheme::CentralDifference { .. }) => {
             passed.push("the explicit scheme is asked for, and the solid alone has a lumped mass".to_owned());
         }
+        Ok(()) if scene.supports.iter().any(is_held_away) => {
+            passed.push("it is held at a displacement, and has no modal coordinates in which plates are compared".to_owned());
+        }
         Ok(()) => {
             if let Some(model) = plate(comm, scene, &mut passed)? {
                 return Ok(Model { reason: Some(passed.join("; ")), ..model });
@@ -52,6 +55,11 @@ pub(super) fn climb(comm: &Comm, scene: &Scene) -> Result<Model> {
     }
     let model = Model::of(comm, scene, Theory::Solid)?;
     Ok(Model { reason: Some(passed.join("; ")), ..model })
+}
+
+/// Whether a support is a clamp with a displacement.
+fn is_held_away(support: &Support) -> bool {
+    matches!(support.kind, SupportKind::Clamped { .. }) && support.displacement != [0.0; 3]
 }
 
 /// Theories without unknowns, where a bound says that they do.

@@ -19,10 +19,29 @@ pub(super) fn against(
         let reason = "modal coordinates are those of a reduced body".to_owned();
         return Some(("body.reduction".to_owned(), reason));
     }
+    not_linear(supports)
+}
+
+/// The first support that leaves the body without modes, with the reason.
+fn not_linear(supports: &[Support]) -> Option<(String, String)> {
     supports
         .iter()
         .enumerate()
         .find_map(|(i, support)| linear(support).map(|reason| (format!("support.{i}.kind"), reason)))
+}
+
+/// Refuses a basis for a body that has none.
+///
+/// # Errors
+/// A number of vectors beside supports that are not linear.
+pub(super) fn basis(source: &Source, reduction: Reduction, supports: &[Support]) -> Result<(), SceneError> {
+    match (reduction, not_linear(supports)) {
+        (Reduction::Vectors(_), Some((key, reason))) => {
+            let help = "\"none\", or \"auto\", which is the same here".to_owned();
+            Err(source.conflict("body.reduction", &key, reason, help))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Why a support leaves the body without modes.
@@ -30,7 +49,7 @@ fn linear(support: &Support) -> Option<String> {
     match support.kind {
         SupportKind::Pad { .. } => Some("a body on pads is not linear, and has no modes".to_owned()),
         SupportKind::Clamped { .. } if support.displacement != [0.0; 3] => {
-            Some("modal coordinates hold surfaces at zero, and this one is held at a displacement".to_owned())
+            Some("a body in modes is held at zero, and this one at a displacement".to_owned())
         }
         _ => None,
     }
