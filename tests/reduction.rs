@@ -21,7 +21,10 @@ fn main() -> ExitCode {
     mpi_test::run(
         &[1],
         session,
-        &[("the_estimate_is_the_error", the_estimate_is_the_error), ("a_free_body_keeps_its_motion", a_free_body_keeps_its_motion)],
+        &[
+            ("the_estimate_is_the_error", the_estimate_is_the_error),
+            ("a_free_body_keeps_its_motion", a_free_body_keeps_its_motion),
+        ],
     )
 }
 
@@ -29,16 +32,16 @@ fn main() -> ExitCode {
 /// difference. Steps and mesh need not be fine for that.
 fn scene(size: &str, cells: &str, supports: &str) -> Scene {
     let body = format!("model = \"solid\"\nsize = {size}\ncells = {cells}");
-    parse(&(plate(&body, "end = 8e-3\nstep = 2e-5\nscheme = \"newmark\"", supports) + "[contact]\npatch_radius = 0.03\n"))
+    parse(
+        &(plate(&body, "end = 8e-3\nstep = 2e-5\nscheme = \"newmark\"", supports) + "[contact]\npatch_radius = 0.03\n"),
+    )
 }
 
 fn the_estimate_is_the_error(session: &Session) {
     let comm = session.world();
-    for (size, cells) in [
-        ("[1.5, 1.5, 0.1]", "[16, 16, 2]"),
-        ("[1.5, 1.5, 0.04]", "[20, 20, 2]"),
-        ("[0.5, 0.5, 0.02]", "[16, 16, 2]"),
-    ] {
+    for (size, cells) in
+        [("[1.5, 1.5, 0.1]", "[16, 16, 2]"), ("[1.5, 1.5, 0.04]", "[20, 20, 2]"), ("[0.5, 0.5, 0.02]", "[16, 16, 2]")]
+    {
         for supports in [String::new(), sides(1e8, 0.0), sides(1e9, 0.0), sides(1e10, 0.0), sides(1e8, 2e5)] {
             let full = scene(size, cells, &supports);
             assert!(!full.time.modal && full.solver == Solver { newton: Newton::Condensed, energy_gate: None });
@@ -51,7 +54,10 @@ fn the_estimate_is_the_error(session: &Session) {
                 let (_, error) = reference.difference(&ran);
                 // The patch's part of the estimate is not the basis'.
                 let estimate = ran.error - 0.025 * (0.03_f64 / thickness(size)).powi(2);
-                println!("  {size} {:?} {vectors} vectors: error {error:.1e}, estimate {estimate:.1e}", supports.lines().last());
+                println!(
+                    "  {size} {:?} {vectors} vectors: error {error:.1e}, estimate {estimate:.1e}",
+                    supports.lines().last()
+                );
                 // Rounding of two programs' steps: 1e-9 of the peak.
                 assert!(error <= estimate + 1e-9, "{size} {supports} {vectors}: {error:e} over {estimate:e}");
                 assert!(estimate <= 10.0 * error + 1e-8, "{size} {supports} {vectors}: {estimate:e} for {error:e}");
@@ -67,7 +73,11 @@ fn thickness(size: &str) -> f64 {
 /// A basis has the rigid motions: momentum goes over to the body to rounding, without supports.
 fn a_free_body_keeps_its_motion(session: &Session) {
     let comm = session.world();
-    let text = plate("model = \"solid\"\nsize = [0.5, 0.5, 0.02]\ncells = [8, 8, 2]", "end = 5e-3", "[contact]\npatch_radius = 0.03\n");
+    let text = plate(
+        "model = \"solid\"\nsize = [0.5, 0.5, 0.02]\ncells = [8, 8, 2]",
+        "end = 5e-3",
+        "[contact]\npatch_radius = 0.03\n",
+    );
     let ran = run_scene(&comm, &parse(&text));
     let (mass, body) = (52.0, 2500.0 * 0.5 * 0.5 * 0.02);
     let last = ran.steps.last().unwrap();

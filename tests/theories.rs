@@ -41,7 +41,8 @@ const BALL: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize
 
 /// Hertz (1882): F = 1.14326 k0^{0.4} m^{0.6} v^{1.2}, contact time 3.21807 (m²/(k0² v))^{0.2}, restitution 1; the digits given.
 fn half_space(session: &Session) {
-    let text = BALL.replace("[body]", "[body]\nmodel = \"half-space\"") + "[time]\nend = 5e-3\n[accuracy]\ntolerance = 1e-6\n";
+    let text =
+        BALL.replace("[body]", "[body]\nmodel = \"half-space\"") + "[time]\nend = 5e-3\n[accuracy]\ntolerance = 1e-6\n";
     let ran = run(&session.world(), &text);
     let (k, m, v) = (1e9_f64, 2.0_f64, 3.0_f64);
     near("peak", ran.contacts[0].peak_force, 1.14326 * k.powf(0.4) * m.powf(0.6) * v.powf(1.2), 5e-6);
@@ -73,6 +74,10 @@ fn infinite_plate(session: &Session) {
             contact.end / unit,
         ];
         println!("  λ = {lambda}: {found:.6?}");
+        // What the impactor has lost, 1 − e² of ½ m v², the plate's waves have taken; what the steps make is within the tolerance.
+        let (energy, initial) = (ran.steps.last().unwrap().energy, 0.5 * m * v * v);
+        assert!((energy.dissipated / initial - (1.0 - found[0] * found[0])).abs() < 1e-6, "{energy:?}");
+        assert!(energy.numerical.abs() < 1e-6 * initial, "{energy:?}");
         for (found, expected) in found.into_iter().zip([restitution, peak, time]) {
             // Half of the table's last digit, and what the tolerance leaves.
             assert!((found - expected).abs() < 7e-6, "λ = {lambda}: {found} instead of {expected}");

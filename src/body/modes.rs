@@ -82,7 +82,9 @@ impl Modes {
     pub fn dashpot(impedance: f64) -> Self {
         let [zero, one] = [Complex::new(0.0, 0.0), Complex::new(1.0, 0.0)];
         let mode = Mode { rate: zero, input: one / impedance, load: zero, output: one };
-        Self { modes: vec![mode], ..Self::none() }
+        // What goes off in its waves counts as dissipated.
+        let forms = Forms { damped: Some([DMatrix::zeros(0, 1), DMatrix::zeros(0, 1)]), ..Forms::none() };
+        Self { modes: vec![mode], forms, ..Self::none() }
     }
 
     /// The fastest of the rates |λ|, 1/s.

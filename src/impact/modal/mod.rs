@@ -17,6 +17,7 @@ use crate::contact::{Law, hertz};
 use crate::error::{Error, Result};
 use crate::scene::{Impactor, Scene};
 
+use super::gate::Gate;
 use super::step::{Contact, Energy, Motion as ImpactorMotion, Step};
 use super::trajectory::at;
 use super::{Count, Setting};
@@ -53,6 +54,7 @@ pub struct ModalImpact<'a> {
     tolerance: f64,
     contact_time: f64,
     interrupted: &'a dyn Fn() -> bool,
+    gate: Gate,
     has_energies: bool,
     /// The force of the last run, and its steps.
     last: Option<(Trace, Steps)>,
@@ -79,6 +81,7 @@ impl<'a> ModalImpact<'a> {
             tolerance: OF_STEPS * scene.tolerance,
             contact_time: hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed),
             interrupted: &|| false,
+            gate: Gate::new(scene),
             has_energies: true,
             last: None,
             count: Count::default(),
@@ -99,11 +102,17 @@ impl<'a> ModalImpact<'a> {
     /// Runs to the end and shows `observe` the initial state and every step, until it breaks off; tells which.
     ///
     /// # Errors
-    /// [`Error::Solve`] with step and time where a step is not solved or the contact law is left; the observer's.
+    /// [`Error::Solve`] with step and time where a step is not solved or the contact law is left; [`Error::Unstable`] where the energy
+    /// gate closes; the observer's.
     pub fn run(&mut self, mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
         let Done { trace, steps, sizes } = self.done()?;
         self.last = Some((trace, sizes));
         for step in &steps {
+            match step.number {
+                _ if !self.has_energies => {}
+                0 => self.gate.open(step),
+                number => self.gate.check(step).map_err(|error| at(error, number, step.time))?,
+            }
             if observe(step)?.is_break() {
                 return Ok(ControlFlow::Break(()));
             }
@@ -111,10 +120,10 @@ impl<'a> ModalImpact<'a> {
         Ok(ControlFlow::Continue(()))
     }
 
-    /// Leaves the energies of the steps at zero, which take a good part of the time.
+    /// Leaves the energies of the steps at zero, which take a good part of the time, but where the scene has an energy gate.
     #[must_use]
     pub fn without_energies(self) -> Self {
-        Self { has_energies: false, ..self }
+        Self { has_energies: self.gate.is_set(), ..self }
     }
 
     /// The force of the last run, with the steps it took.
