@@ -22,7 +22,7 @@ pub use krylov::Krylov;
 pub use lumped::Lumped;
 pub use merged::{Merged, Snapshots};
 pub use modal::ModalBody;
-pub use modes::{Free, Mode, Modes, Spectrum};
+pub use modes::{Closed, Free, Mode, Modes, Spectrum};
 pub use operators::Body;
 pub use pads::{PadPoints, Pads};
 pub use projection::Projection;

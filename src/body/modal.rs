@@ -1,7 +1,7 @@
 //! A body for steps in modal coordinates.
 
 use super::Projection;
-use super::modes::{Modes, Spectrum};
+use super::modes::{Closed, Modes, Spectrum};
 use crate::contact::Patch;
 use crate::error::Result;
 
@@ -33,14 +33,14 @@ impl ModalBody {
         Self { source: Source::Spectrum(Spectrum::new(projection)), compliance, copies, patch }
     }
 
-    /// The modes up to a frequency, rad/s, the others by their static answer.
+    /// The modes up to a frequency (rad/s) in contact, the others by their static answer.
     ///
     /// # Errors
     /// [`crate::Error::Solve`] where dampers leave the body without independent modes.
-    pub fn modes(&self, cutoff: f64) -> Result<Modes> {
+    pub fn modes(&self, cutoff: f64, closed: &Closed) -> Result<Modes> {
         match &self.source {
             Source::Given(modes) => Ok(modes.clone()),
-            Source::Spectrum(spectrum) => spectrum.modes(cutoff),
+            Source::Spectrum(spectrum) => spectrum.modes(cutoff, closed),
         }
     }
 }
