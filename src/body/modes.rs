@@ -19,8 +19,6 @@ pub struct Modes {
     pub free: Free,
     /// r, m/N: the static answer of the modes that are left out.
     pub residual: f64,
-    /// Σ φ²/ω⁴ of the modes that are left out, m s²/N: their answer is r F less this times F̈, and less still.
-    pub neglected: f64,
     /// Where the energy is.
     pub(crate) forms: Forms,
 }
@@ -86,7 +84,7 @@ const CONDITION: f64 = 1e9;
 impl Modes {
     /// A body that does not move: a half-space, whose dent Hertz's law holds.
     pub fn none() -> Self {
-        Self { modes: Vec::new(), free: Free::default(), residual: 0.0, neglected: 0.0, forms: Forms::none() }
+        Self { modes: Vec::new(), free: Free::default(), residual: 0.0, forms: Forms::none() }
     }
 
     /// A surface that moves at F/Z: an infinite plate of the impedance Z, N s/m.
@@ -163,11 +161,8 @@ impl Spectrum {
         // What nothing holds has no static answer.
         let free = self.squares.iter().filter(|square| **square <= ROUNDING * self.squares.max()).count();
         let count = self.slower_than(cutoff, closed).max(free);
-        let (mut residual, mut neglected) = (0.0, 0.0);
-        for (force, square) in self.force.iter().zip(&self.squares).skip(count) {
-            residual += force * force / square;
-            neglected += (force / square).powi(2);
-        }
+        let left = self.force.iter().zip(&self.squares).skip(count);
+        let residual = left.map(|(force, square)| force * force / square).sum();
         let most_damped = self.damping.as_ref().map_or(0.0, |d| d.amax());
         let is_free = |&i: &usize| {
             let held = self.damping.as_ref().is_some_and(|d| d.column(i).amax() > 1e-12 * most_damped);
@@ -201,7 +196,7 @@ impl Spectrum {
             squares,
             damped,
         };
-        Ok(Modes { modes, free, residual, neglected, forms })
+        Ok(Modes { modes, free, residual, forms })
     }
 }
 
