@@ -45,7 +45,9 @@ pub(super) fn climb(comm: &Comm, scene: &Scene) -> Result<Model> {
             passed.push("the explicit scheme is asked for, and the solid alone has a lumped mass".to_owned());
         }
         Ok(()) if scene.supports.iter().any(is_held_away) => {
-            passed.push("it is held at a displacement, and has no modal coordinates in which plates are compared".to_owned());
+            passed.push(
+                "it is held at a displacement, and has no modal coordinates in which plates are compared".to_owned(),
+            );
         }
         Ok(()) => {
             if let Some(model) = plate(comm, scene, &mut passed)? {

@@ -17,6 +17,8 @@ pub struct Steps {
     pub largest: f64,
     /// Allowed difference of law and force within a step, N; `None` for steps of one size.
     pub defect: Option<f64>,
+    /// Force up to which the contact's stiffness counts among the frequencies that a step resolves, N.
+    pub peak: f64,
 }
 
 /// One step taken: the force's three values, N.

@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use petsc_wrap::Comm;
 
-use super::census::{Census, key};
+use super::census::{Census, Line, key};
 use super::family::{self, Family};
 use super::member::Outcome;
 use crate::body::ModalBody;
@@ -112,20 +112,20 @@ impl<'a> Bodies<'a> {
 
     /// On the basis of all that differ in one support alone, where they are many.
     fn of_family(&mut self, index: usize, scene: &Scene) -> Result<Option<Kept>> {
-        let Some((line, value, all)) = self.census.line_of(index, scene) else { return Ok(None) };
+        let Some(Line { key, value, all }) = self.census.line_of(index, scene) else { return Ok(None) };
         if all.len() < family::LEAST {
             return Ok(None);
         }
-        if !self.families.contains_key(&line) {
+        if !self.families.contains_key(&key) {
             let values: Vec<f64> = all.iter().map(|(value, _)| *value).collect();
             let scene_of = |value: f64| {
                 let at = values.partition_point(|other| *other < value).min(values.len() - 1);
                 (self.scene_of)(all[at].1)
             };
             let family = Family::new(&self.comm, self.theory, &values, &scene_of)?;
-            self.families.insert(line, family);
+            self.families.insert(key, family);
         }
-        Ok(self.families[&line].as_ref().map(|family| {
+        Ok(self.families[&key].as_ref().map(|family| {
             let ([body, larger], of_merging) = family.at(value);
             Kept { body, larger: Some(larger), unknowns: family.unknowns, of_model: of_merging }
         }))
