@@ -108,7 +108,7 @@ pub(super) fn limits(body: &Body, impactor: &Impactor, mass: f64, thickness: f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Geometry, Symmetry};
+    use crate::scene::{Geometry, Model, Reduction, Symmetry};
 
     /// The mean over all directions of a wave of what Cerruti's and Boussinesq's solutions give it, (1 − ν cos² φ) to
     /// 1 − ν, since the pressure's spectrum is round.
@@ -116,6 +116,8 @@ mod tests {
     fn compliance_along_the_surface() {
         for poisson in [-0.5, 0.0, 0.23, 0.49] {
             let body = Body {
+                model: Model::Solid,
+                reduction: Reduction::None,
                 young: 70e9,
                 poisson,
                 density: 1.0,

@@ -52,9 +52,7 @@ pub(super) fn theory(source: &Source, raw: &raw::Body) -> Result<(Model, Reducti
     let path = "body.reduction";
     let reduction = match &raw.reduction {
         None => Reduction::Auto,
-        Some(WordOrWhole::Whole(vectors)) => {
-            Reduction::Vectors(source.whole(path, *vectors, 1..=MOST_VECTORS)?)
-        }
+        Some(WordOrWhole::Whole(vectors)) => Reduction::Vectors(source.whole(path, *vectors, 1..=MOST_VECTORS)?),
         Some(WordOrWhole::Word(given)) => match word(source, path, &Some(given.clone()), &["auto", "none"])? {
             "none" => Reduction::None,
             _ => Reduction::Auto,
@@ -63,7 +61,12 @@ pub(super) fn theory(source: &Source, raw: &raw::Body) -> Result<(Model, Reducti
     if raw.mesh.is_some() && !matches!(model, Model::Auto | Model::Solid) {
         let name = raw.model.as_deref().unwrap_or_default();
         let message = format!("the theory \"{name}\" is for a box, and the body is a mesh file");
-        return Err(source.conflict("body.model", "body.mesh", message, "\"solid\", or `size` in place of `mesh`".into()));
+        return Err(source.conflict(
+            "body.model",
+            "body.mesh",
+            message,
+            "\"solid\", or `size` in place of `mesh`".into(),
+        ));
     }
     Ok((model, reduction))
 }

@@ -19,7 +19,10 @@ pub(super) fn against(
         let reason = "modal coordinates are those of a reduced body".to_owned();
         return Some(("body.reduction".to_owned(), reason));
     }
-    supports.iter().enumerate().find_map(|(i, support)| linear(support).map(|reason| (format!("support.{i}.kind"), reason)))
+    supports
+        .iter()
+        .enumerate()
+        .find_map(|(i, support)| linear(support).map(|reason| (format!("support.{i}.kind"), reason)))
 }
 
 /// Why a support leaves the body without modes.
