@@ -5,6 +5,7 @@
 //! coordinates `x` come in the order of the shape's reference vertices. Nothing is allocated after construction.
 
 mod disc;
+pub mod elastic;
 mod lumping;
 mod pad;
 pub mod plate;

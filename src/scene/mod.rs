@@ -19,7 +19,7 @@ mod values;
 use std::path::Path;
 
 pub use error::SceneError;
-pub(crate) use faces::faces;
+pub(crate) use faces::{faces, struck_axis};
 pub use fault::Fault;
 pub(crate) use layout::growing;
 pub use source::Source;

@@ -50,7 +50,7 @@ pub(super) fn lines(
 
 /// Length of the flexural wave with the contact's frequency, m. The contact lasts as long as on a half-space, or on a plate that
 /// yields less: there the force rises to what the plate's impedance Z gives, k0 (v t)^{3/2} = Z v, within t.
-fn wavelength(section: &Section, impactor: &Impactor) -> f64 {
+pub(in crate::body) fn wavelength(section: &Section, impactor: &Impactor) -> f64 {
     let Impactor { stiffness, mass, speed, .. } = *impactor;
     let impedance = zener::impedance((section.young, section.poisson), section.density, section.thickness);
     let rise = (impedance / stiffness).powf(2.0 / 3.0) / speed.cbrt();
