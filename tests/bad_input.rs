@@ -5,6 +5,8 @@
 mod bad_meshes;
 #[path = "common/bad_scenes.rs"]
 mod bad_scenes;
+#[path = "common/bad_sweeps.rs"]
+mod bad_sweeps;
 #[path = "common/program.rs"]
 mod program;
 
@@ -230,6 +232,33 @@ fn scenes_on_a_good_mesh() {
         ),
         case("a folder for a mesh", "body.mesh=.", &[":5: body.mesh: ", "cannot be read", "directory"]),
     ]);
+}
+
+/// Sweeps that cannot be begun, and files that are no sweeps.
+#[test]
+fn sweeps() {
+    let case = |name: &str, line: &str, status, fragments: &[&str], before, ranks| Case {
+        name: name.to_owned(),
+        files: vec![("box.toml".to_owned(), BOX.into())],
+        arguments: words(line),
+        status,
+        fragments: fragments.iter().map(|&part| part.to_owned()).collect(),
+        before,
+        ranks,
+    };
+    let refused = bad_sweeps::TABLE.iter().map(|bad| {
+        let ranks = if bad.on_ranks { BOTH } else { ALONE };
+        case(bad.name, &format!("sweep box.toml {}", bad.line), 2, bad.fragments, Before::Nothing, ranks)
+    });
+    let sweep = |name, before, fragment, ranks| {
+        case(name, "sweep box.toml --vary impactor.speed=1,2 -o out.h5", 4, &[fragment], before, ranks)
+    };
+    let mut cases: Vec<Case> = refused.collect();
+    cases.push(sweep("a run's result", Before::Result, "out.h5: is not a sweep of ricochet", BOTH));
+    cases.push(sweep("somebody's notes", Before::Sentinel, "out.h5: is no readable HDF5 file", ALONE));
+    let line = "sweep box.toml --vary impactor.speed=1,2 -o no/out.h5";
+    cases.push(case("no folder", line, 4, &["no/out.h5: there is no folder no"], Before::Nothing, BOTH));
+    check_all(&cases);
 }
 
 /// Files that cannot be read or written, and command lines that mean nothing.

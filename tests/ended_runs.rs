@@ -5,12 +5,11 @@ mod program;
 #[path = "common/results.rs"]
 mod results;
 
-use std::fs;
 use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use program::{BOX, LIMIT, Outcome, Started, ricochet, run, send, start};
+use program::{BOX, LIMIT, Outcome, Started, children, ricochet, run, send, start};
 use results::{column, folder, good, is_complete, long, words};
 use tempfile::TempDir;
 
@@ -96,22 +95,6 @@ fn sigint_ends_a_run_in_order_and_progress_is_sparse() {
     assert_eq!(lines.len(), 1, "{outcome:#?}");
     assert!(lines[0].contains(", t = ") && lines[0].ends_with(" s left"), "{lines:?}");
     assert!(!outcome.stderr.contains('\r') && !outcome.stderr.contains('\u{1b}'));
-}
-
-/// The processes whose parent is this one.
-fn children(parent: u32) -> Vec<String> {
-    let parent = parent.to_string();
-    fs::read_dir("/proc")
-        .unwrap()
-        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-        .filter(|name| name.bytes().all(|byte| byte.is_ascii_digit()))
-        .filter(|process| {
-            let stat = fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
-            // After the name in brackets: state, parent.
-            let fields = stat.rsplit(')').next().unwrap_or_default().split_whitespace().nth(1);
-            fields == Some(parent.as_str())
-        })
-        .collect()
 }
 
 #[test]

@@ -42,7 +42,7 @@ fn a_result_tells_where_it_comes_from() {
     assert!(number::<bool>(&file, "complete"));
     let iterations = number::<u64>(&file, "newton_iterations");
     assert!((STEPS as u64..10 * STEPS as u64).contains(&iterations), "{iterations}");
-    let times = ["mesh", "assembly", "steps", "total"].map(|p| number::<f64>(&file, &format!("wall_time_{p}")));
+    let times = ["model", "setup", "steps", "total"].map(|p| number::<f64>(&file, &format!("wall_time_{p}")));
     assert!(times.iter().all(|t| *t > 0.0) && (times[..3].iter().sum::<f64>() - times[3]).abs() < 1e-9, "{times:?}");
     // Every seventh of the steps 0 to 50.
     let time = column(&folder.path().join("scene.h5"), "time");

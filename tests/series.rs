@@ -132,7 +132,7 @@ fn everything_written_is_read_back() {
         assert_eq!(number::<f64>(&file, "error_estimate"), 1e-3);
         assert_eq!(file.attr("planned_rows").is_ok(), planned.is_some());
         assert!(number::<bool>(&file, "complete"));
-        for (phase, seconds) in [("mesh", 0.125), ("assembly", 0.25), ("steps", 1.5), ("total", 2.0)] {
+        for (phase, seconds) in [("model", 0.125), ("setup", 0.25), ("steps", 1.5), ("total", 2.0)] {
             assert_eq!(number::<f64>(&file, &format!("wall_time_{phase}")), seconds);
         }
         assert_eq!(number::<u64>(&file, "newton_iterations"), 42);

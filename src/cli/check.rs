@@ -3,17 +3,16 @@
 use petsc_wrap::{Comm, FactorEstimate, estimate_cholesky};
 
 use crate::body::Body;
-use crate::contact::{Reason, hertz};
-use crate::element::Shape;
+use crate::contact::{Patch, Reason, hertz};
 use crate::error::Result;
 use crate::impact::{Method, Plan, Setting, steps};
-use crate::mesh::Mesh;
-use crate::scene::{Geometry, Scene, Scheme, Support, SupportKind, Symmetry, Vec3};
+use crate::model::{Dynamics, Model};
+use crate::scene::{Contact, Geometry, Scene, Scheme, Support, SupportKind, Symmetry, Vec3};
 use crate::scheme::Implicit;
 
 use super::Check;
 use super::load::load;
-use super::notes::notes;
+use super::notes::{describe_model, notes};
 use super::say;
 
 /// Checks a scene and prints what will be solved. Collective.
@@ -26,10 +25,28 @@ pub fn check(comm: &Comm, arguments: &Check) -> Result<()> {
 }
 
 fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
-    let mesh = Mesh::new(comm, &scene.body)?;
-    let mut body = Body::solid(scene, &mesh)?;
-    let setting = Setting::new(&scene.impactor, &body);
-    let plan = Plan::new(scene, &mut body, &setting)?;
+    let mut model = Model::new(comm, scene)?;
+    let patch = model.dynamics.patch();
+    let head = |model: &Model, mass: Option<f64>, plan: Option<&Plan>| {
+        if comm.is_root() {
+            print_scene(scene, model, mass);
+            print_contact(scene, patch.as_ref());
+            print_time(scene, plan);
+            for note in notes(scene, patch.as_ref(), plan) {
+                say(format_args!("note       {note}"));
+            }
+        }
+    };
+    let Dynamics::Stepped(body) = &mut model.dynamics else {
+        let given = scene.time.step.map(|step| Plan::Equal { step });
+        head(&model, box_mass(scene), given.as_ref());
+        if comm.is_root() {
+            say(format_args!("solver     modal coordinates: no equations to solve but two for the force, a step"));
+        }
+        return Ok(());
+    };
+    let setting = Setting::new(&scene.impactor, body);
+    let plan = Plan::new(scene, body, &setting)?;
     let factor = match Implicit::new(scene.time.scheme) {
         Some(scheme) => {
             let stage = scheme.stage(plan.step());
@@ -38,23 +55,29 @@ fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
         None => None,
     };
     // Asks all ranks where there are pads.
-    let method = Method::of(scene.solver.newton, &body);
+    let method = Method::of(scene.solver.newton, body);
     let entries = body.elastic.entries()?;
     let boundary: u64 = body.support.iter().chain(&body.damping).map(|m| m.entries()).sum::<petsc_wrap::Result<_>>()?;
-    let mass = body.copies * mass(&body)?;
-    if comm.is_root() {
-        print_scene(scene, &mesh, (body.unknowns(), mass));
-        print_contact(scene, &body);
-        print_time(scene, &plan);
-        for note in notes(scene, &body, &plan) {
-            say(format_args!("note       {note}"));
-        }
-        print_cost(&body, &method, &plan, (entries as f64, boundary as f64), factor);
+    let mass = match box_mass(scene) {
+        Some(mass) => Some(mass),
+        None => Some(mass(body)?),
+    };
+    head(&model, mass, Some(&plan));
+    if let (true, Dynamics::Stepped(body)) = (comm.is_root(), &model.dynamics) {
+        print_cost(body, &method, &plan, (entries as f64, boundary as f64), factor);
     }
     Ok(())
 }
 
-/// Mass of the modelled part of the body, kg: 1ᵀM1 counts it once for each component.
+/// Mass of a box, kg.
+fn box_mass(scene: &Scene) -> Option<f64> {
+    match &scene.body.geometry {
+        Geometry::Box { size, .. } => Some(scene.body.density * size.iter().product::<f64>()),
+        Geometry::Gmsh(_) => None,
+    }
+}
+
+/// Mass of a body of solid elements, kg: 1ᵀM1 counts it once for each component.
 fn mass(body: &Body) -> Result<f64> {
     let mut ones = body.load.duplicate()?;
     let mut product = body.load.duplicate()?;
@@ -63,7 +86,7 @@ fn mass(body: &Body) -> Result<f64> {
     Ok(product.dot(&ones)? / 3.0)
 }
 
-fn print_scene(scene: &Scene, mesh: &Mesh, (unknowns, mass): (usize, f64)) {
+fn print_scene(scene: &Scene, model: &Model, mass: Option<f64>) {
     if !scene.title.is_empty() {
         say(format_args!("{}", scene.title));
     }
@@ -71,12 +94,12 @@ fn print_scene(scene: &Scene, mesh: &Mesh, (unknowns, mass): (usize, f64)) {
         Geometry::Box { size: [x, y, z], .. } => format!("box {x} × {y} × {z} m"),
         Geometry::Gmsh(path) => path.display().to_string(),
     };
-    let shape = if mesh.cells.shape == Shape::Tetrahedron { "tetrahedra" } else { "hexahedra" };
-    say(format_args!("body       solid: {geometry}, {mass:.4} kg"));
-    say(format_args!(
-        "mesh       {} {shape} of order {}, {} nodes, {unknowns} unknowns",
-        mesh.total_cells, scene.body.order, mesh.nodes,
-    ));
+    let mass = mass.map_or(String::new(), |mass| format!(", {mass:.4} kg"));
+    say(format_args!("body       {geometry}{mass}"));
+    say(format_args!("model      {}", describe_model(model)));
+    if let Some(reason) = &model.reason {
+        say(format_args!("           {reason}"));
+    }
     match &scene.body.symmetry {
         Symmetry::Quarter { .. } => {
             say(format_args!("symmetry   a quarter stands for the whole, with identical results"))
@@ -99,7 +122,7 @@ fn print_scene(scene: &Scene, mesh: &Mesh, (unknowns, mass): (usize, f64)) {
     }
 }
 
-fn print_contact(scene: &Scene, body: &Body) {
+fn print_contact(scene: &Scene, patch: Option<&Patch>) {
     let impactor = &scene.impactor;
     let [x, y, z] = impactor.direction.map(|d| (1e6 * d).round() / 1e6);
     say(format_args!(
@@ -111,8 +134,12 @@ fn print_contact(scene: &Scene, body: &Body) {
         1e3 * contact_time(scene),
         hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed)
     ));
-    let Some(patch) = &body.localization.patch else {
-        say(format_args!("           at a point: the force depends on the mesh, and has no limit as it is refined"));
+    let Some(patch) = patch else {
+        if scene.contact == Contact::Point {
+            say(format_args!(
+                "           at a point: the force depends on the mesh, and has no limit as it is refined"
+            ));
+        }
         return;
     };
     let reason = match patch.reason {
@@ -133,23 +160,34 @@ fn print_contact(scene: &Scene, body: &Body) {
     ));
 }
 
-fn print_time(scene: &Scene, plan: &Plan) {
+fn print_time(scene: &Scene, plan: Option<&Plan>) {
     let scheme = match scene.time.scheme {
+        _ if scene.time.modal => "modal coordinates, the linear part exact".to_owned(),
+        scheme => described(scheme),
+    };
+    let (end, contact) = (scene.time.end, contact_time(scene));
+    match plan {
+        Some(Plan::Equal { step }) => say(format_args!(
+            "time       {scheme}: {} steps of {step:.4e} s to {end:e} s, {:.0} in that contact",
+            steps(end, *step),
+            contact / step
+        )),
+        Some(Plan::Controlled { first, tolerance }) => say(format_args!(
+            "time       {scheme}, to {end:e} s in steps chosen for an error of {tolerance:e} of the peak, {first:.2e} s at first in contact"
+        )),
+        None => say(format_args!(
+            "time       {scheme}, to {end:e} s in steps chosen for an error of {:e} of the peak",
+            scene.tolerance
+        )),
+    }
+}
+
+fn described(scheme: Scheme) -> String {
+    match scheme {
         Scheme::Newmark { beta, gamma } => format!("Newmark β = {beta}, γ = {gamma}"),
         Scheme::GeneralizedAlpha { rho_inf } => format!("generalised-α with ρ∞ = {rho_inf}"),
         Scheme::Energy => "energy-conserving midpoint rule".to_owned(),
         Scheme::CentralDifference { .. } => "central difference with lumped mass".to_owned(),
-    };
-    let (end, contact) = (scene.time.end, contact_time(scene));
-    match *plan {
-        Plan::Equal { step } => say(format_args!(
-            "time       {scheme}: {} steps of {step:.4e} s to {end:e} s, {:.0} in that contact",
-            steps(end, step),
-            contact / step
-        )),
-        Plan::Controlled { first, tolerance } => say(format_args!(
-            "time       {scheme}, to {end:e} s in steps chosen for an error of {tolerance:e} of the peak, {first:.2e} s at first in contact"
-        )),
     }
 }
 

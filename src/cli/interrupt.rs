@@ -28,8 +28,12 @@ impl Interrupt {
     /// Whether any rank has got a signal. Collective.
     pub fn is_raised(&self, comm: &Comm) -> bool {
         let mut all = 0;
-        let here = self.0.load(Ordering::Relaxed);
-        comm.mpi().all_reduce_into(&i32::from(here), &mut all, SystemOperation::max());
+        comm.mpi().all_reduce_into(&i32::from(self.is_raised_here()), &mut all, SystemOperation::max());
         all > 0
+    }
+
+    /// Whether this rank has got a signal.
+    pub fn is_raised_here(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
     }
 }

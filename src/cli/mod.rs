@@ -8,6 +8,7 @@ pub mod plot;
 mod progress;
 pub mod run;
 pub mod stability;
+pub mod sweep;
 
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
@@ -17,6 +18,7 @@ use clap::{Args, Parser, Subcommand};
 use petsc_wrap::{Comm, options};
 
 use crate::error::Result;
+use crate::study::sweep::Shard;
 
 /// Version and commit.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("RICOCHET_COMMIT"), ")");
@@ -39,10 +41,12 @@ pub enum Command {
     Run(Run),
     /// Validate a scene and say what will be solved, and what it costs
     Check(Check),
-    /// Draw the impactor's acceleration against time, one curve a result
+    /// Draw the impactor's acceleration against time, one curve a result; or a sweep over its keys
     Plot(Plot),
     /// Show where each time integration scheme holds on a scene and where it fails: schemes × steps
     Stability(Stability),
+    /// Compute a scene for many values of its keys, and write the peaks and contacts of all members to an HDF5 file
+    Sweep(Sweep),
 }
 
 /// `ricochet run`
@@ -101,6 +105,34 @@ pub struct Stability {
     pub petsc: Vec<String>,
 }
 
+/// `ricochet sweep`
+#[derive(Debug, Args)]
+pub struct Sweep {
+    /// Scene file (TOML)
+    pub scene: PathBuf,
+    /// Result file; a sweep that is there already is continued
+    #[arg(short, long, value_name = "OUT.h5")]
+    pub output: PathBuf,
+    /// A key of the scene and its values: a range of N numbers, both ends included, or a list; given more than once, a grid
+    #[arg(long, required = true, value_name = "KEY=A..B:N | KEY=A,B,C", allow_hyphen_values = true)]
+    pub vary: Vec<String>,
+    /// Space all ranges logarithmically
+    #[arg(long)]
+    pub log: bool,
+    /// Override a key of the scene by its dotted path, for all members
+    #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    pub overrides: Vec<String>,
+    /// Keep the series of every member, as a run has them
+    #[arg(long)]
+    pub series: bool,
+    /// Compute every n-th member from the i-th on into a part OUT.i-of-n.h5; a sweep without --shard takes the parts over
+    #[arg(long, value_name = "i/n")]
+    pub shard: Option<Shard>,
+    /// Options for PETSc, unchanged
+    #[arg(last = true, value_name = "PETSC OPTIONS")]
+    pub petsc: Vec<String>,
+}
+
 /// Whether this is rank 0, or alone, as far as the launcher's environment tells before MPI is initialised.
 pub fn is_root_by_environment() -> bool {
     ["OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"]
@@ -117,6 +149,16 @@ pub fn say(line: fmt::Arguments) {
 /// A line on standard error, likewise.
 pub fn tell(line: fmt::Arguments) {
     let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// Five digits, with a power of ten where the number is very small or large.
+fn short(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-2..1e6).contains(&size) {
+        return format!("{value:.4e}");
+    }
+    let before = if size < 1.0 { 0 } else { size.log10().floor() as usize };
+    format!("{value:.*}", 4_usize.saturating_sub(before))
 }
 
 /// Misspelt options are the user's to know of.

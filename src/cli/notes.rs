@@ -1,16 +1,31 @@
 //! What a user should know of a scene before its numbers are trusted.
 
-use crate::body::Body;
-use crate::contact::hertz;
+use crate::contact::{Patch, hertz};
 use crate::impact::Plan;
+use crate::model::{self, Model};
 use crate::scene::{Scene, Scheme};
 use crate::scheme::critical_frequency;
 
-/// The notes on a scene, with its body and its steps: nothing that is wrong, but much that a number may depend on.
-pub fn notes(scene: &Scene, body: &Body, plan: &Plan) -> Vec<String> {
+/// The theory, its unknowns and its basis.
+pub fn describe_model(model: &Model) -> String {
+    let mut words = format!("{}: {}", model::name(model.theory), model.words);
+    if model.unknowns > 0 {
+        words += &format!(", {} unknowns", model.unknowns);
+    }
+    if let Some(vectors) = model.vectors {
+        words += &format!(", reduced to {vectors} vectors");
+    }
+    if let Some((first, _)) = model.error {
+        words += &format!("; estimated error by that {first:.1e} of the peak in the first contact");
+    }
+    words
+}
+
+/// The notes on a scene, with its patch and its steps: nothing that is wrong, but much that a number may depend on.
+pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<String> {
     let mut notes = Vec::new();
     let impactor = &scene.impactor;
-    if let Some(patch) = &body.localization.patch {
+    if let Some(patch) = patch {
         if patch.is_coarse() {
             notes.push(format!(
                 "cells of {:.4} m do not resolve the patch: they should be {:.4} m or smaller at the impact point (body.grading)",
@@ -39,7 +54,7 @@ pub fn notes(scene: &Scene, body: &Body, plan: &Plan) -> Vec<String> {
         notes.push("with γ below 1/2 every vibration grows".to_owned());
     }
     let contact = hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed);
-    if contact < 20.0 * plan.step() {
+    if plan.is_some_and(|plan| contact < 20.0 * plan.step()) {
         notes.push("fewer than 20 steps in a contact: expect its force to depend on the step".to_owned());
     }
     let indentation = hertz::peak_indentation(impactor.stiffness, impactor.mass, impactor.speed);

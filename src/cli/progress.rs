@@ -1,4 +1,4 @@
-//! How far a run is: a bar on a terminal, sparse lines elsewhere. On rank 0.
+//! How far a run or a sweep is: a bar on a terminal, sparse lines elsewhere. On rank 0.
 
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -71,6 +71,46 @@ impl Progress {
     /// The run is over.
     pub fn finish(self) {
         if let Self::Bar { bar, .. } = self {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// Shows the progress of a sweep's members.
+pub struct Members {
+    bar: Option<ProgressBar>,
+    done: usize,
+    all: usize,
+    begin: Instant,
+    last: Instant,
+}
+
+impl Members {
+    /// Progress to `all` members on standard error.
+    pub fn new(all: usize) -> Self {
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let style = "{bar:40} {pos} of {len} members, {eta} left";
+            ProgressBar::new(all as u64).with_style(ProgressStyle::with_template(style).expect("the template is valid"))
+        });
+        let begin = Instant::now();
+        Self { bar, done: 0, all, begin, last: begin }
+    }
+
+    /// A member has come in.
+    pub fn member(&mut self) {
+        self.done += 1;
+        if let Some(bar) = &self.bar {
+            bar.inc(1);
+        } else if self.last.elapsed() >= EVERY {
+            self.last = Instant::now();
+            let left = self.begin.elapsed().as_secs_f64() * (self.all - self.done) as f64 / self.done as f64;
+            tell(format_args!("{} of {} members, {left:.0} s left", self.done, self.all));
+        }
+    }
+
+    /// No more will come.
+    pub fn finish(&self) {
+        if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
     }

@@ -8,11 +8,9 @@ use std::time::Instant;
 use petsc_wrap::{Comm, options, petsc_version};
 
 use crate::agree::agree;
-use crate::body::Body;
 use crate::error::{Error, Result};
-use crate::impact::Impact;
 use crate::impact::step::Energy;
-use crate::mesh::Mesh;
+use crate::model::{self, Model, Simulation};
 use crate::record::episodes::Episodes;
 use crate::record::provenance::{Cost, Provenance};
 use crate::record::series::SeriesWriter;
@@ -22,9 +20,9 @@ use crate::scene::{Scene, Source};
 use super::Run;
 use super::interrupt::{INTERRUPTED, Interrupt};
 use super::load::load;
-use super::notes::notes;
+use super::notes::{describe_model, notes};
 use super::progress::Progress;
-use super::{say, tell, warn_of_unused_options};
+use super::{say, short, tell, warn_of_unused_options};
 
 /// Runs a scene; returns the exit status. Collective.
 ///
@@ -45,23 +43,27 @@ fn default_output(scene: &Path) -> PathBuf {
 
 fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i32> {
     let begin = Instant::now();
-    let mesh = Mesh::new(comm, &scene.body)?;
-    let meshed = begin.elapsed().as_secs_f64();
-    let body = Body::solid(scene, &mesh)?;
-    let mut impact = Impact::new(scene, body)?;
-    drop(mesh);
-    // The mesh is no longer needed.
-    comm.collect_garbage()?;
+    let model = Model::new(comm, scene)?;
+    let modelled = begin.elapsed().as_secs_f64();
+    let patch = model.dynamics.patch();
+    let (described, reason) = (describe_model(&model), model.reason.clone());
+    let mut provenance = provenance(comm, scene, source, &model)?;
+    let mut impact = Simulation::new(scene, model)?;
+    provenance.planned_rows = impact.steps().map(|steps| steps / scene.output.every + 1);
     let assembled = begin.elapsed().as_secs_f64();
-    tracing::info!(unknowns = impact.body().unknowns(), meshed, assembled, "ready");
+    tracing::info!(modelled, assembled, "ready");
     if comm.is_root() {
-        for note in notes(scene, impact.body(), impact.plan()) {
+        tell(format_args!("{described}"));
+        if let Some(reason) = reason {
+            tell(format_args!("{reason}"));
+        }
+        for note in notes(scene, patch.as_ref(), impact.plan().as_ref()) {
             tell(format_args!("note: {note}"));
         }
     }
     let mut desk = match comm.is_root() {
         true => Some(Desk {
-            writer: SeriesWriter::create(output, &provenance(comm, scene, source, &impact)?)?.every(scene.output.every),
+            writer: SeriesWriter::create(output, &provenance)?.every(scene.output.every),
             progress: Progress::new(scene.time.end),
             summary: Summary::default(),
         }),
@@ -79,16 +81,16 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
         Ok(if interrupt.is_raised(comm) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     });
     let total = begin.elapsed().as_secs_f64();
-    let patch_error = impact.body().localization.patch.map_or(0.0, |patch| patch.error());
-    let missed = impact.count.error.is_some_and(|error| error > scene.tolerance);
+    let (count, error) = (impact.count(), impact.error());
+    let missed = error.is_some_and(|error| error > scene.tolerance);
     let cost = Cost {
-        mesh: meshed,
-        assembly: assembled - meshed,
+        model: modelled,
+        setup: assembled - modelled,
         steps: total - assembled,
         total,
-        newton_iterations: impact.count.iterations,
-        solves: impact.count.solves,
-        error_estimate: impact.count.error.map_or(f64::NAN, |error| error + patch_error),
+        newton_iterations: count.iterations,
+        solves: count.solves,
+        error_estimate: error.unwrap_or(f64::NAN),
     };
     let flow = stepped.as_ref().ok().copied();
     if let Some(Desk { writer, progress, summary }) = desk {
@@ -187,19 +189,19 @@ impl Summary {
             }
         ));
         say(format_args!(
-            "{}: {:.1} s (mesh {:.1}, assembly {:.1}, steps {:.1}), {} solves and {} Newton iterations",
+            "{}: {} s (model {}, setup {}, steps {}), {} solves and {} Newton iterations",
             output.display(),
-            cost.total,
-            cost.mesh,
-            cost.assembly,
-            cost.steps,
+            seconds(cost.total),
+            seconds(cost.model),
+            seconds(cost.setup),
+            seconds(cost.steps),
             cost.solves,
             cost.newton_iterations
         ));
     }
 }
 
-fn provenance(comm: &Comm, scene: &Scene, source: &Source, impact: &Impact) -> Result<Provenance> {
+fn provenance(comm: &Comm, scene: &Scene, source: &Source, model: &Model) -> Result<Provenance> {
     Ok(Provenance {
         title: scene.title.clone(),
         scene: source.text().to_owned(),
@@ -208,19 +210,14 @@ fn provenance(comm: &Comm, scene: &Scene, source: &Source, impact: &Impact) -> R
         petsc_version: petsc_version(),
         petsc_options: options::all(comm.session())?,
         ranks: comm.size(),
-        model: "solid".to_owned(),
-        reduction: "none".to_owned(),
-        unknowns: impact.body().unknowns() + 1,
-        planned_rows: impact.steps().map(|steps| steps / scene.output.every + 1),
+        model: model::name(model.theory).to_owned(),
+        reduction: model.reduction(),
+        unknowns: model.unknowns + 1,
+        planned_rows: None,
     })
 }
 
-/// Five digits, with a power of ten where the number is very small or large.
-fn short(value: f64) -> String {
-    let size = value.abs();
-    if size != 0.0 && !(1e-2..1e6).contains(&size) {
-        return format!("{value:.4e}");
-    }
-    let before = if size < 1.0 { 0 } else { size.log10().floor() as usize };
-    format!("{value:.*}", 4_usize.saturating_sub(before))
+/// Milliseconds below ten seconds, tenths of a second above.
+fn seconds(value: f64) -> String {
+    if value >= 10.0 { format!("{value:.1}") } else { format!("{value:.3}") }
 }

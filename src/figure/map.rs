@@ -2,6 +2,7 @@
 
 use super::axis::exponential;
 use super::canvas::{Anchor, Canvas, Drawing, HEIGHT, Outcome, WIDTH, save};
+use super::shade::{MISSING, shade};
 use super::stroke::Stroke;
 use crate::error::{Error, Result};
 use plotters::backend::DrawingBackend;
@@ -85,18 +86,7 @@ const REACH: f64 = std::f64::consts::SQRT_2;
 
 /// Powers of ten that the scale goes from and to.
 const SCALE: (i32, i32) = (-6, 0);
-/// Light to dark: Blues of ColorBrewer (C. Brewer, 2003) without the two lightest, which paper would swallow.
-const COLOURS: [RGBColor; 7] = [
-    RGBColor(232, 241, 250),
-    RGBColor(198, 219, 239),
-    RGBColor(158, 202, 225),
-    RGBColor(107, 174, 214),
-    RGBColor(49, 130, 189),
-    RGBColor(8, 81, 156),
-    RGBColor(8, 38, 82),
-];
 const UNBOUNDED: RGBColor = RGBColor(213, 94, 0);
-const MISSING: RGBColor = RGBColor(160, 160, 160);
 const INK: RGBColor = RGBColor(30, 30, 30);
 const PAPER: RGBColor = RGBColor(255, 255, 255);
 const LIMIT: Stroke = Stroke { colour: INK, width: 5.0, dashes: &[] };
@@ -297,11 +287,7 @@ fn place(value: f64) -> f64 {
 }
 
 fn colour(value: f64) -> RGBColor {
-    let at = place(value) * (COLOURS.len() - 1) as f64;
-    let n = (at as usize).min(COLOURS.len() - 2);
-    let (from, to, part) = (COLOURS[n], COLOURS[n + 1], at - n as f64);
-    let mixed = |a: u8, b: u8| (f64::from(a) + part * (f64::from(b) - f64::from(a))).round() as u8;
-    RGBColor(mixed(from.0, to.0), mixed(from.1, to.1), mixed(from.2, to.2))
+    shade(place(value))
 }
 
 #[cfg(test)]

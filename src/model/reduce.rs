@@ -14,10 +14,10 @@ const MOST: usize = 1500;
 
 /// A basis is judged by one of half as many vectors more, whose own error is part of the difference: where errors fall with the
 /// square of the number, (1 − 1.5⁻²)⁻¹ = 1.8 of the difference, and where they fall slower at times, more.
-const SAFETY: f64 = 3.0;
+pub const SAFETY: f64 = 3.0;
 
 /// Part of the tolerance that the basis may take.
-const OF_BASIS: f64 = 0.3;
+pub const OF_BASIS: f64 = 0.3;
 
 /// The rate s at which a basis is made, times the contact time on a half-space. From 5 to 50 bases are much alike.
 const RATE: f64 = 15.0;
@@ -26,6 +26,8 @@ const RATE: f64 = 15.0;
 pub struct Reduced {
     /// The body.
     pub projection: Projection,
+    /// It on the larger basis by which the error was found.
+    pub larger: Projection,
     /// Estimated error of the acceleration over its peak: in the first contact, and over all.
     pub error: (f64, f64),
 }
@@ -40,23 +42,34 @@ pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
         Reduction::Vectors(vectors) => Some(vectors),
         _ => None,
     };
-    let mut smaller = given.unwrap_or(FIRST);
-    krylov.grow(body, smaller)?;
+    let mut count = given.unwrap_or(FIRST);
+    // The last basis, its force, and the steps that all are compared in.
+    let mut last: Option<(usize, Trace)> = None;
+    let mut steps = None;
     loop {
-        smaller = smaller.min(krylov.vectors());
-        krylov.grow(body, smaller + smaller.div_ceil(2))?;
-        let larger = krylov.projection(body)?;
-        let error = compare(&larger, smaller, scene);
-        let enough = given.is_some() || krylov.is_exhausted() || krylov.vectors() > MOST;
-        match error {
-            Ok(error) if enough || error.0 <= OF_BASIS * scene.tolerance => {
-                tracing::info!(vectors = smaller, first = error.0, all = error.1, "reduced");
-                return Ok(Reduced { projection: larger.leading(smaller), error });
+        krylov.grow(body, count)?;
+        let projection = krylov.projection(body)?;
+        count = projection.vectors();
+        let enough = krylov.is_exhausted() || count > MOST || (given.is_some() && last.is_some());
+        match ModalImpact::new(scene, &ModalBody::of(&projection)).trace(steps) {
+            Ok((trace, taken)) => {
+                steps = Some(taken);
+                if let Some((smaller, before)) = &last {
+                    let (first, all) = before.difference(&trace);
+                    let error = (SAFETY * first, SAFETY * all);
+                    if enough || error.0 <= OF_BASIS * scene.tolerance {
+                        tracing::info!(vectors = smaller, first = error.0, all = error.1, "reduced");
+                        let (larger, projection) = (projection.clone(), projection.leading(*smaller));
+                        return Ok(Reduced { projection, larger, error });
+                    }
+                }
+                last = Some((count, trace));
             }
             Err(error) if enough => return Err(error),
             // A basis that is too small may be too soft, or too stiff, for the contact law.
-            _ => smaller = larger.vectors(),
+            Err(_) => {}
         }
+        count += count.div_ceil(2);
     }
 }
 
@@ -64,15 +77,4 @@ pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
 fn rate(scene: &Scene) -> f64 {
     let impactor = &scene.impactor;
     RATE / hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed)
-}
-
-/// The error of the first vectors of a basis.
-fn compare(larger: &Projection, count: usize, scene: &Scene) -> Result<(f64, f64)> {
-    let on = |projection: &Projection, steps| -> Result<(Trace, _)> {
-        ModalImpact::new(scene, &ModalBody::of(projection)).trace(steps)
-    };
-    let (fine, steps) = on(larger, None)?;
-    let (coarse, _) = on(&larger.leading(count), Some(steps))?;
-    let (first, all) = coarse.difference(&fine);
-    Ok((SAFETY * first, SAFETY * all))
 }

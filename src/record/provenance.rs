@@ -34,10 +34,10 @@ pub struct Provenance {
 /// What a run has cost, and how good it is: attributes of the root, made with the file and filled in at the end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// Wall time of reading or making the mesh, s.
-    pub mesh: f64,
-    /// Wall time of assembling the body and the Newton matrix, s.
-    pub assembly: f64,
+    /// Wall time of choosing the theory, reading or making the mesh, assembling the body and its basis, s.
+    pub model: f64,
+    /// Wall time of what steps need before the first of them, as factorisations, s.
+    pub setup: f64,
     /// Wall time of all steps, s.
     pub steps: f64,
     /// Wall time of everything, s.
@@ -53,8 +53,8 @@ pub struct Cost {
 impl Cost {
     /// Before the end.
     pub(super) const UNKNOWN: Self = Self {
-        mesh: f64::NAN,
-        assembly: f64::NAN,
+        model: f64::NAN,
+        setup: f64::NAN,
         steps: f64::NAN,
         total: f64::NAN,
         newton_iterations: 0,
@@ -64,8 +64,8 @@ impl Cost {
 
     fn numbers(&self) -> [(&'static str, f64); 5] {
         [
-            ("wall_time_mesh", self.mesh),
-            ("wall_time_assembly", self.assembly),
+            ("wall_time_model", self.model),
+            ("wall_time_setup", self.setup),
             ("wall_time_steps", self.steps),
             ("wall_time_total", self.total),
             ("error_estimate", self.error_estimate),

@@ -25,10 +25,7 @@ pub struct History {
 /// # Errors
 /// [`Error::Io`] that says whether the file is missing, not HDF5, still being written, or not a result of ricochet.
 pub fn history(path: &Path) -> Result<History> {
-    if let Err(e) = std::fs::File::open(path) {
-        return Err(Error::io(path, e));
-    }
-    let file = hdf5::File::open(path).map_err(|e| not_opened(path, &e))?;
+    let file = open(path)?;
     let column = |name: &str| {
         let not_result = |why: String| {
             let reason = format!("is not a result of ricochet: {why}");
@@ -47,11 +44,24 @@ pub fn history(path: &Path) -> Result<History> {
     acceleration.truncate(rows);
     let start = column("contacts/start")?;
     let end = column("contacts/end")?;
-    let title = file
-        .attr("title")
-        .and_then(|title| title.read_scalar::<VarLenUnicode>())
-        .map_err(|_| Error::io(path, "is not a result of ricochet: it has no title"))?;
-    Ok(History { title: title.to_string(), time, acceleration, contacts: start.into_iter().zip(end).collect() })
+    let title = text(&file, "title").map_err(|_| Error::io(path, "is not a result of ricochet: it has no title"))?;
+    Ok(History { title, time, acceleration, contacts: start.into_iter().zip(end).collect() })
+}
+
+/// Opens a result for reading.
+///
+/// # Errors
+/// [`Error::Io`] that says whether the file is missing, not HDF5, or still being written.
+pub(super) fn open(path: &Path) -> Result<hdf5::File> {
+    if let Err(e) = std::fs::File::open(path) {
+        return Err(Error::io(path, e));
+    }
+    hdf5::File::open(path).map_err(|e| not_opened(path, &e))
+}
+
+/// A text attribute.
+pub(super) fn text(at: &hdf5::Location, name: &str) -> hdf5::Result<String> {
+    at.attr(name)?.read_scalar::<VarLenUnicode>().map(|text| text.to_string())
 }
 
 fn not_opened(path: &Path, error: &hdf5::Error) -> Error {

@@ -36,6 +36,11 @@ impl SceneError {
         self.line
     }
 
+    /// The same, with a remark after the message.
+    pub fn remarked(self, remark: &str) -> Self {
+        Self { message: format!("{} ({remark})", self.message), ..self }
+    }
+
     /// What is wrong, without the place.
     pub fn message(&self) -> &str {
         &self.message

@@ -59,7 +59,7 @@ pub(super) fn leads_inside(size: Vec3, point: Vec3, direction: Vec3) -> bool {
 
 /// The axis across the face through which a unit `direction` leads into the box at a `point` on its surface; at an edge or
 /// a corner the face that it hits squarest.
-pub(crate) fn struck_axis(size: Vec3, point: Vec3, direction: Vec3) -> usize {
+pub(super) fn struck_axis(size: Vec3, point: Vec3, direction: Vec3) -> usize {
     let inward = inward(size, point, direction);
     (0..3).fold(0, |best, i| if inward[i] >= inward[best] { i } else { best })
 }

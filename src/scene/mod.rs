@@ -14,15 +14,17 @@ mod raw;
 mod source;
 mod suggest;
 mod unavailable;
+mod units;
 mod values;
 
 use std::path::Path;
 
 pub use error::SceneError;
-pub(crate) use faces::{faces, struck_axis};
+pub(crate) use faces::faces;
 pub use fault::Fault;
 pub(crate) use layout::growing;
 pub use source::Source;
+pub use units::unit;
 
 /// A vector with one value per Cartesian component.
 pub type Vec3 = [f64; 3];
@@ -85,6 +87,23 @@ impl Scene {
         Ok((check::scene(&source, path.parent().unwrap_or(Path::new("")))?, source))
     }
 
+    /// The axis across the face of a box that is hit; `None` for a mesh file.
+    pub fn struck_axis(&self) -> Option<usize> {
+        match &self.body.geometry {
+            Geometry::Box { size, .. } => Some(faces::struck_axis(*size, self.impactor.point, self.impactor.direction)),
+            Geometry::Gmsh(_) => None,
+        }
+    }
+
+    /// The scene of the file at `path`, whose text is `source`, with `values` (each `KEY=VALUE`) of a sweep written into it.
+    ///
+    /// # Errors
+    /// Everything that is wrong in the values, or in the scene with them.
+    pub fn varied(path: &Path, source: &Source, values: &[String]) -> Result<(Self, Source), SceneError> {
+        let source = source.varied(values)?;
+        Ok((check::scene(&source, path.parent().unwrap_or(Path::new("")))?, source))
+    }
+
     /// The scene in `text`, called `name` in messages; a mesh file is relative to the current folder.
     ///
     /// # Errors
@@ -117,7 +136,7 @@ pub struct Body {
 }
 
 /// What a body's theory takes into account, the least first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Model {
     /// The least that the scene's tolerance allows.
     Auto,

@@ -15,6 +15,8 @@ pub struct Source {
     name: String,
     text: String,
     overrides: Vec<Override>,
+    /// The option that gave the overrides.
+    option: &'static str,
 }
 
 /// What an error underlines.
@@ -25,19 +27,28 @@ pub(super) enum Mark {
 }
 
 impl Source {
-    /// Checks that `text` is TOML and writes the overrides into it.
+    /// Checks that `text` is TOML and writes the overrides of `--set` into it.
     pub(super) fn new(name: &str, text: &str, overrides: &[String]) -> Result<Self, SceneError> {
-        let mut source = Self { name: name.to_owned(), text: text.to_owned(), overrides: Vec::new() };
+        Self::with(name, text, overrides, "--set")
+    }
+
+    /// This scene with one member's values of a sweep written into it.
+    pub(super) fn varied(&self, values: &[String]) -> Result<Self, SceneError> {
+        Self::with(&self.name, &self.text, values, "--vary")
+    }
+
+    fn with(name: &str, text: &str, overrides: &[String], option: &'static str) -> Result<Self, SceneError> {
+        let mut source = Self { name: name.to_owned(), text: text.to_owned(), overrides: Vec::new(), option };
         let mut document =
             Document::parse(text).map_err(|error| source.syntax(error.message(), error.span()))?.into_mut();
         for given in overrides {
             let entry = Override::new(given)
                 .and_then(|entry| entry.apply(&mut document).map(|()| entry))
-                .map_err(|message| on_command_line(given, message))?;
+                .map_err(|message| on_command_line(option, given, message))?;
             source.overrides.push(entry);
         }
         if !overrides.is_empty() {
-            source.text = written(&document, overrides)?;
+            source.text = written(&document, option, overrides)?;
         }
         Ok(source)
     }
@@ -62,7 +73,7 @@ impl Source {
     /// [`error`](Self::error) at a key that does not go with another one; it tells of an override of either.
     pub(super) fn conflict(&self, path: &str, with: &str, message: String, help: String) -> SceneError {
         let message = match (self.overridden(path), self.overridden(with)) {
-            (None, Some(given)) => format!("{message} (set by --set {given})"),
+            (None, Some(given)) => format!("{message} (set by {} {given})", self.option),
             _ => message,
         };
         self.error(path, message, help)
@@ -89,7 +100,7 @@ impl Source {
         };
         let key = segments.join(".");
         let message = match self.overridden(&key) {
-            Some(given) => format!("{message} (set by --set {given})"),
+            Some(given) => format!("{message} (set by {} {given})", self.option),
             None => message,
         };
         self.fault(key, line, span, label, (message, help))
@@ -103,7 +114,11 @@ impl Source {
         label: Option<String>,
         (message, help): (String, String),
     ) -> SceneError {
-        let name = if self.overrides.is_empty() { self.name.clone() } else { format!("{} (after --set)", self.name) };
+        let name = if self.overrides.is_empty() {
+            self.name.clone()
+        } else {
+            format!("{} (after {})", self.name, self.option)
+        };
         let excerpt = Excerpt {
             source: NamedSource::new(name, self.text.clone()),
             mark: LabeledSpan::new_with_span(label, span),
@@ -127,11 +142,12 @@ impl Source {
 }
 
 /// The document as text, checked to be TOML again.
-fn written(document: &DocumentMut, overrides: &[String]) -> Result<String, SceneError> {
+fn written(document: &DocumentMut, option: &str, overrides: &[String]) -> Result<String, SceneError> {
     let text = document.to_string();
     match Document::parse(text.as_str()) {
         Ok(_) => Ok(text),
         Err(error) => Err(on_command_line(
+            option,
             &overrides.join(" "),
             format!("the scene does not stay valid TOML: {}", error.message()),
         )),
@@ -145,13 +161,13 @@ fn left_of_equals(line: &str) -> &str {
 }
 
 /// An error in an override itself.
-fn on_command_line(given: &str, message: String) -> SceneError {
-    let text = format!("--set {given}");
+fn on_command_line(option: &str, given: &str, message: String) -> SceneError {
+    let text = format!("{option} {given}");
     let key = left_of_equals(given);
     let excerpt = Excerpt {
-        mark: LabeledSpan::new_with_span(None, "--set ".len()..text.len()),
+        mark: LabeledSpan::new_with_span(None, option.len() + 1..text.len()),
         help: "write KEY=VALUE with the key's dotted path: time.step=1e-6, support.0.stiffness=1e9".into(),
         source: NamedSource::new("command line", text),
     };
-    SceneError::new(key.to_owned(), 1, format!("{message} (--set {given})"), excerpt)
+    SceneError::new(key.to_owned(), 1, format!("{message} ({option} {given})"), excerpt)
 }

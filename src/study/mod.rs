@@ -1,9 +1,10 @@
-//! Many impacts of one scene, to see how the answer depends on how it is computed.
+//! Many impacts of one scene: how the answer depends on the scene, and on how it is computed.
 
 mod history;
 mod plan;
 mod schemes;
 pub mod stability;
+pub mod sweep;
 pub mod table;
 mod verdict;
 

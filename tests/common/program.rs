@@ -115,6 +115,23 @@ pub fn send(signal: &str, target: &str) {
     let _ = Command::new("kill").args([&format!("-{signal}"), "--", target]).stderr(Stdio::null()).status();
 }
 
+/// The processes whose parent is this one.
+#[allow(dead_code, reason = "not every test that shares this module ends ranks")]
+pub fn children(parent: u32) -> Vec<String> {
+    let parent = parent.to_string();
+    fs::read_dir("/proc")
+        .unwrap()
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .filter(|name| name.bytes().all(|byte| byte.is_ascii_digit()))
+        .filter(|process| {
+            let stat = fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
+            // After the name in brackets: state, parent.
+            let fields = stat.rsplit(')').next().unwrap_or_default().split_whitespace().nth(1);
+            fields == Some(parent.as_str())
+        })
+        .collect()
+}
+
 /// Runs to the end.
 #[allow(dead_code, reason = "not every test that shares this module runs to the end")]
 pub fn run(command: &mut Command) -> Outcome {

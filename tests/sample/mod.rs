@@ -4,15 +4,8 @@ use ricochet::impact::step::{Contact, Energy, Motion, Step};
 use ricochet::record::provenance::{Cost, Provenance};
 
 /// What such a run costs.
-pub const COST: Cost = Cost {
-    mesh: 0.125,
-    assembly: 0.25,
-    steps: 1.5,
-    total: 2.0,
-    newton_iterations: 42,
-    solves: 21,
-    error_estimate: 1e-3,
-};
+pub const COST: Cost =
+    Cost { model: 0.125, setup: 0.25, steps: 1.5, total: 2.0, newton_iterations: 42, solves: 21, error_estimate: 1e-3 };
 
 /// Steps of half a contact, and of the gap after it.
 pub const HALF_PERIOD: usize = 2000;

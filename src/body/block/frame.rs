@@ -4,7 +4,7 @@ use crate::body::plate::wavelength;
 use crate::contact::{Patch, limits, unit_compliance};
 use crate::error::Result;
 use crate::form::plate::Section;
-use crate::scene::{Contact, Fault, Geometry, Scene, SupportKind, Symmetry, Vec3, struck_axis};
+use crate::scene::{Contact, Fault, Geometry, Scene, SupportKind, Symmetry, Vec3};
 
 const KEY: &str = "contact.patch_radius";
 
@@ -40,7 +40,7 @@ impl Frame {
             Symmetry::Quarter { axes } => axes.to_vec(),
             Symmetry::None { .. } => Vec::new(),
         };
-        let struck = struck_axis(size, impactor.point, impactor.direction);
+        let struck = scene.struck_axis().unwrap_or(2);
         Ok(Self { size, hit: impactor.point, struck, mirrors })
     }
 
@@ -73,7 +73,10 @@ impl Frame {
         let unit = unit_compliance(body, cosine);
         let mass = body.density * self.size.iter().product::<f64>();
         let (limit_radius, least) = limits(body, impactor, mass, thickness, unit);
-        let room = (0..3).filter(|i| *i != self.struck).map(|i| 0.5 * self.size[i] - self.hit[i].abs()).fold(f64::INFINITY, f64::min);
+        let room = (0..3)
+            .filter(|i| *i != self.struck)
+            .map(|i| 0.5 * self.size[i] - self.hit[i].abs())
+            .fold(f64::INFINITY, f64::min);
         let _ = (room, least);
         let mut patch = Patch::choose(thickness, 0.0, limit_radius);
         if let Contact::Patch { radius: Some(radius) } = scene.contact {

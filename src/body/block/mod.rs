@@ -7,9 +7,9 @@ mod site;
 use crate::body::System;
 use crate::contact::Patch;
 use crate::error::Result;
-use crate::form::{Material, Spline};
 use crate::form::elastic;
 use crate::form::tensor::Tensor;
+use crate::form::{Material, Spline};
 use crate::scene::{Fault, Scene};
 
 use frame::Frame;
@@ -66,7 +66,14 @@ impl Block {
         let wave = frame.wavelength(scene);
         let lines: [Vec<f64>; 3] = std::array::from_fn(|axis| {
             if axis == frame.struck && !settings.layers.is_empty() {
-                let mut lines: Vec<f64> = settings.layers.iter().map(|d| 0.5 * frame.size[axis] * frame.hit[axis].signum() - frame.hit[axis].signum() * d * frame.size[axis]).collect();
+                let mut lines: Vec<f64> = settings
+                    .layers
+                    .iter()
+                    .map(|d| {
+                        0.5 * frame.size[axis] * frame.hit[axis].signum()
+                            - frame.hit[axis].signum() * d * frame.size[axis]
+                    })
+                    .collect();
                 lines.sort_by(f64::total_cmp);
                 return lines;
             }

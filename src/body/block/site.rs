@@ -19,21 +19,27 @@ pub(super) struct Site<'a> {
 impl Site<'_> {
     /// The modelled faces of a surface: axis, whether it is the upper one, place.
     fn places(&self, surface: &str) -> impl Iterator<Item = (usize, bool, [Along; 3])> {
-        faces(surface).iter().filter(|(axis, upper)| *upper || !self.frame.mirrors.contains(axis)).map(|&(axis, upper)| {
-            let mut place = VOLUME;
-            place[axis] = Along::At(self.frame.ends(axis)[usize::from(upper)]);
-            (axis, upper, place)
-        })
+        faces(surface).iter().filter(|(axis, upper)| *upper || !self.frame.mirrors.contains(axis)).map(
+            |&(axis, upper)| {
+                let mut place = VOLUME;
+                place[axis] = Along::At(self.frame.ends(axis)[usize::from(upper)]);
+                (axis, upper, place)
+            },
+        )
     }
 
     /// The springs of the elastic supports: place, k, ū.
     fn springs(&self) -> impl Iterator<Item = ([Along; 3], Vec3, Vec3)> {
-        self.scene.supports.iter().filter_map(|support| match support.kind {
-            SupportKind::Elastic { stiffness } => Some((support, stiffness)),
-            _ => None,
-        }).flat_map(|(support, stiffness)| {
-            self.places(&support.surface).map(move |(_, _, place)| (place, stiffness, support.displacement))
-        })
+        self.scene
+            .supports
+            .iter()
+            .filter_map(|support| match support.kind {
+                SupportKind::Elastic { stiffness } => Some((support, stiffness)),
+                _ => None,
+            })
+            .flat_map(|(support, stiffness)| {
+                self.places(&support.surface).map(move |(_, _, place)| (place, stiffness, support.displacement))
+            })
     }
 
     fn matrix(&self, terms: impl Iterator<Item = ([Along; 3], Vec3)>) -> Option<CsrMatrix<f64>> {
@@ -51,9 +57,12 @@ impl Site<'_> {
 
     /// ∫ c u·v.
     pub fn damping(&self) -> Option<CsrMatrix<f64>> {
-        self.matrix(self.scene.supports.iter().flat_map(|support| {
-            self.places(&support.surface).map(|(_, _, place)| (place, support.damping))
-        }))
+        self.matrix(
+            self.scene
+                .supports
+                .iter()
+                .flat_map(|support| self.places(&support.surface).map(|(_, _, place)| (place, support.damping))),
+        )
     }
 
     fn vector(&self, terms: impl Iterator<Item = ([Along; 3], Vec3)>) -> Vec<f64> {
@@ -69,18 +78,28 @@ impl Site<'_> {
         let pull = |k: Vec3, u: Vec3| [0, 1, 2].map(|i| k[i] * u[i]);
         let load = self.vector(self.springs().map(|(place, k, u)| (place, pull(k, u))));
         let area = |place: [Along; 3]| -> f64 {
-            (0..3).filter(|i| place[*i] == Along::All).map(|i| { let [a, b] = self.frame.ends(i); b - a }).product()
+            (0..3)
+                .filter(|i| place[*i] == Along::All)
+                .map(|i| {
+                    let [a, b] = self.frame.ends(i);
+                    b - a
+                })
+                .product()
         };
-        let offset = self.springs().map(|(place, k, u)| 0.5 * area(place) * (0..3).map(|i| k[i] * u[i] * u[i]).sum::<f64>()).sum();
+        let offset = self
+            .springs()
+            .map(|(place, k, u)| 0.5 * area(place) * (0..3).map(|i| k[i] * u[i] * u[i]).sum::<f64>())
+            .sum();
         (load, offset)
     }
 
     /// Body force and tractions.
     pub fn load(&self) -> Vec<f64> {
         let load = &self.scene.load;
-        let tractions = load.traction.iter().flat_map(|traction| {
-            self.places(&traction.surface).map(|(_, _, place)| (place, traction.value))
-        });
+        let tractions = load
+            .traction
+            .iter()
+            .flat_map(|traction| self.places(&traction.surface).map(|(_, _, place)| (place, traction.value)));
         self.vector(tractions.chain([(VOLUME, load.body_force)]))
     }
 
@@ -154,7 +173,11 @@ fn weights(settings: &super::Settings) -> [f64; 3] {
     let n = settings.power as f64;
     let f = settings.spread.powi(-2);
     // <s^k> of m (1-s)^(m-1).
-    let moment = |m: f64, k: i32| match k { 0 => 1.0, 1 => 1.0 / (m + 1.0), _ => 2.0 / ((m + 1.0) * (m + 2.0)) };
+    let moment = |m: f64, k: i32| match k {
+        0 => 1.0,
+        1 => 1.0 / (m + 1.0),
+        _ => 2.0 / ((m + 1.0) * (m + 2.0)),
+    };
     let a = nalgebra::Matrix3::from_fn(|k, i| moment(n + 1.0 + i as f64, k as i32));
     let w = a.lu().solve(&nalgebra::Vector3::new(1.0, 0.4 * f, 8.0 / 35.0 * f * f)).unwrap();
     [w[0], w[1], w[2]]

@@ -20,7 +20,7 @@ const LEAST: f64 = 6.0;
 /// The most cells along an edge: more are no small system.
 const MOST: f64 = 100.0;
 
-/// The lines of the grid along both axes of the modelled part, with cells of at most `smallest` (m) at the hit.
+/// The lines of the grid along both axes of the modelled part, with small cells for the disc of a radius (m), or the point, that is hit.
 ///
 /// # Errors
 /// How many cells there would be along an edge, where that is no number of cells of a small system.
@@ -28,7 +28,7 @@ pub(super) fn lines(
     frame: &Frame,
     section: &Section,
     impactor: &Impactor,
-    smallest: f64,
+    disc: Option<f64>,
     fineness: f64,
 ) -> Result<[Vec<f64>; 2], f64> {
     let wave = wavelength(section, impactor);
@@ -39,6 +39,10 @@ pub(super) fn lines(
         if !(cells > 0.0 && cells <= MOST) {
             return Err(cells);
         }
+        // A point's deflection is off by a part of F c²/D with its cells c: a small part of the waves' length will do.
+        let at_hit = disc.map_or(section.thickness.max(largest / fineness / 8.0), |radius| 2.0 * radius);
+        // Splines that are smooth across the hit resolve it half as well as those of a quarter, which end there.
+        let smallest = fineness * if frame.quarter { at_hit } else { 0.5 * at_hit };
         let mut lines = growing(edge, frame.hit[axis], smallest, GROWTH.powf(fineness), largest);
         if frame.quarter {
             lines.retain(|x| *x >= 0.0);

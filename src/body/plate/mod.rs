@@ -43,8 +43,8 @@ impl Default for Settings {
 /// A plate's system, and how it was made.
 ///
 /// The unknowns are coefficients of splines: of w along the impactor's direction (m), then of Mindlin's rotations θ along the two
-/// axes of the plane, ascending (rad); a slope's coefficient is one of w. The compliance is −c_M times the copies, or 0 for
-/// Kirchhoff's theory.
+/// axes of the plane, ascending (rad). At its ends Kirchhoff's w has slopes among its coefficients. The compliance is −c_M times the
+/// copies, or 0 for Kirchhoff's theory.
 #[derive(Debug, Clone)]
 pub struct Plate {
     /// The body's side of M ü + C u̇ + K u = a F + f.
@@ -104,8 +104,8 @@ impl Plate {
         let section =
             Section { thickness: frame.thickness, young: body.young, poisson: body.poisson, density: body.density };
         let local = (theory == Theory::Mindlin).then(|| Local::new(&section, settings));
-        let smallest = settings.fineness * local.map_or(section.thickness, |local| 2.0 * local.radius);
-        let lines = grid::lines(&frame, &section, &scene.impactor, smallest, settings.fineness)
+        let disc = local.map(|local| local.radius);
+        let lines = grid::lines(&frame, &section, &scene.impactor, disc, settings.fineness)
             .map_err(|cells| fault(format!("it would take {cells:.0} cells along an edge")))?;
         let tensor = theory.tensor(&lines);
         let copies = if frame.quarter { 4.0 } else { 1.0 };

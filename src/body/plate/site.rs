@@ -135,3 +135,39 @@ impl Site<'_> {
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Springs on the sides against a rotation of all of Mindlin's plate along one axis: k h³/12 a unit of length.
+    #[test]
+    fn springs_resist_rotations() {
+        let frame = Frame {
+            axes: [0, 1],
+            normal: 2,
+            sign: -1.0,
+            thickness: 0.03,
+            edges: [0.6, 0.4],
+            hit: [0.0; 2],
+            quarter: false,
+        };
+        let section = Section { thickness: 0.03, young: 70e9, poisson: 0.23, density: 2500.0 };
+        let lines = [vec![-0.3, 0.0, 0.3], vec![-0.2, 0.1, 0.2]];
+        let theory = Theory::Mindlin;
+        let tensor = theory.tensor(&lines);
+        let site = Site { frame: &frame, section: &section, lines: &lines, tensor: &tensor, theory };
+        let spring = |axis, upper| {
+            let place = Place::Side { axis, upper };
+            Spring { place, in_plane: [2e9, 3e9], across: 0.0, displacement: 0.0 }
+        };
+        let entries = site.springs(&[spring(0, true), spring(1, false)]).expect("springs");
+        for (axis, k) in [2e9, 3e9].into_iter().enumerate() {
+            let one = tensor.one(rotation(axis, [0, 0]).field);
+            let sum: f64 = entries.triplet_iter().map(|(i, j, value)| one[i] * value * one[j]).sum();
+            let exact = k * 0.03_f64.powi(3) / 12.0 * (0.4 + 0.6);
+            // Rounding of a hundred terms.
+            assert!((sum / exact - 1.0).abs() < 1e-13, "{sum} {exact}");
+        }
+    }
+}

@@ -77,3 +77,90 @@ impl Theory {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use nalgebra::{DMatrix, SymmetricEigen};
+    use nalgebra_sparse::CsrMatrix;
+
+    use super::*;
+
+    const SECTION: Section = Section { thickness: 0.1, young: 70e9, poisson: 0.23, density: 2500.0 };
+    const EDGES: [f64; 2] = [1.0, 0.7];
+    const KAPPA: f64 = 0.85;
+
+    fn uniform(edge: f64, cells: usize) -> Vec<f64> {
+        (0..=cells).map(|i| edge * i as f64 / cells as f64).collect()
+    }
+
+    fn dense(entries: &CsrMatrix<f64>, free: &[usize], unknowns: usize) -> DMatrix<f64> {
+        let mut full = DMatrix::zeros(unknowns, unknowns);
+        entries.triplet_iter().for_each(|(i, j, value)| full[(i, j)] += value);
+        full.select_rows(free).select_columns(free)
+    }
+
+    /// The squares of the lowest circular frequencies, ascending; held are w and the slope along the edge, on all of them.
+    fn frequencies(theory: Theory, cells: usize, modes: usize) -> Vec<f64> {
+        let tensor = theory.tensor(&EDGES.map(|edge| uniform(edge, cells)));
+        let n = tensor.unknowns();
+        let mut held = vec![false; n];
+        for axis in 0..2 {
+            let along = theory.rotation_at_end(1 - axis, axis);
+            for (field, depth) in along.into_iter().chain([(DEFLECTION, 0)]) {
+                let [x, y] = tensor.splines(field).each_ref().map(Spline::functions);
+                for (i, j) in (0..x).flat_map(|i| (0..y).map(move |j| (i, j))) {
+                    let (at, last) = ([i, j][axis], [x, y][axis] - 1);
+                    held[tensor.unknown(field, [i, j])] |= at == depth || at == last - depth;
+                }
+            }
+        }
+        let free: Vec<usize> = (0..n).filter(|&i| !held[i]).collect();
+        let [mass, elastic] = [theory.mass(&SECTION), theory.elastic(&SECTION, KAPPA)]
+            .map(|forms| dense(&tensor.matrix(&forms), &free, n));
+        let inverse = mass.cholesky().expect("a mass matrix").l().try_inverse().expect("its factor");
+        let symmetric = &inverse * elastic * inverse.transpose();
+        let mut values: Vec<f64> = SymmetricEigen::new(symmetric).eigenvalues.iter().copied().collect();
+        values.sort_by(f64::total_cmp);
+        values.truncate(modes);
+        values
+    }
+
+    /// Of a wave sin x sin y: Dξ⁴/ρh, and the lower root of det(K − ω²M) = 0 with K = [[S, S], [S, Dξ⁴ + S]], S = κμhξ² and
+    /// M = diag(ρh, ρh³ξ²/12) in w and the potential of θ.
+    fn exact(theory: Theory, modes: usize) -> Vec<f64> {
+        let wave = |m: i32, n: i32| {
+            let square = [m, n].iter().zip(EDGES).map(|(m, edge)| (PI * f64::from(*m) / edge).powi(2)).sum::<f64>();
+            let bending = SECTION.rigidity() * square * square;
+            let mass = SECTION.density * SECTION.thickness;
+            if theory == Theory::Kirchhoff {
+                return bending / mass;
+            }
+            let (shear, rotary) = (KAPPA * SECTION.shear() * square, SECTION.density * SECTION.inertia() * square);
+            let half = 0.5 * (shear / mass + (bending + shear) / rotary);
+            let product = shear * bending / (mass * rotary);
+            product / (half + (half * half - product).sqrt())
+        };
+        let mut values: Vec<f64> = (1..9).flat_map(|m| (1..9).map(move |n| wave(m, n))).collect();
+        values.sort_by(f64::total_cmp);
+        values.truncate(modes);
+        values
+    }
+
+    /// Squares of frequencies converge with the order 2 (p + 1 − m), m the derivatives in the energy; Mindlin's rotations, of degree
+    /// p − 1 with one derivative, reach the same 2 (p − 1) = 8.
+    #[test]
+    fn simply_supported_frequencies() {
+        for theory in [Theory::Kirchhoff, Theory::Mindlin] {
+            let exact = exact(theory, 3);
+            let errors = [6, 9].map(|cells| {
+                let found = frequencies(theory, cells, 3);
+                found.iter().zip(&exact).map(|(found, exact)| found / exact - 1.0).fold(0.0, f64::max)
+            });
+            let order = (errors[0] / errors[1]).ln() / 1.5_f64.ln();
+            assert!(order > 7.5, "{theory:?}: order {order}, {errors:?}");
+            assert!(errors[1] < 1e-7, "{theory:?}: {errors:?}");
+        }
+    }
+}

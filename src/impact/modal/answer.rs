@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 
 use crate::body::Modes;
-use crate::scheme::modal::{free_weights, weights};
+use crate::scheme::modal::{doubled, free_weights, phi, weights};
 
 /// The parts of a step at which its table looks: where the force is unknown (1/2 and 1), and where it is checked.
 pub const LOOKS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
@@ -46,6 +46,26 @@ impl State {
     pub fn surface(&self, modes: &Modes) -> f64 {
         let moved: f64 = modes.modes.iter().zip(&self.modes).map(|(mode, z)| real_product(mode.output, *z)).sum();
         moved + self.free[0]
+    }
+
+    /// δ after a time (s) without force, m: `gap` in m.
+    pub fn flown(&self, modes: &Modes, gap: f64, time: f64) -> f64 {
+        let moved: f64 = modes
+            .modes
+            .iter()
+            .zip(&self.modes)
+            .map(|(mode, z)| {
+                let y = mode.rate * time;
+                let loaded = if mode.load.norm_sqr() == 0.0 {
+                    *z * y.exp()
+                } else {
+                    *z * y.exp() + mode.load * phi(y)[0] * time
+                };
+                real_product(mode.output, loaded)
+            })
+            .sum();
+        let free = self.free[0] + time * (self.free[1] + 0.5 * modes.free.load * time);
+        self.impactor[0] + time * self.impactor[1] - gap - free - moved
     }
 
     /// The rate of [`State::surface`] under a force (N), m/s.
@@ -109,23 +129,23 @@ impl Answer {
         };
         for mode in &modes.modes {
             let y = mode.rate * step;
-            for look in &mut looks {
-                let (weights, phi) = weights(y, look.tau);
-                let growth = phi * y * look.tau + 1.0;
-                let row = mode.output * growth;
+            let quarter = phi(y * 0.25);
+            let half = doubled(quarter, y * 0.25);
+            let of_looks = [quarter, half, phi(y * 0.75), doubled(half, y * 0.5)];
+            let of_force = mode.output * mode.input * step;
+            for (look, phi) in looks.iter_mut().zip(of_looks) {
+                let row = mode.output * (phi[0] * y * look.tau + 1.0);
                 look.rows.0.push(row.re);
                 look.rows.1.push(row.im);
-                look.load += real_product(mode.output, mode.load * phi) * look.tau * step;
-                let of_force = mode.output * mode.input * step;
-                for (answer, weight) in look.answers.iter_mut().zip(weights) {
+                look.load += real_product(mode.output, mode.load * phi[0]) * look.tau * step;
+                for (answer, weight) in look.answers.iter_mut().zip(weights(phi, look.tau)) {
                     *answer += real_product(of_force, weight);
                 }
-                if look.tau == 1.0 {
-                    answer.growth.push(growth);
-                    answer.inputs.push(weights.map(|w| mode.input * w * step));
-                    answer.loads.push(mode.load * phi * step);
-                }
             }
+            let [_, _, _, whole] = of_looks;
+            answer.growth.push(whole[0] * y + 1.0);
+            answer.inputs.push(weights(whole, 1.0).map(|w| mode.input * w * step));
+            answer.loads.push(mode.load * whole[0] * step);
         }
         answer.looks = looks;
         answer

@@ -17,7 +17,7 @@ use crate::contact::{Law, hertz};
 use crate::error::{Error, Result};
 use crate::scene::{Impactor, Scene};
 
-use super::step::{Contact, Motion as ImpactorMotion, Step};
+use super::step::{Contact, Energy, Motion as ImpactorMotion, Step};
 use super::trajectory::at;
 use super::{Count, Setting};
 use ledger::Ledger;
@@ -37,6 +37,9 @@ const REFINEMENTS: usize = 14;
 /// Part of the tolerance that the steps may take.
 const OF_STEPS: f64 = 0.3;
 
+/// Steps between two questions whether to go on.
+const ASK_EVERY: usize = 1024;
+
 /// Steps of one run at most.
 const MOST_STEPS: usize = 10_000_000;
 
@@ -49,6 +52,10 @@ pub struct ModalImpact<'a> {
     step: Option<f64>,
     tolerance: f64,
     contact_time: f64,
+    interrupted: &'a dyn Fn() -> bool,
+    has_energies: bool,
+    /// The force of the last run, and its steps.
+    last: Option<(Trace, Steps)>,
     /// What the runs have cost so far.
     pub count: Count,
 }
@@ -71,8 +78,17 @@ impl<'a> ModalImpact<'a> {
             step: scene.time.step,
             tolerance: OF_STEPS * scene.tolerance,
             contact_time: hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed),
+            interrupted: &|| false,
+            has_energies: true,
+            last: None,
             count: Count::default(),
         }
+    }
+
+    /// Has a run ask now and then whether it is to end early, before it has told its steps.
+    #[must_use]
+    pub fn interrupted_by(self, interrupted: &'a dyn Fn() -> bool) -> Self {
+        Self { interrupted, ..self }
     }
 
     /// Impactor and contact.
@@ -85,13 +101,25 @@ impl<'a> ModalImpact<'a> {
     /// # Errors
     /// [`Error::Solve`] with step and time where a step is not solved or the contact law is left; the observer's.
     pub fn run(&mut self, mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
-        let done = self.done()?;
-        for step in &done.steps {
+        let Done { trace, steps, sizes } = self.done()?;
+        self.last = Some((trace, sizes));
+        for step in &steps {
             if observe(step)?.is_break() {
                 return Ok(ControlFlow::Break(()));
             }
         }
         Ok(ControlFlow::Continue(()))
+    }
+
+    /// Leaves the energies of the steps at zero, which take a good part of the time.
+    #[must_use]
+    pub fn without_energies(self) -> Self {
+        Self { has_energies: false, ..self }
+    }
+
+    /// The force of the last run, with the steps it took.
+    pub fn force(&self) -> Option<&(Trace, Steps)> {
+        self.last.as_ref()
     }
 
     /// The force alone, in the given steps or those of the scene; with the steps it took.
@@ -129,7 +157,7 @@ impl<'a> ModalImpact<'a> {
             // Of order two at least: the finer run's error is a third of the difference.
             let (first, all) = fine.trace.difference(&coarse.trace);
             self.count.error = Some(all / 3.0);
-            if first / 3.0 <= self.tolerance {
+            if first / 3.0 <= self.tolerance || (self.interrupted)() {
                 return Ok(fine);
             }
             coarse = fine;
@@ -148,9 +176,9 @@ impl<'a> ModalImpact<'a> {
         let law = Law { compliance: setting.law.compliance - modes.residual, ..setting.law };
         let mut motion = Motion::new(&modes, law, (setting.mass, setting.speed, setting.gap), steps);
         let mut done = Done { trace: Trace::default(), steps: Vec::new(), sizes: steps };
-        let mut ledger = Ledger::default();
+        let mut ledger = self.has_energies.then(Ledger::default);
         if observed {
-            done.steps.push(seen(0, &motion, (&modes, &setting), &mut ledger));
+            done.steps.push(seen(0, &motion, (&modes, &setting), ledger.as_mut()));
         }
         let mut number = 0;
         // What is left but for rounding is nothing.
@@ -164,10 +192,15 @@ impl<'a> ModalImpact<'a> {
             if number > MOST_STEPS {
                 return Err(Error::Solve(format!("more than {MOST_STEPS} steps up to t = {time:.6e} s")));
             }
+            if number % ASK_EVERY == 0 && (self.interrupted)() {
+                break;
+            }
             done.trace.push(time - taken.step, taken.step, taken.force);
             if observed {
-                ledger.account(&taken, law.potential(motion.approach) - before);
-                done.steps.push(seen(number, &motion, (&modes, &setting), &mut ledger));
+                if let Some(ledger) = &mut ledger {
+                    ledger.account(&taken, law.potential(motion.approach) - before);
+                }
+                done.steps.push(seen(number, &motion, (&modes, &setting), ledger.as_mut()));
             }
         }
         self.count.solves += motion.solves;
@@ -181,7 +214,7 @@ fn setting(impactor: &Impactor, body: &ModalBody) -> Setting {
 }
 
 /// The moment as observers see it.
-fn seen(number: usize, motion: &Motion, (modes, setting): (&Modes, &Setting), ledger: &mut Ledger) -> Step {
+fn seen(number: usize, motion: &Motion, (modes, setting): (&Modes, &Setting), ledger: Option<&mut Ledger>) -> Step {
     let (state, force) = (&motion.state, motion.force);
     let approach = motion.approach - modes.residual * force;
     let rate = motion.rate();
@@ -203,9 +236,9 @@ fn seen(number: usize, motion: &Motion, (modes, setting): (&Modes, &Setting), le
             approach,
             rate: rate * (1.0 - modes.residual * tangent),
         },
-        energy: {
+        energy: ledger.map_or(Energy::default(), |ledger| {
             let potential = law.potential(motion.approach) - 0.5 * modes.residual * force * force;
             ledger.energy(modes, setting, state, (force, potential))
-        },
+        }),
     }
 }

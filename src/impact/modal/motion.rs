@@ -132,9 +132,7 @@ impl<'a> Motion<'a> {
             return None;
         }
         let mut at = (if look == 0 { self.approach } else { free[look - 1] }, free[look]);
-        let touch = find(&mut low, &mut high, &mut at, |t| {
-            Answer::new(self.modes, self.mass, t).free(&self.state, self.gap)[3]
-        });
+        let touch = find(None, &mut low, &mut high, &mut at, |t| self.state.flown(self.modes, self.gap, t));
         if touch <= 0.0 {
             return None;
         }
@@ -166,15 +164,23 @@ impl<'a> Motion<'a> {
                 }
                 continue;
             };
-            if stage.approach.iter().all(|approach| *approach <= 0.0) {
+            if self.approach <= 0.0 && stage.approach.iter().all(|approach| *approach <= 0.0) {
                 self.put_back(table);
                 self.let_go();
                 return Ok(None);
             }
             if let Some(look) = stage.approach.iter().position(|approach| *approach <= 0.0) {
-                let length = LOOKS[look] * table.step;
+                let (length, table_step) = (LOOKS[look] * table.step, table.step);
                 self.put_back(table);
-                return Ok(Some(self.release(length)));
+                let guess = zero(&stage.approach, self.approach, look) * table_step;
+                if let Some(taken) = self.release(length, guess) {
+                    return Ok(Some(taken));
+                }
+                self.level += 1;
+                if self.level > LEVELS {
+                    return Err(Error::Solve("the end of the contact is not found".into()));
+                }
+                continue;
             }
             let taken = self.take(&table, stage.force, stage.approach);
             self.put_back(table);
@@ -186,31 +192,30 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// A step to the end of the contact, within `length` (s): the size at which δ is zero at its end, with the force.
-    fn release(&mut self, length: f64) -> Taken {
+    /// A step to the end of the contact, which is not found in `None`, within about `length` (s): the size at which δ is zero at its end, with the force.
+    fn release(&mut self, length: f64, guess: f64) -> Option<Taken> {
         let solved = |motion: &Self, step: f64| {
             let table = Answer::new(motion.modes, motion.mass, step);
             let free = table.free(&motion.state, motion.gap);
-            let guess = [motion.guess(step)[0], 0.0];
-            let stage = solve(&motion.law, &table, free, motion.force, guess, true);
+            // At the end of a contact δ falls along an arc: at the middle it has lost half or less.
+            let first = [motion.guess(step)[0].max(0.5 * motion.approach), 0.0];
+            let stage = solve(&motion.law, &table, free, motion.force, first, true);
             (table, stage)
         };
         let end = |step: f64| match solved(self, step).1 {
             Some(stage) => stage.approach[3],
             None => f64::NAN,
         };
-        let (mut low, mut high) = (0.0, length);
-        let mut at = (self.approach, end(length));
-        let step = if at.1 < 0.0 { find(&mut low, &mut high, &mut at, end) } else { length };
+        // The force of the shorter step is another one, so that δ may pass zero a little later.
+        let later = [1.0, 1.1, 1.3, 1.7].map(|part| part * length);
+        let (mut high, beyond) = later.into_iter().map(|t| (t, end(t))).find(|(_, beyond)| *beyond < 0.0)?;
+        let (mut low, mut at) = (0.0, (self.approach, beyond));
+        let step = find(Some(guess), &mut low, &mut high, &mut at, end);
         let (table, stage) = solved(self, step);
-        let (force, approach) = match stage {
-            Some(stage) => (stage.force, stage.approach),
-            // A step too short to be told from none.
-            None => ([self.force, 0.0, 0.0], [0.0; 4]),
-        };
+        let Stage { force, approach, .. } = stage?;
         let taken = self.take(&table, force, approach);
         self.let_go();
-        taken
+        Some(taken)
     }
 
     fn let_go(&mut self) {
@@ -233,18 +238,46 @@ impl<'a> Motion<'a> {
     }
 }
 
-/// A zero between two places, with the values there, by the method of false position in Illinois' variant.
-fn find(low: &mut f64, high: &mut f64, at: &mut (f64, f64), mut value: impl FnMut(f64) -> f64) -> f64 {
+/// Where δ is zero before a look at which it is not positive any more, as a part of the step: on the parabola through that look and
+/// the two values before it.
+fn zero(approach: &[f64; 4], begin: f64, look: usize) -> f64 {
+    let value = |k: usize| if k == 0 { begin } else { approach[k - 1] };
+    // Looks are quarters of the step.
+    let last = look + 1;
+    let (c, b, a) = (
+        value(last),
+        value(last - 1),
+        if last >= 2 { value(last - 2) } else { return 0.25 * begin / (begin - approach[0]) },
+    );
+    // In quarters before the last look.
+    let (slope, bend) = (0.5 * (4.0 * b - 3.0 * c - a), 0.5 * (a - 2.0 * b + c));
+    let back = -2.0 * c / (slope + (slope * slope - 4.0 * bend * c).max(0.0).sqrt());
+    0.25 * (last as f64 - back.clamp(0.0, 1.0))
+}
+
+/// A zero between two places, with the values there, by the method of false position in Illinois' variant; from a guess where there is
+/// one.
+fn find(
+    guess: Option<f64>,
+    low: &mut f64,
+    high: &mut f64,
+    at: &mut (f64, f64),
+    mut value: impl FnMut(f64) -> f64,
+) -> f64 {
     let scale = at.0.abs().max(at.1.abs());
-    let mut kept = 0;
+    let (mut kept, mut best) = (0, if at.0.abs() < at.1.abs() { (at.0.abs(), *low) } else { (at.1.abs(), *high) });
+    let mut guess = guess.filter(|guess| *guess > *low && *guess < *high);
     for _ in 0..100 {
-        let next = (*low * at.1 - *high * at.0) / (at.1 - at.0);
+        let next = guess.take().unwrap_or((*low * at.1 - *high * at.0) / (at.1 - at.0));
         if !(next > *low && next < *high) || *high - *low <= 4.0 * f64::EPSILON * *high {
             break;
         }
         let here = value(next);
-        if here.abs() <= 1e-14 * scale || here.is_nan() {
-            return next;
+        if here.abs() < best.0 {
+            best = (here.abs(), next);
+        }
+        if here.abs() <= 1e-13 * scale || here.is_nan() {
+            break;
         }
         if (here > 0.0) == (at.1 > 0.0) {
             (*high, at.1) = (next, here);
@@ -260,5 +293,5 @@ fn find(low: &mut f64, high: &mut f64, at: &mut (f64, f64), mut value: impl FnMu
             kept = -1;
         }
     }
-    *high
+    best.1
 }

@@ -21,14 +21,14 @@ impl Trace {
     }
 
     /// F at a time.
-    fn at(&self, time: f64) -> f64 {
+    pub fn at(&self, time: f64) -> f64 {
         let next = self.steps.partition_point(|(begin, _, _)| *begin <= time);
         let Some((begin, step, force)) = self.steps.get(next.saturating_sub(1)) else { return 0.0 };
         quadratic(*force, ((time - begin) / step).clamp(0.0, 1.0))
     }
 
-    /// End of the first contact, s.
-    fn first_end(&self) -> f64 {
+    /// End of the first contact, s; infinite while it lasts.
+    pub fn first_end(&self) -> f64 {
         let touched = self.steps.iter().position(|(_, _, force)| force[1] > 0.0).unwrap_or(self.steps.len());
         let end = self.steps[touched..].iter().find(|(_, _, force)| force[2] == 0.0);
         end.map_or(f64::INFINITY, |(begin, step, _)| begin + step)

@@ -1,0 +1,211 @@
+//! `ricochet sweep`: a scene with some of its keys varied to one result.
+
+use std::cell::RefCell;
+use std::path::Path;
+use std::rc::Rc;
+use std::time::Instant;
+
+use mpi::traits::{Communicator, Root};
+use petsc_wrap::{Comm, options, petsc_version};
+
+use crate::agree::agree;
+use crate::error::{Error, Result};
+use crate::model;
+use crate::record::sweep::{Header, Member, Quantity, Status, Sweep as Part, SweepWriter};
+use crate::scene::{Model, Scene, Source};
+use crate::study::sweep::{Bodies, Census, Grid, Task, Variation, digest, parts, spread};
+
+use super::interrupt::{INTERRUPTED, Interrupt};
+use super::load::load;
+use super::progress::Members;
+use super::{Sweep, say, short, tell, warn_of_unused_options};
+
+/// Computes the members of a sweep that its file does not have yet; returns the exit status. Collective.
+///
+/// # Errors
+/// All that [`Error`] names, but for members whose solve fails: they are counted.
+pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
+    let begin = Instant::now();
+    let variations = arguments.vary.iter().map(|given| Variation::parse(given, arguments.log));
+    let grid = variations.collect::<std::result::Result<_, _>>().and_then(Grid::new).map_err(Error::Usage)?;
+    let (scene, source) = load(comm, &arguments.scene, &arguments.overrides)?;
+    let mut census = Census::default();
+    for index in 0..grid.len() {
+        census.count(index, &task(arguments, &source, &grid, index)?.scene);
+    }
+    let header = header(comm, arguments, &grid, (&scene, &source))?;
+    let desk = if comm.is_root() { Desk::open(arguments, &header).map(Some) } else { Ok(None) };
+    let desk = agree(comm, desk.map_err(|error| error.to_string())).map_err(Error::Output)?;
+    let todo: Vec<usize> = desk.as_ref().map_or(Vec::new(), Desk::missing);
+    let mut todo_somewhere = !todo.is_empty();
+    comm.mpi().process_at_rank(0).broadcast_into(&mut todo_somewhere);
+    let desk = desk.map(|desk| Rc::new(RefCell::new(Desk { progress: Members::new(todo.len()), ..desk })));
+
+    let (interrupt, alone) = (Interrupt::on_signals(), comm.session().alone());
+    // One theory for all, lest it change from one member to the next.
+    let theory = match (scene.body.model, todo_somewhere) {
+        (Model::Auto, true) if !grid.varies("body.model") => {
+            let theory = census.theory(comm, |index| Ok(task(arguments, &source, &grid, index)?.scene))?;
+            if comm.is_root() {
+                tell(format_args!("{} for all members", model::name(theory)));
+            }
+            theory
+        }
+        (model, _) => model,
+    };
+    let scene_of = |index: usize| Ok(task(arguments, &source, &grid, index)?.scene);
+    let mut bodies = Bodies::new(&alone, &census, &scene_of, theory, arguments.series);
+    let keeper = desk.clone();
+    let flow = spread(
+        comm,
+        todo,
+        move || interrupt.is_raised_here(),
+        &mut |index, interrupted| digest(&alone, &task(arguments, &source, &grid, index)?, &mut bodies, interrupted),
+        Box::new(move |member| keeper.as_ref().map_or(Ok(()), |desk| desk.borrow_mut().keep(member))),
+    )?;
+    let mut status = if flow.is_break() { INTERRUPTED } else { 0 };
+    if let Some(desk) = desk {
+        let mut desk = desk.borrow_mut();
+        desk.progress.finish();
+        desk.writer.finish()?;
+        desk.print(&grid, begin.elapsed().as_secs_f64());
+        if flow.is_break() {
+            let missing = desk.missing().len();
+            tell(format_args!("interrupted: {missing} members are missing; the same command computes them"));
+        } else {
+            status = desk.status();
+        }
+        warn_of_unused_options(comm)?;
+    }
+    comm.mpi().process_at_rank(0).broadcast_into(&mut status);
+    Ok(status)
+}
+
+/// A member, its scene checked.
+fn task(arguments: &Sweep, source: &Source, grid: &Grid, index: usize) -> Result<Task> {
+    let varied = Scene::varied(&arguments.scene, source, &grid.values(index));
+    let (scene, source) = varied.map_err(|error| error.remarked(&grid.name(index)))?;
+    Ok(Task { index, scene, source, has_series: arguments.series })
+}
+
+fn header(comm: &Comm, arguments: &Sweep, grid: &Grid, (scene, source): (&Scene, &Source)) -> Result<Header> {
+    Ok(Header {
+        title: scene.title.clone(),
+        scene: source.text().to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        commit: env!("RICOCHET_COMMIT").to_owned(),
+        petsc_version: petsc_version(),
+        petsc_options: options::all(comm.session())?,
+        ranks: comm.size(),
+        keys: grid.keys(),
+        has_series: arguments.series,
+        shard: arguments.shard.map(|shard| (shard.i, shard.n)),
+    })
+}
+
+/// What rank 0 keeps of a sweep.
+struct Desk {
+    writer: SweepWriter,
+    progress: Members,
+    output: std::path::PathBuf,
+    /// Members that were there at the beginning.
+    before: usize,
+}
+
+impl Desk {
+    /// Opens the result, and puts into it what is there in parts.
+    fn open(arguments: &Sweep, header: &Header) -> Result<Self> {
+        let output = arguments.shard.map_or(arguments.output.clone(), |shard| shard.path(&arguments.output));
+        let writer = SweepWriter::open(&output, header)?;
+        if writer.header().commit != header.commit {
+            tell(format_args!(
+                "note: {} was begun by another version of ricochet, {} ({})",
+                output.display(),
+                writer.header().version,
+                writer.header().commit
+            ));
+        }
+        let mut desk = Self { writer, progress: Members::new(0), output, before: 0 };
+        if arguments.shard.is_none() && !desk.missing().is_empty() {
+            for part in parts(&arguments.output) {
+                desk.take_over(&part)?;
+            }
+        }
+        desk.writer.flush()?;
+        desk.before = desk.writer.mine().count() - desk.missing().len();
+        Ok(desk)
+    }
+
+    fn take_over(&mut self, path: &Path) -> Result<()> {
+        let part = Part::read(path)?;
+        let differs = self.writer.header().check_same(&part.header);
+        differs.map_err(|why| Error::io(path, format!("{why}: it cannot be a part of {}", self.output.display())))?;
+        let mut count = 0;
+        for index in self.missing() {
+            if part.status[index] != Status::Missing {
+                self.writer.push(&part.member(index)?)?;
+                count += 1;
+            }
+        }
+        if count > 0 {
+            tell(format_args!("note: {count} members taken over from {}", path.display()));
+        }
+        Ok(())
+    }
+
+    /// The members that this file is to have and does not have.
+    fn missing(&self) -> Vec<usize> {
+        self.writer.mine().filter(|member| self.writer.status()[*member] == Status::Missing).collect()
+    }
+
+    fn keep(&mut self, member: Option<Member>) -> Result<()> {
+        let Some(member) = member else { return self.writer.flush_if_due() };
+        self.progress.member();
+        self.writer.push(&member)
+    }
+
+    fn count(&self, status: Status) -> usize {
+        self.writer.mine().filter(|member| self.writer.status()[*member] == status).count()
+    }
+
+    /// Exit status of a sweep that came to its end.
+    fn status(&self) -> i32 {
+        match (self.count(Status::Failed), self.count(Status::Refused)) {
+            (0, 0) => 0,
+            (0, _) => 2,
+            _ => 3,
+        }
+    }
+
+    /// The sweep in two or three lines.
+    fn print(&self, grid: &Grid, time: f64) {
+        let done: Vec<usize> =
+            self.writer.mine().filter(|member| self.writer.status()[*member] == Status::Done).collect();
+        let of = |quantity: Quantity| {
+            let values = self.writer.quantity(quantity);
+            done.iter().map(|member| (values[*member], *member))
+        };
+        let by_value = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0);
+        let (low, high) =
+            (of(Quantity::PeakAcceleration).min_by(by_value), of(Quantity::PeakAcceleration).max_by(by_value));
+        if let (Some((low, _)), Some((high, at))) = (low, high) {
+            let contacts =
+                |pick: fn(f64, f64) -> f64| of(Quantity::Contacts).map(|(count, _)| count).reduce(pick).unwrap_or(0.0);
+            say(format_args!(
+                "peak acceleration {} to {} m/s², the largest of {}; {} to {} contacts",
+                short(low),
+                short(high),
+                grid.name(at),
+                contacts(f64::min),
+                contacts(f64::max)
+            ));
+        }
+        let failed = self.count(Status::Failed) + self.count(Status::Refused);
+        if let Some((first, why)) = self.writer.messages().first_key_value() {
+            say(format_args!("failed: {failed}, the first of them {}: {why}", grid.name(*first)));
+        }
+        let there = if self.before > 0 { format!(", {} of them were there", self.before) } else { String::new() };
+        let (all, kept) = (self.writer.mine().count(), done.len() + failed);
+        say(format_args!("{}: {kept} of {all} members{there}, {time:.1} s", self.output.display()));
+    }
+}

@@ -1,0 +1,124 @@
+//! A linear or logarithmic axis between given limits, and the cells that values have on it.
+
+use super::axis::{Axis, exponential};
+
+/// An axis from one limit to the other.
+pub(super) struct Scale {
+    low: f64,
+    high: f64,
+    is_log: bool,
+}
+
+/// More powers of ten than this are not all labelled.
+const LABELS: usize = 8;
+
+impl Scale {
+    /// The axis between two limits, positive ones if it is logarithmic.
+    pub fn new(low: f64, high: f64, is_log: bool) -> Self {
+        Self { low, high, is_log }
+    }
+
+    /// Where a value lies: 0 at the lower limit, 1 at the upper.
+    pub fn place(&self, value: f64) -> f64 {
+        if self.is_log {
+            (value / self.low).ln() / (self.high / self.low).ln()
+        } else {
+            (value - self.low) / (self.high - self.low)
+        }
+    }
+
+    /// Place and label of each tick; minor ticks have none.
+    pub fn ticks(&self) -> Vec<(f64, Option<String>)> {
+        let ticks = if self.is_log { self.log_ticks() } else { self.linear_ticks() };
+        let within = |place: &f64| (-1e-9..=1.0 + 1e-9).contains(place);
+        ticks.into_iter().map(|(value, label)| (self.place(value), label)).filter(|(place, _)| within(place)).collect()
+    }
+
+    fn linear_ticks(&self) -> Vec<(f64, Option<String>)> {
+        let ticks = Axis::spanning(self.low, self.high).ticks().into_iter();
+        ticks.map(|(value, label)| (value, Some(label))).collect()
+    }
+
+    fn log_ticks(&self) -> Vec<(f64, Option<String>)> {
+        let first = self.low.log10().floor() as i32;
+        let last = self.high.log10().ceil() as i32;
+        let count = (last - first) as usize;
+        let pace = count.div_ceil(LABELS) as i32;
+        let digits = if count > 2 * LABELS { 1..=1 } else { 1..=9 };
+        // Within a few decades around 1, plain numbers are read at once.
+        let is_plain = count <= 4 && first >= -3 && last <= 4;
+        let written = |digit: i32, power: i32| match (is_plain, digit) {
+            (true, _) => format!("{:.*}", (-power).max(0) as usize, f64::from(digit) * 10f64.powi(power)),
+            (false, 1) => exponential(power),
+            (false, _) => format!("{digit}\u{b7}{}", exponential(power)),
+        };
+        let label = |digit: i32, power: i32| match digit {
+            1 if power % pace == 0 => Some(written(digit, power)),
+            // Within a decade or two, powers of ten alone are too few.
+            2 | 5 if count <= 2 => Some(written(digit, power)),
+            _ => None,
+        };
+        let of_power =
+            |power: i32| digits.clone().map(move |digit| (f64::from(digit) * 10f64.powi(power), label(digit, power)));
+        (first..=last).flat_map(of_power).collect()
+    }
+
+    /// `unit` with the power of ten that the labels leave out.
+    pub fn unit(&self, unit: &str) -> String {
+        if self.is_log { unit.to_owned() } else { Axis::spanning(self.low, self.high).unit(unit) }
+    }
+}
+
+/// From where to where the cell of each of some values reaches, which ascend: half the way to its neighbours; the outer ones are
+/// symmetric. `is_log` halves the way on a logarithmic axis.
+pub(super) fn cells(values: &[f64], is_log: bool) -> Vec<(f64, f64)> {
+    let back = |x: f64| if is_log { x.exp() } else { x };
+    let at: Vec<f64> = values.iter().map(|value| if is_log { value.ln() } else { *value }).collect();
+    let middles: Vec<f64> = at.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+    let alone = if is_log { 0.5 } else { 0.5 * at.first().map_or(1.0, |x| x.abs().max(1e-300)) };
+    let cell = |n: usize| {
+        let (before, after) = (n.checked_sub(1).and_then(|n| middles.get(n)), middles.get(n));
+        let low = before.copied().unwrap_or_else(|| after.map_or(at[n] - alone, |after| 2.0 * at[n] - after));
+        let high = after.copied().unwrap_or_else(|| before.map_or(at[n] + alone, |before| 2.0 * at[n] - before));
+        (back(low), back(high))
+    };
+    (0..at.len()).map(cell).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(scale: &Scale) -> String {
+        scale.ticks().into_iter().filter_map(|tick| tick.1).collect::<Vec<_>>().join(" ")
+    }
+
+    #[test]
+    fn ticks_are_round_and_within_the_limits() {
+        assert_eq!(labels(&Scale::new(0.4, 2.1, false)), "0.50 0.75 1.00 1.25 1.50 1.75 2.00");
+        assert_eq!(
+            labels(&Scale::new(5e5, 2e12, true)),
+            "10\u{2076} 10\u{2077} 10\u{2078} 10\u{2079} 10\u{b9}\u{2070} 10\u{b9}\u{b9} 10\u{b9}\u{b2}"
+        );
+        assert_eq!(labels(&Scale::new(0.09, 7.0, true)), "0.1 1");
+        assert_eq!(labels(&Scale::new(0.4, 2.1, true)), "0.5 1 2");
+        let tens = |digit: &str| format!("{digit}10\u{2077}");
+        assert_eq!(labels(&Scale::new(0.9e7, 6e7, true)), [tens(""), tens("2\u{b7}"), tens("5\u{b7}")].join(" "));
+        assert!(labels(&Scale::new(1e-30, 1e30, true)).split(' ').count() <= 9);
+        let places: Vec<f64> = Scale::new(1.0, 100.0, true).ticks().into_iter().map(|tick| tick.0).collect();
+        assert!(places.iter().all(|place| (-1e-9..=1.0 + 1e-9).contains(place)));
+        // 1 … 9, 10 … 90, 100.
+        assert_eq!(places.len(), 19);
+        assert!((Scale::new(1.0, 100.0, true).place(10.0) - 0.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn cells_meet_half_way() {
+        assert_eq!(cells(&[1.0, 2.0, 4.0], false), [(0.5, 1.5), (1.5, 3.0), (3.0, 5.0)]);
+        let log = cells(&[1.0, 100.0], true);
+        assert!((log[0].0 - 0.1).abs() < 1e-12 && (log[0].1 - 10.0).abs() < 1e-12 && (log[1].1 - 1000.0).abs() < 1e-9);
+        assert_eq!(cells(&[2.0], false), [(1.0, 3.0)]);
+        assert_eq!(cells(&[0.0], false).len(), 1);
+        assert!(cells(&[], true).is_empty());
+    }
+}

@@ -1,0 +1,113 @@
+//! Over one key: the peak acceleration, and below it when the bodies touch.
+
+use super::frame::{Frame, LETTERS, SMALL, draw_bar};
+use super::{Curve, Member, ascending};
+use crate::figure::axis::Axis;
+use crate::figure::canvas::{Anchor, Canvas, Drawing, HEIGHT, Outcome, WIDTH};
+use crate::figure::scale::{Scale, cells};
+use crate::figure::shade::shade;
+use crate::figure::stroke::stroke;
+use plotters::backend::DrawingBackend;
+use plotters::style::RGBColor;
+
+const TITLE: f64 = 40.0;
+const TOP: f64 = 78.0;
+const MIDDLE: f64 = 500.0;
+const BOTTOM: f64 = HEIGHT - 116.0;
+/// Between the panels.
+const GAP: f64 = 34.0;
+/// Left of the panels, without the labels, and right of them.
+const LEFT: f64 = 94.0;
+const RIGHT: f64 = WIDTH - 226.0;
+const MARGIN: f64 = 38.0;
+/// Members that get a dot each.
+const DOTS: usize = 120;
+
+impl Drawing for Curve {
+    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Outcome {
+        let values = ascending(self.members.iter().map(|member| member.value));
+        let cells = cells(&values, self.key.is_log);
+        let peak = self.members.iter().map(|member| member.peak).fold(0.0, f64::max);
+        let contacts = || self.members.iter().flat_map(|member| &member.contacts);
+        let end = 1e3 * contacts().map(|contact| contact.1).fold(0.0, f64::max);
+        let force = contacts().map(|contact| contact.2).fold(0.0, f64::max);
+        let (peaks, times) = (Axis::spanning(0.0, 1.02 * peak), Axis::spanning(0.0, end));
+        let widest =
+            |axis: &Axis| axis.ticks().iter().map(|(_, label)| canvas.text_width(label, LETTERS)).fold(0.0, f64::max);
+        let left = LEFT + widest(&peaks).max(widest(&times));
+        let x = || Scale::new(cells[0].0, cells[cells.len() - 1].1, self.key.is_log);
+        let frame = |top: f64, bottom: f64, y: &Axis| Frame {
+            left,
+            right: RIGHT,
+            top,
+            bottom,
+            x: x(),
+            y: Scale::new(y.low, y.high, false),
+        };
+        let upper = frame(TOP, MIDDLE, &peaks);
+        let lower = frame(MIDDLE + GAP, BOTTOM, &times);
+
+        canvas.text(&self.title, (0.5 * (left + RIGHT), TITLE), LETTERS, Anchor::Centre)?;
+        upper.draw_grid(canvas)?;
+        lower.draw_grid(canvas)?;
+        self.draw_peaks(canvas, &upper)?;
+        for member in &self.members {
+            if let Some(cell) = values.iter().position(|value| *value == member.value).map(|n| cells[n]) {
+                member.draw_contacts(canvas, &lower, cell, force)?;
+            }
+        }
+        upper.draw_axes(canvas, false)?;
+        lower.draw_axes(canvas, true)?;
+        let forces = Scale::new(0.0, force.max(1e-300), false);
+        let title = format!("peak force of the contact ({})", forces.unit("N"));
+        draw_bar(canvas, (RIGHT + 34.0, MIDDLE + GAP, BOTTOM), &forces, colour, &title)?;
+        let upwards = |title: String, frame: &Frame| {
+            let at = (MARGIN, 0.5 * (frame.top + frame.bottom));
+            canvas.text(&title, at, SMALL, Anchor::Upwards)
+        };
+        upwards(format!("peak acceleration ({})", peaks.unit("m/s\u{b2}")), &upper)?;
+        upwards(format!("in contact, time ({})", times.unit("ms")), &lower)?;
+        canvas.text(&self.key.title(&lower.x), (0.5 * (left + RIGHT), HEIGHT - 36.0), LETTERS, Anchor::Centre)
+    }
+}
+
+impl Curve {
+    fn draw_peaks<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame) -> Outcome {
+        let mut points: Vec<(f64, f64)> = self.members.iter().map(|member| (member.value, member.peak)).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let at = |point: &(f64, f64)| (frame.at_x(point.0), frame.at_y(point.1));
+        let pixels: Vec<_> = points.iter().map(at).collect();
+        let look = stroke(0, 1);
+        canvas.line(&pixels.iter().map(|(x, y)| canvas.point(*x, *y)).collect::<Vec<_>>(), &look)?;
+        if pixels.len() <= DOTS {
+            pixels.iter().try_for_each(|pixel| canvas.dot(*pixel, 5.0, look.colour))?;
+        }
+        Ok(())
+    }
+}
+
+impl Member {
+    /// A bar from start to end of each contact, as wide as the member's cell.
+    fn draw_contacts<DB: DrawingBackend>(
+        &self,
+        canvas: &Canvas<DB>,
+        frame: &Frame,
+        cell: (f64, f64),
+        most: f64,
+    ) -> Outcome {
+        let (left, right) = (frame.at_x(cell.0), frame.at_x(cell.1));
+        // Space between wide bars; thin ones would vanish in it.
+        let space = if right - left > 6.0 { 0.12 * (right - left) } else { 0.0 };
+        for (start, end, force) in &self.contacts {
+            let (bottom, top) = (frame.at_y(1e3 * start), frame.at_y(1e3 * end));
+            let corners = ((left + space, top.min(bottom - 1.5)), ((right - space).max(left + space + 1.0), bottom));
+            canvas.rectangle(corners.0, corners.1, colour(force / most))?;
+        }
+        Ok(())
+    }
+}
+
+/// The colour of a contact by its part of the largest force: the weakest is seen on white too.
+fn colour(part: f64) -> RGBColor {
+    shade(0.15 + 0.85 * part)
+}

@@ -1,0 +1,63 @@
+//! Over two keys: the peak acceleration as a heat map.
+
+use super::frame::{Frame, LETTERS, SMALL, draw_bar};
+use super::{Field, ascending};
+use crate::figure::canvas::{Anchor, Canvas, Drawing, HEIGHT, Outcome, WIDTH};
+use crate::figure::scale::{Scale, cells};
+use crate::figure::shade::{MISSING, shade};
+use plotters::backend::DrawingBackend;
+
+const TITLE: f64 = 40.0;
+const TOP: f64 = 78.0;
+const BOTTOM: f64 = HEIGHT - 116.0;
+const LEFT: f64 = 94.0;
+const RIGHT: f64 = WIDTH - 246.0;
+const MARGIN: f64 = 38.0;
+
+impl Drawing for Field {
+    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Outcome {
+        let axis = |n: usize| {
+            let values = ascending(self.members.iter().map(|(values, _)| values[n]));
+            let cells = cells(&values, self.keys[n].is_log);
+            let scale = Scale::new(cells[0].0, cells[cells.len() - 1].1, self.keys[n].is_log);
+            (values, cells, scale)
+        };
+        let ((across, columns, x), (up, rows, y)) = (axis(0), axis(1));
+        let widest = y
+            .ticks()
+            .iter()
+            .flat_map(|tick| &tick.1)
+            .map(|label| canvas.text_width(label, LETTERS))
+            .fold(0.0, f64::max);
+        let frame = Frame { left: LEFT + widest, right: RIGHT, top: TOP, bottom: BOTTOM, x, y };
+        let numbers = || self.members.iter().map(|member| member.1).filter(|peak| peak.is_finite());
+        let (low, high) = (numbers().fold(f64::INFINITY, f64::min), numbers().fold(f64::NEG_INFINITY, f64::max));
+        // All alike: a scale around them.
+        let colours =
+            if high > low { Scale::new(low, high, false) } else { Scale::new(0.0, 2.0 * high.max(1e-300), false) };
+
+        canvas.text(&self.title, (0.5 * (frame.left + RIGHT), TITLE), LETTERS, Anchor::Centre)?;
+        for ([value_x, value_y], peak) in &self.members {
+            let place = |values: &[f64], value: &f64| values.partition_point(|other| other < value);
+            let (column, row) = (columns[place(&across, value_x)], rows[place(&up, value_y)]);
+            let colour = if peak.is_finite() { shade(colours.place(*peak)) } else { MISSING };
+            let corners = ((frame.at_x(column.0), frame.at_y(row.1)), (frame.at_x(column.1), frame.at_y(row.0)));
+            canvas.rectangle(corners.0, corners.1, colour)?;
+        }
+        frame.draw_axes(canvas, true)?;
+        let title = format!("peak acceleration ({})", colours.unit("m/s\u{b2}"));
+        draw_bar(canvas, (RIGHT + 40.0, TOP, BOTTOM), &colours, shade, &title)?;
+        if numbers().count() < self.members.len() {
+            let y = HEIGHT - 36.0;
+            canvas.rectangle((RIGHT + 40.0, y - 12.0), (RIGHT + 68.0, y + 12.0), MISSING)?;
+            canvas.text("no result", (RIGHT + 80.0, y), SMALL, Anchor::Left)?;
+        }
+        canvas.text(
+            &self.keys[0].title(&frame.x),
+            (0.5 * (frame.left + RIGHT), HEIGHT - 36.0),
+            LETTERS,
+            Anchor::Centre,
+        )?;
+        canvas.text(&self.keys[1].title(&frame.y), (MARGIN, 0.5 * (TOP + BOTTOM)), LETTERS, Anchor::Upwards)
+    }
+}

@@ -1,0 +1,113 @@
+//! A frame with its axes, and the bar that tells what colours mean.
+
+use super::Key;
+use crate::figure::canvas::{Anchor, Canvas, Outcome};
+use crate::figure::scale::Scale;
+use crate::figure::stroke::Stroke;
+use plotters::backend::DrawingBackend;
+use plotters::style::RGBColor;
+
+pub(super) const LETTERS: f64 = 30.0;
+pub(super) const SMALL: f64 = 24.0;
+const GRID: Stroke = Stroke { colour: RGBColor(222, 222, 222), width: 1.5, dashes: &[] };
+const FRAME: Stroke = Stroke { colour: RGBColor(60, 60, 60), width: 2.0, dashes: &[] };
+const TICK: f64 = 8.0;
+
+/// A part of the sheet with an axis each way.
+pub(super) struct Frame {
+    pub left: f64,
+    pub right: f64,
+    pub top: f64,
+    pub bottom: f64,
+    pub x: Scale,
+    pub y: Scale,
+}
+
+impl Frame {
+    /// Pixels of a value.
+    pub fn at_x(&self, x: f64) -> f64 {
+        self.left + self.x.place(x) * (self.right - self.left)
+    }
+
+    /// Pixels of a value.
+    pub fn at_y(&self, y: f64) -> f64 {
+        self.bottom - self.y.place(y) * (self.bottom - self.top)
+    }
+
+    /// Lines across at the labelled ticks.
+    pub fn draw_grid<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Outcome {
+        for (place, _) in self.x.ticks().iter().filter(|tick| tick.1.is_some()) {
+            let x = self.left + place * (self.right - self.left);
+            line(canvas, (x, self.top), (x, self.bottom), &GRID)?;
+        }
+        for (place, _) in self.y.ticks().iter().filter(|tick| tick.1.is_some()) {
+            let y = self.bottom - place * (self.bottom - self.top);
+            line(canvas, (self.left, y), (self.right, y), &GRID)?;
+        }
+        Ok(())
+    }
+
+    /// The frame and the ticks of both axes; labels at the horizontal one where `is_last`.
+    pub fn draw_axes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, is_last: bool) -> Outcome {
+        for (place, label) in self.x.ticks() {
+            let x = self.left + place * (self.right - self.left);
+            let length = if label.is_some() { TICK } else { 0.5 * TICK };
+            line(canvas, (x, self.bottom), (x, self.bottom + length), &FRAME)?;
+            if let Some(label) = label.filter(|_| is_last) {
+                canvas.text(&label, (x, self.bottom + 30.0), LETTERS, Anchor::Centre)?;
+            }
+        }
+        for (place, label) in self.y.ticks() {
+            let y = self.bottom - place * (self.bottom - self.top);
+            let length = if label.is_some() { TICK } else { 0.5 * TICK };
+            line(canvas, (self.left - length, y), (self.left, y), &FRAME)?;
+            if let Some(label) = label {
+                canvas.text(&label, (self.left - 14.0, y), LETTERS, Anchor::Right)?;
+            }
+        }
+        for y in [self.top, self.bottom] {
+            line(canvas, (self.left, y), (self.right, y), &FRAME)?;
+        }
+        for x in [self.left, self.right] {
+            line(canvas, (x, self.top), (x, self.bottom), &FRAME)?;
+        }
+        Ok(())
+    }
+}
+
+/// A bar at the right of a frame with the colours from the lower limit of `scale` (0) to the upper (1), and ticks.
+pub(super) fn draw_bar<DB: DrawingBackend>(
+    canvas: &Canvas<DB>,
+    (left, top, bottom): (f64, f64, f64),
+    scale: &Scale,
+    colour: fn(f64) -> RGBColor,
+    title: &str,
+) -> Outcome {
+    let (right, height) = (left + 28.0, bottom - top);
+    for n in 0..height as usize {
+        let y = bottom - n as f64;
+        canvas.rectangle((left, y - 1.0), (right, y), colour(n as f64 / height))?;
+    }
+    for (place, label) in scale.ticks() {
+        let y = bottom - place * height;
+        line(canvas, (right, y), (right + TICK, y), &FRAME)?;
+        if let Some(label) = label {
+            canvas.text(&label, (right + 14.0, y), SMALL, Anchor::Left)?;
+        }
+    }
+    canvas.text(title, (left + 136.0, 0.5 * (top + bottom)), SMALL, Anchor::Upwards)
+}
+
+fn line<DB: DrawingBackend>(canvas: &Canvas<DB>, from: (f64, f64), to: (f64, f64), stroke: &Stroke) -> Outcome {
+    canvas.line(&[canvas.point(from.0, from.1), canvas.point(to.0, to.1)], stroke)
+}
+
+impl Key {
+    /// The title of its axis.
+    pub(super) fn title(&self, scale: &Scale) -> String {
+        match scale.unit(&self.unit).trim() {
+            "" => self.label.clone(),
+            unit => format!("{} ({unit})", self.label),
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! The least theory that a scene's tolerance allows.
+//!
+//! Theories are tried from the cheapest that the scene admits. Two neighbours that agree within the tolerance, in the acceleration of
+//! the first contact, end the climb at the better one of them. What Mindlin's theory neglects is of second order in what it adds to
+//! Kirchhoff's, and a part of that difference bounds it.
+
+use petsc_wrap::Comm;
+
+use crate::body::ModalBody;
+use crate::contact::zener;
+use crate::error::Result;
+use crate::impact::{ModalImpact, Steps, Trace};
+use crate::scene::{Fault, Geometry, Model as Theory, Scene};
+
+use super::{Dynamics, Model, admits, name};
+
+/// Mindlin's error over his distance from Kirchhoff, at most: measured are 0.04 to 0.14 on the plates of docs/theories.md.
+const OF_DISTANCE: f64 = 0.25;
+
+/// Edges over thickness below which a box is no plate.
+const SLENDER: f64 = 4.0;
+
+/// What the impact of a theory is compared by.
+struct Seen {
+    trace: Trace,
+    steps: Steps,
+}
+
+/// Climbs. Collective.
+pub(super) fn climb(comm: &Comm, scene: &Scene) -> Result<Model> {
+    let mut passed: Vec<String> = Vec::new();
+    if let Some((model, reason)) = formula(comm, scene)? {
+        return Ok(Model { reason: Some(reason), ..model });
+    }
+    let plates = slender(scene).and_then(|()| admits(scene, Theory::Kirchhoff));
+    match plates {
+        Err(reason) => passed.push(format!("no plate theory stands for it: {reason}")),
+        Ok(()) if !scene.time.modal && scene.solver.newton == crate::scene::Newton::Full => {
+            passed.push("the full Newton's method is asked for, which is the solid's".to_owned());
+        }
+        Ok(()) => {
+            if let Some(model) = plate(comm, scene, &mut passed)? {
+                return Ok(Model { reason: Some(passed.join("; ")), ..model });
+            }
+        }
+    }
+    let model = Model::of(comm, scene, Theory::Solid)?;
+    Ok(Model { reason: Some(passed.join("; ")), ..model })
+}
+
+/// Theories without unknowns, where a bound says that they do.
+fn formula(comm: &Comm, scene: &Scene) -> Result<Option<(Model, String)>> {
+    let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return Ok(None) };
+    if !scene.time.modal || admits(scene, Theory::InfinitePlate).is_err() {
+        return Ok(None);
+    }
+    let (body, impactor) = (&scene.body, &scene.impactor);
+    let impedance = zener::impedance((body.young, body.poisson), body.density, size[axis]);
+    let lambda = impactor.stiffness.powf(0.4) * impactor.speed.powf(0.2) * impactor.mass.powf(0.6) / impedance;
+    let ratio = impactor.mass / (body.density * size.iter().product::<f64>());
+    // The peak falls by 0.95 λ for small λ, and by the body's own motion no more than by the ratio of the masses.
+    let bound = lambda + ratio;
+    if bound > scene.tolerance {
+        return Ok(None);
+    }
+    let model = Model::of(comm, scene, Theory::HalfSpace)?;
+    let reason = format!(
+        "the body moves so little that a half-space is within {bound:.1e}: Zener's λ = {lambda:.1e}, ratio of the masses {ratio:.1e}"
+    );
+    Ok(Some((Model { error: Some((bound, bound)), ..model }, reason)))
+}
+
+/// Whether a box is a plate.
+fn slender(scene: &Scene) -> std::result::Result<(), String> {
+    let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else {
+        return Err("the body is a mesh file".into());
+    };
+    let least = (0..3).filter(|i| *i != axis).map(|i| size[i]).fold(f64::INFINITY, f64::min);
+    if least < SLENDER * size[axis] {
+        return Err(format!("its edges are less than {SLENDER} times its thickness"));
+    }
+    Ok(())
+}
+
+/// Kirchhoff and Mindlin; `None` where the solid is needed.
+fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>) -> Result<Option<Model>> {
+    let tolerance = scene.tolerance;
+    let modal = Scene { time: crate::scene::Time { modal: true, ..scene.time.clone() }, ..scene.clone() };
+    let thin = Model::of(comm, &modal, Theory::Kirchhoff)?;
+    let of_thin = look(&modal, &thin, None)?;
+    if let Err(reason) = admits(scene, Theory::Mindlin) {
+        passed.push(format!("Kirchhoff's theory has no neighbour to be judged by: {reason}"));
+        return Ok(None);
+    }
+    let thick = Model::of(comm, &modal, Theory::Mindlin)?;
+    let of_thick = look(&modal, &thick, Some(of_thin.steps))?;
+    let (first, all) = of_thick.trace.difference(&of_thin.trace);
+    let bound = OF_DISTANCE * first;
+    let distance = format!("kirchhoff and mindlin differ by {first:.1e} in the first contact");
+    if bound > 0.5 * tolerance {
+        passed.push(format!(
+            "{distance}, so that mindlin may be off by {bound:.1e}, too much for {tolerance:.0e}: hence solid"
+        ));
+        return Ok(None);
+    }
+    passed.push(format!("{distance}, so that solid would change mindlin by {bound:.1e} at most"));
+    let basis = thick.error.unwrap_or_default();
+    let error = Some((basis.0 + bound, basis.1 + OF_DISTANCE * all));
+    if scene.time.modal {
+        return Ok(Some(Model { error, ..thick }));
+    }
+    Ok(Some(Model { error, ..Model::of(comm, scene, Theory::Mindlin)? }))
+}
+
+/// The force of a model.
+fn look(scene: &Scene, model: &Model, steps: Option<Steps>) -> Result<Seen> {
+    let Dynamics::Modal(body) = &model.dynamics else {
+        let message = format!("{} is not compared in modal coordinates", name(model.theory));
+        return Err(Fault::new("body.model", message, "\"solid\"").into());
+    };
+    let body: &ModalBody = body;
+    let (trace, steps) = ModalImpact::new(scene, body).trace(steps)?;
+    Ok(Seen { trace, steps })
+}

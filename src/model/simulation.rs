@@ -1,0 +1,103 @@
+//! A model under its impactor, whichever way it moves.
+
+use std::ops::ControlFlow;
+
+use crate::body::ModalBody;
+use crate::contact::Patch;
+use crate::error::Result;
+use crate::impact::step::Step;
+use crate::impact::{Count, Impact, ModalImpact, Plan};
+use crate::scene::Scene;
+
+use super::{Dynamics, Model};
+
+/// An impact that is ready to run.
+pub struct Simulation {
+    kind: Kind,
+    /// Estimated error by basis and theory over the whole history.
+    of_model: Option<f64>,
+    patch: Option<Patch>,
+}
+
+enum Kind {
+    Stepped(Box<Impact>),
+    Modal { body: ModalBody, scene: Box<Scene>, count: Count, interrupted: Box<dyn Fn() -> bool> },
+}
+
+impl Simulation {
+    /// The scene's impact on a model of its body. Collective.
+    ///
+    /// # Errors
+    /// A fault of the scene where an explicit step is not stable; PETSc's.
+    pub fn new(scene: &Scene, model: Model) -> Result<Self> {
+        let (of_model, patch) = (model.error.map(|(_, all)| all), model.dynamics.patch());
+        let kind = match model.dynamics {
+            Dynamics::Stepped(body) => Kind::Stepped(Box::new(Impact::new(scene, *body)?)),
+            Dynamics::Modal(body) => Kind::Modal {
+                body,
+                scene: Box::new(scene.clone()),
+                count: Count::default(),
+                interrupted: Box::new(|| false),
+            },
+        };
+        Ok(Self { kind, of_model, patch })
+    }
+
+    /// Has a run ask now and then whether it is to end early. The answer must be the same on all ranks; all of them ask.
+    pub fn set_interrupt(&mut self, asked: impl Fn() -> bool + 'static) {
+        match &mut self.kind {
+            Kind::Stepped(impact) => impact.set_interrupt(asked),
+            Kind::Modal { interrupted, .. } => *interrupted = Box::new(asked),
+        }
+    }
+
+    /// Runs to the end, or until `observe` breaks off; tells which. Collective.
+    ///
+    /// # Errors
+    /// [`crate::Error::Solve`] with step and time, [`crate::Error::Unstable`]; the observer's; PETSc's.
+    pub fn run(&mut self, observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
+        match &mut self.kind {
+            Kind::Stepped(impact) => impact.run(observe),
+            Kind::Modal { body, scene, count, interrupted } => {
+                let mut impact = ModalImpact::new(scene, body).interrupted_by(&**interrupted);
+                let flow = impact.run(observe);
+                *count = impact.count;
+                flow
+            }
+        }
+    }
+
+    /// Steps of one size or chosen ones; `None` for modal coordinates in steps chosen by the error.
+    pub fn plan(&self) -> Option<Plan> {
+        match &self.kind {
+            Kind::Stepped(impact) => Some(*impact.plan()),
+            Kind::Modal { scene, .. } => scene.time.step.map(|step| Plan::Equal { step }),
+        }
+    }
+
+    /// Number of steps to the end, where it is known.
+    pub fn steps(&self) -> Option<usize> {
+        match &self.kind {
+            Kind::Stepped(impact) => impact.steps(),
+            Kind::Modal { .. } => None,
+        }
+    }
+
+    /// What the runs have cost so far.
+    pub fn count(&self) -> Count {
+        match &self.kind {
+            Kind::Stepped(impact) => impact.count,
+            Kind::Modal { count, .. } => *count,
+        }
+    }
+
+    /// Estimated error of the acceleration over its peak, over the whole history: by steps, basis, theory and patch, as far as each is
+    /// estimated; `None` where nothing is.
+    pub fn error(&self) -> Option<f64> {
+        let (steps, model) = (self.count().error, self.of_model);
+        if steps.is_none() && model.is_none() {
+            return None;
+        }
+        Some(steps.unwrap_or(0.0) + model.unwrap_or(0.0) + self.patch.map_or(0.0, |patch| patch.error()))
+    }
+}

@@ -1,0 +1,102 @@
+//! One theory's body of a scene.
+
+use petsc_wrap::Comm;
+
+use crate::body::plate::{self, Plate};
+use crate::body::{Body, ModalBody, Modes};
+use crate::contact::zener;
+use crate::error::Result;
+use crate::mesh::Mesh;
+use crate::scene::{Contact, Fault, Geometry, Model, Scene};
+
+/// What the scene calls the theory.
+pub fn name(model: Model) -> &'static str {
+    match model {
+        Model::Auto => "auto",
+        Model::HalfSpace => "half-space",
+        Model::InfinitePlate => "infinite-plate",
+        Model::Kirchhoff => "kirchhoff",
+        Model::Mindlin => "mindlin",
+        Model::Solid => "solid",
+    }
+}
+
+/// A body as a theory has it.
+pub enum Built {
+    /// Modes from a formula.
+    Given(ModalBody),
+    /// Operators, with what they were made of in words.
+    Operators(Box<Body>, String),
+}
+
+/// Why a theory does not stand for a scene: a clause.
+///
+/// # Errors
+/// That clause.
+pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
+    if scene.contact == Contact::Point && matches!(theory, Model::HalfSpace | Model::InfinitePlate | Model::Mindlin) {
+        return Err("a force at a point is for kirchhoff and solid: the others have the contact's own field".into());
+    }
+    match theory {
+        Model::HalfSpace => Ok(()),
+        Model::InfinitePlate => thickness(scene).map(|_| ()),
+        Model::Kirchhoff => plate::admits(scene, plate::Theory::Kirchhoff),
+        Model::Mindlin => plate::admits(scene, plate::Theory::Mindlin),
+        Model::Auto | Model::Solid => Ok(()),
+    }
+}
+
+/// Builds a theory's body. Collective.
+///
+/// # Errors
+/// A fault of `body.model` where the theory does not stand for the scene; those of meshes; PETSc's.
+pub fn build(comm: &Comm, scene: &Scene, theory: Model) -> Result<Built> {
+    admits(scene, theory).map_err(|reason| {
+        Fault::new(
+            "body.model",
+            format!("\"{}\" does not stand for this scene: {reason}", name(theory)),
+            "\"solid\", or \"auto\"",
+        )
+    })?;
+    Ok(match theory {
+        Model::HalfSpace => Built::Given(ModalBody::given(Modes::none())),
+        Model::InfinitePlate => {
+            let body = &scene.body;
+            let thickness = thickness(scene).unwrap_or_default();
+            let impedance = zener::impedance((body.young, body.poisson), body.density, thickness);
+            Built::Given(ModalBody::given(Modes::dashpot(impedance)))
+        }
+        Model::Kirchhoff => of_plate(comm, scene, plate::Theory::Kirchhoff)?,
+        Model::Mindlin => of_plate(comm, scene, plate::Theory::Mindlin)?,
+        Model::Auto | Model::Solid => {
+            let mesh = Mesh::new(comm, &scene.body)?;
+            let body = Body::solid(scene, &mesh)?;
+            let words = format!("{} cells of order {}", mesh.total_cells, scene.body.order);
+            drop(mesh);
+            comm.collect_garbage()?;
+            Built::Operators(Box::new(body), words)
+        }
+    })
+}
+
+/// Thickness of a box under the impact point, m, where the hit is along its normal.
+fn thickness(scene: &Scene) -> std::result::Result<f64, String> {
+    let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else {
+        return Err("the body is a mesh file, not a box".into());
+    };
+    let impactor = &scene.impactor;
+    if (impactor.direction[axis].abs() - 1.0).abs() > 1e-9 {
+        return Err("the hit is oblique".into());
+    }
+    Ok(size[axis])
+}
+
+/// Every rank has all of a plate.
+fn of_plate(comm: &Comm, scene: &Scene, theory: plate::Theory) -> Result<Built> {
+    let plate = Plate::new(scene, theory, &plate::Settings::default())?;
+    let [x, y] = plate.cells;
+    Ok(Built::Operators(
+        Box::new(Body::of(&comm.session().alone(), &plate.system)?),
+        format!("{x} × {y} cells of splines"),
+    ))
+}

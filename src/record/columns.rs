@@ -1,0 +1,97 @@
+//! The datasets of a series and of a table of contacts, and how rows are put into them.
+
+use crate::error::Error;
+use crate::impact::step::Step;
+use crate::record::episodes::Episode;
+use crate::record::provenance::write_text;
+use hdf5_metno as hdf5;
+use hdf5_metno::plist::dataset_create::FillTime;
+use std::path::Path;
+
+/// A dataset: its path in the file, its unit, and its value in one record.
+pub(super) struct Column<T> {
+    pub path: &'static str,
+    pub units: &'static str,
+    pub value: fn(&T) -> f64,
+}
+
+/// Every dataset under `/series`. The time is last: HDF5 flushes in the order of the addresses, so that after a kill
+/// within a flush no dataset is shorter than the time.
+pub(super) const SERIES: [Column<Step>; 16] = [
+    column("series/impactor/position", "m", |s| s.impactor.position),
+    column("series/impactor/velocity", "m/s", |s| s.impactor.velocity),
+    column("series/impactor/acceleration", "m/s2", |s| s.impactor.acceleration),
+    column("series/contact/force", "N", |s| s.contact.force),
+    column("series/contact/indentation", "m", |s| s.contact.indentation),
+    column("series/contact/surface_displacement", "m", |s| s.contact.surface_displacement),
+    column("series/energy/kinetic", "J", |s| s.energy.kinetic),
+    column("series/energy/elastic", "J", |s| s.energy.elastic),
+    column("series/energy/support", "J", |s| s.energy.support),
+    column("series/energy/impactor", "J", |s| s.energy.impactor),
+    column("series/energy/contact", "J", |s| s.energy.contact),
+    column("series/energy/dissipated", "J", |s| s.energy.dissipated),
+    column("series/energy/external", "J", |s| s.energy.external),
+    column("series/energy/numerical", "J", |s| s.energy.numerical),
+    column("series/energy/total", "J", |s| s.energy.total),
+    column("series/time", "s", |s| s.time),
+];
+
+/// Every dataset under `/contacts`.
+pub(super) const CONTACTS: [Column<Episode>; 5] = [
+    column("contacts/start", "s", |e| e.start),
+    column("contacts/end", "s", |e| e.end),
+    column("contacts/peak_force", "N", |e| e.peak_force),
+    column("contacts/peak_time", "s", |e| e.peak_time),
+    column("contacts/impulse", "N s", |e| e.impulse),
+];
+
+const fn column<T>(path: &'static str, units: &'static str, value: fn(&T) -> f64) -> Column<T> {
+    Column { path, units, value }
+}
+
+/// HDF5's error as one line: the system's reason where there is one, as on a full disk.
+pub(super) fn not_written(path: &Path, error: &hdf5::Error) -> Error {
+    let text = error.to_string();
+    let system = text.split_once("error message = '").and_then(|(_, rest)| rest.split('\'').next());
+    let reason = system.or(text.lines().next()).unwrap_or_default();
+    Error::io(path, format!("cannot be written: {reason}"))
+}
+
+/// Empty datasets that grow, a column each.
+pub(super) fn new_datasets<T>(
+    file: &hdf5::File,
+    columns: &[Column<T>],
+    chunk: usize,
+) -> hdf5::Result<Vec<hdf5::Dataset>> {
+    let new = |column: &Column<T>| {
+        let dataset = file
+            .new_dataset::<f64>()
+            .shape((0..,))
+            .chunk((chunk,))
+            // Without a cache and a fill value, only new rows are written, and the rest of a chunk stays a hole.
+            .chunk_cache(0, 0, 1.0)
+            .fill_time(FillTime::Never)
+            .create(column.path)?;
+        write_text(&dataset, "units", column.units)?;
+        Ok(dataset)
+    };
+    columns.iter().map(new).collect()
+}
+
+/// Writes `records` to the rows from `first` on, and cuts the datasets behind them.
+pub(super) fn append<T>(
+    datasets: &[hdf5::Dataset],
+    columns: &[Column<T>],
+    first: usize,
+    records: &[T],
+) -> hdf5::Result<()> {
+    let end = first + records.len();
+    for (dataset, column) in datasets.iter().zip(columns) {
+        if dataset.size() != end {
+            dataset.resize((end,))?;
+        }
+        let values: Vec<f64> = records.iter().map(column.value).collect();
+        dataset.write_slice(&values, first..end)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,205 @@
+//! What is kept of one member of a sweep.
+
+use crate::impact::step::Step;
+use crate::record::columns::SERIES;
+use crate::record::episodes::{Episode, Episodes};
+
+/// How far a member is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// Not computed yet.
+    Missing = 0,
+    /// Computed to its end.
+    Done = 1,
+    /// The solve failed.
+    Failed = 2,
+    /// The scene turned out to be wrong on its mesh.
+    Refused = 3,
+}
+
+impl Status {
+    /// The status with a number; what has none is missing.
+    pub fn from_number(number: u8) -> Self {
+        [Self::Done, Self::Failed, Self::Refused].into_iter().find(|s| *s as u8 == number).unwrap_or(Self::Missing)
+    }
+}
+
+/// A number that is kept of each member.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Largest F at a step, N.
+    PeakForce,
+    /// Largest F/m0 at a step, m/s².
+    PeakAcceleration,
+    /// Its time, s.
+    PeakTime,
+    /// ∫ F dt over all contacts, N s.
+    Impulse,
+    /// Number of contact episodes.
+    Contacts,
+    /// 1 if the last contact lasts at the end of the run, else 0.
+    OpenAtEnd,
+    /// The impactor's velocity at the end along its direction of travel, m/s: negative where it rebounds.
+    ReboundSpeed,
+    /// Estimated error of the acceleration history over its peak.
+    ErrorEstimate,
+    /// Number of unknowns, the impactor's included.
+    Unknowns,
+    /// Wall time, s.
+    WallTime,
+}
+
+impl Quantity {
+    /// All of them, with the names of their datasets and their units.
+    pub(super) const ALL: [(Self, &'static str, &'static str); 10] = [
+        (Self::PeakForce, "peak_force", "N"),
+        (Self::PeakAcceleration, "peak_acceleration", "m/s2"),
+        (Self::PeakTime, "peak_time", "s"),
+        (Self::Impulse, "impulse", "N s"),
+        (Self::Contacts, "contacts", "1"),
+        (Self::OpenAtEnd, "open_at_end", "1"),
+        (Self::ReboundSpeed, "rebound_speed", "m/s"),
+        (Self::ErrorEstimate, "error_estimate", "1"),
+        (Self::Unknowns, "unknowns", "1"),
+        (Self::WallTime, "wall_time", "s"),
+    ];
+}
+
+/// One member.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Member {
+    /// Its number, from 0.
+    pub index: usize,
+    /// How it ended.
+    pub status: Status,
+    /// Why it did not come to its end; empty if it did.
+    pub message: String,
+    /// By [`Quantity`]; NaN where it is not known.
+    pub quantities: [f64; Quantity::ALL.len()],
+    /// Its contacts.
+    pub contacts: Vec<Episode>,
+    /// Its series where they are kept: a list a dataset of `/series` of a run.
+    pub series: Option<Vec<Vec<f64>>>,
+}
+
+impl Member {
+    /// A member that is not computed yet. With `has_series` the steps that it is given are kept.
+    pub fn new(index: usize, has_series: bool) -> Self {
+        Self {
+            index,
+            status: Status::Missing,
+            message: String::new(),
+            quantities: [f64::NAN; Quantity::ALL.len()],
+            contacts: Vec::new(),
+            series: has_series.then(|| vec![Vec::new(); SERIES.len()]),
+        }
+    }
+
+    /// One of its numbers.
+    pub fn get(&self, quantity: Quantity) -> f64 {
+        self.quantities[quantity as usize]
+    }
+
+    /// Sets one of its numbers.
+    pub fn set(&mut self, quantity: Quantity, value: f64) {
+        self.quantities[quantity as usize] = value;
+    }
+
+    /// Takes an accepted step into the peaks, and into the series where its number is a multiple of `every`.
+    pub fn push(&mut self, step: &Step, every: usize) {
+        // Without a contact the peak is zero, at the beginning.
+        if step.number == 0 || step.contact.force > self.get(Quantity::PeakForce) {
+            self.set(Quantity::PeakForce, step.contact.force);
+            self.set(Quantity::PeakAcceleration, step.impactor.acceleration);
+            self.set(Quantity::PeakTime, step.time);
+        }
+        self.set(Quantity::ReboundSpeed, step.impactor.velocity);
+        if let Some(series) = self.series.as_mut().filter(|_| step.number.is_multiple_of(every)) {
+            series.iter_mut().zip(&SERIES).for_each(|(values, column)| values.push((column.value)(step)));
+        }
+    }
+
+    /// Takes the contacts of all its steps.
+    pub fn set_contacts(&mut self, episodes: &Episodes) {
+        self.contacts = episodes.all().to_vec();
+        self.set(Quantity::Impulse, self.contacts.iter().map(|contact| contact.impulse).sum());
+        self.set(Quantity::Contacts, self.contacts.len() as f64);
+        self.set(Quantity::OpenAtEnd, f64::from(u8::from(episodes.is_open())));
+    }
+
+    /// Ends it without a result: what it was given is not the answer.
+    pub fn fail(self, status: Status, message: String) -> Self {
+        Self { status, message, ..Self::new(self.index, self.series.is_some()) }
+    }
+
+    /// All of it as numbers, for a message between ranks.
+    pub fn to_numbers(&self) -> Vec<f64> {
+        let mut numbers = vec![self.index as f64, f64::from(self.status as u8)];
+        let mut list = |values: &mut dyn Iterator<Item = f64>| {
+            let begin = numbers.len();
+            numbers.push(0.0);
+            numbers.extend(values);
+            numbers[begin] = (numbers.len() - begin - 1) as f64;
+        };
+        list(&mut self.message.bytes().map(f64::from));
+        list(&mut self.quantities.into_iter());
+        list(&mut self.contacts.iter().flat_map(|e| [e.start, e.end, e.peak_force, e.peak_time, e.impulse]));
+        for values in self.series.iter().flatten() {
+            list(&mut values.iter().copied());
+        }
+        numbers
+    }
+
+    /// From [`Self::to_numbers`]; `None` where the numbers are none of a member.
+    pub fn from_numbers(numbers: &[f64]) -> Option<Self> {
+        let ([index, status], mut rest) = numbers.split_first_chunk()?;
+        let mut list = || {
+            let (length, after) = rest.split_first()?;
+            let (values, after) = after.split_at_checked(*length as usize)?;
+            rest = after;
+            Some(values)
+        };
+        let message: Vec<u8> = list()?.iter().map(|byte| *byte as u8).collect();
+        let quantities = list()?.try_into().ok()?;
+        let contacts = list()?.chunks_exact(5).map(|v| episode([v[0], v[1], v[2], v[3], v[4]])).collect();
+        let series: Vec<Vec<f64>> = std::iter::from_fn(list).map(<[f64]>::to_vec).collect();
+        Some(Self {
+            index: *index as usize,
+            status: Status::from_number(*status as u8),
+            message: String::from_utf8_lossy(&message).into_owned(),
+            quantities,
+            contacts,
+            series: (!series.is_empty()).then_some(series),
+        })
+    }
+}
+
+/// An episode from its columns in a table of contacts.
+pub(super) fn episode([start, end, peak_force, peak_time, impulse]: [f64; 5]) -> Episode {
+    Episode { start, end, peak_force, peak_time, impulse }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantities_are_in_their_order() {
+        assert!(Quantity::ALL.iter().enumerate().all(|(n, (quantity, ..))| *quantity as usize == n));
+    }
+
+    #[test]
+    fn a_member_survives_its_way_between_ranks() {
+        let mut member = Member::new(123_456, true);
+        member.status = Status::Done;
+        member.quantities = std::array::from_fn(|n| 0.1 * n as f64);
+        member.contacts = vec![episode([1.0, 2.0, 3.0, 4.0, 5.0]), episode([6.0, 7.0, 8.0, 9.0, 1e-300])];
+        member.series = Some((0..SERIES.len()).map(|n| vec![n as f64, 0.5, -1.0]).collect());
+        assert_eq!(Member::from_numbers(&member.to_numbers()), Some(member.clone()));
+        let failed = Member { series: None, ..member }.fail(Status::Failed, "α < 0 at step 7".into());
+        let back = Member::from_numbers(&failed.to_numbers()).unwrap();
+        assert_eq!((back.status, back.message.as_str(), back.series), (Status::Failed, "α < 0 at step 7", None));
+        assert!(back.quantities.iter().all(|value| value.is_nan()) && back.contacts.is_empty());
+        assert_eq!(Member::from_numbers(&[1.0, 1.0, 5.0]), None);
+    }
+}

@@ -1,0 +1,167 @@
+//! A sweep read back.
+
+use super::member::{Member, Quantity, Status, episode};
+use super::{Header, Key, Values};
+use crate::error::{Error, Result};
+use crate::record::columns::{CONTACTS, SERIES};
+use crate::record::episodes::Episode;
+use crate::record::read::{open, text};
+use hdf5_metno as hdf5;
+use hdf5_metno::types::{TypeDescriptor, VarLenUnicode};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::write::{KIND, Message};
+
+/// A sweep as its file has it.
+#[derive(Debug)]
+pub struct Sweep {
+    /// What it is of.
+    pub header: Header,
+    /// How far each member is.
+    pub status: Vec<Status>,
+    /// A list a [`Quantity`], one value a member.
+    pub(super) quantities: Vec<Vec<f64>>,
+    /// The contacts of all members that are done, in the order of the members, each with its member.
+    pub contacts: Vec<(usize, Episode)>,
+    /// Why members failed.
+    pub(super) messages: BTreeMap<usize, String>,
+    path: PathBuf,
+    file: hdf5::File,
+}
+
+/// Whether a file is a sweep.
+///
+/// # Errors
+/// [`Error::Io`] where it is no readable HDF5 file.
+pub fn is_sweep(path: &Path) -> Result<bool> {
+    open(path).map(|file| is_one(&file))
+}
+
+fn is_one(file: &hdf5::File) -> bool {
+    text(file, "kind").is_ok_and(|kind| kind == KIND)
+}
+
+impl Sweep {
+    /// Reads a sweep, but for the series.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where it is no sweep, or still being written.
+    pub fn read(path: &Path) -> Result<Self> {
+        Self::of(path, open(path)?)
+    }
+
+    /// The sweep in an open file.
+    pub(super) fn of(path: &Path, file: hdf5::File) -> Result<Self> {
+        if !is_one(&file) {
+            return Err(Error::io(path, "is not a sweep of ricochet"));
+        }
+        read(path, file).map_err(|error| Error::io(path, format!("is not a whole sweep of ricochet: {error}")))
+    }
+
+    /// One number of each member; NaN where there is none.
+    pub fn quantity(&self, quantity: Quantity) -> &[f64] {
+        &self.quantities[quantity as usize]
+    }
+
+    /// All that is known of a member.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where its series cannot be read.
+    pub fn member(&self, index: usize) -> Result<Member> {
+        self.read_member(index)
+            .map_err(|error| Error::io(&self.path, format!("member {index} cannot be read: {error}")))
+    }
+
+    fn read_member(&self, index: usize) -> hdf5::Result<Member> {
+        let mut member = Member::new(index, false);
+        member.status = self.status[index];
+        member.message = self.messages.get(&index).cloned().unwrap_or_default();
+        member.quantities = std::array::from_fn(|n| self.quantities[n][index]);
+        // In order, so that those of a member are found by halving.
+        let from = self.contacts.partition_point(|(member, _)| *member < index);
+        let of_member = self.contacts[from..].iter().take_while(|(member, _)| *member == index);
+        member.contacts = of_member.map(|(_, contact)| *contact).collect();
+        if self.header.has_series && member.status == Status::Done {
+            let column = |path: &str| self.file.dataset(&series_path(index, path))?.read_raw();
+            member.series = Some(SERIES.iter().map(|column_of| column(column_of.path)).collect::<hdf5::Result<_>>()?);
+        }
+        Ok(member)
+    }
+
+    /// The open file again.
+    pub(super) fn into_file(self) -> hdf5::File {
+        self.file
+    }
+}
+
+/// `series/<index>/…` for a column of `series/…`.
+pub(super) fn series_path(index: usize, column: &str) -> String {
+    format!("series/{index}/{}", column.trim_start_matches("series/"))
+}
+
+fn read(path: &Path, file: hdf5::File) -> hdf5::Result<Sweep> {
+    let header = header(&file)?;
+    let members = header.members();
+    let status: Vec<u8> = file.dataset("members/status")?.read_raw()?;
+    let status: Vec<Status> = status.into_iter().map(Status::from_number).collect();
+    let of = |(_, name, _): &(Quantity, &str, &str)| file.dataset(&format!("members/{name}"))?.read_raw::<f64>();
+    let quantities = Quantity::ALL.iter().map(of).collect::<hdf5::Result<Vec<_>>>()?;
+    let lengths = quantities.iter().map(Vec::len).chain(header.keys.iter().map(|key| key.values.len()));
+    if status.len() != members || lengths.into_iter().any(|length| length != members) {
+        return Err(format!("its datasets are not of {members} members each").into());
+    }
+    // After a kill the columns may differ in length; the rows of members that are done are in all of them.
+    let of_rows: Vec<u64> = file.dataset("contacts/member")?.read_raw()?;
+    let columns = CONTACTS.iter().map(|column| file.dataset(column.path)?.read_raw::<f64>());
+    let columns = columns.collect::<hdf5::Result<Vec<_>>>()?;
+    let rows = columns.iter().map(Vec::len).fold(of_rows.len(), usize::min);
+    let row = |n: usize| (of_rows[n] as usize, episode(std::array::from_fn(|column| columns[column][n])));
+    let is_done = |(member, _): &(usize, Episode)| status.get(*member) == Some(&Status::Done);
+    let mut contacts: Vec<(usize, Episode)> = (0..rows).map(row).filter(is_done).collect();
+    contacts.sort_by_key(|(member, _)| *member);
+    let messages = (0..).zip(file.dataset("members/message")?.read_raw::<Message>()?);
+    let messages = messages.filter(|(_, message)| !message.is_empty()).map(|(n, message)| (n, message.to_string()));
+    let messages = messages.collect();
+    Ok(Sweep { header, status, quantities, contacts, messages, path: path.to_owned(), file })
+}
+
+fn header(file: &hdf5::File) -> hdf5::Result<Header> {
+    let number = |name: &str| file.attr(name)?.read_scalar::<u64>().map(|number| number as usize);
+    let paths: Vec<VarLenUnicode> = file.attr("vary")?.read_raw()?;
+    let shard = match file.attr("shard") {
+        Ok(shard) => match shard.read_raw::<u64>()?[..] {
+            [i, n] => Some((i as usize, n as usize)),
+            _ => return Err("its shard is not i of n".into()),
+        },
+        Err(_) => None,
+    };
+    Ok(Header {
+        title: text(file, "title")?,
+        scene: text(file, "scene")?,
+        version: text(file, "version")?,
+        commit: text(file, "commit")?,
+        petsc_version: text(file, "petsc_version")?,
+        petsc_options: text(file, "petsc_options")?,
+        ranks: number("ranks")?,
+        keys: paths.iter().map(|path| key(file, path)).collect::<hdf5::Result<_>>()?,
+        has_series: file.attr("series")?.read_scalar()?,
+        shard,
+    })
+}
+
+fn key(file: &hdf5::File, path: &str) -> hdf5::Result<Key> {
+    let dataset = file.dataset(&format!("members/vary/{path}"))?;
+    let values = match dataset.dtype()?.to_descriptor()? {
+        TypeDescriptor::VarLenUnicode => {
+            Values::Words(dataset.read_raw::<VarLenUnicode>()?.iter().map(|word| word.to_string()).collect())
+        }
+        _ => Values::Numbers(dataset.read_raw()?),
+    };
+    Ok(Key {
+        path: path.to_owned(),
+        units: text(&dataset, "units")?,
+        is_log: dataset.attr("log")?.read_scalar()?,
+        values,
+    })
+}

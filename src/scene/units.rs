@@ -1,0 +1,47 @@
+//! Units of the keys of a scene.
+
+/// SI unit of the value of a key, by its dotted path; `1` for a number without one, and for text.
+pub fn unit(path: &str) -> &'static str {
+    let names: Vec<&str> = path.split('.').filter(|name| name.parse::<usize>().is_err()).collect();
+    match names.join(".").as_str() {
+        "body.young" | "impactor.young" => "Pa",
+        "body.density" => "kg/m3",
+        "body.size"
+        | "support.displacement"
+        | "impactor.radius"
+        | "impactor.point"
+        | "impactor.gap"
+        | "contact.patch_radius" => "m",
+        "support.stiffness" | "load.body_force" => "N/m3",
+        "support.damping" => "N s/m3",
+        "impactor.mass" => "kg",
+        "impactor.speed" => "m/s",
+        "impactor.stiffness" => "N/m^1.5",
+        "load.traction.value" => "N/m2",
+        "time.end" | "time.step" => "s",
+        _ => "1",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::unit;
+
+    #[test]
+    fn units_are_those_of_the_document() {
+        let document = include_str!("../../docs/scene.md");
+        let rows = document.lines().filter_map(|line| {
+            let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+            let key = cells.get(1)?.strip_prefix('`')?.strip_suffix('`')?;
+            // The table of keys has five columns; others are shorter.
+            (cells.len() == 7).then(|| (key.to_owned(), cells[3].replace('²', "2").replace('³', "3")))
+        });
+        let rows: Vec<_> = rows.collect();
+        assert!(rows.len() > 30, "{rows:?}");
+        for (key, written) in rows {
+            let written = if written.is_empty() { "1".to_owned() } else { written };
+            assert_eq!(unit(&key), written, "{key}");
+        }
+        assert_eq!((unit("support.0.stiffness"), unit("body.size.2")), ("N/m3", "m"));
+    }
+}

@@ -1,0 +1,145 @@
+//! The bodies of a sweep, each made once: members that differ in the impactor, the gap, the times or the tolerance share one.
+
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+use std::rc::Rc;
+
+use petsc_wrap::Comm;
+
+use super::census::{Census, key};
+use super::member::Outcome;
+use crate::body::ModalBody;
+use crate::error::{Error, Result};
+use crate::impact::ModalImpact;
+use crate::impact::step::Step;
+use crate::model::{Dynamics, Model, OF_BASIS, SAFETY};
+use crate::scene::{self, Scene};
+
+/// Bodies that are kept at most; then all are dropped.
+const MOST: usize = 64;
+
+/// Of the part of the tolerance that a basis may take, how much more before another one is made for a member.
+const SLACK: f64 = 2.0;
+
+/// What members share.
+pub struct Bodies<'a> {
+    comm: Comm,
+    census: &'a Census,
+    scene_of: &'a dyn Fn(usize) -> Result<Scene>,
+    /// What auto is for all members.
+    theory: scene::Model,
+    /// Whether steps are to have their energies.
+    has_energies: bool,
+    kept: HashMap<u64, Kept>,
+}
+
+/// A body on a basis, and on a larger one by which each member's error is estimated.
+struct Kept {
+    body: ModalBody,
+    larger: Option<ModalBody>,
+    unknowns: usize,
+    /// Error by the theory, as auto estimates it.
+    of_theory: f64,
+}
+
+impl<'a> Bodies<'a> {
+    /// None yet, for members on these ranks; `scene_of` a member's scene by its number, `theory` what auto is for all.
+    pub fn new(
+        comm: &Comm,
+        census: &'a Census,
+        scene_of: &'a dyn Fn(usize) -> Result<Scene>,
+        theory: scene::Model,
+        has_energies: bool,
+    ) -> Self {
+        Self { comm: comm.clone(), census, scene_of, theory, has_energies, kept: HashMap::new() }
+    }
+
+    /// Computes a member in modal coordinates, on a kept basis if it is good enough. Collective.
+    ///
+    /// # Errors
+    /// Those of a run.
+    pub fn simulate(
+        &mut self,
+        scene: &Scene,
+        interrupted: &Rc<dyn Fn() -> bool>,
+        observe: &mut dyn FnMut(&Step),
+    ) -> Result<Option<Outcome>> {
+        let key = key(scene);
+        if !self.kept.contains_key(&key) {
+            let made = match self.census.representative(scene) {
+                Some(index) => self.make(&(self.scene_of)(index)?),
+                None => self.make(scene),
+            };
+            // What is wrong with the hardest member need not be wrong with this one.
+            let kept = made.or_else(|_| self.make(scene))?;
+            if self.kept.len() >= MOST {
+                self.kept.clear();
+            }
+            self.kept.insert(key, kept);
+        }
+        let mut tried = self.kept[&key].simulate(scene, self.has_energies, interrupted);
+        let poor = match &tried {
+            Ok(Some(tried)) => tried.first > SLACK * OF_BASIS * scene.tolerance,
+            Ok(None) => false,
+            // A patch or a basis made for another impact may not bear this one.
+            Err(_) => true,
+        };
+        if poor {
+            tried = self.make(scene)?.simulate(scene, self.has_energies, interrupted);
+        }
+        let Some(tried) = tried? else { return Ok(None) };
+        tried.steps.iter().for_each(observe);
+        Ok(Some(tried.outcome))
+    }
+
+    fn make(&self, scene: &Scene) -> Result<Kept> {
+        let mut scene = scene.clone();
+        if scene.body.model == scene::Model::Auto {
+            scene.body.model = self.theory;
+        }
+        let model = Model::new(&self.comm, &scene)?;
+        let of_theory = if model.larger.is_none() { model.error.map_or(0.0, |(_, all)| all) } else { 0.0 };
+        match model.dynamics {
+            Dynamics::Modal(body) => Ok(Kept { body, larger: model.larger, unknowns: model.unknowns, of_theory }),
+            Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),
+        }
+    }
+}
+
+impl Kept {
+    /// `None` where it was interrupted.
+    fn simulate(&self, scene: &Scene, has_energies: bool, interrupted: &Rc<dyn Fn() -> bool>) -> Result<Option<Tried>> {
+        let mut steps = Vec::new();
+        let asked = interrupted.clone();
+        let asked = move || asked();
+        let mut impact = ModalImpact::new(scene, &self.body).interrupted_by(&asked);
+        if !has_energies {
+            impact = impact.without_energies();
+        }
+        let flow = impact.run(|step| {
+            steps.push(*step);
+            Ok(ControlFlow::Continue(()))
+        })?;
+        if flow.is_break() || interrupted() {
+            return Ok(None);
+        }
+        let (mut first, mut all) = (0.0, 0.0);
+        if let Some(larger) = &self.larger {
+            let Some((force, taken)) = impact.force() else { return Ok(None) };
+            let difference = force.difference(&ModalImpact::new(scene, larger).trace(Some(*taken))?.0);
+            (first, all) = (SAFETY * difference.0, SAFETY * difference.1);
+        }
+        let of_patch = self.body.patch.map_or(0.0, |patch| patch.error());
+        let error_estimate = impact.count.error.unwrap_or(0.0) + all + self.of_theory + of_patch;
+        let outcome = Outcome { error_estimate, unknowns: self.unknowns + 1 };
+        Ok(Some(Tried { steps, first, outcome }))
+    }
+}
+
+/// A member computed.
+struct Tried {
+    steps: Vec<Step>,
+    /// Estimated error by the basis in the first contact.
+    first: f64,
+    outcome: Outcome,
+}

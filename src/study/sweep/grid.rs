@@ -1,0 +1,123 @@
+//! The members of a sweep: every combination of the values of its keys.
+
+use super::vary::{MOST, Variation};
+use crate::record::sweep::{Key, Values};
+use crate::scene::unit;
+
+/// Every combination of the values of some keys, the last key's changing fastest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grid {
+    variations: Vec<Variation>,
+    members: usize,
+}
+
+impl Grid {
+    /// The grid over some keys, at least one.
+    ///
+    /// # Errors
+    /// What is wrong: a key twice, or more members than a sweep may have.
+    pub fn new(variations: Vec<Variation>) -> Result<Self, String> {
+        for (n, variation) in variations.iter().enumerate() {
+            if variations[..n].iter().any(|other| other.key == variation.key) {
+                return Err(format!("--vary: the key {} is varied twice", variation.key));
+            }
+        }
+        let members = variations.iter().try_fold(1_usize, |all, variation| all.checked_mul(variation.texts.len()));
+        match members.filter(|members| *members <= MOST) {
+            Some(members) => Ok(Self { variations, members }),
+            None => Err(format!("a sweep has at most {MOST} members")),
+        }
+    }
+
+    /// How many members there are.
+    pub fn len(&self) -> usize {
+        self.members
+    }
+
+    /// Whether a key is among those varied.
+    pub fn varies(&self, key: &str) -> bool {
+        self.variations.iter().any(|variation| variation.key == key)
+    }
+
+    /// Whether there is none; there always is one.
+    pub fn is_empty(&self) -> bool {
+        self.members == 0
+    }
+
+    /// The values of a member as `KEY=VALUE`, a key each.
+    pub fn values(&self, member: usize) -> Vec<String> {
+        let each = self.variations.iter().zip(self.places(member));
+        each.map(|(variation, place)| format!("{}={}", variation.key, variation.texts[place])).collect()
+    }
+
+    /// What a message calls a member.
+    pub fn name(&self, member: usize) -> String {
+        format!("member {member}: {}", self.values(member).join(", "))
+    }
+
+    /// The keys as a result holds them: with the value of every member.
+    pub fn keys(&self) -> Vec<Key> {
+        let places: Vec<Vec<usize>> = (0..self.members).map(|member| self.places(member)).collect();
+        let key = |(n, variation): (usize, &Variation)| Key {
+            path: variation.key.clone(),
+            units: unit(&variation.key).to_owned(),
+            is_log: variation.is_log,
+            values: match &variation.numbers {
+                Some(numbers) => Values::Numbers(places.iter().map(|place| numbers[place[n]]).collect()),
+                None => Values::Words(places.iter().map(|place| variation.texts[place[n]].clone()).collect()),
+            },
+        };
+        self.variations.iter().enumerate().map(key).collect()
+    }
+
+    /// Which value of each key a member has.
+    fn places(&self, member: usize) -> Vec<usize> {
+        let mut rest = member;
+        let mut places: Vec<usize> = self
+            .variations
+            .iter()
+            .rev()
+            .map(|variation| {
+                let place = rest % variation.texts.len();
+                rest /= variation.texts.len();
+                place
+            })
+            .collect();
+        places.reverse();
+        places
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(given: &[&str]) -> Result<Grid, String> {
+        Grid::new(given.iter().map(|given| Variation::parse(given, false).unwrap()).collect())
+    }
+
+    #[test]
+    fn the_first_key_is_the_slowest() {
+        let grid =
+            grid(&["support.0.stiffness=1e8,1e9", "time.scheme=newmark,energy", "impactor.speed=1..3:3"]).unwrap();
+        assert_eq!(grid.len(), 12);
+        assert_eq!(grid.values(0), ["support.0.stiffness=1e8", "time.scheme=newmark", "impactor.speed=1"]);
+        assert_eq!(grid.values(1)[2], "impactor.speed=2");
+        assert_eq!(grid.values(3), ["support.0.stiffness=1e8", "time.scheme=energy", "impactor.speed=1"]);
+        assert_eq!(grid.values(11), ["support.0.stiffness=1e9", "time.scheme=energy", "impactor.speed=3"]);
+        assert_eq!(grid.name(6), "member 6: support.0.stiffness=1e9, time.scheme=newmark, impactor.speed=1");
+        let keys = grid.keys();
+        assert_eq!(keys[0].values, Values::Numbers([[1e8; 6], [1e9; 6]].concat()));
+        assert_eq!((keys[0].units.as_str(), keys[2].units.as_str()), ("N/m3", "m/s"));
+        assert!(matches!(&keys[1].values, Values::Words(words) if words[2] == "newmark" && words[3] == "energy"));
+    }
+
+    #[test]
+    fn too_many_members_and_keys_given_twice_are_refused() {
+        assert!(grid(&["a=1,2", "b=1,2", "a=3"]).unwrap_err().contains("the key a is varied twice"));
+        assert!(grid(&["a=1..2:1000", "b=1..2:1000"]).is_ok());
+        assert!(grid(&["a=1..2:1000", "b=1..2:1001"]).unwrap_err().contains("at most 1000000 members"));
+        let many = ["a", "b", "c", "d"].map(|key| format!("{key}=1..2:1000000"));
+        assert!(grid(&many.each_ref().map(String::as_str)).is_err());
+    }
+}

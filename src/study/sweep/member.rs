@@ -1,0 +1,49 @@
+//! How a member of a sweep is computed.
+
+use std::ops::ControlFlow;
+use std::rc::Rc;
+
+use petsc_wrap::Comm;
+
+use super::bodies::Bodies;
+use crate::error::Result;
+use crate::impact::step::Step;
+use crate::model::{Model, Simulation};
+use crate::scene::Scene;
+
+/// What a simulation knows beside its steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome {
+    /// Estimated error of the acceleration history over its peak; NaN where there is no estimate.
+    pub error_estimate: f64,
+    /// Number of unknowns, the impactor's included.
+    pub unknowns: usize,
+}
+
+/// Computes the impact of a scene to its end, on a body among those kept where it is there, and gives each accepted step to `observe`. `interrupted` is asked now and then
+/// whether to leave off, and keeps to its answer; then the outcome is `None`. Collective on `comm`.
+///
+/// # Errors
+/// Those of a run: a fault of the scene, a step that is not solved, the energy gate, PETSc's.
+pub fn simulate(
+    comm: &Comm,
+    scene: &Scene,
+    bodies: &mut Bodies<'_>,
+    interrupted: Rc<dyn Fn() -> bool>,
+    mut observe: impl FnMut(&Step),
+) -> Result<Option<Outcome>> {
+    if scene.time.modal {
+        return bodies.simulate(scene, &interrupted, &mut observe);
+    }
+    let model = Model::new(comm, scene)?;
+    let unknowns = model.unknowns + 1;
+    let mut simulation = Simulation::new(scene, model)?;
+    let asked = interrupted.clone();
+    simulation.set_interrupt(move || asked());
+    let flow = simulation.run(|step| {
+        observe(step);
+        Ok(if interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+    })?;
+    let outcome = Outcome { error_estimate: simulation.error().unwrap_or(f64::NAN), unknowns };
+    Ok(flow.is_continue().then_some(outcome))
+}

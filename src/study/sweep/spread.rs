@@ -1,0 +1,259 @@
+//! Members spread over the ranks as they become free.
+//!
+//! Rank 0 hands the members out, takes the results, and computes members too: it looks for messages between members and, by the
+//! question whether to leave off, during one. The others always have a member in reserve, so that they need not wait for it.
+
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::ops::ControlFlow;
+use std::rc::Rc;
+use std::time::{Duration, Instant};
+
+use mpi::point_to_point::MatchedReceiveVec;
+use mpi::traits::{Communicator, Destination, Root, Source};
+use petsc_wrap::Comm;
+
+use crate::error::{Error, Result};
+use crate::record::sweep::Member;
+
+/// What rank 0 does with a member that has come in; it is called without one now and then.
+pub type Kept = Box<dyn FnMut(Option<Member>) -> Result<()>>;
+
+/// Computes the member of a number; `None` where it left off as the question told it to.
+pub type Compute<'a> = dyn FnMut(usize, Rc<dyn Fn() -> bool>) -> Result<Option<Member>> + 'a;
+
+/// Members that a rank has at once: one at work, and one in reserve.
+const AT_ONCE: usize = 2;
+/// Between two looks for messages while a member is computed.
+const LOOK_EVERY: Duration = Duration::from_millis(2);
+/// Between two looks while there is nothing else to do.
+const IDLE: Duration = Duration::from_micros(200);
+
+/// To the other ranks: the number of a member, or this.
+const STOP: u64 = u64::MAX;
+const ORDER: i32 = 1;
+/// From the other ranks.
+const RESULT: i32 = 2;
+const GIVES_UP: i32 = 3;
+const BYE: i32 = 4;
+
+/// Has `compute` compute the members `todo` (read on rank 0), each on one rank. `kept` gets the results on rank 0. Breaks off, on all ranks, when `signalled` says so on any. Collective.
+///
+/// # Errors
+/// Those of `compute` and of `kept`, on the rank that has them.
+pub fn spread(
+    comm: &Comm,
+    todo: Vec<usize>,
+    signalled: impl Fn() -> bool + 'static,
+    compute: &mut Compute,
+    kept: Kept,
+) -> Result<ControlFlow<()>> {
+    let mut broke_off = false;
+    if comm.is_root() {
+        broke_off = hand_out(Desk::new(comm, todo, Box::new(signalled), kept), compute)?;
+    } else {
+        take(Bench::new(comm, Box::new(signalled)), compute)?;
+    }
+    comm.mpi().process_at_rank(0).broadcast_into(&mut broke_off);
+    Ok(if broke_off { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+}
+
+/// Asks `look` at most every [`LOOK_EVERY`], and gives its last answer in between.
+fn now_and_then(look: impl Fn() -> bool + 'static) -> Rc<dyn Fn() -> bool> {
+    let last = RefCell::new((Instant::now(), false));
+    Rc::new(move || {
+        let mut last = last.borrow_mut();
+        if !last.1 && last.0.elapsed() >= LOOK_EVERY {
+            *last = (Instant::now(), look());
+        }
+        last.1
+    })
+}
+
+/// Rank 0's part; tells whether the sweep was broken off.
+fn hand_out(desk: Desk, compute: &mut Compute) -> Result<bool> {
+    let mut own = desk.queue.front().copied();
+    let desk = Rc::new(RefCell::new(desk));
+    desk.borrow_mut().begin();
+    while let Some(index) = own {
+        let seen = desk.clone();
+        let member = compute(index, now_and_then(move || seen.borrow_mut().serve()))?;
+        let mut desk = desk.borrow_mut();
+        if let Some(member) = member {
+            desk.keep(Some(member));
+        }
+        own = if desk.serve() { None } else { desk.queue.pop_front() };
+    }
+    while desk.borrow().is_waiting() {
+        desk.borrow_mut().serve();
+        std::thread::sleep(IDLE);
+    }
+    let mut desk = desk.borrow_mut();
+    desk.failed.take().map_or(Ok(desk.stopped), Err)
+}
+
+/// Rank 0's view of the work.
+struct Desk {
+    comm: Comm,
+    queue: VecDeque<usize>,
+    signalled: Box<dyn Fn() -> bool>,
+    kept: Kept,
+    /// Members that each rank has.
+    out: Vec<usize>,
+    /// Ranks that have been told to stop.
+    dismissed: Vec<bool>,
+    /// Ranks that have left.
+    gone: usize,
+    /// Whether the sweep is broken off.
+    stopped: bool,
+    failed: Option<Error>,
+}
+
+impl Desk {
+    fn new(comm: &Comm, todo: Vec<usize>, signalled: Box<dyn Fn() -> bool>, kept: Kept) -> Self {
+        let (out, dismissed) = (vec![0; comm.size()], vec![false; comm.size()]);
+        Self {
+            comm: comm.clone(),
+            queue: todo.into(),
+            signalled,
+            kept,
+            out,
+            dismissed,
+            gone: 0,
+            stopped: false,
+            failed: None,
+        }
+    }
+
+    /// Gives each rank its first members, in turn; the first of all is rank 0's own.
+    fn begin(&mut self) {
+        self.queue.pop_front();
+        for _ in 0..AT_ONCE {
+            (1..self.comm.size()).for_each(|rank| self.order(rank));
+        }
+    }
+
+    /// Gives a rank another member, or, when it has none left, its leave.
+    fn order(&mut self, rank: usize) {
+        if self.dismissed[rank] {
+            return;
+        }
+        let index = if self.stopped { None } else { self.queue.pop_front() };
+        match index {
+            Some(index) => {
+                self.send(rank, index as u64);
+                self.out[rank] += 1;
+            }
+            None if self.out[rank] == 0 => self.dismiss(rank),
+            None => {}
+        }
+    }
+
+    fn dismiss(&mut self, rank: usize) {
+        if !self.dismissed[rank] {
+            self.send(rank, STOP);
+            self.dismissed[rank] = true;
+        }
+    }
+
+    fn send(&self, rank: usize, order: u64) {
+        self.comm.mpi().process_at_rank(rank as i32).send_with_tag(&order, ORDER);
+    }
+
+    /// Takes what has come in; tells whether the sweep is broken off.
+    fn serve(&mut self) -> bool {
+        let comm = self.comm.clone();
+        while let Some(message) = comm.mpi().any_process().immediate_matched_probe() {
+            let (numbers, status) = message.matched_receive_vec::<f64>();
+            let rank = status.source_rank() as usize;
+            match status.tag() {
+                RESULT => {
+                    self.keep(Member::from_numbers(&numbers));
+                    self.out[rank] -= 1;
+                    self.order(rank);
+                }
+                GIVES_UP => self.stop(),
+                _ => self.gone += 1,
+            }
+        }
+        self.keep(None);
+        if (self.signalled)() {
+            self.stop();
+        }
+        self.stopped
+    }
+
+    fn keep(&mut self, member: Option<Member>) {
+        if self.failed.is_none()
+            && let Err(error) = (self.kept)(member)
+        {
+            self.failed = Some(error);
+            self.stop();
+        }
+    }
+
+    fn stop(&mut self) {
+        self.stopped = true;
+        (1..self.comm.size()).for_each(|rank| self.dismiss(rank));
+    }
+
+    /// Whether a rank is still at work. After an error of rank 0 alone nobody is waited for: it ends them all.
+    fn is_waiting(&self) -> bool {
+        self.failed.is_none() && self.gone + 1 < self.comm.size()
+    }
+}
+
+/// Another rank's part.
+fn take(bench: Bench, compute: &mut Compute) -> Result<()> {
+    let comm = bench.comm.clone();
+    let root = comm.mpi().process_at_rank(0);
+    let bench = Rc::new(RefCell::new(bench));
+    loop {
+        let is_to_leave_off = bench.borrow_mut().look();
+        if bench.borrow().stopped {
+            root.send_with_tag::<[f64]>(&[], BYE);
+            return Ok(());
+        }
+        let next = if is_to_leave_off { None } else { bench.borrow_mut().queue.pop_front() };
+        let Some(index) = next else {
+            std::thread::sleep(IDLE);
+            continue;
+        };
+        let seen = bench.clone();
+        if let Some(member) = compute(index, now_and_then(move || seen.borrow_mut().look()))? {
+            root.send_with_tag(&member.to_numbers()[..], RESULT);
+        }
+    }
+}
+
+/// Another rank's view of the work.
+struct Bench {
+    comm: Comm,
+    queue: VecDeque<usize>,
+    signalled: Box<dyn Fn() -> bool>,
+    /// Whether rank 0 has said so.
+    stopped: bool,
+    /// Whether rank 0 knows of the signal.
+    gave_up: bool,
+}
+
+impl Bench {
+    fn new(comm: &Comm, signalled: Box<dyn Fn() -> bool>) -> Self {
+        Self { comm: comm.clone(), queue: VecDeque::new(), signalled, stopped: false, gave_up: false }
+    }
+
+    /// Takes rank 0's orders; tells whether to leave off.
+    fn look(&mut self) -> bool {
+        let root = self.comm.mpi().process_at_rank(0);
+        while let Some(message) = root.immediate_matched_probe_with_tag(ORDER) {
+            for order in message.matched_receive_vec::<u64>().0 {
+                if order == STOP { self.stopped = true } else { self.queue.push_back(order as usize) }
+            }
+        }
+        if !self.gave_up && (self.signalled)() {
+            root.send_with_tag::<[f64]>(&[], GIVES_UP);
+            self.gave_up = true;
+        }
+        self.stopped || self.gave_up
+    }
+}

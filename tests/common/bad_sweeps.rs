@@ -1,0 +1,44 @@
+//! Command lines of sweeps that must be refused before anything is computed.
+
+/// What the user types, and what must come of it.
+pub struct BadSweep {
+    /// What is wrong.
+    pub name: &'static str,
+    /// The arguments, after the scene `box.toml`; the output is out.h5.
+    pub line: &'static str,
+    /// Parts of the whole message.
+    pub fragments: &'static [&'static str],
+    /// Whether to try on several ranks too.
+    pub on_ranks: bool,
+}
+
+const fn bad(name: &'static str, line: &'static str, fragments: &'static [&'static str], on_ranks: bool) -> BadSweep {
+    BadSweep { name, line, fragments, on_ranks }
+}
+
+/// All of them; each ends with status 2.
+#[rustfmt::skip]
+pub const TABLE: [BadSweep; 20] = [
+    bad("nothing is varied", "-o out.h5", &["--vary"], false),
+    bad("no output", "--vary impactor.speed=1,2", &["--output"], false),
+    bad("no values", "--vary impactor.speed -o out.h5", &["--vary impactor.speed: ", "KEY=A..B:N or KEY=A,B,C"], true),
+    bad("no number of values", "--vary impactor.speed=1..2 -o out.h5", &["--vary impactor.speed=1..2: ", "A..B:N"], false),
+    bad("one value", "--vary impactor.speed=1..2:1 -o out.h5", &["\"1\" is no number of values"], false),
+    bad("an end that is no number", "--vary impactor.speed=slow..2:3 -o out.h5", &["\"slow\" is no end of a range"], false),
+    bad("a logarithm of zero", "--vary impactor.gap=0..1e-3:3 --log -o out.h5", &["(--log) has positive ends, and 0 is not"], true),
+    bad("a logarithm of less", "--vary impactor.point.0=-1..1:3 --log -o out.h5", &["(--log) has positive ends, and -1 is not"], false),
+    bad("a gap in a list", "--vary impactor.speed=1,,2 -o out.h5", &["a value of the list is empty"], false),
+    bad("a key twice", "--vary impactor.speed=1,2 --vary impactor.speed=3,4 -o out.h5", &["impactor.speed is varied twice"], false),
+    bad("too many", "--vary impactor.speed=1..2:10000 --vary impactor.mass=1..2:10000 -o out.h5", &["at most 1000000 members"], false),
+    bad("an unknown key", "--vary impactor.sped=1,2 -o out.h5", &["box.toml", "impactor.sped: unknown key (set by --vary impactor.sped=1)", "did you mean `speed`?"], true),
+    bad("no key", "--vary impactor..speed=1,2 -o out.h5", &["--vary impactor..speed=1", "not a path"], false),
+    bad("one member of six", "--vary impactor.mass=1,2 --vary impactor.speed=1,-2,3 -o out.h5",
+        &["impactor.speed: must be positive, but is -2", "(member 1: impactor.mass=1, impactor.speed=-2)"], true),
+    bad("members that only together are wrong", "--vary time.end=1e-3,1e-5 --vary time.step=1e-5,2e-5 -o out.h5",
+        &["time.step: ", "(member 3: time.end=1e-5, time.step=2e-5)"], false),
+    bad("a broken number", "--vary output.every=1..2:3 -o out.h5", &["output.every: ", "whole number", "member 1: output.every=1.5"], false),
+    bad("shard 0", "--vary impactor.speed=1,2 --shard 0/2 -o out.h5", &["'0/2'", "1 ≤ i ≤ n"], false),
+    bad("shard beyond", "--vary impactor.speed=1,2 --shard 3/2 -o out.h5", &["'3/2'", "1 ≤ i ≤ n"], false),
+    bad("a malformed override", "--vary impactor.speed=1,2 --set time.step -o out.h5", &["--set time.step", "no `=`"], false),
+    bad("unknown type", "--vary impactor.speed=1,2 -o out.h5 -- -ksp_type nonsense", &["a PETSc option is wrong", "KSP type nonsense"], true),
+];

@@ -1,0 +1,76 @@
+//! Runs of a scene on the model that it asks for.
+#![allow(dead_code, reason = "not every test that shares this module uses all of it")]
+
+use std::ops::ControlFlow;
+
+use petsc_wrap::Comm;
+use ricochet::impact::step::Step;
+use ricochet::model::{Model, Simulation};
+use ricochet::record::episodes::{Episode, Episodes};
+use ricochet::scene::Scene;
+
+/// What a run tells.
+pub struct Ran {
+    pub steps: Vec<Step>,
+    pub contacts: Vec<Episode>,
+    /// The estimate of the whole history's error.
+    pub error: f64,
+    pub unknowns: usize,
+    pub vectors: Option<usize>,
+}
+
+/// The scene of a text.
+pub fn parse(text: &str) -> Scene {
+    Scene::parse("test", text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0
+}
+
+/// Runs it. Collective.
+pub fn run(comm: &Comm, text: &str) -> Ran {
+    run_scene(comm, &parse(text))
+}
+
+/// Runs it. Collective.
+pub fn run_scene(comm: &Comm, scene: &Scene) -> Ran {
+    let model = Model::new(comm, scene).unwrap_or_else(|error| panic!("{error}"));
+    let (unknowns, vectors) = (model.unknowns, model.vectors);
+    let mut simulation = Simulation::new(scene, model).unwrap_or_else(|error| panic!("{error}"));
+    let (mut steps, mut episodes) = (Vec::new(), Episodes::default());
+    let flow = simulation.run(|step| {
+        steps.push(*step);
+        episodes.push(step);
+        Ok(ControlFlow::Continue(()))
+    });
+    assert!(flow.unwrap_or_else(|error| panic!("{error}")).is_continue());
+    comm.collect_garbage().unwrap();
+    let error = simulation.error().unwrap_or(f64::NAN);
+    Ran { steps, contacts: episodes.all().to_vec(), error, unknowns, vectors }
+}
+
+impl Ran {
+    /// Peak of the acceleration, m/s².
+    pub fn peak(&self) -> f64 {
+        self.steps.iter().map(|step| step.impactor.acceleration).fold(0.0, f64::max)
+    }
+
+    /// Acceleration at a time, linear between steps.
+    pub fn at(&self, time: f64) -> f64 {
+        let next = self.steps.partition_point(|step| step.time <= time).clamp(1, self.steps.len() - 1);
+        let (a, b) = (&self.steps[next - 1], &self.steps[next]);
+        let part = ((time - a.time) / (b.time - a.time)).clamp(0.0, 1.0);
+        a.impactor.acceleration + part * (b.impactor.acceleration - a.impactor.acceleration)
+    }
+
+    /// Largest difference of the accelerations over this one's peak: in its first contact, and over all.
+    pub fn difference(&self, other: &Self) -> (f64, f64) {
+        let (peak, end) = (self.peak(), self.contacts.first().map_or(0.0, |contact| contact.end));
+        let (mut first, mut all) = (0.0_f64, 0.0_f64);
+        for step in &self.steps {
+            let off = (other.at(step.time) - step.impactor.acceleration).abs() / peak;
+            all = all.max(off);
+            if step.time <= end {
+                first = first.max(off);
+            }
+        }
+        (first, all)
+    }
+}

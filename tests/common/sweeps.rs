@@ -1,0 +1,50 @@
+//! Sweeps read back, for tests.
+#![allow(dead_code, reason = "not every test that shares this module uses all of it")]
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use hdf5_metno as hdf5;
+use hdf5_metno::types::FixedUnicode;
+
+/// The small box with a support, so that its stiffness can be varied.
+pub fn supported() -> String {
+    crate::program::BOX.replace("newton = \"full\"", "newton = \"condensed\"")
+        + "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\n"
+}
+
+/// A dataset as numbers.
+pub fn numbers(path: &Path, name: &str) -> Vec<f64> {
+    let dataset = hdf5::File::open(path).unwrap().dataset(name).unwrap_or_else(|error| panic!("{name}: {error}"));
+    dataset.read_raw().unwrap()
+}
+
+/// A dataset of the members.
+pub fn members(path: &Path, name: &str) -> Vec<f64> {
+    numbers(path, &format!("members/{name}"))
+}
+
+/// Why members failed.
+pub fn messages(path: &Path) -> Vec<String> {
+    let dataset = hdf5::File::open(path).unwrap().dataset("members/message").unwrap();
+    dataset.read_raw::<FixedUnicode<400>>().unwrap().iter().map(|message| message.to_string()).collect()
+}
+
+/// All datasets of numbers in a group and below it, by their paths, as the bits of their values; none without a unit.
+fn collect(group: &hdf5::Group, into: &mut BTreeMap<String, Vec<u64>>) {
+    for dataset in group.datasets().unwrap() {
+        assert!(dataset.attr("units").is_ok(), "{} has no unit", dataset.name());
+        if let Ok(values) = dataset.read_raw::<f64>() {
+            into.insert(dataset.name(), values.into_iter().map(f64::to_bits).collect());
+        }
+    }
+    group.groups().unwrap().iter().for_each(|group| collect(group, into));
+}
+
+/// All numbers of a file but for the wall times.
+pub fn content(path: &Path) -> BTreeMap<String, Vec<u64>> {
+    let mut all = BTreeMap::new();
+    collect(&hdf5::File::open(path).unwrap(), &mut all);
+    assert!(all.remove("/members/wall_time").is_some());
+    all
+}

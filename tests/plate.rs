@@ -1,0 +1,370 @@
+//! Plates as small linear systems: exact solutions, symmetries, sums, and the scenes that they do not stand for.
+
+use std::f64::consts::PI;
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra_sparse::CsrMatrix;
+use ricochet::body::plate::{Plate, Settings, Theory, admits};
+use ricochet::scene::Scene;
+
+const YOUNG: f64 = 70e9;
+const POISSON: f64 = 0.23;
+const DENSITY: f64 = 2500.0;
+const THEORIES: [Theory; 2] = [Theory::Kirchhoff, Theory::Mindlin];
+
+fn scene(body: &str, impactor: &str, rest: &str) -> Scene {
+    let text = format!(
+        "[body]\nyoung = {YOUNG:e}\npoisson = {POISSON}\ndensity = {DENSITY}\n{body}\n[impactor]\nmass = 52.0\nradius = 0.05\n\
+         young = 210e9\npoisson = 0.3\nspeed = 1.0\n{impactor}\n[time]\nend = 1e-3\n{rest}"
+    );
+    Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0
+}
+
+fn plate(scene: &Scene, theory: Theory, fineness: f64) -> Plate {
+    let settings = Settings { fineness, ..Settings::default() };
+    Plate::new(scene, theory, &settings).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn rigidity(thickness: f64) -> f64 {
+    YOUNG * thickness.powi(3) / (12.0 * (1.0 - POISSON * POISSON))
+}
+
+fn dense(entries: &CsrMatrix<f64>, n: usize) -> DMatrix<f64> {
+    let mut matrix = DMatrix::zeros(n, n);
+    for (i, j, &value) in entries.triplet_iter() {
+        assert_eq!(matrix[(i, j)], 0.0, "an entry stands twice");
+        matrix[(i, j)] = value;
+    }
+    assert_eq!(matrix, matrix.transpose());
+    matrix
+}
+
+/// K + C/T + M/T² with held unknowns, and its factor.
+struct Operator {
+    matrix: DMatrix<f64>,
+    free: Vec<usize>,
+}
+
+impl Operator {
+    fn new(plate: &Plate, rate: f64) -> Self {
+        let n = plate.system.load.len();
+        let mut matrix = dense(&plate.system.elastic, n) + rate * rate * dense(&plate.system.mass, n);
+        plate.system.support.iter().for_each(|support| matrix += dense(support, n));
+        plate.system.damping.iter().for_each(|damping| matrix += rate * dense(damping, n));
+        let free = (0..n).filter(|&i| plate.system.held.iter().all(|(held, _)| *held != i)).collect();
+        Self { matrix, free }
+    }
+
+    /// The displacement under a load, with held unknowns at their values.
+    fn solve(&self, plate: &Plate, load: &[f64]) -> DVector<f64> {
+        let mut u = DVector::zeros(plate.system.load.len());
+        plate.system.held.iter().for_each(|(i, value)| u[*i] = *value);
+        let load = DVector::from_column_slice(load) - &self.matrix * &u;
+        let inner = self.matrix.select_rows(&self.free).select_columns(&self.free);
+        let found = inner.cholesky().expect("positive definite").solve(&load.select_rows(&self.free));
+        self.free.iter().zip(found.iter()).for_each(|(i, value)| u[*i] = *value);
+        u
+    }
+}
+
+fn a(plate: &Plate) -> DVector<f64> {
+    DVector::from_column_slice(&plate.system.localization)
+}
+
+/// Reading under a unit force on the whole plate.
+fn answer(plate: &Plate, rate: f64) -> f64 {
+    a(plate).dot(&Operator::new(plate, rate).solve(plate, &plate.system.localization)) / plate.system.copies
+}
+
+fn held(surface: &str, components: &str) -> String {
+    format!("[[support]]\nsurface = \"{surface}\"\nkind = \"clamped\"\ncomponents = {components}\n")
+}
+
+fn elastic(surface: &str, stiffness: &str) -> String {
+    format!("[[support]]\nsurface = \"{surface}\"\nkind = \"elastic\"\nstiffness = {stiffness}\n")
+}
+
+/// The edges held as Navier's series wants it: w, and the rotation along the edge.
+fn navier() -> String {
+    held("x-min", r#"["y", "z"]"#)
+        + &held("x-max", r#"["y", "z"]"#)
+        + &held("y-min", r#"["x", "z"]"#)
+        + &held("y-max", r#"["x", "z"]"#)
+}
+
+/// Navier's series for a force in the centre: 4/(ab) Σ over odd waves of the infinite plate's own response.
+fn series(edges: [f64; 2], waves: usize, response: impl Fn(f64) -> f64) -> f64 {
+    let numbers = || (1..waves).step_by(2).map(|m| m as f64);
+    let sum: f64 = numbers()
+        .flat_map(|m| numbers().map(move |n| (PI * m / edges[0]).hypot(PI * n / edges[1])))
+        .map(response)
+        .sum();
+    4.0 / (edges[0] * edges[1]) * sum
+}
+
+/// Kirchhoff's point deflection: errors like the cell at the hit squared.
+#[test]
+fn navier_kirchhoff() {
+    let scene = scene("size = [1.2, 0.9, 0.04]", "", &navier());
+    let bending = rigidity(0.04);
+    // Cut off where waves of 1/2000 of the edges leave 1e-7.
+    let exact = series([1.2, 0.9], 2000, |xi| 1.0 / (bending * xi.powi(4)));
+    let errors = [1.0, 0.5].map(|fineness| {
+        let plate = plate(&scene, Theory::Kirchhoff, fineness);
+        assert_eq!((plate.system.copies, plate.system.compliance), (4.0, 0.0));
+        1.0 - answer(&plate, 0.0) / exact
+    });
+    let order = (errors[0] / errors[1]).log2();
+    assert!(errors[0] < 2e-4 && order > 1.7, "{errors:?}, order {order}");
+}
+
+/// Mindlin's disc, with the reading of ∇·θ in load and displacement: Γ_M P².
+#[test]
+fn navier_mindlin() {
+    let h = 0.04;
+    let scene = scene("size = [1.2, 0.9, 0.04]", "", &navier());
+    for settings in [Settings::default(), Settings { shear_factor: Some(5.0 / 6.0), disc: 0.3, ..Settings::default() }]
+    {
+        let errors = [2.0, 1.0, 0.35].map(|fineness| {
+            let settings = Settings { fineness, ..settings };
+            let plate = Plate::new(&scene, Theory::Mindlin, &settings).unwrap();
+            let local = plate.local.unwrap();
+            assert_eq!(plate.system.compliance, -4.0 * local.compliance);
+            let shear = local.shear_factor * YOUNG / (2.0 * (1.0 + POISSON)) * h;
+            let exact = series([1.2, 0.9], 1200, |xi| {
+                let x = xi * local.radius;
+                let pressure = 3.0 * (x.sin() - x * x.cos()) / x.powi(3);
+                let bending = (1.0 + local.reading * (h * xi).powi(2)).powi(2) / (rigidity(h) * xi.powi(4));
+                pressure * pressure * (bending + 1.0 / (shear * xi * xi))
+            });
+            1.0 - answer(&plate, 0.0) / exact
+        });
+        // Cells of four radii, of two, and of less than one. On the disc's rim the pressure has a root, so that no high order is to
+        // be seen.
+        let bounds = [1e-3, 1e-4, 2e-5];
+        assert!(errors.iter().zip(bounds).all(|(error, bound)| (-1e-7..bound).contains(error)), "{errors:?}");
+    }
+}
+
+/// Three motions without energy, of all that the splines can do.
+#[test]
+fn a_free_plate_has_three_rigid_motions() {
+    let scene = scene("size = [0.4, 0.3, 0.03]\nsymmetry = \"none\"", "point = [0.05, 0.02, 0.015]", "");
+    for theory in THEORIES {
+        let plate = plate(&scene, theory, 1.5);
+        assert!(plate.system.held.is_empty() && plate.system.support.is_none() && plate.system.damping.is_none());
+        let n = plate.system.load.len();
+        let inverse = dense(&plate.system.mass, n).cholesky().unwrap().l().try_inverse().unwrap();
+        let elastic = &inverse * dense(&plate.system.elastic, n) * inverse.transpose();
+        let mut squares: Vec<f64> = SymmetricEigen::new(elastic).eigenvalues.iter().copied().collect();
+        squares.sort_by(f64::total_cmp);
+        let (first, last) = (squares[3], squares[n - 1]);
+        // Rounding is that of the largest eigenvalue.
+        assert!(squares[2].abs() < 1e-12 * last && first > 0.0, "{theory:?}: {:?} {last:e}", &squares[..4]);
+        assert!(first > 100.0 * squares[2].abs(), "{theory:?}: {:?}", &squares[..4]);
+    }
+}
+
+/// Of every plate: a is the translation's dual, K knows no translation, M is the mass.
+#[test]
+fn a_translation_is_a_translation() {
+    let scenes = [
+        scene("size = [1.5, 1.5, 0.1]", "", ""),
+        scene("size = [1.5, 0.6, 0.02]", "point = [0.31, -0.2, 0.01]", ""),
+        scene("size = [0.3, 0.01, 0.01]", "", ""),
+        scene("size = [0.02, 0.9, 0.6]", "point = [-0.01, 0.1, 0.2]\ndirection = [1, 0, 0]", ""),
+    ];
+    for (scene, theory) in scenes.iter().flat_map(|scene| THEORIES.map(|theory| (scene, theory))) {
+        let plate = plate(scene, theory, 1.0);
+        let n = plate.system.load.len();
+        let translation = DVector::from_column_slice(&plate.system.translation);
+        // Rounding of a thousand terms.
+        assert!((a(&plate).dot(&translation) - 1.0).abs() < 1e-11, "{theory:?}");
+        let elastic = dense(&plate.system.elastic, n);
+        assert!((&elastic * &translation).amax() < 1e-12 * elastic.amax(), "{theory:?}");
+        let ricochet::scene::Geometry::Box { size, .. } = &scene.body.geometry else { panic!("no box") };
+        let mass = plate.system.copies * translation.dot(&(dense(&plate.system.mass, n) * &translation));
+        assert!((mass / (DENSITY * size.iter().product::<f64>()) - 1.0).abs() < 1e-12, "{theory:?}: {mass}");
+    }
+}
+
+/// Deflections of a clamped plate under pressure tend to Kirchhoff's as it gets thin, with the same number of cells: no locking.
+#[test]
+fn thin_plates_do_not_lock() {
+    let mut errors = Vec::new();
+    for thickness in [1e-1, 1e-2, 1e-3, 1e-4] {
+        let point = 0.5 * thickness;
+        // Slow and soft, so that the waves of the impact ask for no cells.
+        let text = format!("stiffness = 1e-6\npoint = [0, 0, {point:e}]");
+        let rest = held("side", r#"["x", "y", "z"]"#) + "[[load.traction]]\nsurface = \"top\"\nvalue = [0, 0, -1]\n";
+        let scene = scene(&format!("size = [1, 1, {thickness:e}]"), &text, &rest);
+        // Taylor & Govindjee, Solution of clamped rectangular plate problems, Commun. Numer. Methods Eng. 20, 2004.
+        let exact = 1.265_319_087e-3 / rigidity(thickness);
+        let [kirchhoff, mindlin] = THEORIES.map(|theory| {
+            let plate = plate(&scene, theory, 1.0);
+            a(&plate).dot(&Operator::new(&plate, 0.0).solve(&plate, &plate.system.load)) / exact - 1.0
+        });
+        assert!(kirchhoff.abs() < 1e-6, "{thickness}: {kirchhoff:e}");
+        errors.push(mindlin);
+    }
+    // Shear and the disc add a part like (h/L)²; at 1e-4 that is less than the mesh leaves.
+    assert!(errors[0] > 0.1 && errors[0] < 0.3, "{errors:?}");
+    assert!((errors[0] / errors[1]).log10() > 1.8 && (errors[1] / errors[2]).log10() > 1.8, "{errors:?}");
+    assert!(errors[3].abs() < 2e-6, "{errors:?}");
+}
+
+/// Springs, dampers, a foundation and clamps, symmetric.
+const SYMMETRIC: [&str; 3] = [
+    "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = [2e9, 1e9, 3e9]\ndamping = [2e4, 1e4, 3e5]\n",
+    "[[support]]\nsurface = \"side\"\nkind = \"clamped\"\ncomponents = [\"z\"]\n\
+     [[support]]\nsurface = \"bottom\"\nkind = \"elastic\"\nstiffness = [0, 0, 1e9]\n",
+    "[[support]]\nsurface = \"x-min\"\nkind = \"clamped\"\n[[support]]\nsurface = \"x-max\"\nkind = \"clamped\"\n",
+];
+
+/// A quarter answers as the whole, at rest and at a rate.
+#[test]
+fn a_quarter_answers_as_the_whole() {
+    for (rest, theory) in SYMMETRIC.iter().flat_map(|rest| THEORIES.map(|theory| (rest, theory))) {
+        let [quarter, whole] = ["quarter", "none"].map(|symmetry| {
+            let body = format!("size = [0.6, 0.4, 0.03]\nsymmetry = \"{symmetry}\"");
+            let pressure = "[[load.traction]]\nsurface = \"top\"\nvalue = [0, 0, -1]\n";
+            plate(&scene(&body, "", &format!("{rest}{pressure}")), theory, 0.7)
+        });
+        assert_eq!((quarter.system.copies, whole.system.copies), (4.0, 1.0));
+        for rate in [0.0, 1e3, 1e4] {
+            let [one, other] = [&quarter, &whole].map(|plate| answer(plate, rate));
+            // What the cells at the hit leave in both: most at a point, and of quick waves.
+            assert!((one / other - 1.0).abs() < 1e-3, "{theory:?} {rate}: {one:e} {other:e}");
+            let [one, other] = [&quarter, &whole]
+                .map(|plate| a(plate).dot(&Operator::new(plate, rate).solve(plate, &plate.system.load)));
+            // Smooth, with splines of degree 5.
+            assert!((one / other - 1.0).abs() < 1e-6, "{theory:?} {rate}: {one:e} {other:e}");
+        }
+    }
+}
+
+/// Mirror images, and the same plate lying along other axes or hit from below, answer alike.
+#[test]
+fn images_answer_alike() {
+    let support = |names: [&str; 2]| held(names[0], r#"["x", "y", "z"]"#) + &elastic(names[1], "[2e9, 2e9, 2e9]");
+    let cases = [
+        ([0.6, 0.4, 0.03], [0.11, 0.05, 0.015], [0, 0, -1], ["x-min", "y-max"]),
+        ([0.6, 0.4, 0.03], [-0.11, 0.05, 0.015], [0, 0, -1], ["x-max", "y-max"]),
+        ([0.6, 0.4, 0.03], [-0.11, -0.05, -0.015], [0, 0, 1], ["x-max", "y-min"]),
+        ([0.4, 0.6, 0.03], [0.05, 0.11, 0.015], [0, 0, -1], ["y-min", "x-max"]),
+        ([0.03, 0.6, 0.4], [0.015, 0.11, 0.05], [-1, 0, 0], ["y-min", "z-max"]),
+        ([0.4, 0.03, 0.6], [-0.05, -0.015, 0.11], [0, 1, 0], ["z-min", "x-min"]),
+    ];
+    for theory in THEORIES {
+        let answers = cases.map(|(size, point, direction, names)| {
+            let impactor = format!("point = {point:?}\ndirection = {direction:?}");
+            answer(&plate(&scene(&format!("size = {size:?}"), &impactor, &support(names)), theory, 1.5), 1e3)
+        });
+        for answer in answers {
+            // Rounding times the operator's condition.
+            assert!((answer / answers[0] - 1.0).abs() < 1e-9, "{theory:?}: {answers:?}");
+        }
+    }
+}
+
+/// Sums over edges and faces, of quarters and wholes.
+#[test]
+fn resultants() {
+    let rest = "[load]\nbody_force = [0, 0, -2e4]\n[[load.traction]]\nsurface = \"top\"\nvalue = [0, 0, -3e3]\n\
+        [[load.traction]]\nsurface = \"side\"\nvalue = [0, 0, 5e3]\n\
+        [[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = [0, 0, 1e9]\ndisplacement = [0, 0, -1e-3]\n\
+        [[support]]\nsurface = \"bottom\"\nkind = \"elastic\"\nstiffness = [0, 0, 1e7]\ndamping = [0, 0, 4e5]\n";
+    for (symmetry, theory) in ["quarter", "none"].iter().flat_map(|s| THEORIES.map(|theory| (s, theory))) {
+        let body = format!("size = [0.6, 0.4, 0.03]\nsymmetry = \"{symmetry}\"");
+        let plate = plate(&scene(&body, "", rest), theory, 1.0);
+        let (perimeter, area, h) = (2.0, 0.24, 0.03);
+        let one = DVector::from_column_slice(&plate.system.translation);
+        let of_vector = |v: &[f64]| plate.system.copies * one.dot(&DVector::from_column_slice(v));
+        let of_matrix = |m: &Option<CsrMatrix<f64>>| {
+            let matrix = dense(m.as_ref().expect("a matrix"), plate.system.load.len());
+            plate.system.copies * one.dot(&(matrix * &one))
+        };
+        let line = perimeter * h;
+        for (found, exact) in [
+            (of_vector(&plate.system.load), 2e4 * area * h + 3e3 * area - 5e3 * line),
+            (of_vector(&plate.system.support_load), 1e9 * 1e-3 * line),
+            (plate.system.copies * plate.system.support_offset, 0.5 * 1e9 * 1e-6 * line),
+            (of_matrix(&plate.system.support), 1e9 * line + 1e7 * area),
+            (of_matrix(&plate.system.damping), 4e5 * area),
+        ] {
+            // Rounding of a thousand terms.
+            assert!((found / exact - 1.0).abs() < 1e-11, "{symmetry} {theory:?}: {found} {exact}");
+        }
+    }
+}
+
+/// Stiff springs hold like clamps: against w for the simple support, and against rotations too for the clamped one.
+#[test]
+fn stiff_springs_tend_to_clamps() {
+    let body = "size = [0.6, 0.4, 0.03]";
+    for theory in THEORIES {
+        for (stiffness, components) in [("[0, 0, 1e18]", r#"["z"]"#), ("[1e18, 1e18, 1e18]", r#"["x", "y", "z"]"#)] {
+            let [sprung, clamped] = [elastic("side", stiffness), held("side", components)]
+                .map(|rest| answer(&plate(&scene(body, "", &rest), theory, 1.0), 0.0));
+            // E/(k h) = 2e-6 of the plate's own stiffness, and rounding times 1e9.
+            assert!((sprung / clamped - 1.0).abs() < 2e-5, "{theory:?}: {sprung:e} {clamped:e}");
+        }
+    }
+}
+
+/// A clamp's displacement moves the plate with it; the later one stands.
+#[test]
+fn displaced_clamps_carry_the_plate() {
+    let rest = held("side", r#"["x", "y", "z"]"#) + &held("side", r#"["z"]"#) + "displacement = [0, 0, -2e-3]\n";
+    for (symmetry, theory) in ["quarter", "none"].iter().flat_map(|s| THEORIES.map(|theory| (s, theory))) {
+        let scene = scene(&format!("size = [0.6, 0.4, 0.03]\nsymmetry = \"{symmetry}\""), "", &rest);
+        let plate = plate(&scene, theory, 1.0);
+        let u = Operator::new(&plate, 0.0).solve(&plate, &vec![0.0; plate.system.load.len()]);
+        let translation = DVector::from_column_slice(&plate.system.translation);
+        assert!((u - 2e-3 * translation).amax() < 1e-10, "{theory:?} {symmetry}");
+    }
+}
+
+/// Each reason not to be a plate.
+#[test]
+fn scenes_that_are_no_plates() {
+    const BODY: &str = "size = [0.6, 0.4, 0.03]";
+    let pad = "[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nstiffness = 1e9\nnormal = [0, 0, -1]\n";
+    let displaced = held("x-min", r#"["x"]"#) + "displacement = [1e-3, 0, 0]\n";
+    let cases = [
+        ("mesh = \"x.msh\"", "point = [0, 0, 0]", "", "the body is from a mesh file"),
+        (BODY, "direction = [0.1, 0, -1]", "", "the impactor does not move along the normal"),
+        (BODY, "direction = [-1, 0, 0]", "", "the body is not thin along x: its edge along y is shorter"),
+        (BODY, "", pad, "support.0 on \"bottom\" is a pad"),
+        (BODY, "", &held("bottom", r#"["z"]"#), "support.0 on \"bottom\" holds a face"),
+        (
+            BODY,
+            "",
+            &elastic("bottom", "1e9"),
+            "support.0 on \"bottom\" is on a face of the plate and acts not along z alone",
+        ),
+        (BODY, "", &displaced, "support.0 on \"x-min\" has a displacement in the plate's plane"),
+        (BODY, "", "[[load.traction]]\nsurface = \"side\"\nvalue = [1, 0, 0]\n", "load.traction.0 has a part in"),
+        (BODY, "", "[load]\nbody_force = [0, 1, 0]\n", "load.body_force has a part in"),
+    ];
+    for (body, impactor, rest, reason) in cases {
+        for theory in THEORIES {
+            let scene = scene(body, impactor, rest);
+            let found = admits(&scene, theory).expect_err(reason);
+            assert!(found.starts_with(reason), "{found}");
+            let error = Plate::new(&scene, theory, &Settings::default()).expect_err(reason);
+            assert!(error.to_string().contains(reason) && error.status() == 2, "{error}");
+        }
+    }
+    let along_edge = scene(BODY, "", &held("side", r#"["x"]"#));
+    let near_edge = scene(BODY, "point = [0.29, 0, 0.015]", "");
+    let reasons = THEORIES.map(|theory| (admits(&along_edge, theory).err(), admits(&near_edge, theory).err()));
+    let [(Some(along), None), (None, Some(near))] = reasons else { panic!("{reasons:?}") };
+    assert!(along.starts_with("a side across y is held along x and not along z"), "{along}");
+    assert!(near.starts_with("the hit is 1.000e-2 m from an edge"), "{near}");
+    for fineness in [0.0, -1.0, f64::NAN, 1e-3] {
+        let settings = Settings { fineness, ..Settings::default() };
+        let error = Plate::new(&scene(BODY, "", ""), Theory::Mindlin, &settings).expect_err("no cells");
+        assert!(error.to_string().contains("cells along an edge"), "{error}");
+    }
+}
