@@ -12,6 +12,7 @@ pub mod plate;
 mod pressure;
 mod solid;
 mod spline;
+mod spread;
 mod surface;
 pub mod tensor;
 
@@ -21,6 +22,7 @@ pub use pad::{PadForms, PadPoint, pressed_depth};
 pub use pressure::PressureForms;
 pub use solid::{Material, SolidForms, Tangled};
 pub use spline::Spline;
+pub use spread::Spread;
 pub use surface::SurfaceForms;
 
 use crate::element::Table;

@@ -25,7 +25,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Over R = `widening` · r_p, from 2 on.
+    /// Over R = `widening` · r_p, from 1 on.
     pub fn new(widening: f64) -> Self {
         // ∫ s^k m (1 − s)^{m−1} ds from 0 to 1.
         let moments = Matrix3::from_fn(|k, i| {
@@ -34,9 +34,13 @@ impl Spread {
         });
         let shrunk = widening.powi(-2);
         let hertz = Vector3::new(1.0, 0.4 * shrunk, 8.0 / 35.0 * shrunk * shrunk);
-        // The moments of powers are independent, so that there is a solution.
-        let weights = moments.lu().solve(&hertz).unwrap_or_default();
+        let weights = moments.lu().solve(&hertz).expect("moments of powers are independent");
         Self { widening, weights: weights.into() }
+    }
+
+    /// R / r_p.
+    pub fn widening(&self) -> f64 {
+        self.widening
     }
 
     /// p over Hertz's pressure on the same disc, at r²/R² < 1.

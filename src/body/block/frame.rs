@@ -1,14 +1,14 @@
-//! A box as its impact sees it.
+//! A box, and where it is hit.
 
-use crate::body::plate::wavelength;
-use crate::contact::{Patch, limits, unit_compliance};
+use crate::contact::{Patch, Reason, limits, unit_compliance};
 use crate::error::Result;
-use crate::form::plate::Section;
+use crate::form::Spread;
 use crate::scene::{Contact, Fault, Geometry, Scene, SupportKind, Symmetry, Vec3};
 
-const KEY: &str = "contact.patch_radius";
+/// The disc that is pressed over that of Hertz's pressure, at most.
+const WIDEST: f64 = 4.0;
 
-/// A box and where it is hit.
+/// A box, where it is hit, and which part of it is modelled.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Frame {
     /// Edge lengths of the whole, m.
@@ -17,36 +17,51 @@ pub(super) struct Frame {
     pub hit: Vec3,
     /// The axis across the face that is hit.
     pub struck: usize,
-    /// Axes across planes of symmetry: of those only positive coordinates are modelled.
+    /// Axes across planes of symmetry: where their coordinates are positive is the modelled part.
     pub mirrors: Vec<usize>,
+}
+
+/// Where the body is loaded and read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Site {
+    /// The patch that is stood for.
+    pub patch: Patch,
+    /// Its pressure, spread over more.
+    pub spread: Spread,
+    /// Radius of the disc, m.
+    pub disc: f64,
+    /// c of the contact law for the whole body, m/N.
+    pub compliance: f64,
 }
 
 impl Frame {
     /// Why the body is no such box.
     pub fn new(scene: &Scene) -> std::result::Result<Self, String> {
-        let Geometry::Box { size, .. } = scene.body.geometry else {
+        let (Geometry::Box { size, .. }, Some(struck)) = (&scene.body.geometry, scene.struck_axis()) else {
             return Err("the body is from a mesh file, not a box".into());
         };
         if scene.contact == Contact::Point {
-            return Err("it is hit at a point, under which an elastic solid yields without limit".into());
+            return Err("a solid yields without limit under a force at a point".into());
         }
-        for (number, support) in scene.supports.iter().enumerate() {
-            if let SupportKind::Pad { .. } = support.kind {
-                return Err(format!("support.{number} on {:?} is a pad", support.surface));
-            }
+        let pad = |kind: &SupportKind| matches!(kind, SupportKind::Pad { .. });
+        if let Some(number) = scene.supports.iter().position(|support| pad(&support.kind)) {
+            return Err(format!("support.{number} on {:?} is a pad", scene.supports[number].surface));
         }
-        let impactor = &scene.impactor;
         let mirrors = match scene.body.symmetry {
             Symmetry::Quarter { axes } => axes.to_vec(),
             Symmetry::None { .. } => Vec::new(),
         };
-        let struck = scene.struck_axis().unwrap_or(2);
-        Ok(Self { size, hit: impactor.point, struck, mirrors })
+        Ok(Self { size: *size, hit: scene.impactor.point, struck, mirrors })
     }
 
-    /// How many of the modelled parts make the whole.
+    /// How many of the modelled part make the whole.
     pub fn copies(&self) -> f64 {
-        f64::from(1 << self.mirrors.len())
+        if self.mirrors.is_empty() { 1.0 } else { 4.0 }
+    }
+
+    /// The axes along the face that is hit.
+    pub fn plane(&self) -> [usize; 2] {
+        [[1, 2], [0, 2], [0, 1]][self.struck]
     }
 
     /// Ends of the modelled part along an axis.
@@ -55,34 +70,54 @@ impl Frame {
         [if self.mirrors.contains(&axis) { 0.0 } else { -half }, half]
     }
 
-    fn section(&self, scene: &Scene) -> Section {
-        let body = &scene.body;
-        Section { thickness: self.size[self.struck], young: body.young, poisson: body.poisson, density: body.density }
-    }
-
-    /// Length of the waves of the contact, m.
-    pub fn wavelength(&self, scene: &Scene) -> f64 {
-        wavelength(&self.section(scene), &scene.impactor)
-    }
-
-    /// The patch, and c_l r_p.
-    pub fn patch(&self, scene: &Scene) -> Result<(Patch, f64)> {
+    /// The patch, of the radius that the scene gives or that thickness, contact and face allow.
+    ///
+    /// # Errors
+    /// A fault of the scene where there is none.
+    pub fn site(&self, scene: &Scene) -> Result<Site> {
         let (body, impactor) = (&scene.body, &scene.impactor);
         let thickness = self.size[self.struck];
-        let cosine = impactor.direction[self.struck];
-        let unit = unit_compliance(body, cosine);
+        let room = self.plane().map(|axis| 0.5 * self.size[axis] - self.hit[axis].abs());
+        let room = room[0].min(room[1]);
         let mass = body.density * self.size.iter().product::<f64>();
-        let (limit_radius, least) = limits(body, impactor, mass, thickness, unit);
-        let room = (0..3)
-            .filter(|i| *i != self.struck)
-            .map(|i| 0.5 * self.size[i] - self.hit[i].abs())
-            .fold(f64::INFINITY, f64::min);
-        let _ = (room, least);
-        let mut patch = Patch::choose(thickness, 0.0, limit_radius);
-        if let Contact::Patch { radius: Some(radius) } = scene.contact {
-            patch.radius = radius;
+        let half_space = unit_compliance(body, impactor.direction[self.struck]);
+        // As wide as there is room, and no wider than the waves of the thickness do not mind.
+        let spread = |radius: f64| Spread::new((room.min(thickness) / radius).clamp(1.0, WIDEST));
+        let limits = |radius: f64| limits(body, impactor, mass, thickness, half_space * spread(radius).compliance());
+        let fault = |message: String, help: &str| Fault::new("contact.patch_radius", message, help);
+        let far = "a smaller radius, or an impact point farther from the edge of the surface";
+        if room <= 1e-6 * thickness {
+            return Err(fault("the edge of the surface leaves no room for a patch".into(), far).into());
         }
-        let _ = Fault::new(KEY, "", "");
-        Ok((patch, unit))
+        let least = |radius: f64| {
+            let (_, least) = limits(radius);
+            if radius >= least {
+                return Ok(());
+            }
+            let message = format!(
+                "a patch of radius {radius:.3e} m is too small for this impact: below about {least:.3e} m the contact has \
+                 negative stiffness"
+            );
+            Err(fault(message, "a larger radius, or an impact point farther from the edge of the surface"))
+        };
+        let patch = match scene.contact {
+            Contact::Patch { radius: Some(radius) } => {
+                let (limit, _) = limits(radius);
+                if radius > room * (1.0 + 1e-9) {
+                    let message = format!("a patch of radius {radius:.3e} m has no room at {room:.3e} m from an edge");
+                    return Err(fault(message, far).into());
+                }
+                Patch { radius, reason: Reason::Scene, ..Patch::choose(thickness, 0.0, limit) }
+            }
+            _ => {
+                let (limit, _) = limits(0.25 * thickness);
+                let chosen = Patch::choose(thickness, 0.0, limit);
+                if chosen.radius > room { chosen.cut_to(room) } else { chosen }
+            }
+        };
+        least(patch.radius)?;
+        let spread = spread(patch.radius);
+        let compliance = half_space * spread.compliance() / patch.radius;
+        Ok(Site { patch, spread, disc: spread.widening() * patch.radius, compliance })
     }
 }

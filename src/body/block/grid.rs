@@ -1,55 +1,130 @@
-//! The cells of a block.
+//! The cells of a block: of one size around the hit, growing with the distance from it to what carries the waves of the contact.
 
-/// Sizes of cells, m.
+use super::DEGREE;
+use super::frame::Frame;
+use crate::body::plate::{contact_time, wavelength};
+use crate::form::plate::Section;
+use crate::scene::Scene;
+
+/// Cells at the hit over the radius of the disc that is pressed.
+const OF_DISC: f64 = 0.375;
+
+/// Cells over the distance from the hit, along the struck face and into the body.
+const GROWTH: [f64; 2] = [0.5, 1.6];
+
+/// The largest cell, in lengths of the waves of the contact's frequency.
+const OF_WAVE: f64 = 0.085;
+
+/// Unknowns at most: each has about a thousand entries in the matrix.
+const MOST: f64 = 4e4;
+
+/// The lines across each axis of the modelled part, for a disc of a radius (m). Where splines would be smooth across the hit, its
+/// line stands twice: with one continuous derivative less they resolve it as those of a quarter, which end there.
+///
+/// # Errors
+/// Why there are none: a clause.
+pub(super) fn lines(frame: &Frame, scene: &Scene, disc: f64, fineness: f64) -> Result<[Vec<f64>; 3], String> {
+    let largest = OF_WAVE * shortest_wave(frame, scene);
+    let sides: [[Side; 2]; 3] = std::array::from_fn(|axis| {
+        let [low, high] = frame.ends(axis);
+        let hit = frame.hit[axis];
+        let growth = fineness * GROWTH[usize::from(axis == frame.struck)];
+        let sizes = Sizes { hit: fineness * OF_DISC * disc, largest: fineness * largest, growth };
+        [hit - low, high - hit].map(|length| Side { length, sizes })
+    });
+    let functions = |sides: &[Side; 2]| sides.iter().map(Side::cells).sum::<f64>() + DEGREE as f64;
+    let unknowns = 3.0 * sides.iter().map(functions).product::<f64>();
+    if !(1.0..=MOST).contains(&unknowns) {
+        return Err(format!("it would take {unknowns:.0} unknowns"));
+    }
+    let lines: [Vec<f64>; 3] = std::array::from_fn(|axis| {
+        let hit = frame.hit[axis];
+        let [below, above] = sides[axis].each_ref().map(Side::lines);
+        let times = if below.is_empty() || above.is_empty() { 1 } else { 2 };
+        let mut lines: Vec<f64> = below.iter().rev().map(|d| hit - d).collect();
+        lines.extend(std::iter::repeat_n(hit, times));
+        lines.extend(above.iter().map(|d| hit + d));
+        // The ends, without the rounding of a difference, and with what is left of an edge beside the hit.
+        let last = lines.len() - 1;
+        [lines[0], lines[last]] = frame.ends(axis);
+        lines
+    });
+    let apart = |lines: &Vec<f64>, hit: f64| lines.windows(2).all(|pair| pair[0] < pair[1] || pair == [hit, hit]);
+    if (0..3).any(|axis| !apart(&lines[axis], frame.hit[axis])) {
+        return Err("its cells are too thin for their coordinates to differ".into());
+    }
+    Ok(lines)
+}
+
+/// Flexural waves of the thinnest plate that the box is, or shear waves where these are shorter, m.
+fn shortest_wave(frame: &Frame, scene: &Scene) -> f64 {
+    let body = &scene.body;
+    let thickness = frame.size.into_iter().fold(f64::INFINITY, f64::min);
+    let section = Section { thickness, young: body.young, poisson: body.poisson, density: body.density };
+    let time = contact_time(&section, &scene.impactor);
+    let shear = (section.shear() / (section.density * thickness)).sqrt();
+    wavelength(&section, time).min(shear * time)
+}
+
+/// Sizes of cells, m: that at the hit, the largest, and the growth, which has no unit.
 #[derive(Debug, Clone, Copy)]
-pub struct Sizes {
-    /// At the hit.
-    pub hit: f64,
-    /// At the ends.
-    pub end: f64,
-    /// Largest.
-    pub largest: f64,
-    /// Growth a unit of length.
-    pub growth: f64,
+struct Sizes {
+    hit: f64,
+    largest: f64,
+    growth: f64,
 }
 
-/// Lines along one axis from −edge/2 to edge/2, through `at`.
-pub fn lines(edge: f64, at: f64, sizes: Sizes) -> Vec<f64> {
-    let half = 0.5 * edge;
-    let [below, above] = [half + at, half - at];
-    let least = 0.5 * sizes.hit;
-    let (at, below, above) = match (below < least, above < least) {
-        (true, _) => (-half, 0.0, edge),
-        (_, true) => (half, edge, 0.0),
-        _ => (at, below, above),
-    };
-    let mut lines: Vec<f64> = side(below, sizes).iter().rev().map(|d| at - d).collect();
-    lines.push(at);
-    lines.extend(side(above, sizes).iter().map(|d| at + d));
-    let last = lines.len() - 1;
-    (lines[0], lines[last]) = (-half, half);
-    lines
+/// One side of the hit along an axis.
+#[derive(Debug, Clone, Copy)]
+struct Side {
+    length: f64,
+    sizes: Sizes,
 }
 
-/// Distances of the cells' far ends from the hit.
-fn side(length: f64, Sizes { hit, end, largest, growth }: Sizes) -> Vec<f64> {
-    if length <= 0.0 {
-        return Vec::new();
+impl Side {
+    /// ∫ dx over the size of the cell at x, up to a distance: the size is that at the hit, then the distance times the growth, then
+    /// the largest.
+    fn count(&self, distance: f64) -> f64 {
+        let [(near, at_near), (far, at_far)] = self.turns();
+        if distance <= near {
+            return distance / self.sizes.hit.min(self.sizes.largest);
+        }
+        let grown = at_near + (distance.min(far) / near).ln() / self.sizes.growth;
+        if distance <= far { grown } else { at_far + (distance - far) / self.sizes.largest }
     }
-    let size = |d: f64| (growth * d).max(hit).min((growth * (length - d)).max(end)).min(largest);
-    const N: usize = 20000;
-    let mut sums = vec![0.0];
-    for i in 0..N {
-        let d = length * (i as f64 + 0.5) / N as f64;
-        sums.push(sums[i] + length / N as f64 / size(d));
+
+    /// The inverse.
+    fn distance(&self, count: f64) -> f64 {
+        let [(near, at_near), (far, at_far)] = self.turns();
+        if count <= at_near {
+            count * self.sizes.hit.min(self.sizes.largest)
+        } else if count <= at_far {
+            near * (self.sizes.growth * (count - at_near)).exp()
+        } else {
+            far + (count - at_far) * self.sizes.largest
+        }
     }
-    let total = sums[N];
-    let cells = (total * (1.0 - 1e-9)).ceil().max(1.0);
-    (1..=cells as usize)
-        .map(|i| {
-            let n = total * i as f64 / cells;
-            let j = sums.partition_point(|s| *s < n).clamp(1, N);
-            length * ((j - 1) as f64 + (n - sums[j - 1]) / (sums[j] - sums[j - 1])) / N as f64
-        })
-        .collect()
+
+    /// Where the size begins to grow and where it ends to, with the counts there.
+    fn turns(&self) -> [(f64, f64); 2] {
+        let Sizes { hit, largest, growth } = self.sizes;
+        let near = hit.min(largest) / growth;
+        let far = largest / growth;
+        [(near, 1.0 / growth), (far, (1.0 + (far / near).ln()) / growth)]
+    }
+
+    /// How many cells there are: none where an end is nearer to the hit than half a cell.
+    fn cells(&self) -> f64 {
+        if self.length < 0.5 * self.sizes.hit.min(self.sizes.largest) {
+            return 0.0;
+        }
+        // What rounding leaves is no cell.
+        (self.count(self.length) * (1.0 - 1e-9)).ceil().max(1.0)
+    }
+
+    /// Distances of the cells' far ends from the hit.
+    fn lines(&self) -> Vec<f64> {
+        let (cells, all) = (self.cells(), self.count(self.length));
+        (1..=cells as usize).map(|i| self.distance(all * i as f64 / cells)).collect()
+    }
 }

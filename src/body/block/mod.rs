@@ -1,127 +1,110 @@
-//! A box of tensor-product splines, as a body in three dimensions.
+//! A box of tensor-product splines, as an elastic body in three dimensions.
+//!
+//! The displacement along an axis lies in splines of one degree less along that axis than along the others, so that the strains of a
+//! bent plate, ∂u_x/∂z and ∂u_z/∂x, are alike and cancel (as in Beirão da Veiga, Buffa, Lovadina, Martinelli & Sangalli, An
+//! isogeometric method for the Reissner–Mindlin plate bending problem, Comput. Methods Appl. Mech. Eng. 209–212, 2012): fewer unknowns
+//! with half of the error.
 
 mod frame;
-pub mod grid;
-mod site;
+mod grid;
+mod terms;
 
-use crate::body::System;
-use crate::contact::Patch;
+use super::System;
 use crate::error::Result;
-use crate::form::elastic;
+use crate::form::elastic::{elastic, mass};
 use crate::form::tensor::Tensor;
 use crate::form::{Material, Spline};
 use crate::scene::{Fault, Scene};
 
-use frame::Frame;
-use site::Site;
+use frame::{Frame, Site};
+use terms::Terms;
+
+/// Degree of the splines, with all derivatives continuous but one. Of 3 to 5 it takes the least time for an error of 0.1% to 0.5% of an
+/// impact's history.
+const DEGREE: usize = 4;
 
 /// Choices that a scene does not make.
-#[derive(Debug, Clone, PartialEq)]
-#[allow(missing_docs)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Size of all cells over the default's.
+    /// Size of all cells over that for an error of about 0.15% of the acceleration in the first contact.
     pub fineness: f64,
-    pub plane: usize,
-    pub across: usize,
-    pub variant: usize,
-    pub of_patch: f64,
-    pub of_wave: f64,
-    pub growth: f64,
-    pub end: f64,
-    pub layers: Vec<f64>,
-    pub spread: f64,
-    pub power: usize,
+}
+
+impl Settings {
+    /// For an error of less than half of a tolerance, as measured on plates.
+    pub fn new(tolerance: f64) -> Self {
+        Self { fineness: (1.5 * (tolerance / 1e-2).powf(0.28)).clamp(0.3, 2.0) }
+    }
 }
 
 /// A box's system, and how it was made.
 #[derive(Debug, Clone)]
 pub struct Block {
-    /// The body's side of M ü + C u̇ + K u = a F + f; the unknowns are coefficients of splines, m.
+    /// The body's side of M ü + C u̇ + K u = a F + f. The unknowns are coefficients of splines, m: component by component, the last
+    /// axis fastest.
     pub system: System,
     /// Cells along each axis of the modelled part.
     pub cells: [usize; 3],
 }
 
-/// Why splines on a box do not stand for a scene's body: one clause.
+/// Why splines on a box do not stand for a scene's body: a clause.
 ///
 /// # Errors
 /// That clause.
 pub fn admits(scene: &Scene) -> std::result::Result<(), String> {
-    Frame::new(scene).map(|_| ())
+    let frame = Frame::new(scene)?;
+    match frame.site(scene) {
+        Ok(site) => grid::lines(&frame, scene, site.disc, Settings::new(scene.tolerance).fineness).map(|_| ()),
+        // What is wrong with the patch is wrong with any mesh.
+        Err(_) => Ok(()),
+    }
 }
 
 impl Block {
     /// Builds a scene's box.
     ///
     /// # Errors
+    /// A fault of `body.model` where splines do not stand for the scene's body, of `contact.patch_radius` where there is no patch.
     pub fn new(scene: &Scene, settings: &Settings) -> Result<Self> {
         let fault = |reason: String| {
             let message = format!("splines on a box do not stand for this scene: {reason}");
-            Fault::new("body.model", message, "")
+            Fault::new("body.model", message, "body.cells, for a mesh")
         };
         let frame = Frame::new(scene).map_err(fault)?;
-        let (patch, unit) = frame.patch(scene)?;
+        let site = frame.site(scene)?;
+        let lines = grid::lines(&frame, scene, site.disc, settings.fineness).map_err(fault)?;
         let body = &scene.body;
         let material = Material { young: body.young, poisson: body.poisson, density: body.density };
-        let wave = frame.wavelength(scene);
-        let lines: [Vec<f64>; 3] = std::array::from_fn(|axis| {
-            if axis == frame.struck && !settings.layers.is_empty() {
-                let mut lines: Vec<f64> = settings
-                    .layers
-                    .iter()
-                    .map(|d| {
-                        0.5 * frame.size[axis] * frame.hit[axis].signum()
-                            - frame.hit[axis].signum() * d * frame.size[axis]
-                    })
-                    .collect();
-                lines.sort_by(f64::total_cmp);
-                return lines;
-            }
-            let f = settings.fineness;
-            let sizes = grid::Sizes {
-                hit: f * settings.of_patch * patch.radius,
-                end: f * settings.end * frame.size[frame.struck],
-                largest: f * settings.of_wave * wave,
-                growth: f * settings.growth,
-            };
-            let mut lines = grid::lines(frame.size[axis], frame.hit[axis], sizes);
-            if frame.mirrors.contains(&axis) {
-                lines.retain(|x| *x >= 0.0);
-            }
-            lines
-        });
-        let field = |component: usize| -> [Spline; 3] {
-            std::array::from_fn(|axis| {
-                let degree = if axis == frame.struck { settings.across } else { settings.plane };
-                let less = match settings.variant {
-                    0 => 0,
-                    1 => usize::from(axis == component && axis != frame.struck),
-                    2 => usize::from(axis == component),
-                    _ => usize::from(axis == component && axis == frame.struck),
-                };
-                Spline::new(&lines[axis], degree - less, degree - less - 1)
-            })
-        };
-        let tensor = Tensor::new((0..3).map(field).collect());
-        let site = Site { scene, frame: &frame, lines: &lines, tensor: &tensor };
-        let (support_load, support_offset) = site.support_load();
+        let tensor = tensor(&lines);
+        let terms = Terms { scene, frame: &frame, lines: &lines, tensor: &tensor };
+        let (support_load, support_offset) = terms.support_load();
+        let Site { patch, spread, disc, compliance } = site;
         let copies = frame.copies();
-        let direction = scene.impactor.direction;
         let system = System {
-            mass: tensor.matrix(&elastic::mass(&material)),
-            elastic: tensor.matrix(&elastic::elastic(&material)),
-            support: site.stiffness(),
-            damping: site.damping(),
-            held: site.held(),
-            load: site.load(),
+            mass: tensor.matrix(&mass(&material)),
+            elastic: tensor.matrix(&elastic(&material)),
+            support: terms.support(),
+            damping: terms.damping(),
+            held: terms.held(),
+            load: terms.load(),
             support_load,
             support_offset,
-            localization: site.localization(patch.radius, settings),
-            compliance: copies * unit / patch.radius * site::ratio(settings),
+            localization: terms.localization(&spread, disc),
+            compliance: copies * compliance,
             patch: Some(patch),
-            translation: site.translation(direction),
+            translation: terms.translation(),
             copies,
         };
-        Ok(Self { system, cells: lines.each_ref().map(|lines| lines.len() - 1) })
+        let cells = lines.each_ref().map(|lines| lines.windows(2).filter(|pair| pair[0] < pair[1]).count());
+        Ok(Self { system, cells })
     }
+}
+
+/// The three components between the lines.
+fn tensor(lines: &[Vec<f64>; 3]) -> Tensor<3> {
+    let spline = |component: usize, axis: usize| {
+        let degree = if axis == component { DEGREE - 1 } else { DEGREE };
+        Spline::new(&lines[axis], degree, degree - 1)
+    };
+    Tensor::new((0..3).map(|component| std::array::from_fn(|axis| spline(component, axis))).collect())
 }

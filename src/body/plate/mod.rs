@@ -7,7 +7,7 @@ pub mod layer;
 mod site;
 mod theory;
 
-pub(super) use grid::wavelength;
+pub(super) use grid::{contact_time, wavelength};
 pub use theory::Theory;
 
 use boundary::Boundary;
