@@ -21,7 +21,7 @@ pub struct Patch {
     pub reason: Reason,
     /// Thickness h of the body under the impact point, along the inward normal, m.
     pub thickness: f64,
-    /// Longest edge of the facets at the impact point, m.
+    /// Longest edge of the facets at the impact point, m; 0 where the cells are chosen to carry the pressure.
     pub cell: f64,
     /// The radius at which the contact law has no stiffness left at the indentation of an impact on a half-space, m.
     /// The body yields, so that a run may hold below it.

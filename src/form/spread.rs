@@ -64,3 +64,58 @@ fn overlap(m: usize, n: usize) -> f64 {
     let g = |m: usize| (1..=m).fold(1.0 / PI.sqrt(), |g, k| g * k as f64 / (k as f64 - 0.5));
     PI.sqrt() * g(m) * g(n) * g(m + n) / (m + n) as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::form::pressure_rule;
+
+    const WIDENINGS: [f64; 5] = [1.0, 1.3, 2.0, 3.1, 4.0];
+
+    /// ∫p, ∫p x² = r_p²/5, ∫p x⁴ = 3 r_p⁴/35 and ∫p x²y² = r_p⁴/35.
+    #[test]
+    fn moments_are_those_of_hertz() {
+        for widening in WIDENINGS {
+            let spread = Spread::new(widening);
+            let mut sums = [0.0; 4];
+            for ([x, y], weight) in pressure_rule([0.0; 2], widening, [&[-9.0, 0.3, 9.0], &[-9.0, 9.0]]) {
+                let weight = weight * spread.over_hertz((x * x + y * y) / (widening * widening));
+                let values = [1.0, x * x, x.powi(4), x * x * y * y];
+                sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+            }
+            // The rule's 1e-12 times sums of weights of up to 40.
+            for (sum, exact) in sums.iter().zip([1.0, 0.2, 3.0 / 35.0, 1.0 / 35.0]) {
+                assert!((sum - exact).abs() < 1e-9, "{widening}: {sums:?}");
+            }
+        }
+    }
+
+    /// J_m by Bessel's integral, with a rule that is exact to rounding for its periodic function.
+    fn bessel(m: usize, x: f64) -> f64 {
+        let count = 400;
+        let angle = |i: usize| PI * (i as f64 + 0.5) / f64::from(count);
+        (0..count as usize).map(|i| (m as f64 * angle(i) - x * angle(i).sin()).cos()).sum::<f64>() / f64::from(count)
+    }
+
+    /// ∫P² dξ by sums over waves, and Hertz's pressure as the limit of none that is spread.
+    #[test]
+    fn compliance_is_the_integral_over_waves() {
+        for widening in WIDENINGS {
+            let spread = Spread::new(widening);
+            let transform = |x: f64| -> f64 {
+                let one = |(m, weight): (usize, f64)| {
+                    let factor = (1..=m).map(|k| k as f64 * 2.0 / x).product::<f64>();
+                    weight * factor * bessel(m, x)
+                };
+                (LOWEST..).zip(spread.weights).map(one).sum()
+            };
+            // The midpoint rule of an even entire function: exact up to what lies beyond 2π over the step and beyond the end, x⁻⁶.
+            let (step, count) = (0.25, 800);
+            let integral: f64 = (0..count).map(|i| step * transform((i as f64 + 0.5) * step).powi(2)).sum();
+            let ratio = integral / widening / (0.6 * PI);
+            assert!((ratio / spread.compliance() - 1.0).abs() < 1e-6, "{widening}: {ratio} {}", spread.compliance());
+        }
+        // Of discs alike in size it changes by what their short waves make.
+        assert!((Spread::new(1.5).compliance() - 1.0).abs() < 5e-3);
+    }
+}

@@ -8,6 +8,9 @@ use crate::scene::{Contact, Fault, Geometry, Scene, SupportKind, Symmetry, Vec3}
 /// The disc that is pressed over that of Hertz's pressure, at most.
 const WIDEST: f64 = 4.0;
 
+/// The shortest edge over the longest, at least: rounding goes with the fourth power of the ratio, and is 1e-3 of the deflection here.
+const THINNEST: f64 = 1.0 / 2000.0;
+
 /// A box, where it is hit, and which part of it is modelled.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Frame {
@@ -42,6 +45,14 @@ impl Frame {
         };
         if scene.contact == Contact::Point {
             return Err("a solid yields without limit under a force at a point".into());
+        }
+        let [shortest, longest] =
+            [f64::min, f64::max].map(|pick: fn(f64, f64) -> f64| size.iter().fold(size[0], |a, b| pick(a, *b)));
+        if shortest < THINNEST * longest {
+            return Err(format!(
+                "rounding would show in a box that is 1/{:.0} as thin as it is long",
+                longest / shortest
+            ));
         }
         let pad = |kind: &SupportKind| matches!(kind, SupportKind::Pad { .. });
         if let Some(number) = scene.supports.iter().position(|support| pad(&support.kind)) {

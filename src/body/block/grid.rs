@@ -128,3 +128,44 @@ impl Side {
         (1..=cells as usize).map(|i| self.distance(all * i as f64 / cells)).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sizes are between those at the hit and the largest, within what a whole number of cells asks for, and grow as they should.
+    #[test]
+    fn cells_follow_their_size() {
+        let sizes = Sizes { hit: 0.01, largest: 0.1, growth: 0.5 };
+        for length in [0.004, 0.02, 0.13, 0.7] {
+            let side = Side { length, sizes };
+            let lines = side.lines();
+            assert_eq!(lines.is_empty(), length < 0.005, "{length}");
+            let mut from = 0.0;
+            for &to in &lines {
+                let middle: f64 = 0.5 * (from + to);
+                let size = (0.5 * middle).clamp(0.01, 0.1);
+                let cells = side.count(length);
+                // The size varies by a half within a cell.
+                let ratio = (to - from) / size * cells.ceil() / cells;
+                assert!((0.8..1.2).contains(&ratio) || lines.len() == 1, "{length}: {lines:?}");
+                from = to;
+            }
+            if let Some(last) = lines.last() {
+                assert!((last / length - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn count_and_distance_are_inverse() {
+        for sizes in [(0.01, 0.1, 0.5), (0.2, 0.1, 0.5), (0.01, 10.0, 1.6)] {
+            let sizes = Sizes { hit: sizes.0, largest: sizes.1, growth: sizes.2 };
+            let side = Side { length: 1.0, sizes };
+            for i in 1..200 {
+                let x = f64::from(i) / 200.0;
+                assert!((side.distance(side.count(x)) / x - 1.0).abs() < 1e-12, "{sizes:?} {x}");
+            }
+        }
+    }
+}
