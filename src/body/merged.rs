@@ -11,32 +11,26 @@ use petsc_wrap::Vector;
 use super::{Body, Krylov, Projection};
 use crate::error::Result;
 
-/// Weights of directions, over the largest, down to which they are taken: for the basis, and for the larger one that judges it.
-const DEPTHS: [f64; 2] = [3e-4, 3e-5];
+/// Of the depth of a basis, that of the larger one that judges it.
+const LARGER: f64 = 0.1;
 
-/// Vibrations of one body at a parameter, each scaled by its weight.
-pub struct Snapshots {
-    vectors: Vec<Vector>,
-}
-
-impl Snapshots {
-    /// The vibrations on a basis of a body: with the weight 1 well below a frequency (rad/s), falling with its square above. Collective.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn new(body: &Body, krylov: &Krylov, projection: &Projection, frequency: f64) -> Result<Self> {
-        let eigen = SymmetricEigen::new(&projection.elastic + &projection.support);
-        let basis = krylov.basis();
-        let mut vectors = Vec::new();
-        for (square, shape) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-            let weight = 1.0 / (1.0 + square.max(0.0) / (frequency * frequency));
-            let factors: Vec<f64> = shape.iter().map(|factor| weight * factor).collect();
-            let mut vector = body.load.duplicate()?;
-            vector.add_combination(&factors, &basis[..factors.len()])?;
-            vectors.push(vector);
-        }
-        Ok(Self { vectors })
+/// The vibrations on a basis of a body, each scaled by its weight: 1 well below a frequency (rad/s), falling with its square above.
+/// Collective.
+///
+/// # Errors
+/// PETSc's.
+pub fn snapshots(body: &Body, krylov: &Krylov, projection: &Projection, frequency: f64) -> Result<Vec<Vector>> {
+    let eigen = SymmetricEigen::new(&projection.elastic + &projection.support);
+    let basis = krylov.basis();
+    let mut vectors = Vec::new();
+    for (square, shape) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        let weight = 1.0 / (1.0 + square.max(0.0) / (frequency * frequency));
+        let factors: Vec<f64> = shape.iter().map(|factor| weight * factor).collect();
+        let mut vector = body.load.duplicate()?;
+        vector.add_combination(&factors, &basis[..factors.len()])?;
+        vectors.push(vector);
     }
+    Ok(vectors)
 }
 
 /// The bodies on their common basis.
@@ -47,16 +41,18 @@ pub struct Merged {
     projections: [Projection; 2],
     /// Vectors of the basis; there are more, by which it is judged.
     vectors: usize,
+    /// The directions, each as long as it weighs: what stands for all snapshots where more are added.
+    pub directions: Vec<Vector>,
 }
 
 impl Merged {
-    /// Merges the vibrations of some bodies; `ends` are two of the bodies with their parameters. Collective.
+    /// Merges the vibrations of some bodies; `ends` are two of the bodies with their parameters. Directions are taken down to a weight of
+    /// `depth` over the largest. Collective.
     ///
     /// # Errors
     /// PETSc's.
-    pub fn new<'a>(ends: [(f64, &Body); 2], snapshots: impl IntoIterator<Item = &'a Snapshots>) -> Result<Self> {
+    pub fn new(ends: [(f64, &Body); 2], all: &[Vector], depth: f64) -> Result<Self> {
         let [(from, body), (to, other)] = ends;
-        let all: Vec<&Vector> = snapshots.into_iter().flat_map(|snapshots| &snapshots.vectors).collect();
         let count = all.len();
         let mut momentum = body.load.duplicate()?;
         let mut gram = DMatrix::zeros(count, count);
@@ -73,18 +69,22 @@ impl Merged {
         order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
         let largest = order.first().map_or(0.0, |&i| eigen.eigenvalues[i]);
         let deep = |depth: f64| order.iter().filter(|&&i| eigen.eigenvalues[i] > depth * depth * largest).count();
-        let [vectors, larger] = DEPTHS.map(deep);
+        let [vectors, larger] = [depth, LARGER * depth].map(deep);
+        let mut directions = Vec::with_capacity(larger);
         let mut basis: Vec<Vector> = Vec::with_capacity(larger);
         for &direction in &order[..larger] {
             let mut next = body.load.duplicate()?;
             for (vector, factor) in all.iter().zip(eigen.eigenvectors.column(direction).iter()) {
                 next.axpy(*factor, vector)?;
             }
+            let mut direction = next.duplicate()?;
+            direction.copy_from(&next)?;
+            directions.push(direction);
             orthonormalize(body, &mut next, &basis, &mut momentum)?;
             basis.push(next);
         }
         let projections = [project(body, &basis)?, project(other, &basis)?];
-        Ok(Self { ends: [from, to], projections, vectors })
+        Ok(Self { ends: [from, to], projections, vectors, directions })
     }
 
     /// The body at a parameter: on the basis, and on the larger one.

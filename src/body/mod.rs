@@ -20,7 +20,7 @@ pub use assembly::{Stopped, assemble, into_matrix, into_vector, zeros};
 pub use clamps::Clamps;
 pub use krylov::Krylov;
 pub use lumped::Lumped;
-pub use merged::{Merged, Snapshots};
+pub use merged::{Merged, snapshots};
 pub use modal::ModalBody;
 pub use modes::{Closed, Free, Mode, Modes, Spectrum};
 pub use operators::Body;

@@ -1,10 +1,8 @@
 //! Members that differ in the stiffness or the damping of one support: one basis, made at a few values, for all of them.
 
-use std::collections::BTreeMap;
+use petsc_wrap::{Comm, Vector};
 
-use petsc_wrap::Comm;
-
-use crate::body::{Body, Merged, ModalBody, Projection, Snapshots};
+use crate::body::{Body, Merged, ModalBody, Projection, snapshots};
 use crate::error::Result;
 use crate::impact::ModalImpact;
 use crate::model::{Built, OF_BASIS, Reduced, build, rate, reduce};
@@ -15,6 +13,9 @@ pub const LEAST: usize = 9;
 
 /// Values at which bodies are made, at most.
 const MOST: usize = 33;
+
+/// Weight of the directions of a basis, over the tolerance, down to which they are taken.
+const DEPTH: f64 = 0.03;
 
 /// A merged basis with what was found of its errors.
 pub struct Family {
@@ -28,7 +29,7 @@ pub struct Family {
 /// A body made at one value.
 struct Sample {
     body: Body,
-    snapshots: Snapshots,
+    snapshots: Vec<Vector>,
     own: Projection,
     scene: Scene,
 }
@@ -53,22 +54,23 @@ impl Family {
                 return Err(crate::Error::Solve("the theory has no supports".into()));
             };
             let Reduced { projection, larger, krylov, .. } = reduce(&body, &scene)?;
-            let snapshots = Snapshots::new(&body, &krylov, &larger, rate(&scene))?;
+            let snapshots = snapshots(&body, &krylov, &larger, rate(&scene))?;
             Ok(Sample { body: *body, snapshots, own: projection, scene })
         };
-        let mut samples = BTreeMap::from([(0, make(0)?), (last, make(last)?)]);
-        let merge = |samples: &BTreeMap<usize, Sample>| {
-            let ends = [0, last].map(|place| (values[place], &samples[&place].body));
-            Merged::new(ends, samples.values().map(|sample| &sample.snapshots))
+        let mut ends = [make(0)?, make(last)?];
+        let mut pool: Vec<Vector> = ends.iter_mut().flat_map(|end| std::mem::take(&mut end.snapshots)).collect();
+        let merge = |pool: &[Vector]| {
+            let depth = DEPTH * ends[0].scene.tolerance;
+            Merged::new([(values[0], &ends[0].body), (values[last], &ends[1].body)], pool, depth)
         };
-        let mut merged = merge(&samples)?;
-        let (mut open, mut errors) = (vec![(0, last)], Vec::new());
+        let mut merged = merge(&pool)?;
+        let (mut open, mut errors, mut made) = (vec![(0, last)], Vec::new(), 2);
         while let Some((from, to)) = open.pop() {
             if to - from < 2 {
                 errors.push((values[to], 0.0));
                 continue;
             }
-            if samples.len() >= MOST {
+            if made == MOST {
                 return Ok(None);
             }
             let middle = from.midpoint(to);
@@ -76,8 +78,10 @@ impl Family {
             let tolerance = OF_BASIS * sample.scene.tolerance;
             let (first, all) = off(&merged, values[middle], &sample)?;
             tracing::info!(value = values[middle], first, all, "merged basis tested");
-            samples.insert(middle, sample);
-            merged = merge(&samples)?;
+            pool = merged.directions;
+            pool.extend(sample.snapshots);
+            made += 1;
+            merged = merge(&pool)?;
             if first <= tolerance {
                 errors.push((values[to], all));
             } else {
@@ -85,7 +89,7 @@ impl Family {
             }
         }
         errors.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let unknowns = samples[&0].body.unknowns();
+        let unknowns = ends[0].body.unknowns();
         Ok(Some(Self { merged, errors, unknowns }))
     }
 
