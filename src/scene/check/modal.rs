@@ -1,5 +1,6 @@
 //! What rules modal coordinates out, and what there is in them alone.
 
+use super::super::values::WordOrWhole;
 use super::super::{Model, Reduction, SceneError, Source, Support, SupportKind, Time, raw};
 
 /// The first key that rules modal coordinates out, with the reason.
@@ -79,11 +80,9 @@ pub(super) fn only(source: &Source, raw: &raw::Scene, model: Model, time: &Time)
             let message = format!("the theory \"{name}\" has no lumped mass, which the explicit scheme needs");
             return Err(source.conflict("time.scheme", "body.model", message, help));
         }
-        if raw.body.reduction.is_some() && !time.modal {
-            if let Some(super::super::values::WordOrWhole::Whole(_)) = raw.body.reduction {
-                let message = "a reduced body has no lumped mass, which the explicit scheme needs".to_owned();
-                return Err(source.conflict("time.scheme", "body.reduction", message, help));
-            }
+        if let Some(WordOrWhole::Whole(_)) = raw.body.reduction {
+            let message = "a reduced body has no lumped mass, which the explicit scheme needs".to_owned();
+            return Err(source.conflict("time.scheme", "body.reduction", message, help));
         }
     }
     Ok(())

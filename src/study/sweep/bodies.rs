@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use petsc_wrap::Comm;
 
-use super::census::{Census, key};
+use super::census::{Census, Line, key};
 use super::family::{self, Family};
 use super::member::Outcome;
 use crate::body::ModalBody;
@@ -112,7 +112,7 @@ impl<'a> Bodies<'a> {
 
     /// On the basis of all that differ in one support alone, where they are many.
     fn of_family(&mut self, index: usize, scene: &Scene) -> Result<Option<Kept>> {
-        let Some((line, value, all)) = self.census.line_of(index, scene) else { return Ok(None) };
+        let Some(Line { key: line, value, all }) = self.census.line_of(index, scene) else { return Ok(None) };
         if all.len() < family::LEAST {
             return Ok(None);
         }
@@ -139,7 +139,7 @@ impl<'a> Bodies<'a> {
         let model = Model::new(&self.comm, &scene)?;
         let of_model = if model.larger.is_none() { model.error.map_or(0.0, |(_, all)| all) } else { 0.0 };
         match model.dynamics {
-            Dynamics::Modal(body) => Ok(Kept { body, larger: model.larger, unknowns: model.unknowns, of_model }),
+            Dynamics::Modal(body) => Ok(Kept { body: *body, larger: model.larger, unknowns: model.unknowns, of_model }),
             Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),
         }
     }

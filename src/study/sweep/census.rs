@@ -22,6 +22,16 @@ pub struct Census {
     lines: HashMap<u64, Vec<(f64, usize)>>,
 }
 
+/// Members that differ in one support's stiffness or damping alone.
+pub struct Line {
+    /// Of all of them.
+    pub key: u64,
+    /// The value of the member that was asked for, N/m³ or N s/m³.
+    pub value: f64,
+    /// All values, ascending, each with a member that has it.
+    pub all: Vec<(f64, usize)>,
+}
+
 #[derive(Debug, Clone, Copy)]
 struct Member {
     index: usize,
@@ -50,14 +60,14 @@ impl Census {
         self.families.get(&key(scene)).map(|member| member.index)
     }
 
-    /// The key of a member's line, its value there, and all values on that line, ascending.
-    pub fn line_of(&self, index: usize, scene: &Scene) -> Option<(u64, f64, Vec<(f64, usize)>)> {
+    /// The line of a member.
+    pub fn line_of(&self, index: usize, scene: &Scene) -> Option<Line> {
         let (support, values) = self.line.as_ref()?;
         let line = key(&without(scene, *support));
         let mut all = self.lines.get(&line)?.clone();
         all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         all.dedup_by(|a, b| a.0 == b.0);
-        Some((line, values[index], all))
+        Some(Line { key: line, value: values[index], all })
     }
 
     /// The theory that auto finds for all members: the highest that the first, the last and the hardest of them ask for. Collective.
