@@ -41,7 +41,7 @@ fn scene(supports: &str, rest: &str) -> Scene {
 
 fn body(session: &Session, scene: &Scene) -> ModalBody {
     match Model::new(&session.world(), scene).unwrap().dynamics {
-        Dynamics::Modal(body) => *body,
+        Dynamics::Modal(body) => body,
         Dynamics::Stepped(_) => panic!("the scene is modal"),
     }
 }

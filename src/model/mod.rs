@@ -41,7 +41,7 @@ pub enum Dynamics {
     /// Step by step, in its unknowns.
     Stepped(Box<Body>),
     /// In modal coordinates.
-    Modal(Box<ModalBody>),
+    Modal(ModalBody),
 }
 
 impl Dynamics {
@@ -90,7 +90,7 @@ impl Model {
                 drop(body);
                 comm.collect_garbage()?;
                 let dynamics = if scene.time.modal {
-                    Dynamics::Modal(Box::new(ModalBody::of(&projection)))
+                    Dynamics::Modal(ModalBody::of(&projection))
                 } else {
                     Dynamics::Stepped(Box::new(Body::of(&comm.session().alone(), &projection.system())?))
                 };

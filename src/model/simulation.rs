@@ -21,7 +21,7 @@ pub struct Simulation {
 
 enum Kind {
     Stepped(Box<Impact>),
-    Modal { body: Box<ModalBody>, scene: Box<Scene>, count: Count, interrupted: Box<dyn Fn() -> bool> },
+    Modal { body: ModalBody, scene: Box<Scene>, count: Count, interrupted: Box<dyn Fn() -> bool> },
 }
 
 impl Simulation {

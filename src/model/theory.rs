@@ -25,7 +25,7 @@ pub fn name(model: Model) -> &'static str {
 /// A body as a theory has it.
 pub enum Built {
     /// Modes from a formula.
-    Given(Box<ModalBody>),
+    Given(ModalBody),
     /// Operators, with what they were made of in words.
     Operators(Box<Body>, String),
 }
@@ -60,12 +60,12 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model) -> Result<Built> {
         )
     })?;
     Ok(match theory {
-        Model::HalfSpace => Built::Given(Box::new(ModalBody::given(Modes::none()))),
+        Model::HalfSpace => Built::Given(ModalBody::given(Modes::none())),
         Model::InfinitePlate => {
             let body = &scene.body;
             let thickness = thickness(scene).unwrap_or_default();
             let impedance = zener::impedance((body.young, body.poisson), body.density, thickness);
-            Built::Given(Box::new(ModalBody::given(Modes::dashpot(impedance))))
+            Built::Given(ModalBody::given(Modes::dashpot(impedance)))
         }
         Model::Kirchhoff => of_plate(comm, scene, plate::Theory::Kirchhoff)?,
         Model::Mindlin => of_plate(comm, scene, plate::Theory::Mindlin)?,

@@ -80,7 +80,7 @@ pub(super) fn only(source: &Source, raw: &raw::Scene, model: Model, time: &Time)
             let message = format!("the theory \"{name}\" has no lumped mass, which the explicit scheme needs");
             return Err(source.conflict("time.scheme", "body.model", message, help));
         }
-        if let Some(WordOrWhole::Whole(_)) = raw.body.reduction {
+        if let (false, Some(WordOrWhole::Whole(_))) = (time.modal, &raw.body.reduction) {
             let message = "a reduced body has no lumped mass, which the explicit scheme needs".to_owned();
             return Err(source.conflict("time.scheme", "body.reduction", message, help));
         }

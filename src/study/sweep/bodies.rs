@@ -112,20 +112,20 @@ impl<'a> Bodies<'a> {
 
     /// On the basis of all that differ in one support alone, where they are many.
     fn of_family(&mut self, index: usize, scene: &Scene) -> Result<Option<Kept>> {
-        let Some(Line { key: line, value, all }) = self.census.line_of(index, scene) else { return Ok(None) };
+        let Some(Line { key, value, all }) = self.census.line_of(index, scene) else { return Ok(None) };
         if all.len() < family::LEAST {
             return Ok(None);
         }
-        if !self.families.contains_key(&line) {
+        if !self.families.contains_key(&key) {
             let values: Vec<f64> = all.iter().map(|(value, _)| *value).collect();
             let scene_of = |value: f64| {
                 let at = values.partition_point(|other| *other < value).min(values.len() - 1);
                 (self.scene_of)(all[at].1)
             };
             let family = Family::new(&self.comm, self.theory, &values, &scene_of)?;
-            self.families.insert(line, family);
+            self.families.insert(key, family);
         }
-        Ok(self.families[&line].as_ref().map(|family| {
+        Ok(self.families[&key].as_ref().map(|family| {
             let ([body, larger], of_merging) = family.at(value);
             Kept { body, larger: Some(larger), unknowns: family.unknowns, of_model: of_merging }
         }))
@@ -139,7 +139,7 @@ impl<'a> Bodies<'a> {
         let model = Model::new(&self.comm, &scene)?;
         let of_model = if model.larger.is_none() { model.error.map_or(0.0, |(_, all)| all) } else { 0.0 };
         match model.dynamics {
-            Dynamics::Modal(body) => Ok(Kept { body: *body, larger: model.larger, unknowns: model.unknowns, of_model }),
+            Dynamics::Modal(body) => Ok(Kept { body, larger: model.larger, unknowns: model.unknowns, of_model }),
             Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),
         }
     }

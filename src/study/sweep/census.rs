@@ -24,11 +24,11 @@ pub struct Census {
 
 /// Members that differ in one support's stiffness or damping alone.
 pub struct Line {
-    /// Of all of them.
+    /// What they share.
     pub key: u64,
-    /// The value of the member that was asked for, N/m³ or N s/m³.
+    /// One member's value.
     pub value: f64,
-    /// All values, ascending, each with a member that has it.
+    /// All values, ascending, each with a member.
     pub all: Vec<(f64, usize)>,
 }
 
@@ -60,7 +60,7 @@ impl Census {
         self.families.get(&key(scene)).map(|member| member.index)
     }
 
-    /// The line of a member.
+    /// The line that a member is on, and where.
     pub fn line_of(&self, index: usize, scene: &Scene) -> Option<Line> {
         let (support, values) = self.line.as_ref()?;
         let line = key(&without(scene, *support));
