@@ -234,6 +234,62 @@ fn scenes_on_a_good_mesh() {
     ]);
 }
 
+/// Theories that do not stand for a scene: the message names `body.model`, and why.
+#[test]
+fn theories() {
+    let case = |name: &str, model: &str, set: &str, fragment: &str| Case {
+        name: name.to_owned(),
+        files: vec![("scene.toml".to_owned(), bad_scenes::SMALL.into())],
+        arguments: words(&format!("run scene.toml -o out.h5 --set body.model={model} --set {set}")),
+        status: 2,
+        fragments: vec![
+            ": body.model: ".to_owned(),
+            format!("\"{model}\" does not stand for this scene: "),
+            fragment.to_owned(),
+        ],
+        before: Before::Result,
+        ranks: if model == "mindlin" { BOTH } else { ALONE },
+    };
+    let oblique = "impactor.direction=[0.1,0,-1]";
+    let pad = "support=[{surface=\"bottom\",kind=\"pad\",stiffness=1e9,normal=[0,0,-1]}]";
+    let clamped = "support=[{surface=\"bottom\",kind=\"clamped\"}]";
+    let pushed = "support=[{surface=\"side\",kind=\"elastic\",stiffness=1e9,displacement=[1e-4,0,0]}]";
+    let traction = "load.traction=[{surface=\"top\",value=[1,0,0]}]";
+    check_all(&[
+        case("plate hit askew", "kirchhoff", oblique, "the impactor does not move along the normal of a face"),
+        case("endless plate hit askew", "infinite-plate", oblique, "the hit is oblique"),
+        case("plate on a pad", "kirchhoff", pad, "support.0 on \"bottom\" is a pad"),
+        case("plate held by its face", "kirchhoff", clamped, "support.0 on \"bottom\" holds a face of the plate"),
+        case(
+            "plate pushed along itself",
+            "mindlin",
+            pushed,
+            "support.0 on \"side\" has a displacement in the plate's plane",
+        ),
+        case("plate pulled along itself", "mindlin", traction, "load.traction.0 has a part in the plate's plane"),
+        case(
+            "plate that weighs sideways",
+            "kirchhoff",
+            "load.body_force=[1,0,0]",
+            "load.body_force has a part in the plate's plane",
+        ),
+        case("disc off the edge", "mindlin", "impactor.point=[0.745,0,0.05]", "the hit is 5.000e-3 m from an edge"),
+        case("plate on its edge", "kirchhoff", "impactor.direction=[-1,0,0]", "the body is not thin along x"),
+        case(
+            "disc at a point",
+            "mindlin",
+            "contact.localization=point",
+            "a force at a point is for kirchhoff and solid",
+        ),
+        case(
+            "half-space at a point",
+            "half-space",
+            "contact.localization=point",
+            "a force at a point is for kirchhoff and solid",
+        ),
+    ]);
+}
+
 /// Sweeps that cannot be begun, and files that are no sweeps.
 #[test]
 fn sweeps() {

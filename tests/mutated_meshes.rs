@@ -153,5 +153,5 @@ fn undamaged_files_are_read() {
         answers.push(outcome.stdout);
     }
     assert_eq!(answers[0], answers[1]);
-    assert!(answers[0].contains("2 hexahedra of order 2, 45 nodes, 135 unknowns"), "{}", answers[0]);
+    assert!(answers[0].contains("solid: 2 cells of order 2, 135 unknowns"), "{}", answers[0]);
 }

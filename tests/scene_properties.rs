@@ -134,7 +134,7 @@ proptest! {
         prop_assert_eq!(scene.title, "Plate \u{3b1}");
         let body = &scene.body;
         prop_assert_eq!((body.young, body.poisson, body.density, body.order), (young, poisson, density, order));
-        let Geometry::Box { size: found, planes } = &body.geometry else {
+        let Geometry::Box { size: found, planes, .. } = &body.geometry else {
             return Err(TestCaseError::fail("a size was given"));
         };
         prop_assert_eq!(*found, size);

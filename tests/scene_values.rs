@@ -8,7 +8,7 @@ use std::path::Path;
 
 use bad_scenes::{GOOD, MESH, SMALL};
 use ricochet::Result;
-use ricochet::scene::{Contact, Geometry, Newton, Scene, Scheme, Solver, SupportKind, Symmetry};
+use ricochet::scene::{Contact, Geometry, Model, Newton, Reduction, Scene, Scheme, Solver, SupportKind, Symmetry};
 
 fn parse(text: &str, overrides: &[&str]) -> Result<Scene> {
     let overrides: Vec<String> = overrides.iter().map(|&given| given.into()).collect();
@@ -21,6 +21,7 @@ fn defaults_are_those_of_the_reference() -> Result<()> {
     assert_eq!(scene.title, "");
     assert!(scene.supports.is_empty() && scene.load.traction.is_empty());
     assert_eq!(scene.load.body_force, [0.0; 3]);
+    assert_eq!((scene.body.model, scene.body.reduction), (Model::Auto, Reduction::Auto));
     assert_eq!(scene.body.order, 2);
     assert_eq!(scene.body.symmetry, Symmetry::Quarter { axes: [0, 1] });
     assert_eq!(scene.contact, Contact::Patch { radius: None });
@@ -30,8 +31,10 @@ fn defaults_are_those_of_the_reference() -> Result<()> {
     assert_eq!(scene.impactor.direction, [0.0, 0.0, -1.0]);
     assert_eq!(scene.impactor.gap, 0.0);
     assert_eq!(scene.time.step, None);
+    assert!(scene.time.modal);
     let (beta, gamma) = (0.25, 0.5);
-    assert_eq!(scene.time.scheme, Scheme::Newmark { beta, gamma });
+    let newmark = parse(SMALL, &["time.scheme=newmark"])?.time;
+    assert_eq!((newmark.modal, newmark.scheme), (false, Scheme::Newmark { beta, gamma }));
     assert_eq!(scene.output.every, 1);
     let schemes = ["generalized-alpha", "central-difference"].map(|name| format!("time.scheme={name}"));
     let rho_inf = 0.8;
@@ -43,6 +46,33 @@ fn defaults_are_those_of_the_reference() -> Result<()> {
     assert_eq!(supported.supports[0].kind, held);
     assert_eq!(supported.supports[0].damping, [0.0; 3]);
     assert_eq!(supported.supports[0].displacement, [0.0; 3]);
+    Ok(())
+}
+
+/// Modal coordinates unless something rules them out; Newmark's method then.
+#[test]
+fn modal_coordinates_are_the_default_where_nothing_rules_them_out() -> Result<()> {
+    for (good, given, modal) in [
+        (SMALL, "body.model=solid", true),
+        (SMALL, "body.model=half-space", true),
+        (SMALL, "body.reduction=60", true),
+        (SMALL, "time.step=1e-5", true),
+        (MESH, "support.0.displacement=[0,0,0]", true),
+        (SMALL, "time.scheme=modal", true),
+        (SMALL, "body.reduction=none", false),
+        (SMALL, "solver.newton=full", false),
+        (SMALL, "time.beta=0.25", false),
+        (SMALL, "time.gamma=0.5", false),
+        (SMALL, "time.scheme=energy", false),
+        (SMALL, "support=[{surface='bottom',kind='pad',stiffness=1e9,normal=[0,0,-1]}]", false),
+        (MESH, "support.0.displacement=[0,0,1e-4]", false),
+    ] {
+        let time = parse(good, &[given])?.time;
+        assert_eq!(time.modal, modal, "{given}");
+        assert_eq!(time.scheme == Scheme::Newmark { beta: 0.25, gamma: 0.5 }, !given.ends_with("energy"), "{given}");
+    }
+    // Without unknowns there is nothing to step, whatever the reduction.
+    assert!(parse(SMALL, &["body.model=infinite-plate", "body.reduction=none"])?.time.modal);
     Ok(())
 }
 
@@ -61,13 +91,15 @@ fn the_paper_s_scenes_have_the_paper_s_plates_and_impactor() -> Result<()> {
     ] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.toml"));
         let (scene, source) = Scene::read(&path, &["support.0.stiffness=1e7".into()])?;
-        let Geometry::Box { size: found, planes } = &scene.body.geometry else {
+        let Geometry::Box { size: found, planes, .. } = &scene.body.geometry else {
             panic!("{name} is no box");
         };
         assert_eq!(*found, size);
         assert!(planes.iter().all(|planes| is_uniform(planes)), "{name}");
         assert_eq!(scene.body.symmetry, Symmetry::None { reason: None });
         assert_eq!((scene.contact, scene.solver.newton), (Contact::Point, Newton::Full));
+        assert_eq!((scene.body.model, scene.body.reduction), (Model::Solid, Reduction::None));
+        assert_eq!((scene.time.modal, scene.time.scheme), (false, Scheme::Newmark { beta: 0.25, gamma: 0.5 }));
         assert_eq!((scene.body.young, scene.body.poisson, scene.body.density), (70e9, 0.23, 2500.0));
         assert_eq!((scene.impactor.mass, scene.impactor.radius), (52.0, 0.05));
         assert_eq!(scene.impactor.point, [0.0, 0.0, size[2] / 2.0]);

@@ -107,7 +107,7 @@ impl Block {
 
     /// A run of the block that vibrates in all its modes: how many steps it made, and whether it was stopped.
     fn vibrate(&self, comm: &Comm, step: f64, scheme: &str) -> (Vec<Step>, Result<(), Error>) {
-        let (scene, mesh, body) = self.build(comm, step, scheme);
+        let (scene, _, body) = self.build(comm, step, scheme);
         let mut impact = Impact::new(&scene, body).unwrap();
         let zeros = || impact.body().load.duplicate().unwrap();
         let (mut u, v, mut a) = (zeros(), zeros(), zeros());
@@ -172,7 +172,7 @@ fn limit_of_the_central_difference(session: &Session) {
             assert_eq!(ended.is_err(), fails, "{kind:?}, {part}, {scheme}: {ended:?}");
         }
         // Unless it is forced, a step above the limit is refused.
-        let (scene, mesh, body) = block.build(&world, 1.02 * limit, "scheme = \"central-difference\"");
+        let (scene, _, body) = block.build(&world, 1.02 * limit, "scheme = \"central-difference\"");
         let Err(Error::Fault(fault)) = Impact::new(&scene, body) else { panic!("accepted") };
         assert!(fault.key == "time.step" && fault.message.contains("2/ω_max"), "{fault}");
         world.collect_garbage().unwrap();
@@ -195,7 +195,7 @@ fn contact_lowers_the_limit(session: &Session) {
     let touching = block.limit_with(&world, false, critical, Some(LinearContact { tangent, mass }));
     println!("2/ω_max: {apart:.4e} s apart, {touching:.4e} s in contact");
     assert!(touching < 0.9 * apart);
-    let (scene, mesh, body) = block.build(&world, 0.98 * apart, "scheme = \"central-difference\"");
+    let (scene, _, body) = block.build(&world, 0.98 * apart, "scheme = \"central-difference\"");
     assert!(matches!(Impact::new(&scene, body), Err(Error::Fault(_))), "the limit in contact is the one told");
     // The total without the scheme's own term of Δt² swings by some 1e-3 in a stable run; the energy scheme leaves rounding.
     for (step, scheme, range) in [
@@ -203,7 +203,7 @@ fn contact_lowers_the_limit(session: &Session) {
         (0.98 * touching, EXPLICIT, 0.0..5e-3),
         (0.98 * apart, "scheme = \"energy\"", 0.0..1e-9),
     ] {
-        let (scene, mesh, body) = block.build(&world, step, scheme);
+        let (scene, _, body) = block.build(&world, step, scheme);
         let (steps, ended) = finish(Impact::new(&scene, body).unwrap());
         ended.unwrap();
         let touched = steps.iter().filter(|step| step.contact.force > 0.0).count();
@@ -265,7 +265,7 @@ fn row_sums_of_quadratic_tetrahedra(session: &Session) {
     let block = Block::new(KINDS[3]);
     let limit = block.limit(&world, false, critical_frequency(0.0, 0.5));
     for part in [0.95, 0.1] {
-        let (scene, mesh, mut body) = block.build(&world, part * limit, EXPLICIT);
+        let (scene, _, mut body) = block.build(&world, part * limit, EXPLICIT);
         let mut ones = body.load.duplicate().unwrap();
         ones.fill(1.0).unwrap();
         let mut sums = ones.duplicate().unwrap();

@@ -130,7 +130,7 @@ fn shards_put_together_are_the_whole() {
     assert!(outcome.stderr.contains("it cannot be a part of s.h5"), "{outcome:?}");
 }
 
-/// At a gate of 1e-9 average acceleration, which is not exact in the contact, is stopped; at 1 it is not.
+/// At a gate of 1e-9 a force that is a polynomial in each step, and so not exact in the contact, is stopped; at 1 it is not.
 #[test]
 fn a_member_that_fails_is_a_result() {
     let folder = folder(&supported());

@@ -74,6 +74,10 @@ fn infinite_plate(session: &Session) {
             contact.end / unit,
         ];
         println!("  λ = {lambda}: {found:.6?}");
+        // What the impactor has lost, 1 − e² of ½ m v², the plate's waves have taken; what the steps make is within the tolerance.
+        let (energy, initial) = (ran.steps.last().unwrap().energy, 0.5 * m * v * v);
+        assert!((energy.dissipated / initial - (1.0 - found[0] * found[0])).abs() < 1e-6, "{energy:?}");
+        assert!(energy.numerical.abs() < 1e-6 * initial, "{energy:?}");
         for (found, expected) in found.into_iter().zip([restitution, peak, time]) {
             // Half of the table's last digit, and what the tolerance leaves.
             assert!((found - expected).abs() < 7e-6, "λ = {lambda}: {found} instead of {expected}");

@@ -75,6 +75,11 @@ impl Krylov {
         self.basis.len()
     }
 
+    /// The vectors, orthonormal in M.
+    pub fn basis(&self) -> &[Vector] {
+        &self.basis
+    }
+
     /// Whether the basis holds all that the force can reach, to rounding.
     pub fn is_exhausted(&self) -> bool {
         self.exhausted

@@ -1,13 +1,13 @@
 //! A body for steps in modal coordinates.
 
 use super::Projection;
-use super::modes::{Modes, Spectrum};
+use super::modes::{Closed, Modes, Spectrum};
 use crate::contact::Patch;
 use crate::error::Result;
 
 /// Modes, with what the contact law needs of the body.
 pub struct ModalBody {
-    source: Source,
+    source: Box<Source>,
     /// c_l of the contact law, m/N, of the modelled part.
     pub compliance: f64,
     /// How many such parts make the whole.
@@ -24,23 +24,23 @@ enum Source {
 impl ModalBody {
     /// A body of given modes, all of which take part.
     pub fn given(modes: Modes) -> Self {
-        Self { source: Source::Given(modes), compliance: 0.0, copies: 1.0, patch: None }
+        Self { source: Box::new(Source::Given(modes)), compliance: 0.0, copies: 1.0, patch: None }
     }
 
     /// A body on a basis.
     pub fn of(projection: &Projection) -> Self {
         let Projection { compliance, copies, patch, .. } = *projection;
-        Self { source: Source::Spectrum(Spectrum::new(projection)), compliance, copies, patch }
+        Self { source: Box::new(Source::Spectrum(Spectrum::new(projection))), compliance, copies, patch }
     }
 
-    /// The modes up to a frequency, rad/s, the others by their static answer.
+    /// The modes up to a frequency (rad/s) in contact, the others by their static answer.
     ///
     /// # Errors
     /// [`crate::Error::Solve`] where dampers leave the body without independent modes.
-    pub fn modes(&self, cutoff: f64) -> Result<Modes> {
-        match &self.source {
+    pub fn modes(&self, cutoff: f64, closed: &Closed) -> Result<Modes> {
+        match &*self.source {
             Source::Given(modes) => Ok(modes.clone()),
-            Source::Spectrum(spectrum) => spectrum.modes(cutoff),
+            Source::Spectrum(spectrum) => spectrum.modes(cutoff, closed),
         }
     }
 }

@@ -19,8 +19,6 @@ pub struct Modes {
     pub free: Free,
     /// r, m/N: the static answer of the modes that are left out.
     pub residual: f64,
-    /// Σ φ²/ω⁴ of the modes that are left out, m s²/N: their answer is r F less this times F̈, and less still.
-    pub neglected: f64,
     /// Where the energy is.
     pub(crate) forms: Forms,
 }
@@ -66,6 +64,17 @@ pub(crate) struct Forms {
     pub damped: Option<[DMatrix<Complex<f64>>; 2]>,
 }
 
+/// A contact that is closed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Closed {
+    /// Tangent of Hertz's law, N/m.
+    pub tangent: f64,
+    /// c_l of the contact law, m/N.
+    pub compliance: f64,
+    /// Mass of the impactor, kg.
+    pub mass: f64,
+}
+
 /// ω² below this part of the largest one is rounding.
 const ROUNDING: f64 = 1e-14;
 
@@ -75,14 +84,16 @@ const CONDITION: f64 = 1e9;
 impl Modes {
     /// A body that does not move: a half-space, whose dent Hertz's law holds.
     pub fn none() -> Self {
-        Self { modes: Vec::new(), free: Free::default(), residual: 0.0, neglected: 0.0, forms: Forms::none() }
+        Self { modes: Vec::new(), free: Free::default(), residual: 0.0, forms: Forms::none() }
     }
 
     /// A surface that moves at F/Z: an infinite plate of the impedance Z, N s/m.
     pub fn dashpot(impedance: f64) -> Self {
         let [zero, one] = [Complex::new(0.0, 0.0), Complex::new(1.0, 0.0)];
         let mode = Mode { rate: zero, input: one / impedance, load: zero, output: one };
-        Self { modes: vec![mode], ..Self::none() }
+        // What goes off in its waves counts as dissipated.
+        let forms = Forms { damped: Some([DMatrix::zeros(0, 1), DMatrix::zeros(0, 1)]), ..Forms::none() };
+        Self { modes: vec![mode], forms, ..Self::none() }
     }
 
     /// The fastest of the rates |λ|, 1/s.
@@ -124,17 +135,34 @@ impl Spectrum {
         }
     }
 
-    /// The modes up to a frequency, rad/s; those above are left out but for their static answer.
+    /// How many of the modes, the lowest first, vibrate no faster than a frequency (rad/s) while the contact is closed.
+    ///
+    /// A spring k between the body and a mass lifts ω² of the highest of n modes by no more than k (1/m0 + Σ φ²). The spring is the
+    /// tangent of Hertz's law at a force, in series with what the modes left out give way, less what the law holds of the body already:
+    /// the more modes are kept, the stiffer it is.
+    fn slower_than(&self, cutoff: f64, closed: &Closed) -> usize {
+        let (mut mobility, mut left) = (1.0 / closed.mass + self.force.norm_squared(), 0.0);
+        for (count, (force, square)) in self.force.iter().zip(&self.squares).enumerate().rev() {
+            let compliance = 1.0 / closed.tangent - closed.compliance + left;
+            if compliance > 0.0 && square + mobility / compliance <= cutoff * cutoff {
+                return count + 1;
+            }
+            mobility -= force * force;
+            left += force * force / square.max(f64::MIN_POSITIVE);
+        }
+        0
+    }
+
+    /// The modes up to a frequency (rad/s) in contact; those above are left out but for their static answer.
     ///
     /// # Errors
     /// [`Error::Solve`] where dampers leave the body without independent modes.
-    pub fn modes(&self, cutoff: f64) -> Result<Modes> {
-        let count = self.squares.iter().filter(|square| **square <= cutoff * cutoff).count();
-        let (mut residual, mut neglected) = (0.0, 0.0);
-        for (force, square) in self.force.iter().zip(&self.squares).skip(count) {
-            residual += force * force / square;
-            neglected += (force / square).powi(2);
-        }
+    pub fn modes(&self, cutoff: f64, closed: &Closed) -> Result<Modes> {
+        // What nothing holds has no static answer.
+        let free = self.squares.iter().filter(|square| **square <= ROUNDING * self.squares.max()).count();
+        let count = self.slower_than(cutoff, closed).max(free);
+        let left = self.force.iter().zip(&self.squares).skip(count);
+        let residual = left.map(|(force, square)| force * force / square).sum();
         let most_damped = self.damping.as_ref().map_or(0.0, |d| d.amax());
         let is_free = |&i: &usize| {
             let held = self.damping.as_ref().is_some_and(|d| d.column(i).amax() > 1e-12 * most_damped);
@@ -168,7 +196,7 @@ impl Spectrum {
             squares,
             damped,
         };
-        Ok(Modes { modes, free, residual, neglected, forms })
+        Ok(Modes { modes, free, residual, forms })
     }
 }
 

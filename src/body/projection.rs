@@ -62,6 +62,26 @@ impl Projection {
         self.force.len()
     }
 
+    /// The body whose supports lie on the straight line from this one's (0) to another one's (1), the same otherwise.
+    pub(super) fn towards(&self, other: &Self, part: f64) -> Self {
+        let zeros = DMatrix::zeros(self.vectors(), self.vectors());
+        let damping = match (&self.damping, &other.damping) {
+            (None, None) => None,
+            (from, to) => {
+                let (from, to) = (from.as_ref().unwrap_or(&zeros), to.as_ref().unwrap_or(&zeros));
+                let between = from + (to - from) * part;
+                (between.amax() > 0.0).then_some(between)
+            }
+        };
+        Self {
+            support: &self.support + (&other.support - &self.support) * part,
+            damping,
+            support_load: &self.support_load + (&other.support_load - &self.support_load) * part,
+            support_offset: self.support_offset + (other.support_offset - self.support_offset) * part,
+            ..self.clone()
+        }
+    }
+
     /// All the numbers of the arrays.
     pub(super) fn numbers(&mut self) -> impl Iterator<Item = &mut [f64]> {
         let Self { elastic, support, damping, force, translation, load, support_load, .. } = self;

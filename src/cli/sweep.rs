@@ -31,7 +31,8 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     let (scene, source) = load(comm, &arguments.scene, &arguments.overrides)?;
     let mut census = Census::default();
     for index in 0..grid.len() {
-        census.count(index, &task(arguments, &source, &grid, index)?.scene);
+        let on_line = grid.line().and_then(|key| Some((support_of(key)?, grid.number(index, key)?)));
+        census.count(index, &task(arguments, &source, &grid, index)?.scene, on_line);
     }
     let header = header(comm, arguments, &grid, (&scene, &source))?;
     let desk = if comm.is_root() { Desk::open(arguments, &header).map(Some) } else { Ok(None) };
@@ -79,6 +80,11 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     }
     comm.mpi().process_at_rank(0).broadcast_into(&mut status);
     Ok(status)
+}
+
+/// The number in `support.NUMBER.…`.
+fn support_of(key: &str) -> Option<usize> {
+    key.split('.').nth(1)?.parse().ok()
 }
 
 /// A member, its scene checked.

@@ -24,6 +24,11 @@ impl Gate {
         Self { part: scene.solver.energy_gate, initial: 0.0, advice: advice(scene) }
     }
 
+    /// Whether the scene sets it.
+    pub(super) fn is_set(&self) -> bool {
+        self.part.is_some()
+    }
+
     /// Takes the initial energy.
     pub(super) fn open(&mut self, start: &Step) {
         self.initial = start.energy.total + start.energy.dissipated - start.energy.external;

@@ -5,9 +5,9 @@ mod reduce;
 mod simulation;
 mod theory;
 
-pub use reduce::{OF_BASIS, Reduced, SAFETY, reduce};
+pub use reduce::{OF_BASIS, Reduced, SAFETY, rate, reduce};
 pub use simulation::Simulation;
-pub use theory::{admits, name};
+pub use theory::{Built, admits, build, name};
 
 use petsc_wrap::Comm;
 
@@ -15,8 +15,6 @@ use crate::body::{Body, ModalBody};
 use crate::contact::Patch;
 use crate::error::Result;
 use crate::scene::{self, Reduction, Scene};
-
-use theory::{Built, build};
 
 /// A scene's body, ready for impacts.
 pub struct Model {
@@ -88,7 +86,7 @@ impl Model {
                 if !scene.time.modal && !matches!(scene.body.reduction, Reduction::Vectors(_)) {
                     return Ok(model(Dynamics::Stepped(body), unknowns, words));
                 }
-                let Reduced { projection, larger, error } = reduce(&body, scene)?;
+                let Reduced { projection, larger, error, .. } = reduce(&body, scene)?;
                 drop(body);
                 comm.collect_garbage()?;
                 let dynamics = if scene.time.modal {

@@ -28,6 +28,8 @@ pub struct Reduced {
     pub projection: Projection,
     /// It on the larger basis by which the error was found.
     pub larger: Projection,
+    /// The vectors of that.
+    pub krylov: Krylov,
     /// Estimated error of the acceleration over its peak: in the first contact, and over all.
     pub error: (f64, f64),
 }
@@ -60,7 +62,7 @@ pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
                     if enough || error.0 <= OF_BASIS * scene.tolerance {
                         tracing::info!(vectors = smaller, first = error.0, all = error.1, "reduced");
                         let (larger, projection) = (projection.clone(), projection.leading(*smaller));
-                        return Ok(Reduced { projection, larger, error });
+                        return Ok(Reduced { projection, larger, krylov, error });
                     }
                 }
                 last = Some((count, trace));
@@ -74,7 +76,7 @@ pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
 }
 
 /// The rate at which the scene's impact excites a body, 1/s.
-fn rate(scene: &Scene) -> f64 {
+pub fn rate(scene: &Scene) -> f64 {
     let impactor = &scene.impactor;
     RATE / hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed)
 }

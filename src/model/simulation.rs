@@ -51,18 +51,25 @@ impl Simulation {
         }
     }
 
-    /// Runs to the end, or until `observe` breaks off; tells which. Collective.
+    /// Runs to the end, or until `observe` breaks off, in modal coordinates with the steps that were computed by then; tells which. Collective.
     ///
     /// # Errors
     /// [`crate::Error::Solve`] with step and time, [`crate::Error::Unstable`]; the observer's; PETSc's.
-    pub fn run(&mut self, observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
+    pub fn run(&mut self, mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
         match &mut self.kind {
             Kind::Stepped(impact) => impact.run(observe),
             Kind::Modal { body, scene, count, interrupted } => {
                 let mut impact = ModalImpact::new(scene, body).interrupted_by(&**interrupted);
-                let flow = impact.run(observe);
+                // All steps are there before the first is told: those up to an interruption are told to their end.
+                let mut flow = ControlFlow::Continue(());
+                let run = impact.run(|step| {
+                    if observe(step)?.is_break() {
+                        flow = ControlFlow::Break(());
+                    }
+                    Ok(ControlFlow::Continue(()))
+                });
                 *count = impact.count;
-                flow
+                run.map(|_| flow)
             }
         }
     }

@@ -161,15 +161,22 @@ fn edit(
     BadScene { name, text, overrides: Vec::new(), fragments: fragments.to_vec(), key, line }
 }
 
-fn set(
+/// [`GOOD`] with overrides.
+fn set(name: &'static str, overrides: &[&str], fragments: &[&'static str], at: (&'static str, usize)) -> BadScene {
+    varied(name, GOOD, overrides, fragments, at)
+}
+
+/// A good scene with overrides.
+fn varied(
     name: &'static str,
+    good: &str,
     overrides: &[&str],
     fragments: &[&'static str],
     (key, line): (&'static str, usize),
 ) -> BadScene {
     BadScene {
         name,
-        text: GOOD.into(),
+        text: good.into(),
         overrides: overrides.iter().map(|&given| given.into()).collect(),
         fragments: fragments.to_vec(),
         key,
@@ -185,6 +192,7 @@ pub fn table() -> Vec<BadScene> {
     all.extend(symmetry());
     all.extend(impactor());
     all.extend(rest());
+    all.extend(theories());
     all.extend(unavailable());
     all.extend(overrides());
     all
@@ -277,6 +285,32 @@ fn supports() -> Vec<BadScene> {
     ]
 }
 
+/// Theories, reductions and modal coordinates that do not go with the rest.
+#[rustfmt::skip]
+fn theories() -> Vec<BadScene> {
+    vec![
+        edit("reduced to nothing", GOOD, ("order = 2", "reduction = 0"), &["0 is out of range", "from 1 to 2000"], ("body.reduction", "reduction")),
+        edit("too many vectors", GOOD, ("order = 2", "reduction = 2001"), &["2001 is out of range"], ("body.reduction", "reduction")),
+        edit("a broken number of vectors", GOOD, ("order = 2", "reduction = 60.5"), &["expected a word or a whole number"], ("body.reduction", "reduction")),
+        edit("a basis on pads", GOOD, ("order = 2", "reduction = 60"), &["a body on pads is not linear", "\"none\""], ("body.reduction", "reduction")),
+        varied("a basis held at a displacement", MESH, &["support.0.displacement=[0, 0, 1e-4]", "body.reduction=60"], &["held at zero, and this one at a displacement"], ("body.reduction", 6)),
+        edit("reduced to some", GOOD, ("order = 2", "reduction = \"some\""), &["\"some\" is not one of its values", "\"none\""], ("body.reduction", "reduction")),
+        edit("a plate theory of a mesh file", MESH, ("mesh = ", "model = \"kirchhoff\"\nmesh = "), &["the theory \"kirchhoff\" is for a box", "`size` in place of `mesh`"], ("body.model", "model")),
+        edit("a half-space of a mesh file", MESH, ("mesh = ", "model = \"half-space\"\nmesh = "), &["the theory \"half-space\" is for a box"], ("body.model", "model")),
+        edit("modal by full Newton", GOOD, ("scheme = \"newmark\"\nbeta = 0.25\ngamma = 0.5", "scheme = \"modal\""), &["the full Newton's method solves for all unknowns", "another scheme"], ("time.scheme", "scheme")),
+        edit("modal on pads", GOOD, ("scheme = \"newmark\"\nbeta = 0.25\ngamma = 0.5\n\n[solver]\nnewton = \"full\"", "scheme = \"modal\""), &["a body on pads is not linear"], ("time.scheme", "scheme")),
+        varied("modal on clamps that are moved", MESH, &["support.0.displacement=[0, 0, 1e-4]", "time.scheme=modal"], &["held at zero, and this one at a displacement", "--set time.scheme=modal"], ("time.scheme", 21)),
+        varied("modal without a basis", SMALL, &["body.reduction=none", "time.scheme=modal"], &["those of a reduced body"], ("time.scheme", 17)),
+        varied("steps of a half-space", SMALL, &["body.model=half-space", "time.scheme=newmark"], &["the theory \"half-space\" has no unknowns to step"], ("time.scheme", 17)),
+        varied("explicit steps of an infinite plate", SMALL, &["body.model=infinite-plate", "time.scheme=central-difference"], &["\"infinite-plate\" has no unknowns to step"], ("time.scheme", 17)),
+        varied("beta of a half-space", SMALL, &["body.model=half-space", "time.beta=0.25"], &["has no unknowns to step", "--set time.beta=0.25"], ("time.beta", 17)),
+        varied("Newton on a half-space", SMALL, &["body.model=half-space", "solver.newton=full"], &["has no unknowns to step or to solve for"], ("solver.newton", 19)),
+        varied("explicit steps of a plate", SMALL, &["body.model=kirchhoff", "time.scheme=central-difference"], &["\"kirchhoff\" has no lumped mass"], ("time.scheme", 17)),
+        varied("explicit steps of a basis", SMALL, &["body.reduction=60", "time.scheme=central-difference"], &["a reduced body has no lumped mass"], ("time.scheme", 17)),
+        edit("beta of modal coordinates", SMALL, ("end = 0.02", "end = 0.02\nscheme = \"modal\"\nbeta = 0.25"), &["\"modal\" has no `beta`", "belongs to \"newmark\""], ("time.beta", "beta")),
+    ]
+}
+
 /// A plate that a quarter does not stand for.
 #[rustfmt::skip]
 fn symmetry() -> Vec<BadScene> {
@@ -349,11 +383,8 @@ fn rest() -> Vec<BadScene> {
 fn unavailable() -> Vec<BadScene> {
     const NOT: &str = "not available in this version";
     vec![
-        edit("plate theory", GOOD, ("\"solid\"", "\"mindlin\""), &["\"mindlin\"", NOT, "model = \"solid\""], ("body.model", "model")),
-        edit("reduction by word", GOOD, ("order = 2", "reduction = \"auto\""), &["\"auto\"", NOT], ("body.reduction", "reduction")),
-        edit("reduction by number", GOOD, ("order = 2", "reduction = 60"), &["a number", NOT, "\"none\""], ("body.reduction", "reduction")),
-        edit("another scheme", GOOD, ("\"newmark\"", "\"modal\""), &["\"modal\"", NOT, "newmark"], ("time.scheme", "scheme")),
         edit("fields", GOOD, ("every = 2", "fields = 50"), &[NOT], ("output.fields", "fields")),
+        edit("probes", GOOD, ("every = 2", "probes = []"), &[NOT], ("output.probes", "probes")),
     ]
 }
 
@@ -370,7 +401,7 @@ fn overrides() -> Vec<BadScene> {
         set("override of an unknown key", &["time.stpe=1e-6"], &["unknown key", "did you mean `step`?", "--set time.stpe=1e-6"], ("time.stpe", 55)),
         set("override out of range", &["title=Other", "body.poisson=0.7"], &["0.7 is out of range", "--set body.poisson=0.7"], ("body.poisson", 6)),
         set("override of another type", &["body.young=stiff"], &["wrong type: string \"stiff\"", "--set body.young=stiff"], ("body.young", 5)),
-        set("override not available", &["time.scheme=modal"], &["\"modal\" is not available", "--set time.scheme=modal"], ("time.scheme", 52)),
+        set("override not available", &["output.fields=50"], &["not available in this version", "--set output.fields=50"], ("output.fields", 61)),
         set("kind by an override", &["support.0.kind=clamped"], &["kind \"clamped\" has no `stiffness` (set by --set support.0.kind=clamped)"], ("support.0.stiffness", 15)),
         set("scheme by an override", &["time.scheme=energy"], &["\"energy\" has no `beta` (set by --set time.scheme=energy)"], ("time.beta", 53)),
         set("mesh by an override", &["body.mesh=plate.msh"], &["either a size or a mesh", "--set body.mesh=plate.msh"], ("body.mesh", 11)),

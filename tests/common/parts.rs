@@ -45,7 +45,6 @@ pub const ON_PAD: &str = "[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nnor
 
 /// A body on all ranks of a communicator.
 pub struct Parts {
-    pub mesh: Mesh,
     pub body: Body,
     pub lumped: Lumped,
     pub scene: Scene,
@@ -60,7 +59,7 @@ pub fn parts(comm: &Comm, kind: Kind, size: [f64; 3], distortion: f64, supports:
     let mesh = Mesh::new(comm, &scene.body).unwrap();
     let body = Body::solid(&scene, &mesh).unwrap();
     let lumped = Lumped::new(&scene, &mesh).unwrap();
-    Parts { mesh, body, lumped, scene }
+    Parts { body, lumped, scene }
 }
 
 fn text(file: &Path, order: usize, size: [f64; 3], supports: &str) -> String {

@@ -7,10 +7,12 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// A small box that runs in a tenth of a second: 50 steps, 150 unknowns.
+/// A small box that runs in a tenth of a second: 50 steps of a solid, 150 unknowns.
 #[allow(dead_code, reason = "not every test that shares this module runs it")]
 pub const BOX: &str = r#"title = "Small plate"
 [body]
+model = "solid"
+reduction = "none"
 young = 70e9
 poisson = 0.23
 density = 2500

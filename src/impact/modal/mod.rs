@@ -12,11 +12,12 @@ mod trace;
 
 use std::ops::ControlFlow;
 
-use crate::body::{ModalBody, Modes};
+use crate::body::{Closed, ModalBody, Modes};
 use crate::contact::{Law, hertz};
 use crate::error::{Error, Result};
 use crate::scene::{Impactor, Scene};
 
+use super::gate::Gate;
 use super::step::{Contact, Energy, Motion as ImpactorMotion, Step};
 use super::trajectory::at;
 use super::{Count, Setting};
@@ -30,6 +31,9 @@ const RESOLVED: f64 = 3.0;
 
 /// Largest step, as a part of the contact time on a half-space, for an error of 1; it goes with the third root of the error.
 const FIRST: f64 = 0.15;
+
+/// First guess of the peak force, as a part of that on a half-space.
+const OF_HALF_SPACE: f64 = 0.3;
 
 /// Halvings of the largest step at most.
 const REFINEMENTS: usize = 14;
@@ -53,6 +57,7 @@ pub struct ModalImpact<'a> {
     tolerance: f64,
     contact_time: f64,
     interrupted: &'a dyn Fn() -> bool,
+    gate: Gate,
     has_energies: bool,
     /// The force of the last run, and its steps.
     last: Option<(Trace, Steps)>,
@@ -79,6 +84,7 @@ impl<'a> ModalImpact<'a> {
             tolerance: OF_STEPS * scene.tolerance,
             contact_time: hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed),
             interrupted: &|| false,
+            gate: Gate::new(scene),
             has_energies: true,
             last: None,
             count: Count::default(),
@@ -99,11 +105,17 @@ impl<'a> ModalImpact<'a> {
     /// Runs to the end and shows `observe` the initial state and every step, until it breaks off; tells which.
     ///
     /// # Errors
-    /// [`Error::Solve`] with step and time where a step is not solved or the contact law is left; the observer's.
+    /// [`Error::Solve`] with step and time where a step is not solved or the contact law is left; [`Error::Unstable`] where the energy
+    /// gate closes; the observer's.
     pub fn run(&mut self, mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
         let Done { trace, steps, sizes } = self.done()?;
         self.last = Some((trace, sizes));
         for step in &steps {
+            match step.number {
+                _ if !self.has_energies => {}
+                0 => self.gate.open(step),
+                number => self.gate.check(step).map_err(|error| at(error, number, step.time))?,
+            }
             if observe(step)?.is_break() {
                 return Ok(ControlFlow::Break(()));
             }
@@ -111,10 +123,10 @@ impl<'a> ModalImpact<'a> {
         Ok(ControlFlow::Continue(()))
     }
 
-    /// Leaves the energies of the steps at zero, which take a good part of the time.
+    /// Leaves the energies of the steps at zero, which take a good part of the time, but where the scene has an energy gate.
     #[must_use]
     pub fn without_energies(self) -> Self {
-        Self { has_energies: false, ..self }
+        Self { has_energies: self.gate.is_set(), ..self }
     }
 
     /// The force of the last run, with the steps it took.
@@ -136,9 +148,21 @@ impl<'a> ModalImpact<'a> {
 
     fn done(&mut self) -> Result<Done> {
         match self.step {
-            Some(step) => self.once(Steps { largest: step, defect: None }, true),
+            Some(step) => {
+                let guess = Steps { largest: step, defect: None, peak: self.guess() };
+                let done = self.once(guess, true)?;
+                let peak = done.trace.peak();
+                // A contact that is harder than thought is stiffer, too.
+                if peak <= guess.peak { Ok(done) } else { self.once(Steps { peak: 1.1 * peak, ..guess }, true) }
+            }
             None => self.controlled(),
         }
+    }
+
+    /// A force that a contact may reach, N.
+    fn guess(&self) -> f64 {
+        let Setting { law, mass, speed, .. } = self.setting;
+        OF_HALF_SPACE * hertz::peak_force(law.hertz.stiffness, mass, speed)
     }
 
     /// Halves the steps until the tolerance is met in the first contact.
@@ -147,13 +171,15 @@ impl<'a> ModalImpact<'a> {
         let mut largest = (2.0 * FIRST * self.tolerance.cbrt() * contact).min(0.5 * self.end);
         // What a step may be off by goes with its length as the error does.
         let defect = |largest: f64, peak: f64| peak * (largest / (FIRST * contact)).powi(3).min(0.1);
-        let guess = 0.3 * hertz::peak_force(self.setting.law.hertz.stiffness, self.setting.mass, self.setting.speed);
-        let mut coarse = self.once(Steps { largest, defect: Some(defect(largest, guess)) }, false)?;
+        let guess = self.guess();
+        let coarse = Steps { largest, defect: Some(defect(largest, guess)), peak: guess };
+        let mut coarse = self.once(coarse, false)?;
         for _ in 0..REFINEMENTS {
             largest *= 0.5;
             let peak = coarse.trace.peak();
             let peak = if peak > 0.0 { peak } else { guess };
-            let fine = self.once(Steps { largest, defect: Some(defect(largest, peak)) }, true)?;
+            let fine = Steps { largest, defect: Some(defect(largest, peak)), peak: 1.1 * peak };
+            let fine = self.once(fine, true)?;
             // Of order two at least: the finer run's error is a third of the difference.
             let (first, all) = fine.trace.difference(&coarse.trace);
             self.count.error = Some(all / 3.0);
@@ -170,8 +196,11 @@ impl<'a> ModalImpact<'a> {
 
     /// One run; with the steps as observers see them, or with the force alone.
     fn once(&mut self, steps: Steps, observed: bool) -> Result<Done> {
-        let modes = self.body.modes(RESOLVED / steps.largest)?;
         let setting = self.setting;
+        let Law { hertz, compliance } = setting.law;
+        let tangent = hertz.tangent((steps.peak / hertz.stiffness).powf(2.0 / 3.0));
+        let closed = Closed { tangent, compliance, mass: setting.mass };
+        let modes = self.body.modes(RESOLVED / steps.largest, &closed)?;
         // The springs of the modes left out are in the law.
         let law = Law { compliance: setting.law.compliance - modes.residual, ..setting.law };
         let mut motion = Motion::new(&modes, law, (setting.mass, setting.speed, setting.gap), steps);

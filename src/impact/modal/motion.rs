@@ -17,6 +17,8 @@ pub struct Steps {
     pub largest: f64,
     /// Allowed difference of law and force within a step, N; `None` for steps of one size.
     pub defect: Option<f64>,
+    /// Force up to which the contact's stiffness counts among the frequencies that a step resolves, N.
+    pub peak: f64,
 }
 
 /// One step taken: the force's three values, N.
@@ -42,6 +44,8 @@ pub struct Motion<'a> {
     /// The last step's force, to go on from.
     last: Option<([f64; 3], f64)>,
     touching: bool,
+    /// Whether a contact was just found to be none.
+    grazing: bool,
     /// The state reached.
     pub state: State,
     /// F, N.
@@ -67,6 +71,7 @@ impl<'a> Motion<'a> {
             level: 0,
             last: None,
             touching: false,
+            grazing: false,
             state: State::start(modes, speed),
             force: 0.0,
             approach: -gap,
@@ -85,13 +90,15 @@ impl<'a> Motion<'a> {
     /// # Errors
     /// [`Error::Solve`] where no step is small enough.
     pub fn advance(&mut self, end: f64) -> Result<Taken> {
-        loop {
+        // Contact found and lost again, then a step.
+        for _ in 0..8 {
             let left = end - self.state.time;
             let taken = if self.touching { self.press(left)? } else { self.fly(left) };
             if let Some(taken) = taken {
                 return Ok(taken);
             }
         }
+        Err(Error::Solve("it is not found whether there is contact".into()))
     }
 
     /// The table of a step of the level's size or of what is left, whichever is shorter.
@@ -122,7 +129,15 @@ impl<'a> Motion<'a> {
             self.put_back(table);
             return Some(taken);
         };
+        if std::mem::take(&mut self.grazing) && look == 0 {
+            // δ rises by so little that no force comes of it before the first look.
+            self.put_back(table);
+            let table = Answer::new(self.modes, self.mass, LOOKS[0] * self.steps.largest.min(left));
+            let free = table.free(&self.state, self.gap);
+            return Some(self.take(&table, [0.0; 3], free));
+        }
         self.touching = true;
+        self.force = self.law.force(self.approach);
         // As small as it has to be, for F = t^{3/2} has no quadratic.
         self.level = if self.steps.defect.is_some() { 3 } else { 0 };
         let (mut low, mut high) =
@@ -164,16 +179,18 @@ impl<'a> Motion<'a> {
                 }
                 continue;
             };
-            if self.approach <= 0.0 && stage.approach.iter().all(|approach| *approach <= 0.0) {
+            if self.approach <= 0.0 && stage.approach[0] <= 0.0 {
                 self.put_back(table);
                 self.let_go();
+                self.grazing = true;
                 return Ok(None);
             }
             if let Some(look) = stage.approach.iter().position(|approach| *approach <= 0.0) {
+                let before = if look == 0 { 0.0 } else { LOOKS[look - 1] * table.step };
                 let (length, table_step) = (LOOKS[look] * table.step, table.step);
                 self.put_back(table);
                 let guess = zero(&stage.approach, self.approach, look) * table_step;
-                if let Some(taken) = self.release(length, guess) {
+                if let Some(taken) = self.release((before, length), guess) {
                     return Ok(Some(taken));
                 }
                 self.level += 1;
@@ -192,8 +209,9 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// A step to the end of the contact, which is not found in `None`, within about `length` (s): the size at which δ is zero at its end, with the force.
-    fn release(&mut self, length: f64, guess: f64) -> Option<Taken> {
+    /// A step to the end of the contact, about between two times (s): of the size at which δ is zero at its end, with the force there.
+    /// `None` where it is not found.
+    fn release(&mut self, (before, length): (f64, f64), guess: f64) -> Option<Taken> {
         let solved = |motion: &Self, step: f64| {
             let table = Answer::new(motion.modes, motion.mass, step);
             let free = table.free(&motion.state, motion.gap);
@@ -209,7 +227,12 @@ impl<'a> Motion<'a> {
         // The force of the shorter step is another one, so that δ may pass zero a little later.
         let later = [1.0, 1.1, 1.3, 1.7].map(|part| part * length);
         let (mut high, beyond) = later.into_iter().map(|t| (t, end(t))).find(|(_, beyond)| *beyond < 0.0)?;
-        let (mut low, mut at) = (0.0, (self.approach, beyond));
+        let (mut low, mut at) = match if before > 0.0 { end(before) } else { 0.0 } {
+            above if above > 0.0 => (before, (above, beyond)),
+            // δ at the begin may be zero itself.
+            _ if self.approach > 0.0 => (0.0, (self.approach, beyond)),
+            _ => return None,
+        };
         let step = find(Some(guess), &mut low, &mut high, &mut at, end);
         let (table, stage) = solved(self, step);
         let Stage { force, approach, .. } = stage?;

@@ -6,7 +6,8 @@ use std::rc::Rc;
 
 use petsc_wrap::Comm;
 
-use super::census::{Census, key};
+use super::census::{Census, Line, key};
+use super::family::{self, Family};
 use super::member::Outcome;
 use crate::body::ModalBody;
 use crate::error::{Error, Result};
@@ -31,6 +32,8 @@ pub struct Bodies<'a> {
     /// Whether steps are to have their energies.
     has_energies: bool,
     kept: HashMap<u64, Kept>,
+    /// By the key of their line; `None` where no merged basis served.
+    families: HashMap<u64, Option<Family>>,
 }
 
 /// A body on a basis, and on a larger one by which each member's error is estimated.
@@ -38,8 +41,8 @@ struct Kept {
     body: ModalBody,
     larger: Option<ModalBody>,
     unknowns: usize,
-    /// Error by the theory, as auto estimates it.
-    of_theory: f64,
+    /// Error by the theory, as auto estimates it, or by the merging of bases.
+    of_model: f64,
 }
 
 impl<'a> Bodies<'a> {
@@ -51,7 +54,15 @@ impl<'a> Bodies<'a> {
         theory: scene::Model,
         has_energies: bool,
     ) -> Self {
-        Self { comm: comm.clone(), census, scene_of, theory, has_energies, kept: HashMap::new() }
+        Self {
+            comm: comm.clone(),
+            census,
+            scene_of,
+            theory,
+            has_energies,
+            kept: HashMap::new(),
+            families: HashMap::new(),
+        }
     }
 
     /// Computes a member in modal coordinates, on a kept basis if it is good enough. Collective.
@@ -60,10 +71,29 @@ impl<'a> Bodies<'a> {
     /// Those of a run.
     pub fn simulate(
         &mut self,
+        index: usize,
         scene: &Scene,
         interrupted: &Rc<dyn Fn() -> bool>,
         observe: &mut dyn FnMut(&Step),
     ) -> Result<Option<Outcome>> {
+        let tried = match self.of_family(index, scene)? {
+            Some(kept) => kept.simulate(scene, self.has_energies, interrupted),
+            None => self.of_body(scene, interrupted)?,
+        };
+        let poor = match &tried {
+            Ok(Some(tried)) => tried.first > SLACK * OF_BASIS * scene.tolerance,
+            Ok(None) => false,
+            // A patch or a basis made for another impact may not bear this one.
+            Err(_) => true,
+        };
+        let tried = if poor { self.make(scene)?.simulate(scene, self.has_energies, interrupted) } else { tried };
+        let Some(tried) = tried? else { return Ok(None) };
+        tried.steps.iter().for_each(observe);
+        Ok(Some(tried.outcome))
+    }
+
+    /// On the basis made for a body.
+    fn of_body(&mut self, scene: &Scene, interrupted: &Rc<dyn Fn() -> bool>) -> Result<Result<Option<Tried>>> {
         let key = key(scene);
         if !self.kept.contains_key(&key) {
             let made = match self.census.representative(scene) {
@@ -77,19 +107,28 @@ impl<'a> Bodies<'a> {
             }
             self.kept.insert(key, kept);
         }
-        let mut tried = self.kept[&key].simulate(scene, self.has_energies, interrupted);
-        let poor = match &tried {
-            Ok(Some(tried)) => tried.first > SLACK * OF_BASIS * scene.tolerance,
-            Ok(None) => false,
-            // A patch or a basis made for another impact may not bear this one.
-            Err(_) => true,
-        };
-        if poor {
-            tried = self.make(scene)?.simulate(scene, self.has_energies, interrupted);
+        Ok(self.kept[&key].simulate(scene, self.has_energies, interrupted))
+    }
+
+    /// On the basis of all that differ in one support alone, where they are many.
+    fn of_family(&mut self, index: usize, scene: &Scene) -> Result<Option<Kept>> {
+        let Some(Line { key, value, all }) = self.census.line_of(index, scene) else { return Ok(None) };
+        if all.len() < family::LEAST {
+            return Ok(None);
         }
-        let Some(tried) = tried? else { return Ok(None) };
-        tried.steps.iter().for_each(observe);
-        Ok(Some(tried.outcome))
+        if !self.families.contains_key(&key) {
+            let values: Vec<f64> = all.iter().map(|(value, _)| *value).collect();
+            let scene_of = |value: f64| {
+                let at = values.partition_point(|other| *other < value).min(values.len() - 1);
+                (self.scene_of)(all[at].1)
+            };
+            let family = Family::new(&self.comm, self.theory, &values, &scene_of)?;
+            self.families.insert(key, family);
+        }
+        Ok(self.families[&key].as_ref().map(|family| {
+            let ([body, larger], of_merging) = family.at(value);
+            Kept { body, larger: Some(larger), unknowns: family.unknowns, of_model: of_merging }
+        }))
     }
 
     fn make(&self, scene: &Scene) -> Result<Kept> {
@@ -98,9 +137,9 @@ impl<'a> Bodies<'a> {
             scene.body.model = self.theory;
         }
         let model = Model::new(&self.comm, &scene)?;
-        let of_theory = if model.larger.is_none() { model.error.map_or(0.0, |(_, all)| all) } else { 0.0 };
+        let of_model = if model.larger.is_none() { model.error.map_or(0.0, |(_, all)| all) } else { 0.0 };
         match model.dynamics {
-            Dynamics::Modal(body) => Ok(Kept { body, larger: model.larger, unknowns: model.unknowns, of_theory }),
+            Dynamics::Modal(body) => Ok(Kept { body, larger: model.larger, unknowns: model.unknowns, of_model }),
             Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),
         }
     }
@@ -130,7 +169,7 @@ impl Kept {
             (first, all) = (SAFETY * difference.0, SAFETY * difference.1);
         }
         let of_patch = self.body.patch.map_or(0.0, |patch| patch.error());
-        let error_estimate = impact.count.error.unwrap_or(0.0) + all + self.of_theory + of_patch;
+        let error_estimate = impact.count.error.unwrap_or(0.0) + all + self.of_model + of_patch;
         let outcome = Outcome { error_estimate, unknowns: self.unknowns + 1 };
         Ok(Some(Tried { steps, first, outcome }))
     }

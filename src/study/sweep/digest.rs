@@ -38,7 +38,7 @@ pub fn digest(
     let begin = Instant::now();
     let mut member = Member::new(task.index, task.has_series);
     let mut episodes = Episodes::default();
-    let outcome = simulate(comm, &task.scene, bodies, interrupted, |step| {
+    let outcome = simulate(comm, (task.index, &task.scene), bodies, interrupted, |step| {
         episodes.push(step);
         member.push(step, task.scene.output.every);
     });

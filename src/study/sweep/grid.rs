@@ -34,6 +34,26 @@ impl Grid {
         self.members
     }
 
+    /// The key of one support's stiffness or damping, given as numbers, where there is just one such key and its values differ.
+    pub fn line(&self) -> Option<&str> {
+        let on_line = |variation: &&Variation| {
+            let mut words = variation.key.split('.');
+            let is_support = words.next() == Some("support") && words.next().is_some();
+            let of_it = matches!(words.next(), Some("stiffness" | "damping")) && words.next().is_none();
+            is_support && of_it && variation.numbers.is_some()
+        };
+        let mut on = self.variations.iter().filter(on_line);
+        let first = on.next()?;
+        on.next().is_none().then_some(first.key.as_str())
+    }
+
+    /// A member's value of a key that is varied over numbers.
+    pub fn number(&self, member: usize, key: &str) -> Option<f64> {
+        let places = self.places(member);
+        let at = self.variations.iter().position(|variation| variation.key == key)?;
+        self.variations[at].numbers.as_ref().map(|numbers| numbers[places[at]])
+    }
+
     /// Whether a key is among those varied.
     pub fn varies(&self, key: &str) -> bool {
         self.variations.iter().any(|variation| variation.key == key)

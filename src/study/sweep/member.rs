@@ -27,13 +27,13 @@ pub struct Outcome {
 /// Those of a run: a fault of the scene, a step that is not solved, the energy gate, PETSc's.
 pub fn simulate(
     comm: &Comm,
-    scene: &Scene,
+    (index, scene): (usize, &Scene),
     bodies: &mut Bodies<'_>,
     interrupted: Rc<dyn Fn() -> bool>,
     mut observe: impl FnMut(&Step),
 ) -> Result<Option<Outcome>> {
     if scene.time.modal {
-        return bodies.simulate(scene, &interrupted, &mut observe);
+        return bodies.simulate(index, scene, &interrupted, &mut observe);
     }
     let model = Model::new(comm, scene)?;
     let unknowns = model.unknowns + 1;

@@ -3,6 +3,7 @@
 mod bodies;
 mod census;
 mod digest;
+mod family;
 mod grid;
 mod member;
 mod shard;

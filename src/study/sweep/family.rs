@@ -1,0 +1,111 @@
+//! Members that differ in the stiffness or the damping of one support: one basis, made at a few values, for all of them.
+
+use petsc_wrap::{Comm, Vector};
+
+use crate::body::{Body, Merged, ModalBody, Projection, snapshots};
+use crate::error::Result;
+use crate::impact::ModalImpact;
+use crate::model::{Built, OF_BASIS, Reduced, build, rate, reduce};
+use crate::scene::{self, Scene};
+
+/// Fewer values than this are computed one by one.
+pub const LEAST: usize = 9;
+
+/// Values at which bodies are made, at most.
+const MOST: usize = 33;
+
+/// Weight of the directions of a basis, over the tolerance, down to which they are taken.
+const DEPTH: f64 = 0.03;
+
+/// A merged basis with what was found of its errors.
+pub struct Family {
+    merged: Merged,
+    /// Up to a value, the error over the whole history at the middle of the values around it, where the basis was tested.
+    errors: Vec<(f64, f64)>,
+    /// Unknowns of the bodies.
+    pub unknowns: usize,
+}
+
+/// A body made at one value.
+struct Sample {
+    body: Body,
+    snapshots: Vec<Vector>,
+    own: Projection,
+    scene: Scene,
+}
+
+impl Family {
+    /// Makes bodies at the first and the last value, and between them wherever the basis does not serve at the middle. `None` where
+    /// that takes too many. Collective.
+    ///
+    /// # Errors
+    /// Those of a model.
+    pub fn new(
+        comm: &Comm,
+        theory: scene::Model,
+        values: &[f64],
+        scene_of: &dyn Fn(f64) -> Result<Scene>,
+    ) -> Result<Option<Self>> {
+        let last = values.len() - 1;
+        let make = |place: usize| -> Result<Sample> {
+            let scene = scene_of(values[place])?;
+            let theory = if scene.body.model == scene::Model::Auto { theory } else { scene.body.model };
+            let Built::Operators(body, _) = build(comm, &scene, theory)? else {
+                return Err(crate::Error::Solve("the theory has no supports".into()));
+            };
+            let Reduced { projection, larger, krylov, .. } = reduce(&body, &scene)?;
+            let snapshots = snapshots(&body, &krylov, &larger, rate(&scene))?;
+            Ok(Sample { body: *body, snapshots, own: projection, scene })
+        };
+        let mut ends = [make(0)?, make(last)?];
+        let mut pool: Vec<Vector> = ends.iter_mut().flat_map(|end| std::mem::take(&mut end.snapshots)).collect();
+        let merge = |pool: &[Vector]| {
+            let depth = DEPTH * ends[0].scene.tolerance;
+            Merged::new([(values[0], &ends[0].body), (values[last], &ends[1].body)], pool, depth)
+        };
+        let mut merged = merge(&pool)?;
+        let (mut open, mut errors, mut made) = (vec![(0, last)], Vec::new(), 2);
+        while let Some((from, to)) = open.pop() {
+            if to - from < 2 {
+                errors.push((values[to], 0.0));
+                continue;
+            }
+            if made == MOST {
+                return Ok(None);
+            }
+            let middle = from.midpoint(to);
+            let sample = make(middle)?;
+            let tolerance = OF_BASIS * sample.scene.tolerance;
+            let (first, all) = off(&merged, values[middle], &sample)?;
+            tracing::info!(value = values[middle], first, all, "merged basis tested");
+            pool = merged.directions;
+            pool.extend(sample.snapshots);
+            made += 1;
+            merged = merge(&pool)?;
+            if first <= tolerance {
+                errors.push((values[to], all));
+            } else {
+                open.extend([(from, middle), (middle, to)]);
+            }
+        }
+        errors.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let unknowns = ends[0].body.unknowns();
+        Ok(Some(Self { merged, errors, unknowns }))
+    }
+
+    /// The body at a value, on the basis and on the larger one, with the error found near that value.
+    pub fn at(&self, value: f64) -> ([ModalBody; 2], f64) {
+        let near = self.errors.iter().find(|(to, _)| value <= *to).map_or(0.0, |(_, error)| *error);
+        (self.merged.at(value).each_ref().map(ModalBody::of), near)
+    }
+}
+
+/// How far the merged basis is off a body's own one, which was not among those it was made of.
+fn off(merged: &Merged, value: f64, sample: &Sample) -> Result<(f64, f64)> {
+    let [basis, _] = merged.at(value);
+    let (own, steps) = ModalImpact::new(&sample.scene, &ModalBody::of(&sample.own)).trace(None)?;
+    match ModalImpact::new(&sample.scene, &ModalBody::of(&basis)).trace(Some(steps)) {
+        Ok((merged, _)) => Ok(own.difference(&merged)),
+        Err(_) => Ok((f64::INFINITY, f64::INFINITY)),
+    }
+}
