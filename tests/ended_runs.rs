@@ -97,13 +97,25 @@ fn sigint_ends_a_run_in_order_and_progress_is_sparse() {
     assert!(!outcome.stderr.contains('\r') && !outcome.stderr.contains('\u{1b}'));
 }
 
+/// Whether a process has taken SIGTERM, the 15th signal, into its own hands: its run begins.
+fn takes_sigterm(process: u32) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+    caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask >> 14 & 1 == 1)
+}
+
 /// In modal coordinates steps are told once they are all there: those up to the signal, of a run of minutes.
 #[test]
 fn sigterm_ends_a_run_in_modal_coordinates() {
     let scene = results::folder(&BOX.replace("reduction = \"none\"\n", "").replace("newton = \"full\"", ""));
     let line = "run scene.toml -o out.h5 --set time.end=90 --set time.step=1e-5";
     let started = start(ricochet(scene.path(), 0).args(words(line)));
-    std::thread::sleep(Duration::from_millis(1500));
+    let begin = Instant::now();
+    while !takes_sigterm(started.child.id()) {
+        assert!(begin.elapsed() < LIMIT, "the run does not begin");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    std::thread::sleep(Duration::from_millis(300));
     send("TERM", &started.child.id().to_string());
     let outcome = started.wait(LIMIT);
     assert_eq!(outcome.status, Some(130), "{outcome:#?}");

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra_sparse::CsrMatrix;
 use ricochet::body::plate::{Plate, Settings, Theory, admits};
-use ricochet::form::tensor::Entries;
 use ricochet::scene::Scene;
 
 const YOUNG: f64 = 70e9;
@@ -29,9 +29,9 @@ fn rigidity(thickness: f64) -> f64 {
     YOUNG * thickness.powi(3) / (12.0 * (1.0 - POISSON * POISSON))
 }
 
-fn dense(entries: &Entries, n: usize) -> DMatrix<f64> {
+fn dense(entries: &CsrMatrix<f64>, n: usize) -> DMatrix<f64> {
     let mut matrix = DMatrix::zeros(n, n);
-    for &(i, j, value) in entries {
+    for (i, j, &value) in entries.triplet_iter() {
         assert_eq!(matrix[(i, j)], 0.0, "an entry stands twice");
         matrix[(i, j)] = value;
     }
@@ -47,18 +47,18 @@ struct Operator {
 
 impl Operator {
     fn new(plate: &Plate, rate: f64) -> Self {
-        let n = plate.unknowns;
-        let mut matrix = dense(&plate.elastic, n) + rate * rate * dense(&plate.mass, n);
-        plate.support.iter().for_each(|support| matrix += dense(support, n));
-        plate.damping.iter().for_each(|damping| matrix += rate * dense(damping, n));
-        let free = (0..n).filter(|&i| plate.held.iter().all(|(held, _)| *held != i)).collect();
+        let n = plate.system.load.len();
+        let mut matrix = dense(&plate.system.elastic, n) + rate * rate * dense(&plate.system.mass, n);
+        plate.system.support.iter().for_each(|support| matrix += dense(support, n));
+        plate.system.damping.iter().for_each(|damping| matrix += rate * dense(damping, n));
+        let free = (0..n).filter(|&i| plate.system.held.iter().all(|(held, _)| *held != i)).collect();
         Self { matrix, free }
     }
 
     /// The displacement under a load, with held unknowns at their values.
     fn solve(&self, plate: &Plate, load: &[f64]) -> DVector<f64> {
-        let mut u = DVector::zeros(plate.unknowns);
-        plate.held.iter().for_each(|(i, value)| u[*i] = *value);
+        let mut u = DVector::zeros(plate.system.load.len());
+        plate.system.held.iter().for_each(|(i, value)| u[*i] = *value);
         let load = DVector::from_column_slice(load) - &self.matrix * &u;
         let inner = self.matrix.select_rows(&self.free).select_columns(&self.free);
         let found = inner.cholesky().expect("positive definite").solve(&load.select_rows(&self.free));
@@ -68,12 +68,12 @@ impl Operator {
 }
 
 fn a(plate: &Plate) -> DVector<f64> {
-    DVector::from_column_slice(&plate.localization)
+    DVector::from_column_slice(&plate.system.localization)
 }
 
 /// Reading under a unit force on the whole plate.
 fn answer(plate: &Plate, rate: f64) -> f64 {
-    a(plate).dot(&Operator::new(plate, rate).solve(plate, &plate.localization)) / plate.copies
+    a(plate).dot(&Operator::new(plate, rate).solve(plate, &plate.system.localization)) / plate.system.copies
 }
 
 fn held(surface: &str, components: &str) -> String {
@@ -111,7 +111,7 @@ fn navier_kirchhoff() {
     let exact = series([1.2, 0.9], 2000, |xi| 1.0 / (bending * xi.powi(4)));
     let errors = [1.0, 0.5].map(|fineness| {
         let plate = plate(&scene, Theory::Kirchhoff, fineness);
-        assert_eq!((plate.copies, plate.compliance), (4.0, 0.0));
+        assert_eq!((plate.system.copies, plate.system.compliance), (4.0, 0.0));
         1.0 - answer(&plate, 0.0) / exact
     });
     let order = (errors[0] / errors[1]).log2();
@@ -129,7 +129,7 @@ fn navier_mindlin() {
             let settings = Settings { fineness, ..settings };
             let plate = Plate::new(&scene, Theory::Mindlin, &settings).unwrap();
             let local = plate.local.unwrap();
-            assert_eq!(plate.compliance, -4.0 * local.compliance);
+            assert_eq!(plate.system.compliance, -4.0 * local.compliance);
             let shear = local.shear_factor * YOUNG / (2.0 * (1.0 + POISSON)) * h;
             let exact = series([1.2, 0.9], 1200, |xi| {
                 let x = xi * local.radius;
@@ -152,10 +152,10 @@ fn a_free_plate_has_three_rigid_motions() {
     let scene = scene("size = [0.4, 0.3, 0.03]\nsymmetry = \"none\"", "point = [0.05, 0.02, 0.015]", "");
     for theory in THEORIES {
         let plate = plate(&scene, theory, 1.5);
-        assert!(plate.held.is_empty() && plate.support.is_none() && plate.damping.is_none());
-        let n = plate.unknowns;
-        let inverse = dense(&plate.mass, n).cholesky().unwrap().l().try_inverse().unwrap();
-        let elastic = &inverse * dense(&plate.elastic, n) * inverse.transpose();
+        assert!(plate.system.held.is_empty() && plate.system.support.is_none() && plate.system.damping.is_none());
+        let n = plate.system.load.len();
+        let inverse = dense(&plate.system.mass, n).cholesky().unwrap().l().try_inverse().unwrap();
+        let elastic = &inverse * dense(&plate.system.elastic, n) * inverse.transpose();
         let mut squares: Vec<f64> = SymmetricEigen::new(elastic).eigenvalues.iter().copied().collect();
         squares.sort_by(f64::total_cmp);
         let (first, last) = (squares[3], squares[n - 1]);
@@ -176,14 +176,14 @@ fn a_translation_is_a_translation() {
     ];
     for (scene, theory) in scenes.iter().flat_map(|scene| THEORIES.map(|theory| (scene, theory))) {
         let plate = plate(scene, theory, 1.0);
-        let n = plate.unknowns;
-        let translation = DVector::from_column_slice(&plate.translation);
+        let n = plate.system.load.len();
+        let translation = DVector::from_column_slice(&plate.system.translation);
         // Rounding of a thousand terms.
         assert!((a(&plate).dot(&translation) - 1.0).abs() < 1e-11, "{theory:?}");
-        let elastic = dense(&plate.elastic, n);
+        let elastic = dense(&plate.system.elastic, n);
         assert!((&elastic * &translation).amax() < 1e-12 * elastic.amax(), "{theory:?}");
         let ricochet::scene::Geometry::Box { size, .. } = &scene.body.geometry else { panic!("no box") };
-        let mass = plate.copies * translation.dot(&(dense(&plate.mass, n) * &translation));
+        let mass = plate.system.copies * translation.dot(&(dense(&plate.system.mass, n) * &translation));
         assert!((mass / (DENSITY * size.iter().product::<f64>()) - 1.0).abs() < 1e-12, "{theory:?}: {mass}");
     }
 }
@@ -202,7 +202,7 @@ fn thin_plates_do_not_lock() {
         let exact = 1.265_319_087e-3 / rigidity(thickness);
         let [kirchhoff, mindlin] = THEORIES.map(|theory| {
             let plate = plate(&scene, theory, 1.0);
-            a(&plate).dot(&Operator::new(&plate, 0.0).solve(&plate, &plate.load)) / exact - 1.0
+            a(&plate).dot(&Operator::new(&plate, 0.0).solve(&plate, &plate.system.load)) / exact - 1.0
         });
         assert!(kirchhoff.abs() < 1e-6, "{thickness}: {kirchhoff:e}");
         errors.push(mindlin);
@@ -230,13 +230,13 @@ fn a_quarter_answers_as_the_whole() {
             let pressure = "[[load.traction]]\nsurface = \"top\"\nvalue = [0, 0, -1]\n";
             plate(&scene(&body, "", &format!("{rest}{pressure}")), theory, 0.7)
         });
-        assert_eq!((quarter.copies, whole.copies), (4.0, 1.0));
+        assert_eq!((quarter.system.copies, whole.system.copies), (4.0, 1.0));
         for rate in [0.0, 1e3, 1e4] {
             let [one, other] = [&quarter, &whole].map(|plate| answer(plate, rate));
             // What the cells at the hit leave in both: most at a point, and of quick waves.
             assert!((one / other - 1.0).abs() < 1e-3, "{theory:?} {rate}: {one:e} {other:e}");
-            let [one, other] =
-                [&quarter, &whole].map(|plate| a(plate).dot(&Operator::new(plate, rate).solve(plate, &plate.load)));
+            let [one, other] = [&quarter, &whole]
+                .map(|plate| a(plate).dot(&Operator::new(plate, rate).solve(plate, &plate.system.load)));
             // Smooth, with splines of degree 5.
             assert!((one / other - 1.0).abs() < 1e-6, "{theory:?} {rate}: {one:e} {other:e}");
         }
@@ -278,19 +278,19 @@ fn resultants() {
         let body = format!("size = [0.6, 0.4, 0.03]\nsymmetry = \"{symmetry}\"");
         let plate = plate(&scene(&body, "", rest), theory, 1.0);
         let (perimeter, area, h) = (2.0, 0.24, 0.03);
-        let one = DVector::from_column_slice(&plate.translation);
-        let of_vector = |v: &[f64]| plate.copies * one.dot(&DVector::from_column_slice(v));
-        let of_matrix = |m: &Option<Entries>| {
-            let matrix = dense(m.as_ref().expect("a matrix"), plate.unknowns);
-            plate.copies * one.dot(&(matrix * &one))
+        let one = DVector::from_column_slice(&plate.system.translation);
+        let of_vector = |v: &[f64]| plate.system.copies * one.dot(&DVector::from_column_slice(v));
+        let of_matrix = |m: &Option<CsrMatrix<f64>>| {
+            let matrix = dense(m.as_ref().expect("a matrix"), plate.system.load.len());
+            plate.system.copies * one.dot(&(matrix * &one))
         };
         let line = perimeter * h;
         for (found, exact) in [
-            (of_vector(&plate.load), 2e4 * area * h + 3e3 * area - 5e3 * line),
-            (of_vector(&plate.support_load), 1e9 * 1e-3 * line),
-            (plate.copies * plate.support_offset, 0.5 * 1e9 * 1e-6 * line),
-            (of_matrix(&plate.support), 1e9 * line + 1e7 * area),
-            (of_matrix(&plate.damping), 4e5 * area),
+            (of_vector(&plate.system.load), 2e4 * area * h + 3e3 * area - 5e3 * line),
+            (of_vector(&plate.system.support_load), 1e9 * 1e-3 * line),
+            (plate.system.copies * plate.system.support_offset, 0.5 * 1e9 * 1e-6 * line),
+            (of_matrix(&plate.system.support), 1e9 * line + 1e7 * area),
+            (of_matrix(&plate.system.damping), 4e5 * area),
         ] {
             // Rounding of a thousand terms.
             assert!((found / exact - 1.0).abs() < 1e-11, "{symmetry} {theory:?}: {found} {exact}");
@@ -319,8 +319,8 @@ fn displaced_clamps_carry_the_plate() {
     for (symmetry, theory) in ["quarter", "none"].iter().flat_map(|s| THEORIES.map(|theory| (s, theory))) {
         let scene = scene(&format!("size = [0.6, 0.4, 0.03]\nsymmetry = \"{symmetry}\""), "", &rest);
         let plate = plate(&scene, theory, 1.0);
-        let u = Operator::new(&plate, 0.0).solve(&plate, &vec![0.0; plate.unknowns]);
-        let translation = DVector::from_column_slice(&plate.translation);
+        let u = Operator::new(&plate, 0.0).solve(&plate, &vec![0.0; plate.system.load.len()]);
+        let translation = DVector::from_column_slice(&plate.system.translation);
         assert!((u - 2e-3 * translation).amax() < 1e-10, "{theory:?} {symmetry}");
     }
 }

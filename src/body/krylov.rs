@@ -30,6 +30,8 @@ pub struct Krylov {
     /// Products that are projected by the way, row by row of the lower triangle: K of the body, K of the supports, C.
     rows: [Vec<Vec<f64>>; 3],
     work: [Vector; 2],
+    /// M times the last vector of each chain.
+    images: Vec<Vector>,
     /// What the chains begin with: a, and the loads where there are any; all chains grow by turns.
     starts: Vec<Vector>,
     exhausted: bool,
@@ -54,6 +56,7 @@ impl Krylov {
         for start in &mut starts {
             body.clamps.zero(start)?;
         }
+        let images = starts.iter().map(Vector::duplicate).collect::<petsc_wrap::Result<_>>()?;
         Ok(Self {
             shift,
             solver: Ksp::new(comm, "", &matrix)?,
@@ -61,6 +64,7 @@ impl Krylov {
             auxiliary: Vec::new(),
             rows: [const { Vec::new() }; 3],
             work: [body.load.duplicate()?, body.load.duplicate()?],
+            images,
             starts,
             exhausted: false,
         })
@@ -93,7 +97,7 @@ impl Krylov {
     }
 
     fn add(&mut self, body: &Body) -> Result<()> {
-        let Self { shift, solver, basis, auxiliary, work: [known, product], starts, .. } = self;
+        let Self { shift, solver, basis, auxiliary, work: [known, product], images, starts, .. } = self;
         let (count, chains) = (basis.len(), starts.len());
         let mut next = body.load.duplicate()?;
         let mut companion = body.damping.is_some().then(|| body.load.duplicate()).transpose()?;
@@ -101,7 +105,7 @@ impl Krylov {
             solver.solve(&starts[count], &mut next)?;
         } else {
             let last = &basis[count - chains];
-            body.apply_mass(last, known)?;
+            known.copy_from(&images[count % chains])?;
             if let Some(damping) = &body.damping {
                 known.scale(2.0 * *shift)?;
                 damping.mult(last, product)?;
@@ -121,22 +125,30 @@ impl Krylov {
         {
             companion.fill(0.0)?;
         }
-        body.apply_mass(&next, product)?;
-        let before = next.dot(product)?.max(0.0).sqrt();
-        for _ in 0..2 {
+        // M-norms before and after, the latter by Pythagoras' theorem from that before the second, small correction.
+        let (mut before, mut length) = (0.0_f64, 0.0);
+        for pass in 0..2 {
+            body.apply_mass(&next, product)?;
+            let norm = next.dot(product)?.max(0.0).sqrt();
             let shares: Vec<f64> = product.dots(basis)?.iter().map(|share| -share).collect();
             next.add_combination(&shares, basis)?;
             if let Some(companion) = &mut companion {
                 companion.add_combination(&shares, auxiliary)?;
             }
-            body.apply_mass(&next, product)?;
+            if pass == 0 {
+                before = norm;
+            }
+            length = (norm * norm - shares.iter().map(|share| share * share).sum::<f64>()).max(0.0).sqrt();
         }
-        let length = next.dot(product)?.max(0.0).sqrt();
         if length <= EXHAUSTED * before {
             self.exhausted = true;
             return Ok(());
         }
         next.scale(1.0 / length)?;
+        // But for the second correction, which is within the basis.
+        let image = &mut images[count % chains];
+        image.copy_from(product)?;
+        image.scale(1.0 / length)?;
         if let Some(mut companion) = companion {
             companion.scale(1.0 / length)?;
             auxiliary.push(companion);

@@ -1,6 +1,7 @@
 //! What an impact needs of a body: operators, loads, and where it is hit.
 
 mod assembly;
+pub mod block;
 mod clamps;
 mod deviates;
 mod krylov;

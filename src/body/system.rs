@@ -66,7 +66,7 @@ impl Body {
         let deviates: Vec<f64> = (0..count as u64).map(normal).collect();
         let (mass, elastic) = (matrix_of(alone, &system.mass)?, matrix_of(alone, &system.elastic)?);
         Ok(Self {
-            products: [mass.duplicate()?, elastic.upper_triangle(1)?],
+            products: [mass.upper_triangle(1)?, elastic.upper_triangle(1)?],
             mass,
             elastic,
             support: of_list(&system.support)?,

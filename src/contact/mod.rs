@@ -15,3 +15,4 @@ pub use hertz::Hertz;
 pub use law::Law;
 pub use localization::Localization;
 pub use radius::{Patch, Reason};
+pub(crate) use radius::{limits, unit_compliance};

@@ -21,7 +21,7 @@ pub struct Patch {
     pub reason: Reason,
     /// Thickness h of the body under the impact point, along the inward normal, m.
     pub thickness: f64,
-    /// Longest edge of the facets at the impact point, m.
+    /// Longest edge of the facets at the impact point, m; 0 where the cells are chosen to carry the pressure.
     pub cell: f64,
     /// The radius at which the contact law has no stiffness left at the indentation of an impact on a half-space, m.
     /// The body yields, so that a run may hold below it.
@@ -61,7 +61,7 @@ impl Patch {
     }
 
     /// The largest of what thickness, cells and contact ask for.
-    pub(super) fn choose(thickness: f64, cell: f64, limit_radius: f64) -> Self {
+    pub(crate) fn choose(thickness: f64, cell: f64, limit_radius: f64) -> Self {
         let (mut radius, mut reason) = (OF_THICKNESS * thickness, Reason::Thickness);
         for (least, of) in [(CELLS * cell, Reason::Cells), (MARGIN * limit_radius, Reason::Contact)] {
             // A mesh made for a quarter of the thickness has it up to rounding.
@@ -73,7 +73,7 @@ impl Patch {
     }
 
     /// The same, as large as the surface has room for.
-    pub(super) fn cut_to(self, radius: f64) -> Self {
+    pub(crate) fn cut_to(self, radius: f64) -> Self {
         Self { radius, reason: Reason::Surface, ..self }
     }
 }
@@ -83,7 +83,7 @@ impl Patch {
 ///
 /// (3/5) (1 − ν²)/E for the part along the normal and (2 − ν)/(2 − 2ν) times that for the part along the surface,
 /// which do not couple in the mean (Johnson, Contact Mechanics, 1985, (3.41a) and (3.91a)).
-pub(super) fn unit_compliance(body: &Body, cosine: f64) -> f64 {
+pub(crate) fn unit_compliance(body: &Body, cosine: f64) -> f64 {
     let nu = body.poisson;
     let normal = cosine * cosine;
     0.6 * (1.0 - nu * nu) / body.young * (normal + (1.0 - normal) * (2.0 - nu) / (2.0 - 2.0 * nu))
@@ -94,7 +94,7 @@ pub(super) fn unit_compliance(body: &Body, cosine: f64) -> f64 {
 ///
 /// The least is that of Zener's plate of the local thickness, without echoes, hit by the reduced mass of impactor and
 /// body, since a light body flies off.
-pub(super) fn limits(body: &Body, impactor: &Impactor, mass: f64, thickness: f64, unit_compliance: f64) -> (f64, f64) {
+pub(crate) fn limits(body: &Body, impactor: &Impactor, mass: f64, thickness: f64, unit_compliance: f64) -> (f64, f64) {
     let Impactor { stiffness, speed, .. } = *impactor;
     let radius = |indentation| unit_compliance * Hertz { stiffness }.tangent(indentation);
     let reduced = impactor.mass / (1.0 + impactor.mass / mass);

@@ -5,12 +5,14 @@
 //! coordinates `x` come in the order of the shape's reference vertices. Nothing is allocated after construction.
 
 mod disc;
+pub mod elastic;
 mod lumping;
 mod pad;
 pub mod plate;
 mod pressure;
 mod solid;
 mod spline;
+mod spread;
 mod surface;
 pub mod tensor;
 
@@ -20,6 +22,7 @@ pub use pad::{PadForms, PadPoint, pressed_depth};
 pub use pressure::PressureForms;
 pub use solid::{Material, SolidForms, Tangled};
 pub use spline::Spline;
+pub use spread::Spread;
 pub use surface::SurfaceForms;
 
 use crate::element::Table;

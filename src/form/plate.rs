@@ -2,7 +2,10 @@
 //!
 //! A point at the height z along w moves by z θ in the plane; Kirchhoff's θ is −∇w.
 
-use super::tensor::{AREA, Part, Square};
+use super::tensor::{Along, Part, Square};
+
+/// Over the whole plate.
+pub const AREA: [Along; 2] = [Along::All; 2];
 
 /// The deflection's number as a field.
 pub const DEFLECTION: usize = 0;
@@ -38,27 +41,27 @@ impl Section {
 }
 
 /// w, differentiated.
-pub const fn deflection(derivatives: [usize; 2]) -> Part {
+pub const fn deflection(derivatives: [usize; 2]) -> Part<2> {
     Part { field: DEFLECTION, derivatives }
 }
 
 /// A rotation of Reissner's and Mindlin's theory, differentiated: field 1 is θ_x, field 2 θ_y.
-pub const fn rotation(axis: usize, derivatives: [usize; 2]) -> Part {
+pub const fn rotation(axis: usize, derivatives: [usize; 2]) -> Part<2> {
     Part { field: 1 + axis, derivatives }
 }
 
-fn square(factor: f64, parts: &[Part]) -> Square {
+fn square(factor: f64, parts: &[Part<2>]) -> Square<2> {
     Square { factor, parts: parts.to_vec(), place: AREA }
 }
 
 /// Twice the elastic energy of Kirchhoff's theory, ∫ D (ν (Δw)² + (1 − ν) (w_xx² + w_yy² + 2 w_xy²)).
-pub fn kirchhoff_elastic(section: &Section) -> Vec<Square> {
+pub fn kirchhoff_elastic(section: &Section) -> Vec<Square<2>> {
     let (xx, yy, xy) = (deflection([2, 0]), deflection([0, 2]), deflection([1, 1]));
     bending(section, [[xx, yy], [xy, xy]])
 }
 
 /// Twice the elastic energy of Reissner's and Mindlin's theory: the bending of θ, and κ μ h ∫ |∇w + θ|².
-pub fn mindlin_elastic(section: &Section, shear_factor: f64) -> Vec<Square> {
+pub fn mindlin_elastic(section: &Section, shear_factor: f64) -> Vec<Square<2>> {
     let stretch = [rotation(0, [1, 0]), rotation(1, [0, 1])];
     let twist = [rotation(0, [0, 1]), rotation(1, [1, 0])];
     let mut forms = bending(section, [stretch, twist]);
@@ -69,19 +72,19 @@ pub fn mindlin_elastic(section: &Section, shear_factor: f64) -> Vec<Square> {
 }
 
 /// ∫ D (ν (κ_x + κ_y)² + (1 − ν) (κ_x² + κ_y² + ½ (2κ_xy)²)) with the curvatures κ_x, κ_y and the two that sum to 2κ_xy.
-fn bending(section: &Section, [[x, y], twist]: [[Part; 2]; 2]) -> Vec<Square> {
+fn bending(section: &Section, [[x, y], twist]: [[Part<2>; 2]; 2]) -> Vec<Square<2>> {
     let (rigidity, nu) = (section.rigidity(), section.poisson);
     let part = rigidity * (1.0 - nu);
     vec![square(rigidity * nu, &[x, y]), square(part, &[x]), square(part, &[y]), square(0.5 * part, &twist)]
 }
 
 /// Twice the kinetic energy of a unit speed: ρ h w².
-pub fn kirchhoff_mass(section: &Section) -> Vec<Square> {
+pub fn kirchhoff_mass(section: &Section) -> Vec<Square<2>> {
     vec![square(section.density * section.thickness, &[deflection([0, 0])])]
 }
 
 /// Twice the kinetic energy: ρ h w² + ρ h³/12 θ².
-pub fn mindlin_mass(section: &Section) -> Vec<Square> {
+pub fn mindlin_mass(section: &Section) -> Vec<Square<2>> {
     let rotary = section.density * section.inertia();
     let mut forms = kirchhoff_mass(section);
     forms.extend((0..2).map(|axis| square(rotary, &[rotation(axis, [0, 0])])));

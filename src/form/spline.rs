@@ -20,7 +20,7 @@ pub struct Spline {
 
 impl Spline {
     /// Splines of a degree from 1 to 5 with `smoothness` < degree continuous derivatives, on at least one cell between
-    /// ascending breaks.
+    /// ascending breaks. Where an inner break stands twice there are fewer: by one where smoothness is degree − 1.
     pub fn new(breaks: &[f64], degree: usize, smoothness: usize) -> Self {
         Self::with_multiplicity(breaks, degree, |_| degree - smoothness)
     }
@@ -213,6 +213,28 @@ mod tests {
                 assert_eq!(part < 1e-9, derivative <= smoothness, "{degree} {smoothness} {derivative}: {part:e}");
             }
         }
+    }
+
+    /// A break that stands twice takes one derivative, and is no cell.
+    #[test]
+    fn double_breaks_take_a_derivative() {
+        let (mut breaks, degree) = (BREAKS.to_vec(), 4);
+        breaks.insert(2, BREAKS[2]);
+        let [smooth, spline] = [&BREAKS[..], &breaks].map(|breaks| Spline::new(breaks, degree, degree - 1));
+        assert_eq!(spline.functions(), smooth.functions() + 1);
+        for derivative in 0..=3 {
+            let jump = spline.values(0.25 - 1e-12, derivative) - spline.values(0.25, derivative);
+            let part = jump.amax() / spline.values(0.25, derivative).amax();
+            // Slopes over 1e-12 of a cell.
+            assert_eq!(part < 1e-9, derivative <= 2, "{derivative}: {part:e}");
+        }
+        // Smooth splines are among them, with the same integrals.
+        let mass = spline.products(0, &spline, 0).cholesky().expect("a mass matrix");
+        let shared = spline.products(0, &Spline::new(&breaks, 2, 1), 0);
+        assert!(
+            (mass.solve(&shared).transpose() * spline.integrals(0) - Spline::new(&breaks, 2, 1).integrals(0)).amax()
+                < 1e-13
+        );
     }
 
     /// Integrals by parts: ∫ u'v + ∫ uv' = [uv].

@@ -1,20 +1,20 @@
-//! Fields of tensor-product splines on a rectangle. Every integral of constant coefficients over it, or along an edge, is a sum
-//! of products of integrals along the axes, so that no quadrature in two dimensions is needed.
+//! Fields of tensor-product splines on a rectangle or a box. Every integral of constant coefficients over it, or over a face, is a
+//! sum of products of integrals along the axes, so that no quadrature in several dimensions is needed.
+
+use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
+use nalgebra_sparse::CsrMatrix;
 
 use super::Spline;
 
-/// A sparse matrix: row, column, value, every row and column once.
-pub type Entries = Vec<(usize, usize, f64)>;
-
 /// A derivative of a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Part {
+pub struct Part<const D: usize> {
     /// Number of the field.
     pub field: usize,
     /// How often it is differentiated along each axis.
-    pub derivatives: [usize; 2],
+    pub derivatives: [usize; D],
 }
 
 /// Where along an axis.
@@ -26,42 +26,50 @@ pub enum Along {
     At(f64),
 }
 
-/// Over the whole rectangle.
-pub const AREA: [Along; 2] = [Along::All; 2];
-
 /// A symmetric bilinear form: factor · ∫ (Σ parts of u)(Σ parts of v).
 #[derive(Debug, Clone, PartialEq)]
-pub struct Square {
+pub struct Square<const D: usize> {
     /// In front of the integral.
     pub factor: f64,
     /// Summed, then squared.
-    pub parts: Vec<Part>,
-    /// The place: area, edge or point.
-    pub place: [Along; 2],
+    pub parts: Vec<Part<D>>,
+    /// The place: all of the domain, a face or less.
+    pub place: [Along; D],
 }
 
 /// A linear form: factor · ∫ part of v.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Linear {
+pub struct Linear<const D: usize> {
     /// In front of the integral.
     pub factor: f64,
     /// What is integrated.
-    pub part: Part,
-    /// The place: area, edge or point.
-    pub place: [Along; 2],
+    pub part: Part<D>,
+    /// The place: all of the domain, a face or less.
+    pub place: [Along; D],
 }
 
-/// Fields on one rectangle, each with its splines along both axes, on the same breaks.
+/// Fields on one rectangle or box, each with its splines along all axes, on the same breaks.
 ///
-/// Unknowns: field by field; within a field the second axis runs fastest.
+/// Unknowns: field by field; within a field the last axis runs fastest.
 #[derive(Debug, Clone)]
-pub struct Tensor {
-    fields: Vec<[Spline; 2]>,
+pub struct Tensor<const D: usize> {
+    fields: Vec<[Spline; D]>,
 }
 
-impl Tensor {
+/// One product of two parts in a form, by axis; the factor stands in the first.
+type Term<const D: usize> = [Products; D];
+
+/// Integrals along one axis of products of the functions of two fields.
+struct Products {
+    /// A column for each function of the first field.
+    values: DMatrix<f64>,
+    /// Functions of the second field, from the first to the last that the first field's function meets.
+    met: Vec<Range<usize>>,
+}
+
+impl<const D: usize> Tensor<D> {
     /// The fields by number.
-    pub fn new(fields: Vec<[Spline; 2]>) -> Self {
+    pub fn new(fields: Vec<[Spline; D]>) -> Self {
         Self { fields }
     }
 
@@ -70,120 +78,322 @@ impl Tensor {
         self.first(self.fields.len())
     }
 
-    /// A field's splines along both axes.
-    pub fn splines(&self, field: usize) -> &[Spline; 2] {
+    /// A field's splines along all axes.
+    pub fn splines(&self, field: usize) -> &[Spline; D] {
         &self.fields[field]
     }
 
     /// Number of the unknown with these functions of a field along the axes.
-    pub fn unknown(&self, field: usize, functions: [usize; 2]) -> usize {
-        self.first(field) + functions[0] * self.fields[field][1].functions() + functions[1]
+    pub fn unknown(&self, field: usize, functions: [usize; D]) -> usize {
+        let axes = self.fields[field].iter().zip(functions);
+        self.first(field) + axes.fold(0, |number, (spline, function)| number * spline.functions() + function)
     }
 
+    /// Unknowns of the fields before one.
     fn first(&self, field: usize) -> usize {
-        self.fields[..field].iter().map(|[x, y]| x.functions() * y.functions()).sum()
+        self.fields[..field].iter().map(|axes| axes.iter().map(Spline::functions).product::<usize>()).sum()
     }
 
-    /// The matrix of a sum of forms, symmetric to the last bit.
-    pub fn matrix(&self, forms: &[Square]) -> Entries {
-        let mut entries = Entries::new();
-        for f in 0..self.fields.len() {
-            for g in f..self.fields.len() {
-                self.block([f, g], forms, &mut entries);
+    /// The matrix of a sum of forms, symmetric to the last bit. Its pattern is that of the fields that the forms couple, at the places
+    /// where they do, whatever the derivatives.
+    pub fn matrix(&self, forms: &[Square<D>]) -> CsrMatrix<f64> {
+        let count = self.fields.len();
+        let mut upper = Rows::default();
+        for f in 0..count {
+            let blocks: Vec<(usize, Vec<Term<D>>)> =
+                (f..count).map(|g| (g, self.terms([f, g], forms))).filter(|(_, terms)| !terms.is_empty()).collect();
+            for functions in indices(self.fields[f].each_ref().map(|spline| 0..spline.functions())) {
+                let row = self.unknown(f, functions);
+                for (g, terms) in &blocks {
+                    self.add_row((row, functions), *g, terms, &mut upper);
+                }
+                upper.ends.push(upper.columns.len());
             }
         }
-        entries
+        upper.mirrored()
     }
 
-    /// The entries of two fields, f ≤ g, and their mirror images.
-    fn block(&self, [f, g]: [usize; 2], forms: &[Square], entries: &mut Entries) {
-        let mut terms: Vec<[DMatrix<f64>; 2]> = Vec::new();
+    /// The terms of two fields in a sum of forms.
+    fn terms(&self, [f, g]: [usize; 2], forms: &[Square<D>]) -> Vec<Term<D>> {
+        let mut terms = Vec::new();
         for form in forms {
             for (a, b) in form.parts.iter().flat_map(|a| form.parts.iter().map(move |b| (a, b))) {
                 if (a.field, b.field) == (f, g) {
-                    let [x, y] = [0, 1].map(|axis| self.along(axis, form.place[axis], *a, *b));
-                    terms.push([x * form.factor, y]);
+                    let mut term: Term<D> = std::array::from_fn(|axis| self.along(axis, form.place[axis], *a, *b));
+                    term[0].values *= form.factor;
+                    terms.push(term);
                 }
             }
         }
-        if terms.is_empty() {
-            return;
-        }
-        let [x, y] = [0, 1].map(|axis| overlaps(&self.fields[f][axis], &self.fields[g][axis]));
-        for &(i, k) in &x {
-            for &(j, l) in &y {
-                let (row, column) = (self.unknown(f, [i, j]), self.unknown(g, [k, l]));
-                if row > column {
-                    continue;
-                }
-                let value: f64 = terms.iter().map(|[x, y]| x[(i, k)] * y[(j, l)]).sum();
-                if value != 0.0 {
-                    entries.push((row, column, value));
-                    if row != column {
-                        entries.push((column, row, value));
-                    }
-                }
-            }
-        }
+        terms
     }
 
     /// Products of two parts along one axis.
-    fn along(&self, axis: usize, place: Along, a: Part, b: Part) -> DMatrix<f64> {
+    fn along(&self, axis: usize, place: Along, a: Part<D>, b: Part<D>) -> Products {
         let [(s, d), (t, e)] = [a, b].map(|part| (&self.fields[part.field][axis], part.derivatives[axis]));
-        match place {
-            Along::All => s.products(d, t, e),
-            Along::At(x) => s.values(x, d) * t.values(x, e).transpose(),
+        // No function changes its sign, so that their product's integral tells whether they meet.
+        let (values, shared) = match place {
+            Along::All => (t.products(e, s, d), t.products(0, s, 0)),
+            Along::At(x) => {
+                let values = t.values(x, e) * s.values(x, d).transpose();
+                (values.clone(), values)
+            }
+        };
+        let met = shared.column_iter().map(|column| {
+            let first = column.iter().position(|v| *v != 0.0);
+            first.map_or(0..0, |first| first..column.iter().rposition(|v| *v != 0.0).unwrap_or(first) + 1)
+        });
+        Products { values, met: met.collect() }
+    }
+
+    /// Adds the entries of a row, given with its functions, in the columns of one field, from the diagonal on.
+    fn add_row(&self, (row, functions): (usize, [usize; D]), field: usize, terms: &[Term<D>], rows: &mut Rows) {
+        let met = |term: &Term<D>| -> [Range<usize>; D] {
+            std::array::from_fn(|axis| term[axis].met[functions[axis]].clone())
+        };
+        let present: Vec<&Term<D>> =
+            terms.iter().filter(|term| met(term).iter().all(|range| !range.is_empty())).collect();
+        let Some(hull) = present.iter().map(|term| met(term)).reduce(|hull, range| {
+            std::array::from_fn(|axis| hull[axis].start.min(range[axis].start)..hull[axis].end.max(range[axis].end))
+        }) else {
+            return;
+        };
+        // Lines along the last axis.
+        let last = hull[D - 1].clone();
+        let mut starts = hull;
+        starts[D - 1] = last.start..last.start + 1;
+        let mut line = vec![0.0; last.len()];
+        for start in indices(starts) {
+            let column = self.unknown(field, start);
+            if column + line.len() <= row {
+                continue;
+            }
+            line.fill(0.0);
+            for term in &present {
+                let factor: f64 = (0..D - 1).map(|axis| term[axis].values[(start[axis], functions[axis])]).product();
+                if factor != 0.0 {
+                    let values = term[D - 1].values.column(functions[D - 1]);
+                    line.iter_mut().zip(&values.as_slice()[last.clone()]).for_each(|(sum, v)| *sum += factor * v);
+                }
+            }
+            let skipped = row.saturating_sub(column);
+            rows.columns.extend(column + skipped..column + line.len());
+            rows.values.extend(&line[skipped..]);
         }
     }
 
     /// The vector of a sum of linear forms.
-    pub fn vector(&self, forms: &[Linear]) -> Vec<f64> {
+    pub fn vector(&self, forms: &[Linear<D>]) -> Vec<f64> {
         let mut sum = vec![0.0; self.unknowns()];
         for Linear { factor, part, place } in forms {
-            let [x, y] = [0, 1].map(|axis| {
+            let values = std::array::from_fn(|axis| {
                 let (spline, derivative) = (&self.fields[part.field][axis], part.derivatives[axis]);
                 match place[axis] {
                     Along::All => spline.integrals(derivative),
                     Along::At(at) => spline.values(at, derivative),
                 }
             });
-            self.add(part.field, *factor, &x, &y, &mut sum);
+            self.add(part.field, *factor, &values, &mut sum);
         }
         sum
     }
 
-    /// Adds factor · x yᵀ to the entries of a field.
-    fn add(&self, field: usize, factor: f64, x: &DVector<f64>, y: &DVector<f64>, sum: &mut [f64]) {
-        let block = sum[self.first(field)..].chunks_exact_mut(y.len());
-        for (row, x) in block.zip(x) {
-            row.iter_mut().zip(y).for_each(|(sum, y)| *sum += factor * x * y);
-        }
+    /// Adds factor · x ⊗ y ⊗ … to the entries of a field.
+    fn add(&self, field: usize, factor: f64, values: &[DVector<f64>; D], sum: &mut [f64]) {
+        let outer = |list: Vec<f64>, values: &DVector<f64>| -> Vec<f64> {
+            list.iter().flat_map(|a| values.iter().map(move |b| a * b)).collect()
+        };
+        let product = values.iter().fold(vec![factor], outer);
+        sum[self.first(field)..].iter_mut().zip(product).for_each(|(sum, value)| *sum += value);
     }
 
     /// Coefficients of a field that is 1 everywhere, the others zero.
     pub fn one(&self, field: usize) -> Vec<f64> {
         let mut sum = vec![0.0; self.unknowns()];
-        let [x, y] = &self.fields[field];
-        self.add(field, 1.0, &x.one(), &y.one(), &mut sum);
+        self.add(field, 1.0, &self.fields[field].each_ref().map(Spline::one), &mut sum);
         sum
     }
 
     /// Adds weight · (part of v at a point) to a vector.
-    pub fn add_point(&self, part: Part, point: [f64; 2], weight: f64, sum: &mut [f64]) {
-        let [x, y] = &self.fields[part.field];
-        let (i, of_x) = x.at(point[0], part.derivatives[0]);
-        let (j, of_y) = y.at(point[1], part.derivatives[1]);
-        for (k, x) in of_x.iter().enumerate().filter(|(_, x)| **x != 0.0) {
-            let row = self.unknown(part.field, [i + k, j]);
-            let entries = sum[row..].iter_mut().take(y.functions() - j);
-            entries.zip(of_y).for_each(|(sum, y)| *sum += weight * x * y);
+    pub fn add_point(&self, part: Part<D>, point: [f64; D], weight: f64, sum: &mut [f64]) {
+        let mut entries = vec![(0, weight)];
+        for (axis, spline) in self.fields[part.field].iter().enumerate() {
+            let (first, values) = spline.at(point[axis], part.derivatives[axis]);
+            let count = spline.functions();
+            let functions = || (first..).zip(values).filter(|(_, value)| *value != 0.0);
+            let outer =
+                |(number, weight): (usize, f64)| functions().map(move |(i, v)| (number * count + i, weight * v));
+            entries = entries.into_iter().flat_map(outer).collect();
         }
+        let sum = &mut sum[self.first(part.field)..];
+        entries.into_iter().for_each(|(number, value)| sum[number] += value);
     }
 }
 
-/// Pairs of functions that have a cell in common: none of them changes its sign, so that their product's integral tells.
-fn overlaps(a: &Spline, b: &Spline) -> Vec<(usize, usize)> {
-    let products = a.products(0, b, 0);
-    let pairs = (0..products.nrows()).flat_map(|i| (0..products.ncols()).map(move |j| (i, j)));
-    pairs.filter(|&at| products[at] != 0.0).collect()
+/// All indices within ranges, the last running fastest.
+fn indices<const D: usize>(ranges: [Range<usize>; D]) -> impl Iterator<Item = [usize; D]> {
+    let total: usize = ranges.iter().map(Range::len).product();
+    (0..total).map(move |mut number| {
+        let mut index = [0; D];
+        for axis in (0..D).rev() {
+            let length = ranges[axis].len();
+            index[axis] = ranges[axis].start + number % length;
+            number /= length;
+        }
+        index
+    })
+}
+
+/// The upper triangle of a symmetric matrix, row by row, columns ascending.
+#[derive(Default)]
+struct Rows {
+    ends: Vec<usize>,
+    columns: Vec<usize>,
+    values: Vec<f64>,
+}
+
+impl Rows {
+    /// With the lower triangle.
+    fn mirrored(self) -> CsrMatrix<f64> {
+        let Self { ends, columns, values } = self;
+        let count = ends.len();
+        let row = |i: usize| if i == 0 { 0..ends[0] } else { ends[i - 1]..ends[i] };
+        let mut offsets = vec![0; count + 1];
+        for i in 0..count {
+            offsets[i + 1] += row(i).len();
+            columns[row(i)].iter().filter(|j| **j != i).for_each(|j| offsets[j + 1] += 1);
+        }
+        for i in 0..count {
+            offsets[i + 1] += offsets[i];
+        }
+        let mut next = offsets[..count].to_vec();
+        let total = offsets[count];
+        let (mut all_columns, mut all_values) = (vec![0; total], vec![0.0; total]);
+        // A row has its lower part from the rows before, in their order, when its own turn comes.
+        for i in 0..count {
+            for (&j, &value) in columns[row(i)].iter().zip(&values[row(i)]) {
+                let mut put = |row: usize, column: usize| {
+                    (all_columns[next[row]], all_values[next[row]]) = (column, value);
+                    next[row] += 1;
+                };
+                put(i, j);
+                if i != j {
+                    put(j, i);
+                }
+            }
+        }
+        CsrMatrix::try_from_csr_data(count, count, offsets, all_columns, all_values)
+            .expect("rows in order, columns ascending")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::gauss_legendre;
+
+    const BREAKS: [&[f64]; 3] = [&[-0.3, 0.1, 0.25, 1.0], &[0.0, 0.4, 1.0], &[-0.1, 0.1]];
+
+    /// Two fields of different degrees on a box.
+    fn tensor() -> Tensor<3> {
+        let field =
+            |degrees: [usize; 3]| [0, 1, 2].map(|axis| Spline::new(BREAKS[axis], degrees[axis], degrees[axis] - 1));
+        Tensor::new(vec![field([2, 3, 1]), field([3, 2, 2])])
+    }
+
+    /// Points and weights, exact up to degree 9, of a place.
+    fn points(place: [Along; 3]) -> Vec<([f64; 3], f64)> {
+        let axes = [0, 1, 2].map(|axis| match place[axis] {
+            Along::At(x) => vec![(x, 1.0)],
+            Along::All => BREAKS[axis]
+                .windows(2)
+                .flat_map(|cell| {
+                    let (middle, half) = (0.5 * (cell[0] + cell[1]), 0.5 * (cell[1] - cell[0]));
+                    gauss_legendre(5).into_iter().map(move |(x, w)| (middle + half * x, half * w))
+                })
+                .collect(),
+        });
+        indices(axes.each_ref().map(|axis| 0..axis.len()))
+            .map(|index| {
+                let at = [0, 1, 2].map(|axis| axes[axis][index[axis]]);
+                (at.map(|(x, _)| x), at.iter().map(|(_, w)| w).product())
+            })
+            .collect()
+    }
+
+    const PLACES: [[Along; 3]; 4] = [
+        [Along::All; 3],
+        [Along::At(1.0), Along::All, Along::All],
+        [Along::All, Along::At(0.3), Along::At(-0.1)],
+        [Along::At(-0.3), Along::All, Along::All],
+    ];
+
+    /// Sums over points of products of the functions' values there.
+    #[test]
+    fn integrals_are_those_by_quadrature() {
+        let tensor = tensor();
+        let n = tensor.unknowns();
+        let part = |field, derivatives| Part { field, derivatives };
+        let squares: Vec<Square<3>> = PLACES
+            .iter()
+            .zip([
+                vec![part(0, [1, 0, 0]), part(1, [0, 1, 0]), part(0, [0, 2, 1])],
+                vec![part(1, [0, 0, 1]), part(0, [0, 0, 0])],
+                vec![part(0, [0, 0, 0])],
+                vec![part(1, [2, 1, 0])],
+            ])
+            .zip([1.5, -0.3, 2.0, 0.7])
+            .map(|((&place, parts), factor)| Square { factor, parts, place })
+            .collect();
+        let (mut exact, mut vector) = (DMatrix::zeros(n, n), DVector::zeros(n));
+        let mut linear = Vec::new();
+        for Square { factor, parts, place } in &squares {
+            linear.push(Linear { factor: *factor, part: parts[0], place: *place });
+            for (point, weight) in points(*place) {
+                let mut sums = [vec![0.0; n], vec![0.0; n]];
+                parts.iter().for_each(|part| tensor.add_point(*part, point, 1.0, &mut sums[0]));
+                tensor.add_point(parts[0], point, 1.0, &mut sums[1]);
+                let [all, first] = sums.map(DVector::from_vec);
+                exact += factor * weight * &all * all.transpose();
+                vector += factor * weight * first;
+            }
+        }
+        let matrix = DMatrix::from(&tensor.matrix(&squares));
+        assert_eq!(matrix, matrix.transpose());
+        // Rounding of some hundred terms.
+        assert!((&matrix - &exact).amax() < 1e-12 * exact.amax());
+        assert!((DVector::from_vec(tensor.vector(&linear)) - &vector).amax() < 1e-13 * vector.amax());
+    }
+
+    /// Whatever the derivatives and the place, entries are among those of the products of the same fields.
+    #[test]
+    fn patterns_are_nested() {
+        let tensor = tensor();
+        let matrix = |parts: &[Part<3>], place| tensor.matrix(&[Square { factor: 1.0, parts: parts.to_vec(), place }]);
+        let fields = [0, 1].map(|field| Part { field, derivatives: [0; 3] });
+        let all = DMatrix::from(&matrix(&fields, [Along::All; 3]));
+        for place in PLACES {
+            let rough = [0, 1].map(|field| Part { field, derivatives: [1, 0, 1] });
+            for (i, j, _) in matrix(&rough, place).triplet_iter() {
+                assert!(all[(i, j)] != 0.0, "{place:?}: {i} {j}");
+            }
+        }
+    }
+
+    /// Unknowns are numbered by field and function, and sums of a field's functions are 1.
+    #[test]
+    fn numbers_and_ones() {
+        let tensor = tensor();
+        let numbers: Vec<usize> = (0..2)
+            .flat_map(|field| {
+                let counts = tensor.splines(field).each_ref().map(|spline| 0..spline.functions());
+                indices(counts).map(|functions| tensor.unknown(field, functions)).collect::<Vec<_>>()
+            })
+            .collect();
+        assert_eq!(numbers, (0..tensor.unknowns()).collect::<Vec<_>>());
+        let mut values = vec![0.0; tensor.unknowns()];
+        tensor.add_point(Part { field: 1, derivatives: [0; 3] }, [0.2, 0.7, 0.03], 3.0, &mut values);
+        let sum: f64 = values.iter().zip(tensor.one(1)).map(|(v, one)| v * one).sum();
+        assert!((sum - 3.0).abs() < 1e-14);
+    }
 }

@@ -1,10 +1,9 @@
 //! One theory's body of a scene.
 
-use nalgebra_sparse::{CooMatrix, CsrMatrix};
 use petsc_wrap::Comm;
 
 use crate::body::plate::{self, Plate};
-use crate::body::{Body, ModalBody, Modes, System};
+use crate::body::{Body, ModalBody, Modes};
 use crate::contact::zener;
 use crate::error::Result;
 use crate::mesh::Mesh;
@@ -96,29 +95,8 @@ fn thickness(scene: &Scene) -> std::result::Result<f64, String> {
 fn of_plate(comm: &Comm, scene: &Scene, theory: plate::Theory) -> Result<Built> {
     let plate = Plate::new(scene, theory, &plate::Settings::default())?;
     let [x, y] = plate.cells;
-    let system = system(&plate);
-    Ok(Built::Operators(Box::new(Body::of(&comm.session().alone(), &system)?), format!("{x} × {y} cells of splines")))
-}
-
-fn system(plate: &Plate) -> System {
-    let matrix = |entries: &plate::Entries| {
-        let mut sum = CooMatrix::new(plate.unknowns, plate.unknowns);
-        entries.iter().for_each(|&(row, column, value)| sum.push(row, column, value));
-        CsrMatrix::from(&sum)
-    };
-    System {
-        mass: matrix(&plate.mass),
-        elastic: matrix(&plate.elastic),
-        support: plate.support.as_ref().map(matrix),
-        damping: plate.damping.as_ref().map(matrix),
-        held: plate.held.clone(),
-        load: plate.load.clone(),
-        support_load: plate.support_load.clone(),
-        support_offset: plate.support_offset,
-        localization: plate.localization.clone(),
-        compliance: plate.compliance,
-        patch: None,
-        translation: plate.translation.clone(),
-        copies: plate.copies,
-    }
+    Ok(Built::Operators(
+        Box::new(Body::of(&comm.session().alone(), &plate.system)?),
+        format!("{x} × {y} cells of splines"),
+    ))
 }

@@ -31,7 +31,7 @@ pub(super) fn lines(
     disc: Option<f64>,
     fineness: f64,
 ) -> Result<[Vec<f64>; 2], f64> {
-    let wave = wavelength(section, impactor);
+    let wave = wavelength(section, contact_time(section, impactor));
     let along = |axis: usize| {
         let edge = frame.edges[axis];
         let largest = fineness * (OF_WAVE * wave).min(edge / LEAST);
@@ -52,14 +52,17 @@ pub(super) fn lines(
     Ok([along(0)?, along(1)?])
 }
 
-/// Length of the flexural wave with the contact's frequency, m. The contact lasts as long as on a half-space, or on a plate that
-/// yields less: there the force rises to what the plate's impedance Z gives, k0 (v t)^{3/2} = Z v, within t.
-fn wavelength(section: &Section, impactor: &Impactor) -> f64 {
+/// How long a contact with a plate lasts, s: as long as on a half-space, or on a plate that yields less: there the force rises to
+/// what the plate's impedance Z gives, k0 (v t)^{3/2} = Z v, within t.
+pub(in crate::body) fn contact_time(section: &Section, impactor: &Impactor) -> f64 {
     let Impactor { stiffness, mass, speed, .. } = *impactor;
     let impedance = zener::impedance((section.young, section.poisson), section.density, section.thickness);
     let rise = (impedance / stiffness).powf(2.0 / 3.0) / speed.cbrt();
-    let time = hertz::contact_time(stiffness, mass, speed).min(6.0 * rise);
-    let frequency = TAU / time;
-    let wavenumber = (section.density * section.thickness / section.rigidity()).sqrt() * frequency;
+    hertz::contact_time(stiffness, mass, speed).min(6.0 * rise)
+}
+
+/// Length of the flexural wave of a period (s), m.
+pub(in crate::body) fn wavelength(section: &Section, period: f64) -> f64 {
+    let wavenumber = (section.density * section.thickness / section.rigidity()).sqrt() * TAU / period;
     TAU / wavenumber.sqrt()
 }

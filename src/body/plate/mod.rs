@@ -7,6 +7,7 @@ pub mod layer;
 mod site;
 mod theory;
 
+pub(super) use grid::{contact_time, wavelength};
 pub use theory::Theory;
 
 use boundary::Boundary;
@@ -14,9 +15,9 @@ use frame::Frame;
 use layer::Layer;
 use site::Site;
 
+use super::System;
 use crate::error::Result;
 use crate::form::plate::{DEFLECTION, Section};
-pub use crate::form::tensor::Entries;
 use crate::scene::{Fault, Scene};
 
 /// Choices that a scene does not make.
@@ -39,38 +40,15 @@ impl Default for Settings {
     }
 }
 
-/// The body's side of M ü + C u̇ + K u = a F + f, as plain numbers in SI units.
+/// A plate's system, and how it was made.
 ///
 /// The unknowns are coefficients of splines: of w along the impactor's direction (m), then of Mindlin's rotations θ along the two
-/// axes of the plane, ascending (rad). At its ends Kirchhoff's w has slopes among its coefficients. Matrices are those of all unknowns, held ones included.
+/// axes of the plane, ascending (rad). At its ends Kirchhoff's w has slopes among its coefficients. The compliance is −c_M times the
+/// copies, or 0 for Kirchhoff's theory.
 #[derive(Debug, Clone)]
 pub struct Plate {
-    /// Number of unknowns.
-    pub unknowns: usize,
-    /// M; kg for those of w.
-    pub mass: Entries,
-    /// K of the plate alone; N/m for those of w.
-    pub elastic: Entries,
-    /// K of the elastic supports (11); `None` when zero.
-    pub support: Option<Entries>,
-    /// C of the dampers (13); `None` when zero.
-    pub damping: Option<Entries>,
-    /// Held unknowns with their value: clamped sides (2) and planes of symmetry; ascending.
-    pub held: Vec<(usize, f64)>,
-    /// Body force and tractions, N for those of w.
-    pub load: Vec<f64>,
-    /// ∫ k ū·v of the elastic supports.
-    pub support_load: Vec<f64>,
-    /// ½ ∫ k ū·ū of the elastic supports, J.
-    pub support_offset: f64,
-    /// a: aᵀu is the displacement of the surface along the impactor's direction, a F the load.
-    pub localization: Vec<f64>,
-    /// c of α = δ + c F for the part that is modelled, m/N: −c_M times [`Self::copies`]; 0 for Kirchhoff's theory.
-    pub compliance: f64,
-    /// A translation by one along the impactor's direction.
-    pub translation: Vec<f64>,
-    /// How many such parts make the whole: 1, or 4 for a quarter.
-    pub copies: f64,
+    /// The body's side of M ü + C u̇ + K u = a F + f.
+    pub system: System,
     /// Cells along both axes of the modelled part.
     pub cells: [usize; 2],
     /// How Mindlin's plate is hit.
@@ -133,8 +111,7 @@ impl Plate {
         let copies = if frame.quarter { 4.0 } else { 1.0 };
         let site = Site { frame: &frame, section: &section, lines: &lines, tensor: &tensor, theory };
         let (support_load, support_offset) = site.support_load(&boundary.springs);
-        Ok(Self {
-            unknowns: tensor.unknowns(),
+        let system = System {
             mass: tensor.matrix(&theory.mass(&section)),
             elastic: tensor.matrix(&theory.elastic(&section, local.map_or(0.0, |local| local.shear_factor))),
             support: site.springs(&boundary.springs),
@@ -145,11 +122,11 @@ impl Plate {
             support_offset,
             localization: site.localization(local.as_ref(), copies),
             compliance: local.map_or(0.0, |local| -local.compliance * copies),
+            patch: None,
             translation: tensor.one(DEFLECTION),
             copies,
-            cells: lines.each_ref().map(|lines| lines.len() - 1),
-            local,
-        })
+        };
+        Ok(Self { system, cells: lines.each_ref().map(|lines| lines.len() - 1), local })
     }
 }
 

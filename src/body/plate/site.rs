@@ -1,18 +1,20 @@
 //! What holds and loads a plate, on its discretisation.
 
+use nalgebra_sparse::CsrMatrix;
+
 use super::boundary::{Boundary, Clamp, Place, Spring};
 use super::frame::Frame;
 use super::{Local, Theory};
-use crate::form::plate::{DEFLECTION, Section, deflection, rotation};
+use crate::form::plate::{AREA, DEFLECTION, Section, deflection, rotation};
 use crate::form::pressure_rule;
-use crate::form::tensor::{AREA, Entries, Linear, Part, Square, Tensor};
+use crate::form::tensor::{Linear, Part, Square, Tensor};
 
 /// A plate's discretisation, with what lives on it.
 pub(super) struct Site<'a> {
     pub frame: &'a Frame,
     pub section: &'a Section,
     pub lines: &'a [Vec<f64>; 2],
-    pub tensor: &'a Tensor,
+    pub tensor: &'a Tensor<2>,
     pub theory: Theory,
 }
 
@@ -31,11 +33,11 @@ impl Site<'_> {
     }
 
     /// Springs k: k h on w along a side, and k h³/12 on the rotations; k on w over a face.
-    pub fn springs(&self, springs: &[Spring]) -> Option<Entries> {
+    pub fn springs(&self, springs: &[Spring]) -> Option<CsrMatrix<f64>> {
         let mut forms = Vec::new();
         for Spring { place, in_plane, across, .. } in springs {
             let along = place.along(self.ends());
-            let mut add = |factor: f64, part: Part| {
+            let mut add = |factor: f64, part: Part<2>| {
                 if factor != 0.0 {
                     forms.push(Square { factor, parts: vec![part], place: along });
                 }
@@ -50,7 +52,7 @@ impl Site<'_> {
 
     /// ∫ k ū v and ½ ∫ k ū².
     pub fn support_load(&self, springs: &[Spring]) -> (Vec<f64>, f64) {
-        let forms: Vec<(Linear, f64)> = springs
+        let forms: Vec<(Linear<2>, f64)> = springs
             .iter()
             .map(|Spring { place, across, displacement, .. }| {
                 let factor = across * displacement * self.height(*place);
@@ -58,9 +60,9 @@ impl Site<'_> {
             })
             .collect();
         let one = self.tensor.one(DEFLECTION);
-        let work = |form: Linear| dot(&self.tensor.vector(&[form]), &one);
+        let work = |form: Linear<2>| dot(&self.tensor.vector(&[form]), &one);
         let offset = forms.iter().map(|(form, displacement)| 0.5 * displacement * work(*form)).sum();
-        let forms: Vec<Linear> = forms.into_iter().map(|(form, _)| form).collect();
+        let forms: Vec<Linear<2>> = forms.into_iter().map(|(form, _)| form).collect();
         (self.tensor.vector(&forms), offset)
     }
 
@@ -73,7 +75,7 @@ impl Site<'_> {
             part,
             place: place.along(self.ends()),
         });
-        let forms: Vec<Linear> = tractions.chain([body]).filter(|form| form.factor != 0.0).collect();
+        let forms: Vec<Linear<2>> = tractions.chain([body]).filter(|form| form.factor != 0.0).collect();
         self.tensor.vector(&forms)
     }
 
@@ -162,7 +164,7 @@ mod tests {
         let entries = site.springs(&[spring(0, true), spring(1, false)]).expect("springs");
         for (axis, k) in [2e9, 3e9].into_iter().enumerate() {
             let one = tensor.one(rotation(axis, [0, 0]).field);
-            let sum: f64 = entries.iter().map(|&(i, j, value)| one[i] * value * one[j]).sum();
+            let sum: f64 = entries.triplet_iter().map(|(i, j, value)| one[i] * value * one[j]).sum();
             let exact = k * 0.03_f64.powi(3) / 12.0 * (0.4 + 0.6);
             // Rounding of a hundred terms.
             assert!((sum / exact - 1.0).abs() < 1e-13, "{sum} {exact}");

@@ -33,7 +33,7 @@ impl Theory {
     /// Mindlin's w lies in splines of degree p, each rotation in those of one degree and one continuous derivative less along its
     /// own axis: then ∇w is among the rotations and nothing locks (Beirão da Veiga, Buffa, Lovadina, Martinelli & Sangalli, An
     /// isogeometric method for the Reissner–Mindlin plate bending problem, Comput. Methods Appl. Mech. Eng. 209–212, 2012).
-    pub(super) fn tensor(self, lines: &[Vec<f64>; 2]) -> Tensor {
+    pub(super) fn tensor(self, lines: &[Vec<f64>; 2]) -> Tensor<2> {
         let splines = |degree: usize| lines.each_ref().map(|lines| Spline::new(lines, degree, degree - 1));
         Tensor::new(match self {
             Self::Kirchhoff => vec![lines.each_ref().map(|lines| Spline::with_slopes(lines, DEGREE, DEGREE - 1))],
@@ -45,7 +45,7 @@ impl Theory {
     }
 
     /// Twice the elastic energy; κ is Mindlin's.
-    pub(super) fn elastic(self, section: &Section, shear_factor: f64) -> Vec<Square> {
+    pub(super) fn elastic(self, section: &Section, shear_factor: f64) -> Vec<Square<2>> {
         match self {
             Self::Kirchhoff => kirchhoff_elastic(section),
             Self::Mindlin => mindlin_elastic(section, shear_factor),
@@ -53,7 +53,7 @@ impl Theory {
     }
 
     /// Twice the kinetic energy.
-    pub(super) fn mass(self, section: &Section) -> Vec<Square> {
+    pub(super) fn mass(self, section: &Section) -> Vec<Square<2>> {
         match self {
             Self::Kirchhoff => kirchhoff_mass(section),
             Self::Mindlin => mindlin_mass(section),
@@ -61,7 +61,7 @@ impl Theory {
     }
 
     /// The rotation of the normal along an axis, up to its sign.
-    pub(super) fn rotation(self, axis: usize) -> Part {
+    pub(super) fn rotation(self, axis: usize) -> Part<2> {
         match self {
             Self::Kirchhoff => deflection([[1, 0], [0, 1]][axis]),
             Self::Mindlin => rotation(axis, [0, 0]),
@@ -83,9 +83,9 @@ mod tests {
     use std::f64::consts::PI;
 
     use nalgebra::{DMatrix, SymmetricEigen};
+    use nalgebra_sparse::CsrMatrix;
 
     use super::*;
-    use crate::form::tensor::Entries;
 
     const SECTION: Section = Section { thickness: 0.1, young: 70e9, poisson: 0.23, density: 2500.0 };
     const EDGES: [f64; 2] = [1.0, 0.7];
@@ -95,9 +95,9 @@ mod tests {
         (0..=cells).map(|i| edge * i as f64 / cells as f64).collect()
     }
 
-    fn dense(entries: &Entries, free: &[usize], unknowns: usize) -> DMatrix<f64> {
+    fn dense(entries: &CsrMatrix<f64>, free: &[usize], unknowns: usize) -> DMatrix<f64> {
         let mut full = DMatrix::zeros(unknowns, unknowns);
-        entries.iter().for_each(|&(i, j, value)| full[(i, j)] += value);
+        entries.triplet_iter().for_each(|(i, j, value)| full[(i, j)] += value);
         full.select_rows(free).select_columns(free)
     }
 

@@ -1,0 +1,34 @@
+//! Elasticity in three dimensions as forms on three fields, the components of the displacement.
+
+use super::Material;
+use super::tensor::{Along, Part, Square};
+
+/// All of the body.
+pub const VOLUME: [Along; 3] = [Along::All; 3];
+
+/// A component of the displacement.
+pub const fn displacement(component: usize) -> Part<3> {
+    Part { field: component, derivatives: [0; 3] }
+}
+
+/// ∂u_i/∂x_j.
+fn gradient(i: usize, j: usize) -> Part<3> {
+    let mut derivatives = [0; 3];
+    derivatives[j] = 1;
+    Part { field: i, derivatives }
+}
+
+/// Twice the elastic energy, ∫ λ (div u)² + 2 μ Σ ε_ii² + μ Σ_{i<j} (2 ε_ij)², by (4) and (5).
+pub fn elastic(material: &Material) -> Vec<Square<3>> {
+    let (lambda, mu) = material.lame();
+    let square = |factor: f64, parts: Vec<Part<3>>| Square { factor, parts, place: VOLUME };
+    let stretches = (0..3).map(|i| square(2.0 * mu, vec![gradient(i, i)]));
+    let shears = [(0, 1), (0, 2), (1, 2)].map(|(i, j)| square(mu, vec![gradient(i, j), gradient(j, i)]));
+    let volume = square(lambda, (0..3).map(|i| gradient(i, i)).collect());
+    stretches.chain(shears).chain([volume]).collect()
+}
+
+/// Twice the kinetic energy of a unit speed, ∫ ρ u².
+pub fn mass(material: &Material) -> Vec<Square<3>> {
+    (0..3).map(|i| Square { factor: material.density, parts: vec![displacement(i)], place: VOLUME }).collect()
+}
