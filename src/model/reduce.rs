@@ -1,9 +1,11 @@
 //! A basis as large as a scene needs, with its error.
 
+use std::ops::ControlFlow;
+
 use crate::body::{Body, Krylov, ModalBody, Projection};
 use crate::contact::hertz;
 use crate::error::Result;
-use crate::impact::{ModalImpact, Trace};
+use crate::impact::{Impact, ModalImpact, Steps, Trace};
 use crate::scene::{Reduction, Scene};
 
 /// Vectors of the first basis that is tried.
@@ -53,9 +55,8 @@ pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
         let projection = krylov.projection(body)?;
         count = projection.vectors();
         let enough = krylov.is_exhausted() || count > MOST || (given.is_some() && last.is_some());
-        match ModalImpact::new(scene, &ModalBody::of(&projection)).trace(steps) {
-            Ok((trace, taken)) => {
-                steps = Some(taken);
+        match force(scene, body, &projection, &mut steps) {
+            Ok(trace) => {
                 if let Some((smaller, before)) = &last {
                     let (first, all) = before.difference(&trace);
                     let error = (SAFETY * first, SAFETY * all);
@@ -73,6 +74,27 @@ pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
         }
         count += count.div_ceil(2);
     }
+}
+
+/// The force on a basis, by the scene's own scheme, whose steps pass the body's vibrations differently; in modal coordinates by the same
+/// steps on each basis.
+fn force(scene: &Scene, body: &Body, projection: &Projection, steps: &mut Option<Steps>) -> Result<Trace> {
+    if scene.time.modal {
+        let (trace, taken) = ModalImpact::new(scene, &ModalBody::of(projection)).trace(*steps)?;
+        *steps = Some(taken);
+        return Ok(trace);
+    }
+    let mut trace = Trace::default();
+    let mut last: Option<(f64, f64)> = None;
+    let reduced = Body::of(&body.comm().session().alone(), &projection.system())?;
+    let _ = Impact::new(scene, reduced)?.run(|step| {
+        let (time, force) = (step.time, step.contact.force);
+        if let Some((before, was)) = last.replace((time, force)) {
+            trace.push(before, time - before, [was, 0.5 * (was + force), force]);
+        }
+        Ok(ControlFlow::Continue(()))
+    })?;
+    Ok(trace)
 }
 
 /// The rate at which the scene's impact excites a body, 1/s.

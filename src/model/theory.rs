@@ -2,12 +2,13 @@
 
 use petsc_wrap::Comm;
 
+use crate::body::block::{self, Block};
 use crate::body::plate::{self, Plate};
-use crate::body::{Body, ModalBody, Modes};
+use crate::body::{Body, ModalBody, Modes, System};
 use crate::contact::zener;
 use crate::error::Result;
 use crate::mesh::Mesh;
-use crate::scene::{Contact, Fault, Geometry, Model, Scene};
+use crate::scene::{Contact, Fault, Geometry, Model, Reduction, Scene};
 
 /// What the scene calls the theory.
 pub fn name(model: Model) -> &'static str {
@@ -68,6 +69,10 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model) -> Result<Built> {
         }
         Model::Kirchhoff => of_plate(comm, scene, plate::Theory::Kirchhoff)?,
         Model::Mindlin => of_plate(comm, scene, plate::Theory::Mindlin)?,
+        Model::Auto | Model::Solid if is_of_splines(scene) => {
+            let Block { system, cells: [x, y, z] } = Block::new(scene, &block::Settings::new(scene.tolerance))?;
+            of_system(comm, &system, format!("{x} × {y} × {z} cells of splines"))?
+        }
         Model::Auto | Model::Solid => {
             let mesh = Mesh::new(comm, &scene.body)?;
             let body = Body::solid(scene, &mesh)?;
@@ -91,12 +96,18 @@ fn thickness(scene: &Scene) -> std::result::Result<f64, String> {
     Ok(size[axis])
 }
 
-/// Every rank has all of a plate.
+/// Whether a solid is a box of splines, with a tenth of the unknowns: where it is to be reduced, and the scene does not ask for cells.
+fn is_of_splines(scene: &Scene) -> bool {
+    let is_reduced = scene.time.modal || matches!(scene.body.reduction, Reduction::Vectors(_));
+    is_reduced && matches!(scene.body.geometry, Geometry::Box { is_given: false, .. }) && block::admits(scene).is_ok()
+}
+
 fn of_plate(comm: &Comm, scene: &Scene, theory: plate::Theory) -> Result<Built> {
-    let plate = Plate::new(scene, theory, &plate::Settings::default())?;
-    let [x, y] = plate.cells;
-    Ok(Built::Operators(
-        Box::new(Body::of(&comm.session().alone(), &plate.system)?),
-        format!("{x} × {y} cells of splines"),
-    ))
+    let Plate { system, cells: [x, y], .. } = Plate::new(scene, theory, &plate::Settings::default())?;
+    of_system(comm, &system, format!("{x} × {y} cells of splines"))
+}
+
+/// Every rank has all of it.
+fn of_system(comm: &Comm, system: &System, words: String) -> Result<Built> {
+    Ok(Built::Operators(Box::new(Body::of(&comm.session().alone(), system)?), words))
 }

@@ -188,7 +188,7 @@ pub enum Geometry {
         size: Vec3,
         /// Coordinates of the grid planes across each axis, m, ascending from −size/2 to size/2; the cells lie between them.
         planes: [Vec<f64>; 3],
-        /// Whether the scene gives the cells.
+        /// Whether the scene gives cells or their order.
         is_given: bool,
     },
     /// A Gmsh file (2.2 or 4.1), surfaces by physical name; relative to the scene file.

@@ -5,9 +5,6 @@ use crate::error::Result;
 use crate::form::Spread;
 use crate::scene::{Contact, Fault, Geometry, Scene, SupportKind, Symmetry, Vec3};
 
-/// The disc that is pressed over that of Hertz's pressure, at most.
-const WIDEST: f64 = 4.0;
-
 /// The shortest edge over the longest, at least: rounding goes with the fourth power of the ratio, and is 1e-3 of the deflection here.
 const THINNEST: f64 = 1.0 / 2000.0;
 
@@ -93,7 +90,7 @@ impl Frame {
         let mass = body.density * self.size.iter().product::<f64>();
         let half_space = unit_compliance(body, impactor.direction[self.struck]);
         // As wide as there is room, and no wider than the waves of the thickness do not mind.
-        let spread = |radius: f64| Spread::new((room.min(thickness) / radius).clamp(1.0, WIDEST));
+        let spread = |radius: f64| Spread::new((room.min(thickness) / radius).max(1.0));
         let limits = |radius: f64| limits(body, impactor, mass, thickness, half_space * spread(radius).compliance());
         let fault = |message: String, help: &str| Fault::new("contact.patch_radius", message, help);
         let far = "a smaller radius, or an impact point farther from the edge of the surface";
@@ -121,8 +118,7 @@ impl Frame {
                 Patch { radius, reason: Reason::Scene, ..Patch::choose(thickness, 0.0, limit) }
             }
             _ => {
-                let (limit, _) = limits(0.25 * thickness);
-                let chosen = Patch::choose(thickness, 0.0, limit);
+                let chosen = Patch::within(scene.tolerance, thickness, |radius| limits(radius).0);
                 if chosen.radius > room { chosen.cut_to(room) } else { chosen }
             }
         };

@@ -47,7 +47,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
             Geometry::Box {
                 size,
                 planes: grid::check(source, &raw.body, hit)?,
-                is_given: raw.body.cells.is_some() || raw.body.grading.is_some(),
+                is_given: raw.body.cells.is_some() || raw.body.grading.is_some() || raw.body.order.is_some(),
             }
         }
     };
