@@ -331,7 +331,7 @@ fn impacts_as_on_a_mesh(session: &Session) {
     for rest in [glass::sides(1e10, 0.0), glass::sides(2e9, 3e5)] {
         let scene = |cells: &str| {
             let body = format!("model = \"solid\"\nsize = [0.3, 0.3, 0.03]\n{cells}");
-            let rest = format!("[accuracy]\ntolerance = 1e-3\n{rest}");
+            let rest = format!("[contact]\npatch_radius = 7.5e-3\n[accuracy]\ntolerance = 1e-3\n{rest}");
             parse(&glass::scene(&body, "mass = 5.0\nspeed = 1.0", "end = 2e-3\nscheme = \"modal\"", &rest))
         };
         let mesh = scene("cells = [24, 24, 5]\ngrading = [5, 5, 3]");
@@ -340,8 +340,8 @@ fn impacts_as_on_a_mesh(session: &Session) {
         let found = trace(&splines, &body(session, &splines, 1.0));
         let (first, _) = found.difference(&meshed);
         println!("{first:.2e} in the first contact");
-        // Twice what the default cells of half the radius leave.
-        assert!(first < 5e-3, "{first}");
+        // Twice what the mesh's cells of half the radius leave.
+        assert!(first < 3e-3, "{first}");
         session.world().collect_garbage().unwrap();
     }
 }
@@ -364,7 +364,6 @@ fn scenes_that_are_no_blocks(_: &Session) {
     let contact = |radius: f64| format!("[contact]\npatch_radius = {radius}\n");
     for (impactor, rest, clause) in [
         ("", contact(0.3), "has no room"),
-        ("", contact(1e-4), "negative stiffness"),
         ("point = [0.25, 0.0, 0.05]", String::new(), "no room"),
         ("point = [0.2499, 0.0, 0.05]", String::new(), "negative stiffness"),
     ] {

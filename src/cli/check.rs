@@ -144,9 +144,7 @@ fn print_contact(scene: &Scene, patch: Option<&Patch>) {
     };
     let reason = match patch.reason {
         Reason::Scene => "as the scene says".to_owned(),
-        Reason::Thickness => {
-            format!("{:.2} of the thickness of {:.4} m", patch.radius / patch.thickness, patch.thickness)
-        }
+        Reason::Thickness => format!("a quarter of the thickness of {:.4} m", patch.thickness),
         Reason::Cells => format!("two cells of {:.4} m", patch.cell),
         Reason::Contact => "what the contact needs".to_owned(),
         Reason::Surface => "what has room on the surface".to_owned(),

@@ -3,14 +3,8 @@
 use super::{Hertz, hertz, zener};
 use crate::scene::{Body, Impactor};
 
-/// Part of the thickness that a patch is made to cover at most: 0.16% of error by [`Patch::error`].
+/// Part of the thickness that a patch is made to cover: 0.16% of error by [`Patch::error`].
 const OF_THICKNESS: f64 = 0.25;
-
-/// Error in the peak, as a part of it, over the square of the part of the thickness.
-const ERROR: f64 = 0.025;
-
-/// Part of a tolerance that a patch may take.
-const OF_TOLERANCE: f64 = 0.3;
 
 /// Cells along the radius that carry the pressure.
 const CELLS: f64 = 2.0;
@@ -39,7 +33,7 @@ pub struct Patch {
 pub enum Reason {
     /// The scene gives it.
     Scene,
-    /// A part of the thickness, a quarter or less: the half-space whose dent is taken out must be a good neighbour.
+    /// A quarter of the thickness: the half-space whose dent is taken out must be a good neighbour.
     Thickness,
     /// Two cells: smaller patches are not resolved.
     Cells,
@@ -52,7 +46,7 @@ pub enum Reason {
 impl Patch {
     /// What the thickness leaves of error in the peak, as a part of it: about 0.025 (r_p/h)².
     pub fn error(&self) -> f64 {
-        ERROR * (self.radius / self.thickness).powi(2)
+        0.025 * (self.radius / self.thickness).powi(2)
     }
 
     /// Whether cells are coarser than r_p/2, so that the pressure is not resolved.
@@ -66,24 +60,9 @@ impl Patch {
         self.radius <= self.limit_radius
     }
 
-    /// The largest of what cells and contact ask for and a quarter of the thickness.
+    /// The largest of what thickness, cells and contact ask for.
     pub(crate) fn choose(thickness: f64, cell: f64, limit_radius: f64) -> Self {
-        Self::at_least(OF_THICKNESS * thickness, thickness, cell, limit_radius)
-    }
-
-    /// The same for a body that carries the pressure on any disc, so that the patch may be as small as the tolerance asks for; `limit`
-    /// is the limit radius for a radius, which grows with that.
-    pub(crate) fn within(tolerance: f64, thickness: f64, limit: impl Fn(f64) -> f64) -> Self {
-        let radius = OF_THICKNESS.min((OF_TOLERANCE * tolerance / ERROR).sqrt()) * thickness;
-        let mut limit_radius = limit(radius);
-        for _ in 0..20 {
-            limit_radius = limit(radius.max(MARGIN * limit_radius));
-        }
-        Self::at_least(radius, thickness, 0.0, limit_radius)
-    }
-
-    fn at_least(radius: f64, thickness: f64, cell: f64, limit_radius: f64) -> Self {
-        let (mut radius, mut reason) = (radius, Reason::Thickness);
+        let (mut radius, mut reason) = (OF_THICKNESS * thickness, Reason::Thickness);
         for (least, of) in [(CELLS * cell, Reason::Cells), (MARGIN * limit_radius, Reason::Contact)] {
             // A mesh made for a quarter of the thickness has it up to rounding.
             if least > radius * (1.0 + 1e-9) {

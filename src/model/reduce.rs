@@ -16,12 +16,16 @@ const MOST: usize = 1500;
 
 /// A basis is judged by one of half as many vectors more, whose own error is part of the difference: where errors fall with the
 /// square of the number, (1 − 1.5⁻²)⁻¹ = 1.8 of the difference, and where they fall slower at times, more.
-pub const SAFETY: f64 = 3.0;
+pub const SAFETY: f64 = 2.2;
 
-/// Part of the tolerance that the basis may take.
-pub const OF_BASIS: f64 = 0.3;
+/// Part of the tolerance that the estimate may take.
+pub const OF_BASIS: f64 = 0.4;
 
-/// The rate s at which a basis is made, times the contact time on a half-space. From 5 to 50 bases are much alike.
+/// Vectors of a basis over those of the one before.
+const GROWTH: f64 = 1.225;
+
+/// The rate s at which a basis is made, times the contact time on a half-space, for a tolerance of 1e-2. From 5 to 50 bases are much alike;
+/// what is left for small tolerances is of higher frequencies.
 const RATE: f64 = 15.0;
 
 /// A body on a basis.
@@ -46,18 +50,21 @@ pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
         Reduction::Vectors(vectors) => Some(vectors),
         _ => None,
     };
+    // A given number, then half as many more; else in steps of √1.5, each basis judged by the one after the next.
     let mut count = given.unwrap_or(FIRST);
-    // The last basis, its force, and the steps that all are compared in.
-    let mut last: Option<(usize, Trace)> = None;
+    // The bases so far, their force, and the steps that all are compared in.
+    let mut tried: Vec<(usize, Trace)> = Vec::new();
     let mut steps = None;
     loop {
         krylov.grow(body, count)?;
         let projection = krylov.projection(body)?;
         count = projection.vectors();
-        let enough = krylov.is_exhausted() || count > MOST || (given.is_some() && last.is_some());
+        let enough = krylov.is_exhausted() || count > MOST || (given.is_some() && !tried.is_empty());
         match force(scene, body, &projection, &mut steps) {
             Ok(trace) => {
-                if let Some((smaller, before)) = &last {
+                let judged = tried.iter().rev().find(|(smaller, _)| larger(*smaller) <= count);
+                // What the force reaches to rounding judges itself.
+                if let Some((smaller, before)) = judged.or(tried.last().filter(|_| enough)) {
                     let (first, all) = before.difference(&trace);
                     let error = (SAFETY * first, SAFETY * all);
                     if enough || error.0 <= OF_BASIS * scene.tolerance {
@@ -66,14 +73,19 @@ pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
                         return Ok(Reduced { projection, larger, krylov, error });
                     }
                 }
-                last = Some((count, trace));
+                tried.push((count, trace));
             }
             Err(error) if enough => return Err(error),
             // A basis that is too small may be too soft, or too stiff, for the contact law.
             Err(_) => {}
         }
-        count += count.div_ceil(2);
+        count = if given.is_some() { larger(count) } else { (GROWTH * count as f64).ceil() as usize };
     }
+}
+
+/// The vectors by which a basis is judged.
+fn larger(vectors: usize) -> usize {
+    vectors + vectors.div_ceil(2)
 }
 
 /// The force on a basis, by the scene's own scheme, whose steps pass the body's vibrations differently; in modal coordinates by the same
@@ -100,5 +112,5 @@ fn force(scene: &Scene, body: &Body, projection: &Projection, steps: &mut Option
 /// The rate at which the scene's impact excites a body, 1/s.
 pub fn rate(scene: &Scene) -> f64 {
     let impactor = &scene.impactor;
-    RATE / hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed)
+    RATE * (1e-2 / scene.tolerance).cbrt() / hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed)
 }

@@ -1,9 +1,6 @@
 //! A box, and where it is hit.
 
-use crate::contact::{Patch, Reason, limits, unit_compliance};
-use crate::error::Result;
-use crate::form::Spread;
-use crate::scene::{Contact, Fault, Geometry, Scene, SupportKind, Symmetry, Vec3};
+use crate::scene::{Contact, Geometry, Scene, SupportKind, Symmetry, Vec3};
 
 /// The shortest edge over the longest, at least: rounding goes with the fourth power of the ratio, and is 1e-3 of the deflection here.
 const THINNEST: f64 = 1.0 / 2000.0;
@@ -19,19 +16,6 @@ pub(super) struct Frame {
     pub struck: usize,
     /// Axes across planes of symmetry: where their coordinates are positive is the modelled part.
     pub mirrors: Vec<usize>,
-}
-
-/// Where the body is loaded and read.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Site {
-    /// The patch that is stood for.
-    pub patch: Patch,
-    /// Its pressure, spread over more.
-    pub spread: Spread,
-    /// Radius of the disc, m.
-    pub disc: f64,
-    /// c of the contact law for the whole body, m/N.
-    pub compliance: f64,
 }
 
 impl Frame {
@@ -76,55 +60,5 @@ impl Frame {
     pub fn ends(&self, axis: usize) -> [f64; 2] {
         let half = 0.5 * self.size[axis];
         [if self.mirrors.contains(&axis) { 0.0 } else { -half }, half]
-    }
-
-    /// The patch, of the radius that the scene gives or that thickness, contact and face allow.
-    ///
-    /// # Errors
-    /// A fault of the scene where there is none.
-    pub fn site(&self, scene: &Scene) -> Result<Site> {
-        let (body, impactor) = (&scene.body, &scene.impactor);
-        let thickness = self.size[self.struck];
-        let room = self.plane().map(|axis| 0.5 * self.size[axis] - self.hit[axis].abs());
-        let room = room[0].min(room[1]);
-        let mass = body.density * self.size.iter().product::<f64>();
-        let half_space = unit_compliance(body, impactor.direction[self.struck]);
-        // As wide as there is room, and no wider than the waves of the thickness do not mind.
-        let spread = |radius: f64| Spread::new((room.min(thickness) / radius).max(1.0));
-        let limits = |radius: f64| limits(body, impactor, mass, thickness, half_space * spread(radius).compliance());
-        let fault = |message: String, help: &str| Fault::new("contact.patch_radius", message, help);
-        let far = "a smaller radius, or an impact point farther from the edge of the surface";
-        if room <= 1e-6 * thickness {
-            return Err(fault("the edge of the surface leaves no room for a patch".into(), far).into());
-        }
-        let least = |radius: f64| {
-            let (_, least) = limits(radius);
-            if radius >= least {
-                return Ok(());
-            }
-            let message = format!(
-                "a patch of radius {radius:.3e} m is too small for this impact: below about {least:.3e} m the contact has \
-                 negative stiffness"
-            );
-            Err(fault(message, "a larger radius, or an impact point farther from the edge of the surface"))
-        };
-        let patch = match scene.contact {
-            Contact::Patch { radius: Some(radius) } => {
-                let (limit, _) = limits(radius);
-                if radius > room * (1.0 + 1e-9) {
-                    let message = format!("a patch of radius {radius:.3e} m has no room at {room:.3e} m from an edge");
-                    return Err(fault(message, far).into());
-                }
-                Patch { radius, reason: Reason::Scene, ..Patch::choose(thickness, 0.0, limit) }
-            }
-            _ => {
-                let chosen = Patch::within(scene.tolerance, thickness, |radius| limits(radius).0);
-                if chosen.radius > room { chosen.cut_to(room) } else { chosen }
-            }
-        };
-        least(patch.radius)?;
-        let spread = spread(patch.radius);
-        let compliance = half_space * spread.compliance() / patch.radius;
-        Ok(Site { patch, spread, disc: spread.widening() * patch.radius, compliance })
     }
 }

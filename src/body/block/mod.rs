@@ -7,6 +7,8 @@
 
 mod frame;
 mod grid;
+mod layer;
+mod site;
 mod terms;
 
 use super::System;
@@ -16,7 +18,8 @@ use crate::form::tensor::Tensor;
 use crate::form::{Material, Spline};
 use crate::scene::{Fault, Scene};
 
-use frame::{Frame, Site};
+use frame::Frame;
+use site::Site;
 use terms::Terms;
 
 /// Degree of the splines, with all derivatives continuous but one. Of 3 to 5 it takes the least time for an error of 0.1% to 0.5% of an
@@ -53,7 +56,7 @@ pub struct Block {
 /// That clause.
 pub fn admits(scene: &Scene) -> std::result::Result<(), String> {
     let frame = Frame::new(scene)?;
-    match frame.site(scene) {
+    match Site::new(&frame, scene) {
         Ok(site) => grid::lines(&frame, scene, site.disc, Settings::new(scene.tolerance).fineness).map(|_| ()),
         // What is wrong with the patch is wrong with any mesh.
         Err(_) => Ok(()),
@@ -71,7 +74,7 @@ impl Block {
             Fault::new("body.model", message, "body.cells, for a mesh")
         };
         let frame = Frame::new(scene).map_err(fault)?;
-        let site = frame.site(scene)?;
+        let site = Site::new(&frame, scene)?;
         let lines = grid::lines(&frame, scene, site.disc, settings.fineness).map_err(fault)?;
         let body = &scene.body;
         let material = Material { young: body.young, poisson: body.poisson, density: body.density };
@@ -91,7 +94,7 @@ impl Block {
             support_offset,
             localization: terms.localization(&spread, disc),
             compliance: copies * compliance,
-            patch: Some(patch),
+            patch,
             translation: terms.translation(),
             copies,
         };

@@ -77,8 +77,7 @@ impl Layer {
 
     /// E h · [Γ − H] P² ξ dξ/dt.
     fn layer(&self, t: f64) -> f64 {
-        let f = (t.cosh() + 1.0) / (t.sinh() - t) + (t.cosh() - 1.0) / (t.sinh() + t);
-        (1.0 - self.poisson.powi(2)) * (f - 2.0) * pressure(t * self.patch).powi(2)
+        (1.0 - self.poisson.powi(2)) * (flexibility(t) - 2.0) * pressure(t * self.patch).powi(2)
     }
 
     /// E h · Γ_M P² ξ dξ/dt.
@@ -103,6 +102,11 @@ impl Layer {
         let of_bending = (second / t + 2.0 * s * t * first) / (t * t) + s * s * t * square;
         12.0 * (1.0 - self.poisson.powi(2)) * of_bending + self.shear() / t * first
     }
+}
+
+/// f(t), which tends to 2.
+pub(in crate::body) fn flexibility(t: f64) -> f64 {
+    (t.cosh() + 1.0) / (t.sinh() - t) + (t.cosh() - 1.0) / (t.sinh() + t)
 }
 
 /// f − 12/t³ − 2.4/t: the numerator over the first denominator as a series, where those terms have cancelled, and the

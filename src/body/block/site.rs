@@ -1,0 +1,87 @@
+//! Where a block is loaded and read, and what of that belongs to Hertz's law.
+
+use super::frame::Frame;
+use super::layer::beyond_half_space;
+use crate::contact::{Patch, Reason, limits, unit_compliance};
+use crate::error::Result;
+use crate::form::Spread;
+use crate::scene::{Contact, Fault, Scene, faces};
+
+/// Radius of the disc over the thickness, where the body is a plate around it and where it is not.
+const OF_THICKNESS: [f64; 2] = [2.0, 1.0];
+
+/// How far the disc is kept from the radius at which the contact law has no stiffness left.
+const MARGIN: f64 = 1.25;
+
+/// Where the body is loaded and read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Site {
+    /// The patch that is stood for; `None` for the limit of a small one.
+    pub patch: Option<Patch>,
+    /// Its pressure, spread over a disc.
+    pub spread: Spread,
+    /// Radius of the disc, m.
+    pub disc: f64,
+    /// c of the contact law for the whole body, m/N.
+    pub compliance: f64,
+}
+
+impl Site {
+    /// The patch of the scene, or the limit of a small one, on a disc for which the face has room.
+    ///
+    /// # Errors
+    /// A fault of the scene where there is none.
+    pub fn new(frame: &Frame, scene: &Scene) -> Result<Self> {
+        let (body, impactor) = (&scene.body, &scene.impactor);
+        let thickness = frame.size[frame.struck];
+        let room = frame.plane().map(|axis| 0.5 * frame.size[axis] - frame.hit[axis].abs());
+        let room = room[0].min(room[1]);
+        let fault = |message: String, help: &str| Fault::new("contact.patch_radius", message, help);
+        let far = "a smaller radius, or an impact point farther from the edge of the surface";
+        if room <= 1e-6 * thickness {
+            return Err(fault("the edge of the surface leaves no room for a patch".into(), far).into());
+        }
+        let given = match scene.contact {
+            Contact::Patch { radius } => radius,
+            Contact::Point => None,
+        };
+        let radius = given.unwrap_or(0.0);
+        if radius > room * (1.0 + 1e-9) {
+            let message = format!("a patch of radius {radius:.3e} m has no room at {room:.3e} m from an edge");
+            return Err(fault(message, far).into());
+        }
+        let is_plate = is_plate(frame, scene, room);
+        let half_space = unit_compliance(body, impactor.direction[frame.struck]);
+        let compliance = |disc: f64| {
+            let spread = Spread::new((radius / disc).min(1.0));
+            let of_layer = if is_plate { beyond_half_space(&spread, body.poisson, disc / thickness) } else { 0.0 };
+            half_space * spread.compliance() / disc + of_layer / (body.young * thickness)
+        };
+        let mass = body.density * frame.size.iter().product::<f64>();
+        // Discs on which the contact law has no stiffness left: on a half-space, and at least.
+        let limits = |disc: f64| limits(body, impactor, mass, thickness, disc * compliance(disc));
+        let mut disc = (OF_THICKNESS[usize::from(!is_plate)] * thickness).min(room).max(radius);
+        for _ in 0..20 {
+            disc = disc.max(MARGIN * limits(disc).0).min(room.max(radius));
+        }
+        let (_, least) = limits(disc);
+        if disc < least {
+            let message = format!(
+                "the contact has negative stiffness on {disc:.3e} m around the impact point: for this impact it takes about {least:.3e} m"
+            );
+            return Err(fault(message, "an impact point farther from the edge of the surface").into());
+        }
+        let patch =
+            given.map(|radius| Patch { radius, reason: Reason::Scene, thickness, cell: 0.0, limit_radius: 0.0 });
+        let spread = Spread::new((radius / disc).min(1.0));
+        Ok(Self { patch, spread, disc, compliance: compliance(disc) })
+    }
+}
+
+/// Whether the body is a layer around the point, for a force along its normal: free below, and wide.
+fn is_plate(frame: &Frame, scene: &Scene, room: f64) -> bool {
+    let is_free = |surface: &str| faces(surface).iter().all(|(axis, _)| *axis != frame.struck);
+    let thickness = frame.size[frame.struck];
+    let is_normal = (scene.impactor.direction[frame.struck].abs() - 1.0).abs() < 1e-9;
+    is_normal && room >= OF_THICKNESS[0] * thickness && scene.supports.iter().all(|support| is_free(&support.surface))
+}
