@@ -36,7 +36,7 @@ pub struct Settings {
 impl Settings {
     /// For an error of less than half of a tolerance, as measured on plates.
     pub fn new(tolerance: f64) -> Self {
-        Self { fineness: (1.4 * (tolerance / 1e-2).powf(0.22)).clamp(0.3, 2.0) }
+        Self { fineness: (1.35 * (tolerance / 1e-2).powf(0.22)).clamp(0.3, 2.0) }
     }
 }
 
