@@ -19,7 +19,7 @@ const MOST: usize = 1500;
 pub const SAFETY: f64 = 2.2;
 
 /// Part of the tolerance that the estimate may take.
-pub const OF_BASIS: f64 = 0.4;
+pub const OF_BASIS: f64 = 0.5;
 
 /// Vectors of a basis over those of the one before.
 const GROWTH: f64 = 1.225;

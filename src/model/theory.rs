@@ -103,7 +103,7 @@ fn is_of_splines(scene: &Scene) -> bool {
 }
 
 fn of_plate(comm: &Comm, scene: &Scene, theory: plate::Theory) -> Result<Built> {
-    let Plate { system, cells: [x, y], .. } = Plate::new(scene, theory, &plate::Settings::default())?;
+    let Plate { system, cells: [x, y], .. } = Plate::new(scene, theory, &plate::Settings::new(scene.tolerance))?;
     of_system(comm, &system, format!("{x} × {y} cells of splines"))
 }
 

@@ -34,6 +34,13 @@ pub struct Settings {
     pub patch_radius: f64,
 }
 
+impl Settings {
+    /// Cells for an error of less than half of a tolerance, as measured on plates.
+    pub fn new(tolerance: f64) -> Self {
+        Self { fineness: (1.2 * (tolerance / 1e-2).powf(0.25)).clamp(0.3, 2.0), ..Self::default() }
+    }
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self { fineness: 1.0, shear_factor: None, disc: 0.5, patch_radius: 0.0 }
