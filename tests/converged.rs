@@ -102,7 +102,7 @@ fn five_plates(session: &Session) {
     for Plate { size, stiffness, end, step, peak: expected, contacts } in PLATES {
         let time = format!("end = {end:e}\nstep = {step:e}");
         let series = history(&world, &plate(&format!("size = {size}"), &time, &sides(stiffness, 0.0)));
-        let mut episodes = Episodes::default();
+        let mut episodes = Episodes::new(glass::MASS);
         series.iter().for_each(|step| episodes.push(step));
         let found: Vec<f64> = episodes.all().iter().flat_map(|e| [1e3 * e.start, 1e3 * e.end]).collect();
         let peak = peak(&series);

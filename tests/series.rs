@@ -92,8 +92,7 @@ fn check_contacts(file: &hdf5::File, last: usize) {
         if last as f64 >= middle {
             assert!(peak_force[n] == 1.0 && near(peak_time[n], middle));
         }
-        // ∫ cos over the steps from `starts` to `ends`; the trapezoidal rule is off by a factor 1 − (π Δ)²/12,
-        // Δ = 1/HALF_PERIOD, that is by 2e-7.
+        // ∫ cos over the steps from `starts` to `ends`.
         let angle = |steps: f64| (steps / (2.0 * half) * std::f64::consts::PI).sin();
         let exact = 1e-5 * 2.0 * half / std::f64::consts::PI * (angle(ends) - angle(starts));
         assert!((impulse[n] - exact).abs() < 1e-6 * exact + 1e-12, "{n}");

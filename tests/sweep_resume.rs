@@ -65,8 +65,8 @@ fn a_signal_keeps_what_is_done() {
     for ranks in [0, 2] {
         let folder = folder(&supported());
         let path = folder.path().join("s.h5");
-        // Some seconds of work.
-        let line = LINE.replace(":8", ":100") + " --set time.end=0.05";
+        // Half a minute of work.
+        let line = LINE.replace(":8", ":5000") + " --set time.end=0.05";
         let started = begun(&folder, ranks, &line, Duration::from_millis(1500));
         // To one rank, which is not rank 0 where there are two.
         let ranks = children(started.child.id());
@@ -75,8 +75,8 @@ fn a_signal_keeps_what_is_done() {
         assert_eq!(outcome.status, Some(130), "{outcome:?}");
         assert_eq!(outcome.stderr.matches("interrupted: ").count(), 1, "{outcome:?}");
         let kept = done(&path);
-        assert!(outcome.stderr.contains(&format!("{} members are missing", 100 - kept)), "{kept}: {outcome:?}");
-        assert!(0 < kept && kept < 100 && !number::<bool>(&hdf5::File::open(&path).unwrap(), "complete"));
+        assert!(outcome.stderr.contains(&format!("{} members are missing", 5000 - kept)), "{kept}: {outcome:?}");
+        assert!(0 < kept && kept < 5000 && !number::<bool>(&hdf5::File::open(&path).unwrap(), "complete"));
     }
 }
 

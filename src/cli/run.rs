@@ -65,7 +65,7 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
         true => Some(Desk {
             writer: SeriesWriter::create(output, &provenance)?.every(scene.output.every),
             progress: Progress::new(scene.time.end),
-            summary: Summary::default(),
+            summary: Summary::new(scene.impactor.mass),
         }),
         false => None,
     };
@@ -132,7 +132,6 @@ struct Desk {
 }
 
 /// The run in three lines.
-#[derive(Default)]
 struct Summary {
     episodes: Episodes,
     peak: (f64, f64),
@@ -143,6 +142,11 @@ struct Summary {
 }
 
 impl Summary {
+    fn new(mass: f64) -> Self {
+        let energy = Energy::default();
+        Self { episodes: Episodes::new(mass), peak: (0.0, 0.0), rebound: 0.0, end: 0.0, initial: 0.0, energy }
+    }
+
     fn step(&mut self, step: &crate::impact::step::Step) {
         self.episodes.push(step);
         if step.impactor.acceleration > self.peak.0 {
@@ -213,6 +217,7 @@ fn provenance(comm: &Comm, scene: &Scene, source: &Source, model: &Model) -> Res
         model: model::name(model.theory).to_owned(),
         reduction: model.reduction(),
         unknowns: model.unknowns + 1,
+        impactor_mass: scene.impactor.mass,
         planned_rows: None,
     })
 }

@@ -54,6 +54,9 @@ pub(super) fn climb(comm: &Comm, scene: &Scene) -> Result<Model> {
                 "it is held at a displacement, and has no modal coordinates in which plates are compared".to_owned(),
             );
         }
+        Ok(()) if matches!(scene.body.geometry, Geometry::Box { is_given: true, .. }) => {
+            passed.push("cells or their order are given, which are the solid's".to_owned());
+        }
         Ok(()) => {
             if let Some(model) = plate(comm, scene, &mut passed)? {
                 return Ok(Model { reason: Some(passed.join("; ")), ..model });

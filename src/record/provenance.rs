@@ -26,6 +26,8 @@ pub struct Provenance {
     pub reduction: String,
     /// Number of unknowns, the impactor's included.
     pub unknowns: usize,
+    /// m0, kg: what impulses are computed with.
+    pub impactor_mass: f64,
     /// Number of rows that the run will record, where the steps are fixed: it sizes the chunks of the series, so
     /// that a run that keeps to it never has to enlarge the file.
     pub planned_rows: Option<usize>,

@@ -70,7 +70,7 @@ impl SeriesWriter {
             every: 1,
             buffer: Vec::new(),
             rows_written: 0,
-            episodes: Episodes::default(),
+            episodes: Episodes::new(provenance.impactor_mass),
             episodes_written: 0,
             flushed: None,
         })

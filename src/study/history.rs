@@ -4,7 +4,7 @@ use crate::impact::step::Step;
 use crate::record::episodes::Episodes;
 
 /// The acceleration of a run, to measure others by.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct History {
     time: Vec<f64>,
     acceleration: Vec<f64>,
@@ -30,6 +30,11 @@ pub struct Measured {
 }
 
 impl History {
+    pub(super) fn new() -> Self {
+        // Times and forces are asked for, not impulses.
+        Self { time: Vec::new(), acceleration: Vec::new(), episodes: Episodes::new(0.0) }
+    }
+
     pub(super) fn push(&mut self, step: &Step) {
         self.time.push(step.time);
         self.acceleration.push(step.impactor.acceleration);
@@ -186,7 +191,7 @@ mod tests {
 
     /// ⟨sin t⟩ up to t = 9: episodes 0 to π and 2π to 9.
     fn reference() -> History {
-        let mut history = History::default();
+        let mut history = History::new();
         (0..=9000).for_each(|n| history.push(&step(n, 1e-3 * n as f64, (1e-3 * n as f64).sin(), 1.0)));
         history
     }

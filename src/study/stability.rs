@@ -241,7 +241,7 @@ impl<'a> Bench<'a> {
         step: f64,
         other: Option<&History>,
     ) -> Result<Option<(Reference, History)>> {
-        let (mut measure, mut history) = (Measure::new(other), History::default());
+        let (mut measure, mut history) = (Measure::new(other), History::new());
         let ending = self.run(scheme, step, |step| {
             measure.push(step);
             history.push(step);

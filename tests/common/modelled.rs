@@ -34,7 +34,7 @@ pub fn run_scene(comm: &Comm, scene: &Scene) -> Ran {
     let model = Model::new(comm, scene).unwrap_or_else(|error| panic!("{error}"));
     let (unknowns, vectors) = (model.unknowns, model.vectors);
     let mut simulation = Simulation::new(scene, model).unwrap_or_else(|error| panic!("{error}"));
-    let (mut steps, mut episodes) = (Vec::new(), Episodes::default());
+    let (mut steps, mut episodes) = (Vec::new(), Episodes::new(scene.impactor.mass));
     let flow = simulation.run(|step| {
         steps.push(*step);
         episodes.push(step);

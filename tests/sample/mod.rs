@@ -10,16 +10,23 @@ pub const COST: Cost =
 /// Steps of half a contact, and of the gap after it.
 pub const HALF_PERIOD: usize = 2000;
 
+/// Of the impactor, kg.
+const MASS: f64 = 2e-3;
+
 /// A step whose values all follow from its number; in contact at first for half of [`HALF_PERIOD`].
 pub fn step(number: usize) -> Step {
     let t = number as f64;
     let alpha = (t / HALF_PERIOD as f64 * std::f64::consts::PI).cos();
     let phase = t / HALF_PERIOD as f64 * std::f64::consts::PI;
+    // ∫ cos of all contacts so far, by which the impactor slows down.
+    let contacts = ((phase / std::f64::consts::PI + 0.5) / 2.0).floor();
+    let rest = (phase - 2.0 * std::f64::consts::PI * contacts).min(0.5 * std::f64::consts::PI);
+    let impulse = 1e-5 * HALF_PERIOD as f64 / std::f64::consts::PI * (2.0 * contacts + rest.sin());
     let rate = -phase.sin() * std::f64::consts::PI / (1e-5 * HALF_PERIOD as f64);
     Step {
         number,
         time: 1e-5 * t,
-        impactor: Motion { position: t + 0.01, velocity: t + 0.02, acceleration: 500.0 * alpha.max(0.0) },
+        impactor: Motion { position: t + 0.01, velocity: 1.0 - impulse / MASS, acceleration: alpha.max(0.0) / MASS },
         contact: Contact {
             force: alpha.max(0.0),
             indentation: alpha,
@@ -54,6 +61,7 @@ pub fn provenance(title: &str, planned_rows: Option<usize>) -> Provenance {
         model: "solid".into(),
         reduction: "none".into(),
         unknowns: 4711,
+        impactor_mass: MASS,
         planned_rows,
     }
 }
