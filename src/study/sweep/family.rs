@@ -9,10 +9,13 @@ use crate::model::{Built, OF_BASIS, Reduced, build, rate, reduce};
 use crate::scene::{self, Scene};
 
 /// Fewer values than this are computed one by one.
-pub const LEAST: usize = 9;
+pub const LEAST: usize = 20;
 
 /// Values at which bodies are made, at most.
 const MOST: usize = 33;
+
+/// Values over those at which bodies are made, at least: merging costs about as much as making one more.
+const OF_VALUES: usize = 4;
 
 /// Weight of the directions of a basis, over the tolerance, down to which they are taken.
 const DEPTH: f64 = 0.03;
@@ -70,7 +73,7 @@ impl Family {
                 errors.push((values[to], 0.0));
                 continue;
             }
-            if made == MOST {
+            if made == MOST.min(values.len() / OF_VALUES) {
                 return Ok(None);
             }
             let middle = from.midpoint(to);
