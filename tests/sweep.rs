@@ -71,11 +71,11 @@ fn members_are_the_runs_of_their_scenes() {
 #[test]
 fn any_number_of_ranks_writes_the_same() {
     let folder = folder(&supported());
-    let line = "sweep scene.toml --vary support.0.stiffness=1e6..1e12:9 --log --series";
+    let line = "sweep scene.toml --vary support.0.stiffness=1e7..1e9:24 --log --series";
     good(&folder, 0, &format!("{line} -o 0.h5"));
     let alone = content(&file(&folder, "0.h5"));
-    assert_eq!(alone["/members/status"].len(), 9);
-    assert!(alone.contains_key("/series/8/contact/force"));
+    assert_eq!(alone["/members/status"].len(), 24);
+    assert!(alone.contains_key("/series/23/contact/force"));
     for ranks in 1..=3 {
         good(&folder, ranks, &format!("{line} -o {ranks}.h5"));
         assert_eq!(content(&file(&folder, &format!("{ranks}.h5"))), alone, "{ranks} ranks");
@@ -83,6 +83,45 @@ fn any_number_of_ranks_writes_the_same() {
     // Fewer members than ranks.
     good(&folder, 3, "sweep scene.toml --vary impactor.speed=1,2 -o few.h5");
     assert_eq!(members(&file(&folder, "few.h5"), "status"), [1.0, 1.0]);
+}
+
+/// Members on one merged basis against the same on bases of their own.
+#[test]
+fn a_family_answers_as_its_members() {
+    let scene = supported().replace("step = 2e-5\n", "").replace("end = 1e-3", "end = 6e-3");
+    let folder = folder(&scene.replace("cells = [4, 4, 1]\norder = 1\n", "").replace("localization = \"point\"\n", ""));
+    let line = "sweep scene.toml --vary support.0.stiffness=3e8..3e9:24 --log --series -o family.h5";
+    let said = run(ricochet(folder.path(), 0).env("RICOCHET_LOG", "info").args(words(line)));
+    assert!(said.status == Some(0) && said.stderr.contains("merged basis tested"), "{said:?}");
+    let family = file(&folder, "family.h5");
+    let (values, estimate) = (members(&family, "vary/support.0.stiffness"), members(&family, "error_estimate"));
+    let mut several = 0;
+    for n in [0, 3, 8, 11, 17, 22, 23] {
+        let set = format!("--set support.0.stiffness={:e} --set accuracy.tolerance=1e-3", values[n]);
+        good(&folder, 0, &format!("run scene.toml {set} --set body.model=mindlin -o run.h5"));
+        let single = file(&folder, "run.h5");
+        let (times, exact) = (column(&single, "time"), column(&single, "impactor/acceleration"));
+        let (end, peak) = (numbers(&single, "contacts/end")[0], exact.iter().copied().fold(0.0, f64::max));
+        several += usize::from(numbers(&single, "contacts/end").len() > 1);
+        let at = |time: f64| {
+            let next = times.partition_point(|t| *t <= time).clamp(1, times.len() - 1);
+            let part = ((time - times[next - 1]) / (times[next] - times[next - 1])).clamp(0.0, 1.0);
+            exact[next - 1] + part * (exact[next] - exact[next - 1])
+        };
+        let of = |name: &str| numbers(&family, &format!("series/{n}/{name}"));
+        let (mut first, mut all) = (0.0_f64, 0.0_f64);
+        for (time, found) in of("time").into_iter().zip(of("impactor/acceleration")) {
+            let off = (found - at(time)).abs() / peak;
+            all = all.max(off);
+            first = if time <= end { first.max(off) } else { first };
+        }
+        println!(
+            "k = {:e}: {first:.1e} in the first contact, {all:.1e} over all, estimate {:.1e}",
+            values[n], estimate[n]
+        );
+        assert!(first < 1e-2 && all < estimate[n], "{n}: {first:e} {all:e} {:e}", estimate[n]);
+    }
+    assert!(several > 0);
 }
 
 /// The same with error-controlled steps, which tell their steps late.

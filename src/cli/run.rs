@@ -187,7 +187,7 @@ impl Summary {
                 String::new()
             } else {
                 format!(
-                    "; estimated error of the acceleration, by basis, theory, steps and patch, {:.1e} of its peak",
+                    "; estimated error of the acceleration, by cells, basis, theory, steps and patch, {:.1e} of its peak",
                     cost.error_estimate
                 )
             }

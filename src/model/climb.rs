@@ -6,13 +6,11 @@
 
 use petsc_wrap::Comm;
 
-use crate::body::ModalBody;
 use crate::contact::{hertz, zener};
-use crate::error::Result;
-use crate::impact::{ModalImpact, Steps, Trace};
-use crate::scene::{Fault, Geometry, Load, Model as Theory, Newton, Scene, Scheme, Support, SupportKind};
+use crate::error::{Error, Result};
+use crate::scene::{Geometry, Load, Model as Theory, Newton, Scene, Scheme, Support, SupportKind};
 
-use super::{Dynamics, Model, admits, name};
+use super::{Built, Model, admits, build, fit, reduce};
 
 /// Mindlin's error over his distance from Kirchhoff, at most, in contacts that are long against the time in which a shear wave crosses the
 /// thickness; and the same for a contact of just this time. On the plates of docs/theories.md 0.005 to 0.007 were measured where the
@@ -27,12 +25,6 @@ const SLENDER: f64 = 4.0;
 
 /// By what part of λ Zener's plate changes the force of a half-space, over its peak; from his equation, for small λ.
 const OF_LAMBDA: f64 = 1.13;
-
-/// What the impact of a theory is compared by.
-struct Seen {
-    trace: Trace,
-    steps: Steps,
-}
 
 /// Climbs. Collective.
 pub(super) fn climb(comm: &Comm, scene: &Scene) -> Result<Model> {
@@ -104,7 +96,7 @@ fn formula(comm: &Comm, scene: &Scene) -> Result<Option<(Model, String)>> {
     let reason = format!(
         "a half-space is within {bound:.1e}: Zener's λ = {lambda:.1e}, ratio of the masses {ratio:.1e}, dent of a layer {local:.1e}"
     );
-    Ok(Some((Model { error: Some((bound, bound)), ..model }, reason)))
+    Ok(Some((model.with_error((bound, bound)), reason)))
 }
 
 /// Whether a box is a plate.
@@ -123,15 +115,17 @@ fn slender(scene: &Scene) -> std::result::Result<(), String> {
 fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>) -> Result<Option<Model>> {
     let tolerance = scene.tolerance;
     let modal = Scene { time: crate::scene::Time { modal: true, ..scene.time.clone() }, ..scene.clone() };
-    let thin = Model::of(comm, &modal, Theory::Kirchhoff)?;
-    let of_thin = look(&modal, &thin, None)?;
+    let operators = |theory| match build(comm, &modal, theory, 1.0)? {
+        Built::Operators(operators) => Ok(operators),
+        Built::Given(_) => Err(Error::Solve("a plate has unknowns".into())),
+    };
     if let Err(reason) = admits(scene, Theory::Mindlin) {
         passed.push(format!("Kirchhoff's theory has no neighbour to be judged by: {reason}"));
         return Ok(None);
     }
-    let thick = Model::of(comm, &modal, Theory::Mindlin)?;
-    let of_thick = look(&modal, &thick, Some(of_thin.steps))?;
-    let (first, all) = of_thick.trace.difference(&of_thin.trace);
+    let thin = reduce(&operators(Theory::Kirchhoff)?.body, &modal)?;
+    let thick = fit(comm, &modal, Theory::Mindlin, operators(Theory::Mindlin)?)?;
+    let (first, all) = thick.reduced.force.0.difference(&thin.force.0);
     let part = OF_DISTANCE[0] + OF_DISTANCE[1] * crossing(scene);
     let bound = part * first;
     let distance = format!("kirchhoff and mindlin differ by {first:.1e} in the first contact");
@@ -142,9 +136,11 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>) -> Result<Option<
         return Ok(None);
     }
     passed.push(format!("{distance}, so that solid would change mindlin by {bound:.1e} at most"));
-    let model = if scene.time.modal { thick } else { Model::of(comm, scene, Theory::Mindlin)? };
-    let basis = model.error.unwrap_or_default();
-    Ok(Some(Model { error: Some((basis.0 + bound, basis.1 + part * all)), ..model }))
+    let model = match scene.time.modal {
+        true => Model::on_basis(comm, scene, Theory::Mindlin, thick)?,
+        false => Model::of(comm, scene, Theory::Mindlin)?,
+    };
+    Ok(Some(model.with_error((bound, part * all))))
 }
 
 /// The time in which a shear wave crosses the thickness over that of a contact on a half-space.
@@ -153,15 +149,4 @@ fn crossing(scene: &Scene) -> f64 {
     let (Geometry::Box { size, .. }, Some(axis)) = (&body.geometry, scene.struck_axis()) else { return f64::INFINITY };
     let speed = (0.5 * body.young / (1.0 + body.poisson) / body.density).sqrt();
     size[axis] / speed / hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed)
-}
-
-/// The force of a model.
-fn look(scene: &Scene, model: &Model, steps: Option<Steps>) -> Result<Seen> {
-    let Dynamics::Modal(body) = &model.dynamics else {
-        let message = format!("{} is not compared in modal coordinates", name(model.theory));
-        return Err(Fault::new("body.model", message, "\"solid\"").into());
-    };
-    let body: &ModalBody = body;
-    let (trace, steps) = ModalImpact::new(scene, body).trace(steps)?;
-    Ok(Seen { trace, steps })
 }

@@ -1,5 +1,6 @@
 //! Which theory stands for a scene's body, on what basis, and the impacts that are run of it.
 
+mod cells;
 mod climb;
 mod reduce;
 mod simulation;
@@ -7,7 +8,9 @@ mod theory;
 
 pub use reduce::{OF_BASIS, Reduced, SAFETY, rate, reduce};
 pub use simulation::Simulation;
-pub use theory::{Built, admits, build, name};
+pub use theory::{Built, Operators, admits, build, name};
+
+pub use cells::{Fitted, fit};
 
 use petsc_wrap::Comm;
 
@@ -30,8 +33,13 @@ pub struct Model {
     pub vectors: Option<usize>,
     /// The body on a larger basis, by which this one is judged.
     pub larger: Option<ModalBody>,
-    /// Estimated error of the acceleration over its peak by the basis and the theory: in the first contact, and over all.
+    /// Estimated error of the acceleration over its peak by basis, cells and theory, as far as each is known: in the first contact, and
+    /// over all.
     pub error: Option<(f64, f64)>,
+    /// What of that is not the basis'.
+    pub beside_basis: (f64, f64),
+    /// Size of cells of splines over that by the rule for the tolerance.
+    pub size: f64,
     /// Why this theory and not another, where that was to be found.
     pub reason: Option<String>,
 }
@@ -69,7 +77,35 @@ impl Model {
 
     /// One theory's model. Collective.
     fn of(comm: &Comm, scene: &Scene, theory: scene::Model) -> Result<Self> {
-        let model = |dynamics, unknowns, words| Self {
+        match build(comm, scene, theory, 1.0)? {
+            Built::Given(body) => Ok(Self::bare(theory, Dynamics::Modal(body), 0, "a formula".to_owned())),
+            Built::Operators(Operators { body, words, .. })
+                if !scene.time.modal && !matches!(scene.body.reduction, Reduction::Vectors(_)) =>
+            {
+                let unknowns = body.unknowns();
+                Ok(Self::bare(theory, Dynamics::Stepped(body), unknowns, words))
+            }
+            Built::Operators(built) => Self::on_basis(comm, scene, theory, fit(comm, scene, theory, built)?),
+        }
+    }
+
+    /// The model of a reduced body. Collective.
+    fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
+        let Fitted { reduced, unknowns, words, size, error: cells } = fitted;
+        let Reduced { projection, larger, error, .. } = reduced;
+        let dynamics = if scene.time.modal {
+            Dynamics::Modal(ModalBody::of(&projection))
+        } else {
+            Dynamics::Stepped(Box::new(Body::of(&comm.session().alone(), &projection.system())?))
+        };
+        let (vectors, larger) = (Some(projection.vectors()), Some(ModalBody::of(&larger)));
+        let model = Self { vectors, larger, error: Some(error), size, ..Self::bare(theory, dynamics, unknowns, words) };
+        Ok(model.with_error(cells.unwrap_or_default()))
+    }
+
+    /// Without a basis and without an error.
+    fn bare(theory: scene::Model, dynamics: Dynamics, unknowns: usize, words: String) -> Self {
+        Self {
             theory,
             dynamics,
             unknowns,
@@ -77,28 +113,18 @@ impl Model {
             vectors: None,
             larger: None,
             error: None,
+            beside_basis: (0.0, 0.0),
+            size: 1.0,
             reason: None,
-        };
-        match build(comm, scene, theory)? {
-            Built::Given(body) => Ok(model(Dynamics::Modal(body), 0, "a formula".to_owned())),
-            Built::Operators(body, words) => {
-                let unknowns = body.unknowns();
-                if !scene.time.modal && !matches!(scene.body.reduction, Reduction::Vectors(_)) {
-                    return Ok(model(Dynamics::Stepped(body), unknowns, words));
-                }
-                let Reduced { projection, larger, error, .. } = reduce(&body, scene)?;
-                drop(body);
-                comm.collect_garbage()?;
-                let dynamics = if scene.time.modal {
-                    Dynamics::Modal(ModalBody::of(&projection))
-                } else {
-                    Dynamics::Stepped(Box::new(Body::of(&comm.session().alone(), &projection.system())?))
-                };
-                let vectors = Some(projection.vectors());
-                let larger = Some(ModalBody::of(&larger));
-                Ok(Self { vectors, larger, error: Some(error), ..model(dynamics, unknowns, words) })
-            }
         }
+    }
+
+    /// The same with an error beside that of the basis added: in the first contact, and over all.
+    fn with_error(mut self, (first, all): (f64, f64)) -> Self {
+        let before = self.error.unwrap_or_default();
+        self.error = Some((before.0 + first, before.1 + all));
+        self.beside_basis = (self.beside_basis.0 + first, self.beside_basis.1 + all);
+        self
     }
 
     /// What the basis is, for a result's attribute.

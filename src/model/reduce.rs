@@ -38,6 +38,8 @@ pub struct Reduced {
     pub krylov: Krylov,
     /// Estimated error of the acceleration over its peak: in the first contact, and over all.
     pub error: (f64, f64),
+    /// The force on the basis, and its steps in modal coordinates.
+    pub force: (Trace, Option<Steps>),
 }
 
 /// Reduces a body to what the scene's impact needs: a given number of vectors, or as many as the tolerance asks for. Collective.
@@ -70,7 +72,7 @@ pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
                     if enough || error.0 <= OF_BASIS * scene.tolerance {
                         tracing::info!(vectors = smaller, first = error.0, all = error.1, "reduced");
                         let (larger, projection) = (projection.clone(), projection.leading(*smaller));
-                        return Ok(Reduced { projection, larger, krylov, error });
+                        return Ok(Reduced { projection, larger, krylov, error, force: (before.clone(), steps) });
                     }
                 }
                 tried.push((count, trace));
@@ -90,7 +92,7 @@ fn larger(vectors: usize) -> usize {
 
 /// The force on a basis, by the scene's own scheme, whose steps pass the body's vibrations differently; in modal coordinates by the same
 /// steps on each basis.
-fn force(scene: &Scene, body: &Body, projection: &Projection, steps: &mut Option<Steps>) -> Result<Trace> {
+pub(super) fn force(scene: &Scene, body: &Body, projection: &Projection, steps: &mut Option<Steps>) -> Result<Trace> {
     if scene.time.modal {
         let (trace, taken) = ModalImpact::new(scene, &ModalBody::of(projection)).trace(*steps)?;
         *steps = Some(taken);

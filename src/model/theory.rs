@@ -26,8 +26,18 @@ pub fn name(model: Model) -> &'static str {
 pub enum Built {
     /// Modes from a formula.
     Given(ModalBody),
-    /// Operators, with what they were made of in words.
-    Operators(Box<Body>, String),
+    /// Operators.
+    Operators(Operators),
+}
+
+/// A body's operators, with what they were made of.
+pub struct Operators {
+    /// The body.
+    pub body: Box<Body>,
+    /// What its unknowns are of.
+    pub words: String,
+    /// Whether these are splines, on cells that the program chooses.
+    pub is_of_splines: bool,
 }
 
 /// Why a theory does not stand for a scene: a clause.
@@ -47,11 +57,11 @@ pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
     }
 }
 
-/// Builds a theory's body. Collective.
+/// Builds a theory's body; cells of splines are larger by `size` than by the rule for the scene's tolerance. Collective.
 ///
 /// # Errors
 /// A fault of `body.model` where the theory does not stand for the scene; those of meshes; PETSc's.
-pub fn build(comm: &Comm, scene: &Scene, theory: Model) -> Result<Built> {
+pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64) -> Result<Built> {
     admits(scene, theory).map_err(|reason| {
         Fault::new(
             "body.model",
@@ -67,10 +77,12 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model) -> Result<Built> {
             let impedance = zener::impedance((body.young, body.poisson), body.density, thickness);
             Built::Given(ModalBody::given(Modes::dashpot(impedance)))
         }
-        Model::Kirchhoff => of_plate(comm, scene, plate::Theory::Kirchhoff)?,
-        Model::Mindlin => of_plate(comm, scene, plate::Theory::Mindlin)?,
+        Model::Kirchhoff => of_plate(comm, scene, plate::Theory::Kirchhoff, size)?,
+        Model::Mindlin => of_plate(comm, scene, plate::Theory::Mindlin, size)?,
         Model::Auto | Model::Solid if is_of_splines(scene) => {
-            let Block { system, cells: [x, y, z] } = Block::new(scene, &block::Settings::new(scene.tolerance))?;
+            let mut settings = block::Settings::new(scene.tolerance);
+            settings.fineness *= size;
+            let Block { system, cells: [x, y, z] } = Block::new(scene, &settings)?;
             of_system(comm, &system, format!("{x} × {y} × {z} cells of splines"))?
         }
         Model::Auto | Model::Solid => {
@@ -79,7 +91,7 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model) -> Result<Built> {
             let words = format!("{} cells of order {}", mesh.total_cells, scene.body.order);
             drop(mesh);
             comm.collect_garbage()?;
-            Built::Operators(Box::new(body), words)
+            Built::Operators(Operators { body: Box::new(body), words, is_of_splines: false })
         }
     })
 }
@@ -102,12 +114,15 @@ fn is_of_splines(scene: &Scene) -> bool {
     is_reduced && matches!(scene.body.geometry, Geometry::Box { is_given: false, .. }) && block::admits(scene).is_ok()
 }
 
-fn of_plate(comm: &Comm, scene: &Scene, theory: plate::Theory) -> Result<Built> {
-    let Plate { system, cells: [x, y], .. } = Plate::new(scene, theory, &plate::Settings::new(scene.tolerance))?;
+fn of_plate(comm: &Comm, scene: &Scene, theory: plate::Theory, size: f64) -> Result<Built> {
+    let mut settings = plate::Settings::new(scene.tolerance);
+    settings.fineness *= size;
+    let Plate { system, cells: [x, y], .. } = Plate::new(scene, theory, &settings)?;
     of_system(comm, &system, format!("{x} × {y} cells of splines"))
 }
 
 /// Every rank has all of it.
 fn of_system(comm: &Comm, system: &System, words: String) -> Result<Built> {
-    Ok(Built::Operators(Box::new(Body::of(&comm.session().alone(), system)?), words))
+    let body = Box::new(Body::of(&comm.session().alone(), system)?);
+    Ok(Built::Operators(Operators { body, words, is_of_splines: true }))
 }

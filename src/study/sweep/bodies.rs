@@ -41,7 +41,7 @@ struct Kept {
     body: ModalBody,
     larger: Option<ModalBody>,
     unknowns: usize,
-    /// Error by the theory, as auto estimates it, or by the merging of bases.
+    /// Error by theory and cells, as far as they are known, and by the merging of bases.
     of_model: f64,
 }
 
@@ -137,7 +137,7 @@ impl<'a> Bodies<'a> {
             scene.body.model = self.theory;
         }
         let model = Model::new(&self.comm, &scene)?;
-        let of_model = if model.larger.is_none() { model.error.map_or(0.0, |(_, all)| all) } else { 0.0 };
+        let (_, of_model) = model.beside_basis;
         match model.dynamics {
             Dynamics::Modal(body) => Ok(Kept { body, larger: model.larger, unknowns: model.unknowns, of_model }),
             Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),

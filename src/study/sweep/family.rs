@@ -5,7 +5,7 @@ use petsc_wrap::{Comm, Vector};
 use crate::body::{Body, Merged, ModalBody, Projection, snapshots};
 use crate::error::Result;
 use crate::impact::ModalImpact;
-use crate::model::{Built, OF_BASIS, Reduced, build, rate, reduce};
+use crate::model::{Built, Fitted, OF_BASIS, Reduced, build, fit, rate, reduce};
 use crate::scene::{self, Scene};
 
 /// Fewer values than this are computed one by one.
@@ -23,7 +23,8 @@ const DEPTH: f64 = 0.03;
 /// A merged basis with what was found of its errors.
 pub struct Family {
     merged: Merged,
-    /// Up to a value, the error over the whole history at the middle of the values around it, where the basis was tested.
+    /// Up to a value, the error over the whole history at the middle of the values around it, where the basis was tested; with that of
+    /// the cells.
     errors: Vec<(f64, f64)>,
     /// Unknowns of the bodies.
     pub unknowns: usize,
@@ -50,12 +51,25 @@ impl Family {
         scene_of: &dyn Fn(f64) -> Result<Scene>,
     ) -> Result<Option<Self>> {
         let last = values.len() - 1;
-        let make = |place: usize| -> Result<Sample> {
+        let operators = |place: usize, size: f64| {
             let scene = scene_of(values[place])?;
             let theory = if scene.body.model == scene::Model::Auto { theory } else { scene.body.model };
-            let Built::Operators(body, _) = build(comm, &scene, theory)? else {
-                return Err(crate::Error::Solve("the theory has no supports".into()));
-            };
+            match build(comm, &scene, theory, size)? {
+                Built::Operators(built) => Ok((built, theory, scene)),
+                Built::Given(_) => Err(crate::Error::Solve("the theory has no supports".into())),
+            }
+        };
+        // The cells of all are the finer ones of the two ends.
+        let (mut size, mut of_cells) = (1.0_f64, 0.0_f64);
+        for place in [0, last] {
+            let (built, theory, scene) = operators(place, 1.0)?;
+            let Fitted { size: own, error, .. } = fit(comm, &scene, theory, built)?;
+            size = size.min(own);
+            of_cells = of_cells.max(error.unwrap_or_default().1);
+        }
+        let make = |place: usize| -> Result<Sample> {
+            let (built, _, scene) = operators(place, size)?;
+            let body = built.body;
             let Reduced { projection, larger, krylov, .. } = reduce(&body, &scene)?;
             let snapshots = snapshots(&body, &krylov, &larger, rate(&scene))?;
             Ok(Sample { body: *body, snapshots, own: projection, scene })
@@ -92,6 +106,7 @@ impl Family {
             }
         }
         errors.sort_by(|a, b| a.0.total_cmp(&b.0));
+        errors.iter_mut().for_each(|(_, error)| *error += of_cells);
         let unknowns = ends[0].body.unknowns();
         Ok(Some(Self { merged, errors, unknowns }))
     }

@@ -1,0 +1,94 @@
+//! Cells of splines as fine as a scene needs, with the error that they leave.
+//!
+//! What cells a tolerance takes goes with the length of the contact and what comes back from the edges, and is known by a rule of thumb
+//! only. So the force is computed on coarser cells too, on a basis as large.
+
+use petsc_wrap::Comm;
+
+use super::reduce::{Reduced, force, rate, reduce};
+use super::theory::{Built, Operators, build};
+use crate::body::Krylov;
+use crate::error::{Error, Result};
+use crate::impact::{Steps, Trace};
+use crate::scene::{Model, Scene};
+
+/// The coarser cells over the others.
+const COARSER: f64 = 1.5;
+
+/// Error over the difference of the two: (1.5³ − 1)⁻¹ = 0.42 where errors fall with the third power of the size, less where they fall
+/// faster. On the plates of docs/theories.md it was 0.25 to 0.35.
+const OF_DIFFERENCE: f64 = 0.4;
+
+/// Part of the tolerance that the estimate may take.
+const OF_CELLS: f64 = 0.6;
+
+/// Cells are not made finer than by this part of the rule of thumb's.
+const FINEST: f64 = 0.25;
+
+/// A body on cells and a basis.
+pub struct Fitted {
+    /// The body on its basis.
+    pub reduced: Reduced,
+    /// Unknowns before that.
+    pub unknowns: usize,
+    /// What these are of.
+    pub words: String,
+    /// Size of the cells over that by the rule of thumb.
+    pub size: f64,
+    /// Estimated error of the acceleration over its peak by the cells, where it was looked for: in the first contact, and over all.
+    pub error: Option<(f64, f64)>,
+}
+
+/// Reduces a body; if it is of splines, and in modal coordinates, on finer cells where its own leave too much. Collective.
+///
+/// # Errors
+/// Those of [`reduce`] and [`build`].
+pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators) -> Result<Fitted> {
+    let is_of_splines = built.is_of_splines;
+    let mut fine = fitted(comm, scene, built, 1.0)?;
+    if !is_of_splines || !scene.time.modal {
+        return Ok(fine);
+    }
+    // Too coarse cells may be too soft, or too stiff, for the contact law.
+    let Ok(mut coarse) = on_coarser_cells(comm, scene, theory, &fine) else { return Ok(fine) };
+    loop {
+        let (first, all) = fine.reduced.force.0.difference(&coarse);
+        let error = (OF_DIFFERENCE * first, OF_DIFFERENCE * all);
+        tracing::info!(size = fine.size, unknowns = fine.unknowns, first = error.0, all = error.1, "cells");
+        fine.error = Some(error);
+        let size = fine.size / COARSER;
+        if error.0 <= OF_CELLS * scene.tolerance || size < FINEST {
+            return Ok(fine);
+        }
+        let built = match build(comm, scene, theory, size) {
+            Ok(Built::Operators(built)) => built,
+            // More unknowns than splines are made for: what is left is told with the results.
+            Ok(Built::Given(_)) | Err(Error::Fault(_)) => return Ok(fine),
+            Err(error) => return Err(error),
+        };
+        coarse = std::mem::replace(&mut fine, fitted(comm, scene, built, size)?).reduced.force.0;
+    }
+}
+
+fn fitted(comm: &Comm, scene: &Scene, built: Operators, size: f64) -> Result<Fitted> {
+    let Operators { body, words, .. } = built;
+    let fitted = Fitted { reduced: reduce(&body, scene)?, unknowns: body.unknowns(), words, size, error: None };
+    drop(body);
+    comm.collect_garbage()?;
+    Ok(fitted)
+}
+
+/// The force on cells that are coarser.
+fn on_coarser_cells(comm: &Comm, scene: &Scene, theory: Model, fine: &Fitted) -> Result<Trace> {
+    let Built::Operators(built) = build(comm, scene, theory, COARSER * fine.size)? else {
+        return Err(Error::Solve("the theory has no cells".into()));
+    };
+    let body = built.body;
+    let mut krylov = Krylov::new(body.comm(), &body, rate(scene))?;
+    krylov.grow(&body, fine.reduced.projection.vectors())?;
+    let mut steps: Option<Steps> = fine.reduced.force.1;
+    let trace = force(scene, &body, &krylov.projection(&body)?, &mut steps)?;
+    drop((krylov, body));
+    comm.collect_garbage()?;
+    Ok(trace)
+}
