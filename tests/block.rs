@@ -372,4 +372,9 @@ fn scenes_that_are_no_blocks(_: &Session) {
         assert!(error.contains("contact.patch_radius") && error.contains(clause), "{error}");
     }
     assert_eq!(admits(&scene(size, "direction = [0.6, 0.0, -0.8]", "")), Ok(()));
+    // A cell is the least along an axis, however coarse.
+    for size in ["size = [0.5, 0.4, 0.1]", "size = [0.5, 0.4, 0.01]", "size = [0.1, 0.1, 0.5]"] {
+        let block = Block::new(&scene(size, "stiffness = 1e3", ""), &Settings { fineness: 8.0 }).unwrap();
+        assert!(block.cells.iter().all(|cells| *cells > 0), "{size}: {:?}", block.cells);
+    }
 }

@@ -29,8 +29,11 @@ pub(super) fn lines(frame: &Frame, scene: &Scene, disc: f64, fineness: f64) -> R
         let [low, high] = frame.ends(axis);
         let hit = frame.hit[axis];
         let growth = fineness * GROWTH[usize::from(axis == frame.struck)];
-        let sizes = Sizes { hit: fineness * OF_DISC * disc, largest: fineness * largest, growth };
-        [hit - low, high - hit].map(|length| Side { length, sizes })
+        let lengths = [hit - low, high - hit];
+        // At least one cell on the longer side.
+        let at_hit = (fineness * OF_DISC * disc).min(lengths[0].max(lengths[1]));
+        let sizes = Sizes { hit: at_hit, largest: fineness * largest, growth };
+        lengths.map(|length| Side { length, sizes })
     });
     let functions = |sides: &[Side; 2]| sides.iter().map(Side::cells).sum::<f64>() + DEGREE as f64;
     let unknowns = 3.0 * sides.iter().map(functions).product::<f64>();
