@@ -121,6 +121,13 @@ fn what_rules_plates_out(session: &Session) {
         (coarse, "", "step = 2e-5\n[solver]\nnewton = \"full\"".to_owned(), "full Newton"),
         (coarse, "", "scheme = \"central-difference\"".to_owned(), "lumped mass"),
         (coarse, "", String::new(), "cells or their order"),
+        (
+            coarse,
+            "",
+            "[[support]]\nsurface = \"bottom\"\nkind = \"elastic\"\nstiffness = [0, 0, 1e10]".to_owned(),
+            "on the face that is hit, or on the one opposite",
+        ),
+        (plate, "", "[contact]\npatch_radius = 0.01".to_owned(), "a patch is given"),
         (plate, "", format!("{newmark}\n[contact]\nlocalization = \"point\""), "a force at a point"),
     ] {
         let (theory, why) = found(&text(body, impactor, &rest));

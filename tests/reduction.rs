@@ -24,6 +24,7 @@ fn main() -> ExitCode {
         &[
             ("the_estimate_is_the_error", the_estimate_is_the_error),
             ("a_free_body_keeps_its_motion", a_free_body_keeps_its_motion),
+            ("loads_leave_the_force_its_vectors", loads_leave_the_force_its_vectors),
         ],
     )
 }
@@ -88,4 +89,20 @@ fn a_free_body_keeps_its_motion(session: &Session) {
     assert!(balance.abs() < 1e-10 * initial, "{balance:e}");
     let momentum = mass * (1.0 - last.impactor.velocity);
     assert!(last.energy.kinetic >= 0.5 * momentum * momentum / body * (1.0 - 1e-9));
+}
+
+/// A weight moves a free body as a whole and does no more: it gives the basis one vector, and the force the others.
+fn loads_leave_the_force_its_vectors(session: &Session) {
+    let comm = session.world();
+    let weight = "[load]\nbody_force = [0.0, 0.0, -24525.0]\n[contact]\npatch_radius = 0.03\n";
+    let body = "model = \"solid\"\nsize = [0.5, 0.5, 0.02]\ncells = [12, 12, 2]";
+    let full = parse(&plate(body, "end = 4e-3\nstep = 2e-5\nscheme = \"newmark\"", weight));
+    let mut reduced = full.clone();
+    reduced.body.reduction = Reduction::Vectors(48);
+    let [full, ran] = [full, reduced].map(|scene| run_scene(&comm, &scene));
+    assert_eq!(ran.vectors, Some(48));
+    let (_, error) = full.difference(&ran);
+    let estimate = ran.error - 0.025 * (0.03_f64 / 0.02).powi(2);
+    println!("  error {error:.1e}, estimate {estimate:.1e}");
+    assert!(error <= estimate && estimate < 1e-2, "{error:e} {estimate:e}");
 }

@@ -124,6 +124,26 @@ fn a_family_answers_as_its_members() {
     assert!(several > 0);
 }
 
+/// Neither what else is varied of the support nor a theory without supports is taken for the family's.
+#[test]
+fn families_are_of_one_property() {
+    let scene = supported().replace("step = 2e-5\n", "").replace("cells = [4, 4, 1]\norder = 1\n", "");
+    let folder = folder(&scene.replace("localization = \"point\"\n", ""));
+    let both = "--vary support.0.stiffness=5e8..6e8:20 --vary support.0.damping=0,1e6";
+    good(&folder, 0, &format!("sweep scene.toml {both} --set body.model=mindlin -o s.h5"));
+    let peaks = members(&file(&folder, "s.h5"), "peak_acceleration");
+    for (n, damping) in [(38, "0"), (39, "1e6")] {
+        let set = format!("--set body.model=mindlin --set support.0.stiffness=6e8 --set support.0.damping={damping}");
+        good(&folder, 0, &format!("run scene.toml {set} -o run.h5"));
+        let own = column(&file(&folder, "run.h5"), "impactor/acceleration").into_iter().fold(0.0, f64::max);
+        // The tolerance of both.
+        assert!((peaks[n] / own - 1.0).abs() < 2e-2, "{n}: {} {own}", peaks[n]);
+    }
+    assert!((peaks[38] / peaks[39] - 1.0).abs() > 2e-2, "{peaks:?}");
+    good(&folder, 0, "sweep scene.toml --vary support.0.stiffness=5e8..6e8:20 --set body.model=half-space -o h.h5");
+    assert_eq!(members(&file(&folder, "h.h5"), "status"), [1.0; 20]);
+}
+
 /// The same with error-controlled steps, which tell their steps late.
 #[test]
 fn members_with_controlled_steps() {

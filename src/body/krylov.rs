@@ -15,6 +15,7 @@ use petsc_wrap::{Comm, Ksp, Vector};
 
 use super::{Body, Projection};
 use crate::error::Result;
+use crate::scene::Fault;
 
 /// A new vector shorter than this part of what it was before it was made orthogonal adds nothing but rounding.
 const EXHAUSTED: f64 = 1e-10;
@@ -30,10 +31,21 @@ pub struct Krylov {
     /// Products that are projected by the way, row by row of the lower triangle: K of the body, K of the supports, C.
     rows: [Vec<Vec<f64>>; 3],
     work: [Vector; 2],
-    /// M times the last vector of each chain.
-    images: Vec<Vector>,
-    /// What the chains begin with: a, and the loads where there are any; all chains grow by turns.
-    starts: Vec<Vector>,
+    /// All grow by turns.
+    chains: Vec<Chain>,
+    /// Whose turn it is.
+    turn: usize,
+}
+
+/// What grows from one vector.
+struct Chain {
+    /// What it begins with: a, or the loads.
+    start: Vector,
+    /// Its last vector's number, where it has one.
+    last: Option<usize>,
+    /// M times that vector.
+    image: Vector,
+    /// Whether nothing new comes of it.
     exhausted: bool,
 }
 
@@ -53,10 +65,16 @@ impl Krylov {
         if loads.norm_max()? > 0.0 {
             starts.push(loads);
         }
-        for start in &mut starts {
-            body.clamps.zero(start)?;
+        let mut chains = Vec::new();
+        for mut start in starts {
+            body.clamps.zero(&mut start)?;
+            let exhausted = start.norm_max()? == 0.0;
+            chains.push(Chain { image: start.duplicate()?, start, last: None, exhausted });
         }
-        let images = starts.iter().map(Vector::duplicate).collect::<petsc_wrap::Result<_>>()?;
+        if chains[0].exhausted {
+            let message = "the body is held where it is hit, along the impact: it does not move there".to_owned();
+            return Err(Fault::new("impactor.point", message, "`model = \"half-space\"`, or another point").into());
+        }
         Ok(Self {
             shift,
             solver: Ksp::new(comm, "", &matrix)?,
@@ -64,9 +82,8 @@ impl Krylov {
             auxiliary: Vec::new(),
             rows: [const { Vec::new() }; 3],
             work: [body.load.duplicate()?, body.load.duplicate()?],
-            images,
-            starts,
-            exhausted: false,
+            chains,
+            turn: 0,
         })
     }
 
@@ -82,7 +99,7 @@ impl Krylov {
 
     /// Whether the basis holds all that the force can reach, to rounding.
     pub fn is_exhausted(&self) -> bool {
-        self.exhausted
+        self.chains.iter().all(|chain| chain.exhausted)
     }
 
     /// Adds vectors up to a number. Collective.
@@ -90,27 +107,29 @@ impl Krylov {
     /// # Errors
     /// PETSc's.
     pub fn grow(&mut self, body: &Body, vectors: usize) -> Result<()> {
-        while self.basis.len() < vectors && !self.exhausted {
+        while self.basis.len() < vectors && !self.is_exhausted() {
             self.add(body)?;
         }
         Ok(())
     }
 
     fn add(&mut self, body: &Body) -> Result<()> {
-        let Self { shift, solver, basis, auxiliary, work: [known, product], images, starts, .. } = self;
-        let (count, chains) = (basis.len(), starts.len());
+        let Self { shift, solver, basis, auxiliary, work: [known, product], chains, turn, .. } = self;
+        while chains[*turn].exhausted {
+            *turn = (*turn + 1) % chains.len();
+        }
+        let chain = &mut chains[*turn];
+        let is_first = chain.last.is_none();
         let mut next = body.load.duplicate()?;
         let mut companion = body.damping.is_some().then(|| body.load.duplicate()).transpose()?;
-        if count < chains {
-            solver.solve(&starts[count], &mut next)?;
-        } else {
-            let last = &basis[count - chains];
-            known.copy_from(&images[count % chains])?;
+        if let Some(number) = chain.last {
+            let last = &basis[number];
+            known.copy_from(&chain.image)?;
             if let Some(damping) = &body.damping {
                 known.scale(2.0 * *shift)?;
                 damping.mult(last, product)?;
                 known.axpy(1.0, product)?;
-                body.apply_mass(&auxiliary[count - chains], product)?;
+                body.apply_mass(&auxiliary[number], product)?;
                 known.axpy(1.0, product)?;
                 known.scale(-1.0)?;
             }
@@ -120,10 +139,11 @@ impl Krylov {
                 companion.copy_from(last)?;
             }
         }
-        if let Some(companion) = &mut companion
-            && count < chains
-        {
-            companion.fill(0.0)?;
+        if is_first {
+            solver.solve(&chain.start, &mut next)?;
+            if let Some(companion) = &mut companion {
+                companion.fill(0.0)?;
+            }
         }
         // M-norms before and after, the latter by Pythagoras' theorem from that before the second, small correction.
         let (mut before, mut length) = (0.0_f64, 0.0);
@@ -141,14 +161,15 @@ impl Krylov {
             length = (norm * norm - shares.iter().map(|share| share * share).sum::<f64>()).max(0.0).sqrt();
         }
         if length <= EXHAUSTED * before {
-            self.exhausted = true;
+            chain.exhausted = true;
             return Ok(());
         }
         next.scale(1.0 / length)?;
         // But for the second correction, which is within the basis.
-        let image = &mut images[count % chains];
-        image.copy_from(product)?;
-        image.scale(1.0 / length)?;
+        chain.image.copy_from(product)?;
+        chain.image.scale(1.0 / length)?;
+        chain.last = Some(basis.len());
+        *turn = (*turn + 1) % chains.len();
         if let Some(mut companion) = companion {
             companion.scale(1.0 / length)?;
             auxiliary.push(companion);

@@ -103,8 +103,8 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
             summary.print(&cost, output);
             if missed {
                 tell(format_args!(
-                    "note: the first contact meets accuracy.tolerance = {:e}, the later ones depend on it and do not: a smaller tolerance \
-                     tells what they tend to",
+                    "note: accuracy.tolerance = {:e} is for the first contact; the estimate for the whole history, in which later contacts depend on \
+                     earlier ones, is larger: a smaller tolerance tells what they tend to",
                     scene.tolerance
                 ));
             }

@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::model;
 use crate::record::sweep::{Header, Member, Quantity, Status, Sweep as Part, SweepWriter};
 use crate::scene::{Model, Scene, Source};
-use crate::study::sweep::{Bodies, Census, Grid, Task, Variation, digest, parts, spread};
+use crate::study::sweep::{Bodies, Census, Grid, Property, Task, Variation, digest, parts, spread};
 
 use super::interrupt::{INTERRUPTED, Interrupt};
 use super::load::load;
@@ -31,7 +31,7 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     let (scene, source) = load(comm, &arguments.scene, &arguments.overrides)?;
     let mut census = Census::default();
     for index in 0..grid.len() {
-        let on_line = grid.line().and_then(|key| Some((support_of(key)?, grid.number(index, key)?)));
+        let on_line = grid.line().and_then(|key| Some((property_of(key)?, grid.number(index, key)?)));
         census.count(index, &task(arguments, &source, &grid, index)?.scene, on_line);
     }
     let header = header(comm, arguments, &grid, (&scene, &source))?;
@@ -48,11 +48,11 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
         (Model::Auto, true) if !grid.varies("body.model") => {
             let theory = census.theory(comm, |index| Ok(task(arguments, &source, &grid, index)?.scene))?;
             if comm.is_root() {
-                tell(format_args!("{} for all members", model::name(theory)));
+                tell(format_args!("{} for all members", model::name(theory.0)));
             }
-            theory
+            Some(theory)
         }
-        (model, _) => model,
+        _ => None,
     };
     let scene_of = |index: usize| Ok(task(arguments, &source, &grid, index)?.scene);
     let mut bodies = Bodies::new(&alone, &census, &scene_of, theory, arguments.series);
@@ -82,9 +82,10 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     Ok(status)
 }
 
-/// The number in `support.NUMBER.…`.
-fn support_of(key: &str) -> Option<usize> {
-    key.split('.').nth(1)?.parse().ok()
+/// What a key like `support.NUMBER.stiffness` is of.
+fn property_of(key: &str) -> Option<Property> {
+    let mut words = key.split('.').skip(1);
+    Some(Property { support: words.next()?.parse().ok()?, is_damping: words.next()? == "damping" })
 }
 
 /// A member, its scene checked.

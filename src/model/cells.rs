@@ -49,16 +49,22 @@ pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators) -> Resul
     if !is_of_splines || !scene.time.modal {
         return Ok(fine);
     }
-    // Too coarse cells may be too soft, or too stiff, for the contact law.
-    let Ok(mut coarse) = on_coarser_cells(comm, scene, theory, &fine) else { return Ok(fine) };
+    let mut coarse = match on_coarser_cells(comm, scene, theory, &fine) {
+        Ok(trace) => Some(trace),
+        // Too coarse cells may be too soft, or too stiff, for the contact law: then finer ones judge.
+        Err(Error::Solve(_)) => None,
+        Err(error) => return Err(error),
+    };
     loop {
-        let (first, all) = fine.reduced.force.0.difference(&coarse);
-        let error = (OF_DIFFERENCE * first, OF_DIFFERENCE * all);
-        tracing::info!(size = fine.size, unknowns = fine.unknowns, first = error.0, all = error.1, "cells");
-        fine.error = Some(error);
         let size = fine.size / COARSER;
-        if error.0 <= OF_CELLS * scene.tolerance || size < FINEST {
-            return Ok(fine);
+        if let Some(coarse) = &coarse {
+            let (first, all) = fine.reduced.force.0.difference(coarse);
+            let error = (OF_DIFFERENCE * first, OF_DIFFERENCE * all);
+            tracing::info!(size = fine.size, unknowns = fine.unknowns, first = error.0, all = error.1, "cells");
+            fine.error = Some(error);
+            if error.0 <= OF_CELLS * scene.tolerance || size < FINEST {
+                return Ok(fine);
+            }
         }
         let built = match build(comm, scene, theory, size) {
             Ok(Built::Operators(built)) => built,
@@ -66,7 +72,7 @@ pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators) -> Resul
             Ok(Built::Given(_)) | Err(Error::Fault(_)) => return Ok(fine),
             Err(error) => return Err(error),
         };
-        coarse = std::mem::replace(&mut fine, fitted(comm, scene, built, size)?).reduced.force.0;
+        coarse = Some(std::mem::replace(&mut fine, fitted(comm, scene, built, size)?).reduced.force.0);
     }
 }
 

@@ -61,11 +61,15 @@ pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
         krylov.grow(body, count)?;
         let projection = krylov.projection(body)?;
         count = projection.vectors();
-        let enough = krylov.is_exhausted() || count > MOST || (given.is_some() && !tried.is_empty());
+        let enough = count > MOST || (given.is_some() && !tried.is_empty());
         match force(scene, body, &projection, &mut steps) {
+            // All that the forces reach, to rounding.
+            Ok(trace) if krylov.is_exhausted() && (given.is_none() || tried.is_empty()) => {
+                let larger = projection.clone();
+                return Ok(Reduced { projection, larger, krylov, error: (0.0, 0.0), force: (trace, steps) });
+            }
             Ok(trace) => {
                 let judged = tried.iter().rev().find(|(smaller, _)| larger(*smaller) <= count);
-                // What the force reaches to rounding judges itself.
                 if let Some((smaller, before)) = judged.or(tried.last().filter(|_| enough)) {
                     let (first, all) = before.difference(&trace);
                     let error = (SAFETY * first, SAFETY * all);
@@ -77,7 +81,7 @@ pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
                 }
                 tried.push((count, trace));
             }
-            Err(error) if enough => return Err(error),
+            Err(error) if enough || krylov.is_exhausted() => return Err(error),
             // A basis that is too small may be too soft, or too stiff, for the contact law.
             Err(_) => {}
         }

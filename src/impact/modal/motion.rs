@@ -44,6 +44,8 @@ pub struct Motion<'a> {
     /// The last step's force, to go on from.
     last: Option<([f64; 3], f64)>,
     touching: bool,
+    /// Whether the contact has no step yet. Its first one must not be its last: between two steps without force it would not be seen.
+    begun: bool,
     /// Whether a contact was just found to be none.
     grazing: bool,
     /// The state reached.
@@ -71,6 +73,7 @@ impl<'a> Motion<'a> {
             level: 0,
             last: None,
             touching: false,
+            begun: false,
             grazing: false,
             state: State::start(modes, speed),
             force: 0.0,
@@ -136,7 +139,7 @@ impl<'a> Motion<'a> {
             let free = table.free(&self.state, self.gap);
             return Some(self.take(&table, [0.0; 3], free));
         }
-        self.touching = true;
+        (self.touching, self.begun) = (true, true);
         self.force = self.law.force(self.approach);
         // As small as it has to be, for F = t^{3/2} has no quadratic.
         self.level = if self.steps.defect.is_some() { 3 } else { 0 };
@@ -186,6 +189,11 @@ impl<'a> Motion<'a> {
                 return Ok(None);
             }
             if let Some(look) = stage.approach.iter().position(|approach| *approach <= 0.0) {
+                if self.begun && self.level < LEVELS {
+                    self.put_back(table);
+                    self.level += 1;
+                    continue;
+                }
                 let before = if look == 0 { 0.0 } else { LOOKS[look - 1] * table.step };
                 let (length, table_step) = (LOOKS[look] * table.step, table.step);
                 self.put_back(table);
@@ -201,6 +209,7 @@ impl<'a> Motion<'a> {
             }
             let taken = self.take(&table, stage.force, stage.approach);
             self.put_back(table);
+            self.begun = false;
             // The defect falls with the third power of the step: an eighth of it is what the next size will show.
             if self.steps.defect.is_some() && stage.defect < worst / 12.0 {
                 self.level = level.saturating_sub(1);

@@ -27,8 +27,8 @@ pub struct Bodies<'a> {
     comm: Comm,
     census: &'a Census,
     scene_of: &'a dyn Fn(usize) -> Result<Scene>,
-    /// What auto is for all members.
-    theory: scene::Model,
+    /// What auto is for all members, with the error that it found, where it was asked.
+    theory: Option<(scene::Model, f64)>,
     /// Whether steps are to have their energies.
     has_energies: bool,
     kept: HashMap<u64, Kept>,
@@ -51,7 +51,7 @@ impl<'a> Bodies<'a> {
         comm: &Comm,
         census: &'a Census,
         scene_of: &'a dyn Fn(usize) -> Result<Scene>,
-        theory: scene::Model,
+        theory: Option<(scene::Model, f64)>,
         has_energies: bool,
     ) -> Self {
         Self {
@@ -112,32 +112,58 @@ impl<'a> Bodies<'a> {
 
     /// On the basis of all that differ in one support alone, where they are many.
     fn of_family(&mut self, index: usize, scene: &Scene) -> Result<Option<Kept>> {
-        let Some(Line { key, value, all }) = self.census.line_of(index, scene) else { return Ok(None) };
-        if all.len() < family::LEAST {
+        let Some(Line { key, value, count }) = self.census.line_of(index, scene) else { return Ok(None) };
+        let is_open = scene.body.model == scene::Model::Auto && self.theory.is_none();
+        if count < family::LEAST || is_open {
             return Ok(None);
         }
         if !self.families.contains_key(&key) {
+            if self.families.len() >= MOST {
+                self.families.clear();
+            }
+            let all = self.census.members_on(key);
             let values: Vec<f64> = all.iter().map(|(value, _)| *value).collect();
             let scene_of = |value: f64| {
                 let at = values.partition_point(|other| *other < value).min(values.len() - 1);
-                (self.scene_of)(all[at].1)
+                Ok(self.named((self.scene_of)(all[at].1)?))
             };
-            let family = Family::new(&self.comm, self.theory, &values, &scene_of)?;
+            // What one of its bodies cannot, the others may by themselves.
+            let family = match Family::new(&self.comm, &values, &scene_of) {
+                Ok(family) => family,
+                Err(Error::Solve(_) | Error::Fault(_)) => None,
+                Err(error) => return Err(error),
+            };
             self.families.insert(key, family);
         }
+        let of_theory = self.error_of_theory(scene);
         Ok(self.families[&key].as_ref().map(|family| {
             let ([body, larger], of_merging) = family.at(value);
-            Kept { body, larger: Some(larger), unknowns: family.unknowns, of_model: of_merging }
+            Kept { body, larger: Some(larger), unknowns: family.unknowns, of_model: of_merging + of_theory }
         }))
     }
 
-    fn make(&self, scene: &Scene) -> Result<Kept> {
-        let mut scene = scene.clone();
-        if scene.body.model == scene::Model::Auto {
-            scene.body.model = self.theory;
+    /// A scene with the theory that auto found for all.
+    pub fn named(&self, scene: Scene) -> Scene {
+        match (scene.body.model, self.theory) {
+            (scene::Model::Auto, Some((theory, _))) => {
+                let body = scene::Body { model: theory, ..scene.body };
+                Scene { body, ..scene }
+            }
+            _ => scene,
         }
-        let model = Model::new(&self.comm, &scene)?;
-        let (_, of_model) = model.beside_basis;
+    }
+
+    fn error_of_theory(&self, scene: &Scene) -> f64 {
+        match (scene.body.model, self.theory) {
+            (scene::Model::Auto, Some((_, error))) => error,
+            _ => 0.0,
+        }
+    }
+
+    fn make(&self, scene: &Scene) -> Result<Kept> {
+        let of_theory = self.error_of_theory(scene);
+        let model = Model::new(&self.comm, &self.named(scene.clone()))?;
+        let of_model = of_theory.max(model.beside_basis.1);
         match model.dynamics {
             Dynamics::Modal(body) => Ok(Kept { body, larger: model.larger, unknowns: model.unknowns, of_model }),
             Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),

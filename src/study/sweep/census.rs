@@ -1,6 +1,6 @@
 //! Which members of a sweep share a body, and which of them asks most of it.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use petsc_wrap::Comm;
@@ -8,7 +8,7 @@ use petsc_wrap::Comm;
 use crate::contact::hertz;
 use crate::error::Result;
 use crate::model::Model;
-use crate::scene::{self, Impactor, Scene, SupportKind};
+use crate::scene::{self, Impactor, Scene, Support, SupportKind};
 
 /// The families of members that differ in the impactor, the gap, the times or the tolerance alone, by the key of their body; with the
 /// member whose contact is the shortest, for which the family's basis is made: so that no result depends on the order of members.
@@ -16,41 +16,62 @@ use crate::scene::{self, Impactor, Scene, SupportKind};
 pub struct Census {
     families: HashMap<u64, Member>,
     ends: Vec<usize>,
-    /// The support whose stiffness or damping is varied, where one is, with each member's value.
-    line: Option<(usize, Vec<f64>)>,
-    /// Members by all that their bodies depend on but for that value, and by the value.
-    lines: HashMap<u64, Vec<(f64, usize)>>,
+    /// What is varied of a support, where it is one thing, with each member's value.
+    line: Option<(Property, Vec<f64>)>,
+    /// Members by all that their bodies depend on but for that value: the hardest of each value, by its bits, which ascend with it.
+    lines: HashMap<u64, BTreeMap<u64, Member>>,
 }
 
-/// Members that differ in one support's stiffness or damping alone.
+/// Members that differ in one support's stiffness or in its damping alone.
 pub struct Line {
     /// What they share.
     pub key: u64,
     /// One member's value.
     pub value: f64,
-    /// All values, ascending, each with a member.
-    pub all: Vec<(f64, usize)>,
+    /// How many values there are.
+    pub count: usize,
+}
+
+/// A property of one support.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Property {
+    /// The support.
+    pub support: usize,
+    /// Whether its damping, not its stiffness.
+    pub is_damping: bool,
 }
 
 #[derive(Debug, Clone, Copy)]
 struct Member {
     index: usize,
     contact: f64,
+    tolerance: f64,
+}
+
+impl Member {
+    /// Whether it asks more of a body: by its tolerance, then by its contact.
+    fn is_harder(&self, other: &Self) -> bool {
+        (self.tolerance, self.contact, self.index) < (other.tolerance, other.contact, other.index)
+    }
 }
 
 impl Census {
-    /// Counts a member, with its value on the line of [`Grid::line`](super::Grid::line).
-    pub fn count(&mut self, index: usize, scene: &Scene, on_line: Option<(usize, f64)>) {
-        if let Some((support, value)) = on_line {
-            self.line.get_or_insert((support, Vec::new())).1.push(value);
-            self.lines.entry(key(&without(scene, support))).or_default().push((value, index));
-        }
+    /// Counts a member, with its value on the line of [`Grid::line`](super::Grid::line), which is not negative.
+    pub fn count(&mut self, index: usize, scene: &Scene, on_line: Option<(Property, f64)>) {
         let Impactor { stiffness, mass, speed, .. } = scene.impactor;
-        let member = Member { index, contact: hertz::contact_time(stiffness, mass, speed) };
-        let most = self.families.entry(key(scene)).or_insert(member);
-        if member.contact < most.contact {
-            *most = member;
+        let contact = hertz::contact_time(stiffness, mass, speed);
+        let member = Member { index, contact, tolerance: scene.tolerance };
+        let harder = |most: &mut Member| {
+            if member.is_harder(most) {
+                *most = member;
+            }
+        };
+        if let Some((property, value)) = on_line {
+            self.line.get_or_insert((property, Vec::new())).1.push(value);
+            let line = self.lines.entry(key(&without(scene, property))).or_default();
+            harder(line.entry(value.to_bits()).or_insert(member));
         }
+        harder(self.families.entry(key(scene)).or_insert(member));
         self.ends.truncate(1);
         self.ends.push(index);
     }
@@ -62,41 +83,47 @@ impl Census {
 
     /// The line that a member is on, and where.
     pub fn line_of(&self, index: usize, scene: &Scene) -> Option<Line> {
-        let (support, values) = self.line.as_ref()?;
-        let line = key(&without(scene, *support));
-        let mut all = self.lines.get(&line)?.clone();
-        all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        all.dedup_by(|a, b| a.0 == b.0);
-        Some(Line { key: line, value: values[index], all })
+        let (property, values) = self.line.as_ref()?;
+        let line = key(&without(scene, *property));
+        Some(Line { key: line, value: values[index], count: self.lines.get(&line)?.len() })
     }
 
-    /// The theory that auto finds for all members: the highest that the first, the last and the hardest of them ask for. Collective.
+    /// The values of a line, ascending, each with the hardest member.
+    pub fn members_on(&self, line: u64) -> Vec<(f64, usize)> {
+        let all = self.lines.get(&line).into_iter().flatten();
+        all.map(|(bits, member)| (f64::from_bits(*bits), member.index)).collect()
+    }
+
+    /// The theory that auto finds for all members, the highest that the first, the last and the hardest of them ask for, with the
+    /// largest error over the whole history that it found for that. Collective.
     ///
     /// # Errors
     /// Those of a model.
-    pub fn theory(&self, comm: &Comm, scene_of: impl Fn(usize) -> Result<Scene>) -> Result<scene::Model> {
-        let hardest = self.families.values().min_by(|a, b| a.contact.total_cmp(&b.contact).then(a.index.cmp(&b.index)));
+    pub fn theory(&self, comm: &Comm, scene_of: impl Fn(usize) -> Result<Scene>) -> Result<(scene::Model, f64)> {
+        let hardest = self.families.values().copied().reduce(|a, b| if b.is_harder(&a) { b } else { a });
         let mut asked = self.ends.clone();
         asked.extend(hardest.map(|member| member.index));
         asked.sort_unstable();
         asked.dedup();
-        let mut highest = scene::Model::HalfSpace;
+        let mut found = Vec::new();
         for index in asked {
-            highest = highest.max(Model::new(comm, &scene_of(index)?)?.theory);
+            let Model { theory, beside_basis, .. } = Model::new(comm, &scene_of(index)?)?;
+            found.push((theory, beside_basis.1));
             comm.collect_garbage()?;
         }
-        Ok(highest)
+        let highest = found.iter().map(|(theory, _)| *theory).max().unwrap_or(scene::Model::HalfSpace);
+        let errors = found.iter().filter(|(theory, _)| *theory == highest);
+        Ok((highest, errors.map(|(_, error)| *error).fold(0.0, f64::max)))
     }
 }
 
-/// A scene without the stiffness and the damping of a support.
-fn without(scene: &Scene, support: usize) -> Scene {
+/// A scene without a property of a support.
+fn without(scene: &Scene, Property { support, is_damping }: Property) -> Scene {
     let mut scene = scene.clone();
-    if let Some(support) = scene.supports.get_mut(support) {
-        support.damping = [0.0; 3];
-        if let SupportKind::Elastic { stiffness } = &mut support.kind {
-            *stiffness = [0.0; 3];
-        }
+    match scene.supports.get_mut(support) {
+        Some(support) if is_damping => support.damping = [0.0; 3],
+        Some(Support { kind: SupportKind::Elastic { stiffness }, .. }) => *stiffness = [0.0; 3],
+        _ => {}
     }
     scene
 }

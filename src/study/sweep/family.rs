@@ -6,7 +6,7 @@ use crate::body::{Body, Merged, ModalBody, Projection, snapshots};
 use crate::error::Result;
 use crate::impact::ModalImpact;
 use crate::model::{Built, Fitted, OF_BASIS, Reduced, build, fit, rate, reduce};
-use crate::scene::{self, Scene};
+use crate::scene::Scene;
 
 /// Fewer values than this are computed one by one.
 pub const LEAST: usize = 20;
@@ -44,35 +44,31 @@ impl Family {
     ///
     /// # Errors
     /// Those of a model.
-    pub fn new(
-        comm: &Comm,
-        theory: scene::Model,
-        values: &[f64],
-        scene_of: &dyn Fn(f64) -> Result<Scene>,
-    ) -> Result<Option<Self>> {
+    pub fn new(comm: &Comm, values: &[f64], scene_of: &dyn Fn(f64) -> Result<Scene>) -> Result<Option<Self>> {
         let last = values.len() - 1;
         let operators = |place: usize, size: f64| {
             let scene = scene_of(values[place])?;
-            let theory = if scene.body.model == scene::Model::Auto { theory } else { scene.body.model };
-            match build(comm, &scene, theory, size)? {
-                Built::Operators(built) => Ok((built, theory, scene)),
-                Built::Given(_) => Err(crate::Error::Solve("the theory has no supports".into())),
-            }
+            Ok::<_, crate::Error>(match build(comm, &scene, scene.body.model, size)? {
+                Built::Operators(built) => Some((built, scene)),
+                Built::Given(_) => None,
+            })
         };
         // The cells of all are the finer ones of the two ends.
         let (mut size, mut of_cells) = (1.0_f64, 0.0_f64);
         for place in [0, last] {
-            let (built, theory, scene) = operators(place, 1.0)?;
-            let Fitted { size: own, error, .. } = fit(comm, &scene, theory, built)?;
+            let Some((built, scene)) = operators(place, 1.0)? else { return Ok(None) };
+            let Fitted { size: own, error, .. } = fit(comm, &scene, scene.body.model, built)?;
             size = size.min(own);
             of_cells = of_cells.max(error.unwrap_or_default().1);
         }
         let make = |place: usize| -> Result<Sample> {
-            let (built, _, scene) = operators(place, size)?;
+            let Some((built, scene)) = operators(place, size)? else {
+                return Err(crate::Error::Solve("the theory has no supports".into()));
+            };
             let body = built.body;
-            let Reduced { projection, larger, krylov, .. } = reduce(&body, &scene)?;
+            let Reduced { larger, krylov, .. } = reduce(&body, &scene)?;
             let snapshots = snapshots(&body, &krylov, &larger, rate(&scene))?;
-            Ok(Sample { body: *body, snapshots, own: projection, scene })
+            Ok(Sample { body: *body, snapshots, own: larger, scene })
         };
         let mut ends = [make(0)?, make(last)?];
         let mut pool: Vec<Vector> = ends.iter_mut().flat_map(|end| std::mem::take(&mut end.snapshots)).collect();

@@ -35,6 +35,7 @@ pub fn simulate(
     if scene.time.modal {
         return bodies.simulate(index, scene, &interrupted, &mut observe);
     }
+    let scene = &bodies.named(scene.clone());
     let model = Model::new(comm, scene)?;
     let unknowns = model.unknowns + 1;
     let mut simulation = Simulation::new(scene, model)?;

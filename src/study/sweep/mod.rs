@@ -11,7 +11,7 @@ mod spread;
 mod vary;
 
 pub use bodies::Bodies;
-pub use census::Census;
+pub use census::{Census, Property};
 pub use digest::{Task, digest};
 pub use grid::Grid;
 pub use member::{Outcome, simulate};
