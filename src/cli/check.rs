@@ -101,9 +101,7 @@ fn print_scene(scene: &Scene, model: &Model, mass: Option<f64>) {
         say(format_args!("           {reason}"));
     }
     match &scene.body.symmetry {
-        Symmetry::Quarter { .. } => {
-            say(format_args!("symmetry   a quarter stands for the whole, with identical results"))
-        }
+        Symmetry::Quarter { .. } => say(format_args!("symmetry   a quarter stands for the whole")),
         Symmetry::None { reason: Some(reason) } => say(format_args!("symmetry   none: {reason}")),
         Symmetry::None { reason: None } => {}
     }

@@ -16,9 +16,20 @@ pub fn describe_model(model: &Model) -> String {
         words += &format!(", reduced to {vectors} vectors");
     }
     if let Some((first, _)) = model.error {
-        words += &format!("; estimated error by that {first:.1e} of the peak in the first contact");
+        words += &format!(
+            "; estimated error of {} {first:.1e} of the peak in the first contact",
+            model.judged.join(" and ")
+        );
     }
     words
+}
+
+/// Words as a list.
+pub fn listed(words: &[&str]) -> String {
+    match words.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => words.concat(),
+    }
 }
 
 /// The notes on a scene, with its patch and its steps: nothing that is wrong, but much that a number may depend on.

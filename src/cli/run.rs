@@ -20,7 +20,7 @@ use crate::scene::{Scene, Source};
 use super::Run;
 use super::interrupt::{INTERRUPTED, Interrupt};
 use super::load::load;
-use super::notes::{describe_model, notes};
+use super::notes::{describe_model, listed, notes};
 use super::progress::Progress;
 use super::{say, short, tell, warn_of_unused_options};
 
@@ -81,7 +81,7 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
         Ok(if interrupt.is_raised(comm) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     });
     let total = begin.elapsed().as_secs_f64();
-    let (count, error) = (impact.count(), impact.error());
+    let (count, error, judged) = (impact.count(), impact.error(), impact.judged());
     let missed = error.is_some_and(|error| error > scene.tolerance);
     let cost = Cost {
         model: modelled,
@@ -100,11 +100,11 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
         // Where the run has failed already, that is what is told: a full disk fails the steps first and then the end.
         if let Some(flow) = flow {
             finished?;
-            summary.print(&cost, output);
+            summary.print(&cost, &judged, output);
             if missed {
                 tell(format_args!(
-                    "note: accuracy.tolerance = {:e} is for the first contact; the estimate for the whole history, in which later contacts depend on \
-                     earlier ones, is larger: a smaller tolerance tells what they tend to",
+                    "note: the estimated error of the whole history is above accuracy.tolerance = {:e}, which is for the first contact: a smaller one \
+                     tells what the history tends to",
                     scene.tolerance
                 ));
             }
@@ -160,7 +160,7 @@ impl Summary {
         self.energy = step.energy;
     }
 
-    fn print(&self, cost: &Cost, output: &Path) {
+    fn print(&self, cost: &Cost, judged: &[&str], output: &Path) {
         let contacts: Vec<String> = self
             .episodes
             .all()
@@ -187,7 +187,8 @@ impl Summary {
                 String::new()
             } else {
                 format!(
-                    "; estimated error of the acceleration, by cells, basis, theory, steps and patch, {:.1e} of its peak",
+                    "; estimated error of the acceleration, by {}, {:.1e} of its peak",
+                    listed(judged),
                     cost.error_estimate
                 )
             }

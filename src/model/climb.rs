@@ -102,7 +102,7 @@ fn formula(comm: &Comm, scene: &Scene) -> Result<Option<(Model, String)>> {
     let reason = format!(
         "a half-space is within {bound:.1e}: Zener's λ = {lambda:.1e}, ratio of the masses {ratio:.1e}, dent of a layer {local:.1e}"
     );
-    Ok(Some((model.with_error((bound, bound)), reason)))
+    Ok(Some((model.with_error("theory", (bound, bound)), reason)))
 }
 
 /// Whether a box is a plate.
@@ -157,7 +157,7 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>) -> Result<Option<
         true => Model::on_basis(comm, scene, Theory::Mindlin, thick)?,
         false => Model::of(comm, scene, Theory::Mindlin)?,
     };
-    Ok(Some(model.with_error((bound, part * all))))
+    Ok(Some(model.with_error("theory", (bound, part * all))))
 }
 
 /// The time in which a shear wave crosses the thickness over that of a contact on a half-space.

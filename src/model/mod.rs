@@ -36,6 +36,8 @@ pub struct Model {
     /// Estimated error of the acceleration over its peak by basis, cells and theory, as far as each is known: in the first contact, and
     /// over all.
     pub error: Option<(f64, f64)>,
+    /// What that error is of.
+    pub judged: Vec<&'static str>,
     /// What of that is not the basis'.
     pub beside_basis: (f64, f64),
     /// Size of cells of splines over that by the rule for the tolerance.
@@ -100,7 +102,11 @@ impl Model {
         };
         let (vectors, larger) = (Some(projection.vectors()), Some(ModalBody::of(&larger)));
         let model = Self { vectors, larger, error: Some(error), size, ..Self::bare(theory, dynamics, unknowns, words) };
-        Ok(model.with_error(cells.unwrap_or_default()))
+        let model = Self { judged: vec!["basis"], ..model };
+        Ok(match cells {
+            Some(error) => model.with_error("cells", error),
+            None => model,
+        })
     }
 
     /// Without a basis and without an error.
@@ -113,6 +119,7 @@ impl Model {
             vectors: None,
             larger: None,
             error: None,
+            judged: Vec::new(),
             beside_basis: (0.0, 0.0),
             size: 1.0,
             reason: None,
@@ -120,7 +127,8 @@ impl Model {
     }
 
     /// The same with an error beside that of the basis added: in the first contact, and over all.
-    fn with_error(mut self, (first, all): (f64, f64)) -> Self {
+    fn with_error(mut self, of: &'static str, (first, all): (f64, f64)) -> Self {
+        self.judged.push(of);
         let before = self.error.unwrap_or_default();
         self.error = Some((before.0 + first, before.1 + all));
         self.beside_basis = (self.beside_basis.0 + first, self.beside_basis.1 + all);

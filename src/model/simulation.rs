@@ -16,6 +16,8 @@ pub struct Simulation {
     kind: Kind,
     /// Estimated error by basis and theory over the whole history.
     of_model: Option<f64>,
+    /// What that is of.
+    judged: Vec<&'static str>,
     patch: Option<Patch>,
 }
 
@@ -30,7 +32,7 @@ impl Simulation {
     /// # Errors
     /// A fault of the scene where an explicit step is not stable; PETSc's.
     pub fn new(scene: &Scene, model: Model) -> Result<Self> {
-        let (of_model, patch) = (model.error.map(|(_, all)| all), model.dynamics.patch());
+        let (of_model, patch, judged) = (model.error.map(|(_, all)| all), model.dynamics.patch(), model.judged);
         let kind = match model.dynamics {
             Dynamics::Stepped(body) => Kind::Stepped(Box::new(Impact::new(scene, *body)?)),
             Dynamics::Modal(body) => Kind::Modal {
@@ -40,7 +42,7 @@ impl Simulation {
                 interrupted: Box::new(|| false),
             },
         };
-        Ok(Self { kind, of_model, patch })
+        Ok(Self { kind, of_model, judged, patch })
     }
 
     /// Has a run ask now and then whether it is to end early. The answer must be the same on all ranks; all of them ask.
@@ -96,6 +98,13 @@ impl Simulation {
             Kind::Stepped(impact) => impact.count,
             Kind::Modal { count, .. } => *count,
         }
+    }
+
+    /// What [`Self::error`] is the sum of.
+    pub fn judged(&self) -> Vec<&'static str> {
+        let steps = self.count().error.map(|_| "steps");
+        let patch = self.patch.map(|_| "patch");
+        self.judged.iter().copied().chain(steps).chain(patch).collect()
     }
 
     /// Estimated error of the acceleration over its peak, over the whole history: by steps, basis, theory and patch, as far as each is

@@ -36,8 +36,13 @@ impl Site {
         let thickness = frame.size[frame.struck];
         let room = frame.plane().map(|axis| 0.5 * frame.size[axis] - frame.hit[axis].abs());
         let room = room[0].min(room[1]);
-        let fault = |message: String, help: &str| Fault::new("contact.patch_radius", message, help);
-        let far = "a smaller radius, or an impact point farther from the edge of the surface";
+        let key = if matches!(scene.contact, Contact::Patch { radius: Some(_) }) {
+            "contact.patch_radius"
+        } else {
+            "impactor.point"
+        };
+        let fault = |message: String, help: &str| Fault::new(key, message, help);
+        let far = "an impact point farther from the edge of the surface, or a smaller patch where one is given";
         if room <= 1e-6 * thickness {
             return Err(fault("the edge of the surface leaves no room for a patch".into(), far).into());
         }
@@ -69,7 +74,7 @@ impl Site {
             let message = format!(
                 "the contact has negative stiffness on {disc:.3e} m around the impact point: for this impact it takes about {least:.3e} m"
             );
-            return Err(fault(message, "an impact point farther from the edge of the surface").into());
+            return Err(fault(message, "an impact point farther from the edge of the surface, or another face").into());
         }
         let patch =
             given.map(|radius| Patch { radius, reason: Reason::Scene, thickness, cell: 0.0, limit_radius: 0.0 });
