@@ -16,10 +16,8 @@ pub fn describe_model(model: &Model) -> String {
         words += &format!(", reduced to {vectors} vectors");
     }
     if let Some((first, _)) = model.error {
-        words += &format!(
-            "; estimated error of {} {first:.1e} of the peak in the first contact",
-            model.judged.join(" and ")
-        );
+        words +=
+            &format!("; estimated error of {} {first:.1e} of the peak in the first contact", listed(&model.judged));
     }
     words
 }
