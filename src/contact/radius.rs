@@ -21,7 +21,7 @@ pub struct Patch {
     pub reason: Reason,
     /// Thickness h of the body under the impact point, along the inward normal, m.
     pub thickness: f64,
-    /// Longest edge of the facets at the impact point, m; 0 where the cells are chosen to carry the pressure.
+    /// Longest edge of the facets at the impact point, m; 0 where splines carry the pressure.
     pub cell: f64,
     /// The radius at which the contact law has no stiffness left at the indentation of an impact on a half-space, m.
     /// The body yields, so that a run may hold below it.
@@ -61,7 +61,7 @@ impl Patch {
     }
 
     /// The largest of what thickness, cells and contact ask for.
-    pub(crate) fn choose(thickness: f64, cell: f64, limit_radius: f64) -> Self {
+    pub(super) fn choose(thickness: f64, cell: f64, limit_radius: f64) -> Self {
         let (mut radius, mut reason) = (OF_THICKNESS * thickness, Reason::Thickness);
         for (least, of) in [(CELLS * cell, Reason::Cells), (MARGIN * limit_radius, Reason::Contact)] {
             // A mesh made for a quarter of the thickness has it up to rounding.
@@ -73,7 +73,7 @@ impl Patch {
     }
 
     /// The same, as large as the surface has room for.
-    pub(crate) fn cut_to(self, radius: f64) -> Self {
+    pub(super) fn cut_to(self, radius: f64) -> Self {
         Self { radius, reason: Reason::Surface, ..self }
     }
 }

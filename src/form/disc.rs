@@ -7,6 +7,25 @@ use crate::element::gauss_legendre;
 /// Points along one piece: 1e-10 of the integral where the rim is near a crossing of lines, 1e-13 elsewhere.
 const POINTS: usize = 20;
 
+/// The Hankel transform of that pressure at x = ξR: 3 (sin x − x cos x)/x³.
+pub fn hertz_wave(x: f64) -> f64 {
+    if x < 1.0 { 1.0 + hertz_terms(x, 1) } else { 3.0 * (x.sin() - x * x.cos()) / x.powi(3) }
+}
+
+/// The terms of x^{2k} of [`hertz_wave`] from k = `from` on, for x < 1: 6 (k+1) (−x²)^k/(2k+3)!.
+pub fn hertz_terms(x: f64, from: i32) -> f64 {
+    let (mut term, mut sum) = (1.0, 0.0);
+    for k in 1..10 {
+        let n = f64::from(k);
+        // The ratio of one term to the one before.
+        term *= -x * x * (n + 1.0) / (n * (2.0 * n + 2.0) * (2.0 * n + 3.0));
+        if k >= from {
+            sum += term;
+        }
+    }
+    sum
+}
+
 /// Points and weights for p(r) = 3/(2π R²) √(1 − r²/R²), r < R, within a grid: total 1 where the grid holds the whole disc.
 ///
 /// Strips across the first axis end at the grid's lines and where others of its lines meet the rim, with a substitution that

@@ -16,7 +16,7 @@ mod spread;
 mod surface;
 pub mod tensor;
 
-pub use disc::pressure_rule;
+pub use disc::{hertz_terms, hertz_wave, pressure_rule};
 pub use lumping::lump;
 pub use pad::{PadForms, PadPoint, pressed_depth};
 pub use pressure::PressureForms;

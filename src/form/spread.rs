@@ -13,6 +13,8 @@ use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::disc::hertz_wave;
+
 /// The lowest m.
 const LOWEST: usize = 3;
 
@@ -66,7 +68,7 @@ impl Spread {
 
     /// P² − Λ_{3/2}², Hertz's, at x = ξR, without the terms that cancel.
     pub fn over_waves(&self, x: f64) -> f64 {
-        let hertz = hertz(self.ratio * x);
+        let hertz = hertz_wave(self.ratio * x);
         if x > SERIES {
             return self.wave(x).powi(2) - hertz * hertz;
         }
@@ -85,16 +87,6 @@ impl Spread {
         }
         difference * (difference + 2.0 * hertz)
     }
-}
-
-/// Λ_{3/2}, the transform of Hertz's pressure.
-fn hertz(x: f64) -> f64 {
-    if x < 0.3 {
-        // Up to x⁸.
-        let square = x * x;
-        return 1.0 - square / 10.0 * (1.0 - square / 28.0 * (1.0 - square / 54.0));
-    }
-    3.0 * (x.sin() - x * x.cos()) / x.powi(3)
 }
 
 /// ∫ Λ_m Λ_n dx = √π g(m) g(n) g(m + n)/(m + n), g(m) = m!/Γ(m + ½) (Weber and Schafheitlin's integral, DLMF 10.22.57).
@@ -164,7 +156,7 @@ mod tests {
         for ratio in RATIOS {
             let spread = Spread::new(ratio);
             for x in [1.0, 3.0, 8.0, 14.0, 15.5, 40.0] {
-                let plain = transform(&spread, x).powi(2) - hertz(ratio * x).powi(2);
+                let plain = transform(&spread, x).powi(2) - hertz_wave(ratio * x).powi(2);
                 // Rounding of J_m over x^m.
                 assert!((spread.over_waves(x) - plain).abs() < 1e-9, "{ratio} {x}: {} {plain}", spread.over_waves(x));
             }

@@ -9,14 +9,14 @@ use super::reduce::{Reduced, force, rate, reduce};
 use super::theory::{Built, Operators, build};
 use crate::body::Krylov;
 use crate::error::{Error, Result};
-use crate::impact::{Steps, Trace};
+use crate::impact::Trace;
 use crate::scene::{Model, Scene};
 
 /// The coarser cells over the others.
 const COARSER: f64 = 1.5;
 
 /// Error over the difference of the two: (1.5³ − 1)⁻¹ = 0.42 where errors fall with the third power of the size, less where they fall
-/// faster. On the plates of docs/theories.md it was 0.25 to 0.35.
+/// faster.
 const OF_DIFFERENCE: f64 = 0.4;
 
 /// Part of the tolerance that the estimate may take.
@@ -92,7 +92,7 @@ fn on_coarser_cells(comm: &Comm, scene: &Scene, theory: Model, fine: &Fitted) ->
     let body = built.body;
     let mut krylov = Krylov::new(body.comm(), &body, rate(scene))?;
     krylov.grow(&body, fine.reduced.projection.vectors())?;
-    let mut steps: Option<Steps> = fine.reduced.force.1;
+    let mut steps = fine.reduced.force.1;
     let trace = force(scene, &body, &krylov.projection(&body)?, &mut steps)?;
     drop((krylov, body));
     comm.collect_garbage()?;

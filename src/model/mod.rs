@@ -40,8 +40,6 @@ pub struct Model {
     pub judged: Vec<&'static str>,
     /// What of that is not the basis'.
     pub beside_basis: (f64, f64),
-    /// Size of cells of splines over that by the rule for the tolerance.
-    pub size: f64,
     /// Why this theory and not another, where that was to be found.
     pub reason: Option<String>,
 }
@@ -93,7 +91,7 @@ impl Model {
 
     /// The model of a reduced body. Collective.
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
-        let Fitted { reduced, unknowns, words, size, error: cells } = fitted;
+        let Fitted { reduced, unknowns, words, error: cells, .. } = fitted;
         let Reduced { projection, larger, error, .. } = reduced;
         let dynamics = if scene.time.modal {
             Dynamics::Modal(ModalBody::of(&projection))
@@ -101,7 +99,7 @@ impl Model {
             Dynamics::Stepped(Box::new(Body::of(&comm.session().alone(), &projection.system())?))
         };
         let (vectors, larger) = (Some(projection.vectors()), Some(ModalBody::of(&larger)));
-        let model = Self { vectors, larger, error: Some(error), size, ..Self::bare(theory, dynamics, unknowns, words) };
+        let model = Self { vectors, larger, error: Some(error), ..Self::bare(theory, dynamics, unknowns, words) };
         let model = Self { judged: vec!["basis"], ..model };
         Ok(match cells {
             Some(error) => model.with_error("cells", error),
@@ -121,7 +119,6 @@ impl Model {
             error: None,
             judged: Vec::new(),
             beside_basis: (0.0, 0.0),
-            size: 1.0,
             reason: None,
         }
     }

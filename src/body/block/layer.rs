@@ -6,25 +6,15 @@
 
 use std::f64::consts::PI;
 
-use crate::body::plate::layer::flexibility;
-use crate::element::gauss_legendre;
+use crate::body::plate::layer::{HALF_SPACE, flexibility, integrate};
 use crate::form::Spread;
-
-/// From this t = ξh on Γ is H to rounding.
-const HALF_SPACE: f64 = 44.0;
 
 /// E h/(2π) ∫ (Γ − H) (P² − P_h²) ξ dξ, for a disc's radius in thicknesses.
 pub(super) fn beyond_half_space(spread: &Spread, poisson: f64, disc: f64) -> f64 {
-    let rule = gauss_legendre(10);
     // Half a wave of P² a panel.
-    let count = (HALF_SPACE / (0.5 * PI / disc).min(1.0)).ceil() as usize;
-    let half = 0.5 * HALF_SPACE / count as f64;
+    let panel = (0.5 * PI / disc).min(1.0);
     let value = |t: f64| (flexibility(t) - 2.0) * spread.over_waves(t * disc);
-    let panel = |i: usize| {
-        let middle = (2.0 * i as f64 + 1.0) * half;
-        rule.iter().map(|(x, weight)| half * weight * value(middle + half * x)).sum::<f64>()
-    };
-    (1.0 - poisson * poisson) / (2.0 * PI) * (0..count).map(panel).sum::<f64>()
+    (1.0 - poisson * poisson) / (2.0 * PI) * integrate(0.0, HALF_SPACE, panel, value)
 }
 
 #[cfg(test)]

@@ -29,7 +29,7 @@ const DEGREE: usize = 4;
 /// Choices that a scene does not make.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Size of all cells over that for an error of about 0.15% of the acceleration in the first contact.
+    /// Size of all cells over the default's.
     pub fineness: f64,
 }
 

@@ -16,6 +16,7 @@
 use std::f64::consts::PI;
 
 use crate::element::gauss_legendre;
+use crate::form::{hertz_terms, hertz_wave};
 
 /// A layer and the plate in its place, lengths in thicknesses.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,7 +35,7 @@ pub struct Layer {
 const SERIES: f64 = 3.0;
 
 /// From this t on Γ is H to rounding.
-const HALF_SPACE: f64 = 44.0;
+pub(in crate::body) const HALF_SPACE: f64 = 44.0;
 
 /// Where the plate's tail, which falls like x⁻³, ends in x = ξ r; what is left is below 1e-8 of c_M with the tail's mean added.
 const END: f64 = 4e3;
@@ -49,21 +50,11 @@ impl Layer {
 
     /// c_M E h.
     pub fn compliance(&self) -> f64 {
-        let rule = gauss_legendre(10);
         let panel = (PI / self.disc.max(self.patch)).min(2.0);
-        let mut sum = 0.0;
-        let mut integrate = |from: f64, to: f64, width: f64, f: &dyn Fn(f64) -> f64| {
-            let count = ((to - from) / width).ceil().max(1.0);
-            let half = 0.5 * (to - from) / count;
-            for i in 0..count as usize {
-                let middle = from + (2.0 * i as f64 + 1.0) * half;
-                sum += rule.iter().map(|(x, weight)| half * weight * f(middle + half * x)).sum::<f64>();
-            }
-        };
-        integrate(0.0, SERIES, panel, &|t| self.layer_rest(t) - self.plate_rest(t));
-        integrate(SERIES, HALF_SPACE, panel, &|t| self.layer(t) - self.plate(t));
+        let mut sum = integrate(0.0, SERIES, panel, |t| self.layer_rest(t) - self.plate_rest(t));
+        sum += integrate(SERIES, HALF_SPACE, panel, |t| self.layer(t) - self.plate(t));
         let end = (END / self.disc).max(2.0 * HALF_SPACE);
-        integrate(HALF_SPACE, end, PI / self.disc, &|t| -self.plate(t));
+        sum -= integrate(HALF_SPACE, end, PI / self.disc, |t| self.plate(t));
         // Beyond, 9 cos² x/x⁴ of P² has the mean 9/2 x⁻⁴, times 12 (1 − ν²) s² t.
         let s = self.reading();
         sum -= 12.0 * (1.0 - self.poisson.powi(2)) * s * s * 4.5 / self.disc.powi(4) * 0.5 / (end * end);
@@ -77,19 +68,19 @@ impl Layer {
 
     /// E h · [Γ − H] P² ξ dξ/dt.
     fn layer(&self, t: f64) -> f64 {
-        (1.0 - self.poisson.powi(2)) * (flexibility(t) - 2.0) * pressure(t * self.patch).powi(2)
+        (1.0 - self.poisson.powi(2)) * (flexibility(t) - 2.0) * hertz_wave(t * self.patch).powi(2)
     }
 
     /// E h · Γ_M P² ξ dξ/dt.
     fn plate(&self, t: f64) -> f64 {
         let of_bending = 12.0 * (1.0 - self.poisson.powi(2)) * (1.0 + self.reading() * t * t).powi(2) / t.powi(3);
-        (of_bending + self.shear() / t) * pressure(t * self.disc).powi(2)
+        (of_bending + self.shear() / t) * hertz_wave(t * self.disc).powi(2)
     }
 
     /// The same without the terms of t⁻³ and t⁻¹, which are those of [`Self::plate_rest`].
     fn layer_rest(&self, t: f64) -> f64 {
         let of_pressure = pressure_rest(self.patch * t);
-        let square = pressure(self.patch * t).powi(2);
+        let square = hertz_wave(self.patch * t).powi(2);
         let rest =
             layer_series(t) * square + 12.0 / t.powi(3) * of_pressure[1] + 2.4 / t * of_pressure[0] - 2.0 * square;
         (1.0 - self.poisson.powi(2)) * rest
@@ -98,10 +89,22 @@ impl Layer {
     /// [`Self::plate`] without its terms of t⁻³ and t⁻¹.
     fn plate_rest(&self, t: f64) -> f64 {
         let [first, second] = pressure_rest(self.disc * t);
-        let (s, square) = (self.reading(), pressure(self.disc * t).powi(2));
+        let (s, square) = (self.reading(), hertz_wave(self.disc * t).powi(2));
         let of_bending = (second / t + 2.0 * s * t * first) / (t * t) + s * s * t * square;
         12.0 * (1.0 - self.poisson.powi(2)) * of_bending + self.shear() / t * first
     }
+}
+
+/// ∫ f dt between two ends, in panels of a width or less: Gauss's rule of 10 points each.
+pub(in crate::body) fn integrate(from: f64, to: f64, width: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let rule = gauss_legendre(10);
+    let count = ((to - from) / width).ceil().max(1.0);
+    let half = 0.5 * (to - from) / count;
+    let panel = |i: usize| {
+        let middle = from + (2.0 * i as f64 + 1.0) * half;
+        rule.iter().map(|(x, weight)| half * weight * f(middle + half * x)).sum::<f64>()
+    };
+    (0..count as usize).map(panel).sum()
 }
 
 /// f(t), which tends to 2.
@@ -128,34 +131,15 @@ fn layer_series(t: f64) -> f64 {
     numerator / denominator + squeezing
 }
 
-/// P(x): the transform of Hertz's pressure.
-fn pressure(x: f64) -> f64 {
-    if x < 1.0 { 1.0 + series(x, 1) } else { 3.0 * (x.sin() - x * x.cos()) / x.powi(3) }
-}
-
 /// P² − 1 and P² − 1 + x²/5.
 fn pressure_rest(x: f64) -> [f64; 2] {
     if x < 1.0 {
-        let (first, second) = (series(x, 1), series(x, 2));
+        let (first, second) = (hertz_terms(x, 1), hertz_terms(x, 2));
         [first * (2.0 + first), 2.0 * second + first * first]
     } else {
-        let square = pressure(x).powi(2);
+        let square = hertz_wave(x).powi(2);
         [square - 1.0, square - 1.0 + 0.2 * x * x]
     }
-}
-
-/// P's terms of x^{2k} from k = `from` on: 6 (k+1) (−x²)^k/(2k+3)!.
-fn series(x: f64, from: i32) -> f64 {
-    let (mut term, mut sum) = (1.0, 0.0);
-    for k in 1..10 {
-        let n = f64::from(k);
-        // The ratio of one term to the one before.
-        term *= -x * x * (n + 1.0) / (n * (2.0 * n + 2.0) * (2.0 * n + 3.0));
-        if k >= from {
-            sum += term;
-        }
-    }
-    sum
 }
 
 #[cfg(test)]

@@ -11,7 +11,8 @@ use crate::model::Model;
 use crate::scene::{self, Impactor, Scene, Support, SupportKind};
 
 /// The families of members that differ in the impactor, the gap, the times or the tolerance alone, by the key of their body; with the
-/// member whose contact is the shortest, for which the family's basis is made: so that no result depends on the order of members.
+/// member that asks most, by its tolerance and then by its contact, for which the family's basis is made: so that no result depends on
+/// the order of members.
 #[derive(Debug, Default)]
 pub struct Census {
     families: HashMap<u64, Member>,
