@@ -26,6 +26,7 @@ fn main() {
         Command::Stability(stability) => {
             under_petsc(&stability.petsc, |session| cli::stability::stability(&session.world(), stability))
         }
+        Command::Chart(chart) => under_petsc(&chart.petsc, |session| cli::chart::chart(&session.world(), chart)),
         Command::Sweep(sweep) => under_petsc(&sweep.petsc, |session| cli::sweep::sweep(&session.world(), sweep)),
         Command::Check(check) => {
             under_petsc(&check.petsc, |session| cli::check::check(&session.world(), check).map(|()| 0))

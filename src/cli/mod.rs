@@ -1,11 +1,14 @@
 //! What the user typed, and what to do about it; one file a subcommand.
 
+mod bench;
+pub mod chart;
 pub mod check;
 mod interrupt;
 mod load;
 mod notes;
 pub mod plot;
 mod progress;
+mod provenance;
 pub mod run;
 pub mod stability;
 pub mod sweep;
@@ -45,6 +48,8 @@ pub enum Command {
     Plot(Plot),
     /// Show where each time integration scheme holds on a scene and where it fails: schemes × steps
     Stability(Stability),
+    /// Chart speed against accuracy on a scene: models × reductions × schemes × steps × meshes
+    Chart(Chart),
     /// Compute a scene for many values of its keys, and write the peaks and contacts of all members to an HDF5 file
     Sweep(Sweep),
 }
@@ -128,6 +133,34 @@ pub struct Sweep {
     /// Compute every n-th member from the i-th on into a part OUT.i-of-n.h5; a sweep without --shard takes the parts over
     #[arg(long, value_name = "i/n")]
     pub shard: Option<Shard>,
+    /// Options for PETSc, unchanged
+    #[arg(last = true, value_name = "PETSC OPTIONS")]
+    pub petsc: Vec<String>,
+}
+
+/// `ricochet chart`
+#[derive(Debug, Args)]
+pub struct Chart {
+    /// Scene file (TOML); its numerical choices are replaced by those of each method
+    pub scene: PathBuf,
+    /// Folder for work-precision.csv, .svg, .png and summary.md, and for the runs, which are not done again; made where it is missing
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Methods to chart, by words of their names as mindlin, solid/newmark or auto; all by default
+    #[arg(long, value_name = "METHOD", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// About how long the runs may take, and the references as long again, s
+    #[arg(long, value_name = "SECONDS", default_value_t = 600.0)]
+    pub budget: f64,
+    /// Result, or table of time and acceleration, to measure errors by; by default the solid is refined
+    #[arg(long, value_name = "FILE.h5")]
+    pub reference: Option<PathBuf>,
+    /// Table of other programs' runs: name, setting, seconds (or build and run), error (or series)
+    #[arg(long = "with", value_name = "FILE.csv")]
+    pub with: Vec<PathBuf>,
+    /// Override a key of the scene by its dotted path
+    #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    pub overrides: Vec<String>,
     /// Options for PETSc, unchanged
     #[arg(last = true, value_name = "PETSC OPTIONS")]
     pub petsc: Vec<String>,

@@ -76,8 +76,9 @@ impl Progress {
     }
 }
 
-/// Shows the progress of a sweep's members.
-pub struct Members {
+/// Shows the progress of a number of things to do.
+pub struct Items {
+    what: &'static str,
     bar: Option<ProgressBar>,
     done: usize,
     all: usize,
@@ -85,26 +86,27 @@ pub struct Members {
     last: Instant,
 }
 
-impl Members {
-    /// Progress to `all` members on standard error.
-    pub fn new(all: usize) -> Self {
+impl Items {
+    /// Progress to `all` of what the plural `what` names, on standard error.
+    pub fn new(all: usize, what: &'static str) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
-            let style = "{bar:40} {pos} of {len} members, {eta} left";
-            ProgressBar::new(all as u64).with_style(ProgressStyle::with_template(style).expect("the template is valid"))
+            let style = format!("{{bar:40}} {{pos}} of {{len}} {what}, {{eta}} left");
+            ProgressBar::new(all as u64)
+                .with_style(ProgressStyle::with_template(&style).expect("the template is valid"))
         });
         let begin = Instant::now();
-        Self { bar, done: 0, all, begin, last: begin }
+        Self { what, bar, done: 0, all, begin, last: begin }
     }
 
-    /// A member has come in.
-    pub fn member(&mut self) {
-        self.done += 1;
+    /// So many more are over.
+    pub fn over(&mut self, count: usize) {
+        self.done += count;
         if let Some(bar) = &self.bar {
-            bar.inc(1);
+            bar.inc(count as u64);
         } else if self.last.elapsed() >= EVERY {
             self.last = Instant::now();
             let left = self.begin.elapsed().as_secs_f64() * (self.all - self.done) as f64 / self.done as f64;
-            tell(format_args!("{} of {} members, {left:.0} s left", self.done, self.all));
+            tell(format_args!("{} of {} {}, {left:.0} s left", self.done, self.all, self.what));
         }
     }
 

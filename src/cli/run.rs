@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::Instant;
 
-use petsc_wrap::{Comm, options, petsc_version};
+use petsc_wrap::Comm;
 
 use crate::agree::agree;
 use crate::error::{Error, Result};
 use crate::impact::step::Energy;
 use crate::model::{self, Model, Simulation};
 use crate::record::episodes::Episodes;
-use crate::record::provenance::{Cost, Provenance};
+use crate::record::provenance::Cost;
 use crate::record::series::SeriesWriter;
 use crate::record::target::check_writable;
 use crate::scene::{Scene, Source};
@@ -22,6 +22,7 @@ use super::interrupt::{INTERRUPTED, Interrupt};
 use super::load::load;
 use super::notes::{describe_model, listed, notes};
 use super::progress::Progress;
+use super::provenance::provenance;
 use super::{say, short, tell, warn_of_unused_options};
 
 /// Runs a scene; returns the exit status. Collective.
@@ -47,7 +48,8 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
     let modelled = begin.elapsed().as_secs_f64();
     let patch = model.dynamics.patch();
     let (described, reason) = (describe_model(&model), model.reason.clone());
-    let mut provenance = provenance(comm, scene, source, &model)?;
+    let of_model = (model::name(model.theory), model.reduction(), model.unknowns);
+    let mut provenance = provenance(comm, scene, source, of_model)?;
     let mut impact = Simulation::new(scene, model)?;
     provenance.planned_rows = impact.steps().map(|steps| steps / scene.output.every + 1);
     let assembled = begin.elapsed().as_secs_f64();
@@ -204,23 +206,6 @@ impl Summary {
             cost.newton_iterations
         ));
     }
-}
-
-fn provenance(comm: &Comm, scene: &Scene, source: &Source, model: &Model) -> Result<Provenance> {
-    Ok(Provenance {
-        title: scene.title.clone(),
-        scene: source.text().to_owned(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        commit: env!("RICOCHET_COMMIT").to_owned(),
-        petsc_version: petsc_version(),
-        petsc_options: options::all(comm.session())?,
-        ranks: comm.size(),
-        model: model::name(model.theory).to_owned(),
-        reduction: model.reduction(),
-        unknowns: model.unknowns + 1,
-        impactor_mass: scene.impactor.mass,
-        planned_rows: None,
-    })
 }
 
 /// Milliseconds below ten seconds, tenths of a second above.

@@ -17,7 +17,7 @@ use crate::study::sweep::{Bodies, Census, Grid, Property, Task, Variation, diges
 
 use super::interrupt::{INTERRUPTED, Interrupt};
 use super::load::load;
-use super::progress::Members;
+use super::progress::Items;
 use super::{Sweep, say, short, tell, warn_of_unused_options};
 
 /// Computes the members of a sweep that its file does not have yet; returns the exit status. Collective.
@@ -40,7 +40,7 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     let todo: Vec<usize> = desk.as_ref().map_or(Vec::new(), Desk::missing);
     let mut todo_somewhere = !todo.is_empty();
     comm.mpi().process_at_rank(0).broadcast_into(&mut todo_somewhere);
-    let desk = desk.map(|desk| Rc::new(RefCell::new(Desk { progress: Members::new(todo.len()), ..desk })));
+    let desk = desk.map(|desk| Rc::new(RefCell::new(Desk { progress: Items::new(todo.len(), "members"), ..desk })));
 
     let (interrupt, alone) = (Interrupt::on_signals(), comm.session().alone());
     // One theory for all, lest it change from one member to the next.
@@ -113,7 +113,7 @@ fn header(comm: &Comm, arguments: &Sweep, grid: &Grid, (scene, source): (&Scene,
 /// What rank 0 keeps of a sweep.
 struct Desk {
     writer: SweepWriter,
-    progress: Members,
+    progress: Items,
     output: std::path::PathBuf,
     /// Members that were there at the beginning.
     before: usize,
@@ -132,7 +132,7 @@ impl Desk {
                 writer.header().commit
             ));
         }
-        let mut desk = Self { writer, progress: Members::new(0), output, before: 0 };
+        let mut desk = Self { writer, progress: Items::new(0, "members"), output, before: 0 };
         if arguments.shard.is_none() && !desk.missing().is_empty() {
             for part in parts(&arguments.output) {
                 desk.take_over(&part)?;
@@ -167,7 +167,7 @@ impl Desk {
 
     fn keep(&mut self, member: Option<Member>) -> Result<()> {
         let Some(member) = member else { return self.writer.flush_if_due() };
-        self.progress.member();
+        self.progress.over(1);
         self.writer.push(&member)
     }
 

@@ -88,6 +88,21 @@ impl Cost {
         Ok(())
     }
 
+    /// Reads what [`Self::write`] has written.
+    pub(super) fn read(root: &Location) -> Result<Self> {
+        let number = |name: &str| root.attr(name)?.read_scalar::<f64>();
+        let count = |name: &str| root.attr(name)?.read_scalar::<u64>().map(|count| count as usize);
+        Ok(Self {
+            model: number("wall_time_model")?,
+            setup: number("wall_time_setup")?,
+            steps: number("wall_time_steps")?,
+            total: number("wall_time_total")?,
+            newton_iterations: count("newton_iterations")?,
+            solves: count("solves")?,
+            error_estimate: number("error_estimate")?,
+        })
+    }
+
     /// Overwrites in place, so that nothing in the file moves.
     pub(super) fn update(&self, root: &Location) -> Result<()> {
         for (name, number) in self.numbers() {
@@ -117,10 +132,31 @@ impl Provenance {
         }
         write_scalar(root, "ranks", self.ranks as u64)?;
         write_scalar(root, "unknowns", self.unknowns as u64)?;
+        write_scalar(root, "impactor_mass", self.impactor_mass)?;
         if let Some(rows) = self.planned_rows {
             write_scalar(root, "planned_rows", rows as u64)?;
         }
         Ok(())
+    }
+
+    /// Reads what [`Self::write`] has written.
+    pub(super) fn read(root: &Location) -> Result<Self> {
+        let words = |name: &str| text(root, name);
+        let count = |name: &str| root.attr(name)?.read_scalar::<u64>().map(|count| count as usize);
+        Ok(Self {
+            title: words("title")?,
+            scene: words("scene")?,
+            version: words("version")?,
+            commit: words("commit")?,
+            petsc_version: words("petsc_version")?,
+            petsc_options: words("petsc_options")?,
+            ranks: count("ranks")?,
+            model: words("model")?,
+            reduction: words("reduction")?,
+            unknowns: count("unknowns")?,
+            impactor_mass: root.attr("impactor_mass")?.read_scalar()?,
+            planned_rows: count("planned_rows").ok(),
+        })
     }
 }
 
@@ -128,6 +164,11 @@ impl Provenance {
 pub(super) fn write_text(at: &Location, name: &str, text: &str) -> Result<()> {
     let text: VarLenUnicode = text.parse().map_err(|_| format!("attribute {name}: the text holds a NUL character"))?;
     write_scalar(at, name, text)
+}
+
+/// A text attribute.
+pub(super) fn text(at: &Location, name: &str) -> Result<String> {
+    at.attr(name)?.read_scalar::<VarLenUnicode>().map(|text| text.to_string())
 }
 
 /// A new attribute of one value.

@@ -1,9 +1,9 @@
 //! A result read back, as far as a figure needs it.
 
 use crate::error::{Error, Result};
+use crate::record::provenance::{Cost, Provenance, text};
 use crate::record::target::is_locked;
 use hdf5_metno as hdf5;
-use hdf5_metno::types::VarLenUnicode;
 use std::path::Path;
 
 /// The acceleration history of a result.
@@ -17,6 +17,18 @@ pub struct History {
     pub acceleration: Vec<f64>,
     /// Start and end of each contact episode, s.
     pub contacts: Vec<(f64, f64)>,
+    /// ∫ F dt of each, N s.
+    pub impulses: Vec<f64>,
+}
+
+/// Where a result comes from, what it has cost, and whether it came to its end.
+///
+/// # Errors
+/// [`Error::Io`] as [`history`].
+pub fn origin(path: &Path) -> Result<(Provenance, Cost, bool)> {
+    let file = open(path)?;
+    let read = || Ok((Provenance::read(&file)?, Cost::read(&file)?, file.attr("complete")?.read_scalar()?));
+    read().map_err(|e: hdf5::Error| Error::io(path, format!("is not a result of this version of ricochet: {e}")))
 }
 
 /// Reads the history of the result `path`. After a kill, datasets may differ in length by one flush: the rows are
@@ -44,8 +56,9 @@ pub fn history(path: &Path) -> Result<History> {
     acceleration.truncate(rows);
     let start = column("contacts/start")?;
     let end = column("contacts/end")?;
+    let impulses = column("contacts/impulse")?;
     let title = text(&file, "title").map_err(|_| Error::io(path, "is not a result of ricochet: it has no title"))?;
-    Ok(History { title, time, acceleration, contacts: start.into_iter().zip(end).collect() })
+    Ok(History { title, time, acceleration, contacts: start.into_iter().zip(end).collect(), impulses })
 }
 
 /// Opens a result for reading.
@@ -57,11 +70,6 @@ pub(super) fn open(path: &Path) -> Result<hdf5::File> {
         return Err(Error::io(path, e));
     }
     hdf5::File::open(path).map_err(|e| not_opened(path, &e))
-}
-
-/// A text attribute.
-pub(super) fn text(at: &hdf5::Location, name: &str) -> hdf5::Result<String> {
-    at.attr(name)?.read_scalar::<VarLenUnicode>().map(|text| text.to_string())
 }
 
 fn not_opened(path: &Path, error: &hdf5::Error) -> Error {

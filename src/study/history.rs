@@ -3,12 +3,165 @@
 use crate::impact::step::Step;
 use crate::record::episodes::Episodes;
 
-/// The acceleration of a run, to measure others by.
-#[derive(Debug, Clone)]
-pub(super) struct History {
+/// The acceleration of a run.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct History {
     time: Vec<f64>,
     acceleration: Vec<f64>,
+    contacts: Vec<Contact>,
+}
+
+/// One contact of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// s.
+    pub start: f64,
+    /// s; the last time where it has not ended by then.
+    pub end: f64,
+    /// ∫ F dt, N s.
+    pub impulse: f64,
+}
+
+/// By how much one acceleration differs from another, over the other's peak.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Difference {
+    /// At most, up to the end of the other's first contact; over the peak up to there.
+    pub first: f64,
+    /// At most, over all.
+    pub whole: f64,
+}
+
+impl History {
+    /// An acceleration (m/s²) at ascending times (s), and the contacts in it.
+    pub fn new(time: Vec<f64>, acceleration: Vec<f64>, contacts: Vec<Contact>) -> Self {
+        Self { time, acceleration, contacts }
+    }
+
+    /// The same of an impactor's mass (kg), its contacts where the acceleration is positive, their impulses by the trapezoidal rule.
+    pub fn of_series(time: Vec<f64>, acceleration: Vec<f64>, mass: f64) -> Self {
+        let mut contacts: Vec<Contact> = Vec::new();
+        for n in 1..time.len() {
+            let (before, now) = (acceleration[n - 1], acceleration[n]);
+            if before <= 0.0 && now <= 0.0 {
+                continue;
+            }
+            if before <= 0.0 || contacts.is_empty() {
+                contacts.push(Contact { start: time[n - 1], end: time[n], impulse: 0.0 });
+            }
+            if let Some(contact) = contacts.last_mut() {
+                contact.end = time[n];
+                contact.impulse += 0.5 * mass * (before.max(0.0) + now.max(0.0)) * (time[n] - time[n - 1]);
+            }
+        }
+        Self { time, acceleration, contacts }
+    }
+
+    /// The first contact.
+    pub fn first(&self) -> Option<Contact> {
+        self.contacts.first().copied()
+    }
+
+    /// Duration of the first contact, s, if it is over.
+    pub(super) fn contact(&self) -> Option<f64> {
+        let is_over = self.contacts.len() > 1 || self.acceleration.last().is_some_and(|last| *last <= 0.0);
+        self.first().filter(|_| is_over).map(|contact| contact.end - contact.start)
+    }
+
+    /// End of the first contact, s, or the last time where there is none.
+    fn first_end(&self) -> f64 {
+        self.first().map_or(self.last(), |contact| contact.end)
+    }
+
+    fn last(&self) -> f64 {
+        self.time.last().copied().unwrap_or_default()
+    }
+
+    /// Number of times up to one.
+    fn within(&self, until: f64) -> usize {
+        self.time.partition_point(|time| *time <= until * (1.0 + 1e-12))
+    }
+
+    /// Largest acceleration up to a time, m/s².
+    fn peak_until(&self, until: f64) -> f64 {
+        self.acceleration[..self.within(until)].iter().fold(0.0, |peak, a| a.max(peak))
+    }
+
+    /// Largest acceleration, m/s².
+    pub fn peak(&self) -> f64 {
+        self.peak_until(f64::MAX)
+    }
+
+    /// Time of the first contact's peak, s.
+    fn first_peak(&self) -> f64 {
+        let first = &self.acceleration[..self.within(self.first_end())];
+        let peak = (0..first.len()).fold(0, |best, n| if first[n] > first[best] { n } else { best });
+        self.time.get(peak).copied().unwrap_or(f64::INFINITY)
+    }
+
+    /// The acceleration at a time within the history, linear between its steps.
+    fn at(&self, time: f64) -> f64 {
+        // A time that is met but for rounding is met.
+        let after = self.time.partition_point(|known| *known < time * (1.0 - 1e-12));
+        let (Some(&t1), Some(&a1)) = (self.time.get(after), self.acceleration.get(after)) else { return f64::NAN };
+        if after == 0 || t1 <= time {
+            return a1;
+        }
+        let (t0, a0) = (self.time[after - 1], self.acceleration[after - 1]);
+        a0 + (a1 - a0) * (time - t0) / (t1 - t0)
+    }
+
+    /// How far this history is off another one: at its own times, between which a straight line is further off than it is, and at the
+    /// other's first peak, which steps may leap over. Times beyond the other's last are not compared.
+    pub fn difference(&self, other: &Self) -> Difference {
+        let (first_end, first_peak, last) = (other.first_end(), other.first_peak(), other.last());
+        let mut difference = Difference::default();
+        let mut count = |time: f64, off: f64| {
+            difference.whole = difference.whole.max(off);
+            if time <= first_end {
+                difference.first = difference.first.max(off);
+            }
+        };
+        let compared = self.within(last);
+        for (time, acceleration) in self.time[..compared].iter().zip(&self.acceleration) {
+            count(*time, (acceleration - other.at(time.min(last))).abs());
+        }
+        if self.last() >= first_peak {
+            count(first_peak, (self.at(first_peak) - other.at(first_peak)).abs());
+        }
+        let over = |off: f64, peak: f64| if off > 0.0 { off / peak } else { 0.0 };
+        Difference {
+            first: over(difference.first, other.peak_until(first_end)),
+            whole: over(difference.whole, other.peak()),
+        }
+    }
+}
+
+/// Makes a history of steps.
+#[derive(Debug, Clone)]
+pub struct Recorder {
+    history: History,
     episodes: Episodes,
+}
+
+impl Recorder {
+    /// Of an impactor's mass, kg.
+    pub fn new(mass: f64) -> Self {
+        Self { history: History::default(), episodes: Episodes::new(mass) }
+    }
+
+    /// Takes the next step.
+    pub fn push(&mut self, step: &Step) {
+        self.history.time.push(step.time);
+        self.history.acceleration.push(step.impactor.acceleration);
+        self.episodes.push(step);
+    }
+
+    /// What was recorded.
+    pub fn finish(mut self) -> History {
+        let contacts = self.episodes.all().iter();
+        self.history.contacts = contacts.map(|e| Contact { start: e.start, end: e.end, impulse: e.impulse }).collect();
+        self.history
+    }
 }
 
 /// What was measured of a run; of a run that was stopped, up to the step before.
@@ -29,67 +182,13 @@ pub struct Measured {
     pub whole_error: f64,
 }
 
-impl History {
-    pub(super) fn new() -> Self {
-        // Times and forces are asked for, not impulses.
-        Self { time: Vec::new(), acceleration: Vec::new(), episodes: Episodes::new(0.0) }
-    }
-
-    pub(super) fn push(&mut self, step: &Step) {
-        self.time.push(step.time);
-        self.acceleration.push(step.impactor.acceleration);
-        self.episodes.push(step);
-    }
-
-    /// Duration of the first contact episode, s, if it is over.
-    pub(super) fn contact(&self) -> Option<f64> {
-        let is_over = self.episodes.all().len() > 1 || !self.episodes.is_open();
-        self.episodes.all().first().filter(|_| is_over).map(|episode| episode.end - episode.start)
-    }
-
-    /// End of the first contact episode, s, or the last time where there is none.
-    fn first_end(&self) -> f64 {
-        let last = self.time.last().copied().unwrap_or_default();
-        self.episodes.all().first().map_or(last, |episode| episode.end)
-    }
-
-    /// Time of the first contact's peak, s.
-    fn first_peak(&self) -> f64 {
-        self.episodes.all().first().map_or(f64::INFINITY, |episode| episode.peak_time)
-    }
-
-    /// Largest acceleration up to a time, m/s².
-    fn peak(&self, until: f64) -> f64 {
-        let within = self.time.partition_point(|time| *time <= until);
-        self.acceleration[..within].iter().fold(0.0, |peak, a| a.max(peak))
-    }
-
-    /// The acceleration at a time within the history, linear between its steps.
-    fn at(&self, time: f64) -> f64 {
-        // A time that is met but for rounding is met.
-        let after = self.time.partition_point(|known| *known < time * (1.0 - 1e-12));
-        let (Some(&t1), Some(&a1)) = (self.time.get(after), self.acceleration.get(after)) else { return f64::NAN };
-        if after == 0 || t1 <= time {
-            return a1;
-        }
-        let (t0, a0) = (self.time[after - 1], self.acceleration[after - 1]);
-        a0 + (a1 - a0) * (time - t0) / (t1 - t0)
-    }
-}
-
 /// Measures a run step by step.
 pub(super) struct Measure<'a> {
     reference: Option<&'a History>,
-    first_end: f64,
-    /// Time of the reference's first peak, s, and the last step's time and acceleration: a step that leaps over the peak has missed it.
-    first_peak: f64,
-    before: (f64, f64),
-    last: f64,
+    own: Recorder,
     initial: f64,
     lowest: f64,
     highest: f64,
-    first_difference: f64,
-    whole_difference: f64,
     steps: usize,
     time: f64,
 }
@@ -99,15 +198,11 @@ impl<'a> Measure<'a> {
     pub(super) fn new(reference: Option<&'a History>) -> Self {
         Self {
             reference,
-            first_end: reference.map_or(0.0, History::first_end),
-            first_peak: reference.map_or(f64::INFINITY, History::first_peak),
-            before: (0.0, 0.0),
-            last: reference.and_then(|history| history.time.last().copied()).unwrap_or_default(),
+            // Times and forces are asked for, not impulses.
+            own: Recorder::new(0.0),
             initial: 0.0,
             lowest: f64::INFINITY,
             highest: f64::NEG_INFINITY,
-            first_difference: 0.0,
-            whole_difference: 0.0,
             steps: 0,
             time: 0.0,
         }
@@ -121,39 +216,23 @@ impl<'a> Measure<'a> {
         }
         (self.lowest, self.highest) = (self.lowest.min(balance), self.highest.max(balance));
         (self.steps, self.time) = (step.number, step.time);
-        let (from, now) = (self.before, (step.time, step.impactor.acceleration));
-        self.before = now;
-        if let Some(reference) = self.reference
-            && from.0 < self.first_peak
-            && self.first_peak <= now.0
-        {
-            let part = (self.first_peak - from.0) / (now.0 - from.0);
-            let difference = (from.1 + part * (now.1 - from.1) - reference.at(self.first_peak)).abs();
-            self.first_difference = self.first_difference.max(difference);
-            self.whole_difference = self.whole_difference.max(difference);
-        }
-        let Some(reference) = self.reference.filter(|_| step.time <= self.last * (1.0 + 1e-12)) else { return };
-        let difference = (step.impactor.acceleration - reference.at(step.time.min(self.last))).abs();
-        self.whole_difference = self.whole_difference.max(difference);
-        if step.time <= self.first_end {
-            self.first_difference = self.first_difference.max(difference);
-        }
+        self.own.push(step);
     }
 
-    pub(super) fn finish(self) -> Measured {
-        let Self { initial, lowest, highest, first_end, last, .. } = self;
-        let of_peak = |difference: f64, until: f64| match self.reference {
-            Some(reference) if difference > 0.0 => difference / reference.peak(until),
-            _ => 0.0,
-        };
-        Measured {
+    /// What was measured, and the run's own history.
+    pub(super) fn finish(self) -> (Measured, History) {
+        let Self { initial, lowest, highest, .. } = self;
+        let own = self.own.finish();
+        let difference = self.reference.map(|reference| own.difference(reference)).unwrap_or_default();
+        let measured = Measured {
             steps: self.steps,
             time: self.time,
             energy_error: (highest - initial).max(initial - lowest) / initial.abs(),
             growth: highest / initial,
-            first_error: of_peak(self.first_difference, first_end),
-            whole_error: of_peak(self.whole_difference, last),
-        }
+            first_error: difference.first,
+            whole_error: difference.whole,
+        };
+        (measured, own)
     }
 }
 
@@ -191,9 +270,9 @@ mod tests {
 
     /// ⟨sin t⟩ up to t = 9: episodes 0 to π and 2π to 9.
     fn reference() -> History {
-        let mut history = History::new();
-        (0..=9000).for_each(|n| history.push(&step(n, 1e-3 * n as f64, (1e-3 * n as f64).sin(), 1.0)));
-        history
+        let mut recorder = Recorder::new(2.0);
+        (0..=9000).for_each(|n| recorder.push(&step(n, 1e-3 * n as f64, (1e-3 * n as f64).sin(), 1.0)));
+        recorder.finish()
     }
 
     #[test]
@@ -207,7 +286,7 @@ mod tests {
             let t = 0.5 * n as f64;
             measure.push(&step(n, t, if t < 3.2 { 1.01 } else { 1.03 } * t.sin(), 1.0 + 1e-3 * t));
         }
-        let measured = measure.finish();
+        let measured = measure.finish().0;
         // At t = 1.5 and 8; the reference's peak is 1 to (1e-3)²/8 of rounding its maximum to a step.
         assert!((measured.first_error - 0.01 * 1.5_f64.sin()).abs() < 1e-6, "{measured:?}");
         assert!((measured.whole_error - 0.03 * 8_f64.sin()).abs() < 1e-6, "{measured:?}");
@@ -223,6 +302,21 @@ mod tests {
         assert_eq!(reference.at(1.5), (1.5_f64).sin());
         let between = 0.5 * (1.5_f64.sin() + 1.501_f64.sin());
         assert!((reference.at(1.5005) - between).abs() < 1e-12);
-        assert!(Measure::new(None).finish().first_error == 0.0);
+        assert!(Measure::new(None).finish().0.first_error == 0.0);
+    }
+
+    /// A series of which nothing but times and accelerations are known.
+    #[test]
+    fn contacts_are_where_the_acceleration_is_positive() {
+        let known = reference();
+        let foreign = History::of_series(known.time.clone(), known.acceleration.clone(), 2.0);
+        assert_eq!(foreign.contacts.len(), 2);
+        for (found, is) in foreign.contacts.iter().zip(&known.contacts) {
+            assert!((found.start - is.start).abs() < 1e-3 && (found.end - is.end).abs() < 1e-3, "{found:?}, {is:?}");
+        }
+        // 2 ∫ sin over half a period; the trapezoidal rule is off by (1e-3)²/12 of it.
+        assert!((foreign.contacts[0].impulse - 4.0).abs() < 1e-6);
+        assert_eq!(foreign.difference(&known), Difference::default());
+        assert_eq!(known.peak(), foreign.peak());
     }
 }

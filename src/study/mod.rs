@@ -1,6 +1,7 @@
 //! Many impacts of one scene: how the answer depends on the scene, and on how it is computed.
 
-mod history;
+pub mod chart;
+pub mod history;
 mod plan;
 mod schemes;
 pub mod stability;

@@ -161,7 +161,7 @@ pub fn stability(
                 study.is_complete = false;
                 break;
             };
-            let measured = measure.finish();
+            let (measured, _) = measure.finish();
             row.runs.push(Run { step, measured, verdict: Verdict::new(ending, &measured, scene.tolerance) });
         }
         if !row.runs.is_empty() {
@@ -241,15 +241,13 @@ impl<'a> Bench<'a> {
         step: f64,
         other: Option<&History>,
     ) -> Result<Option<(Reference, History)>> {
-        let (mut measure, mut history) = (Measure::new(other), History::new());
-        let ending = self.run(scheme, step, |step| {
-            measure.push(step);
-            history.push(step);
-        })?;
+        let mut measure = Measure::new(other);
+        let ending = self.run(scheme, step, |step| measure.push(step))?;
         match ending {
             None => Ok(None),
             Some(Ending::Whole) => {
-                Ok(Some((Reference { scheme, step, measured: measure.finish(), error: None }, history)))
+                let (measured, history) = measure.finish();
+                Ok(Some((Reference { scheme, step, measured, error: None }, history)))
             }
             Some(Ending::Unstable(reason)) => Err(Error::Unstable(reason)),
             Some(Ending::Unsolved(reason)) => Err(Error::Solve(reason)),

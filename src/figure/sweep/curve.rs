@@ -1,9 +1,10 @@
 //! Over one key: the peak acceleration, and below it when the bodies touch.
 
-use super::frame::{Frame, LETTERS, SMALL, draw_bar};
+use super::bar::draw_bar;
 use super::{Curve, Member, ascending};
 use crate::figure::axis::Axis;
 use crate::figure::canvas::{Anchor, Canvas, Drawing, HEIGHT, Outcome, WIDTH};
+use crate::figure::frame::{Frame, LETTERS, SMALL};
 use crate::figure::scale::{Scale, cells};
 use crate::figure::shade::shade;
 use crate::figure::stroke::stroke;

@@ -1,8 +1,9 @@
 //! Over two keys: the peak acceleration as a heat map.
 
-use super::frame::{Frame, LETTERS, SMALL, draw_bar};
+use super::bar::draw_bar;
 use super::{Field, ascending};
 use crate::figure::canvas::{Anchor, Canvas, Drawing, HEIGHT, Outcome, WIDTH};
+use crate::figure::frame::{Frame, LETTERS, SMALL};
 use crate::figure::scale::{Scale, cells};
 use crate::figure::shade::{MISSING, shade};
 use plotters::backend::DrawingBackend;

@@ -1,8 +1,8 @@
 //! A sweep: curves over one key, a map over two.
 
+mod bar;
 mod curve;
 mod field;
-mod frame;
 
 use super::canvas::save;
 use crate::error::Result;

@@ -1,17 +1,16 @@
-//! A frame with its axes, and the bar that tells what colours mean.
+//! A part of the sheet with an axis each way.
 
-use super::Key;
-use crate::figure::canvas::{Anchor, Canvas, Outcome};
-use crate::figure::scale::Scale;
-use crate::figure::stroke::Stroke;
+use super::canvas::{Anchor, Canvas, Outcome};
+use super::scale::Scale;
+use super::stroke::Stroke;
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 
 pub(super) const LETTERS: f64 = 30.0;
 pub(super) const SMALL: f64 = 24.0;
 const GRID: Stroke = Stroke { colour: RGBColor(222, 222, 222), width: 1.5, dashes: &[] };
-const FRAME: Stroke = Stroke { colour: RGBColor(60, 60, 60), width: 2.0, dashes: &[] };
-const TICK: f64 = 8.0;
+pub(super) const FRAME: Stroke = Stroke { colour: RGBColor(60, 60, 60), width: 2.0, dashes: &[] };
+pub(super) const TICK: f64 = 8.0;
 
 /// A part of the sheet with an axis each way.
 pub(super) struct Frame {
@@ -75,39 +74,12 @@ impl Frame {
     }
 }
 
-/// A bar at the right of a frame with the colours from the lower limit of `scale` (0) to the upper (1), and ticks.
-pub(super) fn draw_bar<DB: DrawingBackend>(
+/// A straight line.
+pub(super) fn line<DB: DrawingBackend>(
     canvas: &Canvas<DB>,
-    (left, top, bottom): (f64, f64, f64),
-    scale: &Scale,
-    colour: fn(f64) -> RGBColor,
-    title: &str,
+    from: (f64, f64),
+    to: (f64, f64),
+    stroke: &Stroke,
 ) -> Outcome {
-    let (right, height) = (left + 28.0, bottom - top);
-    for n in 0..height as usize {
-        let y = bottom - n as f64;
-        canvas.rectangle((left, y - 1.0), (right, y), colour(n as f64 / height))?;
-    }
-    for (place, label) in scale.ticks() {
-        let y = bottom - place * height;
-        line(canvas, (right, y), (right + TICK, y), &FRAME)?;
-        if let Some(label) = label {
-            canvas.text(&label, (right + 14.0, y), SMALL, Anchor::Left)?;
-        }
-    }
-    canvas.text(title, (left + 136.0, 0.5 * (top + bottom)), SMALL, Anchor::Upwards)
-}
-
-fn line<DB: DrawingBackend>(canvas: &Canvas<DB>, from: (f64, f64), to: (f64, f64), stroke: &Stroke) -> Outcome {
     canvas.line(&[canvas.point(from.0, from.1), canvas.point(to.0, to.1)], stroke)
-}
-
-impl Key {
-    /// The title of its axis.
-    pub(super) fn title(&self, scale: &Scale) -> String {
-        match scale.unit(&self.unit).trim() {
-            "" => self.label.clone(),
-            unit => format!("{} ({unit})", self.label),
-        }
-    }
 }

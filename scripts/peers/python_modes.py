@@ -1,0 +1,38 @@
+"""Peer: NGSolve's matrices, modes by SciPy's eigsh (shift-invert by CHOLMOD), a residual vector, numba."""
+
+import math
+
+import numpy as np
+from scipy.sparse.linalg import LinearOperator, eigsh
+
+import modal
+from scene import Contact
+from solid import Solid
+
+FREQUENCY = 50.0  # Hz: shift below zero, so that the matrix of a free plate is definite
+
+
+def modes(solid, count):
+    """omega^2 (1/s2) and phi (kg^-0.5) of the lowest modes, and of one vector of static correction.
+
+    The correction is what the modes miss of the displacement by a force of one: orthogonal to them, so a mode of its own.
+    """
+    shift = (2 * math.pi * FREQUENCY) ** 2
+    factor = solid.factor(shift)
+    inverse = LinearOperator(solid.mass.shape, matvec=factor, dtype=float)
+    start = factor(solid.load)  # holds all modes that the impact excites
+    squares, vectors = eigsh(solid.stiffness, count, solid.mass, sigma=-shift, OPinv=inverse, v0=start, tol=1e-6)
+    shapes = vectors.T @ solid.load
+    residual = start - vectors @ (shapes / (squares + shift))
+    norm = residual @ (solid.mass @ residual)
+    return (
+        np.append(squares, residual @ (solid.stiffness @ residual) / norm),
+        np.append(shapes, residual @ solid.load / math.sqrt(norm)),
+    )
+
+
+def build(scene, mesh, count, step):
+    """All before the first step; what it returns takes the steps."""
+    squares, shapes = modes(Solid.build(scene, mesh), count)
+    contact = Contact.quarter(scene, mesh.patch * scene.size[2])
+    return lambda: modal.history(squares, shapes, contact, scene.end, step)

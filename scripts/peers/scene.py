@@ -1,0 +1,101 @@
+"""The impact that all peers compute: a central hit on an elastic plate, as in the paper. SI units.
+
+Equation numbers in brackets are the paper's. The peers but the listing spread the force by Hertz's pressure over a disc of
+radius r_p, the patch, and take the dent that an elastic half-space has under it out of the contact law, which holds it
+already: alpha = q - a.u + c F, c = (3/5) (1 - nu^2) / (E r_p).
+"""
+
+import argparse
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A box centred on the origin, hit in the centre of its top along -z; its four sides may stand on springs."""
+
+    size: tuple  # m
+    stiffness: float  # of the support of the sides, N/m3, the same for all three components
+    end: float = 0.01  # s
+    young: float = 70e9
+    poisson: float = 0.23
+    density: float = 2500.0
+    mass: float = 52.0  # of the impactor, kg
+    radius: float = 0.05
+    impactor_young: float = 210e9
+    impactor_poisson: float = 0.3
+    speed: float = 1.0
+
+    @property
+    def lame(self):
+        """Lamé's lambda and mu, Pa."""
+        return (
+            self.young * self.poisson / ((1 + self.poisson) * (1 - 2 * self.poisson)),
+            self.young / (2 * (1 + self.poisson)),
+        )
+
+    @property
+    def hertz_stiffness(self):
+        """k0, N/m^1.5: (15)."""
+        plate = (1 - self.poisson**2) / self.young
+        impactor = (1 - self.impactor_poisson**2) / self.impactor_young
+        return 4 / 3 * math.sqrt(self.radius) / (plate + impactor)
+
+    def dent(self, patch):
+        """c, m/N: the mean displacement of a half-space under Hertz's pressure over a disc of radius `patch`, by the force."""
+        return 0.6 * (1 - self.poisson**2) / (self.young * patch)
+
+
+@dataclass(frozen=True)
+class Contact:
+    """The impactor's side of a quarter model: mass, k0 and force are a quarter of the whole ones, c is four times it."""
+
+    mass: float
+    hertz: float
+    dent: float
+    speed: float
+
+    @classmethod
+    def quarter(cls, scene, patch):
+        return cls(scene.mass / 4, scene.hertz_stiffness / 4, 4 * scene.dent(patch), scene.speed)
+
+
+def quarter_disc(patch, rule=16):
+    """Points (n, 2), m, and weights, of sum one, that integrate with Hertz's pressure over a quarter of the patch.
+
+    With s = sqrt(1 - r^2 / r_p^2) the weight is s^2 ds dphi: a polar rule of Gauss's points in s and phi.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(rule)
+    nodes, weights = (nodes + 1) / 2, weights / 2
+    radii, angles = patch * np.sqrt(1 - nodes**2), nodes * math.pi / 2
+    points = np.stack([np.outer(radii, np.cos(angles)), np.outer(radii, np.sin(angles))], axis=-1)
+    return points.reshape(-1, 2), np.outer(3 * weights * nodes**2, weights).ravel()
+
+
+def graded(length, first, growth, largest, last):
+    """Vertices of cells on [0, length], m: about `first` at 0, growing to `largest`, and about `last` at the other end.
+
+    Along the cells their size grows by `growth` times the distance: s(x) = min(first + growth x, largest, last + growth (length - x)).
+    """
+    x = np.linspace(0, length, 4001)
+    size = np.minimum(np.minimum(first + growth * x, largest), last + growth * (length - x))
+    count = np.concatenate([[0], np.cumsum(np.diff(x) * (1 / size[1:] + 1 / size[:-1]) / 2)])
+    cells = max(1, round(count[-1]))
+    vertices = np.interp(np.linspace(0, count[-1], cells + 1), count, x)
+    vertices[0], vertices[-1] = 0.0, length
+    return vertices
+
+
+def arguments(doc):
+    """The scene, the folder for results and the budget of seconds, from the command line that all peers share."""
+    parser = argparse.ArgumentParser(description=doc.splitlines()[0])
+    parser.add_argument("folder", type=Path, metavar="OUTDIR")
+    parser.add_argument("--size", required=True, help="LX,LY,LZ of the plate, m")
+    parser.add_argument("--stiffness", type=float, required=True, help="of the support of the sides, N/m3")
+    parser.add_argument("--end", type=float, default=0.01, help="s")
+    parser.add_argument("--budget", type=float, default=math.inf, help="begin no point after so many seconds")
+    args = parser.parse_args()
+    return Scene(tuple(float(x) for x in args.size.split(",")), args.stiffness, args.end), args.folder, args.budget

@@ -1,0 +1,89 @@
+"""A quarter of the plate in NGSolve: high-order hexahedra, its matrices taken to SciPy, CHOLMOD's factor."""
+
+from dataclasses import dataclass
+
+import ngsolve as ng
+import numpy as np
+import scipy.sparse as sparse
+from ngsolve.meshes import MakeStructured3DMesh
+from sksparse.cholmod import cholesky
+
+from scene import graded, quarter_disc
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """What a setting's cells are, lengths as fractions of the plate's thickness."""
+
+    order: int
+    patch: float  # r_p
+    first: float  # cells at the point
+    growth: float
+    largest: float
+    last: float  # cells at the edge
+    layers: tuple = (1.0,)  # thicknesses, from the bottom
+
+    def lines(self, scene):
+        """Vertices along half of the length, half of the width, and the thickness, m."""
+        length, width, thickness = scene.size
+        first, largest, last = (thickness * x for x in (self.first, self.largest, self.last))
+        across = np.concatenate([[0.0], np.cumsum(self.layers)]) / sum(self.layers) - 0.5
+        return [graded(x / 2, first, self.growth, largest, last) for x in (length, width)] + [thickness * across]
+
+
+@dataclass(frozen=True)
+class Solid:
+    """K, M and the vector a of a quarter model: a is both the load by a force of one and what reads the displacement."""
+
+    stiffness: sparse.csc_matrix
+    mass: sparse.csc_matrix
+    load: np.ndarray
+
+    @classmethod
+    def build(cls, scene, mesh):
+        lines = mesh.lines(scene)
+        cells = [len(line) - 1 for line in lines]
+        place = lambda *x: tuple(np.interp(t * n, range(n + 1), line) for t, n, line in zip(x, cells, lines, strict=True))
+        grid = MakeStructured3DMesh(hexes=True, nx=cells[0], ny=cells[1], nz=cells[2], mapping=place)
+        space = ng.H1(grid, order=mesh.order)  # of one component: the three share it
+        free = np.ones((space.ndof, 3), dtype=bool)
+        for component, plane in enumerate(["back", "left"]):  # x = 0 and y = 0, planes of symmetry
+            free[np.array(space.GetDofs(grid.Boundaries(plane))), component] = False
+        free = np.flatnonzero(free)
+        # Symmetric: columns are rows.
+        stiffness, mass = (matrix.tocsr()[free][:, free].T for matrix in blocks(space, scene))
+        load = np.zeros((space.ndof, 3))
+        load[:, 2] = pressure(space, scene, mesh.patch * scene.size[2])
+        return cls(stiffness, mass, load.ravel()[free])
+
+    def factor(self, shift):
+        """Solves with K + shift M, shift in 1/s2."""
+        return cholesky((self.stiffness + shift * self.mass).tocsc(), mode="supernodal")
+
+
+def blocks(space, scene):
+    """K with its elastic support, and M, in blocks of 3 x 3, by scalar forms: a fourth of the time of vectorial ones."""
+    lam, mu = scene.lame
+    u, v = space.TnT()
+    du, dv = ng.grad(u), ng.grad(v)
+    form = ng.BilinearForm(scene.density * u * v * ng.dx).Assemble()
+    density, columns, starts = (np.array(part) for part in form.mat.CSR())
+    mass = sparse.csr_matrix((density, columns, starts))
+    stiffness = np.empty((len(columns), 3, 3))
+    for i in range(3):
+        for j in range(3):
+            form = ng.BilinearForm((lam * du[j] * dv[i] + mu * du[i] * dv[j]) * ng.dx)
+            if i == j:
+                form += mu * du * dv * ng.dx + scene.stiffness * u * v * ng.ds("front|right")
+            stiffness[:, i, j] = form.Assemble().mat.CSR()[0]
+    return sparse.bsr_matrix((stiffness, columns, starts)), sparse.kron(mass, sparse.eye(3))
+
+
+def pressure(space, scene, patch):
+    """Hertz's pressure over the patch on the top, along -z, of total force one, on the shape functions of one component."""
+    load = np.zeros(space.ndof)
+    for (x, y), weight in zip(*quarter_disc(patch), strict=True):
+        point = space.mesh(x, y, scene.size[2] / 2 * (1 - 1e-12))
+        cell = ng.ElementId(ng.VOL, point.nr)
+        load[list(space.GetDofNrs(cell))] -= weight * np.array(space.GetFE(cell).CalcShape(*point.pnt))
+    return load

@@ -1,0 +1,168 @@
+//! Runs of one scene by many settings, each kept in a folder, so that none is done twice.
+
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use petsc_wrap::Comm;
+
+use crate::agree::{agree, broadcast};
+use crate::error::{Error, Result};
+use crate::impact::step::Step;
+use crate::record::folder::Folder;
+use crate::record::provenance::Cost;
+use crate::record::read::origin;
+use crate::record::series::SeriesWriter;
+use crate::scene::{Scene, Source};
+use crate::study::chart::{Outcome, Timed, history, spent, time};
+
+use super::provenance::provenance;
+
+/// A scene, where its runs are kept, and whether to leave off.
+pub struct Bench<'a> {
+    comm: &'a Comm,
+    /// The scene's file, for what is relative to it, and its text.
+    scene: (&'a Path, &'a Source),
+    /// On rank 0.
+    folder: Option<(PathBuf, Folder)>,
+    interrupted: Rc<dyn Fn() -> bool>,
+}
+
+impl<'a> Bench<'a> {
+    /// Keeps runs in a folder. Collective.
+    ///
+    /// # Errors
+    /// [`Error::Output`] where that cannot be made.
+    pub fn new(
+        comm: &'a Comm,
+        scene: (&'a Path, &'a Source),
+        folder: &Path,
+        interrupted: Rc<dyn Fn() -> bool>,
+    ) -> Result<Self> {
+        let made =
+            if comm.is_root() { Folder::create(folder).map(|made| Some((folder.to_owned(), made))) } else { Ok(None) };
+        let folder = agree(comm, made.map_err(|error| error.to_string())).map_err(Error::Output)?;
+        Ok(Self { comm, scene, folder, interrupted })
+    }
+
+    /// What comes of some settings of a method, run a few times where it is `repeated`; `None` where it was interrupted. Collective.
+    ///
+    /// # Errors
+    /// What is no fault of the settings.
+    pub fn outcome(&self, method: &str, settings: &[String], repeated: bool) -> Result<Option<Outcome>> {
+        let (path, source) = self.scene;
+        let (scene, source) = match Scene::from_text(path, source.text(), settings) {
+            Ok(scene) => scene,
+            Err(Error::Scene(error)) => return Ok(Some(Err(error.to_string()))),
+            Err(error) => return Err(error),
+        };
+        let name = file_name(method, settings);
+        if let Some(outcome) = self.kept(&name, &scene, &source)? {
+            return Ok(Some(outcome));
+        }
+        tracing::info!(name, "runs");
+        match time(self.comm, &scene, repeated, &self.interrupted) {
+            Ok(None) => Ok(None),
+            Ok(Some((timed, steps))) => {
+                self.keep(&name, (&scene, &source), &timed, &steps)?;
+                Ok(Some(Ok(timed)))
+            }
+            Err(error @ (Error::Fault(_) | Error::Solve(_) | Error::Unstable(_))) if error.is_everywhere() => {
+                let reason = error.to_string();
+                self.keep_reason(&name, &source, &reason)?;
+                Ok(Some(Err(reason)))
+            }
+            Err(error) => Err(error.in_scene(&source)),
+        }
+    }
+
+    /// What is known of a run, if it was made by this program on as many ranks.
+    fn kept(&self, name: &str, scene: &Scene, source: &Source) -> Result<Option<Outcome>> {
+        let own = self.folder.as_ref().and_then(|(path, _)| self.read(&path.join(name), scene, source));
+        let told = match &own {
+            None => String::new(),
+            Some(Ok(timed)) => format!("+{:e} {:e} {:e}", timed.build, timed.run, timed.spent),
+            Some(Err(reason)) => format!("-{reason}"),
+        };
+        let told = broadcast(self.comm, 0, told);
+        Ok(match (own, told.split_at_checked(1)) {
+            (Some(own), _) => Some(own),
+            (None, Some(("+", numbers))) => {
+                let numbers: Vec<f64> = numbers.split(' ').filter_map(|number| number.parse().ok()).collect();
+                Some(Ok(Timed { build: numbers[0], run: numbers[1], spent: numbers[2], ..Timed::default() }))
+            }
+            (None, Some((_, reason))) => Some(Err(reason.to_owned())),
+            (None, None) => None,
+        })
+    }
+
+    fn read(&self, path: &Path, scene: &Scene, source: &Source) -> Option<Outcome> {
+        if let Ok(text) = std::fs::read_to_string(path.with_extension("h5.txt")) {
+            let reason = text.strip_prefix(&self.headed(source))?;
+            return Some(Err(reason.trim_end().to_owned()));
+        }
+        if !path.exists() {
+            return None;
+        }
+        let (made, cost, is_complete) = origin(path).ok()?;
+        let now = provenance(self.comm, scene, source, ("", String::new(), 0)).ok()?;
+        let is_same = |a: &str, b: &str| a == b;
+        if !is_complete
+            || made.ranks != now.ranks
+            || !is_same(&made.scene, &now.scene)
+            || !is_same(&made.commit, &now.commit)
+            || !is_same(&made.petsc_options, &now.petsc_options)
+        {
+            return None;
+        }
+        Some(Ok(Timed {
+            build: cost.model,
+            run: cost.steps,
+            spent: spent(cost.total),
+            model: made.model,
+            reduction: made.reduction,
+            unknowns: made.unknowns,
+            solves: cost.solves,
+            iterations: cost.newton_iterations,
+            estimate: cost.error_estimate,
+            history: history(path, scene.impactor.mass).ok()?,
+        }))
+    }
+
+    fn keep(&self, name: &str, (scene, source): (&Scene, &Source), timed: &Timed, steps: &[Step]) -> Result<()> {
+        let of_model = (timed.model.as_str(), timed.reduction.clone(), timed.unknowns - 1);
+        let mut made = provenance(self.comm, scene, source, of_model)?;
+        let Some((path, _)) = &self.folder else { return Ok(()) };
+        made.planned_rows = Some(steps.len());
+        let mut writer = SeriesWriter::create(&path.join(name), &made)?;
+        steps.iter().try_for_each(|step| writer.push(step))?;
+        let cost = Cost {
+            model: timed.build,
+            setup: 0.0,
+            steps: timed.run,
+            total: timed.build + timed.run,
+            newton_iterations: timed.iterations,
+            solves: timed.solves,
+            error_estimate: timed.estimate,
+        };
+        writer.finish(&cost, true)
+    }
+
+    fn keep_reason(&self, name: &str, source: &Source, reason: &str) -> Result<()> {
+        let Some((_, folder)) = &self.folder else { return Ok(()) };
+        let text = format!("{}{reason}\n", self.headed(source));
+        folder.put(&format!("{name}.txt"), |part| std::fs::write(part, text).map_err(|e| Error::io(part, e)))
+    }
+
+    /// What a reason holds for.
+    fn headed(&self, source: &Source) -> String {
+        format!("{}\n\nCommit {}, ranks: {}\n\n", source.text(), env!("RICOCHET_COMMIT"), self.comm.size())
+    }
+}
+
+/// The name of a run's file.
+fn file_name(method: &str, settings: &[String]) -> String {
+    let words = [method].into_iter().chain(settings.iter().map(String::as_str));
+    let plain = |c: char| if c.is_ascii_alphanumeric() || ".=-".contains(c) { c } else { '-' };
+    let name: Vec<String> = words.map(|word| word.chars().map(plain).collect()).collect();
+    format!("{}.h5", name.join(","))
+}

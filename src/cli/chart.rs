@@ -1,0 +1,185 @@
+//! `ricochet chart`: a scene to a chart of speed against accuracy.
+
+use std::path::Path;
+use std::rc::Rc;
+
+use petsc_wrap::Comm;
+
+use crate::agree::{agree, broadcast};
+use crate::error::{Error, Result};
+use crate::figure::precision::{Method as Line, Precision, Setting, draw};
+use crate::record::folder::Folder;
+use crate::scene::Scene;
+use crate::study::chart::{
+    Errors, Foreign, Ladder, Method, Point, Reference, Run, cleared, csv, foreign, history, refine, runs, settings_of,
+    summary,
+};
+use crate::study::history::Difference;
+
+use super::bench::Bench;
+use super::interrupt::{INTERRUPTED, Interrupt};
+use super::load::load;
+use super::progress::Items;
+use super::{Chart, say, tell, warn_of_unused_options};
+
+/// Charts a scene and writes what was found; returns the exit status. Collective.
+///
+/// # Errors
+/// All that [`Error`] names.
+pub fn chart(comm: &Comm, arguments: &Chart) -> Result<i32> {
+    if arguments.budget.is_nan() || arguments.budget < 0.0 {
+        return Err(Error::Usage(format!("--budget {}: a number of seconds", arguments.budget)));
+    }
+    let (given, source) = load(comm, &arguments.scene, &arguments.overrides)?;
+    let (scene, source) = Scene::from_text(&arguments.scene, source.text(), &cleared(&given))?;
+    let ladder = Ladder::new(&scene);
+    let methods = selected(ladder.methods(), &arguments.only)?;
+    let (peers, known) = read(comm, arguments, scene.impactor.mass)?;
+
+    let folder = if comm.is_root() { Folder::create(&arguments.output).map(Some) } else { Ok(None) };
+    let folder = agree(comm, folder.map_err(|error| error.to_string())).map_err(Error::Output)?;
+    let interrupt = Rc::new(Interrupt::on_signals());
+    let (asked, ranks) = (interrupt, comm.clone());
+    let place = arguments.output.join("runs");
+    let bench = Bench::new(comm, (&arguments.scene, &source), &place, Rc::new(move || asked.is_raised(&ranks)))?;
+
+    let all = methods.iter().map(|method| method.rungs.len()).sum();
+    let mut progress = comm.is_root().then(|| Items::new(all, "runs"));
+    let mut told = |over: usize| progress.iter_mut().for_each(|progress| progress.over(over));
+    let mut timed = |name: &str, settings: &[String]| bench.outcome(name, settings, true);
+    let runs = runs(&methods, arguments.budget, &mut timed, &mut told)?;
+    progress.iter().for_each(Items::finish);
+    let decide = |mine: bool| broadcast(comm, 0, if mine { "1".to_owned() } else { String::new() }) == "1";
+    let reference = match known {
+        _ if runs.is_interrupted => None,
+        Some(reference) => Some(reference),
+        None => {
+            if comm.is_root() {
+                tell(format_args!("{} runs; the solid is refined to measure them by", runs.done.len()));
+            }
+            let mut once = |name: &str, settings: &[String]| bench.outcome(name, settings, false);
+            refine(&ladder, &runs.done, arguments.budget, &mut once, &decide)?
+        }
+    };
+    let Some(reference) = reference else {
+        if comm.is_root() {
+            let kept = runs.done.len();
+            tell(format_args!("interrupted: {kept} runs are kept; the same command goes on from there"));
+        }
+        return Ok(INTERRUPTED);
+    };
+    let written = folder.map_or(Ok(()), |folder| {
+        let points = points(&methods, &runs.done, &peers, &reference);
+        let title = if given.title.is_empty() { arguments.scene.display().to_string() } else { given.title.clone() };
+        write(&folder, &title, &points, &reference, &runs.left_out)
+    });
+    agree(comm, written.map_err(|error| error.to_string())).map_err(Error::Output)?;
+    if comm.is_root() {
+        say(format_args!("{}: work-precision.csv, .svg, .png, summary.md", arguments.output.display()));
+        warn_of_unused_options(comm)?;
+    }
+    Ok(0)
+}
+
+/// The methods of some names: `solid`, all of a theory as `solid/*`, or all that have a word as `newmark`.
+fn selected(methods: Vec<Method>, only: &[String]) -> Result<Vec<Method>> {
+    if only.is_empty() {
+        return Ok(methods);
+    }
+    let is_named = |method: &Method, name: &str| match name.strip_suffix("/*") {
+        Some(theory) => method.name.split('/').next() == Some(theory),
+        None if methods.iter().any(|other| other.name == name) => method.name == name,
+        None => method.name.split('/').any(|word| word == name),
+    };
+    if let Some(unknown) = only.iter().find(|name| !methods.iter().any(|method| is_named(method, name))) {
+        let names: Vec<&str> = methods.iter().map(|method| method.name.as_str()).collect();
+        return Err(Error::Usage(format!("--only {unknown}: no method of this scene; there are {}", names.join(", "))));
+    }
+    let found = methods.iter().filter(|method| only.iter().any(|name| is_named(method, name)));
+    Ok(found.cloned().collect())
+}
+
+/// What other programs, and a reference that is given, say; on rank 0. Collective.
+fn read(comm: &Comm, arguments: &Chart, mass: f64) -> Result<(Vec<Foreign>, Option<Reference>)> {
+    let read = || -> Result<_> {
+        let mut peers = Vec::new();
+        for path in &arguments.with {
+            peers.extend(foreign(path, mass)?);
+        }
+        Ok((peers, arguments.reference.as_ref().map(|path| history(path, mass)).transpose()?))
+    };
+    let read = if comm.is_root() { read() } else { Ok((Vec::new(), None)) };
+    let (peers, history) = agree(comm, read.map_err(|error| error.to_string())).map_err(Error::Output)?;
+    let unknown = Difference { first: f64::NAN, whole: f64::NAN };
+    let reference = arguments.reference.as_ref().map(|path| Reference {
+        setting: path.display().to_string(),
+        history: history.unwrap_or_default(),
+        agreement: unknown,
+    });
+    Ok((peers, reference))
+}
+
+/// All runs, by their methods, and the peers'.
+fn points(methods: &[Method], runs: &[Run], peers: &[Foreign], reference: &Reference) -> Vec<Point> {
+    let own = |run: &Run| {
+        let timed = &run.timed;
+        let tolerance = run.settings.iter().find_map(|setting| setting.strip_prefix("accuracy.tolerance="));
+        let vectors = if timed.reduction == "none" { String::new() } else { format!(", {}", timed.reduction) };
+        Point {
+            method: run.method.clone(),
+            setting: settings_of(&run.settings),
+            auto: tolerance.filter(|_| run.method == "auto").and_then(|tolerance| tolerance.parse().ok()),
+            is_foreign: false,
+            seconds: [timed.build, timed.run],
+            body: format!("{}, {} unknowns{vectors}", timed.model, timed.unknowns),
+            solves: timed.solves,
+            estimate: Some(timed.estimate).filter(|estimate| estimate.is_finite()),
+            errors: Errors::of(&timed.history, &reference.history),
+        }
+    };
+    let peer = |peer: &Foreign| Point {
+        method: peer.name.clone(),
+        setting: peer.setting.clone(),
+        auto: None,
+        is_foreign: true,
+        seconds: peer.seconds,
+        body: String::new(),
+        solves: 0,
+        estimate: None,
+        errors: peer.errors(&reference.history),
+    };
+    let of_method = |method: &Method| runs.iter().filter(|run| run.method == method.name).map(own).collect::<Vec<_>>();
+    methods.iter().flat_map(of_method).chain(peers.iter().map(peer)).collect()
+}
+
+fn write(folder: &Folder, title: &str, points: &[Point], reference: &Reference, left_out: &[String]) -> Result<()> {
+    let floor = reference.floor();
+    let text = |name: &str, text: String| {
+        folder.put(name, |path: &Path| std::fs::write(path, text).map_err(|e| Error::io(path, e)))
+    };
+    text("work-precision.csv", csv(points, floor))?;
+    text("summary.md", summary(title, points, reference, left_out))?;
+    let figure = Precision { title: title.to_owned(), methods: lines(points), floor: [floor.first, floor.whole] };
+    ["work-precision.svg", "work-precision.png"]
+        .into_iter()
+        .try_for_each(|name| folder.put(name, |path| draw(&figure, path)))
+}
+
+/// The lines of the figure: `auto` is seen above all others.
+fn lines(points: &[Point]) -> Vec<Line> {
+    let mut lines: Vec<Line> = Vec::new();
+    for point in points {
+        let setting = Setting {
+            seconds: point.total(),
+            errors: [point.errors.acceleration.first, point.errors.acceleration.whole],
+            mark: point.auto.map(|tolerance| format!("{tolerance:e}")),
+        };
+        match lines.iter_mut().find(|line| line.label == point.method) {
+            Some(line) => line.settings.push(setting),
+            None => {
+                lines.push(Line { label: point.method.clone(), is_foreign: point.is_foreign, settings: vec![setting] })
+            }
+        }
+    }
+    lines
+}

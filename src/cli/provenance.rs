@@ -1,0 +1,33 @@
+//! Where a result comes from, as it is written beside it.
+
+use petsc_wrap::{Comm, options, petsc_version};
+
+use crate::error::Result;
+use crate::record::provenance::Provenance;
+use crate::scene::{Scene, Source};
+
+/// Of a run of a scene by this program: its theory, what was made of it, and its unknowns without the impactor's are the caller's.
+///
+/// # Errors
+/// PETSc's.
+pub fn provenance(
+    comm: &Comm,
+    scene: &Scene,
+    source: &Source,
+    (model, reduction, unknowns): (&str, String, usize),
+) -> Result<Provenance> {
+    Ok(Provenance {
+        title: scene.title.clone(),
+        scene: source.text().to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        commit: env!("RICOCHET_COMMIT").to_owned(),
+        petsc_version: petsc_version(),
+        petsc_options: options::all(comm.session())?,
+        ranks: comm.size(),
+        model: model.to_owned(),
+        reduction,
+        unknowns: unknowns + 1,
+        impactor_mass: scene.impactor.mass,
+        planned_rows: None,
+    })
+}

@@ -1,0 +1,212 @@
+//! Work against precision: the time of each method's settings, and what they are off by.
+
+use super::canvas::{Anchor, Canvas, Drawing, HEIGHT, Outcome, WIDTH, save};
+use super::frame::{Frame, LETTERS, SMALL, line};
+use super::scale::Scale;
+use super::stroke::{LOOKS, Stroke, stroke};
+use crate::error::{Error, Result};
+use plotters::backend::DrawingBackend;
+use plotters::style::RGBColor;
+use std::path::Path;
+
+/// A chart of two panels: errors in the first contact, and over all.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Precision {
+    /// Above all.
+    pub title: String,
+    /// The methods.
+    pub methods: Vec<Method>,
+    /// In each panel, the error below which nothing is known.
+    pub floor: [f64; 2],
+}
+
+/// A line of the chart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Method {
+    /// What the legend calls it.
+    pub label: String,
+    /// Whether it is another program's: its marks are squares, and it does not count for the front.
+    pub is_foreign: bool,
+    /// Its settings, from coarse to fine.
+    pub settings: Vec<Setting>,
+}
+
+/// A mark of the chart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// Wall time, s.
+    pub seconds: f64,
+    /// The error in each panel; NaN where it is not known.
+    pub errors: [f64; 2],
+    /// What is written beside it, with a ring around it.
+    pub mark: Option<String>,
+}
+
+/// Draws to `out`, an SVG or a PNG of 1600 × 1000 pixels by its extension.
+///
+/// # Errors
+/// [`Error::Usage`] for another extension, no setting, or more methods than can be told apart; [`Error::Io`] when the file cannot be
+/// written.
+pub fn draw(chart: &Precision, out: &Path) -> Result<()> {
+    let count = chart.methods.len();
+    if count > LOOKS || chart.settings().next().is_none() {
+        return Err(Error::Usage(format!("a chart shows 1 to {LOOKS} methods, not {count}")));
+    }
+    save(chart, out)
+}
+
+const TITLE: f64 = 34.0;
+const TOP: f64 = 106.0;
+const BOTTOM: f64 = 730.0;
+const LEFT: f64 = 148.0;
+const RIGHT: f64 = WIDTH - 30.0;
+/// Between the panels, whose scale is the same.
+const GAP: f64 = 34.0;
+const LEGEND: f64 = 836.0;
+const LEGEND_COLUMNS: usize = 4;
+const LEGEND_LETTERS: f64 = 21.0;
+const LEGEND_STROKE: f64 = 46.0;
+/// Errors above this are all the same failure.
+const WORST: f64 = 3.0;
+const PANELS: [&str; 2] = ["in the first contact", "over the whole history"];
+
+const FRONT: Stroke = Stroke { colour: RGBColor(255, 221, 130), width: 13.0, dashes: &[] };
+const UNKNOWN: RGBColor = RGBColor(238, 238, 238);
+const INK: RGBColor = RGBColor(30, 30, 30);
+const PAPER: RGBColor = RGBColor(255, 255, 255);
+
+impl Precision {
+    fn settings(&self) -> impl Iterator<Item = &Setting> {
+        self.methods.iter().flat_map(|method| &method.settings)
+    }
+
+    /// Powers of ten around the times, and around the errors of both panels.
+    fn scales(&self) -> [(f64, f64); 2] {
+        let decades = |values: &mut dyn Iterator<Item = f64>| {
+            let known = values.filter(|value| *value > 0.0 && value.is_finite());
+            let (low, high) = known.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
+            if low > high {
+                return (1e-3, 1.0);
+            }
+            let whole = |value: f64, round: fn(f64) -> f64| 10f64.powf(round(value.log10()));
+            let (low, high) = (whole(low, f64::floor), whole(high, f64::ceil));
+            (low, if high > low { high } else { 10.0 * low })
+        };
+        let errors = &mut self.settings().flat_map(|setting| setting.errors).map(|error| error.min(WORST));
+        [decades(&mut self.settings().map(|setting| setting.seconds)), decades(errors)]
+    }
+
+    /// The marks that no other one beats in a panel, by ascending time.
+    fn front(&self, panel: usize) -> Vec<(f64, f64)> {
+        let own = self.methods.iter().filter(|method| !method.is_foreign).flat_map(|method| &method.settings);
+        let mut marks: Vec<(f64, f64)> =
+            own.map(|setting| (setting.seconds, setting.errors[panel])).filter(|mark| mark.1.is_finite()).collect();
+        marks.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut least = f64::INFINITY;
+        marks.retain(|mark| {
+            let is_better = mark.1 < least;
+            least = least.min(mark.1);
+            is_better
+        });
+        marks
+    }
+}
+
+impl Drawing for Precision {
+    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Outcome {
+        let [times, errors] = self.scales();
+        let width = 0.5 * (RIGHT - LEFT - GAP);
+        canvas.text(&self.title, (0.5 * WIDTH, TITLE), LETTERS, Anchor::Centre)?;
+        for (panel, title) in PANELS.iter().enumerate() {
+            let left = LEFT + panel as f64 * (width + GAP);
+            let frame = Frame {
+                left,
+                right: left + width,
+                top: TOP,
+                bottom: BOTTOM,
+                x: Scale::new(times.0, times.1, true),
+                y: Scale::new(errors.0, errors.1, true),
+            };
+            canvas.text(title, (left + 0.5 * width, TOP - 26.0), SMALL, Anchor::Centre)?;
+            self.draw_panel(canvas, &frame, panel)?;
+            canvas.text("wall time (s)", (left + 0.5 * width, BOTTOM + 74.0), SMALL, Anchor::Centre)?;
+        }
+        let title = "error of the acceleration / its peak";
+        canvas.text(title, (36.0, 0.5 * (TOP + BOTTOM)), SMALL, Anchor::Upwards)?;
+        self.draw_legend(canvas)
+    }
+}
+
+impl Precision {
+    fn draw_panel<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame, panel: usize) -> Outcome {
+        // Where it is on the sheet: marks beyond the scale are at its edge.
+        let at = |seconds: f64, error: f64| {
+            (frame.at_x(seconds), frame.at_y(error.min(WORST)).clamp(frame.top, frame.bottom))
+        };
+        let floor = self.floor[panel];
+        if floor > 0.0 && frame.at_y(floor) < frame.bottom {
+            canvas.rectangle((frame.left, frame.at_y(floor)), (frame.right, frame.bottom), UNKNOWN)?;
+        }
+        frame.draw_grid(canvas)?;
+        let front: Vec<(f64, f64)> = self.front(panel).iter().map(|mark| at(mark.0, mark.1)).collect();
+        for pair in front.windows(2) {
+            // Between two of its marks, what is left is the earlier one's error.
+            let corner = (pair[1].0, pair[0].1);
+            line(canvas, pair[0], corner, &FRONT)?;
+            line(canvas, corner, pair[1], &FRONT)?;
+        }
+        for (n, method) in self.methods.iter().enumerate() {
+            let look = stroke(n, self.methods.len());
+            let known: Vec<&Setting> =
+                method.settings.iter().filter(|setting| setting.errors[panel].is_finite()).collect();
+            let pixels: Vec<(f64, f64)> = known.iter().map(|s| at(s.seconds, s.errors[panel])).collect();
+            let points: Vec<_> = pixels.iter().map(|(x, y)| canvas.point(*x, *y)).collect();
+            canvas.line(&points, &Stroke { width: 0.7 * look.width, ..look })?;
+            pixels.iter().try_for_each(|pixel| draw_mark(canvas, *pixel, method.is_foreign, look.colour))?;
+        }
+        // Above all lines.
+        for (n, method) in self.methods.iter().enumerate() {
+            let colour = stroke(n, self.methods.len()).colour;
+            for setting in method.settings.iter().filter(|setting| setting.errors[panel].is_finite()) {
+                let Some(mark) = &setting.mark else { continue };
+                let (x, y) = at(setting.seconds, setting.errors[panel]);
+                canvas.dot((x, y), 14.0, INK)?;
+                canvas.dot((x, y), 11.0, PAPER)?;
+                canvas.dot((x, y), 7.0, colour)?;
+                canvas.text(mark, (x + 18.0, y - 16.0), LEGEND_LETTERS, Anchor::Left)?;
+            }
+        }
+        frame.draw_axes(canvas, true)?;
+        Ok(())
+    }
+
+    fn draw_legend<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Outcome {
+        let count = self.methods.len() + 1;
+        let rows = count.div_ceil(LEGEND_COLUMNS);
+        let (width, height) =
+            ((RIGHT - 60.0) / LEGEND_COLUMNS as f64, ((HEIGHT - LEGEND - 12.0) / rows as f64).min(32.0));
+        let place = |n: usize| (60.0 + (n / rows) as f64 * width, LEGEND + (n % rows) as f64 * height);
+        for (n, method) in self.methods.iter().enumerate() {
+            let ((x, y), look) = (place(n), stroke(n, self.methods.len()));
+            line(canvas, (x, y), (x + LEGEND_STROKE, y), &Stroke { width: 0.7 * look.width, ..look })?;
+            draw_mark(canvas, (x + 0.5 * LEGEND_STROKE, y), method.is_foreign, look.colour)?;
+            canvas.text(&method.label, (x + LEGEND_STROKE + 12.0, y), LEGEND_LETTERS, Anchor::Left)?;
+        }
+        let (x, y) = place(self.methods.len());
+        line(canvas, (x, y), (x + LEGEND_STROKE, y), &FRONT)?;
+        canvas.text("the best of all", (x + LEGEND_STROKE + 12.0, y), LEGEND_LETTERS, Anchor::Left)
+    }
+}
+
+fn draw_mark<DB: DrawingBackend>(
+    canvas: &Canvas<DB>,
+    (x, y): (f64, f64),
+    is_foreign: bool,
+    colour: RGBColor,
+) -> Outcome {
+    if is_foreign {
+        canvas.rectangle((x - 7.0, y - 7.0), (x + 7.0, y + 7.0), colour)
+    } else {
+        canvas.dot((x, y), 7.0, colour)
+    }
+}

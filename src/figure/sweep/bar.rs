@@ -1,0 +1,41 @@
+//! The bar that tells what colours mean, and the title of a key's axis.
+
+use super::Key;
+use crate::figure::canvas::{Anchor, Canvas, Outcome};
+use crate::figure::frame::{FRAME, SMALL, TICK, line};
+use crate::figure::scale::Scale;
+use plotters::backend::DrawingBackend;
+use plotters::style::RGBColor;
+
+/// A bar at the right of a frame with the colours from the lower limit of `scale` (0) to the upper (1), and ticks.
+pub(super) fn draw_bar<DB: DrawingBackend>(
+    canvas: &Canvas<DB>,
+    (left, top, bottom): (f64, f64, f64),
+    scale: &Scale,
+    colour: fn(f64) -> RGBColor,
+    title: &str,
+) -> Outcome {
+    let (right, height) = (left + 28.0, bottom - top);
+    for n in 0..height as usize {
+        let y = bottom - n as f64;
+        canvas.rectangle((left, y - 1.0), (right, y), colour(n as f64 / height))?;
+    }
+    for (place, label) in scale.ticks() {
+        let y = bottom - place * height;
+        line(canvas, (right, y), (right + TICK, y), &FRAME)?;
+        if let Some(label) = label {
+            canvas.text(&label, (right + 14.0, y), SMALL, Anchor::Left)?;
+        }
+    }
+    canvas.text(title, (left + 136.0, 0.5 * (top + bottom)), SMALL, Anchor::Upwards)
+}
+
+impl Key {
+    /// The title of its axis.
+    pub(super) fn title(&self, scale: &Scale) -> String {
+        match scale.unit(&self.unit).trim() {
+            "" => self.label.clone(),
+            unit => format!("{} ({unit})", self.label),
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! What other programs have found of the scene, as a table.
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::Errors;
+use crate::error::{Error, Result};
+use crate::record::read;
+use crate::study::history::{Contact, History};
+
+/// A line of the table: `name`, `setting`, either `seconds` or `build` and `run`, and either `error` (and `whole_error`) or `series`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Line {
+    name: String,
+    #[serde(default)]
+    setting: String,
+    seconds: Option<f64>,
+    build: Option<f64>,
+    run: Option<f64>,
+    error: Option<f64>,
+    whole_error: Option<f64>,
+    #[serde(default)]
+    series: String,
+}
+
+/// A line of a series.
+#[derive(Debug, Deserialize)]
+struct Row {
+    time: f64,
+    acceleration: f64,
+}
+
+/// A peer's run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Foreign {
+    /// Its method.
+    pub name: String,
+    /// What it says of its setting.
+    pub setting: String,
+    /// Wall time before the steps, and of them, s.
+    pub seconds: [f64; 2],
+    /// What it found.
+    pub found: Found,
+}
+
+/// What a peer found.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Found {
+    /// Errors as it says.
+    Errors(Errors),
+    /// Its acceleration.
+    History(History),
+}
+
+impl Foreign {
+    /// Its errors against a reference.
+    pub fn errors(&self, reference: &History) -> Errors {
+        match &self.found {
+            Found::Errors(errors) => *errors,
+            Found::History(history) => Errors::of(history, reference),
+        }
+    }
+}
+
+/// Reads a table of peers' runs, whose series are beside it; `mass` (kg) is the impactor's.
+///
+/// # Errors
+/// [`Error::Io`] with the line and what is wrong in it.
+pub fn foreign(path: &Path, mass: f64) -> Result<Vec<Foreign>> {
+    let mut table = csv::Reader::from_path(path).map_err(|e| Error::io(path, e))?;
+    let mut all = Vec::new();
+    for (n, line) in table.deserialize::<Line>().enumerate() {
+        let line = line.map_err(|e| Error::io(path, e))?;
+        let wrong = |what: &str| Error::io(path, format!("line {}: {what}", n + 2));
+        let seconds = match (line.seconds, line.build, line.run) {
+            (Some(seconds), None, None) => [0.0, seconds],
+            (None, build, Some(run)) => [build.unwrap_or_default(), run],
+            _ => return Err(wrong("either `seconds`, or `build` and `run`, are to be given")),
+        };
+        if !(seconds[0] >= 0.0 && seconds[1] >= 0.0 && seconds[0] + seconds[1] > 0.0) {
+            return Err(wrong("a time is to be positive"));
+        }
+        let found = match (line.error, line.series.trim()) {
+            (Some(error), "") if error >= 0.0 => {
+                Found::Errors(Errors::known(error, line.whole_error.unwrap_or(f64::NAN)))
+            }
+            (None, series) if !series.is_empty() => {
+                let beside = path.parent().unwrap_or(Path::new("")).join(series);
+                Found::History(history(&beside, mass)?)
+            }
+            _ => return Err(wrong("either `error`, not negative, or `series` is to be given")),
+        };
+        all.push(Foreign { name: line.name, setting: line.setting, seconds, found });
+    }
+    Ok(all)
+}
+
+/// A series: a result of ricochet, or a table of `time` and `acceleration`; `mass` (kg) is the impactor's.
+///
+/// # Errors
+/// [`Error::Io`] with what is wrong.
+pub fn history(path: &Path, mass: f64) -> Result<History> {
+    if path.extension().is_some_and(|extension| extension == "h5") {
+        let read::History { time, acceleration, contacts, impulses, .. } = read::history(path)?;
+        let contact = |((start, end), impulse)| Contact { start, end, impulse };
+        return Ok(History::new(time, acceleration, contacts.into_iter().zip(impulses).map(contact).collect()));
+    }
+    let mut table = csv::Reader::from_path(path).map_err(|e| Error::io(path, e))?;
+    let (mut time, mut acceleration) = (Vec::new(), Vec::new());
+    for row in table.deserialize::<Row>() {
+        let row = row.map_err(|e| Error::io(path, e))?;
+        if !(row.time.is_finite() && row.acceleration.is_finite()) || time.last().is_some_and(|last| *last >= row.time)
+        {
+            return Err(Error::io(
+                path,
+                format!("line {}: times are to ascend, and all numbers to be finite", time.len() + 2),
+            ));
+        }
+        time.push(row.time);
+        acceleration.push(row.acceleration);
+    }
+    if time.is_empty() {
+        return Err(Error::io(path, "holds no series"));
+    }
+    Ok(History::of_series(time, acceleration, mass))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(text: &str) -> Result<Vec<Foreign>> {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("half.csv"), "time,acceleration\n0,0\n1,2\n2,0\n").unwrap();
+        std::fs::write(folder.path().join("back.csv"), "time,acceleration\n0,0\n1,2\n1,0\n").unwrap();
+        let path = folder.path().join("peers.csv");
+        std::fs::write(&path, text).unwrap();
+        foreign(&path, 3.0)
+    }
+
+    #[test]
+    fn errors_and_series_are_read() {
+        let all = table("name,setting,seconds,error\nA,\"coarse, 3\",2.5,0.01\n").unwrap();
+        assert_eq!((all[0].name.as_str(), all[0].setting.as_str(), all[0].seconds), ("A", "coarse, 3", [0.0, 2.5]));
+        let Found::Errors(errors) = all[0].found else { panic!("{all:?}") };
+        assert!(errors.acceleration.first == 0.01 && errors.acceleration.whole.is_nan());
+        let all = table("name,build,run,series\nB,1,0.5,half.csv\n").unwrap();
+        let Found::History(history) = &all[0].found else { panic!("{all:?}") };
+        assert_eq!((history.peak(), history.first().unwrap().impulse), (2.0, 6.0));
+    }
+
+    #[test]
+    fn faults_are_told_with_their_line() {
+        for (text, part) in [
+            ("name,seconds\nA,1\n", "line 2: either `error`"),
+            ("name,seconds,error\nA,1,0.1\nB,,0.1\n", "line 3: either `seconds`"),
+            ("name,seconds,error\nA,-1,0.1\n", "positive"),
+            ("name,seconds,error\nA,fast,0.1\n", "invalid"),
+            ("name,seconds,fault\nA,1,0.1\n", "fault"),
+            ("name,seconds,series\nA,1,none.csv\n", "none.csv"),
+            ("name,seconds,series\nA,1,back.csv\n", "line 4: times are to ascend"),
+        ] {
+            let error = table(text).unwrap_err();
+            assert_eq!(error.status(), 4);
+            assert!(error.to_string().contains(part), "{text}: {error}");
+        }
+    }
+}

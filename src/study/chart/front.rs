@@ -1,0 +1,84 @@
+//! Which points no other one beats, and which are best at a given error.
+
+use super::Point;
+
+/// Errors at which methods are compared, of the acceleration in the first contact over its peak.
+pub const LEVELS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
+
+/// The points that no other one beats in both time and error, by ascending time; `error` tells which error counts. Peers' do not.
+pub fn front(points: &[Point], error: impl Fn(&Point) -> f64) -> Vec<usize> {
+    let mut order: Vec<usize> =
+        (0..points.len()).filter(|n| !points[*n].is_foreign && error(&points[*n]).is_finite()).collect();
+    order.sort_by(|a, b| points[*a].total().total_cmp(&points[*b].total()));
+    let mut least = f64::INFINITY;
+    order.retain(|n| {
+        let is_better = error(&points[*n]) < least;
+        if is_better {
+            least = error(&points[*n]);
+        }
+        is_better
+    });
+    order
+}
+
+/// The quickest points whose error in the first contact is at most `level`, one a method, the quickest first.
+pub fn best(points: &[Point], level: f64) -> Vec<Best<'_>> {
+    let mut all: Vec<Best> = points
+        .iter()
+        .filter(|point| point.errors.acceleration.first <= level)
+        .map(|point| Best { point, seconds: point.total() })
+        .collect();
+    all.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    let mut seen: Vec<&str> = Vec::new();
+    all.retain(|best| {
+        let is_new = !seen.contains(&best.point.method.as_str());
+        seen.push(&best.point.method);
+        is_new
+    });
+    all
+}
+
+/// A method's best point at an error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Best<'a> {
+    /// The point.
+    pub point: &'a Point,
+    /// Its time, s.
+    pub seconds: f64,
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::super::Errors;
+    use super::*;
+
+    pub fn point(method: &str, seconds: f64, error: f64) -> Point {
+        Point {
+            method: method.into(),
+            setting: format!("t={seconds}"),
+            auto: None,
+            is_foreign: method.starts_with("peer"),
+            seconds: [0.25 * seconds, 0.75 * seconds],
+            body: "mindlin".into(),
+            solves: 10,
+            estimate: None,
+            errors: Errors::known(error, 2.0 * error),
+        }
+    }
+
+    #[test]
+    fn the_front_falls() {
+        let points = [
+            point("a", 1.0, 1e-2),
+            point("a", 2.0, 1e-3),
+            point("b", 0.5, 5e-2),
+            point("b", 1.5, 2e-2),
+            point("peer", 0.1, 1e-9),
+            point("b", 4.0, f64::NAN),
+        ];
+        assert_eq!(front(&points, |point| point.errors.acceleration.first), [2, 0, 1]);
+        let best = best(&points, 1e-2);
+        let found: Vec<_> = best.iter().map(|best| (best.point.method.as_str(), best.seconds)).collect();
+        assert_eq!(found, [("peer", 0.1), ("a", 1.0)]);
+    }
+}

@@ -1,0 +1,233 @@
+//! Which methods a scene has, and the settings of each, from coarse to fine.
+
+use crate::contact::hertz;
+use crate::scene::{Contact, Geometry, Scene};
+
+/// A way to compute a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Method {
+    /// Words joined by `/`: the theory, and what differs from the default.
+    pub name: String,
+    /// Overrides `KEY=VALUE` of the cleared scene, from coarse to fine.
+    pub rungs: Vec<Vec<String>>,
+}
+
+/// Keys that say how a scene is computed, not what it is.
+const NUMERICAL: [&str; 13] = [
+    "body.model",
+    "body.reduction",
+    "body.symmetry",
+    "time.step",
+    "time.scheme",
+    "time.beta",
+    "time.gamma",
+    "time.rho_inf",
+    "time.allow_unstable",
+    "accuracy.tolerance",
+    "solver.newton",
+    "solver.energy_gate",
+    "output.every",
+];
+
+/// Those of its cells.
+const CELLS: [&str; 3] = ["body.cells", "body.grading", "body.order"];
+
+/// The overrides that take out of a scene what its methods set.
+pub fn cleared(scene: &Scene) -> Vec<String> {
+    let cells = CELLS.iter().filter(|_| converges(scene));
+    NUMERICAL.iter().chain(cells).map(|key| format!("{key}=")).collect()
+}
+
+/// Whether finer cells lead to one answer: a box under a patch. A mesh file, and cells under a force at a point, are what they are.
+fn converges(scene: &Scene) -> bool {
+    matches!((&scene.body.geometry, scene.contact), (Geometry::Box { .. }, Contact::Patch { .. }))
+}
+
+/// Steps a contact on a half-space.
+const STEPS: [f64; 5] = [20.0, 60.0, 200.0, 600.0, 2000.0];
+
+/// Those of the unreduced solid, with the part of the thickness that the patch's radius is: what the cells under it resolve.
+const REFINED: [(f64, f64); 5] = [(20.0, 0.5), (60.0, 0.5), (60.0, 0.25), (200.0, 0.25), (600.0, 0.125)];
+
+const TOLERANCES: [f64; 7] = [1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4];
+const DECADES: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
+const VECTORS: [usize; 5] = [8, 16, 32, 64, 128];
+
+/// A body on so many vectors is stepped by Newmark's method.
+const STEPPED: usize = 64;
+
+/// What the settings of a scene are made of.
+pub struct Ladder {
+    /// A contact on a half-space, s.
+    contact: f64,
+    /// Thickness under the impactor, m, where the patch's radius is free.
+    thickness: Option<f64>,
+    /// Whether the body has modes.
+    is_linear: bool,
+    is_box: bool,
+}
+
+impl Ladder {
+    /// Of a scene that is cleared.
+    pub fn new(scene: &Scene) -> Self {
+        let impactor = &scene.impactor;
+        let thickness = match (&scene.body.geometry, scene.struck_axis(), scene.contact) {
+            (Geometry::Box { size, .. }, Some(axis), Contact::Patch { radius: None }) => Some(size[axis]),
+            _ => None,
+        };
+        Self {
+            contact: hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed),
+            thickness,
+            is_linear: scene.time.modal,
+            is_box: matches!(scene.body.geometry, Geometry::Box { .. }),
+        }
+    }
+
+    /// Whether the body has modes.
+    pub fn is_linear(&self) -> bool {
+        self.is_linear
+    }
+
+    /// A step of so many a contact on a half-space, s, as a setting.
+    pub fn step(&self, a_contact: f64) -> String {
+        format!("time.step={:.2e}", self.contact / a_contact)
+    }
+
+    /// All methods that may stand for the scene.
+    pub fn methods(&self) -> Vec<Method> {
+        let mut methods = vec![self.by("auto", &["body.model=auto"], &DECADES.map(tolerance))];
+        if self.is_box && self.is_linear {
+            for (theory, tolerances) in [("half-space", 1..2), ("infinite-plate", 1..2), ("kirchhoff", 0..3)] {
+                let rungs: Vec<String> = DECADES[tolerances].iter().copied().map(tolerance).collect();
+                methods.push(self.by(theory, &[&format!("body.model={theory}")], &rungs));
+            }
+            methods.push(self.by("mindlin", &["body.model=mindlin"], &TOLERANCES.map(tolerance)));
+            let vectors = ["body.model=mindlin", "accuracy.tolerance=1e-3"];
+            methods.push(self.by("mindlin/vectors", &vectors, &VECTORS.map(reduction)));
+        }
+        if self.is_linear {
+            methods.push(self.by("solid", &["body.model=solid"], &TOLERANCES.map(tolerance)));
+            let vectors = ["body.model=solid", "accuracy.tolerance=1e-3"];
+            methods.push(self.by("solid/vectors", &vectors, &VECTORS.map(reduction)));
+        }
+        let steps = STEPS.map(|a_contact| self.step(a_contact));
+        for theory in if self.is_box && self.is_linear { &["mindlin", "solid"][..] } else { &[] } {
+            let basis = [format!("body.model={theory}"), reduction(STEPPED)];
+            let name = format!("{theory}/vectors/newmark");
+            methods.push(self.by(&name, &[&basis[0], &basis[1], "time.scheme=newmark"], &steps));
+        }
+        for scheme in ["newmark", "generalized-alpha", "energy"] {
+            let scheme_key = format!("time.scheme={scheme}");
+            if self.is_box && self.is_linear {
+                let whole = ["body.model=mindlin", "body.reduction=none", &scheme_key];
+                methods.push(self.by(&format!("mindlin/{scheme}"), &whole, &steps));
+            }
+            methods.push(self.refined(&format!("solid/{scheme}"), &[&scheme_key]));
+        }
+        methods.push(self.refined("solid/newmark/full", &["time.scheme=newmark", "solver.newton=full"]));
+        let explicit = ["body.model=solid", "body.reduction=none", "time.scheme=central-difference"];
+        let patches: Vec<String> = self
+            .thickness
+            .map_or(vec![String::new()], |thickness| [0.5, 0.25].map(|part| patch(part * thickness)).to_vec());
+        methods.push(self.by("solid/central-difference", &explicit, &patches));
+        methods
+    }
+
+    /// One more setting a rung.
+    fn by(&self, name: &str, fixed: &[&str], varied: &[String]) -> Method {
+        let rung = |varied: &String| {
+            let fixed = fixed.iter().map(|setting| (*setting).to_owned());
+            fixed.chain((!varied.is_empty()).then(|| varied.clone())).collect()
+        };
+        Method { name: name.to_owned(), rungs: varied.iter().map(rung).collect() }
+    }
+
+    /// The unreduced solid, its steps and, where they are free, its cells refined together.
+    fn refined(&self, name: &str, settings: &[&str]) -> Method {
+        let rung = |&(a_contact, part): &(f64, f64)| {
+            let fixed = ["body.model=solid", "body.reduction=none"].iter().chain(settings);
+            let mut rung: Vec<String> = fixed.map(|setting| (*setting).to_owned()).collect();
+            rung.push(self.step(a_contact));
+            rung.extend(self.thickness.map(|thickness| patch(part * thickness)));
+            rung
+        };
+        let mut rungs: Vec<Vec<String>> = REFINED.iter().map(rung).collect();
+        // Without cells to refine, steps alone.
+        rungs.dedup();
+        Method { name: name.to_owned(), rungs }
+    }
+}
+
+fn tolerance(value: f64) -> String {
+    format!("accuracy.tolerance={value:e}")
+}
+
+fn reduction(vectors: usize) -> String {
+    format!("body.reduction={vectors}")
+}
+
+fn patch(radius: f64) -> String {
+    format!("contact.patch_radius={radius:.3e}")
+}
+
+/// What a method's settings are beside those that its name says.
+pub fn settings_of(settings: &[String]) -> String {
+    let said = ["body.model=", "time.scheme=", "solver.newton=", "body.reduction=none"];
+    let rest = settings.iter().filter(|setting| !said.iter().any(|start| setting.starts_with(start)));
+    rest.map(String::as_str).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    const PLATE: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.5, 0.5, 0.02]\n\
+        [impactor]\nmass = 52.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n[time]\nend = 0.01\n";
+
+    fn methods(text: &str) -> Vec<Method> {
+        let given = Scene::parse("given", text, &[]).unwrap().0;
+        let cleared = Scene::parse("cleared", text, &cleared(&given)).unwrap().0;
+        let methods = Ladder::new(&cleared).methods();
+        for method in &methods {
+            assert!(!method.rungs.is_empty());
+            for rung in &method.rungs {
+                let overrides: Vec<String> = super::cleared(&given).into_iter().chain(rung.iter().cloned()).collect();
+                Scene::parse("varied", text, &overrides).unwrap_or_else(|e| panic!("{}: {rung:?}: {e}", method.name));
+            }
+        }
+        methods
+    }
+
+    fn names(text: &str) -> String {
+        methods(text).iter().map(|method| method.name.clone()).collect::<Vec<_>>().join(" ")
+    }
+
+    /// Every setting is a scene, whatever the scene itself asks for.
+    #[test]
+    fn all_settings_are_scenes() {
+        let all = names(PLATE);
+        assert!(all.starts_with("auto half-space infinite-plate kirchhoff mindlin mindlin/vectors solid"), "{all}");
+        let with = |key: &str, lines: &str| PLATE.replace(key, &format!("{lines}\n{key}"));
+        let asked = with(
+            "[impactor]",
+            "model = \"solid\"\nreduction = \"none\"\ncells = [4, 4, 2]\n[solver]\nnewton = \"full\"",
+        );
+        let asked = format!("{asked}step = 1e-5\nscheme = \"generalized-alpha\"\nrho_inf = 0.5\n");
+        assert_eq!(names(&asked), all);
+    }
+
+    /// Cells under a point, and bodies without modes, stay what they are.
+    #[test]
+    fn what_does_not_converge_is_not_refined() {
+        let point = PLATE.replace("[impactor]", "cells = [4, 4, 2]\n[contact]\nlocalization = \"point\"\n[impactor]");
+        let pad = "[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nstiffness = 1e9\nnormal = [0, 0, -1]\n[impactor]";
+        for text in [point, PLATE.replace("[impactor]", pad)] {
+            let found = methods(&text);
+            let cells = |rung: &Vec<String>| rung.iter().any(|setting| setting.starts_with("body.cells"));
+            assert!(!found.iter().flat_map(|method| &method.rungs).any(cells));
+            assert!(found.iter().any(|method| method.name == "solid/newmark"));
+            assert_eq!(found.iter().any(|method| method.name == "solid"), !text.contains("pad"));
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! A chart as tables: all of it as CSV, and its gist as text.
+
+use super::front::{LEVELS, best, front};
+use super::{Errors, Point, Reference};
+use crate::study::history::Difference;
+
+/// A line of the CSV. Errors are over the reference's values.
+#[derive(serde::Serialize)]
+struct Line<'a> {
+    method: &'a str,
+    setting: &'a str,
+    body: &'a str,
+    solves: usize,
+    build_s: f64,
+    run_s: f64,
+    total_s: f64,
+    error_first: f64,
+    error_whole: f64,
+    error_peak: f64,
+    error_impulse: f64,
+    error_contact: f64,
+    estimate: Option<f64>,
+    is_resolved: bool,
+    is_front: bool,
+}
+
+/// One line a point, in the order of the methods.
+pub fn csv(points: &[Point], floor: Difference) -> String {
+    let front = front(points, |point| point.errors.acceleration.first);
+    let mut table = csv::Writer::from_writer(Vec::new());
+    for (n, point) in points.iter().enumerate() {
+        let Errors { acceleration, peak, impulse, contact } = point.errors;
+        let line = Line {
+            method: &point.method,
+            setting: &point.setting,
+            body: &point.body,
+            solves: point.solves,
+            build_s: point.seconds[0],
+            run_s: point.seconds[1],
+            total_s: point.total(),
+            error_first: acceleration.first,
+            error_whole: acceleration.whole,
+            error_peak: peak,
+            error_impulse: impulse,
+            error_contact: contact,
+            estimate: point.estimate,
+            is_resolved: acceleration.first >= floor.first,
+            is_front: front.contains(&n),
+        };
+        // Into memory, of plain fields.
+        table.serialize(line).expect("a line of a table");
+    }
+    String::from_utf8(table.into_inner().expect("a table in memory")).expect("fields are UTF-8")
+}
+
+/// Which method wins at which error and by how much, where the settings of `auto` stand, and what was left out.
+pub fn summary(title: &str, points: &[Point], reference: &Reference, left_out: &[String]) -> String {
+    let floor = reference.floor();
+    let mut text = format!("# Speed against accuracy: {title}\n\n");
+    text += "Errors are largest differences of the acceleration from the reference's over its peak, in the first contact; times are wall times\n\
+             of building the model and of its steps, medians of a few runs in one process.\n\n";
+    text += &table(
+        &["error", "quickest", "setting", "time", "its error", "next method", "times slower", "`auto`", "best peer"],
+        &{ LEVELS.map(|level| row(points, level)).to_vec() },
+    );
+    let agreement = reference.agreement;
+    text += &format!("\nReference: {}", reference.setting);
+    if agreement.first.is_finite() {
+        text += &format!(
+            "; the one before it differs by {:.1e} in the first contact and {:.1e} over all,\nso that errors below {:.0e} and {:.0e} are not resolved",
+            agreement.first, agreement.whole, floor.first, floor.whole
+        );
+    }
+    text += ".\n";
+    if !left_out.is_empty() {
+        text += "\nLeft out:\n\n";
+        left_out.iter().for_each(|line| text += &format!("- {line}\n"));
+    }
+    text
+}
+
+fn row(points: &[Point], level: f64) -> Vec<String> {
+    let none = || "–".to_owned();
+    let best = best(points, level);
+    // `auto` is one of the others under another name.
+    let own: Vec<_> = best.iter().filter(|best| !best.point.is_foreign && best.point.auto.is_none()).collect();
+    let Some(first) = own.first() else {
+        return [per_cent(level)].into_iter().chain((0..8).map(|_| none())).collect();
+    };
+    let slower = |seconds: f64| format!("{:.1}", seconds / first.seconds);
+    let next = own.get(1);
+    let auto = points.iter().find(|point| point.auto.is_some_and(|tolerance| (tolerance / level - 1.0).abs() < 1e-6));
+    let peer = best.iter().find(|best| best.point.is_foreign);
+    vec![
+        per_cent(level),
+        first.point.method.clone(),
+        first.point.setting.clone(),
+        seconds(first.seconds),
+        format!("{:.1e}", first.point.errors.acceleration.first),
+        next.map_or_else(none, |next| next.point.method.clone()),
+        next.map_or_else(none, |next| slower(next.seconds)),
+        auto.map_or_else(none, |auto| {
+            let missed = if auto.errors.acceleration.first > level { ", missed" } else { "" };
+            format!("{}, error {:.1e}{missed}", seconds(auto.total()), auto.errors.acceleration.first)
+        }),
+        peer.map_or_else(none, |peer| {
+            format!("{}: {}, {} times slower", peer.point.method, seconds(peer.seconds), slower(peer.seconds))
+        }),
+    ]
+}
+
+fn table(head: &[&str], rows: &[Vec<String>]) -> String {
+    let line = |cells: Vec<&str>| format!("| {} |\n", cells.join(" | "));
+    let mut text = line(head.to_vec()) + &line(vec!["---"; head.len()]);
+    rows.iter().for_each(|row| text += &line(row.iter().map(String::as_str).collect()));
+    text
+}
+
+fn per_cent(level: f64) -> String {
+    format!("{}%", (1e6 * level).round() / 1e4)
+}
+
+fn seconds(value: f64) -> String {
+    match value {
+        v if v < 0.1 => format!("{:.1} ms", 1e3 * v),
+        v if v < 1.0 => format!("{:.0} ms", 1e3 * v),
+        v => format!("{v:.1} s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::front::tests::point;
+    use super::*;
+    use crate::study::history::History;
+
+    #[test]
+    fn the_gist_says_who_wins_and_by_how_much() {
+        let mut auto = point("auto", 0.03, 5e-3);
+        auto.auto = Some(1e-2);
+        let points = [auto, point("mindlin", 0.02, 4e-3), point("solid", 0.5, 2e-4), point("peer", 4.0, 9e-3)];
+        let agreement = Difference { first: 1e-5, whole: 2e-5 };
+        let reference = Reference { setting: "finest".into(), history: History::default(), agreement };
+        let text = summary("plate", &points, &reference, &["dear: too long".into()]);
+        assert!(text.contains("| 1% | mindlin | t=0.02 | 20.0 ms | 4.0e-3 | solid | 25.0 | 30.0 ms, error 5.0e-3 | peer: 4.0 s, 200.0 times slower |"), "{text}");
+        assert!(text.contains("| 0.1% | solid | t=0.5 | 500 ms | 2.0e-4 | – | – | – | – |"), "{text}");
+        assert!(
+            text.contains("| 0.01% | – |") && text.contains("below 1e-4 and 2e-4") && text.contains("- dear"),
+            "{text}"
+        );
+        let table = csv(&points, reference.floor());
+        assert_eq!(table.lines().count(), 5);
+        assert!(
+            table.lines().nth(3).unwrap().starts_with("solid,t=0.5,mindlin,10,0.125,0.375,0.5,0.0002,0.0004,NaN"),
+            "{table}"
+        );
+        assert!(
+            table.lines().nth(2).unwrap().ends_with(",true,true")
+                && table.lines().nth(4).unwrap().ends_with(",true,false")
+        );
+    }
+}

@@ -1,0 +1,120 @@
+//! One setting's time, and what came of it.
+
+use std::ops::ControlFlow;
+use std::rc::Rc;
+use std::time::Instant;
+
+use mpi::traits::Communicator;
+use mpi::traits::{CommunicatorCollectives, Root};
+use petsc_wrap::Comm;
+
+use crate::error::Result;
+use crate::impact::step::Step;
+use crate::model::{self, Model, Simulation};
+use crate::scene::Scene;
+use crate::study::history::{History, Recorder};
+
+/// Repetitions at most, and the time after which there are no more, s.
+const MOST: usize = 5;
+const ENOUGH: f64 = 3.0;
+
+/// What came of a setting.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Timed {
+    /// Median wall time of what comes before the first step, s.
+    pub build: f64,
+    /// Median wall time of the steps, s.
+    pub run: f64,
+    /// What all repetitions took, s.
+    pub spent: f64,
+    /// The theory that was taken.
+    pub model: String,
+    /// What was made of it.
+    pub reduction: String,
+    /// Unknowns of the theory, the impactor's included.
+    pub unknowns: usize,
+    /// Steps taken, or solves.
+    pub solves: usize,
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Estimated error of the whole history; NaN where there is none.
+    pub estimate: f64,
+    /// The acceleration; empty on ranks but the first where it was read from a file.
+    pub history: History,
+}
+
+/// Runs a scene, a few times where it is `repeated`, without writing anything; the steps of the last time. `None` where it was interrupted.
+/// Collective.
+///
+/// # Errors
+/// Those of the run.
+pub fn time(
+    comm: &Comm,
+    scene: &Scene,
+    repeated: bool,
+    interrupted: &Rc<dyn Fn() -> bool>,
+) -> Result<Option<(Timed, Vec<Step>)>> {
+    let (mut builds, mut runs) = (Vec::new(), Vec::new());
+    let begin = Instant::now();
+    loop {
+        comm.mpi().barrier();
+        let start = Instant::now();
+        let model = Model::new(comm, scene)?;
+        let mut timed = Timed {
+            model: model::name(model.theory).to_owned(),
+            reduction: model.reduction(),
+            unknowns: model.unknowns + 1,
+            ..Timed::default()
+        };
+        let mut simulation = Simulation::new(scene, model)?;
+        let asked = interrupted.clone();
+        simulation.set_interrupt(move || asked());
+        let built = start.elapsed().as_secs_f64();
+        let mut steps = Vec::new();
+        let flow = simulation.run(|step| {
+            steps.push(*step);
+            Ok(ControlFlow::Continue(()))
+        })?;
+        runs.push(start.elapsed().as_secs_f64() - built);
+        builds.push(built);
+        timed.solves = simulation.count().solves;
+        timed.iterations = simulation.count().iterations;
+        timed.estimate = simulation.error().unwrap_or(f64::NAN);
+        drop(simulation);
+        comm.collect_garbage()?;
+        if flow.is_break() || interrupted() {
+            return Ok(None);
+        }
+        let spent = begin.elapsed().as_secs_f64();
+        let mut is_enough = !repeated || is_enough(builds.len(), spent);
+        comm.mpi().process_at_rank(0).broadcast_into(&mut is_enough);
+        if is_enough {
+            let mut numbers = [median(builds), median(runs), spent];
+            comm.mpi().process_at_rank(0).broadcast_into(&mut numbers);
+            [timed.build, timed.run, timed.spent] = numbers;
+            let mut recorder = Recorder::new(scene.impactor.mass);
+            steps.iter().for_each(|step| recorder.push(step));
+            timed.history = recorder.finish();
+            return Ok(Some((timed, steps)));
+        }
+    }
+}
+
+/// Whether so many repetitions that have taken so long, s, are enough: an odd number, of which there is a median.
+fn is_enough(count: usize, spent: f64) -> bool {
+    count % 2 == 1 && (count >= MOST || spent > ENOUGH)
+}
+
+/// What all repetitions of a run of so many seconds take, s.
+pub fn spent(seconds: f64) -> f64 {
+    let all = |count: usize| count as f64 * seconds;
+    (1..)
+        .map(|count| (count, all(count)))
+        .find(|(count, spent)| is_enough(*count, *spent))
+        .map_or(seconds, |(_, spent)| spent)
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
