@@ -8,35 +8,9 @@ the modes' answer to F, which is exactly the Newton iteration of all unknowns, c
 import numba
 import numpy as np
 
+import contact
 
-@numba.njit(cache=True)
-def force(apart, yielding, hertz):
-    """F of F = k0 <apart - yielding F>^1.5: Newton's iteration in z = alpha^0.5, inside a bracket."""
-    if apart <= 0.0:
-        return 0.0
-    # For alpha = z^2: z^2 + slope z^3 = apart, which grows with z up to -2 / (3 slope) where slope is negative.
-    slope = yielding * hertz
-    low, high = 0.0, np.sqrt(apart)
-    if slope < 0.0:
-        low, high = high, -2.0 / (3.0 * slope)
-        if high * high / 3.0 < apart:
-            return np.nan  # softer than the patch allows
-    z = np.sqrt(apart)
-    for _ in range(100):
-        value = z * z * (1.0 + slope * z) - apart
-        if value > 0.0:
-            high = z
-        else:
-            low = z
-        derivative = z * (2.0 + 3.0 * slope * z)
-        new = z - value / derivative if derivative > 0.0 else 0.5 * (low + high)
-        if not low <= new <= high:
-            new = 0.5 * (low + high)
-        if abs(new - z) <= 1e-15 * high:
-            z = new
-            break
-        z = new
-    return hertz * z**3
+force = numba.njit(cache=True)(contact.force)
 
 
 @numba.njit(cache=True, fastmath=True)
@@ -72,8 +46,8 @@ def newmark(squares, shapes, mass, hertz, dent, speed, step, steps):
     return forces
 
 
-def history(squares, shapes, contact, end, step):
+def history(squares, shapes, impactor, end, step):
     """Times (s) and accelerations (m/s2) of the impactor."""
     steps = round(end / step)
-    forces = newmark(squares, shapes, contact.mass, contact.hertz, contact.dent, contact.speed, step, steps)
-    return step * np.arange(steps + 1), forces / contact.mass
+    forces = newmark(squares, shapes, impactor.mass, impactor.hertz, impactor.dent, impactor.speed, step, steps)
+    return step * np.arange(steps + 1), forces / impactor.mass

@@ -14,23 +14,26 @@ QUICK = 5.0  # s: what takes less is repeated, and the median is kept
 REPEATS = 3
 
 
-def collect(name, settings, scene, folder, budget):
-    """Adds to OUTDIR/peers.csv the settings that it lacks, pairs of a text and a function build().
+def collect(name, settings, folder, budget):
+    """Adds to OUTDIR/peers.csv the settings that it lacks.
 
-    build() makes all that comes before the first step and returns run(), which gives times (s) and accelerations (m/s2).
+    They are pairs of a text and a function that gives the seconds to build and to run, and the series: rows of time (s) and
+    acceleration (m/s2). None is begun after `budget` seconds.
     """
     (folder / "series").mkdir(parents=True, exist_ok=True)
     table = folder / "peers.csv"
     rows = list(csv.DictReader(table.open(encoding="utf-8"))) if table.exists() else []
     begin = time.perf_counter()
-    for setting, build in settings:
+    for setting, measure in settings:
         if any((row["name"], row["setting"]) == (name, setting) for row in rows):
             continue
         if time.perf_counter() - begin > budget:
             print(f"{name}: no time left for {setting}", flush=True)
             continue
         try:
-            built, ran, series = timed(build)
+            built, ran, series = measure()
+            if not np.isfinite(series).all():
+                raise ArithmeticError("the series is not finite")
         except Exception:  # whatever it is, the next setting may do
             print(f"{name}: {setting} failed:\n{traceback.format_exc()}", flush=True)
             continue
@@ -47,7 +50,10 @@ def collect(name, settings, scene, folder, budget):
 
 
 def timed(build):
-    """Seconds to build and to run, medians of a few where they are short, and the series."""
+    """What collect() asks for, by build(): it makes all that comes before the first step and returns run(), which takes the steps.
+
+    run() gives times and accelerations. Seconds are medians of a few where they are short.
+    """
     built, ran = [], []
     while True:
         start = time.perf_counter()
@@ -57,10 +63,7 @@ def timed(build):
         built.append(middle - start)
         ran.append(time.perf_counter() - middle)
         if built[0] + ran[0] > QUICK or len(built) == REPEATS:
-            series = np.column_stack([times, accelerations])
-            if not np.isfinite(series).all():
-                raise ArithmeticError("the series is not finite")
-            return statistics.median(built), statistics.median(ran), series
+            return statistics.median(built), statistics.median(ran), np.column_stack([times, accelerations])
 
 
 def slug(text):

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 import modal
-from scene import Contact
+from contact import Impactor
 from solid import Solid
 
 FREQUENCY = 50.0  # Hz: shift below zero, so that the matrix of a free plate is definite
@@ -31,8 +31,8 @@ def modes(solid, count):
     )
 
 
-def build(scene, mesh, count, step):
+def build(scene, cells, count, step):
     """All before the first step; what it returns takes the steps."""
-    squares, shapes = modes(Solid.build(scene, mesh), count)
-    contact = Contact.quarter(scene, mesh.patch * scene.size[2])
-    return lambda: modal.history(squares, shapes, contact, scene.end, step)
+    squares, shapes = modes(Solid.build(scene, cells), count)
+    impactor = Impactor.quarter(scene, cells.patch * scene.size[2])
+    return lambda: modal.history(squares, shapes, impactor, scene.end, step)

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.linalg as dense
 
 import modal
-from scene import Contact
+from contact import Impactor
 from solid import Solid
 
 FREQUENCY = 1000.0  # Hz: shift of the vectors, which also holds the rigid-body modes of a free plate
@@ -30,8 +30,8 @@ def ritz_modes(solid, count):
     return squares, modes.T @ (basis.T @ solid.load)
 
 
-def build(scene, mesh, count, step):
+def build(scene, cells, count, step):
     """All before the first step; what it returns takes the steps."""
-    squares, shapes = ritz_modes(Solid.build(scene, mesh), count)
-    contact = Contact.quarter(scene, mesh.patch * scene.size[2])
-    return lambda: modal.history(squares, shapes, contact, scene.end, step)
+    squares, shapes = ritz_modes(Solid.build(scene, cells), count)
+    impactor = Impactor.quarter(scene, cells.patch * scene.size[2])
+    return lambda: modal.history(squares, shapes, impactor, scene.end, step)

@@ -49,32 +49,6 @@ class Scene:
         return 0.6 * (1 - self.poisson**2) / (self.young * patch)
 
 
-@dataclass(frozen=True)
-class Contact:
-    """The impactor's side of a quarter model: mass, k0 and force are a quarter of the whole ones, c is four times it."""
-
-    mass: float
-    hertz: float
-    dent: float
-    speed: float
-
-    @classmethod
-    def quarter(cls, scene, patch):
-        return cls(scene.mass / 4, scene.hertz_stiffness / 4, 4 * scene.dent(patch), scene.speed)
-
-
-def quarter_disc(patch, rule=16):
-    """Points (n, 2), m, and weights, of sum one, that integrate with Hertz's pressure over a quarter of the patch.
-
-    With s = sqrt(1 - r^2 / r_p^2) the weight is s^2 ds dphi: a polar rule of Gauss's points in s and phi.
-    """
-    nodes, weights = np.polynomial.legendre.leggauss(rule)
-    nodes, weights = (nodes + 1) / 2, weights / 2
-    radii, angles = patch * np.sqrt(1 - nodes**2), nodes * math.pi / 2
-    points = np.stack([np.outer(radii, np.cos(angles)), np.outer(radii, np.sin(angles))], axis=-1)
-    return points.reshape(-1, 2), np.outer(3 * weights * nodes**2, weights).ravel()
-
-
 def graded(length, first, growth, largest, last):
     """Vertices of cells on [0, length], m: about `first` at 0, growing to `largest`, and about `last` at the other end.
 
@@ -87,6 +61,26 @@ def graded(length, first, growth, largest, last):
     vertices = np.interp(np.linspace(0, count[-1], cells + 1), count, x)
     vertices[0], vertices[-1] = 0.0, length
     return vertices
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Bricks of the quarter x, y > 0 and the patch, lengths as fractions of the plate's thickness."""
+
+    order: int
+    patch: float  # r_p
+    first: float  # cells at the point
+    growth: float
+    largest: float
+    last: float  # cells at the edge
+    layers: tuple = (1.0,)  # thicknesses, from the bottom
+
+    def lines(self, scene):
+        """Vertices along half of the length, half of the width, and the thickness, m."""
+        length, width, thickness = scene.size
+        first, largest, last = (thickness * x for x in (self.first, self.largest, self.last))
+        across = np.concatenate([[0.0], np.cumsum(self.layers)]) / sum(self.layers) - 0.5
+        return [graded(x / 2, first, self.growth, largest, last) for x in (length, width)] + [thickness * across]
 
 
 def arguments(doc):

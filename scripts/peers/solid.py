@@ -8,27 +8,7 @@ import scipy.sparse as sparse
 from ngsolve.meshes import MakeStructured3DMesh
 from sksparse.cholmod import cholesky
 
-from scene import graded, quarter_disc
-
-
-@dataclass(frozen=True)
-class Mesh:
-    """What a setting's cells are, lengths as fractions of the plate's thickness."""
-
-    order: int
-    patch: float  # r_p
-    first: float  # cells at the point
-    growth: float
-    largest: float
-    last: float  # cells at the edge
-    layers: tuple = (1.0,)  # thicknesses, from the bottom
-
-    def lines(self, scene):
-        """Vertices along half of the length, half of the width, and the thickness, m."""
-        length, width, thickness = scene.size
-        first, largest, last = (thickness * x for x in (self.first, self.largest, self.last))
-        across = np.concatenate([[0.0], np.cumsum(self.layers)]) / sum(self.layers) - 0.5
-        return [graded(x / 2, first, self.growth, largest, last) for x in (length, width)] + [thickness * across]
+from contact import quarter_disc
 
 
 @dataclass(frozen=True)
@@ -40,20 +20,19 @@ class Solid:
     load: np.ndarray
 
     @classmethod
-    def build(cls, scene, mesh):
-        lines = mesh.lines(scene)
-        cells = [len(line) - 1 for line in lines]
-        place = lambda *x: tuple(np.interp(t * n, range(n + 1), line) for t, n, line in zip(x, cells, lines, strict=True))
-        grid = MakeStructured3DMesh(hexes=True, nx=cells[0], ny=cells[1], nz=cells[2], mapping=place)
-        space = ng.H1(grid, order=mesh.order)  # of one component: the three share it
+    def build(cls, scene, cells):
+        lines = cells.lines(scene)
+        place = lambda *x: tuple(np.interp(t, np.linspace(0, 1, len(line)), line) for t, line in zip(x, lines, strict=True))
+        mesh = MakeStructured3DMesh(True, *(len(line) - 1 for line in lines), mapping=place)
+        space = ng.H1(mesh, order=cells.order)  # of one component: the three share it
         free = np.ones((space.ndof, 3), dtype=bool)
         for component, plane in enumerate(["back", "left"]):  # x = 0 and y = 0, planes of symmetry
-            free[np.array(space.GetDofs(grid.Boundaries(plane))), component] = False
+            free[np.array(space.GetDofs(mesh.Boundaries(plane))), component] = False
         free = np.flatnonzero(free)
         # Symmetric: columns are rows.
         stiffness, mass = (matrix.tocsr()[free][:, free].T for matrix in blocks(space, scene))
         load = np.zeros((space.ndof, 3))
-        load[:, 2] = pressure(space, scene, mesh.patch * scene.size[2])
+        load[:, 2] = pressure(space, scene, cells.patch * scene.size[2])
         return cls(stiffness, mass, load.ravel()[free])
 
     def factor(self, shift):

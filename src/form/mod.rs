@@ -11,7 +11,7 @@ mod pad;
 pub mod plate;
 mod pressure;
 mod solid;
-mod spline;
+pub(crate) mod spline;
 mod spread;
 mod surface;
 pub mod tensor;
@@ -21,7 +21,7 @@ pub use lumping::lump;
 pub use pad::{PadForms, PadPoint, pressed_depth};
 pub use pressure::PressureForms;
 pub use solid::{Material, SolidForms, Tangled};
-pub use spline::Spline;
+pub use spline::{Parity, Spline};
 pub use spread::Spread;
 pub use surface::SurfaceForms;
 

@@ -1,5 +1,7 @@
 //! B-splines along a line, and integrals of their products.
 
+use std::cmp::Ordering;
+
 use nalgebra::{DMatrix, DVector};
 
 use crate::element::gauss_legendre;
@@ -16,6 +18,16 @@ pub struct Spline {
     /// Breaks, each as often as the smoothness leaves room for.
     knots: Vec<f64>,
     slopes: bool,
+    parity: Option<Parity>,
+}
+
+/// What becomes of a function where the line is reflected at its middle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Parity {
+    /// Itself.
+    Even,
+    /// Its negative.
+    Odd,
 }
 
 impl Spline {
@@ -36,7 +48,20 @@ impl Spline {
     fn with_multiplicity(breaks: &[f64], degree: usize, times: impl Fn(usize) -> usize) -> Self {
         let times = |i: usize| if i == 0 || i + 1 == breaks.len() { degree + 1 } else { times(i) };
         let knots = breaks.iter().enumerate().flat_map(|(i, x)| std::iter::repeat_n(*x, times(i))).collect();
-        Self { degree, breaks: breaks.to_vec(), knots, slopes: false }
+        Self { degree, breaks: breaks.to_vec(), knots, slopes: false, parity: None }
+    }
+
+    /// Those of a parity alone, on breaks that are symmetric about their middle: sums or differences of a B-spline and its
+    /// reflection. At most [`WIDTH`] of them, which are few cells; the last alone is not zero at the end, and none stays within a cell.
+    pub fn folded(self, parity: Parity) -> Self {
+        let folded = Self { parity: Some(parity), ..self };
+        debug_assert!(folded.functions() <= WIDTH && !folded.slopes);
+        folded
+    }
+
+    /// Whether its functions are of one parity, and each is in all cells.
+    pub fn is_folded(&self) -> bool {
+        self.parity.is_some()
     }
 
     /// The cells' ends.
@@ -46,12 +71,27 @@ impl Spline {
 
     /// Number of functions.
     pub fn functions(&self) -> usize {
+        match self.parity {
+            None => self.unfolded(),
+            Some(Parity::Even) => self.unfolded().div_ceil(2),
+            Some(Parity::Odd) => self.unfolded() / 2,
+        }
+    }
+
+    /// Number of B-splines.
+    fn unfolded(&self) -> usize {
         self.knots.len() - self.degree - 1
     }
 
-    /// Coefficients of the constant 1.
+    /// Number of functions that are not zero in a cell.
+    fn width(&self) -> usize {
+        if self.is_folded() { self.functions() } else { self.degree + 1 }
+    }
+
+    /// Coefficients of the constant 1, or of 0 where there is no constant.
     pub fn one(&self) -> DVector<f64> {
-        let mut one = DVector::from_element(self.functions(), 1.0);
+        let constant = if self.parity == Some(Parity::Odd) { 0.0 } else { 1.0 };
+        let mut one = DVector::from_element(self.functions(), constant);
         if self.slopes {
             let n = one.len();
             (one[1], one[n - 2]) = (0.0, 0.0);
@@ -60,10 +100,10 @@ impl Spline {
     }
 
     /// A derivative of the functions at a place of the line: the first one that is not zero in its cell, and the values of
-    /// that and the next `degree` ones. At a break the cell above counts.
+    /// that and the next ones. At a break the cell above counts.
     pub fn at(&self, x: f64, derivative: usize) -> (usize, [f64; WIDTH]) {
         let (p, t) = (self.degree, &self.knots);
-        let span = t.partition_point(|t| *t <= x).clamp(p + 1, self.functions()) - 1;
+        let span = t.partition_point(|t| *t <= x).clamp(p + 1, self.unfolded()) - 1;
         let mut values = [0.0; WIDTH];
         values[0] = if derivative > p { 0.0 } else { 1.0 };
         // From each degree q − 1 to q, of the value first, then of the derivatives.
@@ -82,7 +122,26 @@ impl Spline {
         if self.slopes {
             self.to_slopes(span - p, &mut values);
         }
-        (span - p, values)
+        match self.parity {
+            None => (span - p, values),
+            Some(parity) => (0, self.fold(parity, span - p, &values)),
+        }
+    }
+
+    /// B-splines, the first of which has a number, to their sums or differences with their reflections.
+    fn fold(&self, parity: Parity, first: usize, values: &[f64; WIDTH]) -> [f64; WIDTH] {
+        let (last, mut folded) = (self.unfolded() - 1, [0.0; WIDTH]);
+        for (i, value) in (first..=first + self.degree).zip(values) {
+            match (i.cmp(&(last - i)), parity) {
+                (Ordering::Less, Parity::Odd) => folded[i] -= value,
+                (Ordering::Equal, Parity::Odd) => {}
+                (Ordering::Greater, _) => folded[last - i] += value,
+                (_, Parity::Even) => folded[i] += value,
+            }
+        }
+        // The one that is not zero at the end comes last, as otherwise.
+        folded[..self.functions()].reverse();
+        folded
     }
 
     /// From the first two B-splines B0, B1 to B0 + B1, of value 1 and slope 0, and B1 scaled to a slope of 1; so at the end.
@@ -106,7 +165,7 @@ impl Spline {
     pub fn values(&self, x: f64, derivative: usize) -> DVector<f64> {
         let mut all = DVector::zeros(self.functions());
         let (first, values) = self.at(x, derivative);
-        for (j, value) in values.iter().enumerate().take(self.degree + 1) {
+        for (j, value) in values.iter().enumerate().take(self.width()) {
             all[first + j] = *value;
         }
         all
@@ -117,7 +176,7 @@ impl Spline {
         let mut sums = DVector::zeros(self.functions());
         for (x, weight) in self.rule(self.degree) {
             let (first, values) = self.at(x, derivative);
-            for (j, value) in values.iter().enumerate().take(self.degree + 1) {
+            for (j, value) in values.iter().enumerate().take(self.width()) {
                 sums[first + j] += weight * value;
             }
         }
@@ -130,8 +189,8 @@ impl Spline {
         for (x, weight) in self.rule(self.degree + other.degree) {
             let (row, rows) = self.at(x, derivative);
             let (column, columns) = other.at(x, of_other);
-            for j in 0..=other.degree {
-                for i in 0..=self.degree {
+            for j in 0..other.width() {
+                for i in 0..self.width() {
                     sums[(row + i, column + j)] += weight * rows[i] * columns[j];
                 }
             }
@@ -198,6 +257,37 @@ mod tests {
             for (x, derivative, unit) in expected {
                 assert!((spline.values(x, derivative) - unit).amax() < 1e-14, "{x} {derivative}");
             }
+        }
+    }
+
+    /// Folded functions are of their parity, independent, and as many as there are.
+    #[test]
+    fn folding_leaves_what_is_of_a_parity() {
+        for (breaks, degree) in [(vec![-1.0, 1.0], 4), (vec![-1.0, 0.0, 1.0], 3), (vec![-1.0, -0.2, 0.2, 1.0], 5)] {
+            let whole = Spline::new(&breaks, degree, degree - 1);
+            let [even, odd] = [Parity::Even, Parity::Odd].map(|parity| whole.clone().folded(parity));
+            assert_eq!(even.functions() + odd.functions(), whole.functions());
+            let ((mass, even_mass), odd_mass) =
+                ((whole.products(0, &whole, 0), even.products(0, &even, 0)), odd.products(0, &odd, 0));
+            for x in [0.0, 0.1, 0.3, 0.7, 1.0] {
+                for d in 0..3 {
+                    let sign = if d % 2 == 0 { 1.0 } else { -1.0 };
+                    // Derivatives of the values' size times 2 degree², and rounding.
+                    assert!((even.values(x, d) - sign * even.values(-x, d)).amax() < 1e-12);
+                    assert!((odd.values(x, d) + sign * odd.values(-x, d)).amax() < 1e-12);
+                }
+                assert!((even.one().dot(&even.values(x, 0)) - 1.0).abs() < 1e-14 && odd.one().amax() == 0.0);
+                // The projection of a delta at x is the sum of those of its parts.
+                let delta = |s: &Spline, m: &DMatrix<f64>| {
+                    let v = s.values(x, 0);
+                    v.dot(&m.clone().cholesky().expect("a mass matrix").solve(&v))
+                };
+                let parts = delta(&even, &even_mass) + delta(&odd, &odd_mass);
+                assert!((delta(&whole, &mass) / parts - 1.0).abs() < 1e-10);
+            }
+            let [even_end, odd_end] = [even, odd].map(|s| s.values(1.0, 0));
+            assert!((even_end[even_end.len() - 1], odd_end[odd_end.len() - 1]) == (1.0, 1.0));
+            assert!(even_end.sum() == 1.0 && odd_end.sum() == 1.0);
         }
     }
 

@@ -66,6 +66,11 @@ impl Spread {
         (LOWEST..).zip(self.weights).map(one).sum()
     }
 
+    /// P² at x = ξR.
+    pub fn square(&self, x: f64) -> f64 {
+        self.over_waves(x) + hertz_wave(self.ratio * x).powi(2)
+    }
+
     /// P² − Λ_{3/2}², Hertz's, at x = ξR, without the terms that cancel.
     pub fn over_waves(&self, x: f64) -> f64 {
         let hertz = hertz_wave(self.ratio * x);

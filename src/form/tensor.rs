@@ -131,8 +131,11 @@ impl<const D: usize> Tensor<D> {
     /// Products of two parts along one axis.
     fn along(&self, axis: usize, place: Along, a: Part<D>, b: Part<D>) -> Products {
         let [(s, d), (t, e)] = [a, b].map(|part| (&self.fields[part.field][axis], part.derivatives[axis]));
-        // No function changes its sign, so that their product's integral tells whether they meet.
+        // No function changes its sign, so that their product's integral tells whether they meet; those of a parity all do.
         let (values, shared) = match place {
+            Along::All if s.is_folded() => {
+                (t.products(e, s, d), DMatrix::from_element(t.functions(), s.functions(), 1.0))
+            }
             Along::All => (t.products(e, s, d), t.products(0, s, 0)),
             Along::At(x) => {
                 let values = t.values(x, e) * s.values(x, d).transpose();

@@ -2,8 +2,10 @@
 
 use super::DEGREE;
 use super::frame::Frame;
+use super::site::Site;
 use crate::body::plate::{contact_time, wavelength};
 use crate::form::plate::Section;
+use crate::form::spline::WIDTH;
 use crate::scene::Scene;
 
 /// Cells at the hit over the radius of the disc that is pressed.
@@ -18,12 +20,12 @@ const OF_WAVE: f64 = 0.085;
 /// Unknowns at most: each has about a thousand entries in the matrix.
 const MOST: f64 = 4e4;
 
-/// The lines across each axis of the modelled part, for a disc of a radius (m). Where splines would be smooth across the hit, its
+/// The lines across each axis of the modelled part, for a place that is hit. Where splines would be smooth across the hit, its
 /// line stands twice: with one continuous derivative less they resolve it as those of a quarter, which end there.
 ///
 /// # Errors
 /// Why there are none: a clause.
-pub(super) fn lines(frame: &Frame, scene: &Scene, disc: f64, fineness: f64) -> Result<[Vec<f64>; 3], String> {
+pub(super) fn lines(frame: &Frame, scene: &Scene, site: &Site, fineness: f64) -> Result<[Vec<f64>; 3], String> {
     let largest = OF_WAVE * shortest_wave(frame, scene);
     let sides: [[Side; 2]; 3] = std::array::from_fn(|axis| {
         let [low, high] = frame.ends(axis);
@@ -31,17 +33,26 @@ pub(super) fn lines(frame: &Frame, scene: &Scene, disc: f64, fineness: f64) -> R
         let growth = fineness * GROWTH[usize::from(axis == frame.struck)];
         let lengths = [hit - low, high - hit];
         // At least one cell on the longer side.
-        let at_hit = (fineness * OF_DISC * disc).min(lengths[0].max(lengths[1]));
+        let at_hit = (fineness * OF_DISC * site.disc).min(lengths[0].max(lengths[1]));
         let sizes = Sizes { hit: at_hit, largest: fineness * largest, growth };
         lengths.map(|length| Side { length, sizes })
     });
-    let functions = |sides: &[Side; 2]| sides.iter().map(Side::cells).sum::<f64>() + DEGREE as f64;
-    let unknowns = 3.0 * sides.iter().map(functions).product::<f64>();
+    let folds = |axis: usize| site.bends && axis == frame.struck;
+    let functions = |axis: usize| {
+        let all = sides[axis].iter().map(Side::cells).sum::<f64>() + DEGREE as f64;
+        if folds(axis) { 0.5 * all } else { all }
+    };
+    let unknowns = 3.0 * (0..3).map(functions).product::<f64>();
     if !(1.0..=MOST).contains(&unknowns) {
         return Err(format!("it would take {unknowns:.0} unknowns"));
     }
     let lines: [Vec<f64>; 3] = std::array::from_fn(|axis| {
         let hit = frame.hit[axis];
+        if folds(axis) {
+            // As many, alike above and below the middle.
+            let (cells, [low, high]) = (folded(&sides[axis]), frame.ends(axis));
+            return (0..=cells).map(|i| low + (high - low) * i as f64 / cells as f64).collect();
+        }
         let [below, above] = sides[axis].each_ref().map(Side::lines);
         let times = if below.is_empty() || above.is_empty() { 1 } else { 2 };
         let mut lines: Vec<f64> = below.iter().rev().map(|d| hit - d).collect();
@@ -57,6 +68,12 @@ pub(super) fn lines(frame: &Frame, scene: &Scene, disc: f64, fineness: f64) -> R
         return Err("its cells are too thin for their coordinates to differ".into());
     }
     Ok(lines)
+}
+
+/// Cells across a thickness whose functions are folded: as many as without, and no more than there may be of such.
+fn folded(sides: &[Side; 2]) -> usize {
+    let cells = sides.iter().map(Side::cells).sum::<f64>();
+    cells.min((2 * WIDTH - DEGREE) as f64) as usize
 }
 
 /// Flexural waves of the thinnest plate that the box is, or shear waves where these are shorter, m.

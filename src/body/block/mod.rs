@@ -15,7 +15,7 @@ use super::System;
 use crate::error::Result;
 use crate::form::elastic::{elastic, mass};
 use crate::form::tensor::Tensor;
-use crate::form::{Material, Spline};
+use crate::form::{Material, Parity, Spline};
 use crate::scene::{Fault, Scene};
 
 use frame::Frame;
@@ -57,7 +57,7 @@ pub struct Block {
 pub fn admits(scene: &Scene) -> std::result::Result<(), String> {
     let frame = Frame::new(scene)?;
     match Site::new(&frame, scene) {
-        Ok(site) => grid::lines(&frame, scene, site.disc, Settings::new(scene.tolerance).fineness).map(|_| ()),
+        Ok(site) => grid::lines(&frame, scene, &site, Settings::new(scene.tolerance).fineness).map(|_| ()),
         // What is wrong with the patch is wrong with any mesh.
         Err(_) => Ok(()),
     }
@@ -75,13 +75,13 @@ impl Block {
         };
         let frame = Frame::new(scene).map_err(fault)?;
         let site = Site::new(&frame, scene)?;
-        let lines = grid::lines(&frame, scene, site.disc, settings.fineness).map_err(fault)?;
+        let lines = grid::lines(&frame, scene, &site, settings.fineness).map_err(fault)?;
         let body = &scene.body;
         let material = Material { young: body.young, poisson: body.poisson, density: body.density };
-        let tensor = tensor(&lines);
+        let tensor = tensor(&lines, site.bends.then_some(frame.struck));
         let terms = Terms { scene, frame: &frame, lines: &lines, tensor: &tensor };
         let (support_load, support_offset) = terms.support_load();
-        let Site { patch, spread, disc, compliance } = site;
+        let Site { patch, spread, disc, compliance, .. } = site;
         let copies = frame.copies();
         let system = System {
             mass: tensor.matrix(&mass(&material)),
@@ -103,11 +103,15 @@ impl Block {
     }
 }
 
-/// The three components between the lines.
-fn tensor(lines: &[Vec<f64>; 3]) -> Tensor<3> {
+/// The three components between the lines; of a body that bends alone across an axis, those of its parities.
+fn tensor(lines: &[Vec<f64>; 3], bends: Option<usize>) -> Tensor<3> {
     let spline = |component: usize, axis: usize| {
         let degree = if axis == component { DEGREE - 1 } else { DEGREE };
-        Spline::new(&lines[axis], degree, degree - 1)
+        let spline = Spline::new(&lines[axis], degree, degree - 1);
+        match bends {
+            Some(across) if across == axis => spline.folded(if axis == component { Parity::Even } else { Parity::Odd }),
+            _ => spline,
+        }
     };
     Tensor::new((0..3).map(|component| std::array::from_fn(|axis| spline(component, axis))).collect())
 }
@@ -126,7 +130,7 @@ mod tests {
     /// The lowest squared frequency of a box between walls on which it slides, with cells along two axes, by inverse iteration.
     fn square(cells: usize) -> f64 {
         let lines = |axis: usize, cells: usize| (0..=cells).map(|i| EDGES[axis] * i as f64 / cells as f64).collect();
-        let tensor = tensor(&[lines(0, cells), lines(1, cells), lines(2, 1)]);
+        let tensor = tensor(&[lines(0, cells), lines(1, cells), lines(2, 1)], None);
         let mut free = Vec::new();
         for component in 0..3 {
             let [x, y, z] = tensor.splines(component).each_ref().map(Spline::functions);

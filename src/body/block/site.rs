@@ -1,11 +1,11 @@
 //! Where a block is loaded and read, and what of that belongs to Hertz's law.
 
 use super::frame::Frame;
-use super::layer::beyond_half_space;
+use super::layer::{beyond_half_space, squeezing};
 use crate::contact::{Patch, Reason, limits, unit_compliance};
 use crate::error::Result;
 use crate::form::Spread;
-use crate::scene::{Contact, Fault, Scene, faces};
+use crate::scene::{Contact, Fault, Scene, Vec3, faces};
 
 /// Radius of the disc over the thickness, where the body is a plate around it and where it is not.
 const OF_THICKNESS: [f64; 2] = [2.0, 1.0];
@@ -24,6 +24,9 @@ pub(super) struct Site {
     pub disc: f64,
     /// c of the contact law for the whole body, m/N.
     pub compliance: f64,
+    /// Whether the body bends alone: displacements along the face are odd across the thickness, those across it even. What else there is,
+    /// squeezing, is then a constant of the contact law, as on an infinite layer at rest.
+    pub bends: bool,
 }
 
 impl Site {
@@ -56,11 +59,13 @@ impl Site {
             return Err(fault(message, far).into());
         }
         let is_plate = is_plate(frame, scene, room);
+        let bends = is_plate && is_bent(frame, scene);
         let half_space = unit_compliance(body, impactor.direction[frame.struck]);
         let compliance = |disc: f64| {
             let spread = Spread::new((radius / disc).min(1.0));
             let of_layer = if is_plate { beyond_half_space(&spread, body.poisson, disc / thickness) } else { 0.0 };
-            half_space * spread.compliance() / disc + of_layer / (body.young * thickness)
+            let of_squeezing = if bends { squeezing(&spread, body.poisson, disc / thickness) } else { 0.0 };
+            half_space * spread.compliance() / disc + (of_layer - of_squeezing) / (body.young * thickness)
         };
         let mass = body.density * frame.size.iter().product::<f64>();
         // Discs on which the contact law has no stiffness left: on a half-space, and at least.
@@ -79,7 +84,7 @@ impl Site {
         let patch =
             given.map(|radius| Patch { radius, reason: Reason::Scene, thickness, cell: 0.0, limit_radius: 0.0 });
         let spread = Spread::new((radius / disc).min(1.0));
-        Ok(Self { patch, spread, disc, compliance: compliance(disc) })
+        Ok(Self { patch, spread, disc, compliance: compliance(disc), bends })
     }
 }
 
@@ -89,4 +94,13 @@ fn is_plate(frame: &Frame, scene: &Scene, room: f64) -> bool {
     let thickness = frame.size[frame.struck];
     let is_normal = (scene.impactor.direction[frame.struck].abs() - 1.0).abs() < 1e-9;
     is_normal && room >= OF_THICKNESS[0] * thickness && scene.supports.iter().all(|support| is_free(&support.surface))
+}
+
+/// Whether nothing but the hit squeezes or stretches a plate: no load along its face or on one of its sides, no displacement of a support
+/// along it.
+fn is_bent(frame: &Frame, scene: &Scene) -> bool {
+    let across = |v: Vec3| (0..3).all(|axis| axis == frame.struck || v[axis] == 0.0);
+    scene.load.traction.is_empty()
+        && across(scene.load.body_force)
+        && scene.supports.iter().all(|support| across(support.displacement))
 }
