@@ -51,6 +51,7 @@ const FUNCTIONS: &[&str] = &[
     "MatFactorInfoInitialize",
     "MatGetDiagonal",
     "MatGetFactor",
+    "MatGetFactorAvailable",
     "MatGetInfo",
     "MatGetLocalSize",
     "MatGetOwnershipRange",

@@ -11,9 +11,20 @@ from petsc4py import PETSc
 
 import points
 from contact import Impactor, force, quarter_disc
-from scene import Cells, arguments
+from scene import Cells, arguments, short
 
 NAME = "legacy FEniCS, condensed"
+SETTINGS = [  # cells, step (s)
+    (Cells(2, 0.5, 1, 1, 6, 2), 1e-4),
+    (Cells(2, 0.25, 0.5, 0.5, 4, 1), 5e-5),
+    (Cells(2, 0.25, 0.25, 0.5, 3, 1, (2, 1)), 5e-5),
+    (Cells(2, 0.25, 0.25, 0.5, 3, 1, (2, 1)), 2e-5),
+    (Cells(2, 0.25, 0.125, 0.5, 2, 0.5, (2, 1)), 2e-5),
+    (Cells(2, 0.25, 0.125, 0.5, 2, 0.5, (2, 1)), 1e-5),
+    (Cells(2, 0.25, 0.125, 0.5, 2, 0.5, (2, 1)), 5e-6),
+    (Cells(2, 0.25, 0.125, 0.25, 1.5, 0.5, (2, 1)), 1e-5),
+    (Cells(2, 0.25, 0.125, 0.25, 1.5, 0.5, (3, 2, 1)), 5e-6),
+]
 
 
 class Plate:

@@ -5,10 +5,20 @@ import math
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-import modal
-from contact import Impactor
-from solid import Solid
+import bases
+from scene import Cells
 
+NAME = "NGSolve + eigsh modes"
+SETTINGS = [  # cells, modes, step (s)
+    (Cells(3, 0.25, 0.5, 1, 6, 1.5), 20, 4e-6),
+    (Cells(3, 0.25, 0.5, 1, 4, 1), 40, 2e-6),
+    (Cells(4, 0.25, 0.5, 1, 6, 1), 40, 2e-6),
+    (Cells(4, 0.25, 0.5, 1, 6, 1), 80, 2e-6),
+    (Cells(4, 0.25, 0.25, 1, 4, 1, (2, 1)), 80, 1e-6),
+    (Cells(4, 0.25, 0.25, 1, 4, 1, (2, 1)), 160, 1e-6),
+    (Cells(4, 1 / 6, 1 / 6, 1, 4, 1, (3, 2, 1)), 160, 5e-7),
+    (Cells(4, 1 / 6, 1 / 6, 0.8, 3, 0.5, (3, 2, 1)), 160, 5e-7),
+]
 FREQUENCY = 50.0  # Hz: shift below zero, so that the matrix of a free plate is definite
 
 
@@ -31,8 +41,5 @@ def modes(solid, count):
     )
 
 
-def build(scene, cells, count, step):
-    """All before the first step; what it returns takes the steps."""
-    squares, shapes = modes(Solid.build(scene, cells), count)
-    impactor = Impactor.quarter(scene, cells.patch * scene.size[2])
-    return lambda: modal.history(squares, shapes, impactor, scene.end, step)
+if __name__ == "__main__":
+    bases.main(__doc__, NAME, modes, "modes", SETTINGS)

@@ -5,10 +5,21 @@ import math
 import numpy as np
 import scipy.linalg as dense
 
-import modal
-from contact import Impactor
-from solid import Solid
+import bases
+from scene import Cells
 
+NAME = "NGSolve + Ritz vectors"
+SETTINGS = [  # cells, vectors, step (s)
+    (Cells(3, 0.25, 0.5, 1, 6, 1.5), 20, 4e-6),
+    (Cells(3, 0.25, 0.5, 1, 4, 1), 30, 2e-6),
+    (Cells(4, 0.25, 0.5, 1, 6, 1), 40, 2e-6),
+    (Cells(4, 0.25, 0.5, 0.5, 6, 1), 40, 2e-6),
+    (Cells(4, 0.25, 0.25, 1, 4, 1, (2, 1)), 40, 1e-6),
+    (Cells(4, 0.25, 0.25, 1, 4, 1, (2, 1)), 80, 1e-6),
+    (Cells(4, 1 / 6, 1 / 6, 1, 4, 1, (3, 2, 1)), 80, 5e-7),
+    (Cells(4, 1 / 6, 1 / 6, 0.8, 3, 0.5, (3, 2, 1)), 100, 5e-7),
+    (Cells(5, 1 / 6, 1 / 6, 1, 4, 0.5, (3, 2, 1)), 120, 5e-7),
+]
 FREQUENCY = 1000.0  # Hz: shift of the vectors, which also holds the rigid-body modes of a free plate
 
 
@@ -30,8 +41,5 @@ def ritz_modes(solid, count):
     return squares, modes.T @ (basis.T @ solid.load)
 
 
-def build(scene, cells, count, step):
-    """All before the first step; what it returns takes the steps."""
-    squares, shapes = ritz_modes(Solid.build(scene, cells), count)
-    impactor = Impactor.quarter(scene, cells.patch * scene.size[2])
-    return lambda: modal.history(squares, shapes, impactor, scene.end, step)
+if __name__ == "__main__":
+    bases.main(__doc__, NAME, ritz_modes, "vectors", SETTINGS)

@@ -83,6 +83,12 @@ class Cells:
         return [graded(x / 2, first, self.growth, largest, last) for x in (length, width)] + [thickness * across]
 
 
+def short(step):
+    """A step in s as a text: 5e-5."""
+    mantissa, exponent = f"{step:e}".split("e")
+    return f"{float(mantissa):g}e{int(exponent)}"
+
+
 def arguments(doc):
     """The scene, the folder for results and the budget of seconds, from the command line that all peers share."""
     parser = argparse.ArgumentParser(description=doc.splitlines()[0])

@@ -61,11 +61,19 @@ impl Body {
     /// # Errors
     /// PETSc's.
     pub fn is_free(&self) -> Result<bool> {
+        Ok(self.support.is_none() && self.pads.is_none() && !self.is_translation_held()?)
+    }
+
+    /// Whether clamps hold that translation. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn is_translation_held(&self) -> Result<bool> {
         let mut held = self.translation.duplicate()?;
         held.copy_from(&self.translation)?;
         self.clamps.zero(&mut held)?;
         held.axpy(-1.0, &self.translation)?;
-        Ok(self.support.is_none() && self.pads.is_none() && held.norm_max()? == 0.0)
+        Ok(held.norm_max()? != 0.0)
     }
 
     /// out ← M v, with the lumped M where the scheme is explicit. Collective.

@@ -66,9 +66,14 @@ impl Spread {
         (LOWEST..).zip(self.weights).map(one).sum()
     }
 
+    /// Hertz's own transform at x = ξR.
+    pub fn hertz(&self, x: f64) -> f64 {
+        hertz_wave(self.ratio * x)
+    }
+
     /// P² at x = ξR.
     pub fn square(&self, x: f64) -> f64 {
-        self.over_waves(x) + hertz_wave(self.ratio * x).powi(2)
+        self.over_waves(x) + self.hertz(x).powi(2)
     }
 
     /// P² − Λ_{3/2}², Hertz's, at x = ξR, without the terms that cancel.

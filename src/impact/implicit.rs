@@ -86,7 +86,18 @@ pub struct ImplicitStepper {
     work: Vector,
     /// p at the stage, where there are pads.
     pads: Option<Vector>,
+    /// M D.
+    weighed: Vector,
+    /// Whether products may follow from those of the last moment: in the condensed step without pads, and where held unknowns, in whose
+    /// equations there are other forces, stay at zero and do no work.
+    may_follow: bool,
+    /// Steps since K u was made of u.
+    followed: usize,
 }
+
+/// Steps after which K u, M u̇ and M ü are made anew of u, u̇ and ü: what rounding adds to their sums until then is some ten times that of
+/// a product.
+const FOLLOWED: usize = 100;
 
 impl ImplicitStepper {
     /// Sets up the solver. Collective.
@@ -112,7 +123,10 @@ impl ImplicitStepper {
         };
         let zeros = || body.load.duplicate();
         let pads = body.pads.as_ref().map(|_| zeros()).transpose()?;
-        Ok(Self { scheme, step, solver, known: zeros()?, work: zeros()?, pads })
+        let is_quiet = body.clamps.displacement.norm_max()? == 0.0 && !body.is_translation_held()?;
+        let may_follow = is_quiet && pads.is_none() && matches!(solver, Solver::Condensed(_));
+        let (known, work, weighed) = (zeros()?, zeros()?, zeros()?);
+        Ok(Self { scheme, step, solver, known, work, pads, weighed, may_follow, followed: 0 })
     }
 
     /// Takes a step: writes the state at its end, and what was exchanged over it. Returns the Newton iterations. Collective.
@@ -178,9 +192,30 @@ impl ImplicitStepper {
                 full.solve(problem, increment).map_err(|error| full.describe(error))?
             }
         };
-        increment.scale(1.0 / theta)?;
+        self.followed = if self.may_follow { (self.followed + 1) % FOLLOWED } else { 0 };
+        let follows = self.followed > 0;
+        if follows {
+            // K E by the equation just solved, S E = g + a F: M, which couples no components, is all that is to be applied.
+            body.apply_mass(&self.work, &mut self.weighed)?;
+            self.known.axpy(solved.force, &body.localization.vector)?;
+            self.known.axpy(-stage.c2, &self.weighed)?;
+            if let Some(damping) = &body.damping {
+                damping.mult(&self.work, &mut to.inertia)?;
+                self.known.axpy(-stage.c1, &to.inertia)?;
+            }
+            body.clamps.zero(&mut self.known)?;
+            self.known.scale(1.0 / theta)?;
+            self.weighed.scale(1.0 / theta)?;
+        }
+        self.work.scale(1.0 / theta)?;
         let impactor = solved.increment / theta;
         self.end(from, &mut to.state, impactor)?;
+        if follows {
+            self.follow(body, setting, (from, to))?;
+            let work = Work { increment: &self.work, force: solved.force, pads: None };
+            let exchange = exchange(body, setting, (&scheme, step), (from, to), work, &mut self.known)?;
+            return Ok((exchange, solved.iterations));
+        }
         if let (Some(pads), Some(force)) = (&mut body.pads, &mut self.pads) {
             force.fill(0.0)?;
             if scheme.gradient {
@@ -198,6 +233,21 @@ impl ImplicitStepper {
         let work = Work { increment: &self.work, force: solved.force, pads: self.pads.as_ref() };
         let exchange = exchange(body, setting, (&scheme, step), (from, to), work, &mut self.known)?;
         Ok((exchange, solved.iterations))
+    }
+
+    /// The products at the end of a step from those at its start, K D in `known` and M D in `weighed`.
+    fn follow(&mut self, body: &Body, setting: &Setting, (from, to): (&Moment, &mut Moment)) -> Result<()> {
+        to.place(body, setting.gap)?;
+        to.products.follow(body, &from.products, &to.state, &self.known)?;
+        let end = self.scheme.end(self.step);
+        let outs = [(&mut to.products.momentum, (end.c1, end.v)), (&mut to.inertia, (end.c2, end.a))];
+        for (out, (c, [of_v, of_a])) in outs {
+            out.copy_from(&from.products.momentum)?;
+            out.scale(of_v)?;
+            out.axpy(of_a, &from.inertia)?;
+            out.axpy(c, &self.weighed)?;
+        }
+        Ok(body.clamps.zero(&mut to.inertia)?)
     }
 
     /// u, u̇ and ü at the end of a step, from D in `work`.

@@ -75,6 +75,22 @@ impl Products {
         Ok(())
     }
 
+    /// The same after a step by what it has changed, without K u made anew: the supports' part, C u̇ and, with `change`, the change of all
+    /// of K u, which is the elastic part's but for that of the supports; M u̇ is the caller's. Collective.
+    pub(super) fn follow(&mut self, body: &Body, from: &Self, state: &State, change: &Vector) -> Result<()> {
+        self.elastic.copy_from(&from.elastic)?;
+        self.elastic.axpy(1.0, change)?;
+        if let (Some(matrix), Some(product), Some(before)) = (&body.support, &mut self.support, &from.support) {
+            matrix.mult(&state.u, product)?;
+            self.elastic.axpy(-1.0, product)?;
+            self.elastic.axpy(1.0, before)?;
+        }
+        if let Some(product) = &mut self.damping {
+            body.apply_damping(&state.v, product)?;
+        }
+        Ok(())
+    }
+
     /// out ← out + factor (K u + C u̇), the supports' part of K included.
     pub(super) fn add_internal(&self, factor: f64, out: &mut Vector) -> Result<()> {
         for product in [Some(&self.elastic), self.support.as_ref(), self.damping.as_ref()].into_iter().flatten() {
@@ -109,12 +125,18 @@ impl Moment {
 
     /// All but the inertia anew, after u, u̇ and q have changed. Collective.
     pub(super) fn update(&mut self, body: &mut Body, gap: f64) -> Result<()> {
-        self.surface = body.localization.vector.dot(&self.state.u)?;
+        self.place(body, gap)?;
         self.products.update(body, &self.state, self.surface)?;
-        self.approach = self.state.q.position - gap - self.surface;
         if let Some(pads) = &mut body.pads {
             self.pads = pads.potential(&self.state.u)?;
         }
+        Ok(())
+    }
+
+    /// Surface and approach anew, after u and q have changed. Collective.
+    pub(super) fn place(&mut self, body: &Body, gap: f64) -> Result<()> {
+        self.surface = body.localization.vector.dot(&self.state.u)?;
+        self.approach = self.state.q.position - gap - self.surface;
         Ok(())
     }
 

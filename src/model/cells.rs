@@ -12,12 +12,12 @@ use crate::error::{Error, Result};
 use crate::impact::Trace;
 use crate::scene::{Model, Scene};
 
-/// The coarser cells over the others.
+/// The coarser cells over the others, and finer ones over those at least and at most.
 const COARSER: f64 = 1.5;
+const FINER: [f64; 2] = [1.0 / COARSER, 0.85];
 
-/// Error over the difference of the two: (1.5³ − 1)⁻¹ = 0.42 where errors fall with the third power of the size, less where they fall
-/// faster.
-const OF_DIFFERENCE: f64 = 0.4;
+/// Errors fall with this power of the size, or faster.
+const ORDER: i32 = 3;
 
 /// Part of the tolerance that the estimate may take.
 const OF_CELLS: f64 = 0.6;
@@ -50,29 +50,33 @@ pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators) -> Resul
         return Ok(fine);
     }
     let mut coarse = match on_coarser_cells(comm, scene, theory, &fine) {
-        Ok(trace) => Some(trace),
+        Ok(trace) => Some((trace, 1.0 / COARSER)),
         // Too coarse cells may be too soft, or too stiff, for the contact law: then finer ones judge.
         Err(Error::Solve(_)) => None,
         Err(error) => return Err(error),
     };
     loop {
-        let size = fine.size / COARSER;
-        if let Some(coarse) = &coarse {
+        let mut finer = FINER[0];
+        if let Some((coarse, ratio)) = &coarse {
             let (first, all) = fine.reduced.force.0.difference(coarse);
-            let error = (OF_DIFFERENCE * first, OF_DIFFERENCE * all);
+            let of_difference = 1.0 / (ratio.powi(-ORDER) - 1.0);
+            let error = (of_difference * first, of_difference * all);
             tracing::info!(size = fine.size, unknowns = fine.unknowns, first = error.0, all = error.1, "cells");
             fine.error = Some(error);
-            if error.0 <= OF_CELLS * scene.tolerance || size < FINEST {
+            let wanted = OF_CELLS * scene.tolerance;
+            finer = (wanted / error.0).powf(1.0 / f64::from(ORDER)).clamp(FINER[0], FINER[1]);
+            if error.0 <= wanted || finer * fine.size < FINEST {
                 return Ok(fine);
             }
         }
+        let size = finer * fine.size;
         let built = match build(comm, scene, theory, size) {
             Ok(Built::Operators(built)) => built,
             // More unknowns than splines are made for: what is left is told with the results.
             Ok(Built::Given(_)) | Err(Error::Fault(_)) => return Ok(fine),
             Err(error) => return Err(error),
         };
-        coarse = Some(std::mem::replace(&mut fine, fitted(comm, scene, built, size)?).reduced.force.0);
+        coarse = Some((std::mem::replace(&mut fine, fitted(comm, scene, built, size)?).reduced.force.0, finer));
     }
 }
 

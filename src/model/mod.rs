@@ -6,7 +6,7 @@ mod reduce;
 mod simulation;
 mod theory;
 
-pub use reduce::{OF_BASIS, Reduced, SAFETY, rate, reduce};
+pub use reduce::{OF_BASIS, OF_SMALLER, Reduced, rate, reduce};
 pub use simulation::Simulation;
 pub use theory::{Built, Operators, admits, build, name};
 
@@ -31,8 +31,8 @@ pub struct Model {
     pub words: String,
     /// Vectors of the basis, where there is one.
     pub vectors: Option<usize>,
-    /// The body on a larger basis, by which this one is judged.
-    pub larger: Option<ModalBody>,
+    /// The body on another basis, by which this one is judged, and the error over the difference of the two.
+    pub judge: Option<(ModalBody, f64)>,
     /// Estimated error of the acceleration over its peak by basis, cells and theory, as far as each is known: in the first contact, and
     /// over all.
     pub error: Option<(f64, f64)>,
@@ -92,14 +92,14 @@ impl Model {
     /// The model of a reduced body. Collective.
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
         let Fitted { reduced, unknowns, words, error: cells, .. } = fitted;
-        let Reduced { projection, larger, error, .. } = reduced;
+        let Reduced { projection, judge, of_difference, error, .. } = reduced;
         let dynamics = if scene.time.modal {
             Dynamics::Modal(ModalBody::of(&projection))
         } else {
             Dynamics::Stepped(Box::new(Body::of(&comm.session().alone(), &projection.system())?))
         };
-        let (vectors, larger) = (Some(projection.vectors()), Some(ModalBody::of(&larger)));
-        let model = Self { vectors, larger, error: Some(error), ..Self::bare(theory, dynamics, unknowns, words) };
+        let (vectors, judge) = (Some(projection.vectors()), Some((ModalBody::of(&judge), of_difference)));
+        let model = Self { vectors, judge, error: Some(error), ..Self::bare(theory, dynamics, unknowns, words) };
         let model = Self { judged: vec!["basis"], ..model };
         Ok(match cells {
             Some(error) => model.with_error("cells", error),
@@ -115,7 +115,7 @@ impl Model {
             unknowns,
             words,
             vectors: None,
-            larger: None,
+            judge: None,
             error: None,
             judged: Vec::new(),
             beside_basis: (0.0, 0.0),

@@ -14,9 +14,12 @@ const FIRST: usize = 16;
 /// Most vectors of a basis that grows by itself.
 const MOST: usize = 1500;
 
-/// A basis is judged by one of half as many vectors more, whose own error is part of the difference: where errors fall with the
-/// square of the number, (1 − 1.5⁻²)⁻¹ = 1.8 of the difference, and where they fall slower at times, more.
-pub const SAFETY: f64 = 2.2;
+/// Two bases, one of half as many vectors more, judge each other by the difference between them. Where errors fall with the square of the
+/// number, that of the smaller one is (1 − 1.5⁻²)⁻¹ = 1.8 of it, and where they fall slower at times, more.
+pub const OF_SMALLER: f64 = 2.2;
+
+/// That of the larger one, likewise: (1.5² − 1)⁻¹ = 0.8 and more.
+const OF_LARGER: f64 = 1.0;
 
 /// Part of the tolerance that the estimate may take.
 pub const OF_BASIS: f64 = 0.5;
@@ -32,9 +35,11 @@ const RATE: f64 = 15.0;
 pub struct Reduced {
     /// The body.
     pub projection: Projection,
-    /// It on the larger basis by which the error was found.
-    pub larger: Projection,
-    /// The vectors of that.
+    /// It on the other basis by which the error was found.
+    pub judge: Projection,
+    /// Error over the difference of the two.
+    pub of_difference: f64,
+    /// The vectors of the larger one.
     pub krylov: Krylov,
     /// Estimated error of the acceleration over its peak: in the first contact, and over all.
     pub error: (f64, f64),
@@ -42,7 +47,15 @@ pub struct Reduced {
     pub force: (Trace, Option<Steps>),
 }
 
-/// Reduces a body to what the scene's impact needs: a given number of vectors, or as many as the tolerance asks for. Collective.
+impl Reduced {
+    /// The body on the larger basis.
+    pub fn larger(&self) -> &Projection {
+        [&self.projection, &self.judge].into_iter().max_by_key(|projection| projection.vectors()).unwrap_or(&self.judge)
+    }
+}
+
+/// Reduces a body to what the scene's impact needs: a given number of vectors, judged by half as many more, or as many as the tolerance
+/// asks for, judged by fewer. Collective.
 ///
 /// # Errors
 /// [`crate::Error::Solve`] where the impact is not solved on any basis; PETSc's.
@@ -52,7 +65,7 @@ pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
         Reduction::Vectors(vectors) => Some(vectors),
         _ => None,
     };
-    // A given number, then half as many more; else in steps of √1.5, each basis judged by the one after the next.
+    // A given number, then half as many more; else in steps of √1.5, each basis judged by the one before the last.
     let mut count = given.unwrap_or(FIRST);
     // The bases so far, their force, and the steps that all are compared in.
     let mut tried: Vec<(usize, Trace)> = Vec::new();
@@ -65,18 +78,23 @@ pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
         match force(scene, body, &projection, &mut steps) {
             // All that the forces reach, to rounding.
             Ok(trace) if krylov.is_exhausted() && (given.is_none() || tried.is_empty()) => {
-                let larger = projection.clone();
-                return Ok(Reduced { projection, larger, krylov, error: (0.0, 0.0), force: (trace, steps) });
+                let (judge, force) = (projection.clone(), (trace, steps));
+                return Ok(Reduced { projection, judge, of_difference: 0.0, krylov, error: (0.0, 0.0), force });
             }
             Ok(trace) => {
                 let judged = tried.iter().rev().find(|(smaller, _)| larger(*smaller) <= count);
                 if let Some((smaller, before)) = judged.or(tried.last().filter(|_| enough)) {
+                    let of_difference = if given.is_some() { OF_SMALLER } else { OF_LARGER };
                     let (first, all) = before.difference(&trace);
-                    let error = (SAFETY * first, SAFETY * all);
+                    let error = (of_difference * first, of_difference * all);
                     if enough || error.0 <= OF_BASIS * scene.tolerance {
-                        tracing::info!(vectors = smaller, first = error.0, all = error.1, "reduced");
-                        let (larger, projection) = (projection.clone(), projection.leading(*smaller));
-                        return Ok(Reduced { projection, larger, krylov, error, force: (before.clone(), steps) });
+                        tracing::info!(vectors = count, smaller, first = error.0, all = error.1, "reduced");
+                        let mut pair = [(projection.leading(*smaller), before.clone()), (projection, trace)];
+                        if given.is_none() {
+                            pair.reverse();
+                        }
+                        let [(projection, trace), (judge, _)] = pair;
+                        return Ok(Reduced { projection, judge, of_difference, krylov, error, force: (trace, steps) });
                     }
                 }
                 tried.push((count, trace));
@@ -89,7 +107,7 @@ pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
     }
 }
 
-/// The vectors by which a basis is judged.
+/// Half as many vectors more.
 fn larger(vectors: usize) -> usize {
     vectors + vectors.div_ceil(2)
 }

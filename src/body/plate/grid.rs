@@ -11,6 +11,9 @@ use super::frame::Frame;
 /// Each cell over the one before.
 const GROWTH: f64 = 2.0;
 
+/// Cells at the hit over the radius of the disc that is pressed.
+const OF_DISC: f64 = 0.75;
+
 /// The largest cell, in lengths of the flexural wave of the contact's frequency.
 const OF_WAVE: f64 = 0.13;
 
@@ -40,7 +43,7 @@ pub(super) fn lines(
             return Err(cells);
         }
         // A point's deflection is off by a part of F c²/D with its cells c: a small part of the waves' length will do.
-        let at_hit = disc.map_or(section.thickness.max(largest / fineness / 8.0), |radius| 2.0 * radius);
+        let at_hit = disc.map_or(section.thickness.max(largest / fineness / 8.0), |radius| OF_DISC * radius);
         // Splines that are smooth across the hit resolve it half as well as those of a quarter, which end there.
         let smallest = fineness * if frame.quarter { at_hit } else { 0.5 * at_hit };
         let mut lines = growing(edge, frame.hit[axis], smallest, GROWTH.powf(fineness), largest);

@@ -17,6 +17,7 @@ use site::Site;
 
 use super::System;
 use crate::error::Result;
+use crate::form::Spread;
 use crate::form::plate::{DEFLECTION, Section};
 use crate::scene::{Fault, Scene};
 
@@ -25,13 +26,18 @@ use crate::scene::{Fault, Scene};
 pub struct Settings {
     /// Size of all cells over the default's.
     pub fineness: f64,
-    /// κ of Mindlin's theory. Left out it is 5/(6 − ν), which gives the speed of long waves to one order more than Reissner's
-    /// static 5/6 (Stephen, Mindlin plate theory: best shear coefficient and higher spectra validity, J. Sound Vib. 202, 1997).
+    /// κ of Mindlin's theory; left out, [`shear_factor`].
     pub shear_factor: Option<f64>,
-    /// Radius of Mindlin's disc over the thickness.
+    /// Radius of Mindlin's disc over the thickness, where it has room.
     pub disc: f64,
     /// r_p of the solid that is to be matched, m; 0 for its limit.
     pub patch_radius: f64,
+}
+
+/// κ = 5/(6 − ν), which gives the speed of long waves to one order more than Reissner's static 5/6 (Stephen, Mindlin plate theory: best
+/// shear coefficient and higher spectra validity, J. Sound Vib. 202, 1997).
+fn shear_factor(poisson: f64) -> f64 {
+    5.0 / (6.0 - poisson)
 }
 
 impl Settings {
@@ -43,9 +49,12 @@ impl Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { fineness: 1.0, shear_factor: None, disc: 0.5, patch_radius: 0.0 }
+        Self { fineness: 1.0, shear_factor: None, disc: 2.0, patch_radius: 0.0 }
     }
 }
+
+/// Radius of Mindlin's disc over the thickness, at least.
+const LEAST_DISC: f64 = 0.5;
 
 /// A plate's system, and how it was made.
 ///
@@ -67,7 +76,9 @@ pub struct Plate {
 pub struct Local {
     /// κ.
     pub shear_factor: f64,
-    /// r_m, m.
+    /// The pressure on the disc.
+    pub spread: Spread,
+    /// The disc's radius, m.
     pub radius: f64,
     /// s: the surface is read as w + s h² ∇·θ.
     pub reading: f64,
@@ -80,16 +91,16 @@ pub struct Local {
 /// # Errors
 /// That clause.
 pub fn admits(scene: &Scene, theory: Theory) -> std::result::Result<(), String> {
-    parts(scene, theory, &Settings::default()).map(|_| ())
+    parts(scene, theory).map(|_| ())
 }
 
-fn parts(scene: &Scene, theory: Theory, settings: &Settings) -> std::result::Result<(Frame, Boundary), String> {
+fn parts(scene: &Scene, theory: Theory) -> std::result::Result<(Frame, Boundary), String> {
     let frame = Frame::new(scene)?;
     let boundary = Boundary::new(scene, &frame, theory)?;
-    let radius = settings.disc * frame.thickness;
-    if theory == Theory::Mindlin && radius > frame.room() * (1.0 + 1e-9) {
+    let least = LEAST_DISC * frame.thickness;
+    if theory == Theory::Mindlin && least > frame.room() * (1.0 + 1e-9) {
         return Err(format!(
-            "the hit is {:.3e} m from an edge, and the disc that it spreads over has a radius of {radius:.3e} m",
+            "the hit is {:.3e} m from an edge, and the disc that it spreads over has a radius of at least {least:.3e} m",
             frame.room()
         ));
     }
@@ -106,11 +117,11 @@ impl Plate {
             let message = format!("{}'s plate does not stand for this scene: {reason}", theory.name());
             Fault::new("body.model", message, "model = \"solid\"")
         };
-        let (frame, boundary) = parts(scene, theory, settings).map_err(fault)?;
+        let (frame, boundary) = parts(scene, theory).map_err(fault)?;
         let body = &scene.body;
         let section =
             Section { thickness: frame.thickness, young: body.young, poisson: body.poisson, density: body.density };
-        let local = (theory == Theory::Mindlin).then(|| Local::new(&section, settings));
+        let local = (theory == Theory::Mindlin).then(|| Local::new(&section, settings, frame.room()));
         let disc = local.map(|local| local.radius);
         let lines = grid::lines(&frame, &section, &scene.impactor, disc, settings.fineness)
             .map_err(|cells| fault(format!("it would take {cells:.0} cells along an edge")))?;
@@ -138,12 +149,13 @@ impl Plate {
 }
 
 impl Local {
-    fn new(section: &Section, settings: &Settings) -> Self {
+    fn new(section: &Section, settings: &Settings, room: f64) -> Self {
         let h = section.thickness;
-        let Settings { disc, patch_radius, .. } = *settings;
-        let shear_factor = settings.shear_factor.unwrap_or(5.0 / (6.0 - section.poisson));
-        let layer = Layer { poisson: section.poisson, shear_factor, disc, patch: patch_radius / h };
+        let disc = settings.disc.min(room / h);
+        let spread = Spread::new(settings.patch_radius / (disc * h));
+        let shear_factor = settings.shear_factor.unwrap_or(shear_factor(section.poisson));
+        let layer = Layer { poisson: section.poisson, shear_factor, spread, disc };
         let compliance = layer.compliance() / (section.young * h);
-        Self { shear_factor, radius: disc * h, reading: layer.reading(), compliance }
+        Self { shear_factor, spread, radius: disc * h, reading: layer.reading(), compliance }
     }
 }

@@ -116,14 +116,15 @@ impl Site<'_> {
     /// a: a point for Kirchhoff's theory, a disc for Mindlin's.
     pub fn localization(&self, local: Option<&Local>, copies: f64) -> Vec<f64> {
         let mut a = vec![0.0; self.tensor.unknowns()];
-        let Some(Local { radius, reading, .. }) = local else {
+        let Some(Local { spread, radius, reading, .. }) = local else {
             self.tensor.add_point(deflection([0, 0]), self.frame.hit, 1.0, &mut a);
             return a;
         };
         let [x, y] = self.lines;
         let of_stretch = reading * self.section.thickness.powi(2);
         for (point, weight) in pressure_rule(self.frame.hit, *radius, [x, y]) {
-            let weight = copies * weight;
+            let [x, y] = [0, 1].map(|i| (point[i] - self.frame.hit[i]) / radius);
+            let weight = copies * weight * spread.over_hertz(x * x + y * y);
             self.tensor.add_point(deflection([0, 0]), point, weight, &mut a);
             self.tensor.add_point(rotation(0, [1, 0]), point, weight * of_stretch, &mut a);
             self.tensor.add_point(rotation(1, [0, 1]), point, weight * of_stretch, &mut a);

@@ -13,7 +13,7 @@ use crate::body::ModalBody;
 use crate::error::{Error, Result};
 use crate::impact::ModalImpact;
 use crate::impact::step::Step;
-use crate::model::{Dynamics, Model, OF_BASIS, SAFETY};
+use crate::model::{Dynamics, Model, OF_BASIS, OF_SMALLER};
 use crate::scene::{self, Scene};
 
 /// Bodies that are kept at most; then all are dropped.
@@ -36,10 +36,10 @@ pub struct Bodies<'a> {
     families: HashMap<u64, Option<Family>>,
 }
 
-/// A body on a basis, and on a larger one by which each member's error is estimated.
+/// A body on a basis, and on another one by which each member's error is estimated, with that over the difference of the two.
 struct Kept {
     body: ModalBody,
-    larger: Option<ModalBody>,
+    judge: Option<(ModalBody, f64)>,
     unknowns: usize,
     /// Error by theory and cells, as far as they are known, and by the merging of bases.
     of_model: f64,
@@ -138,7 +138,12 @@ impl<'a> Bodies<'a> {
         let of_theory = self.error_of_theory(scene);
         Ok(self.families[&key].as_ref().map(|family| {
             let ([body, larger], of_merging) = family.at(value);
-            Kept { body, larger: Some(larger), unknowns: family.unknowns, of_model: of_merging + of_theory }
+            Kept {
+                body,
+                judge: Some((larger, OF_SMALLER)),
+                unknowns: family.unknowns,
+                of_model: of_merging + of_theory,
+            }
         }))
     }
 
@@ -165,7 +170,7 @@ impl<'a> Bodies<'a> {
         let model = Model::new(&self.comm, &self.named(scene.clone()))?;
         let of_model = of_theory.max(model.beside_basis.1);
         match model.dynamics {
-            Dynamics::Modal(body) => Ok(Kept { body, larger: model.larger, unknowns: model.unknowns, of_model }),
+            Dynamics::Modal(body) => Ok(Kept { body, judge: model.judge, unknowns: model.unknowns, of_model }),
             Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),
         }
     }
@@ -189,10 +194,10 @@ impl Kept {
             return Ok(None);
         }
         let (mut first, mut all) = (0.0, 0.0);
-        if let Some(larger) = &self.larger {
+        if let Some((judge, of_difference)) = &self.judge {
             let Some((force, taken)) = impact.force() else { return Ok(None) };
-            let difference = force.difference(&ModalImpact::new(scene, larger).trace(Some(*taken))?.0);
-            (first, all) = (SAFETY * difference.0, SAFETY * difference.1);
+            let difference = force.difference(&ModalImpact::new(scene, judge).trace(Some(*taken))?.0);
+            (first, all) = (of_difference * difference.0, of_difference * difference.1);
         }
         let of_patch = self.body.patch.map_or(0.0, |patch| patch.error());
         let error_estimate = impact.count.error.unwrap_or(0.0) + all + self.of_model + of_patch;

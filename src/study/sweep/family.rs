@@ -5,7 +5,7 @@ use petsc_wrap::{Comm, Vector};
 use crate::body::{Body, Merged, ModalBody, Projection, snapshots};
 use crate::error::Result;
 use crate::impact::ModalImpact;
-use crate::model::{Built, Fitted, OF_BASIS, Reduced, build, fit, rate, reduce};
+use crate::model::{Built, Fitted, OF_BASIS, build, fit, rate, reduce};
 use crate::scene::Scene;
 
 /// Fewer values than this are computed one by one.
@@ -66,9 +66,9 @@ impl Family {
                 return Err(crate::Error::Solve("the theory has no supports".into()));
             };
             let body = built.body;
-            let Reduced { larger, krylov, .. } = reduce(&body, &scene)?;
-            let snapshots = snapshots(&body, &krylov, &larger, rate(&scene))?;
-            Ok(Sample { body: *body, snapshots, own: larger, scene })
+            let reduced = reduce(&body, &scene)?;
+            let snapshots = snapshots(&body, &reduced.krylov, reduced.larger(), rate(&scene))?;
+            Ok(Sample { body: *body, snapshots, own: reduced.larger().clone(), scene })
         };
         let mut ends = [make(0)?, make(last)?];
         let mut pool: Vec<Vector> = ends.iter_mut().flat_map(|end| std::mem::take(&mut end.snapshots)).collect();
