@@ -67,6 +67,7 @@ const FUNCTIONS: &[&str] = &[
     "MatPreallocatorPreallocate",
     "MatRestoreRow",
     "MatSeqAIJSetPreallocation",
+    "MatSeqAIJSetPreallocationCSR",
     "MatSetBlockSize",
     "MatSetNearNullSpace",
     "MatSetOption",

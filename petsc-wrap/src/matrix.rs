@@ -51,6 +51,27 @@ impl Matrix {
         Ok(matrix)
     }
 
+    /// The assembled AIJ matrix of a rank alone with these rows: row `i` has the `columns`, ascending, and `values` from `offsets[i]` to
+    /// `offsets[i + 1]`. As many columns as rows.
+    ///
+    /// # Errors
+    /// A column out of range; PETSc's.
+    ///
+    /// # Panics
+    /// When the offsets are not those of as many columns and values.
+    pub fn csr(alone: &Comm, offsets: &[Int], columns: &[Int], values: &[f64]) -> Result<Self> {
+        let rows = offsets.len() - 1;
+        let last = offsets[rows] as usize;
+        assert!(alone.size() == 1 && offsets[0] == 0 && offsets.windows(2).all(|pair| pair[0] <= pair[1]));
+        assert_eq!((last, last), (columns.len(), values.len()));
+        check_indices(columns, rows)?;
+        let matrix = Self::create(alone, (rows, rows), c"seqaij")?;
+        let [i, j] = [offsets, columns].map(<[Int]>::as_ptr);
+        // SAFETY: the offsets are one more than the rows and lie within the columns and values, which PETSc copies.
+        check(unsafe { sys::MatSeqAIJSetPreallocationCSR(matrix.raw(), i, j, values.as_ptr()) })?;
+        Ok(matrix)
+    }
+
     /// A matrix that takes entries by [`Matrix::set_values`], forgets their values and remembers where they are;
     /// [`Matrix::preallocated`] makes an AIJ matrix of it. Collective.
     ///

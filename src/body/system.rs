@@ -1,7 +1,7 @@
 //! A body given by numbers, without a mesh: small enough that every rank has all of it.
 
 use nalgebra_sparse::CsrMatrix;
-use petsc_wrap::{Comm, Insert, Int, Matrix, Vector};
+use petsc_wrap::{Comm, Int, Matrix, Vector};
 
 use crate::contact::{Localization, Patch};
 use crate::error::Result;
@@ -92,12 +92,6 @@ impl Body {
 }
 
 fn matrix_of(alone: &Comm, from: &CsrMatrix<f64>) -> Result<Matrix> {
-    let counts: Vec<Int> = from.row_iter().map(|row| row.nnz() as Int).collect();
-    let mut matrix = Matrix::aij(alone, (from.nrows(), from.ncols()), &counts, &vec![0; counts.len()])?;
-    for (number, row) in (0..).zip(from.row_iter()) {
-        let columns: Vec<Int> = row.col_indices().iter().map(|column| *column as Int).collect();
-        matrix.set_values(&[number], &columns, row.values(), Insert::Replace)?;
-    }
-    matrix.assemble()?;
-    Ok(matrix)
+    let numbers = |indices: &[usize]| indices.iter().map(|index| *index as Int).collect::<Vec<_>>();
+    Ok(Matrix::csr(alone, &numbers(from.row_offsets()), &numbers(from.col_indices()), from.values())?)
 }

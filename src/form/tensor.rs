@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use nalgebra_sparse::CsrMatrix;
 
 use super::Spline;
+use super::spline::WIDTH;
 
 /// A derivative of a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -219,17 +220,25 @@ impl<const D: usize> Tensor<D> {
 
     /// Adds weight · (part of v at a point) to a vector.
     pub fn add_point(&self, part: Part<D>, point: [f64; D], weight: f64, sum: &mut [f64]) {
-        let mut entries = vec![(0, weight)];
-        for (axis, spline) in self.fields[part.field].iter().enumerate() {
-            let (first, values) = spline.at(point[axis], part.derivatives[axis]);
-            let count = spline.functions();
-            let functions = || (first..).zip(values).filter(|(_, value)| *value != 0.0);
-            let outer =
-                |(number, weight): (usize, f64)| functions().map(move |(i, v)| (number * count + i, weight * v));
-            entries = entries.into_iter().flat_map(outer).collect();
-        }
+        let splines = &self.fields[part.field];
+        let values: [(usize, [f64; WIDTH]); D] =
+            std::array::from_fn(|axis| splines[axis].at(point[axis], part.derivatives[axis]));
         let sum = &mut sum[self.first(part.field)..];
-        entries.into_iter().for_each(|(number, value)| sum[number] += value);
+        // Functions of the axes before the last, then those of the last one in a line.
+        let (last, count) = (&values[D - 1], splines[D - 1].functions());
+        for before in indices::<D>(std::array::from_fn(|axis| 0..if axis + 1 < D { WIDTH } else { 1 })) {
+            let (mut number, mut factor) = (0, weight);
+            for (axis, place) in before.into_iter().enumerate().take(D - 1) {
+                number = number * splines[axis].functions() + values[axis].0 + place;
+                factor *= values[axis].1[place];
+            }
+            if factor != 0.0 {
+                let line = &mut sum[number * count + last.0..];
+                line.iter_mut()
+                    .zip(&last.1[..WIDTH.min(count - last.0)])
+                    .for_each(|(sum, value)| *sum += factor * value);
+            }
+        }
     }
 }
 
