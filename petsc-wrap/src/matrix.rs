@@ -51,50 +51,84 @@ impl Matrix {
         Ok(matrix)
     }
 
-    /// The assembled AIJ matrix of a rank alone with these rows: row `i` has the `columns`, ascending, and `values` from `offsets[i]` to
-    /// `offsets[i + 1]`. As many columns as rows.
+    /// The assembled AIJ matrix with these rows of this rank, and as many columns: its row `i` has the `columns`, ascending, and `values`
+    /// from `offsets[i]` to `offsets[i + 1]`. Collective.
     ///
     /// # Errors
     /// A column out of range; PETSc's.
     ///
     /// # Panics
     /// When the offsets are not those of as many columns and values.
-    pub fn csr(alone: &Comm, offsets: &[Int], columns: &[Int], values: &[f64]) -> Result<Self> {
+    pub fn csr(comm: &Comm, offsets: &[Int], columns: &[Int], values: &[f64]) -> Result<Self> {
         let rows = offsets.len() - 1;
         let last = offsets[rows] as usize;
-        assert!(alone.size() == 1 && offsets[0] == 0 && offsets.windows(2).all(|pair| pair[0] <= pair[1]));
+        assert!(offsets[0] == 0 && offsets.windows(2).all(|pair| pair[0] <= pair[1]));
         assert_eq!((last, last), (columns.len(), values.len()));
-        check_indices(columns, rows)?;
-        let matrix = Self::create(alone, (rows, rows), c"seqaij")?;
+        let matrix = Self::create(comm, (rows, rows), c"aij")?;
+        // SAFETY: sizes are set.
+        check(unsafe { sys::MatSetUp(matrix.raw()) })?;
+        check_indices(columns, matrix.size().1)?;
         let [i, j] = [offsets, columns].map(<[Int]>::as_ptr);
-        // SAFETY: the offsets are one more than the rows and lie within the columns and values, which PETSc copies.
+        // SAFETY: the offsets are one more than the rows and lie within the columns and values, which PETSc copies. It ignores the call that
+        // is not of the matrix's type.
         check(unsafe { sys::MatSeqAIJSetPreallocationCSR(matrix.raw(), i, j, values.as_ptr()) })?;
+        // SAFETY: as above.
+        check(unsafe { sys::MatMPIAIJSetPreallocationCSR(matrix.raw(), i, j, values.as_ptr()) })?;
         Ok(matrix)
     }
 
-    /// A matrix that takes entries by [`Matrix::set_values`], forgets their values and remembers where they are;
-    /// [`Matrix::preallocated`] makes an AIJ matrix of it. Collective.
+    /// This matrix of [`Matrix::csr`] with other values in the place of its own, given as there. Collective.
     ///
     /// # Errors
     /// PETSc's.
-    pub fn pattern(comm: &Comm, local: (usize, usize)) -> Result<Self> {
-        let matrix = Self::create(comm, local, c"preallocator")?;
-        // SAFETY: sizes and type are set.
-        check(unsafe { sys::MatSetUp(matrix.raw()) })?;
+    ///
+    /// # Panics
+    /// When the rows are not those of the matrix.
+    pub fn with_values(&self, offsets: &[Int], columns: &[Int], values: &[f64]) -> Result<Self> {
+        let mut matrix = self.duplicate()?;
+        let range = matrix.row_range();
+        assert_eq!((offsets.len(), columns.len()), ((range.end - range.start) as usize + 1, values.len()));
+        if self.comm().size() > 1 {
+            for (row, ends) in range.zip(offsets.windows(2)) {
+                let own = ends[0] as usize..ends[1] as usize;
+                matrix.set_values(&[row], &columns[own.clone()], &values[own], Insert::Replace)?;
+            }
+            matrix.assemble()?;
+            return Ok(matrix);
+        }
+        assert_eq!(self.entries()?, values.len() as u64);
+        let mut array = std::ptr::null_mut();
+        // SAFETY: an assembled AIJ matrix of one rank, whose values lie in the order of its rows.
+        check(unsafe { sys::MatSeqAIJGetArray(matrix.raw(), &raw mut array) })?;
+        // SAFETY: it has as many values, and the slices do not overlap.
+        unsafe { std::ptr::copy_nonoverlapping(values.as_ptr(), array, values.len()) };
+        // SAFETY: the array is the one just taken.
+        check(unsafe { sys::MatSeqAIJRestoreArray(matrix.raw(), &raw mut array) })?;
         Ok(matrix)
     }
 
-    /// The AIJ matrix of zeros with the entries of this assembled [`Matrix::pattern`]. Collective.
+    /// An AIJ matrix of zeros, `local` = rows and columns of this rank, with an entry wherever some rank names its row and column;
+    /// pairs may come more than once, and with any rank's rows. Collective.
     ///
     /// # Errors
-    /// PETSc's, e.g. where this is no pattern.
-    pub fn preallocated(&self) -> Result<Self> {
-        let (mut rows, mut columns) = (0, 0);
-        // SAFETY: the matrix is valid and set up.
-        check(unsafe { sys::MatGetLocalSize(self.raw(), &raw mut rows, &raw mut columns) })?;
-        let matrix = Self::create(self.comm(), (rows as usize, columns as usize), c"aij")?;
-        // SAFETY: both matrices are valid and of one size.
-        check(unsafe { sys::MatPreallocatorPreallocate(self.raw(), sys::PetscBool::PETSC_TRUE, matrix.raw()) })?;
+    /// An index out of range; PETSc's.
+    ///
+    /// # Panics
+    /// When there are not as many rows as columns.
+    pub fn of_pairs(comm: &Comm, local: (usize, usize), mut rows: Vec<Int>, mut columns: Vec<Int>) -> Result<Self> {
+        assert_eq!(rows.len(), columns.len());
+        let mut matrix = Self::create(comm, local, c"aij")?;
+        // SAFETY: sizes are set.
+        check(unsafe { sys::MatSetUp(matrix.raw()) })?;
+        let size = matrix.size();
+        check_indices(&rows, size.0)?;
+        check_indices(&columns, size.1)?;
+        let count = rows.len() as sys::PetscCount;
+        // SAFETY: both hold as many indices, within the matrix; PETSc may overwrite them, and does not keep them.
+        check(unsafe { sys::MatSetPreallocationCOO(matrix.raw(), count, rows.as_mut_ptr(), columns.as_mut_ptr()) })?;
+        // SAFETY: the matrix has its entries.
+        check(unsafe { sys::MatZeroEntries(matrix.raw()) })?;
+        matrix.assemble()?;
         Ok(matrix)
     }
 
@@ -155,18 +189,48 @@ impl Matrix {
     /// half of the memory. Collective.
     ///
     /// # Errors
-    /// PETSc's, e.g. where the block size does not divide this rank's rows.
+    /// PETSc's.
+    ///
+    /// # Panics
+    /// Where this rank's rows are not of such blocks.
     pub fn upper_triangle(&self, block: usize) -> Result<Self> {
-        // SAFETY: the matrix is valid, here and below.
-        check(unsafe { sys::MatSetBlockSize(self.raw(), block as Int) })?;
+        let (range, size) = (self.row_range(), block as Int);
+        // Block rows, their numbers and values from the diagonal on. (PETSc's own conversion takes as long as assembling.)
+        let mut count = 0;
+        for first in range.clone().step_by(block) {
+            count += block * self.row(first)?.columns().iter().filter(|column| **column >= first).count();
+        }
+        let (mut offsets, mut columns) = (vec![0], Vec::with_capacity(count / (block * block)));
+        let mut values = Vec::with_capacity(count);
+        let mut rows: Vec<Vec<f64>> = vec![Vec::new(); block];
+        for first in range.clone().step_by(block) {
+            let begin = columns.len();
+            for (i, kept) in rows.iter_mut().enumerate() {
+                let row = self.row(first + i as Int)?;
+                let skipped = row.columns().partition_point(|column| *column < first);
+                let upper = &row.columns()[skipped..];
+                if i == 0 {
+                    columns.extend(upper.iter().step_by(block).map(|column| column / size));
+                }
+                let blocks = columns[begin..].iter().flat_map(|column| (0..size).map(move |j| size * column + j));
+                assert!(upper.iter().copied().eq(blocks), "row {first} and the next ones are not of blocks");
+                kept.clear();
+                kept.extend_from_slice(&row.values()[skipped..]);
+            }
+            for at in (0..rows[0].len()).step_by(block) {
+                rows.iter().for_each(|row| values.extend_from_slice(&row[at..at + block]));
+            }
+            offsets.push(columns.len() as Int);
+        }
+        let local = (range.end - range.start) as usize;
+        let matrix = Self::create(self.comm(), (local, local), c"sbaij")?;
+        let (i, j, v) = (offsets.as_ptr(), columns.as_ptr(), values.as_ptr());
+        // SAFETY: there is an offset more than block rows, they lie within the columns, each of which has a block of values; PETSc copies
+        // them. It ignores the call that is not of the matrix's type.
+        check(unsafe { sys::MatSeqSBAIJSetPreallocationCSR(matrix.raw(), size, i, j, v) })?;
         // SAFETY: as above.
-        check(unsafe { sys::MatSetOption(self.raw(), sys::MatOption::MAT_SYMMETRIC, sys::PetscBool::PETSC_TRUE) })?;
-        let mut raw = std::ptr::null_mut();
-        // SAFETY: as above; the type is a C string, the out-pointer is valid.
-        check(unsafe {
-            sys::MatConvert(self.raw(), c"sbaij".as_ptr(), sys::MatReuse::MAT_INITIAL_MATRIX, &raw mut raw)
-        })?;
-        Ok(Self(Object::new(raw, self.comm())))
+        check(unsafe { sys::MatMPISBAIJSetPreallocationCSR(matrix.raw(), size, i, j, v) })?;
+        Ok(matrix)
     }
 
     /// Global size: rows, columns.

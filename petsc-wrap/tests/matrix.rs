@@ -14,6 +14,7 @@ fn main() -> ExitCode {
         start,
         &[
             ("a_pattern_becomes_the_matrix", a_pattern_becomes_the_matrix),
+            ("rows_become_the_matrix", rows_become_the_matrix),
             ("products_norms_and_rows", products_norms_and_rows),
             ("an_entry_without_room_is_an_error", an_entry_without_room_is_an_error),
             ("rows_and_columns_are_zeroed", rows_and_columns_are_zeroed),
@@ -26,22 +27,39 @@ fn main() -> ExitCode {
 /// Rows of a rank in these tests.
 const LOCAL: usize = 4;
 
-/// The blocks [1 −1; −1 1] of a chain of springs, each handed over by one rank, into any kind of matrix.
-fn add_springs(session: &Session, matrix: &mut Matrix) {
+/// A chain of springs with blocks [1 −1; −1 1], each named and handed over by one rank.
+fn springs(session: &Session) -> Matrix {
     let world = session.world();
     let n = (LOCAL * world.size()) as Int;
-    for i in (0..n - 1).filter(|i| *i as usize % world.size() == world.rank()) {
+    let own = || (0..n - 1).filter(|i| *i as usize % world.size() == world.rank());
+    let pairs = |places: [Int; 4]| own().flat_map(move |i| places.map(|place| i + place)).collect();
+    let mut matrix = Matrix::of_pairs(&world, (LOCAL, LOCAL), pairs([0, 0, 1, 1]), pairs([0, 1, 0, 1])).unwrap();
+    for i in own() {
         matrix.set_values(&[i, i + 1], &[i, i + 1], &[1.0, -1.0, -1.0, 1.0], Insert::Add).unwrap();
     }
     matrix.assemble().unwrap();
+    matrix
 }
 
-fn springs(session: &Session) -> Matrix {
-    let mut pattern = Matrix::pattern(&session.world(), (LOCAL, LOCAL)).unwrap();
-    add_springs(session, &mut pattern);
-    let mut matrix = pattern.preallocated().unwrap();
-    add_springs(session, &mut matrix);
-    matrix
+/// The same matrix alone on a rank, from its rows; and a diagonal on all of them.
+fn rows_become_the_matrix(session: &Session) {
+    let world = session.world();
+    let (first, n) = ((LOCAL * world.rank()) as Int, LOCAL as Int);
+    let (offsets, own): (Vec<Int>, Vec<Int>) = ((0..=n).collect(), (first..first + n).collect());
+    let ones = Matrix::csr(&world, &offsets, &own, &[1.0; LOCAL]).unwrap();
+    let threes = ones.with_values(&offsets, &own, &[3.0; LOCAL]).unwrap();
+    let all = (LOCAL * world.size()) as f64;
+    assert_eq!((ones.trace().unwrap(), threes.trace().unwrap()), (all, 3.0 * all));
+    let (offsets, columns, values) = ([0, 2, 5, 7], [0, 1, 0, 1, 2, 1, 2], [1.0, -1.0, -1.0, 2.0, -1.0, -1.0, 1.0]);
+    let matrix = Matrix::csr(&session.alone(), &offsets, &columns, &values).unwrap();
+    for i in 0..3 {
+        let (row, range) = (matrix.row(i).unwrap(), offsets[i as usize] as usize..offsets[i as usize + 1] as usize);
+        assert_eq!((row.columns(), row.values()), (&columns[range.clone()], &values[range]));
+    }
+    let twice = matrix.with_values(&offsets, &columns, &values.map(|value| 2.0 * value)).unwrap();
+    assert_eq!((twice.trace().unwrap(), matrix.trace().unwrap()), (8.0, 4.0));
+    assert!(Matrix::csr(&session.alone(), &[0, 1], &[1], &[1.0]).is_err());
+    assert!(Matrix::of_pairs(&session.alone(), (2, 2), vec![0], vec![2]).is_err());
 }
 
 fn a_pattern_becomes_the_matrix(session: &Session) {

@@ -67,25 +67,63 @@ pub fn zeros(
     chosen: impl IntoIterator<Item = usize>,
 ) -> Result<Matrix> {
     let graph = node_graph(comm, owned, elements, chosen)?;
-    let range = graph.row_range();
-    let (mut here, mut elsewhere) = (Vec::with_capacity(3 * owned), Vec::with_capacity(3 * owned));
-    for node in range.clone() {
-        let row = graph.row(node)?;
-        let own = row.columns().iter().filter(|column| range.contains(column)).count();
-        here.extend([3 * own as Int; 3]);
-        elsewhere.extend([3 * (row.columns().len() - own) as Int; 3]);
-    }
-    let mut matrix = Matrix::aij(comm, (3 * owned, 3 * owned), &here, &elsewhere)?;
-    matrix.set_block_size(3)?;
-    let (mut columns, mut values) = (Vec::new(), Vec::new());
-    for node in range {
-        unknowns(graph.row(node)?.columns(), &mut columns);
-        values.resize(3 * columns.len(), 0.0);
-        matrix.set_values(&[3 * node, 3 * node + 1, 3 * node + 2], &columns, &values, Insert::Replace)?;
-    }
-    matrix.assemble()?;
+    let matrix = Components::new(&graph)?.zeros()?;
     graph.destroy()?;
     Ok(matrix)
+}
+
+/// A node matrix as one that acts on each of three components alike, with room for entries that couple them: the rows of this rank.
+pub(super) struct Components {
+    comm: Comm,
+    offsets: Vec<Int>,
+    columns: Vec<Int>,
+    values: Vec<f64>,
+}
+
+impl Components {
+    /// Of a matrix with a row a node.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn new(graph: &Matrix) -> Result<Self> {
+        let mut count = 0;
+        for node in graph.row_range() {
+            count += 9 * graph.row(node)?.columns().len();
+        }
+        let (mut offsets, mut columns, mut values) = (vec![0], Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut of_row = Vec::new();
+        for node in graph.row_range() {
+            let row = graph.row(node)?;
+            unknowns(row.columns(), &mut of_row);
+            for component in 0..3 {
+                let begin = values.len();
+                columns.extend_from_slice(&of_row);
+                values.resize(columns.len(), 0.0);
+                let own = values[begin + component..].iter_mut().step_by(3);
+                own.zip(row.values()).for_each(|(to, value)| *to = *value);
+                offsets.push(columns.len() as Int);
+            }
+        }
+        Ok(Self { comm: graph.comm().clone(), offsets, columns, values })
+    }
+
+    /// Its pattern alone. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn zeros(&self) -> Result<Matrix> {
+        let mut matrix = Matrix::csr(&self.comm, &self.offsets, &self.columns, &vec![0.0; self.values.len()])?;
+        matrix.set_block_size(3)?;
+        Ok(matrix)
+    }
+
+    /// It, like a matrix of its pattern. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn like(&self, other: &Matrix) -> Result<Matrix> {
+        Ok(other.with_values(&self.offsets, &self.columns, &self.values)?)
+    }
 }
 
 /// A matrix of zeros with a row a node and an entry wherever two nodes share a chosen element. Collective.
@@ -98,14 +136,13 @@ pub(super) fn node_graph(
     elements: &Elements,
     chosen: impl IntoIterator<Item = usize>,
 ) -> Result<Matrix> {
-    let mut pattern = Matrix::pattern(comm, (owned, owned))?;
-    let ones = vec![1.0; elements.nodes_each().pow(2)];
+    let (mut rows, mut columns) = (Vec::new(), Vec::new());
     for i in chosen {
         let nodes = elements.nodes(i);
-        pattern.set_values(nodes, nodes, &ones, Insert::Add)?;
+        for node in nodes {
+            rows.extend(std::iter::repeat_n(*node, nodes.len()));
+            columns.extend_from_slice(nodes);
+        }
     }
-    pattern.assemble()?;
-    let graph = pattern.preallocated()?;
-    pattern.destroy()?;
-    Ok(graph)
+    Ok(Matrix::of_pairs(comm, (owned, owned), rows, columns)?)
 }

@@ -9,7 +9,7 @@ use crate::form::{Material, SolidForms, SurfaceForms};
 use crate::mesh::Mesh;
 use crate::scene::{Contact, Fault, Scene, Scheme, SupportKind, Vec3};
 
-use super::assembly::{Stopped, assemble, into_matrix, into_vector, node_graph, zeros};
+use super::assembly::{Components, Stopped, assemble, into_matrix, into_vector, node_graph, zeros};
 use super::deviates::{normal, place};
 use super::{Body, Clamps, Lumped, Pads};
 
@@ -25,14 +25,17 @@ impl Body {
             Contact::Patch { radius } => Localization::patch(mesh, scene, radius)?,
             Contact::Point => Localization::point(mesh, &scene.impactor)?,
         };
-        let pattern = zeros(&mesh.comm, mesh.owned_nodes, &mesh.cells, 0..mesh.cells.len())?;
-        let mass = over_cells(scene, mesh, pattern.duplicate()?, SolidForms::mass)?;
-        let elastic = over_cells(scene, mesh, pattern, SolidForms::stiffness)?;
+        let graph = node_graph(&mesh.comm, mesh.owned_nodes, &mesh.cells, 0..mesh.cells.len())?;
+        let of_nodes = mass_by_node(scene, mesh, graph)?;
+        let of_components = Components::new(&of_nodes)?;
+        let elastic = over_cells(scene, mesh, of_components.zeros()?)?;
+        let mass = of_components.like(&elastic)?;
+        drop(of_components);
         let stiffness = |kind: &SupportKind| match kind {
             SupportKind::Elastic { stiffness } => *stiffness,
             _ => [0.0; 3],
         };
-        let products = [mass_by_node(scene, mesh)?, elastic.upper_triangle(3)?];
+        let products = [of_nodes.by_component(3)?, elastic.upper_triangle(3)?];
         let springs: Vec<(&str, Vec3, Vec3)> =
             scene.supports.iter().map(|s| (s.surface.as_str(), stiffness(&s.kind), s.displacement)).collect();
         let dampers: Vec<(&str, Vec3, Vec3)> =
@@ -113,45 +116,29 @@ fn check_surfaces(scene: &Scene, mesh: &Mesh) -> Result<()> {
     Ok(())
 }
 
-/// A kernel of the solid's forms, summed over all cells into a matrix of zeros.
-fn over_cells(
-    scene: &Scene,
-    mesh: &Mesh,
-    mut matrix: Matrix,
-    kernel: impl Fn(&mut SolidForms, &[Vec3], &mut [f64]) -> std::result::Result<(), crate::form::Tangled>,
-) -> Result<Matrix> {
+/// K summed over all cells into a matrix of zeros.
+fn over_cells(scene: &Scene, mesh: &Mesh, mut matrix: Matrix) -> Result<Matrix> {
     let mut forms = forms(scene, mesh);
     let size = (3 * mesh.cells.nodes_each()).pow(2);
-    let done = assemble(
-        &mesh.cells,
-        0..mesh.cells.len(),
-        size,
-        |_, x, block| kernel(&mut forms, x, block),
-        into_matrix(&mut matrix),
-    );
-    everywhere(mesh, done)?;
+    let kernel = |_: usize, x: &[Vec3], block: &mut [f64]| forms.stiffness(x, block);
+    everywhere(mesh, assemble(&mesh.cells, 0..mesh.cells.len(), size, kernel, into_matrix(&mut matrix)))?;
     matrix.assemble()?;
     Ok(matrix)
 }
 
-/// M for products: alike in all three components, so one entry for a pair of nodes.
-fn mass_by_node(scene: &Scene, mesh: &Mesh) -> Result<Matrix> {
+/// M, alike in all three components, summed with one entry for a pair of nodes into a matrix of zeros.
+fn mass_by_node(scene: &Scene, mesh: &Mesh, mut matrix: Matrix) -> Result<Matrix> {
     let cells = &mesh.cells;
-    let mut matrix = node_graph(&mesh.comm, mesh.owned_nodes, cells, 0..cells.len())?;
     let mut forms = forms(scene, mesh);
-    let (nodes, unknowns) = (cells.nodes_each(), 3 * cells.nodes_each());
-    let mut of_nodes = vec![0.0; nodes * nodes];
-    let mut numbers = vec![0; nodes];
+    let mut numbers = vec![0; cells.nodes_each()];
     let sink = |indices: &[Int], block: &[f64]| {
         numbers.iter_mut().zip(indices.iter().step_by(3)).for_each(|(node, unknown)| *node = unknown / 3);
-        let rows = block.chunks_exact(unknowns).step_by(3);
-        of_nodes.iter_mut().zip(rows.flat_map(|row| row.iter().step_by(3))).for_each(|(to, from)| *to = *from);
-        matrix.set_values(&numbers, &numbers, &of_nodes, Insert::Add)
+        matrix.set_values(&numbers, &numbers, block, Insert::Add)
     };
-    let size = unknowns * unknowns;
-    everywhere(mesh, assemble(cells, 0..cells.len(), size, |_, x, block| forms.mass(x, block), sink))?;
+    let size = cells.nodes_each().pow(2);
+    everywhere(mesh, assemble(cells, 0..cells.len(), size, |_, x, block| forms.mass_by_node(x, block), sink))?;
     matrix.assemble()?;
-    Ok(matrix.by_component(3)?)
+    Ok(matrix)
 }
 
 /// The kernels of the scene's material on the mesh's cells.

@@ -118,15 +118,23 @@ impl SolidForms {
     /// # Errors
     /// [`Tangled`].
     pub fn mass(&mut self, x: &[[f64; 3]], out: &mut [f64]) -> Result<(), Tangled> {
-        let n = self.nodes();
+        let mut block = std::mem::take(&mut self.block);
+        let done = self.mass_by_node(x, &mut block);
+        out.fill(0.);
+        (0..3).for_each(|component| add_component(&block, self.nodes(), component, 1., out));
+        self.block = block;
+        done
+    }
+
+    /// The same for one component: ∫ ρ φ_i φ_j dx.
+    ///
+    /// # Errors
+    /// [`Tangled`].
+    pub fn mass_by_node(&mut self, x: &[[f64; 3]], out: &mut [f64]) -> Result<(), Tangled> {
         for q in 0..self.inertia.points() {
             self.scale[q] = self.density * volume(&self.inertia, q, x)?;
         }
-        scalar_products(&self.inertia, &self.scale, &mut self.block);
-        out.fill(0.);
-        for component in 0..3 {
-            add_component(&self.block, n, component, 1., out);
-        }
+        scalar_products(&self.inertia, &self.scale, out);
         Ok(())
     }
 
