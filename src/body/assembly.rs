@@ -99,7 +99,7 @@ impl Components {
                 let begin = values.len();
                 columns.extend_from_slice(&of_row);
                 values.resize(columns.len(), 0.0);
-                let own = values[begin + component..].iter_mut().step_by(3);
+                let own = values.iter_mut().skip(begin + component).step_by(3);
                 own.zip(row.values()).for_each(|(to, value)| *to = *value);
                 offsets.push(columns.len() as Int);
             }

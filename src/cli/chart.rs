@@ -181,5 +181,8 @@ fn lines(points: &[Point]) -> Vec<Line> {
             }
         }
     }
+    // A line of a peer's goes from quick to slow, in whatever order its points came.
+    let foreign = lines.iter_mut().filter(|line| line.is_foreign);
+    foreign.for_each(|line| line.settings.sort_by(|a, b| a.seconds.total_cmp(&b.seconds)));
     lines
 }

@@ -224,7 +224,7 @@ fn print_cost(
         Plan::Controlled { .. } => (5.0, ", in up to five step sizes"),
     };
     say(format_args!(
-        "solver     {name}; Cholesky by MUMPS{note}: {entries:.2e} entries in K, {:.2e} in a factor, {:.2e} operations",
+        "solver     {name}; Cholesky{note}: {entries:.2e} entries in K, {:.2e} in a factor, {:.2e} operations",
         factor.entries, factor.operations
     ));
     let matrices = 12.0 * ((2.0 + factors * (matrices - 2.0)) * entries + boundary) + factors * dense + vectors;

@@ -60,8 +60,8 @@ const TOP: f64 = 106.0;
 const BOTTOM: f64 = 730.0;
 const LEFT: f64 = 148.0;
 const RIGHT: f64 = WIDTH - 30.0;
-/// Between the panels, whose scale is the same.
-const GAP: f64 = 34.0;
+/// Between the panels, with the labels of the second one.
+const GAP: f64 = 112.0;
 const LEGEND: f64 = 836.0;
 const LEGEND_COLUMNS: usize = 4;
 const LEGEND_LETTERS: f64 = 21.0;

@@ -10,6 +10,8 @@ pub struct Method {
     pub name: String,
     /// Overrides `KEY=VALUE` of the cleared scene, from coarse to fine.
     pub rungs: Vec<Vec<String>>,
+    /// What the coarsest may take, s, before more is known.
+    pub guess: f64,
 }
 
 /// Keys that say how a scene is computed, not what it is.
@@ -50,6 +52,10 @@ const STEPS: [f64; 5] = [20.0, 60.0, 200.0, 600.0, 2000.0];
 const REFINED: [(f64, f64); 5] = [(20.0, 0.5), (60.0, 0.5), (60.0, 0.25), (200.0, 0.25), (600.0, 0.125)];
 
 const TOLERANCES: [f64; 7] = [1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4];
+/// What the coarsest setting takes on a plate, s, by orders of magnitude: of a plate or a formula, of a box of splines, of a solid in its
+/// steps, and of these by the full Newton's method.
+const GUESSES: [f64; 4] = [0.03, 0.3, 3.0, 30.0];
+
 const DECADES: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 const VECTORS: [usize; 5] = [8, 16, 32, 64, 128];
 
@@ -139,7 +145,7 @@ impl Ladder {
             let fixed = fixed.iter().map(|setting| (*setting).to_owned());
             fixed.chain((!varied.is_empty()).then(|| varied.clone())).collect()
         };
-        Method { name: name.to_owned(), rungs: varied.iter().map(rung).collect() }
+        Method { name: name.to_owned(), rungs: varied.iter().map(rung).collect(), guess: guess(name) }
     }
 
     /// The unreduced solid, its steps and, where they are free, its cells refined together.
@@ -154,8 +160,19 @@ impl Ladder {
         let mut rungs: Vec<Vec<String>> = REFINED.iter().map(rung).collect();
         // Without cells to refine, steps alone.
         rungs.dedup();
-        Method { name: name.to_owned(), rungs }
+        Method { name: name.to_owned(), rungs, guess: guess(name) }
     }
+}
+
+/// By a method's name.
+fn guess(name: &str) -> f64 {
+    let words: Vec<&str> = name.split('/').collect();
+    GUESSES[match words[..] {
+        ["solid"] | ["solid", "vectors", ..] => 1,
+        ["solid", .., "full"] => 3,
+        ["solid", ..] => 2,
+        _ => 0,
+    }]
 }
 
 fn tolerance(value: f64) -> String {

@@ -125,8 +125,8 @@ const GROWTH: f64 = 4.0;
 /// Those of `bench`.
 pub fn runs(methods: &[Method], budget: f64, bench: &mut Bench, told: &mut dyn FnMut(usize)) -> Result<Runs> {
     let mut runs = Runs::default();
-    let mut all: Vec<Progress> =
-        methods.iter().map(|method| Progress { left: method.rungs.len(), ..Progress::default() }).collect();
+    let begin = |method: &Method| Progress { left: method.rungs.len(), guess: method.guess, ..Progress::default() };
+    let mut all: Vec<Progress> = methods.iter().map(begin).collect();
     let mut spent = 0.0;
     loop {
         let open = (0..all.len()).filter(|n| all[*n].left > 0);
@@ -134,7 +134,7 @@ pub fn runs(methods: &[Method], budget: f64, bench: &mut Bench, told: &mut dyn F
         if spent + all[next].expected() > budget {
             break;
         }
-        let Method { name, rungs } = &methods[next];
+        let Method { name, rungs, .. } = &methods[next];
         let settings = &rungs[rungs.len() - all[next].left];
         let Some(outcome) = bench(name, settings)? else {
             runs.is_interrupted = true;
@@ -167,6 +167,8 @@ struct Progress {
     last: [f64; 2],
     /// Settings that are left.
     left: usize,
+    /// What the first may take, s.
+    guess: f64,
 }
 
 impl Progress {
@@ -178,6 +180,9 @@ impl Progress {
     /// What the next setting may take, s.
     fn expected(&self) -> f64 {
         let [before, last] = self.last;
+        if last == 0.0 {
+            return self.guess;
+        }
         last * if before > 0.0 { (last / before).max(1.0) } else { GROWTH }
     }
 }
@@ -187,7 +192,7 @@ mod tests {
     use super::*;
 
     fn method(name: &str, rungs: usize) -> Method {
-        Method { name: name.into(), rungs: (0..rungs).map(|n| vec![format!("n={n}")]).collect() }
+        Method { name: name.into(), rungs: (0..rungs).map(|n| vec![format!("n={n}")]).collect(), guess: 0.0 }
     }
 
     fn timed(spent: f64) -> Timed {

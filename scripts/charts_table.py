@@ -1,0 +1,74 @@
+"""charts_table.py OUT DOC README: what scripts/charts computed into OUT as tables of DOC, and the gist in README.
+
+OUT holds PLATE-kK/work-precision.csv.
+"""
+
+import csv
+import sys
+
+from markers import replace, table
+
+PLATES = {"plate100": "1.5 × 1.5 × 0.1 m", "plate40": "1.5 × 1.5 × 0.04 m", "plate20": "0.5 × 0.5 × 0.02 m"}
+STIFFNESSES = ["0", "1e9"]
+LEVELS = [1e-1, 5e-2, 2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 1e-4]
+LISTING = "legacy FEniCS, the paper's listing"
+PEERS = {LISTING: "the listing", "legacy FEniCS, condensed": "FEniCS, condensed",
+         "NGSolve + eigsh modes": "NGSolve, modes", "NGSolve + Ritz vectors": "NGSolve, Ritz"}  # fmt: skip
+
+
+def points(path):
+    with open(path, encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            yield row["method"], row["setting"], float(row["total_s"]), float(row["error_first"])
+
+
+def best(rows, level):
+    fit = [row for row in rows if row[3] <= level]
+    return min(fit, key=lambda row: row[2]) if fit else None
+
+
+def seconds(value):
+    return f"{1e3 * value:.2g} ms" if value < 0.0995 else f"{1e3 * value:.0f} ms" if value < 1 else f"{value:.1f} s"
+
+
+def per_cent(level):
+    return f"{100 * level:g}%"
+
+
+def ratio(value):
+    return f"{value:.1f}" if value < 10 else f"{value:,.0f}"
+
+
+def chart(rows):
+    """By error: our best, auto's, and the peers' over ours."""
+    peers, auto = [row for row in rows if row[0] in PEERS], [row for row in rows if row[0] == "auto"]
+    own = [row for row in rows if row[0] not in PEERS and row[0] != "auto"]
+    lines = []
+    for level in LEVELS:
+        first = best(own, level)
+        if first is None:
+            lines.append([per_cent(level), *["–"] * 6])
+            continue
+        asked = [row for row in auto if row[1] == f"accuracy.tolerance={level:.0e}".replace("e-0", "e-")]
+        of_auto = "–"
+        if asked:
+            met = "" if asked[0][3] <= level else ", **missed**"
+            of_auto = f"{seconds(asked[0][2])}, {ratio(asked[0][2] / first[2])} times; error {100 * asked[0][3]:.2g}%{met}"
+        cells = []
+        for name in PEERS:
+            point = best([row for row in peers if row[0] == name], level)
+            cells.append(f"{ratio(point[2] / first[2])} ({seconds(point[2])})" if point else "–")
+        lines.append([per_cent(level), f"{first[0]} {first[1]}, {seconds(first[2])}", of_auto, *cells])
+    return table(["error", "quickest", "`auto`, over it", *PEERS.values()], lines)
+
+
+def main(folder, doc, readme):
+    for plate in PLATES:
+        for k in STIFFNESSES:
+            rows = list(points(f"{folder}/{plate}-k{k}/work-precision.csv"))
+            replace(doc, f"chart-{plate}-k{k}", chart(rows))
+            if (plate, k) == ("plate40", "1e9"):
+                replace(readme, "chart", chart(rows))
+
+
+main(*sys.argv[1:])
