@@ -138,8 +138,8 @@ fn navier_mindlin() {
             });
             1.0 - answer(&plate, 0.0) / exact
         });
-        // Cells of one and a half radii, of three quarters, and of a quarter.
-        let bounds = [1e-3, 1e-4, 2e-5];
+        // Cells of one and a half radii, of three quarters, and of a quarter, growing towards the edges.
+        let bounds = [2e-3, 2e-4, 4e-5];
         assert!(errors.iter().zip(bounds).all(|(error, bound)| (-1e-7..bound).contains(error)), "{errors:?}");
     }
 }
@@ -205,10 +205,10 @@ fn thin_plates_do_not_lock() {
         assert!(kirchhoff.abs() < 1e-6, "{thickness}: {kirchhoff:e}");
         errors.push(mindlin);
     }
-    // Shear and the disc add a part like (h/L)²; at 1e-4 that is less than the mesh leaves.
+    // Shear adds a part like (h/L)²; at 1e-4 that is less than what the mesh leaves, whatever the thickness.
     assert!(errors[0] > 0.1 && errors[0] < 0.3, "{errors:?}");
     assert!((errors[0] / errors[1]).log10() > 1.8 && (errors[1] / errors[2]).log10() > 1.8, "{errors:?}");
-    assert!(errors[3].abs() < 2e-6, "{errors:?}");
+    assert!(errors[3].abs() < 2e-5, "{errors:?}");
 }
 
 /// Springs, dampers, a foundation and clamps, symmetric.
@@ -235,8 +235,8 @@ fn a_quarter_answers_as_the_whole() {
             assert!((one / other - 1.0).abs() < 1e-3, "{theory:?} {rate}: {one:e} {other:e}");
             let [one, other] = [&quarter, &whole]
                 .map(|plate| a(plate).dot(&Operator::new(plate, rate).solve(plate, &plate.system.load)));
-            // Smooth, with splines of degree 5.
-            assert!((one / other - 1.0).abs() < 1e-6, "{theory:?} {rate}: {one:e} {other:e}");
+            // Smooth, with splines of degree 5 on cells that differ: the whole has some of half the size at the hit.
+            assert!((one / other - 1.0).abs() < 1e-5, "{theory:?} {rate}: {one:e} {other:e}");
         }
     }
 }

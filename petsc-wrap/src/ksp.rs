@@ -19,7 +19,8 @@ pub struct Ksp(Object<sys::_p_KSP>);
 
 impl Ksp {
     /// A solver of a symmetric positive definite matrix, whose options begin with `prefix` (empty, or ending in an underscore): by
-    /// default one factorisation, by CHOLMOD on one rank, where its solves are the fastest, else by MUMPS; whatever else by PETSc's options; an iterative one stops at a relative residual of 1e-12. Collective.
+    /// default one factorisation, by CHOLMOD on one rank, where its solves are the fastest, else by MUMPS;
+    /// whatever else by PETSc's options; an iterative one stops at a relative residual of 1e-12. Collective.
     ///
     /// # Errors
     /// PETSc's, e.g. for unknown types among the options.
@@ -61,6 +62,17 @@ impl Ksp {
         check(unsafe { sys::KSPGetResidualNorm(raw, &raw mut norm) })?;
         let iterations = self.iterations()?;
         Err(Error::Diverged(Diverged { solver: "KSP", reason: reason_of(raw)?, iterations, norm }))
+    }
+
+    /// Whether the preconditioner alone solves, as a factor does.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn is_direct(&self) -> Result<bool> {
+        let mut kind = std::ptr::null();
+        // SAFETY: the solver is valid; the name is static or null.
+        check(unsafe { sys::KSPGetType(self.0.raw(), &raw mut kind) })?;
+        Ok(owned(kind) == "preonly")
     }
 
     /// Iterations of the last solve.

@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use petsc_wrap::Comm;
+use petsc_wrap::{Comm, options};
 
 use crate::agree::{agree, broadcast};
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
 use crate::record::folder::Folder;
-use crate::record::provenance::Cost;
+use crate::record::provenance::{Cost, Provenance};
 use crate::record::read::origin;
 use crate::record::series::SeriesWriter;
 use crate::scene::{Scene, Source};
@@ -56,7 +56,7 @@ impl<'a> Bench<'a> {
             Err(error) => return Err(error),
         };
         let name = file_name(method, settings);
-        if let Some(outcome) = self.kept(&name, &scene, &source)? {
+        if let Some(outcome) = self.kept(&name, (&scene, &source), repeated)? {
             return Ok(Some(outcome));
         }
         tracing::info!(name, "runs");
@@ -76,8 +76,8 @@ impl<'a> Bench<'a> {
     }
 
     /// What is known of a run, if it was made by this program on as many ranks.
-    fn kept(&self, name: &str, scene: &Scene, source: &Source) -> Result<Option<Outcome>> {
-        let own = self.folder.as_ref().and_then(|(path, _)| self.read(&path.join(name), scene, source));
+    fn kept(&self, name: &str, (scene, source): (&Scene, &Source), repeated: bool) -> Result<Option<Outcome>> {
+        let own = self.folder.as_ref().and_then(|(path, _)| self.read(&path.join(name), (scene, source), repeated));
         let told = match &own {
             None => String::new(),
             Some(Ok(timed)) => format!("+{:e} {:e} {:e}", timed.build, timed.run, timed.spent),
@@ -95,9 +95,13 @@ impl<'a> Bench<'a> {
         })
     }
 
-    fn read(&self, path: &Path, scene: &Scene, source: &Source) -> Option<Outcome> {
-        if let Ok(text) = std::fs::read_to_string(path.with_extension("h5.txt")) {
-            let reason = text.strip_prefix(&self.headed(source))?;
+    fn read(&self, path: &Path, (scene, source): (&Scene, &Source), repeated: bool) -> Option<Outcome> {
+        // Commits that are not clean tell programs apart no more than their names do.
+        if env!("RICOCHET_COMMIT").contains("dirty") {
+            return None;
+        }
+        let failed = std::fs::read_to_string(path.with_extension("h5.txt")).ok();
+        if let Some(reason) = failed.as_deref().and_then(|text| text.strip_prefix(&self.headed(source).ok()?)) {
             return Some(Err(reason.trim_end().to_owned()));
         }
         if !path.exists() {
@@ -105,19 +109,14 @@ impl<'a> Bench<'a> {
         }
         let (made, cost, is_complete) = origin(path).ok()?;
         let now = provenance(self.comm, scene, source, ("", String::new(), 0)).ok()?;
-        let is_same = |a: &str, b: &str| a == b;
-        if !is_complete
-            || made.ranks != now.ranks
-            || !is_same(&made.scene, &now.scene)
-            || !is_same(&made.commit, &now.commit)
-            || !is_same(&made.petsc_options, &now.petsc_options)
-        {
+        let key = |of: &Provenance| (of.ranks, of.scene.clone(), of.commit.clone(), of.petsc_options.clone());
+        if !is_complete || key(&made) != key(&now) {
             return None;
         }
         Some(Ok(Timed {
             build: cost.model,
             run: cost.steps,
-            spent: spent(cost.total),
+            spent: if repeated { spent(cost.total) } else { cost.total },
             model: made.model,
             reduction: made.reduction,
             unknowns: made.unknowns,
@@ -149,13 +148,14 @@ impl<'a> Bench<'a> {
 
     fn keep_reason(&self, name: &str, source: &Source, reason: &str) -> Result<()> {
         let Some((_, folder)) = &self.folder else { return Ok(()) };
-        let text = format!("{}{reason}\n", self.headed(source));
+        let text = format!("{}{reason}\n", self.headed(source)?);
         folder.put(&format!("{name}.txt"), |part| std::fs::write(part, text).map_err(|e| Error::io(part, e)))
     }
 
     /// What a reason holds for.
-    fn headed(&self, source: &Source) -> String {
-        format!("{}\n\nCommit {}, ranks: {}\n\n", source.text(), env!("RICOCHET_COMMIT"), self.comm.size())
+    fn headed(&self, source: &Source) -> Result<String> {
+        let (ranks, options) = (self.comm.size(), options::all(self.comm.session())?);
+        Ok(format!("{}\n\nCommit {}, ranks: {ranks}, options: {options}\n\n", source.text(), env!("RICOCHET_COMMIT")))
     }
 }
 

@@ -55,6 +55,14 @@ impl Condensed {
         Ok(Self { ksp, answer, compliance, of_impactor, pads })
     }
 
+    /// Whether its linear solves are direct ones.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub(super) fn is_direct(&self) -> Result<bool> {
+        Ok(self.ksp.is_direct()?)
+    }
+
     /// Solves a step. Collective.
     pub(super) fn solve(&mut self, problem: &Problem, increment: &mut Vector) -> Result<Solved> {
         let Self { ksp, answer, compliance, of_impactor, pads } = self;

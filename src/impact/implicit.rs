@@ -86,17 +86,18 @@ pub struct ImplicitStepper {
     work: Vector,
     /// p at the stage, where there are pads.
     pads: Option<Vector>,
-    /// M D.
+    /// M D; before, C E.
     weighed: Vector,
-    /// Whether products may follow from those of the last moment: in the condensed step without pads, and where held unknowns, in whose
-    /// equations there are other forces, stay at zero and do no work.
+    /// Whether products may follow from those of the last moment: in the condensed step without pads, of a direct solver, whose residual is
+    /// rounding; where held unknowns, in whose equations there are other forces, stay at zero and are none of the translation's, so that
+    /// those forces are in no energy; and not in the midpoint rule, in which an error of K u changes its sign from step to step and stays,
+    /// where other schemes damp it.
     may_follow: bool,
     /// Steps since K u was made of u.
     followed: usize,
 }
 
-/// Steps after which K u, M u̇ and M ü are made anew of u, u̇ and ü: what rounding adds to their sums until then is some ten times that of
-/// a product.
+/// Steps after which K u and M u̇ are made anew of u and u̇, lest rounding pile up in them.
 const FOLLOWED: usize = 100;
 
 impl ImplicitStepper {
@@ -124,7 +125,8 @@ impl ImplicitStepper {
         let zeros = || body.load.duplicate();
         let pads = body.pads.as_ref().map(|_| zeros()).transpose()?;
         let is_quiet = body.clamps.displacement.norm_max()? == 0.0 && !body.is_translation_held()?;
-        let may_follow = is_quiet && pads.is_none() && matches!(solver, Solver::Condensed(_));
+        let is_direct = matches!(&solver, Solver::Condensed(condensed) if condensed.is_direct()?);
+        let may_follow = is_quiet && is_direct && pads.is_none() && !scheme.gradient;
         let (known, work, weighed) = (zeros()?, zeros()?, zeros()?);
         Ok(Self { scheme, step, solver, known, work, pads, weighed, may_follow, followed: 0 })
     }
@@ -195,17 +197,13 @@ impl ImplicitStepper {
         self.followed = if self.may_follow { (self.followed + 1) % FOLLOWED } else { 0 };
         let follows = self.followed > 0;
         if follows {
-            // K E by the equation just solved, S E = g + a F: M, which couples no components, is all that is to be applied.
-            body.apply_mass(&self.work, &mut self.weighed)?;
+            // K E by the equation just solved, S E = g + a F, but for c2 M E.
             self.known.axpy(solved.force, &body.localization.vector)?;
-            self.known.axpy(-stage.c2, &self.weighed)?;
             if let Some(damping) = &body.damping {
-                damping.mult(&self.work, &mut to.inertia)?;
-                self.known.axpy(-stage.c1, &to.inertia)?;
+                damping.mult(&self.work, &mut self.weighed)?;
+                self.known.axpy(-stage.c1, &self.weighed)?;
             }
-            body.clamps.zero(&mut self.known)?;
             self.known.scale(1.0 / theta)?;
-            self.weighed.scale(1.0 / theta)?;
         }
         self.work.scale(1.0 / theta)?;
         let impactor = solved.increment / theta;
@@ -235,19 +233,27 @@ impl ImplicitStepper {
         Ok((exchange, solved.iterations))
     }
 
-    /// The products at the end of a step from those at its start, K D in `known` and M D in `weighed`.
+    /// The products at the end of a step from those at its start, K D + c2 M D in `known`: M alone, which couples no components, is applied.
+    /// To ü, since M ü carried on from step to step would have a life of its own, which grows.
     fn follow(&mut self, body: &Body, setting: &Setting, (from, to): (&Moment, &mut Moment)) -> Result<()> {
+        let (stage, end) = (self.scheme.stage(self.step), self.scheme.end(self.step));
+        let (momentum, [of_v, of_a]) = (&from.products.momentum, end.a);
+        body.apply_mass(&to.state.a, &mut to.inertia)?;
+        // M D from ü = c2 D + of_v u̇_n + of_a ü_n.
+        self.weighed.copy_from(&to.inertia)?;
+        self.weighed.axpy(-of_v, momentum)?;
+        self.weighed.axpy(-of_a, &from.inertia)?;
+        self.weighed.scale(1.0 / end.c2)?;
+        self.known.axpy(-stage.c2, &self.weighed)?;
+        body.clamps.zero(&mut self.known)?;
+        body.clamps.zero(&mut to.inertia)?;
         to.place(body, setting.gap)?;
         to.products.follow(body, &from.products, &to.state, &self.known)?;
-        let end = self.scheme.end(self.step);
-        let outs = [(&mut to.products.momentum, (end.c1, end.v)), (&mut to.inertia, (end.c2, end.a))];
-        for (out, (c, [of_v, of_a])) in outs {
-            out.copy_from(&from.products.momentum)?;
-            out.scale(of_v)?;
-            out.axpy(of_a, &from.inertia)?;
-            out.axpy(c, &self.weighed)?;
-        }
-        Ok(body.clamps.zero(&mut to.inertia)?)
+        let out = &mut to.products.momentum;
+        out.copy_from(momentum)?;
+        out.scale(end.v[0])?;
+        out.axpy(end.v[1], &from.inertia)?;
+        Ok(out.axpy(end.c1, &self.weighed)?)
     }
 
     /// u, u̇ and ü at the end of a step, from D in `work`.

@@ -198,9 +198,12 @@ mod tests {
             match through {
                 // At an end, or less than half a cell away from it.
                 None | Some(0) => prop_assert!(0.5 * edge - at.abs() < 0.5 * smallest),
-                Some(_) if found > ratio_wanted * (1.0 + 1e-6) => {
-                    // Only a point that leaves a side no choice: its one cell is the smallest or the largest.
-                    prop_assert!([1, cells - 1].contains(&through.unwrap_or(0)));
+                Some(through) if found > ratio_wanted * (1.0 + 1e-6) => {
+                    // Only a point that leaves a side no choice: its one cell is the smallest or the largest, or cells that are alike on
+                    // either side differ by more.
+                    let [low, high] = [(0.5 * edge + at) / through as f64, (0.5 * edge - at) / (cells - through) as f64];
+                    let alike = low.max(high) / low.min(high);
+                    prop_assert!([1, cells - 1].contains(&through) || alike > ratio_wanted);
                 }
                 Some(through) => {
                     prop_assert!((found / ratio_wanted - 1.0).abs() < 1e-6 + 2.0 * rounding, "{}", found);

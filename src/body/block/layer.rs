@@ -33,6 +33,25 @@ fn squeezed(t: f64) -> f64 {
 mod tests {
     use super::*;
 
+    /// Bending and squeezing are all of f; and the midpoint rule of the formula as it stands.
+    #[test]
+    fn squeezing_is_the_second_part() {
+        let parts = |t: f64| ((t.cosh() + 1.0) / (t.sinh() - t), (t.cosh() - 1.0) / (t.sinh() + t));
+        for t in [0.5, 1.0, 5.0, 20.0] {
+            let (bending, squeezing) = parts(t);
+            assert!((squeezed(t) / squeezing - 1.0).abs() < 1e-12);
+            assert!(((bending + squeezed(t)) / flexibility(t) - 1.0).abs() < 1e-12);
+        }
+        for (ratio, disc) in [(0.0, 2.0), (0.5, 1.0)] {
+            let (spread, step) = (Spread::new(ratio), 1e-3);
+            let at = |i: i32| step * (f64::from(i) + 0.5);
+            let sum: f64 = (0..60_000).map(|i| parts(at(i)).1 * spread.square(at(i) * disc)).sum();
+            let plain = (1.0 - 0.23 * 0.23) / (2.0 * PI) * sum * step;
+            // The rule's (step/disc)², and the tail.
+            assert!((squeezing(&spread, 0.23, disc) / plain - 1.0).abs() < 1e-6);
+        }
+    }
+
     /// By an independent script's plain sums up to t = 60: 0.5, 1, 1.5 and 2 thicknesses, ν = 0.23.
     #[test]
     fn known_constants() {

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::contact::{hertz, zener};
 use crate::form::plate::Section;
-use crate::scene::{Impactor, growing};
+use crate::scene::{Geometry, Impactor, Scene, growing};
 
 use super::frame::Frame;
 
@@ -68,4 +68,12 @@ pub(in crate::body) fn contact_time(section: &Section, impactor: &Impactor) -> f
 pub(in crate::body) fn wavelength(section: &Section, period: f64) -> f64 {
     let wavenumber = (section.density * section.thickness / section.rigidity()).sqrt() * TAU / period;
     TAU / wavenumber.sqrt()
+}
+
+/// The time in which a shear wave crosses the thickness of a box, over that of a contact on a half-space; infinite for a mesh file.
+pub fn crossing(scene: &Scene) -> f64 {
+    let (body, impactor) = (&scene.body, &scene.impactor);
+    let (Geometry::Box { size, .. }, Some(axis)) = (&body.geometry, scene.struck_axis()) else { return f64::INFINITY };
+    let speed = (0.5 * body.young / (1.0 + body.poisson) / body.density).sqrt();
+    size[axis] / speed / hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed)
 }

@@ -7,6 +7,7 @@ pub mod layer;
 mod site;
 mod theory;
 
+pub use grid::crossing;
 pub(super) use grid::{contact_time, wavelength};
 pub use theory::Theory;
 

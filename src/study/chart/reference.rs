@@ -53,7 +53,7 @@ pub fn refine(
 ) -> Result<Option<Reference>> {
     let mut found: Option<(Timed, String)> = None;
     let mut best: Option<Reference> = None;
-    let (mut spent, mut expected) = (0.0, 0.0);
+    let (mut spent, mut expected, mut reason) = (0.0, 0.0, String::new());
     for settings in rungs(ladder) {
         if best.is_some() && spent + expected > budget {
             break;
@@ -64,10 +64,12 @@ pub fn refine(
         };
         let timed = match outcome {
             Ok(timed) => timed,
-            // Too coarse, or too fine, for what it needs.
+            // Too fine for what it needs; or too coarse.
             Err(_) if best.is_some() => break,
-            Err(reason) if settings == rungs(ladder)[1] => return Err(Error::Solve(format!("no reference: {reason}"))),
-            Err(_) => continue,
+            Err(why) => {
+                reason = why;
+                continue;
+            }
         };
         let growth = found.as_ref().map_or(GROWTH, |(before, _)| (timed.spent / before.spent).max(1.5));
         (spent, expected) = (spent + timed.spent, growth * timed.spent);
@@ -82,7 +84,7 @@ pub fn refine(
             }
         }
     }
-    Ok(best)
+    best.map(Some).ok_or_else(|| Error::Solve(format!("no two references to measure by: {reason}")))
 }
 
 /// The settings of the references.

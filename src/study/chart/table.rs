@@ -20,7 +20,7 @@ struct Line<'a> {
     error_impulse: f64,
     error_contact: f64,
     estimate: Option<f64>,
-    is_resolved: bool,
+    is_resolved: Option<bool>,
     is_front: bool,
 }
 
@@ -44,7 +44,7 @@ pub fn csv(points: &[Point], floor: Difference) -> String {
             error_impulse: impulse,
             error_contact: contact,
             estimate: point.estimate,
-            is_resolved: acceleration.first >= floor.first,
+            is_resolved: floor.first.is_finite().then_some(acceleration.first >= floor.first),
             is_front: front.contains(&n),
         };
         // Into memory, of plain fields.
@@ -61,7 +61,7 @@ pub fn summary(title: &str, points: &[Point], reference: &Reference, left_out: &
              of building the model and of its steps, medians of a few runs in one process.\n\n";
     text += &table(
         &["error", "quickest", "setting", "time", "its error", "next method", "times slower", "`auto`", "best peer"],
-        &{ LEVELS.map(|level| row(points, level)).to_vec() },
+        &LEVELS.map(|level| row(points, level, floor.first)),
     );
     let agreement = reference.agreement;
     text += &format!("\nReference: {}", reference.setting);
@@ -79,12 +79,13 @@ pub fn summary(title: &str, points: &[Point], reference: &Reference, left_out: &
     text
 }
 
-fn row(points: &[Point], level: f64) -> Vec<String> {
+/// What a level takes; nothing where the reference cannot tell.
+fn row(points: &[Point], level: f64, floor: f64) -> Vec<String> {
     let none = || "–".to_owned();
     let best = best(points, level);
     // `auto` is one of the others under another name.
     let own: Vec<_> = best.iter().filter(|best| !best.point.is_foreign && best.point.auto.is_none()).collect();
-    let Some(first) = own.first() else {
+    let Some(first) = own.first().filter(|_| floor.is_nan() || level >= floor) else {
         return [per_cent(level)].into_iter().chain((0..8).map(|_| none())).collect();
     };
     let slower = |seconds: f64| format!("{:.1}", seconds / first.seconds);

@@ -23,8 +23,8 @@ const DEPTH: f64 = 0.03;
 /// A merged basis with what was found of its errors.
 pub struct Family {
     merged: Merged,
-    /// Up to a value, the error over the whole history at the middle of the values around it, where the basis was tested; with that of
-    /// the cells.
+    /// Up to a value, the error over the whole history at the middle of the values around it, where the basis was tested; with those of
+    /// the cells and of the bodies' own bases.
     errors: Vec<(f64, f64)>,
     /// Unknowns of the bodies.
     pub unknowns: usize,
@@ -35,6 +35,8 @@ struct Sample {
     body: Body,
     snapshots: Vec<Vector>,
     own: Projection,
+    /// Of that, over the whole history.
+    error: f64,
     scene: Scene,
 }
 
@@ -68,7 +70,7 @@ impl Family {
             let body = built.body;
             let reduced = reduce(&body, &scene)?;
             let snapshots = snapshots(&body, &reduced.krylov, reduced.larger(), rate(&scene))?;
-            Ok(Sample { body: *body, snapshots, own: reduced.larger().clone(), scene })
+            Ok(Sample { body: *body, snapshots, own: reduced.larger().clone(), error: reduced.error.1, scene })
         };
         let mut ends = [make(0)?, make(last)?];
         let mut pool: Vec<Vector> = ends.iter_mut().flat_map(|end| std::mem::take(&mut end.snapshots)).collect();
@@ -76,6 +78,7 @@ impl Family {
             let depth = DEPTH * ends[0].scene.tolerance;
             Merged::new([(values[0], &ends[0].body), (values[last], &ends[1].body)], pool, depth)
         };
+        let mut of_basis = ends[0].error.max(ends[1].error);
         let mut merged = merge(&pool)?;
         let (mut open, mut errors, mut made) = (vec![(0, last)], Vec::new(), 2);
         while let Some((from, to)) = open.pop() {
@@ -90,6 +93,7 @@ impl Family {
             let sample = make(middle)?;
             let tolerance = OF_BASIS * sample.scene.tolerance;
             let (first, all) = off(&merged, values[middle], &sample)?;
+            of_basis = of_basis.max(sample.error);
             tracing::info!(value = values[middle], first, all, "merged basis tested");
             pool = merged.directions;
             pool.extend(sample.snapshots);
@@ -102,7 +106,7 @@ impl Family {
             }
         }
         errors.sort_by(|a, b| a.0.total_cmp(&b.0));
-        errors.iter_mut().for_each(|(_, error)| *error += of_cells);
+        errors.iter_mut().for_each(|(_, error)| *error += of_cells + of_basis);
         let unknowns = ends[0].body.unknowns();
         Ok(Some(Self { merged, errors, unknowns }))
     }
