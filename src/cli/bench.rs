@@ -1,5 +1,6 @@
 //! Runs of one scene by many settings, each kept in a folder, so that none is done twice.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -28,7 +29,7 @@ pub struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    /// Keeps runs in a folder. Collective.
+    /// Keeps runs in a folder, those of each build of this program apart. Collective.
     ///
     /// # Errors
     /// [`Error::Output`] where that cannot be made.
@@ -38,6 +39,7 @@ impl<'a> Bench<'a> {
         folder: &Path,
         interrupted: Rc<dyn Fn() -> bool>,
     ) -> Result<Self> {
+        let folder = &folder.join(program());
         let made =
             if comm.is_root() { Folder::create(folder).map(|made| Some((folder.to_owned(), made))) } else { Ok(None) };
         let folder = agree(comm, made.map_err(|error| error.to_string())).map_err(Error::Output)?;
@@ -75,7 +77,7 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// What is known of a run, if it was made by this program on as many ranks.
+    /// What is known of a run, if it was made on as many ranks, with the same options.
     fn kept(&self, name: &str, (scene, source): (&Scene, &Source), repeated: bool) -> Result<Option<Outcome>> {
         let own = self.folder.as_ref().and_then(|(path, _)| self.read(&path.join(name), (scene, source), repeated));
         let told = match &own {
@@ -96,10 +98,6 @@ impl<'a> Bench<'a> {
     }
 
     fn read(&self, path: &Path, (scene, source): (&Scene, &Source), repeated: bool) -> Option<Outcome> {
-        // Commits that are not clean tell programs apart no more than their names do.
-        if env!("RICOCHET_COMMIT").contains("dirty") {
-            return None;
-        }
         let failed = std::fs::read_to_string(path.with_extension("h5.txt")).ok();
         if let Some(reason) = failed.as_deref().and_then(|text| text.strip_prefix(&self.headed(source).ok()?)) {
             return Some(Err(reason.trim_end().to_owned()));
@@ -109,7 +107,7 @@ impl<'a> Bench<'a> {
         }
         let (made, cost, is_complete) = origin(path).ok()?;
         let now = provenance(self.comm, scene, source, ("", String::new(), 0)).ok()?;
-        let key = |of: &Provenance| (of.ranks, of.scene.clone(), of.commit.clone(), of.petsc_options.clone());
+        let key = |of: &Provenance| (of.ranks, of.scene.clone(), of.petsc_options.clone());
         if !is_complete || key(&made) != key(&now) {
             return None;
         }
@@ -155,8 +153,16 @@ impl<'a> Bench<'a> {
     /// What a reason holds for.
     fn headed(&self, source: &Source) -> Result<String> {
         let (ranks, options) = (self.comm.size(), options::all(self.comm.session())?);
-        Ok(format!("{}\n\nCommit {}, ranks: {ranks}, options: {options}\n\n", source.text(), env!("RICOCHET_COMMIT")))
+        Ok(format!("{}\n\nranks: {ranks}, options: {options}\n\n", source.text()))
     }
+}
+
+/// Commit and a digest of the program's file: builds of one commit may differ.
+fn program() -> String {
+    let bytes = std::env::current_exe().and_then(std::fs::read).unwrap_or_default();
+    let mut digest = DefaultHasher::new();
+    bytes.hash(&mut digest);
+    format!("{}-{:08x}", env!("RICOCHET_COMMIT"), digest.finish() as u32)
 }
 
 /// The name of a run's file.

@@ -153,7 +153,7 @@ pub struct Chart {
     #[arg(long, value_name = "SECONDS", default_value_t = 600.0)]
     pub budget: f64,
     /// Result, or table of time and acceleration, to measure errors by; by default the solid is refined
-    #[arg(long, value_name = "FILE.h5")]
+    #[arg(long, value_name = "FILE")]
     pub reference: Option<PathBuf>,
     /// Table of other programs' runs: name, setting, seconds (or build and run), error (or series)
     #[arg(long = "with", value_name = "FILE.csv")]
