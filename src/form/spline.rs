@@ -52,7 +52,7 @@ impl Spline {
     }
 
     /// Those of a parity alone, on breaks that are symmetric about their middle: sums or differences of a B-spline and its
-    /// reflection. At most [`WIDTH`] of them, which are few cells; the last alone is not zero at the end, and none stays within a cell.
+    /// reflection. At most six of them, which are few cells; the last alone is not zero at the end, and none stays within a cell.
     pub fn folded(self, parity: Parity) -> Self {
         let folded = Self { parity: Some(parity), ..self };
         debug_assert!(folded.functions() <= WIDTH && !folded.slopes);

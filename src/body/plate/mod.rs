@@ -27,7 +27,7 @@ use crate::scene::{Fault, Scene};
 pub struct Settings {
     /// Size of all cells over the default's.
     pub fineness: f64,
-    /// κ of Mindlin's theory; left out, [`shear_factor`].
+    /// κ of Mindlin's theory; left out, 5/(6 − ν).
     pub shear_factor: Option<f64>,
     /// Radius of Mindlin's disc over the thickness, where it has room.
     pub disc: f64,
