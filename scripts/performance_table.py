@@ -86,7 +86,8 @@ def assembly(folder):
 def main(folder, doc):
     replace(doc, "growth", growth(folder))
     replace(doc, "assembly", assembly(folder))
-    replace(doc, "step", "\n".join("    " + line.strip() for line in open(f"{folder}/step", encoding="utf-8")))
+    step = open(f"{folder}/step", encoding="utf-8").read().strip()
+    replace(doc, "step", f"```text\n{step}\n```")
 
 
 main(*sys.argv[1:])
