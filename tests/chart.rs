@@ -65,17 +65,10 @@ fn errors_fall_and_peers_are_measured() {
     let errors = |method: &str| lines.iter().filter(|line| line.0 == method).map(|line| line.2).collect::<Vec<_>>();
     // The peer's error is that of its factor; its own steps are off by less than 1e-3.
     assert!((errors("Peer")[0] - 0.05).abs() < 2e-3, "{lines:?}");
-    for method in ["mindlin", "auto"] {
-        let errors = errors(method);
-        let tolerances = [1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4];
-        let own = if method == "auto" { vec![1e-1, 1e-2, 1e-3, 1e-4] } else { tolerances.to_vec() };
-        assert!(errors.len() >= 3, "{lines:?}");
-        if method == "auto" {
-            let met = errors.iter().zip(&own).all(|(error, tolerance)| error <= tolerance);
-            assert!(met, "{errors:?}");
-        }
-        assert!(errors[errors.len() - 1] < 0.1 * errors[0], "{method}: {errors:?}");
-    }
+    let met = errors("auto").into_iter().zip([1e-1, 1e-2, 1e-3, 1e-4]).all(|(error, tolerance)| error <= tolerance);
+    assert!(met && !errors("auto").is_empty(), "{lines:?}");
+    let mindlin = errors("mindlin");
+    assert!(mindlin.len() >= 3 && mindlin[mindlin.len() - 1] < 0.1 * mindlin[0], "{mindlin:?}");
     // Newmark's method of order two: from 20 to 60 and 200 steps a contact at the theory's own error or above.
     let stepped = errors("mindlin/newmark");
     assert!(stepped[1] < 0.3 * stepped[0], "{stepped:?}");
