@@ -208,12 +208,6 @@ impl ImplicitStepper {
         self.work.scale(1.0 / theta)?;
         let impactor = solved.increment / theta;
         self.end(from, &mut to.state, impactor)?;
-        if follows {
-            self.follow(body, setting, (from, to))?;
-            let work = Work { increment: &self.work, force: solved.force, pads: None };
-            let exchange = exchange(body, setting, (&scheme, step), (from, to), work, &mut self.known)?;
-            return Ok((exchange, solved.iterations));
-        }
         if let (Some(pads), Some(force)) = (&mut body.pads, &mut self.pads) {
             force.fill(0.0)?;
             if scheme.gradient {
@@ -225,9 +219,13 @@ impl ImplicitStepper {
                 pads.add_force(None, &self.known, force)?;
             }
         }
-        to.update(body, setting.gap)?;
-        body.apply_mass(&to.state.a, &mut to.inertia)?;
-        body.clamps.zero(&mut to.inertia)?;
+        if follows {
+            self.follow(body, setting, (from, to))?;
+        } else {
+            to.update(body, setting.gap)?;
+            body.apply_mass(&to.state.a, &mut to.inertia)?;
+            body.clamps.zero(&mut to.inertia)?;
+        }
         let work = Work { increment: &self.work, force: solved.force, pads: self.pads.as_ref() };
         let exchange = exchange(body, setting, (&scheme, step), (from, to), work, &mut self.known)?;
         Ok((exchange, solved.iterations))

@@ -6,7 +6,7 @@
 
 use std::f64::consts::PI;
 
-use crate::body::plate::layer::{END, HALF_SPACE, flexibility, integrate};
+use crate::body::plate::layer::{END, HALF_SPACE, flexibility, integrate, squeezed};
 use crate::form::Spread;
 
 /// E h/(2π) ∫ (Γ − H) (P² − P_h²) ξ dξ, for a disc's radius in thicknesses.
@@ -22,11 +22,6 @@ pub(super) fn squeezing(spread: &Spread, poisson: f64, disc: f64) -> f64 {
     let panel = (0.5 * PI / disc).min(1.0);
     let value = |t: f64| squeezed(t) * spread.square(t * disc);
     (1.0 - poisson * poisson) / (2.0 * PI) * integrate(0.0, END / disc, panel, value)
-}
-
-/// (cosh t − 1)/(sinh t + t), without its overflow.
-fn squeezed(t: f64) -> f64 {
-    (0.5 * t).tanh() / (1.0 + t / t.sinh())
 }
 
 #[cfg(test)]

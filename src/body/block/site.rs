@@ -100,8 +100,8 @@ fn is_plate(frame: &Frame, scene: &Scene, room: f64) -> bool {
 /// [`crossing`] up to which squeezing is as good as at rest; up to 0.024 it was measured to be.
 const SLOW: f64 = 0.03;
 
-/// Whether nothing but the hit squeezes or stretches a plate, and that slowly: no load along its face or on one of its sides, no displacement of a support
-/// along it.
+/// Whether nothing but the hit squeezes or stretches a plate, and that slowly: no load along its face or on one of its sides, no
+/// displacement of a support along it.
 fn is_bent(frame: &Frame, scene: &Scene) -> bool {
     let across = |v: Vec3| (0..3).all(|axis| axis == frame.struck || v[axis] == 0.0);
     crossing(scene) <= SLOW

@@ -94,7 +94,12 @@ pub(in crate::body) fn integrate(from: f64, to: f64, width: f64, f: impl Fn(f64)
 
 /// f(t), which tends to 2.
 pub(in crate::body) fn flexibility(t: f64) -> f64 {
-    (t.cosh() + 1.0) / (t.sinh() - t) + (t.cosh() - 1.0) / (t.sinh() + t)
+    (t.cosh() + 1.0) / (t.sinh() - t) + squeezed(t)
+}
+
+/// Its second part, (cosh t − 1)/(sinh t + t), without the overflow.
+pub(in crate::body) fn squeezed(t: f64) -> f64 {
+    (0.5 * t).tanh() / (1.0 + t / t.sinh())
 }
 
 /// f − 12/t³ − 2.4/t: the numerator over the first denominator as a series, where those terms have cancelled, and the
@@ -112,8 +117,7 @@ fn layer_series(t: f64) -> f64 {
         next /= (n + 4.0) * (n + 5.0);
         power *= t * t;
     }
-    let squeezing = 2.0 * (0.5 * t).sinh().powi(2) / (t.sinh() + t);
-    numerator / denominator + squeezing
+    numerator / denominator + squeezed(t)
 }
 
 #[cfg(test)]

@@ -31,8 +31,6 @@ pub struct Settings {
     pub shear_factor: Option<f64>,
     /// Radius of Mindlin's disc over the thickness, where it has room.
     pub disc: f64,
-    /// r_p of the solid that is to be matched, m; 0 for its limit.
-    pub patch_radius: f64,
 }
 
 /// κ = 5/(6 − ν), which gives the speed of long waves to one order more than Reissner's static 5/6 (Stephen, Mindlin plate theory: best
@@ -50,7 +48,7 @@ impl Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { fineness: 1.0, shear_factor: None, disc: 2.0, patch_radius: 0.0 }
+        Self { fineness: 1.0, shear_factor: None, disc: 2.0 }
     }
 }
 
@@ -153,7 +151,7 @@ impl Local {
     fn new(section: &Section, settings: &Settings, room: f64) -> Self {
         let h = section.thickness;
         let disc = settings.disc.min(room / h);
-        let spread = Spread::new(settings.patch_radius / (disc * h));
+        let spread = Spread::new(0.0);
         let shear_factor = settings.shear_factor.unwrap_or(shear_factor(section.poisson));
         let layer = Layer { poisson: section.poisson, shear_factor, spread, disc };
         let compliance = layer.compliance() / (section.young * h);

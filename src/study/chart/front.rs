@@ -22,29 +22,16 @@ pub fn front(points: &[Point], error: impl Fn(&Point) -> f64) -> Vec<usize> {
 }
 
 /// The quickest points whose error in the first contact is at most `level`, one a method, the quickest first.
-pub fn best(points: &[Point], level: f64) -> Vec<Best<'_>> {
-    let mut all: Vec<Best> = points
-        .iter()
-        .filter(|point| point.errors.acceleration.first <= level)
-        .map(|point| Best { point, seconds: point.total() })
-        .collect();
-    all.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+pub fn best(points: &[Point], level: f64) -> Vec<&Point> {
+    let mut all: Vec<&Point> = points.iter().filter(|point| point.errors.acceleration.first <= level).collect();
+    all.sort_by(|a, b| a.total().total_cmp(&b.total()));
     let mut seen: Vec<&str> = Vec::new();
-    all.retain(|best| {
-        let is_new = !seen.contains(&best.point.method.as_str());
-        seen.push(&best.point.method);
+    all.retain(|point| {
+        let is_new = !seen.contains(&point.method.as_str());
+        seen.push(&point.method);
         is_new
     });
     all
-}
-
-/// A method's best point at an error.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Best<'a> {
-    /// The point.
-    pub point: &'a Point,
-    /// Its time, s.
-    pub seconds: f64,
 }
 
 #[cfg(test)]
@@ -78,7 +65,7 @@ pub(super) mod tests {
         ];
         assert_eq!(front(&points, |point| point.errors.acceleration.first), [2, 0, 1]);
         let best = best(&points, 1e-2);
-        let found: Vec<_> = best.iter().map(|best| (best.point.method.as_str(), best.seconds)).collect();
+        let found: Vec<_> = best.iter().map(|point| (point.method.as_str(), point.total())).collect();
         assert_eq!(found, [("peer", 0.1), ("a", 1.0)]);
     }
 }

@@ -11,7 +11,7 @@ mod table;
 mod timing;
 
 pub use foreign::{Foreign, foreign, history};
-pub use front::{Best, LEVELS, best, front};
+pub use front::{LEVELS, best, front};
 pub use methods::{Ladder, Method, cleared, settings_of};
 pub use reference::{Reference, refine};
 pub use table::{csv, summary};

@@ -84,28 +84,28 @@ fn row(points: &[Point], level: f64, floor: f64) -> Vec<String> {
     let none = || "–".to_owned();
     let best = best(points, level);
     // `auto` is one of the others under another name.
-    let own: Vec<_> = best.iter().filter(|best| !best.point.is_foreign && best.point.auto.is_none()).collect();
+    let own: Vec<_> = best.iter().filter(|point| !point.is_foreign && point.auto.is_none()).collect();
     let Some(first) = own.first().filter(|_| floor.is_nan() || level >= floor) else {
         return [per_cent(level)].into_iter().chain((0..8).map(|_| none())).collect();
     };
-    let slower = |seconds: f64| format!("{:.1}", seconds / first.seconds);
+    let slower = |seconds: f64| format!("{:.1}", seconds / first.total());
     let next = own.get(1);
     let auto = points.iter().find(|point| point.auto.is_some_and(|tolerance| (tolerance / level - 1.0).abs() < 1e-6));
-    let peer = best.iter().find(|best| best.point.is_foreign);
+    let peer = best.iter().find(|point| point.is_foreign);
     vec![
         per_cent(level),
-        first.point.method.clone(),
-        first.point.setting.clone(),
-        seconds(first.seconds),
-        format!("{:.1e}", first.point.errors.acceleration.first),
-        next.map_or_else(none, |next| next.point.method.clone()),
-        next.map_or_else(none, |next| slower(next.seconds)),
+        first.method.clone(),
+        first.setting.clone(),
+        seconds(first.total()),
+        format!("{:.1e}", first.errors.acceleration.first),
+        next.map_or_else(none, |next| next.method.clone()),
+        next.map_or_else(none, |next| slower(next.total())),
         auto.map_or_else(none, |auto| {
             let missed = if auto.errors.acceleration.first > level { ", missed" } else { "" };
             format!("{}, error {:.1e}{missed}", seconds(auto.total()), auto.errors.acceleration.first)
         }),
         peer.map_or_else(none, |peer| {
-            format!("{}: {}, {} times slower", peer.point.method, seconds(peer.seconds), slower(peer.seconds))
+            format!("{}: {}, {} times slower", peer.method, seconds(peer.total()), slower(peer.total()))
         }),
     ]
 }
