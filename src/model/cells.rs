@@ -50,7 +50,7 @@ pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators) -> Resul
         return Ok(fine);
     }
     let mut coarse = match on_coarser_cells(comm, scene, theory, &fine) {
-        Ok(trace) => Some((trace, 1.0 / COARSER)),
+        Ok(trace) => trace.map(|trace| (trace, 1.0 / COARSER)),
         // Too coarse cells may be too soft, or too stiff, for the contact law: then finer ones judge.
         Err(Error::Solve(_)) => None,
         Err(error) => return Err(error),
@@ -88,11 +88,12 @@ fn fitted(comm: &Comm, scene: &Scene, built: Operators, size: f64) -> Result<Fit
     Ok(fitted)
 }
 
-/// The force on cells that are coarser.
-fn on_coarser_cells(comm: &Comm, scene: &Scene, theory: Model, fine: &Fitted) -> Result<Trace> {
-    let Built::Operators(built) = build(comm, scene, theory, COARSER * fine.size)? else {
-        return Err(Error::Solve("the theory has no cells".into()));
-    };
+/// The force on cells that are coarser; none where there are no coarser ones.
+fn on_coarser_cells(comm: &Comm, scene: &Scene, theory: Model, fine: &Fitted) -> Result<Option<Trace>> {
+    let Built::Operators(built) = build(comm, scene, theory, COARSER * fine.size)? else { return Ok(None) };
+    if built.body.unknowns() == fine.unknowns {
+        return Ok(None);
+    }
     let body = built.body;
     let mut krylov = Krylov::new(body.comm(), &body, rate(scene))?;
     krylov.grow(&body, fine.reduced.projection.vectors())?;
@@ -100,5 +101,5 @@ fn on_coarser_cells(comm: &Comm, scene: &Scene, theory: Model, fine: &Fitted) ->
     let trace = force(scene, &body, &krylov.projection(&body)?, &mut steps)?;
     drop((krylov, body));
     comm.collect_garbage()?;
-    Ok(trace)
+    Ok(Some(trace))
 }

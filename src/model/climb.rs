@@ -28,6 +28,10 @@ const STIFF: f64 = 0.02;
 /// Part of the tolerance that this may take.
 const OF_THEORY: f64 = 0.7;
 
+/// The tolerance of Kirchhoff's plate, which is computed for that distance alone, over the scene's, and at most.
+const ROUGHER: f64 = 10.0;
+const ROUGHEST: f64 = 0.1;
+
 /// Edges over thickness below which a box is no plate.
 const SLENDER: f64 = 4.0;
 
@@ -140,7 +144,7 @@ fn free_faces(scene: &Scene) -> std::result::Result<(), String> {
 fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>) -> Result<Option<Model>> {
     let tolerance = scene.tolerance;
     let modal = Scene { time: crate::scene::Time { modal: true, ..scene.time.clone() }, ..scene.clone() };
-    let operators = |theory| match build(comm, &modal, theory, 1.0)? {
+    let operators = |scene: &Scene, theory| match build(comm, scene, theory, 1.0)? {
         Built::Operators(operators) => Ok(operators),
         Built::Given(_) => Err(Error::Solve("a plate has unknowns".into())),
     };
@@ -148,25 +152,35 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>) -> Result<Option<
         passed.push(format!("Kirchhoff's theory has no neighbour to be judged by: {reason}"));
         return Ok(None);
     }
-    let thin = reduce(&operators(Theory::Kirchhoff)?.body, &modal)?;
-    let thick = fit(comm, &modal, Theory::Mindlin, operators(Theory::Mindlin)?)?;
-    let (first, all) = thick.reduced.force.0.difference(&thin.force.0);
     let is_clamped = scene.supports.iter().any(|support| holds_sections(support, scene));
     let part = OF_DISTANCE[0].max(OF_DISTANCE[1] * crossing(scene)) * if is_clamped { OF_CLAMPS } else { 1.0 };
-    let bound = part * first;
-    let distance = format!("kirchhoff and mindlin differ by {first:.1e} in the first contact");
-    if bound > OF_THEORY * tolerance {
+    let thick = fit(comm, &modal, Theory::Mindlin, operators(&modal, Theory::Mindlin)?)?;
+    let (bound, all) = if part <= OF_THEORY * tolerance {
         passed.push(format!(
-            "{distance}, so that mindlin may be off by {bound:.1e}, too much for {tolerance:.0e}: hence solid"
+            "solid would change mindlin by less than {part:.1e}, that part of its distance from kirchhoff"
         ));
-        return Ok(None);
-    }
-    passed.push(format!("{distance}, so that solid would change mindlin by about {bound:.1e}"));
+        (part, part)
+    } else {
+        // What the distance is off by is a small part of that of the bound.
+        let rough = Scene { tolerance: tolerance.max((ROUGHER * tolerance).min(ROUGHEST)), ..modal.clone() };
+        let thin = reduce(&operators(&rough, Theory::Kirchhoff)?.body, &rough)?;
+        let (first, all) = thick.reduced.force.0.difference(&thin.force.0);
+        let (bound, distance) =
+            (part * first, format!("kirchhoff and mindlin differ by {first:.1e} in the first contact"));
+        if bound > OF_THEORY * tolerance {
+            passed.push(format!(
+                "{distance}, so that mindlin may be off by {bound:.1e}, too much for {tolerance:.0e}: hence solid"
+            ));
+            return Ok(None);
+        }
+        passed.push(format!("{distance}, so that solid would change mindlin by about {bound:.1e}"));
+        (bound, part * all)
+    };
     let model = match scene.time.modal {
         true => Model::on_basis(comm, scene, Theory::Mindlin, thick)?,
         false => Model::of(comm, scene, Theory::Mindlin)?,
     };
-    Ok(Some(model.with_error("theory", (bound, part * all))))
+    Ok(Some(model.with_error("theory", (bound, all))))
 }
 
 /// Whether a support holds displacements along the plate: a clamp, or springs that are no softer than a part of the plate's own sections.

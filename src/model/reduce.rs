@@ -9,7 +9,7 @@ use crate::impact::{Impact, ModalImpact, Steps, Trace};
 use crate::scene::{Reduction, Scene};
 
 /// Vectors of the first basis that is tried.
-const FIRST: usize = 16;
+const FIRST: usize = 10;
 
 /// Most vectors of a basis that grows by itself.
 const MOST: usize = 1500;
@@ -103,7 +103,10 @@ pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
             // A basis that is too small may be too soft, or too stiff, for the contact law.
             Err(_) => {}
         }
-        count = if given.is_some() { larger(count) } else { (GROWTH * count as f64).ceil() as usize };
+        count = match given.is_some() || tried.len() < 2 && count <= FIRST {
+            true => larger(count),
+            false => (GROWTH * count as f64).ceil() as usize,
+        };
     }
 }
 

@@ -115,7 +115,7 @@ fn is_of_splines(scene: &Scene) -> bool {
 }
 
 fn of_plate(comm: &Comm, scene: &Scene, theory: plate::Theory, size: f64) -> Result<Built> {
-    let mut settings = plate::Settings::new(scene.tolerance);
+    let mut settings = plate::Settings::new(scene.tolerance, theory);
     settings.fineness *= size;
     let Plate { system, cells: [x, y], .. } = Plate::new(scene, theory, &settings)?;
     of_system(comm, &system, format!("{x} × {y} cells of splines"))

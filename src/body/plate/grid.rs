@@ -18,7 +18,7 @@ const OF_DISC: f64 = 0.75;
 const OF_WAVE: f64 = 0.13;
 
 /// The fewest cells along an edge.
-const LEAST: f64 = 6.0;
+const LEAST: f64 = 7.0;
 
 /// The most cells along an edge: more are no small system.
 const MOST: f64 = 100.0;

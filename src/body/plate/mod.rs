@@ -41,8 +41,12 @@ fn shear_factor(poisson: f64) -> f64 {
 
 impl Settings {
     /// Cells for an error of less than half of a tolerance, as measured on plates.
-    pub fn new(tolerance: f64) -> Self {
-        Self { fineness: (1.2 * (tolerance / 1e-2).powf(0.25)).clamp(0.3, 2.0), ..Self::default() }
+    pub fn new(tolerance: f64, theory: Theory) -> Self {
+        let parts = tolerance / 1e-2;
+        let of_mindlin = 1.2 * if parts > 1.0 { parts.cbrt() } else { parts.powf(0.25) };
+        // w alone is smoother than what presses it: no shear.
+        let fineness = if theory == Theory::Kirchhoff { 1.4 * of_mindlin } else { of_mindlin };
+        Self { fineness: fineness.clamp(0.3, 2.4), ..Self::default() }
     }
 }
 
