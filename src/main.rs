@@ -22,6 +22,8 @@ fn main() {
         // Under mpirun one rank draws.
         Command::Plot(_) if !cli::is_root_by_environment() => exit(0),
         Command::Plot(plot) => conclude(None, cli::plot::plot(&plot.results, &plot.output).map(|()| 0)),
+        Command::Info(_) if !cli::is_root_by_environment() => exit(0),
+        Command::Info(info) => conclude(None, cli::info::info(info).map(|()| 0)),
         Command::Run(run) => under_petsc(&run.petsc, |session| cli::run::run(&session.world(), run)),
         Command::Stability(stability) => {
             under_petsc(&stability.petsc, |session| cli::stability::stability(&session.world(), stability))

@@ -41,6 +41,8 @@ pub struct Body {
     pub translation: Vector,
     /// Numbers that look like independent normal deviates, the same on any number of ranks: where iterations start.
     pub deviates: Vector,
+    /// Where this rank's nodes lie (m), three unknowns each; `None` for a body of numbers, of which every rank has all.
+    pub nodes: Option<Vec<[f64; 3]>>,
     /// How many such bodies make the whole: 1, or 4 for a quarter of a symmetric box.
     pub copies: f64,
 }

@@ -43,6 +43,7 @@ impl Body {
         let explicit = matches!(scene.time.scheme, Scheme::CentralDifference { .. });
         let clamps = Clamps::new(mesh, &scene.supports)?;
         let (support_load, support_offset) = support_load(mesh, &springs)?;
+        let nodes = mesh.positions();
         Ok(Self {
             mass,
             elastic,
@@ -56,7 +57,8 @@ impl Body {
             support_offset,
             translation: translation(mesh, scene.impactor.direction)?,
             localization,
-            rigid_motions: Some(rigid_motions(mesh)?),
+            rigid_motions: Some(rigid_motions(mesh, &nodes)?),
+            nodes: Some(nodes),
             deviates: deviates(mesh)?,
             clamps,
             copies: mesh.copies as f64,
@@ -65,20 +67,9 @@ impl Body {
 }
 
 /// Translations and rotations: what K maps to nothing, or to little where supports are soft or clamped parts few. Collective.
-fn rigid_motions(mesh: &Mesh) -> Result<NullSpace> {
-    let mut coordinates = Vector::new(&mesh.comm, 3 * mesh.owned_nodes)?;
-    let first = coordinates.range().start;
-    {
-        let mut values = coordinates.write()?;
-        let cells = &mesh.cells;
-        for (&node, x) in (0..cells.len()).flat_map(|i| cells.nodes(i).iter().zip(cells.node_positions(i))) {
-            // A node of another rank is set there.
-            let at = usize::try_from(3 * node - first).ok();
-            if let Some(place) = at.and_then(|at| values.get_mut(at..at + 3)) {
-                place.copy_from_slice(&x);
-            }
-        }
-    }
+fn rigid_motions(mesh: &Mesh, nodes: &[Vec3]) -> Result<NullSpace> {
+    let mut coordinates = Vector::new(&mesh.comm, 3 * nodes.len())?;
+    coordinates.write()?.copy_from_slice(nodes.as_flattened());
     let motions = NullSpace::rigid_body(&mut coordinates)?;
     coordinates.destroy()?;
     Ok(motions)

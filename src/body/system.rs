@@ -86,6 +86,7 @@ impl Body {
             rigid_motions: None,
             translation: vector(&system.translation)?,
             deviates: vector(&deviates)?,
+            nodes: None,
             copies: system.copies,
         })
     }

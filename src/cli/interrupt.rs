@@ -6,18 +6,20 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
 use petsc_wrap::Comm;
+use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
 
 /// Exit status of work that a signal has ended.
 pub const INTERRUPTED: i32 = 130;
 
-/// A flag that SIGINT and SIGTERM raise, in place of ending the process at once.
+/// A flag that SIGINT, SIGTERM and SIGUSR1 raise, in place of ending the process at once: the last two are what a queue sends before its
+/// limit.
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
     /// Takes the signals from now on.
     pub fn on_signals() -> Self {
         let flag = Arc::new(AtomicBool::new(false));
-        for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        for signal in [SIGINT, SIGTERM, SIGUSR1] {
             if let Err(error) = signal_hook::flag::register(signal, flag.clone()) {
                 tracing::warn!("signal {signal} ends the program at once: {error}");
             }
@@ -27,9 +29,14 @@ impl Interrupt {
 
     /// Whether any rank has got a signal. Collective.
     pub fn is_raised(&self, comm: &Comm) -> bool {
-        let mut all = 0;
-        comm.mpi().all_reduce_into(&i32::from(self.is_raised_here()), &mut all, SystemOperation::max());
-        all > 0
+        self.poll(comm, false).0
+    }
+
+    /// Whether any rank has got a signal, and whether `asked` is true on any. Collective.
+    pub fn poll(&self, comm: &Comm, asked: bool) -> (bool, bool) {
+        let (mine, mut all) = ([self.is_raised_here(), asked].map(i32::from), [0; 2]);
+        comm.mpi().all_reduce_into(&mine[..], &mut all[..], SystemOperation::max());
+        (all[0] > 0, all[1] > 0)
     }
 
     /// Whether this rank has got a signal.

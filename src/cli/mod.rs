@@ -3,14 +3,17 @@
 mod bench;
 pub mod chart;
 pub mod check;
+pub mod info;
 mod interrupt;
 mod load;
 mod notes;
 pub mod plot;
 mod progress;
 mod provenance;
+mod restart;
 pub mod run;
 pub mod stability;
+mod summary;
 pub mod sweep;
 
 use std::fmt;
@@ -44,6 +47,8 @@ pub enum Command {
     Run(Run),
     /// Validate a scene and say what will be solved, and what it costs
     Check(Check),
+    /// Print what a result holds and where it comes from
+    Info(Info),
     /// Draw the impactor's acceleration against time, one curve a result; or a sweep over its keys
     Plot(Plot),
     /// Show where each time integration scheme holds on a scene and where it fails: schemes × steps
@@ -57,11 +62,14 @@ pub enum Command {
 /// `ricochet run`
 #[derive(Debug, Args)]
 pub struct Run {
-    /// Scene file (TOML)
+    /// Scene file (TOML), or a result, whose scene is run again
     pub scene: PathBuf,
     /// Result file; by default the scene's name with the ending .h5, in the current folder
     #[arg(short, long, value_name = "OUT.h5")]
     pub output: Option<PathBuf>,
+    /// Go on with the run whose result this is, from the checkpoint beside it
+    #[arg(long, value_name = "OUT.h5")]
+    pub restart: Option<PathBuf>,
     /// Override a key of the scene by its dotted path, e.g. time.step=1e-6 or support.0.stiffness=1e9
     #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
     pub overrides: Vec<String>,
@@ -81,6 +89,17 @@ pub struct Check {
     /// Options for PETSc, unchanged
     #[arg(last = true, value_name = "PETSC OPTIONS")]
     pub petsc: Vec<String>,
+}
+
+/// `ricochet info`
+#[derive(Debug, Args)]
+pub struct Info {
+    /// Result file, of a run or of a sweep
+    #[arg(value_name = "OUT.h5")]
+    pub result: PathBuf,
+    /// Print the text of its scene, and nothing else
+    #[arg(long)]
+    pub scene: bool,
 }
 
 /// `ricochet plot`

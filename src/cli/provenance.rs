@@ -6,6 +6,8 @@ use crate::error::Result;
 use crate::record::provenance::Provenance;
 use crate::scene::{Scene, Source};
 
+use super::load::mesh_digest;
+
 /// Of a run of a scene by this program: its theory, what was made of it, and its unknowns without the impactor's are the caller's.
 ///
 /// # Errors
@@ -19,6 +21,8 @@ pub fn provenance(
     Ok(Provenance {
         title: scene.title.clone(),
         scene: source.text().to_owned(),
+        folder: std::path::absolute(source.folder().join("")).map(|path| path.display().to_string()).unwrap_or_default(),
+        mesh_digest: mesh_digest(scene),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         commit: env!("RICOCHET_COMMIT").to_owned(),
         petsc_version: petsc_version(),

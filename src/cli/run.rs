@@ -9,9 +9,12 @@ use petsc_wrap::Comm;
 
 use crate::agree::agree;
 use crate::error::{Error, Result};
-use crate::impact::step::Energy;
+use crate::impact::Observer;
+use crate::impact::checkpoint::Checkpoint;
+use crate::impact::step::Step;
 use crate::model::{self, Model, Simulation};
-use crate::record::episodes::Episodes;
+use crate::record::checkpoint;
+use crate::record::lock::Lock;
 use crate::record::provenance::Cost;
 use crate::record::series::SeriesWriter;
 use crate::record::target::check_writable;
@@ -19,11 +22,13 @@ use crate::scene::{Scene, Source};
 
 use super::Run;
 use super::interrupt::{INTERRUPTED, Interrupt};
-use super::load::load;
-use super::notes::{describe_model, listed, notes};
+use super::load::{is_result, load};
+use super::notes::{describe_model, notes};
 use super::progress::Progress;
 use super::provenance::provenance;
-use super::{say, short, tell, warn_of_unused_options};
+use super::restart::{Keeping, Past, go_on};
+use super::summary::Summary;
+use super::{tell, warn_of_unused_options};
 
 /// Runs a scene; returns the exit status. Collective.
 ///
@@ -31,18 +36,45 @@ use super::{say, short, tell, warn_of_unused_options};
 /// All that [`Error`] names.
 pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
     let (scene, source) = load(comm, &arguments.scene, &arguments.overrides)?;
-    let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene));
-    // Before minutes of work whose result could not be written.
-    let writable = if comm.is_root() { check_writable(&output).map_err(|error| error.to_string()) } else { Ok(()) };
-    agree(comm, writable).map_err(Error::Output)?;
-    solve(comm, &scene, &source, &output).map_err(|error| error.in_scene(&source))
+    let given = arguments.output.as_ref().or(arguments.restart.as_ref());
+    if given.is_none() && is_result(comm, &arguments.scene) {
+        let message = "the run of a result needs another file for its own: -o OUT.h5";
+        return Err(Error::Usage(message.to_owned()));
+    }
+    let output = given.cloned().unwrap_or_else(|| default_output(&arguments.scene));
+    // Before minutes of work whose result could not be written. Held to the end.
+    let _lock = {
+        let free = || check_writable(&output).and_then(|()| Lock::take(&output)).map(Some);
+        let free = if comm.is_root() { free().map_err(|error| error.to_string()) } else { Ok(None) };
+        agree(comm, free).map_err(Error::Output)?
+    };
+    let past = arguments.restart.as_ref().map(|result| Past::read(comm, result, &scene)).transpose()?;
+    let from = arguments.restart.as_deref().unwrap_or(&output);
+    if let (true, Some(past)) = (comm.is_root(), &past) {
+        match past {
+            Past::Complete => tell(format_args!("{} is complete: there is nothing to go on with", from.display())),
+            Past::Beginning => {
+                tell(format_args!("note: {} has no checkpoint beside it: from the beginning", from.display()));
+            }
+            Past::Moment(_) => {}
+        }
+    }
+    if matches!(past, Some(Past::Complete)) {
+        return Ok(0);
+    }
+    solve(comm, (&scene, &source), (past, from), &output).map_err(|error| error.in_scene(&source))
 }
 
 fn default_output(scene: &Path) -> PathBuf {
     PathBuf::from(scene.with_extension("h5").file_name().unwrap_or("ricochet.h5".as_ref()))
 }
 
-fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i32> {
+fn solve(
+    comm: &Comm,
+    (scene, source): (&Scene, &Source),
+    (past, from): (Option<Past>, &Path),
+    output: &Path,
+) -> Result<i32> {
     let begin = Instant::now();
     let model = Model::new(comm, scene)?;
     let modelled = begin.elapsed().as_secs_f64();
@@ -63,25 +95,29 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
             tell(format_args!("note: {note}"));
         }
     }
-    let mut desk = match comm.is_root() {
-        true => Some(Desk {
-            writer: SeriesWriter::create(output, &provenance)?.every(scene.output.every),
-            progress: Progress::new(scene.time.end),
-            summary: Summary::new(scene.impactor.mass),
-        }),
-        false => None,
+    let earlier = match past {
+        Some(Past::Moment(kept)) => go_on(comm, *kept, from, &mut impact)?,
+        _ => None,
     };
+    let desk = match (comm.is_root(), earlier) {
+        (false, _) => None,
+        (true, None) => Some((SeriesWriter::create(output, &provenance)?, Summary::default())),
+        (true, Some((earlier, summary))) => {
+            tell(format_args!("on from t = {:.6e} s", earlier.end()));
+            Some((SeriesWriter::continued(output, &provenance, earlier)?, summary))
+        }
+    };
+    let desk = desk.map(|(writer, summary)| Desk {
+        writer: writer.every(scene.output.every),
+        progress: Progress::new(scene.time.end),
+        summary,
+    });
     let interrupt = Rc::new(Interrupt::on_signals());
     let (asked, ranks) = (interrupt.clone(), comm.clone());
     impact.set_interrupt(move || asked.is_raised(&ranks));
-    let stepped = impact.run(|step| {
-        if let Some(desk) = &mut desk {
-            desk.writer.push(step)?;
-            desk.progress.step(step);
-            desk.summary.step(step);
-        }
-        Ok(if interrupt.is_raised(comm) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
-    });
+    let keeping = Keeping::new(comm, (scene, source.text()), output, &impact);
+    let mut watch = Watch { comm: comm.clone(), interrupt, keeping, desk };
+    let stepped = impact.run_watched(&mut watch);
     let total = begin.elapsed().as_secs_f64();
     let (count, error, judged) = (impact.count(), impact.error(), impact.judged());
     let missed = error.is_some_and(|error| error > scene.tolerance);
@@ -95,14 +131,15 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
         error_estimate: error.unwrap_or(f64::NAN),
     };
     let flow = stepped.as_ref().ok().copied();
-    if let Some(Desk { writer, progress, summary }) = desk {
+    if let Some(Desk { writer, progress, summary }) = watch.desk {
         progress.finish();
+        let episodes = writer.episodes().clone();
         // What was computed is kept, whatever ended the run.
         let finished = writer.finish(&cost, flow == Some(ControlFlow::Continue(())));
         // Where the run has failed already, that is what is told: a full disk fails the steps first and then the end.
         if let Some(flow) = flow {
             finished?;
-            summary.print(&cost, &judged, output);
+            summary.print(&episodes, &cost, &judged, output);
             if missed {
                 tell(format_args!(
                     "note: the estimated error of the whole history is above accuracy.tolerance = {:e}, which is for the first contact: a smaller one \
@@ -112,6 +149,11 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
             }
             if flow.is_break() {
                 tell(format_args!("interrupted: {} holds the run up to t = {:.6e} s", output.display(), summary.end));
+                if checkpoint::beside(output).exists() {
+                    tell(format_args!("note: --restart {} goes on with it", output.display()));
+                }
+            } else {
+                checkpoint::remove(output)?;
             }
             warn_of_unused_options(comm)?;
         }
@@ -133,82 +175,29 @@ struct Desk {
     summary: Summary,
 }
 
-/// The run in three lines.
-struct Summary {
-    episodes: Episodes,
-    peak: (f64, f64),
-    rebound: f64,
-    end: f64,
-    initial: f64,
-    energy: Energy,
+/// What happens with every step.
+struct Watch {
+    comm: Comm,
+    interrupt: Rc<Interrupt>,
+    keeping: Keeping,
+    desk: Option<Desk>,
 }
 
-impl Summary {
-    fn new(mass: f64) -> Self {
-        let energy = Energy::default();
-        Self { episodes: Episodes::new(mass), peak: (0.0, 0.0), rebound: 0.0, end: 0.0, initial: 0.0, energy }
+impl Observer for Watch {
+    fn step(&mut self, step: &Step) -> Result<ControlFlow<()>> {
+        if let Some(desk) = &mut self.desk {
+            desk.writer.push(step)?;
+            desk.progress.step(step);
+            desk.summary.step(step);
+        }
+        let is_late = self.desk.is_some() && self.keeping.is_due_by_time();
+        let (interrupted, late) = self.interrupt.poll(&self.comm, is_late);
+        self.keeping.step(step, interrupted || late);
+        Ok(if interrupted { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     }
 
-    fn step(&mut self, step: &crate::impact::step::Step) {
-        self.episodes.push(step);
-        if step.impactor.acceleration > self.peak.0 {
-            self.peak = (step.impactor.acceleration, step.time);
-        }
-        self.rebound = step.impactor.velocity;
-        self.end = step.time;
-        if step.number == 0 {
-            self.initial = step.energy.total;
-        }
-        self.energy = step.energy;
+    fn settled(&mut self, checkpoint: &mut dyn FnMut() -> Result<Checkpoint>) -> Result<()> {
+        let record = self.desk.as_mut().map(|desk| (&mut desk.writer, &mut desk.summary));
+        self.keeping.settled(record, checkpoint)
     }
-
-    fn print(&self, cost: &Cost, judged: &[&str], output: &Path) {
-        let contacts: Vec<String> = self
-            .episodes
-            .all()
-            .iter()
-            .map(|episode| format!("{}–{} ms", short(1e3 * episode.start), short(1e3 * episode.end)))
-            .collect();
-        let mut contacts = if contacts.is_empty() { "none".to_owned() } else { contacts.join(", ") };
-        if self.episodes.is_open() {
-            contacts += ", and still in contact";
-        }
-        say(format_args!(
-            "peak acceleration {} m/s² at {} ms; impactor's velocity at the end {} m/s",
-            short(self.peak.0),
-            short(1e3 * self.peak.1),
-            short(self.rebound)
-        ));
-        say(format_args!("contacts: {contacts}"));
-        let energy = &self.energy;
-        say(format_args!(
-            "energy: {:+.1e} of the initial {} J made by the time integration{}",
-            energy.numerical / self.initial,
-            short(self.initial),
-            if cost.error_estimate.is_nan() {
-                String::new()
-            } else {
-                format!(
-                    "; estimated error of the acceleration, by {}, {:.1e} of its peak",
-                    listed(judged),
-                    cost.error_estimate
-                )
-            }
-        ));
-        say(format_args!(
-            "{}: {} s (model {}, setup {}, steps {}), {} solves and {} Newton iterations",
-            output.display(),
-            seconds(cost.total),
-            seconds(cost.model),
-            seconds(cost.setup),
-            seconds(cost.steps),
-            cost.solves,
-            cost.newton_iterations
-        ));
-    }
-}
-
-/// Milliseconds below ten seconds, tenths of a second above.
-fn seconds(value: f64) -> String {
-    if value >= 10.0 { format!("{value:.1}") } else { format!("{value:.3}") }
 }

@@ -19,8 +19,10 @@ use crate::error::{Error, Result};
 use crate::scene::Fault;
 
 use super::Count;
+use super::checkpoint::{Carrier, Checkpoint};
 use super::gate::Gate;
 use super::ladder::Ladder;
+use super::observer::Observer;
 use super::pair::Pair;
 use super::setting::Setting;
 use super::step::Step;
@@ -86,43 +88,63 @@ pub(super) fn first_step(setting: &Setting, tolerance: f64, end: f64) -> Result<
 }
 
 impl Controlled<'_> {
-    /// Runs to the end or until `observe` breaks off; returns which, and the fine trajectory. Collective.
+    /// Runs to the end or until the observer breaks off, from a checkpoint where there is one; returns which, and the fine trajectory.
+    /// Collective.
     pub(super) fn run(
         mut self,
         body: &mut Body,
-        mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>,
+        resumed: Option<Checkpoint>,
+        observer: &mut impl Observer,
     ) -> Result<(ControlFlow<()>, Trajectory)> {
         let mut pair = Pair::new(self.comm, body, self.setting)?;
+        let mut careful = 0.0;
+        if let Some(checkpoint) = resumed {
+            self.carry(&mut pair, &mut careful, body, &mut Carrier::from(&checkpoint))?;
+            let flow = self.advance_to_end(&mut pair, careful, body, &mut None, observer)?;
+            return Ok((flow, pair.fine));
+        }
         let start = pair.fine.observed(body, self.setting)?;
         self.gate.open(&start);
-        if observe(&start)?.is_break() {
+        if observer.step(&start)?.is_break() {
             return Ok((ControlFlow::Break(()), pair.fine));
         }
         // Steps that are not told yet, while the first episode may still be taken back.
         let mut held = Some(Vec::new());
-        let ended = self.advance_to_end(&mut pair, body, &mut held, &mut observe);
+        let ended = self.advance_to_end(&mut pair, careful, body, &mut held, observer);
         // What was computed is kept, whatever has ended the run.
         for step in held.into_iter().flatten() {
             self.gate.check(&step).map_err(|error| at(error, step.number, step.time))?;
-            let _ = observe(&step)?;
+            let _ = observer.step(&step)?;
         }
         Ok((ended?, pair.fine))
     }
 
+    /// To a checkpoint or from it, when the first contact stands.
+    fn carry(&mut self, pair: &mut Pair, careful: &mut f64, body: &Body, carrier: &mut Carrier) -> Result<()> {
+        pair.carry(carrier)?;
+        carrier.number("careful", careful)?;
+        carrier.within("ladder", |carrier| self.ladder.carry(carrier, body))?;
+        self.gate.carry(carrier)?;
+        self.count.carry(carrier)
+    }
+
+    /// `careful` is until when (s) the smallest steps are taken, after a larger one led into contact.
     fn advance_to_end(
         &mut self,
         pair: &mut Pair,
+        mut careful: f64,
         body: &mut Body,
         held: &mut Option<Vec<Step>>,
-        observe: &mut impl FnMut(&Step) -> Result<ControlFlow<()>>,
+        observer: &mut impl Observer,
     ) -> Result<ControlFlow<()>> {
         let mut saved = Pair::new(self.comm, body, self.setting)?;
         let (part, seen) = SEEN[self.order - 1];
-        // Until when the smallest steps are taken, after a larger one led into contact.
-        let mut careful = 0.0;
         let mut restarts = 0;
         while !self.is_over(pair) {
             if (self.interrupted)() {
+                if held.is_none() {
+                    self.settle(pair, careful, body, observer)?;
+                }
                 return Ok(ControlFlow::Break(()));
             }
             let level = if pair.fine.time < careful { LEVELS[0] } else { self.level(pair, body)? };
@@ -177,15 +199,27 @@ impl Controlled<'_> {
             for step in &told {
                 self.gate.check(step).map_err(|error| at(error, step.number, step.time))?;
                 // All that are accepted already are told before a break is heeded.
-                if observe(step)?.is_break() {
+                if observer.step(step)?.is_break() {
                     flow = ControlFlow::Break(());
                 }
+            }
+            if held.is_none() {
+                self.settle(pair, careful, body, observer)?;
             }
             if flow.is_break() {
                 return Ok(flow);
             }
         }
         Ok(ControlFlow::Continue(()))
+    }
+
+    /// Lets the observer have a checkpoint.
+    fn settle(&mut self, pair: &mut Pair, mut careful: f64, body: &Body, observer: &mut impl Observer) -> Result<()> {
+        observer.settled(&mut || {
+            let mut checkpoint = Checkpoint::default();
+            self.carry(pair, &mut careful, body, &mut Carrier::to(&mut checkpoint))?;
+            Ok(checkpoint)
+        })
     }
 
     /// The beginning again, in steps smaller by a factor. Collective.

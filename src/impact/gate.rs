@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 use crate::scene::{Scene, Scheme};
 
+use super::checkpoint::Carrier;
 use super::step::Step;
 
 /// What may be made from nothing where the scene sets no gate, as a part of the energy that there is: a scheme at its
@@ -32,6 +33,11 @@ impl Gate {
     /// Takes the initial energy.
     pub(super) fn open(&mut self, start: &Step) {
         self.initial = start.energy.total + start.energy.dissipated - start.energy.external;
+    }
+
+    /// To a checkpoint or from it.
+    pub(super) fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+        carrier.number("initial_energy", &mut self.initial)
     }
 
     /// Refuses a step whose balance is off, or which is not a number.

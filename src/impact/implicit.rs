@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::scene;
 use crate::scheme::{Implicit, StageForce};
 
+use super::checkpoint::Carrier;
 use super::condensed::Condensed;
 use super::full::Full;
 use super::ledger::{Exchange, Work, exchange};
@@ -129,6 +130,12 @@ impl ImplicitStepper {
         let may_follow = is_quiet && is_direct && pads.is_none() && !scheme.gradient;
         let (known, work, weighed) = (zeros()?, zeros()?, zeros()?);
         Ok(Self { scheme, step, solver, known, work, pads, weighed, may_follow, followed: 0 })
+    }
+
+    /// What it remembers of the steps before, to a checkpoint or from it. (What the full Newton's method keeps of its factor is not
+    /// carried: it goes on within its tolerance.)
+    pub(super) fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+        carrier.count("followed", &mut self.followed)
     }
 
     /// Takes a step: writes the state at its end, and what was exchanged over it. Returns the Newton iterations. Collective.

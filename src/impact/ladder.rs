@@ -7,6 +7,7 @@ use crate::error::Result;
 use crate::scene;
 use crate::scheme::Implicit;
 
+use super::checkpoint::Carrier;
 use super::explicit::ExplicitStepper;
 use super::implicit::ImplicitStepper;
 use super::ledger::Exchange;
@@ -28,6 +29,14 @@ impl Stepper {
     /// Δt, s.
     pub(super) fn step(&self) -> f64 {
         self.step
+    }
+
+    /// What it remembers of the steps before, to a checkpoint or from it.
+    fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+        match &mut self.kind {
+            Kind::Implicit(stepper) => stepper.carry(carrier),
+            Kind::Explicit(_) => Ok(()),
+        }
     }
 
     /// Takes a step: writes the state at its end. Returns what was exchanged over it, and the Newton iterations. Collective.
@@ -98,6 +107,28 @@ impl Ladder {
             *slot = Some(Stepper { step, kind });
         }
         Ok(slot.as_mut().expect("just set up"))
+    }
+
+    /// The base and what the steppers remember, to a checkpoint or from it; those that are not set up are. Collective.
+    ///
+    /// # Errors
+    /// Those of [`Carrier`]; PETSc's.
+    pub(super) fn carry(&mut self, carrier: &mut Carrier, body: &Body) -> Result<()> {
+        let mut base = self.base;
+        carrier.number("base", &mut base)?;
+        if base != self.base {
+            self.rebase(base)?;
+        }
+        let mut levels = self.steppers.len();
+        carrier.count("levels", &mut levels)?;
+        for level in 0..levels.min(64) {
+            let mut is_set_up = usize::from(self.steppers.get(level).is_some_and(Option::is_some));
+            carrier.count(&format!("{level}"), &mut is_set_up)?;
+            if is_set_up != 0 {
+                carrier.within(&format!("{level}"), |carrier| self.at(level, body)?.carry(carrier))?;
+            }
+        }
+        Ok(())
     }
 
     /// Another base, which forgets all steppers. Collective.

@@ -14,6 +14,7 @@ use crate::body::Body;
 use crate::error::Result;
 use crate::scheme::Implicit;
 
+use super::checkpoint::Carrier;
 use super::setting::Setting;
 use super::state::Moment;
 use super::step::Energy;
@@ -102,6 +103,14 @@ impl Ledger {
         self.sum.dissipated += step.dissipated;
         self.sum.external += step.external;
         self.sum.numerical += step.numerical;
+    }
+
+    /// To a checkpoint or from it.
+    pub(super) fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+        let Exchange { dissipated, external, numerical } = &mut self.sum;
+        carrier.number("dissipated", dissipated)?;
+        carrier.number("external", external)?;
+        carrier.number("numerical", numerical)
     }
 
     /// The energies of a moment of the whole body. Collective.

@@ -2,6 +2,7 @@
 //!
 //! M ü + C u̇ + K u + p(u) = a F(δ) + f,  m0 q̈ = −F(δ),  δ = q − gap − aᵀu  (10), (14), from rest at t = 0.
 
+pub mod checkpoint;
 mod condensed;
 mod controlled;
 mod explicit;
@@ -12,6 +13,7 @@ mod initial;
 mod ladder;
 mod ledger;
 mod limit;
+mod observer;
 mod modal;
 mod pad_condensed;
 mod pair;
@@ -33,12 +35,15 @@ use crate::error::Result;
 use crate::scene::Scene;
 use crate::scheme::Implicit;
 
+use checkpoint::{Carrier, Checkpoint};
 use controlled::Controlled;
 use gate::Gate;
 pub use implicit::Method;
 use ladder::Ladder;
 pub use limit::stable_step;
 pub use modal::{ModalImpact, Steps, Trace};
+pub use observer::Observer;
+use observer::Told;
 pub use plan::{Plan, steps};
 pub use setting::Setting;
 pub use state::{Impactor, State};
@@ -61,6 +66,8 @@ pub struct Impact {
     /// Order of the scheme.
     order: usize,
     interrupted: Box<dyn Fn() -> bool>,
+    /// What the next run goes on from.
+    resumed: Option<Checkpoint>,
     /// What the runs have cost so far.
     pub count: Count,
 }
@@ -75,6 +82,18 @@ pub struct Count {
     pub iterations: usize,
     /// Estimated error of the acceleration over its peak, where steps are chosen by it.
     pub error: Option<f64>,
+}
+
+impl Count {
+    /// To a checkpoint or from it.
+    fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+        carrier.count("solves", &mut self.solves)?;
+        carrier.count("iterations", &mut self.iterations)?;
+        let mut error = self.error.unwrap_or(f64::NAN);
+        carrier.number("error", &mut error)?;
+        self.error = (!error.is_nan()).then_some(error);
+        Ok(())
+    }
 }
 
 impl Impact {
@@ -103,6 +122,7 @@ impl Impact {
             setting,
             order: Implicit::new(scene.time.scheme).map_or(2, |scheme| scheme.order()),
             interrupted: Box::new(|| false),
+            resumed: None,
             count: Count::default(),
         })
     }
@@ -149,6 +169,11 @@ impl Impact {
         self.trajectory.set_state(state, &mut self.body, &self.setting)
     }
 
+    /// Has the next run go on from a checkpoint of the same scene, and tell the steps after it.
+    pub fn resume(&mut self, checkpoint: Checkpoint) {
+        self.resumed = Some(checkpoint);
+    }
+
     /// Runs to the end, or until `observe`, which gets the initial state and every accepted step, breaks off; tells which.
     /// Collective.
     ///
@@ -156,37 +181,62 @@ impl Impact {
     /// [`crate::Error::Solve`] with step and time where a step is not solved or the contact law is left,
     /// [`crate::Error::Unstable`] where the energy gate closes; the observer's; PETSc's.
     pub fn run(&mut self, observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
-        let Plan::Controlled { tolerance, .. } = self.plan else { return self.run_in_equal_steps(observe) };
+        self.run_watched(&mut Told(observe))
+    }
+
+    /// [`Self::run`] before an observer who may keep checkpoints. Collective.
+    ///
+    /// # Errors
+    /// As [`Self::run`]; [`crate::Error::Usage`] where the run is to go on from a checkpoint of another one.
+    pub fn run_watched(&mut self, observer: &mut impl Observer) -> Result<ControlFlow<()>> {
+        let Plan::Controlled { tolerance, .. } = self.plan else { return self.run_in_equal_steps(observer) };
         let Self { comm, setting, ladder, gate, count, end, .. } = self;
-        let order = self.order;
+        let (order, resumed) = (self.order, self.resumed.take());
         let interrupted = &*self.interrupted;
         let controlled = Controlled { comm, setting, ladder, gate, count, end: *end, tolerance, order, interrupted };
-        let (flow, trajectory) = controlled.run(&mut self.body, observe)?;
+        let (flow, trajectory) = controlled.run(&mut self.body, resumed, observer)?;
         self.trajectory = trajectory;
         Ok(flow)
     }
 
-    fn run_in_equal_steps(
-        &mut self,
-        mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>,
-    ) -> Result<ControlFlow<()>> {
-        let Self { body, setting, trajectory, gate, count, .. } = self;
-        (trajectory.time, trajectory.steps) = (0.0, 0);
-        let start = trajectory.observed(body, setting)?;
-        gate.open(&start);
-        let mut flow = observe(&start)?;
-        let stepper = self.ladder.at(0, body)?;
-        for number in 1..=steps(self.end, stepper.step()) {
+    fn run_in_equal_steps(&mut self, observer: &mut impl Observer) -> Result<ControlFlow<()>> {
+        let mut flow = ControlFlow::Continue(());
+        match self.resumed.take() {
+            Some(checkpoint) => self.carry(&mut Carrier::from(&checkpoint))?,
+            None => {
+                (self.trajectory.time, self.trajectory.steps) = (0.0, 0);
+                let start = self.trajectory.observed(&self.body, &self.setting)?;
+                self.gate.open(&start);
+                flow = observer.step(&start)?;
+            }
+        }
+        let size = self.ladder.step(0);
+        for number in self.trajectory.steps + 1..=steps(self.end, size) {
             if flow.is_break() {
                 break;
             }
-            let time = number as f64 * stepper.step();
-            count.iterations += trajectory.advance(stepper, time, body, setting)?;
+            let Self { body, setting, trajectory, gate, count, ladder, .. } = self;
+            let time = number as f64 * size;
+            count.iterations += trajectory.advance(ladder.at(0, body)?, time, body, setting)?;
             count.solves += 1;
             let step = trajectory.observed(body, setting)?;
             gate.check(&step).map_err(|error| at(error, number, time))?;
-            flow = observe(&step)?;
+            flow = observer.step(&step)?;
+            observer.settled(&mut || {
+                let mut checkpoint = Checkpoint::default();
+                self.carry(&mut Carrier::to(&mut checkpoint))?;
+                Ok(checkpoint)
+            })?;
         }
         Ok(flow)
+    }
+
+    /// A run in equal steps, to a checkpoint or from it.
+    fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+        let Self { body, trajectory, ladder, gate, count, .. } = self;
+        trajectory.carry(carrier)?;
+        carrier.within("ladder", |carrier| ladder.carry(carrier, body))?;
+        gate.carry(carrier)?;
+        count.carry(carrier)
     }
 }

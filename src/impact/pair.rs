@@ -5,6 +5,7 @@ use petsc_wrap::{Comm, Vector};
 use crate::body::Body;
 use crate::error::Result;
 
+use super::checkpoint::Carrier;
 use super::setting::Setting;
 use super::step::Step;
 use super::trajectory::Trajectory;
@@ -36,6 +37,15 @@ impl Pair {
     pub(super) fn copy_from(&mut self, other: &Self) -> Result<()> {
         self.fine.copy_from(&other.fine)?;
         self.coarse.copy_from(&other.coarse)
+    }
+
+    /// To a checkpoint or from it.
+    pub(super) fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+        carrier.within("fine", |carrier| self.fine.carry(carrier))?;
+        carrier.within("coarse", |carrier| self.coarse.carry(carrier))?;
+        let [low, high] = &mut self.surface;
+        let numbers = [("peak", &mut self.peak), ("difference", &mut self.difference), ("lowest", low), ("highest", high)];
+        numbers.into_iter().try_for_each(|(name, number)| carrier.number(name, number))
     }
 
     pub(super) fn is_touching(&self) -> bool {

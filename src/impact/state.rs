@@ -5,6 +5,8 @@ use petsc_wrap::{Matrix, Vector};
 use crate::body::Body;
 use crate::error::Result;
 
+use super::checkpoint::Carrier;
+
 /// Displacement, velocity and acceleration of body and impactor.
 pub struct State {
     /// u, m.
@@ -143,6 +145,37 @@ impl Moment {
     /// δ̇ = q̇ − aᵀu̇, m/s. Collective.
     pub(super) fn rate(&self, body: &Body) -> Result<f64> {
         Ok(self.state.q.velocity - body.localization.vector.dot(&self.state.v)?)
+    }
+
+    /// To a checkpoint or from it.
+    pub(super) fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+        let Self { state, products, inertia, surface, approach, pads } = self;
+        let vectors = [
+            ("displacement", &mut state.u),
+            ("velocity", &mut state.v),
+            ("acceleration", &mut state.a),
+            ("elastic", &mut products.elastic),
+            ("momentum", &mut products.momentum),
+            ("inertia", inertia),
+        ];
+        for (name, vector) in vectors {
+            carrier.vector(name, vector)?;
+        }
+        for (name, vector) in [("support", &mut products.support), ("damping", &mut products.damping)] {
+            if let Some(vector) = vector {
+                carrier.vector(name, vector)?;
+            }
+        }
+        let Impactor { position, velocity, acceleration } = &mut state.q;
+        let numbers = [
+            ("impactor.position", position),
+            ("impactor.velocity", velocity),
+            ("impactor.acceleration", acceleration),
+            ("surface", surface),
+            ("approach", approach),
+            ("pads", pads),
+        ];
+        numbers.into_iter().try_for_each(|(name, number)| carrier.number(name, number))
     }
 
     /// Becomes a copy of another moment of the same body.

@@ -1,7 +1,10 @@
 //! One accepted step, as observers see it.
 
+use super::checkpoint::Carrier;
+use crate::error::Result;
+
 /// One accepted step: everything that a series holds of it. SI units.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Step {
     /// Number of the step; 0 is the initial state.
     pub number: usize,
@@ -15,8 +18,40 @@ pub struct Step {
     pub energy: Energy,
 }
 
+impl Step {
+    /// To a checkpoint or from it.
+    ///
+    /// # Errors
+    /// Those of [`Carrier`].
+    pub fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+        let Self { number, time, impactor, contact, energy } = self;
+        carrier.count("number", number)?;
+        let numbers = [
+            ("time", time),
+            ("position", &mut impactor.position),
+            ("velocity", &mut impactor.velocity),
+            ("acceleration", &mut impactor.acceleration),
+            ("force", &mut contact.force),
+            ("indentation", &mut contact.indentation),
+            ("surface_displacement", &mut contact.surface_displacement),
+            ("approach", &mut contact.approach),
+            ("rate", &mut contact.rate),
+            ("kinetic", &mut energy.kinetic),
+            ("elastic", &mut energy.elastic),
+            ("support", &mut energy.support),
+            ("impactor", &mut energy.impactor),
+            ("contact", &mut energy.contact),
+            ("dissipated", &mut energy.dissipated),
+            ("external", &mut energy.external),
+            ("numerical", &mut energy.numerical),
+            ("total", &mut energy.total),
+        ];
+        numbers.into_iter().try_for_each(|(name, value)| carrier.number(name, value))
+    }
+}
+
 /// Motion of the impactor along its direction of travel.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Motion {
     /// q, m.
     pub position: f64,
@@ -27,7 +62,7 @@ pub struct Motion {
 }
 
 /// State of the contact.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Contact {
     /// F, N.
     pub force: f64,

@@ -5,6 +5,7 @@ use petsc_wrap::Comm;
 use crate::body::Body;
 use crate::error::{Error, Result};
 
+use super::checkpoint::Carrier;
 use super::initial;
 use super::ladder::Stepper;
 use super::ledger::Ledger;
@@ -63,6 +64,17 @@ impl Trajectory {
         self.now.copy_from(&other.now)?;
         (self.ledger, self.time, self.steps) = (other.ledger, other.time, other.steps);
         Ok(())
+    }
+
+    /// To a checkpoint or from it.
+    ///
+    /// # Errors
+    /// Those of [`Carrier`].
+    pub(super) fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+        self.now.carry(carrier)?;
+        self.ledger.carry(carrier)?;
+        carrier.number("time", &mut self.time)?;
+        carrier.count("steps", &mut self.steps)
     }
 
     /// Takes another state in place of the one reached. Collective.

@@ -23,6 +23,23 @@ impl Mesh {
         all
     }
 
+    /// Where the nodes that this rank owns lie, m, in the order of their numbers. Collective.
+    pub fn positions(&self) -> Vec<Vec3> {
+        let mut end = 0;
+        self.comm.mpi().scan_into(&self.owned_nodes, &mut end, SystemOperation::sum());
+        let first = end - self.owned_nodes;
+        let mut positions = vec![[f64::NAN; 3]; self.owned_nodes];
+        let cells = &self.cells;
+        for (&node, x) in (0..cells.len()).flat_map(|i| cells.nodes(i).iter().zip(cells.node_positions(i))) {
+            // A node of another rank is known there.
+            let at = (node as usize).checked_sub(first);
+            if let Some(place) = at.and_then(|at| positions.get_mut(at)) {
+                *place = x;
+            }
+        }
+        positions
+    }
+
     /// Distance from a point of the surface along the inward normal there to where that line leaves the body, m.
     /// Collective.
     ///

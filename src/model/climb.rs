@@ -26,7 +26,7 @@ const OF_CLAMPS: f64 = 4.5;
 const STIFF: f64 = 0.02;
 
 /// Part of the tolerance that this may take.
-const OF_THEORY: f64 = 0.7;
+const OF_THEORY: f64 = 0.75;
 
 /// The tolerance of Kirchhoff's plate, which is computed for that distance alone, over the scene's, and at most.
 const ROUGHER: f64 = 10.0;

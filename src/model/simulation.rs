@@ -6,7 +6,8 @@ use crate::body::ModalBody;
 use crate::contact::Patch;
 use crate::error::Result;
 use crate::impact::step::Step;
-use crate::impact::{Count, Impact, ModalImpact, Plan};
+use crate::impact::checkpoint::Checkpoint;
+use crate::impact::{Count, Impact, ModalImpact, Observer, Plan};
 use crate::scene::Scene;
 
 use super::{Dynamics, Model};
@@ -50,6 +51,32 @@ impl Simulation {
         match &mut self.kind {
             Kind::Stepped(impact) => impact.set_interrupt(asked),
             Kind::Modal { interrupted, .. } => *interrupted = Box::new(asked),
+        }
+    }
+
+    /// Has the next run go on from a checkpoint of the same scene. One in modal coordinates has none: it is done anew.
+    pub fn resume(&mut self, checkpoint: Checkpoint) {
+        if let Kind::Stepped(impact) = &mut self.kind {
+            impact.resume(checkpoint);
+        }
+    }
+
+    /// Where this rank's nodes lie, m; `None` for a body without a mesh.
+    pub fn nodes(&self) -> Option<&[[f64; 3]]> {
+        match &self.kind {
+            Kind::Stepped(impact) => impact.body().nodes.as_deref(),
+            Kind::Modal { .. } => None,
+        }
+    }
+
+    /// [`Self::run`] before an observer who may keep checkpoints. Collective.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_watched(&mut self, observer: &mut impl Observer) -> Result<ControlFlow<()>> {
+        match &mut self.kind {
+            Kind::Stepped(impact) => impact.run_watched(observer),
+            Kind::Modal { .. } => self.run(|step| observer.step(step)),
         }
     }
 

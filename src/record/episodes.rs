@@ -1,9 +1,11 @@
 //! Contact episodes: when, how hard, and with what impulse the impactor and the body touch.
 
+use crate::error::Result;
+use crate::impact::checkpoint::Carrier;
 use crate::impact::step::Step;
 
 /// One uninterrupted contact: a maximal run of consecutive steps with F > 0.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Episode {
     /// Where α rises through zero, s: between the last step without force and the first with it.
     pub start: f64,
@@ -63,6 +65,40 @@ impl Episodes {
             episode.peak_force = step.contact.force;
             episode.peak_time = step.time;
         }
+    }
+
+    /// To a checkpoint or from it.
+    ///
+    /// # Errors
+    /// Those of [`Carrier`].
+    pub fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+        let mut count = self.all.len();
+        carrier.count("episodes", &mut count)?;
+        if carrier.is_loading() {
+            // One by one, for a wrong count must not take all memory.
+            self.all.clear();
+        }
+        for number in 0..count {
+            let mut episode = self.all.get(number).copied().unwrap_or_default();
+            carrier.within(&format!("episode.{number}"), |carrier| {
+                let Episode { start, end, peak_force, peak_time, impulse } = &mut episode;
+                let numbers = [
+                    ("start", start),
+                    ("end", end),
+                    ("peak_force", peak_force),
+                    ("peak_time", peak_time),
+                    ("impulse", impulse),
+                ];
+                numbers.into_iter().try_for_each(|(name, value)| carrier.number(name, value))
+            })?;
+            if carrier.is_loading() {
+                self.all.push(episode);
+            }
+        }
+        let mut last = self.last.unwrap_or_default();
+        carrier.within("last", |carrier| last.carry(carrier))?;
+        self.last = Some(last);
+        Ok(())
     }
 
     /// All episodes so far, in the order of time. While [`Self::is_open`], the last one ends at the last step.

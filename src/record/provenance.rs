@@ -10,6 +10,10 @@ pub struct Provenance {
     pub title: String,
     /// The scene's full text.
     pub scene: String,
+    /// The folder that the scene's mesh file is relative to.
+    pub folder: String,
+    /// Digest of that mesh file, where there is one.
+    pub mesh_digest: Option<String>,
     /// Version of the program.
     pub version: String,
     /// Git commit of the program.
@@ -121,6 +125,7 @@ impl Provenance {
         for (name, text) in [
             ("title", &self.title),
             ("scene", &self.scene),
+            ("folder", &self.folder),
             ("version", &self.version),
             ("commit", &self.commit),
             ("petsc_version", &self.petsc_version),
@@ -129,6 +134,9 @@ impl Provenance {
             ("reduction", &self.reduction),
         ] {
             write_text(root, name, text)?;
+        }
+        if let Some(digest) = &self.mesh_digest {
+            write_text(root, "mesh_digest", digest)?;
         }
         write_scalar(root, "ranks", self.ranks as u64)?;
         write_scalar(root, "unknowns", self.unknowns as u64)?;
@@ -146,6 +154,8 @@ impl Provenance {
         Ok(Self {
             title: words("title")?,
             scene: words("scene")?,
+            folder: words("folder").unwrap_or_default(),
+            mesh_digest: words("mesh_digest").ok(),
             version: words("version")?,
             commit: words("commit")?,
             petsc_version: words("petsc_version")?,

@@ -1,6 +1,8 @@
 //! A result read back, as far as a figure needs it.
 
 use crate::error::{Error, Result};
+use crate::impact::step::Step;
+use crate::record::columns::{Column, SERIES};
 use crate::record::provenance::{Cost, Provenance, text};
 use crate::record::target::is_locked;
 use hdf5_metno as hdf5;
@@ -21,6 +23,14 @@ pub struct History {
     pub impulses: Vec<f64>,
 }
 
+/// Where a result comes from.
+///
+/// # Errors
+/// [`Error::Io`] as [`history`].
+pub fn provenance(path: &Path) -> Result<Provenance> {
+    origin(path).map(|(provenance, ..)| provenance)
+}
+
 /// Where a result comes from, what it has cost, and whether it came to its end.
 ///
 /// # Errors
@@ -29,6 +39,25 @@ pub fn origin(path: &Path) -> Result<(Provenance, Cost, bool)> {
     let file = open(path)?;
     let read = || Ok((Provenance::read(&file)?, Cost::read(&file)?, file.attr("complete")?.read_scalar()?));
     read().map_err(|e: hdf5::Error| Error::io(path, format!("is not a result of this version of ricochet: {e}")))
+}
+
+/// The first rows of every column of the series of the result `path`, as many as are asked for.
+///
+/// # Errors
+/// [`Error::Io`] as [`history`], and where there are fewer.
+pub fn rows(path: &Path, rows: usize) -> Result<Vec<Vec<f64>>> {
+    let file = open(path)?;
+    let of_column = |column: &Column<Step>| {
+        let read = file.dataset(column.path).and_then(|dataset| dataset.read_raw::<f64>());
+        let mut values = read.map_err(|e| Error::io(path, format!("/{} cannot be read ({e})", column.path)))?;
+        if values.len() < rows {
+            let reason = format!("/{} has {} rows, and its checkpoint {rows}", column.path, values.len());
+            return Err(Error::io(path, reason));
+        }
+        values.truncate(rows);
+        Ok(values)
+    };
+    SERIES.iter().map(of_column).collect()
 }
 
 /// Reads the history of the result `path`. After a kill, datasets may differ in length by one flush: the rows are

@@ -29,6 +29,26 @@ const CHUNK_MOST: usize = 1 << 24;
 /// Episodes in a chunk.
 const CHUNK_CONTACTS: usize = 64;
 
+/// What is there of a run that goes on.
+pub struct Earlier {
+    /// Every column of the series, all of the same number of rows.
+    pub columns: Vec<Vec<f64>>,
+    /// The contacts.
+    pub episodes: Episodes,
+}
+
+impl Earlier {
+    /// Time of its last row, s.
+    pub fn end(&self) -> f64 {
+        // The time is the last column.
+        self.columns.last().and_then(|time| time.last()).copied().unwrap_or_default()
+    }
+
+    fn rows(&self) -> usize {
+        self.columns.first().map_or(0, Vec::len)
+    }
+}
+
 /// Writes the series and the contacts of one run to a file. One process (rank 0) has it.
 pub struct SeriesWriter {
     path: PathBuf,
@@ -74,6 +94,35 @@ impl SeriesWriter {
             episodes_written: 0,
             flushed: None,
         })
+    }
+
+    /// Begins a result with what an earlier one of the same run holds, to which the next steps are added.
+    ///
+    /// # Errors
+    /// As [`Self::create`].
+    pub fn continued(path: &Path, provenance: &Provenance, earlier: Earlier) -> Result<Self> {
+        let mut writer = Self::create(path, provenance)?;
+        let rows = earlier.rows();
+        let copy = || {
+            for (dataset, values) in writer.series.iter().zip(&earlier.columns) {
+                dataset.resize((rows,))?;
+                dataset.write_slice(values, 0..rows)?;
+            }
+            Ok(())
+        };
+        copy().map_err(|e| not_written(path, &e))?;
+        (writer.rows_written, writer.episodes) = (rows, earlier.episodes);
+        Ok(writer)
+    }
+
+    /// Rows so far.
+    pub fn rows(&self) -> usize {
+        self.rows_written + self.buffer.len()
+    }
+
+    /// The episodes so far.
+    pub fn episodes(&self) -> &Episodes {
+        &self.episodes
     }
 
     /// Records only the steps whose number is a multiple of `n` (0 counts as 1). The contacts are those of all steps.

@@ -33,16 +33,35 @@ pub(super) fn resolved(path: &Path) -> PathBuf {
 /// The file in which a new result is begun, beside `path` (resolved): an older result stays whole until the new one
 /// has its first row. (H5Fcreate would cut the older file before it finds out that somebody else has it open.)
 pub(super) fn part(path: &Path) -> Result<PathBuf> {
+    beside(path, &format!("{}.part", std::process::id()))
+}
+
+/// A hidden file beside `path` (resolved) with another ending.
+pub(super) fn beside(path: &Path, ending: &str) -> Result<PathBuf> {
     let name = path.file_name().ok_or_else(|| Error::io(path, "is not the name of a file"))?;
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
         let reason = format!("there is no folder {}", folder.display());
         return Err(Error::io(path, reason));
     }
-    let mut part = OsString::from(".");
-    part.push(name);
-    part.push(format!(".{}.part", std::process::id()));
-    Ok(folder.join(part))
+    let mut hidden = OsString::from(".");
+    hidden.push(name);
+    hidden.push(format!(".{ending}"));
+    Ok(folder.join(hidden))
+}
+
+/// Removes what runs that were killed have begun beside `path`; for who alone may write there. An error is no harm.
+pub(super) fn remove_parts(path: &Path) {
+    let path = resolved(path);
+    let Some(name) = path.file_name().and_then(|name| name.to_str()) else { return };
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let file = entry.file_name();
+        let process = file.to_str().and_then(|file| file.strip_prefix(&format!(".{name}."))?.strip_suffix(".part"));
+        if process.is_some_and(|process| !process.is_empty() && process.bytes().all(|byte| byte.is_ascii_digit())) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// Whether what is at `path` is a result that may be replaced.

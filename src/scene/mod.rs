@@ -83,8 +83,16 @@ impl Scene {
     /// # Errors
     /// [`Error::Scene`](crate::Error::Scene) for everything that is wrong in the text or in an override.
     pub fn from_text(path: &Path, text: &str, overrides: &[String]) -> crate::Result<(Self, Source)> {
-        let source = Source::new(&path.display().to_string(), text, overrides)?;
-        Ok((check::scene(&source, path.parent().unwrap_or(Path::new("")))?, source))
+        Self::within(&path.display().to_string(), path.parent().unwrap_or(Path::new("")), text, overrides)
+    }
+
+    /// The scene in `text`, called `name` in messages; a mesh file is relative to `folder`.
+    ///
+    /// # Errors
+    /// [`Error::Scene`](crate::Error::Scene) for everything that is wrong in the text or in an override.
+    pub fn within(name: &str, folder: &Path, text: &str, overrides: &[String]) -> crate::Result<(Self, Source)> {
+        let source = Source::new(name, text, overrides)?.of_folder(folder);
+        Ok((check::scene(&source, folder)?, source))
     }
 
     /// The axis across the face of a box that is hit; `None` for a mesh file.
@@ -339,4 +347,8 @@ pub enum Newton {
 pub struct Output {
     /// Every n-th step goes into the series.
     pub every: usize,
+    /// After so many steps a checkpoint is kept.
+    pub checkpoint_steps: Option<usize>,
+    /// After so many minutes of wall time a checkpoint is kept.
+    pub checkpoint_minutes: Option<f64>,
 }

@@ -130,4 +130,6 @@ pub(super) struct Solver {
 #[serde(deny_unknown_fields, expecting = "a table with the header [output]")]
 pub(super) struct Output {
     pub every: Option<Whole>,
+    pub checkpoint_steps: Option<Whole>,
+    pub checkpoint_minutes: Option<Number>,
 }

@@ -1,6 +1,7 @@
 //! The text of a scene after its overrides, and errors that point into it.
 
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 use miette::{LabeledSpan, NamedSource};
 use toml_edit::{Document, DocumentMut};
@@ -13,6 +14,8 @@ use super::overrides::Override;
 #[derive(Debug, Clone)]
 pub struct Source {
     name: String,
+    /// What a mesh file is relative to.
+    folder: PathBuf,
     text: String,
     overrides: Vec<Override>,
     /// The option that gave the overrides.
@@ -38,9 +41,10 @@ impl Source {
     }
 
     fn with(name: &str, text: &str, overrides: &[String], option: &'static str) -> Result<Self, SceneError> {
-        let mut source = Self { name: name.to_owned(), text: text.to_owned(), overrides: Vec::new(), option };
+        let (name, text) = (name.to_owned(), text.to_owned());
+        let mut source = Self { name, folder: PathBuf::new(), text, overrides: Vec::new(), option };
         let mut document =
-            Document::parse(text).map_err(|error| source.syntax(error.message(), error.span()))?.into_mut();
+            Document::parse(source.text.as_str()).map_err(|error| source.syntax(error.message(), error.span()))?.into_mut();
         for given in overrides {
             let entry = Override::new(given)
                 .and_then(|entry| entry.apply(&mut document).map(|()| entry))
@@ -51,6 +55,16 @@ impl Source {
             source.text = written(&document, option, overrides)?;
         }
         Ok(source)
+    }
+
+    /// Of a scene whose mesh file is relative to a folder.
+    pub(super) fn of_folder(self, folder: &Path) -> Self {
+        Self { folder: folder.to_owned(), ..self }
+    }
+
+    /// What a mesh file is relative to; empty for the current folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
     }
 
     /// Name of the scene in messages: its file.

@@ -53,6 +53,8 @@ pub fn provenance(title: &str, planned_rows: Option<usize>) -> Provenance {
     Provenance {
         title: title.into(),
         scene: "title = \"Δt\"\n".repeat(10_000),
+        folder: "/scenes".into(),
+        mesh_digest: Some("0123456789abcdef".into()),
         version: "0.1.0".into(),
         commit: "0123456789ab".into(),
         petsc_version: "3.18.5".into(),

@@ -123,10 +123,20 @@ fn load(source: &Source, raw: &raw::Load, outline: &Outline) -> Result<Load, Sce
     Ok(Load { body_force, traction })
 }
 
+/// Wall time between two checkpoints, where a scene gives none.
+const CHECKPOINT_MINUTES: f64 = 10.0;
+
 fn output(source: &Source, raw: &raw::Output) -> Result<Output, SceneError> {
     let Whole(every) = raw.every.unwrap_or(Whole(1));
     let every = source.whole("output.every", every, 1..=1_000_000_000)?;
-    Ok(Output { every })
+    let steps = |Whole(steps): Whole| source.whole("output.checkpoint_steps", steps, 1..=1_000_000_000);
+    let checkpoint_steps = raw.checkpoint_steps.map(steps).transpose()?;
+    let Number(minutes) = raw.checkpoint_minutes.unwrap_or(Number(CHECKPOINT_MINUTES));
+    if !(0.0..=1e6).contains(&minutes) {
+        let message = format!("{} is out of range", numbers::show(minutes));
+        return Err(source.error("output.checkpoint_minutes", message, "minutes, up to 1e6; 0 keeps none by the clock"));
+    }
+    Ok(Output { every, checkpoint_steps, checkpoint_minutes: (minutes > 0.0).then_some(minutes) })
 }
 
 /// The one of `words` that was given, or the first of them where nothing was.

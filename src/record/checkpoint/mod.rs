@@ -1,0 +1,148 @@
+//! Checkpoints on the disk: what a run goes on from, beside its result.
+//!
+//! A checkpoint is written to a file beside the last one and takes its place when it is whole, so that there is one at any moment.
+//! Values are by node, and nodes are known by where they lie: any number of ranks may go on.
+
+mod nodes;
+
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use hdf5_metno as hdf5;
+use hdf5_metno::types::VarLenUnicode;
+
+use crate::error::{Error, Result};
+use crate::impact::checkpoint::Checkpoint;
+use crate::record::columns::not_written;
+use crate::record::provenance::{text, write_text};
+use crate::scene::Vec3;
+use crate::record::target;
+
+use nodes::Nodes;
+
+/// The scene that the run is of, and the unknowns of its vectors.
+pub struct Kept {
+    /// The scene's full text.
+    pub scene: String,
+    /// Where the nodes lie, m, three unknowns each, in the order of the vectors' values; empty for a body without nodes.
+    pub nodes: Vec<Vec3>,
+    /// All values of all ranks.
+    pub checkpoint: Checkpoint,
+}
+
+/// The checkpoint's file beside a result: `plate.h5` has `plate.checkpoint.h5`.
+pub fn beside(result: &Path) -> PathBuf {
+    let mut name = result.file_stem().map(OsString::from).unwrap_or_default();
+    name.push(".checkpoint.h5");
+    target::resolved(result).with_file_name(name)
+}
+
+impl Kept {
+    /// Writes it beside the result `result`, in the place of the last one.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; the last one is then still there.
+    pub fn write(&self, result: &Path) -> Result<()> {
+        let path = beside(result);
+        let part = target::part(&path)?;
+        let written = self.write_to(&part).map_err(|error| not_written(&path, &error)).and_then(|()| {
+            // On the disk before it is called by its name.
+            fs::File::open(&part).and_then(|file| file.sync_all()).map_err(|error| Error::io(&path, error))?;
+            fs::rename(&part, &path).map_err(|error| Error::io(&path, error))
+        });
+        if written.is_err() {
+            // The error in hand says more than one of the removal would.
+            let _ = fs::remove_file(&part);
+        }
+        written
+    }
+
+    fn write_to(&self, path: &Path) -> hdf5::Result<()> {
+        let file = hdf5::File::create(path)?;
+        write_text(&file, "scene", &self.scene)?;
+        let (names, numbers): (Vec<VarLenUnicode>, Vec<f64>) =
+            self.checkpoint.numbers.iter().map(|(name, number)| (name.parse().unwrap_or_default(), *number)).unzip();
+        file.new_dataset_builder().with_data(&names).create("names")?;
+        file.new_dataset_builder().with_data(&numbers).create("numbers")?;
+        file.new_dataset_builder().with_data(self.nodes.as_flattened()).create("nodes")?;
+        let vectors = file.create_group("vectors")?;
+        for (name, values) in &self.checkpoint.vectors {
+            vectors.new_dataset_builder().with_data(values).create(name.as_str())?;
+        }
+        file.close()
+    }
+
+    /// The part of one rank, whose nodes lie at `nodes` and are numbered from `first` on; all of it for a body without nodes.
+    ///
+    /// # Errors
+    /// Why it is of another body.
+    pub fn part(self, nodes: Option<&[Vec3]>, first: usize) -> std::result::Result<Checkpoint, String> {
+        let Some(nodes) = nodes else {
+            return if self.nodes.is_empty() { Ok(self.checkpoint) } else { Err("it is of a body with a mesh".into()) };
+        };
+        let same = self.nodes.get(first..first + nodes.len()).is_some_and(|there| there == nodes);
+        let places: Vec<usize> = if same {
+            (first..first + nodes.len()).collect()
+        } else {
+            let table = Nodes::new(&self.nodes);
+            let place = |x: &Vec3| {
+                let [x, y, z] = *x;
+                table.at([x, y, z]).ok_or_else(|| format!("it has no node, or more than one, at [{x:.6}, {y:.6}, {z:.6}]"))
+            };
+            nodes.iter().map(place).collect::<std::result::Result<_, _>>()?
+        };
+        let Checkpoint { vectors, numbers } = self.checkpoint;
+        let part = |(name, values): (String, Vec<f64>)| {
+            if values.len() != 3 * self.nodes.len() {
+                return Err(format!("its {name} has {} values for {} nodes", values.len(), self.nodes.len()));
+            }
+            let mine = places.iter().flat_map(|place| &values[3 * place..3 * place + 3]).copied().collect();
+            Ok((name, mine))
+        };
+        let vectors = vectors.into_iter().map(part).collect::<std::result::Result<_, _>>()?;
+        Ok(Checkpoint { vectors, numbers })
+    }
+
+    /// Reads the checkpoint beside a result; `None` where there is none.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where it cannot be read, or is no checkpoint.
+    pub fn read(result: &Path) -> Result<Option<Self>> {
+        let path = beside(result);
+        if !path.exists() {
+            return Ok(None);
+        }
+        let read = || {
+            let file = hdf5::File::open(&path)?;
+            let names = file.dataset("names")?.read_raw::<VarLenUnicode>()?.into_iter().map(|name| name.to_string());
+            let numbers = names.zip(file.dataset("numbers")?.read_raw::<f64>()?).collect();
+            let group = file.group("vectors")?;
+            let vector = |name: String| Ok((name.clone(), group.dataset(&name)?.read_raw::<f64>()?));
+            let flat = file.dataset("nodes")?.read_raw::<f64>()?;
+            Ok(Self {
+                scene: text(&file, "scene")?,
+                nodes: flat.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect(),
+                checkpoint: Checkpoint {
+                    numbers,
+                    vectors: group.member_names()?.into_iter().map(vector).collect::<hdf5::Result<_>>()?,
+                },
+            })
+        };
+        read().map(Some).map_err(|error: hdf5::Error| {
+            Error::io(&path, format!("is no whole checkpoint: {}", error.to_string().lines().next().unwrap_or_default()))
+        })
+    }
+}
+
+/// Removes the checkpoint beside a result that is complete.
+///
+/// # Errors
+/// [`Error::Io`] where there is one and it cannot be removed.
+pub fn remove(result: &Path) -> Result<()> {
+    let path = beside(result);
+    match fs::remove_file(&path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(Error::io(&path, error)),
+        _ => Ok(()),
+    }
+}

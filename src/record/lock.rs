@@ -1,0 +1,63 @@
+//! One run at a time on a result.
+
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::os::unix::fs::MetadataExt;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+use crate::record::{checkpoint, target};
+
+/// A file beside a result that is locked while a run writes it. The system lifts the lock when the process ends, however it ends.
+pub struct Lock {
+    path: PathBuf,
+    /// Holds the lock while it is open.
+    _file: File,
+}
+
+impl Lock {
+    /// Takes the lock of the result at `path`.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where another run has it, or where no file can be made there.
+    pub fn take(path: &Path) -> Result<Self> {
+        let beside = target::beside(&target::resolved(path), "lock")?;
+        loop {
+            let file = OpenOptions::new()
+                .write(true)
+                .create(true)
+                .truncate(false)
+                .open(&beside)
+                .map_err(|error| Error::io(path, format!("cannot be created: {error}")))?;
+            let is_locked = match file.try_lock() {
+                Ok(()) => true,
+                Err(TryLockError::WouldBlock) => {
+                    return Err(Error::io(path, "is being written by another run, which is not finished with it"));
+                }
+                // File systems without locks: then nothing is known of others.
+                Err(TryLockError::Error(error)) => {
+                    tracing::debug!("no lock beside {}: {error}", path.display());
+                    false
+                }
+            };
+            // The one before may have removed it between its opening and its lock.
+            let of = |metadata: fs::Metadata| (metadata.dev(), metadata.ino());
+            let (held, there) = (file.metadata().map(of), fs::metadata(&beside).map(of));
+            if let (Ok(held), Ok(there)) = (held, there)
+                && held == there
+            {
+                if is_locked {
+                    target::remove_parts(path);
+                    target::remove_parts(&checkpoint::beside(path));
+                }
+                return Ok(Self { path: beside, _file: file });
+            }
+        }
+    }
+}
+
+impl Drop for Lock {
+    /// Removes the file, which nobody else can have locked; an error has nobody to go to.
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.path);
+    }
+}

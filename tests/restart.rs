@@ -1,0 +1,238 @@
+//! Runs that go on where they were ended: from a checkpoint, on any number of ranks, to the series of a run that was not.
+
+#[path = "common/program.rs"]
+mod program;
+#[path = "common/results.rs"]
+mod results;
+
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use program::{BOX, LIMIT, Outcome, ricochet, run, send, start};
+use results::{column, difference, folder, good, is_complete, words};
+use tempfile::TempDir;
+
+/// As [`BOX`] with the condensed step, some thousands of steps of it.
+fn scene(more: &str) -> String {
+    BOX.replace("newton = \"full\"", "newton = \"condensed\"").replace("end = 1e-3", "end = 0.1") + more
+}
+
+const SERIES: [&str; 5] = ["time", "impactor/velocity", "contact/force", "energy/total", "energy/numerical"];
+
+/// Starts a run, ends it by a signal when its checkpoint is there, and tells how it ended.
+fn interrupted(folder: &TempDir, ranks: usize, line: &str, signal: &str) -> Outcome {
+    let checkpoint = folder.path().join("out.checkpoint.h5");
+    let before = fs::metadata(&checkpoint).and_then(|file| file.modified()).ok();
+    let started = start(ricochet(folder.path(), ranks).args(words(line)));
+    let begin = Instant::now();
+    while fs::metadata(&checkpoint).and_then(|file| file.modified()).ok() == before {
+        assert!(begin.elapsed() < LIMIT, "no checkpoint");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    send(signal, &started.child.id().to_string());
+    let outcome = started.wait(LIMIT);
+    assert_eq!(outcome.status, Some(130), "{line}: {outcome:#?}");
+    assert!(!is_complete(&folder.path().join("out.h5")));
+    outcome
+}
+
+/// What two results have alike, by the largest difference of a series over its peak.
+fn check_alike(path: &Path, whole: &Path, tolerance: f64) {
+    assert!(is_complete(path));
+    for name in SERIES {
+        let (part, whole) = (column(path, name), column(whole, name));
+        assert!(difference(&part, &whole) <= tolerance, "{name}: {:e}", difference(&part, &whole));
+    }
+    let contacts = |path: &Path, name: &str| -> Vec<f64> {
+        hdf5_metno::File::open(path).unwrap().dataset(&format!("contacts/{name}")).unwrap().read_raw().unwrap()
+    };
+    for name in ["start", "end", "peak_force", "peak_time", "impulse"] {
+        let (part, whole) = (contacts(path, name), contacts(whole, name));
+        assert!(difference(&part, &whole) <= tolerance.max(0.0), "{name}: {part:?} {whole:?}");
+    }
+}
+
+/// Ended by a signal and gone on with, bit for bit the run that was not ended: every scheme, dampers, pads, chosen steps, a basis.
+#[test]
+fn restarted_series_are_those_of_one_run() {
+    let damper = "\n[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e8\ndamping = 1e4\n";
+    let pad = "\n[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nstiffness = 1e9\nnormal = [0, 0, -1]\n";
+    let cases = [
+        ("newmark", "", "--set time.scheme=newmark --set output.every=3"),
+        ("a damper", damper, "--set time.scheme=generalized-alpha"),
+        ("a pad", pad, "--set time.scheme=energy --set time.end=0.02"),
+        ("explicit", "", "--set time.scheme=central-difference --set time.step=1e-6 --set time.end=0.01"),
+        ("chosen steps", damper, "--set time.step= --set time.scheme=newmark"),
+        ("chosen steps of the energy scheme", "", "--set time.step= --set time.scheme=energy"),
+        ("a basis", "", "--set body.reduction=20 --set time.scheme=newmark --set time.step=2e-6"),
+    ];
+    for (name, more, settings) in cases {
+        let folder = folder(&scene(more));
+        good(&folder, 0, &format!("run scene.toml -o whole.h5 {settings}"));
+        let line = format!("run scene.toml -o out.h5 {settings} --set output.checkpoint_steps=100");
+        interrupted(&folder, 0, &line, if more.is_empty() { "TERM" } else { "USR1" });
+        let rows = column(&folder.path().join("out.h5"), "time").len();
+        let outcome = good(&folder, 0, &format!("run scene.toml --restart out.h5 {settings}"));
+        assert!(outcome.stderr.contains("on from t = "), "{name}: {outcome:#?}");
+        println!("{name}: ended after {rows} rows");
+        check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), 0.0);
+        assert!(!folder.path().join("out.checkpoint.h5").exists(), "{name}: a checkpoint of a complete run");
+    }
+}
+
+/// The paper's Newton's method keeps its factor while that serves, and goes on with a new one: alike to its tolerance.
+#[test]
+fn the_full_newton_goes_on_within_its_tolerance() {
+    let folder = folder(&BOX.replace("end = 1e-3", "end = 0.05"));
+    good(&folder, 0, "run scene.toml -o whole.h5");
+    interrupted(&folder, 0, "run scene.toml -o out.h5 --set output.checkpoint_steps=50", "TERM");
+    good(&folder, 0, "run scene.toml --restart out.h5");
+    // 1e-10 of the largest force a step, over some thousand of them; two contacts apart they have grown.
+    check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), 1e-7);
+}
+
+/// One rank, two, three and one again: nodes are known by where they lie.
+#[test]
+fn ranks_may_change() {
+    let damper = "\n[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e8\ndamping = 1e4\n";
+    for settings in ["", "--set body.order=2 --set time.step=", "--set body.symmetry=auto"] {
+        let folder = folder(&scene(damper).replace("end = 0.1", "end = 0.04"));
+        good(&folder, 1, &format!("run scene.toml -o whole.h5 {settings}"));
+        let line = |restart: &str| {
+            format!("run scene.toml -o out.h5 {restart} {settings} --set output.checkpoint_steps=200")
+        };
+        interrupted(&folder, 1, &line(""), "TERM");
+        interrupted(&folder, 2, &line("--restart out.h5"), "TERM");
+        interrupted(&folder, 3, &line("--restart out.h5"), "USR1");
+        good(&folder, 1, &line("--restart out.h5"));
+        check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), 1e-7);
+    }
+}
+
+/// A later end, and another file for what follows.
+#[test]
+fn the_end_and_the_file_may_change() {
+    let folder = folder(&scene(""));
+    good(&folder, 0, "run scene.toml -o whole.h5 --set time.end=0.12");
+    interrupted(&folder, 0, "run scene.toml -o out.h5 --set output.checkpoint_steps=100", "TERM");
+    let before = fs::read(folder.path().join("out.h5")).unwrap();
+    good(&folder, 0, "run scene.toml --restart out.h5 -o longer.h5 --set time.end=0.12");
+    check_alike(&folder.path().join("longer.h5"), &folder.path().join("whole.h5"), 0.0);
+    assert!(before == fs::read(folder.path().join("out.h5")).unwrap(), "the result that was gone on from has changed");
+}
+
+fn refused(folder: &TempDir, line: &str, status: i32, words_of: &[&str]) {
+    for ranks in [0, 2] {
+        let outcome = run(ricochet(folder.path(), ranks).args(words(line)));
+        assert_eq!(outcome.status, Some(status), "{line}: {outcome:#?}");
+        let errors: Vec<&str> = outcome.stderr.lines().filter(|line| line.contains("error: ")).collect();
+        assert_eq!(errors.len(), 1, "{line}: {outcome:#?}");
+        for word in words_of {
+            assert!(errors[0].contains(word), "{line}: {word} is not in {}", errors[0]);
+        }
+    }
+}
+
+/// What cannot go on says why, in one message, and leaves everything as it was.
+#[test]
+fn what_cannot_go_on_says_why() {
+    let folder = folder(&scene(""));
+    let path = |name: &str| folder.path().join(name);
+    refused(&folder, "run scene.toml --restart out.h5", 4, &["out.h5", "No such file"]);
+    interrupted(&folder, 0, "run scene.toml -o out.h5 --set output.checkpoint_steps=100", "TERM");
+    let whole = [fs::read(path("out.h5")).unwrap(), fs::read(path("out.checkpoint.h5")).unwrap()];
+    refused(&folder, "run scene.toml --restart out.h5 --set body.young=71e9", 2, &["out.checkpoint.h5", "another scene"]);
+    refused(&folder, "run scene.toml --restart out.h5 --set time.step=1e-5", 2, &["another scene"]);
+    // Cut at every kind of place: in the superblock, in the headers, in the numbers, just before the end.
+    let length = whole[1].len();
+    for part in [0, 4, 100, 800, length / 8, length / 3, length / 2, length - 3000, length - 8, length - 1] {
+        fs::write(path("out.checkpoint.h5"), &whole[1][..part]).unwrap();
+        refused(&folder, "run scene.toml --restart out.h5", 4, &["out.checkpoint.h5", "is no whole checkpoint"]);
+    }
+    fs::write(path("out.checkpoint.h5"), &whole[1]).unwrap();
+    fs::write(path("out.h5"), &whole[0][..whole[0].len() / 2]).unwrap();
+    refused(&folder, "run scene.toml --restart out.h5", 4, &["out.h5"]);
+    fs::write(path("out.h5"), &whole[0]).unwrap();
+    good(&folder, 0, "run scene.toml --restart out.h5");
+    let outcome = good(&folder, 0, "run scene.toml --restart out.h5");
+    assert!(outcome.stderr.contains("is complete: there is nothing to go on with"), "{outcome:#?}");
+}
+
+/// A run that was ended before any checkpoint begins anew, and one in modal coordinates has none.
+#[test]
+fn without_a_checkpoint_it_begins_anew() {
+    let folder = folder(&scene(""));
+    good(&folder, 0, "run scene.toml -o whole.h5");
+    let mut started = start(ricochet(folder.path(), 0).args(words("run scene.toml -o out.h5")));
+    let begin = Instant::now();
+    while !folder.path().join("out.h5").exists() {
+        assert!(begin.elapsed() < LIMIT);
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    started.child.kill().unwrap();
+    started.wait(LIMIT);
+    let outcome = good(&folder, 0, "run scene.toml --restart out.h5");
+    assert!(outcome.stderr.contains("from the beginning"), "{outcome:#?}");
+    check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), 0.0);
+}
+
+/// A result is run again from itself, with its options for PETSc, to the same numbers; and tells what it holds.
+#[test]
+fn a_result_is_run_again_from_itself() {
+    let folder = folder(&scene("").replace("end = 0.1", "end = 0.01"));
+    good(&folder, 0, "run scene.toml -o out.h5 --set time.step=1e-5 -- -ksp_type cg -pc_type jacobi -ksp_rtol 1e-11");
+    fs::remove_file(folder.path().join("scene.toml")).unwrap();
+    good(&folder, 0, "run out.h5 -o again.h5");
+    check_alike(&folder.path().join("again.h5"), &folder.path().join("out.h5"), 0.0);
+    let outcome = good(&folder, 0, "info again.h5");
+    for words in ["Small plate", "complete", "1001 rows", "-ksp_type cg", "contact    0.0000 to "] {
+        assert!(outcome.stdout.contains(words), "{words}: {outcome:#?}");
+    }
+    let scene = good(&folder, 0, "info out.h5 --scene").stdout;
+    assert!(scene.contains("step = 1e-5"), "{scene}");
+    fs::write(folder.path().join("from.toml"), scene).unwrap();
+    good(&folder, 0, "run from.toml -o from.h5 -- -ksp_type cg -pc_type jacobi -ksp_rtol 1e-11");
+    check_alike(&folder.path().join("from.h5"), &folder.path().join("out.h5"), 0.0);
+    refused(&folder, "run out.h5", 2, &["-o OUT.h5"]);
+}
+
+/// Where the mesh file has changed since, a result is not run again from itself.
+#[test]
+fn a_result_knows_its_mesh() {
+    let folder = folder(
+        "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500\nmesh = \"plate.msh\"\n[impactor]\nmass = 1\nradius = 0.05\n\
+         young = 210e9\npoisson = 0.3\nspeed = 1\npoint = [0, 0, 0.05]\n[time]\nend = 1e-4\nstep = 1e-5\nscheme = \"newmark\"\n\
+         [contact]\nlocalization = \"point\"\n",
+    );
+    let meshes = Path::new(env!("CARGO_MANIFEST_DIR")).join("meshes");
+    fs::copy(meshes.join("block-hex.msh"), folder.path().join("plate.msh")).unwrap();
+    good(&folder, 0, "run scene.toml -o out.h5");
+    fs::create_dir(folder.path().join("elsewhere")).unwrap();
+    fs::rename(folder.path().join("out.h5"), folder.path().join("elsewhere/out.h5")).unwrap();
+    good(&folder, 0, "run elsewhere/out.h5 -o again.h5");
+    check_alike(&folder.path().join("again.h5"), &folder.path().join("elsewhere/out.h5"), 0.0);
+    let mut text = fs::read(folder.path().join("plate.msh")).unwrap();
+    text.push(b'\n');
+    fs::write(folder.path().join("plate.msh"), text).unwrap();
+    refused(&folder, "run elsewhere/out.h5 -o again.h5", 2, &["plate.msh", "out.h5"]);
+}
+
+/// Two runs on one output: the second is refused, whatever the first one does at that moment.
+#[test]
+fn one_run_at_a_time_writes_a_result() {
+    let folder = folder(&scene("").replace("end = 0.1", "end = 10"));
+    let line = "run scene.toml -o out.h5";
+    let started = start(ricochet(folder.path(), 2).args(words(line)));
+    let begin = Instant::now();
+    while !folder.path().join(".out.h5.lock").exists() {
+        assert!(begin.elapsed() < LIMIT);
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    refused(&folder, line, 4, &["out.h5", "another run"]);
+    refused(&folder, "run scene.toml --restart out.h5", 4, &["out.h5", "another run"]);
+    send("TERM", &started.child.id().to_string());
+    assert_eq!(started.wait(LIMIT).status, Some(130));
+    assert!(!folder.path().join(".out.h5.lock").exists());
+    good(&folder, 0, "run scene.toml -o out.h5 --set time.end=1e-3");
+}
