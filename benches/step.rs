@@ -77,7 +77,7 @@ fn basis(mesh: &Mesh) -> [f64; 2] {
     let body = Body::solid(&scene, mesh).expect("a body");
     let shift = 1e4;
     let begin = Instant::now();
-    let mut krylov = Krylov::new(&mesh.comm, &body, shift).expect("a basis");
+    let mut krylov = Krylov::new(&body, shift).expect("a basis");
     krylov.grow(&body, VECTORS).expect("a basis");
     krylov.projection(&body).expect("a projection");
     let of_basis = begin.elapsed().as_secs_f64();

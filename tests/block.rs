@@ -124,7 +124,7 @@ fn vibrations_between_sliding_walls(session: &Session) {
     let scene = scene(&format!("size = {edges:?}"), direction, &walls.concat());
     let errors = [1.6, 0.8].map(|fineness| {
         let body = body(session, &scene, fineness);
-        let mut krylov = Krylov::new(&session.alone(), &body, 3e4).unwrap();
+        let mut krylov = Krylov::new(&body, 3e4).unwrap();
         krylov.grow(&body, 80).unwrap();
         let mut squares =
             SymmetricEigen::new(krylov.projection(&body).unwrap().elastic).eigenvalues.as_slice().to_vec();
@@ -321,7 +321,7 @@ fn thin_plates_do_not_lock(session: &Session) {
 fn trace(scene: &Scene, body: &Body) -> Trace {
     let impactor = &scene.impactor;
     let rate = 15.0 / hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed);
-    let mut krylov = Krylov::new(body.comm(), body, rate).unwrap();
+    let mut krylov = Krylov::new(body, rate).unwrap();
     krylov.grow(body, 50).unwrap();
     let modes = ModalBody::of(&krylov.projection(body).unwrap());
     ModalImpact::new(scene, &modes).trace(None).unwrap().0

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use program::{BOX, LIMIT, Outcome, ricochet, run, send, start};
-use results::{column, difference, folder, good, is_complete, words};
+use results::{column, folder, good, is_complete, words};
 use tempfile::TempDir;
 
 /// As [`BOX`] with the condensed step, some thousands of steps of it.
@@ -20,7 +20,8 @@ fn scene(more: &str) -> String {
 
 const SERIES: [&str; 5] = ["time", "impactor/velocity", "contact/force", "energy/total", "energy/numerical"];
 
-/// Starts a run, ends it by a signal when its checkpoint is there, and tells how it ended.
+/// Starts a run, ends it by a signal when its checkpoint is there, and tells how it ended. (mpirun hands SIGUSR1 on, and ends itself and
+/// its ranks at SIGTERM.)
 fn interrupted(folder: &TempDir, ranks: usize, line: &str, signal: &str) -> Outcome {
     let checkpoint = folder.path().join("out.checkpoint.h5");
     let before = fs::metadata(&checkpoint).and_then(|file| file.modified()).ok();
@@ -40,16 +41,21 @@ fn interrupted(folder: &TempDir, ranks: usize, line: &str, signal: &str) -> Outc
 /// What two results have alike, by the largest difference of a series over its peak.
 fn check_alike(path: &Path, whole: &Path, tolerance: f64) {
     assert!(is_complete(path));
-    for name in SERIES {
-        let (part, whole) = (column(path, name), column(whole, name));
-        assert!(difference(&part, &whole) <= tolerance, "{name}: {:e}", difference(&part, &whole));
-    }
-    let contacts = |path: &Path, name: &str| -> Vec<f64> {
-        hdf5_metno::File::open(path).unwrap().dataset(&format!("contacts/{name}")).unwrap().read_raw().unwrap()
+    let names = |group: &'static str, names: &[&str]| {
+        names.iter().map(move |name| format!("{group}/{name}")).collect::<Vec<_>>()
     };
-    for name in ["start", "end", "peak_force", "peak_time", "impulse"] {
-        let (part, whole) = (contacts(path, name), contacts(whole, name));
-        assert!(difference(&part, &whole) <= tolerance.max(0.0), "{name}: {part:?} {whole:?}");
+    let contacts = names("contacts", &["start", "end", "peak_force", "peak_time", "impulse"]);
+    let [part, whole] = [path, whole].map(|path| hdf5_metno::File::open(path).unwrap());
+    let read = |file: &hdf5_metno::File, name: &str| -> Vec<f64> { file.dataset(name).unwrap().read_raw().unwrap() };
+    let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    for name in names("series", &SERIES).into_iter().chain(contacts) {
+        let [part, of_whole] = [&part, &whole].map(|file| read(file, &name));
+        // What the scheme made is rounding in some.
+        let scale =
+            largest(&if name.ends_with("numerical") { read(&whole, "series/energy/total") } else { of_whole.clone() });
+        let apart = part.iter().zip(&of_whole).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        let same = part.len() == of_whole.len() && apart <= tolerance * scale;
+        assert!(same, "{name}: {} and {} values, {apart:e} of {scale:e} apart", part.len(), of_whole.len());
     }
 }
 
@@ -68,6 +74,8 @@ fn restarted_series_are_those_of_one_run() {
         ("a basis", "", "--set body.reduction=20 --set time.scheme=newmark --set time.step=2e-6"),
     ];
     for (name, more, settings) in cases {
+        // Pads keep a factor while it serves, and go on with a new one: within the tolerance of their Newton's method.
+        let tolerance = if name == "a pad" { 1e-10 } else { 0.0 };
         let folder = folder(&scene(more));
         good(&folder, 0, &format!("run scene.toml -o whole.h5 {settings}"));
         let line = format!("run scene.toml -o out.h5 {settings} --set output.checkpoint_steps=100");
@@ -76,7 +84,7 @@ fn restarted_series_are_those_of_one_run() {
         let outcome = good(&folder, 0, &format!("run scene.toml --restart out.h5 {settings}"));
         assert!(outcome.stderr.contains("on from t = "), "{name}: {outcome:#?}");
         println!("{name}: ended after {rows} rows");
-        check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), 0.0);
+        check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), tolerance);
         assert!(!folder.path().join("out.checkpoint.h5").exists(), "{name}: a checkpoint of a complete run");
     }
 }
@@ -99,11 +107,10 @@ fn ranks_may_change() {
     for settings in ["", "--set body.order=2 --set time.step=", "--set body.symmetry=auto"] {
         let folder = folder(&scene(damper).replace("end = 0.1", "end = 0.04"));
         good(&folder, 1, &format!("run scene.toml -o whole.h5 {settings}"));
-        let line = |restart: &str| {
-            format!("run scene.toml -o out.h5 {restart} {settings} --set output.checkpoint_steps=200")
-        };
-        interrupted(&folder, 1, &line(""), "TERM");
-        interrupted(&folder, 2, &line("--restart out.h5"), "TERM");
+        let line =
+            |restart: &str| format!("run scene.toml -o out.h5 {restart} {settings} --set output.checkpoint_steps=200");
+        interrupted(&folder, 1, &line(""), "USR1");
+        interrupted(&folder, 2, &line("--restart out.h5"), "USR1");
         interrupted(&folder, 3, &line("--restart out.h5"), "USR1");
         good(&folder, 1, &line("--restart out.h5"));
         check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), 1e-7);
@@ -142,7 +149,12 @@ fn what_cannot_go_on_says_why() {
     refused(&folder, "run scene.toml --restart out.h5", 4, &["out.h5", "No such file"]);
     interrupted(&folder, 0, "run scene.toml -o out.h5 --set output.checkpoint_steps=100", "TERM");
     let whole = [fs::read(path("out.h5")).unwrap(), fs::read(path("out.checkpoint.h5")).unwrap()];
-    refused(&folder, "run scene.toml --restart out.h5 --set body.young=71e9", 2, &["out.checkpoint.h5", "another scene"]);
+    refused(
+        &folder,
+        "run scene.toml --restart out.h5 --set body.young=71e9",
+        2,
+        &["out.checkpoint.h5", "another scene"],
+    );
     refused(&folder, "run scene.toml --restart out.h5 --set time.step=1e-5", 2, &["another scene"]);
     // Cut at every kind of place: in the superblock, in the headers, in the numbers, just before the end.
     let length = whole[1].len();
@@ -202,7 +214,7 @@ fn a_result_is_run_again_from_itself() {
 fn a_result_knows_its_mesh() {
     let folder = folder(
         "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500\nmesh = \"plate.msh\"\n[impactor]\nmass = 1\nradius = 0.05\n\
-         young = 210e9\npoisson = 0.3\nspeed = 1\npoint = [0, 0, 0.05]\n[time]\nend = 1e-4\nstep = 1e-5\nscheme = \"newmark\"\n\
+         young = 210e9\npoisson = 0.3\nspeed = 1\npoint = [0, 0, 0.5]\n[time]\nend = 1e-4\nstep = 1e-5\nscheme = \"newmark\"\n\
          [contact]\nlocalization = \"point\"\n",
     );
     let meshes = Path::new(env!("CARGO_MANIFEST_DIR")).join("meshes");
@@ -231,7 +243,11 @@ fn one_run_at_a_time_writes_a_result() {
     }
     refused(&folder, line, 4, &["out.h5", "another run"]);
     refused(&folder, "run scene.toml --restart out.h5", 4, &["out.h5", "another run"]);
-    send("TERM", &started.child.id().to_string());
+    while !folder.path().join("out.h5").exists() {
+        assert!(begin.elapsed() < LIMIT);
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    send("USR1", &started.child.id().to_string());
     assert_eq!(started.wait(LIMIT).status, Some(130));
     assert!(!folder.path().join(".out.h5.lock").exists());
     good(&folder, 0, "run scene.toml -o out.h5 --set time.end=1e-3");

@@ -34,6 +34,8 @@ const FUNCTIONS: &[&str] = &[
     "KSPGetResidualNorm",
     "KSPGetType",
     "KSPSetFromOptions",
+    "KSPSetInitialGuessNonzero",
+    "KSPSetNormType",
     "KSPSetOperators",
     "KSPSetOptionsPrefix",
     "KSPSetTolerances",

@@ -14,17 +14,42 @@ use crate::vector::Vector;
 /// Relative residual at which iterative methods stop: PETSc's 1e-5 would be an error of that size in every step.
 const ITERATIVE: f64 = 1e-12;
 
+/// How a symmetric positive definite system is solved, where PETSc's options say nothing else.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Method {
+    /// One factorisation, by CHOLMOD on one rank, where its solves are the fastest, else by MUMPS.
+    Cholesky,
+    /// Conjugate gradients from the given guess on, preconditioned with multigrid of smoothed aggregates (GAMG), which knows the matrix's
+    /// near null space, down to a part of the right-hand side in the norm of the preconditioner, which is nearly that of the energy.
+    Multigrid {
+        /// That part.
+        tolerance: f64,
+    },
+    /// Conjugate gradients, preconditioned with the diagonal: for matrices like that of the mass.
+    Diagonal {
+        /// Relative residual.
+        tolerance: f64,
+    },
+}
+
 /// A linear solver with its preconditioner.
 pub struct Ksp(Object<sys::_p_KSP>);
 
 impl Ksp {
-    /// A solver of a symmetric positive definite matrix, whose options begin with `prefix` (empty, or ending in an underscore): by
-    /// default one factorisation, by CHOLMOD on one rank, where its solves are the fastest, else by MUMPS;
-    /// whatever else by PETSc's options; an iterative one stops at a relative residual of 1e-12. Collective.
+    /// [`Self::with`] Cholesky's method. Collective.
     ///
     /// # Errors
     /// PETSc's, e.g. for unknown types among the options.
     pub fn new(comm: &Comm, prefix: &str, matrix: &Matrix) -> Result<Self> {
+        Self::with(comm, prefix, matrix, Method::Cholesky)
+    }
+
+    /// A solver of a symmetric positive definite matrix, whose options begin with `prefix` (empty, or ending in an underscore), by a method,
+    /// or whatever else by PETSc's options; an iterative one of theirs stops at a relative residual of 1e-12. Collective.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. for unknown types among the options.
+    pub fn with(comm: &Comm, prefix: &str, matrix: &Matrix, method: Method) -> Result<Self> {
         let mut raw = std::ptr::null_mut();
         // SAFETY: the communicator is valid and the out-pointer too.
         check(unsafe { sys::KSPCreate(comm.raw(), &raw mut raw) })?;
@@ -34,10 +59,27 @@ impl Ksp {
         check(unsafe { sys::KSPSetOptionsPrefix(raw, prefix.as_ptr()) })?;
         // SAFETY: all are valid; PETSc counts its own references.
         check(unsafe { sys::KSPSetOperators(raw, matrix.raw(), matrix.raw()) })?;
-        default_to_cholesky(raw, matrix)?;
+        let tolerance = match method {
+            Method::Cholesky => {
+                default_to_cholesky(raw, matrix)?;
+                ITERATIVE
+            }
+            Method::Multigrid { tolerance } => {
+                default_to_gradients(raw, c"gamg")?;
+                // SAFETY: the solver is valid here and below.
+                check(unsafe { sys::KSPSetNormType(raw, sys::KSPNormType::KSP_NORM_NATURAL) })?;
+                // SAFETY: as above.
+                check(unsafe { sys::KSPSetInitialGuessNonzero(raw, sys::PetscBool::PETSC_TRUE) })?;
+                tolerance
+            }
+            Method::Diagonal { tolerance } => {
+                default_to_gradients(raw, c"jacobi")?;
+                tolerance
+            }
+        };
         let same = f64::from(sys::PETSC_DEFAULT);
         // SAFETY: the solver is valid here and below.
-        check(unsafe { sys::KSPSetTolerances(raw, ITERATIVE, same, same, sys::PETSC_DEFAULT as Int) })?;
+        check(unsafe { sys::KSPSetTolerances(raw, tolerance, same, same, sys::PETSC_DEFAULT as Int) })?;
         // SAFETY: as above.
         check(unsafe { sys::KSPSetFromOptions(raw) })?;
         Ok(ksp)
@@ -103,6 +145,17 @@ fn default_to_cholesky(ksp: sys::KSP, matrix: &Matrix) -> Result<()> {
     // SAFETY: the matrix, the name and the out-pointer are valid.
     check(unsafe { sys::MatGetFactorAvailable(matrix.raw(), CHOLMOD.as_ptr(), kind, &raw mut is_there) })?;
     precondition_by_cholesky(ksp, if is_there == sys::PetscBool::PETSC_TRUE { CHOLMOD } else { MUMPS })
+}
+
+/// Conjugate gradients with a preconditioner; options override it.
+fn default_to_gradients(ksp: sys::KSP, preconditioner: &CStr) -> Result<()> {
+    // SAFETY: `ksp` is valid here and below; types are C strings.
+    check(unsafe { sys::KSPSetType(ksp, c"cg".as_ptr()) })?;
+    let mut pc = std::ptr::null_mut();
+    // SAFETY: the preconditioner belongs to the solver.
+    check(unsafe { sys::KSPGetPC(ksp, &raw mut pc) })?;
+    // SAFETY: as above.
+    check(unsafe { sys::PCSetType(pc, preconditioner.as_ptr()) })
 }
 
 /// Conjugate gradients, by default preconditioned with Cholesky's method by MUMPS: with the matrix's own factor one

@@ -24,7 +24,7 @@ pub use comm::Comm;
 pub use error::{Diverged, Error, Frame, Result};
 pub use factor::{FactorEstimate, estimate_cholesky};
 pub use gather::Gather;
-pub use ksp::Ksp;
+pub use ksp::{Ksp, Method};
 pub use matrix::{Insert, Matrix, Row};
 pub use mpi;
 pub use null_space::NullSpace;

@@ -11,7 +11,7 @@
 //! orthogonal to all others twice, and K itself is projected.
 
 use nalgebra::{DMatrix, DVector};
-use petsc_wrap::{Comm, Ksp, Vector};
+use petsc_wrap::{Ksp, Vector};
 
 use super::{Body, Projection};
 use crate::error::Result;
@@ -54,7 +54,7 @@ impl Krylov {
     ///
     /// # Errors
     /// PETSc's.
-    pub fn new(comm: &Comm, body: &Body, shift: f64) -> Result<Self> {
+    pub fn new(body: &Body, shift: f64) -> Result<Self> {
         let matrix = body.operator(shift, shift * shift)?;
         let mut loads = body.load.duplicate()?;
         loads.copy_from(&body.load)?;
@@ -77,7 +77,7 @@ impl Krylov {
         }
         Ok(Self {
             shift,
-            solver: Ksp::new(comm, "", &matrix)?,
+            solver: body.solver(&matrix)?,
             basis: Vec::new(),
             auxiliary: Vec::new(),
             rows: [const { Vec::new() }; 3],

@@ -1,11 +1,14 @@
 //! A linear body with its pads, as operators that any scheme can apply and solve with.
 
-use petsc_wrap::{Comm, Matrix, NullSpace, Vector};
+use petsc_wrap::{Comm, Ksp, Matrix, Method, NullSpace, Vector};
 
 use crate::contact::Localization;
 use crate::error::Result;
 
 use super::{Clamps, Lumped, Pads};
+
+/// Relative residual of an iterative solution with M.
+const OF_MASS: f64 = 1e-12;
 
 /// The body's side of M ü + C u̇ + K u + p(u) = a F + f, as PETSc holds it.
 ///
@@ -35,6 +38,8 @@ pub struct Body {
     pub support_offset: f64,
     /// Where the impactor hits.
     pub localization: Localization,
+    /// How systems of its operators are solved.
+    pub method: Method,
     /// The rigid motions, which multigrid needs to know of, where there are unknowns enough for that.
     pub(super) rigid_motions: Option<NullSpace>,
     /// The body moved as a whole by one in the impactor's direction.
@@ -56,6 +61,30 @@ impl Body {
     /// Unknowns on all ranks.
     pub fn unknowns(&self) -> usize {
         self.load.len()
+    }
+
+    /// A solver of an operator of the body ([`Self::operator`]). Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn solver(&self, operator: &Matrix) -> Result<Ksp> {
+        Ok(Ksp::with(self.comm(), "", operator, self.method)?)
+    }
+
+    /// M with the held unknowns taken out, and its solver. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn mass_solver(&self) -> Result<(Matrix, Ksp)> {
+        let mut mass = self.mass.duplicate()?;
+        mass.zero_rows_columns(&self.clamps.rows, 1.0)?;
+        mass.declare_positive_definite()?;
+        let method = match self.method {
+            Method::Multigrid { .. } => Method::Diagonal { tolerance: OF_MASS },
+            method => method,
+        };
+        let solver = Ksp::with(self.comm(), "mass_", &mass, method)?;
+        Ok((mass, solver))
     }
 
     /// Whether nothing resists a translation along the impactor's direction. Collective.

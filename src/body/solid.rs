@@ -1,6 +1,6 @@
 //! A 3D elastic body, assembled over a mesh.
 
-use petsc_wrap::{Insert, Int, Matrix, NullSpace, Vector};
+use petsc_wrap::{Insert, Int, Matrix, Method, NullSpace, Vector};
 
 use crate::agree::agree;
 use crate::contact::Localization;
@@ -58,12 +58,24 @@ impl Body {
             translation: translation(mesh, scene.impactor.direction)?,
             localization,
             rigid_motions: Some(rigid_motions(mesh, &nodes)?),
+            method: method(scene, 3 * mesh.nodes),
             nodes: Some(nodes),
             deviates: deviates(mesh)?,
             clamps,
             copies: mesh.copies as f64,
         })
     }
+}
+
+/// Unknowns from which on a factor takes more memory and time than iterations do.
+const LARGE: usize = 300_000;
+
+/// Where iterations stop, as a part of the tolerance: what they leave adds up over some thousand steps.
+const OF_TOLERANCE: f64 = 1e-4;
+
+/// How a body of so many unknowns is solved.
+fn method(scene: &Scene, unknowns: usize) -> Method {
+    if unknowns < LARGE { Method::Cholesky } else { Method::Multigrid { tolerance: OF_TOLERANCE * scene.tolerance } }
 }
 
 /// Translations and rotations: what K maps to nothing, or to little where supports are soft or clamped parts few. Collective.

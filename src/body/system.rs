@@ -1,7 +1,7 @@
 //! A body given by numbers, without a mesh: small enough that every rank has all of it.
 
 use nalgebra_sparse::CsrMatrix;
-use petsc_wrap::{Comm, Int, Matrix, Vector};
+use petsc_wrap::{Comm, Int, Matrix, Method, Vector};
 
 use crate::contact::{Localization, Patch};
 use crate::error::Result;
@@ -84,6 +84,7 @@ impl Body {
                 patch: system.patch,
             },
             rigid_motions: None,
+            method: Method::Cholesky,
             translation: vector(&system.translation)?,
             deviates: vector(&deviates)?,
             nodes: None,

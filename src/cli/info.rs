@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use crate::error::Result;
+use crate::record::checkpoint::beside;
 use crate::record::provenance::{Cost, Provenance};
 use crate::record::read::{History, history, origin};
 use crate::record::sweep::{Quantity, Status, Sweep, is_sweep};
-use crate::record::checkpoint::beside;
 
 use super::{Info, say, short};
 
@@ -40,7 +40,10 @@ fn of_run(path: &Path, (provenance, cost, complete): (&Provenance, &Cost, bool),
         provenance;
     let options = if petsc_options.is_empty() { "no options" } else { petsc_options };
     say(format_args!("title      {title}"));
-    say(format_args!("program    ricochet {version} ({commit}), PETSc {petsc_version} with {options}, {}", ranks_of(*ranks)));
+    say(format_args!(
+        "program    ricochet {version} ({commit}), PETSc {petsc_version} with {options}, {}",
+        ranks_of(*ranks)
+    ));
     say(format_args!("model      {model}, {unknowns} unknowns, reduction {reduction}"));
     let end = history.time.last().copied().unwrap_or_default();
     let state = match complete {

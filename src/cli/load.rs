@@ -26,7 +26,7 @@ pub fn load(comm: &Comm, path: &Path, overrides: &[String]) -> Result<(Scene, So
     let origin = agree(comm, if comm.is_root() { read() } else { Ok(None) }).map_err(Error::Output)?;
     let of = |text: fn(Provenance) -> String| broadcast(comm, 0, origin.clone().map(text).unwrap_or_default());
     let (text, given) = (of(|origin| origin.scene), of(|origin| origin.petsc_options));
-    if options::all(comm.session())?.is_empty() {
+    if words(&options::all(comm.session())?).next().is_none() {
         set_options(comm, &given)?;
     }
     let folder = PathBuf::from(of(|origin| origin.folder));
@@ -68,9 +68,14 @@ pub fn mesh_digest(scene: &Scene) -> Option<String> {
     Some(format!("{digest:016x}"))
 }
 
-/// Options in one line, as PETSc lists them.
+/// The words of options in one line, as PETSc lists them, but for the one that every session has.
+fn words(line: &str) -> impl Iterator<Item = &str> {
+    line.split_whitespace().filter(|word| *word != "-no_signal_handler")
+}
+
+/// Sets options in one line.
 fn set_options(comm: &Comm, line: &str) -> Result<()> {
-    let mut words = line.split_whitespace().peekable();
+    let mut words = words(line).peekable();
     while let Some(name) = words.next() {
         // A number may begin with a minus sign.
         let value = words.next_if(|word| !word.starts_with('-') || word.parse::<f64>().is_ok());

@@ -21,7 +21,9 @@ pub fn provenance(
     Ok(Provenance {
         title: scene.title.clone(),
         scene: source.text().to_owned(),
-        folder: std::path::absolute(source.folder().join("")).map(|path| path.display().to_string()).unwrap_or_default(),
+        folder: std::path::absolute(source.folder().join(""))
+            .map(|path| path.display().to_string())
+            .unwrap_or_default(),
         mesh_digest: mesh_digest(scene),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         commit: env!("RICOCHET_COMMIT").to_owned(),

@@ -86,12 +86,7 @@ fn check_scene(result: &Path, text: &str, scene: &Scene) -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Output`] where checkpoint and series do not fit the simulation.
-pub fn go_on(
-    comm: &Comm,
-    kept: Kept,
-    result: &Path,
-    impact: &mut Simulation,
-) -> Result<Option<(Earlier, Summary)>> {
+pub fn go_on(comm: &Comm, kept: Kept, result: &Path, impact: &mut Simulation) -> Result<Option<(Earlier, Summary)>> {
     let there = match comm.is_root() {
         true => earlier(&kept.checkpoint, result).map(Some).map_err(|error| error.to_string()),
         false => Ok(None),

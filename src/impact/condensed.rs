@@ -26,6 +26,8 @@ pub struct Condensed {
     of_impactor: f64,
     /// Where pads push.
     pads: Option<PadStep>,
+    /// Whether its linear solves are direct ones.
+    pub is_direct: bool,
 }
 
 impl Condensed {
@@ -39,7 +41,7 @@ impl Condensed {
         (pushed, tolerance): (Vec<Int>, f64),
     ) -> Result<Self> {
         let matrix = body.operator(stage.c1, stage.c2)?;
-        let mut ksp = Ksp::new(comm, "", &matrix)?;
+        let mut ksp = body.solver(&matrix)?;
         let mut force = body.load.duplicate()?;
         force.copy_from(&body.localization.vector)?;
         body.clamps.zero(&mut force)?;
@@ -52,21 +54,18 @@ impl Condensed {
             Some(pads) if !pushed.is_empty() => Some(PadStep::new(comm, pads, pushed, response, tolerance)?),
             _ => None,
         };
-        Ok(Self { ksp, answer, compliance, of_impactor, pads })
+        let is_direct = ksp.is_direct()?;
+        Ok(Self { ksp, answer, compliance, of_impactor, pads, is_direct })
     }
 
-    /// Whether its linear solves are direct ones.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub(super) fn is_direct(&self) -> Result<bool> {
-        Ok(self.ksp.is_direct()?)
-    }
-
-    /// Solves a step. Collective.
+    /// Solves a step, iteratively from a guess of E, which it replaces. Collective.
     pub(super) fn solve(&mut self, problem: &Problem, increment: &mut Vector) -> Result<Solved> {
-        let Self { ksp, answer, compliance, of_impactor, pads } = self;
+        let Self { ksp, answer, compliance, of_impactor, pads, is_direct } = self;
         let (a, of_impactor, compliance) = (problem.direction, *of_impactor, *compliance);
+        // E* is what a body does without the force, which the guess has.
+        if !*is_direct {
+            increment.axpy(-problem.force.at(problem.force.from).0, answer)?;
+        }
         ksp.solve(problem.known, increment)?;
         if let Some(pads) = pads {
             return pads.solve(Response { ksp, answer, compliance, of_impactor }, problem, increment);

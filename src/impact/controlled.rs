@@ -96,7 +96,7 @@ impl Controlled<'_> {
         resumed: Option<Checkpoint>,
         observer: &mut impl Observer,
     ) -> Result<(ControlFlow<()>, Trajectory)> {
-        let mut pair = Pair::new(self.comm, body, self.setting)?;
+        let mut pair = Pair::new(body, self.setting)?;
         let mut careful = 0.0;
         if let Some(checkpoint) = resumed {
             self.carry(&mut pair, &mut careful, body, &mut Carrier::from(&checkpoint))?;
@@ -137,7 +137,7 @@ impl Controlled<'_> {
         held: &mut Option<Vec<Step>>,
         observer: &mut impl Observer,
     ) -> Result<ControlFlow<()>> {
-        let mut saved = Pair::new(self.comm, body, self.setting)?;
+        let mut saved = Pair::new(body, self.setting)?;
         let (part, seen) = SEEN[self.order - 1];
         let mut restarts = 0;
         while !self.is_over(pair) {
@@ -233,7 +233,7 @@ impl Controlled<'_> {
             )));
         }
         self.ladder.rebase(base)?;
-        let pair = Pair::new(self.comm, body, self.setting)?;
+        let pair = Pair::new(body, self.setting)?;
         self.comm.collect_garbage()?;
         Ok(pair)
     }

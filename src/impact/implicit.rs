@@ -94,6 +94,8 @@ pub struct ImplicitStepper {
     /// those forces are in no energy; and not in the midpoint rule, in which an error of K u changes its sign from step to step and stays,
     /// where other schemes damp it.
     may_follow: bool,
+    /// Whether a step has no iterations over all unknowns, which start from a guess.
+    is_direct: bool,
     /// Steps since K u was made of u.
     followed: usize,
 }
@@ -126,14 +128,14 @@ impl ImplicitStepper {
         let zeros = || body.load.duplicate();
         let pads = body.pads.as_ref().map(|_| zeros()).transpose()?;
         let is_quiet = body.clamps.displacement.norm_max()? == 0.0 && !body.is_translation_held()?;
-        let is_direct = matches!(&solver, Solver::Condensed(condensed) if condensed.is_direct()?);
+        let is_direct = matches!(&solver, Solver::Condensed(condensed) if condensed.is_direct);
         let may_follow = is_quiet && is_direct && pads.is_none() && !scheme.gradient;
         let (known, work, weighed) = (zeros()?, zeros()?, zeros()?);
-        Ok(Self { scheme, step, solver, known, work, pads, weighed, may_follow, followed: 0 })
+        Ok(Self { scheme, step, solver, known, work, pads, weighed, may_follow, is_direct, followed: 0 })
     }
 
-    /// What it remembers of the steps before, to a checkpoint or from it. (What the full Newton's method keeps of its factor is not
-    /// carried: it goes on within its tolerance.)
+    /// What it remembers of the steps before, to a checkpoint or from it. (What the full Newton's method and
+    /// that of pads keep of their factors is not carried: they go on within their tolerance.)
     pub(super) fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
         carrier.count("followed", &mut self.followed)
     }
@@ -189,17 +191,17 @@ impl ImplicitStepper {
             guess: 0.0,
             largest,
         };
+        if !self.is_direct {
+            // Iterations start from the increment at constant acceleration.
+            let (first, second) = (theta * step, 0.5 * theta * theta * step * step);
+            increment.copy_from(&state.v)?;
+            increment.scale(first)?;
+            increment.axpy(second, &state.a)?;
+            problem.guess = first * q.velocity + second * q.acceleration;
+        }
         let solved = match &mut self.solver {
             Solver::Condensed(condensed) => condensed.solve(&problem, increment)?,
-            Solver::Full(full) => {
-                // Newton starts from the increment at constant acceleration.
-                let (first, second) = (theta * step, 0.5 * theta * theta * step * step);
-                increment.copy_from(&state.v)?;
-                increment.scale(first)?;
-                increment.axpy(second, &state.a)?;
-                problem.guess = first * q.velocity + second * q.acceleration;
-                full.solve(problem, increment).map_err(|error| full.describe(error))?
-            }
+            Solver::Full(full) => full.solve(problem, increment).map_err(|error| full.describe(error))?,
         };
         self.followed = if self.may_follow { (self.followed + 1) % FOLLOWED } else { 0 };
         let follows = self.followed > 0;

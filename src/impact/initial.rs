@@ -1,7 +1,5 @@
 //! The state at t = 0.
 
-use petsc_wrap::{Comm, Ksp};
-
 use crate::body::Body;
 use crate::error::Result;
 
@@ -12,7 +10,7 @@ use super::state::{Impactor, Moment};
 ///
 /// # Errors
 /// PETSc's.
-pub(super) fn start(comm: &Comm, body: &mut Body, setting: &Setting, moment: &mut Moment) -> Result<()> {
+pub(super) fn start(body: &mut Body, setting: &Setting, moment: &mut Moment) -> Result<()> {
     moment.state.u.copy_from(&body.clamps.displacement)?;
     moment.state.q = Impactor { position: 0.0, velocity: setting.speed, acceleration: 0.0 };
     moment.update(body, setting.gap)?;
@@ -34,10 +32,7 @@ pub(super) fn start(comm: &Comm, body: &mut Body, setting: &Setting, moment: &mu
         moment.state.a.copy_from(force)?;
         moment.state.a.pointwise_divide(&lumped.mass)?;
     } else if force.norm_max()? > 0.0 {
-        let mut mass = body.mass.duplicate()?;
-        mass.zero_rows_columns(&body.clamps.rows, 1.0)?;
-        mass.declare_positive_definite()?;
-        let mut ksp = Ksp::new(comm, "mass_", &mass)?;
+        let (mass, mut ksp) = body.mass_solver()?;
         ksp.solve(force, &mut moment.state.a)?;
         ksp.destroy()?;
         mass.destroy()?;

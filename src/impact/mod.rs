@@ -13,8 +13,8 @@ mod initial;
 mod ladder;
 mod ledger;
 mod limit;
-mod observer;
 mod modal;
+mod observer;
 mod pad_condensed;
 mod pair;
 mod plan;
@@ -116,7 +116,7 @@ impl Impact {
             gate: Gate::new(scene),
             end,
             plan,
-            trajectory: Trajectory::new(comm, &mut body, &setting)?,
+            trajectory: Trajectory::new(&mut body, &setting)?,
             comm: comm.clone(),
             body,
             setting,

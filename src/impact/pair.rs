@@ -1,6 +1,6 @@
 //! A trajectory and its twin at double steps, and how the two differ.
 
-use petsc_wrap::{Comm, Vector};
+use petsc_wrap::Vector;
 
 use crate::body::Body;
 use crate::error::Result;
@@ -28,8 +28,8 @@ pub struct Pair {
 }
 
 impl Pair {
-    pub(super) fn new(comm: &Comm, body: &mut Body, setting: &Setting) -> Result<Self> {
-        let [fine, coarse] = [Trajectory::new(comm, body, setting)?, Trajectory::new(comm, body, setting)?];
+    pub(super) fn new(body: &mut Body, setting: &Setting) -> Result<Self> {
+        let [fine, coarse] = [Trajectory::new(body, setting)?, Trajectory::new(body, setting)?];
         let mean = if body.is_free()? { Some(mean_displacement(body)?) } else { None };
         Ok(Self { fine, coarse, has_touched: false, peak: 0.0, difference: 0.0, surface: [0.0; 2], mean })
     }
@@ -44,7 +44,8 @@ impl Pair {
         carrier.within("fine", |carrier| self.fine.carry(carrier))?;
         carrier.within("coarse", |carrier| self.coarse.carry(carrier))?;
         let [low, high] = &mut self.surface;
-        let numbers = [("peak", &mut self.peak), ("difference", &mut self.difference), ("lowest", low), ("highest", high)];
+        let numbers =
+            [("peak", &mut self.peak), ("difference", &mut self.difference), ("lowest", low), ("highest", high)];
         numbers.into_iter().try_for_each(|(name, number)| carrier.number(name, number))
     }
 

@@ -1,7 +1,5 @@
 //! The motion of body and impactor as one choice of steps gives it.
 
-use petsc_wrap::Comm;
-
 use crate::body::Body;
 use crate::error::{Error, Result};
 
@@ -30,9 +28,9 @@ impl Trajectory {
     ///
     /// # Errors
     /// PETSc's.
-    pub(super) fn new(comm: &Comm, body: &mut Body, setting: &Setting) -> Result<Self> {
+    pub(super) fn new(body: &mut Body, setting: &Setting) -> Result<Self> {
         let mut now = Moment::zero(body)?;
-        initial::start(comm, body, setting, &mut now)?;
+        initial::start(body, setting, &mut now)?;
         Ok(Self { now, next: Moment::zero(body)?, ledger: Ledger::default(), time: 0.0, steps: 0 })
     }
 

@@ -95,7 +95,7 @@ fn on_coarser_cells(comm: &Comm, scene: &Scene, theory: Model, fine: &Fitted) ->
         return Ok(None);
     }
     let body = built.body;
-    let mut krylov = Krylov::new(body.comm(), &body, rate(scene))?;
+    let mut krylov = Krylov::new(&body, rate(scene))?;
     krylov.grow(&body, fine.reduced.projection.vectors())?;
     let mut steps = fine.reduced.force.1;
     let trace = force(scene, &body, &krylov.projection(&body)?, &mut steps)?;

@@ -60,7 +60,7 @@ impl Reduced {
 /// # Errors
 /// [`crate::Error::Solve`] where the impact is not solved on any basis; PETSc's.
 pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
-    let mut krylov = Krylov::new(body.comm(), body, rate(scene))?;
+    let mut krylov = Krylov::new(body, rate(scene))?;
     let given = match scene.body.reduction {
         Reduction::Vectors(vectors) => Some(vectors),
         _ => None,

@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use crate::body::ModalBody;
 use crate::contact::Patch;
 use crate::error::Result;
-use crate::impact::step::Step;
 use crate::impact::checkpoint::Checkpoint;
+use crate::impact::step::Step;
 use crate::impact::{Count, Impact, ModalImpact, Observer, Plan};
 use crate::scene::Scene;
 

@@ -43,8 +43,9 @@ impl Source {
     fn with(name: &str, text: &str, overrides: &[String], option: &'static str) -> Result<Self, SceneError> {
         let (name, text) = (name.to_owned(), text.to_owned());
         let mut source = Self { name, folder: PathBuf::new(), text, overrides: Vec::new(), option };
-        let mut document =
-            Document::parse(source.text.as_str()).map_err(|error| source.syntax(error.message(), error.span()))?.into_mut();
+        let mut document = Document::parse(source.text.as_str())
+            .map_err(|error| source.syntax(error.message(), error.span()))?
+            .into_mut();
         for given in overrides {
             let entry = Override::new(given)
                 .and_then(|entry| entry.apply(&mut document).map(|()| entry))

@@ -31,10 +31,8 @@ impl<'a> Pencil<'a> {
         let mass = match inertia {
             Inertia::Lumped(diagonal) => Mass::Diagonal(diagonal),
             Inertia::Consistent => {
-                let mut matrix = body.mass.duplicate()?;
-                matrix.zero_rows_columns(&body.clamps.rows, 1.0)?;
-                matrix.declare_positive_definite()?;
-                Mass::Matrix { solver: Ksp::new(matrix.comm(), "mass_", &matrix)?, matrix }
+                let (matrix, solver) = body.mass_solver()?;
+                Mass::Matrix { matrix, solver }
             }
         };
         let product = body.load.duplicate()?;

@@ -16,8 +16,8 @@ use crate::error::{Error, Result};
 use crate::impact::checkpoint::Checkpoint;
 use crate::record::columns::not_written;
 use crate::record::provenance::{text, write_text};
-use crate::scene::Vec3;
 use crate::record::target;
+use crate::scene::Vec3;
 
 use nodes::Nodes;
 
@@ -88,7 +88,9 @@ impl Kept {
             let table = Nodes::new(&self.nodes);
             let place = |x: &Vec3| {
                 let [x, y, z] = *x;
-                table.at([x, y, z]).ok_or_else(|| format!("it has no node, or more than one, at [{x:.6}, {y:.6}, {z:.6}]"))
+                table
+                    .at([x, y, z])
+                    .ok_or_else(|| format!("it has no node, or more than one, at [{x:.6}, {y:.6}, {z:.6}]"))
             };
             nodes.iter().map(place).collect::<std::result::Result<_, _>>()?
         };
@@ -130,7 +132,10 @@ impl Kept {
             })
         };
         read().map(Some).map_err(|error: hdf5::Error| {
-            Error::io(&path, format!("is no whole checkpoint: {}", error.to_string().lines().next().unwrap_or_default()))
+            Error::io(
+                &path,
+                format!("is no whole checkpoint: {}", error.to_string().lines().next().unwrap_or_default()),
+            )
         })
     }
 }

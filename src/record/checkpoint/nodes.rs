@@ -41,7 +41,8 @@ impl<'a> Nodes<'a> {
             for j in low[1]..=high[1] {
                 for k in low[2]..=high[2] {
                     for &number in self.by_cell.get(&[i, j, k]).into_iter().flatten() {
-                        let distance = (0..3).map(|axis| (self.nodes[number][axis] - x[axis]).abs()).fold(0.0, f64::max);
+                        let distance =
+                            (0..3).map(|axis| (self.nodes[number][axis] - x[axis]).abs()).fold(0.0, f64::max);
                         if distance <= near && found.replace(number).is_some() {
                             return None;
                         }
@@ -64,8 +65,9 @@ mod tests {
     /// Nodes are found from places that rounding has moved, across the cells of the table too, and others are not.
     #[test]
     fn nodes_are_found_by_their_places() {
-        let nodes: Vec<Vec3> =
-            (0..1000).map(|i| [0.1 * f64::from(i % 10), 0.3 * f64::from(i / 10 % 10), -0.02 * f64::from(i / 100)]).collect();
+        let nodes: Vec<Vec3> = (0..1000)
+            .map(|i| [0.1 * f64::from(i % 10), 0.3 * f64::from(i / 10 % 10), -0.02 * f64::from(i / 100)])
+            .collect();
         let table = Nodes::new(&nodes);
         for (number, x) in nodes.iter().enumerate() {
             for by in [0.0, 1e-12, -1e-12] {

@@ -134,7 +134,11 @@ fn output(source: &Source, raw: &raw::Output) -> Result<Output, SceneError> {
     let Number(minutes) = raw.checkpoint_minutes.unwrap_or(Number(CHECKPOINT_MINUTES));
     if !(0.0..=1e6).contains(&minutes) {
         let message = format!("{} is out of range", numbers::show(minutes));
-        return Err(source.error("output.checkpoint_minutes", message, "minutes, up to 1e6; 0 keeps none by the clock"));
+        return Err(source.error(
+            "output.checkpoint_minutes",
+            message,
+            "minutes, up to 1e6; 0 keeps none by the clock",
+        ));
     }
     Ok(Output { every, checkpoint_steps, checkpoint_minutes: (minutes > 0.0).then_some(minutes) })
 }
