@@ -177,6 +177,44 @@ fn a_solver_that_fails_says_where_and_the_rows_so_far_are_kept() {
     }
 }
 
+/// Who removes the folder under a run is told, and the run ends.
+#[test]
+fn a_removed_folder_ends_a_run() {
+    for ranks in [0, 2] {
+        let folder = folder(&long());
+        let inner = folder.path().join("inner");
+        std::fs::create_dir(&inner).unwrap();
+        let started = start(ricochet(folder.path(), ranks).args(words("run scene.toml -o inner/out.h5")));
+        let begin = Instant::now();
+        while !inner.join("out.h5").exists() {
+            assert!(begin.elapsed() < LIMIT, "no first row");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        std::fs::remove_dir_all(&inner).unwrap();
+        let outcome = started.wait(LIMIT);
+        assert_eq!(outcome.status, Some(4), "{outcome:#?}");
+        let errors: Vec<&str> = outcome.stderr.lines().filter(|line| line.contains("error: ")).collect();
+        assert_eq!(errors, ["error: inner/out.h5: has been removed while the run was writing it"], "{outcome:#?}");
+    }
+}
+
+/// A checkpoint that finds no room is told and ends nothing: a limit on the size of files that the series keeps.
+#[test]
+fn a_checkpoint_without_room_costs_nothing() {
+    let folder = folder(&BOX.replace("[4, 4, 1]", "[12, 12, 2]").replace("order = 1", "order = 2"));
+    let mut command = Command::new("bash");
+    let limited = format!(
+        "trap '' XFSZ; ulimit -f 512; exec '{}' run scene.toml -o out.h5 --set output.checkpoint_steps=20",
+        env!("CARGO_BIN_EXE_ricochet")
+    );
+    let outcome = run(command.args(["-c", &limited]).current_dir(folder.path()).env("OMP_NUM_THREADS", "1"));
+    assert_eq!(outcome.status, Some(0), "{outcome:#?}");
+    let told = "note: no checkpoint was kept: out.checkpoint.h5: cannot be written: File too large";
+    assert_eq!(outcome.stderr.matches(told).count(), 2, "{outcome:#?}");
+    let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert!(is_complete(&folder.path().join("out.h5")) && left.len() == 2, "{left:?}");
+}
+
 /// A limit on the size of files stands for a full disk: 32 MiB, where the planned rows need more.
 #[test]
 fn a_full_disk_is_told_in_one_line() {

@@ -1,6 +1,6 @@
 //! `ricochet check`: what a scene asks for, and what it will cost.
 
-use petsc_wrap::{Comm, FactorEstimate, estimate_cholesky};
+use petsc_wrap::{Comm, FactorEstimate, Method as Solution, estimate_cholesky};
 
 use crate::body::Body;
 use crate::contact::{Patch, Reason, hertz};
@@ -14,6 +14,19 @@ use super::Check;
 use super::load::load;
 use super::notes::{describe_model, notes};
 use super::say;
+
+/// How the systems of a step are solved, and what that takes.
+enum Linear {
+    /// Not at all.
+    None,
+    /// By a factor.
+    Cholesky(FactorEstimate),
+    /// By iterations.
+    Multigrid,
+}
+
+/// Memory of S with its multigrid, over that of S; measured on 1e5 and 1e6 unknowns.
+const OF_MULTIGRID: f64 = 1.6;
 
 /// Checks a scene and prints what will be solved. Collective.
 ///
@@ -47,15 +60,17 @@ fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
     };
     let setting = Setting::new(&scene.impactor, body);
     let plan = Plan::new(scene, body, &setting)?;
-    let factor = match Implicit::new(scene.time.scheme) {
-        Some(scheme) => {
-            let stage = scheme.stage(plan.step());
-            Some(estimate_cholesky(&body.operator(stage.c1, stage.c2)?)?)
-        }
-        None => None,
-    };
     // Asks all ranks where there are pads.
     let method = Method::of(scene.solver.newton, body);
+    let is_iterative = matches!(body.method, Solution::Multigrid { .. }) && method != Method::Full;
+    let linear = match Implicit::new(scene.time.scheme) {
+        Some(_) if is_iterative => Linear::Multigrid,
+        Some(scheme) => {
+            let stage = scheme.stage(plan.step());
+            Linear::Cholesky(estimate_cholesky(&body.operator(stage.c1, stage.c2)?)?)
+        }
+        None => Linear::None,
+    };
     let entries = body.elastic.entries()?;
     let boundary: u64 = body.support.iter().chain(&body.damping).map(|m| m.entries()).sum::<petsc_wrap::Result<_>>()?;
     let mass = match box_mass(scene) {
@@ -64,7 +79,7 @@ fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
     };
     head(&model, mass, Some(&plan));
     if let (true, Dynamics::Stepped(body)) = (comm.is_root(), &model.dynamics) {
-        print_cost(body, &method, &plan, (entries as f64, boundary as f64), factor);
+        print_cost(body, &method, &plan, (entries as f64, boundary as f64), linear);
     }
     Ok(())
 }
@@ -189,21 +204,27 @@ fn described(scheme: Scheme) -> String {
     }
 }
 
-fn print_cost(
-    body: &Body,
-    method: &Method,
-    plan: &Plan,
-    (entries, boundary): (f64, f64),
-    factor: Option<FactorEstimate>,
-) {
+fn print_cost(body: &Body, method: &Method, plan: &Plan, (entries, boundary): (f64, f64), linear: Linear) {
     // Those of one motion, or of two with what is kept to go back to.
     let vectors = if matches!(plan, Plan::Equal { .. }) { 30.0 } else { 100.0 } * 8.0 * body.unknowns() as f64;
     // For products: one triangle of K, and M by node.
     let products = 0.6 * entries;
-    let Some(factor) = factor else {
-        let matrices = 12.0 * (2.0 * entries + products + boundary) + vectors;
-        say(format_args!("solver     none: every unknown by itself"));
-        return say(format_args!("memory     about {:.0} MB over all ranks", 1e-6 * matrices));
+    let factor = match linear {
+        Linear::Cholesky(factor) => factor,
+        Linear::None => {
+            let matrices = 12.0 * (2.0 * entries + products + boundary) + vectors;
+            say(format_args!("solver     none: every unknown by itself"));
+            return say(format_args!("memory     about {:.0} MB over all ranks", 1e-6 * matrices));
+        }
+        Linear::Multigrid => {
+            let sizes = if matches!(plan, Plan::Equal { .. }) { 1.0 } else { 5.0 };
+            let matrices = 12.0 * (2.0 * entries + products + boundary + sizes * OF_MULTIGRID * entries) + vectors;
+            say(format_args!(
+                "solver     condensed Newton: one solve and a scalar equation a step; conjugate gradients with multigrid (GAMG), since a \
+                 factor would take more: {entries:.2e} entries in K"
+            ));
+            return say(format_args!("memory     about {:.0} MB over all ranks", 1e-6 * matrices));
+        }
     };
     // K, M and S; in the full method also Ŝ and the Newton matrix; three dense ones for pads.
     let (name, matrices, dense) = match method {

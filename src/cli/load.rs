@@ -7,7 +7,7 @@ use petsc_wrap::{Comm, options};
 
 use crate::agree::{agree, broadcast};
 use crate::error::{Error, Result};
-use crate::record::provenance::Provenance;
+use crate::record::provenance::{Provenance, digest};
 use crate::record::read;
 use crate::scene::{Geometry, Scene, Source};
 
@@ -31,9 +31,9 @@ pub fn load(comm: &Comm, path: &Path, overrides: &[String]) -> Result<(Scene, So
     }
     let folder = PathBuf::from(of(|origin| origin.folder));
     let (scene, source) = Scene::within(&path.display().to_string(), &folder, &text, overrides)?;
-    let digest = of(|origin| origin.mesh_digest.unwrap_or_default());
-    let there = if comm.is_root() { mesh_digest(&scene).unwrap_or_default() } else { digest.clone() };
-    let same = if there == digest { Ok(()) } else { Err(changed(path, &scene)) };
+    let wanted = of(|origin| origin.mesh_digest.unwrap_or_default());
+    let there = if comm.is_root() { mesh_digest(&scene).unwrap_or_default() } else { wanted.clone() };
+    let same = if there == wanted { Ok(()) } else { Err(changed(path, &scene)) };
     agree(comm, same).map_err(Error::Usage)?;
     Ok((scene, source))
 }
@@ -62,10 +62,7 @@ pub fn is_result(comm: &Comm, path: &Path) -> bool {
 /// Digest of a scene's mesh file, as far as there is one that can be read.
 pub fn mesh_digest(scene: &Scene) -> Option<String> {
     let Geometry::Gmsh(path) = &scene.body.geometry else { return None };
-    // FNV-1a, which is the same in all versions.
-    let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
-    let digest = std::fs::read(path).ok()?.iter().fold(0xcbf2_9ce4_8422_2325, step);
-    Some(format!("{digest:016x}"))
+    Some(format!("{:016x}", digest(&std::fs::read(path).ok()?)))
 }
 
 /// The words of options in one line, as PETSc lists them, but for the one that every session has.

@@ -170,6 +170,11 @@ impl Provenance {
     }
 }
 
+/// FNV-1a of bytes, the same in all versions of the program.
+pub fn digest(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
 /// A new text attribute. A variable-length string, since fixed ones end at 64 KiB.
 pub(super) fn write_text(at: &Location, name: &str, text: &str) -> Result<()> {
     let text: VarLenUnicode = text.parse().map_err(|_| format!("attribute {name}: the text holds a NUL character"))?;

@@ -158,6 +158,10 @@ impl SeriesWriter {
             fs::rename(part, target::resolved(&self.path)).map_err(|e| Error::io(&self.path, e))?;
             self.part = None;
         }
+        // An open file is written to the end also where nobody can find it any more.
+        if !self.path.exists() {
+            return Err(Error::io(&self.path, "has been removed while the run was writing it"));
+        }
         Ok(())
     }
 

@@ -1,12 +1,14 @@
 //! Checkpoints on the disk: what a run goes on from, beside its result.
 //!
 //! A checkpoint is written to a file beside the last one and takes its place when it is whole, so that there is one at any moment.
-//! Values are by node, and nodes are known by where they lie: any number of ranks may go on.
+//! Values are by node, and nodes are known by where they lie: any number of ranks may go on. Behind what HDF5 writes stands a digest of it,
+//! so that nothing is made of a file that was cut or altered.
 
 mod nodes;
 
 use std::ffi::OsString;
 use std::fs;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use hdf5_metno as hdf5;
@@ -15,7 +17,7 @@ use hdf5_metno::types::VarLenUnicode;
 use crate::error::{Error, Result};
 use crate::impact::checkpoint::Checkpoint;
 use crate::record::columns::not_written;
-use crate::record::provenance::{text, write_text};
+use crate::record::provenance::{digest, text, write_text};
 use crate::record::target;
 use crate::scene::Vec3;
 
@@ -48,8 +50,7 @@ impl Kept {
         let part = target::part(&path)?;
         let written = self.write_to(&part).map_err(|error| not_written(&path, &error)).and_then(|()| {
             // On the disk before it is called by its name.
-            fs::File::open(&part).and_then(|file| file.sync_all()).map_err(|error| Error::io(&path, error))?;
-            fs::rename(&part, &path).map_err(|error| Error::io(&path, error))
+            sealed(&part).and_then(|()| fs::rename(&part, &path)).map_err(|error| Error::io(&path, error))
         });
         if written.is_err() {
             // The error in hand says more than one of the removal would.
@@ -115,6 +116,9 @@ impl Kept {
         if !path.exists() {
             return Ok(None);
         }
+        if !is_sealed(&path).map_err(|error| Error::io(&path, error))? {
+            return Err(Error::io(&path, "is no whole checkpoint"));
+        }
         let read = || {
             let file = hdf5::File::open(&path)?;
             let names = file.dataset("names")?.read_raw::<VarLenUnicode>()?.into_iter().map(|name| name.to_string());
@@ -134,10 +138,28 @@ impl Kept {
         read().map(Some).map_err(|error: hdf5::Error| {
             Error::io(
                 &path,
-                format!("is no whole checkpoint: {}", error.to_string().lines().next().unwrap_or_default()),
+                format!("is no checkpoint of this version: {}", error.to_string().lines().next().unwrap_or_default()),
             )
         })
     }
+}
+
+/// What stands before the digest at the end of a file.
+const SEAL: [u8; 8] = *b"ricochet";
+
+/// Adds the digest of a file to its end, and has it on the disk.
+fn sealed(path: &Path) -> io::Result<()> {
+    let digest = digest(&fs::read(path)?).to_le_bytes();
+    let mut file = fs::OpenOptions::new().append(true).open(path)?;
+    file.write_all([SEAL, digest].as_flattened())?;
+    file.sync_all()
+}
+
+/// Whether a file is as it was sealed.
+fn is_sealed(path: &Path) -> io::Result<bool> {
+    let bytes = fs::read(path)?;
+    let Some((content, end)) = bytes.split_at_checked(bytes.len().saturating_sub(16)) else { return Ok(false) };
+    Ok(end == [SEAL, digest(content).to_le_bytes()].as_flattened())
 }
 
 /// Removes the checkpoint beside a result that is complete.
