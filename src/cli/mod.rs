@@ -9,6 +9,7 @@ mod notes;
 pub mod plot;
 mod progress;
 mod provenance;
+mod recording;
 pub mod run;
 pub mod stability;
 pub mod sweep;

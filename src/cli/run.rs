@@ -9,9 +9,10 @@ use petsc_wrap::Comm;
 
 use crate::agree::agree;
 use crate::error::{Error, Result};
-use crate::impact::step::Energy;
+use crate::impact::step::{Energy, Step};
 use crate::model::{self, Model, Simulation};
 use crate::record::episodes::Episodes;
+use crate::record::fields;
 use crate::record::provenance::Cost;
 use crate::record::series::SeriesWriter;
 use crate::record::target::check_writable;
@@ -23,6 +24,7 @@ use super::load::load;
 use super::notes::{describe_model, listed, notes};
 use super::progress::Progress;
 use super::provenance::provenance;
+use super::recording::Recording;
 use super::{say, short, tell, warn_of_unused_options};
 
 /// Runs a scene; returns the exit status. Collective.
@@ -33,7 +35,11 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
     let (scene, source) = load(comm, &arguments.scene, &arguments.overrides)?;
     let output = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.scene));
     // Before minutes of work whose result could not be written.
-    let writable = if comm.is_root() { check_writable(&output).map_err(|error| error.to_string()) } else { Ok(()) };
+    let writable = || {
+        check_writable(&output)?;
+        if scene.output.fields.is_some() { fields::check_writable(&output) } else { Ok(()) }
+    };
+    let writable = if comm.is_root() { writable().map_err(|error| error.to_string()) } else { Ok(()) };
     agree(comm, writable).map_err(Error::Output)?;
     solve(comm, &scene, &source, &output).map_err(|error| error.in_scene(&source))
 }
@@ -63,9 +69,12 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
             tell(format_args!("note: {note}"));
         }
     }
+    let names: Vec<String> = scene.output.probes.iter().map(|probe| probe.name.clone()).collect();
+    let readings = impact.read()?;
     let mut desk = match comm.is_root() {
         true => Some(Desk {
-            writer: SeriesWriter::create(output, &provenance)?.every(scene.output.every),
+            writer: SeriesWriter::with_probes(output, &provenance, &names)?.every(scene.output.every),
+            recording: readings.map(|readings| Recording::new(readings, output, scene.output.fields, impact.steps())),
             progress: Progress::new(scene.time.end),
             summary: Summary::new(scene.impactor.mass),
         }),
@@ -76,9 +85,7 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
     impact.set_interrupt(move || asked.is_raised(&ranks));
     let stepped = impact.run(|step| {
         if let Some(desk) = &mut desk {
-            desk.writer.push(step)?;
-            desk.progress.step(step);
-            desk.summary.step(step);
+            desk.step(step)?;
         }
         Ok(if interrupt.is_raised(comm) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     });
@@ -95,10 +102,11 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
         error_estimate: error.unwrap_or(f64::NAN),
     };
     let flow = stepped.as_ref().ok().copied();
-    if let Some(Desk { writer, progress, summary }) = desk {
+    if let Some(Desk { writer, recording, progress, summary }) = desk {
         progress.finish();
         // What was computed is kept, whatever ended the run.
-        let finished = writer.finish(&cost, flow == Some(ControlFlow::Continue(())));
+        let recorded = recording.map_or(Ok(()), Recording::finish);
+        let finished = writer.finish(&cost, flow == Some(ControlFlow::Continue(()))).and(recorded);
         // Where the run has failed already, that is what is told: a full disk fails the steps first and then the end.
         if let Some(flow) = flow {
             finished?;
@@ -129,8 +137,22 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
 /// What rank 0 keeps of a run.
 struct Desk {
     writer: SeriesWriter,
+    recording: Option<Recording>,
     progress: Progress,
     summary: Summary,
+}
+
+impl Desk {
+    fn step(&mut self, step: &Step) -> Result<()> {
+        let probes = match &mut self.recording {
+            Some(recording) => recording.step(step, &self.writer)?,
+            None => Vec::new(),
+        };
+        self.writer.push_read(step, probes)?;
+        self.progress.step(step);
+        self.summary.step(step);
+        Ok(())
+    }
 }
 
 /// The run in three lines.
@@ -149,7 +171,7 @@ impl Summary {
         Self { episodes: Episodes::new(mass), peak: (0.0, 0.0), rebound: 0.0, end: 0.0, initial: 0.0, energy }
     }
 
-    fn step(&mut self, step: &crate::impact::step::Step) {
+    fn step(&mut self, step: &Step) {
         self.episodes.push(step);
         if step.impactor.acceleration > self.peak.0 {
             self.peak = (step.impactor.acceleration, step.time);

@@ -16,6 +16,7 @@ mod modal;
 mod pad_condensed;
 mod pair;
 mod plan;
+mod reading;
 mod reduced;
 mod search;
 mod setting;
@@ -40,6 +41,8 @@ use ladder::Ladder;
 pub use limit::stable_step;
 pub use modal::{ModalImpact, Steps, Trace};
 pub use plan::{Plan, steps};
+use reading::Reader;
+pub use reading::{Probe, Reading, Readout, Tape};
 pub use setting::Setting;
 pub use state::{Impactor, State};
 use step::Step;
@@ -61,6 +64,7 @@ pub struct Impact {
     /// Order of the scheme.
     order: usize,
     interrupted: Box<dyn Fn() -> bool>,
+    reader: Option<Reader>,
     /// What the runs have cost so far.
     pub count: Count,
 }
@@ -103,6 +107,7 @@ impl Impact {
             setting,
             order: Implicit::new(scene.time.scheme).map_or(2, |scheme| scheme.order()),
             interrupted: Box::new(|| false),
+            reader: None,
             count: Count::default(),
         })
     }
@@ -131,6 +136,15 @@ impl Impact {
         self.interrupted = Box::new(interrupted);
     }
 
+    /// Has a run put readings of its steps on a tape, each before the step is told. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn set_readout(&mut self, readout: &Readout, tape: Tape) -> Result<()> {
+        self.reader = Some(Reader::new(&self.body, readout, tape)?);
+        Ok(())
+    }
+
     /// The body, for another impact on it.
     pub fn into_body(self) -> Body {
         self.body
@@ -157,10 +171,10 @@ impl Impact {
     /// [`crate::Error::Unstable`] where the energy gate closes; the observer's; PETSc's.
     pub fn run(&mut self, observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
         let Plan::Controlled { tolerance, .. } = self.plan else { return self.run_in_equal_steps(observe) };
-        let Self { comm, setting, ladder, gate, count, end, .. } = self;
-        let order = self.order;
+        let Self { comm, setting, ladder, gate, count, reader, end, .. } = self;
+        let (end, order) = (*end, self.order);
         let interrupted = &*self.interrupted;
-        let controlled = Controlled { comm, setting, ladder, gate, count, end: *end, tolerance, order, interrupted };
+        let controlled = Controlled { comm, setting, ladder, gate, count, reader, end, tolerance, order, interrupted };
         let (flow, trajectory) = controlled.run(&mut self.body, observe)?;
         self.trajectory = trajectory;
         Ok(flow)
@@ -170,9 +184,10 @@ impl Impact {
         &mut self,
         mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>,
     ) -> Result<ControlFlow<()>> {
-        let Self { body, setting, trajectory, gate, count, .. } = self;
+        let Self { body, setting, trajectory, gate, count, reader, .. } = self;
         (trajectory.time, trajectory.steps) = (0.0, 0);
         let start = trajectory.observed(body, setting)?;
+        trajectory.read(reader)?;
         gate.open(&start);
         let mut flow = observe(&start)?;
         let stepper = self.ladder.at(0, body)?;
@@ -184,6 +199,7 @@ impl Impact {
             count.iterations += trajectory.advance(stepper, time, body, setting)?;
             count.solves += 1;
             let step = trajectory.observed(body, setting)?;
+            trajectory.read(reader)?;
             gate.check(&step).map_err(|error| at(error, number, time))?;
             flow = observe(&step)?;
         }

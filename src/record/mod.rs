@@ -2,7 +2,9 @@
 
 mod columns;
 pub mod episodes;
+pub mod fields;
 pub mod folder;
+mod probes;
 pub mod provenance;
 pub mod read;
 pub mod series;

@@ -13,7 +13,6 @@ mod overrides;
 mod raw;
 mod source;
 mod suggest;
-mod unavailable;
 mod units;
 mod values;
 
@@ -339,4 +338,24 @@ pub enum Newton {
 pub struct Output {
     /// Every n-th step goes into the series.
     pub every: usize,
+    /// Every n-th step's fields are written.
+    pub fields: Option<usize>,
+    /// Points that are read at every step of the series.
+    pub probes: Vec<Probe>,
+}
+
+impl Output {
+    /// Whether the body is read elsewhere than under the impactor.
+    pub fn is_read(&self) -> bool {
+        self.fields.is_some() || !self.probes.is_empty()
+    }
+}
+
+/// A point of the body that is read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Probe {
+    /// Its name in the results, unlike the others'.
+    pub name: String,
+    /// Where it is, m; within the box, where the body is one.
+    pub point: Vec3,
 }

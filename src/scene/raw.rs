@@ -130,4 +130,15 @@ pub(super) struct Solver {
 #[serde(deny_unknown_fields, expecting = "a table with the header [output]")]
 pub(super) struct Output {
     pub every: Option<Whole>,
+    pub fields: Option<Whole>,
+    #[serde(default)]
+    pub probes: List<Probe>,
+}
+
+/// One entry of `output.probes`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table, as { name = \"bottom\", point = [0, 0, -0.05] }")]
+pub(super) struct Probe {
+    pub name: String,
+    pub point: Three<Number>,
 }
