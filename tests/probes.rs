@@ -93,8 +93,8 @@ fn quarters_and_ranks_agree() {
     let body = "model = \"solid\"\nsize = [1.5, 1.2, 0.04]\ncells = [8, 6, 2]\ngrading = [6, 6, 1]";
     let scene = plate(body, "end = 4e-3\nstep = 4e-5\nscheme = \"newmark\"", &sides(1e9, 0.0));
     let folder = folder(&(scene + &probes(&points)));
-    // What rounding in the entries of K may grow to; the last vectors of a basis are what is left when most has cancelled.
-    for (reduction, rounding) in [("none", 1e-7), ("40", 1e-3)] {
+    // The last vectors of a larger basis would be of rounding.
+    for reduction in ["none", "20"] {
         let with = |more: &str| format!("--set body.reduction={reduction} {more}");
         let quarter = solved(&folder, "quarter", 0, &with(""));
         let others = [
@@ -102,14 +102,13 @@ fn quarters_and_ranks_agree() {
             solved(&folder, "two", 2, &with("--set body.symmetry=none")),
             solved(&folder, "three", 3, &with("")),
         ];
-        for (other, (probe, columns)) in others.iter().flat_map(|o| (0..points.len()).map(move |p| (o, (p, COLUMNS)))) {
-            for quantity in columns {
-                let [a, b] = [&quarter, other].map(|result| rows(result, probe, quantity));
-                let scale = a.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
-                let off =
-                    a.iter().flatten().zip(b.iter().flatten()).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / scale;
-                assert!(off < rounding, "{reduction}, {}, probe {probe}, {}: {off:e}", other.display(), quantity.0);
-            }
+        for (other, quantity) in others.iter().flat_map(|other| COLUMNS.map(|quantity| (other, quantity))) {
+            let all = |result: &Path| -> Vec<f64> {
+                (0..points.len()).flat_map(|probe| rows(result, probe, quantity)).flatten().collect()
+            };
+            let off = difference(&all(&quarter), &all(other));
+            // What rounding in the entries of K may grow to.
+            assert!(off < 1e-7, "{reduction}, {}, {}: {off:e}", other.display(), quantity.0);
         }
         // Displacements along the plate are those of the quarter turned round.
         let [right, left] = [0, 1].map(|probe| rows(&quarter, probe, COLUMNS[0]));
