@@ -21,7 +21,7 @@ use crate::scene::{Scene, Source};
 use super::Run;
 use super::interrupt::{INTERRUPTED, Interrupt};
 use super::load::load;
-use super::notes::{describe_model, listed, notes};
+use super::notes::{describe_model, listed, note_of_probes, notes};
 use super::progress::Progress;
 use super::provenance::provenance;
 use super::recording::Recording;
@@ -53,7 +53,7 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
     let model = Model::new(comm, scene)?;
     let modelled = begin.elapsed().as_secs_f64();
     let patch = model.dynamics.patch();
-    let (described, reason) = (describe_model(&model), model.reason.clone());
+    let (described, reason, of_probes) = (describe_model(&model), model.reason.clone(), note_of_probes(&model));
     let of_model = (model::name(model.theory), model.reduction(), model.unknowns);
     let mut provenance = provenance(comm, scene, source, of_model)?;
     let mut impact = Simulation::new(scene, model)?;
@@ -65,7 +65,7 @@ fn solve(comm: &Comm, scene: &Scene, source: &Source, output: &Path) -> Result<i
         if let Some(reason) = reason {
             tell(format_args!("{reason}"));
         }
-        for note in notes(scene, patch.as_ref(), impact.plan().as_ref()) {
+        for note in notes(scene, patch.as_ref(), impact.plan().as_ref()).into_iter().chain(of_probes) {
             tell(format_args!("note: {note}"));
         }
     }

@@ -6,13 +6,15 @@ use crate::agree::agree;
 use crate::body::gauge::{Canvas, Form, Forms, Gauge, Map};
 use crate::error::Result;
 use crate::impact::{Readout, Tape};
-use crate::scene::{Fault, Scene};
+use crate::scene::{Fault, Geometry, Scene, Vec3};
 
 /// What is to be read at each step, and how fields come of it.
 pub struct Gauges {
     pub(super) readout: Readout,
     /// On rank 0, where there are fields.
     pub(super) canvas: Option<Canvas>,
+    /// Names of the probes that are so near to the hit that the body's wide disc in the place of the contact shows; on rank 0.
+    pub near: Vec<String>,
 }
 
 /// Readings of a run, as it tells its steps.
@@ -59,9 +61,26 @@ impl Gauges {
             Some(_) if gauge.is_some() => (all.clone(), Map::new(forms.into_iter(), basis)),
             _ => on_their_own(forms),
         });
+        let near = gauge.as_ref().filter(|gauge| !gauge.is_local()).map_or_else(Vec::new, |_| near(scene));
         let canvas = gauge.filter(|_| scene.output.fields.is_some()).map(|gauge| Canvas::new(gauge, basis));
-        Ok(Self { readout: Readout { probes, fields: scene.output.fields.map(|every| (every, all)) }, canvas })
+        Ok(Self { readout: Readout { probes, fields: scene.output.fields.map(|every| (every, all)) }, canvas, near })
     }
+}
+
+/// The radius of the disc that is pressed on plates and boxes of splines, over the thickness.
+const DISC: f64 = 2.0;
+
+/// Names of probes that lie above or below that disc.
+fn near(scene: &Scene) -> Vec<String> {
+    let (Geometry::Box { size, .. }, Some(struck)) = (&scene.body.geometry, scene.struck_axis()) else {
+        return Vec::new();
+    };
+    let distance = |x: Vec3| {
+        let square = |axis: usize| (x[axis] - scene.impactor.point[axis]).powi(2);
+        (0..3).filter(|&axis| axis != struck).map(square).sum::<f64>().sqrt()
+    };
+    let probes = scene.output.probes.iter().filter(|probe| distance(probe.point) < DISC * size[struck]);
+    probes.map(|probe| probe.name.clone()).collect()
 }
 
 /// Nine forms a probe; or the key of one that is outside of the body, and a message, in two lines.

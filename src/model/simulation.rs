@@ -29,7 +29,7 @@ enum Kind {
         scene: Box<Scene>,
         count: Count,
         interrupted: Box<dyn Fn() -> bool>,
-        readout: Option<(Readout, Tape)>,
+        readout: Option<Box<(Readout, Tape)>>,
     },
 }
 
@@ -58,11 +58,11 @@ impl Simulation {
     /// # Errors
     /// PETSc's.
     pub fn read(&mut self) -> Result<Option<Readings>> {
-        let Some(Gauges { readout: wanted, canvas }) = self.gauges.take() else { return Ok(None) };
+        let Some(Gauges { readout: wanted, canvas, .. }) = self.gauges.take() else { return Ok(None) };
         let tape = Tape::default();
         match &mut self.kind {
             Kind::Stepped(impact) => impact.set_readout(&wanted, tape.clone())?,
-            Kind::Modal { readout, .. } => *readout = Some((wanted, tape.clone())),
+            Kind::Modal { readout, .. } => *readout = Some(Box::new((wanted, tape.clone()))),
         }
         Ok(Some(Readings { tape, canvas }))
     }
@@ -84,8 +84,8 @@ impl Simulation {
             Kind::Stepped(impact) => impact.run(observe),
             Kind::Modal { body, scene, count, interrupted, readout } => {
                 let mut impact = ModalImpact::new(scene, body).interrupted_by(&**interrupted);
-                if let Some((readout, tape)) = readout {
-                    impact = impact.read_by(readout, tape.clone());
+                if let Some(wanted) = readout {
+                    impact = impact.read_by(&wanted.0, wanted.1.clone());
                 }
                 // All steps are there before the first is told: those up to an interruption are told to their end.
                 let mut flow = ControlFlow::Continue(());

@@ -9,7 +9,10 @@ use crate::record::provenance::write_text;
 use crate::scene::Vec3;
 
 /// Name, unit and value of what a probe reads.
-const COLUMNS: [(&str, &str, fn(&Probe) -> Vec3); 3] = [
+type Column = (&'static str, &'static str, fn(&Probe) -> Vec3);
+
+/// All of it.
+const COLUMNS: [Column; 3] = [
     ("displacement", "m", |probe| probe.displacement),
     ("velocity", "m/s", |probe| probe.velocity),
     ("principal_stress", "Pa", |probe| probe.principal_stress),

@@ -40,8 +40,8 @@ pub struct Gauge {
 
 enum Kind {
     Nodes(Box<Nodes>),
-    Block(block::Points),
-    Plate(plate::Points),
+    Block(Box<block::Points>),
+    Plate(Box<plate::Points>),
 }
 
 impl Gauge {
@@ -56,12 +56,17 @@ impl Gauge {
 
     /// Of a box of splines; stresses are Hooke's of their derivatives.
     pub fn of_block(scene: &Scene, points: block::Points) -> Self {
-        Self { kind: Kind::Block(points), mirrors: mirrors(scene) }
+        Self { kind: Kind::Block(Box::new(points)), mirrors: mirrors(scene) }
     }
 
     /// Of a plate; stresses are those of its theory.
     pub fn of_plate(scene: &Scene, points: plate::Points) -> Self {
-        Self { kind: Kind::Plate(points), mirrors: mirrors(scene) }
+        Self { kind: Kind::Plate(Box::new(points)), mirrors: mirrors(scene) }
+    }
+
+    /// Whether the force is where the impactor is, and not spread over a wider disc or without a field of its own.
+    pub fn is_local(&self) -> bool {
+        matches!(self.kind, Kind::Nodes(_))
     }
 
     /// The forms at a point (m); `None` outside of the body.

@@ -21,7 +21,10 @@ const ROWS_MOST: usize = 1 << 27;
 pub const GROUP: &str = "VTKHDF";
 
 /// Name, unit and values of a field.
-pub const FIELDS: [(&str, &str, fn(&Frame) -> &[f64]); 3] = [
+type Field = (&'static str, &'static str, fn(&Frame) -> &[f64]);
+
+/// All of them.
+pub const FIELDS: [Field; 3] = [
     ("displacement", "m", |frame| &frame.displacement),
     ("velocity", "m/s", |frame| &frame.velocity),
     ("principal_stress", "Pa", |frame| &frame.principal_stress),
