@@ -10,7 +10,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use program::{BOX, LIMIT, Outcome, ricochet, run, send, start};
-use results::{column, folder, good, is_complete, words};
+use results::{column, difference, folder, good, is_complete, words};
 use tempfile::TempDir;
 
 /// As [`BOX`] with the condensed step, some thousands of steps of it.
@@ -86,6 +86,36 @@ fn restarted_series_are_those_of_one_run() {
         println!("{name}: ended after {rows} rows");
         check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), tolerance);
         assert!(!folder.path().join("out.checkpoint.h5").exists(), "{name}: a checkpoint of a complete run");
+    }
+}
+
+/// Probes and fields too, into another file and into the same one.
+#[test]
+fn probes_and_fields_go_on() {
+    let read =
+        "\n[output]\nfields = 7\nprobes = [{ name = \"under\", point = [0.05, 0, -0.01] }]\ncheckpoint_steps = 100\n";
+    for step in ["", "--set time.step= --set time.scheme=newmark"] {
+        let folder = folder(&scene(read));
+        good(&folder, 0, &format!("run scene.toml -o whole.h5 {step}"));
+        interrupted(&folder, 2, &format!("run scene.toml -o out.h5 {step}"), "USR1");
+        good(&folder, 0, &format!("run scene.toml --restart out.h5 -o more.h5 {step}"));
+        good(&folder, 2, &format!("run scene.toml --restart out.h5 {step}"));
+        for name in ["more.h5", "out.h5"] {
+            let [part, whole] =
+                [name, "whole.h5"].map(|name| hdf5_metno::File::open(folder.path().join(name)).unwrap());
+            let steps = "VTKHDF/Steps/Values";
+            for dataset in [
+                "series/probe/under/displacement",
+                "series/probe/under/principal_stress",
+                "VTKHDF/PointData/velocity",
+                steps,
+            ] {
+                let [part, whole]: [Vec<f64>; 2] =
+                    [&part, &whole].map(|file| file.dataset(dataset).unwrap().read_raw().unwrap());
+                // Two ranks and one.
+                assert!(difference(&part, &whole) < 1e-7, "{name}: {dataset}: {:e}", difference(&part, &whole));
+            }
+        }
     }
 }
 

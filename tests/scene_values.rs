@@ -8,7 +8,9 @@ use std::path::Path;
 
 use bad_scenes::{GOOD, MESH, SMALL};
 use ricochet::Result;
-use ricochet::scene::{Contact, Geometry, Model, Newton, Reduction, Scene, Scheme, Solver, SupportKind, Symmetry};
+use ricochet::scene::{
+    Contact, Geometry, Model, Newton, Output, Probe, Reduction, Scene, Scheme, Solver, SupportKind, Symmetry,
+};
 
 fn parse(text: &str, overrides: &[&str]) -> Result<Scene> {
     let overrides: Vec<String> = overrides.iter().map(|&given| given.into()).collect();
@@ -35,7 +37,10 @@ fn defaults_are_those_of_the_reference() -> Result<()> {
     let (beta, gamma) = (0.25, 0.5);
     let newmark = parse(SMALL, &["time.scheme=newmark"])?.time;
     assert_eq!((newmark.modal, newmark.scheme), (false, Scheme::Newmark { beta, gamma }));
-    assert_eq!(scene.output.every, 1);
+    assert_eq!(
+        scene.output,
+        Output { every: 1, checkpoint_steps: None, checkpoint_minutes: Some(10.0), fields: None, probes: Vec::new() }
+    );
     let schemes = ["generalized-alpha", "central-difference"].map(|name| format!("time.scheme={name}"));
     let rho_inf = 0.8;
     assert_eq!(parse(SMALL, &[&schemes[0]])?.time.scheme, Scheme::GeneralizedAlpha { rho_inf });
@@ -46,6 +51,23 @@ fn defaults_are_those_of_the_reference() -> Result<()> {
     assert_eq!(supported.supports[0].kind, held);
     assert_eq!(supported.supports[0].damping, [0.0; 3]);
     assert_eq!(supported.supports[0].displacement, [0.0; 3]);
+    Ok(())
+}
+
+/// Points on the box's faces but for a typed number's digits are on them; of a mesh file the mesh will tell.
+#[test]
+fn probes_and_fields() -> Result<()> {
+    let probes = "output.probes=[{ name = \"bottom ½\", point = [0.1, 0, -0.05000000001] }, { point = [-0.75, 1e-13, 0], name = \"side\" }]";
+    let output = parse(SMALL, &[probes, "output.fields=50"])?.output;
+    let probe = |name: &str, point| Probe { name: name.into(), point };
+    let expected = vec![probe("bottom ½", [0.1, 0.0, -0.05]), probe("side", [-0.75, 0.0, 0.0])];
+    assert_eq!(
+        output,
+        Output { every: 1, checkpoint_steps: None, checkpoint_minutes: Some(10.0), fields: Some(50), probes: expected }
+    );
+    let far = parse(MESH, &["output.probes=[{ name = \"far\", point = [7, 8, 9] }]"])?.output;
+    assert_eq!(far.probes, [probe("far", [7.0, 8.0, 9.0])]);
+    assert!(far.is_read() && !parse(MESH, &[])?.output.is_read());
     Ok(())
 }
 

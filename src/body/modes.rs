@@ -21,6 +21,21 @@ pub struct Modes {
     pub residual: f64,
     /// Where the energy is.
     pub(crate) forms: Forms,
+    /// How all of the body moves.
+    pub(crate) shapes: Shapes,
+}
+
+/// A body's coordinates y on its basis, from those of its modes: with x of the vibrations, ∫∫F of the free motions, and F,
+///
+/// y = moving x + free₀ ∫∫F dt dt + free₁ t²/2 + residual F.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Shapes {
+    /// A column for each vibration.
+    pub moving: DMatrix<f64>,
+    /// Σ φ e and Σ f e over the free motions e.
+    pub free: [DVector<f64>; 2],
+    /// Σ φ e/ω² over what is left out: its static answer to the force.
+    pub residual: DVector<f64>,
 }
 
 /// One first-order coordinate.
@@ -84,7 +99,8 @@ const CONDITION: f64 = 1e9;
 impl Modes {
     /// A body that does not move: a half-space, whose dent Hertz's law holds.
     pub fn none() -> Self {
-        Self { modes: Vec::new(), free: Free::default(), residual: 0.0, forms: Forms::none() }
+        let shapes = Shapes::none();
+        Self { modes: Vec::new(), free: Free::default(), residual: 0.0, forms: Forms::none(), shapes }
     }
 
     /// A surface that moves at F/Z: an infinite plate of the impedance Z, N s/m.
@@ -113,6 +129,8 @@ pub struct Spectrum {
     support: DMatrix<f64>,
     damping: Option<DMatrix<f64>>,
     support_offset: f64,
+    /// The vibrations on the basis, by columns.
+    vectors: DMatrix<f64>,
 }
 
 impl Spectrum {
@@ -132,6 +150,7 @@ impl Spectrum {
             support: on(&projection.support),
             damping: projection.damping.as_ref().map(on),
             support_offset: projection.support_offset,
+            vectors,
         }
     }
 
@@ -171,8 +190,15 @@ impl Spectrum {
         let (rigid, moving): (Vec<usize>, Vec<usize>) = (0..count).partition(is_free);
         let loads = &self.load + &self.support_load;
         let mut free = Free::default();
+        let mut shapes = Shapes::zero(self.vectors.nrows());
+        shapes.moving = self.vectors.select_columns(&moving);
+        for (i, e) in self.vectors.column_iter().enumerate().skip(count) {
+            shapes.residual.axpy(self.force[i] / self.squares[i], &e, 1.0);
+        }
         for i in rigid {
             let (force, load) = (self.force[i], loads[i]);
+            shapes.free[0].axpy(force, &self.vectors.column(i), 1.0);
+            shapes.free[1].axpy(load, &self.vectors.column(i), 1.0);
             free.mobility += force * force;
             free.load += force * load;
             free.square += load * load;
@@ -196,7 +222,28 @@ impl Spectrum {
             squares,
             damped,
         };
-        Ok(Modes { modes, free, residual, forms })
+        Ok(Modes { modes, free, residual, forms, shapes })
+    }
+}
+
+impl Shapes {
+    /// The same of linear forms on y, a row each.
+    pub fn mapped(&self, forms: &DMatrix<f64>) -> Self {
+        Self {
+            moving: forms * &self.moving,
+            free: self.free.each_ref().map(|free| forms * free),
+            residual: forms * &self.residual,
+        }
+    }
+
+    /// Of a body without a basis.
+    fn none() -> Self {
+        Self::zero(0)
+    }
+
+    fn zero(coordinates: usize) -> Self {
+        let zero = DVector::zeros(coordinates);
+        Self { moving: DMatrix::zeros(coordinates, 0), free: [zero.clone(), zero.clone()], residual: zero }
     }
 }
 

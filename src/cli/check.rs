@@ -12,7 +12,7 @@ use crate::scheme::Implicit;
 
 use super::Check;
 use super::load::load;
-use super::notes::{describe_model, notes};
+use super::notes::{describe_model, note_of_probes, notes};
 use super::say;
 
 /// How the systems of a step are solved, and what that takes.
@@ -45,7 +45,7 @@ fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
             print_scene(scene, model, mass);
             print_contact(scene, patch.as_ref());
             print_time(scene, plan);
-            for note in notes(scene, patch.as_ref(), plan) {
+            for note in notes(scene, patch.as_ref(), plan).into_iter().chain(note_of_probes(model)) {
                 say(format_args!("note       {note}"));
             }
         }

@@ -10,6 +10,7 @@ mod notes;
 pub mod plot;
 mod progress;
 mod provenance;
+mod recording;
 mod restart;
 pub mod run;
 pub mod stability;

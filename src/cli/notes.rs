@@ -30,6 +30,20 @@ pub fn listed(words: &[&str]) -> String {
     }
 }
 
+/// What is to be known of a model's probes.
+pub fn note_of_probes(model: &Model) -> Option<String> {
+    let near: Vec<String> = model.gauges.as_ref()?.near.iter().map(|name| format!("{name:?}")).collect();
+    let names: Vec<&str> = near.iter().map(String::as_str).collect();
+    let (word, read) = if names.len() == 1 { ("probe", "reads") } else { ("probes", "read") };
+    (!names.is_empty()).then(|| {
+        format!(
+            "{word} {} {read} stresses within two thicknesses of the hit, where this body carries the force on a wide disc: they may be off by \
+             some tenths. model = \"solid\" with reduction = \"none\" has the contact's own",
+            listed(&names)
+        )
+    })
+}
+
 /// The notes on a scene, with its patch and its steps: nothing that is wrong, but much that a number may depend on.
 pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<String> {
     let mut notes = Vec::new();

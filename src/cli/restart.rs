@@ -19,6 +19,7 @@ use crate::record::read;
 use crate::record::series::{Earlier, SeriesWriter};
 use crate::scene::{Geometry, Output, Scene, Vec3};
 
+use super::recording::Recording;
 use super::summary::Summary;
 use super::tell;
 
@@ -66,7 +67,8 @@ impl Past {
 fn check_scene(result: &Path, text: &str, scene: &Scene) -> Result<()> {
     let (mut kept, _) = Scene::parse(&beside(result).display().to_string(), text, &[])?;
     kept.title.clone_from(&scene.title);
-    kept.output = Output { ..scene.output.clone() };
+    // Probes go on; what has not been read of the time before cannot be had any more.
+    kept.output = Output { probes: kept.output.probes, fields: kept.output.fields, ..scene.output.clone() };
     kept.time.end = scene.time.end;
     // Its path may be another one; the nodes tell.
     if let (Geometry::Gmsh(_), Geometry::Gmsh(_)) = (&kept.body.geometry, &scene.body.geometry) {
@@ -76,7 +78,7 @@ fn check_scene(result: &Path, text: &str, scene: &Scene) -> Result<()> {
         return Ok(());
     }
     Err(Error::Usage(format!(
-        "{} is of another scene: only its end, its title and [output] may change; `ricochet info {} --scene` shows it",
+        "{} is of another scene: only its end, its title and [output] but for probes and fields may change; `ricochet info {} --scene` shows it",
         beside(result).display(),
         result.display()
     )))
@@ -86,9 +88,14 @@ fn check_scene(result: &Path, text: &str, scene: &Scene) -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Output`] where checkpoint and series do not fit the simulation.
-pub fn go_on(comm: &Comm, kept: Kept, result: &Path, impact: &mut Simulation) -> Result<Option<(Earlier, Summary)>> {
+pub fn go_on(
+    comm: &Comm,
+    kept: Kept,
+    (result, probes): (&Path, &[String]),
+    impact: &mut Simulation,
+) -> Result<Option<(Earlier, Summary)>> {
     let there = match comm.is_root() {
-        true => earlier(&kept.checkpoint, result).map(Some).map_err(|error| error.to_string()),
+        true => earlier(&kept.checkpoint, result, probes).map(Some).map_err(|error| error.to_string()),
         false => Ok(None),
     };
     let there = agree(comm, there).map_err(Error::Output)?;
@@ -102,13 +109,14 @@ pub fn go_on(comm: &Comm, kept: Kept, result: &Path, impact: &mut Simulation) ->
 }
 
 /// What rank 0 has of the time before a checkpoint.
-fn earlier(checkpoint: &Checkpoint, result: &Path) -> Result<(Earlier, Summary)> {
+fn earlier(checkpoint: &Checkpoint, result: &Path, probes: &[String]) -> Result<(Earlier, Summary)> {
     let mut rows = 0;
     // The mass is not among what is carried: no impulse is computed of it before the next step.
     let mut past = (Episodes::new(read::origin(result)?.0.impactor_mass), Summary::default());
     carry(&mut rows, &mut past, &mut Carrier::from(checkpoint))?;
     let (episodes, summary) = past;
-    Ok((Earlier { columns: read::rows(result, rows)?, episodes }, summary))
+    let (columns, probes) = (read::rows(result, rows)?, read::probes(result, probes, rows)?);
+    Ok((Earlier { columns, probes, episodes }, summary))
 }
 
 /// What rank 0 knows of a run beside its state, to a checkpoint or from it.
@@ -168,7 +176,7 @@ impl Keeping {
     /// PETSc's; on rank 0 those of the series, which is written before.
     pub fn settled(
         &mut self,
-        record: Option<(&mut SeriesWriter, &mut Summary)>,
+        record: Option<(&mut SeriesWriter, Option<&mut Recording>, &mut Summary)>,
         checkpoint: &mut dyn FnMut() -> Result<Checkpoint>,
     ) -> Result<()> {
         if !std::mem::take(&mut self.is_due) {
@@ -185,7 +193,8 @@ impl Keeping {
             let flat = gathered(&self.comm, nodes.as_flattened());
             self.all_nodes = Some(flat.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect());
         }
-        let Some((writer, summary)) = record else { return Ok(()) };
+        let Some((writer, recording, summary)) = record else { return Ok(()) };
+        recording.map_or(Ok(()), Recording::flush)?;
         writer.flush()?;
         let mut of_record = Checkpoint::default();
         let mut known = (writer.episodes().clone(), *summary);

@@ -14,6 +14,7 @@ use crate::impact::checkpoint::Checkpoint;
 use crate::impact::step::Step;
 use crate::model::{self, Model, Simulation};
 use crate::record::checkpoint;
+use crate::record::fields;
 use crate::record::lock::Lock;
 use crate::record::provenance::Cost;
 use crate::record::series::SeriesWriter;
@@ -23,9 +24,10 @@ use crate::scene::{Scene, Source};
 use super::Run;
 use super::interrupt::{INTERRUPTED, Interrupt};
 use super::load::{is_result, load};
-use super::notes::{describe_model, notes};
+use super::notes::{describe_model, note_of_probes, notes};
 use super::progress::Progress;
 use super::provenance::provenance;
+use super::recording::Recording;
 use super::restart::{Keeping, Past, go_on};
 use super::summary::Summary;
 use super::{tell, warn_of_unused_options};
@@ -44,7 +46,13 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
     let output = given.cloned().unwrap_or_else(|| default_output(&arguments.scene));
     // Before minutes of work whose result could not be written. Held to the end.
     let _lock = {
-        let free = || check_writable(&output).and_then(|()| Lock::take(&output)).map(Some);
+        let free = || {
+            check_writable(&output)?;
+            if scene.output.fields.is_some() {
+                fields::check_writable(&output)?;
+            }
+            Lock::take(&output).map(Some)
+        };
         let free = if comm.is_root() { free().map_err(|error| error.to_string()) } else { Ok(None) };
         agree(comm, free).map_err(Error::Output)?
     };
@@ -79,7 +87,7 @@ fn solve(
     let model = Model::new(comm, scene)?;
     let modelled = begin.elapsed().as_secs_f64();
     let patch = model.dynamics.patch();
-    let (described, reason) = (describe_model(&model), model.reason.clone());
+    let (described, reason, of_probes) = (describe_model(&model), model.reason.clone(), note_of_probes(&model));
     let of_model = (model::name(model.theory), model.reduction(), model.unknowns);
     let mut provenance = provenance(comm, scene, source, of_model)?;
     let mut impact = Simulation::new(scene, model)?;
@@ -91,24 +99,29 @@ fn solve(
         if let Some(reason) = reason {
             tell(format_args!("{reason}"));
         }
-        for note in notes(scene, patch.as_ref(), impact.plan().as_ref()) {
+        for note in notes(scene, patch.as_ref(), impact.plan().as_ref()).into_iter().chain(of_probes) {
             tell(format_args!("note: {note}"));
         }
     }
+    let names: Vec<String> = scene.output.probes.iter().map(|probe| probe.name.clone()).collect();
+    let readings = impact.read()?;
     let earlier = match past {
-        Some(Past::Moment(kept)) => go_on(comm, *kept, from, &mut impact)?,
+        Some(Past::Moment(kept)) => go_on(comm, *kept, (from, &names), &mut impact)?,
         _ => None,
     };
-    let desk = match (comm.is_root(), earlier) {
+    let recording = readings.map(|readings| Recording::new(readings, output, scene.output.fields, impact.steps()));
+    let parts = match (comm.is_root(), earlier) {
         (false, _) => None,
-        (true, None) => Some((SeriesWriter::create(output, &provenance)?, Summary::default())),
+        (true, None) => Some((SeriesWriter::with_probes(output, &provenance, &names)?, recording, Summary::default())),
         (true, Some((earlier, summary))) => {
-            tell(format_args!("on from t = {:.6e} s", earlier.end()));
-            Some((SeriesWriter::continued(output, &provenance, earlier)?, summary))
+            tell(format_args!("on from t = {:.6e} s", summary.end));
+            let writer = SeriesWriter::continued(output, &provenance, &names, earlier)?;
+            Some((writer, recording.map(|recording| recording.behind(from, summary.end)), summary))
         }
     };
-    let desk = desk.map(|(writer, summary)| Desk {
+    let desk = parts.map(|(writer, recording, summary)| Desk {
         writer: writer.every(scene.output.every),
+        recording,
         progress: Progress::new(scene.time.end),
         summary,
     });
@@ -131,11 +144,12 @@ fn solve(
         error_estimate: error.unwrap_or(f64::NAN),
     };
     let flow = stepped.as_ref().ok().copied();
-    if let Some(Desk { writer, progress, summary }) = watch.desk {
+    if let Some(Desk { writer, mut recording, progress, summary }) = watch.desk {
         progress.finish();
         let episodes = writer.episodes().clone();
         // What was computed is kept, whatever ended the run.
-        let finished = writer.finish(&cost, flow == Some(ControlFlow::Continue(())));
+        let recorded = recording.as_mut().map_or(Ok(()), Recording::flush);
+        let finished = writer.finish(&cost, flow == Some(ControlFlow::Continue(()))).and(recorded);
         // Where the run has failed already, that is what is told: a full disk fails the steps first and then the end.
         if let Some(flow) = flow {
             finished?;
@@ -171,8 +185,22 @@ fn solve(
 /// What rank 0 keeps of a run.
 struct Desk {
     writer: SeriesWriter,
+    recording: Option<Recording>,
     progress: Progress,
     summary: Summary,
+}
+
+impl Desk {
+    fn step(&mut self, step: &Step) -> Result<()> {
+        let probes = match &mut self.recording {
+            Some(recording) => recording.step(step, &self.writer)?,
+            None => Vec::new(),
+        };
+        self.writer.push_read(step, probes)?;
+        self.progress.step(step);
+        self.summary.step(step);
+        Ok(())
+    }
 }
 
 /// What happens with every step.
@@ -186,9 +214,7 @@ struct Watch {
 impl Observer for Watch {
     fn step(&mut self, step: &Step) -> Result<ControlFlow<()>> {
         if let Some(desk) = &mut self.desk {
-            desk.writer.push(step)?;
-            desk.progress.step(step);
-            desk.summary.step(step);
+            desk.step(step)?;
         }
         let is_late = self.desk.is_some() && self.keeping.is_due_by_time();
         let (interrupted, late) = self.interrupt.poll(&self.comm, is_late);
@@ -197,7 +223,7 @@ impl Observer for Watch {
     }
 
     fn settled(&mut self, checkpoint: &mut dyn FnMut() -> Result<Checkpoint>) -> Result<()> {
-        let record = self.desk.as_mut().map(|desk| (&mut desk.writer, &mut desk.summary));
+        let record = self.desk.as_mut().map(|desk| (&mut desk.writer, desk.recording.as_mut(), &mut desk.summary));
         self.keeping.settled(record, checkpoint)
     }
 }

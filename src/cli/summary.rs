@@ -38,6 +38,7 @@ impl Summary {
 
     /// To a checkpoint or from it, beside the episodes.
     pub fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+        carrier.number("end", &mut self.end)?;
         carrier.number("peak", &mut self.peak.0)?;
         carrier.number("peak_time", &mut self.peak.1)?;
         carrier.number("initial", &mut self.initial)

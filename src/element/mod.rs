@@ -9,6 +9,7 @@ mod lagrange;
 mod project;
 mod quadrature;
 mod table;
+mod within;
 
 pub use adaptive::adaptive;
 pub use inverse::Inverse;
@@ -16,6 +17,7 @@ pub use lagrange::Element;
 pub use project::{closest, normal};
 pub use quadrature::{Quadrature, gauss_legendre};
 pub use table::Table;
+pub use within::within;
 
 /// The shape of a cell or facet, with its reference cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -13,6 +13,7 @@ mod pressure;
 mod solid;
 pub(crate) mod spline;
 mod spread;
+pub mod stress;
 mod surface;
 pub mod tensor;
 

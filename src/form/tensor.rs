@@ -220,10 +220,24 @@ impl<const D: usize> Tensor<D> {
 
     /// Adds weight · (part of v at a point) to a vector.
     pub fn add_point(&self, part: Part<D>, point: [f64; D], weight: f64, sum: &mut [f64]) {
+        self.each_at(part, point, weight, |first, values| {
+            sum[first..].iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+        });
+    }
+
+    /// The entries of weight · (part of v at a point), by unknown.
+    pub fn at_point(&self, part: Part<D>, point: [f64; D], weight: f64) -> Vec<(usize, f64)> {
+        let mut entries = Vec::new();
+        self.each_at(part, point, weight, |first, values| entries.extend((first..).zip(values.iter().copied())));
+        entries
+    }
+
+    /// Hands runs of entries of weight · (part of v at a point) to a visitor, each with its first unknown.
+    fn each_at(&self, part: Part<D>, point: [f64; D], weight: f64, mut visit: impl FnMut(usize, &[f64])) {
         let splines = &self.fields[part.field];
         let values: [(usize, [f64; WIDTH]); D] =
             std::array::from_fn(|axis| splines[axis].at(point[axis], part.derivatives[axis]));
-        let sum = &mut sum[self.first(part.field)..];
+        let of_field = self.first(part.field);
         // Functions of the axes before the last, then those of the last one in a line.
         let (last, count) = (&values[D - 1], splines[D - 1].functions());
         for before in indices::<D>(std::array::from_fn(|axis| 0..if axis + 1 < D { WIDTH } else { 1 })) {
@@ -233,10 +247,8 @@ impl<const D: usize> Tensor<D> {
                 factor *= values[axis].1[place];
             }
             if factor != 0.0 {
-                let line = &mut sum[number * count + last.0..];
-                line.iter_mut()
-                    .zip(&last.1[..WIDTH.min(count - last.0)])
-                    .for_each(|(sum, value)| *sum += factor * value);
+                let line = last.1.map(|value| factor * value);
+                visit(of_field + number * count + last.0, &line[..WIDTH.min(count - last.0)]);
             }
         }
     }

@@ -24,6 +24,7 @@ use super::gate::Gate;
 use super::ladder::Ladder;
 use super::observer::Observer;
 use super::pair::Pair;
+use super::reading::Reader;
 use super::setting::Setting;
 use super::step::Step;
 use super::trajectory::{Trajectory, at};
@@ -60,6 +61,7 @@ pub struct Controlled<'a> {
     pub ladder: &'a mut Ladder,
     pub gate: &'a mut Gate,
     pub count: &'a mut Count,
+    pub reader: &'a mut Option<Reader>,
     /// End of the run, s.
     pub end: f64,
     /// Wanted error of the acceleration over its peak.
@@ -104,6 +106,7 @@ impl Controlled<'_> {
             return Ok((flow, pair.fine));
         }
         let start = pair.fine.observed(body, self.setting)?;
+        pair.fine.read(self.reader)?;
         self.gate.open(&start);
         if observer.step(&start)?.is_break() {
             return Ok((ControlFlow::Break(()), pair.fine));
@@ -267,6 +270,7 @@ impl Controlled<'_> {
         for _ in 0..2 {
             self.step(&mut pair.fine, level, body)?;
             told.push(pair.fine.observed(body, self.setting)?);
+            pair.fine.read(self.reader)?;
             pair.has_touched |= pair.fine.now.approach > 0.0;
         }
         self.step(&mut pair.coarse, level + 1, body)?;

@@ -18,6 +18,7 @@ mod observer;
 mod pad_condensed;
 mod pair;
 mod plan;
+mod reading;
 mod reduced;
 mod search;
 mod setting;
@@ -45,6 +46,8 @@ pub use modal::{ModalImpact, Steps, Trace};
 pub use observer::Observer;
 use observer::Told;
 pub use plan::{Plan, steps};
+use reading::Reader;
+pub use reading::{Probe, Reading, Readout, Tape};
 pub use setting::Setting;
 pub use state::{Impactor, State};
 use step::Step;
@@ -68,6 +71,7 @@ pub struct Impact {
     interrupted: Box<dyn Fn() -> bool>,
     /// What the next run goes on from.
     resumed: Option<Checkpoint>,
+    reader: Option<Reader>,
     /// What the runs have cost so far.
     pub count: Count,
 }
@@ -123,6 +127,7 @@ impl Impact {
             order: Implicit::new(scene.time.scheme).map_or(2, |scheme| scheme.order()),
             interrupted: Box::new(|| false),
             resumed: None,
+            reader: None,
             count: Count::default(),
         })
     }
@@ -149,6 +154,15 @@ impl Impact {
     /// on all ranks; all of them ask.
     pub fn set_interrupt(&mut self, interrupted: impl Fn() -> bool + 'static) {
         self.interrupted = Box::new(interrupted);
+    }
+
+    /// Has a run put readings of its steps on a tape, each before the step is told. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn set_readout(&mut self, readout: &Readout, tape: Tape) -> Result<()> {
+        self.reader = Some(Reader::new(&self.body, readout, tape)?);
+        Ok(())
     }
 
     /// The body, for another impact on it.
@@ -190,10 +204,10 @@ impl Impact {
     /// As [`Self::run`]; [`crate::Error::Usage`] where the run is to go on from a checkpoint of another one.
     pub fn run_watched(&mut self, observer: &mut impl Observer) -> Result<ControlFlow<()>> {
         let Plan::Controlled { tolerance, .. } = self.plan else { return self.run_in_equal_steps(observer) };
-        let Self { comm, setting, ladder, gate, count, end, .. } = self;
-        let (order, resumed) = (self.order, self.resumed.take());
+        let Self { comm, setting, ladder, gate, count, reader, end, .. } = self;
+        let (end, order, resumed) = (*end, self.order, self.resumed.take());
         let interrupted = &*self.interrupted;
-        let controlled = Controlled { comm, setting, ladder, gate, count, end: *end, tolerance, order, interrupted };
+        let controlled = Controlled { comm, setting, ladder, gate, count, reader, end, tolerance, order, interrupted };
         let (flow, trajectory) = controlled.run(&mut self.body, resumed, observer)?;
         self.trajectory = trajectory;
         Ok(flow)
@@ -206,6 +220,7 @@ impl Impact {
             None => {
                 (self.trajectory.time, self.trajectory.steps) = (0.0, 0);
                 let start = self.trajectory.observed(&self.body, &self.setting)?;
+                self.trajectory.read(&mut self.reader)?;
                 self.gate.open(&start);
                 flow = observer.step(&start)?;
             }
@@ -215,11 +230,12 @@ impl Impact {
             if flow.is_break() {
                 break;
             }
-            let Self { body, setting, trajectory, gate, count, ladder, .. } = self;
+            let Self { body, setting, trajectory, gate, count, ladder, reader, .. } = self;
             let time = number as f64 * size;
             count.iterations += trajectory.advance(ladder.at(0, body)?, time, body, setting)?;
             count.solves += 1;
             let step = trajectory.observed(body, setting)?;
+            trajectory.read(reader)?;
             gate.check(&step).map_err(|error| at(error, number, time))?;
             flow = observer.step(&step)?;
             observer.settled(&mut || {

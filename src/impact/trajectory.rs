@@ -7,6 +7,7 @@ use super::checkpoint::Carrier;
 use super::initial;
 use super::ladder::Stepper;
 use super::ledger::Ledger;
+use super::reading::Reader;
 use super::setting::Setting;
 use super::state::{Moment, State};
 use super::step::{Contact, Motion, Step};
@@ -89,6 +90,14 @@ impl Trajectory {
     /// F over the impactor's mass, m/s².
     pub(super) fn acceleration(&self, setting: &Setting) -> f64 {
         setting.law.force(self.now.approach) / setting.mass
+    }
+
+    /// Has the state read, where somebody reads it. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub(super) fn read(&self, reader: &mut Option<Reader>) -> Result<()> {
+        reader.as_mut().map_or(Ok(()), |reader| reader.read(self.steps, &self.now.state))
     }
 
     /// The moment as observers see it. Collective.

@@ -6,7 +6,9 @@ mod gmsh;
 mod grid;
 mod locate;
 mod measure;
+mod mirror;
 mod plex;
+mod whole;
 
 use std::collections::BTreeMap;
 
@@ -15,6 +17,8 @@ use petsc_wrap::{Comm, Int};
 use crate::element::{Element, Shape};
 
 pub use locate::Site;
+pub(crate) use mirror::add_image;
+pub use whole::Whole;
 
 /// This rank's part of a mesh. Every cell is on one rank; nodes between ranks are owned by one of them. The mesh may be that
 /// of a quarter of the body, between two planes of symmetry.

@@ -8,6 +8,7 @@ use petsc_wrap::Comm;
 use super::reduce::{Reduced, force, rate, reduce};
 use super::theory::{Built, Operators, build};
 use crate::body::Krylov;
+use crate::body::gauge::Gauge;
 use crate::error::{Error, Result};
 use crate::impact::Trace;
 use crate::scene::{Model, Scene};
@@ -37,6 +38,8 @@ pub struct Fitted {
     pub size: f64,
     /// Estimated error of the acceleration over its peak by the cells, where it was looked for: in the first contact, and over all.
     pub error: Option<(f64, f64)>,
+    /// What reads the body, as [`Operators::gauge`].
+    pub gauge: Option<Gauge>,
 }
 
 /// Reduces a body; if it is of splines, and in modal coordinates, on finer cells where its own leave too much. Collective.
@@ -81,8 +84,8 @@ pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators) -> Resul
 }
 
 fn fitted(comm: &Comm, scene: &Scene, built: Operators, size: f64) -> Result<Fitted> {
-    let Operators { body, words, .. } = built;
-    let fitted = Fitted { reduced: reduce(&body, scene)?, unknowns: body.unknowns(), words, size, error: None };
+    let Operators { body, words, gauge, .. } = built;
+    let fitted = Fitted { reduced: reduce(&body, scene)?, unknowns: body.unknowns(), words, size, error: None, gauge };
     drop(body);
     comm.collect_garbage()?;
     Ok(fitted)

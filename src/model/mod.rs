@@ -2,18 +2,21 @@
 
 mod cells;
 mod climb;
+mod readings;
 mod reduce;
 mod simulation;
 mod theory;
 
+pub use readings::{Gauges, Readings};
 pub use reduce::{OF_BASIS, OF_SMALLER, Reduced, rate, reduce};
 pub use simulation::Simulation;
 pub use theory::{Built, Operators, admits, build, name};
 
 pub use cells::{Fitted, fit};
 
-use petsc_wrap::Comm;
+use petsc_wrap::{Comm, Vector};
 
+use crate::body::gauge::Gauge;
 use crate::body::{Body, ModalBody};
 use crate::contact::Patch;
 use crate::error::Result;
@@ -42,6 +45,8 @@ pub struct Model {
     pub beside_basis: (f64, f64),
     /// Why this theory and not another, where that was to be found.
     pub reason: Option<String>,
+    /// What is read of the body, where the scene wants that.
+    pub gauges: Option<Gauges>,
 }
 
 /// How a body moves.
@@ -79,11 +84,12 @@ impl Model {
     fn of(comm: &Comm, scene: &Scene, theory: scene::Model) -> Result<Self> {
         match build(comm, scene, theory, 1.0)? {
             Built::Given(body) => Ok(Self::bare(theory, Dynamics::Modal(body), 0, "a formula".to_owned())),
-            Built::Operators(Operators { body, words, .. })
+            Built::Operators(Operators { body, words, gauge, .. })
                 if !scene.time.modal && !matches!(scene.body.reduction, Reduction::Vectors(_)) =>
             {
                 let unknowns = body.unknowns();
-                Ok(Self::bare(theory, Dynamics::Stepped(body), unknowns, words))
+                let gauges = gauges(comm, scene, gauge, &body.load, None)?;
+                Ok(Self { gauges, ..Self::bare(theory, Dynamics::Stepped(body), unknowns, words) })
             }
             Built::Operators(built) => Self::on_basis(comm, scene, theory, fit(comm, scene, theory, built)?),
         }
@@ -91,15 +97,21 @@ impl Model {
 
     /// The model of a reduced body. Collective.
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
-        let Fitted { reduced, unknowns, words, error: cells, .. } = fitted;
-        let Reduced { projection, judge, of_difference, error, .. } = reduced;
+        let Fitted { reduced, unknowns, words, gauge, error: cells, .. } = fitted;
+        let Reduced { projection, judge, of_difference, krylov, error, .. } = reduced;
+        let basis = &krylov.basis()[..projection.vectors()];
+        let gauges = match basis {
+            [] => None,
+            [like, ..] => gauges(comm, scene, gauge, like, Some(basis))?,
+        };
         let dynamics = if scene.time.modal {
             Dynamics::Modal(ModalBody::of(&projection))
         } else {
             Dynamics::Stepped(Box::new(Body::of(&comm.session().alone(), &projection.system())?))
         };
         let (vectors, judge) = (Some(projection.vectors()), Some((ModalBody::of(&judge), of_difference)));
-        let model = Self { vectors, judge, error: Some(error), ..Self::bare(theory, dynamics, unknowns, words) };
+        let model =
+            Self { vectors, judge, gauges, error: Some(error), ..Self::bare(theory, dynamics, unknowns, words) };
         let model = Self { judged: vec!["basis"], ..model };
         Ok(match cells {
             Some(error) => model.with_error("cells", error),
@@ -120,6 +132,7 @@ impl Model {
             judged: Vec::new(),
             beside_basis: (0.0, 0.0),
             reason: None,
+            gauges: None,
         }
     }
 
@@ -136,4 +149,15 @@ impl Model {
     pub fn reduction(&self) -> String {
         self.vectors.map_or("none".to_owned(), |vectors| format!("{vectors} Krylov vectors"))
     }
+}
+
+/// [`Gauges::new`] where the scene wants any. Collective.
+fn gauges(
+    comm: &Comm,
+    scene: &Scene,
+    gauge: Option<Gauge>,
+    like: &Vector,
+    basis: Option<&[Vector]>,
+) -> Result<Option<Gauges>> {
+    scene.output.is_read().then(|| Gauges::new(comm, scene, gauge, like, basis)).transpose()
 }

@@ -7,10 +7,10 @@ use crate::contact::Patch;
 use crate::error::Result;
 use crate::impact::checkpoint::Checkpoint;
 use crate::impact::step::Step;
-use crate::impact::{Count, Impact, ModalImpact, Observer, Plan};
+use crate::impact::{Count, Impact, ModalImpact, Observer, Plan, Readout, Tape};
 use crate::scene::Scene;
 
-use super::{Dynamics, Model};
+use super::{Dynamics, Gauges, Model, Readings};
 
 /// An impact that is ready to run.
 pub struct Simulation {
@@ -20,11 +20,18 @@ pub struct Simulation {
     /// What that is of.
     judged: Vec<&'static str>,
     patch: Option<Patch>,
+    gauges: Option<Gauges>,
 }
 
 enum Kind {
     Stepped(Box<Impact>),
-    Modal { body: ModalBody, scene: Box<Scene>, count: Count, interrupted: Box<dyn Fn() -> bool> },
+    Modal {
+        body: ModalBody,
+        scene: Box<Scene>,
+        count: Count,
+        interrupted: Box<dyn Fn() -> bool>,
+        readout: Option<Box<(Readout, Tape)>>,
+    },
 }
 
 impl Simulation {
@@ -41,9 +48,24 @@ impl Simulation {
                 scene: Box::new(scene.clone()),
                 count: Count::default(),
                 interrupted: Box::new(|| false),
+                readout: None,
             },
         };
-        Ok(Self { kind, of_model, judged, patch })
+        Ok(Self { kind, of_model, judged, patch, gauges: model.gauges })
+    }
+
+    /// Has a run read the body as its scene wants; `None` where it wants nothing. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn read(&mut self) -> Result<Option<Readings>> {
+        let Some(Gauges { readout: wanted, canvas, .. }) = self.gauges.take() else { return Ok(None) };
+        let tape = Tape::default();
+        match &mut self.kind {
+            Kind::Stepped(impact) => impact.set_readout(&wanted, tape.clone())?,
+            Kind::Modal { readout, .. } => *readout = Some(Box::new((wanted, tape.clone()))),
+        }
+        Ok(Some(Readings { tape, canvas }))
     }
 
     /// Has a run ask now and then whether it is to end early. The answer must be the same on all ranks; all of them ask.
@@ -87,8 +109,11 @@ impl Simulation {
     pub fn run(&mut self, mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
         match &mut self.kind {
             Kind::Stepped(impact) => impact.run(observe),
-            Kind::Modal { body, scene, count, interrupted } => {
+            Kind::Modal { body, scene, count, interrupted, readout } => {
                 let mut impact = ModalImpact::new(scene, body).interrupted_by(&**interrupted);
+                if let Some(wanted) = readout {
+                    impact = impact.read_by(&wanted.0, wanted.1.clone());
+                }
                 // All steps are there before the first is told: those up to an interruption are told to their end.
                 let mut flow = ControlFlow::Continue(());
                 let run = impact.run(|step| {

@@ -3,6 +3,7 @@
 use petsc_wrap::Comm;
 
 use crate::body::block::{self, Block};
+use crate::body::gauge::Gauge;
 use crate::body::plate::{self, Plate};
 use crate::body::{Body, ModalBody, Modes, System};
 use crate::contact::zener;
@@ -38,6 +39,8 @@ pub struct Operators {
     pub words: String,
     /// Whether these are splines, on cells that the program chooses.
     pub is_of_splines: bool,
+    /// What reads the body at its points, where the scene wants that; of a distributed mesh rank 0 has it.
+    pub gauge: Option<Gauge>,
 }
 
 /// Why a theory does not stand for a scene: a clause.
@@ -47,6 +50,9 @@ pub struct Operators {
 pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
     if scene.contact == Contact::Point && matches!(theory, Model::HalfSpace | Model::InfinitePlate | Model::Mindlin) {
         return Err("a force at a point is for kirchhoff and solid: the others have the contact's own field".into());
+    }
+    if scene.output.is_read() && matches!(theory, Model::HalfSpace | Model::InfinitePlate) {
+        return Err("output.probes and output.fields want points of the body, and a formula has none".into());
     }
     match theory {
         Model::HalfSpace => Ok(()),
@@ -82,16 +88,19 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64) -> Result<Bui
         Model::Auto | Model::Solid if is_of_splines(scene) => {
             let mut settings = block::Settings::new(scene.tolerance);
             settings.fineness *= size;
-            let Block { system, cells: [x, y, z] } = Block::new(scene, &settings)?;
-            of_system(comm, &system, format!("{x} × {y} × {z} cells of splines"))?
+            let Block { system, cells: [x, y, z], points } = Block::new(scene, &settings)?;
+            let gauge = scene.output.is_read().then(|| Gauge::of_block(scene, points));
+            of_system(comm, &system, format!("{x} × {y} × {z} cells of splines"), gauge)?
         }
         Model::Auto | Model::Solid => {
             let mesh = Mesh::new(comm, &scene.body)?;
             let body = Body::solid(scene, &mesh)?;
             let words = format!("{} cells of order {}", mesh.total_cells, scene.body.order);
+            let whole = if scene.output.is_read() { mesh.gather() } else { None };
             drop(mesh);
             comm.collect_garbage()?;
-            Built::Operators(Operators { body: Box::new(body), words, is_of_splines: false })
+            let gauge = whole.map(|whole| Gauge::of_mesh(scene, whole));
+            Built::Operators(Operators { body: Box::new(body), words, is_of_splines: false, gauge })
         }
     })
 }
@@ -117,12 +126,13 @@ fn is_of_splines(scene: &Scene) -> bool {
 fn of_plate(comm: &Comm, scene: &Scene, theory: plate::Theory, size: f64) -> Result<Built> {
     let mut settings = plate::Settings::new(scene.tolerance, theory);
     settings.fineness *= size;
-    let Plate { system, cells: [x, y], .. } = Plate::new(scene, theory, &settings)?;
-    of_system(comm, &system, format!("{x} × {y} cells of splines"))
+    let Plate { system, cells: [x, y], points, .. } = Plate::new(scene, theory, &settings)?;
+    let gauge = scene.output.is_read().then(|| Gauge::of_plate(scene, points));
+    of_system(comm, &system, format!("{x} × {y} cells of splines"), gauge)
 }
 
 /// Every rank has all of it.
-fn of_system(comm: &Comm, system: &System, words: String) -> Result<Built> {
+fn of_system(comm: &Comm, system: &System, words: String, gauge: Option<Gauge>) -> Result<Built> {
     let body = Box::new(Body::of(&comm.session().alone(), system)?);
-    Ok(Built::Operators(Operators { body, words, is_of_splines: true }))
+    Ok(Built::Operators(Operators { body, words, is_of_splines: true, gauge }))
 }

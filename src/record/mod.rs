@@ -3,8 +3,10 @@
 pub mod checkpoint;
 mod columns;
 pub mod episodes;
+pub mod fields;
 pub mod folder;
 pub mod lock;
+mod probes;
 pub mod provenance;
 pub mod read;
 pub mod series;

@@ -1,8 +1,10 @@
 //! A result read back, as far as a figure needs it.
 
 use crate::error::{Error, Result};
+use crate::impact::Probe;
 use crate::impact::step::Step;
 use crate::record::columns::{Column, SERIES};
+use crate::record::probes;
 use crate::record::provenance::{Cost, Provenance, text};
 use crate::record::target::is_locked;
 use hdf5_metno as hdf5;
@@ -58,6 +60,14 @@ pub fn rows(path: &Path, rows: usize) -> Result<Vec<Vec<f64>>> {
         Ok(values)
     };
     SERIES.iter().map(of_column).collect()
+}
+
+/// The first rows of some probes of the result `path`, each with a reading of every probe.
+///
+/// # Errors
+/// [`Error::Io`] as [`rows`].
+pub fn probes(path: &Path, names: &[String], rows: usize) -> Result<Vec<Vec<Probe>>> {
+    probes::rows(&open(path)?, names, rows).map_err(|e| Error::io(path, format!("its probes cannot be read: {e}")))
 }
 
 /// Reads the history of the result `path`. After a kill, datasets may differ in length by one flush: the rows are

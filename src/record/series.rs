@@ -9,9 +9,12 @@
 //! (it alone is lost then), or in which a series outgrows its chunk.
 
 use crate::error::{Error, Result};
+use crate::impact::Probe;
 use crate::impact::step::Step;
 use crate::record::columns::{CONTACTS, SERIES, append, new_datasets, not_written};
 use crate::record::episodes::Episodes;
+use crate::record::fields;
+use crate::record::probes::ProbeDatasets;
 use crate::record::provenance::{Cost, Provenance, write_scalar};
 use crate::record::target;
 use hdf5_metno as hdf5;
@@ -33,17 +36,13 @@ const CHUNK_CONTACTS: usize = 64;
 pub struct Earlier {
     /// Every column of the series, all of the same number of rows.
     pub columns: Vec<Vec<f64>>,
+    /// Of each row what every probe has read.
+    pub probes: Vec<Vec<Probe>>,
     /// The contacts.
     pub episodes: Episodes,
 }
 
 impl Earlier {
-    /// Time of its last row, s.
-    pub fn end(&self) -> f64 {
-        // The time is the last column.
-        self.columns.last().and_then(|time| time.last()).copied().unwrap_or_default()
-    }
-
     fn rows(&self) -> usize {
         self.columns.first().map_or(0, Vec::len)
     }
@@ -57,8 +56,11 @@ pub struct SeriesWriter {
     file: hdf5::File,
     series: Vec<hdf5::Dataset>,
     contacts: Vec<hdf5::Dataset>,
+    probes: ProbeDatasets,
     every: usize,
     buffer: Vec<Step>,
+    /// What the probes read at the buffer's steps.
+    read: Vec<Vec<Probe>>,
     rows_written: usize,
     episodes: Episodes,
     episodes_written: usize,
@@ -73,22 +75,32 @@ impl SeriesWriter {
     /// # Errors
     /// [`Error::Io`] as of [`target::check_writable`], or when writing fails.
     pub fn create(path: &Path, provenance: &Provenance) -> Result<Self> {
+        Self::with_probes(path, provenance, &[])
+    }
+
+    /// The same with a group for each of some probes.
+    ///
+    /// # Errors
+    /// As [`Self::create`].
+    pub fn with_probes(path: &Path, provenance: &Provenance, names: &[String]) -> Result<Self> {
         target::check_writable(path)?;
         let part = target::part(&target::resolved(path))?;
-        let begun = begin(&part, provenance);
+        let begun = begin(&part, provenance, names);
         if begun.is_err() {
             // The error in hand says more than one of the removal would.
             let _ = fs::remove_file(&part);
         }
-        let (file, series, contacts) = begun.map_err(|e| not_written(path, &e))?;
+        let Begun { file, series, contacts, probes } = begun.map_err(|e| not_written(path, &e))?;
         Ok(Self {
             path: path.to_owned(),
             part: Some(part),
             file,
             series,
             contacts,
+            probes,
             every: 1,
             buffer: Vec::new(),
+            read: Vec::new(),
             rows_written: 0,
             episodes: Episodes::new(provenance.impactor_mass),
             episodes_written: 0,
@@ -100,15 +112,15 @@ impl SeriesWriter {
     ///
     /// # Errors
     /// As [`Self::create`].
-    pub fn continued(path: &Path, provenance: &Provenance, earlier: Earlier) -> Result<Self> {
-        let mut writer = Self::create(path, provenance)?;
+    pub fn continued(path: &Path, provenance: &Provenance, names: &[String], earlier: Earlier) -> Result<Self> {
+        let mut writer = Self::with_probes(path, provenance, names)?;
         let rows = earlier.rows();
         let copy = || {
             for (dataset, values) in writer.series.iter().zip(&earlier.columns) {
                 dataset.resize((rows,))?;
                 dataset.write_slice(values, 0..rows)?;
             }
-            Ok(())
+            writer.probes.append(0, &earlier.probes)
         };
         copy().map_err(|e| not_written(path, &e))?;
         (writer.rows_written, writer.episodes) = (rows, earlier.episodes);
@@ -137,9 +149,18 @@ impl SeriesWriter {
     /// # Errors
     /// [`Error::Io`] when writing fails; the rows stay in the buffer.
     pub fn push(&mut self, step: &Step) -> Result<()> {
+        self.push_read(step, Vec::new())
+    }
+
+    /// The same with what the probes have read at the step.
+    ///
+    /// # Errors
+    /// As [`Self::push`].
+    pub fn push_read(&mut self, step: &Step, probes: Vec<Probe>) -> Result<()> {
         self.episodes.push(step);
         if step.number.is_multiple_of(self.every) {
             self.buffer.push(*step);
+            self.read.push(probes);
         }
         let due = self.flushed.is_none_or(|t| t.elapsed() >= FLUSH_EVERY);
         if due || self.buffer.len() >= ROWS_BUFFERED {
@@ -165,6 +186,17 @@ impl SeriesWriter {
         Ok(())
     }
 
+    /// Has `/fields`, and `/VTKHDF`, which readers of VTK look for, lead into the fields' file beside the result.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when writing fails.
+    pub fn link_fields(&self) -> Result<()> {
+        let [fields, _] = fields::paths(&self.path);
+        let name = fields.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let link = |as_name: &str| self.file.link_external(&name, fields::GROUP, as_name);
+        link("fields").and_then(|()| link(fields::GROUP)).map_err(|e| not_written(&self.path, &e))
+    }
+
     /// Ends the result: the last rows, what the run cost, and whether it came to its end.
     ///
     /// # Errors
@@ -180,6 +212,7 @@ impl SeriesWriter {
     }
 
     fn write(&mut self) -> hdf5::Result<()> {
+        self.probes.append(self.rows_written, &self.read)?;
         append(&self.series, &SERIES, self.rows_written, &self.buffer)?;
         // An open episode grows, so the last one that was written may have changed.
         let first = self.episodes_written.saturating_sub(1);
@@ -190,6 +223,7 @@ impl SeriesWriter {
         self.episodes_written = self.episodes.all().len();
         self.rows_written += self.buffer.len();
         self.buffer.clear();
+        self.read.clear();
         self.flushed = Some(Instant::now());
         Ok(())
     }
@@ -205,18 +239,25 @@ impl Drop for SeriesWriter {
     }
 }
 
-type Begun = (hdf5::File, Vec<hdf5::Dataset>, Vec<hdf5::Dataset>);
+struct Begun {
+    file: hdf5::File,
+    series: Vec<hdf5::Dataset>,
+    contacts: Vec<hdf5::Dataset>,
+    probes: ProbeDatasets,
+}
 
 /// The file at `path` with its attributes, and its datasets under `/series` and `/contacts`.
-fn begin(path: &Path, provenance: &Provenance) -> hdf5::Result<Begun> {
+fn begin(path: &Path, provenance: &Provenance, probes: &[String]) -> hdf5::Result<Begun> {
     let file = hdf5::File::create(path)?;
     provenance.write(&file)?;
     Cost::UNKNOWN.write(&file)?;
     write_scalar(&file, "complete", false)?;
     let chunk = provenance.planned_rows.unwrap_or(CHUNK_UNPLANNED).clamp(1, CHUNK_MOST);
     let contacts = new_datasets(&file, &CONTACTS, CHUNK_CONTACTS)?;
+    // Before the series, whose time is to come last.
+    let probes = ProbeDatasets::new(&file, probes, chunk)?;
     let series = new_datasets(&file, &SERIES, chunk)?;
     let group = file.group("contacts")?;
     write_scalar(&group, "open_at_end", false)?;
-    Ok((file, series, contacts))
+    Ok(Begun { file, series, contacts, probes })
 }

@@ -13,7 +13,6 @@ mod overrides;
 mod raw;
 mod source;
 mod suggest;
-mod unavailable;
 mod units;
 mod values;
 
@@ -351,4 +350,24 @@ pub struct Output {
     pub checkpoint_steps: Option<usize>,
     /// After so many minutes of wall time a checkpoint is kept.
     pub checkpoint_minutes: Option<f64>,
+    /// Every n-th step's fields are written.
+    pub fields: Option<usize>,
+    /// Points that are read at every step of the series.
+    pub probes: Vec<Probe>,
+}
+
+impl Output {
+    /// Whether the body is read elsewhere than under the impactor.
+    pub fn is_read(&self) -> bool {
+        self.fields.is_some() || !self.probes.is_empty()
+    }
+}
+
+/// A point of the body that is read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Probe {
+    /// Its name in the results, unlike the others'.
+    pub name: String,
+    /// Where it is, m; within the box, where the body is one.
+    pub point: Vec3,
 }

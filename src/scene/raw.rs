@@ -132,4 +132,15 @@ pub(super) struct Output {
     pub every: Option<Whole>,
     pub checkpoint_steps: Option<Whole>,
     pub checkpoint_minutes: Option<Number>,
+    pub fields: Option<Whole>,
+    #[serde(default)]
+    pub probes: List<Probe>,
+}
+
+/// One entry of `output.probes`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table, as { name = \"bottom\", point = [0, 0, -0.05] }")]
+pub(super) struct Probe {
+    pub name: String,
+    pub point: Three<Number>,
 }

@@ -11,6 +11,7 @@ pub fn unit(path: &str) -> &'static str {
         | "impactor.radius"
         | "impactor.point"
         | "impactor.gap"
+        | "output.probes.point"
         | "contact.patch_radius" => "m",
         "support.stiffness" | "load.body_force" => "N/m3",
         "support.damping" => "N s/m3",

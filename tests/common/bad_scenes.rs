@@ -193,7 +193,7 @@ pub fn table() -> Vec<BadScene> {
     all.extend(impactor());
     all.extend(rest());
     all.extend(theories());
-    all.extend(unavailable());
+    all.extend(output());
     all.extend(overrides());
     all
 }
@@ -379,12 +379,28 @@ fn rest() -> Vec<BadScene> {
     ]
 }
 
+/// Probes and fields.
 #[rustfmt::skip]
-fn unavailable() -> Vec<BadScene> {
-    const NOT: &str = "not available in this version";
+fn output() -> Vec<BadScene> {
+    let probes = |entries: &str| format!("probes = [{entries}]");
+    let edit = |name: &'static str, entries: &str, fragments: &[&'static str], key: &'static str| {
+        edit(name, GOOD, ("every = 2", &probes(entries)), fragments, (key, "probes"))
+    };
     vec![
-        edit("fields", GOOD, ("every = 2", "fields = 50"), &[NOT], ("output.fields", "fields")),
-        edit("probes", GOOD, ("every = 2", "probes = []"), &[NOT], ("output.probes", "probes")),
+        self::edit("fields after no step", GOOD, ("every = 2", "fields = 0"), &["0 is out of range", "from 1 to"], ("output.fields", "fields")),
+        self::edit("fields by word", GOOD, ("every = 2", "fields = \"all\""), &["expected a whole number"], ("output.fields", "fields")),
+        self::edit("one probe for many", GOOD, ("every = 2", "probes = { name = \"a\", point = [0, 0, 0] }"), &["wrong type: a table"], ("output.probes", "probes")),
+        edit("a probe without a point", "{ name = \"a\" }", &["this key is required"], "output.probes.0.point"),
+        edit("a probe without a name", "{ point = [0, 0, 0] }", &["this key is required"], "output.probes.0.name"),
+        edit("a probe with another key", "{ name = \"a\", place = [0, 0, 0] }", &["unknown key", "`point`"], "output.probes.0.place"),
+        edit("a probe in a plane", "{ name = \"a\", point = [0, 0] }", &["expected three numbers"], "output.probes.0.point"),
+        edit("a probe nowhere", "{ name = \"a\", point = [0, nan, 0] }", &["not finite"], "output.probes.0.point"),
+        edit("a probe outside", "{ name = \"a\", point = [0, 0, 0] }, { name = \"b\", point = [0, 0, -0.06] }", &["1.00e-2 m outside of the body", "z from -0.05 to 0.05"], "output.probes.1.point"),
+        edit("a probe with an empty name", "{ name = \"\", point = [0, 0, 0] }", &["cannot be the name of a probe"], "output.probes.0.name"),
+        edit("a probe with a path for a name", "{ name = \"a/b\", point = [0, 0, 0] }", &["cannot be the name of a probe", "without \"/\""], "output.probes.0.name"),
+        edit("two probes of a name", "{ name = \"a\", point = [0, 0, 0] }, { name = \"a\", point = [0, 0, 0.01] }", &["there are two probes \"a\""], "output.probes.1.name"),
+        varied("fields of a half-space", SMALL, &["body.model=half-space", "output.fields=9"], &["the theory \"half-space\" is a formula", "--set output.fields=9"], ("output.fields", 19)),
+        varied("probes of an infinite plate", SMALL, &["body.model=infinite-plate", "output.probes=[{ name = \"a\", point = [0, 0, 0] }]"], &["the theory \"infinite-plate\" is a formula"], ("output.probes", 19)),
     ]
 }
 
@@ -401,7 +417,6 @@ fn overrides() -> Vec<BadScene> {
         set("override of an unknown key", &["time.stpe=1e-6"], &["unknown key", "did you mean `step`?", "--set time.stpe=1e-6"], ("time.stpe", 55)),
         set("override out of range", &["title=Other", "body.poisson=0.7"], &["0.7 is out of range", "--set body.poisson=0.7"], ("body.poisson", 6)),
         set("override of another type", &["body.young=stiff"], &["wrong type: string \"stiff\"", "--set body.young=stiff"], ("body.young", 5)),
-        set("override not available", &["output.fields=50"], &["not available in this version", "--set output.fields=50"], ("output.fields", 61)),
         set("kind by an override", &["support.0.kind=clamped"], &["kind \"clamped\" has no `stiffness` (set by --set support.0.kind=clamped)"], ("support.0.stiffness", 15)),
         set("scheme by an override", &["time.scheme=energy"], &["\"energy\" has no `beta` (set by --set time.scheme=energy)"], ("time.beta", 53)),
         set("mesh by an override", &["body.mesh=plate.msh"], &["either a size or a mesh", "--set body.mesh=plate.msh"], ("body.mesh", 11)),

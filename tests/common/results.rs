@@ -32,8 +32,8 @@ pub fn good(folder: &TempDir, ranks: usize, line: &str) -> Outcome {
     outcome
 }
 
-pub fn text(file: &hdf5::File, name: &str) -> String {
-    file.attr(name).unwrap().read_scalar::<VarLenUnicode>().unwrap().to_string()
+pub fn text(at: &hdf5::Location, name: &str) -> String {
+    at.attr(name).unwrap().read_scalar::<VarLenUnicode>().unwrap().to_string()
 }
 
 pub fn number<T: hdf5::H5Type>(file: &hdf5::File, name: &str) -> T {

@@ -8,6 +8,7 @@
 mod frame;
 mod grid;
 mod layer;
+mod points;
 mod site;
 mod terms;
 
@@ -17,6 +18,9 @@ use crate::form::elastic::{elastic, mass};
 use crate::form::tensor::Tensor;
 use crate::form::{Material, Parity, Spline};
 use crate::scene::{Fault, Scene};
+
+pub use points::Points;
+pub(super) use points::divided;
 
 use frame::Frame;
 use site::Site;
@@ -48,6 +52,8 @@ pub struct Block {
     pub system: System,
     /// Cells along each axis of the modelled part.
     pub cells: [usize; 3],
+    /// What its points do.
+    pub points: Points,
 }
 
 /// Why splines on a box do not stand for a scene's body: a clause.
@@ -99,7 +105,7 @@ impl Block {
             copies,
         };
         let cells = lines.each_ref().map(|lines| lines.windows(2).filter(|pair| pair[0] < pair[1]).count());
-        Ok(Self { system, cells })
+        Ok(Self { system, cells, points: Points::new(&terms, &material) })
     }
 }
 

@@ -4,11 +4,13 @@ mod boundary;
 mod frame;
 mod grid;
 pub mod layer;
+mod points;
 mod site;
 mod theory;
 
 pub use grid::crossing;
 pub(super) use grid::{contact_time, wavelength};
+pub use points::Points;
 pub use theory::Theory;
 
 use boundary::Boundary;
@@ -72,6 +74,8 @@ pub struct Plate {
     pub cells: [usize; 2],
     /// How Mindlin's plate is hit.
     pub local: Option<Local>,
+    /// What its points do.
+    pub points: Points,
 }
 
 /// What stands for the local field on a Reissner–Mindlin plate; see [`layer`].
@@ -147,7 +151,8 @@ impl Plate {
             translation: tensor.one(DEFLECTION),
             copies,
         };
-        Ok(Self { system, cells: lines.each_ref().map(|lines| lines.len() - 1), local })
+        let cells = lines.each_ref().map(|lines| lines.len() - 1);
+        Ok(Self { system, cells, local, points: Points { frame, section, lines, tensor, theory, local } })
     }
 }
 

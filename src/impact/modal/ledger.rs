@@ -70,7 +70,7 @@ impl Ledger {
 }
 
 /// x and v of the vibrations.
-fn coordinates(modes: &Modes, state: &State) -> (DVector<f64>, DVector<f64>) {
+pub(super) fn coordinates(modes: &Modes, state: &State) -> (DVector<f64>, DVector<f64>) {
     let z = &state.modes;
     if let Some([places, speeds]) = &modes.forms.damped {
         let real = |m: &DMatrix<Complex<f64>>| {

@@ -7,6 +7,7 @@
 mod answer;
 mod ledger;
 mod motion;
+mod reading;
 mod stage;
 mod trace;
 
@@ -20,10 +21,11 @@ use crate::scene::{Impactor, Scene};
 use super::gate::Gate;
 use super::step::{Contact, Energy, Motion as ImpactorMotion, Step};
 use super::trajectory::at;
-use super::{Count, Setting};
+use super::{Count, Readout, Setting, Tape};
 use ledger::Ledger;
 use motion::Motion;
 pub use motion::Steps;
+use reading::Reader;
 pub use trace::Trace;
 
 /// Modes up to this over the largest step take part in the motion.
@@ -59,6 +61,7 @@ pub struct ModalImpact<'a> {
     interrupted: &'a dyn Fn() -> bool,
     gate: Gate,
     has_energies: bool,
+    readout: Option<(&'a Readout, Tape)>,
     /// The force of the last run, and its steps.
     last: Option<(Trace, Steps)>,
     /// What the runs have cost so far.
@@ -86,6 +89,7 @@ impl<'a> ModalImpact<'a> {
             interrupted: &|| false,
             gate: Gate::new(scene),
             has_energies: true,
+            readout: None,
             last: None,
             count: Count::default(),
         }
@@ -95,6 +99,12 @@ impl<'a> ModalImpact<'a> {
     #[must_use]
     pub fn interrupted_by(self, interrupted: &'a dyn Fn() -> bool) -> Self {
         Self { interrupted, ..self }
+    }
+
+    /// Has a run put readings of its steps on a tape, before it tells the first of them.
+    #[must_use]
+    pub fn read_by(self, readout: &'a Readout, tape: Tape) -> Self {
+        Self { readout: Some((readout, tape)), ..self }
     }
 
     /// Impactor and contact.
@@ -206,8 +216,10 @@ impl<'a> ModalImpact<'a> {
         let mut motion = Motion::new(&modes, law, (setting.mass, setting.speed, setting.gap), steps);
         let mut done = Done { trace: Trace::default(), steps: Vec::new(), sizes: steps };
         let mut ledger = self.has_energies.then(Ledger::default);
+        let reader = self.readout.as_ref().filter(|_| observed).map(|readout| Reader::new(readout, &modes));
         if observed {
             done.steps.push(seen(0, &motion, (&modes, &setting), ledger.as_mut()));
+            reader.iter().for_each(|reader| reader.read(0, &motion, law));
         }
         let mut number = 0;
         // What is left but for rounding is nothing.
@@ -230,6 +242,7 @@ impl<'a> ModalImpact<'a> {
                     ledger.account(&taken, law.potential(motion.approach) - before);
                 }
                 done.steps.push(seen(number, &motion, (&modes, &setting), ledger.as_mut()));
+                reader.iter().for_each(|reader| reader.read(number, &motion, law));
             }
         }
         self.count.solves += motion.solves;

@@ -5,6 +5,7 @@ mod grid;
 mod impactor;
 mod modal;
 mod numbers;
+mod output;
 mod support;
 mod symmetry;
 mod time;
@@ -13,11 +14,8 @@ use std::path::Path;
 
 use super::decode::decode;
 use super::error::SceneError;
-use super::values::{Number, Whole};
-use super::{
-    Body, Contact, Geometry, Load, Newton, Output, Scene, Solver, Source, Traction, Vec3, faces, raw, suggest,
-    unavailable,
-};
+use super::values::Number;
+use super::{Body, Contact, Geometry, Load, Newton, Scene, Solver, Source, Traction, Vec3, faces, raw, suggest};
 use body::{Material, Outline};
 
 /// The scene of a source, with mesh files relative to `folder`.
@@ -25,7 +23,6 @@ use body::{Material, Outline};
 /// # Errors
 /// The first fault found.
 pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError> {
-    unavailable::refuse(source)?;
     let raw = decode(source)?;
     let material = body::material(source, &raw.body)?;
     let outline = body::outline(source, &raw.body, folder)?;
@@ -39,6 +36,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
     let load = load(source, &raw.load, &outline)?;
     let impactor = impactor::check(source, &raw.impactor, &material, &outline)?;
     let contact = contact(source, &raw.contact)?;
+    let output = output::check(source, &raw, &outline)?;
     let Material { young, poisson, density, order } = material;
     let geometry = match outline {
         Outline::Gmsh(path) => Geometry::Gmsh(path),
@@ -68,7 +66,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
         time,
         tolerance: tolerance(source, &raw.accuracy)?,
         solver: solver(source, &raw.solver)?,
-        output: output(source, &raw.output)?,
+        output,
     })
 }
 
@@ -121,26 +119,6 @@ fn load(source: &Source, raw: &raw::Load, outline: &Outline) -> Result<Load, Sce
         traction.push(Traction { surface: entry.surface.clone(), value });
     }
     Ok(Load { body_force, traction })
-}
-
-/// Wall time between two checkpoints, where a scene gives none.
-const CHECKPOINT_MINUTES: f64 = 10.0;
-
-fn output(source: &Source, raw: &raw::Output) -> Result<Output, SceneError> {
-    let Whole(every) = raw.every.unwrap_or(Whole(1));
-    let every = source.whole("output.every", every, 1..=1_000_000_000)?;
-    let steps = |Whole(steps): Whole| source.whole("output.checkpoint_steps", steps, 1..=1_000_000_000);
-    let checkpoint_steps = raw.checkpoint_steps.map(steps).transpose()?;
-    let Number(minutes) = raw.checkpoint_minutes.unwrap_or(Number(CHECKPOINT_MINUTES));
-    if !(0.0..=1e6).contains(&minutes) {
-        let message = format!("{} is out of range", numbers::show(minutes));
-        return Err(source.error(
-            "output.checkpoint_minutes",
-            message,
-            "minutes, up to 1e6; 0 keeps none by the clock",
-        ));
-    }
-    Ok(Output { every, checkpoint_steps, checkpoint_minutes: (minutes > 0.0).then_some(minutes) })
 }
 
 /// The one of `words` that was given, or the first of them where nothing was.

@@ -15,7 +15,7 @@ pub struct Method {
 }
 
 /// Keys that say how a scene is computed, not what it is.
-const NUMERICAL: [&str; 13] = [
+const NUMERICAL: [&str; 15] = [
     "body.model",
     "body.reduction",
     "body.symmetry",
@@ -29,6 +29,8 @@ const NUMERICAL: [&str; 13] = [
     "solver.newton",
     "solver.energy_gate",
     "output.every",
+    "output.fields",
+    "output.probes",
 ];
 
 /// Those of its cells.
@@ -228,7 +230,8 @@ mod tests {
         let with = |key: &str, lines: &str| PLATE.replace(key, &format!("{lines}\n{key}"));
         let asked = with(
             "[impactor]",
-            "model = \"solid\"\nreduction = \"none\"\ncells = [4, 4, 2]\n[solver]\nnewton = \"full\"",
+            "model = \"solid\"\nreduction = \"none\"\ncells = [4, 4, 2]\n[solver]\nnewton = \"full\"\n\
+             [output]\nfields = 9\nprobes = [{ name = \"a\", point = [0, 0, 0] }]",
         );
         let asked = format!("{asked}step = 1e-5\nscheme = \"generalized-alpha\"\nrho_inf = 0.5\n");
         assert_eq!(names(&asked), all);

@@ -1,0 +1,119 @@
+//! What the points of a body do, linear in its unknowns: displacement and stress, wherever one asks for them.
+
+mod canvas;
+mod grid;
+mod map;
+mod nodes;
+mod recovery;
+
+pub use canvas::{Canvas, Frame};
+pub use grid::Grid;
+pub use map::Map;
+pub use recovery::Recovery;
+
+use crate::form::Material;
+use crate::form::stress::place;
+use crate::mesh::Whole;
+use crate::scene::{Scene, Symmetry, Vec3};
+
+use super::{block, plate};
+use nodes::Nodes;
+
+/// A linear form on a body's unknowns: entries by unknown, which may come more than once.
+pub type Form = Vec<(usize, f64)>;
+
+/// What is read at a point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Forms {
+    /// The displacement along x, y, z, m.
+    pub displacement: [Form; 3],
+    /// The stresses xx, yy, zz, yz, xz, xy, Pa.
+    pub stress: [Form; 6],
+}
+
+/// A body whose points are read. Of a quarter it is the whole.
+pub struct Gauge {
+    kind: Kind,
+    /// Axes across planes of symmetry beyond which there are images.
+    mirrors: Vec<usize>,
+}
+
+enum Kind {
+    Nodes(Box<Nodes>),
+    Block(Box<block::Points>),
+    Plate(Box<plate::Points>),
+}
+
+impl Gauge {
+    /// Of a solid on a mesh; stresses are recovered at its nodes ([`Recovery`]), and interpolated between them.
+    pub fn of_mesh(scene: &Scene, mesh: Whole) -> Self {
+        let body = &scene.body;
+        let material = Material { young: body.young, poisson: body.poisson, density: body.density };
+        // Images and all, so that patches on a plane of symmetry are whole.
+        let mesh = mirrors(scene).into_iter().fold(mesh, Whole::with_image);
+        Self { kind: Kind::Nodes(Box::new(Nodes::new(mesh, &material))), mirrors: Vec::new() }
+    }
+
+    /// Of a box of splines; stresses are Hooke's of their derivatives.
+    pub fn of_block(scene: &Scene, points: block::Points) -> Self {
+        Self { kind: Kind::Block(Box::new(points)), mirrors: mirrors(scene) }
+    }
+
+    /// Of a plate; stresses are those of its theory.
+    pub fn of_plate(scene: &Scene, points: plate::Points) -> Self {
+        Self { kind: Kind::Plate(Box::new(points)), mirrors: mirrors(scene) }
+    }
+
+    /// Whether the force is where the impactor is, and not spread over a wider disc or without a field of its own.
+    pub fn is_local(&self) -> bool {
+        matches!(self.kind, Kind::Nodes(_))
+    }
+
+    /// The forms at a point (m); `None` outside of the body.
+    pub fn at(&self, point: Vec3) -> Option<Forms> {
+        let (mut image, mut signs) = (point, [1.0; 3]);
+        for &axis in self.mirrors.iter().filter(|&&axis| point[axis] < 0.0) {
+            (image[axis], signs[axis]) = (-point[axis], -1.0);
+        }
+        let mut forms = match &self.kind {
+            Kind::Nodes(nodes) => nodes.at(image)?,
+            Kind::Block(points) => points.at(image),
+            Kind::Plate(points) => points.at(image),
+        };
+        let turn = |form: &mut Form, sign: f64| form.iter_mut().for_each(|(_, value)| *value *= sign);
+        for i in 0..3 {
+            turn(&mut forms.displacement[i], signs[i]);
+            (i + 1..3).for_each(|j| turn(&mut forms.stress[place(i, j)], signs[i] * signs[j]));
+        }
+        Some(forms)
+    }
+}
+
+/// Axes across planes of symmetry: where their coordinates are positive is the modelled part.
+fn mirrors(scene: &Scene) -> Vec<usize> {
+    match scene.body.symmetry {
+        Symmetry::Quarter { axes } => axes.to_vec(),
+        Symmetry::None { .. } => Vec::new(),
+    }
+}
+
+/// Entries of a form times a factor, added to another one.
+pub(super) fn add(to: &mut Form, factor: f64, form: &[(usize, f64)]) {
+    if factor != 0.0 {
+        to.extend(form.iter().map(|(unknown, value)| (*unknown, factor * value)));
+    }
+}
+
+/// The form with one entry for each unknown, ascending.
+pub(super) fn summed(mut form: Form) -> Form {
+    form.sort_by_key(|(unknown, _)| *unknown);
+    form.dedup_by(|next, first| {
+        let is_same = next.0 == first.0;
+        if is_same {
+            first.1 += next.1;
+        }
+        is_same
+    });
+    form.retain(|(_, value)| *value != 0.0);
+    form
+}

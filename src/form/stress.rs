@@ -1,0 +1,66 @@
+//! Stresses at a point: six components xx, yy, zz, yz, xz, xy, shear strains γ = 2ε.
+
+use nalgebra::Matrix3;
+
+use super::Material;
+
+/// Where a component of a symmetric tensor stands among the six.
+pub fn place(i: usize, j: usize) -> usize {
+    if i == j { i } else { 6 - i - j }
+}
+
+/// Principal values of a stress, the largest first; tension is positive.
+pub fn principal([xx, yy, zz, yz, xz, xy]: [f64; 6]) -> [f64; 3] {
+    let mut values: [f64; 3] = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz).symmetric_eigenvalues().into();
+    values.sort_by(|a, b| b.total_cmp(a));
+    values
+}
+
+impl Material {
+    /// Hooke's law (4), a row for each stress over the nine ∂u_i/∂x_j (entry 3i + j), Pa.
+    pub fn stress_of_gradient(&self) -> [[f64; 9]; 6] {
+        let (lambda, mu) = self.lame();
+        let mut rows = [[0.; 9]; 6];
+        for i in 0..3 {
+            for j in 0..3 {
+                rows[i][4 * j] += lambda;
+                // Of a shear stress both (i, j) and (j, i) come by; of a normal one the same twice.
+                rows[place(i, j)][3 * i + j] += if i == j { 2. * mu } else { mu };
+            }
+        }
+        rows
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn principal_values_are_known() {
+        // A plane stress, and the same turned by 30° about z and then 50° about x.
+        let (a, b) = (30_f64.to_radians(), 50_f64.to_radians());
+        let z = Matrix3::new(a.cos(), -a.sin(), 0., a.sin(), a.cos(), 0., 0., 0., 1.);
+        let x = Matrix3::new(1., 0., 0., 0., b.cos(), -b.sin(), 0., b.sin(), b.cos());
+        let turn = x * z;
+        let s = turn * Matrix3::from_diagonal(&[40., -7., 3.].into()) * turn.transpose();
+        let found = principal([s[(0, 0)], s[(1, 1)], s[(2, 2)], s[(1, 2)], s[(0, 2)], s[(0, 1)]]);
+        // Rounding of a few products.
+        assert!(found.iter().zip([40., 3., -7.]).all(|(a, b)| (a - b).abs() < 1e-13), "{found:?}");
+    }
+
+    /// Uniaxial stress comes of stretching by E with −ν across; a rotation gives none.
+    #[test]
+    fn hookes_law() {
+        let material = Material { young: 70., poisson: 0.23, density: 1. };
+        let rows = material.stress_of_gradient();
+        let of = |gradient: [f64; 9]| rows.map(|row| row.iter().zip(gradient).map(|(a, g)| a * g).sum::<f64>());
+        let stretched = of([-0.23, 0., 0., 0., 1., 0., 0., 0., -0.23]);
+        let sheared = of([0., 0.5, 0., 1.5, 0., 0., 0., 0., 0.]);
+        let turned = of([0., 1., -2., -1., 0., 3., 2., -3., 0.]);
+        let near = |found: [f64; 6], exact: [f64; 6]| found.iter().zip(exact).all(|(a, b)| (a - b).abs() < 1e-13);
+        assert!(near(stretched, [0., 70., 0., 0., 0., 0.]), "{stretched:?}");
+        assert!(near(sheared, [0., 0., 0., 0., 0., 2. * material.lame().1]), "{sheared:?}");
+        assert!(near(turned, [0.; 6]), "{turned:?}");
+    }
+}

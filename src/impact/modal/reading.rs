@@ -1,0 +1,64 @@
+//! What is read of a body in modal coordinates.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::body::gauge::Map;
+use crate::body::{Modes, Shapes};
+use crate::contact::Law;
+use crate::impact::reading::{Reading, Readout, Tape, probes};
+
+use super::ledger::coordinates;
+use super::motion::Motion;
+
+/// Reads the steps of one run.
+pub struct Reader<'a> {
+    modes: &'a Modes,
+    /// What the probes' forms are of the modes.
+    probes: Option<Shapes>,
+    /// After how many steps all coordinates are wanted.
+    fields: Option<usize>,
+    tape: &'a Tape,
+}
+
+impl<'a> Reader<'a> {
+    pub fn new((readout, tape): &'a (&Readout, Tape), modes: &'a Modes) -> Self {
+        let of_modes = |(_, map): &(_, Map)| match map {
+            Map::Dense(count, rows) => Some(modes.shapes.mapped(&DMatrix::from_row_slice(map.len(), *count, rows))),
+            // Another rank reads.
+            Map::Sparse(_) => None,
+        };
+        let probes = readout.probes.as_ref().and_then(of_modes);
+        let fields = readout.fields.as_ref().filter(|(_, columns)| !columns.is_empty());
+        Self { modes, probes, fields: fields.map(|(every, _)| *every), tape }
+    }
+
+    /// Puts a step on the tape; `law` is in terms of the approach that the modes show.
+    pub fn read(&self, number: usize, motion: &Motion, law: Law) {
+        let mut reading = Reading { number, ..Reading::default() };
+        if let Some(shapes) = &self.probes {
+            let [values, rates] = self.values(shapes, motion, law);
+            reading.probes = probes(values.as_slice(), rates.as_slice());
+        }
+        if self.fields.is_some_and(|every| number.is_multiple_of(every)) {
+            let values = self.values(&self.modes.shapes, motion, law);
+            reading.coordinates = Some(values.map(|values| values.as_slice().to_vec()));
+        }
+        self.tape.put(reading);
+    }
+
+    /// Values and their rates, with the static answer of the modes that are left out.
+    fn values(&self, shapes: &Shapes, motion: &Motion, law: Law) -> [DVector<f64>; 2] {
+        let (state, force) = (&motion.state, motion.force);
+        let (x, v) = coordinates(self.modes, state);
+        let rise = if force > 0.0 { law.tangent(motion.approach) * motion.rate() } else { 0.0 };
+        let t = state.time;
+        let value = |moving: &DVector<f64>, [way, of_load, force]: [f64; 3]| {
+            let mut sum = &shapes.moving * moving;
+            sum.axpy(way, &shapes.free[0], 1.0);
+            sum.axpy(of_load, &shapes.free[1], 1.0);
+            sum.axpy(force, &shapes.residual, 1.0);
+            sum
+        };
+        [value(&x, [state.way, 0.5 * t * t, force]), value(&v, [state.impulse, t, rise])]
+    }
+}

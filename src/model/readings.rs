@@ -1,0 +1,111 @@
+//! What a scene has read of its body: probes and fields, in the coordinates in which the body moves.
+
+use petsc_wrap::{Comm, Gather, Int, Vector};
+
+use crate::agree::agree;
+use crate::body::gauge::{Canvas, Form, Forms, Gauge, Map};
+use crate::error::Result;
+use crate::impact::{Readout, Tape};
+use crate::scene::{Fault, Geometry, Scene, Vec3};
+
+/// What is to be read at each step, and how fields come of it.
+pub struct Gauges {
+    pub(super) readout: Readout,
+    /// On rank 0, where there are fields.
+    pub(super) canvas: Option<Canvas>,
+    /// Names of the probes that are so near to the hit that the body's wide disc in the place of the contact shows; on rank 0.
+    pub near: Vec<String>,
+}
+
+/// Readings of a run, as it tells its steps.
+pub struct Readings {
+    /// What was read at the steps that are told next.
+    pub tape: Tape,
+    /// What makes fields of it; on rank 0, where there are fields.
+    pub canvas: Option<Canvas>,
+}
+
+impl Gauges {
+    /// Of a body in its unknowns (`like` is laid out as they are) or on a basis of such vectors; rank 0 has its gauge. Collective.
+    ///
+    /// # Errors
+    /// A fault of `output.probes` where a point is outside of the body; PETSc's.
+    pub fn new(
+        comm: &Comm,
+        scene: &Scene,
+        gauge: Option<Gauge>,
+        like: &Vector,
+        basis: Option<&[Vector]>,
+    ) -> Result<Self> {
+        let gauge = gauge.filter(|_| comm.is_root());
+        let all: Vec<Int> = if gauge.is_some() { (0..like.len() as Int).collect() } else { Vec::new() };
+        let basis = match basis {
+            None => None,
+            Some(vectors) => {
+                let mut gather = Gather::new(like, &all)?;
+                let mut fetched = |vector| Ok::<_, crate::Error>(gather.fetch(vector)?.to_vec());
+                Some(vectors.iter().map(&mut fetched).collect::<Result<Vec<Vec<f64>>>>()?)
+            }
+        };
+        let forms = agree(comm, forms(scene, gauge.as_ref())).map_err(|text| {
+            let (key, message) = text.split_once('\n').unwrap_or(("output.probes", &text));
+            Fault::new(key, message, "a point within the body or on its surface")
+        })?;
+        // On a basis the coordinates are as many as its vectors, wherever they are.
+        let all = match &basis {
+            Some(basis) if gauge.is_some() => (0..basis.len() as Int).collect(),
+            _ => all,
+        };
+        let basis = basis.as_deref();
+        let probes = (!scene.output.probes.is_empty()).then(|| match basis {
+            Some(_) if gauge.is_some() => (all.clone(), Map::new(forms.into_iter(), basis)),
+            _ => on_their_own(forms),
+        });
+        let near = gauge.as_ref().filter(|gauge| !gauge.is_local()).map_or_else(Vec::new, |_| near(scene));
+        let canvas = gauge.filter(|_| scene.output.fields.is_some()).map(|gauge| Canvas::new(gauge, basis));
+        Ok(Self { readout: Readout { probes, fields: scene.output.fields.map(|every| (every, all)) }, canvas, near })
+    }
+}
+
+/// The radius of the disc that is pressed on plates and boxes of splines, over the thickness.
+const DISC: f64 = 2.0;
+
+/// Names of probes that lie above or below that disc.
+fn near(scene: &Scene) -> Vec<String> {
+    let (Geometry::Box { size, .. }, Some(struck)) = (&scene.body.geometry, scene.struck_axis()) else {
+        return Vec::new();
+    };
+    let distance = |x: Vec3| {
+        let square = |axis: usize| (x[axis] - scene.impactor.point[axis]).powi(2);
+        (0..3).filter(|&axis| axis != struck).map(square).sum::<f64>().sqrt()
+    };
+    let probes = scene.output.probes.iter().filter(|probe| distance(probe.point) < DISC * size[struck]);
+    probes.map(|probe| probe.name.clone()).collect()
+}
+
+/// Nine forms a probe; or the key of one that is outside of the body, and a message, in two lines.
+fn forms(scene: &Scene, gauge: Option<&Gauge>) -> std::result::Result<Vec<Form>, String> {
+    let mut all = Vec::new();
+    let Some(gauge) = gauge else { return Ok(all) };
+    for (number, probe) in scene.output.probes.iter().enumerate() {
+        let Some(Forms { displacement, stress }) = gauge.at(probe.point) else {
+            return Err(format!(
+                "output.probes.{number}.point\nthe point of probe {:?} is outside of the body",
+                probe.name
+            ));
+        };
+        all.extend(displacement.into_iter().chain(stress));
+    }
+    Ok(all)
+}
+
+/// The coordinates that some forms need, ascending, and the forms on these.
+fn on_their_own(mut forms: Vec<Form>) -> (Vec<Int>, Map) {
+    let mut needed: Vec<usize> = forms.iter().flatten().map(|(unknown, _)| *unknown).collect();
+    needed.sort_unstable();
+    needed.dedup();
+    for (unknown, _) in forms.iter_mut().flatten() {
+        *unknown = needed.partition_point(|before| before < unknown);
+    }
+    (needed.into_iter().map(|unknown| unknown as Int).collect(), Map::new(forms.into_iter(), None))
+}

@@ -1,0 +1,172 @@
+//! VTKHDF 2.0: an unstructured grid, written once, with its fields at some times (docs.vtk.org, VTK file formats).
+
+use std::path::Path;
+
+use hdf5_metno as hdf5;
+use hdf5_metno::plist::dataset_create::FillTime;
+use hdf5_metno::types::FixedAscii;
+use ndarray::ArrayView2;
+
+use crate::body::gauge::{Frame, Grid};
+use crate::element::Shape;
+use crate::record::provenance::write_text;
+
+/// Frames in a chunk where their number is not planned.
+const CHUNK_UNPLANNED: usize = 32;
+
+/// Rows of three numbers in a chunk at most (HDF5 allows 4 GiB).
+const ROWS_MOST: usize = 1 << 27;
+
+/// The group that readers look for.
+pub const GROUP: &str = "VTKHDF";
+
+/// Name, unit and values of a field.
+type Field = (&'static str, &'static str, fn(&Frame) -> &[f64]);
+
+/// All of them.
+pub const FIELDS: [Field; 3] = [
+    ("displacement", "m", |frame| &frame.displacement),
+    ("velocity", "m/s", |frame| &frame.velocity),
+    ("principal_stress", "Pa", |frame| &frame.principal_stress),
+];
+
+/// The file.
+pub struct VtkHdf {
+    file: hdf5::File,
+    /// The fields, in their order.
+    data: Vec<hdf5::Dataset>,
+    /// `/VTKHDF/Steps`.
+    steps: hdf5::Group,
+    /// Shape of the cells.
+    pub shape: Shape,
+    /// Order of the elements on them.
+    pub order: usize,
+    /// Cells, and points of each.
+    pub cells: [usize; 2],
+    /// Points of the grid.
+    pub points: usize,
+    /// Time of each frame, s.
+    pub times: Vec<f64>,
+}
+
+impl VtkHdf {
+    /// Begins a file with the grid in it.
+    pub fn create(path: &Path, grid: &Grid, planned: Option<usize>) -> hdf5::Result<Self> {
+        let file = hdf5::File::create(path)?;
+        let root = file.create_group(GROUP)?;
+        let version = root.new_attr::<i64>().shape(2).create("Version")?;
+        version.write(&[2_i64, 0])?;
+        // Readers want a string of a fixed length.
+        let name = FixedAscii::<16>::from_ascii(b"UnstructuredGrid").map_err(|e| e.to_string())?;
+        root.new_attr::<FixedAscii<16>>().create("Type")?.write_scalar(&name)?;
+        let (points, each) = (grid.points.len(), grid.points_each());
+        let cells = grid.cells.len() / each;
+        let whole = |name: &str, values: &[i64]| root.new_dataset_builder().with_data(values).create(name);
+        let places = root.new_dataset_builder().with_data(ArrayView2::from(&grid.points[..])).create("Points")?;
+        write_text(&places, "units", "m")?;
+        whole("Connectivity", &grid.cells.iter().map(|point| *point as i64).collect::<Vec<_>>())?;
+        whole("Offsets", &(0..=cells).map(|cell| (cell * each) as i64).collect::<Vec<_>>())?;
+        root.new_dataset_builder().with_data(&vec![cell_type(grid.shape, grid.order); cells]).create("Types")?;
+        for (name, count) in
+            [("NumberOfPoints", points), ("NumberOfCells", cells), ("NumberOfConnectivityIds", grid.cells.len())]
+        {
+            whole(name, &[count as i64])?;
+        }
+        let frames = planned.unwrap_or(CHUNK_UNPLANNED).clamp(1, (ROWS_MOST / points).max(1));
+        // Before the steps: in a flush lengths are written in the order of the datasets, so that no step is without its values.
+        let group = root.create_group("PointData")?;
+        let data = FIELDS.map(|(name, units, _)| {
+            let dataset = rows(group.new_dataset::<f64>().shape((0.., 3)).chunk((frames * points, 3))).create(name)?;
+            write_text(&dataset, "units", units)?;
+            Ok::<_, hdf5::Error>(dataset)
+        });
+        let data = data.into_iter().collect::<hdf5::Result<Vec<_>>>()?;
+        let steps = root.create_group("Steps")?;
+        steps.new_attr::<i64>().create("NSteps")?.write_scalar(&0_i64)?;
+        let of_steps = |builder: hdf5::DatasetBuilderEmptyShape, name: &str| rows(builder).create(name);
+        let values = of_steps(steps.new_dataset::<f64>().shape(0..).chunk(frames), "Values")?;
+        write_text(&values, "units", "s")?;
+        for name in ["PartOffsets", "NumberOfParts", "PointOffsets"] {
+            of_steps(steps.new_dataset::<i64>().shape(0..).chunk(frames), name)?;
+        }
+        for name in ["CellOffsets", "ConnectivityIdOffsets"] {
+            of_steps(steps.new_dataset::<i64>().shape((0.., 1)).chunk((frames, 1)), name)?;
+        }
+        let offsets = steps.create_group("PointDataOffsets")?;
+        for (name, _, _) in FIELDS {
+            of_steps(offsets.new_dataset::<i64>().shape(0..).chunk(frames), name)?;
+        }
+        let Grid { shape, order, .. } = *grid;
+        Ok(Self { file, data, steps, shape, order, cells: [cells, each], points, times: Vec::new() })
+    }
+
+    /// Goes on with a file of the same grid, behind its frames up to a time, s.
+    pub fn reopen(path: &Path, grid: &Grid, end: f64) -> hdf5::Result<Self> {
+        let file = hdf5::File::open_rw(path)?;
+        let root = file.group(GROUP)?;
+        let (points, each) = (grid.points.len(), grid.points_each());
+        let data = FIELDS.map(|(name, ..)| root.dataset(&format!("PointData/{name}")));
+        let data = data.into_iter().collect::<hdf5::Result<Vec<_>>>()?;
+        let steps = root.group("Steps")?;
+        let mut times = steps.dataset("Values")?.read_raw::<f64>()?;
+        // But for the rounding of a product.
+        times.truncate(times.partition_point(|time| *time <= end * (1.0 + 1e-12)));
+        if root.dataset("Points")?.shape() != [points, 3] || data[0].shape()[0] < times.len() * points {
+            return Err("it is of another grid, or lacks frames".into());
+        }
+        let Grid { shape, order, .. } = *grid;
+        Ok(Self { file, data, steps, shape, order, cells: [grid.cells.len() / each, each], points, times })
+    }
+
+    /// Adds a frame of a time, s.
+    pub fn append(&mut self, time: f64, frame: &Frame) -> hdf5::Result<()> {
+        let (number, points) = (self.times.len(), self.points);
+        let rows = number * points..(number + 1) * points;
+        for (dataset, (_, _, values)) in self.data.iter().zip(FIELDS) {
+            dataset.resize((rows.end, 3))?;
+            let values = ArrayView2::from_shape((points, 3), values(frame)).map_err(|e| e.to_string())?;
+            dataset.write_slice(values, (rows.clone(), ..))?;
+        }
+        let put = |name: &str, value: i64| {
+            let dataset = self.steps.dataset(name)?;
+            dataset.resize(number + 1)?;
+            dataset.write_slice(&[value], number..number + 1)
+        };
+        put("PartOffsets", 0)?;
+        put("NumberOfParts", 1)?;
+        put("PointOffsets", 0)?;
+        for name in ["CellOffsets", "ConnectivityIdOffsets"] {
+            let dataset = self.steps.dataset(name)?;
+            dataset.resize((number + 1, 1))?;
+            dataset.write_slice(ArrayView2::from(&[[0_i64]]), (number..number + 1, ..))?;
+        }
+        for (name, _, _) in FIELDS {
+            put(&format!("PointDataOffsets/{name}"), rows.start as i64)?;
+        }
+        let values = self.steps.dataset("Values")?;
+        values.resize(number + 1)?;
+        values.write_slice(&[time], number..number + 1)?;
+        self.times.push(time);
+        self.steps.attr("NSteps")?.write_scalar(&(self.times.len() as i64))
+    }
+
+    /// Brings all to the disk.
+    pub fn flush(&self) -> hdf5::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// Without a cache and a fill value, as the series': only new rows are written, and the rest of a chunk stays a hole.
+fn rows(builder: hdf5::DatasetBuilderEmptyShape) -> hdf5::DatasetBuilderEmptyShape {
+    builder.chunk_cache(0, 0, 1.0).fill_time(FillTime::Never)
+}
+
+/// VTK's number of a cell's type.
+fn cell_type(shape: Shape, order: usize) -> u8 {
+    match (shape, order) {
+        (Shape::Tetrahedron, 1) => 10,
+        (Shape::Tetrahedron, _) => 24,
+        (_, 1) => 12,
+        _ => 29,
+    }
+}

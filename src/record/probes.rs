@@ -1,0 +1,81 @@
+//! The datasets of probes, `/series/probe/<name>/…`: three values a row.
+
+use hdf5_metno as hdf5;
+use hdf5_metno::plist::dataset_create::FillTime;
+use ndarray::ArrayView2;
+
+use crate::impact::Probe;
+use crate::record::provenance::write_text;
+use crate::scene::Vec3;
+
+/// Name, unit and value of what a probe reads.
+type Column = (&'static str, &'static str, fn(&Probe) -> Vec3);
+
+/// All of it.
+const COLUMNS: [Column; 3] = [
+    ("displacement", "m", |probe| probe.displacement),
+    ("velocity", "m/s", |probe| probe.velocity),
+    ("principal_stress", "Pa", |probe| probe.principal_stress),
+];
+
+/// The first rows of some probes of a result, each with a reading of every probe.
+pub(super) fn rows(file: &hdf5::File, names: &[String], rows: usize) -> hdf5::Result<Vec<Vec<Probe>>> {
+    let mut all = vec![vec![Probe::default(); names.len()]; rows];
+    for (number, name) in names.iter().enumerate() {
+        for (column, put) in COLUMNS.iter().zip(PUT) {
+            let dataset = format!("series/probe/{name}/{}", column.0);
+            let values = file.dataset(&dataset)?.read_raw::<f64>()?;
+            if values.len() < 3 * rows {
+                return Err(format!("/{dataset} has {} rows, and its checkpoint {rows}", values.len() / 3).into());
+            }
+            for (row, x) in all.iter_mut().zip(values.chunks_exact(3)) {
+                *put(&mut row[number]) = [x[0], x[1], x[2]];
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// Where the value of each column goes.
+const PUT: [fn(&mut Probe) -> &mut Vec3; 3] =
+    [|probe| &mut probe.displacement, |probe| &mut probe.velocity, |probe| &mut probe.principal_stress];
+
+/// The datasets of all probes, in the order of the scene.
+pub(super) struct ProbeDatasets(Vec<[hdf5::Dataset; 3]>);
+
+impl ProbeDatasets {
+    /// Empty ones, which grow; a chunk holds so many rows.
+    pub fn new(file: &hdf5::File, names: &[String], chunk: usize) -> hdf5::Result<Self> {
+        let new = |name: &String| {
+            let [a, b, c] = COLUMNS.map(|(column, units, _)| {
+                let dataset = file
+                    .new_dataset::<f64>()
+                    .shape((0.., 3))
+                    .chunk((chunk, 3))
+                    // As of the series: only new rows are written, the rest of a chunk stays a hole.
+                    .chunk_cache(0, 0, 1.0)
+                    .fill_time(FillTime::Never)
+                    .create(format!("series/probe/{name}/{column}").as_str())?;
+                write_text(&dataset, "units", units)?;
+                Ok::<_, hdf5::Error>(dataset)
+            });
+            Ok([a?, b?, c?])
+        };
+        names.iter().map(new).collect::<hdf5::Result<_>>().map(Self)
+    }
+
+    /// Writes rows, each with a reading of every probe, from a row on, and cuts the datasets behind them.
+    pub fn append(&self, first: usize, rows: &[Vec<Probe>]) -> hdf5::Result<()> {
+        let end = first + rows.len();
+        for (number, datasets) in self.0.iter().enumerate() {
+            for (dataset, (_, _, value)) in datasets.iter().zip(COLUMNS) {
+                if dataset.shape() != [end, 3] {
+                    dataset.resize((end, 3))?;
+                }
+                let values: Vec<Vec3> = rows.iter().map(|row| value(&row[number])).collect();
+                dataset.write_slice(ArrayView2::from(&values[..]), (first..end, ..))?;
+            }
+        }
+        Ok(())
+    }
+}
