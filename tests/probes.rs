@@ -61,6 +61,12 @@ fn a_probe_at_the_point_reads_what_the_impactor_feels() {
         ("some rows", "--set body.reduction=none --set time.step=2e-5 --set output.every=7", 1.0),
         ("explicit", "--set body.reduction=none --set time.scheme=central-difference --set body.order=1", 2e-2),
         ("modal", "", 2e-2),
+        ("modal, free and falling", "--set support=[] --set load.body_force=[0,0,-2e4]", 2e-2),
+        (
+            "kirchhoff, free and falling",
+            "--set body.model=kirchhoff --set support=[] --set load.body_force=[0,0,-2e4]",
+            2e-2,
+        ),
         ("kirchhoff", "--set body.model=kirchhoff", 2e-2),
         ("kirchhoff, stepped", "--set body.model=kirchhoff --set body.reduction=none --set time.step=2e-5", 1e-9),
     ] {
