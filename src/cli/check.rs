@@ -218,7 +218,8 @@ fn print_cost(body: &Body, method: &Method, plan: &Plan, (entries, boundary): (f
         }
         Linear::Multigrid => {
             let sizes = if matches!(plan, Plan::Equal { .. }) { 1.0 } else { 5.0 };
-            let matrices = 12.0 * (2.0 * entries + products + boundary + sizes * OF_MULTIGRID[usize::from(body.comm().size() > 1)] * entries) + vectors;
+            let operators = sizes * OF_MULTIGRID[usize::from(body.comm().size() > 1)] * entries;
+            let matrices = 12.0 * (2.0 * entries + products + boundary + operators) + vectors;
             say(format_args!(
                 "solver     condensed Newton: one solve and a scalar equation a step; conjugate gradients with multigrid (GAMG), since a \
                  factor would take more: {entries:.2e} entries in K"

@@ -80,7 +80,7 @@ fn of_sweep(sweep: &Sweep) {
         ranks_of(header.ranks)
     ));
     for key in &header.keys {
-        say(format_args!("varied     {} [{}], {} values", key.path, key.units, key.values.len()));
+        say(format_args!("varied     {} [{}], {} values", key.path, key.units, key.values.count()));
     }
     let count = |status: Status| sweep.status.iter().filter(|one| **one == status).count();
     say(format_args!(

@@ -57,7 +57,7 @@ pub enum Values {
 
 impl Values {
     /// How many there are.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         match self {
             Self::Numbers(numbers) => numbers.len(),
             Self::Words(words) => words.len(),
@@ -68,7 +68,7 @@ impl Values {
 impl Header {
     /// Number of members.
     pub fn members(&self) -> usize {
-        self.keys.first().map_or(0, |key| key.values.len())
+        self.keys.first().map_or(0, |key| key.values.count())
     }
 
     /// Whether `other` has the same members with the same results: the same scene, keys and values.

@@ -108,7 +108,7 @@ fn read(path: &Path, file: hdf5::File) -> hdf5::Result<Sweep> {
     let status: Vec<Status> = status.into_iter().map(Status::from_number).collect();
     let of = |(_, name, _): &(Quantity, &str, &str)| file.dataset(&format!("members/{name}"))?.read_raw::<f64>();
     let quantities = Quantity::ALL.iter().map(of).collect::<hdf5::Result<Vec<_>>>()?;
-    let lengths = quantities.iter().map(Vec::len).chain(header.keys.iter().map(|key| key.values.len()));
+    let lengths = quantities.iter().map(Vec::len).chain(header.keys.iter().map(|key| key.values.count()));
     if status.len() != members || lengths.into_iter().any(|length| length != members) {
         return Err(format!("its datasets are not of {members} members each").into());
     }
