@@ -177,7 +177,8 @@ fn large_bodies(session: &Session) {
         .replace("order = 1", "order = 2")
         .replace("symmetry = \"none\"", "symmetry = \"quarter\"")
         .replace("\"point\"", "\"patch\"");
-    let (scene, _) = Scene::parse("test", &text, &["time.scheme=newmark".into()]).unwrap_or_else(|error| panic!("{error}"));
+    let (scene, _) =
+        Scene::parse("test", &text, &["time.scheme=newmark".into()]).unwrap_or_else(|error| panic!("{error}"));
     let world = session.world();
     let history = |method: Method| -> Vec<Step> {
         let mut body = Body::solid(&scene, &Mesh::new(&world, &scene.body).unwrap()).unwrap();

@@ -166,7 +166,7 @@ impl Keeping {
 
     /// A step was taken; `asked` is whether a signal or a clock asks for one, the same on all ranks.
     pub fn step(&mut self, step: &Step, asked: bool) {
-        self.is_due |= asked || self.steps.is_some_and(|steps| step.number.is_multiple_of(steps));
+        self.is_due |= asked || (step.number > 0 && self.steps.is_some_and(|steps| step.number.is_multiple_of(steps)));
     }
 
     /// Keeps a checkpoint, if one is due, with what rank 0 has recorded. A checkpoint that cannot be written is told and ends nothing: the

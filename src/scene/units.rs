@@ -20,6 +20,7 @@ pub fn unit(path: &str) -> &'static str {
         "impactor.stiffness" => "N/m^1.5",
         "load.traction.value" => "N/m2",
         "time.end" | "time.step" => "s",
+        "output.checkpoint_minutes" => "min",
         _ => "1",
     }
 }

@@ -37,7 +37,7 @@ pub struct Kept {
 pub fn beside(result: &Path) -> PathBuf {
     let mut name = result.file_stem().map(OsString::from).unwrap_or_default();
     name.push(".checkpoint.h5");
-    target::resolved(result).with_file_name(name)
+    result.with_file_name(name)
 }
 
 impl Kept {
