@@ -54,6 +54,7 @@ const FUNCTIONS: &[&str] = &[
     "MatGetFactor",
     "MatGetFactorAvailable",
     "MatGetInfo",
+    "MatInitializePackage",
     "MatCreateSeqAIJWithArrays",
     "MatGetLocalSize",
     "MatGetOwnershipRange",
@@ -81,11 +82,13 @@ const FUNCTIONS: &[&str] = &[
     "MatSetSizes",
     "MatSetType",
     "MatSetUp",
+    "MatSolverTypeGet",
     "MatSetValues",
     "MatZeroRowsColumns",
     "PCFactorSetMatSolverType",
     "PCGetFailedReason",
     "PCGetType",
+    "PCRedundantGetKSP",
     "PCSetType",
     "PetscErrorMessage",
     "PetscFinalize",
@@ -101,6 +104,7 @@ const FUNCTIONS: &[&str] = &[
     "PetscOptionsLeftRestore",
     "PetscOptionsSetValue",
     "PetscPartitionerSetFromOptions",
+    "PetscPartitionerSetType",
     "PetscPushErrorHandler",
     "PetscSectionCreate",
     "PetscSectionGetConstrainedStorageSize",
@@ -123,6 +127,7 @@ const FUNCTIONS: &[&str] = &[
     "SNESLineSearchSetNorms",
     "SNESLineSearchSetReason",
     "SNESLineSearchSetType",
+    "SNESLineSearchShellSetApply",
     "SNESLineSearchShellSetUserFunc",
     "SNESSetFromOptions",
     "SNESSetFunction",
@@ -163,59 +168,82 @@ const FUNCTIONS: &[&str] = &[
     "VecSetValues",
 ];
 
-/// What PETSc's headers and library need on the command lines.
+/// The oldest version that petsc-wrap is written for.
+const OLDEST: (u32, u32) = (3, 18);
+
+/// Where PETSc is.
 struct Petsc {
     include: Vec<PathBuf>,
+    /// Folder and name of its library, where pkg-config has not told cargo of it.
+    library: Option<(PathBuf, &'static str)>,
 }
 
 fn main() {
     println!("cargo::rerun-if-changed=wrapper.h");
-    for name in ["PETSC_DIR", "PETSC_ARCH", "PKG_CONFIG_PATH"] {
+    for name in ["PETSC_DIR", "PETSC_ARCH", "PKG_CONFIG_PATH", "MPICC", "MPI_PKG_CONFIG", "CRAY_MPICH_DIR"] {
         println!("cargo::rerun-if-env-changed={name}");
     }
-    let mut reasons = Vec::new();
-    let Some(petsc) = from_env(&mut reasons).or_else(|| from_pkg_config(&mut reasons)) else {
-        fail(&format!(
-            "PETSc was not found. On Debian: apt-get install petsc-dev. Tried:\n  - {}",
-            reasons.join("\n  - ")
-        ));
+    // Who sets PETSC_DIR means that PETSc and no other.
+    let found = match std::env::var("PETSC_DIR") {
+        Ok(dir) if !dir.is_empty() => in_folder(Path::new(&dir)),
+        _ => from_pkg_config(),
     };
+    let petsc = found.unwrap_or_else(|reason| fail(&reason));
     check_configuration(&petsc);
-    generate(&petsc, &mpi_include());
+    if let Some((folder, name)) = &petsc.library {
+        link(folder, name);
+    }
+    let mpi =
+        build_probe_mpi::probe().unwrap_or_else(|reasons| fail(&format!("MPI was not found: {}", listed(&reasons))));
+    generate(&petsc, &mpi.include_paths);
+}
+
+/// Links this library, and not one of its name that lies in another folder on the linker's way: by a name of its own.
+fn link(folder: &Path, name: &str) {
+    let library = folder.join(format!("lib{name}.so"));
+    if !library.exists() {
+        fail(&format!("there is no {}: PETSc must be built with shared libraries", library.display()));
+    }
+    let out = out_folder();
+    let own = out.join("libpetsc_of_petsc_dir.so");
+    let _ = std::fs::remove_file(&own);
+    std::os::unix::fs::symlink(&library, &own)
+        .unwrap_or_else(|error| fail(&format!("cannot link to {}: {error}", library.display())));
+    println!("cargo::rustc-link-search=native={}", out.display());
+    println!("cargo::rustc-link-lib=dylib=petsc_of_petsc_dir");
+    // Where it is but a linker's script, what that names is there.
+    println!("cargo::rustc-link-search=native={}", folder.display());
+}
+
+fn out_folder() -> PathBuf {
+    PathBuf::from(std::env::var("OUT_DIR").expect("cargo sets OUT_DIR"))
 }
 
 /// PETSc where the user says it is: `PETSC_DIR`, and `PETSC_ARCH` for a build inside its source tree.
-fn from_env(reasons: &mut Vec<String>) -> Option<Petsc> {
-    let Ok(dir) = std::env::var("PETSC_DIR") else {
-        reasons.push("PETSC_DIR is not set".to_owned());
-        return None;
-    };
-    let dir = PathBuf::from(dir);
+fn in_folder(dir: &Path) -> Result<Petsc, String> {
     let build = match std::env::var("PETSC_ARCH") {
         Ok(arch) if !arch.is_empty() => dir.join(arch),
-        _ => dir.clone(),
+        _ => dir.to_owned(),
     };
     let include = vec![dir.join("include"), build.join("include")];
-    if !include.iter().any(|i| i.join("petscconf.h").is_file()) {
-        reasons.push(format!("no petscconf.h under {} (from PETSC_DIR, PETSC_ARCH)", build.display()));
-        return None;
+    if !include.iter().any(|folder| folder.join("petscconf.h").is_file()) {
+        return Err(format!(
+            "there is no PETSc at PETSC_DIR and PETSC_ARCH: {} has no include/petscconf.h",
+            build.display()
+        ));
     }
-    let lib = build.join("lib");
-    let Some(name) = ["petsc", "petsc_real"].into_iter().find(|name| lib.join(format!("lib{name}.so")).exists()) else {
-        reasons.push(format!("no libpetsc.so in {}", lib.display()));
-        return None;
-    };
-    println!("cargo::rustc-link-search=native={}", lib.display());
-    println!("cargo::rustc-link-lib=dylib={name}");
-    Some(Petsc { include })
+    let folder = build.join("lib");
+    // Debian's names tell its builds apart.
+    let names = ["petsc", "petsc_real", "petsc64_real"];
+    let name = names.into_iter().find(|name| folder.join(format!("lib{name}.so")).exists()).unwrap_or(names[0]);
+    Ok(Petsc { include, library: Some((folder, name)) })
 }
 
-fn from_pkg_config(reasons: &mut Vec<String>) -> Option<Petsc> {
+fn from_pkg_config() -> Result<Petsc, String> {
+    let mut reasons = vec!["PETSC_DIR is not set".to_owned()];
     for name in ["petsc", "PETSc"] {
         match pkg_config::Config::new().probe(name) {
-            Ok(library) => {
-                return Some(Petsc { include: library.include_paths });
-            }
+            Ok(library) => return Ok(Petsc { include: library.include_paths, library: None }),
             Err(error) => {
                 let text = error.to_string();
                 let line = text.lines().find(|l| !l.trim().is_empty()).unwrap_or_default();
@@ -223,37 +251,46 @@ fn from_pkg_config(reasons: &mut Vec<String>) -> Option<Petsc> {
             }
         }
     }
-    None
+    Err(format!("PETSc was not found. On Debian: apt-get install petsc-dev. Tried: {}", listed(&reasons)))
 }
 
-/// Include folders of the MPI that PETSc's headers include.
-fn mpi_include() -> Vec<PathBuf> {
-    ["ompi-c", "mpi-c", "mpich", "ompi", "mpi"]
-        .into_iter()
-        .find_map(|name| pkg_config::Config::new().cargo_metadata(false).probe(name).ok())
-        .map(|library| library.include_paths)
-        .unwrap_or_default()
+fn listed(reasons: &[impl ToString]) -> String {
+    reasons.iter().map(|reason| format!("\n  - {}", reason.to_string())).collect()
 }
 
-/// Refuses scalar types that the bindings do not describe.
+/// Refuses versions and scalar types that the bindings do not describe.
 fn check_configuration(petsc: &Petsc) {
-    let text = petsc
-        .include
-        .iter()
-        .find_map(|i| std::fs::read_to_string(i.join("petscconf.h")).ok())
-        .unwrap_or_else(|| fail("petscconf.h is not in PETSc's include folders"));
-    let defined = |name: &str| {
-        text.lines().any(|l| {
-            let mut words = l.split_whitespace();
-            words.next() == Some("#define") && words.next() == Some(name)
-        })
+    let read = |name: &str| {
+        let text = petsc.include.iter().find_map(|folder| std::fs::read_to_string(folder.join(name)).ok());
+        text.unwrap_or_else(|| fail(&format!("{name} is not in PETSc's include folders")))
     };
-    if defined("PETSC_USE_COMPLEX") {
-        fail("this PETSc is built with complex scalars; ricochet needs real ones (Debian: libpetsc-real-dev)");
+    let (version, configuration) = (read("petscversion.h"), read("petscconf.h"));
+    let number = |name: &str| {
+        defined(&version, name)
+            .and_then(|value| value.parse::<u32>().ok())
+            .unwrap_or_else(|| fail(&format!("petscversion.h does not define {name}")))
+    };
+    let found = (number("PETSC_VERSION_MAJOR"), number("PETSC_VERSION_MINOR"));
+    if found < OLDEST {
+        fail(&format!("this is PETSc {}.{}; ricochet needs {}.{} or newer", found.0, found.1, OLDEST.0, OLDEST.1));
     }
-    if !defined("PETSC_USE_REAL_DOUBLE") {
+    if defined(&configuration, "PETSC_USE_COMPLEX").is_some() {
+        fail(
+            "this PETSc is built with complex scalars; ricochet needs one with real scalars: set PETSC_DIR and PETSC_ARCH to such a \
+             build (on Debian, apt-get install petsc-dev and leave both unset)",
+        );
+    }
+    if defined(&configuration, "PETSC_USE_REAL_DOUBLE").is_none() {
         fail("this PETSc is not built in double precision; ricochet needs --with-precision=double");
     }
+}
+
+/// The value of a macro of a header, empty where it has none.
+fn defined<'a>(header: &'a str, name: &str) -> Option<&'a str> {
+    header.lines().find_map(|line| {
+        let mut words = line.split_whitespace();
+        (words.next() == Some("#define") && words.next() == Some(name)).then(|| words.next().unwrap_or_default())
+    })
 }
 
 fn generate(petsc: &Petsc, mpi: &[PathBuf]) {
@@ -265,6 +302,9 @@ fn generate(petsc: &Petsc, mpi: &[PathBuf]) {
         .allowlist_var("PETSC_(DETERMINE|DEFAULT|COMM_WORLD|VERSION_.*)|PetscTrFree")
         .blocklist_type("MPI_.*|ompi_.*|_?MPI.*")
         .blocklist_item("MPI_.*|ompi_.*")
+        // Where PETSc is configured with strict error codes they are an enum, of the same size.
+        .blocklist_type("PetscErrorCode")
+        .raw_line("pub type PetscErrorCode = ::std::os::raw::c_int;")
         .allowlist_recursively(true)
         .raw_line("use mpi::ffi::*;")
         .default_enum_style(bindgen::EnumVariation::NewType { is_bitfield: false, is_global: false })
@@ -272,10 +312,28 @@ fn generate(petsc: &Petsc, mpi: &[PathBuf]) {
         .generate_comments(false)
         .generate()
         .unwrap_or_else(|error| fail(&format!("bindgen failed on PETSc's headers: {error}")));
-    let out = PathBuf::from(std::env::var("OUT_DIR").expect("cargo sets OUT_DIR"));
+    tell_changes(&bindings.to_string());
     bindings
-        .write_to_file(Path::new(&out).join("bindings.rs"))
+        .write_to_file(out_folder().join("bindings.rs"))
         .unwrap_or_else(|error| fail(&format!("cannot write the bindings: {error}")));
+}
+
+/// Which of the things that PETSc has changed are the new ones: `src/versions.rs`.
+fn tell_changes(bindings: &str) {
+    let arguments = |name: &str| {
+        let list = bindings.split(&format!("fn {name}(")).nth(1).and_then(|rest| rest.split(')').next());
+        list.map_or(0, |list| list.matches(": ").count())
+    };
+    for (name, is_new) in [
+        ("box_mesh_is_localized", arguments("DMPlexCreateBoxMesh") == 11),
+        ("line_search_has_apply", arguments("SNESLineSearchShellSetApply") > 0),
+        ("bool_is_of_c", bindings.contains("pub type PetscBool = bool;")),
+    ] {
+        println!("cargo::rustc-check-cfg=cfg({name})");
+        if is_new {
+            println!("cargo::rustc-cfg={name}");
+        }
+    }
 }
 
 fn fail(message: &str) -> ! {

@@ -3,7 +3,9 @@
 use petsc_sys as sys;
 
 use crate::error::{Result, check};
+use crate::ksp::{MUMPS, factorises};
 use crate::matrix::Matrix;
+use crate::session::Session;
 
 /// What MUMPS expects of a Cholesky factorisation, over all ranks.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,15 +18,35 @@ pub struct FactorEstimate {
     pub memory: f64,
 }
 
-/// The symbolic phase of MUMPS's Cholesky factorisation, without the numeric one. Collective.
+/// Whether PETSc was built with MUMPS: without it, each of several ranks factorises all of a matrix for itself.
 ///
 /// # Errors
-/// PETSc's, e.g. where it was built without MUMPS.
-pub fn estimate_cholesky(matrix: &Matrix) -> Result<FactorEstimate> {
+/// PETSc's.
+pub fn has_mumps(_session: &Session) -> Result<bool> {
+    let (kind, mut is_there) = (sys::MatFactorType::MAT_FACTOR_CHOLESKY, sys::FALSE);
+    // Packages are known from the first matrix on.
+    // SAFETY: PETSc is initialised.
+    check(unsafe { sys::MatInitializePackage() })?;
+    let (matrix, none) = (c"mpiaij".as_ptr(), std::ptr::null_mut());
+    // SAFETY: names and the out-pointer are valid, and null asks for nothing.
+    check(unsafe {
+        sys::MatSolverTypeGet(MUMPS.as_ptr(), matrix, kind, none, &raw mut is_there, std::ptr::null_mut())
+    })?;
+    Ok(is_there == sys::TRUE)
+}
+
+/// The symbolic phase of MUMPS's Cholesky factorisation, without the numeric one; `None` where PETSc was built without MUMPS. Collective.
+///
+/// # Errors
+/// PETSc's.
+pub fn estimate_cholesky(matrix: &Matrix) -> Result<Option<FactorEstimate>> {
+    if !factorises(MUMPS, matrix)? {
+        return Ok(None);
+    }
     let mut raw = std::ptr::null_mut();
     let kind = sys::MatFactorType::MAT_FACTOR_CHOLESKY;
     // SAFETY: the matrix is valid; the type is a C string.
-    check(unsafe { sys::MatGetFactor(matrix.raw(), c"mumps".as_ptr(), kind, &raw mut raw) })?;
+    check(unsafe { sys::MatGetFactor(matrix.raw(), MUMPS.as_ptr(), kind, &raw mut raw) })?;
     let factor = Matrix::from_raw(raw, matrix.comm());
     // SAFETY: a struct of numbers, for which zero bits are a value.
     let mut info: sys::MatFactorInfo = unsafe { std::mem::zeroed() };
@@ -44,5 +66,5 @@ pub fn estimate_cholesky(matrix: &Matrix) -> Result<FactorEstimate> {
     check(unsafe { sys::MatMumpsGetRinfog(raw, 1, &raw mut operations) })?;
     let estimate = FactorEstimate { entries: global(20)?, operations, memory: global(17)? * 1e6 };
     factor.destroy()?;
-    Ok(estimate)
+    Ok(Some(estimate))
 }

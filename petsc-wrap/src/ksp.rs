@@ -17,7 +17,8 @@ const ITERATIVE: f64 = 1e-12;
 /// How a symmetric positive definite system is solved, where PETSc's options say nothing else.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
-    /// One factorisation, by CHOLMOD on one rank, where its solves are the fastest, else by MUMPS.
+    /// One factorisation, by CHOLMOD on one rank, where its solves are the fastest, else by MUMPS, and where PETSc has neither by PETSc
+    /// itself, on several ranks by each of them.
     Cholesky,
     /// Conjugate gradients from the given guess on, preconditioned with multigrid of smoothed aggregates (GAMG), which knows the matrix's
     /// near null space, down to a part of the right-hand side in the norm of the preconditioner, which is nearly that of the energy.
@@ -69,7 +70,7 @@ impl Ksp {
                 // SAFETY: the solver is valid here and below.
                 check(unsafe { sys::KSPSetNormType(raw, sys::KSPNormType::KSP_NORM_NATURAL) })?;
                 // SAFETY: as above.
-                check(unsafe { sys::KSPSetInitialGuessNonzero(raw, sys::PetscBool::PETSC_TRUE) })?;
+                check(unsafe { sys::KSPSetInitialGuessNonzero(raw, sys::TRUE) })?;
                 tolerance
             }
             Method::Diagonal { tolerance } => {
@@ -139,28 +140,22 @@ impl Ksp {
 
 /// One application of Cholesky's method, by CHOLMOD where that takes the matrix, else by MUMPS (which is parallel); options override it.
 fn default_to_cholesky(ksp: sys::KSP, matrix: &Matrix) -> Result<()> {
-    // SAFETY: `ksp` is valid here and below; types are C strings.
+    // SAFETY: `ksp` is valid; the type is a C string.
     check(unsafe { sys::KSPSetType(ksp, c"preonly".as_ptr()) })?;
-    let (kind, mut is_there) = (sys::MatFactorType::MAT_FACTOR_CHOLESKY, sys::PetscBool::PETSC_FALSE);
-    // SAFETY: the matrix, the name and the out-pointer are valid.
-    check(unsafe { sys::MatGetFactorAvailable(matrix.raw(), CHOLMOD.as_ptr(), kind, &raw mut is_there) })?;
-    precondition_by_cholesky(ksp, if is_there == sys::PetscBool::PETSC_TRUE { CHOLMOD } else { MUMPS })
+    precondition_by_cholesky(ksp, matrix, [CHOLMOD, MUMPS])
 }
 
 /// Conjugate gradients with a preconditioner; options override it.
-fn default_to_gradients(ksp: sys::KSP, preconditioner: &CStr) -> Result<()> {
+fn default_to_gradients(ksp: sys::KSP, kind: &CStr) -> Result<()> {
     // SAFETY: `ksp` is valid here and below; types are C strings.
     check(unsafe { sys::KSPSetType(ksp, c"cg".as_ptr()) })?;
-    let mut pc = std::ptr::null_mut();
-    // SAFETY: the preconditioner belongs to the solver.
-    check(unsafe { sys::KSPGetPC(ksp, &raw mut pc) })?;
-    // SAFETY: as above.
-    check(unsafe { sys::PCSetType(pc, preconditioner.as_ptr()) })
+    // SAFETY: as above; the preconditioner belongs to the solver.
+    check(unsafe { sys::PCSetType(preconditioner(ksp)?, kind.as_ptr()) })
 }
 
 /// Conjugate gradients, by default preconditioned with Cholesky's method by MUMPS: with the matrix's own factor one
 /// iteration solves, with that of a matrix nearby a few.
-pub(crate) fn default_to_refined_cholesky(ksp: sys::KSP) -> Result<()> {
+pub(crate) fn default_to_refined_cholesky(ksp: sys::KSP, matrix: &Matrix) -> Result<()> {
     // SAFETY: `ksp` is valid here and below; types are C strings.
     check(unsafe { sys::KSPSetType(ksp, c"cg".as_ptr()) })?;
     let (default, most) = (f64::from(sys::PETSC_DEFAULT), 100);
@@ -168,35 +163,67 @@ pub(crate) fn default_to_refined_cholesky(ksp: sys::KSP) -> Result<()> {
     let any_growth = f64::MAX;
     // SAFETY: as above.
     check(unsafe { sys::KSPSetTolerances(ksp, DIRECT, default, any_growth, most) })?;
-    precondition_by_cholesky(ksp, MUMPS)
+    // SAFETY: all are valid; PETSc counts its own references.
+    check(unsafe { sys::KSPSetOperators(ksp, matrix.raw(), matrix.raw()) })?;
+    precondition_by_cholesky(ksp, matrix, [MUMPS, CHOLMOD])
 }
 
 /// Relative residual at which an iteration counts as a direct solve: rounding in a backward-stable one leaves about as much.
 const DIRECT: f64 = 1e-13;
 
 const CHOLMOD: &CStr = c"cholmod";
-const MUMPS: &CStr = c"mumps";
+pub(crate) const MUMPS: &CStr = c"mumps";
 
-fn precondition_by_cholesky(ksp: sys::KSP, solver: &CStr) -> Result<()> {
-    let mut pc = std::ptr::null_mut();
-    // SAFETY: the preconditioner belongs to the solver.
-    check(unsafe { sys::KSPGetPC(ksp, &raw mut pc) })?;
-    // SAFETY: as above.
+/// Cholesky's method by the first of the packages that takes the matrix. Without any, PETSc's own, which is not parallel: of several ranks
+/// each solves for all of the matrix. The matrix is the solver's.
+fn precondition_by_cholesky(ksp: sys::KSP, matrix: &Matrix, packages: [&CStr; 2]) -> Result<()> {
+    let mut pc = preconditioner(ksp)?;
+    let mut package = None;
+    for name in packages {
+        if package.is_none() && factorises(name, matrix)? {
+            package = Some(name);
+        }
+    }
+    if package.is_none() && matrix.comm().size() > 1 {
+        // SAFETY: the preconditioner is valid and has its matrix; the type is a C string.
+        check(unsafe { sys::PCSetType(pc, c"redundant".as_ptr()) })?;
+        let mut each = std::ptr::null_mut();
+        // SAFETY: as above; the solver of each rank belongs to the preconditioner.
+        check(unsafe { sys::PCRedundantGetKSP(pc, &raw mut each) })?;
+        pc = preconditioner(each)?;
+    }
+    // SAFETY: the preconditioner is valid here and below, and names are C strings.
     check(unsafe { sys::PCSetType(pc, c"cholesky".as_ptr()) })?;
-    // SAFETY: as above.
-    check(unsafe { sys::PCFactorSetMatSolverType(pc, solver.as_ptr()) })
+    match package {
+        // SAFETY: as above.
+        Some(name) => check(unsafe { sys::PCFactorSetMatSolverType(pc, name.as_ptr()) }),
+        None => Ok(()),
+    }
+}
+
+/// Whether PETSc has a package for Cholesky's method that takes a matrix of this type on this number of ranks.
+pub(crate) fn factorises(package: &CStr, matrix: &Matrix) -> Result<bool> {
+    let (kind, mut is_there) = (sys::MatFactorType::MAT_FACTOR_CHOLESKY, sys::FALSE);
+    // SAFETY: the matrix, the name and the out-pointer are valid.
+    check(unsafe { sys::MatGetFactorAvailable(matrix.raw(), package.as_ptr(), kind, &raw mut is_there) })?;
+    Ok(is_there == sys::TRUE)
+}
+
+fn preconditioner(ksp: sys::KSP) -> Result<sys::PC> {
+    let mut pc = std::ptr::null_mut();
+    // SAFETY: the solver is valid, and the preconditioner belongs to it.
+    check(unsafe { sys::KSPGetPC(ksp, &raw mut pc) })?;
+    Ok(pc)
 }
 
 /// Whether the options have left [`default_to_refined_cholesky`] as it is.
 pub(crate) fn is_refined_cholesky(ksp: sys::KSP) -> Result<bool> {
-    let (mut ksp_type, mut pc, mut pc_type) = (std::ptr::null(), std::ptr::null_mut(), std::ptr::null());
-    // SAFETY: `ksp` is valid here and below, and the preconditioner belongs to it; the names are static or null.
+    let (mut ksp_type, mut pc_type) = (std::ptr::null(), std::ptr::null());
+    // SAFETY: `ksp` is valid here and below; the names are static or null.
     check(unsafe { sys::KSPGetType(ksp, &raw mut ksp_type) })?;
     // SAFETY: as above.
-    check(unsafe { sys::KSPGetPC(ksp, &raw mut pc) })?;
-    // SAFETY: as above.
-    check(unsafe { sys::PCGetType(pc, &raw mut pc_type) })?;
-    Ok(owned(ksp_type) == "cg" && owned(pc_type) == "cholesky")
+    check(unsafe { sys::PCGetType(preconditioner(ksp)?, &raw mut pc_type) })?;
+    Ok(owned(ksp_type) == "cg" && ["cholesky", "redundant"].contains(&owned(pc_type).as_str()))
 }
 
 /// PETSc's name of why the solver stopped.
@@ -204,12 +231,9 @@ pub(crate) fn reason_of(ksp: sys::KSP) -> Result<String> {
     let mut text = std::ptr::null();
     // SAFETY: the solver is valid; the text is static.
     check(unsafe { sys::KSPGetConvergedReasonString(ksp, &raw mut text) })?;
-    let mut pc = std::ptr::null_mut();
-    // SAFETY: the preconditioner belongs to the solver.
-    check(unsafe { sys::KSPGetPC(ksp, &raw mut pc) })?;
     let mut failed = sys::PCFailedReason(0);
     // SAFETY: as above.
-    check(unsafe { sys::PCGetFailedReason(pc, &raw mut failed) })?;
+    check(unsafe { sys::PCGetFailedReason(preconditioner(ksp)?, &raw mut failed) })?;
     let cause = match failed {
         sys::PCFailedReason::PC_FACTOR_STRUCT_ZEROPIVOT | sys::PCFailedReason::PC_FACTOR_NUMERIC_ZEROPIVOT => {
             " (zero pivot: the matrix is singular)"

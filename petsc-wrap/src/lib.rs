@@ -22,7 +22,7 @@ mod vector;
 
 pub use comm::Comm;
 pub use error::{Diverged, Error, Frame, Result};
-pub use factor::{FactorEstimate, estimate_cholesky};
+pub use factor::{FactorEstimate, estimate_cholesky, has_mumps};
 pub use gather::Gather;
 pub use ksp::{Ksp, Method};
 pub use matrix::{Insert, Matrix, Row};

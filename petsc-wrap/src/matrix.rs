@@ -361,7 +361,7 @@ impl Matrix {
 
     fn set_option(&mut self, option: sys::MatOption) -> Result<()> {
         // SAFETY: the matrix is valid.
-        check(unsafe { sys::MatSetOption(self.raw(), option, sys::PetscBool::PETSC_TRUE) })
+        check(unsafe { sys::MatSetOption(self.raw(), option, sys::TRUE) })
     }
 
     /// One of this rank's rows, sorted by column.

@@ -17,11 +17,11 @@ fn text(value: &str) -> CString {
 /// PETSc's.
 pub fn is_set(_session: &Session, name: &str) -> Result<bool> {
     let name = text(name);
-    let mut set = sys::PetscBool::PETSC_FALSE;
+    let mut set = sys::FALSE;
     let (database, prefix) = (std::ptr::null_mut(), std::ptr::null());
     // SAFETY: PETSc is initialised (a session exists); the string outlives the call.
     check(unsafe { sys::PetscOptionsHasName(database, prefix, name.as_ptr(), &raw mut set) })?;
-    Ok(set == sys::PetscBool::PETSC_TRUE)
+    Ok(set == sys::TRUE)
 }
 
 /// Sets an option, also where it is set already.

@@ -49,6 +49,20 @@ impl Numbering {
     }
 }
 
+/// Whether PT-Scotch, with which PETSc partitions, counts in integers of another size than PETSc: where Debian's has indices of 64 bits it
+/// does, and would spoil the memory.
+fn is_scotch_of_another_size() -> bool {
+    // SAFETY: a C string; no library is loaded.
+    let found = unsafe { libc::dlsym(libc::RTLD_DEFAULT, c"SCOTCH_numSizeof".as_ptr()) };
+    if found.is_null() {
+        return false;
+    }
+    // SAFETY: this is what Scotch declares: `int SCOTCH_numSizeof (void)`.
+    let size = unsafe { std::mem::transmute::<*mut libc::c_void, unsafe extern "C" fn() -> libc::c_int>(found) };
+    // SAFETY: it returns a constant.
+    usize::try_from(unsafe { size() }).is_ok_and(|size| size != size_of::<Int>())
+}
+
 impl Plex {
     /// A box cut into hexahedra, all on rank 0 until [`Plex::distribute`]. Collective.
     ///
@@ -56,21 +70,12 @@ impl Plex {
     /// PETSc's.
     pub fn hexahedral_box(comm: &Comm, cells: [usize; 3], lower: [f64; 3], upper: [f64; 3]) -> Result<Self> {
         let cells = cells.map(|n| n as Int);
-        let (simplex, interpolate) = (sys::PetscBool::PETSC_FALSE, sys::PetscBool::PETSC_TRUE);
+        let (simplex, interpolate) = (sys::FALSE, sys::TRUE);
         let mut raw = std::ptr::null_mut();
-        // SAFETY: three entries each; no periodicity.
+        let corners = (lower.as_ptr(), upper.as_ptr());
+        // SAFETY: three entries each.
         check(unsafe {
-            sys::DMPlexCreateBoxMesh(
-                comm.raw(),
-                3,
-                simplex,
-                cells.as_ptr(),
-                lower.as_ptr(),
-                upper.as_ptr(),
-                std::ptr::null(),
-                interpolate,
-                &raw mut raw,
-            )
+            sys::create_box_mesh(comm.raw(), 3, simplex, cells.as_ptr(), corners, interpolate, &raw mut raw)
         })?;
         Ok(Self(Object::new(raw, comm)))
     }
@@ -91,7 +96,7 @@ impl Plex {
         }
         let name = CString::new(path.as_os_str().as_encoded_bytes()).unwrap_or_default();
         let mut raw = std::ptr::null_mut();
-        let interpolate = sys::PetscBool::PETSC_TRUE;
+        let interpolate = sys::TRUE;
         // SAFETY: the path is a C string that outlives the call.
         check(unsafe { sys::DMPlexCreateGmshFromFile(comm.raw(), name.as_ptr(), interpolate, &raw mut raw) })?;
         for name in FIXED {
@@ -108,6 +113,10 @@ impl Plex {
         let mut partitioner = std::ptr::null_mut();
         // SAFETY: the mesh is valid; the partitioner belongs to it.
         check(unsafe { sys::DMPlexGetPartitioner(self.raw(), &raw mut partitioner) })?;
+        if is_scotch_of_another_size() {
+            // SAFETY: as above; the type is a C string.
+            check(unsafe { sys::PetscPartitionerSetType(partitioner, c"simple".as_ptr()) })?;
+        }
         // SAFETY: as above.
         check(unsafe { sys::PetscPartitionerSetFromOptions(partitioner) })?;
         let mut raw = std::ptr::null_mut();
@@ -167,7 +176,7 @@ impl Plex {
         if chart.contains(&point) {
             return Ok(());
         }
-        Err(Error::OutOfRange { index: point as i64, size: chart.len() })
+        Err(Error::OutOfRange { index: point as i64, size: (chart.end - chart.start) as usize })
     }
 
     /// Shape of a point.
@@ -213,7 +222,7 @@ impl Plex {
     pub fn closure(&self, point: Int) -> Result<Vec<Int>> {
         self.check_point(point)?;
         let (mut len, mut data) = (0, std::ptr::null_mut());
-        let cone = sys::PetscBool::PETSC_TRUE;
+        let cone = sys::TRUE;
         // SAFETY: the mesh is valid and has the point; PETSc allocates.
         check(unsafe { sys::DMPlexGetTransitiveClosure(self.raw(), point, cone, &raw mut len, &raw mut data) })?;
         // Pairs of point and orientation.
@@ -300,10 +309,10 @@ impl Plex {
         if label.is_null() {
             return Ok(false);
         }
-        let mut found = sys::PetscBool::PETSC_FALSE;
+        let mut found = sys::FALSE;
         // SAFETY: the label is valid.
         check(unsafe { sys::DMLabelStratumHasPoint(label, value, point, &raw mut found) })?;
-        Ok(found == sys::PetscBool::PETSC_TRUE)
+        Ok(found == sys::TRUE)
     }
 
     /// Numbers `per_point(dimension)` unknowns on each point, contiguous on each rank; a point shared by ranks is numbered

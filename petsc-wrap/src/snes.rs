@@ -100,7 +100,7 @@ impl Snes {
         let mut ksp = std::ptr::null_mut();
         // SAFETY: the linear solver belongs to the solver.
         check(unsafe { sys::SNESGetKSP(raw, &raw mut ksp) })?;
-        default_to_refined_cholesky(ksp)?;
+        default_to_refined_cholesky(ksp, &jacobian)?;
         let mut snes = Self { object, jacobian, keep_factor: false, tolerance_given: false };
         snes.set_tolerances(absolute_tolerance, max_iterations)?;
         // SAFETY: the matrix is valid and kept by `snes`; the callback is set by each solve.
@@ -116,7 +116,7 @@ impl Snes {
 
     /// Convergence by the residual's Euclidean norm alone.
     fn set_tolerances(&self, absolute: f64, max_iterations: usize) -> Result<()> {
-        let unlimited: Int = -1;
+        let unlimited = Int::MAX;
         // SAFETY: the solver is valid.
         check(unsafe {
             sys::SNESSetTolerances(self.object.raw(), absolute, 0.0, 0.0, max_iterations as Int, unlimited)
@@ -194,7 +194,7 @@ impl Snes {
         // SAFETY: the line search belongs to the solver.
         check(unsafe { sys::SNESGetLineSearch(raw, &raw mut search) })?;
         // SAFETY: as above; of no effect where the options name another line search.
-        check(unsafe { sys::SNESLineSearchShellSetUserFunc(search, Some(call_search::<R, J, L>), pointer) })?;
+        check(unsafe { sys::set_line_search(search, Some(call_search::<R, J, L>), pointer) })?;
         // SAFETY: all are valid; b = 0.
         let solved = check(unsafe { sys::SNESSolve(raw, std::ptr::null_mut(), x.raw()) });
         match context.stop.take() {

@@ -148,7 +148,12 @@ impl Vector {
     /// PETSc's, e.g. for different layouts.
     pub fn pointwise_divide(&mut self, other: &Vector) -> Result<()> {
         // SAFETY: both vectors are valid; PETSc lets the result be the dividend.
-        check(unsafe { sys::VecPointwiseDivide(self.raw(), self.raw(), other.raw()) })
+        check(unsafe { sys::VecPointwiseDivide(self.raw(), self.raw(), other.raw()) })?;
+        // In newer versions 0/0 is 1.
+        let (mut quotients, divisors) = (self.write()?, other.read()?);
+        let of_zero = quotients.iter_mut().zip(divisors.iter()).filter(|(_, divisor)| **divisor == 0.0);
+        of_zero.for_each(|(quotient, _)| *quotient = 0.0);
+        Ok(())
     }
 
     /// selfᵀother with each of the others, in one reduction; the same on every rank. Collective.

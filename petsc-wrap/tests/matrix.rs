@@ -2,10 +2,11 @@
 
 use std::process::ExitCode;
 
-use petsc_wrap::{Insert, Int, Matrix, Session, Vector, estimate_cholesky};
+use petsc_wrap::{Error, Insert, Int, Ksp, Matrix, Session, Vector, estimate_cholesky, has_mumps};
 
 fn start() -> Session {
-    Session::start(&[]).expect("the first session").expect("PETSc starts")
+    let words = ["-by_mumps_pc_type", "cholesky", "-by_mumps_pc_factor_mat_solver_type", "mumps"].map(String::from);
+    Session::start(&words).expect("the first session").expect("PETSc starts")
 }
 
 fn main() -> ExitCode {
@@ -136,6 +137,12 @@ fn symbolic_factorisation_counts_the_factor(session: &Session) {
     matrix.declare_positive_definite().unwrap();
     let n = matrix.size().0 as f64;
     let estimate = estimate_cholesky(&matrix).unwrap();
+    // There is none where PETSc is without MUMPS: then it does not know the package (error 92).
+    let mut solver = Ksp::new(&session.world(), "by_mumps_", &matrix).unwrap();
+    let mut x = Vector::new(&session.world(), LOCAL).unwrap();
+    let is_refused = matches!(solver.solve(&x.duplicate().unwrap(), &mut x), Err(Error::Petsc { code: 92, .. }));
+    assert_eq!((estimate.is_none(), has_mumps(session).unwrap()), (is_refused, !is_refused));
+    let Some(estimate) = estimate else { return };
     // A chain has a factor with at most n diagonal and n − 1 other entries without fill; fronts store a little more.
     assert!((2.0 * n - 1.0..6.0 * n).contains(&estimate.entries), "{estimate:?}");
     assert!(estimate.operations > n, "{estimate:?}");

@@ -111,7 +111,7 @@ fn a_factor_that_is_no_help_is_replaced(session: &Session) {
     let first = x.range().start;
     let mut snes = Snes::new(&world, jacobian, TOLERANCE, 20).unwrap();
     for exponent in [0.0, 12.0] {
-        let slope = |i: Int| 10_f64.powf(exponent * f64::from(i - first) / MANY as f64);
+        let slope = |i: Int| 10_f64.powf(exponent * (i - first) as f64 / MANY as f64);
         x.fill(1.0).unwrap();
         snes.solve(
             &mut x,

@@ -1,6 +1,6 @@
 //! `ricochet check`: what a scene asks for, and what it will cost.
 
-use petsc_wrap::{Comm, FactorEstimate, Method as Solution, estimate_cholesky};
+use petsc_wrap::{Comm, FactorEstimate, Int, Method as Solution, estimate_cholesky};
 
 use crate::body::Body;
 use crate::contact::{Patch, Reason, hertz};
@@ -19,8 +19,8 @@ use super::say;
 enum Linear {
     /// Not at all.
     None,
-    /// By a factor.
-    Cholesky(FactorEstimate),
+    /// By a factor, of which MUMPS alone tells what it will take.
+    Cholesky(Option<FactorEstimate>),
     /// By iterations.
     Multigrid,
 }
@@ -204,6 +204,9 @@ fn described(scheme: Scheme) -> String {
     }
 }
 
+/// Memory of an entry of a matrix: its value and its column, bytes.
+const ENTRY: f64 = (size_of::<f64>() + size_of::<Int>()) as f64;
+
 fn print_cost(body: &Body, method: &Method, plan: &Plan, (entries, boundary): (f64, f64), linear: Linear) {
     // Those of one motion, or of two with what is kept to go back to.
     let vectors = if matches!(plan, Plan::Equal { .. }) { 30.0 } else { 100.0 } * 8.0 * body.unknowns() as f64;
@@ -212,14 +215,14 @@ fn print_cost(body: &Body, method: &Method, plan: &Plan, (entries, boundary): (f
     let factor = match linear {
         Linear::Cholesky(factor) => factor,
         Linear::None => {
-            let matrices = 12.0 * (2.0 * entries + products + boundary) + vectors;
+            let matrices = ENTRY * (2.0 * entries + products + boundary) + vectors;
             say(format_args!("solver     none: every unknown by itself"));
             return say(format_args!("memory     about {:.0} MB over all ranks", 1e-6 * matrices));
         }
         Linear::Multigrid => {
             let sizes = if matches!(plan, Plan::Equal { .. }) { 1.0 } else { 5.0 };
             let operators = sizes * OF_MULTIGRID[usize::from(body.comm().size() > 1)] * entries;
-            let matrices = 12.0 * (2.0 * entries + products + boundary + operators) + vectors;
+            let matrices = ENTRY * (2.0 * entries + products + boundary + operators) + vectors;
             say(format_args!(
                 "solver     condensed Newton: one solve and a scalar equation a step; conjugate gradients with multigrid (GAMG), since a \
                  factor would take more: {entries:.2e} entries in K"
@@ -245,11 +248,18 @@ fn print_cost(body: &Body, method: &Method, plan: &Plan, (entries, boundary): (f
         Plan::Equal { .. } => (1.0, ""),
         Plan::Controlled { .. } => (5.0, ", in up to five step sizes"),
     };
+    let matrices = ENTRY * ((2.0 + factors * (matrices - 2.0)) * entries + boundary) + factors * dense + vectors;
+    let Some(factor) = factor else {
+        say(format_args!("solver     {name}; Cholesky{note}: {entries:.2e} entries in K"));
+        return say(format_args!(
+            "memory     about {:.0} MB for matrices, over all ranks, and the factorisations, of which MUMPS would tell: this PETSc is without it",
+            1e-6 * matrices
+        ));
+    };
     say(format_args!(
         "solver     {name}; Cholesky{note}: {entries:.2e} entries in K, {:.2e} in a factor, {:.2e} operations",
         factor.entries, factor.operations
     ));
-    let matrices = 12.0 * ((2.0 + factors * (matrices - 2.0)) * entries + boundary) + factors * dense + vectors;
     let factors = factors * factor.memory;
     say(format_args!(
         "memory     about {:.0} MB: matrices {:.0} MB, factorisations {:.0} MB, over all ranks",

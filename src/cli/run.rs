@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::Instant;
 
-use petsc_wrap::Comm;
+use petsc_wrap::{Comm, has_mumps};
 
 use crate::agree::agree;
 use crate::error::{Error, Result};
@@ -101,6 +101,11 @@ fn solve(
         }
         for note in notes(scene, patch.as_ref(), impact.plan().as_ref()).into_iter().chain(of_probes) {
             tell(format_args!("note: {note}"));
+        }
+        if comm.size() > 1 && !has_mumps(comm.session())? {
+            tell(format_args!(
+                "note: this PETSc is without MUMPS: each rank factorises all of a matrix for itself, so that more ranks save nothing there"
+            ));
         }
     }
     let names: Vec<String> = scene.output.probes.iter().map(|probe| probe.name.clone()).collect();

@@ -4,4 +4,8 @@
 
 #![allow(missing_docs, non_camel_case_types, non_snake_case, non_upper_case_globals, clippy::all)]
 
+mod versions;
+
+pub use versions::*;
+
 include!(concat!(env!("OUT_DIR"), "/bindings.rs"));
