@@ -94,7 +94,7 @@ fn an_array_computes_a_sweep_in_parts() {
 
 /// A run of a few seconds.
 fn some_seconds() -> String {
-    long().replace("end = 10", "end = 0.1").replace("[8, 8, 1]", "[12, 12, 1]")
+    long().replace("end = 10", "end = 0.03").replace("[8, 8, 1]", "[12, 12, 1]")
 }
 
 const REQUEUE: &str = "out.h5 scene.toml";
