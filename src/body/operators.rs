@@ -18,8 +18,9 @@ pub struct Body {
     pub mass: Matrix,
     /// K of the elastic body alone, N/m.
     pub elastic: Matrix,
-    /// M and K for products, with a ninth and half of the memory traffic: M's entries by node, and K's upper triangle.
-    pub(super) products: [Matrix; 2],
+    /// M and K for products, with less memory traffic than the matrices themselves, which serve where there are none: entries by node,
+    /// or an upper triangle.
+    pub(super) products: Option<[Matrix; 2]>,
     /// K of the elastic supports (11), N/m.
     pub support: Option<Matrix>,
     /// C of the dampers (13), N s/m.
@@ -117,7 +118,7 @@ impl Body {
                 out.copy_from(v)?;
                 out.pointwise_mult(&lumped.mass)?;
             }
-            None => self.products[0].mult(v, out)?,
+            None => self.products.as_ref().map_or(&self.mass, |[mass, _]| mass).mult(v, out)?,
         }
         Ok(())
     }
@@ -127,7 +128,7 @@ impl Body {
     /// # Errors
     /// PETSc's.
     pub fn apply_elastic(&self, u: &Vector, out: &mut Vector) -> Result<()> {
-        Ok(self.products[1].mult(u, out)?)
+        Ok(self.products.as_ref().map_or(&self.elastic, |[_, elastic]| elastic).mult(u, out)?)
     }
 
     /// out ← C v, with the lumped C where the scheme is explicit; nothing without dampers. Collective.

@@ -35,7 +35,7 @@ impl Body {
             SupportKind::Elastic { stiffness } => *stiffness,
             _ => [0.0; 3],
         };
-        let products = [of_nodes.by_component(3)?, elastic.upper_triangle(3)?];
+        let products = Some([of_nodes.by_component(3)?, elastic.upper_triangle(3)?]);
         let springs: Vec<(&str, Vec3, Vec3)> =
             scene.supports.iter().map(|s| (s.surface.as_str(), stiffness(&s.kind), s.displacement)).collect();
         let dampers: Vec<(&str, Vec3, Vec3)> =

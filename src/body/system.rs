@@ -9,6 +9,9 @@ use crate::error::Result;
 use super::deviates::normal;
 use super::{Body, Clamps};
 
+/// Entries of a matrix that a core's cache holds: half of them are multiplied no quicker, and take long to be picked.
+const CACHED: u64 = 100_000;
+
 /// M ü + C u̇ + K u = a F + f of a body, all unknowns numbered from zero, held ones among them.
 #[derive(Debug, Clone)]
 pub struct System {
@@ -65,8 +68,10 @@ impl Body {
         let entries = (0..).zip(&system.localization).filter(|(_, a)| **a != 0.0).map(|(i, a)| (i, *a)).collect();
         let deviates: Vec<f64> = (0..count as u64).map(normal).collect();
         let (mass, elastic) = (matrix_of(alone, &system.mass)?, matrix_of(alone, &system.elastic)?);
+        let is_cached = elastic.entries()? <= CACHED;
+        let triangles = || Ok::<_, crate::Error>([mass.upper_triangle(1)?, elastic.upper_triangle(1)?]);
         Ok(Self {
-            products: [mass.upper_triangle(1)?, elastic.upper_triangle(1)?],
+            products: if is_cached { None } else { Some(triangles()?) },
             mass,
             elastic,
             support: of_list(&system.support)?,

@@ -23,23 +23,24 @@ pub struct Hertz {
 impl Hertz {
     /// F at the indentation (m), N; 0 while the bodies are apart.
     pub fn force(&self, indentation: f64) -> f64 {
-        self.stiffness * positive_part(indentation).powf(EXPONENT)
+        let indentation = positive_part(indentation);
+        self.stiffness * indentation * indentation.sqrt()
     }
 
     /// dF/dα, N/m.
     pub fn tangent(&self, indentation: f64) -> f64 {
-        EXPONENT * self.stiffness * positive_part(indentation).powf(EXPONENT - 1.)
+        EXPONENT * self.stiffness * positive_part(indentation).sqrt()
     }
 
     /// ∫ F dα = (2/5) k0 ⟨α⟩^{5/2}, J.
     pub fn potential(&self, indentation: f64) -> f64 {
-        self.stiffness * positive_part(indentation).powf(EXPONENT + 1.) / (EXPONENT + 1.)
+        self.force(indentation) * positive_part(indentation) / (EXPONENT + 1.)
     }
 
     /// The indentation (m) at which the tangent is 1/c for a compliance c (m/N): there the law loses its monotony when the
     /// compliance's part is taken out. Infinite for c = 0.
     pub fn critical_indentation(&self, compliance: f64) -> f64 {
-        (EXPONENT * self.stiffness * compliance).powf(-1. / (EXPONENT - 1.))
+        (EXPONENT * self.stiffness * compliance).powi(-2)
     }
 }
 

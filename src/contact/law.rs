@@ -119,7 +119,9 @@ impl Law {
 
 /// x > 0 of x² + part x³ = approach, by Newton's method from above, where the sum is convex: it falls to the root and stays there.
 fn root_of_sum(approach: f64, part: f64) -> f64 {
-    let mut x = approach.sqrt().min((approach / part).cbrt());
+    // x² = approach/(1 + part x) from an x that is too large gives one that is too small, and from that one that is too large.
+    let closer = |x: f64| (approach / (1.0 + part * x)).sqrt();
+    let mut x = closer(closer(approach.sqrt()));
     loop {
         let next = x - (x * x * (1.0 + part * x) - approach) / (x * (2.0 + 3.0 * part * x));
         if next >= x * (1.0 - 4.0 * f64::EPSILON) || next.is_nan() {

@@ -59,11 +59,18 @@ impl Spread {
 
     /// P at x = ξR, which is not small.
     fn wave(&self, x: f64) -> f64 {
-        let one = |(m, weight): (usize, f64)| {
-            let factor = (1..=m).map(|k| k as f64 * 2.0 / x).product::<f64>();
-            weight * factor * libm::jn(m as i32, x)
-        };
-        (LOWEST..).zip(self.weights).map(one).sum()
+        // J_{k+1} = (2k/x) J_k − J_{k−1} loses a digit at most up to J_5 where x > 3.
+        let (mut before, mut bessel) = (libm::j0(x), libm::j1(x));
+        let (mut factor, mut sum) = (2.0 / x, 0.0);
+        for k in 1..LOWEST + 2 {
+            let part = 2.0 * k as f64 / x;
+            (before, bessel) = (bessel, part * bessel - before);
+            factor *= part + 2.0 / x;
+            if let Some(of_weights) = (k + 1).checked_sub(LOWEST) {
+                sum += self.weights[of_weights] * factor * bessel;
+            }
+        }
+        sum
     }
 
     /// Hertz's own transform at x = ξR.

@@ -1,6 +1,7 @@
 //! Fields of tensor-product splines on a rectangle or a box. Every integral of constant coefficients over it, or over a face, is a
 //! sum of products of integrals along the axes, so that no quadrature in several dimensions is needed.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
@@ -68,6 +69,9 @@ struct Products {
     met: Vec<Range<usize>>,
 }
 
+/// Integrals of products along an axis, by two fields and how often each is differentiated: forms share many.
+type Known = HashMap<(usize, [usize; 2], [usize; 2]), DMatrix<f64>>;
+
 impl<const D: usize> Tensor<D> {
     /// The fields by number.
     pub fn new(fields: Vec<[Spline; D]>) -> Self {
@@ -99,10 +103,12 @@ impl<const D: usize> Tensor<D> {
     /// where they do, whatever the derivatives.
     pub fn matrix(&self, forms: &[Square<D>]) -> CsrMatrix<f64> {
         let count = self.fields.len();
-        let mut upper = Rows::default();
+        let (mut upper, mut known) = (Rows::default(), Known::new());
         for f in 0..count {
-            let blocks: Vec<(usize, Vec<Term<D>>)> =
-                (f..count).map(|g| (g, self.terms([f, g], forms))).filter(|(_, terms)| !terms.is_empty()).collect();
+            let blocks: Vec<(usize, Vec<Term<D>>)> = (f..count)
+                .map(|g| (g, self.terms([f, g], forms, &mut known)))
+                .filter(|(_, terms)| !terms.is_empty())
+                .collect();
             for functions in indices(self.fields[f].each_ref().map(|spline| 0..spline.functions())) {
                 let row = self.unknown(f, functions);
                 for (g, terms) in &blocks {
@@ -115,12 +121,13 @@ impl<const D: usize> Tensor<D> {
     }
 
     /// The terms of two fields in a sum of forms.
-    fn terms(&self, [f, g]: [usize; 2], forms: &[Square<D>]) -> Vec<Term<D>> {
+    fn terms(&self, [f, g]: [usize; 2], forms: &[Square<D>], known: &mut Known) -> Vec<Term<D>> {
         let mut terms = Vec::new();
         for form in forms {
             for (a, b) in form.parts.iter().flat_map(|a| form.parts.iter().map(move |b| (a, b))) {
                 if (a.field, b.field) == (f, g) {
-                    let mut term: Term<D> = std::array::from_fn(|axis| self.along(axis, form.place[axis], *a, *b));
+                    let mut term: Term<D> =
+                        std::array::from_fn(|axis| self.along(axis, form.place[axis], [*a, *b], known));
                     term[0].values *= form.factor;
                     terms.push(term);
                 }
@@ -130,14 +137,16 @@ impl<const D: usize> Tensor<D> {
     }
 
     /// Products of two parts along one axis.
-    fn along(&self, axis: usize, place: Along, a: Part<D>, b: Part<D>) -> Products {
-        let [(s, d), (t, e)] = [a, b].map(|part| (&self.fields[part.field][axis], part.derivatives[axis]));
+    fn along(&self, axis: usize, place: Along, parts: [Part<D>; 2], known: &mut Known) -> Products {
+        let [(s, d), (t, e)] = parts.map(|part| (&self.fields[part.field][axis], part.derivatives[axis]));
+        let fields = parts.map(|part| part.field);
+        let mut products = |d: usize, e: usize| -> DMatrix<f64> {
+            known.entry((axis, fields, [d, e])).or_insert_with(|| t.products(e, s, d)).clone()
+        };
         // No function changes its sign, so that their product's integral tells whether they meet; those of a parity all do.
         let (values, shared) = match place {
-            Along::All if s.is_folded() => {
-                (t.products(e, s, d), DMatrix::from_element(t.functions(), s.functions(), 1.0))
-            }
-            Along::All => (t.products(e, s, d), t.products(0, s, 0)),
+            Along::All if s.is_folded() => (products(d, e), DMatrix::from_element(t.functions(), s.functions(), 1.0)),
+            Along::All => (products(d, e), products(0, 0)),
             Along::At(x) => {
                 let values = t.values(x, e) * s.values(x, d).transpose();
                 (values.clone(), values)
@@ -223,6 +232,37 @@ impl<const D: usize> Tensor<D> {
         self.each_at(part, point, weight, |first, values| {
             sum[first..].iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
         });
+    }
+
+    /// Adds factor · Σ weight · (part of v) of places and weights on a line, which runs through a point along an axis.
+    pub fn add_line(
+        &self,
+        (part, factor): (Part<D>, f64),
+        (point, axis): ([f64; D], usize),
+        line: &[(f64, f64)],
+        sum: &mut [f64],
+    ) {
+        let splines = &self.fields[part.field];
+        // The first function and the values of it and the next ones.
+        let along: [(usize, Vec<f64>); D] = std::array::from_fn(|i| {
+            let (spline, derivative) = (&splines[i], part.derivatives[i]);
+            if i != axis {
+                let (first, values) = spline.at(point[i], derivative);
+                return (first, values[..WIDTH.min(spline.functions() - first)].to_vec());
+            }
+            let mut values = vec![0.0; spline.functions()];
+            for (place, weight) in line {
+                let (first, at) = spline.at(*place, derivative);
+                values[first..].iter_mut().zip(at).for_each(|(sum, value)| *sum += factor * weight * value);
+            }
+            (0, values)
+        });
+        for functions in indices(along.each_ref().map(|(first, values)| *first..first + values.len())) {
+            let value: f64 = (0..D).map(|i| along[i].1[functions[i] - along[i].0]).product();
+            if value != 0.0 {
+                sum[self.unknown(part.field, functions)] += value;
+            }
+        }
     }
 
     /// The entries of weight · (part of v at a point), by unknown.
@@ -387,6 +427,26 @@ mod tests {
         // Rounding of some hundred terms.
         assert!((&matrix - &exact).amax() < 1e-12 * exact.amax());
         assert!((DVector::from_vec(tensor.vector(&linear)) - &vector).amax() < 1e-13 * vector.amax());
+    }
+
+    /// A line is its points.
+    #[test]
+    fn lines_are_sums_of_points() {
+        let tensor = tensor();
+        let part = Part { field: 1, derivatives: [1, 0, 1] };
+        for axis in 0..3 {
+            let (mut sums, point) = ([0, 1].map(|_| vec![0.0; tensor.unknowns()]), [0.2, 0.5, 0.03]);
+            let line = [(0.05, 0.3), (0.07, -1.5), (0.09, 2.0)];
+            tensor.add_line((part, 0.7), (point, axis), &line, &mut sums[0]);
+            for (place, weight) in line {
+                let mut point = point;
+                point[axis] = place;
+                tensor.add_point(part, point, 0.7 * weight, &mut sums[1]);
+            }
+            let [of_line, of_points] = sums.map(DVector::from_vec);
+            // Rounding of three terms.
+            assert!((of_line - &of_points).amax() < 1e-14 * of_points.amax(), "{axis}");
+        }
     }
 
     /// Whatever the derivatives and the place, entries are among those of the products of the same fields.

@@ -130,13 +130,17 @@ impl Terms<'_> {
         let (frame, plane) = (self.frame, self.frame.plane());
         let centre = plane.map(|axis| frame.hit[axis]);
         let mut a = vec![0.0; self.tensor.unknowns()];
-        for (point, weight) in pressure_rule(centre, disc, plane.map(|axis| &self.lines[axis][..])) {
+        let points = pressure_rule(centre, disc, plane.map(|axis| &self.lines[axis][..]));
+        for strip in points.chunk_by(|(p, _), (q, _)| p[0] == q[0]) {
             let mut place = frame.hit;
-            (place[plane[0]], place[plane[1]]) = (point[0], point[1]);
-            let [x, y] = [0, 1].map(|i| (point[i] - centre[i]) / disc);
-            let weight = frame.copies() * weight * spread.over_hertz(x * x + y * y);
+            place[plane[0]] = strip[0].0[0];
+            let one = |(point, weight): &([f64; 2], f64)| {
+                let [x, y] = [0, 1].map(|i| (point[i] - centre[i]) / disc);
+                (point[1], frame.copies() * weight * spread.over_hertz(x * x + y * y))
+            };
+            let line: Vec<(f64, f64)> = strip.iter().map(one).collect();
             for (component, d) in self.scene.impactor.direction.into_iter().enumerate().filter(|(_, d)| *d != 0.0) {
-                self.tensor.add_point(displacement(component), place, weight * d, &mut a);
+                self.tensor.add_line((displacement(component), d), (place, plane[1]), &line, &mut a);
             }
         }
         a

@@ -122,12 +122,14 @@ impl Site<'_> {
         };
         let [x, y] = self.lines;
         let of_stretch = reading * self.section.thickness.powi(2);
-        for (point, weight) in pressure_rule(self.frame.hit, *radius, [x, y]) {
-            let [x, y] = [0, 1].map(|i| (point[i] - self.frame.hit[i]) / radius);
-            let weight = copies * weight * spread.over_hertz(x * x + y * y);
-            self.tensor.add_point(deflection([0, 0]), point, weight, &mut a);
-            self.tensor.add_point(rotation(0, [1, 0]), point, weight * of_stretch, &mut a);
-            self.tensor.add_point(rotation(1, [0, 1]), point, weight * of_stretch, &mut a);
+        let parts = [(deflection([0, 0]), 1.0), (rotation(0, [1, 0]), of_stretch), (rotation(1, [0, 1]), of_stretch)];
+        for strip in pressure_rule(self.frame.hit, *radius, [x, y]).chunk_by(|(p, _), (q, _)| p[0] == q[0]) {
+            let one = |(point, weight): &([f64; 2], f64)| {
+                let [x, y] = [0, 1].map(|i| (point[i] - self.frame.hit[i]) / radius);
+                (point[1], copies * weight * spread.over_hertz(x * x + y * y))
+            };
+            let line: Vec<(f64, f64)> = strip.iter().map(one).collect();
+            parts.into_iter().for_each(|part| self.tensor.add_line(part, (strip[0].0, 1), &line, &mut a));
         }
         a
     }

@@ -53,7 +53,7 @@ const STEPS: [f64; 5] = [20.0, 60.0, 200.0, 600.0, 2000.0];
 /// Those of the unreduced solid, with the part of the thickness that the patch's radius is: what the cells under it resolve.
 const REFINED: [(f64, f64); 5] = [(20.0, 0.5), (60.0, 0.5), (60.0, 0.25), (200.0, 0.25), (600.0, 0.125)];
 
-const TOLERANCES: [f64; 7] = [1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4];
+const TOLERANCES: [f64; 8] = [3e-1, 1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4];
 /// What the coarsest setting takes on a plate, s, by orders of magnitude: of a plate or a formula, of a box of splines, of a solid in its
 /// steps, and of these by the full Newton's method.
 const GUESSES: [f64; 4] = [0.03, 0.3, 3.0, 30.0];
@@ -105,8 +105,11 @@ impl Ladder {
     pub fn methods(&self) -> Vec<Method> {
         let mut methods = vec![self.by("auto", &["body.model=auto"], &DECADES.map(tolerance))];
         if self.is_box && self.is_linear {
-            for (theory, tolerances) in [("half-space", 1..2), ("infinite-plate", 1..2), ("kirchhoff", 0..3)] {
-                let rungs: Vec<String> = DECADES[tolerances].iter().copied().map(tolerance).collect();
+            // A formula has one answer, and a plate that neglects shear is soon off by that alone.
+            let by_theory =
+                [("half-space", &DECADES[1..2]), ("infinite-plate", &DECADES[1..2]), ("kirchhoff", &TOLERANCES[..4])];
+            for (theory, tolerances) in by_theory {
+                let rungs: Vec<String> = tolerances.iter().copied().map(tolerance).collect();
                 methods.push(self.by(theory, &[&format!("body.model={theory}")], &rungs));
             }
             methods.push(self.by("mindlin", &["body.model=mindlin"], &TOLERANCES.map(tolerance)));
