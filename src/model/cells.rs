@@ -32,6 +32,8 @@ pub struct Fitted {
     pub reduced: Reduced,
     /// Unknowns before that.
     pub unknowns: usize,
+    /// Whether these are of splines.
+    pub is_of_splines: bool,
     /// What these are of.
     pub words: String,
     /// Size of the cells over that by the rule of thumb.
@@ -42,14 +44,29 @@ pub struct Fitted {
     pub gauge: Option<Gauge>,
 }
 
-/// Reduces a body; if it is of splines, and in modal coordinates, on finer cells where its own leave too much. Collective.
+/// Reduces a body, and [refines](refine) it. Collective.
 ///
 /// # Errors
 /// Those of [`reduce`] and [`build`].
 pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators) -> Result<Fitted> {
-    let is_of_splines = built.is_of_splines;
-    let mut fine = fitted(comm, scene, built, 1.0)?;
-    if !is_of_splines || !scene.time.modal {
+    let rough = unrefined(comm, scene, built)?;
+    refine(comm, scene, theory, rough)
+}
+
+/// Reduces a body on the cells that it has. Collective.
+///
+/// # Errors
+/// Those of [`reduce`].
+pub fn unrefined(comm: &Comm, scene: &Scene, built: Operators) -> Result<Fitted> {
+    fitted(comm, scene, built, 1.0)
+}
+
+/// Reduces a body of splines, in modal coordinates, on finer cells where its own leave too much. Collective.
+///
+/// # Errors
+/// Those of [`reduce`] and [`build`].
+pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted) -> Result<Fitted> {
+    if !fine.is_of_splines || !scene.time.modal {
         return Ok(fine);
     }
     let mut coarse = match on_coarser_cells(comm, scene, theory, &fine) {
@@ -84,8 +101,9 @@ pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators) -> Resul
 }
 
 fn fitted(comm: &Comm, scene: &Scene, built: Operators, size: f64) -> Result<Fitted> {
-    let Operators { body, words, gauge, .. } = built;
-    let fitted = Fitted { reduced: reduce(&body, scene)?, unknowns: body.unknowns(), words, size, error: None, gauge };
+    let Operators { body, words, gauge, is_of_splines } = built;
+    let (reduced, unknowns) = (reduce(&body, scene)?, body.unknowns());
+    let fitted = Fitted { reduced, unknowns, is_of_splines, words, size, error: None, gauge };
     drop(body);
     comm.collect_garbage()?;
     Ok(fitted)

@@ -11,7 +11,7 @@ use crate::contact::{hertz, zener};
 use crate::error::{Error, Result};
 use crate::scene::{Contact, Geometry, Load, Model as Theory, Newton, Scene, Scheme, Support, SupportKind, faces};
 
-use super::{Built, Model, admits, build, fit, reduce};
+use super::{Built, Model, admits, build, reduce, refine, unrefined};
 
 /// Mindlin's error over his distance from Kirchhoff, in contacts that are long against the time in which a shear wave crosses the thickness;
 /// and where that is more, the same for a contact of just this time. On the plates of docs/theories.md 0.0035 to 0.008 were measured where
@@ -154,14 +154,14 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>) -> Result<Option<
     }
     let is_clamped = scene.supports.iter().any(|support| holds_sections(support, scene));
     let part = OF_DISTANCE[0].max(OF_DISTANCE[1] * crossing(scene)) * if is_clamped { OF_CLAMPS } else { 1.0 };
-    let thick = fit(comm, &modal, Theory::Mindlin, operators(&modal, Theory::Mindlin)?)?;
+    // What the distance is off by on cells and a basis that are not judged yet is a small part of that of the bound.
+    let thick = unrefined(comm, &modal, operators(&modal, Theory::Mindlin)?)?;
     let (bound, all) = if part <= OF_THEORY * tolerance {
         passed.push(format!(
             "solid would change mindlin by less than {part:.1e}, that part of its distance from kirchhoff"
         ));
         (part, part)
     } else {
-        // What the distance is off by is a small part of that of the bound.
         let rough = Scene { tolerance: tolerance.max((ROUGHER * tolerance).min(ROUGHEST)), ..modal.clone() };
         let thin = reduce(&operators(&rough, Theory::Kirchhoff)?.body, &rough)?;
         let (first, all) = thick.reduced.force.0.difference(&thin.force.0);
@@ -177,7 +177,7 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>) -> Result<Option<
         (bound, part * all)
     };
     let model = match scene.time.modal {
-        true => Model::on_basis(comm, scene, Theory::Mindlin, thick)?,
+        true => Model::on_basis(comm, scene, Theory::Mindlin, refine(comm, &modal, Theory::Mindlin, thick)?)?,
         false => Model::of(comm, scene, Theory::Mindlin)?,
     };
     Ok(Some(model.with_error("theory", (bound, all))))

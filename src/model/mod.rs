@@ -13,6 +13,7 @@ pub use simulation::Simulation;
 pub use theory::{Built, Operators, admits, build, name};
 
 pub use cells::{Fitted, fit};
+use cells::{refine, unrefined};
 
 use petsc_wrap::{Comm, Vector};
 
