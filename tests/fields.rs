@@ -15,7 +15,7 @@ use std::process::{Command, Stdio};
 
 use glass::{plate, sides};
 use hdf5_metno as hdf5;
-use program::{BOX, children, ricochet, run, send};
+use program::{BOX, LIMIT, children, ricochet, run, send};
 use results::{column, difference, folder, good, long, text, words};
 use ricochet::element::Shape;
 use serde_json::Value;
@@ -150,19 +150,22 @@ fn ranks_write_the_same_fields() {
 /// Killed at any moment, both files can be read: the fields have all of the frames that they tell.
 #[test]
 fn a_kill_leaves_fields_that_can_be_read() {
-    let folder = folder(
-        &(long().replace("end = 10", "end = 1")
-            + "[output]\nfields = 2\nprobes = [{ name = \"a\", point = [0.1, 0, -0.01] }]\n"),
-    );
-    for delay in [700, 1100, 1600, 2300] {
+    let scene = long().replace("end = 10", "end = 1")
+        + "[output]\nfields = 2\nprobes = [{ name = \"a\", point = [0.1, 0, -0.01] }]\n";
+    for delay in [0, 400, 1100, 1900] {
+        let folder = folder(&scene);
         let mut command = ricochet(folder.path(), 0);
         let mut child =
             command.args(words("run scene.toml")).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        let (result, begin) = (folder.path().join("scene.h5"), std::time::Instant::now());
+        while !result.exists() {
+            assert!(begin.elapsed() < LIMIT);
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
         std::thread::sleep(std::time::Duration::from_millis(delay));
         assert!(children(child.id()).is_empty());
         send("KILL", &child.id().to_string());
         child.wait().unwrap();
-        let result = folder.path().join("scene.h5");
         let rows = column(&result, "time").len();
         let file = hdf5::File::open(&result).unwrap();
         assert!(file.dataset("series/probe/a/principal_stress").unwrap().shape()[0] >= rows && rows > 0);

@@ -255,8 +255,8 @@ fn naviers_plate_under_pressure(session: &Session) {
         let gauge = Gauge::of_plate(&scene, plate.points);
         for x in [[0.0, 0.0, -0.02], [0.35, -0.2, -0.02], [-0.35, -0.2, 0.01], [-0.41, 0.3, 0.02], [0.2, 0.35, 0.0]] {
             let (moved, stress) = read(&gauge.at(x).unwrap(), &u);
-            // Deflection down, its slopes, and the curvatures κ = −∂²w of Kirchhoff's part.
-            let (mut w, mut slope, mut curved) = (0.0, [0.0; 2], [0.0; 3]);
+            // Deflection down, its slopes, and the curvatures κ = −∂²w of Kirchhoff's part; the shear forces D ∂ Δw.
+            let (mut w, mut slope, mut curved, mut force) = (0.0, [0.0; 2], [0.0; 3], [0.0; 2]);
             for (m, n) in (1..400).step_by(2).flat_map(|m| (1..400).step_by(2).map(move |n| (m, n))) {
                 let (k, l) = (PI * f64::from(m) / edges[0], PI * f64::from(n) / edges[1]);
                 let xi = k * k + l * l;
@@ -271,6 +271,7 @@ fn naviers_plate_under_pressure(session: &Session) {
                     curved[1] + bent * l * l * sx * sy,
                     curved[2] - bent * k * l * cx * cy,
                 ];
+                force = [force[0] + load / xi * k * cx * sy, force[1] + load / xi * l * sx * cy];
             }
             // Below the middle plane is where a plate that bends downwards is stretched.
             let height = -x[2];
@@ -292,6 +293,13 @@ fn naviers_plate_under_pressure(session: &Session) {
             let off = (0..3).map(|i| (found[i] - exact[i]).abs()).fold(0.0, f64::max) / scale;
             assert!(off < 1e-3, "{theory:?} {symmetry} {x:?}: {found:?}, not {exact:?}: {off:e}");
             assert_eq!(stress[2], 0.0);
+            // A parabola across the thickness of Mindlin's, whose mean is the shear force's; up is where w is negative.
+            let parabola = if theory == Theory::Mindlin { 1.5 / h * (1.0 - (2.0 * height / h).powi(2)) } else { 0.0 };
+            for i in 0..2 {
+                let (found, exact) = (stress[place(i, 2)], -parabola * force[i]);
+                // The forces' series falls with a power less than the moments'.
+                assert!((found - exact).abs() < 3e-3 * pressure / h, "{theory:?} {x:?}: {found}, not {exact}");
+            }
         }
     }
 }

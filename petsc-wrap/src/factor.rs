@@ -3,7 +3,7 @@
 use petsc_sys as sys;
 
 use crate::error::{Result, check};
-use crate::ksp::{MUMPS, factorises};
+use crate::ksp::{MUMPS, factorises, is_known};
 use crate::matrix::Matrix;
 use crate::session::Session;
 
@@ -23,16 +23,7 @@ pub struct FactorEstimate {
 /// # Errors
 /// PETSc's.
 pub fn has_mumps(_session: &Session) -> Result<bool> {
-    let (kind, mut is_there) = (sys::MatFactorType::MAT_FACTOR_CHOLESKY, sys::FALSE);
-    // Packages are known from the first matrix on.
-    // SAFETY: PETSc is initialised.
-    check(unsafe { sys::MatInitializePackage() })?;
-    let (matrix, none) = (c"mpiaij".as_ptr(), std::ptr::null_mut());
-    // SAFETY: names and the out-pointer are valid, and null asks for nothing.
-    check(unsafe {
-        sys::MatSolverTypeGet(MUMPS.as_ptr(), matrix, kind, none, &raw mut is_there, std::ptr::null_mut())
-    })?;
-    Ok(is_there == sys::TRUE)
+    is_known(MUMPS, c"mpiaij")
 }
 
 /// The symbolic phase of MUMPS's Cholesky factorisation, without the numeric one; `None` where PETSc was built without MUMPS. Collective.

@@ -17,8 +17,8 @@ const ITERATIVE: f64 = 1e-12;
 /// How a symmetric positive definite system is solved, where PETSc's options say nothing else.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
-    /// One factorisation, by CHOLMOD on one rank, where its solves are the fastest, else by MUMPS, and where PETSc has neither by PETSc
-    /// itself, on several ranks by each of them.
+    /// One factorisation, by CHOLMOD on one rank, where its solves are the fastest, else by MUMPS. Without MUMPS each of several ranks has
+    /// a factor of all by CHOLMOD, and without both by PETSc itself.
     Cholesky,
     /// Conjugate gradients from the given guess on, preconditioned with multigrid of smoothed aggregates (GAMG), which knows the matrix's
     /// near null space, down to a part of the right-hand side in the norm of the preconditioner, which is nearly that of the energy.
@@ -46,7 +46,8 @@ impl Ksp {
     }
 
     /// A solver of a symmetric positive definite matrix, whose options begin with `prefix` (empty, or ending in an underscore), by a method,
-    /// or whatever else by PETSc's options; an iterative one of theirs stops at a relative residual of 1e-12. Collective.
+    /// or whatever else by PETSc's options; an iterative one of theirs in the place of a factor stops at a relative residual of 1e-12, and
+    /// one in the place of conjugate gradients at theirs, in its own norm and from zero. Collective.
     ///
     /// # Errors
     /// PETSc's, e.g. for unknown types among the options.
@@ -83,6 +84,13 @@ impl Ksp {
         check(unsafe { sys::KSPSetTolerances(raw, tolerance, same, same, sys::PETSC_DEFAULT as Int) })?;
         // SAFETY: as above.
         check(unsafe { sys::KSPSetFromOptions(raw) })?;
+        if matches!(method, Method::Multigrid { .. }) && !ksp.is("cg")? {
+            // Not every method has that norm, nor starts from a guess.
+            // SAFETY: as above.
+            check(unsafe { sys::KSPSetNormType(raw, sys::KSPNormType::KSP_NORM_DEFAULT) })?;
+            // SAFETY: as above.
+            check(unsafe { sys::KSPSetInitialGuessNonzero(raw, sys::FALSE) })?;
+        }
         Ok(ksp)
     }
 
@@ -112,10 +120,15 @@ impl Ksp {
     /// # Errors
     /// PETSc's.
     pub fn is_direct(&self) -> Result<bool> {
+        self.is("preonly")
+    }
+
+    /// Whether its method has this name.
+    fn is(&self, name: &str) -> Result<bool> {
         let mut kind = std::ptr::null();
         // SAFETY: the solver is valid; the name is static or null.
         check(unsafe { sys::KSPGetType(self.0.raw(), &raw mut kind) })?;
-        Ok(owned(kind) == "preonly")
+        Ok(owned(kind) == name)
     }
 
     /// Iterations of the last solve.
@@ -174,8 +187,8 @@ const DIRECT: f64 = 1e-13;
 const CHOLMOD: &CStr = c"cholmod";
 pub(crate) const MUMPS: &CStr = c"mumps";
 
-/// Cholesky's method by the first of the packages that takes the matrix. Without any, PETSc's own, which is not parallel: of several ranks
-/// each solves for all of the matrix. The matrix is the solver's.
+/// Cholesky's method by the first of the packages that takes the matrix. Without any that takes one of several ranks each solves for all of
+/// it, by CHOLMOD, or else by PETSc itself. The matrix is the solver's.
 fn precondition_by_cholesky(ksp: sys::KSP, matrix: &Matrix, packages: [&CStr; 2]) -> Result<()> {
     let mut pc = preconditioner(ksp)?;
     let mut package = None;
@@ -191,6 +204,7 @@ fn precondition_by_cholesky(ksp: sys::KSP, matrix: &Matrix, packages: [&CStr; 2]
         // SAFETY: as above; the solver of each rank belongs to the preconditioner.
         check(unsafe { sys::PCRedundantGetKSP(pc, &raw mut each) })?;
         pc = preconditioner(each)?;
+        package = is_known(CHOLMOD, c"seqaij")?.then_some(CHOLMOD);
     }
     // SAFETY: the preconditioner is valid here and below, and names are C strings.
     check(unsafe { sys::PCSetType(pc, c"cholesky".as_ptr()) })?;
@@ -199,6 +213,19 @@ fn precondition_by_cholesky(ksp: sys::KSP, matrix: &Matrix, packages: [&CStr; 2]
         Some(name) => check(unsafe { sys::PCFactorSetMatSolverType(pc, name.as_ptr()) }),
         None => Ok(()),
     }
+}
+
+/// Whether PETSc has a package for Cholesky's method that takes matrices of a type.
+pub(crate) fn is_known(package: &CStr, matrix: &CStr) -> Result<bool> {
+    let (kind, none) = (sys::MatFactorType::MAT_FACTOR_CHOLESKY, std::ptr::null_mut());
+    let mut is_there = sys::FALSE;
+    // Packages are known from the first matrix on.
+    // SAFETY: PETSc is initialised.
+    check(unsafe { sys::MatInitializePackage() })?;
+    let (package, matrix) = (package.as_ptr(), matrix.as_ptr());
+    // SAFETY: names and the out-pointer are valid, and null asks for nothing.
+    check(unsafe { sys::MatSolverTypeGet(package, matrix, kind, none, &raw mut is_there, std::ptr::null_mut()) })?;
+    Ok(is_there == sys::TRUE)
 }
 
 /// Whether PETSc has a package for Cholesky's method that takes a matrix of this type on this number of ranks.

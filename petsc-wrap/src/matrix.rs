@@ -66,10 +66,12 @@ impl Matrix {
         assert_eq!((last, last), (columns.len(), values.len()));
         if comm.size() == 1 {
             check_indices(columns, rows)?;
-            let [i, j] = [offsets, columns].map(|numbers| numbers.as_ptr().cast_mut());
+            // PETSc counts them anew when it assembles.
+            let mut own = offsets.to_vec();
+            let (i, j) = (own.as_mut_ptr(), columns.as_ptr().cast_mut());
             let (mut raw, n) = (std::ptr::null_mut(), rows as Int);
-            // SAFETY: the offsets are one more than the rows and lie within the columns and values. PETSc keeps the pointers and writes
-            // through none of them: the matrix is only copied from, and is gone before the slices are.
+            // SAFETY: the offsets are one more than the rows and lie within the columns and values, through which PETSc does not write
+            // where the rows are full. It keeps the pointers: the matrix is only copied from, and is gone before the slices are.
             check(unsafe {
                 sys::MatCreateSeqAIJWithArrays(comm.raw(), n, n, i, j, values.as_ptr().cast_mut(), &raw mut raw)
             })?;

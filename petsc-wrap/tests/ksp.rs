@@ -2,11 +2,12 @@
 
 use std::process::ExitCode;
 
-use petsc_wrap::{Error, Insert, Int, Ksp, Matrix, Session, Vector};
+use petsc_wrap::{Error, Insert, Int, Ksp, Matrix, Method, Session, Vector};
 
 fn start() -> Session {
-    let words = ["-cg_ksp_type", "cg", "-cg_pc_type", "jacobi", "-cg_ksp_rtol", "1e-12", "-cg_ksp_max_it", "3"]
-        .map(String::from);
+    let limited = "-cg_ksp_type cg -cg_pc_type jacobi -cg_ksp_rtol 1e-12 -cg_ksp_max_it 3";
+    let others = "-factor_ksp_type preonly -factor_pc_type redundant -gmres_ksp_type gmres -gmres_ksp_rtol 1e-11 -gmres_pc_type jacobi";
+    let words: Vec<String> = [limited, others].iter().flat_map(|line| line.split(' ')).map(String::from).collect();
     Session::start(&words).expect("the first session").expect("PETSc starts")
 }
 
@@ -19,6 +20,7 @@ fn main() -> ExitCode {
             ("a_changed_matrix_is_factorised_again", a_changed_matrix_is_factorised_again),
             ("options_choose_by_prefix_and_divergence_is_told", options_choose_by_prefix_and_divergence_is_told),
             ("a_singular_matrix_is_told", a_singular_matrix_is_told),
+            ("methods_and_options_in_their_place", methods_and_options_in_their_place),
         ],
     )
 }
@@ -98,5 +100,23 @@ fn a_singular_matrix_is_told(session: &Session) {
         // Rounding may leave a tiny pivot: then the answer is huge, not silently plausible.
         Ok(()) => assert!(x.norm().unwrap() > 1e6),
         Err(error) => panic!("{error}"),
+    }
+}
+
+/// Each method solves to its tolerance, from a bad guess too, and whatever options put in the place of conjugate gradients.
+fn methods_and_options_in_their_place(session: &Session) {
+    let matrix = laplacian(session, 2.0);
+    let multigrid = Method::Multigrid { tolerance: 1e-11 };
+    // (The condition, some thousand at most, times the residual.)
+    for (prefix, method, direct) in [
+        ("", multigrid, false),
+        ("", Method::Diagonal { tolerance: 1e-11 }, false),
+        ("factor_", multigrid, true),
+        ("gmres_", multigrid, false),
+    ] {
+        let mut ksp = Ksp::with(&session.world(), prefix, &matrix, method).unwrap();
+        assert_eq!(ksp.is_direct().unwrap(), direct, "{prefix} {method:?}");
+        let error = error_of_solve(session, &mut ksp, &matrix);
+        assert!(error < 1e-7, "{prefix} {method:?}: {error:e}");
     }
 }

@@ -29,5 +29,6 @@ pub use modes::{Closed, Free, Mode, Modes, Spectrum};
 pub use operators::Body;
 pub use pads::{PadPoints, Pads};
 pub use projection::Projection;
+pub use solid::by_iterations;
 pub use spectrum::{Inertia, LargestFrequency, LinearContact, largest_frequency};
 pub use system::System;

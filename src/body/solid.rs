@@ -3,7 +3,7 @@
 use petsc_wrap::{Insert, Int, Matrix, Method, NullSpace, Vector};
 
 use crate::agree::agree;
-use crate::contact::Localization;
+use crate::contact::{Localization, hertz};
 use crate::error::{Error, Result};
 use crate::form::{Material, SolidForms, SurfaceForms};
 use crate::mesh::Mesh;
@@ -70,12 +70,21 @@ impl Body {
 /// Unknowns from which on a factor takes more memory and time than iterations do.
 const LARGE: usize = 300_000;
 
-/// Where iterations stop, as a part of the tolerance: what they leave adds up over some thousand steps.
+/// Where iterations stop, as a part of the tolerance, in steps of a hundredth of a contact or larger.
 const OF_TOLERANCE: f64 = 1e-4;
 
 /// How a body of so many unknowns is solved.
 fn method(scene: &Scene, unknowns: usize) -> Method {
-    if unknowns < LARGE { Method::Cholesky } else { Method::Multigrid { tolerance: OF_TOLERANCE * scene.tolerance } }
+    if unknowns < LARGE { Method::Cholesky } else { by_iterations(scene) }
+}
+
+/// How a body too large for a factor is solved. What iterations leave is a part of what a step moves, and adds up over a contact's steps:
+/// the more there are, the less may be left.
+pub fn by_iterations(scene: &Scene) -> Method {
+    let impactor = &scene.impactor;
+    let contact = hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed);
+    let part = scene.time.step.map_or(1.0, |step| (100.0 * step / contact).min(1.0));
+    Method::Multigrid { tolerance: OF_TOLERANCE * part * scene.tolerance }
 }
 
 /// Translations and rotations: what K maps to nothing, or to little where supports are soft or clamped parts few. Collective.

@@ -3,7 +3,7 @@
 use crate::contact::{Patch, hertz};
 use crate::impact::Plan;
 use crate::model::{self, Model};
-use crate::scene::{Scene, Scheme};
+use crate::scene::{Model as Theory, Scene, Scheme};
 use crate::scheme::critical_frequency;
 
 /// The theory, its unknowns and its basis.
@@ -35,10 +35,13 @@ pub fn note_of_probes(model: &Model) -> Option<String> {
     let near: Vec<String> = model.gauges.as_ref()?.near.iter().map(|name| format!("{name:?}")).collect();
     let names: Vec<&str> = near.iter().map(String::as_str).collect();
     let (word, read) = if names.len() == 1 { ("probe", "reads") } else { ("probes", "read") };
+    let why = match model.theory {
+        Theory::Kirchhoff => "where Kirchhoff's plate has a force at a point, under which moments have no limit",
+        _ => "where this body carries the force on a wide disc: they may be off by some tenths",
+    };
     (!names.is_empty()).then(|| {
         format!(
-            "{word} {} {read} stresses within two thicknesses of the hit, where this body carries the force on a wide disc: they may be off by \
-             some tenths. model = \"solid\" with reduction = \"none\" has the contact's own",
+            "{word} {} {read} stresses near the hit, {why}. model = \"solid\" with reduction = \"none\" has the contact's own",
             listed(&names)
         )
     })

@@ -92,6 +92,7 @@ fn solve(
     let modelled = begin.elapsed().as_secs_f64();
     let patch = model.dynamics.patch();
     let (described, reason, of_probes) = (describe_model(&model), model.reason.clone(), note_of_probes(&model));
+    let is_factorised = model.dynamics.is_factorised_on_ranks();
     let of_model = (model::name(model.theory), model.reduction(), model.unknowns);
     let mut provenance = provenance(comm, scene, source, of_model)?;
     let mut impact = Simulation::new(scene, model)?;
@@ -106,7 +107,7 @@ fn solve(
         for note in notes(scene, patch.as_ref(), impact.plan().as_ref()).into_iter().chain(of_probes) {
             tell(format_args!("note: {note}"));
         }
-        if comm.size() > 1 && !has_mumps(comm.session())? {
+        if is_factorised && !has_mumps(comm.session())? {
             tell(format_args!(
                 "note: this PETSc is without MUMPS: each rank factorises all of a matrix for itself, so that more ranks save nothing there"
             ));

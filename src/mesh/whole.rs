@@ -25,6 +25,8 @@ pub struct Whole {
     pub numbers: Vec<Int>,
     /// What these are multiplied by: −1 across a plane of symmetry for an image.
     pub signs: Vec<Vec3>,
+    /// The node that it is the image of, or the node itself.
+    pub originals: Vec<usize>,
     /// Nodes of the cells, one after the other; within a cell in the element's order, vertices first.
     pub cells: Vec<usize>,
     /// Nodes of each cell.
@@ -62,6 +64,7 @@ impl Mesh {
             shape: cells.shape,
             order: cells.order,
             signs: vec![[1.0; 3]; nodes.len()],
+            originals: (0..nodes.len()).collect(),
             nodes,
             numbers: order.into_iter().map(|number| number as Int).collect(),
             cells: all.concat(),
@@ -89,6 +92,7 @@ impl Whole {
             signs[axis] = -signs[axis];
             self.signs.push(signs);
             self.numbers.push(self.numbers[node]);
+            self.originals.push(self.originals[node]);
         }
         self
     }

@@ -14,9 +14,9 @@ use crate::scene::{Contact, Geometry, Load, Model as Theory, Newton, Scene, Sche
 use super::{Built, Model, admits, build, reduce, refine, unrefined};
 
 /// Mindlin's error over his distance from Kirchhoff, in contacts that are long against the time in which a shear wave crosses the thickness;
-/// and where that is more, the same for a contact of just this time. On the plates of docs/theories.md 0.0035 to 0.008 were measured where
-/// the contact was 100 to 200 of these times, 0.02 where it was 40 and 0.06 where it was 8.
-const OF_DISTANCE: [f64; 2] = [0.0085, 0.9];
+/// and where that is more, the same for a contact of just this time. On the plates of docs/theories.md 0.003 to 0.009 were measured where
+/// the contact was 100 to 200 of these times, 0.0104 where it was 40 and 0.028 where it was 8.
+const OF_DISTANCE: [f64; 2] = [0.0095, 0.9];
 
 /// How much more that is where sides are clamped: up to 0.035 was measured in long contacts. A clamp holds the edges of a plate's
 /// sections too, which are free to warp where Mindlin's theory has it.

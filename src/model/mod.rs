@@ -15,7 +15,7 @@ pub use theory::{Built, Operators, admits, build, name};
 pub use cells::{Fitted, fit};
 use cells::{refine, unrefined};
 
-use petsc_wrap::{Comm, Vector};
+use petsc_wrap::{Comm, Method, Vector};
 
 use crate::body::gauge::Gauge;
 use crate::body::{Body, ModalBody};
@@ -59,6 +59,12 @@ pub enum Dynamics {
 }
 
 impl Dynamics {
+    /// Whether several ranks share a factor in its steps.
+    pub fn is_factorised_on_ranks(&self) -> bool {
+        let Self::Stepped(body) = self else { return false };
+        body.comm().size() > 1 && body.lumped.is_none() && body.method == Method::Cholesky
+    }
+
     /// The patch under the impactor, where there is one.
     pub fn patch(&self) -> Option<Patch> {
         match self {

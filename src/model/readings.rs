@@ -6,14 +6,14 @@ use crate::agree::agree;
 use crate::body::gauge::{Canvas, Form, Forms, Gauge, Map};
 use crate::error::Result;
 use crate::impact::{Readout, Tape};
-use crate::scene::{Fault, Geometry, Scene, Vec3};
+use crate::scene::{Fault, Scene, Vec3};
 
 /// What is to be read at each step, and how fields come of it.
 pub struct Gauges {
     pub(super) readout: Readout,
     /// On rank 0, where there are fields.
     pub(super) canvas: Option<Canvas>,
-    /// Names of the probes that are so near to the hit that the body's wide disc in the place of the contact shows; on rank 0.
+    /// Names of the probes within [`Gauge::blurred`] of the hit; on rank 0.
     pub near: Vec<String>,
 }
 
@@ -61,25 +61,20 @@ impl Gauges {
             Some(_) if gauge.is_some() => (all.clone(), Map::new(forms.into_iter(), basis)),
             _ => on_their_own(forms),
         });
-        let near = gauge.as_ref().filter(|gauge| !gauge.is_local()).map_or_else(Vec::new, |_| near(scene));
+        let near = gauge.as_ref().and_then(Gauge::blurred).map_or_else(Vec::new, |radius| near(scene, radius));
         let canvas = gauge.filter(|_| scene.output.fields.is_some()).map(|gauge| Canvas::new(gauge, basis));
         Ok(Self { readout: Readout { probes, fields: scene.output.fields.map(|every| (every, all)) }, canvas, near })
     }
 }
 
-/// The radius of the disc that is pressed on plates and boxes of splines, over the thickness.
-const DISC: f64 = 2.0;
-
-/// Names of probes that lie above or below that disc.
-fn near(scene: &Scene) -> Vec<String> {
-    let (Geometry::Box { size, .. }, Some(struck)) = (&scene.body.geometry, scene.struck_axis()) else {
-        return Vec::new();
-    };
+/// Names of probes that lie above or below a disc about the hit, m.
+fn near(scene: &Scene, radius: f64) -> Vec<String> {
+    let Some(struck) = scene.struck_axis() else { return Vec::new() };
     let distance = |x: Vec3| {
         let square = |axis: usize| (x[axis] - scene.impactor.point[axis]).powi(2);
         (0..3).filter(|&axis| axis != struck).map(square).sum::<f64>().sqrt()
     };
-    let probes = scene.output.probes.iter().filter(|probe| distance(probe.point) < DISC * size[struck]);
+    let probes = scene.output.probes.iter().filter(|probe| distance(probe.point) < radius);
     probes.map(|probe| probe.name.clone()).collect()
 }
 

@@ -105,7 +105,7 @@ impl Block {
             copies,
         };
         let cells = lines.each_ref().map(|lines| lines.windows(2).filter(|pair| pair[0] < pair[1]).count());
-        Ok(Self { system, cells, points: Points::new(&terms, &material) })
+        Ok(Self { system, cells, points: Points::new(&terms, &material, disc) })
     }
 }
 

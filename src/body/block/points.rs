@@ -19,11 +19,13 @@ pub struct Points {
     tensor: Tensor<3>,
     lines: [Vec<f64>; 3],
     law: [[f64; 9]; 6],
+    /// Radius of the disc that is pressed, m.
+    pub(in crate::body) disc: f64,
 }
 
 impl Points {
-    pub(super) fn new(terms: &Terms, material: &Material) -> Self {
-        Self { tensor: terms.tensor.clone(), lines: terms.lines.clone(), law: material.stress_of_gradient() }
+    pub(super) fn new(terms: &Terms, material: &Material, disc: f64) -> Self {
+        Self { tensor: terms.tensor.clone(), lines: terms.lines.clone(), law: material.stress_of_gradient(), disc }
     }
 
     /// The forms at a point, m.

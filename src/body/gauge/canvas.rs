@@ -29,7 +29,7 @@ pub struct Canvas {
 enum Stress {
     /// Six forms a point.
     Forms(Map),
-    /// Of a mesh, by each node's weights of the samples in the cells.
+    /// Of a mesh, by the weights of the samples in the cells at each node that is no image.
     Recovered(Box<Nodes>, Vec<Form>),
 }
 
@@ -47,7 +47,8 @@ impl Canvas {
     fn of_nodes(nodes: Box<Nodes>, basis: Option<&[Vec<f64>]>) -> Self {
         let all = (0..nodes.mesh.nodes.len()).flat_map(|node| (0..3).map(move |axis| (node, axis)));
         let displacement = Map::new(all.map(|(node, axis)| nodes.displacement(node, axis)), basis);
-        let weights = nodes.recovery.weights(&nodes.mesh, |_| true);
+        // Images have the same principal values.
+        let weights = nodes.recovery.weights(&nodes.mesh, |node| nodes.mesh.originals[node] == node);
         Self { grid: Grid::of_mesh(&nodes.mesh), displacement, stress: Stress::Recovered(nodes, weights) }
     }
 
@@ -80,7 +81,8 @@ impl Canvas {
                     }
                     principal(sum)
                 };
-                weights.iter().map(at_node).collect()
+                let originals: Vec<[f64; 3]> = weights.iter().map(at_node).collect();
+                nodes.mesh.originals.iter().map(|&node| originals[node]).collect()
             }
         };
         let images = &self.grid.images;

@@ -64,12 +64,17 @@ impl Gauge {
         Self { kind: Kind::Plate(Box::new(points)), mirrors: mirrors(scene) }
     }
 
-    /// Whether the force is where the impactor is, and not spread over a wider disc or without a field of its own.
-    pub fn is_local(&self) -> bool {
-        matches!(self.kind, Kind::Nodes(_))
+    /// Radius about the hit within which stresses are not those under the contact, m: of the disc that the force is spread over; under a
+    /// force at a point on Kirchhoff's plate, of what its thickness would even out. `None` on a mesh.
+    pub fn blurred(&self) -> Option<f64> {
+        match &self.kind {
+            Kind::Nodes(_) => None,
+            Kind::Block(points) => Some(points.disc),
+            Kind::Plate(points) => Some(points.local.map_or(2.0 * points.section.thickness, |local| local.radius)),
+        }
     }
 
-    /// The forms at a point (m); `None` outside of the body.
+    /// The forms at a point (m); `None` outside of a mesh. Splines go on beyond their ends.
     pub fn at(&self, point: Vec3) -> Option<Forms> {
         let (mut image, mut signs) = (point, [1.0; 3]);
         for &axis in self.mirrors.iter().filter(|&&axis| point[axis] < 0.0) {

@@ -19,11 +19,11 @@ const PIECES: usize = 3;
 #[derive(Debug, Clone)]
 pub struct Points {
     pub(super) frame: Frame,
-    pub(super) section: Section,
+    pub(in crate::body) section: Section,
     pub(super) lines: [Vec<f64>; 2],
     pub(super) tensor: Tensor<2>,
     pub(super) theory: Theory,
-    pub(super) local: Option<Local>,
+    pub(in crate::body) local: Option<Local>,
 }
 
 impl Points {

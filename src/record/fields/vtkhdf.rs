@@ -73,7 +73,6 @@ impl VtkHdf {
             whole(name, &[count as i64])?;
         }
         let frames = planned.unwrap_or(CHUNK_UNPLANNED).clamp(1, (ROWS_MOST / points).max(1));
-        // Before the steps: in a flush lengths are written in the order of the datasets, so that no step is without its values.
         let group = root.create_group("PointData")?;
         let data = FIELDS.map(|(name, units, _)| {
             let dataset = rows(group.new_dataset::<f64>().shape((0.., 3)).chunk((frames * points, 3))).create(name)?;
@@ -147,11 +146,13 @@ impl VtkHdf {
         values.resize(number + 1)?;
         values.write_slice(&[time], number..number + 1)?;
         self.times.push(time);
-        self.steps.attr("NSteps")?.write_scalar(&(self.times.len() as i64))
+        Ok(())
     }
 
-    /// Brings all to the disk.
+    /// Brings all to the file: the number of frames after the frames, so that none is told that is not there.
     pub fn flush(&self) -> hdf5::Result<()> {
+        self.file.flush()?;
+        self.steps.attr("NSteps")?.write_scalar(&(self.times.len() as i64))?;
         self.file.flush()
     }
 }
