@@ -60,6 +60,8 @@ fn rows_become_the_matrix(session: &Session) {
     let twice = matrix.with_values(&offsets, &columns, &values.map(|value| 2.0 * value)).unwrap();
     assert_eq!((twice.trace().unwrap(), matrix.trace().unwrap()), (8.0, 4.0));
     assert!(Matrix::csr(&session.alone(), &[0, 1], &[1], &[1.0]).is_err());
+    // Constants lie in memory that nobody may write.
+    assert_eq!(Matrix::csr(&session.alone(), &[0, 1], &[0], &[4.0]).unwrap().trace().unwrap(), 4.0);
     assert!(Matrix::of_pairs(&session.alone(), (2, 2), vec![0], vec![2]).is_err());
 }
 
