@@ -23,6 +23,14 @@ pub struct Readout {
     pub fields: Option<(usize, Vec<Int>)>,
 }
 
+impl Readout {
+    /// Whether it is this rank that has it.
+    pub(super) fn is_here(&self) -> bool {
+        let probes = self.probes.as_ref().is_some_and(|(_, map)| map.len() > 0);
+        probes || self.fields.as_ref().is_some_and(|(_, columns)| !columns.is_empty())
+    }
+}
+
 /// What a probe reads.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Probe {
@@ -78,6 +86,8 @@ impl Tape {
 pub struct Reader {
     probes: Option<(Gather, Map)>,
     fields: Option<(usize, Gather)>,
+    /// Whether this rank is the one that reads.
+    is_here: bool,
     tape: Tape,
 }
 
@@ -97,6 +107,7 @@ impl Reader {
                 Some((every, columns)) => Some((*every, gather(columns)?)),
                 None => None,
             },
+            is_here: readout.is_here(),
             tape,
         })
     }
@@ -117,7 +128,10 @@ impl Reader {
         {
             reading.coordinates = Some([fetched(gather, &state.u)?, fetched(gather, &state.v)?]);
         }
-        self.tape.put(reading);
+        // On the other ranks nobody takes it off.
+        if self.is_here {
+            self.tape.put(reading);
+        }
         Ok(())
     }
 }

@@ -17,6 +17,8 @@ pub struct Reader<'a> {
     probes: Option<Shapes>,
     /// After how many steps all coordinates are wanted.
     fields: Option<usize>,
+    /// Whether this rank is the one that reads.
+    is_here: bool,
     tape: &'a Tape,
 }
 
@@ -29,11 +31,14 @@ impl<'a> Reader<'a> {
         };
         let probes = readout.probes.as_ref().and_then(of_modes);
         let fields = readout.fields.as_ref().filter(|(_, columns)| !columns.is_empty());
-        Self { modes, probes, fields: fields.map(|(every, _)| *every), tape }
+        Self { modes, probes, fields: fields.map(|(every, _)| *every), is_here: readout.is_here(), tape }
     }
 
     /// Puts a step on the tape; `law` is in terms of the approach that the modes show.
     pub fn read(&self, number: usize, motion: &Motion, law: Law) {
+        if !self.is_here {
+            return;
+        }
         let mut reading = Reading { number, ..Reading::default() };
         if let Some(shapes) = &self.probes {
             let [values, rates] = self.values(shapes, motion, law);
