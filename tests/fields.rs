@@ -186,8 +186,9 @@ fn names_that_fields_cannot_have() {
     let folder = folder(&(BOX.to_owned() + "[output]\nfields = 10\n"));
     fs::create_dir(folder.path().join("taken.xdmf")).unwrap();
     for (name, said) in [
-        ("out.vtkhdf", "is the name of the fields"),
-        ("out.xdmf", "is the name of the fields"),
+        ("out.vtkhdf", "out.vtkhdf: is a name for what goes with a result"),
+        ("out.xdmf", "out.xdmf: is a name for what goes with a result"),
+        ("out.checkpoint.h5", "out.checkpoint.h5: is a name for what goes with a result"),
         ("taken.h5", "taken.xdmf: is a folder"),
     ] {
         let outcome = run(ricochet(folder.path(), 2).args(words(&format!("run scene.toml -o {name}"))));

@@ -66,6 +66,6 @@ pub fn checkpoint(data: &[u8]) {
     fs::write(beside(&result), data).expect("a file in it");
     // A whole one is gone on from by a body of a single node.
     if let Ok(Some(kept)) = Kept::read(&result) {
-        let _ = kept.part(Some(&[[0.0; 3]]), 0);
+        let _ = kept.at(Some(&[[0.0; 3]]));
     }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::error::Result;
-use crate::record::checkpoint::beside;
+use crate::record::checkpoint::is_there;
 use crate::record::provenance::{Cost, Provenance};
 use crate::record::read::{History, history, origin};
 use crate::record::sweep::{Quantity, Status, Sweep, is_sweep};
@@ -48,7 +48,9 @@ fn of_run(path: &Path, (provenance, cost, complete): (&Provenance, &Cost, bool),
     let end = history.time.last().copied().unwrap_or_default();
     let state = match complete {
         true => "complete".to_owned(),
-        false if beside(path).exists() => format!("not complete; it goes on with --restart {}", path.display()),
+        false if is_there(path, provenance.run_id) => {
+            format!("not complete; it goes on with --restart {}", path.display())
+        }
         false => "not complete, without a checkpoint".to_owned(),
     };
     say(format_args!("series     {} rows to t = {} s, {state}", history.time.len(), short(end)));

@@ -38,7 +38,8 @@ pub fn load(comm: &Comm, path: &Path, overrides: &[String]) -> Result<(Scene, So
     Ok((scene, source))
 }
 
-fn changed(path: &Path, scene: &Scene) -> String {
+/// That a scene's mesh is not that of a result.
+pub fn changed(path: &Path, scene: &Scene) -> String {
     let mesh = match &scene.body.geometry {
         Geometry::Gmsh(mesh) => mesh.display().to_string(),
         Geometry::Box { .. } => String::new(),

@@ -3,8 +3,10 @@
 mod bench;
 pub mod chart;
 pub mod check;
+mod collect;
 pub mod info;
 mod interrupt;
+mod keeping;
 mod load;
 mod notes;
 pub mod plot;

@@ -15,8 +15,8 @@ pub enum Progress {
     Bar {
         /// Its position runs to [`PARTS`].
         bar: ProgressBar,
-        /// End of the run, s.
-        end: f64,
+        /// Beginning and end of what is run, s.
+        time: [f64; 2],
     },
     /// Into a log.
     Lines(Lines),
@@ -24,7 +24,7 @@ pub enum Progress {
 
 /// Lines of progress, not more often than they are worth reading.
 pub struct Lines {
-    end: f64,
+    time: [f64; 2],
     begin: Instant,
     last: Instant,
 }
@@ -36,16 +36,16 @@ const PARTS: u64 = 10_000;
 const EVERY: Duration = Duration::from_secs(10);
 
 impl Progress {
-    /// Progress to the end of a run, s, on standard error.
-    pub fn new(end: f64) -> Self {
+    /// Progress of a run from a time, where it goes on, to its end, s, on standard error.
+    pub fn new(time: [f64; 2]) -> Self {
         if std::io::stderr().is_terminal() {
             let bar = ProgressBar::new(PARTS);
             let style = "{bar:40} {percent} %, {eta} left, {msg}";
             bar.set_style(ProgressStyle::with_template(style).expect("the template is valid"));
-            Self::Bar { bar, end }
+            Self::Bar { bar, time }
         } else {
             let begin = Instant::now();
-            Self::Lines(Lines { end, begin, last: begin })
+            Self::Lines(Lines { time, begin, last: begin })
         }
     }
 
@@ -53,16 +53,17 @@ impl Progress {
     pub fn step(&mut self, step: &Step) {
         let state = || format!("t = {:.3} ms, F = {:.1} N", 1e3 * step.time, step.contact.force);
         match self {
-            Self::Bar { bar, end } => {
-                bar.set_position((PARTS as f64 * (step.time / *end).min(1.0)) as u64);
+            Self::Bar { bar, time: [from, end] } => {
+                bar.set_position((PARTS as f64 * ((step.time - *from) / (*end - *from)).min(1.0)) as u64);
                 bar.set_message(state());
             }
-            Self::Lines(Lines { end, begin, last }) => {
-                if last.elapsed() < EVERY || step.time < 0.01 * *end {
+            Self::Lines(Lines { time: [from, end], begin, last }) => {
+                let done = step.time - *from;
+                if last.elapsed() < EVERY || done < 0.01 * (*end - *from) {
                     return;
                 }
                 *last = Instant::now();
-                let left = begin.elapsed().as_secs_f64() * (*end - step.time).max(0.0) / step.time;
+                let left = begin.elapsed().as_secs_f64() * (*end - step.time).max(0.0) / done;
                 tell(format_args!("step {}, {} of {:.3} ms, {left:.0} s left", step.number, state(), 1e3 * *end));
             }
         }

@@ -3,7 +3,7 @@
 use petsc_wrap::{Comm, options, petsc_version};
 
 use crate::error::Result;
-use crate::record::provenance::Provenance;
+use crate::record::provenance::{Provenance, new_run_id};
 use crate::scene::{Scene, Source};
 
 use super::load::mesh_digest;
@@ -19,6 +19,7 @@ pub fn provenance(
     (model, reduction, unknowns): (&str, String, usize),
 ) -> Result<Provenance> {
     Ok(Provenance {
+        run_id: new_run_id(),
         title: scene.title.clone(),
         scene: source.text().to_owned(),
         folder: std::path::absolute(source.folder().join(""))

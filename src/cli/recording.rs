@@ -16,8 +16,6 @@ pub struct Recording {
     canvas: Option<Canvas>,
     output: PathBuf,
     fields: Option<FieldWriter>,
-    /// Whose fields it goes on with, and behind which time, s.
-    earlier: Option<(PathBuf, f64)>,
     /// Number of frames, where it is known.
     planned: Option<usize>,
 }
@@ -27,13 +25,18 @@ impl Recording {
     pub fn new(readings: Readings, output: &Path, every: Option<usize>, steps: Option<usize>) -> Self {
         let Readings { tape, canvas } = readings;
         let planned = every.zip(steps).map(|(every, steps)| steps / every + 1);
-        Self { tape, canvas, output: output.to_owned(), fields: None, earlier: None, planned }
+        Self { tape, canvas, output: output.to_owned(), fields: None, planned }
     }
 
-    /// Goes on with the fields of the result `from` behind a time, s.
-    #[must_use]
-    pub fn behind(self, from: &Path, end: f64) -> Self {
-        Self { earlier: Some((from.to_owned(), end)), ..self }
+    /// Goes on with the fields of the result `from` behind a time, s; a result that has no frame of its own has these.
+    ///
+    /// # Errors
+    /// [`crate::Error::Io`] where they cannot be read, or written.
+    pub fn behind(self, from: &Path, end: f64, writer: &SeriesWriter) -> Result<Self> {
+        let Some(canvas) = &self.canvas else { return Ok(self) };
+        writer.link_fields()?;
+        let fields = FieldWriter::continued(&self.output, canvas.grid(), (from, end))?;
+        Ok(Self { fields: Some(fields), ..self })
     }
 
     /// Writes the step's fields where it has any; returns what the probes have read at it.
@@ -50,10 +53,7 @@ impl Recording {
                 none => {
                     writer.link_fields()?;
                     let planned = self.planned.or(Some(waiting).filter(|waiting| *waiting > 1));
-                    none.insert(match &self.earlier {
-                        Some((from, end)) => FieldWriter::continued(&self.output, canvas.grid(), (from, *end))?,
-                        None => FieldWriter::create(&self.output, canvas.grid(), planned)?,
-                    })
+                    none.insert(FieldWriter::create(&self.output, canvas.grid(), planned)?)
                 }
             };
             fields.push(step.time, &canvas.frame([u, v]))?;
@@ -61,11 +61,19 @@ impl Recording {
         Ok(reading.probes)
     }
 
-    /// Brings all fields to the disk.
+    /// Brings all fields to the system.
     ///
     /// # Errors
     /// [`crate::Error::Io`] when writing fails.
     pub fn flush(&mut self) -> Result<()> {
         self.fields.as_mut().map_or(Ok(()), FieldWriter::flush)
+    }
+
+    /// Brings all fields to the disk.
+    ///
+    /// # Errors
+    /// [`crate::Error::Io`] when writing fails.
+    pub fn sync(&mut self) -> Result<()> {
+        self.fields.as_mut().map_or(Ok(()), FieldWriter::sync)
     }
 }

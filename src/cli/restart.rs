@@ -1,25 +1,25 @@
-//! `ricochet run --restart`: what is there of a run, and the checkpoints that it goes on from.
+//! `ricochet run --restart`: what is there of a run, and how it goes on.
 
-use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::path::Path;
 
-use mpi::collective::SystemOperation;
-use mpi::datatype::PartitionMut;
-use mpi::traits::{Communicator, CommunicatorCollectives, Root};
+use mpi::traits::{Communicator, Root};
 use petsc_wrap::Comm;
 
 use crate::agree::agree;
 use crate::error::{Error, Result};
 use crate::impact::checkpoint::{Carrier, Checkpoint};
-use crate::impact::step::Step;
 use crate::model::Simulation;
 use crate::record::checkpoint::{Kept, beside};
 use crate::record::episodes::Episodes;
+use crate::record::provenance::Provenance;
 use crate::record::read;
-use crate::record::series::{Earlier, SeriesWriter};
-use crate::scene::{Geometry, Output, Scene, Vec3};
+use crate::record::series::Earlier;
+use crate::record::target::is_same;
+use crate::scene::{Geometry, Output, Scene};
 
-use super::recording::Recording;
+use super::collect::{gathered, shared};
+use super::keeping::carry;
+use super::load::{changed, mesh_digest};
 use super::summary::Summary;
 use super::tell;
 
@@ -29,207 +29,193 @@ pub enum Past {
     Complete,
     /// No checkpoint of it was kept.
     Beginning,
-    /// It goes on from here, as every rank has read it.
-    Moment(Box<Kept>),
+    /// It goes on from here; rank 0 has it.
+    Moment(Option<Box<Moment>>),
+}
+
+/// What there is of a run, and its checkpoint.
+pub struct Moment {
+    origin: Provenance,
+    kept: Kept,
 }
 
 impl Past {
-    /// Reads what is left of the run of a scene whose result is at `result`. Collective.
+    /// Reads what is left of the run of a scene whose result is at `result`, and which is to go on in `output`. Collective.
     ///
     /// # Errors
     /// [`Error::Output`] where that cannot be read; [`Error::Usage`] where it is of another scene.
-    pub fn read(comm: &Comm, result: &Path, scene: &Scene) -> Result<Self> {
-        let origin = match comm.is_root() {
-            true => read::origin(result).map(|(.., complete)| complete).map_err(|error| error.to_string()),
-            false => Ok(false),
+    pub fn read(comm: &Comm, (result, output): (&Path, &Path), scene: &Scene) -> Result<Self> {
+        // Of the whole body: one rank has it at a time.
+        let there = if comm.is_root() { there(result).map(Some) } else { Ok(None) };
+        let there = agree(comm, there.map_err(|error| error.to_string())).map_err(Error::Output)?;
+        let checked = match &there {
+            Some((origin, true, _)) => check_complete(origin, (result, output), scene),
+            Some((origin, false, Some(kept))) => check_scene(origin, kept, result, scene),
+            _ => Ok(()),
         };
-        let mut complete = agree(comm, origin).map_err(Error::Output)?;
-        comm.mpi().process_at_rank(0).broadcast_into(&mut complete);
-        if complete {
-            return Ok(Self::Complete);
+        agree(comm, checked).map_err(Error::Usage)?;
+        let (mut complete, mut is_kept) = (false, false);
+        if let Some((_, is_complete, kept)) = &there {
+            (complete, is_kept) = (*is_complete, kept.is_some());
         }
-        let kept = agree(comm, Kept::read(result).map_err(|error| error.to_string())).map_err(Error::Output)?;
-        // The files of a cluster may not be everywhere at once.
-        let mut there = 0;
-        comm.mpi().all_reduce_into(&i32::from(kept.is_some()), &mut there, SystemOperation::sum());
-        let Some(kept) = kept.filter(|_| there as usize == comm.size()) else {
-            if there > 0 {
-                return Err(Error::Output(format!("{} is not seen by all ranks", beside(result).display())));
+        comm.mpi().process_at_rank(0).broadcast_into(&mut complete);
+        comm.mpi().process_at_rank(0).broadcast_into(&mut is_kept);
+        Ok(match (complete, is_kept) {
+            (true, _) => Self::Complete,
+            (false, false) => Self::Beginning,
+            (false, true) => {
+                Self::Moment(there.and_then(|(origin, _, kept)| kept.map(|kept| Box::new(Moment { origin, kept }))))
             }
-            return Ok(Self::Beginning);
-        };
-        check_scene(result, &kept.scene, scene)?;
-        Ok(Self::Moment(Box::new(kept)))
+        })
     }
+}
+
+/// Where a result comes from, whether it is complete, and otherwise its checkpoint.
+fn there(result: &Path) -> Result<(Provenance, bool, Option<Kept>)> {
+    let (origin, _, complete) = read::origin(result)?;
+    let kept = if complete { None } else { Kept::read(result)? };
+    if kept.as_ref().is_some_and(|kept| kept.run_id != origin.run_id) {
+        return Err(Error::io(&beside(result), format!("is of another run than {}", result.display())));
+    }
+    Ok((origin, complete, kept))
+}
+
+/// Nothing is left to do of a complete run only where nothing else is wanted.
+fn check_complete(
+    origin: &Provenance,
+    (result, output): (&Path, &Path),
+    scene: &Scene,
+) -> std::result::Result<(), String> {
+    let shown = result.display();
+    let of_result = parsed(&shown.to_string(), &origin.scene, scene)?;
+    let end = of_result.time.end;
+    let mut same = of_result;
+    same.time.end = scene.time.end;
+    if same != *scene {
+        return Err(format!(
+            "{shown} is complete and of another scene (`ricochet info {shown} --scene` shows it): without --restart this one is run anew"
+        ));
+    }
+    if end != scene.time.end {
+        return Err(format!(
+            "{shown} is complete, to its end at {end:e} s, and a complete run has no checkpoint: without --restart the scene is run anew to \
+             another end"
+        ));
+    }
+    check_mesh(origin, result, scene)?;
+    if !is_same(result, output) {
+        return Err(format!(
+            "{shown} is complete: there is nothing to go on with, and {} would be a copy of it",
+            output.display()
+        ));
+    }
+    Ok(())
 }
 
 /// The scene of a checkpoint must be the one that is run, but for its end and what is written of it.
-fn check_scene(result: &Path, text: &str, scene: &Scene) -> Result<()> {
-    let (mut kept, _) = Scene::parse(&beside(result).display().to_string(), text, &[])?;
-    kept.title.clone_from(&scene.title);
-    // Probes go on; what has not been read of the time before cannot be had any more.
-    kept.output = Output { probes: kept.output.probes, fields: kept.output.fields, ..scene.output.clone() };
-    kept.time.end = scene.time.end;
-    // Its path may be another one; the nodes tell.
-    if let (Geometry::Gmsh(_), Geometry::Gmsh(_)) = (&kept.body.geometry, &scene.body.geometry) {
-        kept.body.geometry.clone_from(&scene.body.geometry);
+fn check_scene(origin: &Provenance, kept: &Kept, result: &Path, scene: &Scene) -> std::result::Result<(), String> {
+    let shown = beside(result).display().to_string();
+    let of_kept = parsed(&shown, &kept.scene, scene)?;
+    let end = of_kept.time.end;
+    let mut same = of_kept;
+    same.output.every = scene.output.every;
+    same.time.end = scene.time.end;
+    if same != *scene {
+        return Err(format!(
+            "{shown} is of another scene: only its end, its title and [output] but for probes and fields may change; `ricochet info {} --scene` \
+             shows it",
+            result.display()
+        ));
     }
-    if kept == *scene {
-        return Ok(());
+    // Chosen steps may pass the end by one, so the same end is never too early.
+    if scene.time.end < end && scene.time.end < kept.time * (1.0 - 1e-9) {
+        return Err(format!("{shown} is at t = {:.6e} s, beyond the end at {:e} s", kept.time, scene.time.end));
     }
-    Err(Error::Usage(format!(
-        "{} is of another scene: only its end, its title and [output] but for probes and fields may change; `ricochet info {} --scene` shows it",
-        beside(result).display(),
-        result.display()
-    )))
+    check_mesh(origin, result, scene)
 }
 
-/// Sets a simulation to the checkpoint; on rank 0 what there is of the series, and of the summary. Collective.
+/// The scene of a text, with what makes no other run of it taken from `scene`.
+fn parsed(name: &str, text: &str, scene: &Scene) -> std::result::Result<Scene, String> {
+    let (mut there, _) = Scene::parse(name, text, &[]).map_err(|error| error.to_string())?;
+    there.title.clone_from(&scene.title);
+    // Probes and fields go on; what has not been read of the time before cannot be had any more.
+    let Output { every, probes, fields, .. } = there.output;
+    there.output = Output { every, probes, fields, ..scene.output.clone() };
+    // Its path may be another one; what it holds is compared.
+    if let (Geometry::Gmsh(_), Geometry::Gmsh(_)) = (&there.body.geometry, &scene.body.geometry) {
+        there.body.geometry.clone_from(&scene.body.geometry);
+    }
+    Ok(there)
+}
+
+fn check_mesh(origin: &Provenance, result: &Path, scene: &Scene) -> std::result::Result<(), String> {
+    if origin.mesh_digest == mesh_digest(scene) { Ok(()) } else { Err(changed(result, scene)) }
+}
+
+/// Sets a simulation to the moment; on rank 0 what there is of the series, and of the summary. Collective.
 ///
 /// # Errors
 /// [`Error::Output`] where checkpoint and series do not fit the simulation.
 pub fn go_on(
     comm: &Comm,
-    kept: Kept,
-    (result, probes): (&Path, &[String]),
+    moment: Option<Box<Moment>>,
+    (result, provenance, probes): (&Path, &Provenance, &[String]),
     impact: &mut Simulation,
 ) -> Result<Option<(Earlier, Summary)>> {
-    let there = match comm.is_root() {
-        true => earlier(&kept.checkpoint, result, probes).map(Some).map_err(|error| error.to_string()),
-        false => Ok(None),
+    let named = |why: String| format!("{}: {why}", beside(result).display());
+    let past = moment.as_ref().map(|moment| {
+        for note in differences(&moment.origin, provenance) {
+            tell(format_args!("note: {} {note}", result.display()));
+        }
+        earlier(moment, result, probes, named)
+    });
+    let past = agree(comm, past.transpose()).map_err(Error::Output)?;
+    let mine = impact.nodes();
+    let nodes = mine.map(|nodes| gathered(comm, nodes.as_flattened()).as_chunks().0.to_vec());
+    let whole = moment.map(|moment| moment.kept.at(nodes.as_deref()));
+    let wrong = |why| named(format!("does not go on this body: {why}"));
+    let whole = agree(comm, whole.transpose().map_err(wrong)).map_err(Error::Output)?;
+    let part = shared(comm, whole, mine.map(|nodes| 3 * nodes.len()));
+    impact.resume(&part).map_err(|error| match error {
+        Error::Output(why) => Error::Output(named(why)),
+        other => other,
+    })?;
+    Ok(past)
+}
+
+/// What of the program and its options was another one when a result was computed.
+fn differences(origin: &Provenance, now: &Provenance) -> Vec<String> {
+    let of = |provenance: &Provenance| {
+        let Provenance { version, commit, petsc_version, .. } = provenance;
+        format!("ricochet {version} ({commit}) and PETSc {petsc_version}")
     };
-    let there = agree(comm, there).map_err(Error::Output)?;
-    let mut end = 0;
-    let mine = impact.nodes().map_or(0, <[_]>::len);
-    comm.mpi().scan_into(&mine, &mut end, SystemOperation::sum());
-    let wrong = |why| format!("{} does not go on this body: {why}", beside(result).display());
-    let part = agree(comm, kept.part(impact.nodes(), end - mine).map_err(wrong)).map_err(Error::Output)?;
-    impact.resume(part);
-    Ok(there)
+    let mut all = Vec::new();
+    if of(origin) != of(now) {
+        all.push(format!("was begun by {}", of(origin)));
+    }
+    if origin.petsc_options != now.petsc_options {
+        all.push(format!("was begun with other options for PETSc: {:?}", origin.petsc_options));
+    }
+    all
 }
 
 /// What rank 0 has of the time before a checkpoint.
-fn earlier(checkpoint: &Checkpoint, result: &Path, probes: &[String]) -> Result<(Earlier, Summary)> {
+fn earlier(
+    Moment { origin, kept }: &Moment,
+    result: &Path,
+    probes: &[String],
+    named: impl Fn(String) -> String,
+) -> std::result::Result<(Earlier, Summary), String> {
     let mut rows = 0;
     // The mass is not among what is carried: no impulse is computed of it before the next step.
-    let mut past = (Episodes::new(read::origin(result)?.0.impactor_mass), Summary::default());
-    carry(&mut rows, &mut past, &mut Carrier::from(checkpoint))?;
+    let mut past = (Episodes::new(origin.impactor_mass), Summary::default());
+    let checkpoint: &Checkpoint = &kept.checkpoint;
+    carry(&mut rows, &mut past, &mut Carrier::from(checkpoint)).map_err(|error| named(error.to_string()))?;
     let (episodes, summary) = past;
-    let (columns, probes) = (read::rows(result, rows)?, read::probes(result, probes, rows)?);
-    Ok((Earlier { columns, probes, episodes }, summary))
-}
-
-/// What rank 0 knows of a run beside its state, to a checkpoint or from it.
-fn carry(rows: &mut usize, (episodes, summary): &mut (Episodes, Summary), carrier: &mut Carrier) -> Result<()> {
-    carrier.within("record", |carrier| {
-        carrier.count("rows", rows)?;
-        episodes.carry(carrier)?;
-        summary.carry(carrier)
-    })
-}
-
-/// When checkpoints are due, and what they are written with.
-pub struct Keeping {
-    comm: Comm,
-    result: PathBuf,
-    scene: String,
-    /// This rank's nodes.
-    nodes: Option<Vec<Vec3>>,
-    /// All of them on rank 0, once a checkpoint was kept.
-    all_nodes: Option<Vec<Vec3>>,
-    steps: Option<usize>,
-    time: Option<Duration>,
-    last: Instant,
-    is_due: bool,
-}
-
-impl Keeping {
-    /// Checkpoints of a simulation of the scene of this text, beside its result.
-    pub fn new(comm: &Comm, (scene, text): (&Scene, &str), result: &Path, impact: &Simulation) -> Self {
-        Self {
-            comm: comm.clone(),
-            result: result.to_owned(),
-            scene: text.to_owned(),
-            nodes: impact.nodes().map(<[_]>::to_vec),
-            all_nodes: None,
-            steps: scene.output.checkpoint_steps,
-            time: scene.output.checkpoint_minutes.map(|minutes| Duration::from_secs_f64(60.0 * minutes)),
-            last: Instant::now(),
-            is_due: false,
-        }
-    }
-
-    /// Whether the clock of this rank says that one is due.
-    pub fn is_due_by_time(&self) -> bool {
-        self.time.is_some_and(|time| self.last.elapsed() >= time)
-    }
-
-    /// A step was taken; `asked` is whether a signal or a clock asks for one, the same on all ranks.
-    pub fn step(&mut self, step: &Step, asked: bool) {
-        self.is_due |= asked || (step.number > 0 && self.steps.is_some_and(|steps| step.number.is_multiple_of(steps)));
-    }
-
-    /// Keeps a checkpoint, if one is due, with what rank 0 has recorded. A checkpoint that cannot be written is told and ends nothing: the
-    /// last one is still there. Collective.
-    ///
-    /// # Errors
-    /// PETSc's; on rank 0 those of the series, which is written before.
-    pub fn settled(
-        &mut self,
-        record: Option<(&mut SeriesWriter, Option<&mut Recording>, &mut Summary)>,
-        checkpoint: &mut dyn FnMut() -> Result<Checkpoint>,
-    ) -> Result<()> {
-        if !std::mem::take(&mut self.is_due) {
-            return Ok(());
-        }
-        self.last = Instant::now();
-        let Checkpoint { vectors, mut numbers } = checkpoint()?;
-        let mut all = Checkpoint::default();
-        for (name, values) in vectors {
-            let values = if self.nodes.is_some() { gathered(&self.comm, &values) } else { values };
-            all.vectors.insert(name, values);
-        }
-        if let (Some(nodes), None) = (&self.nodes, &self.all_nodes) {
-            let flat = gathered(&self.comm, nodes.as_flattened());
-            self.all_nodes = Some(flat.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect());
-        }
-        let Some((writer, recording, summary)) = record else { return Ok(()) };
-        recording.map_or(Ok(()), Recording::flush)?;
-        writer.flush()?;
-        let mut of_record = Checkpoint::default();
-        let mut known = (writer.episodes().clone(), *summary);
-        carry(&mut writer.rows(), &mut known, &mut Carrier::to(&mut of_record))?;
-        numbers.append(&mut of_record.numbers);
-        all.numbers = numbers;
-        let nodes = self.all_nodes.clone().unwrap_or_default();
-        let begin = Instant::now();
-        match (Kept { scene: self.scene.clone(), nodes, checkpoint: all }).write(&self.result) {
-            Ok(()) => tracing::info!(seconds = begin.elapsed().as_secs_f64(), "checkpoint"),
-            Err(error) => tell(format_args!("note: no checkpoint was kept: {error}")),
-        }
-        Ok(())
-    }
-}
-
-/// The values of all ranks, in their order, on rank 0; nothing elsewhere. Collective.
-fn gathered(comm: &Comm, values: &[f64]) -> Vec<f64> {
-    let root = comm.mpi().process_at_rank(0);
-    let count = values.len() as i32;
-    if !comm.is_root() {
-        root.gather_into(&count);
-        root.gather_varcount_into(values);
-        return Vec::new();
-    }
-    let mut counts = vec![0; comm.size()];
-    root.gather_into_root(&count, &mut counts[..]);
-    let mut displacements = Vec::with_capacity(counts.len());
-    let mut total = 0;
-    for count in &counts {
-        displacements.push(total);
-        total += count;
-    }
-    let mut all = vec![0.0; total as usize];
-    let mut partition = PartitionMut::new(&mut all[..], counts, displacements);
-    root.gather_varcount_into_root(values, &mut partition);
-    all
+    let read = || {
+        let (columns, probes) = (read::rows(result, rows)?, read::probes(result, probes, rows)?);
+        Ok(Earlier { result: result.to_owned(), run_id: origin.run_id, columns, probes, episodes })
+    };
+    let earlier = read().map_err(|error: Error| error.to_string())?;
+    Ok((earlier, summary))
 }

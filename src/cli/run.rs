@@ -23,12 +23,13 @@ use crate::scene::{Scene, Source};
 
 use super::Run;
 use super::interrupt::{INTERRUPTED, Interrupt};
+use super::keeping::Keeping;
 use super::load::{is_result, load};
 use super::notes::{describe_model, note_of_probes, notes};
 use super::progress::Progress;
 use super::provenance::provenance;
 use super::recording::Recording;
-use super::restart::{Keeping, Past, go_on};
+use super::restart::{Past, go_on};
 use super::summary::Summary;
 use super::{tell, warn_of_unused_options};
 
@@ -56,7 +57,7 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
         let free = if comm.is_root() { free().map_err(|error| error.to_string()) } else { Ok(None) };
         agree(comm, free).map_err(Error::Output)?
     };
-    let past = arguments.restart.as_ref().map(|result| Past::read(comm, result, &scene)).transpose()?;
+    let past = arguments.restart.as_ref().map(|result| Past::read(comm, (result, &output), &scene)).transpose()?;
     let from = arguments.restart.as_deref().unwrap_or(&output);
     if let (true, Some(past)) = (comm.is_root(), &past) {
         match past {
@@ -116,7 +117,7 @@ fn solve(
     let names: Vec<String> = scene.output.probes.iter().map(|probe| probe.name.clone()).collect();
     let readings = impact.read()?;
     let earlier = match past {
-        Some(Past::Moment(kept)) => go_on(comm, *kept, (from, &names), &mut impact)?,
+        Some(Past::Moment(moment)) => go_on(comm, moment, (from, &provenance, &names), &mut impact)?,
         _ => None,
     };
     let recording = readings.map(|readings| Recording::new(readings, output, scene.output.fields, impact.steps()));
@@ -124,15 +125,16 @@ fn solve(
         (false, _) => None,
         (true, None) => Some((SeriesWriter::with_probes(output, &provenance, &names)?, recording, Summary::default())),
         (true, Some((earlier, summary))) => {
-            tell(format_args!("on from t = {:.6e} s", summary.end));
+            tell(format_args!("on from t = {:.6e} s", summary.end()));
             let writer = SeriesWriter::continued(output, &provenance, &names, earlier)?;
-            Some((writer, recording.map(|recording| recording.behind(from, summary.end)), summary))
+            let recording = recording.map(|recording| recording.behind(from, summary.end(), &writer)).transpose()?;
+            Some((writer, recording, summary))
         }
     };
     let desk = parts.map(|(writer, recording, summary)| Desk {
         writer: writer.every(scene.output.every),
         recording,
-        progress: Progress::new(scene.time.end),
+        progress: Progress::new([summary.end(), scene.time.end]),
         summary,
     });
     let interrupt = Rc::new(Interrupt::on_signals());
@@ -154,12 +156,14 @@ fn solve(
         error_estimate: error.unwrap_or(f64::NAN),
     };
     let flow = stepped.as_ref().ok().copied();
+    let complete = flow == Some(ControlFlow::Continue(()));
     if let Some(Desk { writer, mut recording, progress, summary }) = watch.desk {
         progress.finish();
         let episodes = writer.episodes().clone();
-        // What was computed is kept, whatever ended the run.
-        let recorded = recording.as_mut().map_or(Ok(()), Recording::flush);
-        let finished = writer.finish(&cost, flow == Some(ControlFlow::Continue(()))).and(recorded);
+        // What was computed is kept, whatever ended the run; where nothing was, all is left as it is.
+        let fields = recording.as_mut().filter(|_| complete || writer.has_begun());
+        let recorded = fields.map_or(Ok(()), Recording::flush);
+        let finished = writer.finish(&cost, complete).and(recorded);
         // Where the run has failed already, that is what is told: a full disk fails the steps first and then the end.
         if let Some(flow) = flow {
             finished?;
@@ -172,7 +176,7 @@ fn solve(
                 ));
             }
             if flow.is_break() {
-                tell(format_args!("interrupted: {} holds the run up to t = {:.6e} s", output.display(), summary.end));
+                tell(format_args!("interrupted: {} holds the run up to t = {:.6e} s", output.display(), summary.end()));
                 if checkpoint::beside(output).exists() {
                     tell(format_args!("note: --restart {} goes on with it", output.display()));
                 }
@@ -228,12 +232,12 @@ impl Observer for Watch {
         }
         let is_late = self.desk.is_some() && self.keeping.is_due_by_time();
         let (interrupted, late) = self.interrupt.poll(&self.comm, is_late);
-        self.keeping.step(step, interrupted || late);
+        self.keeping.step(step, late);
         Ok(if interrupted { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     }
 
-    fn settled(&mut self, checkpoint: &mut dyn FnMut() -> Result<Checkpoint>) -> Result<()> {
+    fn settled(&mut self, interrupted: bool, checkpoint: &mut dyn FnMut() -> Result<Checkpoint>) -> Result<()> {
         let record = self.desk.as_mut().map(|desk| (&mut desk.writer, desk.recording.as_mut(), &mut desk.summary));
-        self.keeping.settled(record, checkpoint)
+        self.keeping.settled(record, interrupted, checkpoint)
     }
 }

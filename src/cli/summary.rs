@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::error::Result;
 use crate::impact::checkpoint::Carrier;
-use crate::impact::step::{Energy, Step};
+use crate::impact::step::Step;
 use crate::record::episodes::Episodes;
 use crate::record::provenance::Cost;
 
@@ -15,11 +15,9 @@ use super::{say, short};
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Summary {
     peak: (f64, f64),
-    rebound: f64,
-    /// Time reached, s.
-    pub end: f64,
+    /// Energy at t = 0, J.
     initial: f64,
-    energy: Energy,
+    last: Step,
 }
 
 impl Summary {
@@ -28,17 +26,23 @@ impl Summary {
         if step.impactor.acceleration > self.peak.0 {
             self.peak = (step.impactor.acceleration, step.time);
         }
-        self.rebound = step.impactor.velocity;
-        self.end = step.time;
         if step.number == 0 {
             self.initial = step.energy.total;
         }
-        self.energy = step.energy;
+        self.last = *step;
     }
 
-    /// To a checkpoint or from it, beside the episodes.
-    pub fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
-        carrier.number("end", &mut self.end)?;
+    /// Time reached, s.
+    pub fn end(&self) -> f64 {
+        self.last.time
+    }
+
+    /// To a checkpoint or from it, beside the episodes, which have the last step.
+    ///
+    /// # Errors
+    /// Those of [`Carrier`].
+    pub fn carry(&mut self, carrier: &mut Carrier, last: Option<&Step>) -> Result<()> {
+        self.last = last.copied().unwrap_or_default();
         carrier.number("peak", &mut self.peak.0)?;
         carrier.number("peak_time", &mut self.peak.1)?;
         carrier.number("initial", &mut self.initial)
@@ -59,10 +63,10 @@ impl Summary {
             "peak acceleration {} m/s² at {} ms; impactor's velocity at the end {} m/s",
             short(self.peak.0),
             short(1e3 * self.peak.1),
-            short(self.rebound)
+            short(self.last.impactor.velocity)
         ));
         say(format_args!("contacts: {contacts}"));
-        let energy = &self.energy;
+        let energy = &self.last.energy;
         say(format_args!(
             "energy: {:+.1e} of the initial {} J made by the time integration{}",
             energy.numerical / self.initial,

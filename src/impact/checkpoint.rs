@@ -59,7 +59,7 @@ impl<'a> Carrier<'a> {
     /// A number.
     ///
     /// # Errors
-    /// [`Error::Usage`] where the checkpoint does not have it.
+    /// [`Error::Output`] where the checkpoint does not have it.
     pub fn number(&mut self, name: &str, value: &mut f64) -> Result<()> {
         let name = format!("{}{name}", self.prefix);
         match &mut self.way {
@@ -79,7 +79,10 @@ impl<'a> Carrier<'a> {
         let mut number = *value as f64;
         self.number(name, &mut number)?;
         if !(0.0..9e15).contains(&number) || number.fract() != 0.0 {
-            return Err(Error::Usage(format!("the checkpoint's {}{name} is {number}, which is no count", self.prefix)));
+            return Err(Error::Output(format!(
+                "the checkpoint's {}{name} is {number}, which is no count",
+                self.prefix
+            )));
         }
         *value = number as usize;
         Ok(())
@@ -88,7 +91,7 @@ impl<'a> Carrier<'a> {
     /// A vector over the body's unknowns.
     ///
     /// # Errors
-    /// [`Error::Usage`] where the checkpoint does not have it, or has one of another length; PETSc's.
+    /// [`Error::Output`] where the checkpoint does not have it, or has one of another length; PETSc's.
     pub fn vector(&mut self, name: &str, vector: &mut Vector) -> Result<()> {
         let name = format!("{}{name}", self.prefix);
         match &mut self.way {
@@ -100,7 +103,7 @@ impl<'a> Carrier<'a> {
                 let mut place = vector.write()?;
                 if place.len() != values.len() {
                     let message = format!("the checkpoint's {name} has {} unknowns, not {}", values.len(), place.len());
-                    return Err(Error::Usage(message));
+                    return Err(Error::Output(message));
                 }
                 place.copy_from_slice(values);
             }
@@ -110,5 +113,5 @@ impl<'a> Carrier<'a> {
 }
 
 fn missing(name: &str) -> Error {
-    Error::Usage(format!("the checkpoint has no {name}: it is of another kind of run, or of another version"))
+    Error::Output(format!("the checkpoint has no {name}: it is of another kind of run, or of another version"))
 }

@@ -72,6 +72,13 @@ pub struct Controlled<'a> {
     pub interrupted: &'a dyn Fn() -> bool,
 }
 
+/// A moment that a run goes on from.
+pub struct Resumed {
+    pair: Pair,
+    /// Until when (s) the smallest steps are taken.
+    careful: f64,
+}
+
 /// What a first guess of the step in contact is, s.
 ///
 /// # Errors
@@ -90,21 +97,26 @@ pub(super) fn first_step(setting: &Setting, tolerance: f64, end: f64) -> Result<
 }
 
 impl Controlled<'_> {
-    /// Runs to the end or until the observer breaks off, from a checkpoint where there is one; returns which, and the fine trajectory.
-    /// Collective.
+    /// The moment of a checkpoint. Collective.
+    pub(super) fn resumed(&mut self, body: &mut Body, checkpoint: &Checkpoint) -> Result<Resumed> {
+        let (mut pair, mut careful) = (Pair::new(body, self.setting)?, 0.0);
+        self.carry(&mut pair, &mut careful, body, &mut Carrier::from(checkpoint))?;
+        Ok(Resumed { pair, careful })
+    }
+
+    /// Runs to the end or until the observer breaks off, from a moment of an earlier run where there is one; returns which, and the fine
+    /// trajectory. Collective.
     pub(super) fn run(
         mut self,
         body: &mut Body,
-        resumed: Option<Checkpoint>,
+        resumed: Option<Resumed>,
         observer: &mut impl Observer,
     ) -> Result<(ControlFlow<()>, Trajectory)> {
-        let mut pair = Pair::new(body, self.setting)?;
-        let mut careful = 0.0;
-        if let Some(checkpoint) = resumed {
-            self.carry(&mut pair, &mut careful, body, &mut Carrier::from(&checkpoint))?;
+        if let Some(Resumed { mut pair, careful }) = resumed {
             let flow = self.advance_to_end(&mut pair, careful, body, &mut None, observer)?;
             return Ok((flow, pair.fine));
         }
+        let mut pair = Pair::new(body, self.setting)?;
         let start = pair.fine.observed(body, self.setting)?;
         pair.fine.read(self.reader)?;
         self.gate.open(&start);
@@ -113,7 +125,7 @@ impl Controlled<'_> {
         }
         // Steps that are not told yet, while the first episode may still be taken back.
         let mut held = Some(Vec::new());
-        let ended = self.advance_to_end(&mut pair, careful, body, &mut held, observer);
+        let ended = self.advance_to_end(&mut pair, 0.0, body, &mut held, observer);
         // What was computed is kept, whatever has ended the run.
         for step in held.into_iter().flatten() {
             self.gate.check(&step).map_err(|error| at(error, step.number, step.time))?;
@@ -146,7 +158,7 @@ impl Controlled<'_> {
         while !self.is_over(pair) {
             if (self.interrupted)() {
                 if held.is_none() {
-                    self.settle(pair, careful, body, observer)?;
+                    self.settle(pair, careful, body, (true, observer))?;
                 }
                 return Ok(ControlFlow::Break(()));
             }
@@ -207,7 +219,7 @@ impl Controlled<'_> {
                 }
             }
             if held.is_none() {
-                self.settle(pair, careful, body, observer)?;
+                self.settle(pair, careful, body, (flow.is_break(), observer))?;
             }
             if flow.is_break() {
                 return Ok(flow);
@@ -216,9 +228,15 @@ impl Controlled<'_> {
         Ok(ControlFlow::Continue(()))
     }
 
-    /// Lets the observer have a checkpoint.
-    fn settle(&mut self, pair: &mut Pair, mut careful: f64, body: &Body, observer: &mut impl Observer) -> Result<()> {
-        observer.settled(&mut || {
+    /// Lets the observer have a checkpoint, and know whether the run ends with it.
+    fn settle(
+        &mut self,
+        pair: &mut Pair,
+        mut careful: f64,
+        body: &Body,
+        (interrupted, observer): (bool, &mut impl Observer),
+    ) -> Result<()> {
+        observer.settled(interrupted, &mut || {
             let mut checkpoint = Checkpoint::default();
             self.carry(pair, &mut careful, body, &mut Carrier::to(&mut checkpoint))?;
             Ok(checkpoint)

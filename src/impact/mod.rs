@@ -69,11 +69,20 @@ pub struct Impact {
     /// Order of the scheme.
     order: usize,
     interrupted: Box<dyn Fn() -> bool>,
-    /// What the next run goes on from.
-    resumed: Option<Checkpoint>,
+    resumed: Resumed,
     reader: Option<Reader>,
     /// What the runs have cost so far.
     pub count: Count,
+}
+
+/// What the next run goes on from.
+enum Resumed {
+    /// Rest.
+    No,
+    /// The state that the impact is in.
+    Equal,
+    /// A moment of chosen steps.
+    Chosen(Box<controlled::Resumed>),
 }
 
 /// What was done for a run.
@@ -126,7 +135,7 @@ impl Impact {
             setting,
             order: Implicit::new(scene.time.scheme).map_or(2, |scheme| scheme.order()),
             interrupted: Box::new(|| false),
-            resumed: None,
+            resumed: Resumed::No,
             reader: None,
             count: Count::default(),
         })
@@ -183,9 +192,28 @@ impl Impact {
         self.trajectory.set_state(state, &mut self.body, &self.setting)
     }
 
-    /// Has the next run go on from a checkpoint of the same scene, and tell the steps after it.
-    pub fn resume(&mut self, checkpoint: Checkpoint) {
-        self.resumed = Some(checkpoint);
+    /// Has the next run go on from a checkpoint of the same scene, and tell the steps after it. Collective.
+    ///
+    /// # Errors
+    /// [`crate::Error::Output`] where the checkpoint is of another kind of run; PETSc's.
+    pub fn resume(&mut self, checkpoint: &Checkpoint) -> Result<()> {
+        self.resumed = match self.controlled() {
+            Some((mut controlled, body)) => Resumed::Chosen(Box::new(controlled.resumed(body, checkpoint)?)),
+            None => {
+                self.carry(&mut Carrier::from(checkpoint))?;
+                Resumed::Equal
+            }
+        };
+        Ok(())
+    }
+
+    /// What takes chosen steps of it, and the body; `None` for steps of one size.
+    fn controlled(&mut self) -> Option<(Controlled<'_>, &mut Body)> {
+        let Plan::Controlled { tolerance, .. } = self.plan else { return None };
+        let Self { comm, body, setting, ladder, gate, count, reader, end, order, interrupted, .. } = self;
+        let (end, order, interrupted) = (*end, *order, &**interrupted);
+        let controlled = Controlled { comm, setting, ladder, gate, count, reader, end, tolerance, order, interrupted };
+        Some((controlled, body))
     }
 
     /// Runs to the end, or until `observe`, which gets the initial state and every accepted step, breaks off; tells which.
@@ -201,29 +229,24 @@ impl Impact {
     /// [`Self::run`] before an observer who may keep checkpoints. Collective.
     ///
     /// # Errors
-    /// As [`Self::run`]; [`crate::Error::Usage`] where the run is to go on from a checkpoint of another one.
+    /// As [`Self::run`].
     pub fn run_watched(&mut self, observer: &mut impl Observer) -> Result<ControlFlow<()>> {
-        let Plan::Controlled { tolerance, .. } = self.plan else { return self.run_in_equal_steps(observer) };
-        let Self { comm, setting, ladder, gate, count, reader, end, .. } = self;
-        let (end, order, resumed) = (*end, self.order, self.resumed.take());
-        let interrupted = &*self.interrupted;
-        let controlled = Controlled { comm, setting, ladder, gate, count, reader, end, tolerance, order, interrupted };
-        let (flow, trajectory) = controlled.run(&mut self.body, resumed, observer)?;
+        let resumed = std::mem::replace(&mut self.resumed, Resumed::No);
+        let Some((controlled, body)) = self.controlled() else { return self.run_in_equal_steps(resumed, observer) };
+        let resumed = if let Resumed::Chosen(moment) = resumed { Some(*moment) } else { None };
+        let (flow, trajectory) = controlled.run(body, resumed, observer)?;
         self.trajectory = trajectory;
         Ok(flow)
     }
 
-    fn run_in_equal_steps(&mut self, observer: &mut impl Observer) -> Result<ControlFlow<()>> {
+    fn run_in_equal_steps(&mut self, resumed: Resumed, observer: &mut impl Observer) -> Result<ControlFlow<()>> {
         let mut flow = ControlFlow::Continue(());
-        match self.resumed.take() {
-            Some(checkpoint) => self.carry(&mut Carrier::from(&checkpoint))?,
-            None => {
-                (self.trajectory.time, self.trajectory.steps) = (0.0, 0);
-                let start = self.trajectory.observed(&self.body, &self.setting)?;
-                self.trajectory.read(&mut self.reader)?;
-                self.gate.open(&start);
-                flow = observer.step(&start)?;
-            }
+        if matches!(resumed, Resumed::No) {
+            (self.trajectory.time, self.trajectory.steps) = (0.0, 0);
+            let start = self.trajectory.observed(&self.body, &self.setting)?;
+            self.trajectory.read(&mut self.reader)?;
+            self.gate.open(&start);
+            flow = observer.step(&start)?;
         }
         let size = self.ladder.step(0);
         for number in self.trajectory.steps + 1..=steps(self.end, size) {
@@ -238,7 +261,7 @@ impl Impact {
             trajectory.read(reader)?;
             gate.check(&step).map_err(|error| at(error, number, time))?;
             flow = observer.step(&step)?;
-            observer.settled(&mut || {
+            observer.settled(flow.is_break(), &mut || {
                 let mut checkpoint = Checkpoint::default();
                 self.carry(&mut Carrier::to(&mut checkpoint))?;
                 Ok(checkpoint)

@@ -16,11 +16,12 @@ pub trait Observer {
     fn step(&mut self, step: &Step) -> Result<ControlFlow<()>>;
 
     /// Hears after steps that the state is that of the last one it has taken, and may ask for the checkpoint from which a run goes on
-    /// there. All ranks must ask alike. While the first contact may still be taken back, this is not called.
+    /// there. All ranks must ask alike. While the first contact may still be taken back, this is not called. `interrupted` tells that the
+    /// run ends early, here.
     ///
     /// # Errors
     /// Any: it ends the run.
-    fn settled(&mut self, checkpoint: &mut dyn FnMut() -> Result<Checkpoint>) -> Result<()>;
+    fn settled(&mut self, interrupted: bool, checkpoint: &mut dyn FnMut() -> Result<Checkpoint>) -> Result<()>;
 }
 
 /// Who takes steps and nothing else.
@@ -31,7 +32,7 @@ impl<F: FnMut(&Step) -> Result<ControlFlow<()>>> Observer for Told<F> {
         self.0(step)
     }
 
-    fn settled(&mut self, _: &mut dyn FnMut() -> Result<Checkpoint>) -> Result<()> {
+    fn settled(&mut self, _: bool, _: &mut dyn FnMut() -> Result<Checkpoint>) -> Result<()> {
         Ok(())
     }
 }

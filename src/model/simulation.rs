@@ -76,10 +76,14 @@ impl Simulation {
         }
     }
 
-    /// Has the next run go on from a checkpoint of the same scene. One in modal coordinates has none: it is done anew.
-    pub fn resume(&mut self, checkpoint: Checkpoint) {
-        if let Kind::Stepped(impact) = &mut self.kind {
-            impact.resume(checkpoint);
+    /// Has the next run go on from a checkpoint of the same scene. One in modal coordinates has none: it is done anew. Collective.
+    ///
+    /// # Errors
+    /// As [`Impact::resume`].
+    pub fn resume(&mut self, checkpoint: &Checkpoint) -> Result<()> {
+        match &mut self.kind {
+            Kind::Stepped(impact) => impact.resume(checkpoint),
+            Kind::Modal { .. } => Ok(()),
         }
     }
 

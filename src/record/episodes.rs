@@ -106,6 +106,11 @@ impl Episodes {
         &self.all
     }
 
+    /// The last step that was taken.
+    pub fn last(&self) -> Option<&Step> {
+        self.last.as_ref()
+    }
+
     /// Whether the contact lasts at the last step.
     pub fn is_open(&self) -> bool {
         self.last.is_some_and(|last| last.contact.force > 0.0)

@@ -5,7 +5,7 @@ use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::record::{checkpoint, target};
+use crate::record::{checkpoint, fields, target};
 
 /// A file beside a result that is locked while a run writes it. The system lifts the lock when the process ends, however it ends.
 pub struct Lock {
@@ -18,8 +18,16 @@ impl Lock {
     /// Takes the lock of the result at `path`.
     ///
     /// # Errors
-    /// [`Error::Io`] where another run has it, or where no file can be made there.
+    /// [`Error::Io`] where another run has it, where no file can be made there, and where the name is that of a file that goes with
+    /// another result.
     pub fn take(path: &Path) -> Result<Self> {
+        let name = target::resolved(path).file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let of_others = fields::ENDINGS.into_iter().chain([checkpoint::ENDING]);
+        if let Some(ending) = of_others.into_iter().find(|ending| name.ends_with(&format!(".{ending}"))) {
+            let reason =
+                format!("is a name for what goes with a result (.{ending}): the result needs another one, as with .h5");
+            return Err(Error::io(path, reason));
+        }
         let beside = target::beside(&target::resolved(path), "lock")?;
         loop {
             let file = OpenOptions::new()
@@ -48,6 +56,7 @@ impl Lock {
                 if is_locked {
                     target::remove_parts(path);
                     target::remove_parts(&checkpoint::beside(path));
+                    fields::paths(path).iter().for_each(|path| target::remove_parts(path));
                 }
                 return Ok(Self { path: beside, _file: file });
             }

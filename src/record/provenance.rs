@@ -1,11 +1,15 @@
 //! Where a result comes from: the attributes of the root of a result file.
 
+use std::hash::{BuildHasher, Hasher, RandomState};
+
 use hdf5_metno::types::VarLenUnicode;
 use hdf5_metno::{H5Type, Location, Result};
 
 /// Everything that is needed to tell, and to repeat, how a result was made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Provenance {
+    /// Tells the run from others; a run that goes on keeps it.
+    pub run_id: u64,
     /// Title of the scene.
     pub title: String,
     /// The scene's full text.
@@ -119,6 +123,12 @@ impl Cost {
     }
 }
 
+/// A new `run_id`: two runs have the same by a chance of 2⁻⁶⁴.
+pub fn new_run_id() -> u64 {
+    // What std has of the system's random numbers.
+    RandomState::new().build_hasher().finish()
+}
+
 impl Provenance {
     /// Writes one attribute a field at `root`; a `None` is left out.
     pub(super) fn write(&self, root: &Location) -> Result<()> {
@@ -138,6 +148,7 @@ impl Provenance {
         if let Some(digest) = &self.mesh_digest {
             write_text(root, "mesh_digest", digest)?;
         }
+        write_scalar(root, "run_id", self.run_id)?;
         write_scalar(root, "ranks", self.ranks as u64)?;
         write_scalar(root, "unknowns", self.unknowns as u64)?;
         write_scalar(root, "impactor_mass", self.impactor_mass)?;
@@ -152,6 +163,7 @@ impl Provenance {
         let words = |name: &str| text(root, name);
         let count = |name: &str| root.attr(name)?.read_scalar::<u64>().map(|count| count as usize);
         Ok(Self {
+            run_id: root.attr("run_id").and_then(|id| id.read_scalar()).unwrap_or_default(),
             title: words("title")?,
             scene: words("scene")?,
             folder: words("folder").unwrap_or_default(),

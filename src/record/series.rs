@@ -11,6 +11,7 @@
 use crate::error::{Error, Result};
 use crate::impact::Probe;
 use crate::impact::step::Step;
+use crate::record::checkpoint;
 use crate::record::columns::{CONTACTS, SERIES, append, new_datasets, not_written};
 use crate::record::episodes::Episodes;
 use crate::record::fields;
@@ -23,7 +24,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Wall time between two flushes: what a kill may cost.
-const FLUSH_EVERY: Duration = Duration::from_secs(1);
+pub(super) const FLUSH_EVERY: Duration = Duration::from_secs(1);
 /// Rows that a buffer holds at most, however fast they come (9 MB).
 const ROWS_BUFFERED: usize = 1 << 16;
 /// Rows in a chunk where their number is not planned, and at most (128 MiB; HDF5 allows 4 GiB).
@@ -34,6 +35,10 @@ const CHUNK_CONTACTS: usize = 64;
 
 /// What is there of a run that goes on.
 pub struct Earlier {
+    /// Its result.
+    pub result: PathBuf,
+    /// Its `run_id`.
+    pub run_id: u64,
     /// Every column of the series, all of the same number of rows.
     pub columns: Vec<Vec<f64>>,
     /// Of each row what every probe has read.
@@ -51,12 +56,15 @@ impl Earlier {
 /// Writes the series and the contacts of one run to a file. One process (rank 0) has it.
 pub struct SeriesWriter {
     path: PathBuf,
+    run_id: u64,
     /// The file's name until the first row is on the disk.
     part: Option<PathBuf>,
     file: hdf5::File,
     series: Vec<hdf5::Dataset>,
     contacts: Vec<hdf5::Dataset>,
     probes: ProbeDatasets,
+    /// Whether it goes on with the result that is at `path`, whose checkpoint then stays.
+    goes_on: bool,
     every: usize,
     buffer: Vec<Step>,
     /// What the probes read at the buffer's steps.
@@ -70,7 +78,8 @@ pub struct SeriesWriter {
 impl SeriesWriter {
     /// Begins the result `path` of a run described by `provenance`.
     ///
-    /// An older result at `path` is replaced when the first step has been written, and untouched if it never is.
+    /// An older result at `path` is replaced, and its checkpoint removed, when the first step has been written; both are untouched if it
+    /// never is.
     ///
     /// # Errors
     /// [`Error::Io`] as of [`target::check_writable`], or when writing fails.
@@ -93,11 +102,13 @@ impl SeriesWriter {
         let Begun { file, series, contacts, probes } = begun.map_err(|e| not_written(path, &e))?;
         Ok(Self {
             path: path.to_owned(),
+            run_id: provenance.run_id,
             part: Some(part),
             file,
             series,
             contacts,
             probes,
+            goes_on: false,
             every: 1,
             buffer: Vec::new(),
             read: Vec::new(),
@@ -113,7 +124,9 @@ impl SeriesWriter {
     /// # Errors
     /// As [`Self::create`].
     pub fn continued(path: &Path, provenance: &Provenance, names: &[String], earlier: Earlier) -> Result<Self> {
-        let mut writer = Self::with_probes(path, provenance, names)?;
+        let provenance = Provenance { run_id: earlier.run_id, ..provenance.clone() };
+        let mut writer = Self::with_probes(path, &provenance, names)?;
+        writer.goes_on = target::is_same(path, &earlier.result);
         let rows = earlier.rows();
         let copy = || {
             for (dataset, values) in writer.series.iter().zip(&earlier.columns) {
@@ -125,6 +138,11 @@ impl SeriesWriter {
         copy().map_err(|e| not_written(path, &e))?;
         (writer.rows_written, writer.episodes) = (rows, earlier.episodes);
         Ok(writer)
+    }
+
+    /// The run's.
+    pub fn run_id(&self) -> u64 {
+        self.run_id
     }
 
     /// Rows so far.
@@ -176,11 +194,15 @@ impl SeriesWriter {
     pub fn flush(&mut self) -> Result<()> {
         self.write().map_err(|e| not_written(&self.path, &e))?;
         if let Some(part) = &self.part {
-            fs::rename(part, target::resolved(&self.path)).map_err(|e| Error::io(&self.path, e))?;
+            if !self.goes_on {
+                // Before the result that it belongs to: no result is ever beside another one's.
+                checkpoint::remove(&self.path)?;
+            }
+            target::take_name(part, &target::resolved(&self.path)).map_err(|e| Error::io(&self.path, e))?;
             self.part = None;
         }
-        // An open file is written to the end also where nobody can find it any more.
-        if !self.path.exists() {
+        // An open file is written to the end also where nobody can find it any more. A file system that does not answer proves nothing.
+        if matches!(self.path.try_exists(), Ok(false)) {
             return Err(Error::io(&self.path, "has been removed while the run was writing it"));
         }
         Ok(())
@@ -197,11 +219,29 @@ impl SeriesWriter {
         link("fields").and_then(|()| link(fields::GROUP)).map_err(|e| not_written(&self.path, &e))
     }
 
-    /// Ends the result: the last rows, what the run cost, and whether it came to its end.
+    /// [`Self::flush`], so that it outlives a loss of power too.
+    ///
+    /// # Errors
+    /// As [`Self::flush`].
+    pub fn sync(&mut self) -> Result<()> {
+        self.flush()?;
+        target::synced(&self.path).map_err(|e| Error::io(&self.path, e))
+    }
+
+    /// Whether anything of this process is in the result.
+    pub fn has_begun(&self) -> bool {
+        self.flushed.is_some()
+    }
+
+    /// Ends the result: the last rows, what the run cost, and whether it came to its end. A run that has not come to its end, nor taken a
+    /// step in this process, leaves what was there.
     ///
     /// # Errors
     /// [`Error::Io`] when writing fails.
     pub fn finish(mut self, cost: &Cost, complete: bool) -> Result<()> {
+        if !complete && !self.has_begun() {
+            return Ok(());
+        }
         self.flush()?;
         let mark = || {
             cost.update(&self.file)?;

@@ -3,7 +3,8 @@
 use crate::error::{Error, Result};
 use hdf5_metno as hdf5;
 use std::ffi::OsString;
-use std::fs::{self, OpenOptions};
+use std::fs::{self, File, OpenOptions};
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// Tells whether a result can be written to `path`, without touching a file that is there.
@@ -27,7 +28,49 @@ pub fn check_writable(path: &Path) -> Result<()> {
 
 /// The file that `path` is or links to: a link stays a link.
 pub(super) fn resolved(path: &Path) -> PathBuf {
-    fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
+    match fs::symlink_metadata(path) {
+        Ok(there) if there.is_symlink() => fs::canonicalize(path).unwrap_or_else(|_| path.to_owned()),
+        _ => path.to_owned(),
+    }
+}
+
+/// A file that goes with the result at `path`, by its ending: `plate.checkpoint.h5` with `plate.h5`, `k.1e7.checkpoint.h5` with `k.1e7`.
+/// Results with different names, which have locks of their own, share none.
+pub(super) fn companion(path: &Path, ending: &str) -> PathBuf {
+    let path = resolved(path);
+    let mut name = path.file_name().map(OsString::from).unwrap_or_default();
+    if let Some(stem) = name.to_str().and_then(|name| name.strip_suffix(".h5")) {
+        name = stem.into();
+    }
+    name.push(".");
+    name.push(ending);
+    path.with_file_name(name)
+}
+
+/// Has a part take its name. What it takes the place of may be the only copy of what is in it: so it is on the disk before.
+pub(super) fn take_name(part: &Path, path: &Path) -> io::Result<()> {
+    if path.try_exists()? {
+        synced(part)?;
+        fs::rename(part, path)?;
+        return synced(folder(path));
+    }
+    fs::rename(part, path)
+}
+
+/// Has what was written to a file, or the names in a folder, outlive a loss of power.
+pub(super) fn synced(path: &Path) -> io::Result<()> {
+    File::open(path)?.sync_all()
+}
+
+/// Whether two paths lead to one file.
+pub fn is_same(one: &Path, other: &Path) -> bool {
+    let of = |path| fs::canonicalize(path).ok();
+    of(one).is_some_and(|one| of(other) == Some(one))
+}
+
+/// The folder that a file is in.
+pub(super) fn folder(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// The file in which a new result is begun, beside `path` (resolved): an older result stays whole until the new one
@@ -39,7 +82,7 @@ pub(super) fn part(path: &Path) -> Result<PathBuf> {
 /// A hidden file beside `path` (resolved) with another ending.
 pub(super) fn beside(path: &Path, ending: &str) -> Result<PathBuf> {
     let name = path.file_name().ok_or_else(|| Error::io(path, "is not the name of a file"))?;
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder(path);
     if !folder.is_dir() {
         let reason = format!("there is no folder {}", folder.display());
         return Err(Error::io(path, reason));
@@ -54,8 +97,7 @@ pub(super) fn beside(path: &Path, ending: &str) -> Result<PathBuf> {
 pub(super) fn remove_parts(path: &Path) {
     let path = resolved(path);
     let Some(name) = path.file_name().and_then(|name| name.to_str()) else { return };
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+    for entry in fs::read_dir(folder(&path)).into_iter().flatten().flatten() {
         let file = entry.file_name();
         let process = file.to_str().and_then(|file| file.strip_prefix(&format!(".{name}."))?.strip_suffix(".part"));
         if process.is_some_and(|process| !process.is_empty() && process.bytes().all(|byte| byte.is_ascii_digit())) {

@@ -51,6 +51,7 @@ pub fn step(number: usize) -> Step {
 /// Where a result of such steps comes from; its scene is longer than the 64 KiB that HDF5 gives a plain attribute.
 pub fn provenance(title: &str, planned_rows: Option<usize>) -> Provenance {
     Provenance {
+        run_id: 0x0123_4567_89ab_cdef,
         title: title.into(),
         scene: "title = \"Δt\"\n".repeat(10_000),
         folder: "/scenes".into(),

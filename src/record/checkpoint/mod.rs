@@ -6,7 +6,6 @@
 
 mod nodes;
 
-use std::ffi::OsString;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -17,7 +16,7 @@ use hdf5_metno::types::VarLenUnicode;
 use crate::error::{Error, Result};
 use crate::impact::checkpoint::Checkpoint;
 use crate::record::columns::not_written;
-use crate::record::provenance::{digest, text, write_text};
+use crate::record::provenance::{digest, text, write_scalar, write_text};
 use crate::record::target;
 use crate::scene::Vec3;
 
@@ -27,17 +26,28 @@ use nodes::Nodes;
 pub struct Kept {
     /// The scene's full text.
     pub scene: String,
+    /// The run, by its result's `run_id`.
+    pub run_id: u64,
+    /// When it is of, s.
+    pub time: f64,
     /// Where the nodes lie, m, three unknowns each, in the order of the vectors' values; empty for a body without nodes.
     pub nodes: Vec<Vec3>,
     /// All values of all ranks.
     pub checkpoint: Checkpoint,
 }
 
+/// Ending of a checkpoint's name.
+pub const ENDING: &str = "checkpoint.h5";
+
 /// The checkpoint's file beside a result: `plate.h5` has `plate.checkpoint.h5`.
 pub fn beside(result: &Path) -> PathBuf {
-    let mut name = result.file_stem().map(OsString::from).unwrap_or_default();
-    name.push(".checkpoint.h5");
-    result.with_file_name(name)
+    target::companion(result, ENDING)
+}
+
+/// Whether there is a checkpoint beside a result that is of the run with this id.
+pub fn is_there(result: &Path, run_id: u64) -> bool {
+    let read = || hdf5::File::open(beside(result))?.attr("run_id")?.read_scalar::<u64>();
+    beside(result).exists() && read().is_ok_and(|there| there == run_id)
 }
 
 impl Kept {
@@ -50,7 +60,8 @@ impl Kept {
         let part = target::part(&path)?;
         let written = self.write_to(&part).map_err(|error| not_written(&path, &error)).and_then(|()| {
             // On the disk before it is called by its name.
-            sealed(&part).and_then(|()| fs::rename(&part, &path)).map_err(|error| Error::io(&path, error))
+            let named = sealed(&part).and_then(|()| fs::rename(&part, &path));
+            named.and_then(|()| target::synced(target::folder(&path))).map_err(|error| Error::io(&path, error))
         });
         if written.is_err() {
             // The error in hand says more than one of the removal would.
@@ -62,6 +73,8 @@ impl Kept {
     fn write_to(&self, path: &Path) -> hdf5::Result<()> {
         let file = hdf5::File::create(path)?;
         write_text(&file, "scene", &self.scene)?;
+        write_scalar(&file, "run_id", self.run_id)?;
+        write_scalar(&file, "time", self.time)?;
         let (names, numbers): (Vec<VarLenUnicode>, Vec<f64>) =
             self.checkpoint.numbers.iter().map(|(name, number)| (name.parse().unwrap_or_default(), *number)).unzip();
         file.new_dataset_builder().with_data(&names).create("names")?;
@@ -74,17 +87,16 @@ impl Kept {
         file.close()
     }
 
-    /// The part of one rank, whose nodes lie at `nodes` and are numbered from `first` on; all of it for a body without nodes.
+    /// Its values for a body whose nodes lie at `nodes`, in their order; as they are for a body without nodes.
     ///
     /// # Errors
     /// Why it is of another body.
-    pub fn part(self, nodes: Option<&[Vec3]>, first: usize) -> std::result::Result<Checkpoint, String> {
+    pub fn at(self, nodes: Option<&[Vec3]>) -> std::result::Result<Checkpoint, String> {
         let Some(nodes) = nodes else {
             return if self.nodes.is_empty() { Ok(self.checkpoint) } else { Err("it is of a body with a mesh".into()) };
         };
-        let same = self.nodes.get(first..first + nodes.len()).is_some_and(|there| there == nodes);
-        let places: Vec<usize> = if same {
-            (first..first + nodes.len()).collect()
+        let places: Vec<usize> = if self.nodes == nodes {
+            (0..nodes.len()).collect()
         } else {
             let table = Nodes::new(&self.nodes);
             let place = |x: &Vec3| {
@@ -96,14 +108,14 @@ impl Kept {
             nodes.iter().map(place).collect::<std::result::Result<_, _>>()?
         };
         let Checkpoint { vectors, numbers } = self.checkpoint;
-        let part = |(name, values): (String, Vec<f64>)| {
+        let sort = |(name, values): (String, Vec<f64>)| {
             if values.len() != 3 * self.nodes.len() {
                 return Err(format!("its {name} has {} values for {} nodes", values.len(), self.nodes.len()));
             }
-            let mine = places.iter().flat_map(|place| &values[3 * place..3 * place + 3]).copied().collect();
-            Ok((name, mine))
+            let sorted = places.iter().flat_map(|place| &values[3 * place..3 * place + 3]).copied().collect();
+            Ok((name, sorted))
         };
-        let vectors = vectors.into_iter().map(part).collect::<std::result::Result<_, _>>()?;
+        let vectors = vectors.into_iter().map(sort).collect::<std::result::Result<_, _>>()?;
         Ok(Checkpoint { vectors, numbers })
     }
 
@@ -113,7 +125,7 @@ impl Kept {
     /// [`Error::Io`] where it cannot be read, or is no checkpoint.
     pub fn read(result: &Path) -> Result<Option<Self>> {
         let path = beside(result);
-        if !path.exists() {
+        if !path.try_exists().map_err(|error| Error::io(&path, error))? {
             return Ok(None);
         }
         if !is_sealed(&path).map_err(|error| Error::io(&path, error))? {
@@ -128,6 +140,8 @@ impl Kept {
             let flat = file.dataset("nodes")?.read_raw::<f64>()?;
             Ok(Self {
                 scene: text(&file, "scene")?,
+                run_id: file.attr("run_id")?.read_scalar()?,
+                time: file.attr("time")?.read_scalar()?,
                 nodes: flat.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect(),
                 checkpoint: Checkpoint {
                     numbers,
@@ -162,7 +176,7 @@ fn is_sealed(path: &Path) -> io::Result<bool> {
     Ok(end == [SEAL, digest(content).to_le_bytes()].as_flattened())
 }
 
-/// Removes the checkpoint beside a result that is complete.
+/// Removes the checkpoint beside a result that it is not of, or that is complete.
 ///
 /// # Errors
 /// [`Error::Io`] where there is one and it cannot be removed.

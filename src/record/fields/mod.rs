@@ -9,32 +9,30 @@ mod xdmf;
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use crate::body::gauge::{Frame, Grid};
 use crate::error::{Error, Result};
 use crate::record::columns::not_written;
+use crate::record::series::FLUSH_EVERY;
 use crate::record::target;
 pub use vtkhdf::GROUP;
 use vtkhdf::VtkHdf;
 
-/// Wall time between two flushes: what a kill may cost.
-const FLUSH_EVERY: Duration = Duration::from_secs(1);
+/// Endings of the names of a result's fields and of their XDMF.
+pub const ENDINGS: [&str; 2] = ["vtkhdf", "xdmf"];
 
 /// Where the fields of a result are: with the ending `.vtkhdf`, and the XDMF with `.xdmf`.
 pub fn paths(result: &Path) -> [PathBuf; 2] {
-    ["vtkhdf", "xdmf"].map(|ending| result.with_extension(ending))
+    ENDINGS.map(|ending| target::companion(result, ending))
 }
 
 /// Tells whether the fields of a result can be written, as [`target::check_writable`] does.
 ///
 /// # Errors
-/// [`Error::Io`] with the reason; also where the result itself has one of their names.
+/// [`Error::Io`] with the reason.
 pub fn check_writable(result: &Path) -> Result<()> {
     let [fields, xdmf] = paths(result);
-    if [&fields, &xdmf].contains(&&result.to_owned()) {
-        return Err(Error::io(result, "is the name of the fields: the result needs another one, as with .h5"));
-    }
     if xdmf.is_dir() {
         return Err(Error::io(&xdmf, "is a folder"));
     }
@@ -76,11 +74,15 @@ impl FieldWriter {
     pub fn continued(result: &Path, grid: &Grid, (from, end): (&Path, f64)) -> Result<Self> {
         let ([earlier, _], [path, xdmf]) = (paths(from), paths(result));
         let part = target::part(&target::resolved(&path))?;
-        fs::copy(&earlier, &part).map_err(|e| Error::io(&earlier, e))?;
-        let file = VtkHdf::reopen(&part, grid, end).map_err(|e| {
+        let copied = fs::copy(&earlier, &part).map_err(|e| Error::io(&earlier, e)).and_then(|_| {
+            let reopened = VtkHdf::reopen(&part, grid, end);
+            reopened.map_err(|e| Error::io(&earlier, format!("its fields do not go on: {e}")))
+        });
+        if copied.is_err() {
+            // The error in hand says more than one of the removal would.
             let _ = fs::remove_file(&part);
-            Error::io(&earlier, format!("its fields do not go on: {e}"))
-        })?;
+        }
+        let file = copied?;
         Ok(Self { path, xdmf, part: Some(part), file, flushed: None })
     }
 
@@ -100,12 +102,21 @@ impl FieldWriter {
     pub fn flush(&mut self) -> Result<()> {
         self.file.flush().map_err(|e| not_written(&self.path, &e))?;
         if let Some(part) = &self.part {
-            fs::rename(part, target::resolved(&self.path)).map_err(|e| Error::io(&self.path, e))?;
+            target::take_name(part, &target::resolved(&self.path)).map_err(|e| Error::io(&self.path, e))?;
             self.part = None;
         }
         xdmf::write(&self.xdmf, &self.path, &self.file)?;
         self.flushed = Some(Instant::now());
         Ok(())
+    }
+
+    /// The same, so that it outlives a loss of power too.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when writing fails.
+    pub fn sync(&mut self) -> Result<()> {
+        self.flush()?;
+        target::synced(&self.path).map_err(|e| Error::io(&self.path, e))
     }
 }
 

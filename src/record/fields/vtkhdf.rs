@@ -113,6 +113,21 @@ impl VtkHdf {
         if root.dataset("Points")?.shape() != [points, 3] || data[0].shape()[0] < times.len() * points {
             return Err("it is of another grid, or lacks frames".into());
         }
+        // Frames behind that time are none of this run's.
+        let frames = times.len();
+        for dataset in &data {
+            dataset.resize((frames * points, 3))?;
+        }
+        for name in ["Values", "PartOffsets", "NumberOfParts", "PointOffsets"] {
+            steps.dataset(name)?.resize(frames)?;
+        }
+        for name in ["CellOffsets", "ConnectivityIdOffsets"] {
+            steps.dataset(name)?.resize((frames, 1))?;
+        }
+        for (name, ..) in FIELDS {
+            steps.dataset(&format!("PointDataOffsets/{name}"))?.resize(frames)?;
+        }
+        steps.attr("NSteps")?.write_scalar(&(frames as i64))?;
         let Grid { shape, order, .. } = *grid;
         Ok(Self { file, data, steps, shape, order, cells: [grid.cells.len() / each, each], points, times })
     }

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use crate::element::Shape;
 use crate::error::{Error, Result};
+use crate::record::target;
 
 use super::vtkhdf::{FIELDS, GROUP, VtkHdf};
 
@@ -15,7 +16,7 @@ use super::vtkhdf::{FIELDS, GROUP, VtkHdf};
 /// [`Error::Io`].
 pub fn write(path: &Path, fields: &Path, file: &VtkHdf) -> Result<()> {
     let name = fields.file_name().unwrap_or_default().to_string_lossy();
-    let part = path.with_extension(format!("{}.part", std::process::id()));
+    let part = target::part(path)?;
     let text = Text { name: escaped(&name), file }.to_string();
     let written = fs::write(&part, text).and_then(|()| fs::rename(&part, path));
     if written.is_err() {

@@ -1,0 +1,87 @@
+//! Values of all ranks on rank 0, and from there to all.
+
+use mpi::datatype::{Partition, PartitionMut};
+use mpi::traits::{Communicator, Root};
+use petsc_wrap::Comm;
+
+use crate::agree::broadcast;
+use crate::impact::checkpoint::Checkpoint;
+
+/// The values of all ranks, in their order, on rank 0; nothing elsewhere. Collective.
+pub fn gathered(comm: &Comm, values: &[f64]) -> Vec<f64> {
+    let root = comm.mpi().process_at_rank(0);
+    let Some((counts, starts)) = shares(comm, values.len()) else {
+        root.gather_varcount_into(values);
+        return Vec::new();
+    };
+    let mut all = vec![0.0; counts.iter().sum::<i32>() as usize];
+    root.gather_varcount_into_root(values, &mut PartitionMut::new(&mut all[..], counts, starts));
+    all
+}
+
+/// What rank 0 has, to all ranks: of vectors over nodes each its part, so many values of those of all ranks in their order; of others
+/// everything. Collective.
+pub fn shared(comm: &Comm, whole: Option<Checkpoint>, part: Option<usize>) -> Checkpoint {
+    let Checkpoint { vectors, numbers } = whole.unwrap_or_default();
+    let names =
+        |names: Vec<&str>| -> Vec<String> { broadcast(comm, 0, names.join("\n")).lines().map(str::to_owned).collect() };
+    let of_numbers = names(numbers.keys().map(String::as_str).collect());
+    let mut values: Vec<f64> = numbers.into_values().collect();
+    values.resize(of_numbers.len(), 0.0);
+    comm.mpi().process_at_rank(0).broadcast_into(&mut values[..]);
+    let of_vectors = names(vectors.keys().map(String::as_str).collect());
+    let vector = |name: String| {
+        let all = vectors.get(&name).map_or(&[][..], Vec::as_slice);
+        let mine = match part {
+            Some(count) => scattered(comm, all, count),
+            None => whole_to_all(comm, all),
+        };
+        (name, mine)
+    };
+    Checkpoint {
+        vectors: of_vectors.into_iter().map(vector).collect(),
+        numbers: of_numbers.into_iter().zip(values).collect(),
+    }
+}
+
+/// This rank's share of what rank 0 has, so many values. Collective.
+fn scattered(comm: &Comm, all: &[f64], count: usize) -> Vec<f64> {
+    let root = comm.mpi().process_at_rank(0);
+    let mut mine = vec![0.0; count];
+    match shares(comm, count) {
+        Some((counts, starts)) => {
+            root.scatter_varcount_into_root(&Partition::new(all, counts, starts), &mut mine[..]);
+        }
+        None => root.scatter_varcount_into(&mut mine[..]),
+    }
+    mine
+}
+
+/// What rank 0 has, on every rank. Collective.
+fn whole_to_all(comm: &Comm, values: &[f64]) -> Vec<f64> {
+    let root = comm.mpi().process_at_rank(0);
+    let mut count = values.len();
+    root.broadcast_into(&mut count);
+    let mut all = values.to_vec();
+    all.resize(count, 0.0);
+    root.broadcast_into(&mut all[..]);
+    all
+}
+
+/// How many values each rank has, and where they begin among those of all, on rank 0; nothing elsewhere. Collective.
+fn shares(comm: &Comm, count: usize) -> Option<(Vec<i32>, Vec<i32>)> {
+    let (root, count) = (comm.mpi().process_at_rank(0), count as i32);
+    if !comm.is_root() {
+        root.gather_into(&count);
+        return None;
+    }
+    let mut counts = vec![0; comm.size()];
+    root.gather_into_root(&count, &mut counts[..]);
+    let starts = counts.iter().scan(0, |next, count| {
+        let start = *next;
+        *next += count;
+        Some(start)
+    });
+    let starts = starts.collect();
+    Some((counts, starts))
+}

@@ -1,0 +1,122 @@
+//! The checkpoints that a run keeps of itself.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use petsc_wrap::Comm;
+
+use crate::error::Result;
+use crate::impact::checkpoint::{Carrier, Checkpoint};
+use crate::impact::step::Step;
+use crate::model::Simulation;
+use crate::record::checkpoint::Kept;
+use crate::record::episodes::Episodes;
+use crate::record::series::SeriesWriter;
+use crate::scene::{Scene, Vec3};
+
+use super::collect::gathered;
+use super::recording::Recording;
+use super::summary::Summary;
+use super::tell;
+
+/// When checkpoints are due, and what they are written with.
+pub struct Keeping {
+    comm: Comm,
+    result: PathBuf,
+    scene: String,
+    /// This rank's nodes.
+    nodes: Option<Vec<Vec3>>,
+    /// All of them on rank 0, once a checkpoint was kept.
+    all_nodes: Option<Vec<Vec3>>,
+    steps: Option<usize>,
+    time: Option<Duration>,
+    last: Instant,
+    is_due: bool,
+}
+
+impl Keeping {
+    /// Checkpoints of a simulation of the scene of this text, beside its result.
+    pub fn new(comm: &Comm, (scene, text): (&Scene, &str), result: &Path, impact: &Simulation) -> Self {
+        Self {
+            comm: comm.clone(),
+            result: result.to_owned(),
+            scene: text.to_owned(),
+            nodes: impact.nodes().map(<[_]>::to_vec),
+            all_nodes: None,
+            steps: scene.output.checkpoint_steps,
+            time: scene.output.checkpoint_minutes.map(|minutes| Duration::from_secs_f64(60.0 * minutes)),
+            last: Instant::now(),
+            is_due: false,
+        }
+    }
+
+    /// Whether the clock of this rank says that one is due.
+    pub fn is_due_by_time(&self) -> bool {
+        self.time.is_some_and(|time| self.last.elapsed() >= time)
+    }
+
+    /// A step was taken; `late` is whether a clock asks for one, the same on all ranks.
+    pub fn step(&mut self, step: &Step, late: bool) {
+        self.is_due |= late || (step.number > 0 && self.steps.is_some_and(|steps| step.number.is_multiple_of(steps)));
+    }
+
+    /// Keeps a checkpoint, if one is due or the run is `interrupted` here, with what rank 0 has recorded. A checkpoint that cannot be written
+    /// is told and ends nothing: the last one is still there. Collective.
+    ///
+    /// # Errors
+    /// PETSc's; on rank 0 those of the series, which is written before.
+    pub fn settled(
+        &mut self,
+        record: Option<(&mut SeriesWriter, Option<&mut Recording>, &mut Summary)>,
+        interrupted: bool,
+        checkpoint: &mut dyn FnMut() -> Result<Checkpoint>,
+    ) -> Result<()> {
+        if !(std::mem::take(&mut self.is_due) || interrupted) {
+            return Ok(());
+        }
+        self.last = Instant::now();
+        let Checkpoint { vectors, mut numbers } = checkpoint()?;
+        let mut all = Checkpoint::default();
+        for (name, values) in vectors {
+            let values = if self.nodes.is_some() { gathered(&self.comm, &values) } else { values };
+            all.vectors.insert(name, values);
+        }
+        if let (Some(nodes), None) = (&self.nodes, &self.all_nodes) {
+            self.all_nodes = Some(gathered(&self.comm, nodes.as_flattened()).as_chunks().0.to_vec());
+        }
+        let Some((writer, recording, summary)) = record else { return Ok(()) };
+        // What it goes on from is on the disk before it.
+        recording.map_or(Ok(()), Recording::sync)?;
+        writer.sync()?;
+        let mut of_record = Checkpoint::default();
+        let mut known = (writer.episodes().clone(), *summary);
+        carry(&mut writer.rows(), &mut known, &mut Carrier::to(&mut of_record))?;
+        numbers.append(&mut of_record.numbers);
+        all.numbers = numbers;
+        let begin = Instant::now();
+        let kept = Kept {
+            scene: self.scene.clone(),
+            run_id: writer.run_id(),
+            time: summary.end(),
+            nodes: self.all_nodes.clone().unwrap_or_default(),
+            checkpoint: all,
+        };
+        match kept.write(&self.result) {
+            Ok(()) => tracing::info!(seconds = begin.elapsed().as_secs_f64(), "checkpoint"),
+            Err(error) => tell(format_args!("note: no checkpoint was kept: {error}")),
+        }
+        Ok(())
+    }
+}
+
+/// What rank 0 knows of a run beside its state, to a checkpoint or from it.
+///
+/// # Errors
+/// Those of [`Carrier`].
+pub fn carry(rows: &mut usize, (episodes, summary): &mut (Episodes, Summary), carrier: &mut Carrier) -> Result<()> {
+    carrier.within("record", |carrier| {
+        carrier.count("rows", rows)?;
+        episodes.carry(carrier)?;
+        summary.carry(carrier, episodes.last())
+    })
+}
