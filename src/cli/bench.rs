@@ -21,8 +21,7 @@ use super::provenance::provenance;
 /// A scene, where its runs are kept, and whether to leave off.
 pub struct Bench<'a> {
     comm: &'a Comm,
-    /// The scene's file, for what is relative to it, and its text.
-    scene: (&'a Path, &'a Source),
+    source: &'a Source,
     /// On rank 0.
     folder: Option<(PathBuf, Folder)>,
     interrupted: Rc<dyn Fn() -> bool>,
@@ -33,17 +32,12 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// [`Error::Output`] where that cannot be made.
-    pub fn new(
-        comm: &'a Comm,
-        scene: (&'a Path, &'a Source),
-        folder: &Path,
-        interrupted: Rc<dyn Fn() -> bool>,
-    ) -> Result<Self> {
+    pub fn new(comm: &'a Comm, source: &'a Source, folder: &Path, interrupted: Rc<dyn Fn() -> bool>) -> Result<Self> {
         let folder = &folder.join(program());
         let made =
             if comm.is_root() { Folder::create(folder).map(|made| Some((folder.to_owned(), made))) } else { Ok(None) };
         let folder = agree(comm, made.map_err(|error| error.to_string())).map_err(Error::Output)?;
-        Ok(Self { comm, scene, folder, interrupted })
+        Ok(Self { comm, source, folder, interrupted })
     }
 
     /// What comes of some settings of a method, run a few times where it is `repeated`; `None` where it was interrupted. Collective.
@@ -51,12 +45,12 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// What is no fault of the settings.
     pub fn outcome(&self, method: &str, settings: &[String], repeated: bool) -> Result<Option<Outcome>> {
-        let (path, source) = self.scene;
-        let (scene, source) = match Scene::from_text(path, source.text(), settings) {
-            Ok(scene) => scene,
-            Err(Error::Scene(error)) => return Ok(Some(Err(error.to_string()))),
-            Err(error) => return Err(error),
-        };
+        let (scene, source) =
+            match Scene::within(self.source.name(), self.source.folder(), self.source.text(), settings) {
+                Ok(scene) => scene,
+                Err(Error::Scene(error)) => return Ok(Some(Err(error.to_string()))),
+                Err(error) => return Err(error),
+            };
         let name = file_name(method, settings);
         if let Some(outcome) = self.kept(&name, (&scene, &source), repeated)? {
             return Ok(Some(outcome));

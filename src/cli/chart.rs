@@ -31,7 +31,7 @@ pub fn chart(comm: &Comm, arguments: &Chart) -> Result<i32> {
         return Err(Error::Usage(format!("--budget {}: a number of seconds", arguments.budget)));
     }
     let (given, source) = load(comm, &arguments.scene, &arguments.overrides)?;
-    let (scene, source) = Scene::from_text(&arguments.scene, source.text(), &cleared(&given))?;
+    let (scene, source) = Scene::within(source.name(), source.folder(), source.text(), &cleared(&given))?;
     let ladder = Ladder::new(&scene);
     let methods = selected(ladder.methods(), &arguments.only)?;
     let (peers, known) = read(comm, arguments, scene.impactor.mass)?;
@@ -41,7 +41,7 @@ pub fn chart(comm: &Comm, arguments: &Chart) -> Result<i32> {
     let interrupt = Rc::new(Interrupt::on_signals());
     let (asked, ranks) = (interrupt, comm.clone());
     let place = arguments.output.join("runs");
-    let bench = Bench::new(comm, (&arguments.scene, &source), &place, Rc::new(move || asked.is_raised(&ranks)))?;
+    let bench = Bench::new(comm, &source, &place, Rc::new(move || asked.is_raised(&ranks)))?;
 
     let all = methods.iter().map(|method| method.rungs.len()).sum();
     let mut progress = comm.is_root().then(|| Items::new(all, "runs"));

@@ -212,24 +212,6 @@ fn print_cost(body: &Body, method: &Method, plan: &Plan, (entries, boundary): (f
     let vectors = if matches!(plan, Plan::Equal { .. }) { 30.0 } else { 100.0 } * 8.0 * body.unknowns() as f64;
     // For products: one triangle of K, and M by node.
     let products = 0.6 * entries;
-    let factor = match linear {
-        Linear::Cholesky(factor) => factor,
-        Linear::None => {
-            let matrices = ENTRY * (2.0 * entries + products + boundary) + vectors;
-            say(format_args!("solver     none: every unknown by itself"));
-            return say(format_args!("memory     about {:.0} MB over all ranks", 1e-6 * matrices));
-        }
-        Linear::Multigrid => {
-            let sizes = if matches!(plan, Plan::Equal { .. }) { 1.0 } else { 5.0 };
-            let operators = sizes * OF_MULTIGRID[usize::from(body.comm().size() > 1)] * entries;
-            let matrices = ENTRY * (2.0 * entries + products + boundary + operators) + vectors;
-            say(format_args!(
-                "solver     condensed Newton: one solve and a scalar equation a step; conjugate gradients with multigrid (GAMG), since a \
-                 factor would take more: {entries:.2e} entries in K"
-            ));
-            return say(format_args!("memory     about {:.0} MB over all ranks", 1e-6 * matrices));
-        }
-    };
     // K, M and S; in the full method also Ŝ and the Newton matrix; three dense ones for pads.
     let (name, matrices, dense) = match method {
         Method::Condensed => ("condensed Newton: one solve and a scalar equation a step".to_owned(), 3.0, 0.0),
@@ -242,6 +224,23 @@ fn print_cost(body: &Body, method: &Method, plan: &Plan, (entries, boundary): (f
             )
         }
         Method::Full => ("full Newton (SNES) with the block aaᵀ".to_owned(), 5.0, 0.0),
+    };
+    let factor = match linear {
+        Linear::Cholesky(factor) => factor,
+        Linear::None => {
+            let matrices = ENTRY * (2.0 * entries + products + boundary) + vectors;
+            say(format_args!("solver     none: every unknown by itself"));
+            return say(format_args!("memory     about {:.0} MB over all ranks", 1e-6 * matrices));
+        }
+        Linear::Multigrid => {
+            let sizes = if matches!(plan, Plan::Equal { .. }) { 1.0 } else { 5.0 };
+            let operators = sizes * OF_MULTIGRID[usize::from(body.comm().size() > 1)] * entries;
+            let matrices = ENTRY * (2.0 * entries + products + boundary + operators) + sizes * dense + vectors;
+            say(format_args!(
+                "solver     {name}; conjugate gradients with multigrid (GAMG), since a factor would take more: {entries:.2e} entries in K"
+            ));
+            return say(format_args!("memory     about {:.0} MB over all ranks", 1e-6 * matrices));
+        }
     };
     // In chosen steps those in contact, those of the error estimate, and the larger ones out of contact.
     let (factors, note) = match plan {

@@ -176,10 +176,11 @@ pub fn go_on(
     let wrong = |why| named(format!("does not go on this body: {why}"));
     let whole = agree(comm, whole.transpose().map_err(wrong)).map_err(Error::Output)?;
     let part = shared(comm, whole, mine.map(|nodes| 3 * nodes.len()));
-    impact.resume(&part).map_err(|error| match error {
-        Error::Output(why) => Error::Output(named(why)),
-        other => other,
-    })?;
+    let resumed = match impact.resume(&part) {
+        Err(Error::Output(why)) => Err(named(why)),
+        other => Ok(other?),
+    };
+    agree(comm, resumed).map_err(Error::Output)?;
     Ok(past)
 }
 

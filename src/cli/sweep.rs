@@ -90,7 +90,7 @@ fn property_of(key: &str) -> Option<Property> {
 
 /// A member, its scene checked.
 fn task(arguments: &Sweep, source: &Source, grid: &Grid, index: usize) -> Result<Task> {
-    let varied = Scene::varied(&arguments.scene, source, &grid.values(index));
+    let varied = Scene::varied(source, &grid.values(index));
     let (mut scene, source) = varied.map_err(|error| error.remarked(&grid.name(index)))?;
     // A sweep's file has neither.
     (scene.output.fields, scene.output.probes) = (None, Vec::new());

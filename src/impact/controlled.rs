@@ -26,6 +26,7 @@ use super::observer::Observer;
 use super::pair::Pair;
 use super::reading::Reader;
 use super::setting::Setting;
+use super::state::Moment;
 use super::step::Step;
 use super::trajectory::{Trajectory, at};
 
@@ -77,6 +78,13 @@ pub struct Resumed {
     pair: Pair,
     /// Until when (s) the smallest steps are taken.
     careful: f64,
+}
+
+impl Resumed {
+    /// The moment.
+    pub(super) fn moment(&self) -> &Moment {
+        &self.pair.fine.now
+    }
 }
 
 /// What a first guess of the step in contact is, s.

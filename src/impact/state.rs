@@ -178,6 +178,14 @@ impl Moment {
         numbers.into_iter().try_for_each(|(name, number)| carrier.number(name, number))
     }
 
+    /// How far aᵀu on a body that every rank has all of is from the one that is kept, over the size of its terms.
+    pub(super) fn misfit(&self, body: &Body) -> Result<f64> {
+        let (a, u) = (body.localization.vector.read()?, self.state.u.read()?);
+        let terms = || a.iter().zip(u.iter()).map(|(a, u)| a * u);
+        let size: f64 = terms().map(f64::abs).sum();
+        Ok(if size > 0.0 { (terms().sum::<f64>() - self.surface).abs() / size } else { 0.0 })
+    }
+
     /// Becomes a copy of another moment of the same body.
     pub(super) fn copy_from(&mut self, other: &Self) -> Result<()> {
         let (state, from) = (&mut self.state, &other.state);

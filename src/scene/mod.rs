@@ -102,13 +102,13 @@ impl Scene {
         }
     }
 
-    /// The scene of the file at `path`, whose text is `source`, with `values` (each `KEY=VALUE`) of a sweep written into it.
+    /// The scene of `source`, with `values` (each `KEY=VALUE`) of a sweep written into it.
     ///
     /// # Errors
     /// Everything that is wrong in the values, or in the scene with them.
-    pub fn varied(path: &Path, source: &Source, values: &[String]) -> Result<(Self, Source), SceneError> {
+    pub fn varied(source: &Source, values: &[String]) -> Result<(Self, Source), SceneError> {
         let source = source.varied(values)?;
-        Ok((check::scene(&source, path.parent().unwrap_or(Path::new("")))?, source))
+        Ok((check::scene(&source, source.folder())?, source))
     }
 
     /// The scene in `text`, called `name` in messages; a mesh file is relative to the current folder.

@@ -37,7 +37,7 @@ impl Source {
 
     /// This scene with one member's values of a sweep written into it.
     pub(super) fn varied(&self, values: &[String]) -> Result<Self, SceneError> {
-        Self::with(&self.name, &self.text, values, "--vary")
+        Ok(Self::with(&self.name, &self.text, values, "--vary")?.of_folder(&self.folder))
     }
 
     fn with(name: &str, text: &str, overrides: &[String], option: &'static str) -> Result<Self, SceneError> {
