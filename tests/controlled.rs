@@ -5,10 +5,16 @@ mod glass;
 #[path = "common/start.rs"]
 mod start;
 
+use std::cell::Cell;
+use std::ops::ControlFlow;
 use std::process::ExitCode;
+use std::rc::Rc;
 
 use glass::{plate, sides};
 use petsc_wrap::{Comm, Session};
+use ricochet::Error;
+use ricochet::impact::Observer;
+use ricochet::impact::checkpoint::Checkpoint;
 use ricochet::impact::step::Step;
 use ricochet::record::episodes::{Episode, Episodes};
 use start::{run, start};
@@ -19,7 +25,14 @@ fn session() -> Session {
 
 /// On one rank: other tests show that the series are the same on several.
 fn main() -> ExitCode {
-    mpi_test::run(&[1], session, &[("the_tolerance_is_met_with_fewer_solves", the_tolerance_is_met_with_fewer_solves)])
+    mpi_test::run(
+        &[1],
+        session,
+        &[
+            ("the_tolerance_is_met_with_fewer_solves", the_tolerance_is_met_with_fewer_solves),
+            ("an_interruption_between_steps_has_a_checkpoint", an_interruption_between_steps_has_a_checkpoint),
+        ],
+    )
 }
 
 /// The paper's plate of 0.04 m on a coarse mesh: the error meant is that of the steps.
@@ -101,4 +114,71 @@ fn the_tolerance_is_met_with_fewer_solves(session: &Session) {
             assert!(controlled.solves < solves, "{} solves, {solves} by fixed steps", controlled.solves);
         }
     }
+}
+
+/// Takes steps, and the checkpoint where the run is interrupted.
+#[derive(Default)]
+struct Keeper {
+    series: Vec<Step>,
+    kept: Option<Checkpoint>,
+}
+
+impl Observer for Keeper {
+    fn step(&mut self, step: &Step) -> Result<ControlFlow<()>, Error> {
+        self.series.push(*step);
+        Ok(ControlFlow::Continue(()))
+    }
+
+    fn settled(
+        &mut self,
+        interrupted: bool,
+        checkpoint: &mut dyn FnMut() -> Result<Checkpoint, Error>,
+    ) -> Result<(), Error> {
+        if interrupted {
+            assert!(self.kept.replace(checkpoint()?).is_none(), "one end, one checkpoint");
+        }
+        Ok(())
+    }
+}
+
+/// Whenever a run is asked to end, also where it is asked between its steps and not after one, it hands over a checkpoint of the last step
+/// that it has told, and goes on from there bit for bit; while the first contact may still be taken back there is none.
+fn an_interruption_between_steps_has_a_checkpoint(session: &Session) {
+    let world = session.world();
+    let new = || start(&world, &plate(PLATE, "end = 8e-3", &sides(1e9, 0.0))).1;
+    let asked = Rc::new(Cell::new(0));
+    // Asked to end at the n-th time that it asks, with what went before.
+    let watched = |resumed: Option<&Checkpoint>, at: usize| {
+        let (mut impact, mut keeper) = (new(), Keeper::default());
+        if let Some(checkpoint) = resumed {
+            impact.resume(checkpoint).unwrap();
+        }
+        asked.set(0);
+        let asked = asked.clone();
+        impact.set_interrupt(move || {
+            asked.set(asked.get() + 1);
+            asked.get() == at
+        });
+        let flow = impact.run_watched(&mut keeper).unwrap();
+        drop(impact);
+        world.collect_garbage().unwrap();
+        (flow, keeper)
+    };
+    let (flow, whole) = watched(None, usize::MAX);
+    assert!(flow.is_continue() && whole.kept.is_none());
+    let all = asked.get();
+    let mut gone_on = 0;
+    for part in 1..12 {
+        let (flow, Keeper { mut series, kept }) = watched(None, all * part / 12);
+        assert!(flow.is_break() && series.len() < whole.series.len());
+        let Some(checkpoint) = kept else { continue };
+        let (flow, rest) = watched(Some(&checkpoint), usize::MAX);
+        assert!(flow.is_continue());
+        series.extend(rest.series);
+        assert!(series == whole.series, "interrupted at {part}/12");
+        gone_on += 1;
+    }
+    println!("{gone_on} of 11 gone on, asked {all} times over {} steps", whole.series.len());
+    // The first contact, taken again in smaller steps, is the longer part.
+    assert!(gone_on >= 4, "{gone_on}");
 }

@@ -2,6 +2,8 @@
 
 #[path = "common/program.rs"]
 mod program;
+#[path = "common/restarts.rs"]
+mod restarts;
 #[path = "common/results.rs"]
 mod results;
 
@@ -9,64 +11,27 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use program::{BOX, LIMIT, Outcome, ricochet, run, send, start};
-use results::{column, difference, folder, good, is_complete, words};
-use tempfile::TempDir;
+use program::{BOX, LIMIT, ricochet, run, send, start};
+use restarts::{check_alike, interrupted, refused, scene};
+use results::{column, difference, folder, good, words};
 
-/// As [`BOX`] with the condensed step, some thousands of steps of it.
-fn scene(more: &str) -> String {
-    BOX.replace("newton = \"full\"", "newton = \"condensed\"").replace("end = 1e-3", "end = 0.1") + more
-}
+/// Of the largest value, what other numbers of ranks may change: they sum in another order, 1e-16 of the largest terms a step, and several
+/// contacts make more of it: up to 6e-9 was seen.
+const RANKS: f64 = 1e-7;
 
-const SERIES: [&str; 5] = ["time", "impactor/velocity", "contact/force", "energy/total", "energy/numerical"];
-
-/// Starts a run, ends it by a signal when its checkpoint is there, and tells how it ended. (mpirun hands SIGUSR1 on, and ends itself and
-/// its ranks at SIGTERM.)
-fn interrupted(folder: &TempDir, ranks: usize, line: &str, signal: &str) -> Outcome {
-    let checkpoint = folder.path().join("out.checkpoint.h5");
-    let before = fs::metadata(&checkpoint).and_then(|file| file.modified()).ok();
-    let started = start(ricochet(folder.path(), ranks).args(words(line)));
-    let begin = Instant::now();
-    while fs::metadata(&checkpoint).and_then(|file| file.modified()).ok() == before {
-        assert!(begin.elapsed() < LIMIT, "no checkpoint");
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    send(signal, &started.child.id().to_string());
-    let outcome = started.wait(LIMIT);
-    assert_eq!(outcome.status, Some(130), "{line}: {outcome:#?}");
-    assert!(!is_complete(&folder.path().join("out.h5")));
-    outcome
-}
-
-/// What two results have alike, by the largest difference of a series over its peak.
-fn check_alike(path: &Path, whole: &Path, tolerance: f64) {
-    assert!(is_complete(path));
-    let names = |group: &'static str, names: &[&str]| {
-        names.iter().map(move |name| format!("{group}/{name}")).collect::<Vec<_>>()
-    };
-    let contacts = names("contacts", &["start", "end", "peak_force", "peak_time", "impulse"]);
-    let [part, whole] = [path, whole].map(|path| hdf5_metno::File::open(path).unwrap());
-    let read = |file: &hdf5_metno::File, name: &str| -> Vec<f64> { file.dataset(name).unwrap().read_raw().unwrap() };
-    let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-    for name in names("series", &SERIES).into_iter().chain(contacts) {
-        let [part, of_whole] = [&part, &whole].map(|file| read(file, &name));
-        // What the scheme made is rounding in some.
-        let scale =
-            largest(&if name.ends_with("numerical") { read(&whole, "series/energy/total") } else { of_whole.clone() });
-        let apart = part.iter().zip(&of_whole).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
-        let same = part.len() == of_whole.len() && apart <= tolerance * scale;
-        assert!(same, "{name}: {} and {} values, {apart:e} of {scale:e} apart", part.len(), of_whole.len());
-    }
-}
-
-/// Ended by a signal and gone on with, bit for bit the run that was not ended: every scheme, dampers, pads, chosen steps, a basis.
+/// Ended by a signal and gone on with, bit for bit the run that was not ended: every scheme, dampers, pads, loads, supports that are moved,
+/// chosen steps, a basis.
 #[test]
 fn restarted_series_are_those_of_one_run() {
     let damper = "\n[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e8\ndamping = 1e4\n";
     let pad = "\n[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nstiffness = 1e9\nnormal = [0, 0, -1]\n";
+    let load = "\n[load]\nbody_force = [0, 0, -2.5e4]\n[[load.traction]]\nsurface = \"top\"\nvalue = [1e3, 0, -1e4]\n";
+    let moved = "\n[[support]]\nsurface = \"side\"\nkind = \"clamped\"\ndisplacement = [0, 0, 1e-5]\n";
     let cases = [
         ("newmark", "", "--set time.scheme=newmark --set output.every=3"),
         ("a damper", damper, "--set time.scheme=generalized-alpha"),
+        ("loads", load, "--set time.scheme=newmark"),
+        ("a support that is moved", moved, "--set time.scheme=energy"),
         ("a pad", pad, "--set time.scheme=energy --set time.end=0.02"),
         ("explicit", "", "--set time.scheme=central-difference --set time.step=1e-6 --set time.end=0.01"),
         ("chosen steps", damper, "--set time.step= --set time.scheme=newmark"),
@@ -83,8 +48,8 @@ fn restarted_series_are_those_of_one_run() {
         let rows = column(&folder.path().join("out.h5"), "time").len();
         let outcome = good(&folder, 0, &format!("run scene.toml --restart out.h5 {settings}"));
         assert!(outcome.stderr.contains("on from t = "), "{name}: {outcome:#?}");
-        println!("{name}: ended after {rows} rows");
-        check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), tolerance);
+        let apart = check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), tolerance);
+        println!("{name}: ended after {rows} rows, {apart:e} apart");
         assert!(!folder.path().join("out.checkpoint.h5").exists(), "{name}: a checkpoint of a complete run");
     }
 }
@@ -101,20 +66,19 @@ fn probes_and_fields_go_on() {
         good(&folder, 0, &format!("run scene.toml --restart out.h5 -o more.h5 {step}"));
         good(&folder, 2, &format!("run scene.toml --restart out.h5 {step}"));
         for name in ["more.h5", "out.h5"] {
-            let [part, whole] =
-                [name, "whole.h5"].map(|name| hdf5_metno::File::open(folder.path().join(name)).unwrap());
-            let steps = "VTKHDF/Steps/Values";
-            for dataset in [
-                "series/probe/under/displacement",
-                "series/probe/under/principal_stress",
-                "VTKHDF/PointData/velocity",
-                steps,
-            ] {
+            let [path, whole] = [name, "whole.h5"].map(|name| folder.path().join(name));
+            let mut most = check_alike(&path, &whole, RANKS);
+            let [part, whole] = [path, whole].map(|path| hdf5_metno::File::open(path).unwrap());
+            for dataset in
+                ["Steps/Values", "PointData/displacement", "PointData/velocity", "PointData/principal_stress"]
+            {
                 let [part, whole]: [Vec<f64>; 2] =
-                    [&part, &whole].map(|file| file.dataset(dataset).unwrap().read_raw().unwrap());
-                // Two ranks and one.
-                assert!(difference(&part, &whole) < 1e-7, "{name}: {dataset}: {:e}", difference(&part, &whole));
+                    [&part, &whole].map(|file| file.dataset(&format!("VTKHDF/{dataset}")).unwrap().read_raw().unwrap());
+                let apart = difference(&part, &whole);
+                assert!(apart <= RANKS, "{name}: {dataset}: {apart:e}");
+                most = most.max(apart);
             }
+            println!("probes and fields, {step:?}, {name}: {most:e} apart");
         }
     }
 }
@@ -126,8 +90,9 @@ fn the_full_newton_goes_on_within_its_tolerance() {
     good(&folder, 0, "run scene.toml -o whole.h5");
     interrupted(&folder, 0, "run scene.toml -o out.h5 --set output.checkpoint_steps=50", "TERM");
     good(&folder, 0, "run scene.toml --restart out.h5");
-    // 1e-10 of the largest force a step, over some thousand of them; two contacts apart they have grown.
-    check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), 1e-7);
+    // 1e-10 of the largest force a step at most, and mostly far less: 3e-13 was seen.
+    let apart = check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), 1e-9);
+    println!("the full Newton's method: {apart:e} apart");
 }
 
 /// One rank, two, three and one again: nodes are known by where they lie.
@@ -143,7 +108,45 @@ fn ranks_may_change() {
         interrupted(&folder, 2, &line("--restart out.h5"), "USR1");
         interrupted(&folder, 3, &line("--restart out.h5"), "USR1");
         good(&folder, 1, &line("--restart out.h5"));
-        check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), 1e-7);
+        let apart = check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), RANKS);
+        println!("ranks, {settings:?}: {apart:e} apart");
+    }
+}
+
+/// A small basis is the same on other ranks but for rounding and goes on there; the last vectors of a larger one are rounding in part: it goes
+/// on only where it was made.
+#[test]
+fn a_basis_goes_on_where_it_is_the_same() {
+    let damper = "\n[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e8\ndamping = 1e4\n";
+    let scene = scene(damper).replace("[4, 4, 1]", "[8, 8, 1]").replace("step = 2e-5", "step = 2e-6");
+    let folder = folder(&scene.replace("end = 0.1", "end = 0.02"));
+    for (vectors, is_same) in [(10, true), (40, false)] {
+        let settings = format!("--set body.reduction={vectors} --set time.scheme=newmark");
+        good(&folder, 0, &format!("run scene.toml -o whole.h5 {settings}"));
+        interrupted(
+            &folder,
+            0,
+            &format!("run scene.toml -o out.h5 {settings} --set output.checkpoint_steps=2000"),
+            "TERM",
+        );
+        let restart = format!("run scene.toml --restart out.h5 {settings}");
+        let tolerance = if is_same {
+            good(&folder, 2, &restart);
+            RANKS
+        } else {
+            let before = fs::read(folder.path().join("out.h5")).unwrap();
+            let outcome = run(ricochet(folder.path(), 2).args(words(&restart)));
+            assert_eq!(outcome.status, Some(4), "{outcome:#?}");
+            assert!(
+                outcome.stderr.contains("out.checkpoint.h5: the basis has come out with other rounding"),
+                "{outcome:#?}"
+            );
+            assert!(before == fs::read(folder.path().join("out.h5")).unwrap());
+            good(&folder, 0, &restart);
+            0.0
+        };
+        let apart = check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), tolerance);
+        println!("{vectors} vectors: {apart:e} apart");
     }
 }
 
@@ -157,18 +160,6 @@ fn the_end_and_the_file_may_change() {
     good(&folder, 0, "run scene.toml --restart out.h5 -o longer.h5 --set time.end=0.12");
     check_alike(&folder.path().join("longer.h5"), &folder.path().join("whole.h5"), 0.0);
     assert!(before == fs::read(folder.path().join("out.h5")).unwrap(), "the result that was gone on from has changed");
-}
-
-fn refused(folder: &TempDir, line: &str, status: i32, words_of: &[&str]) {
-    for ranks in [0, 2] {
-        let outcome = run(ricochet(folder.path(), ranks).args(words(line)));
-        assert_eq!(outcome.status, Some(status), "{line}: {outcome:#?}");
-        let errors: Vec<&str> = outcome.stderr.lines().filter(|line| line.contains("error: ")).collect();
-        assert_eq!(errors.len(), 1, "{line}: {outcome:#?}");
-        for word in words_of {
-            assert!(errors[0].contains(word), "{line}: {word} is not in {}", errors[0]);
-        }
-    }
 }
 
 /// What cannot go on says why, in one message, and leaves everything as it was.

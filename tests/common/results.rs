@@ -52,6 +52,7 @@ pub fn is_complete(path: &Path) -> bool {
 /// Largest difference of two series, over the largest value.
 pub fn difference(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
+    assert!(a.iter().chain(b).all(|x| x.is_finite()));
     let largest = a.iter().fold(0.0f64, |m, x| m.max(x.abs()));
     a.iter().zip(b).fold(0.0f64, |m, (x, y)| m.max((x - y).abs())) / largest
 }

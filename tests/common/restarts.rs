@@ -1,0 +1,101 @@
+//! Runs that are ended at a checkpoint, what cannot go on, and what two results have alike.
+#![allow(dead_code, reason = "not every test that shares this module uses all of it")]
+
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use hdf5_metno as hdf5;
+use tempfile::TempDir;
+
+use crate::program::{BOX, LIMIT, Outcome, ricochet, run, send, start};
+use crate::results::{is_complete, number, words};
+
+/// As [`BOX`] with the condensed step, some thousands of steps of it.
+pub fn scene(more: &str) -> String {
+    BOX.replace("newton = \"full\"", "newton = \"condensed\"").replace("end = 1e-3", "end = 0.1") + more
+}
+
+/// Starts a run, sends it a signal when there is a new checkpoint beside out.h5, and tells how it ended. (mpirun hands SIGUSR1 on, and ends
+/// itself and its ranks at SIGTERM.)
+pub fn ended(folder: &TempDir, ranks: usize, line: &str, signal: &str) -> Outcome {
+    let checkpoint = folder.path().join("out.checkpoint.h5");
+    let written = || fs::metadata(&checkpoint).and_then(|file| file.modified()).ok();
+    let before = written();
+    let started = start(ricochet(folder.path(), ranks).args(words(line)));
+    let begin = Instant::now();
+    while written().is_none_or(|now| before == Some(now)) {
+        assert!(begin.elapsed() < LIMIT, "no checkpoint");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    send(signal, &started.child.id().to_string());
+    started.wait(LIMIT)
+}
+
+/// [`ended`] in order, with a checkpoint of the last step.
+pub fn interrupted(folder: &TempDir, ranks: usize, line: &str, signal: &str) -> Outcome {
+    let outcome = ended(folder, ranks, line, signal);
+    assert_eq!(outcome.status, Some(130), "{line}: {outcome:#?}");
+    assert!(!is_complete(&folder.path().join("out.h5")));
+    outcome
+}
+
+/// [`ended`] by a kill, alone; the time of its checkpoint, s.
+pub fn killed(folder: &TempDir, line: &str) -> f64 {
+    let outcome = ended(folder, 0, line, "KILL");
+    assert_eq!(outcome.signal, Some(9), "{line}: {outcome:#?}");
+    let file = hdf5::File::open(folder.path().join("out.checkpoint.h5")).unwrap();
+    file.attr("time").unwrap().read_scalar().unwrap()
+}
+
+/// The datasets under a group, at any depth.
+fn datasets(group: &hdf5::Group) -> Vec<String> {
+    let of_groups = group.groups().unwrap().iter().flat_map(datasets).collect::<Vec<_>>();
+    group.datasets().unwrap().iter().map(|dataset| dataset.name()).chain(of_groups).collect()
+}
+
+/// What two complete results have alike: every series, those of probes too, and the contacts, to a part of each one's largest value (of
+/// energies of the total's, since some are rounding); bit for bit also what they took. Returns the largest difference.
+pub fn check_alike(path: &Path, whole: &Path, tolerance: f64) -> f64 {
+    assert!(is_complete(path) && is_complete(whole));
+    let [part, whole] = [path, whole].map(|path| hdf5::File::open(path).unwrap());
+    let read = |file: &hdf5::File, name: &str| -> Vec<f64> { file.dataset(name).unwrap().read_raw().unwrap() };
+    let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let names = |file: &hdf5::File| ["series", "contacts"].map(|group| datasets(&file.group(group).unwrap())).concat();
+    let all = names(&whole);
+    assert_eq!(names(&part), all);
+    assert!(all.len() >= 16 + 5, "{all:?}");
+    let mut most = 0.0_f64;
+    for name in all {
+        let [values, of_whole] = [&part, &whole].map(|file| read(file, &name));
+        let scale =
+            if name.contains("/energy/") { largest(&read(&whole, "series/energy/total")) } else { largest(&of_whole) };
+        assert_eq!(values.len(), of_whole.len(), "{name}");
+        for (n, (a, b)) in values.iter().zip(&of_whole).enumerate() {
+            // Not true of NaN.
+            assert!((a - b).abs() <= tolerance * scale, "{name}[{n}]: {a:e} and {b:e}, of {scale:e}");
+        }
+        if scale > 0.0 {
+            most = values.iter().zip(&of_whole).fold(most, |most, (a, b)| most.max((a - b).abs() / scale));
+        }
+    }
+    if tolerance == 0.0 {
+        for count in ["solves", "newton_iterations"] {
+            assert_eq!(number::<u64>(&part, count), number::<u64>(&whole, count), "{count}");
+        }
+    }
+    most
+}
+
+/// A command that is refused alone and on two ranks, in one message with some words.
+pub fn refused(folder: &TempDir, line: &str, status: i32, words_of: &[&str]) {
+    for ranks in [0, 2] {
+        let outcome = run(ricochet(folder.path(), ranks).args(words(line)));
+        assert_eq!(outcome.status, Some(status), "{line}: {outcome:#?}");
+        let errors: Vec<&str> = outcome.stderr.lines().filter(|line| line.contains("error: ")).collect();
+        assert_eq!(errors.len(), 1, "{line}: {outcome:#?}");
+        for word in words_of {
+            assert!(errors[0].contains(word), "{line}: {word} is not in {}", errors[0]);
+        }
+    }
+}
