@@ -131,6 +131,34 @@ fn a_run_beyond_the_limit_goes_on_in_the_next_job() {
     assert!(difference(&force("out.h5"), &force("whole.h5")) < 1e-9);
 }
 
+/// A run that ends in order without a checkpoint, as in modal coordinates, would begin anew in every job: it is not queued again, also beside
+/// an older checkpoint.
+#[test]
+fn a_run_without_a_checkpoint_is_not_queued_again() {
+    let folder = folder(BOX);
+    let path = |name: &str| folder.path().join(name);
+    for has_older in [false, true] {
+        if has_older {
+            fs::write(path("out.checkpoint.h5"), "older").unwrap();
+        }
+        let mut job = job(&folder, "requeue.sbatch", REQUEUE);
+        let run = "#!/usr/bin/env bash\ntrap 'exit 130' USR1\ntouch begun\nwhile :; do sleep 0.01; done\n";
+        fs::write(path("stand-ins/srun"), run).unwrap();
+        let started = start(&mut job);
+        let begin = Instant::now();
+        while !path("begun").exists() {
+            assert!(begin.elapsed() < LIMIT, "no run");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        send("USR1", &started.child.id().to_string());
+        let outcome = started.wait(LIMIT);
+        ended(&outcome, 130);
+        assert!(outcome.stderr.contains("no new out.checkpoint.h5"), "{outcome:#?}");
+        assert!(!path("scontrol.log").exists());
+        fs::remove_file(path("begun")).unwrap();
+    }
+}
+
 /// A job that is cancelled writes its checkpoint and does not come back by itself.
 #[test]
 fn a_cancelled_job_stays_away() {
