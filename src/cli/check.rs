@@ -80,6 +80,10 @@ fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
     head(&model, mass, Some(&plan));
     if let (true, Dynamics::Stepped(body)) = (comm.is_root(), &model.dynamics) {
         print_cost(body, &method, &plan, (entries as f64, boundary as f64), linear);
+        if scene.output.fields.is_some() {
+            let bytes = OF_FIELDS * body.unknowns() as f64 / 3.0;
+            say(format_args!("fields     about {:.0} MB more, on rank 0", 1e-6 * bytes));
+        }
     }
     Ok(())
 }
@@ -203,6 +207,9 @@ fn described(scheme: Scheme) -> String {
         Scheme::CentralDifference { .. } => "central difference with lumped mass".to_owned(),
     }
 }
+
+/// Memory for the fields of a whole body, a node of the modelled quarter, bytes: measured. Of it most is what recovers the stresses there.
+const OF_FIELDS: f64 = 4.5e3;
 
 /// Memory of an entry of a matrix: its value and its column, bytes.
 const ENTRY: f64 = (size_of::<f64>() + size_of::<Int>()) as f64;
