@@ -2,10 +2,18 @@
 
 use std::cell::OnceCell;
 use std::fs;
+use std::ops::ControlFlow;
 
-use petsc_wrap::Session;
+use petsc_wrap::{Comm, Session};
+use ricochet::cli::keeping::carry;
+use ricochet::cli::summary::Summary;
+use ricochet::impact::Observer;
+use ricochet::impact::checkpoint::{Carrier, Checkpoint};
+use ricochet::impact::step::Step;
 use ricochet::mesh::Mesh;
+use ricochet::model::{Model, Simulation};
 use ricochet::record::checkpoint::{Kept, beside};
+use ricochet::record::episodes::Episodes;
 use ricochet::scene::{Geometry, Scene};
 
 /// A good scene.
@@ -59,13 +67,106 @@ pub fn mesh(data: &[u8]) {
     });
 }
 
-/// A checkpoint.
+/// A checkpoint: as a file, and as changes of a good one that a run goes on from.
 pub fn checkpoint(data: &[u8]) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let result = folder.path().join("out.h5");
     fs::write(beside(&result), data).expect("a file in it");
-    // A whole one is gone on from by a body of a single node.
-    if let Ok(Some(kept)) = Kept::read(&result) {
-        let _ = kept.at(Some(&[[0.0; 3]]));
+    let _ = Kept::read(&result);
+    // Behind the seal nothing is let through that this program has not written: what it has is changed before.
+    let mut data = Bytes(data);
+    let scene = if data.next() % 2 == 0 { BODY.to_owned() } else { BODY.replace("step = 1e-5\n", "") };
+    let (scene, _) = Scene::parse("scene.toml", &scene, &[]).expect("a good scene");
+    let simulation = |comm: &Comm| Simulation::new(&scene, Model::new(comm, &scene)?);
+    SESSION.with(|session| {
+        let session = session.get_or_init(|| Session::start(&[]).expect("once a thread").expect("PETSc starts"));
+        let comm = session.world();
+        let mut impact = simulation(&comm).expect("a good simulation");
+        let mut keeper = Keeper(Episodes::new(scene.impactor.mass), Summary::default(), Checkpoint::default());
+        assert!(impact.run_watched(&mut keeper).expect("it runs").is_continue());
+        let nodes = impact.nodes().expect("a mesh").to_vec();
+        let mut kept =
+            Kept { scene: SCENE.to_owned(), run_id: 1, time: 1e-4, nodes: nodes.clone(), checkpoint: keeper.2 };
+        let is_good = data.0.is_empty();
+        for _ in 0..32 {
+            change(&mut kept, &mut data);
+        }
+        let written = kept.write(&result).and_then(|()| Kept::read(&result));
+        let mut resume = |kept: Kept| {
+            let (mut rows, mut past) = (0, (Episodes::new(1.0), Summary::default()));
+            let carried = carry(&mut rows, &mut past, &mut Carrier::from(&kept.checkpoint));
+            let part = kept.at(Some(&nodes)).map_err(ricochet::Error::Output);
+            carried.and(part.and_then(|part| simulation(&comm)?.resume(&part)))
+        };
+        let resumed = written.and_then(|kept| resume(kept.expect("it is there")));
+        assert!(resumed.is_ok() || !is_good, "{resumed:?}");
+        drop(impact);
+        comm.collect_garbage().expect("garbage is collected");
+    });
+}
+
+/// The smallest body, in ten steps.
+const BODY: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500\nsize = [0.5, 0.5, 0.02]\nmodel = \"solid\"\nreduction = \"none\"\n\
+                    cells = [2, 2, 1]\norder = 1\nsymmetry = \"none\"\n[impactor]\nmass = 52\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\n\
+                    speed = 1\n[contact]\nlocalization = \"point\"\n[time]\nscheme = \"newmark\"\nend = 1e-4\nstep = 1e-5\n";
+
+/// Keeps a checkpoint of every step, as a run does.
+struct Keeper(Episodes, Summary, Checkpoint);
+
+impl Observer for Keeper {
+    fn step(&mut self, step: &Step) -> Result<ControlFlow<()>, ricochet::Error> {
+        self.0.push(step);
+        self.1.step(step);
+        Ok(ControlFlow::Continue(()))
+    }
+
+    fn settled(
+        &mut self,
+        _: bool,
+        checkpoint: &mut dyn FnMut() -> Result<Checkpoint, ricochet::Error>,
+    ) -> Result<(), ricochet::Error> {
+        self.2 = checkpoint()?;
+        let mut known = (self.0.clone(), self.1);
+        carry(&mut 11, &mut known, &mut Carrier::to(&mut self.2))
+    }
+}
+
+/// Takes values off an input; zeros behind its end.
+struct Bytes<'a>(&'a [u8]);
+
+impl Bytes<'_> {
+    fn next(&mut self) -> u8 {
+        let Some((first, rest)) = self.0.split_first() else { return 0 };
+        self.0 = rest;
+        *first
+    }
+
+    fn number(&mut self) -> f64 {
+        f64::from_le_bytes(std::array::from_fn(|_| self.next()))
+    }
+}
+
+/// One change of a name, a number, a length or a node; none where the input is at its end.
+fn change(kept: &mut Kept, data: &mut Bytes) {
+    if data.0.is_empty() {
+        return;
+    }
+    let (what, which) = (data.next() % 8, usize::from(data.next()));
+    let Checkpoint { vectors, numbers } = &mut kept.checkpoint;
+    let number = numbers.keys().nth(which % numbers.len().max(1)).cloned().unwrap_or_default();
+    let vector = vectors.keys().nth(which % vectors.len().max(1)).cloned().unwrap_or_default();
+    let length = 3 * kept.nodes.len();
+    match what {
+        0 => drop(numbers.remove(&number)),
+        1 => drop(numbers.insert(number, data.number())),
+        2 => drop(numbers.insert(number, f64::from(data.next()))),
+        3 => drop(numbers.insert(format!("record.episode.{which}.start"), data.number())),
+        4 => drop(vectors.remove(&vector)),
+        5 => drop(vectors.insert(vector, vec![data.number(); (length + which).saturating_sub(128)])),
+        6 => drop(vectors.insert(vector, vec![data.number(); length])),
+        _ => match kept.nodes.get_mut(which) {
+            Some(node) => node[which % 3] = data.number(),
+            None => kept.nodes.truncate(which % 20),
+        },
     }
 }

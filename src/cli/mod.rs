@@ -6,7 +6,7 @@ pub mod check;
 mod collect;
 pub mod info;
 mod interrupt;
-mod keeping;
+pub mod keeping;
 mod load;
 mod notes;
 pub mod plot;
@@ -16,7 +16,7 @@ mod recording;
 mod restart;
 pub mod run;
 pub mod stability;
-mod summary;
+pub mod summary;
 pub mod sweep;
 
 use std::fmt;
