@@ -12,10 +12,10 @@ use hdf5_metno as hdf5;
 use program::{BOX, LIMIT, children, ricochet, send, start};
 use results::{column, folder, good, is_complete, words};
 
-/// As [`BOX`] with the condensed step: half a second with its checkpoints, which come often.
-fn scene() -> String {
-    BOX.replace("newton = \"full\"", "newton = \"condensed\"").replace("end = 1e-3", "end = 0.06")
-        + "\n[output]\ncheckpoint_steps = 200\nfields = 70\nprobes = [{ name = \"under\", point = [0.05, 0, -0.01] }]\n"
+/// As [`BOX`] with the condensed step, to an end, s: some tenths of a second with its checkpoints, which come often.
+fn scene(end: &str) -> String {
+    BOX.replace("newton = \"full\"", "newton = \"condensed\"").replace("end = 1e-3", &format!("end = {end}"))
+        + "\n[output]\ncheckpoint_steps = 60\nfields = 70\nprobes = [{ name = \"under\", point = [0.05, 0, -0.01] }]\n"
 }
 
 /// Numbers that look random, the same in every run of the test.
@@ -81,8 +81,8 @@ impl Content {
 
 /// So many kills, of runs alone (no rank) or of one of the ranks, which ends the others; to a part of the largest value of the whole run,
 /// which nobody killed.
-fn kill(ranks: usize, many: usize, tolerance: f64) {
-    let whole = folder(&scene());
+fn kill(ranks: usize, many: usize, (end, tolerance): (&str, f64)) {
+    let whole = folder(&scene(end));
     let begin = Instant::now();
     good(&whole, ranks, "run scene.toml -o out.h5");
     // On a busy machine everything takes longer, and kills come later.
@@ -91,7 +91,7 @@ fn kill(ranks: usize, many: usize, tolerance: f64) {
     let mut random = Random(4711);
     let (mut kills, mut runs, mut gone_on, mut unread) = (0, 0, 0, 0);
     while kills < many {
-        let folder = folder(&scene());
+        let folder = folder(&scene(end));
         let out = folder.path().join("out.h5");
         runs += 1;
         loop {
@@ -135,18 +135,18 @@ fn kill(ranks: usize, many: usize, tolerance: f64) {
         assert_eq!(left, ["out.h5", "out.vtkhdf", "out.xdmf", "scene.toml"]);
     }
     println!("{kills} kills in {runs} runs, {gone_on} of runs that had gone on, {unread} before the first row");
-    assert!(gone_on > many / 10 && unread < many / 2, "the moments are not spread: {gone_on}, {unread}");
+    assert!(10 * gone_on >= many && 2 * unread <= many, "the moments are not spread: {gone_on}, {unread}");
 }
 
 /// Alone, bit for bit.
 #[test]
 fn a_hundred_kills_cost_nothing() {
-    kill(0, 100, 0.0);
+    kill(0, 100, ("0.06", 0.0));
 }
 
-/// Of one of two ranks, a few, since mpirun takes seconds to end the others. Their sums come in one order, but nothing promises it: the
-/// rounding of some thousand steps.
+/// Of one of two ranks, in shorter runs, since ranks that wait for each other on a busy machine take long. Their sums come in one order, but
+/// nothing promises it: the rounding of some hundred steps.
 #[test]
 fn kills_of_a_rank_cost_nothing() {
-    kill(2, 6, 1e-9);
+    kill(2, 10, ("0.016", 1e-9));
 }
