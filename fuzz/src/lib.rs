@@ -92,7 +92,7 @@ pub fn checkpoint(data: &[u8]) {
             change(&mut kept, &mut data);
         }
         let written = kept.write(&result).and_then(|()| Kept::read(&result));
-        let mut resume = |kept: Kept| {
+        let resume = |kept: Kept| {
             let (mut rows, mut past) = (0, (Episodes::new(1.0), Summary::default()));
             let carried = carry(&mut rows, &mut past, &mut Carrier::from(&kept.checkpoint));
             let part = kept.at(Some(&nodes)).map_err(ricochet::Error::Output);

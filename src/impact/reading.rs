@@ -26,7 +26,7 @@ pub struct Readout {
 impl Readout {
     /// Whether it is this rank that has it.
     pub(super) fn is_here(&self) -> bool {
-        let probes = self.probes.as_ref().is_some_and(|(_, map)| map.len() > 0);
+        let probes = self.probes.as_ref().is_some_and(|(_, map)| !map.is_empty());
         probes || self.fields.as_ref().is_some_and(|(_, columns)| !columns.is_empty())
     }
 }
