@@ -42,10 +42,14 @@ class Run:
         return self.series["time"]
 
     def plot(self, name="impactor/acceleration", axes=None, **line):
-        """Draws a series over the time in ms, the contacts shaded; returns the axes."""
+        """Draws a series over the time in ms, one line a component, the contacts shaded; returns the axes."""
         axes = axes or plt.gca()
-        line.setdefault("label", self.attributes["title"])
-        (curve,) = axes.plot(1e3 * self.time, self.series[name], **line)
+        values = self.series[name]
+        if values.ndim == 1:
+            line.setdefault("label", self.attributes["title"])
+        else:
+            line.setdefault("label", list("123" if name.endswith("principal_stress") else "xyz"))
+        curve, *_ = axes.plot(1e3 * self.time, values, **line)
         for start, end in zip(self.contacts["start"], self.contacts["end"]):
             axes.axvspan(1e3 * start, 1e3 * end, color=curve.get_color(), alpha=0.12, linewidth=0)
         axes.set(xlabel="time (ms)", ylabel=_label(name, self.units[name]))

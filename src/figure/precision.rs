@@ -3,7 +3,7 @@
 use super::canvas::{Anchor, Canvas, Drawing, HEIGHT, Outcome, WIDTH, save};
 use super::frame::{Frame, LETTERS, SMALL, line};
 use super::scale::Scale;
-use super::stroke::{LOOKS, Stroke, stroke};
+use super::stroke::{COLOURS, LOOKS, Stroke, stroke};
 use crate::error::{Error, Result};
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
@@ -162,7 +162,7 @@ impl Precision {
             let pixels: Vec<(f64, f64)> = known.iter().map(|s| at(s.seconds, s.errors[panel])).collect();
             let points: Vec<_> = pixels.iter().map(|(x, y)| canvas.point(*x, *y)).collect();
             canvas.line(&points, &Stroke { width: 0.7 * look.width, ..look })?;
-            pixels.iter().try_for_each(|pixel| draw_mark(canvas, *pixel, method.is_foreign, look.colour))?;
+            pixels.iter().try_for_each(|pixel| draw_mark(canvas, *pixel, (method.is_foreign, n), look.colour))?;
         }
         // Above all lines.
         for (n, method) in self.methods.iter().enumerate() {
@@ -189,7 +189,7 @@ impl Precision {
         for (n, method) in self.methods.iter().enumerate() {
             let ((x, y), look) = (place(n), stroke(n, self.methods.len()));
             line(canvas, (x, y), (x + LEGEND_STROKE, y), &Stroke { width: 0.7 * look.width, ..look })?;
-            draw_mark(canvas, (x + 0.5 * LEGEND_STROKE, y), method.is_foreign, look.colour)?;
+            draw_mark(canvas, (x + 0.5 * LEGEND_STROKE, y), (method.is_foreign, n), look.colour)?;
             canvas.text(&method.label, (x + LEGEND_STROKE + 12.0, y), LEGEND_LETTERS, Anchor::Left)?;
         }
         let (x, y) = place(self.methods.len());
@@ -198,15 +198,16 @@ impl Precision {
     }
 }
 
+/// That of a method, by its number: hollow where its colour is another's already, since a lone mark has no line to tell it by.
 fn draw_mark<DB: DrawingBackend>(
     canvas: &Canvas<DB>,
     (x, y): (f64, f64),
-    is_foreign: bool,
+    (is_foreign, n): (bool, usize),
     colour: RGBColor,
 ) -> Outcome {
-    if is_foreign {
-        canvas.rectangle((x - 7.0, y - 7.0), (x + 7.0, y + 7.0), colour)
-    } else {
-        canvas.dot((x, y), 7.0, colour)
-    }
+    let parts = if n < COLOURS.len() { &[(7.0, colour)][..] } else { &[(7.0, colour), (3.5, PAPER)] };
+    parts.iter().try_for_each(|&(half, colour)| match is_foreign {
+        true => canvas.rectangle((x - half, y - half), (x + half, y + half), colour),
+        false => canvas.dot((x, y), half, colour),
+    })
 }

@@ -6,7 +6,7 @@ use plotters::style::RGBColor;
 pub(super) type Point = (i32, i32);
 
 /// Colours that stay apart for the colour-blind: Okabe and Ito (2008) without the yellow, and grey.
-const COLOURS: [RGBColor; 8] = [
+pub(super) const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),

@@ -39,6 +39,10 @@ pub fn provenance(path: &Path) -> Result<Provenance> {
 /// [`Error::Io`] as [`history`].
 pub fn origin(path: &Path) -> Result<(Provenance, Cost, bool)> {
     let file = open(path)?;
+    if file.group("series").is_err() {
+        let message = "is not a result of ricochet: it has no series. What lies beside one is told with it, as a checkpoint and fields are";
+        return Err(Error::io(path, message));
+    }
     let read = || Ok((Provenance::read(&file)?, Cost::read(&file)?, file.attr("complete")?.read_scalar()?));
     read().map_err(|e: hdf5::Error| Error::io(path, format!("is not a result of this version of ricochet: {e}")))
 }

@@ -72,7 +72,7 @@ pub fn foreign(path: &Path, mass: f64) -> Result<Vec<Foreign>> {
     let mut table = csv::Reader::from_path(path).map_err(|e| Error::io(path, e))?;
     let mut all = Vec::new();
     for (n, line) in table.deserialize::<Line>().enumerate() {
-        let line = line.map_err(|e| Error::io(path, e))?;
+        let line = line.map_err(|e| Error::io(path, fault(&e)))?;
         let wrong = |what: &str| Error::io(path, format!("line {}: {what}", n + 2));
         let seconds = match (line.seconds, line.build, line.run) {
             (Some(seconds), None, None) => [0.0, seconds],
@@ -88,13 +88,28 @@ pub fn foreign(path: &Path, mass: f64) -> Result<Vec<Foreign>> {
             }
             (None, series) if !series.is_empty() => {
                 let beside = path.parent().unwrap_or(Path::new("")).join(series);
-                Found::History(history(&beside, mass)?)
+                Found::History(history(&beside, mass).map_err(|error| wrong(&error.to_string()))?)
             }
             _ => return Err(wrong("either `error`, not negative, or `series` is to be given")),
         };
         all.push(Foreign { name: line.name, setting: line.setting, seconds, found });
     }
+    if all.is_empty() {
+        return Err(Error::io(path, "holds no runs"));
+    }
     Ok(all)
+}
+
+/// What is wrong with a line of a table, which has columns between commas.
+fn fault(error: &csv::Error) -> String {
+    match error.kind() {
+        csv::ErrorKind::Deserialize { pos, err } => {
+            let line = pos.as_ref().map_or(1, csv::Position::line);
+            let column = err.field().map_or(String::new(), |field| format!("column {}: ", field + 1));
+            format!("line {line}: {column}{}", err.kind())
+        }
+        _ => error.to_string(),
+    }
 }
 
 /// A series: a result of ricochet, or a table of `time` and `acceleration`; `mass` (kg) is the impactor's.
@@ -110,7 +125,7 @@ pub fn history(path: &Path, mass: f64) -> Result<History> {
     let mut table = csv::Reader::from_path(path).map_err(|e| Error::io(path, e))?;
     let (mut time, mut acceleration) = (Vec::new(), Vec::new());
     for row in table.deserialize::<Row>() {
-        let row = row.map_err(|e| Error::io(path, e))?;
+        let row = row.map_err(|e| Error::io(path, fault(&e)))?;
         if !(row.time.is_finite() && row.acceleration.is_finite()) || time.last().is_some_and(|last| *last >= row.time)
         {
             return Err(Error::io(

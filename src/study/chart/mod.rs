@@ -154,7 +154,12 @@ pub fn runs(methods: &[Method], budget: f64, bench: &mut Bench, told: &mut dyn F
         told(1);
     }
     for (method, progress) in methods.iter().zip(&all).filter(|(_, progress)| progress.left > 0) {
-        runs.left_out.push(format!("{}: its {} finest, for the time that they take", method.name, progress.left));
+        let which = if progress.left == method.rungs.len() {
+            "all".to_owned()
+        } else {
+            format!("its {} finest", progress.left)
+        };
+        runs.left_out.push(format!("{}: {which}, for the time that they take", method.name));
         told(progress.left);
     }
     Ok(runs)
