@@ -245,6 +245,11 @@ fn a_result_knows_its_mesh() {
     fs::rename(folder.path().join("out.h5"), folder.path().join("elsewhere/out.h5")).unwrap();
     good(&folder, 0, "run elsewhere/out.h5 -o again.h5");
     check_alike(&folder.path().join("again.h5"), &folder.path().join("elsewhere/out.h5"), 0.0);
+    // From another folder too, and as a sweep.
+    for line in ["run out.h5 -o again.h5", "sweep out.h5 --vary impactor.speed=1,2 -o speeds.h5"] {
+        let outcome = run(ricochet(&folder.path().join("elsewhere"), 0).args(words(line)));
+        assert_eq!(outcome.status, Some(0), "{line}: {outcome:#?}");
+    }
     let mut text = fs::read(folder.path().join("plate.msh")).unwrap();
     text.push(b'\n');
     fs::write(folder.path().join("plate.msh"), text).unwrap();

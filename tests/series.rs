@@ -287,6 +287,7 @@ fn creation_replaces_an_older_result_only_when_it_succeeds() {
     // A run that fails before its first step replaces nothing, and a scene that HDF5 cannot hold neither.
     check_writable(&old).unwrap();
     drop(SeriesWriter::create(&old, &provenance("new", None)).unwrap());
+    SeriesWriter::create(&old, &provenance("new", None)).unwrap().finish(&COST, false).unwrap();
     assert!(SeriesWriter::create(&old, &provenance("a\0b", None)).is_err());
     assert_eq!(fs::read(&old).unwrap(), bytes);
     let link = folder.path().join("link.h5");

@@ -1,5 +1,7 @@
 //! Where a result comes from, as it is written beside it.
 
+use std::path::Path;
+
 use petsc_wrap::{Comm, options, petsc_version};
 
 use crate::error::Result;
@@ -22,7 +24,8 @@ pub fn provenance(
         run_id: new_run_id(),
         title: scene.title.clone(),
         scene: source.text().to_owned(),
-        folder: std::path::absolute(source.folder().join(""))
+        // From the current folder on, which a scene in it has no name for.
+        folder: std::path::absolute(Path::new(".").join(source.folder()).join(""))
             .map(|path| path.display().to_string())
             .unwrap_or_default(),
         mesh_digest: mesh_digest(scene),
