@@ -14,8 +14,8 @@ use crate::model::{self, Model, Simulation};
 use crate::scene::Scene;
 use crate::study::history::{History, Recorder};
 
-/// Repetitions at most, and the time after which there are no more, s.
-const MOST: usize = 5;
+/// Repetitions that will do where they take so long, s, and the time after which there are no more, s.
+const WILL_DO: (usize, f64) = (5, 0.3);
 const ENOUGH: f64 = 3.0;
 
 /// What came of a setting.
@@ -102,12 +102,13 @@ pub fn time(
 
 /// Whether so many repetitions that have taken so long, s, are enough: an odd number, of which there is a median.
 fn is_enough(count: usize, spent: f64) -> bool {
-    count % 2 == 1 && (count >= MOST || spent > ENOUGH)
+    count % 2 == 1 && (count >= WILL_DO.0 && spent > WILL_DO.1 || spent > ENOUGH)
 }
 
 /// What all repetitions of a run of so many seconds take, s.
 pub fn spent(seconds: f64) -> f64 {
-    let all = |count: usize| count as f64 * seconds;
+    // (A clock may tell nothing of the shortest.)
+    let all = |count: usize| count as f64 * seconds.max(1e-6);
     (1..)
         .map(|count| (count, all(count)))
         .find(|(count, spent)| is_enough(*count, *spent))
