@@ -44,7 +44,7 @@ pub struct Fitted {
     pub gauge: Option<Gauge>,
 }
 
-/// Reduces a body, and [refines](refine) it. Collective.
+/// Reduces a body on its cells, then a body of splines in modal coordinates on finer ones where these leave too much. Collective.
 ///
 /// # Errors
 /// Those of [`reduce`] and [`build`].
