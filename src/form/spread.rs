@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::disc::hertz_wave;
+use super::disc::{hertz_wave, pressure_rule};
 
 /// The lowest m.
 const LOWEST: usize = 3;
@@ -48,6 +48,18 @@ impl Spread {
         let inside = (1.0 - square).max(0.0);
         let powers = (LOWEST..).zip(self.weights).map(|(m, w)| w * m as f64 * inside.powi(m as i32 - LOWEST as i32));
         powers.sum::<f64>() * inside.powf(LOWEST as f64 - 1.5) / 1.5
+    }
+
+    /// Points and weights of p over a disc of a radius within a grid (m), with total 1 where the grid holds all of it: for each coordinate along
+    /// the first axis, those along the second.
+    pub fn strips(&self, centre: [f64; 2], radius: f64, lines: [&[f64]; 2]) -> Vec<(f64, Vec<(f64, f64)>)> {
+        let one = |(point, weight): &([f64; 2], f64)| {
+            let [x, y] = [0, 1].map(|i| (point[i] - centre[i]) / radius);
+            (point[1], weight * self.over_hertz(x * x + y * y))
+        };
+        let points = pressure_rule(centre, radius, lines);
+        let strips = points.chunk_by(|(p, _), (q, _)| p[0] == q[0]);
+        strips.map(|strip| (strip[0].0[0], strip.iter().map(one).collect())).collect()
     }
 
     /// Mean displacement of a half-space under p, weighted by p, over that under Hertz's pressure over R: ∫P² dξ over (3π/5)/R.
@@ -115,7 +127,6 @@ fn overlap(m: usize, n: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::form::pressure_rule;
 
     const RATIOS: [f64; 5] = [1.0, 0.7, 0.5, 0.3, 0.0];
 

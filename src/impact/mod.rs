@@ -275,6 +275,9 @@ impl Impact {
             trajectory.read(reader)?;
             gate.check(&step).map_err(|error| at(error, number, time))?;
             flow = observer.step(&step)?;
+            if flow.is_continue() && (self.interrupted)() {
+                flow = ControlFlow::Break(());
+            }
             observer.settled(flow.is_break(), &mut || {
                 let mut checkpoint = Checkpoint::default();
                 self.carry(&mut Carrier::to(&mut checkpoint))?;

@@ -49,8 +49,7 @@ pub struct Fitted {
 /// # Errors
 /// Those of [`reduce`] and [`build`].
 pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators) -> Result<Fitted> {
-    let rough = unrefined(comm, scene, built)?;
-    refine(comm, scene, theory, rough)
+    refine(comm, scene, theory, unrefined(comm, scene, built)?)
 }
 
 /// Reduces a body on the cells that it has. Collective.

@@ -5,7 +5,7 @@ use nalgebra_sparse::CsrMatrix;
 use super::frame::Frame;
 use crate::form::elastic::{VOLUME, displacement};
 use crate::form::tensor::{Along, Linear, Square, Tensor};
-use crate::form::{Spline, Spread, pressure_rule};
+use crate::form::{Spline, Spread};
 use crate::scene::{Scene, SupportKind, Vec3, faces};
 
 /// A place, and a value by component there.
@@ -130,17 +130,12 @@ impl Terms<'_> {
         let (frame, plane) = (self.frame, self.frame.plane());
         let centre = plane.map(|axis| frame.hit[axis]);
         let mut a = vec![0.0; self.tensor.unknowns()];
-        let points = pressure_rule(centre, disc, plane.map(|axis| &self.lines[axis][..]));
-        for strip in points.chunk_by(|(p, _), (q, _)| p[0] == q[0]) {
+        for (x, line) in spread.strips(centre, disc, plane.map(|axis| &self.lines[axis][..])) {
             let mut place = frame.hit;
-            place[plane[0]] = strip[0].0[0];
-            let one = |(point, weight): &([f64; 2], f64)| {
-                let [x, y] = [0, 1].map(|i| (point[i] - centre[i]) / disc);
-                (point[1], frame.copies() * weight * spread.over_hertz(x * x + y * y))
-            };
-            let line: Vec<(f64, f64)> = strip.iter().map(one).collect();
+            place[plane[0]] = x;
             for (component, d) in self.scene.impactor.direction.into_iter().enumerate().filter(|(_, d)| *d != 0.0) {
-                self.tensor.add_line((displacement(component), d), (place, plane[1]), &line, &mut a);
+                let part = (displacement(component), frame.copies() * d);
+                self.tensor.add_line(part, (place, plane[1]), &line, &mut a);
             }
         }
         a

@@ -6,7 +6,6 @@ use super::boundary::{Boundary, Clamp, Place, Spring};
 use super::frame::Frame;
 use super::{Local, Theory};
 use crate::form::plate::{AREA, DEFLECTION, Section, deflection, rotation};
-use crate::form::pressure_rule;
 use crate::form::tensor::{Linear, Part, Square, Tensor};
 
 /// A plate's discretisation, with what lives on it.
@@ -123,13 +122,10 @@ impl Site<'_> {
         let [x, y] = self.lines;
         let of_stretch = reading * self.section.thickness.powi(2);
         let parts = [(deflection([0, 0]), 1.0), (rotation(0, [1, 0]), of_stretch), (rotation(1, [0, 1]), of_stretch)];
-        for strip in pressure_rule(self.frame.hit, *radius, [x, y]).chunk_by(|(p, _), (q, _)| p[0] == q[0]) {
-            let one = |(point, weight): &([f64; 2], f64)| {
-                let [x, y] = [0, 1].map(|i| (point[i] - self.frame.hit[i]) / radius);
-                (point[1], copies * weight * spread.over_hertz(x * x + y * y))
-            };
-            let line: Vec<(f64, f64)> = strip.iter().map(one).collect();
-            parts.into_iter().for_each(|part| self.tensor.add_line(part, (strip[0].0, 1), &line, &mut a));
+        for (x, line) in spread.strips(self.frame.hit, *radius, [x, y]) {
+            for (part, factor) in parts {
+                self.tensor.add_line((part, copies * factor), ([x, 0.0], 1), &line, &mut a);
+            }
         }
         a
     }

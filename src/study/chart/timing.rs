@@ -73,7 +73,7 @@ pub fn time(
         let mut steps = Vec::new();
         let flow = simulation.run(|step| {
             steps.push(*step);
-            Ok(if interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+            Ok(ControlFlow::Continue(()))
         })?;
         runs.push(start.elapsed().as_secs_f64() - built);
         builds.push(built);
