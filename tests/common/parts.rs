@@ -1,8 +1,5 @@
 //! Small bodies of each kind of element, with their lumped mass and largest frequency.
 
-#[path = "bricks.rs"]
-mod bricks;
-
 use std::path::Path;
 
 use petsc_wrap::Comm;
@@ -11,6 +8,8 @@ use ricochet::contact::{Hertz, hertz};
 use ricochet::element::Shape;
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
+
+use crate::bricks;
 
 pub const DENSITY: f64 = 2500.0;
 pub const YOUNG: f64 = 70e9;

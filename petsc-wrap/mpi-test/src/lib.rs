@@ -1,95 +1,160 @@
-//! Tests that run under `mpirun` on several numbers of ranks.
+//! Tests that run under `mpirun` on several numbers of ranks, with the command line of `cargo test` (names, filters, `--list`).
 //!
-//! MPI and PETSc can be initialised once a process, so the threads of `cargo test` are of no use to them. A test file
-//! with `harness = false` calls [`run`]: started by cargo it starts itself again under `mpirun -n N` for every N, and
-//! there it calls each test in turn on all ranks.
+//! MPI can be initialised once a process, so the threads of the standard harness are of no use to such tests. A test program with
+//! `harness = false` describes its tests as a [`Suite`]. Each test becomes one trial for every number of ranks, such as
+//! `vectors::dot::on_2_ranks`. The program starts itself again under `mpirun -n 2` when the first such trial is due; these
+//! processes then wait, without using the processor, for the names of further tests ([`worker`](self)). A filter that matches nothing
+//! starts no mpirun.
 
-use std::any::Any;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::process::{Command, ExitCode};
-use std::time::Instant;
+mod cores;
+mod launch;
+mod message;
+mod pool;
+mod times;
+mod worker;
 
-/// Set for the processes under `mpirun`.
-const CHILD: &str = "MPI_TEST_CHILD";
+use std::process::ExitCode;
+use std::sync::Arc;
 
-/// A named test; `T` is what [`run`]'s `start` makes once a process.
+use libtest_mimic::{Arguments, Trial};
+
+pub use launch::mpirun;
+
+use cores::Cores;
+use pool::Pool;
+
+/// A named test of what [`Suite::new`]'s `start` makes once a process.
 pub type Test<T> = (&'static str, fn(&T));
 
-/// Runs the tests whose name contains the first argument that is not a flag (all without one) on each number of ranks.
-///
-/// A panic on any rank fails that number of ranks.
-pub fn run<T>(ranks: &[usize], start: fn() -> T, tests: &[Test<T>]) -> ExitCode {
-    let filter = std::env::args().skip(1).find(|arg| !arg.starts_with('-'));
-    let selected: Vec<&Test<T>> =
-        tests.iter().filter(|(name, _)| filter.as_ref().is_none_or(|f| name.contains(f.as_str()))).collect();
-    if std::env::var_os(CHILD).is_some() { child(start, &selected) } else { parent(ranks, selected.len()) }
+/// A named test that runs in the test program itself, without MPI.
+pub type PlainTest = (&'static str, fn());
+
+/// Tests by their own names: `tests![a, b]` is `[("a", a), ("b", b)]`.
+#[macro_export]
+macro_rules! tests {
+    ($($name:ident),* $(,)?) => { &[$((stringify!($name), $name)),*] };
 }
 
-/// `mpirun -n ranks`, made fit for machines with fewer cores than ranks, for containers and for root.
-pub fn mpirun(ranks: usize) -> Command {
-    let mut command = Command::new("mpirun");
-    command
-        .args(["-n", &ranks.to_string()])
-        .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
-        .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
-        .env("OMPI_MCA_rmaps_base_oversubscribe", "1")
-        .env("OMPI_MCA_hwloc_base_binding_policy", "none")
-        .env("OMPI_MCA_mpi_yield_when_idle", "1")
-        .env("OMPI_MCA_btl_vader_single_copy_mechanism", "none")
-        .env("OMP_NUM_THREADS", "1");
-    command
+/// Tests of one module that run on the same numbers of ranks.
+struct Group<T: 'static> {
+    module: &'static str,
+    ranks: &'static [usize],
+    tests: &'static [Test<T>],
+    is_long: bool,
 }
 
-fn parent(ranks: &[usize], selected: usize) -> ExitCode {
-    let program = std::env::current_exe().expect("the path of the test program");
-    let begin = Instant::now();
-    let (mut passed, mut failed) = (0, 0);
-    for &n in ranks {
-        println!("\nrunning {selected} tests on {n} rank(s)");
-        let status = mpirun(n).arg(&program).args(std::env::args().skip(1)).env(CHILD, "1").status();
-        match status {
-            Ok(status) if status.success() => passed += selected,
-            Ok(_) => failed += 1,
-            Err(error) => {
-                eprintln!("mpirun cannot be started: {error}");
-                failed += 1;
+/// The tests of a program.
+pub struct Suite<T: 'static> {
+    start: fn() -> T,
+    between: fn(&T),
+    groups: Vec<Group<T>>,
+}
+
+impl<T> Suite<T> {
+    /// A suite whose processes each call `start` once, before their first test.
+    pub fn new(start: fn() -> T) -> Self {
+        Self { start, between: |_| (), groups: Vec::new() }
+    }
+
+    /// Calls `tidy` on all ranks after each test.
+    pub fn between(self, tidy: fn(&T)) -> Self {
+        Self { between: tidy, ..self }
+    }
+
+    /// Adds the tests of a module, to be run on each of these numbers of ranks.
+    pub fn group(mut self, module: &'static str, ranks: &'static [usize], tests: &'static [Test<T>]) -> Self {
+        self.groups.push(Group { module, ranks, tests, is_long: false });
+        self
+    }
+
+    /// As [`Suite::group`], for tests that take long: they are ignored unless `--include-ignored` or `--ignored` is given.
+    pub fn long_group(mut self, module: &'static str, ranks: &'static [usize], tests: &'static [Test<T>]) -> Self {
+        self.groups.push(Group { module, ranks, tests, is_long: true });
+        self
+    }
+
+    /// Runs what the command line selects; under `mpirun`, this process's part of it.
+    pub fn run(self) -> ExitCode {
+        let tests = self.groups.iter().flat_map(|group| {
+            group.tests.iter().map(|(name, test)| worker::Named { name: full_name(group.module, name), test: *test })
+        });
+        if let Some(role) = worker::Role::of_this_process() {
+            return worker::work(&role, self.start, self.between, &tests.collect::<Vec<_>>());
+        }
+        let arguments = Arguments::from_args();
+        let pool = Arc::new(Pool::new(Cores::of_this_machine(), arguments.nocapture));
+        let mut due: Vec<(usize, Trial)> = Vec::new();
+        for group in &self.groups {
+            for (name, _) in group.tests {
+                for &ranks in group.ranks {
+                    let (pool, test) = (Arc::clone(&pool), full_name(group.module, name));
+                    let name = format!("{test}::on_{ranks}_rank{}", if ranks == 1 { "" } else { "s" });
+                    let timed = name.clone();
+                    let trial = Trial::test(name, move || times::timed(&timed, || pool.run(ranks, &test)));
+                    due.push((ranks, trial.with_ignored_flag(group.is_long)));
+                }
             }
         }
+        // Tests on few ranks first: those that fill the machine do not wait for one that does not.
+        due.sort_by_key(|(ranks, _)| *ranks);
+        let outcome = libtest_mimic::run(&arguments, due.into_iter().map(|(_, trial)| trial).collect());
+        drop(pool);
+        outcome.exit_code()
     }
-    let word = if failed == 0 { "ok" } else { "FAILED" };
-    println!(
-        "\ntest result: {word}. {passed} passed; {failed} failed; 0 ignored; 0 measured; 0 filtered out; finished in {:.2}s\n",
-        begin.elapsed().as_secs_f64()
-    );
-    ExitCode::from(u8::from(failed > 0))
 }
 
-fn child<T>(start: fn() -> T, tests: &[&Test<T>]) -> ExitCode {
-    let context = start();
-    for (name, test) in tests {
-        if let Err(panic) = catch_unwind(AssertUnwindSafe(|| test(&context))) {
-            eprintln!("test {name} FAILED on rank {}: {}", rank(), text(&*panic));
-            // The other ranks may wait in a collective call: mpirun ends them when this one dies.
-            std::process::exit(101);
-        }
-        if rank() == "0" {
-            println!("test {name} ... ok");
-        }
+fn full_name(module: &str, name: &str) -> String {
+    if module.is_empty() { name.to_owned() } else { format!("{module}::{name}") }
+}
+
+/// Runs tests of one file on each of these numbers of ranks.
+pub fn run<T: 'static>(ranks: &'static [usize], start: fn() -> T, tests: &'static [Test<T>]) -> ExitCode {
+    Suite::new(start).group("", ranks, tests).run()
+}
+
+/// Why a test cannot run here, if so: most often a tool that is not installed.
+pub type Missing = Option<String>;
+
+/// Tests that run in the test program itself: the same command line and the same report of times, and groups that say at run time why
+/// they are ignored.
+#[derive(Default)]
+pub struct PlainSuite {
+    trials: Vec<Trial>,
+}
+
+impl PlainSuite {
+    /// Adds the tests of a module.
+    pub fn group(self, module: &'static str, tests: &'static [PlainTest]) -> Self {
+        self.add(module, tests, None)
     }
-    ExitCode::SUCCESS
-}
 
-fn rank() -> String {
-    ["OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"]
-        .into_iter()
-        .find_map(|name| std::env::var(name).ok())
-        .unwrap_or_else(|| "0".to_owned())
-}
+    /// As [`PlainSuite::group`], for tests that take long: they are ignored unless `--include-ignored` or `--ignored` is given.
+    pub fn long_group(self, module: &'static str, tests: &'static [PlainTest]) -> Self {
+        self.add(module, tests, Some("long".to_owned()))
+    }
 
-fn text(panic: &(dyn Any + Send)) -> &str {
-    panic
-        .downcast_ref::<String>()
-        .map(String::as_str)
-        .or_else(|| panic.downcast_ref::<&str>().copied())
-        .unwrap_or("panic")
+    /// As [`PlainSuite::group`], for tests that need what may be missing: they are then ignored, and say why.
+    pub fn group_unless(self, missing: Missing, module: &'static str, tests: &'static [PlainTest]) -> Self {
+        self.add(module, tests, missing)
+    }
+
+    fn add(mut self, module: &'static str, tests: &'static [PlainTest], ignored: Missing) -> Self {
+        self.trials.extend(tests.iter().map(|&(name, test)| {
+            let name = full_name(module, name);
+            let timed = name.clone();
+            let trial = Trial::test(name, move || {
+                times::timed(&timed, || {
+                    test();
+                    Ok(())
+                })
+            });
+            trial.with_ignored_flag(ignored.is_some()).with_kind(ignored.clone().unwrap_or_default())
+        }));
+        self
+    }
+
+    /// Runs what the command line selects.
+    pub fn run(self) -> ExitCode {
+        libtest_mimic::run(&Arguments::from_args(), self.trials).exit_code()
+    }
 }

@@ -1,0 +1,19 @@
+//! The command that starts programs under MPI.
+
+use std::process::Command;
+
+/// `mpirun -n ranks`, made fit for machines with fewer cores than ranks, for containers and for root.
+pub fn mpirun(ranks: usize) -> Command {
+    let mut command = Command::new("mpirun");
+    command
+        .args(["-n", &ranks.to_string()])
+        .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
+        .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+        .env("OMPI_MCA_rmaps_base_oversubscribe", "1")
+        .env("OMPI_MCA_hwloc_base_binding_policy", "none")
+        // A rank that waits for a message lets others work: without it, three ranks on two cores take turns of the scheduler's length.
+        .env("OMPI_MCA_mpi_yield_when_idle", "1")
+        .env("OMPI_MCA_btl_vader_single_copy_mechanism", "none")
+        .env("OMP_NUM_THREADS", "1");
+    command
+}

@@ -1,0 +1,181 @@
+//! The ranks of a test program: started when they are first needed, kept for the next test.
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::process::{Child, Stdio};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use libtest_mimic::Failed;
+use tempfile::TempDir;
+
+use crate::cores::Cores;
+use crate::launch::mpirun;
+use crate::message::{Order, Report, receive, send};
+use crate::worker::ROLE;
+
+/// Longer than any test takes on a busy machine.
+const LIMIT: Duration = Duration::from_secs(900);
+
+/// Longer than mpirun takes to start and to end.
+const STARTUP: Duration = Duration::from_secs(120);
+
+/// Ranks that wait for a test, by their number.
+pub struct Pool {
+    cores: Cores,
+    /// Whether output is shown at once, and not of failed tests alone.
+    shows_output: bool,
+    idle: Mutex<HashMap<usize, Vec<Ranks>>>,
+}
+
+impl Pool {
+    /// None so far.
+    pub fn new(cores: Cores, shows_output: bool) -> Self {
+        Self { cores, shows_output, idle: Mutex::default() }
+    }
+
+    /// Runs a test on so many ranks, once there are cores for them.
+    pub fn run(&self, count: usize, test: &str) -> Result<(), Failed> {
+        self.cores.with(count, || {
+            let waiting = self.idle().get_mut(&count).and_then(Vec::pop);
+            let mut ranks = match waiting {
+                Some(ranks) => ranks,
+                None => {
+                    Ranks::start(count, self.shows_output).map_err(|error| format!("mpirun -n {count}: {error}"))?
+                }
+            };
+            ranks.run(test)?;
+            self.idle().entry(count).or_default().push(ranks);
+            Ok(())
+        })
+    }
+
+    fn idle(&self) -> std::sync::MutexGuard<'_, HashMap<usize, Vec<Ranks>>> {
+        self.idle.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Processes of this program under one mpirun.
+struct Ranks {
+    mpirun: Child,
+    connections: Vec<Connection>,
+    /// What they print, where it is not shown at once.
+    output: Option<File>,
+    _folder: TempDir,
+}
+
+struct Connection {
+    rank: usize,
+    reports: BufReader<UnixStream>,
+}
+
+impl Ranks {
+    fn start(count: usize, shows_output: bool) -> io::Result<Self> {
+        let folder = tempfile::tempdir()?;
+        let socket = folder.path().join("orders");
+        let listener = UnixListener::bind(&socket)?;
+        let mut command = mpirun(count);
+        command.arg(std::env::current_exe()?).env(ROLE, &socket).stdin(Stdio::null());
+        let mut output = None;
+        if !shows_output {
+            let path = folder.path().join("output");
+            let file = File::create(&path)?;
+            command.stdout(file.try_clone()?).stderr(file);
+            output = Some(File::open(path)?);
+        }
+        let mut ranks = Self { mpirun: command.spawn()?, connections: Vec::new(), output, _folder: folder };
+        listener.set_nonblocking(true)?;
+        let begin = Instant::now();
+        while ranks.connections.len() < count {
+            match listener.accept() {
+                Ok((stream, _)) => ranks.connections.push(Connection::new(stream)?),
+                Err(error) if error.kind() != io::ErrorKind::WouldBlock => return Err(error),
+                Err(_) if ranks.mpirun.try_wait()?.is_some() || begin.elapsed() > STARTUP => {
+                    return Err(io::Error::other(format!("no ranks came up\n{}", ranks.printed())));
+                }
+                Err(_) => std::thread::sleep(Duration::from_millis(5)),
+            }
+        }
+        Ok(ranks)
+    }
+
+    /// Runs a test on all of them; they are gone where it fails.
+    fn run(&mut self, test: &str) -> Result<(), Failed> {
+        if let Some(output) = &mut self.output {
+            output.seek(SeekFrom::End(0)).map_err(|error| error.to_string())?;
+        }
+        for connection in &mut self.connections {
+            send(&Order::Run(test.to_owned()), connection.reports.get_mut()).map_err(|error| error.to_string())?;
+        }
+        let mut failures = Vec::new();
+        for Connection { rank, reports } in &mut self.connections {
+            match receive(reports) {
+                Ok(Some(Report::Passed)) => {}
+                Ok(Some(Report::Failed { message })) => failures.push(format!("rank {rank}: {message}")),
+                // Ended with the one that failed, or by itself.
+                Ok(_) => failures.push(format!("rank {rank} ended")),
+                Err(error) => failures.push(format!("rank {rank}: no answer within {LIMIT:?} ({error})")),
+            }
+            if !failures.is_empty() {
+                break;
+            }
+        }
+        if failures.is_empty() {
+            return Ok(());
+        }
+        // The rank that failed may not be the one that was heard first.
+        self.end();
+        for Connection { rank, reports } in &mut self.connections {
+            if let Ok(Some(Report::Failed { message })) = receive(reports) {
+                failures.push(format!("rank {rank}: {message}"));
+            }
+        }
+        Err(format!("{}\n{}", failures.join("\n"), self.printed()).into())
+    }
+
+    /// Waits for mpirun, which ends when a rank fails, but not for ever.
+    fn end(&mut self) {
+        let begin = Instant::now();
+        while begin.elapsed() < Duration::from_secs(10) {
+            if !matches!(self.mpirun.try_wait(), Ok(None)) {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let _ = self.mpirun.kill();
+        let _ = self.mpirun.wait();
+    }
+
+    fn printed(&mut self) -> String {
+        let mut text = Vec::new();
+        if let Some(output) = &mut self.output {
+            let _ = output.read_to_end(&mut text);
+        }
+        String::from_utf8_lossy(&text).into_owned()
+    }
+}
+
+impl Connection {
+    fn new(stream: UnixStream) -> io::Result<Self> {
+        stream.set_nonblocking(false)?;
+        stream.set_read_timeout(Some(STARTUP))?;
+        let mut reports = BufReader::new(stream);
+        let Some(Report::Ready { rank }) = receive(&mut reports)? else {
+            return Err(io::Error::other("a rank ended before its first word"));
+        };
+        reports.get_ref().set_read_timeout(Some(LIMIT))?;
+        Ok(Self { rank, reports })
+    }
+}
+
+impl Drop for Ranks {
+    fn drop(&mut self) {
+        // Their orders end, and so do they.
+        self.connections.iter().for_each(|connection| {
+            let _ = connection.reports.get_ref().shutdown(std::net::Shutdown::Write);
+        });
+        self.end();
+    }
+}

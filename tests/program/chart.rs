@@ -1,0 +1,173 @@
+//! `ricochet chart`: methods timed and measured, peers beside them, and runs that are not done twice.
+
+use mpi_test::{PlainTest, tests};
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use assert_cmd::Command;
+
+pub const TESTS: &[PlainTest] =
+    tests![errors_fall_and_peers_are_measured, a_killed_chart_goes_on, what_is_wrong_is_told, a_reference_may_be_given];
+
+/// A small plate that flies off after one short contact.
+const SCENE: &str = "title = \"Ball on a plate\"\n[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.2, 0.2, 0.01]\n\
+    [impactor]\nmass = 0.05\nradius = 0.02\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n[time]\nend = 4e-4\n";
+
+fn ricochet(folder: &Path) -> Command {
+    let mut command = Command::cargo_bin("ricochet").expect("the program");
+    command.current_dir(folder).env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
+    command
+}
+
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("ball.toml"), SCENE).unwrap();
+    folder
+}
+
+/// The lines of a chart's table by column: method, setting, first error, and all but times.
+fn table(path: &Path) -> Vec<(String, String, f64, String)> {
+    let mut table = csv::Reader::from_path(path.join("work-precision.csv")).unwrap();
+    let line = |line: Result<csv::StringRecord, csv::Error>| {
+        let line = line.unwrap();
+        let rest: Vec<&str> =
+            line.iter().enumerate().filter(|(n, _)| !(4..7).contains(n) && *n != 14).map(|x| x.1).collect();
+        (line[0].to_owned(), line[1].to_owned(), line[7].parse().unwrap(), rest.join(","))
+    };
+    table.records().map(line).collect()
+}
+
+/// Errors fall with the tolerance, peers are measured by the same reference, and what was charted can be read.
+fn errors_fall_and_peers_are_measured() {
+    let folder = folder();
+    let path = folder.path();
+    // A peer that is a twentieth of the peak off: a run of our own, multiplied.
+    ricochet(path).args(["run", "ball.toml", "-o", "own.h5", "--set", "accuracy.tolerance=1e-4"]).assert().success();
+    let history = ricochet::record::read::history(&path.join("own.h5")).unwrap();
+    let rows: String =
+        history.time.iter().zip(&history.acceleration).map(|(t, a)| format!("{t:e},{:e}\n", 1.05 * a)).collect();
+    fs::write(path.join("peer.csv"), format!("time,acceleration\n{rows}")).unwrap();
+    fs::write(path.join("peers.csv"), "name,setting,build,run,series\nPeer,\"5% more, slowly\",10,20,peer.csv\n")
+        .unwrap();
+    let chart = [
+        "chart",
+        "ball.toml",
+        "-o",
+        "chart",
+        "--only",
+        "mindlin,auto,newmark",
+        "--budget",
+        "20",
+        "--with",
+        "peers.csv",
+    ];
+    ricochet(path).args(chart).assert().success();
+    let chart = path.join("chart");
+    let lines = table(&chart);
+    let errors = |method: &str| lines.iter().filter(|line| line.0 == method).map(|line| line.2).collect::<Vec<_>>();
+    // The peer's error is that of its factor; its own steps are off by less than 1e-3.
+    assert!((errors("Peer")[0] - 0.05).abs() < 2e-3, "{lines:?}");
+    let met = errors("auto").into_iter().zip([1e-1, 1e-2, 1e-3, 1e-4]).all(|(error, tolerance)| error <= tolerance);
+    assert!(met && !errors("auto").is_empty(), "{lines:?}");
+    let mindlin = errors("mindlin");
+    assert!(mindlin.len() >= 3 && mindlin[mindlin.len() - 1] < 0.1 * mindlin[0], "{mindlin:?}");
+    // Newmark's method of order two: from 20 to 60 and 200 steps a contact at the theory's own error or above.
+    let stepped = errors("mindlin/newmark");
+    assert!(stepped[1] < 0.3 * stepped[0], "{stepped:?}");
+    let summary = fs::read_to_string(chart.join("summary.md")).unwrap();
+    assert!(
+        summary.contains("# Speed against accuracy: Ball on a plate") && summary.contains("Peer: 30.0 s"),
+        "{summary}"
+    );
+    for name in ["work-precision.svg", "work-precision.png"] {
+        assert!(fs::metadata(chart.join(name)).unwrap().len() > 10_000);
+    }
+}
+
+/// Killed half-way and started again: the same table, and nothing is done twice.
+fn a_killed_chart_goes_on() {
+    let folder = folder();
+    let path = folder.path();
+    // Its errors are no matter here.
+    ricochet(path).args(["run", "ball.toml", "-o", "own.h5", "--set", "body.model=mindlin"]).assert().success();
+    let only = "mindlin,kirchhoff,mindlin/newmark";
+    let arguments = |output| ["chart", "ball.toml", "-o", output, "--only", only, "--reference", "own.h5"];
+    ricochet(path).args(arguments("whole")).assert().success();
+
+    let program = assert_cmd::cargo::cargo_bin("ricochet");
+    let mut child = std::process::Command::new(program)
+        .args(arguments("killed"))
+        .current_dir(path)
+        .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
+        .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let runs = path.join("killed/runs");
+    let kept = || -> Vec<std::path::PathBuf> {
+        let builds = fs::read_dir(&runs).into_iter().flatten().flatten();
+        let all = builds.flat_map(|build| fs::read_dir(build.path()).unwrap().flatten()).map(|entry| entry.path());
+        all.filter(|path| !path.file_name().unwrap().to_string_lossy().starts_with('.')).collect()
+    };
+    let begin = Instant::now();
+    while kept().len() < 5 {
+        assert!(begin.elapsed() < Duration::from_secs(60) && child.try_wait().unwrap().is_none(), "{:?}", kept());
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    // The last of them may have been cut off.
+    let before: Vec<_> =
+        kept().into_iter().map(|path| (fs::metadata(&path).unwrap().modified().unwrap(), path)).collect();
+    assert!(!path.join("killed/work-precision.csv").exists());
+    ricochet(path).args(arguments("killed")).assert().success();
+    let again = before.iter().filter(|(when, path)| fs::metadata(path).unwrap().modified().unwrap() != *when).count();
+    assert!(again <= 1, "{again} of {} runs were done twice", before.len());
+    // All but the times, which are in their own columns, and the front, which goes by them.
+    let [whole, killed] = ["whole", "killed"].map(|name| table(&path.join(name)));
+    assert_eq!(whole, killed);
+}
+
+fn what_is_wrong_is_told() {
+    let folder = folder();
+    let path = folder.path();
+    fs::write(path.join("bad.csv"), "name,seconds,error\nA,fast,1\n").unwrap();
+    for (arguments, status, part) in [
+        (vec!["--only", "minlin"], 2, "--only minlin: no method of this scene; there are auto, half-space"),
+        (vec!["--budget=-1"], 2, "--budget -1: a number of seconds"),
+        (vec!["--with", "bad.csv"], 4, "bad.csv"),
+        (vec!["--with", "none.csv"], 4, "none.csv"),
+        (vec!["--reference", "none.h5"], 4, "none.h5"),
+        (vec!["--set", "body.young=-1"], 2, "body.young"),
+    ] {
+        let all = ["chart", "ball.toml", "-o", "chart"].into_iter().chain(arguments.iter().copied());
+        let assert = ricochet(path).args(all).assert().code(status);
+        let text = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        assert!(text.contains(part), "{arguments:?}: {text}");
+    }
+}
+
+/// A reference that is given is the only one; bodies without modes are stepped.
+fn a_reference_may_be_given() {
+    let folder = folder();
+    let path = folder.path();
+    let pad = "[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nstiffness = 1e9\nnormal = [0, 0, -1]\n";
+    fs::write(
+        path.join("pad.toml"),
+        format!("{SCENE}{pad}").replace("[time]", "[contact]\nlocalization = \"point\"\n[time]"),
+    )
+    .unwrap();
+    let cells = ["--set", "body.cells=[6,6,1]"];
+    let fine = ["run", "pad.toml", "-o", "fine.h5", "--set", "time.step=2.5e-7", "--set", "time.scheme=energy"];
+    ricochet(path).args(fine).args(cells).assert().success();
+    let chart = ["chart", "pad.toml", "-o", "chart", "--only", "solid/energy", "--reference", "fine.h5"];
+    ricochet(path).args(chart).args(cells).assert().success();
+    let lines = table(&path.join("chart"));
+    assert!(lines.len() >= 4 && lines.iter().all(|line| line.0 == "solid/energy"), "{lines:?}");
+    // Order two, until the reference's own steps are met.
+    assert!(lines[2].2 < 0.3 * lines[0].2, "{lines:?}");
+    assert!(fs::read_to_string(path.join("chart/summary.md")).unwrap().contains("Reference: fine.h5."));
+    let build = fs::read_dir(path.join("chart/runs")).unwrap().next().unwrap().unwrap();
+    assert_eq!(fs::read_dir(build.path()).unwrap().count(), lines.len());
+}

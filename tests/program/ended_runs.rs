@@ -1,0 +1,230 @@
+//! Runs that are ended before their time: by a kill, a signal, a failure of the solver, a full disk.
+
+use crate::results;
+use mpi_test::{PlainTest, tests};
+use std::path::Path;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use crate::program::{BOX, LIMIT, Outcome, Started, children, ricochet, run, send, start};
+use crate::results::{column, folder, good, is_complete, long, words};
+use tempfile::TempDir;
+
+pub const TESTS: &[PlainTest] = tests![
+    a_killed_run_leaves_a_readable_prefix,
+    sigterm_ends_a_run_in_order,
+    sigint_ends_a_run_in_order_and_progress_is_sparse,
+    sigterm_ends_a_run_in_modal_coordinates,
+    a_signal_to_one_rank_interrupts_all,
+    a_killed_rank_ends_all,
+    a_solver_that_fails_says_where_and_the_rows_so_far_are_kept,
+    a_removed_folder_ends_a_run,
+    a_checkpoint_without_room_costs_nothing,
+    a_full_disk_is_told_in_one_line
+];
+
+/// Starts a long run and waits for its first row.
+fn begun(folder: &TempDir, ranks: usize) -> Started {
+    let started = start(ricochet(folder.path(), ranks).args(words("run scene.toml -o out.h5")));
+    let begin = Instant::now();
+    while !folder.path().join("out.h5").exists() {
+        assert!(begin.elapsed() < LIMIT, "no first row");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    started
+}
+
+/// The rows of a run that was ended are the first ones of the whole run.
+fn check_prefix(path: &Path) -> usize {
+    assert!(!is_complete(path));
+    let time = column(path, "time");
+    for (n, t) in time.iter().enumerate() {
+        assert!((t - 2e-5 * n as f64).abs() <= 1e-12 * t, "row {n} is at {t}");
+    }
+    let whole = folder(&long().replace("end = 10", "end = 2e-3"));
+    good(&whole, 0, "run scene.toml");
+    let (part, whole) = (column(path, "contact/force"), column(&whole.path().join("scene.h5"), "contact/force"));
+    let rows = time.len().min(part.len()).min(whole.len());
+    // Equal up to the rounding of another number of ranks.
+    let largest = whole.iter().fold(0.0, |m, x| f64::max(m, *x));
+    assert!((0..rows).all(|n| (part[n] - whole[n]).abs() <= 1e-9 * largest));
+    time.len()
+}
+
+fn a_killed_run_leaves_a_readable_prefix() {
+    let mut most = 0;
+    for milliseconds in [0, 40, 900, 1100, 2300] {
+        let folder = folder(&long());
+        let mut started = begun(&folder, 0);
+        std::thread::sleep(Duration::from_millis(milliseconds));
+        started.child.kill().unwrap();
+        let outcome = started.wait(LIMIT);
+        assert_eq!(outcome.signal, Some(9));
+        let rows = check_prefix(&folder.path().join("out.h5"));
+        assert!(rows >= 1);
+        most = most.max(rows);
+        // Nothing stands in the way of a next run.
+        good(&folder, 0, "run scene.toml -o out.h5 --set time.end=1e-4");
+    }
+    assert!(most > 100, "no run came far: {most} rows");
+}
+
+/// Status 130, a file that is whole up to there, and one line that says so.
+fn check_interrupted(folder: &TempDir, outcome: &Outcome) {
+    assert_eq!(outcome.status, Some(130), "{outcome:#?}");
+    let path = folder.path().join("out.h5");
+    let rows = check_prefix(&path);
+    let last = 2e-5 * (rows - 1) as f64;
+    let lines: Vec<&str> = outcome.stderr.lines().filter(|line| line.starts_with("interrupted: ")).collect();
+    assert_eq!(lines.len(), 1, "{outcome:#?}");
+    let told: f64 = lines[0].rsplit("t = ").next().unwrap().trim_end_matches(" s").parse().unwrap();
+    assert!((told - last).abs() < 1e-12, "{told} and {last}");
+    assert_eq!(column(&path, "energy/total").len(), rows);
+}
+
+fn sigterm_ends_a_run_in_order() {
+    let folder = folder(&long());
+    let started = begun(&folder, 0);
+    std::thread::sleep(Duration::from_millis(300));
+    send("TERM", &started.child.id().to_string());
+    check_interrupted(&folder, &started.wait(LIMIT));
+}
+
+/// Ended by SIGINT after its first line of progress, which is due after ten seconds.
+fn sigint_ends_a_run_in_order_and_progress_is_sparse() {
+    let folder = folder(&long());
+    let started = begun(&folder, 0);
+    std::thread::sleep(Duration::from_millis(11_500));
+    send("INT", &started.child.id().to_string());
+    let outcome = started.wait(LIMIT);
+    check_interrupted(&folder, &outcome);
+    let lines: Vec<&str> = outcome.stderr.lines().filter(|line| line.starts_with("step ")).collect();
+    assert_eq!(lines.len(), 1, "{outcome:#?}");
+    assert!(lines[0].contains(", t = ") && lines[0].ends_with(" s left"), "{lines:?}");
+    assert!(!outcome.stderr.contains('\r') && !outcome.stderr.contains('\u{1b}'));
+}
+
+/// Whether a process has taken SIGTERM, the 15th signal, into its own hands: its run begins.
+fn takes_sigterm(process: u32) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+    caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask >> 14 & 1 == 1)
+}
+
+/// In modal coordinates steps are told once they are all there: those up to the signal, of a run of minutes.
+fn sigterm_ends_a_run_in_modal_coordinates() {
+    let scene = results::folder(&BOX.replace("reduction = \"none\"\n", "").replace("newton = \"full\"", ""));
+    let line = "run scene.toml -o out.h5 --set time.end=90 --set time.step=1e-5";
+    let started = start(ricochet(scene.path(), 0).args(words(line)));
+    let begin = Instant::now();
+    while !takes_sigterm(started.child.id()) {
+        assert!(begin.elapsed() < LIMIT, "the run does not begin");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    std::thread::sleep(Duration::from_millis(300));
+    send("TERM", &started.child.id().to_string());
+    let outcome = started.wait(LIMIT);
+    assert_eq!(outcome.status, Some(130), "{outcome:#?}");
+    let path = scene.path().join("out.h5");
+    let (time, force) = (column(&path, "time"), column(&path, "contact/force"));
+    let last = time[time.len() - 1];
+    assert!(time.len() > 1000 && last < 89.0 && !is_complete(&path), "{} rows up to {last} s", time.len());
+    let told = format!("interrupted: out.h5 holds the run up to t = {last:.6e} s");
+    assert!(outcome.stderr.lines().any(|line| line == told), "{outcome:#?}");
+    assert!(force.iter().any(|force| *force > 0.0) && time.windows(2).all(|pair| pair[1] > pair[0]));
+}
+
+fn a_signal_to_one_rank_interrupts_all() {
+    let folder = folder(&long());
+    let started = begun(&folder, 2);
+    let ranks = children(started.child.id());
+    assert_eq!(ranks.len(), 2);
+    send("TERM", &ranks[1]);
+    check_interrupted(&folder, &started.wait(LIMIT));
+}
+
+fn a_killed_rank_ends_all() {
+    let folder = folder(&long());
+    let started = begun(&folder, 2);
+    let ranks = children(started.child.id());
+    assert_eq!(ranks.len(), 2);
+    send("KILL", &ranks[1]);
+    let begin = Instant::now();
+    let outcome = started.wait(Duration::from_secs(20));
+    assert!(outcome.status != Some(0), "{outcome:#?}");
+    let gone = |rank: &String| !Path::new("/proc").join(rank).exists();
+    while !ranks.iter().all(gone) {
+        assert!(begin.elapsed() < Duration::from_secs(10), "a rank lives on");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert!(begin.elapsed() < Duration::from_secs(10));
+    assert!(check_prefix(&folder.path().join("out.h5")) >= 1);
+}
+
+/// Up to the contact, after five steps through a gap of 0.1 mm, each step is linear and one iteration is enough.
+fn a_solver_that_fails_says_where_and_the_rows_so_far_are_kept() {
+    for ranks in [0, 2] {
+        let folder = folder(BOX);
+        let line = "run scene.toml -o out.h5 --set impactor.gap=1e-4 -- -snes_max_it 1";
+        let outcome = run(ricochet(folder.path(), ranks).args(words(line)));
+        assert_eq!(outcome.status, Some(3), "{outcome:#?}");
+        let messages: Vec<&str> = outcome.stderr.lines().filter(|line| line.starts_with("error: ")).collect();
+        assert_eq!(messages.len(), 1, "{outcome:#?}");
+        for part in ["step 6, t = 1.2", "e-4 s: ", "did not converge", "residual ", " N (wanted: "] {
+            assert!(messages[0].contains(part), "{part}: {}", messages[0]);
+        }
+        assert!(!outcome.stderr.contains("PETSC ERROR") && !outcome.stderr.contains("panicked"));
+        let path = folder.path().join("out.h5");
+        assert_eq!(column(&path, "time").len(), 6);
+        assert!(!is_complete(&path));
+    }
+}
+
+/// Who removes the folder under a run is told, and the run ends.
+fn a_removed_folder_ends_a_run() {
+    for ranks in [0, 2] {
+        let folder = folder(&long());
+        let inner = folder.path().join("inner");
+        std::fs::create_dir(&inner).unwrap();
+        let started = start(ricochet(folder.path(), ranks).args(words("run scene.toml -o inner/out.h5")));
+        let begin = Instant::now();
+        while !inner.join("out.h5").exists() {
+            assert!(begin.elapsed() < LIMIT, "no first row");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        std::fs::remove_dir_all(&inner).unwrap();
+        let outcome = started.wait(LIMIT);
+        assert_eq!(outcome.status, Some(4), "{outcome:#?}");
+        let errors: Vec<&str> = outcome.stderr.lines().filter(|line| line.contains("error: ")).collect();
+        assert_eq!(errors, ["error: inner/out.h5: has been removed while the run was writing it"], "{outcome:#?}");
+    }
+}
+
+/// A checkpoint that finds no room is told and ends nothing: a limit on the size of files that the series keeps.
+fn a_checkpoint_without_room_costs_nothing() {
+    let folder = folder(&BOX.replace("[4, 4, 1]", "[12, 12, 2]").replace("order = 1", "order = 2"));
+    let mut command = Command::new("bash");
+    let limited = format!(
+        "trap '' XFSZ; ulimit -f 512; exec '{}' run scene.toml -o out.h5 --set output.checkpoint_steps=20",
+        env!("CARGO_BIN_EXE_ricochet")
+    );
+    let outcome = run(command.args(["-c", &limited]).current_dir(folder.path()).env("OMP_NUM_THREADS", "1"));
+    assert_eq!(outcome.status, Some(0), "{outcome:#?}");
+    let told = "note: no checkpoint was kept: out.checkpoint.h5: cannot be written: File too large";
+    assert_eq!(outcome.stderr.matches(told).count(), 2, "{outcome:#?}");
+    let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert!(is_complete(&folder.path().join("out.h5")) && left.len() == 2, "{left:?}");
+}
+
+/// A limit on the size of files stands for a full disk: 32 MiB, where the planned rows need more.
+fn a_full_disk_is_told_in_one_line() {
+    let folder = folder(&BOX.replace("end = 1e-3", "end = 20"));
+    let mut command = Command::new("bash");
+    let limited =
+        format!("trap '' XFSZ; ulimit -f 32768; exec '{}' run scene.toml -o out.h5", env!("CARGO_BIN_EXE_ricochet"));
+    let outcome = run(command.args(["-c", &limited]).current_dir(folder.path()).env("OMP_NUM_THREADS", "1"));
+    assert_eq!(outcome.status, Some(4), "{outcome:#?}");
+    let first = outcome.stderr.lines().nth(1);
+    assert_eq!(first, Some("error: out.h5: cannot be written: File too large"), "{outcome:#?}");
+    assert_eq!(outcome.stderr.matches("error: ").count(), 1);
+}

@@ -1,0 +1,148 @@
+//! Kills at any moment: the result is readable each time, and the run that goes on from it ends as one that nobody killed.
+
+use mpi_test::{PlainTest, tests};
+use std::path::Path;
+use std::time::Instant;
+
+use crate::program::{BOX, LIMIT, children, ricochet, send, start};
+use crate::results::{column, folder, good, is_complete, words};
+use hdf5_metno as hdf5;
+
+pub const TESTS: &[PlainTest] = tests![a_hundred_kills_cost_nothing, kills_of_a_rank_cost_nothing];
+
+/// As [`BOX`] with the condensed step, to an end, s: some tenths of a second with its checkpoints, which come often.
+fn scene(end: &str) -> String {
+    BOX.replace("newton = \"full\"", "newton = \"condensed\"").replace("end = 1e-3", &format!("end = {end}"))
+        + "\n[output]\ncheckpoint_steps = 60\nfields = 70\nprobes = [{ name = \"under\", point = [0.05, 0, -0.01] }]\n"
+}
+
+/// Numbers that look random, the same in every run of the test.
+struct Random(u64);
+
+impl Random {
+    /// Below `end`.
+    fn next(&mut self, end: u64) -> u64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) % end
+    }
+}
+
+const SERIES: [&str; 5] =
+    ["impactor/velocity", "contact/force", "energy/total", "probe/under/velocity", "probe/under/principal_stress"];
+
+const FIELDS: [&str; 2] = ["PointData/displacement", "PointData/principal_stress"];
+
+/// What is compared of a result: its times, its series, and its frames' times and fields.
+struct Content {
+    time: Vec<f64>,
+    series: Vec<Vec<f64>>,
+    frames: Vec<f64>,
+    fields: Vec<Vec<f64>>,
+}
+
+impl Content {
+    fn read(path: &Path) -> Self {
+        let file = hdf5::File::open(path).unwrap();
+        let of_fields = |name: &str| file.dataset(&format!("fields/{name}")).unwrap().read_raw().unwrap();
+        Self {
+            time: column(path, "time"),
+            series: SERIES.map(|name| column(path, name)).into(),
+            frames: of_fields("Steps/Values"),
+            fields: FIELDS.map(of_fields).into(),
+        }
+    }
+
+    /// Whether it is the beginning of the whole run, each value to a part of the largest of its kind.
+    fn check_begins(&self, whole: &Self, tolerance: f64) {
+        let check = |part: &[f64], whole: &[f64], name: &str| {
+            let scale = whole.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+            assert!(part.len() <= whole.len(), "{name}: {} values", part.len());
+            // Not true of NaN.
+            let alike = part.iter().zip(whole).all(|(a, b)| (a - b).abs() <= tolerance * scale);
+            assert!(alike, "{name}");
+        };
+        check(&self.time, &whole.time, "time");
+        check(&self.frames, &whole.frames, "frames");
+        for (n, name) in SERIES.into_iter().enumerate() {
+            let columns = if name.starts_with("probe") { 3 } else { 1 };
+            let rows = columns * self.time.len();
+            assert!(self.series[n].len() >= rows, "{name}: {} values", self.series[n].len());
+            check(&self.series[n][..rows], &whole.series[n], name);
+        }
+        for (n, name) in FIELDS.into_iter().enumerate() {
+            let each = whole.fields[n].len() / whole.frames.len();
+            assert!(self.fields[n].len() >= each * self.frames.len(), "{name}: {} values", self.fields[n].len());
+            check(&self.fields[n][..each * self.frames.len()], &whole.fields[n], name);
+        }
+    }
+}
+
+/// So many kills, of runs alone (no rank) or of one of the ranks, which ends the others; to a part of the largest value of the whole run,
+/// which nobody killed.
+fn kill(ranks: usize, many: usize, (end, tolerance): (&str, f64)) {
+    let whole = folder(&scene(end));
+    let begin = Instant::now();
+    good(&whole, ranks, "run scene.toml -o out.h5");
+    // On a busy machine everything takes longer, and kills come later.
+    let time = begin.elapsed();
+    let whole = Content::read(&whole.path().join("out.h5"));
+    let mut random = Random(4711);
+    let (mut kills, mut runs, mut gone_on, mut unread) = (0, 0, 0, 0);
+    while kills < many {
+        let folder = folder(&scene(end));
+        let out = folder.path().join("out.h5");
+        runs += 1;
+        loop {
+            let line = if out.exists() { "run scene.toml --restart out.h5" } else { "run scene.toml -o out.h5" };
+            let mut started = start(ricochet(folder.path(), ranks).args(words(line)));
+            // From before the first row to beyond the end.
+            std::thread::sleep(time.mul_f64(1.2e-6 * random.next(1_000_000) as f64));
+            match ranks {
+                0 => drop(started.child.kill()),
+                ranks => {
+                    let processes = children(started.child.id());
+                    let rank = random.next(ranks as u64) as usize;
+                    processes.get(rank).into_iter().for_each(|process| send("KILL", process));
+                }
+            }
+            let outcome = started.wait(LIMIT);
+            gone_on += usize::from(outcome.stderr.contains("on from t = "));
+            if outcome.status == Some(0) {
+                break;
+            }
+            assert!(ranks > 0 || outcome.signal == Some(9), "{outcome:#?}");
+            assert!(!outcome.stderr.contains("error: "), "{outcome:#?}");
+            kills += 1;
+            if !out.exists() {
+                unread += 1;
+                continue;
+            }
+            let part = Content::read(&out);
+            assert!(!part.time.is_empty() && !is_complete(&out) || part.time.len() == whole.time.len());
+            part.check_begins(&whole, tolerance);
+        }
+        let part = Content::read(&out);
+        assert!(is_complete(&out));
+        assert_eq!((part.time.len(), part.frames.len()), (whole.time.len(), whole.frames.len()));
+        part.check_begins(&whole, tolerance);
+        let mut left: Vec<String> = std::fs::read_dir(folder.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        left.sort();
+        assert_eq!(left, ["out.h5", "out.vtkhdf", "out.xdmf", "scene.toml"]);
+    }
+    println!("{kills} kills in {runs} runs, {gone_on} of runs that had gone on, {unread} before the first row");
+    assert!(10 * gone_on >= many && 2 * unread <= many, "the moments are not spread: {gone_on}, {unread}");
+}
+
+/// Alone, bit for bit.
+fn a_hundred_kills_cost_nothing() {
+    kill(0, 100, ("0.06", 0.0));
+}
+
+/// Of one of two ranks, in shorter runs, since ranks that wait for each other on a busy machine take long. Their sums come in one order, but
+/// nothing promises it: the rounding of some hundred steps.
+fn kills_of_a_rank_cost_nothing() {
+    kill(2, 10, ("0.016", 1e-9));
+}

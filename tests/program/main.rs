@@ -1,0 +1,68 @@
+//! The program as a user runs it: alone, under `mpirun`, and what other programs read of its results.
+
+#[path = "../common/bad_meshes.rs"]
+mod bad_meshes;
+#[path = "../common/bad_scenes.rs"]
+mod bad_scenes;
+#[path = "../common/bad_sweeps.rs"]
+mod bad_sweeps;
+#[path = "../common/bricks.rs"]
+mod bricks;
+#[path = "../common/glass.rs"]
+mod glass;
+#[path = "../common/program.rs"]
+mod program;
+#[path = "../common/restarts.rs"]
+mod restarts;
+#[path = "../common/results.rs"]
+mod results;
+#[path = "../common/sample.rs"]
+mod sample;
+#[path = "../common/sweeps.rs"]
+mod sweeps;
+
+mod agreement;
+mod bad_input;
+mod chart;
+mod ended_runs;
+mod energy_gate;
+mod fields;
+mod kills;
+mod mutated_meshes;
+mod plot;
+mod probes;
+mod python;
+mod restart;
+mod restart_files;
+mod runs;
+mod slurm;
+mod stability_study;
+mod sweep;
+mod sweep_resume;
+
+use std::process::ExitCode;
+
+use mpi_test::PlainSuite;
+
+fn main() -> ExitCode {
+    PlainSuite::default()
+        .group("agreement", agreement::TESTS)
+        .group("bad_input", bad_input::TESTS)
+        .group("chart", chart::TESTS)
+        .group("ended_runs", ended_runs::TESTS)
+        .group("energy_gate", energy_gate::TESTS)
+        .group("fields", fields::TESTS)
+        .group("kills", kills::TESTS)
+        .group("mutated_meshes", mutated_meshes::TESTS)
+        .group("plot", plot::TESTS)
+        .group("probes", probes::TESTS)
+        .group("python", python::TESTS)
+        .group("restart", restart::TESTS)
+        .group("restart_files", restart_files::TESTS)
+        .group("runs", runs::TESTS)
+        .group("slurm", slurm::TESTS)
+        .group("stability_study", stability_study::TESTS)
+        .group("sweep", sweep::TESTS)
+        .group("sweep_resume", sweep_resume::TESTS)
+        .run()
+}

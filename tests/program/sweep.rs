@@ -1,0 +1,281 @@
+//! `ricochet sweep` through the program itself: what it writes, on how many ranks whatsoever, whole or in parts.
+
+use mpi_test::{PlainTest, tests};
+use std::path::Path;
+
+use crate::program::{ricochet, run};
+use crate::results::{column, folder, good, number, text, words};
+use crate::sweeps::{content, members, messages, numbers, supported};
+use hdf5_metno as hdf5;
+
+pub const TESTS: &[PlainTest] = tests![
+    members_are_the_runs_of_their_scenes,
+    any_number_of_ranks_writes_the_same,
+    a_family_answers_as_its_members,
+    families_are_of_one_property,
+    members_with_controlled_steps,
+    shards_put_together_are_the_whole,
+    a_member_that_fails_is_a_result,
+    a_member_whose_scene_is_wrong_on_its_mesh_is_named,
+    one_key_is_drawn_as_a_curve_and_two_as_a_map,
+    what_no_figure_shows_is_said
+];
+
+/// Six members.
+const GRID: &str = "--vary support.0.stiffness=1e7..1e11:3 --vary time.scheme=newmark,energy --log";
+
+fn file(folder: &tempfile::TempDir, name: &str) -> std::path::PathBuf {
+    folder.path().join(name)
+}
+
+fn members_are_the_runs_of_their_scenes() {
+    let folder = folder(&supported());
+    let said =
+        good(&folder, 0, &format!("sweep scene.toml {GRID} --series --set time.end=4e-3 --set output.every=3 -o s.h5"));
+    assert!(said.stdout.contains("s.h5: 6 of 6 members, ") && said.stdout.contains("peak acceleration "), "{said:?}");
+    let sweep = file(&folder, "s.h5");
+    let (peak, force) = (members(&sweep, "peak_acceleration"), members(&sweep, "peak_force"));
+    let (owner, start) = (numbers(&sweep, "contacts/member"), numbers(&sweep, "contacts/start"));
+    let (count, mut several) = (members(&sweep, "contacts"), 0);
+    for n in 0..6 {
+        let (k, scheme) = (["1e7", "1e9", "1e11"][n / 2], ["newmark", "energy"][n % 2]);
+        let set = format!(
+            "--set support.0.stiffness={k} --set time.scheme={scheme} --set time.end=4e-3 --set output.every=3"
+        );
+        good(&folder, 0, &format!("run scene.toml {set} -o run.h5"));
+        let single = file(&folder, "run.h5");
+        for name in ["time", "impactor/acceleration", "contact/force", "energy/total"] {
+            // The same program on one rank: the same numbers.
+            assert_eq!(numbers(&sweep, &format!("series/{n}/{name}")), column(&single, name), "{n} {name}");
+        }
+        let single_start = numbers(&single, "contacts/start");
+        let own: Vec<f64> =
+            owner.iter().zip(&start).filter(|(owner, _)| **owner == n as f64).map(|pair| *pair.1).collect();
+        assert_eq!(own, single_start);
+        assert_eq!(count[n], single_start.len() as f64);
+        several += usize::from(count[n] > 1.0);
+        let single_force = numbers(&single, "contacts/peak_force").into_iter().fold(0.0, f64::max);
+        assert_eq!(force[n], single_force);
+        assert!((peak[n] - force[n] / 52.0).abs() < 1e-12 * peak[n]);
+        let impulse: f64 = numbers(&single, "contacts/impulse").iter().sum();
+        let velocity = column(&single, "impactor/velocity");
+        // The last step is a recorded one only every third time; with Newmark's γ = 1/2 the impulse is the momentum given.
+        assert!((members(&sweep, "impulse")[n] - impulse).abs() < 1e-12 * impulse);
+        if scheme == "newmark" {
+            let momentum = 52.0 * (velocity[0] - members(&sweep, "rebound_speed")[n]);
+            assert!((impulse - momentum).abs() < 1e-9 * momentum, "{impulse} {momentum}");
+        }
+    }
+    assert!(several > 0);
+    let opened = hdf5::File::open(&sweep).unwrap();
+    assert_eq!((text(&opened, "kind"), text(&opened, "title")), ("sweep".into(), "Small plate".into()));
+    assert!(text(&opened, "scene").contains("every = 3") && number::<bool>(&opened, "complete"));
+    assert_eq!(members(&sweep, "vary/support.0.stiffness"), [1e7, 1e7, 1e9, 1e9, 1e11, 1e11]);
+    assert_eq!(members(&sweep, "status"), [1.0; 6]);
+}
+
+fn any_number_of_ranks_writes_the_same() {
+    let folder = folder(&supported());
+    let line = "sweep scene.toml --vary support.0.stiffness=1e7..1e9:24 --log --series";
+    good(&folder, 0, &format!("{line} -o 0.h5"));
+    let alone = content(&file(&folder, "0.h5"));
+    assert_eq!(alone["/members/status"].len(), 24);
+    assert!(alone.contains_key("/series/23/contact/force"));
+    for ranks in 1..=3 {
+        good(&folder, ranks, &format!("{line} -o {ranks}.h5"));
+        assert_eq!(content(&file(&folder, &format!("{ranks}.h5"))), alone, "{ranks} ranks");
+    }
+    // Fewer members than ranks.
+    good(&folder, 3, "sweep scene.toml --vary impactor.speed=1,2 -o few.h5");
+    assert_eq!(members(&file(&folder, "few.h5"), "status"), [1.0, 1.0]);
+}
+
+/// Members on one merged basis against the same on bases of their own.
+fn a_family_answers_as_its_members() {
+    let scene = supported().replace("step = 2e-5\n", "").replace("end = 1e-3", "end = 6e-3");
+    let folder = folder(&scene.replace("cells = [4, 4, 1]\norder = 1\n", "").replace("localization = \"point\"\n", ""));
+    let line = "sweep scene.toml --vary support.0.stiffness=3e8..3e9:24 --log --series -o family.h5";
+    let said = run(ricochet(folder.path(), 0).env("RICOCHET_LOG", "info").args(words(line)));
+    assert!(said.status == Some(0) && said.stderr.contains("merged basis tested"), "{said:?}");
+    let family = file(&folder, "family.h5");
+    let (values, estimate) = (members(&family, "vary/support.0.stiffness"), members(&family, "error_estimate"));
+    let mut several = 0;
+    for n in [0, 3, 8, 11, 17, 22, 23] {
+        let set = format!("--set support.0.stiffness={:e} --set accuracy.tolerance=1e-3", values[n]);
+        good(&folder, 0, &format!("run scene.toml {set} --set body.model=mindlin -o run.h5"));
+        let single = file(&folder, "run.h5");
+        let (times, exact) = (column(&single, "time"), column(&single, "impactor/acceleration"));
+        let (end, peak) = (numbers(&single, "contacts/end")[0], exact.iter().copied().fold(0.0, f64::max));
+        several += usize::from(numbers(&single, "contacts/end").len() > 1);
+        let at = |time: f64| {
+            let next = times.partition_point(|t| *t <= time).clamp(1, times.len() - 1);
+            let part = ((time - times[next - 1]) / (times[next] - times[next - 1])).clamp(0.0, 1.0);
+            exact[next - 1] + part * (exact[next] - exact[next - 1])
+        };
+        let of = |name: &str| numbers(&family, &format!("series/{n}/{name}"));
+        let (mut first, mut all) = (0.0_f64, 0.0_f64);
+        for (time, found) in of("time").into_iter().zip(of("impactor/acceleration")) {
+            let off = (found - at(time)).abs() / peak;
+            all = all.max(off);
+            first = if time <= end { first.max(off) } else { first };
+        }
+        println!(
+            "k = {:e}: {first:.1e} in the first contact, {all:.1e} over all, estimate {:.1e}",
+            values[n], estimate[n]
+        );
+        assert!(first < 1e-2 && all < estimate[n], "{n}: {first:e} {all:e} {:e}", estimate[n]);
+    }
+    assert!(several > 0);
+}
+
+/// Neither what else is varied of the support nor a theory without supports is taken for the family's.
+fn families_are_of_one_property() {
+    let scene = supported().replace("step = 2e-5\n", "").replace("cells = [4, 4, 1]\norder = 1\n", "");
+    let folder = folder(&scene.replace("localization = \"point\"\n", ""));
+    let both = "--vary support.0.stiffness=5e8..6e8:20 --vary support.0.damping=0,1e6";
+    good(&folder, 0, &format!("sweep scene.toml {both} --set body.model=mindlin -o s.h5"));
+    let peaks = members(&file(&folder, "s.h5"), "peak_acceleration");
+    for (n, damping) in [(38, "0"), (39, "1e6")] {
+        let set = format!("--set body.model=mindlin --set support.0.stiffness=6e8 --set support.0.damping={damping}");
+        good(&folder, 0, &format!("run scene.toml {set} -o run.h5"));
+        let own = column(&file(&folder, "run.h5"), "impactor/acceleration").into_iter().fold(0.0, f64::max);
+        // The tolerance of both.
+        assert!((peaks[n] / own - 1.0).abs() < 2e-2, "{n}: {} {own}", peaks[n]);
+    }
+    assert!((peaks[38] / peaks[39] - 1.0).abs() > 2e-2, "{peaks:?}");
+    good(&folder, 0, "sweep scene.toml --vary support.0.stiffness=5e8..6e8:20 --set body.model=half-space -o h.h5");
+    assert_eq!(members(&file(&folder, "h.h5"), "status"), [1.0; 20]);
+}
+
+/// The same with error-controlled steps, which tell their steps late.
+fn members_with_controlled_steps() {
+    let scene = supported().replace("step = 2e-5\n", "");
+    let folder = folder(&scene);
+    good(&folder, 2, "sweep scene.toml --vary accuracy.tolerance=1e-1,1e-2 -o s.h5");
+    let estimate = members(&file(&folder, "s.h5"), "error_estimate");
+    assert!(estimate[0] < 0.5 && estimate[1] < estimate[0] && estimate[1] > 0.0, "{estimate:?}");
+}
+
+fn shards_put_together_are_the_whole() {
+    let folder = folder(&supported());
+    let line = "sweep scene.toml --vary support.0.stiffness=1e6..1e12:7 --log --series";
+    good(&folder, 0, &format!("{line} -o whole.h5"));
+    for shard in ["1/3", "2/3", "3/3"] {
+        good(&folder, 0, &format!("{line} -o s.h5 --shard {shard}"));
+    }
+    let part = file(&folder, "s.2-of-3.h5");
+    assert_eq!(members(&part, "status"), [0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    assert_eq!(
+        numbers(&part, "contacts/member").iter().map(|n| n % 3.0).sum::<f64>(),
+        numbers(&part, "contacts/member").len() as f64
+    );
+    let said = good(&folder, 2, &format!("{line} -o s.h5"));
+    assert!(said.stdout.contains("s.h5: 7 of 7 members, 7 of them were there"), "{said:?}");
+    assert_eq!(said.stderr.matches("members taken over from s.").count(), 3, "{said:?}");
+    assert_eq!(content(&file(&folder, "s.h5")), content(&file(&folder, "whole.h5")));
+    // Two of three parts: the rest is computed. Then a part of another sweep.
+    std::fs::remove_file(file(&folder, "s.h5")).unwrap();
+    std::fs::remove_file(file(&folder, "s.3-of-3.h5")).unwrap();
+    let said = good(&folder, 0, &format!("{line} -o s.h5"));
+    assert!(said.stdout.contains("7 of 7 members, 5 of them were there"), "{said:?}");
+    assert_eq!(content(&file(&folder, "s.h5")), content(&file(&folder, "whole.h5")));
+    std::fs::remove_file(file(&folder, "s.h5")).unwrap();
+    good(&folder, 0, "sweep scene.toml --vary support.0.stiffness=1e6,1e7 -o s.h5 --shard 1/1");
+    let outcome = run(ricochet(folder.path(), 0).args(words(&format!("{line} -o s.h5"))));
+    assert_eq!(outcome.status, Some(4));
+    assert!(
+        outcome.stderr.contains("s.1-of-1.h5: holds a sweep over other values of support.0.stiffness"),
+        "{outcome:?}"
+    );
+    assert!(outcome.stderr.contains("it cannot be a part of s.h5"), "{outcome:?}");
+}
+
+/// At a gate of 1e-9 a force that is a polynomial in each step, and so not exact in the contact, is stopped; at 1 it is not.
+fn a_member_that_fails_is_a_result() {
+    let folder = folder(&supported());
+    let line = "sweep scene.toml --vary solver.energy_gate=1,1e-9,0.5 --series -o s.h5";
+    for (ranks, there) in [(0, ""), (2, ", 3 of them were there")] {
+        let outcome = run(ricochet(folder.path(), ranks).args(words(line)));
+        assert_eq!(outcome.status, Some(3), "{outcome:?}");
+        assert!(
+            outcome.stdout.contains("failed: 1, the first of them member 1: solver.energy_gate=1e-9: step "),
+            "{outcome:?}"
+        );
+        assert!(outcome.stdout.contains(&format!("s.h5: 3 of 3 members{there}, ")), "{outcome:?}");
+    }
+    let path = file(&folder, "s.h5");
+    assert_eq!(members(&path, "status"), [1.0, 2.0, 1.0]);
+    let (why, peak) = (messages(&path), members(&path, "peak_force"));
+    assert!(why[1].contains("solver.energy_gate allows 1e-9") && why[0].is_empty(), "{why:?}");
+    assert!(peak[1].is_nan() && peak[0] > 0.0 && peak[0] == peak[2]);
+    assert!(!numbers(&path, "contacts/member").contains(&1.0));
+    assert!(hdf5::File::open(&path).unwrap().group("series/1").is_err());
+}
+
+/// A time step that is not stable shows on the mesh only.
+fn a_member_whose_scene_is_wrong_on_its_mesh_is_named() {
+    let folder = folder(&supported());
+    let line = "sweep scene.toml --vary time.scheme=newmark,central-difference -o s.h5";
+    let outcome = run(ricochet(folder.path(), 2).args(words(line)));
+    assert_eq!(outcome.status, Some(2), "{outcome:?}");
+    assert!(
+        outcome.stdout.contains("member 1: time.scheme=central-difference: scene.toml (after --vary):"),
+        "{outcome:?}"
+    );
+    assert_eq!(members(&file(&folder, "s.h5"), "status"), [1.0, 3.0]);
+    assert!(messages(&file(&folder, "s.h5"))[1].contains("time.step: the central difference is stable up to"));
+}
+
+fn figure(folder: &Path, name: &str) -> image::RgbImage {
+    image::load_from_memory(&std::fs::read(folder.join(name)).unwrap()).unwrap().into_rgb8()
+}
+
+fn one_key_is_drawn_as_a_curve_and_two_as_a_map() {
+    let folder = folder(&supported());
+    good(
+        &folder,
+        0,
+        "sweep scene.toml --vary impactor.speed=0.5..2:4 --vary support.0.stiffness=1e6,1e12 --log -o two.h5",
+    );
+    good(&folder, 0, "sweep scene.toml --vary support.0.stiffness=1e6..1e12:7 --log --set time.end=4e-3 -o one.h5");
+    good(&folder, 0, "plot two.h5 -o two.png");
+    good(&folder, 0, "plot one.h5 -o one.png");
+    good(&folder, 0, "plot one.h5 -o one.svg");
+    let svg = std::fs::read_to_string(file(&folder, "one.svg")).unwrap();
+    for word in ["support.0.stiffness (N/m³)", "peak acceleration (m/s²)", "in contact", "10¹²", "Small plate"] {
+        assert!(svg.contains(word), "{word}");
+    }
+    // The curve runs through its panel from the first to the last member.
+    let one = figure(folder.path(), "one.png");
+    let blue = (0..1600).filter(|x| (0..500).any(|y| one.get_pixel(*x, y).0 == [0, 114, 178])).count();
+    assert!(blue > 800, "{blue}");
+    // The eight cells of the map: eight colours, the lightest and the darkest at opposite corners of the plot.
+    let two = figure(folder.path(), "two.png");
+    let grey = |p: [u8; 3]| p.iter().map(|c| i32::from(*c)).sum::<i32>();
+    let at = |x: u32, y: u32| two.get_pixel(x, y).0;
+    // Two columns, the fast key's; four rows, the slow key's, upwards.
+    let cells: Vec<i32> = [400, 1100].into_iter().flat_map(|x| [180, 380, 580, 780].map(|y| grey(at(x, y)))).collect();
+    let distinct: std::collections::BTreeSet<_> = cells.iter().collect();
+    assert!(distinct.len() >= 6, "{cells:?}");
+    assert_eq!(cells.iter().min(), [&cells[0], &cells[4]].into_iter().min());
+    assert_eq!(cells.iter().max(), [&cells[3], &cells[7]].into_iter().max());
+}
+
+fn what_no_figure_shows_is_said() {
+    let folder = folder(&supported());
+    good(&folder, 0, "sweep scene.toml --vary time.scheme=newmark,energy -o words.h5");
+    good(
+        &folder,
+        0,
+        "sweep scene.toml --vary impactor.speed=1,2 --vary impactor.mass=1,2 --vary impactor.gap=0,1e-5 -o three.h5",
+    );
+    for (line, why) in [
+        ("plot words.h5 -o f.png", "over the numbers of one or two keys, not over time.scheme"),
+        ("plot three.h5 -o f.png", "not over impactor.speed, impactor.mass, impactor.gap"),
+        ("plot words.h5 three.h5 -o f.png", "words.h5: a sweep has a figure of its own"),
+    ] {
+        let outcome = run(ricochet(folder.path(), 0).args(words(line)));
+        assert_eq!(outcome.status, Some(2), "{outcome:?}");
+        assert!(outcome.stderr.contains(why) && !file(&folder, "f.png").exists(), "{outcome:?}");
+    }
+}

@@ -1,0 +1,128 @@
+//! Sweeps that are ended before their time, and continued.
+
+use crate::program;
+use mpi_test::{PlainTest, tests};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use crate::program::{LIMIT, children, ricochet, run, send, start};
+use crate::results::{folder, good, number, words};
+use crate::sweeps::{content, members, numbers, supported};
+use hdf5_metno as hdf5;
+
+pub const TESTS: &[PlainTest] = tests![
+    what_is_missing_is_computed_and_nothing_else,
+    a_signal_keeps_what_is_done,
+    a_kill_spoils_nothing,
+    another_sweep_is_not_continued
+];
+
+const LINE: &str = "sweep scene.toml --vary support.0.stiffness=1e6..1e12:8 --log";
+
+/// Takes members out, as if they had not been computed: their statuses alone, as a kill within a flush may leave it.
+fn forget(path: &Path, gone: &[usize]) {
+    let file = hdf5::File::open_rw(path).unwrap();
+    for &member in gone {
+        file.dataset("members/status").unwrap().write_slice(&[0_u8], member..member + 1).unwrap();
+    }
+}
+
+fn what_is_missing_is_computed_and_nothing_else() {
+    for series in ["", " --series"] {
+        let folder = folder(&supported());
+        let path = folder.path().join("s.h5");
+        good(&folder, 0, &format!("{LINE}{series} -o s.h5"));
+        let (whole, time) = (content(&path), members(&path, "wall_time"));
+        forget(&path, &[2, 3, 7]);
+        let said = good(&folder, 2, &format!("{LINE}{series} -o s.h5"));
+        assert!(said.stdout.contains("8 of 8 members, 5 of them were there"), "{said:?}");
+        assert_eq!(content(&path), whole);
+        let again = members(&path, "wall_time");
+        for n in 0..8 {
+            assert_eq!(time[n] != again[n], [2, 3, 7].contains(&n), "member {n}");
+        }
+    }
+}
+
+/// Starts a sweep, and lets it run for so long after its file is there.
+fn begun(folder: &tempfile::TempDir, ranks: usize, line: &str, time: Duration) -> program::Started {
+    let path = folder.path().join("s.h5");
+    let started = start(ricochet(folder.path(), ranks).args(words(&format!("{line} -o s.h5"))));
+    let begin = Instant::now();
+    while !path.exists() {
+        assert!(begin.elapsed() < LIMIT, "no file");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    std::thread::sleep(time);
+    started
+}
+
+fn done(path: &Path) -> usize {
+    members(path, "status").iter().filter(|status| **status == 1.0).count()
+}
+
+fn a_signal_keeps_what_is_done() {
+    for ranks in [0, 2] {
+        let folder = folder(&supported());
+        let path = folder.path().join("s.h5");
+        // Half a minute of work.
+        let line = LINE.replace(":8", ":5000") + " --set time.end=0.05";
+        let started = begun(&folder, ranks, &line, Duration::from_millis(1500));
+        // To one rank, which is not rank 0 where there are two.
+        let ranks = children(started.child.id());
+        send("TERM", ranks.get(1).unwrap_or(&started.child.id().to_string()));
+        let outcome = started.wait(Duration::from_secs(10));
+        assert_eq!(outcome.status, Some(130), "{outcome:?}");
+        assert_eq!(outcome.stderr.matches("interrupted: ").count(), 1, "{outcome:?}");
+        let kept = done(&path);
+        assert!(outcome.stderr.contains(&format!("{} members are missing", 5000 - kept)), "{kept}: {outcome:?}");
+        assert!(0 < kept && kept < 5000 && !number::<bool>(&hdf5::File::open(&path).unwrap(), "complete"));
+    }
+}
+
+/// After a kill the file can be read and continued, and ends as if nothing had been.
+fn a_kill_spoils_nothing() {
+    let folder = folder(&supported());
+    let path = folder.path().join("s.h5");
+    let many = "sweep scene.toml --vary support.0.stiffness=1e6..1e12:400 --log";
+    good(&folder, 0, &format!("{many} -o whole.h5"));
+    let (whole, mut kept) = (content(&folder.path().join("whole.h5")), 0);
+    for milliseconds in [0, 200, 1100] {
+        let _ = std::fs::remove_file(&path);
+        let mut started = begun(&folder, 0, many, Duration::from_millis(milliseconds));
+        let _ = started.child.kill();
+        started.wait(LIMIT);
+        kept = done(&path);
+        good(&folder, 0, &format!("{many} -o s.h5"));
+        assert_eq!(content(&path), whole);
+    }
+    // Flushed about once a second.
+    assert!(kept > 0);
+}
+
+fn another_sweep_is_not_continued() {
+    let folder = folder(&supported());
+    let path = folder.path().join("s.h5");
+    good(&folder, 0, &format!("{LINE} -o s.h5"));
+    good(&folder, 0, "run scene.toml -o run.h5");
+    let before = std::fs::read(&path).unwrap();
+    for (line, why) in [
+        (format!("{LINE} --set impactor.speed=2 -o s.h5"), "holds a sweep of another scene"),
+        (LINE.replace(":8", ":9") + " -o s.h5", "holds a sweep over other values of support.0.stiffness"),
+        (
+            LINE.replace("support.0.stiffness", "body.young") + " -o s.h5",
+            "holds a sweep over support.0.stiffness, not over body.young",
+        ),
+        (format!("{LINE} --series -o s.h5"), "holds a sweep without --series"),
+        (format!("{LINE} -o run.h5"), "is not a sweep of ricochet"),
+    ] {
+        for ranks in [0, 2] {
+            let outcome = run(ricochet(folder.path(), ranks).args(words(&line)));
+            assert_eq!(outcome.status, Some(4), "{outcome:?}");
+            assert!(outcome.stderr.contains(why), "{why}: {outcome:?}");
+            assert_eq!(outcome.stderr.matches("error: ").count(), 1, "{outcome:?}");
+        }
+    }
+    assert!(std::fs::read(&path).unwrap() == before);
+    assert!(numbers(&folder.path().join("run.h5"), "series/time").len() > 10);
+}

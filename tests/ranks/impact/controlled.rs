@@ -1,0 +1,169 @@
+//! Steps chosen by the error: they meet the tolerance, at less cost than steps of one size.
+
+use crate::glass;
+use mpi_test::{Test, tests};
+use std::cell::Cell;
+use std::ops::ControlFlow;
+use std::rc::Rc;
+
+use crate::glass::{plate, sides};
+use crate::start::{run, start};
+use petsc_wrap::{Comm, Session};
+use ricochet::Error;
+use ricochet::impact::Observer;
+use ricochet::impact::checkpoint::Checkpoint;
+use ricochet::impact::step::Step;
+use ricochet::record::episodes::{Episode, Episodes};
+
+pub const RANKS: &[usize] = &[1];
+pub const TESTS: &[Test<Session>] =
+    tests![the_tolerance_is_met_with_fewer_solves, an_interruption_between_steps_has_a_checkpoint];
+
+/// On one rank: other tests show that the series are the same on several.
+/// The paper's plate of 0.04 m on a coarse mesh: the error meant is that of the steps.
+const PLATE: &str = "size = [1.5, 1.5, 0.04]\ncells = [16, 16, 1]\ngrading = [8, 8, 1]";
+
+/// Whole run, s: three hits, free or on springs.
+const END: f64 = 0.02;
+
+/// Steps of the reference: so that it is off by some 3e-5 itself.
+const FINE: f64 = 1e-6;
+
+/// The impactor's acceleration in the first contact, and what the run cost.
+struct History {
+    series: Vec<Step>,
+    episodes: Vec<Episode>,
+    solves: usize,
+}
+
+fn history(comm: &Comm, stiffness: f64, (end, steps): (f64, &str)) -> History {
+    let (_, mut impact) = start(comm, &plate(PLATE, &format!("end = {end:e}\n{steps}"), &sides(stiffness, 0.0)));
+    let series = run(&mut impact);
+    let mut episodes = Episodes::new(glass::MASS);
+    series.iter().for_each(|step| episodes.push(step));
+    let solves = impact.count.solves;
+    drop(impact);
+    comm.collect_garbage().unwrap();
+    History { series, episodes: episodes.all().to_vec(), solves }
+}
+
+impl History {
+    fn peak(&self) -> f64 {
+        self.series.iter().map(|step| step.impactor.acceleration).fold(0.0, f64::max)
+    }
+
+    /// Acceleration between the steps, m/s².
+    fn at(&self, time: f64) -> f64 {
+        let after = self.series.partition_point(|step| step.time < time).clamp(1, self.series.len() - 1);
+        let [a, b] = [&self.series[after - 1], &self.series[after]];
+        let part = (time - a.time) / (b.time - a.time);
+        a.impactor.acceleration * (1.0 - part) + b.impactor.acceleration * part
+    }
+
+    /// Largest error over the peak at the steps within the reference's first contact.
+    fn error(&self, reference: &Self) -> f64 {
+        let first = reference.episodes[0];
+        let within = self.series.iter().filter(|step| step.time <= first.end);
+        let off = |step: &Step| (step.impactor.acceleration - reference.at(step.time)).abs();
+        within.map(off).fold(0.0, f64::max) / reference.peak()
+    }
+}
+
+/// The error in the first contact is within the tolerance, and steps of one size that are as good need more solves over the run.
+fn the_tolerance_is_met_with_fewer_solves(session: &Session) {
+    let world = session.world();
+    for (stiffness, end) in [(0.0, 2e-3), (1e9, 3e-3)] {
+        let fine = history(&world, stiffness, (end, &format!("step = {FINE:e}")));
+        let fixed: Vec<(f64, f64)> = [2e-5, 1e-5, 5e-6, 2.5e-6]
+            .map(|step| {
+                let run = history(&world, stiffness, (end, &format!("step = {step:e}")));
+                println!("k = {stiffness:e}, steps of {step:.1e} s: error {:.2e}", run.error(&fine));
+                (step, run.error(&fine))
+            })
+            .to_vec();
+        for tolerance in [1e-2, 1e-3] {
+            let controlled = history(&world, stiffness, (END, &format!("[accuracy]\ntolerance = {tolerance:e}")));
+            let error = controlled.error(&fine);
+            // The fixed step of the same error, on the line between two of the table in logarithms.
+            let pair = fixed.windows(2).find(|pair| pair[1].1 <= error).expect("a fixed step that is as good");
+            let slope = (pair[0].1 / pair[1].1).ln() / (pair[0].0 / pair[1].0).ln();
+            let step = pair[1].0 * (error / pair[1].1).powf(1.0 / slope);
+            let solves = (END / step).ceil() as usize;
+            println!(
+                "k = {stiffness:e}, tolerance {tolerance:e}: error {error:.2e}, {} hits, {} solves; fixed steps of {step:.2e} s: {solves}",
+                controlled.episodes.len(),
+                controlled.solves,
+            );
+            assert!(fine.episodes[0].end < end && controlled.episodes.len() >= 3, "three hits, the first one compared");
+            assert!(error <= tolerance, "k = {stiffness:e}, tolerance {tolerance:e}: {error:e}");
+            assert!(controlled.solves < solves, "{} solves, {solves} by fixed steps", controlled.solves);
+        }
+    }
+}
+
+/// Takes steps, and the checkpoint where the run is interrupted.
+#[derive(Default)]
+struct Keeper {
+    series: Vec<Step>,
+    kept: Option<Checkpoint>,
+}
+
+impl Observer for Keeper {
+    fn step(&mut self, step: &Step) -> Result<ControlFlow<()>, Error> {
+        self.series.push(*step);
+        Ok(ControlFlow::Continue(()))
+    }
+
+    fn settled(
+        &mut self,
+        interrupted: bool,
+        checkpoint: &mut dyn FnMut() -> Result<Checkpoint, Error>,
+    ) -> Result<(), Error> {
+        if interrupted {
+            assert!(self.kept.replace(checkpoint()?).is_none(), "one end, one checkpoint");
+        }
+        Ok(())
+    }
+}
+
+/// Whenever a run is asked to end, also where it is asked between its steps and not after one, it hands over a checkpoint of the last step
+/// that it has told, and goes on from there bit for bit; while the first contact may still be taken back there is none.
+fn an_interruption_between_steps_has_a_checkpoint(session: &Session) {
+    let world = session.world();
+    let new = || start(&world, &plate(PLATE, "end = 8e-3", &sides(1e9, 0.0))).1;
+    let asked = Rc::new(Cell::new(0));
+    // Asked to end at the n-th time that it asks, with what went before.
+    let watched = |resumed: Option<&Checkpoint>, at: usize| {
+        let (mut impact, mut keeper) = (new(), Keeper::default());
+        if let Some(checkpoint) = resumed {
+            impact.resume(checkpoint).unwrap();
+        }
+        asked.set(0);
+        let asked = asked.clone();
+        impact.set_interrupt(move || {
+            asked.set(asked.get() + 1);
+            asked.get() == at
+        });
+        let flow = impact.run_watched(&mut keeper).unwrap();
+        drop(impact);
+        world.collect_garbage().unwrap();
+        (flow, keeper)
+    };
+    let (flow, whole) = watched(None, usize::MAX);
+    assert!(flow.is_continue() && whole.kept.is_none());
+    let all = asked.get();
+    let mut gone_on = 0;
+    for part in 1..12 {
+        let (flow, Keeper { mut series, kept }) = watched(None, all * part / 12);
+        assert!(flow.is_break() && series.len() < whole.series.len());
+        let Some(checkpoint) = kept else { continue };
+        let (flow, rest) = watched(Some(&checkpoint), usize::MAX);
+        assert!(flow.is_continue());
+        series.extend(rest.series);
+        assert!(series == whole.series, "interrupted at {part}/12");
+        gone_on += 1;
+    }
+    println!("{gone_on} of 11 gone on, asked {all} times over {} steps", whole.series.len());
+    // The first contact, taken again in smaller steps, is the longer part.
+    assert!(gone_on >= 4, "{gone_on}");
+}

@@ -1,0 +1,122 @@
+//! What the library computes, on one to three ranks: each test runs in this program under `mpirun`.
+//!
+//! A module names the numbers of ranks that its tests run on: more than one where what it tests is distributed.
+
+#[path = "../common/bricks.rs"]
+mod bricks;
+#[path = "../common/field.rs"]
+mod field;
+#[path = "../common/glass.rs"]
+mod glass;
+#[path = "../common/modelled.rs"]
+mod modelled;
+#[path = "../common/parts.rs"]
+mod parts;
+#[path = "../common/patches.rs"]
+mod patches;
+#[path = "../common/start.rs"]
+mod start;
+
+mod mesh {
+    pub mod meshes;
+    pub mod symmetry;
+}
+mod contact {
+    pub mod localisation;
+    pub mod patch;
+    pub mod patch_radius;
+    pub mod zener;
+}
+mod body {
+    pub mod block;
+    pub mod convergence;
+    pub mod gauge;
+    pub mod lumped;
+    pub mod spectrum;
+}
+mod impact {
+    pub mod conservation;
+    pub mod controlled;
+    pub mod extremes;
+    pub mod modal;
+    pub mod newton;
+    pub mod pads_condensed;
+    pub mod reference;
+    pub mod schemes;
+    pub mod time_order;
+}
+mod model {
+    pub mod climb;
+    pub mod converged;
+    pub mod reduction;
+    pub mod theories;
+    pub mod tolerances;
+}
+mod stability {
+    pub mod chatter;
+    pub mod contact;
+    pub mod iterative;
+    pub mod localisation;
+    pub mod locking;
+    pub mod newton;
+    pub mod order;
+    pub mod steps;
+}
+
+use std::process::ExitCode;
+
+use mpi_test::Suite;
+use petsc_wrap::Session;
+
+fn session() -> Session {
+    Session::start(&[]).expect("the first session").expect("PETSc starts")
+}
+
+/// Adds the tests of modules under their own names.
+macro_rules! with {
+    ($suite:expr, $($theme:ident::$module:ident),* $(,)?) => {
+        $suite$(.group(concat!(stringify!($theme), "::", stringify!($module)), $theme::$module::RANKS, $theme::$module::TESTS))*
+    };
+}
+
+fn main() -> ExitCode {
+    // What tests have dropped is destroyed before the next one.
+    let suite = Suite::new(session).between(|session| session.world().collect_garbage().expect("PETSc destroys"));
+    with!(
+        suite,
+        mesh::meshes,
+        mesh::symmetry,
+        contact::localisation,
+        contact::patch,
+        contact::patch_radius,
+        contact::zener,
+        body::block,
+        body::convergence,
+        body::gauge,
+        body::lumped,
+        body::spectrum,
+        impact::conservation,
+        impact::controlled,
+        impact::extremes,
+        impact::modal,
+        impact::newton,
+        impact::pads_condensed,
+        impact::reference,
+        impact::schemes,
+        impact::time_order,
+        model::climb,
+        model::converged,
+        model::reduction,
+        model::theories,
+        model::tolerances,
+        stability::chatter,
+        stability::contact,
+        stability::iterative,
+        stability::localisation,
+        stability::locking,
+        stability::newton,
+        stability::order,
+        stability::steps,
+    )
+    .run()
+}

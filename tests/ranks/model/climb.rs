@@ -1,0 +1,121 @@
+//! What `model = "auto"` takes: a half-space only where its error is as told, and no theory that does not stand for the scene.
+
+use crate::modelled::{parse, run_scene};
+use mpi_test::{Test, tests};
+use petsc_wrap::{Comm, Session};
+use ricochet::model::Model;
+use ricochet::scene::{self, Scene};
+
+pub const RANKS: &[usize] = &[1, 2];
+pub const TESTS: &[Test<Session>] =
+    tests![a_half_space_is_within_its_bound, what_rules_a_half_space_out, what_rules_plates_out];
+
+/// A small ball of steel on a plate of glass.
+fn ball(impactor: &str, rest: &str) -> String {
+    format!(
+        "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.4, 0.4, 0.02]\n\
+         [impactor]\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n{impactor}\n[time]\nend = 8e-5\n{rest}"
+    )
+}
+
+fn model(comm: &Comm, scene: &Scene) -> Model {
+    Model::new(comm, scene).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Against Mindlin's plate, which is within 1e-3 of a solid here. The bound is a sum of what waves, the plate's motion and its thickness
+/// do, each at its worst: it is met, and not by much more than a factor of two.
+fn a_half_space_is_within_its_bound(session: &Session) {
+    let comm = session.world();
+    for (mass, radius) in [(1e-4, 0.002), (3e-4, 0.003), (1e-3, 0.005), (2e-3, 0.006)] {
+        let text = ball(&format!("mass = {mass:e}\nradius = {radius}"), "[accuracy]\ntolerance = 1e-1\n");
+        let auto = model(&comm, &parse(&text));
+        assert_eq!(auto.theory, scene::Model::HalfSpace);
+        let bound = auto.error.expect("auto tells its error").0;
+        let fine = text.replace("tolerance = 1e-1", "tolerance = 1e-3");
+        let [plate, half] = ["mindlin", "half-space"]
+            .map(|name| run_scene(&comm, &parse(&fine.replace("[body]", &format!("[body]\nmodel = \"{name}\"")))));
+        let (error, _) = plate.difference(&half);
+        println!("  {mass:e} kg, {radius} m: error {error:.2e}, bound {bound:.2e}");
+        assert!(error < bound && bound < 2.5 * error, "{mass:e} kg: {error:e}, {bound:e}");
+    }
+}
+
+/// A hit near an edge, forces that move the body before or while it is hit, and a bound above the tolerance.
+fn what_rules_a_half_space_out(session: &Session) {
+    let comm = session.world();
+    let light = "mass = 1e-4\nradius = 0.002";
+    let tolerance = "[accuracy]\ntolerance = 1e-1\n";
+    let theory = |impactor: &str, rest: &str| model(&comm, &parse(&ball(impactor, rest))).theory;
+    assert_eq!(theory(light, tolerance), scene::Model::HalfSpace);
+    for (impactor, rest) in [
+        ("mass = 1e-4\nradius = 0.002\npoint = [0.185, 0.0, 0.01]", tolerance.to_owned()),
+        ("mass = 1.0\nradius = 0.02", tolerance.to_owned()),
+        (light, format!("{tolerance}[load]\nbody_force = [0.0, 0.0, -1e5]\n")),
+        (light, format!("{tolerance}[[load.traction]]\nsurface = \"top\"\nvalue = [0.0, 0.0, -1e3]\n")),
+        (
+            light,
+            format!(
+                "{tolerance}[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\ndisplacement = [0.0, 0.0, 1e-4]\n"
+            ),
+        ),
+    ] {
+        assert_ne!(theory(impactor, &rest), scene::Model::HalfSpace, "{impactor} {rest}");
+    }
+}
+
+/// A free plate of glass that Mindlin's theory has within a tenth, and what makes it a solid: coarse where its cells are not asked about,
+/// since it is not run.
+fn what_rules_plates_out(session: &Session) {
+    let comm = session.world();
+    let text = |body: &str, impactor: &str, rest: &str| {
+        format!(
+            "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n{body}\n\
+             [impactor]\nmass = 52.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n{impactor}\n\
+             [time]\nend = 1e-3\n{rest}\n[accuracy]\ntolerance = 1e-1\n"
+        )
+    };
+    let plate = "size = [1.0, 1.0, 0.04]";
+    let coarse = "size = [1.0, 1.0, 0.04]\ncells = [8, 8, 1]\norder = 1";
+    let found = |text: &str| {
+        let model = model(&comm, &parse(text));
+        (model.theory, model.reason.unwrap_or_default())
+    };
+    assert_eq!(found(&text(plate, "", "")).0, scene::Model::Mindlin);
+    assert_eq!(found(&text(plate, "", "scheme = \"newmark\"\nstep = 2e-5")).0, scene::Model::Mindlin);
+    let newmark = "scheme = \"newmark\"\nstep = 2e-5";
+    for (body, impactor, rest, reason) in [
+        (
+            coarse,
+            "",
+            format!(
+                "{newmark}\n[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nstiffness = 1e9\nnormal = [0, 0, -1]"
+            ),
+            "is a pad",
+        ),
+        (
+            coarse,
+            "",
+            format!("{newmark}\n[[support]]\nsurface = \"side\"\nkind = \"clamped\"\ndisplacement = [0.0, 0.0, 1e-4]"),
+            "held at a displacement",
+        ),
+        (coarse, "direction = [0.1, 0.0, -1.0]", String::new(), "normal of a face"),
+        (coarse, "", "[load]\nbody_force = [1.0, 0.0, 0.0]".to_owned(), "in the plate's plane"),
+        (plate, "point = [0.49, 0.0, 0.02]", String::new(), "from an edge"),
+        ("size = [0.1, 0.1, 0.04]", "", String::new(), "less than 4 times its thickness"),
+        (coarse, "", "step = 2e-5\n[solver]\nnewton = \"full\"".to_owned(), "full Newton"),
+        (coarse, "", "scheme = \"central-difference\"".to_owned(), "lumped mass"),
+        (coarse, "", String::new(), "cells or their order"),
+        (
+            coarse,
+            "",
+            "[[support]]\nsurface = \"bottom\"\nkind = \"elastic\"\nstiffness = [0, 0, 1e10]".to_owned(),
+            "on the face that is hit, or on the one opposite",
+        ),
+        (plate, "", "[contact]\npatch_radius = 0.01".to_owned(), "a patch is given"),
+        (plate, "", format!("{newmark}\n[contact]\nlocalization = \"point\""), "a force at a point"),
+    ] {
+        let (theory, why) = found(&text(body, impactor, &rest));
+        assert_eq!(theory, scene::Model::Solid, "{reason}: {why}");
+        assert!(why.contains(reason), "{reason}: {why}");
+    }
+}

@@ -1,0 +1,90 @@
+//! Reduced bodies against the full ones, by the same steps: is the error what the estimate says?
+
+use crate::glass::{plate, sides};
+use crate::modelled::{parse, run_scene};
+use mpi_test::{Test, tests};
+use petsc_wrap::Session;
+use ricochet::scene::{Newton, Reduction, Scene, Solver};
+
+pub const RANKS: &[usize] = &[1];
+pub const TESTS: &[Test<Session>] =
+    tests![the_estimate_is_the_error, a_free_body_keeps_its_motion, loads_leave_the_force_its_vectors];
+
+/// On one rank: bases are tested on several with the bodies they are made of.
+/// The paper's plates in coarse quadratic hexahedra; both runs by Newmark's method at the same step, so that the basis is the only
+/// difference. Steps and mesh need not be fine for that.
+fn scene(size: &str, cells: &str, supports: &str) -> Scene {
+    let body = format!("model = \"solid\"\nsize = {size}\ncells = {cells}");
+    parse(
+        &(plate(&body, "end = 8e-3\nstep = 2e-5\nscheme = \"newmark\"", supports) + "[contact]\npatch_radius = 0.03\n"),
+    )
+}
+
+fn the_estimate_is_the_error(session: &Session) {
+    let comm = session.world();
+    for (size, cells) in
+        [("[1.5, 1.5, 0.1]", "[16, 16, 2]"), ("[1.5, 1.5, 0.04]", "[20, 20, 2]"), ("[0.5, 0.5, 0.02]", "[16, 16, 2]")]
+    {
+        for supports in [String::new(), sides(1e8, 0.0), sides(1e9, 0.0), sides(1e10, 0.0), sides(1e8, 2e5)] {
+            let full = scene(size, cells, &supports);
+            assert!(!full.time.modal && full.solver == Solver { newton: Newton::Condensed, energy_gate: None });
+            let reference = run_scene(&comm, &full);
+            for vectors in [24, 48] {
+                let mut reduced = full.clone();
+                reduced.body.reduction = Reduction::Vectors(vectors);
+                let ran = run_scene(&comm, &reduced);
+                assert_eq!((reference.vectors, ran.vectors), (None, Some(vectors)));
+                let (_, error) = reference.difference(&ran);
+                // The patch's part of the estimate is not the basis'.
+                let estimate = ran.error - 0.025 * (0.03_f64 / thickness(size)).powi(2);
+                println!(
+                    "  {size} {:?} {vectors} vectors: error {error:.1e}, estimate {estimate:.1e}",
+                    supports.lines().last()
+                );
+                // Rounding of two programs' steps: 1e-9 of the peak.
+                assert!(error <= estimate + 1e-9, "{size} {supports} {vectors}: {error:e} over {estimate:e}");
+                assert!(estimate <= 10.0 * error + 1e-8, "{size} {supports} {vectors}: {estimate:e} for {error:e}");
+            }
+        }
+    }
+}
+
+fn thickness(size: &str) -> f64 {
+    size.trim_end_matches(']').rsplit(", ").next().unwrap().parse().unwrap()
+}
+
+/// A basis has the rigid motions: momentum goes over to the body to rounding, without supports.
+fn a_free_body_keeps_its_motion(session: &Session) {
+    let comm = session.world();
+    let text = plate(
+        "model = \"solid\"\nsize = [0.5, 0.5, 0.02]\ncells = [8, 8, 2]",
+        "end = 5e-3",
+        "[contact]\npatch_radius = 0.03\n",
+    );
+    let ran = run_scene(&comm, &parse(&text));
+    let (mass, body) = (52.0, 2500.0 * 0.5 * 0.5 * 0.02);
+    let last = ran.steps.last().unwrap();
+    let initial = ran.steps[0].energy.total;
+    // What the integration makes, by the tolerance of 1e-2.
+    assert!(last.energy.numerical.abs() < 1e-3 * initial, "{:e}", last.energy.numerical);
+    let balance = last.energy.total - last.energy.numerical - initial;
+    assert!(balance.abs() < 1e-10 * initial, "{balance:e}");
+    let momentum = mass * (1.0 - last.impactor.velocity);
+    assert!(last.energy.kinetic >= 0.5 * momentum * momentum / body * (1.0 - 1e-9));
+}
+
+/// A weight moves a free body as a whole and does no more: it gives the basis one vector, and the force the others.
+fn loads_leave_the_force_its_vectors(session: &Session) {
+    let comm = session.world();
+    let weight = "[load]\nbody_force = [0.0, 0.0, -24525.0]\n[contact]\npatch_radius = 0.03\n";
+    let body = "model = \"solid\"\nsize = [0.5, 0.5, 0.02]\ncells = [12, 12, 2]";
+    let full = parse(&plate(body, "end = 4e-3\nstep = 2e-5\nscheme = \"newmark\"", weight));
+    let mut reduced = full.clone();
+    reduced.body.reduction = Reduction::Vectors(48);
+    let [full, ran] = [full, reduced].map(|scene| run_scene(&comm, &scene));
+    assert_eq!(ran.vectors, Some(48));
+    let (_, error) = full.difference(&ran);
+    let estimate = ran.error - 0.025 * (0.03_f64 / 0.02).powi(2);
+    println!("  error {error:.1e}, estimate {estimate:.1e}");
+    assert!(error <= estimate && estimate < 1e-2, "{error:e} {estimate:e}");
+}
