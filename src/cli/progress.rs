@@ -26,14 +26,35 @@ pub enum Progress {
 pub struct Lines {
     time: [f64; 2],
     begin: Instant,
+    cadence: Cadence,
+}
+
+/// When lines are due: the first soon, later ones twice as long after each other, up to a longest time.
+struct Cadence {
     last: Instant,
+    wait: Duration,
+}
+
+impl Cadence {
+    const FIRST: Duration = Duration::from_secs(1);
+    const LONGEST: Duration = Duration::from_secs(16);
+
+    fn new() -> Self {
+        Self { last: Instant::now(), wait: Self::FIRST }
+    }
+
+    fn is_due(&self) -> bool {
+        self.last.elapsed() >= self.wait
+    }
+
+    /// A line was written.
+    fn next(&mut self) {
+        *self = Self { last: Instant::now(), wait: (2 * self.wait).min(Self::LONGEST) };
+    }
 }
 
 /// Resolution of the bar.
 const PARTS: u64 = 10_000;
-
-/// Time between two lines.
-const EVERY: Duration = Duration::from_secs(10);
 
 impl Progress {
     /// Progress of a run from a time, where it goes on, to its end, s, on standard error.
@@ -44,8 +65,7 @@ impl Progress {
             bar.set_style(ProgressStyle::with_template(style).expect("the template is valid"));
             Self::Bar { bar, time }
         } else {
-            let begin = Instant::now();
-            Self::Lines(Lines { time, begin, last: begin })
+            Self::Lines(Lines { time, begin: Instant::now(), cadence: Cadence::new() })
         }
     }
 
@@ -57,12 +77,12 @@ impl Progress {
                 bar.set_position((PARTS as f64 * ((step.time - *from) / (*end - *from)).min(1.0)) as u64);
                 bar.set_message(state());
             }
-            Self::Lines(Lines { time: [from, end], begin, last }) => {
+            Self::Lines(Lines { time: [from, end], begin, cadence }) => {
                 let done = step.time - *from;
-                if last.elapsed() < EVERY || done < 0.01 * (*end - *from) {
+                if !cadence.is_due() || done <= 0.0 {
                     return;
                 }
-                *last = Instant::now();
+                cadence.next();
                 let left = begin.elapsed().as_secs_f64() * (*end - step.time).max(0.0) / done;
                 tell(format_args!("step {}, {} of {:.3} ms, {left:.0} s left", step.number, state(), 1e3 * *end));
             }
@@ -84,7 +104,7 @@ pub struct Items {
     done: usize,
     all: usize,
     begin: Instant,
-    last: Instant,
+    cadence: Cadence,
 }
 
 impl Items {
@@ -95,8 +115,7 @@ impl Items {
             ProgressBar::new(all as u64)
                 .with_style(ProgressStyle::with_template(&style).expect("the template is valid"))
         });
-        let begin = Instant::now();
-        Self { what, bar, done: 0, all, begin, last: begin }
+        Self { what, bar, done: 0, all, begin: Instant::now(), cadence: Cadence::new() }
     }
 
     /// So many more are over.
@@ -104,8 +123,8 @@ impl Items {
         self.done += count;
         if let Some(bar) = &self.bar {
             bar.inc(count as u64);
-        } else if self.last.elapsed() >= EVERY {
-            self.last = Instant::now();
+        } else if self.cadence.is_due() {
+            self.cadence.next();
             let left = self.begin.elapsed().as_secs_f64() * (self.all - self.done) as f64 / self.done as f64;
             tell(format_args!("{} of {} {}, {left:.0} s left", self.done, self.all, self.what));
         }

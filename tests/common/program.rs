@@ -84,6 +84,11 @@ pub fn start(command: &mut Command) -> Started {
 }
 
 impl Started {
+    /// What it has said on standard error so far.
+    pub fn said(&self) -> String {
+        String::from_utf8_lossy(&fs::read(&self.output[1]).unwrap_or_default()).into_owned()
+    }
+
     /// Waits for the end; a program that passes the limit is killed and fails the test.
     pub fn wait(mut self, limit: Duration) -> Outcome {
         let status = wait(&mut self.child, limit);
@@ -163,4 +168,33 @@ pub fn on_threads<T: Sync>(
         }
     });
     failures.into_inner().unwrap_or_else(|e| e.into_inner())
+}
+
+/// Waits until a file has been written to so many times more.
+#[allow(dead_code, reason = "not every test that shares this module waits for files")]
+pub fn wait_for_writes(path: &Path, count: usize) {
+    let written = || path.metadata().and_then(|data| data.modified()).expect("the file is there");
+    let begin = Instant::now();
+    for _ in 0..count {
+        let before = written();
+        while written() == before {
+            assert!(begin.elapsed() < LIMIT, "nothing is written");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+}
+
+/// Waits until a process has taken SIGTERM, the 15th signal, into its own hands.
+#[allow(dead_code, reason = "not every test that shares this module sends signals")]
+pub fn wait_for_handlers(process: u32) {
+    let takes_sigterm = || {
+        let status = fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask >> 14 & 1 == 1)
+    };
+    let begin = Instant::now();
+    while !takes_sigterm() {
+        assert!(begin.elapsed() < LIMIT, "the program does not begin");
+        std::thread::sleep(Duration::from_millis(5));
+    }
 }

@@ -2,7 +2,8 @@
 #![allow(dead_code, reason = "not every test that shares this module uses all of it")]
 
 use std::fs;
-use std::path::Path;
+use std::ops::Deref;
+use std::path::{Path, PathBuf};
 
 use hdf5_metno as hdf5;
 use hdf5_metno::types::VarLenUnicode;
@@ -20,6 +21,48 @@ pub fn folder(scene: &str) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("scene.toml"), scene).unwrap();
     folder
+}
+
+/// A result that is open in a copy, with what goes with it. A program that another test starts at the same moment inherits the files that
+/// this process has open, and with them their locks.
+pub struct Opened {
+    file: hdf5::File,
+    _folder: TempDir,
+}
+
+impl Deref for Opened {
+    type Target = hdf5::File;
+
+    fn deref(&self) -> &hdf5::File {
+        &self.file
+    }
+}
+
+/// Opens a result to be read.
+pub fn open(path: impl AsRef<Path>) -> Opened {
+    let (path, copies) = (path.as_ref(), tempfile::tempdir().unwrap());
+    let file = hdf5::File::open(copied(path, copies.path())).unwrap();
+    Opened { file, _folder: copies }
+}
+
+/// Changes a result.
+pub fn change(path: &Path, work: impl FnOnce(&hdf5::File)) {
+    let copies = tempfile::tempdir().unwrap();
+    let copy = copied(path, copies.path());
+    work(&hdf5::File::open_rw(&copy).unwrap());
+    fs::copy(copy, path).unwrap();
+}
+
+/// Copies a result and all files beside it whose names begin as its own; where it is then.
+fn copied(path: &Path, to: &Path) -> PathBuf {
+    let stem = path.file_stem().unwrap().to_string_lossy().into_owned();
+    let parent = path.parent().filter(|parent| *parent != Path::new("")).unwrap_or(Path::new("."));
+    for entry in fs::read_dir(parent).unwrap().map(Result::unwrap) {
+        if entry.file_name().to_string_lossy().starts_with(&stem) && entry.path().is_file() {
+            fs::copy(entry.path(), to.join(entry.file_name())).unwrap();
+        }
+    }
+    to.join(path.file_name().unwrap())
 }
 
 pub fn words(line: &str) -> impl Iterator<Item = &str> {
@@ -42,11 +85,11 @@ pub fn number<T: hdf5::H5Type>(file: &hdf5::File, name: &str) -> T {
 
 /// A series of a result.
 pub fn column(path: &Path, name: &str) -> Vec<f64> {
-    hdf5::File::open(path).unwrap().dataset(&format!("series/{name}")).unwrap().read_raw().unwrap()
+    open(path).dataset(&format!("series/{name}")).unwrap().read_raw().unwrap()
 }
 
 pub fn is_complete(path: &Path) -> bool {
-    number(&hdf5::File::open(path).unwrap(), "complete")
+    number(&open(path), "complete")
 }
 
 /// Largest difference of two series, over the largest value.

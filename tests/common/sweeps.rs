@@ -1,6 +1,7 @@
 //! Sweeps read back, for tests.
 #![allow(dead_code, reason = "not every test that shares this module uses all of it")]
 
+use crate::results;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -16,7 +17,7 @@ pub fn supported() -> String {
 
 /// A dataset as numbers.
 pub fn numbers(path: &Path, name: &str) -> Vec<f64> {
-    let dataset = hdf5::File::open(path).unwrap().dataset(name).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let dataset = results::open(path).dataset(name).unwrap_or_else(|error| panic!("{name}: {error}"));
     dataset.read_raw().unwrap()
 }
 
@@ -27,7 +28,7 @@ pub fn members(path: &Path, name: &str) -> Vec<f64> {
 
 /// Why members failed.
 pub fn messages(path: &Path) -> Vec<String> {
-    let dataset = hdf5::File::open(path).unwrap().dataset("members/message").unwrap();
+    let dataset = results::open(path).dataset("members/message").unwrap();
     dataset.read_raw::<FixedUnicode<400>>().unwrap().iter().map(|message| message.to_string()).collect()
 }
 
@@ -45,7 +46,7 @@ fn collect(group: &hdf5::Group, into: &mut BTreeMap<String, Vec<u64>>) {
 /// All numbers of a file but for the wall times.
 pub fn content(path: &Path) -> BTreeMap<String, Vec<u64>> {
     let mut all = BTreeMap::new();
-    collect(&hdf5::File::open(path).unwrap(), &mut all);
+    collect(&results::open(path), &mut all);
     assert!(all.remove("/members/wall_time").is_some());
     all
 }

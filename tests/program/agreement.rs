@@ -1,11 +1,11 @@
 //! One answer, however it is computed: on any number of ranks, on a quarter or on the whole, by either Newton's method.
 
+use crate::results;
 use mpi_test::{PlainTest, tests};
 use std::path::{Path, PathBuf};
 
 use crate::glass::{plate, sides};
 use crate::results::{column, difference, folder, good};
-use hdf5_metno as hdf5;
 
 pub const TESTS: &[PlainTest] = tests![ways_to_the_answer_agree];
 
@@ -30,7 +30,7 @@ fn solved(folder: &tempfile::TempDir, name: &str, ranks: usize, overrides: &str)
 }
 
 fn hits(path: &Path) -> usize {
-    hdf5::File::open(path).unwrap().dataset("contacts/start").unwrap().size()
+    results::open(path).dataset("contacts/start").unwrap().size()
 }
 
 /// The whole history of the impactor's acceleration, over its peak, and of the energies.

@@ -9,6 +9,7 @@ use assert_cmd::Command;
 
 pub const TESTS: &[PlainTest] =
     tests![errors_fall_and_peers_are_measured, a_killed_chart_goes_on, what_is_wrong_is_told, a_reference_may_be_given];
+pub const LONG: &[PlainTest] = tests![errors_fall_with_the_tolerance];
 
 /// A small plate that flies off after one short contact.
 const SCENE: &str = "title = \"Ball on a plate\"\n[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.2, 0.2, 0.01]\n\
@@ -27,7 +28,7 @@ fn folder() -> tempfile::TempDir {
 }
 
 /// The lines of a chart's table by column: method, setting, first error, and all but times.
-fn table(path: &Path) -> Vec<(String, String, f64, String)> {
+fn table(path: &Path) -> Vec<Line> {
     let mut table = csv::Reader::from_path(path.join("work-precision.csv")).unwrap();
     let line = |line: Result<csv::StringRecord, csv::Error>| {
         let line = line.unwrap();
@@ -38,43 +39,50 @@ fn table(path: &Path) -> Vec<(String, String, f64, String)> {
     table.records().map(line).collect()
 }
 
-/// Errors fall with the tolerance, peers are measured by the same reference, and what was charted can be read.
+/// A line of the table: method, setting, first error, and all but times.
+type Line = (String, String, f64, String);
+
+/// Kirchhoff's plate is some per cent off, so that references that agree to a tenth of that are soon found.
 fn errors_fall_and_peers_are_measured() {
+    let lines = charted("kirchhoff");
+    let kirchhoff = errors(&lines, "kirchhoff");
+    assert!(kirchhoff.len() >= 3 && kirchhoff.iter().all(|error| *error < 0.5), "{lines:?}");
+}
+
+/// Errors fall with the tolerance down to where the solid itself takes minutes.
+fn errors_fall_with_the_tolerance() {
+    let lines = charted("mindlin,auto,newmark");
+    let met = errors(&lines, "auto").into_iter().zip([1e-1, 1e-2, 1e-3, 1e-4]).all(|(error, most)| error <= most);
+    assert!(met && !errors(&lines, "auto").is_empty(), "{lines:?}");
+    let mindlin = errors(&lines, "mindlin");
+    assert!(mindlin.len() >= 3 && mindlin[mindlin.len() - 1] < 0.1 * mindlin[0], "{mindlin:?}");
+    // Newmark's method of order two: from 20 to 60 and 200 steps a contact at the theory's own error or above.
+    let stepped = errors(&lines, "mindlin/newmark");
+    assert!(stepped[1] < 0.3 * stepped[0], "{stepped:?}");
+}
+
+fn errors(lines: &[Line], method: &str) -> Vec<f64> {
+    lines.iter().filter(|line| line.0 == method).map(|line| line.2).collect()
+}
+
+/// The table of a chart of these methods and a peer, which is measured by the same reference; what was charted can be read.
+fn charted(only: &str) -> Vec<Line> {
     let folder = folder();
     let path = folder.path();
     // A peer that is a twentieth of the peak off: a run of our own, multiplied.
-    ricochet(path).args(["run", "ball.toml", "-o", "own.h5", "--set", "accuracy.tolerance=1e-4"]).assert().success();
+    ricochet(path).args(["run", "ball.toml", "-o", "own.h5", "--set", "accuracy.tolerance=1e-3"]).assert().success();
     let history = ricochet::record::read::history(&path.join("own.h5")).unwrap();
     let rows: String =
         history.time.iter().zip(&history.acceleration).map(|(t, a)| format!("{t:e},{:e}\n", 1.05 * a)).collect();
     fs::write(path.join("peer.csv"), format!("time,acceleration\n{rows}")).unwrap();
     fs::write(path.join("peers.csv"), "name,setting,build,run,series\nPeer,\"5% more, slowly\",10,20,peer.csv\n")
         .unwrap();
-    let chart = [
-        "chart",
-        "ball.toml",
-        "-o",
-        "chart",
-        "--only",
-        "mindlin,auto,newmark",
-        "--budget",
-        "20",
-        "--with",
-        "peers.csv",
-    ];
+    let chart = ["chart", "ball.toml", "-o", "chart", "--only", only, "--budget", "100", "--with", "peers.csv"];
     ricochet(path).args(chart).assert().success();
     let chart = path.join("chart");
     let lines = table(&chart);
-    let errors = |method: &str| lines.iter().filter(|line| line.0 == method).map(|line| line.2).collect::<Vec<_>>();
-    // The peer's error is that of its factor; its own steps are off by less than 1e-3.
-    assert!((errors("Peer")[0] - 0.05).abs() < 2e-3, "{lines:?}");
-    let met = errors("auto").into_iter().zip([1e-1, 1e-2, 1e-3, 1e-4]).all(|(error, tolerance)| error <= tolerance);
-    assert!(met && !errors("auto").is_empty(), "{lines:?}");
-    let mindlin = errors("mindlin");
-    assert!(mindlin.len() >= 3 && mindlin[mindlin.len() - 1] < 0.1 * mindlin[0], "{mindlin:?}");
-    // Newmark's method of order two: from 20 to 60 and 200 steps a contact at the theory's own error or above.
-    let stepped = errors("mindlin/newmark");
-    assert!(stepped[1] < 0.3 * stepped[0], "{stepped:?}");
+    // The peer's error is that of its factor; its own steps are off by less than 1e-3, and so is the reference.
+    assert!((errors(&lines, "Peer")[0] - 0.05).abs() < 2e-3, "{lines:?}");
     let summary = fs::read_to_string(chart.join("summary.md")).unwrap();
     assert!(
         summary.contains("# Speed against accuracy: Ball on a plate") && summary.contains("Peer: 30.0 s"),
@@ -83,6 +91,7 @@ fn errors_fall_and_peers_are_measured() {
     for name in ["work-precision.svg", "work-precision.png"] {
         assert!(fs::metadata(chart.join(name)).unwrap().len() > 10_000);
     }
+    lines
 }
 
 /// Killed half-way and started again: the same table, and nothing is done twice.
@@ -91,7 +100,7 @@ fn a_killed_chart_goes_on() {
     let path = folder.path();
     // Its errors are no matter here.
     ricochet(path).args(["run", "ball.toml", "-o", "own.h5", "--set", "body.model=mindlin"]).assert().success();
-    let only = "mindlin,kirchhoff,mindlin/newmark";
+    let only = "kirchhoff,mindlin/newmark";
     let arguments = |output| ["chart", "ball.toml", "-o", output, "--only", only, "--reference", "own.h5"];
     ricochet(path).args(arguments("whole")).assert().success();
 
@@ -111,7 +120,7 @@ fn a_killed_chart_goes_on() {
         all.filter(|path| !path.file_name().unwrap().to_string_lossy().starts_with('.')).collect()
     };
     let begin = Instant::now();
-    while kept().len() < 5 {
+    while kept().len() < 3 {
         assert!(begin.elapsed() < Duration::from_secs(60) && child.try_wait().unwrap().is_none(), "{:?}", kept());
         std::thread::sleep(Duration::from_millis(5));
     }

@@ -39,6 +39,7 @@ mod slurm;
 mod stability_study;
 mod sweep;
 mod sweep_resume;
+mod tools;
 
 use std::process::ExitCode;
 
@@ -49,18 +50,23 @@ fn main() -> ExitCode {
         .group("agreement", agreement::TESTS)
         .group("bad_input", bad_input::TESTS)
         .group("chart", chart::TESTS)
+        .long_group("chart", chart::LONG)
         .group("ended_runs", ended_runs::TESTS)
         .group("energy_gate", energy_gate::TESTS)
         .group("fields", fields::TESTS)
+        .group_unless(tools::vtk(), "fields", fields::BY_VTK)
         .group("kills", kills::TESTS)
+        .long_group("kills", kills::LONG)
         .group("mutated_meshes", mutated_meshes::TESTS)
         .group("plot", plot::TESTS)
         .group("probes", probes::TESTS)
-        .group("python", python::TESTS)
+        .group_unless(tools::python(&["h5py", "matplotlib"]), "python", python::TESTS)
+        .group_unless(tools::python(&["h5py", "matplotlib", "nbclient", "ipykernel"]), "python", python::NOTEBOOK)
         .group("restart", restart::TESTS)
         .group("restart_files", restart_files::TESTS)
         .group("runs", runs::TESTS)
         .group("slurm", slurm::TESTS)
+        .group_unless(tools::command("shellcheck"), "slurm", slurm::SHELLCHECK)
         .group("stability_study", stability_study::TESTS)
         .group("sweep", sweep::TESTS)
         .group("sweep_resume", sweep_resume::TESTS)

@@ -2,6 +2,7 @@
 //! a plate away from the hit, of solid and plate theory.
 
 use crate::bricks;
+use crate::results;
 use mpi_test::{PlainTest, tests};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,7 +10,6 @@ use std::path::{Path, PathBuf};
 use crate::glass::{plate, sides};
 use crate::program::{ricochet, run};
 use crate::results::{column, difference, folder, good, text, words};
-use hdf5_metno as hdf5;
 use ricochet::element::Shape;
 
 pub const TESTS: &[PlainTest] = tests![
@@ -37,7 +37,7 @@ fn solved(folder: &tempfile::TempDir, name: &str, ranks: usize, overrides: &str)
 
 /// Rows of three of a probe, with their unit checked.
 fn rows(result: &Path, probe: usize, (name, units): (&str, &str)) -> Vec<[f64; 3]> {
-    let dataset = hdf5::File::open(result).unwrap().dataset(&format!("series/probe/{probe}/{name}")).unwrap();
+    let dataset = results::open(result).dataset(&format!("series/probe/{probe}/{name}")).unwrap();
     assert_eq!((text(&dataset, "units"), dataset.shape()[1]), (units.to_owned(), 3));
     dataset.read_raw::<f64>().unwrap().chunks_exact(3).map(|row| [row[0], row[1], row[2]]).collect()
 }

@@ -3,21 +3,20 @@
 use mpi_test::{PlainTest, tests};
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::Once;
 
 use crate::program::BOX;
+use crate::results;
 use crate::results::{column, folder, good};
 use crate::sweeps::{numbers, supported};
-use hdf5_metno as hdf5;
 
 pub const TESTS: &[PlainTest] = tests![
     runs_are_read_as_they_are_written,
     a_run_that_was_killed_is_read_up_to_its_last_whole_row,
     sweeps_and_their_parts_are_read,
     sweeps_are_drawn_as_curves_and_maps,
-    files_of_the_other_kind_are_refused,
-    the_notebook_runs
+    files_of_the_other_kind_are_refused
 ];
+pub const NOTEBOOK: &[PlainTest] = tests![the_notebook_runs];
 
 const SERIES: [&str; 16] = [
     "contact/force",
@@ -44,11 +43,6 @@ fn repository() -> &'static Path {
 
 /// What Python answers to some lines, the module at hand and `bits` to tell numbers exactly; its last line on standard error where it fails.
 fn python(folder: &Path, lines: &str) -> Result<Vec<String>, String> {
-    static PACKAGES: Once = Once::new();
-    PACKAGES.call_once(|| {
-        let ensure = ". scripts/environment; ensure python3-h5py python3-matplotlib";
-        assert!(Command::new("bash").args(["-ec", ensure]).current_dir(repository()).status().unwrap().success());
-    });
     let head = "import matplotlib\nmatplotlib.use('agg')\nimport matplotlib.pyplot as plt, numpy as np, ricochet\n\
         def bits(values): return np.asarray(values, '<f8').tobytes().hex()\n";
     // Debian's Python: the one that the packages are installed for.
@@ -105,11 +99,10 @@ fn a_run_that_was_killed_is_read_up_to_its_last_whole_row() {
     let folder = folder(BOX);
     good(&folder, 0, "run scene.toml");
     let path = folder.path().join("scene.h5");
-    {
-        let file = hdf5::File::open_rw(&path).unwrap();
+    results::change(&path, |file| {
         file.dataset("series/time").unwrap().resize((30,)).unwrap();
         file.dataset("contacts/impulse").unwrap().resize((0,)).unwrap();
-    }
+    });
     let told = python(
         folder.path(),
         "run = ricochet.Run('scene.h5')\n\

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use crate::program::{BOX, LIMIT, ricochet, run, send, start};
+use crate::program::{BOX, LIMIT, ricochet, run, send, start, wait_for_handlers};
 use crate::results::{folder, good, long, words};
 
 pub const TESTS: &[PlainTest] = tests![
@@ -170,7 +170,8 @@ fn a_folder_that_cannot_be_made_is_told_before_any_work() {
 fn an_interrupted_study_ends_in_order() {
     let folder = folder(&long().replace("order = 1", "order = 2"));
     let started = start(ricochet(folder.path(), 0).args(words("stability scene.toml -o study")));
-    std::thread::sleep(Duration::from_millis(1500));
+    wait_for_handlers(started.child.id());
+    std::thread::sleep(Duration::from_millis(300));
     send("INT", &started.child.id().to_string());
     let outcome = started.wait(LIMIT);
     assert_eq!(outcome.status, Some(130), "{outcome:#?}");

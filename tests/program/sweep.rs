@@ -1,12 +1,12 @@
 //! `ricochet sweep` through the program itself: what it writes, on how many ranks whatsoever, whole or in parts.
 
+use crate::results;
 use mpi_test::{PlainTest, tests};
 use std::path::Path;
 
 use crate::program::{ricochet, run};
 use crate::results::{column, folder, good, number, text, words};
 use crate::sweeps::{content, members, messages, numbers, supported};
-use hdf5_metno as hdf5;
 
 pub const TESTS: &[PlainTest] = tests![
     members_are_the_runs_of_their_scenes,
@@ -67,7 +67,7 @@ fn members_are_the_runs_of_their_scenes() {
         }
     }
     assert!(several > 0);
-    let opened = hdf5::File::open(&sweep).unwrap();
+    let opened = results::open(&sweep);
     assert_eq!((text(&opened, "kind"), text(&opened, "title")), ("sweep".into(), "Small plate".into()));
     assert!(text(&opened, "scene").contains("every = 3") && number::<bool>(&opened, "complete"));
     assert_eq!(members(&sweep, "vary/support.0.stiffness"), [1e7, 1e7, 1e9, 1e9, 1e11, 1e11]);
@@ -209,7 +209,7 @@ fn a_member_that_fails_is_a_result() {
     assert!(why[1].contains("solver.energy_gate allows 1e-9") && why[0].is_empty(), "{why:?}");
     assert!(peak[1].is_nan() && peak[0] > 0.0 && peak[0] == peak[2]);
     assert!(!numbers(&path, "contacts/member").contains(&1.0));
-    assert!(hdf5::File::open(&path).unwrap().group("series/1").is_err());
+    assert!(results::open(&path).group("series/1").is_err());
 }
 
 /// A time step that is not stable shows on the mesh only.

@@ -118,5 +118,11 @@ fn main() -> ExitCode {
         stability::order,
         stability::steps,
     )
+    .group("body::lumped", &[1], body::lumped::ALONE)
+    .long_group("body::block", &[1], body::block::LONG)
+    .long_group("impact::reference", &[2, 3], impact::reference::LONG)
+    .long_group("model::converged", &[1], model::converged::LONG)
+    .long_group("model::reduction", &[1], model::reduction::LONG)
+    .long_group("model::tolerances", &[1], model::tolerances::LONG)
     .run()
 }

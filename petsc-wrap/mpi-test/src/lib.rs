@@ -3,7 +3,7 @@
 //! MPI can be initialised once a process, so the threads of the standard harness are of no use to such tests. A test program with
 //! `harness = false` describes its tests as a [`Suite`]. Each test becomes one trial for every number of ranks, such as
 //! `vectors::dot::on_2_ranks`. The program starts itself again under `mpirun -n 2` when the first such trial is due; these
-//! processes then wait, without using the processor, for the names of further tests ([`worker`](self)). A filter that matches nothing
+//! processes then wait, without using the processor, for the names of further tests. A filter that matches nothing
 //! starts no mpirun.
 
 mod cores;
@@ -90,7 +90,7 @@ impl<T> Suite<T> {
                     let (pool, test) = (Arc::clone(&pool), full_name(group.module, name));
                     let name = format!("{test}::on_{ranks}_rank{}", if ranks == 1 { "" } else { "s" });
                     let timed = name.clone();
-                    let trial = Trial::test(name, move || times::timed(&timed, || pool.run(ranks, &test)));
+                    let trial = Trial::test(name, move || times::timed(&timed, || pool.run(ranks, &test).map(Some)));
                     due.push((ranks, trial.with_ignored_flag(group.is_long)));
                 }
             }
@@ -145,7 +145,7 @@ impl PlainSuite {
             let trial = Trial::test(name, move || {
                 times::timed(&timed, || {
                     test();
-                    Ok(())
+                    Ok(None)
                 })
             });
             trial.with_ignored_flag(ignored.is_some()).with_kind(ignored.clone().unwrap_or_default())

@@ -21,7 +21,10 @@ pub enum Report {
         rank: usize,
     },
     /// The test has passed on this rank.
-    Passed,
+    Passed {
+        /// What it has taken of the processor, s.
+        processor: f64,
+    },
     /// The test has panicked on this rank, which ends.
     Failed {
         /// The panic's message.

@@ -37,7 +37,9 @@ impl Pool {
     }
 
     /// Runs a test on so many ranks, once there are cores for them.
-    pub fn run(&self, count: usize, test: &str) -> Result<(), Failed> {
+    ///
+    /// Returns what they have taken of the processor, s.
+    pub fn run(&self, count: usize, test: &str) -> Result<f64, Failed> {
         self.cores.with(count, || {
             let waiting = self.idle().get_mut(&count).and_then(Vec::pop);
             let mut ranks = match waiting {
@@ -46,9 +48,9 @@ impl Pool {
                     Ranks::start(count, self.shows_output).map_err(|error| format!("mpirun -n {count}: {error}"))?
                 }
             };
-            ranks.run(test)?;
+            let processor = ranks.run(test)?;
             self.idle().entry(count).or_default().push(ranks);
-            Ok(())
+            Ok(processor)
         })
     }
 
@@ -102,17 +104,17 @@ impl Ranks {
     }
 
     /// Runs a test on all of them; they are gone where it fails.
-    fn run(&mut self, test: &str) -> Result<(), Failed> {
+    fn run(&mut self, test: &str) -> Result<f64, Failed> {
         if let Some(output) = &mut self.output {
             output.seek(SeekFrom::End(0)).map_err(|error| error.to_string())?;
         }
         for connection in &mut self.connections {
             send(&Order::Run(test.to_owned()), connection.reports.get_mut()).map_err(|error| error.to_string())?;
         }
-        let mut failures = Vec::new();
+        let (mut failures, mut taken) = (Vec::new(), 0.0);
         for Connection { rank, reports } in &mut self.connections {
             match receive(reports) {
-                Ok(Some(Report::Passed)) => {}
+                Ok(Some(Report::Passed { processor })) => taken += processor,
                 Ok(Some(Report::Failed { message })) => failures.push(format!("rank {rank}: {message}")),
                 // Ended with the one that failed, or by itself.
                 Ok(_) => failures.push(format!("rank {rank} ended")),
@@ -123,7 +125,7 @@ impl Ranks {
             }
         }
         if failures.is_empty() {
-            return Ok(());
+            return Ok(taken);
         }
         // The rank that failed may not be the one that was heard first.
         self.end();

@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use crate::message::{Order, Report, receive, send};
+use crate::times;
 
 /// Set for the processes under `mpirun`: the socket from which they take orders, or [`ALONE`].
 pub const ROLE: &str = "MPI_TEST_WORKER";
@@ -63,13 +64,17 @@ fn obey<T>(mut stream: &UnixStream, context: &T, between: fn(&T), tests: &[Named
     send(&Report::Ready { rank: rank() }, &mut stream).expect("the test program listens");
     // Without the test program there is nothing left to do.
     while let Ok(Some(Order::Run(name))) = receive(&mut orders) {
+        let before = times::of_processor();
         let run = || {
             let wanted = tests.iter().find(|test| test.name == name).expect("a test of this program");
             (wanted.test)(context);
             between(context);
         };
         match catch_unwind(AssertUnwindSafe(run)) {
-            Ok(()) => send(&Report::Passed, &mut stream).expect("the test program listens"),
+            Ok(()) => {
+                let processor = times::of_processor() - before;
+                send(&Report::Passed { processor }, &mut stream).expect("the test program listens");
+            }
             Err(panic) => {
                 let _ = send(&Report::Failed { message: text(&*panic).to_owned() }, &mut stream);
                 // The other ranks may wait in a collective call: mpirun ends them when this one is gone.

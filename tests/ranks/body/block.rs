@@ -3,6 +3,7 @@
 use crate::glass;
 use mpi_test::{Test, tests};
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use nalgebra_sparse::CsrMatrix;
@@ -22,12 +23,14 @@ pub const TESTS: &[Test<Session>] = tests![
     images_and_turned_boxes_answer_alike,
     resultants,
     displaced_clamps_carry_the_box,
-    loaded_boxes_as_meshes,
+    a_bar_hit_on_its_end_as_a_mesh,
+    a_loaded_bar_as_a_mesh,
     thin_plates_do_not_lock,
     impacts_as_on_a_mesh,
     bending_is_all_but_a_constant,
     scenes_that_are_no_blocks
 ];
+pub const LONG: &[Test<Session>] = tests![loaded_boxes_as_meshes, bending_on_more_supports];
 
 /// Every rank has all of a block, so that one is as good as many.
 fn parse(text: &str) -> Scene {
@@ -229,15 +232,27 @@ fn displaced_clamps_carry_the_box(session: &Session) {
     assert!((found / (-0.6 * 2e-3 - 0.8 * 3e-3) - 1.0).abs() < 1e-9, "{found}");
 }
 
-/// Static and dynamic answers against quadratic hexahedra: loads, a hit off the centre and oblique ones, a bar hit on its end and on
-/// its side. What the law holds of the dent is taken out, since the block's pressure is spread.
+fn a_loaded_bar_as_a_mesh(session: &Session) {
+    check_boxes_as_meshes(session, 2..3);
+}
+
+fn a_bar_hit_on_its_end_as_a_mesh(session: &Session) {
+    check_boxes_as_meshes(session, 3..4);
+}
+
 fn loaded_boxes_as_meshes(session: &Session) {
+    check_boxes_as_meshes(session, 0..4);
+}
+
+/// Static and dynamic answers against quadratic hexahedra: loads, a hit off the centre and oblique ones, a bar hit on its side and on
+/// its end. What the law holds of the dent is taken out, since the block's pressure is spread.
+fn check_boxes_as_meshes(session: &Session, chosen: Range<usize>) {
     let side = clamped("x-min", r#"["x", "y", "z"]"#, "");
     let cantilever = format!(
         "[load]\nbody_force = [1e4, 2e4, -3e4]\n[[load.traction]]\nsurface = \"x-max\"\nvalue = [0, 1e4, -4e4]\n{side}"
     );
     let springs = glass::sides(5e9, 3e5);
-    for (body, cells, impactor, rest) in [
+    let boxes = [
         (
             "size = [0.3, 0.2, 0.06]",
             "cells = [14, 12, 6]\ngrading = [5, 4, 3]",
@@ -257,7 +272,8 @@ fn loaded_boxes_as_meshes(session: &Session) {
             "point = [0.15, 0.0, 0.0]\ndirection = [-1.0, 0.0, 0.0]\nmass = 1",
             &side,
         ),
-    ] {
+    ];
+    for (body, cells, impactor, rest) in boxes[chosen].iter().copied() {
         let (mass, impactor) = match impactor.split_once("\nmass = ") {
             Some((rest, mass)) => (mass.parse().unwrap(), rest),
             None => (glass::MASS, impactor),
@@ -336,28 +352,44 @@ fn impacts_as_on_a_mesh(session: &Session) {
     }
 }
 
-/// Plates that bend alone, with half of the functions, against the same with all of them: a load along a side that is next to nothing asks
-/// for these.
 fn bending_is_all_but_a_constant(session: &Session) {
-    let all = "[[load.traction]]\nsurface = \"x-max\"\nvalue = [1e-30, 0, 0]\n";
+    check_bending(session, 1..3);
+    // A contact that is as short as waves across the thickness; a pull along the plate.
+    for (impactor, rest) in [("mass = 0.004\nspeed = 10.0", ""), ("mass = 5.0\nspeed = 1.0", PULL)] {
+        let scene = parse(&glass::scene("size = [0.3, 0.3, 0.03]", impactor, "end = 1e-3", rest));
+        let free = parse(&glass::scene("size = [0.3, 0.3, 0.03]", "mass = 5.0\nspeed = 1.0", "end = 1e-3", ""));
+        assert!(10 * block(&free, 1.0).system.load.len() < 7 * block(&scene, 1.0).system.load.len());
+    }
+}
+
+fn bending_on_more_supports(session: &Session) {
+    check_bending(session, 0..5);
+}
+
+/// A load along a side that is next to nothing, and asks for all functions across the thickness.
+const PULL: &str = "[[load.traction]]\nsurface = \"x-max\"\nvalue = [1e-30, 0, 0]\n";
+
+/// Plates that bend alone, with half of the functions, against the same with all of them.
+fn check_bending(session: &Session, chosen: Range<usize>) {
     let uneven =
         "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = [3e9, 1e9, 2e8]\ndamping = [1e5, 0, 2e5]\n";
     let two = "[[support]]\nsurface = \"x-min\"\nkind = \"clamped\"\n[[support]]\nsurface = \"y-max\"\nkind = \"clamped\"\ncomponents = [\"z\"]\n";
     let weight = "[load]\nbody_force = [0, 0, -25e3]\n";
-    for (point, rest) in [
+    let cases = [
         ("", String::new()),
         ("", glass::sides(1e9, 1e5)),
         ("point = [0.06, -0.04, 0.015]", uneven.into()),
         ("", two.into()),
         ("", weight.into()),
-    ] {
+    ];
+    for (point, rest) in &cases[chosen] {
         let scene = |more: &str| {
             let impactor = format!("mass = 5.0\nspeed = 1.0\n{point}");
             let rest = format!("[accuracy]\ntolerance = 1e-3\n{rest}{more}");
             let body = "model = \"solid\"\nsize = [0.3, 0.3, 0.03]\nsymmetry = \"none\"";
             parse(&glass::scene(body, &impactor, "end = 2e-3\nscheme = \"modal\"", &rest))
         };
-        let [half, whole] = ["", all].map(scene);
+        let [half, whole] = ["", PULL].map(scene);
         let [bent, full] = [&half, &whole].map(|scene| body(session, scene, 1.0));
         assert!(10 * bent.unknowns() < 7 * full.unknowns(), "{} {}", bent.unknowns(), full.unknowns());
         let (first, _) = trace(&half, &bent).difference(&trace(&whole, &full));
@@ -365,12 +397,6 @@ fn bending_is_all_but_a_constant(session: &Session) {
         // What different cells across the thickness leave, a part in a thousand in either, and squeezing in motion.
         assert!(first < 1.5e-3, "{point} {rest}: {first:e}");
         session.world().collect_garbage().unwrap();
-    }
-    // A contact that is as short as waves across the thickness; a pull along the plate.
-    for (impactor, rest) in [("mass = 0.004\nspeed = 10.0", ""), ("mass = 5.0\nspeed = 1.0", all)] {
-        let scene = parse(&glass::scene("size = [0.3, 0.3, 0.03]", impactor, "end = 1e-3", rest));
-        let free = parse(&glass::scene("size = [0.3, 0.3, 0.03]", "mass = 5.0\nspeed = 1.0", "end = 1e-3", ""));
-        assert!(10 * block(&free, 1.0).system.load.len() < 7 * block(&scene, 1.0).system.load.len());
     }
 }
 

@@ -8,7 +8,9 @@ use ricochet::body::{LinearContact, Lumped};
 use ricochet::scheme::{CentralDifference, critical_frequency};
 
 pub const RANKS: &[usize] = &[1, 2, 3];
-pub const TESTS: &[Test<Session>] = tests![lumped_sums, measured_limit, lowest_frequency_converges];
+pub const TESTS: &[Test<Session>] = tests![lumped_sums, lowest_frequency_converges];
+/// On one rank: the step is the same on each.
+pub const ALONE: &[Test<Session>] = tests![measured_limit];
 
 /// Masses are positive, and each component sums to ρV; the dampers' to c times the area.
 fn lumped_sums(session: &Session) {
@@ -35,12 +37,7 @@ fn lumped_sums(session: &Session) {
 }
 
 /// Bisects for the largest Δt at which the central difference does not grow from a random start.
-///
-/// All ranks but one wait: the step is the same on each, and the test is of its limit.
 fn measured_limit(session: &Session) {
-    if !session.world().is_root() {
-        return;
-    }
     for kind in KINDS {
         for (supports, touching) in [(HELD, false), (ON_PAD, false), (FREE, true)] {
             let mut parts = parts(&session.alone(), kind, SIZE, 0.15, supports);

@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 use petsc_wrap::{Matrix, Session};
 use ricochet::body::{LargestFrequency, LinearContact};
 
-pub const RANKS: &[usize] = &[1, 2, 3];
+pub const RANKS: &[usize] = &[1, 2];
 pub const TESTS: &[Test<Session>] = tests![largest_frequency_against_dense, spectrum_that_ends_densely, nothing_free];
 
 /// The matrices of a body that one rank has, free unknowns only, the impactor's as the last one.

@@ -11,7 +11,7 @@ use ricochet::element::Shape;
 use ricochet::impact::Impact;
 use ricochet::impact::step::Step;
 
-pub const RANKS: &[usize] = &[1, 2, 3];
+pub const RANKS: &[usize] = &[1, 2];
 pub const TESTS: &[Test<Session>] = tests![momentum, balance_of_energy];
 
 /// A scene: what is special in `body` and `rest` (supports and loads), in `impactor` and in `time`.

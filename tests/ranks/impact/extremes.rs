@@ -15,7 +15,7 @@ use ricochet::scene::Scene;
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![answers_or_refusals, a_tiny_mass];
 
-const SCENE: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [1.5, 1.5, 0.1]\ncells = [6, 6, 2]\ngrading = 3\n\
+const SCENE: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [1.5, 1.5, 0.1]\ncells = [4, 4, 1]\ngrading = 3\n\
     [impactor]\nmass = 52.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n[time]\nend = 2e-3\n";
 
 fn series(session: &Session, overrides: &[&str]) -> Result<(Scene, Vec<Step>)> {

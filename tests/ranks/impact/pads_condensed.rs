@@ -12,7 +12,7 @@ use ricochet::impact::step::Step;
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
 
-pub const RANKS: &[usize] = &[1, 2, 3];
+pub const RANKS: &[usize] = &[1, 2];
 pub const TESTS: &[Test<Session>] = tests![methods, reference, agrees_with_full];
 
 const ENERGY: &str = "scheme = \"energy\"";
