@@ -56,6 +56,7 @@ fn under_petsc(options: &[String], work: impl FnOnce(&Session) -> Result<i32, Er
 /// Leaves the program. An error that all ranks share is told by one of them, and all end in order; an error of one rank
 /// is told by it, and it ends the others.
 fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
+    let result = result.and_then(|status| cli::check_said().map(|()| status));
     let Err(error) = result else {
         if let Some(Err(error)) = session.map(Session::finish) {
             tell(format_args!("ricochet: PETSc did not end in order: {error}"));

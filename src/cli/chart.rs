@@ -18,7 +18,7 @@ use crate::study::history::Difference;
 
 use super::bench::Bench;
 use super::interrupt::{INTERRUPTED, Interrupt};
-use super::load::load;
+use super::load::{Loaded, load};
 use super::progress::Items;
 use super::{Chart, say, tell, warn_of_unused_options};
 
@@ -30,7 +30,7 @@ pub fn chart(comm: &Comm, arguments: &Chart) -> Result<i32> {
     if arguments.budget.is_nan() || arguments.budget < 0.0 {
         return Err(Error::Usage(format!("--budget {}: a number of seconds", arguments.budget)));
     }
-    let (given, source) = load(comm, &arguments.scene, &arguments.overrides)?;
+    let Loaded { scene: given, source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
     let (scene, source) = Scene::within(source.name(), source.folder(), source.text(), &cleared(&given))?;
     let ladder = Ladder::new(&scene);
     let methods = selected(ladder.methods(), &arguments.only)?;

@@ -11,7 +11,7 @@ use crate::scene::{Contact, Geometry, Scene, Scheme, Support, SupportKind, Symme
 use crate::scheme::Implicit;
 
 use super::Check;
-use super::load::load;
+use super::load::{Loaded, load};
 use super::notes::{describe_model, note_of_probes, notes};
 use super::say;
 
@@ -33,7 +33,7 @@ const OF_MULTIGRID: [f64; 2] = [1.8, 2.9];
 /// # Errors
 /// All that is wrong with the scene; PETSc's.
 pub fn check(comm: &Comm, arguments: &Check) -> Result<()> {
-    let (scene, source) = load(comm, &arguments.scene, &arguments.overrides)?;
+    let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
     describe(comm, &scene).map_err(|error| error.in_scene(&source))
 }
 

@@ -1,5 +1,7 @@
 //! A scene on all ranks: from its file, or from a result, which holds it.
 
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use mpi::traits::{Communicator, Root};
@@ -11,17 +13,64 @@ use crate::record::provenance::{Provenance, digest};
 use crate::record::read;
 use crate::scene::{Geometry, Scene, Source};
 
+/// The name that stands for standard input.
+pub const STANDARD_INPUT: &str = "-";
+
+/// A scene as it was given.
+pub struct Loaded {
+    /// What is to be solved.
+    pub scene: Scene,
+    /// Its text.
+    pub source: Source,
+    /// Whether it was taken from a result.
+    pub is_of_result: bool,
+}
+
 /// Reads a scene on rank 0 and parses it on all, so that all of them get the same data or the same error. A result is the scene that it
-/// was computed of, with its options for PETSc where no others are given. Collective.
+/// was computed of, with its options for PETSc where no others are given; `-` is standard input. Collective.
 ///
 /// # Errors
-/// [`Error::Usage`] where the file cannot be read; [`Error::Scene`] where the scene is wrong.
-pub fn load(comm: &Comm, path: &Path, overrides: &[String]) -> Result<(Scene, Source)> {
-    if !is_result(comm, path) {
-        let read = if comm.is_root() { Scene::text(path) } else { Ok(String::new()) };
-        let text = agree(comm, read).map_err(Error::Usage)?;
-        return Scene::from_text(path, &broadcast(comm, 0, text), overrides);
+/// [`Error::Output`] where the file cannot be read; [`Error::Usage`] where it is no text; [`Error::Scene`] where the scene is wrong.
+pub fn load(comm: &Comm, path: &Path, overrides: &[String]) -> Result<Loaded> {
+    let given = if comm.is_root() { given(path) } else { Ok(None) };
+    let bytes = agree(comm, given.map_err(|reason| format!("{}: {reason}", shown(path)))).map_err(Error::Output)?;
+    let mut is_of_result = comm.is_root() && bytes.is_none();
+    comm.mpi().process_at_rank(0).broadcast_into(&mut is_of_result);
+    if is_of_result {
+        let (scene, source) = of_result(comm, path, overrides)?;
+        return Ok(Loaded { scene, source, is_of_result });
     }
+    let text = bytes.map_or(Ok(String::new()), |bytes| Scene::decode(&shown(path), bytes));
+    let text = broadcast(comm, 0, agree(comm, text).map_err(Error::Usage)?);
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let (scene, source) = Scene::within(&shown(path), folder, &text, overrides)?;
+    Ok(Loaded { scene, source, is_of_result })
+}
+
+/// What messages call a scene's file.
+fn shown(path: &Path) -> String {
+    if path == Path::new(STANDARD_INPUT) { "standard input".to_owned() } else { path.display().to_string() }
+}
+
+/// The bytes of a scene; `None` for a result, of which only the first are read. Read once: a pipe gives them once.
+fn given(path: &Path) -> std::result::Result<Option<Vec<u8>>, String> {
+    const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
+    let read = || {
+        let mut input: Box<dyn Read> =
+            if path == Path::new(STANDARD_INPUT) { Box::new(io::stdin()) } else { Box::new(File::open(path)?) };
+        let mut bytes = Vec::new();
+        input.by_ref().take(SIGNATURE.len() as u64).read_to_end(&mut bytes)?;
+        if bytes == SIGNATURE {
+            return Ok(None);
+        }
+        input.read_to_end(&mut bytes)?;
+        Ok(Some(bytes))
+    };
+    read().map_err(|error: io::Error| format!("the scene cannot be read: {error}"))
+}
+
+/// The scene of a result.
+fn of_result(comm: &Comm, path: &Path, overrides: &[String]) -> Result<(Scene, Source)> {
     let read = || read::provenance(path).map(Some).map_err(|error| error.to_string());
     let origin = agree(comm, if comm.is_root() { read() } else { Ok(None) }).map_err(Error::Output)?;
     let of = |text: fn(Provenance) -> String| broadcast(comm, 0, origin.clone().map(text).unwrap_or_default());
@@ -45,19 +94,6 @@ pub fn changed(path: &Path, scene: &Scene) -> String {
         Geometry::Box { .. } => String::new(),
     };
     format!("the mesh {mesh} is missing or is not the one that {} was computed on", path.display())
-}
-
-/// Whether a file is a result, by its first bytes. Collective.
-pub fn is_result(comm: &Comm, path: &Path) -> bool {
-    const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
-    let mut found = false;
-    if comm.is_root() {
-        let mut first = [0; 8];
-        let read = std::fs::File::open(path).and_then(|mut file| std::io::Read::read_exact(&mut file, &mut first));
-        found = read.is_ok() && first == SIGNATURE;
-    }
-    comm.mpi().process_at_rank(0).broadcast_into(&mut found);
-    found
 }
 
 /// Digest of a scene's mesh file, as far as there is one that can be read.

@@ -21,12 +21,13 @@ pub mod sweep;
 
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use clap::{Args, Parser, Subcommand};
 use petsc_wrap::{Comm, options};
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::study::sweep::Shard;
 
 /// Version and commit.
@@ -65,14 +66,17 @@ pub enum Command {
 /// `ricochet run`
 #[derive(Debug, Args)]
 pub struct Run {
-    /// Scene file (TOML), or a result, whose scene is run again
+    /// Scene file (TOML), - for standard input, or a result, whose scene is run again
     pub scene: PathBuf,
     /// Result file; by default the scene's name with the ending .h5, in the current folder
     #[arg(short, long, value_name = "OUT.h5")]
     pub output: Option<PathBuf>,
-    /// Go on with the run whose result this is, from the checkpoint beside it
+    /// Continue the run whose result this is, from the checkpoint beside it
     #[arg(long, value_name = "OUT.h5")]
     pub restart: Option<PathBuf>,
+    /// Replace an interrupted run that could be continued
+    #[arg(long)]
+    pub force: bool,
     /// Override a key of the scene by its dotted path, e.g. time.step=1e-6 or support.0.stiffness=1e9
     #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
     pub overrides: Vec<String>,
@@ -196,9 +200,27 @@ pub fn is_root_by_environment() -> bool {
         .is_none_or(|rank| rank == "0")
 }
 
-/// A line on standard output. A reader who has gone, as in `ricochet check … | head -1`, is no error.
+/// A line on standard output. An error is kept for [`check_said`].
 pub fn say(line: fmt::Arguments) {
-    let _ = writeln!(io::stdout(), "{line}");
+    if let Err(error) = writeln!(io::stdout(), "{line}") {
+        // A reader who has gone, as in `ricochet check … | head -1`, has all that he wants.
+        if error.kind() != io::ErrorKind::BrokenPipe {
+            let _ = UNSAID.set(error.to_string());
+        }
+    }
+}
+
+/// Why something that was to be on standard output is not there.
+static UNSAID: OnceLock<String> = OnceLock::new();
+
+/// Whether all is on standard output that was to be there.
+///
+/// # Errors
+/// [`Error::Io`] where it could not be written, on a full disk for example.
+pub fn check_said() -> Result<()> {
+    UNSAID
+        .get()
+        .map_or(Ok(()), |error| Err(Error::io(Path::new("standard output"), format!("cannot be written: {error}"))))
 }
 
 /// A line on standard error, likewise.

@@ -17,14 +17,15 @@ use crate::record::checkpoint;
 use crate::record::fields;
 use crate::record::lock::Lock;
 use crate::record::provenance::Cost;
+use crate::record::read;
 use crate::record::series::SeriesWriter;
-use crate::record::target::check_writable;
+use crate::record::target::{Kind, check_writable};
 use crate::scene::{Scene, Source};
 
 use super::Run;
 use super::interrupt::{INTERRUPTED, Interrupt};
 use super::keeping::Keeping;
-use super::load::{is_result, load};
+use super::load::{Loaded, STANDARD_INPUT, load};
 use super::notes::{describe_model, note_of_probes, notes};
 use super::progress::Progress;
 use super::provenance::provenance;
@@ -38,17 +39,24 @@ use super::{tell, warn_of_unused_options};
 /// # Errors
 /// All that [`Error`] names.
 pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
-    let (scene, source) = load(comm, &arguments.scene, &arguments.overrides)?;
+    let Loaded { scene, source, is_of_result } = load(comm, &arguments.scene, &arguments.overrides)?;
     let given = arguments.output.as_ref().or(arguments.restart.as_ref());
-    if given.is_none() && is_result(comm, &arguments.scene) {
-        let message = "the run of a result needs another file for its own: -o OUT.h5";
-        return Err(Error::Usage(message.to_owned()));
+    let unnamed = match given {
+        None if is_of_result => Some("the scene of a result"),
+        None if arguments.scene == Path::new(STANDARD_INPUT) => Some("a scene from standard input"),
+        _ => None,
+    };
+    if let Some(what) = unnamed {
+        return Err(Error::Usage(format!("{what} needs a name for its result: -o OUT.h5")));
     }
     let output = given.cloned().unwrap_or_else(|| default_output(&arguments.scene));
     // Before minutes of work whose result could not be written. Held to the end.
     let _lock = {
         let free = || {
-            check_writable(&output)?;
+            check_writable(&output, Kind::Run)?;
+            if arguments.restart.is_none() && !arguments.force {
+                check_not_interrupted(&output)?;
+            }
             if scene.output.fields.is_some() {
                 fields::check_writable(&output)?;
             }
@@ -76,6 +84,21 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
         return Ok(0);
     }
     solve(comm, (&scene, &source), (past, from), &output).map_err(|error| error.in_scene(&source))
+}
+
+/// Refuses to replace a run that was interrupted and can be continued.
+fn check_not_interrupted(output: &Path) -> Result<()> {
+    if !output.exists() {
+        return Ok(());
+    }
+    let (origin, _, complete) = read::origin(output)?;
+    if complete || !checkpoint::is_there(output, origin.run_id) {
+        return Ok(());
+    }
+    let shown = output.display();
+    let reason =
+        format!("holds an interrupted run with a checkpoint: --restart {shown} continues it, --force replaces it");
+    Err(Error::io(output, reason))
 }
 
 fn default_output(scene: &Path) -> PathBuf {

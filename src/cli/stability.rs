@@ -15,7 +15,7 @@ use crate::study::table::{csv, gist, theory};
 use crate::study::{Verdict, label, stability as study};
 
 use super::interrupt::{INTERRUPTED, Interrupt};
-use super::load::load;
+use super::load::{Loaded, load};
 use super::{Stability, say, tell, warn_of_unused_options};
 
 /// Studies a scene and writes what was found; returns the exit status. Collective.
@@ -23,7 +23,7 @@ use super::{Stability, say, tell, warn_of_unused_options};
 /// # Errors
 /// All that [`Error`] names.
 pub fn stability(comm: &Comm, arguments: &Stability) -> Result<i32> {
-    let (scene, source) = load(comm, &arguments.scene, &arguments.overrides)?;
+    let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
     // Before minutes of work whose result could not be written.
     let folder = if comm.is_root() { Folder::create(&arguments.output).map(Some) } else { Ok(None) };
     let folder = agree(comm, folder.map_err(|error| error.to_string())).map_err(Error::Output)?;

@@ -16,7 +16,7 @@ use crate::scene::{Model, Scene, Source};
 use crate::study::sweep::{Bodies, Census, Grid, Property, Task, Variation, digest, parts, spread};
 
 use super::interrupt::{INTERRUPTED, Interrupt};
-use super::load::load;
+use super::load::{Loaded, load};
 use super::progress::Items;
 use super::{Sweep, say, short, tell, warn_of_unused_options};
 
@@ -28,7 +28,7 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     let begin = Instant::now();
     let variations = arguments.vary.iter().map(|given| Variation::parse(given, arguments.log));
     let grid = variations.collect::<std::result::Result<_, _>>().and_then(Grid::new).map_err(Error::Usage)?;
-    let (scene, source) = load(comm, &arguments.scene, &arguments.overrides)?;
+    let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
     let mut census = Census::default();
     for index in 0..grid.len() {
         let on_line = grid.line().and_then(|key| Some((property_of(key)?, grid.number(index, key)?)));

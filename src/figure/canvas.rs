@@ -5,6 +5,10 @@
 
 use super::stroke::{Point, Stroke, dashed};
 use crate::error::{Error, Result};
+use crate::record::folder::Folder;
+use crate::record::target::resolved;
+use image::codecs::png::PngEncoder;
+use image::{ColorType, ImageEncoder};
 use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, IntoDrawingArea};
@@ -59,41 +63,40 @@ pub(super) type Outcome = std::result::Result<(), String>;
 /// Draws to the file `out`, SVG or PNG by its extension.
 pub(super) fn save(drawing: &impl Drawing, out: &Path) -> Result<()> {
     let extension = out.extension().and_then(|e| e.to_str()).unwrap_or_default();
-    match extension.to_ascii_lowercase().as_str() {
-        "svg" => save_svg(drawing, out),
-        "png" => save_png(drawing, out),
-        _ => Err(Error::Usage(format!("{}: a figure is an .svg or a .png file", out.display()))),
-    }
+    let bytes = match extension.to_ascii_lowercase().as_str() {
+        "svg" => svg(drawing).map(String::into_bytes),
+        "png" => png(drawing),
+        _ => return Err(Error::Usage(format!("{}: a figure is an .svg or a .png file", out.display()))),
+    };
+    let bytes = bytes.map_err(|e| Error::io(out, e))?;
+    let file = resolved(out);
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    // Whole or not at all: a disk may be full.
+    Folder::of(&file).put(&name, |part| std::fs::write(part, &bytes).map_err(|e| Error::io(out, e)))
 }
 
-fn save_svg(drawing: &impl Drawing, out: &Path) -> Result<()> {
+fn svg(drawing: &impl Drawing) -> std::result::Result<String, String> {
     let (width, height) = (WIDTH as u32 * SVG_SCALE, HEIGHT as u32 * SVG_SCALE);
     let mut svg = String::new();
     let backend = SVGBackend::with_string(&mut svg, (width, height));
-    Canvas::new(backend, SVG_SCALE, 0.06, false)
-        .and_then(|canvas| canvas.finish(drawing))
-        .map_err(|e| Error::io(out, e))?;
-    let svg = svg.replacen(
+    Canvas::new(backend, SVG_SCALE, 0.06, false).and_then(|canvas| canvas.finish(drawing))?;
+    Ok(svg.replacen(
         &format!("width=\"{width}\" height=\"{height}\""),
         &format!("width=\"{WIDTH}\" height=\"{HEIGHT}\""),
         1,
-    );
-    std::fs::write(out, svg).map_err(|e| Error::io(out, e))
+    ))
 }
 
-fn save_png(drawing: &impl Drawing, out: &Path) -> Result<()> {
+fn png(drawing: &impl Drawing) -> std::result::Result<Vec<u8>, String> {
     let size = (WIDTH as u32, HEIGHT as u32);
     let large = (size.0 * PNG_SCALE, size.1 * PNG_SCALE);
     let mut pixels = vec![0; 3 * (large.0 * large.1) as usize];
     let backend = BitMapBackend::with_buffer(&mut pixels, large);
-    Canvas::new(backend, PNG_SCALE, 0.19, true)
-        .and_then(|canvas| canvas.finish(drawing))
-        .map_err(|e| Error::io(out, e))?;
+    Canvas::new(backend, PNG_SCALE, 0.19, true).and_then(|canvas| canvas.finish(drawing))?;
     let averaged = averaged(&pixels, large.0 as usize, PNG_SCALE as usize);
-    // The file first: its own error says more than that of the image.
-    std::fs::File::create(out).map_err(|e| Error::io(out, e))?;
-    let mut png = BitMapBackend::new(out, size);
-    png.blit_bitmap((0, 0), size, &averaged).and_then(|()| png.present()).map_err(|e| Error::io(out, e))
+    let mut png = Vec::new();
+    PngEncoder::new(&mut png).write_image(&averaged, size.0, size.1, ColorType::Rgb8).map_err(|e| e.to_string())?;
+    Ok(png)
 }
 
 /// Each square of `scale` × `scale` RGB pixels as its mean.

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
+use crate::record::target;
 
 /// A folder that is there and can be written to.
 #[derive(Debug)]
@@ -24,6 +25,11 @@ impl Folder {
             .and_then(|()| fs::remove_file(&probe))
             .map_err(|e| Error::io(path, format!("is no folder that can be written to: {e}")))?;
         Ok(folder)
+    }
+
+    /// The folder that the file `path` is in.
+    pub fn of(path: &Path) -> Self {
+        Self { path: target::folder(path).to_owned() }
     }
 
     /// Has `write` make a file, which then takes its name in place of an older one. Until then it has another name with the

@@ -92,7 +92,7 @@ impl SeriesWriter {
     /// # Errors
     /// As [`Self::create`].
     pub fn with_probes(path: &Path, provenance: &Provenance, names: &[String]) -> Result<Self> {
-        target::check_writable(path)?;
+        target::check_writable(path, target::Kind::Run)?;
         let part = target::part(&target::resolved(path))?;
         let begun = begin(&part, provenance, names);
         if begun.is_err() {

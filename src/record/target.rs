@@ -1,21 +1,54 @@
 //! The file that a result is written to: whether it can be, and how it takes the place of an older one.
 
 use crate::error::{Error, Result};
+use crate::record::sweep::is_one as is_sweep;
 use hdf5_metno as hdf5;
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Tells whether a result can be written to `path`, without touching a file that is there.
+/// What a file is, as far as it may be replaced: only by one of its own kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// The result of a run.
+    Run,
+    /// A sweep, which is continued.
+    Sweep,
+    /// The fields of a run.
+    Fields,
+}
+
+impl Kind {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Run => "the result of a run",
+            Self::Sweep => "a sweep",
+            Self::Fields => "the fields of a run",
+        }
+    }
+
+    /// What a file of this program is, by what it must have.
+    fn of(file: &hdf5::File) -> Option<Self> {
+        if is_sweep(file) {
+            Some(Self::Sweep)
+        } else if file.group("VTKHDF").is_ok() {
+            Some(Self::Fields)
+        } else {
+            (file.group("series").is_ok() && file.attr("run_id").is_ok()).then_some(Self::Run)
+        }
+    }
+}
+
+/// Tells whether a result of this kind can be written to `path`, without touching a file that is there.
 ///
 /// # Errors
 /// [`Error::Io`] with the reason: the folder is missing or not writable; the path is a folder, a device, a read-only
-/// file, a file that is no HDF5, or a result that a run is still writing.
-pub fn check_writable(path: &Path) -> Result<()> {
+/// file, a file of another kind, or a result that a run is still writing.
+pub fn check_writable(path: &Path, kind: Kind) -> Result<()> {
     let part = part(&resolved(path))?;
     if let Ok(there) = fs::metadata(path) {
-        check_replaceable(path, &there)?;
+        check_replaceable(path, &there, kind)?;
     }
     OpenOptions::new()
         .write(true)
@@ -26,12 +59,19 @@ pub fn check_writable(path: &Path) -> Result<()> {
         .map_err(|e| Error::io(path, format!("cannot be created: {e}")))
 }
 
-/// The file that `path` is or links to: a link stays a link.
-pub(super) fn resolved(path: &Path) -> PathBuf {
-    match fs::symlink_metadata(path) {
-        Ok(there) if there.is_symlink() => fs::canonicalize(path).unwrap_or_else(|_| path.to_owned()),
-        _ => path.to_owned(),
+/// The file that `path` is or links to, whether that is there or not: a link stays a link.
+pub fn resolved(path: &Path) -> PathBuf {
+    /// More links in a row than any system follows.
+    const MOST: usize = 64;
+    let mut file = path.to_owned();
+    for _ in 0..MOST {
+        match fs::read_link(&file) {
+            // A relative link starts at the folder that it is in.
+            Ok(target) => file = folder(&file).join(target),
+            Err(_) => return fs::canonicalize(&file).unwrap_or(file),
+        }
     }
+    path.to_owned()
 }
 
 /// A file that goes with the result at `path`, by its ending: `plate.checkpoint.h5` with `plate.h5`, `k.1e7.checkpoint.h5` with `k.1e7`.
@@ -106,8 +146,8 @@ pub(super) fn remove_parts(path: &Path) {
     }
 }
 
-/// Whether what is at `path` is a result that may be replaced.
-fn check_replaceable(path: &Path, there: &fs::Metadata) -> Result<()> {
+/// Whether what is at `path` is of this kind and may be replaced.
+fn check_replaceable(path: &Path, there: &fs::Metadata, kind: Kind) -> Result<()> {
     if there.is_dir() {
         return Err(Error::io(path, "is a folder"));
     }
@@ -120,7 +160,13 @@ fn check_replaceable(path: &Path, there: &fs::Metadata) -> Result<()> {
     OpenOptions::new().write(true).open(path).map_err(|e| Error::io(path, format!("cannot be replaced: {e}")))?;
     // Opening takes HDF5's shared lock, which a writer elsewhere excludes; a writer in this process shows in the mode.
     match hdf5::File::open(path) {
-        Ok(file) if file.is_read_only() => Ok(()),
+        Ok(file) if file.is_read_only() => match Kind::of(&file) {
+            Some(there) if there == kind => Ok(()),
+            Some(there) => {
+                Err(Error::io(path, format!("is {}, so it is not replaced by {}", there.name(), kind.name())))
+            }
+            None => Err(Error::io(path, "is an HDF5 file of another program, so it is not replaced")),
+        },
         Ok(_) => Err(Error::io(path, IN_USE)),
         Err(e) if is_locked(&e) => Err(Error::io(path, IN_USE)),
         Err(e) => {

@@ -69,8 +69,16 @@ impl Scene {
     /// # Errors
     /// Why the file cannot be read as text.
     pub fn text(path: &Path) -> Result<String, String> {
-        let shown = path.display();
+        let shown = path.display().to_string();
         let bytes = std::fs::read(path).map_err(|reason| format!("{shown}: the scene cannot be read: {reason}"))?;
+        Self::decode(&shown, bytes)
+    }
+
+    /// The text in the bytes of a scene's file, which messages call `shown`.
+    ///
+    /// # Errors
+    /// Where they are not text.
+    pub fn decode(shown: &str, bytes: Vec<u8>) -> Result<String, String> {
         String::from_utf8(bytes).map_err(|reason| {
             let good = &reason.as_bytes()[..reason.utf8_error().valid_up_to()];
             format!("{shown}: line {} is not text in UTF-8", locate::line(good, good.len()))

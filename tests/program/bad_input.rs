@@ -324,8 +324,8 @@ fn files_and_command_lines() {
     use Before::{Nothing, Result, Sentinel};
     #[rustfmt::skip]
     let cases = [
-        good("no scene file", "run no.toml", 2, &["no.toml: the scene cannot be read: No such file"], Result, BOTH),
-        good("a folder for a scene", "run .", 2, &[".: the scene cannot be read", "directory"], Result, BOTH),
+        good("no scene file", "run no.toml", 4, &["no.toml: the scene cannot be read: No such file"], Result, BOTH),
+        good("a folder for a scene", "run .", 4, &[".: the scene cannot be read", "directory"], Result, BOTH),
         good("bytes for a scene", "run bytes", 2, &["bytes: line 1 is not text in UTF-8"], Nothing, BOTH),
         good("a result over itself", "run out.h5", 2, &["another file for its own: -o OUT.h5"], Result, BOTH),
         good("a scene for a result", "info box.toml", 4, &["box.toml: is not an HDF5 file"], Nothing, ALONE),

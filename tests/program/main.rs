@@ -28,6 +28,7 @@ mod ended_runs;
 mod energy_gate;
 mod fields;
 mod kills;
+mod losses;
 mod mutated_meshes;
 mod plot;
 mod probes;
@@ -57,6 +58,7 @@ fn main() -> ExitCode {
         .group_unless(tools::vtk(), "fields", fields::BY_VTK)
         .group("kills", kills::TESTS)
         .long_group("kills", kills::LONG)
+        .group("losses", losses::TESTS)
         .group("mutated_meshes", mutated_meshes::TESTS)
         .group("plot", plot::TESTS)
         .group("probes", probes::TESTS)

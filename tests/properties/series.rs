@@ -7,7 +7,7 @@ use ricochet::error::Error;
 use ricochet::impact::step::Step;
 use ricochet::record::read::history;
 use ricochet::record::series::SeriesWriter;
-use ricochet::record::target::check_writable;
+use ricochet::record::target::{Kind, check_writable};
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -182,7 +182,7 @@ fn child() {
     let path = Path::new(&path);
     if job == "provoke errors" {
         history(path).unwrap_err();
-        check_writable(path).unwrap_err();
+        check_writable(path, Kind::Run).unwrap_err();
         return;
     }
     let between: usize = job.parse().unwrap();
@@ -233,7 +233,7 @@ fn result_in_writing_is_neither_replaced_nor_read() {
     while !path.exists() {
         std::thread::sleep(Duration::from_millis(1));
     }
-    let replaced = check_writable(&path).unwrap_err().to_string();
+    let replaced = check_writable(&path, Kind::Run).unwrap_err().to_string();
     let created = SeriesWriter::create(&path, &provenance("", None)).err().unwrap();
     let read = history(&path).unwrap_err().to_string();
     child.kill().unwrap();
@@ -242,7 +242,7 @@ fn result_in_writing_is_neither_replaced_nor_read() {
     assert_eq!(created.to_string(), replaced);
     assert!(read.contains("still being written"), "{read}");
     assert!(checked_rows(&hdf5::File::open(&path).unwrap(), 1) >= 1);
-    check_writable(&path).unwrap();
+    check_writable(&path, Kind::Run).unwrap();
 }
 
 #[test]
@@ -252,7 +252,7 @@ fn creation_replaces_an_older_result_only_when_it_succeeds() {
     let old = folder.path().join("old.h5");
     let mut writer = SeriesWriter::create(&old, &provenance("old", None)).unwrap();
     writer.push(&step(0)).unwrap();
-    assert!(check_writable(&old).is_err(), "open in this process");
+    assert!(check_writable(&old, Kind::Run).is_err(), "open in this process");
     writer.finish(&COST, true).unwrap();
     let bytes = fs::read(&old).unwrap();
 
@@ -272,9 +272,10 @@ fn creation_replaces_an_older_result_only_when_it_succeeds() {
         (Path::new("/dev/null"), "is not a regular file"),
         (Path::new("/"), "is not the name of a file"),
     ] {
-        for error in
-            [check_writable(path).unwrap_err(), SeriesWriter::create(path, &provenance("new", None)).err().unwrap()]
-        {
+        for error in [
+            check_writable(path, Kind::Run).unwrap_err(),
+            SeriesWriter::create(path, &provenance("new", None)).err().unwrap(),
+        ] {
             assert!(matches!(error, Error::Io { .. }));
             assert!(error.to_string().contains(reason), "{error}");
         }
@@ -283,7 +284,7 @@ fn creation_replaces_an_older_result_only_when_it_succeeds() {
     assert_eq!(fs::read(&read_only).unwrap(), bytes);
 
     // A run that fails before its first step replaces nothing, and a scene that HDF5 cannot hold neither.
-    check_writable(&old).unwrap();
+    check_writable(&old, Kind::Run).unwrap();
     drop(SeriesWriter::create(&old, &provenance("new", None)).unwrap());
     SeriesWriter::create(&old, &provenance("new", None)).unwrap().finish(&COST, false).unwrap();
     assert!(SeriesWriter::create(&old, &provenance("a\0b", None)).is_err());

@@ -36,7 +36,7 @@ pub fn check_writable(result: &Path) -> Result<()> {
     if xdmf.is_dir() {
         return Err(Error::io(&xdmf, "is a folder"));
     }
-    target::check_writable(&fields)
+    target::check_writable(&fields, target::Kind::Fields)
 }
 
 /// Writes the fields of one run. One process (rank 0) has it.

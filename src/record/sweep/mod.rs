@@ -5,7 +5,7 @@ mod read;
 mod write;
 
 pub use member::{Member, Quantity, Status};
-pub use read::{Sweep, is_sweep};
+pub use read::{Sweep, is_one, is_sweep};
 pub use write::SweepWriter;
 
 /// What a sweep is of, and where it comes from: the attributes of the file's root.

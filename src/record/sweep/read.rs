@@ -39,7 +39,8 @@ pub fn is_sweep(path: &Path) -> Result<bool> {
     open(path).map(|file| is_one(&file))
 }
 
-fn is_one(file: &hdf5::File) -> bool {
+/// Whether an open file is one.
+pub fn is_one(file: &hdf5::File) -> bool {
     text(file, "kind").is_ok_and(|kind| kind == KIND)
 }
 

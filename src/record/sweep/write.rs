@@ -55,14 +55,15 @@ impl SweepWriter {
     /// # Errors
     /// [`Error::Io`] where `path` is something else, or a sweep of another scene or of other values, or cannot be written.
     pub fn open(path: &Path, header: &Header) -> Result<Self> {
-        target::check_writable(path)?;
+        target::check_writable(path, target::Kind::Sweep)?;
         if path.exists() { Self::resume(path, header) } else { Self::create(path, header) }
     }
 
     fn create(path: &Path, header: &Header) -> Result<Self> {
         let part = target::part(&target::resolved(path))?;
         let begun = begin(&part, header).map_err(|error| not_written(path, &error));
-        let named = begun.and_then(|file| fs::rename(&part, path).map(|()| file).map_err(|e| Error::io(path, e)));
+        let named = begun
+            .and_then(|file| fs::rename(&part, target::resolved(path)).map(|()| file).map_err(|e| Error::io(path, e)));
         if named.is_err() {
             // The error in hand says more than one of the removal would.
             let _ = fs::remove_file(&part);

@@ -1,0 +1,143 @@
+//! Nothing that is there is lost: files of others, runs that can be continued, figures, what stands in a pipe.
+
+use std::fs;
+use std::os::unix::fs::symlink;
+use std::path::Path;
+use std::process::Command;
+
+use hdf5_metno as hdf5;
+use mpi_test::{PlainTest, tests};
+
+use crate::program::{BOX, Outcome, run};
+use crate::restarts::{interrupted, refused, scene};
+use crate::results::{folder, good, is_complete, words};
+use crate::sweeps::supported;
+
+pub const TESTS: &[PlainTest] = tests![
+    only_runs_are_replaced,
+    an_interrupted_run_is_replaced_by_force_alone,
+    a_dangling_link_is_followed,
+    a_figure_is_whole_or_not_there,
+    scenes_come_through_pipes,
+    a_scene_that_cannot_be_read_is_an_error_of_input,
+    what_cannot_be_said_is_an_error_of_output,
+];
+
+/// Runs a line of bash in a folder, in which `ricochet` is the program.
+fn bash(folder: &Path, line: &str) -> Outcome {
+    let program = env!("CARGO_BIN_EXE_ricochet");
+    let line = format!("ricochet() {{ '{program}' \"$@\"; }}; {line}");
+    run(Command::new("bash")
+        .args(["-c", &line])
+        .current_dir(folder)
+        .envs(mpi_test::mpirun(1).get_envs().filter_map(|(name, value)| Some((name, value?)))))
+}
+
+fn only_runs_are_replaced() {
+    let folder = folder(&supported());
+    let path = |name: &str| folder.path().join(name);
+    hdf5::File::create(path("theirs.h5")).unwrap().create_group("series").unwrap();
+    good(&folder, 0, "sweep scene.toml --vary support.0.stiffness=1e8,1e9 -o sweep.h5");
+    for (name, why) in [
+        ("theirs.h5", "theirs.h5: is an HDF5 file of another program, so it is not replaced"),
+        ("sweep.h5", "sweep.h5: is a sweep, so it is not replaced by the result of a run"),
+    ] {
+        let before = fs::read(path(name)).unwrap();
+        refused(&folder, &format!("run scene.toml -o {name}"), 4, &[why]);
+        refused(&folder, &format!("run scene.toml -o {name} --force"), 4, &[why]);
+        assert!(fs::read(path(name)).unwrap() == before, "{name} has changed");
+    }
+    good(&folder, 0, "run scene.toml -o run.h5");
+    let before = fs::read(path("run.h5")).unwrap();
+    let why = "run.h5: is the result of a run, so it is not replaced by a sweep";
+    refused(&folder, "sweep scene.toml --vary support.0.stiffness=1e8,1e9 -o run.h5", 4, &[why]);
+    assert!(fs::read(path("run.h5")).unwrap() == before);
+    good(&folder, 0, "run scene.toml -o run.h5");
+}
+
+fn an_interrupted_run_is_replaced_by_force_alone() {
+    let folder = folder(&scene(""));
+    let line = "run scene.toml -o out.h5 --set output.checkpoint_steps=100";
+    interrupted(&folder, 0, line, "TERM");
+    let path = folder.path().join("out.h5");
+    let before = fs::read(&path).unwrap();
+    refused(
+        &folder,
+        line,
+        4,
+        &["out.h5: holds an interrupted run", "--restart out.h5 continues it", "--force replaces it"],
+    );
+    assert!(fs::read(&path).unwrap() == before && !is_complete(&path));
+    good(&folder, 0, &format!("{line} --force --set time.end=1e-4"));
+    assert!(is_complete(&path) && !folder.path().join("out.checkpoint.h5").exists());
+}
+
+fn a_dangling_link_is_followed() {
+    let folder = folder(BOX);
+    fs::create_dir(folder.path().join("results")).unwrap();
+    symlink("results/there.h5", folder.path().join("out.h5")).unwrap();
+    good(&folder, 0, "run scene.toml -o out.h5");
+    assert!(fs::symlink_metadata(folder.path().join("out.h5")).unwrap().is_symlink());
+    assert!(is_complete(&folder.path().join("results/there.h5")));
+}
+
+/// A limit on the size of files stands for a full disk.
+fn a_figure_is_whole_or_not_there() {
+    let folder = folder(BOX);
+    good(&folder, 0, "run scene.toml -o out.h5");
+    for name in ["new.png", "new.svg"] {
+        let outcome = bash(folder.path(), &format!("trap '' XFSZ; ulimit -f 1; ricochet plot out.h5 -o {name}"));
+        assert_eq!(outcome.status, Some(4), "{outcome:#?}");
+        assert_eq!(outcome.stderr.trim_end(), format!("error: {name}: File too large (os error 27)"), "{outcome:#?}");
+    }
+    let mut left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    left.sort();
+    assert_eq!(left, ["out.h5", "scene.toml"]);
+    good(&folder, 0, "plot out.h5 -o new.png");
+    let before = fs::read(folder.path().join("new.png")).unwrap();
+    bash(folder.path(), "trap '' XFSZ; ulimit -f 1; ricochet plot out.h5 -o new.png");
+    assert!(fs::read(folder.path().join("new.png")).unwrap() == before);
+}
+
+fn scenes_come_through_pipes() {
+    let folder = folder(BOX);
+    let whole = good(&folder, 0, "check scene.toml").stdout;
+    for line in
+        ["ricochet check <(cat scene.toml)", "cat scene.toml | ricochet check -", "ricochet check - <scene.toml"]
+    {
+        let outcome = bash(folder.path(), line);
+        assert_eq!((outcome.status, &outcome.stdout), (Some(0), &whole), "{line}: {outcome:#?}");
+    }
+    let outcome = bash(folder.path(), "mkfifo pipe; cat scene.toml >pipe & ricochet run pipe -o piped.h5");
+    assert_eq!(outcome.status, Some(0), "{outcome:#?}");
+    let outcome = bash(folder.path(), "ricochet run - <scene.toml");
+    assert_eq!(outcome.status, Some(2), "{outcome:#?}");
+    assert!(
+        outcome.stderr.contains("a scene from standard input needs a name for its result: -o OUT.h5"),
+        "{outcome:#?}"
+    );
+    let outcome = bash(folder.path(), "sed 's/young = 70e9/young = -1/' scene.toml | ricochet run - -o out.h5");
+    assert_eq!(outcome.status, Some(2), "{outcome:#?}");
+    assert!(outcome.stderr.contains("standard input:5: body.young: "), "{outcome:#?}");
+}
+
+fn a_scene_that_cannot_be_read_is_an_error_of_input() {
+    let folder = folder(BOX);
+    refused(&folder, "run missing.toml", 4, &["missing.toml: the scene cannot be read: No such file"]);
+    refused(&folder, "check .", 4, &["the scene cannot be read"]);
+}
+
+fn what_cannot_be_said_is_an_error_of_output() {
+    let folder = folder(BOX);
+    good(&folder, 0, "run scene.toml -o out.h5");
+    for line in ["ricochet info out.h5 >/dev/full", "ricochet check scene.toml >/dev/full"] {
+        let outcome = bash(folder.path(), line);
+        assert_eq!(outcome.status, Some(4), "{line}: {outcome:#?}");
+        let told = "error: standard output: cannot be written: No space left on device";
+        assert!(outcome.stderr.contains(told), "{line}: {outcome:#?}");
+    }
+    // A reader who has gone is no error.
+    let outcome = bash(folder.path(), "set -o pipefail; ricochet info out.h5 | head -n 1");
+    assert_eq!(outcome.status, Some(0), "{outcome:#?}");
+    assert_eq!(words(&outcome.stdout).next(), Some("title"));
+}
