@@ -7,12 +7,13 @@ use std::process::ExitCode;
 
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
-use petsc_wrap::{Comm, Gather, Int, Ksp, Session, Vector, mpi};
+use petsc_wrap::{Comm, Gather, Int, Session, Vector, mpi};
 use ricochet::body::{Body, Clamps, assemble, into_vector};
 use ricochet::element::{Element, Quadrature, Shape, Table};
 use ricochet::form::{Material, SolidForms, SurfaceForms};
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
+use ricochet::solve::linear::{Method, solver};
 
 fn start() -> Session {
     Session::start(&[]).expect("the first session").expect("PETSc starts")
@@ -171,7 +172,7 @@ fn solve(comm: &Comm, geometry: &str, order: usize, boundary: &str) -> f64 {
     stiffness.zero_rows_columns(&clamps.rows, young).unwrap();
     stiffness.declare_positive_definite().unwrap();
     let mut u = load.duplicate().unwrap();
-    Ksp::new(comm, "", &stiffness).unwrap().solve(&load, &mut u).unwrap();
+    solver(comm, "", &stiffness, Method::Cholesky).unwrap().solve(&load, &mut u).unwrap();
     u.axpy(1.0, &clamps.displacement).unwrap();
     error(&mesh, &u)
 }

@@ -2,10 +2,11 @@
 
 use std::process::ExitCode;
 
-use petsc_wrap::{Comm, Insert, Int, Ksp, Matrix, Session, Vector};
+use petsc_wrap::{Comm, Insert, Int, Matrix, Session, Vector};
 use ricochet::body::Body;
 use ricochet::mesh::Mesh;
 use ricochet::scene::{Geometry, Scene, Support, SupportKind, Symmetry};
+use ricochet::solve::linear::{Method, solver};
 
 fn session() -> Session {
     Session::start(&[]).expect("the first session").expect("PETSc starts")
@@ -217,7 +218,7 @@ fn answer(comm: &Comm, case: &Case, symmetry: &str) -> Answer {
     let whole = matrix.duplicate().unwrap();
     matrix.zero_rows_columns(&body.clamps.rows, 1.0).unwrap();
     matrix.declare_positive_definite().unwrap();
-    let mut ksp = Ksp::new(comm, "", &matrix).unwrap();
+    let mut ksp = solver(comm, "", &matrix, Method::Cholesky).unwrap();
     let mut u = force.duplicate().unwrap();
     ksp.solve(&force, &mut u).unwrap();
     u.axpy(1.0, held).unwrap();
