@@ -6,7 +6,7 @@
 
 use petsc_wrap::{Comm, Gather, Insert, Int, Matrix, Session, Snes, SnesTolerances, Tolerances, Vector, VectorView};
 
-pub fn main() -> Result<(), Box<dyn std::error::Error>> {
+pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let options: Vec<String> = std::env::args().skip(1).collect();
     let session = Session::start(&options).ok_or("MPI has been started before")??;
     let world = session.world();

@@ -4,7 +4,7 @@
 
 use petsc_wrap::{Ksp, Session, options};
 
-pub fn main() -> Result<(), Box<dyn std::error::Error>> {
+pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let words = ["-mine_ksp_type", "gmres", "-misspelt_ksp_tpye", "cg"].map(String::from);
     let session = Session::start(&words).ok_or("MPI has been started before")??;
 

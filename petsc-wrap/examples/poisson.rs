@@ -9,7 +9,7 @@ use petsc_wrap::{Insert, Int, Ksp, Matrix, Session, Tolerances, Vector};
 /// Inner nodes on each rank.
 const LOCAL: usize = 50;
 
-pub fn main() -> Result<(), Box<dyn std::error::Error>> {
+pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let options: Vec<String> = std::env::args().skip(1).collect();
     let session = Session::start(&options).ok_or("MPI has been started before")??;
     let world = session.world();

@@ -4,7 +4,7 @@
 
 use petsc_wrap::{Gather, Insert, Int, Session, Vector};
 
-pub fn main() -> Result<(), Box<dyn std::error::Error>> {
+pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let session = Session::start(&[]).ok_or("MPI has been started before")??;
     let world = session.world();
     let (rank, size) = (world.rank(), world.size());

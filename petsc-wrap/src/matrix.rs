@@ -382,7 +382,7 @@ impl MatrixView {
     }
 
     /// Adds or replaces a dense block (`values` by rows), on any rank's rows.
-    /// [`Matrix::assemble`] must follow. This is `MatSetValues`.
+    /// [`Self::assemble`] must follow. This is `MatSetValues`.
     ///
     /// # Errors
     /// An index out of range; PETSc's, e.g. for an entry without room.

@@ -297,7 +297,7 @@ impl VectorView {
         Ok(value)
     }
 
-    /// Adds to or replaces entries by global index. [`Vector::assemble`] must follow.
+    /// Adds to or replaces entries by global index. [`Self::assemble`] must follow.
     ///
     /// # Errors
     /// An index out of range, or PETSc's.
