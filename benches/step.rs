@@ -6,12 +6,13 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use petsc_wrap::{Ksp, Session};
+use petsc_wrap::Session;
 use ricochet::body::{Body, Krylov};
 use ricochet::impact::Impact;
 use ricochet::mesh::Mesh;
 use ricochet::scene::{Newton, Scene};
 use ricochet::scheme::newmark;
+use ricochet::solve::linear::{Method, solver};
 
 /// Δt, s.
 const STEP: f64 = 1e-5;
@@ -59,7 +60,7 @@ fn solve(mesh: &Mesh) -> f64 {
     let body = Body::solid(&scene, mesh).expect("a body");
     let stage = newmark(0.25, 0.5).stage(STEP);
     let matrix = body.operator(stage.c1, stage.c2).expect("an operator");
-    let mut ksp = Ksp::new(&mesh.comm, "", &matrix).expect("a solver");
+    let mut ksp = solver(&mesh.comm, "", &matrix, Method::Cholesky).expect("a solver");
     let mut x = body.load.duplicate().expect("a vector");
     let b = &body.localization.vector;
     ksp.solve(b, &mut x).expect("a solve");
@@ -84,7 +85,7 @@ fn basis(mesh: &Mesh) -> [f64; 2] {
     drop(krylov);
     let begin = Instant::now();
     let matrix = body.operator(0.0, shift * shift).expect("an operator");
-    let mut ksp = Ksp::new(&mesh.comm, "", &matrix).expect("a solver");
+    let mut ksp = solver(&mesh.comm, "", &matrix, Method::Cholesky).expect("a solver");
     let mut x = body.load.duplicate().expect("a vector");
     (0..VECTORS).for_each(|_| ksp.solve(&body.localization.vector, &mut x).expect("a solve"));
     [of_basis, begin.elapsed().as_secs_f64()]

@@ -17,6 +17,7 @@ pub mod model;
 pub mod record;
 pub mod scene;
 pub mod scheme;
+pub mod solve;
 pub mod study;
 
 pub use error::{Error, Result};

@@ -2,8 +2,9 @@
 
 use std::rc::Rc;
 
+use mpi::collective::SystemOperation;
 use mpi::datatype::PartitionMut;
-use mpi::topology::SimpleCommunicator;
+use mpi::topology::{CommunicatorRelation, SimpleCommunicator};
 use mpi::traits::{AsRaw, Communicator, CommunicatorCollectives, Equivalence, Root};
 use petsc_sys as sys;
 
@@ -49,24 +50,27 @@ impl Comm {
     }
 
     /// The lists of all ranks, one after the other, on every rank. Collective.
+    ///
+    /// # Panics
+    /// When there are more items in all than MPI counts (2³¹ − 1), on every rank.
     pub fn all_gather<T: Equivalence + Clone + Default>(&self, mine: &[T]) -> Vec<T> {
         let mut counts = vec![0; self.size()];
-        self.mpi.all_gather_into(&(mine.len() as i32), &mut counts[..]);
-        let starts: Vec<i32> = counts
-            .iter()
-            .scan(0, |next, count| {
-                let start = *next;
-                *next += count;
-                Some(start)
-            })
-            .collect();
-        let mut all = vec![T::default(); counts.iter().sum::<i32>() as usize];
+        self.mpi.all_gather_into(&(mine.len() as u64), &mut counts[..]);
+        let Parts { counts, starts, total } = Parts::new(&counts).expect("more items than MPI counts");
+        let mut all = vec![T::default(); total];
         self.mpi.all_gather_varcount_into(mine, &mut PartitionMut::new(&mut all[..], counts, starts));
         all
     }
 
     /// The values of rank 0 in place of each rank's own. Collective.
+    ///
+    /// # Panics
+    /// When the ranks have not as many values as rank 0, on every rank.
     pub fn take_of_root(&self, values: &mut [f64]) {
+        let (mine, mut least, mut most) = (values.len() as u64, 0, 0);
+        self.mpi.all_reduce_into(&mine, &mut least, SystemOperation::min());
+        self.mpi.all_reduce_into(&mine, &mut most, SystemOperation::max());
+        assert_eq!(least, most, "a rank has not as many values as another");
         self.mpi.process_at_rank(0).broadcast_into(values);
     }
 
@@ -79,7 +83,60 @@ impl Comm {
         check(unsafe { sys::PetscGarbageCleanup(self.raw()) })
     }
 
+    /// The raw communicator. It is valid while `self` lives.
+    pub fn as_raw(&self) -> mpi::ffi::MPI_Comm {
+        self.raw()
+    }
+
+    /// Whether both have the same ranks in the same order.
+    pub(crate) fn is_congruent(&self, other: &Self) -> bool {
+        Rc::ptr_eq(&self.mpi, &other.mpi)
+            || self.raw() == other.raw()
+            || matches!(
+                self.mpi.compare(&*other.mpi),
+                CommunicatorRelation::Identical | CommunicatorRelation::Congruent
+            )
+    }
+
     pub(crate) fn raw(&self) -> mpi::ffi::MPI_Comm {
         self.mpi.as_raw()
+    }
+}
+
+/// Where the parts of ranks lie in a list of all, in MPI's integers.
+#[derive(Debug, PartialEq)]
+struct Parts {
+    counts: Vec<i32>,
+    starts: Vec<i32>,
+    total: usize,
+}
+
+impl Parts {
+    /// `None` where MPI's integers do not reach.
+    fn new(lengths: &[u64]) -> Option<Self> {
+        let (mut counts, mut starts, mut next) = (Vec::new(), Vec::new(), 0_i32);
+        for length in lengths {
+            let count = i32::try_from(*length).ok()?;
+            counts.push(count);
+            starts.push(next);
+            next = next.checked_add(count)?;
+        }
+        Some(Self { counts, starts, total: next as usize })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Parts;
+
+    /// MPI counts in 32 bits: a wrapped sum would be a buffer shorter than what is written to it.
+    #[test]
+    fn parts_that_mpi_cannot_count_are_refused() {
+        let most = i32::MAX as u64;
+        assert_eq!(Parts::new(&[2, 0, 3]), Some(Parts { counts: vec![2, 0, 3], starts: vec![0, 2, 2], total: 5 }));
+        assert_eq!(Parts::new(&[most - 1, 1]).map(|parts| parts.total), Some(i32::MAX as usize));
+        assert_eq!(Parts::new(&[most, 1]), None);
+        assert_eq!(Parts::new(&[most + 1]), None);
+        assert_eq!(Parts::new(&[u64::MAX, 2]), None);
     }
 }

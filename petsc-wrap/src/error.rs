@@ -1,11 +1,13 @@
 //! PETSc's error codes as Rust errors that own PETSc's message and stack.
 
 use std::cell::RefCell;
-use std::ffi::{CStr, c_char, c_int, c_void};
+use std::ffi::{c_char, c_int, c_void};
 use std::fmt;
 use std::panic::Location;
 
 use petsc_sys as sys;
+
+use crate::text::from_c;
 
 /// Result with [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
@@ -32,6 +34,20 @@ pub enum Error {
         index: i64,
         /// Entries, rows or columns.
         size: usize,
+    },
+    /// A number that PETSc's integers cannot hold.
+    #[error("{number} does not fit PETSc's integers of {} bits", crate::Int::BITS)]
+    TooLarge {
+        /// The number.
+        number: usize,
+    },
+    /// Arguments that PETSc would take on trust: layouts that differ, a matrix that is not assembled or of another type, ….
+    #[error("{message} (called at {location})")]
+    Invalid {
+        /// What is wrong.
+        message: String,
+        /// Where in Rust the call was made.
+        location: &'static Location<'static>,
     },
     /// An iterative method stopped without an answer.
     #[error(transparent)]
@@ -105,23 +121,25 @@ pub(crate) fn check_indices(indices: &[crate::Int], size: usize) -> Result<()> {
     }
 }
 
+/// Fails where a condition does not hold.
+#[track_caller]
+pub(crate) fn require(holds: bool, message: &str) -> Result<()> {
+    if holds { Ok(()) } else { Err(Error::Invalid { message: message.to_owned(), location: Location::caller() }) }
+}
+
 /// PETSc's one-line text for a code.
 fn generic(code: sys::PetscErrorCode) -> String {
     let mut text = std::ptr::null();
-    // SAFETY: the out-pointer is valid; the text is static or null.
+    // SAFETY: the out-pointer is valid.
     unsafe { sys::PetscErrorMessage(code, &raw mut text, std::ptr::null_mut()) };
-    owned(text)
-}
-
-pub(crate) fn owned(text: *const c_char) -> String {
-    if text.is_null() {
-        return String::new();
-    }
-    // SAFETY: PETSc hands out NUL-terminated strings that live at least for this call.
-    unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
+    // SAFETY: the text is static or null.
+    unsafe { from_c(text) }
 }
 
 /// PETSc's error handler: records instead of printing. Installed by the session.
+///
+/// # Safety
+/// For PETSc to call: the strings are null or end in NUL.
 pub(crate) unsafe extern "C" fn record(
     _comm: mpi::ffi::MPI_Comm,
     line: c_int,
@@ -132,12 +150,14 @@ pub(crate) unsafe extern "C" fn record(
     message: *const c_char,
     _context: *mut c_void,
 ) -> sys::PetscErrorCode {
-    let frame = Frame { function: owned(function), file: owned(file), line };
+    // SAFETY: PETSc's strings, which live at least for this call.
+    let [function, file, message] = [function, file, message].map(|text| unsafe { from_c(text) });
+    let frame = Frame { function, file, line };
     // try_with: an error while the thread's locals are torn down is still returned by its code.
     let _ = TRACE.try_with(|trace| {
         let mut trace = trace.borrow_mut();
         if kind == sys::PetscErrorType::PETSC_ERROR_INITIAL {
-            *trace = Trace { message: owned(message).trim().to_owned(), frames: Vec::new() };
+            *trace = Trace { message: message.trim().to_owned(), frames: Vec::new() };
         }
         trace.frames.push(frame);
     });

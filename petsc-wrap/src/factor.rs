@@ -1,11 +1,58 @@
-//! What a factorisation will cost, told by its symbolic phase.
+//! Packages that factorise, and what a factorisation by one of them will cost.
 
 use petsc_sys as sys;
 
 use crate::error::{Result, check};
-use crate::ksp::{MUMPS, factorises, is_known};
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, MatrixView};
 use crate::session::Session;
+use crate::text::to_c;
+
+/// A factorisation of a square matrix.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Factor {
+    /// L U.
+    Lu,
+    /// L Lᵀ of a symmetric positive definite matrix.
+    Cholesky,
+}
+
+impl Factor {
+    fn raw(self) -> sys::MatFactorType {
+        match self {
+            Self::Lu => sys::MatFactorType::MAT_FACTOR_LU,
+            Self::Cholesky => sys::MatFactorType::MAT_FACTOR_CHOLESKY,
+        }
+    }
+
+    /// Whether PETSc was built with a package (`mumps`, `cholmod`, `petsc`, …) for this factorisation that takes matrices of a type
+    /// (`seqaij`, `mpiaij`, …).
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn is_known(self, _session: &Session, package: &str, matrix_type: &str) -> Result<bool> {
+        let (package, matrix_type, none) = (to_c(package), to_c(matrix_type), std::ptr::null_mut());
+        let mut is_there = sys::FALSE;
+        // Packages are known from the first matrix on.
+        // SAFETY: PETSc is initialised.
+        check(unsafe { sys::MatInitializePackage() })?;
+        let (package, matrix_type) = (package.as_ptr(), matrix_type.as_ptr());
+        let (kind, function) = (self.raw(), std::ptr::null_mut());
+        // SAFETY: names and the out-pointer are valid, and null asks for nothing.
+        check(unsafe { sys::MatSolverTypeGet(package, matrix_type, kind, none, &raw mut is_there, function) })?;
+        Ok(is_there == sys::TRUE)
+    }
+
+    /// Whether PETSc was built with a package for this factorisation that takes a matrix of this one's type, on as many ranks.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn is_available(self, package: &str, matrix: &MatrixView) -> Result<bool> {
+        let (package, mut is_there) = (to_c(package), sys::FALSE);
+        // SAFETY: the matrix, the name and the out-pointer are valid.
+        check(unsafe { sys::MatGetFactorAvailable(matrix.raw(), package.as_ptr(), self.raw(), &raw mut is_there) })?;
+        Ok(is_there == sys::TRUE)
+    }
+}
 
 /// What MUMPS expects of a Cholesky factorisation, over all ranks.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,27 +65,21 @@ pub struct FactorEstimate {
     pub memory: f64,
 }
 
-/// Whether PETSc was built with MUMPS: without it, each of several ranks factorises all of a matrix for itself.
-///
-/// # Errors
-/// PETSc's.
-pub fn has_mumps(_session: &Session) -> Result<bool> {
-    is_known(MUMPS, c"mpiaij")
-}
-
 /// The symbolic phase of MUMPS's Cholesky factorisation, without the numeric one; `None` where PETSc was built without MUMPS. Collective.
 ///
 /// # Errors
-/// PETSc's.
-pub fn estimate_cholesky(matrix: &Matrix) -> Result<Option<FactorEstimate>> {
-    if !factorises(MUMPS, matrix)? {
+/// A matrix that is not square, assembled and AIJ; PETSc's.
+pub fn estimate_cholesky(matrix: &MatrixView) -> Result<Option<FactorEstimate>> {
+    matrix.require_assembled_aij()?;
+    matrix.require_square()?;
+    if !Factor::Cholesky.is_available("mumps", matrix)? {
         return Ok(None);
     }
     let mut raw = std::ptr::null_mut();
-    let kind = sys::MatFactorType::MAT_FACTOR_CHOLESKY;
     // SAFETY: the matrix is valid; the type is a C string.
-    check(unsafe { sys::MatGetFactor(matrix.raw(), MUMPS.as_ptr(), kind, &raw mut raw) })?;
-    let factor = Matrix::from_raw(raw, matrix.comm());
+    check(unsafe { sys::MatGetFactor(matrix.raw(), c"mumps".as_ptr(), Factor::Cholesky.raw(), &raw mut raw) })?;
+    // SAFETY: the new factor is ours.
+    let factor = unsafe { Matrix::from_raw(raw, matrix.comm()) };
     // SAFETY: a struct of numbers, for which zero bits are a value.
     let mut info: sys::MatFactorInfo = unsafe { std::mem::zeroed() };
     // SAFETY: the struct is valid.

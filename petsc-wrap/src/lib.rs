@@ -1,37 +1,56 @@
-//! The part of PETSc that ricochet uses, made safe; a file a class.
+//! PETSc's vectors, matrices, linear and nonlinear solvers and meshes, made safe; a file a class.
 //!
 //! - [`Session`] initialises MPI, then PETSc, and finalises them in reverse. Every handle keeps it alive.
-//! - Every call is checked; an [`Error`] carries PETSc's message and stack frames as owned text.
+//! - Every call is checked; an [`Error`] carries PETSc's message and stack frames as owned text. What PETSc checks in debugging builds only is
+//!   checked here: indices, layouts, types, states.
 //! - Dropping a handle is not collective: the object is queued and destroyed by [`Comm::collect_garbage`] or at the end
 //!   of the session. So one rank may leave early with an error while the others go on.
 //! - Handles are neither `Send` nor `Sync`: PETSc is not thread-safe.
+//! - What PETSc lends is a view ([`VectorView`], [`MatrixView`], [`KspView`]) to which the owned type derefs, as `String` to `str`.
+//! - `as_raw` gives the raw handle for a call of [`sys`] that is not wrapped, and the unsafe `from_raw` takes one over.
+//!
+//! Calls marked as collective are made by all ranks of their communicator, in the same order.
 
 mod comm;
+mod environment;
 mod error;
 mod factor;
 mod gather;
 mod ksp;
+mod layout;
 mod matrix;
 mod null_space;
 mod object;
 pub mod options;
+mod pc;
 mod plex;
+mod refused;
 mod session;
 mod snes;
+mod text;
 mod vector;
 
 pub use comm::Comm;
+pub use environment::set_default_environment;
 pub use error::{Diverged, Error, Frame, Result};
-pub use factor::{FactorEstimate, estimate_cholesky, has_mumps};
+pub use factor::{Factor, FactorEstimate, estimate_cholesky};
 pub use gather::Gather;
-pub use ksp::{Ksp, Method};
-pub use matrix::{Insert, Matrix, Row};
+pub use ksp::{Ksp, KspView, ResidualNorm, Tolerances};
+pub use matrix::{Insert, Matrix, MatrixView, Row};
 pub use mpi;
 pub use null_space::NullSpace;
+pub use object::Lent;
+pub use pc::Pc;
+pub use petsc_sys as sys;
 pub use plex::{CellType, Numbering, Plex};
 pub use session::{Session, petsc_version};
-pub use snes::{Snes, Trial};
-pub use vector::{ReadGuard, Vector, WriteGuard};
+pub use snes::{Lag, Outcome, Progress, Snes, SnesTolerances, Trial};
+pub use vector::{ReadGuard, Vector, VectorView, WriteGuard};
 
 /// PETSc's index type: 32 or 64 bits, as PETSc was built.
 pub type Int = petsc_sys::PetscInt;
+
+/// The README's example is compiled with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -2,9 +2,11 @@
 
 use petsc_sys as sys;
 
-use crate::error::{Result, check};
+use crate::comm::Comm;
+use crate::error::{Result, check, require};
+use crate::layout::Layout;
 use crate::object::Object;
-use crate::vector::Vector;
+use crate::vector::VectorView;
 
 /// An orthonormal basis of the vectors that a matrix maps to (nearly) nothing.
 pub struct NullSpace(Object<sys::_p_MatNullSpace>);
@@ -13,17 +15,49 @@ impl NullSpace {
     /// The six rigid motions of nodes in space, from their coordinates (three entries a node). Collective.
     ///
     /// # Errors
-    /// PETSc's, e.g. where a rank has not three entries for each of its nodes.
-    pub fn rigid_body(coordinates: &mut Vector) -> Result<Self> {
+    /// A rank that has not three entries for each of its nodes; PETSc's.
+    pub fn rigid_body(coordinates: &mut VectorView) -> Result<Self> {
+        let ends = coordinates.layout().ranges();
+        require(ends.iter().all(|end| end % 3 == 0), "a node has not three coordinates")?;
         // SAFETY: the vector is valid here and below.
         check(unsafe { sys::VecSetBlockSize(coordinates.raw(), 3) })?;
         let mut raw = std::ptr::null_mut();
         // SAFETY: as above, and the out-pointer is valid.
         check(unsafe { sys::MatNullSpaceCreateRigidBody(coordinates.raw(), &raw mut raw) })?;
-        Ok(Self(Object::new(raw, coordinates.comm())))
+        // SAFETY: the new space is ours.
+        Ok(unsafe { Self::from_raw(raw, coordinates.comm()) })
+    }
+
+    /// Takes over a null space of PETSc's.
+    ///
+    /// # Safety
+    /// `raw` is a reference to a valid null space, of vectors on `comm`, which nobody else releases or changes.
+    pub unsafe fn from_raw(raw: sys::MatNullSpace, comm: &Comm) -> Self {
+        // SAFETY: by the caller.
+        Self(unsafe { Object::new(raw, comm) })
+    }
+
+    /// The raw handle. It is valid while `self` lives.
+    pub fn as_raw(&self) -> sys::MatNullSpace {
+        self.0.raw()
     }
 
     pub(crate) fn raw(&self) -> sys::MatNullSpace {
         self.0.raw()
+    }
+
+    /// Refuses another layout than its vectors': PETSc's preconditioners read them by that of the matrix.
+    pub(crate) fn require_layout(&self, layout: Layout) -> Result<()> {
+        let (mut constants, mut count, mut vectors) = (sys::FALSE, 0, std::ptr::null());
+        // SAFETY: the space is valid; the vectors belong to it.
+        check(unsafe { sys::MatNullSpaceGetVecs(self.raw(), &raw mut constants, &raw mut count, &raw mut vectors) })?;
+        for i in 0..count as usize {
+            let mut ranges = std::ptr::null();
+            // SAFETY: PETSc has `count` vectors, all valid.
+            check(unsafe { sys::VecGetOwnershipRanges(*vectors.add(i), &raw mut ranges) })?;
+            // SAFETY: the array of a vector's layout stays as long as the vector.
+            layout.require_same(unsafe { Layout::from_raw(self.0.comm(), ranges) })?;
+        }
+        Ok(())
     }
 }

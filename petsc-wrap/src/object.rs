@@ -1,5 +1,7 @@
-//! What every handle is: a counted reference to a PETSc object.
+//! What every handle is: a counted reference to a PETSc object, or one that PETSc lends for a while.
 
+use std::marker::PhantomData;
+use std::ops::{Deref, DerefMut};
 use std::ptr::NonNull;
 
 use petsc_sys as sys;
@@ -11,22 +13,27 @@ use crate::error::{Result, check};
 pub(crate) struct Object<T> {
     raw: NonNull<T>,
     comm: Comm,
+    /// Whether the reference is ours to release.
+    is_owned: bool,
 }
 
 impl<T> Object<T> {
     /// Takes over one reference.
     ///
-    /// `T` must be the opaque struct of a PETSc class (`_p_Vec`, …), and `raw` a reference that nobody else releases.
-    pub(crate) fn new(raw: *mut T, comm: &Comm) -> Self {
+    /// # Safety
+    /// `T` is the opaque struct of a PETSc class (`_p_Vec`, …), and `raw` a reference to a valid object on `comm` that nobody else releases.
+    pub(crate) unsafe fn new(raw: *mut T, comm: &Comm) -> Self {
         let raw = NonNull::new(raw).expect("PETSc returned success and no object");
-        Self { raw, comm: comm.clone() }
+        Self { raw, comm: comm.clone(), is_owned: true }
     }
 
-    /// Adds a reference to an object that PETSc lends to a callback, so that the handle may outlive the call.
-    pub(crate) fn lent(raw: *mut T, comm: &Comm) -> Result<Self> {
-        // SAFETY: every PETSc class starts with the object header, and the object lives at least for the call.
-        check(unsafe { sys::PetscObjectReference(raw.cast()) })?;
-        Ok(Self::new(raw, comm))
+    /// An object of somebody else's, which stays theirs.
+    ///
+    /// # Safety
+    /// As of [`Self::new`], but that its owner keeps the object for as long as this lives.
+    pub(crate) unsafe fn lent(raw: *mut T, comm: &Comm) -> Self {
+        let raw = NonNull::new(raw).expect("PETSc lends an object");
+        Self { raw, comm: comm.clone(), is_owned: false }
     }
 
     pub(crate) fn raw(&self) -> *mut T {
@@ -41,8 +48,12 @@ impl<T> Object<T> {
     pub(crate) fn destroy(self) -> Result<()> {
         let mut this = std::mem::ManuallyDrop::new(self);
         let mut object: sys::PetscObject = this.raw.as_ptr().cast();
-        // SAFETY: every PETSc class starts with the object header; the reference is ours, and `drop` does not run.
-        let released = check(unsafe { sys::PetscObjectDestroy(&raw mut object) });
+        let released = if this.is_owned {
+            // SAFETY: every PETSc class starts with the object header; the reference is ours, and `drop` does not run.
+            check(unsafe { sys::PetscObjectDestroy(&raw mut object) })
+        } else {
+            Ok(())
+        };
         // SAFETY: `this` is not used again, so that its communicator is dropped once.
         unsafe { std::ptr::drop_in_place(&raw mut this.comm) };
         released
@@ -51,6 +62,9 @@ impl<T> Object<T> {
 
 impl<T> Drop for Object<T> {
     fn drop(&mut self) {
+        if !self.is_owned {
+            return;
+        }
         let mut object: sys::PetscObject = self.raw.as_ptr().cast();
         if self.comm.size() == 1 {
             // Nobody to wait for.
@@ -62,3 +76,73 @@ impl<T> Drop for Object<T> {
         }
     }
 }
+
+/// An object that belongs to another: to a solver, or to PETSc during a callback.
+///
+/// It gives access to the view (`VectorView` of a `Vector`, `KspView` of a `Ksp`, …), which cannot be moved: nobody can take the object out,
+/// or leave another in its place.
+pub struct Lent<'a, T> {
+    object: T,
+    owner: PhantomData<&'a mut ()>,
+}
+
+impl<T> Lent<'_, T> {
+    /// The object must be of [`Object::lent`], and its owner borrowed for as long as this lives.
+    pub(crate) fn new(object: T) -> Self {
+        Self { object, owner: PhantomData }
+    }
+}
+
+impl<T: Deref> Deref for Lent<'_, T> {
+    type Target = T::Target;
+
+    fn deref(&self) -> &T::Target {
+        &self.object
+    }
+}
+
+impl<T: DerefMut> DerefMut for Lent<'_, T> {
+    fn deref_mut(&mut self) -> &mut T::Target {
+        &mut self.object
+    }
+}
+
+/// Lets an owned class, a struct around one `$inner`, be used through its unsized view, as `String` through `str`.
+///
+/// What is not `Sized` cannot be swapped or replaced behind a `&mut`. A view is a slice of exactly one `$inner`.
+macro_rules! viewed {
+    ($owned:ident as $view:ident of $inner:ty) => {
+        impl $view {
+            fn of(inner: &$inner) -> &Self {
+                let slice = std::ptr::from_ref(std::slice::from_ref(inner));
+                // SAFETY: the view is a transparent wrapper of such a slice.
+                unsafe { &*(slice as *const Self) }
+            }
+
+            fn of_mut(inner: &mut $inner) -> &mut Self {
+                let slice = std::ptr::from_mut(std::slice::from_mut(inner));
+                // SAFETY: the view is a transparent wrapper of such a slice.
+                unsafe { &mut *(slice as *mut Self) }
+            }
+
+            fn inner(&self) -> &$inner {
+                &self.0[0]
+            }
+        }
+
+        impl std::ops::Deref for $owned {
+            type Target = $view;
+
+            fn deref(&self) -> &$view {
+                $view::of(&self.0)
+            }
+        }
+
+        impl std::ops::DerefMut for $owned {
+            fn deref_mut(&mut self) -> &mut $view {
+                $view::of_mut(&mut self.0)
+            }
+        }
+    };
+}
+pub(crate) use viewed;

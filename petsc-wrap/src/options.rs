@@ -1,22 +1,17 @@
 //! PETSc's options database, process-wide.
 
-use std::ffi::CString;
-
 use petsc_sys as sys;
 
-use crate::error::{Result, check, owned};
+use crate::error::{Result, check};
 use crate::session::Session;
-
-fn text(value: &str) -> CString {
-    CString::new(value.replace('\0', "")).unwrap_or_default()
-}
+use crate::text::{from_c, to_c};
 
 /// Whether an option (`name` with its leading dash) is set.
 ///
 /// # Errors
 /// PETSc's.
 pub fn is_set(_session: &Session, name: &str) -> Result<bool> {
-    let name = text(name);
+    let name = to_c(name);
     let mut set = sys::FALSE;
     let (database, prefix) = (std::ptr::null_mut(), std::ptr::null());
     // SAFETY: PETSc is initialised (a session exists); the string outlives the call.
@@ -24,12 +19,56 @@ pub fn is_set(_session: &Session, name: &str) -> Result<bool> {
     Ok(set == sys::TRUE)
 }
 
+/// The value of an option; empty for one that is set without, `None` for one that is not set.
+///
+/// # Errors
+/// PETSc's.
+pub fn get(_session: &Session, name: &str) -> Result<Option<String>> {
+    let (name, none) = (to_c(name), std::ptr::null());
+    let (mut value, mut set) = (std::ptr::null(), sys::FALSE);
+    let database = std::ptr::null_mut();
+    // SAFETY: PETSc is initialised; the string outlives the call, and the out-pointers are valid.
+    check(unsafe { sys::PetscOptionsFindPair(database, none, name.as_ptr(), &raw mut value, &raw mut set) })?;
+    // SAFETY: null or a string of the database, which nobody changes meanwhile.
+    Ok((set == sys::TRUE).then(|| unsafe { from_c(value) }))
+}
+
+/// Sets options, and gives them back when it goes, also after an error or a panic, what the user had set.
+pub(crate) struct Scoped<'a> {
+    session: &'a Session,
+    before: Vec<(&'a str, Option<String>)>,
+}
+
+impl<'a> Scoped<'a> {
+    pub(crate) fn new(session: &'a Session, options: &[(&'a str, &str)]) -> Result<Self> {
+        let mut scoped = Self { session, before: Vec::new() };
+        for (name, value) in options {
+            let before = get(session, name)?;
+            scoped.before.push((name, before));
+            set(session, name, value)?;
+        }
+        Ok(scoped)
+    }
+}
+
+impl Drop for Scoped<'_> {
+    fn drop(&mut self) {
+        for (name, before) in self.before.drain(..).rev() {
+            // An error has nobody to go to.
+            let _ = match before {
+                Some(value) => set(self.session, name, &value),
+                None => clear(self.session, name),
+            };
+        }
+    }
+}
+
 /// Sets an option, also where it is set already.
 ///
 /// # Errors
 /// PETSc's.
 pub fn set(_session: &Session, name: &str, value: &str) -> Result<()> {
-    let (name, value) = (text(name), text(value));
+    let (name, value) = (to_c(name), to_c(value));
     // SAFETY: PETSc is initialised; the strings outlive the call, and PETSc copies them.
     check(unsafe { sys::PetscOptionsSetValue(std::ptr::null_mut(), name.as_ptr(), value.as_ptr()) })
 }
@@ -39,7 +78,7 @@ pub fn set(_session: &Session, name: &str, value: &str) -> Result<()> {
 /// # Errors
 /// PETSc's.
 pub fn clear(_session: &Session, name: &str) -> Result<()> {
-    let name = text(name);
+    let name = to_c(name);
     // SAFETY: PETSc is initialised; the string outlives the call.
     check(unsafe { sys::PetscOptionsClearValue(std::ptr::null_mut(), name.as_ptr()) })
 }
@@ -52,7 +91,8 @@ pub fn all(_session: &Session) -> Result<String> {
     let mut raw = std::ptr::null_mut();
     // SAFETY: PETSc is initialised; the out-pointer receives an allocation of PETSc's.
     check(unsafe { sys::PetscOptionsGetAll(std::ptr::null_mut(), &raw mut raw) })?;
-    let value = owned(raw);
+    // SAFETY: PETSc has made a C string.
+    let value = unsafe { from_c(raw) };
     // SAFETY: PETSc's own free function for PETSc's own allocation, once.
     if let Some(free) = unsafe { sys::PetscTrFree } {
         // SAFETY: as above.
@@ -72,8 +112,8 @@ pub fn unused(_session: &Session) -> Result<Vec<String>> {
     // SAFETY: PETSc is initialised; the out-pointers are valid.
     check(unsafe { sys::PetscOptionsLeftGet(database, &raw mut count, &raw mut names, &raw mut values) })?;
     let list = (0..count as usize)
-        // SAFETY: PETSc filled `count` names.
-        .map(|i| owned(unsafe { *names.add(i) }))
+        // SAFETY: PETSc filled `count` names, C strings all of them.
+        .map(|i| unsafe { from_c(*names.add(i)) })
         .collect();
     // SAFETY: gives back exactly what was got.
     check(unsafe { sys::PetscOptionsLeftRestore(database, &raw mut count, &raw mut names, &raw mut values) })?;

@@ -4,13 +4,16 @@ use std::ffi::CString;
 use std::ops::Range;
 use std::path::Path;
 
+use mpi::collective::SystemOperation;
+use mpi::traits::CommunicatorCollectives;
 use petsc_sys as sys;
 
 use crate::Int;
 use crate::comm::Comm;
-use crate::error::{Error, Result, check};
+use crate::error::{Error, Result, check, require};
 use crate::object::Object;
-use crate::options;
+use crate::options::Scoped;
+use crate::text::{int, to_c};
 
 /// A distributed mesh of points: cells, faces, edges and vertices share one numbering on each rank.
 pub struct Plex(Object<sys::_p_DM>);
@@ -67,9 +70,13 @@ impl Plex {
     /// A box cut into hexahedra, all on rank 0 until [`Plex::distribute`]. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// No cell along an edge; more points than PETSc's integers number; PETSc's.
     pub fn hexahedral_box(comm: &Comm, cells: [usize; 3], lower: [f64; 3], upper: [f64; 3]) -> Result<Self> {
-        let cells = cells.map(|n| n as Int);
+        require(cells.iter().all(|n| *n > 0), "a box without cells")?;
+        // Cells, faces, edges and vertices; PETSc multiplies unchecked. Entries of the cones are twelve a cell at most, and closures longer.
+        let points = cells.iter().try_fold(1_usize, |all, n| all.checked_mul(n.checked_mul(2)?.checked_add(1)?));
+        int(points.and_then(|points| points.checked_mul(4)).unwrap_or(usize::MAX))?;
+        let cells = [int(cells[0])?, int(cells[1])?, int(cells[2])?];
         let (simplex, interpolate) = (sys::FALSE, sys::TRUE);
         let mut raw = std::ptr::null_mut();
         let corners = (lower.as_ptr(), upper.as_ptr());
@@ -77,7 +84,8 @@ impl Plex {
         check(unsafe {
             sys::create_box_mesh(comm.raw(), 3, simplex, cells.as_ptr(), corners, interpolate, &raw mut raw)
         })?;
-        Ok(Self(Object::new(raw, comm)))
+        // SAFETY: the new mesh is ours.
+        Ok(unsafe { Self::from_raw(raw, comm) })
     }
 
     /// A mesh from a Gmsh file (2.2 or 4.1, text or binary), all on rank 0 until [`Plex::distribute`].
@@ -91,18 +99,17 @@ impl Plex {
     pub fn gmsh(comm: &Comm, path: &Path, all_groups: bool) -> Result<Self> {
         /// What a mesh is made of here is not a matter of options: groups by number, and each surface for itself.
         const FIXED: [&str; 3] = ["-dm_plex_gmsh_multiple_tags", "-dm_plex_gmsh_use_regions", "-dm_plex_gmsh_periodic"];
-        for (name, value) in FIXED.into_iter().zip([all_groups, false, false]) {
-            options::set(comm.session(), name, if value { "1" } else { "0" })?;
-        }
+        let values = [all_groups, false, false].map(|value| if value { "1" } else { "0" });
+        let fixed: Vec<(&str, &str)> = FIXED.into_iter().zip(values).collect();
+        let scoped = Scoped::new(comm.session(), &fixed)?;
         let name = CString::new(path.as_os_str().as_encoded_bytes()).unwrap_or_default();
         let mut raw = std::ptr::null_mut();
         let interpolate = sys::TRUE;
         // SAFETY: the path is a C string that outlives the call.
         check(unsafe { sys::DMPlexCreateGmshFromFile(comm.raw(), name.as_ptr(), interpolate, &raw mut raw) })?;
-        for name in FIXED {
-            options::clear(comm.session(), name)?;
-        }
-        Ok(Self(Object::new(raw, comm)))
+        drop(scoped);
+        // SAFETY: the new mesh is ours.
+        Ok(unsafe { Self::from_raw(raw, comm) })
     }
 
     /// The same mesh spread over the ranks by PETSc's partitioner (`-petscpartitioner_type`). Collective.
@@ -128,11 +135,26 @@ impl Plex {
         }
         let comm = self.0.comm().clone();
         self.0.destroy()?;
-        Ok(Self(Object::new(raw, &comm)))
+        // SAFETY: the new mesh is ours.
+        Ok(unsafe { Self::from_raw(raw, &comm) })
     }
 
     fn raw(&self) -> sys::DM {
         self.0.raw()
+    }
+
+    /// Takes over a mesh of PETSc's.
+    ///
+    /// # Safety
+    /// `raw` is a reference to a valid mesh of type `plex` on `comm`, set up, which nobody else releases or changes.
+    pub unsafe fn from_raw(raw: sys::DM, comm: &Comm) -> Self {
+        // SAFETY: by the caller.
+        Self(unsafe { Object::new(raw, comm) })
+    }
+
+    /// The raw handle. It is valid while `self` lives.
+    pub fn as_raw(&self) -> sys::DM {
+        self.raw()
     }
 
     /// The ranks it lives on.
@@ -156,9 +178,9 @@ impl Plex {
     /// # Errors
     /// PETSc's.
     pub fn points(&self, dimension: usize) -> Result<Range<Int>> {
-        let (mut begin, mut end) = (0, 0);
+        let (dimension, mut begin, mut end) = (int(dimension)?, 0, 0);
         // SAFETY: the mesh is valid.
-        check(unsafe { sys::DMPlexGetDepthStratum(self.raw(), dimension as Int, &raw mut begin, &raw mut end) })?;
+        check(unsafe { sys::DMPlexGetDepthStratum(self.raw(), dimension, &raw mut begin, &raw mut end) })?;
         Ok(begin..end)
     }
 
@@ -244,6 +266,9 @@ impl Plex {
         check(unsafe { sys::DMGetCoordinateSection(self.raw(), &raw mut section) })?;
         // SAFETY: as above.
         check(unsafe { sys::DMGetCoordinatesLocal(self.raw(), &raw mut coordinates) })?;
+        if coordinates.is_null() || section.is_null() {
+            return Ok(None);
+        }
         let (mut data, mut size) = (std::ptr::null(), 0);
         // SAFETY: the vector is valid.
         check(unsafe { sys::VecGetLocalSize(coordinates, &raw mut size) })?;
@@ -251,28 +276,35 @@ impl Plex {
         if size != 3 * (vertices.end - vertices.start) {
             return Ok(None);
         }
+        let mut places = Vec::new();
+        for vertex in vertices {
+            // SAFETY: the section belongs to the mesh.
+            match unsafe { place_of(section, vertex) }? {
+                Some(place) if place.start >= 0 && place.end - place.start == 3 && place.end <= size => {
+                    places.push(place.start as usize);
+                }
+                _ => return Ok(None),
+            }
+        }
         // SAFETY: as above; restored below.
         check(unsafe { sys::VecGetArrayRead(coordinates, &raw mut data) })?;
-        let list = vertices
-            .map(|vertex| {
-                let mut offset = 0;
-                // SAFETY: the section covers the vertices.
-                check(unsafe { sys::PetscSectionGetOffset(section, vertex, &raw mut offset) })?;
-                // SAFETY: three coordinates at the offset.
-                Ok([0, 1, 2].map(|i| unsafe { *data.add(offset as usize + i) }))
-            })
-            .collect::<Result<Vec<_>>>();
+        // SAFETY: each place has three coordinates within the array.
+        let list = places.iter().map(|place| [0, 1, 2].map(|i| unsafe { *data.add(place + i) })).collect();
         // SAFETY: gives back what was got.
         check(unsafe { sys::VecRestoreArrayRead(coordinates, &raw mut data) })?;
-        list.map(Some)
+        Ok(Some(list))
     }
 
     /// Puts all faces on the boundary of the whole mesh into a label. Call before [`Plex::distribute`]. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// A label by which PETSc itself finds its way in the mesh; PETSc's.
     pub fn label_boundary(&self, name: &str) -> Result<()> {
-        let name = CString::new(name).unwrap_or_default();
+        require(
+            !["depth", "celltype"].contains(&name.replace('\0', "").as_str()),
+            "PETSc needs this label for itself",
+        )?;
+        let name = to_c(name);
         let mut label = std::ptr::null_mut();
         // SAFETY: the mesh is valid; the name outlives the calls.
         check(unsafe { sys::DMCreateLabel(self.raw(), name.as_ptr()) })?;
@@ -288,7 +320,7 @@ impl Plex {
     /// PETSc's.
     pub fn has_label(&self, name: &str, point: Int) -> Result<bool> {
         self.check_point(point)?;
-        let name = CString::new(name).unwrap_or_default();
+        let name = to_c(name);
         let mut value = -1;
         // SAFETY: the mesh is valid and has the point; the name outlives the call.
         check(unsafe { sys::DMGetLabelValue(self.raw(), name.as_ptr(), point, &raw mut value) })?;
@@ -302,7 +334,7 @@ impl Plex {
     /// PETSc's.
     pub fn has_label_value(&self, name: &str, value: Int, point: Int) -> Result<bool> {
         self.check_point(point)?;
-        let name = CString::new(name).unwrap_or_default();
+        let name = to_c(name);
         let mut label = std::ptr::null_mut();
         // SAFETY: the mesh is valid; the name outlives the call, and the label belongs to the mesh.
         check(unsafe { sys::DMGetLabel(self.raw(), name.as_ptr(), &raw mut label) })?;
@@ -319,20 +351,31 @@ impl Plex {
     /// by its owner. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// More unknowns than PETSc's integers number, on all ranks; PETSc's.
     pub fn number(&self, per_point: impl Fn(usize) -> usize) -> Result<Numbering> {
         let raw = self.raw();
+        let counts = [0, 1, 2, 3].map(per_point);
+        let (mut mine, mut all) = (0_u64, 0.0);
+        for (dimension, count) in counts.iter().enumerate() {
+            let points = self.points(dimension)?;
+            mine = mine.saturating_add((*count as u64).saturating_mul((points.end - points.start).max(0) as u64));
+        }
+        // PETSc sums unchecked. A double holds every number up to 2⁵³ and does not wrap.
+        self.comm().mpi().all_reduce_into(&(mine as f64), &mut all, SystemOperation::sum());
+        require(all < Int::MAX as f64, "more unknowns than PETSc's integers number")?;
         let Range { start: begin, end } = self.chart()?;
         let mut section = std::ptr::null_mut();
         // SAFETY: the communicator is valid.
         check(unsafe { sys::PetscSectionCreate(self.comm().raw(), &raw mut section) })?;
-        let section: Object<sys::_p_PetscSection> = Object::new(section, self.comm());
+        // SAFETY: the new section is ours.
+        let section: Object<sys::_p_PetscSection> = unsafe { Object::new(section, self.comm()) };
         // SAFETY: a fresh section, here and below.
         check(unsafe { sys::PetscSectionSetChart(section.raw(), begin, end) })?;
-        for dimension in 0..=3 {
+        for (dimension, count) in counts.into_iter().enumerate() {
+            let count = int(count)?;
             for point in self.points(dimension)? {
                 // SAFETY: the point is in the chart.
-                check(unsafe { sys::PetscSectionSetDof(section.raw(), point, per_point(dimension) as Int) })?;
+                check(unsafe { sys::PetscSectionSetDof(section.raw(), point, count) })?;
             }
         }
         // SAFETY: as above.
@@ -356,4 +399,22 @@ impl Plex {
         check(unsafe { sys::PetscSectionGetConstrainedStorageSize(global, &raw mut owned) })?;
         Ok(Numbering { chart: begin..end, first, owned: owned as usize })
     }
+}
+
+/// Where a section has a point's entries; `None` for a point that it does not have.
+///
+/// # Safety
+/// The section is valid.
+unsafe fn place_of(section: sys::PetscSection, point: Int) -> Result<Option<Range<Int>>> {
+    let (mut begin, mut end, mut first, mut count) = (0, 0, 0, 0);
+    // SAFETY: by the caller, here and below.
+    check(unsafe { sys::PetscSectionGetChart(section, &raw mut begin, &raw mut end) })?;
+    if !(begin..end).contains(&point) {
+        return Ok(None);
+    }
+    // SAFETY: as above, and it has the point.
+    check(unsafe { sys::PetscSectionGetDof(section, point, &raw mut count) })?;
+    // SAFETY: as above.
+    check(unsafe { sys::PetscSectionGetOffset(section, point, &raw mut first) })?;
+    Ok(Some(first..first.saturating_add(count)))
 }

@@ -10,6 +10,7 @@ use petsc_sys as sys;
 
 use crate::comm::Comm;
 use crate::error::{Error, Result, check};
+use crate::text::to_c;
 
 /// The running MPI and PETSc; at most one a process, ever.
 ///
@@ -19,30 +20,16 @@ use crate::error::{Error, Result, check};
 pub struct Session(Rc<Inner>);
 
 pub(crate) struct Inner {
-    /// Dropped after PETSc is finalised.
-    universe: Universe,
     finalized: Cell<bool>,
+    /// These are dropped after PETSc is finalised: MPI, and what PETSc takes for the command line.
+    universe: Universe,
+    _argv: Vec<*mut c_char>,
+    _arguments: Vec<CString>,
 }
 
-/// Settings of Open MPI for a process that nobody launched: no daemon for processes that it might spawn, and no search for
-/// networks. They take a third of a second, many times what a small impact does. What the user sets stands. No folder for the session
-/// either: without the daemon all such processes would have the same one, which the first to end takes from the others.
-const ALONE: [(&str, &str); 3] =
-    [("OMPI_MCA_ess_singleton_isolated", "1"), ("OMPI_MCA_orte_create_session_dirs", "0"), ("OMPI_MCA_pml", "ob1")];
-
-/// What mpirun and srun leave in the environment.
-const LAUNCHED: [&str; 4] = ["OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMIX_NAMESPACE", "PMI_RANK"];
-
-fn start_alone_quickly() {
-    if LAUNCHED.iter().any(|name| std::env::var_os(name).is_some()) {
-        return;
-    }
-    for (name, value) in ALONE {
-        if std::env::var_os(name).is_none() {
-            // SAFETY: the program has no other thread before MPI is initialised, so none reads the environment meanwhile.
-            unsafe { std::env::set_var(name, value) };
-        }
-    }
+/// What PETSc is told of the program's name.
+fn program_name() -> String {
+    std::env::args_os().next().map_or_else(|| "program".to_owned(), |path| path.to_string_lossy().into_owned())
 }
 
 impl Session {
@@ -51,26 +38,24 @@ impl Session {
     /// # Errors
     /// PETSc refuses the options. `None` where MPI was initialised before in this process.
     pub fn start(options: &[String]) -> Option<Result<Self>> {
-        start_alone_quickly();
         let universe = mpi::initialize()?;
         Some(Self::with_universe(universe, options))
     }
 
     fn with_universe(universe: Universe, options: &[String]) -> Result<Self> {
         // MPI's and the program's own signal handling stay in charge.
-        let words = ["ricochet".to_owned(), "-no_signal_handler".to_owned()];
-        let owned: Vec<CString> =
-            words.iter().chain(options).map(|word| CString::new(word.replace('\0', "")).unwrap_or_default()).collect();
-        let mut argv: Vec<*mut c_char> = owned.iter().map(|word| word.as_ptr().cast_mut()).collect();
-        let mut argc = argv.len() as c_int;
+        let words = [program_name(), "-no_signal_handler".to_owned()];
+        let arguments: Vec<CString> = words.iter().chain(options).map(|word| to_c(word)).collect();
+        let mut argv: Vec<*mut c_char> = arguments.iter().map(|word| word.as_ptr().cast_mut()).collect();
+        let mut argc = c_int::try_from(argv.len()).map_err(|_| Error::TooLarge { number: argv.len() })?;
         argv.push(std::ptr::null_mut());
         let mut args = argv.as_mut_ptr();
-        // SAFETY: MPI is initialised; argc and the NULL-terminated argv outlive the call. PETSc keeps argv in a global
-        // for PetscGetArgs, which is not called here.
+        // SAFETY: MPI is initialised; argc and the NULL-terminated argv are valid. PETSc keeps argv: so does the session, or, where there is
+        // none, nobody calls PETSc any more.
         check(unsafe { sys::PetscInitialize(&raw mut argc, &raw mut args, std::ptr::null(), std::ptr::null()) })?;
         // SAFETY: the handler has the right type and needs no context.
         check(unsafe { sys::PetscPushErrorHandler(Some(crate::error::record), std::ptr::null_mut()) })?;
-        Ok(Self(Rc::new(Inner { universe, finalized: Cell::new(false) })))
+        Ok(Self(Rc::new(Inner { finalized: Cell::new(false), universe, _argv: argv, _arguments: arguments })))
     }
 
     /// All ranks.

@@ -1,5 +1,6 @@
 //! Distributed vectors.
 
+use std::cell::Cell;
 use std::ops::{Deref, DerefMut, Range};
 
 use petsc_sys as sys;
@@ -7,51 +8,127 @@ use petsc_sys as sys;
 use crate::Int;
 use crate::comm::Comm;
 use crate::error::{Result, check, check_indices};
+use crate::layout::Layout;
 use crate::matrix::Insert;
-use crate::object::Object;
+use crate::object::{Lent, Object, viewed};
+use crate::text::int;
 
-/// A vector distributed by contiguous ranges over the ranks of its communicator.
-pub struct Vector(Object<sys::_p_Vec>);
+/// A vector distributed by contiguous ranges over the ranks of its communicator; its methods are those of [`VectorView`].
+///
+/// ```
+/// # fn main() -> petsc_wrap::Result<()> {
+/// use petsc_wrap::{Session, Vector};
+///
+/// let session = Session::start(&[]).expect("the first session")?;
+/// let mut x = Vector::new(&session.world(), 3)?;
+/// x.write()?.copy_from_slice(&[1.0, 2.0, 2.0]);
+/// assert_eq!(x.norm()?, 3.0);
+/// # Ok(())
+/// # }
+/// ```
+pub struct Vector(Inner);
+
+/// A [`Vector`], or one that PETSc lends to a closure: what it refers to cannot be moved, swapped or replaced.
+///
+/// Two vectors fit each other when they live on the same ranks and each rank has as many entries of one as of the other; all methods that
+/// take another vector return [`crate::Error::Invalid`], on all ranks, where they do not.
+#[repr(transparent)]
+pub struct VectorView([Inner]);
+
+struct Inner {
+    object: Object<sys::_p_Vec>,
+    /// Read guards that are alive.
+    readers: Cell<usize>,
+}
+
+viewed!(Vector as VectorView of Inner);
 
 impl Vector {
     /// A vector of zeros with `local` entries on this rank. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// PETSc's; more entries than PETSc's integers count.
     pub fn new(comm: &Comm, local: usize) -> Result<Self> {
+        let local = int(local)?;
         let mut raw = std::ptr::null_mut();
         // SAFETY: the communicator is valid and the out-pointer too.
         check(unsafe { sys::VecCreate(comm.raw(), &raw mut raw) })?;
-        let vector = Self(Object::new(raw, comm));
+        // SAFETY: the new vector is ours.
+        let vector = unsafe { Self::from_raw(raw, comm) };
         // SAFETY: `raw` is a fresh vector.
-        check(unsafe { sys::VecSetSizes(raw, local as Int, sys::PETSC_DETERMINE as Int) })?;
+        check(unsafe { sys::VecSetSizes(raw, local, sys::PETSC_DETERMINE as Int) })?;
         // SAFETY: as above; the type's name is a C string.
         check(unsafe { sys::VecSetType(raw, c"standard".as_ptr()) })?;
         Ok(vector)
     }
 
-    pub(crate) fn lent(raw: sys::Vec, comm: &Comm) -> Result<Self> {
-        Ok(Self(Object::lent(raw, comm)?))
+    /// Takes over a vector of PETSc's.
+    ///
+    /// # Safety
+    /// `raw` is a reference to a valid vector on `comm`, set up, of type `seq` or `mpi`, which nobody else releases. Nobody else uses the vector
+    /// while this lives.
+    pub unsafe fn from_raw(raw: sys::Vec, comm: &Comm) -> Self {
+        // SAFETY: by the caller.
+        Self(Inner { object: unsafe { Object::new(raw, comm) }, readers: Cell::new(0) })
     }
 
+    /// A vector that stays another's.
+    ///
+    /// # Safety
+    /// As of [`Self::from_raw`], but that its owner keeps the reference during `'a`.
+    pub(crate) unsafe fn lent<'a>(raw: sys::Vec, comm: &Comm) -> Lent<'a, Self> {
+        // SAFETY: by the caller.
+        Lent::new(Self(Inner { object: unsafe { Object::lent(raw, comm) }, readers: Cell::new(0) }))
+    }
+
+    /// Destroys it at once. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn destroy(self) -> Result<()> {
+        self.0.object.destroy()
+    }
+}
+
+impl VectorView {
     pub(crate) fn raw(&self) -> sys::Vec {
-        self.0.raw()
+        self.inner().object.raw()
+    }
+
+    /// The raw handle. It is valid while `self` lives.
+    pub fn as_raw(&self) -> sys::Vec {
+        self.raw()
     }
 
     /// The ranks it lives on.
     pub fn comm(&self) -> &Comm {
-        self.0.comm()
+        self.inner().object.comm()
+    }
+
+    /// Who owns which entries.
+    pub(crate) fn layout(&self) -> Layout<'_> {
+        let mut ranges = std::ptr::null();
+        // SAFETY: the vector is valid and set up, so this cannot fail.
+        unsafe { sys::VecGetOwnershipRanges(self.raw(), &raw mut ranges) };
+        // SAFETY: the array of a vector's layout stays as long as the vector.
+        unsafe { Layout::from_raw(self.comm(), ranges) }
+    }
+
+    /// Whether some [`ReadGuard`] looks at its memory.
+    pub(crate) fn is_read(&self) -> bool {
+        self.inner().readers.get() > 0
     }
 
     /// A vector of the same layout, filled with zeros. Collective.
     ///
     /// # Errors
     /// PETSc's.
-    pub fn duplicate(&self) -> Result<Self> {
+    pub fn duplicate(&self) -> Result<Vector> {
         let mut raw = std::ptr::null_mut();
         // SAFETY: the vector is valid.
         check(unsafe { sys::VecDuplicate(self.raw(), &raw mut raw) })?;
-        let mut vector = Self(Object::new(raw, self.comm()));
+        // SAFETY: the new vector is ours.
+        let mut vector = unsafe { Vector::from_raw(raw, self.comm()) };
         vector.fill(0.0)?;
         Ok(vector)
     }
@@ -89,8 +166,9 @@ impl Vector {
     /// self ← other.
     ///
     /// # Errors
-    /// PETSc's, e.g. for different layouts.
-    pub fn copy_from(&mut self, other: &Vector) -> Result<()> {
+    /// Layouts that differ; PETSc's.
+    pub fn copy_from(&mut self, other: &VectorView) -> Result<()> {
+        self.layout().require_same(other.layout())?;
         // SAFETY: both vectors are valid.
         check(unsafe { sys::VecCopy(other.raw(), self.raw()) })
     }
@@ -98,8 +176,9 @@ impl Vector {
     /// self ← self + factor·other.
     ///
     /// # Errors
-    /// PETSc's, e.g. for different layouts.
-    pub fn axpy(&mut self, factor: f64, other: &Vector) -> Result<()> {
+    /// Layouts that differ; PETSc's.
+    pub fn axpy(&mut self, factor: f64, other: &VectorView) -> Result<()> {
+        self.layout().require_same(other.layout())?;
         // SAFETY: both vectors are valid and, by the borrow rules, different.
         check(unsafe { sys::VecAXPY(self.raw(), factor, other.raw()) })
     }
@@ -107,8 +186,9 @@ impl Vector {
     /// self ← factor·self + other.
     ///
     /// # Errors
-    /// PETSc's, e.g. for different layouts.
-    pub fn aypx(&mut self, factor: f64, other: &Vector) -> Result<()> {
+    /// Layouts that differ; PETSc's.
+    pub fn aypx(&mut self, factor: f64, other: &VectorView) -> Result<()> {
+        self.layout().require_same(other.layout())?;
         // SAFETY: both vectors are valid and, by the borrow rules, different.
         check(unsafe { sys::VecAYPX(self.raw(), factor, other.raw()) })
     }
@@ -125,8 +205,9 @@ impl Vector {
     /// selfᵀother, the same on every rank. Collective.
     ///
     /// # Errors
-    /// PETSc's, e.g. for different layouts.
-    pub fn dot(&self, other: &Vector) -> Result<f64> {
+    /// Layouts that differ; PETSc's.
+    pub fn dot(&self, other: &VectorView) -> Result<f64> {
+        self.layout().require_same(other.layout())?;
         let mut value = 0.0;
         // SAFETY: both vectors are valid.
         check(unsafe { sys::VecDot(self.raw(), other.raw(), &raw mut value) })?;
@@ -136,8 +217,9 @@ impl Vector {
     /// Entry by entry self ← self·other.
     ///
     /// # Errors
-    /// PETSc's, e.g. for different layouts.
-    pub fn pointwise_mult(&mut self, other: &Vector) -> Result<()> {
+    /// Layouts that differ; PETSc's.
+    pub fn pointwise_mult(&mut self, other: &VectorView) -> Result<()> {
+        self.layout().require_same(other.layout())?;
         // SAFETY: both vectors are valid; PETSc lets the result be one of the factors.
         check(unsafe { sys::VecPointwiseMult(self.raw(), self.raw(), other.raw()) })
     }
@@ -145,8 +227,9 @@ impl Vector {
     /// Entry by entry self ← self/other, 0 where other is 0.
     ///
     /// # Errors
-    /// PETSc's, e.g. for different layouts.
-    pub fn pointwise_divide(&mut self, other: &Vector) -> Result<()> {
+    /// Layouts that differ; PETSc's.
+    pub fn pointwise_divide(&mut self, other: &VectorView) -> Result<()> {
+        self.layout().require_same(other.layout())?;
         // SAFETY: both vectors are valid; PETSc lets the result be the dividend.
         check(unsafe { sys::VecPointwiseDivide(self.raw(), self.raw(), other.raw()) })?;
         // In newer versions 0/0 is 1.
@@ -159,27 +242,36 @@ impl Vector {
     /// selfᵀother with each of the others, in one reduction; the same on every rank. Collective.
     ///
     /// # Errors
-    /// PETSc's, e.g. for different layouts.
+    /// Layouts that differ; PETSc's.
     pub fn dots(&self, others: &[Vector]) -> Result<Vec<f64>> {
-        let raw: Vec<sys::Vec> = others.iter().map(Vector::raw).collect();
+        let raw = self.raw_of(others)?;
         let mut values = vec![0.0; others.len()];
         // SAFETY: all vectors are valid, and there are as many of them as places for values.
-        check(unsafe { sys::VecMDot(self.raw(), raw.len() as Int, raw.as_ptr(), values.as_mut_ptr()) })?;
+        check(unsafe { sys::VecMDot(self.raw(), int(raw.len())?, raw.as_ptr(), values.as_mut_ptr()) })?;
         Ok(values)
     }
 
     /// self ← self + Σ factor·other.
     ///
     /// # Errors
-    /// PETSc's, e.g. for different layouts.
+    /// Layouts that differ; PETSc's.
     ///
     /// # Panics
     /// When there are not as many factors as vectors.
     pub fn add_combination(&mut self, factors: &[f64], others: &[Vector]) -> Result<()> {
         assert_eq!(factors.len(), others.len());
-        let mut raw: Vec<sys::Vec> = others.iter().map(Vector::raw).collect();
+        let mut raw = self.raw_of(others)?;
         // SAFETY: all vectors are valid and, by the borrow rules, none is the result; there is one factor for each.
-        check(unsafe { sys::VecMAXPY(self.raw(), raw.len() as Int, factors.as_ptr(), raw.as_mut_ptr()) })
+        check(unsafe { sys::VecMAXPY(self.raw(), int(raw.len())?, factors.as_ptr(), raw.as_mut_ptr()) })
+    }
+
+    /// Vectors of this one's layout.
+    fn raw_of(&self, others: &[Vector]) -> Result<Vec<sys::Vec>> {
+        let of_one = |other: &Vector| {
+            self.layout().require_same(other.layout())?;
+            Ok(other.raw())
+        };
+        others.iter().map(of_one).collect()
     }
 
     /// Euclidean norm. Collective.
@@ -205,7 +297,7 @@ impl Vector {
         Ok(value)
     }
 
-    /// Adds to or replaces entries by global index. [`Vector::assemble`] must follow.
+    /// Adds to or replaces entries by global index. [`Self::assemble`] must follow.
     ///
     /// # Errors
     /// An index out of range, or PETSc's.
@@ -215,7 +307,7 @@ impl Vector {
     pub fn set_values(&mut self, indices: &[Int], values: &[f64], mode: Insert) -> Result<()> {
         assert_eq!(indices.len(), values.len());
         check_indices(indices, self.len())?;
-        let n = indices.len() as Int;
+        let n = int(indices.len())?;
         // SAFETY: both slices hold `n` entries, indices within the vector.
         check(unsafe { sys::VecSetValues(self.raw(), n, indices.as_ptr(), values.as_ptr(), mode.raw()) })
     }
@@ -239,6 +331,8 @@ impl Vector {
         let mut data = std::ptr::null();
         // SAFETY: the vector is valid; the guard restores.
         check(unsafe { sys::VecGetArrayRead(self.raw(), &raw mut data) })?;
+        let readers = &self.inner().readers;
+        readers.set(readers.get() + 1);
         Ok(ReadGuard { vector: self, data, len: self.local_len() })
     }
 
@@ -258,19 +352,11 @@ impl Vector {
         let range = self.range();
         (range.end - range.start) as usize
     }
-
-    /// Destroys it at once. Collective.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn destroy(self) -> Result<()> {
-        self.0.destroy()
-    }
 }
 
 /// Read-only view of a rank's entries.
 pub struct ReadGuard<'a> {
-    vector: &'a Vector,
+    vector: &'a VectorView,
     data: *const f64,
     len: usize,
 }
@@ -291,12 +377,14 @@ impl Drop for ReadGuard<'_> {
     fn drop(&mut self) {
         // SAFETY: gives back what `read` got.
         unsafe { sys::VecRestoreArrayRead(self.vector.raw(), &raw mut self.data) };
+        let readers = &self.vector.inner().readers;
+        readers.set(readers.get() - 1);
     }
 }
 
 /// Writable view of a rank's entries.
 pub struct WriteGuard<'a> {
-    vector: &'a mut Vector,
+    vector: &'a mut VectorView,
     data: *mut f64,
     len: usize,
 }

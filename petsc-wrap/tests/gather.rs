@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use petsc_wrap::{Gather, Int, Session, Vector};
+use petsc_wrap::{Error, Gather, Int, Session, Vector};
 
 fn start() -> Session {
     Session::start(&[]).expect("the first session").expect("PETSc starts")
@@ -15,6 +15,7 @@ fn main() -> ExitCode {
         &[
             ("entries_of_any_rank_in_any_order", entries_of_any_rank_in_any_order),
             ("nothing_and_too_much", nothing_and_too_much),
+            ("another_layout_is_refused_on_all_ranks", another_layout_is_refused_on_all_ranks),
             ("lists_of_all_ranks", lists_of_all_ranks),
         ],
     )
@@ -48,6 +49,27 @@ fn nothing_and_too_much(session: &Session) {
     let wanted: &[Int] = if session.world().is_root() { &[2] } else { &[] };
     assert_eq!(Gather::new(&vector, wanted).unwrap().fetch(&vector).unwrap().len(), wanted.len());
     assert!(Gather::new(&vector, &[vector.len() as Int]).is_err());
+}
+
+/// PETSc would read beyond the end: it does not look at the vector's layout.
+fn another_layout_is_refused_on_all_ranks(session: &Session) {
+    let vector = tens(session);
+    let last = vector.len() as Int - 1;
+    let mut gather = Gather::new(&vector, &[last]).unwrap();
+    let world = session.world();
+    // As many entries in all, but not on each rank; and fewer on rank 0 alone.
+    let others = [if world.is_root() { 3 * world.size() } else { 0 }, if world.is_root() { 2 } else { 3 }, 1];
+    for local in others {
+        let other = Vector::new(&world, local).unwrap();
+        let is_same = world.size() == 1 && local == 3;
+        let error = gather.fetch(&other).err();
+        assert_eq!(error.is_none(), is_same, "{local}: {error:?}");
+        assert!(is_same || matches!(error, Some(Error::Invalid { .. })));
+    }
+    // The ranks of the communicator matter too.
+    let alone = Vector::new(&session.alone(), vector.len()).unwrap();
+    assert_eq!(gather.fetch(&alone).is_ok(), world.size() == 1);
+    assert_eq!(*gather.fetch(&vector).unwrap(), [10.0 * last as f64]);
 }
 
 /// Rank r has r numbers.

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
-use petsc_wrap::{CellType, Plex, Session};
+use petsc_wrap::{CellType, Error, Plex, Session, options};
 
 fn start() -> Session {
     Session::start(&[]).expect("the first session").expect("PETSc starts")
@@ -22,6 +22,8 @@ fn main() -> ExitCode {
             ("unknowns_are_numbered_once", unknowns_are_numbered_once),
             ("a_file_that_is_no_mesh_is_an_error", a_file_that_is_no_mesh_is_an_error),
             ("physical_groups_are_found_by_number", physical_groups_are_found_by_number),
+            ("options_of_the_user_come_back", options_of_the_user_come_back),
+            ("shapes_that_petsc_takes_on_trust_are_refused", shapes_that_petsc_takes_on_trust_are_refused),
         ],
     )
 }
@@ -113,17 +115,50 @@ fn a_file_that_is_no_mesh_is_an_error(session: &Session) {
     assert!(error.to_string().contains("no-such-mesh.msh"), "{error}");
 }
 
+/// A unit cube of 6 tetrahedra with two triangles a side: group 1 is the bottom, 2 the top.
 fn physical_groups_are_found_by_number(session: &Session) {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/fixtures/reference/plate20-k0/mesh.msh");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cube.msh");
     let plex = Plex::gmsh(&session.world(), path.as_ref(), true).unwrap().distribute().unwrap();
-    // Side, top and bottom, a number without faces, and a label that is not there.
-    for (label, number, faces) in
-        [("Face Sets", 1, 80), ("Face Sets", 2, 200), ("Face Sets", 3, 200), ("Face Sets", 77, 0), ("no label", 1, 0)]
-    {
+    // Bottom and top, a number without faces, and a label that is not there.
+    for (label, number, faces) in [("Face Sets", 1, 2), ("Face Sets", 2, 2), ("Face Sets", 77, 0), ("no label", 1, 0)] {
         let here = plex.points(2).unwrap().filter(|&face| plex.has_label_value(label, number, face).unwrap()).count();
         assert_eq!(sum(session, here), faces, "{label} {number}");
     }
     let cells = plex.points(3).unwrap();
-    assert_eq!(sum(session, cells.clone().count()), 600);
+    assert_eq!(sum(session, cells.clone().count()), 6);
     assert!(cells.into_iter().all(|cell| plex.cell_type(cell).unwrap() == CellType::Tetrahedron));
+}
+
+/// Reading a mesh sets options for all of PETSc, whether it succeeds or fails.
+fn options_of_the_user_come_back(session: &Session) {
+    let [given, other] = ["-dm_plex_gmsh_use_regions", "-dm_plex_gmsh_multiple_tags"];
+    options::set(session, given, "1").unwrap();
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cube.msh");
+    for path in [path, "no-such-mesh.msh"] {
+        assert_eq!(Plex::gmsh(&session.alone(), path.as_ref(), true).is_ok(), path.ends_with("cube.msh"));
+        assert_eq!(options::get(session, given).unwrap().as_deref(), Some("1"), "{path}");
+        assert_eq!(options::get(session, other).unwrap(), None, "{path}");
+    }
+    options::clear(session, given).unwrap();
+}
+
+fn shapes_that_petsc_takes_on_trust_are_refused(session: &Session) {
+    let alone = session.alone();
+    let boxed = |cells| Plex::hexahedral_box(&alone, cells, [0.0; 3], [1.0; 3]);
+    assert!(matches!(boxed([1, 0, 1]), Err(Error::Invalid { .. })));
+    // More points than 32 bits number, than 64 bits, and than a usize.
+    for n in [1 << 11, 1 << 22, usize::MAX] {
+        let outcome = boxed([n, n, n]);
+        assert!(n == 1 << 11 && petsc_wrap::Int::BITS == 64 || matches!(outcome, Err(Error::TooLarge { .. })));
+    }
+    let plex = boxed([1, 1, 1]).unwrap();
+    assert!(matches!(plex.label_boundary("depth"), Err(Error::Invalid { .. })));
+    assert!(matches!(plex.number(|_| usize::MAX), Err(Error::Invalid { .. })));
+    assert!(matches!(plex.number(|_| petsc_wrap::Int::MAX as usize), Err(Error::Invalid { .. })));
+    assert!(plex.points(usize::MAX).is_err());
+    for point in [-1, plex.points(2).unwrap().end.max(27)] {
+        assert!(plex.cone(point).is_err() && plex.closure(point).is_err() && plex.cell_type(point).is_err());
+        assert!(plex.has_label("skin", point).is_err() && plex.has_label_value("skin", 1, point).is_err());
+    }
+    assert_eq!(plex.number(|_| 1).unwrap().owned, 27);
 }

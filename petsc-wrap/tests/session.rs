@@ -2,9 +2,19 @@
 
 use std::process::ExitCode;
 
-use petsc_wrap::{Comm, Error, Session, Vector, options};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use petsc_wrap::{Comm, Error, Ksp, Session, Vector, options, set_default_environment};
+
+/// What the environment has before, and what it gets.
+const GIVEN: &str = "PETSC_WRAP_TEST_GIVEN";
+const DEFAULT: &str = "PETSC_WRAP_TEST_DEFAULT";
+static SET_ALONE: AtomicBool = AtomicBool::new(false);
 
 fn start() -> Session {
+    set_default_environment(&[(GIVEN, "by the user")]);
+    let is_set = set_default_environment(&[(GIVEN, "by the program"), (DEFAULT, "by the program"), ("a=b", "")]);
+    SET_ALONE.store(is_set, Ordering::Relaxed);
     let words = ["-session_test", "7"].map(String::from);
     Session::start(&words).expect("the first session").expect("PETSc starts")
 }
@@ -18,6 +28,12 @@ fn main() -> ExitCode {
             ("options_reach_the_database", options_reach_the_database),
             ("options_are_set_and_cleared", options_are_set_and_cleared),
             ("errors_carry_message_frames_and_place", errors_carry_message_frames_and_place),
+            (
+                "the_environment_is_set_where_nobody_else_can_read_it",
+                the_environment_is_set_where_nobody_else_can_read_it,
+            ),
+            ("the_command_line_outlives_the_start", the_command_line_outlives_the_start),
+            ("a_session_with_handles_does_not_end", a_session_with_handles_does_not_end),
             ("a_handle_dropped_on_one_rank_blocks_nobody", a_handle_dropped_on_one_rank_blocks_nobody),
         ],
     )
@@ -41,24 +57,57 @@ fn options_are_set_and_cleared(session: &Session) {
     options::set(session, "-session_other", "9").unwrap();
     assert!(options::is_set(session, "-session_other").unwrap());
     assert!(options::all(session).unwrap().contains("-session_other 9"));
+    assert_eq!(options::get(session, "-session_other").unwrap().as_deref(), Some("9"));
     options::clear(session, "-session_other").unwrap();
     assert!(!options::is_set(session, "-session_other").unwrap());
 }
 
 fn errors_carry_message_frames_and_place(session: &Session) {
-    let world = session.world();
-    let two = Vector::new(&world, 2).unwrap();
-    let mut three = Vector::new(&world, 3).unwrap();
-    let error = three.axpy(1.0, &two).unwrap_err();
-    assert!(error.to_string().contains("vector.rs"), "{error}");
+    let mut solver = Ksp::new(&session.world()).unwrap();
+    let error = solver.set_type("no such method").unwrap_err();
+    assert!(error.to_string().contains("ksp.rs"), "{error}");
     let Error::Petsc { code, message, frames, .. } = error else { panic!("{error:?}") };
     assert_ne!(code, 0);
-    assert!(message.contains(&three.len().to_string()), "{message}");
-    assert!(frames.iter().any(|frame| frame.function.starts_with("VecAXPY")), "{frames:?}");
+    assert!(message.contains("no such method"), "{message}");
+    assert!(frames.iter().any(|frame| frame.function.starts_with("KSPSetType")), "{frames:?}");
     assert!(frames.iter().all(|frame| frame.line > 0));
     // The next error does not inherit the frames of this one.
-    let Error::Petsc { frames: again, .. } = three.copy_from(&two).unwrap_err() else { panic!() };
-    assert!(again.iter().all(|frame| !frame.function.starts_with("VecAXPY")), "{again:?}");
+    let error = solver.pc().unwrap().set_type("no such method").unwrap_err();
+    let Error::Petsc { frames: again, .. } = error else { panic!() };
+    assert!(again.iter().all(|frame| !frame.function.starts_with("KSPSetType")), "{again:?}");
+}
+
+/// Before MPI and PETSc start, this process has one thread; with another one it is left as it is.
+fn the_environment_is_set_where_nobody_else_can_read_it(session: &Session) {
+    assert!(session.world().size() > 0);
+    assert!(SET_ALONE.load(Ordering::Relaxed), "one thread, before the session");
+    assert_eq!(std::env::var(GIVEN).as_deref(), Ok("by the user"));
+    assert_eq!(std::env::var(DEFAULT).as_deref(), Ok("by the program"));
+    let other = std::thread::spawn(std::thread::park);
+    assert!(!set_default_environment(&[("PETSC_WRAP_TEST_LATE", "1")]));
+    assert!(std::env::var_os("PETSC_WRAP_TEST_LATE").is_none());
+    other.thread().unpark();
+    other.join().unwrap();
+}
+
+/// PETSc keeps the words that it was started with, and looks at them again when it is asked for its command line.
+fn the_command_line_outlives_the_start(session: &Session) {
+    assert!(session.world().size() > 0);
+    let (mut count, mut words) = (0, std::ptr::null_mut());
+    // SAFETY: PETSc is initialised, and the session keeps the words.
+    unsafe { petsc_wrap::sys::PetscGetArgs(&raw mut count, &raw mut words) };
+    // SAFETY: as many words as PETSc counts.
+    let words = (0..count as usize).map(|i| unsafe { std::ffi::CStr::from_ptr(*words.add(i)) });
+    let words: Vec<&str> = words.map(|word| word.to_str().unwrap()).collect();
+    assert_eq!(words[2..], ["-session_test", "7"]);
+    assert_eq!(words[0], std::env::args().next().unwrap());
+}
+
+fn a_session_with_handles_does_not_end(session: &Session) {
+    let vector = Vector::new(&session.world(), 1).unwrap();
+    let error = session.clone().finish().unwrap_err();
+    assert!(error.to_string().contains("outlive"), "{error}");
+    assert_eq!(vector.len(), session.world().size());
 }
 
 fn a_handle_dropped_on_one_rank_blocks_nobody(session: &Session) {

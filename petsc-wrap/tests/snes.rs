@@ -2,7 +2,9 @@
 
 use std::process::ExitCode;
 
-use petsc_wrap::{Error, Insert, Int, Matrix, Session, Snes, Vector};
+use petsc_wrap::{
+    Error, Insert, Int, Lag, Matrix, MatrixView, Session, Snes, SnesTolerances, Tolerances, Vector, VectorView, options,
+};
 
 fn start() -> Session {
     Session::start(&[]).expect("the first session").expect("PETSc starts")
@@ -14,12 +16,13 @@ fn main() -> ExitCode {
         start,
         &[
             ("newton_converges_quadratically", newton_converges_quadratically),
-            ("an_untouched_jacobian_is_not_factorised_again", an_untouched_jacobian_is_not_factorised_again),
-            ("a_factor_that_is_no_help_is_replaced", a_factor_that_is_no_help_is_replaced),
             ("slopes_are_those_of_the_potential", slopes_are_those_of_the_potential),
             ("errors_of_closures_come_back", errors_of_closures_come_back),
             ("panics_of_closures_come_back", panics_of_closures_come_back),
-            ("a_handle_taken_out_of_a_closure_stays_valid", a_handle_taken_out_of_a_closure_stays_valid),
+            ("what_does_not_fit_is_refused", what_does_not_fit_is_refused),
+            ("a_closure_is_not_called_after_its_solve", a_closure_is_not_called_after_its_solve),
+            ("a_solve_without_a_search_of_its_own", a_solve_without_a_search_of_its_own),
+            ("a_preconditioner_lags_as_it_is_told", a_preconditioner_lags_as_it_is_told),
             ("nan_stops_the_solve", nan_stops_the_solve),
             ("too_few_iterations_are_told", too_few_iterations_are_told),
         ],
@@ -35,10 +38,28 @@ fn solver(session: &Session, iterations: usize) -> (Snes, Vector) {
     let jacobian = Matrix::aij(&world, (LOCAL, LOCAL), &[1; LOCAL], &[0; LOCAL]).unwrap();
     let mut x = Vector::new(&world, LOCAL).unwrap();
     x.fill(2.0).unwrap();
-    (Snes::new(&world, jacobian, TOLERANCE, iterations).unwrap(), x)
+    let mut snes = Snes::new(&world).unwrap();
+    snes.set_type("newtonls").unwrap();
+    snes.set_line_search_type("shell").unwrap();
+    let mut ksp = snes.ksp().unwrap();
+    ksp.set_type("cg").unwrap();
+    // Of a diagonal matrix this is the inverse.
+    ksp.pc().unwrap().set_type("jacobi").unwrap();
+    ksp.set_tolerances(Tolerances { relative: Some(1e-13), ..Default::default() }).unwrap();
+    drop(ksp);
+    snes.set_tolerances(SnesTolerances {
+        absolute: Some(TOLERANCE),
+        relative: Some(0.0),
+        step: Some(0.0),
+        iterations: Some(iterations),
+        evaluations: None,
+    })
+    .unwrap();
+    snes.set_jacobian(jacobian).unwrap();
+    (snes, x)
 }
 
-fn residual(x: &Vector, f: &mut Vector, g: fn(f64) -> f64) -> petsc_wrap::Result<()> {
+fn residual(x: &VectorView, f: &mut VectorView, g: fn(f64) -> f64) -> petsc_wrap::Result<()> {
     let x = x.read()?;
     for (f, x) in f.write()?.iter_mut().zip(x.iter()) {
         *f = g(*x);
@@ -46,7 +67,7 @@ fn residual(x: &Vector, f: &mut Vector, g: fn(f64) -> f64) -> petsc_wrap::Result
     Ok(())
 }
 
-fn jacobian(x: &Vector, matrix: &mut Matrix, slope: fn(f64) -> f64) -> petsc_wrap::Result<()> {
+fn jacobian(x: &VectorView, matrix: &mut MatrixView, slope: fn(f64) -> f64) -> petsc_wrap::Result<()> {
     for (i, x) in x.range().zip(x.read()?.iter()) {
         matrix.set_values(&[i], &[i], &[slope(*x)], Insert::Replace)?;
     }
@@ -58,14 +79,14 @@ fn newton_converges_quadratically(session: &Session) {
     let (mut snes, mut x) = solver(session, 20);
     let mut norms = Vec::new();
     let iterations = snes
-        .solve(
+        .solve_with_search(
             &mut x,
             |x, f| {
                 residual(x, f, |x| x * x * x - 2.0)?;
                 norms.push(f.norm()?);
                 Ok(())
             },
-            |x, j| Ok(jacobian(x, j, |x| 3.0 * x * x)?),
+            |x, j, _| Ok(jacobian(x, j, |x| 3.0 * x * x)?),
             |_| Ok(1.0),
         )
         .unwrap();
@@ -80,71 +101,15 @@ fn newton_converges_quadratically(session: &Session) {
     assert!(order > 1.8, "observed order {order}");
 }
 
-fn an_untouched_jacobian_is_not_factorised_again(session: &Session) {
-    let (mut snes, mut x) = solver(session, 100);
-    let mut calls = 0;
-    // The chord method: the slope at the start serves throughout, so convergence is linear, with factor 1 − g′/12.
-    snes.solve(
-        &mut x,
-        |x, f| Ok(residual(x, f, |x| x * x * x - 2.0)?),
-        |x, j| {
-            calls += 1;
-            if calls == 1 {
-                jacobian(x, j, |x| 3.0 * x * x)?;
-            }
-            Ok(())
-        },
-        |_| Ok(1.0),
-    )
-    .unwrap();
-    assert!(calls > 20, "{calls} iterations: quadratic convergence would need 6");
-    assert!((x.norm_max().unwrap() - 2f64.cbrt()).abs() < 1e-11);
-}
-
-/// The factor of the unit matrix, kept for one whose three hundred eigenvalues lie between 1 and 1e12: conjugate gradients
-/// cannot do it in their hundred iterations.
-fn a_factor_that_is_no_help_is_replaced(session: &Session) {
-    const MANY: usize = 300;
-    let world = session.world();
-    let jacobian = Matrix::aij(&world, (MANY, MANY), &[1; MANY], &[0; MANY]).unwrap();
-    let mut x = Vector::new(&world, MANY).unwrap();
-    let first = x.range().start;
-    let mut snes = Snes::new(&world, jacobian, TOLERANCE, 20).unwrap();
-    for exponent in [0.0, 12.0] {
-        let slope = |i: Int| 10_f64.powf(exponent * (i - first) as f64 / MANY as f64);
-        x.fill(1.0).unwrap();
-        snes.solve(
-            &mut x,
-            |x, f| {
-                let x = x.read()?;
-                for ((i, f), x) in (first..).zip(f.write()?.iter_mut()).zip(x.iter()) {
-                    *f = slope(i) * x;
-                }
-                Ok(())
-            },
-            |x, matrix| {
-                for i in x.range() {
-                    matrix.set_values(&[i], &[i], &[slope(i)], Insert::Replace)?;
-                }
-                matrix.assemble()?;
-                Ok(matrix.declare_positive_definite()?)
-            },
-            |_| Ok(1.0),
-        )
-        .unwrap();
-        assert!(x.norm_max().unwrap() <= TOLERANCE);
-    }
-}
-
 fn slopes_are_those_of_the_potential(session: &Session) {
     let (mut snes, mut x) = solver(session, 30);
     let n = x.len() as f64;
     let mut first = None;
     // Residual x, potential Σx²/2, a Jacobian twice too small: direction −2x, slope −2·4n + 4λ·4n … at λ = 0, 1/2, 1.
-    snes.solve(
+    snes.solve_with_search(
         &mut x,
         |x, f| Ok(residual(x, f, |x| x)?),
-        |x, j| Ok(jacobian(x, j, |_| 0.5)?),
+        |x, j, _| Ok(jacobian(x, j, |_| 0.5)?),
         |trial| {
             let slopes = [trial.slope(0.0)?, trial.slope(0.5)?, trial.slope(1.0)?];
             first.get_or_insert(slopes);
@@ -164,13 +129,13 @@ fn errors_of_closures_come_back(session: &Session) {
     for place in ["residual", "jacobian", "search"] {
         let (mut snes, mut x) = solver(session, 20);
         let fail = |here: &str| if here == place { Err(Marked(place)) } else { Ok(()) };
-        let result = snes.solve(
+        let result = snes.solve_with_search(
             &mut x,
             |x, f| {
                 fail("residual")?;
                 Ok(residual(x, f, |x| x)?)
             },
-            |x, j| {
+            |x, j, _| {
                 fail("jacobian")?;
                 Ok(jacobian(x, j, |_| 1.0)?)
             },
@@ -189,40 +154,108 @@ fn panics_of_closures_come_back(session: &Session) {
     std::panic::set_hook(Box::new(|_| {}));
     let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
         let (mut snes, mut x) = solver(session, 20);
-        let _ = snes.solve(&mut x, |_, _| panic!("marked"), |_, _| Ok(()), |_| Ok(1.0));
+        let _ = snes.solve_with_search(&mut x, |_, _| panic!("marked"), |_, _, _| Ok(()), |_| Ok(1.0));
     }));
     std::panic::set_hook(hook);
     assert_eq!(caught.unwrap_err().downcast_ref::<&str>(), Some(&"marked"));
 }
 
-fn a_handle_taken_out_of_a_closure_stays_valid(session: &Session) {
+fn what_does_not_fit_is_refused(session: &Session) {
+    let world = session.world();
+    let invalid =
+        |outcome: petsc_wrap::Result<usize>| assert!(matches!(outcome, Err(Error::Invalid { .. })), "{outcome:?}");
+    let mut without = Snes::new(&world).unwrap();
+    let mut x = Vector::new(&world, LOCAL).unwrap();
+    invalid(without.solve(&mut x, |_, _| Ok(()), |_, _, _| Ok(())));
+    let (mut snes, _) = solver(session, 20);
+    let mut other = Vector::new(&world, LOCAL + 1).unwrap();
+    invalid(snes.solve(&mut other, |_, _| Ok(()), |_, _, _| Ok(())));
+    let small = || Matrix::aij(&world, (1, 1), &[1], &[0]).unwrap();
+    invalid(snes.set_jacobian(small()).map(|()| 0));
+    if world.size() > 1 {
+        let alone = Matrix::aij(&session.alone(), (1, 1), &[1], &[0]).unwrap();
+        invalid(without.set_jacobian(alone).map(|()| 0));
+    }
+    let wide = Matrix::aij(&world, (1, 2), &[1], &[0]).unwrap();
+    invalid(without.set_jacobian(wide).map(|()| 0));
+    assert!(snes.set_preconditioner_lag(Lag::Every(0)).is_err());
+}
+
+/// A matrix-free operator calls the residual at each product, also in a linear solve after the nonlinear one, whose closures are gone.
+fn a_closure_is_not_called_after_its_solve(session: &Session) {
+    options::set(session, "-free_snes_mf_operator", "").unwrap();
     let (mut snes, mut x) = solver(session, 20);
-    let mut taken = x.duplicate().unwrap();
-    let mut calls = 0;
-    snes.solve(
+    snes.set_options_prefix("free_").unwrap();
+    snes.set_from_options().unwrap();
+    let calls = std::cell::Cell::new(0);
+    let on_the_heap = vec![2.0; 1000];
+    snes.solve_with_search(
         &mut x,
         |x, f| {
-            residual(x, f, |x| x)?;
-            calls += 1;
-            if calls == 1 {
-                std::mem::swap(f, &mut taken);
-            }
+            calls.set(calls.get() + 1);
+            let x = x.read()?;
+            f.write()?.iter_mut().zip(x.iter()).for_each(|(f, x)| *f = x * x * x - on_the_heap[7]);
             Ok(())
         },
-        |x, j| Ok(jacobian(x, j, |_| 1.0)?),
+        |x, j, _| Ok(jacobian(x, j, |x| 3.0 * x * x)?),
         |_| Ok(1.0),
     )
     .unwrap();
-    drop(snes);
-    // SNES goes on in the vector that it lent, which is the one taken; it must outlive the solver.
-    assert!(taken.norm_max().unwrap().is_finite());
+    drop(on_the_heap);
+    let during = calls.get();
+    assert!(during > 5 && (x.norm_max().unwrap() - 2f64.cbrt()).abs() < 1e-11);
+    let mut b = x.duplicate().unwrap();
+    b.fill(1.0).unwrap();
+    let outcome = snes.ksp().unwrap().solve(&b, &mut x);
+    assert!(matches!(outcome, Err(Error::Petsc { .. })), "{outcome:?}");
+    assert_eq!(calls.get(), during);
+}
+
+/// By PETSc's own line search; and an error where it would be that of a closure.
+fn a_solve_without_a_search_of_its_own(session: &Session) {
+    let (mut snes, mut x) = solver(session, 20);
+    let outcome = snes.solve(&mut x, |x, f| Ok(residual(x, f, |x| x)?), |x, j, _| Ok(jacobian(x, j, |_| 1.0)?));
+    assert!(matches!(outcome, Err(Error::Callback(_))), "{outcome:?}");
+    snes.set_line_search_type("bt").unwrap();
+    let root = |x: f64| x.atan();
+    x.fill(2.0).unwrap();
+    // Full steps of Newton's method diverge from here.
+    snes.solve(&mut x, |x, f| Ok(residual(x, f, root)?), |x, j, _| Ok(jacobian(x, j, |x| 1.0 / (1.0 + x * x))?))
+        .unwrap();
+    assert!(x.norm_max().unwrap() < TOLERANCE);
+}
+
+/// One factor for all Jacobians is the chord method, which is linear; a new one for each is quadratic.
+fn a_preconditioner_lags_as_it_is_told(session: &Session) {
+    let mut iterations = [0, 0];
+    for (lag, iterations) in [Lag::Every(1), Lag::Once].into_iter().zip(&mut iterations) {
+        let (mut snes, mut x) = solver(session, 100);
+        snes.ksp().unwrap().set_type("preonly").unwrap();
+        let mut linear = Vec::new();
+        *iterations = snes
+            .solve_with_search(
+                &mut x,
+                |x, f| Ok(residual(x, f, |x| x * x * x - 2.0)?),
+                |x, j, progress| {
+                    linear.push(progress.linear_iterations()?);
+                    if linear.len() == 1 {
+                        progress.set_preconditioner_lag(lag)?;
+                    }
+                    Ok(jacobian(x, j, |x| 3.0 * x * x)?)
+                },
+                |_| Ok(1.0),
+            )
+            .unwrap();
+        assert!(linear.len() == *iterations && linear[1..].iter().all(|count| *count == 1), "{linear:?}");
+    }
+    assert!(iterations[0] < 8 && iterations[1] > 20, "{iterations:?}");
 }
 
 fn nan_stops_the_solve(session: &Session) {
     let (mut snes, mut x) = solver(session, 20);
     let last = session.world().size() as Int * LOCAL as Int - 1;
     // Only one rank's residual is undefined; all of them stop.
-    let result = snes.solve(
+    let result = snes.solve_with_search(
         &mut x,
         |x, f| {
             residual(x, f, |x| x)?;
@@ -231,7 +264,7 @@ fn nan_stops_the_solve(session: &Session) {
             }
             Ok(())
         },
-        |x, j| Ok(jacobian(x, j, |_| 1.0)?),
+        |x, j, _| Ok(jacobian(x, j, |_| 1.0)?),
         |_| Ok(1.0),
     );
     let Err(Error::Diverged(failure)) = result else { panic!("{result:?}") };
@@ -240,10 +273,10 @@ fn nan_stops_the_solve(session: &Session) {
 
 fn too_few_iterations_are_told(session: &Session) {
     let (mut snes, mut x) = solver(session, 2);
-    let result = snes.solve(
+    let result = snes.solve_with_search(
         &mut x,
         |x, f| Ok(residual(x, f, |x| x * x * x - 2.0)?),
-        |x, j| Ok(jacobian(x, j, |x| 3.0 * x * x)?),
+        |x, j, _| Ok(jacobian(x, j, |x| 3.0 * x * x)?),
         |_| Ok(1.0),
     );
     let Err(Error::Diverged(failure)) = result else { panic!("{result:?}") };

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use petsc_wrap::{Insert, Session, Vector};
+use petsc_wrap::{Error, Insert, Session, Vector};
 
 fn start() -> Session {
     Session::start(&[]).expect("the first session").expect("PETSc starts")
@@ -20,6 +20,8 @@ fn main() -> ExitCode {
             ("uneven_and_empty_parts", uneven_and_empty_parts),
             ("an_index_out_of_range_is_an_error", an_index_out_of_range_is_an_error),
             ("layouts_must_agree", layouts_must_agree),
+            ("sizes_that_do_not_fit_are_errors", sizes_that_do_not_fit_are_errors),
+            ("guards_may_be_forgotten", guards_may_be_forgotten),
         ],
     )
 }
@@ -114,11 +116,56 @@ fn uneven_and_empty_parts(session: &Session) {
 }
 
 fn layouts_must_agree(session: &Session) {
-    let x = filled(session, 2, |i| i);
+    let world = session.world();
     let mut y = filled(session, 3, |i| i);
-    assert!(y.axpy(1.0, &x).is_err());
-    assert!(y.pointwise_mult(&x).is_err());
-    assert!(y.pointwise_divide(&x).is_err());
+    // Other sizes; the same size in all, other ones on the ranks; and the same sizes on this rank, alone.
+    let moved = if world.is_root() { 3 * world.size() } else { 0 };
+    let others = [filled(session, 2, |i| i), filled(session, moved, |i| i), Vector::new(&session.alone(), 3).unwrap()];
+    for x in others.iter().filter(|x| world.size() > 1 || x.len() != 3) {
+        let outcomes = [
+            y.copy_from(x),
+            y.axpy(1.0, x),
+            y.aypx(1.0, x),
+            y.pointwise_mult(x),
+            y.pointwise_divide(x),
+            y.dot(x).map(drop),
+        ];
+        assert!(outcomes.iter().all(|outcome| matches!(outcome, Err(Error::Invalid { .. }))), "{outcomes:?}");
+    }
+    // Not only the first of several is looked at.
+    let fitting = filled(session, 3, |i| i);
+    for x in others.into_iter().filter(|x| world.size() > 1 || x.len() != 3) {
+        let pair = [fitting.duplicate().unwrap(), x];
+        assert!(matches!(y.dots(&pair), Err(Error::Invalid { .. })));
+        assert!(matches!(y.add_combination(&[1.0, 1.0], &pair), Err(Error::Invalid { .. })));
+    }
+    // Untouched by all that was refused.
+    y.axpy(-1.0, &fitting).unwrap();
+    assert_eq!(y.norm_max().unwrap(), 0.0);
+}
+
+/// As a 32-bit integer of PETSc's the first would be −1, which is PETSc's mark for a size that it shall choose.
+fn sizes_that_do_not_fit_are_errors(session: &Session) {
+    for local in [u32::MAX as usize, usize::MAX] {
+        let outcome = Vector::new(&session.alone(), local).map(|vector| vector.len());
+        // With indices of 64 bits the first fits, and there is no such memory.
+        assert!(outcome.is_err(), "{outcome:?}");
+    }
+    let error = Vector::new(&session.alone(), usize::MAX).err().unwrap();
+    assert!(matches!(error, Error::TooLarge { number: usize::MAX }), "{error}");
+}
+
+/// A guard that is never dropped, and one that is while another lives, leave the vector as it is.
+fn guards_may_be_forgotten(session: &Session) {
+    let mut x = filled(session, 3, |_| 1.0);
+    std::mem::forget(x.read().unwrap());
+    let (first, second) = (x.read().unwrap(), x.read().unwrap());
+    drop(first);
+    assert_eq!(second[2], 1.0);
+    drop(second);
+    std::mem::forget(x.write().unwrap());
+    x.scale(2.0).unwrap();
+    assert_eq!(x.norm_max().unwrap(), 2.0);
 }
 
 fn an_index_out_of_range_is_an_error(session: &Session) {

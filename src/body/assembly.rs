@@ -88,19 +88,19 @@ impl Components {
     pub fn new(graph: &Matrix) -> Result<Self> {
         let mut count = 0;
         for node in graph.row_range() {
-            count += 9 * graph.row(node)?.columns().len();
+            count += 9 * graph.row(node)?.columns.len();
         }
         let (mut offsets, mut columns, mut values) = (vec![0], Vec::with_capacity(count), Vec::with_capacity(count));
         let mut of_row = Vec::new();
         for node in graph.row_range() {
             let row = graph.row(node)?;
-            unknowns(row.columns(), &mut of_row);
+            unknowns(&row.columns, &mut of_row);
             for component in 0..3 {
                 let begin = values.len();
                 columns.extend_from_slice(&of_row);
                 values.resize(columns.len(), 0.0);
                 let own = values.iter_mut().skip(begin + component).step_by(3);
-                own.zip(row.values()).for_each(|(to, value)| *to = *value);
+                own.zip(&row.values).for_each(|(to, value)| *to = *value);
                 offsets.push(columns.len() as Int);
             }
         }

@@ -1,9 +1,10 @@
 //! A linear body with its pads, as operators that any scheme can apply and solve with.
 
-use petsc_wrap::{Comm, Ksp, Matrix, Method, NullSpace, Vector};
+use petsc_wrap::{Comm, Ksp, Matrix, NullSpace, Vector};
 
 use crate::contact::Localization;
 use crate::error::Result;
+use crate::solve::linear::{Method, solver};
 
 use super::{Clamps, Lumped, Pads};
 
@@ -69,7 +70,7 @@ impl Body {
     /// # Errors
     /// PETSc's.
     pub fn solver(&self, operator: &Matrix) -> Result<Ksp> {
-        Ok(Ksp::with(self.comm(), "", operator, self.method)?)
+        Ok(solver(self.comm(), "", operator, self.method)?)
     }
 
     /// M with the held unknowns taken out, and its solver. Collective.
@@ -84,7 +85,7 @@ impl Body {
             Method::Multigrid { .. } => Method::Diagonal { tolerance: OF_MASS },
             method => method,
         };
-        let solver = Ksp::with(self.comm(), "mass_", &mass, method)?;
+        let solver = solver(self.comm(), "mass_", &mass, method)?;
         Ok((mass, solver))
     }
 

@@ -2,7 +2,7 @@
 
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
-use petsc_wrap::{Comm, Gather, Insert, Int, Matrix, Vector};
+use petsc_wrap::{Comm, Gather, Insert, Int, MatrixView, Vector, VectorView};
 
 use crate::error::Result;
 use crate::form::{PadForms, PadPoint};
@@ -84,7 +84,7 @@ impl Pads {
     ///
     /// # Errors
     /// PETSc's.
-    pub fn add_force(&mut self, from: Option<&Vector>, u: &Vector, f: &mut Vector) -> petsc_wrap::Result<()> {
+    pub fn add_force(&mut self, from: Option<&Vector>, u: &Vector, f: &mut VectorView) -> petsc_wrap::Result<()> {
         let from = self.fetch_from(from)?;
         self.add(u, f, |forms, i, each, x, u, block| forms.residual(x, part(&from, i, each), u, block))
     }
@@ -93,7 +93,7 @@ impl Pads {
     ///
     /// # Errors
     /// PETSc's.
-    pub fn add_pressed(&mut self, u: &Vector, f: &mut Vector) -> petsc_wrap::Result<()> {
+    pub fn add_pressed(&mut self, u: &Vector, f: &mut VectorView) -> petsc_wrap::Result<()> {
         self.add(u, f, |forms, _, _, x, u, block| forms.pressed(x, u, block))
     }
 
@@ -101,7 +101,7 @@ impl Pads {
     fn add(
         &mut self,
         u: &Vector,
-        f: &mut Vector,
+        f: &mut VectorView,
         kernel: impl Fn(&PadForms, usize, usize, &[[f64; 3]], &[f64], &mut [f64]),
     ) -> petsc_wrap::Result<()> {
         let each = self.each;
@@ -128,7 +128,7 @@ impl Pads {
         from: Option<&Vector>,
         u: &Vector,
         factor: f64,
-        matrix: &mut Matrix,
+        matrix: &mut MatrixView,
     ) -> petsc_wrap::Result<()> {
         let from = self.fetch_from(from)?;
         let u = self.gather.fetch(u)?;

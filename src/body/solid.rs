@@ -1,6 +1,6 @@
 //! A 3D elastic body, assembled over a mesh.
 
-use petsc_wrap::{Insert, Int, Matrix, Method, NullSpace, Vector};
+use petsc_wrap::{Insert, Int, Matrix, NullSpace, Vector};
 
 use crate::agree::agree;
 use crate::contact::{Localization, hertz};
@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::form::{Material, SolidForms, SurfaceForms};
 use crate::mesh::Mesh;
 use crate::scene::{Contact, Fault, Scene, Scheme, SupportKind, Vec3};
+use crate::solve::Method;
 
 use super::assembly::{Components, Stopped, assemble, into_matrix, into_vector, node_graph, zeros};
 use super::deviates::{normal, place};

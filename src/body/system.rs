@@ -1,10 +1,11 @@
 //! A body given by numbers, without a mesh: small enough that every rank has all of it.
 
 use nalgebra_sparse::CsrMatrix;
-use petsc_wrap::{Comm, Int, Matrix, Method, Vector};
+use petsc_wrap::{Comm, Int, Matrix, Vector};
 
 use crate::contact::{Localization, Patch};
 use crate::error::Result;
+use crate::solve::Method;
 
 use super::deviates::normal;
 use super::{Body, Clamps};

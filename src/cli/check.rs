@@ -1,6 +1,6 @@
 //! `ricochet check`: what a scene asks for, and what it will cost.
 
-use petsc_wrap::{Comm, FactorEstimate, Int, Method as Solution, estimate_cholesky};
+use petsc_wrap::{Comm, FactorEstimate, Int, estimate_cholesky};
 
 use crate::body::Body;
 use crate::contact::{Patch, Reason, hertz};
@@ -9,6 +9,7 @@ use crate::impact::{Method, Plan, Setting, steps};
 use crate::model::{Dynamics, Model};
 use crate::scene::{Contact, Geometry, Scene, Scheme, Support, SupportKind, Symmetry, Vec3};
 use crate::scheme::Implicit;
+use crate::solve::Method as Solution;
 
 use super::Check;
 use super::load::{Loaded, load};

@@ -1,5 +1,6 @@
 //! What the user typed, and what to do about it; one file a subcommand.
 
+pub mod alone;
 mod bench;
 pub mod chart;
 pub mod check;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::Instant;
 
-use petsc_wrap::{Comm, has_mumps};
+use petsc_wrap::Comm;
 
 use crate::agree::agree;
 use crate::error::{Error, Result};
@@ -21,6 +21,7 @@ use crate::record::read;
 use crate::record::series::SeriesWriter;
 use crate::record::target::{Kind, check_writable};
 use crate::scene::{Scene, Source};
+use crate::solve::linear::has_mumps;
 
 use super::Run;
 use super::interrupt::{INTERRUPTED, Interrupt};

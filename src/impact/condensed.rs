@@ -11,6 +11,7 @@ use petsc_wrap::{Comm, Int, Ksp, Vector};
 use crate::body::Body;
 use crate::error::Result;
 use crate::scheme::{Affine, StageForce};
+use crate::solve::linear::is_direct;
 
 use super::implicit::{Problem, Solved};
 use super::pad_condensed::{PadStep, Response};
@@ -54,7 +55,7 @@ impl Condensed {
             Some(pads) if !pushed.is_empty() => Some(PadStep::new(comm, pads, pushed, response, tolerance)?),
             _ => None,
         };
-        let is_direct = ksp.is_direct()?;
+        let is_direct = is_direct(&ksp)?;
         Ok(Self { ksp, answer, compliance, of_impactor, pads, is_direct })
     }
 

@@ -100,7 +100,7 @@ fn correct(
     to: &mut Moment,
 ) -> Result<()> {
     let (half, force, mass) = (half.read()?, force.read()?, lumped.mass.read()?);
-    let damping = lumped.damping.as_ref().map(Vector::read).transpose()?;
+    let damping = lumped.damping.as_ref().map(|damping| damping.read()).transpose()?;
     let (mut v, mut a) = (to.state.v.write()?, to.state.a.write()?);
     for i in 0..half.len() {
         let damping = damping.as_ref().map_or(0.0, |damping| damping[i]);

@@ -9,17 +9,15 @@
 //! zero of the slope converges from anywhere, across the kinks of contact and pads.
 
 use mpi::traits::{Communicator, Root};
-use petsc_wrap::{Comm, Gather, Insert, Int, Matrix, Snes, Vector};
+use petsc_wrap::{Comm, Gather, Insert, Int, Matrix, MatrixView, Outcome, Vector, VectorView};
 
 use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::scheme::Affine;
+use crate::solve::Newton;
 
 use super::implicit::{Problem, Solved};
 use super::search::step_length;
-
-/// What closures return to SNES.
-type Outcome = std::result::Result<(), Box<dyn std::error::Error>>;
 
 /// A bound for what cannot converge. Contact takes three to six; a pad takes more the more of its points change sides in
 /// a step, some hundred when it is as stiff as the body and the step is large.
@@ -28,7 +26,7 @@ const MAX_ITERATIONS: usize = 1000;
 /// The Newton solver of a run: its matrix pattern and symbolic factorisation serve all steps.
 pub struct Full {
     comm: Comm,
-    snes: Snes,
+    newton: Newton,
     /// Ŝ, with held unknowns taken out.
     constant: Matrix,
     /// â as a vector, and as its entries, all of them on every rank; those of this rank's rows lie in the range.
@@ -68,7 +66,7 @@ impl Full {
         let mut jacobian = constant.duplicate()?;
         jacobian.declare_positive_definite()?;
         Ok(Self {
-            snes: Snes::new(comm, jacobian, tolerance, MAX_ITERATIONS)?,
+            newton: Newton::new(comm, jacobian, tolerance, MAX_ITERATIONS)?,
             comm: comm.clone(),
             constant,
             increment: direction.duplicate()?,
@@ -85,7 +83,7 @@ impl Full {
     /// Solves a step from a guess of E, which it replaces. Collective.
     pub(super) fn solve(&mut self, problem: Problem, increment: &mut Vector) -> petsc_wrap::Result<Solved> {
         let Problem { u, known, known_impactor, force, pads, guess, largest, .. } = problem;
-        self.snes.set_absolute_tolerance(self.tolerance.max(largest))?;
+        self.newton.set_absolute_tolerance(self.tolerance.max(largest))?;
         pack((known, known_impactor), &mut self.known)?;
         pack((&*increment, guess), &mut self.increment)?;
         let (direction, constant, known, entries) = (&self.direction, &self.constant, &self.known, &self.entries);
@@ -94,13 +92,13 @@ impl Full {
         let pads = std::cell::RefCell::new(pads);
         // Pads take the displacement at the stage, or, for a mean force, at the two ends of the step.
         let (from, scale) = if force.gradient { (Some(u), 1.0 / force.theta) } else { (None, 1.0) };
-        let displaced = |d: &Vector| -> petsc_wrap::Result<()> {
+        let displaced = |d: &VectorView| -> petsc_wrap::Result<()> {
             let mut displacement = displacement.borrow_mut();
             unpack(d, &mut displacement)?;
             displacement.scale(scale)?;
             displacement.axpy(1.0, u)
         };
-        let residual = |d: &Vector, r: &mut Vector| -> Outcome {
+        let residual = |d: &VectorView, r: &mut VectorView| -> Outcome<()> {
             constant.mult(d, r)?;
             r.axpy(-1.0, known)?;
             if let Some(pads) = pads.borrow_mut().as_deref_mut() {
@@ -110,7 +108,7 @@ impl Full {
             r.axpy(force.at(approach + direction.dot(d)?).0, direction)?;
             Ok(())
         };
-        let jacobian = |d: &Vector, j: &mut Matrix| -> Outcome {
+        let jacobian = |d: &VectorView, j: &mut MatrixView| -> Outcome<()> {
             let tangent = force.at(approach + direction.dot(d)?).1;
             let mut pads = pads.borrow_mut();
             if pads.is_none() && tangent == *current {
@@ -131,7 +129,7 @@ impl Full {
             Ok(())
         };
         let iterations = self
-            .snes
+            .newton
             .solve(&mut self.increment, residual, jacobian, |trial| Ok(step_length(|length| trial.slope(length))?))?;
         unpack(&self.increment, increment)?;
         let force = force.at(approach + self.direction.dot(&self.increment)?).0;
@@ -147,7 +145,7 @@ impl Full {
                 failure.reason,
                 failure.iterations,
                 failure.norm,
-                self.snes.absolute_tolerance().unwrap_or_default()
+                self.newton.absolute_tolerance().unwrap_or_default()
             )),
             other => Error::from(other),
         }
@@ -165,7 +163,7 @@ fn constant(comm: &Comm, body: &Body, stage: Affine, mass: f64, coupled: &[Int])
     let mut columns = Vec::new();
     for row in rows.clone() {
         columns.clear();
-        columns.extend_from_slice(operator.row(row)?.columns());
+        columns.extend_from_slice(&operator.row(row)?.columns);
         if coupled.binary_search(&row).is_ok() {
             columns.extend_from_slice(coupled);
             columns.push(last);
@@ -189,7 +187,7 @@ fn constant(comm: &Comm, body: &Body, stage: Affine, mass: f64, coupled: &[Int])
             matrix.set_values(&[row], &with_impactor, &zeros, Insert::Replace)?;
         }
         let entries = operator.row(row)?;
-        matrix.set_values(&[row], entries.columns(), entries.values(), Insert::Replace)?;
+        matrix.set_values(&[row], &entries.columns, &entries.values, Insert::Replace)?;
     }
     if is_last {
         matrix.set_values(&[last], &with_impactor, &zeros, Insert::Replace)?;
@@ -214,7 +212,7 @@ fn pack((body, impactor): (&Vector, f64), out: &mut Vector) -> petsc_wrap::Resul
 }
 
 /// The body's values of a vector with the impactor's row.
-fn unpack(from: &Vector, body: &mut Vector) -> petsc_wrap::Result<()> {
+fn unpack(from: &VectorView, body: &mut Vector) -> petsc_wrap::Result<()> {
     let from = from.read()?;
     let mut body = body.write()?;
     let n = body.len();

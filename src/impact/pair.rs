@@ -77,6 +77,7 @@ impl Pair {
 fn mean_displacement(body: &Body) -> Result<Vector> {
     let mut mean = body.load.duplicate()?;
     body.apply_mass(&body.translation, &mut mean)?;
-    mean.scale(1.0 / mean.dot(&body.translation)?)?;
+    let moved = mean.dot(&body.translation)?;
+    mean.scale(1.0 / moved)?;
     Ok(mean)
 }

@@ -15,13 +15,14 @@ pub use theory::{Built, Operators, admits, build, name};
 pub use cells::{Fitted, fit};
 use cells::{refine, unrefined};
 
-use petsc_wrap::{Comm, Method, Vector};
+use petsc_wrap::{Comm, Vector};
 
 use crate::body::gauge::Gauge;
 use crate::body::{Body, ModalBody};
 use crate::contact::Patch;
 use crate::error::Result;
 use crate::scene::{self, Reduction, Scene};
+use crate::solve::Method;
 
 /// A scene's body, ready for impacts.
 pub struct Model {

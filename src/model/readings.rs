@@ -43,7 +43,7 @@ impl Gauges {
             None => None,
             Some(vectors) => {
                 let mut gather = Gather::new(like, &all)?;
-                let mut fetched = |vector| Ok::<_, crate::Error>(gather.fetch(vector)?.to_vec());
+                let mut fetched = |vector: &Vector| Ok::<_, crate::Error>(gather.fetch(vector)?.to_vec());
                 Some(vectors.iter().map(&mut fetched).collect::<Result<Vec<Vec<f64>>>>()?)
             }
         };

@@ -34,12 +34,12 @@ fn refusal(dir: &Path, arch: &str) -> String {
 fn builds_that_cannot_work_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let complex = said(folder.path(), (3, 18), "#define PETSC_USE_COMPLEX 1\n#define PETSC_USE_REAL_DOUBLE 1\n");
-    assert!(complex.starts_with("this PETSc is built with complex scalars; ricochet needs one with real scalars: "));
+    assert!(complex.starts_with("this PETSc is built with complex scalars; one with real scalars is needed: "));
     assert!(complex.contains("PETSC_DIR and PETSC_ARCH") && complex.lines().count() == 1, "{complex}");
     let single = said(folder.path(), (3, 26), "#define PETSC_USE_REAL_SINGLE 1\n");
-    assert_eq!(single, "this PETSc is not built in double precision; ricochet needs --with-precision=double");
+    assert_eq!(single, "this PETSc is not built in double precision; --with-precision=double is needed");
     let old = said(folder.path(), (3, 17), "#define PETSC_USE_REAL_DOUBLE 1\n");
-    assert_eq!(old, "this is PETSc 3.17; ricochet needs 3.18 or newer");
+    assert_eq!(old, "this is PETSc 3.17; 3.18 or newer is needed");
     let without_library = said(folder.path(), (3, 18), "#define PETSC_USE_REAL_DOUBLE 1\n");
     assert!(without_library.ends_with("/libpetsc.so: PETSc must be built with shared libraries"), "{without_library}");
 }

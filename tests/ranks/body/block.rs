@@ -7,13 +7,14 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use nalgebra_sparse::CsrMatrix;
-use petsc_wrap::{Ksp, Session, Vector};
+use petsc_wrap::{Session, Vector};
 use ricochet::body::block::{Block, Settings, admits};
 use ricochet::body::{Body, Krylov, ModalBody, System};
 use ricochet::contact::hertz;
 use ricochet::impact::{ModalImpact, Trace};
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
+use ricochet::solve::linear::{Method, solver};
 
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![
@@ -62,7 +63,10 @@ fn solve(body: &Body, rate: f64, load: &Vector) -> Vector {
     body.combination(rate, rate * rate).unwrap().mult(&body.clamps.displacement, &mut right).unwrap();
     right.aypx(-1.0, load).unwrap();
     body.clamps.zero(&mut right).unwrap();
-    Ksp::new(body.comm(), "", &body.operator(rate, rate * rate).unwrap()).unwrap().solve(&right, &mut u).unwrap();
+    solver(body.comm(), "", &body.operator(rate, rate * rate).unwrap(), Method::Cholesky)
+        .unwrap()
+        .solve(&right, &mut u)
+        .unwrap();
     u.axpy(1.0, &body.clamps.displacement).unwrap();
     u
 }

@@ -5,12 +5,13 @@ use mpi_test::{Test, tests};
 
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
-use petsc_wrap::{Comm, Gather, Int, Ksp, Session, Vector, mpi};
+use petsc_wrap::{Comm, Gather, Int, Session, Vector, mpi};
 use ricochet::body::{Body, Clamps, assemble, into_vector};
 use ricochet::element::{Element, Quadrature, Shape, Table};
 use ricochet::form::{Material, SolidForms, SurfaceForms};
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
+use ricochet::solve::linear::{Method, solver};
 
 pub const RANKS: &[usize] = &[1, 2, 3];
 pub const TESTS: &[Test<Session>] = tests![held_boundary, mixed_boundary];
@@ -164,7 +165,7 @@ fn solve(comm: &Comm, geometry: &str, order: usize, boundary: &str) -> f64 {
     stiffness.zero_rows_columns(&clamps.rows, young).unwrap();
     stiffness.declare_positive_definite().unwrap();
     let mut u = load.duplicate().unwrap();
-    Ksp::new(comm, "", &stiffness).unwrap().solve(&load, &mut u).unwrap();
+    solver(comm, "", &stiffness, Method::Cholesky).unwrap().solve(&load, &mut u).unwrap();
     u.axpy(1.0, &clamps.displacement).unwrap();
     error(&mesh, &u)
 }

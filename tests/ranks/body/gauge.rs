@@ -6,7 +6,7 @@ use mpi_test::{Test, tests};
 use std::f64::consts::PI;
 
 use crate::field::interpolate;
-use petsc_wrap::{Comm, Gather, Int, Ksp, Session, Vector};
+use petsc_wrap::{Comm, Gather, Int, Session, Vector};
 use ricochet::body::block::{self, Block};
 use ricochet::body::gauge::{Canvas, Form, Forms, Frame, Gauge};
 use ricochet::body::plate::{self, Plate, Theory};
@@ -16,6 +16,7 @@ use ricochet::form::Material;
 use ricochet::form::stress::{place, principal};
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
+use ricochet::solve::linear::{Method, solver};
 
 pub const RANKS: &[usize] = &[1, 2, 3];
 pub const TESTS: &[Test<Session>] = tests![
@@ -169,7 +170,10 @@ fn at_rest(body: &Body) -> Vector {
     let (mut right, mut u) = (body.load.duplicate().unwrap(), body.load.duplicate().unwrap());
     right.copy_from(&body.load).unwrap();
     body.clamps.zero(&mut right).unwrap();
-    Ksp::new(body.comm(), "", &body.operator(0.0, 0.0).unwrap()).unwrap().solve(&right, &mut u).unwrap();
+    solver(body.comm(), "", &body.operator(0.0, 0.0).unwrap(), Method::Cholesky)
+        .unwrap()
+        .solve(&right, &mut u)
+        .unwrap();
     u
 }
 

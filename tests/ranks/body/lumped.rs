@@ -3,9 +3,10 @@
 use crate::parts::{DENSITY, FREE, HELD, KINDS, Kind, MASS, ON_PAD, POISSON, Parts, SIDEWAYS, SIZE, YOUNG};
 use crate::parts::{largest, parts, peak_contact};
 use mpi_test::{Test, tests};
-use petsc_wrap::{Ksp, Session, Vector};
+use petsc_wrap::{Session, Vector};
 use ricochet::body::{LinearContact, Lumped};
 use ricochet::scheme::{CentralDifference, critical_frequency};
+use ricochet::solve::linear::{Method, solver};
 
 pub const RANKS: &[usize] = &[1, 2, 3];
 pub const TESTS: &[Test<Session>] = tests![lumped_sums, lowest_frequency_converges];
@@ -195,7 +196,7 @@ fn lowest_frequency(Parts { body, lumped, .. }: &Parts) -> f64 {
     let mut stiffness = body.combination(0.0, 0.0).unwrap();
     stiffness.zero_rows_columns(&body.clamps.rows, 1.0).unwrap();
     stiffness.declare_positive_definite().unwrap();
-    let mut solver = Ksp::new(body.comm(), "", &stiffness).unwrap();
+    let mut solver = solver(body.comm(), "", &stiffness, Method::Cholesky).unwrap();
     let mut x = body.clamps.free.duplicate().unwrap();
     x.copy_from(&body.clamps.free).unwrap();
     let mut momentum = x.duplicate().unwrap();

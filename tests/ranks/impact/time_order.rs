@@ -25,7 +25,7 @@ fn dense(matrix: &Matrix) -> DMatrix<f64> {
     let mut dense = DMatrix::zeros(matrix.size().0, matrix.size().1);
     for row in matrix.row_range() {
         let entries = matrix.row(row).unwrap();
-        for (column, value) in entries.columns().iter().zip(entries.values()) {
+        for (column, value) in entries.columns.iter().zip(&entries.values) {
             dense[(row as usize, *column as usize)] = *value;
         }
     }

@@ -1,10 +1,11 @@
 //! Graded boxes, and quarters that stand for the whole: measures, and answers to forces.
 
 use mpi_test::{Test, tests};
-use petsc_wrap::{Comm, Insert, Int, Ksp, Matrix, Session, Vector};
+use petsc_wrap::{Comm, Insert, Int, Matrix, Session, Vector};
 use ricochet::body::Body;
 use ricochet::mesh::Mesh;
 use ricochet::scene::{Geometry, Scene, Support, SupportKind, Symmetry};
+use ricochet::solve::linear::{Method, solver};
 
 pub const RANKS: &[usize] = &[1, 2, 3];
 pub const TESTS: &[Test<Session>] =
@@ -204,7 +205,7 @@ fn answer(comm: &Comm, case: &Case, symmetry: &str) -> Answer {
     let whole = matrix.duplicate().unwrap();
     matrix.zero_rows_columns(&body.clamps.rows, 1.0).unwrap();
     matrix.declare_positive_definite().unwrap();
-    let mut ksp = Ksp::new(comm, "", &matrix).unwrap();
+    let mut ksp = solver(comm, "", &matrix, Method::Cholesky).unwrap();
     let mut u = force.duplicate().unwrap();
     ksp.solve(&force, &mut u).unwrap();
     u.axpy(1.0, held).unwrap();

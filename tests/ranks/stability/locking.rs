@@ -3,11 +3,12 @@
 use crate::bricks;
 use mpi_test::{Test, tests};
 
-use petsc_wrap::{Comm, Ksp, Session};
+use petsc_wrap::{Comm, Session};
 use ricochet::body::Body;
 use ricochet::element::Shape;
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
+use ricochet::solve::linear::{Method, solver};
 
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![thin_clamped_plate];
@@ -36,7 +37,7 @@ fn deflection(comm: &Comm, shape: Shape, order: usize, cells: usize, thickness: 
     let mesh = Mesh::new(comm, &scene.body).unwrap();
     let body = Body::solid(&scene, &mesh).unwrap();
     let operator = body.operator(0.0, 0.0).unwrap();
-    let mut solver = Ksp::new(comm, "", &operator).unwrap();
+    let mut solver = solver(comm, "", &operator, Method::Cholesky).unwrap();
     let mut load = body.load.duplicate().unwrap();
     load.copy_from(&body.load).unwrap();
     body.clamps.zero(&mut load).unwrap();

@@ -1,0 +1,77 @@
+//! Preconditioners.
+
+use std::marker::PhantomData;
+
+use petsc_sys as sys;
+
+use crate::error::{Result, check, require};
+use crate::text::{from_c, to_c};
+
+/// The preconditioner of a linear solver, to be set up.
+pub struct Pc<'a> {
+    raw: sys::PC,
+    owner: PhantomData<&'a mut ()>,
+}
+
+impl Pc<'_> {
+    /// # Safety
+    /// `ksp` is a valid solver, borrowed for as long as this lives.
+    pub(crate) unsafe fn of(ksp: sys::KSP) -> Result<Self> {
+        let mut raw = std::ptr::null_mut();
+        // SAFETY: the solver is valid, and the preconditioner belongs to it.
+        check(unsafe { sys::KSPGetPC(ksp, &raw mut raw) })?;
+        Ok(Self { raw, owner: PhantomData })
+    }
+
+    /// The raw handle. It is valid while `self` lives.
+    pub fn as_raw(&self) -> sys::PC {
+        self.raw
+    }
+
+    /// Chooses the method (`jacobi`, `gamg`, `cholesky`, `redundant`, …).
+    ///
+    /// # Errors
+    /// PETSc's, e.g. for an unknown name.
+    pub fn set_type(&mut self, name: &str) -> Result<()> {
+        // SAFETY: the preconditioner is valid; PETSc copies the string.
+        check(unsafe { sys::PCSetType(self.raw, to_c(name).as_ptr()) })
+    }
+
+    /// Name of the method; empty where none is chosen.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn type_name(&self) -> Result<String> {
+        let mut name = std::ptr::null();
+        // SAFETY: the preconditioner is valid.
+        check(unsafe { sys::PCGetType(self.raw, &raw mut name) })?;
+        // SAFETY: the name is valid while the preconditioner is, or null.
+        Ok(unsafe { from_c(name) })
+    }
+
+    /// Chooses the package that factorises (`mumps`, `cholmod`, …); of no effect where the method does not factorise.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn set_factor_package(&mut self, name: &str) -> Result<()> {
+        // SAFETY: the preconditioner is valid; PETSc copies the string.
+        check(unsafe { sys::PCFactorSetMatSolverType(self.raw, to_c(name).as_ptr()) })
+    }
+
+    /// For the method `redundant`: the preconditioner with which each rank, or group of ranks, solves the whole system for itself. Collective.
+    ///
+    /// # Errors
+    /// Another method; a solver without its operators; PETSc's.
+    pub fn of_each(&mut self) -> Result<Pc<'_>> {
+        let (mut operator, mut matrix) = (sys::FALSE, sys::FALSE);
+        // SAFETY: the preconditioner is valid here and below.
+        check(unsafe { sys::PCGetOperatorsSet(self.raw, &raw mut operator, &raw mut matrix) })?;
+        // PETSc looks at the matrix without asking whether there is one.
+        require(matrix == sys::TRUE, "the solver has no operator yet")?;
+        let mut each = std::ptr::null_mut();
+        // SAFETY: as above; the inner solver belongs to the preconditioner.
+        check(unsafe { sys::PCRedundantGetKSP(self.raw, &raw mut each) })?;
+        // SAFETY: the inner solver stays while the method does, which only a call on `self` changes.
+        unsafe { Pc::of(each) }
+    }
+}

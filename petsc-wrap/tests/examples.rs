@@ -1,0 +1,46 @@
+//! Every example, on one and two ranks: each checks its own answer.
+
+use std::process::ExitCode;
+
+/// Names an example to the processes under mpirun.
+const EXAMPLE: &str = "PETSC_WRAP_EXAMPLE";
+
+#[path = "../examples/bratu.rs"]
+mod bratu;
+#[path = "../examples/mesh.rs"]
+mod mesh;
+#[path = "../examples/options.rs"]
+mod options;
+#[path = "../examples/poisson.rs"]
+mod poisson;
+#[path = "../examples/ranks.rs"]
+mod ranks;
+
+type Example = fn() -> Result<(), Box<dyn std::error::Error>>;
+
+const EXAMPLES: [(&str, Example); 5] = [
+    ("bratu", bratu::main),
+    ("mesh", mesh::main),
+    ("options", options::main),
+    ("poisson", poisson::main),
+    ("ranks", ranks::main),
+];
+
+fn main() -> ExitCode {
+    if let Ok(chosen) = std::env::var(EXAMPLE) {
+        let (_, run) = EXAMPLES.iter().find(|(name, _)| *name == chosen).expect("an example");
+        run().expect("the example runs");
+        return ExitCode::SUCCESS;
+    }
+    let program = std::env::current_exe().expect("the path of the test program");
+    let mut failed = 0;
+    for (name, _) in EXAMPLES {
+        for ranks in [1, 2] {
+            let status = mpi_test::mpirun(ranks).arg(&program).env(EXAMPLE, name).status();
+            let is_ok = status.is_ok_and(|status| status.success());
+            println!("test {name} on {ranks} rank(s) ... {}", if is_ok { "ok" } else { "FAILED" });
+            failed += u8::from(!is_ok);
+        }
+    }
+    ExitCode::from(failed)
+}

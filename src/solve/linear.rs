@@ -1,0 +1,135 @@
+//! Linear systems of symmetric positive definite matrices.
+
+use petsc_wrap::{Comm, Factor, Ksp, KspView, MatrixView, ResidualNorm, Result, Session, Tolerances};
+
+/// Relative residual at which iterative methods stop: PETSc's 1e-5 would be an error of that size in every step.
+const ITERATIVE: f64 = 1e-12;
+
+/// How a system is solved, where PETSc's options say nothing else.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Method {
+    /// One factorisation, by CHOLMOD on one rank, where its solves are the fastest, else by MUMPS. Without MUMPS each of several ranks has
+    /// a factor of all by CHOLMOD, and without both by PETSc itself.
+    Cholesky,
+    /// Conjugate gradients from the given guess on, preconditioned with multigrid of smoothed aggregates (GAMG), which knows the matrix's
+    /// near null space, down to a part of the right-hand side in the norm of the preconditioner, which is nearly that of the energy.
+    Multigrid {
+        /// That part.
+        tolerance: f64,
+    },
+    /// Conjugate gradients, preconditioned with the diagonal: for matrices like that of the mass.
+    Diagonal {
+        /// Relative residual.
+        tolerance: f64,
+    },
+}
+
+/// A solver whose options begin with `prefix` (empty, or ending in an underscore), by a method, or by whatever PETSc's options say. An
+/// iterative method of theirs in the place of a factor stops at a relative residual of 1e-12, and one in the place of conjugate gradients at
+/// theirs, in its own norm and from zero. Collective.
+///
+/// # Errors
+/// PETSc's, e.g. for unknown types among the options.
+pub fn solver(comm: &Comm, prefix: &str, matrix: &MatrixView, method: Method) -> Result<Ksp> {
+    let mut ksp = Ksp::new(comm)?;
+    ksp.set_options_prefix(prefix)?;
+    ksp.set_operators(matrix, matrix)?;
+    let tolerance = match method {
+        Method::Cholesky => {
+            ksp.set_type("preonly")?;
+            precondition_by_cholesky(&mut ksp, matrix, [CHOLMOD, MUMPS])?;
+            ITERATIVE
+        }
+        Method::Multigrid { tolerance } => {
+            set_gradients(&mut ksp, "gamg")?;
+            ksp.set_residual_norm(ResidualNorm::Natural)?;
+            ksp.set_initial_guess_nonzero(true)?;
+            tolerance
+        }
+        Method::Diagonal { tolerance } => {
+            set_gradients(&mut ksp, "jacobi")?;
+            tolerance
+        }
+    };
+    ksp.set_tolerances(Tolerances { relative: Some(tolerance), ..Default::default() })?;
+    ksp.set_from_options()?;
+    if matches!(method, Method::Multigrid { .. }) && ksp.type_name()? != "cg" {
+        // Not every method has that norm, nor starts from a guess.
+        ksp.set_residual_norm(ResidualNorm::Default)?;
+        ksp.set_initial_guess_nonzero(false)?;
+    }
+    Ok(ksp)
+}
+
+/// Whether the preconditioner alone solves, as a factor does.
+///
+/// # Errors
+/// PETSc's.
+pub fn is_direct(ksp: &KspView) -> Result<bool> {
+    Ok(ksp.type_name()? == "preonly")
+}
+
+/// Conjugate gradients with a preconditioner.
+fn set_gradients(ksp: &mut KspView, preconditioner: &str) -> Result<()> {
+    ksp.set_type("cg")?;
+    ksp.pc()?.set_type(preconditioner)
+}
+
+/// Packages that factorise; MUMPS is parallel.
+const CHOLMOD: &str = "cholmod";
+const MUMPS: &str = "mumps";
+
+/// Relative residual at which an iteration counts as a direct solve: rounding in a backward-stable one leaves about as much.
+const DIRECT: f64 = 1e-13;
+
+/// Conjugate gradients, preconditioned with Cholesky's method by MUMPS: with the matrix's own factor one iteration solves, with that of a
+/// matrix nearby a few.
+pub(super) fn set_refined_cholesky(ksp: &mut KspView, matrix: &MatrixView) -> Result<()> {
+    ksp.set_type("cg")?;
+    ksp.set_tolerances(Tolerances {
+        relative: Some(DIRECT),
+        absolute: None,
+        // Residuals of conjugate gradients rise before they fall, by the root of the condition number: no sign of divergence.
+        divergence: Some(f64::MAX),
+        iterations: Some(100),
+    })?;
+    ksp.set_operators(matrix, matrix)?;
+    precondition_by_cholesky(ksp, matrix, [MUMPS, CHOLMOD])
+}
+
+/// Whether the options have left [`set_refined_cholesky`] as it is.
+pub(super) fn is_refined_cholesky(ksp: &mut KspView) -> Result<bool> {
+    let is_gradients = ksp.type_name()? == "cg";
+    Ok(is_gradients && ["cholesky", "redundant"].contains(&ksp.pc()?.type_name()?.as_str()))
+}
+
+/// Cholesky's method by the first of the packages that takes the matrix. Without any that takes one of several ranks each solves for all of
+/// it, by CHOLMOD, or else by PETSc itself. The matrix is the solver's.
+fn precondition_by_cholesky(ksp: &mut KspView, matrix: &MatrixView, packages: [&str; 2]) -> Result<()> {
+    let mut pc = ksp.pc()?;
+    let mut package = None;
+    for name in packages {
+        if package.is_none() && Factor::Cholesky.is_available(name, matrix)? {
+            package = Some(name);
+        }
+    }
+    let mut each;
+    let pc = if package.is_none() && matrix.comm().size() > 1 {
+        pc.set_type("redundant")?;
+        each = pc.of_each()?;
+        package = Factor::Cholesky.is_known(matrix.comm().session(), CHOLMOD, "seqaij")?.then_some(CHOLMOD);
+        &mut each
+    } else {
+        &mut pc
+    };
+    pc.set_type("cholesky")?;
+    package.map_or(Ok(()), |name| pc.set_factor_package(name))
+}
+
+/// Whether PETSc was built with MUMPS: without it, each of several ranks factorises all of a matrix for itself.
+///
+/// # Errors
+/// PETSc's.
+pub fn has_mumps(session: &Session) -> Result<bool> {
+    Factor::Cholesky.is_known(session, MUMPS, "mpiaij")
+}

@@ -1,0 +1,199 @@
+//! The program's solvers: methods, options in their place, and a factor that is kept, on one and two ranks.
+
+use std::process::ExitCode;
+
+use petsc_wrap::{Error, Insert, Int, Ksp, Matrix, MatrixView, Session, Vector, VectorView};
+use ricochet::solve::Newton;
+use ricochet::solve::linear::{Method, is_direct, solver};
+
+fn start() -> Session {
+    let limited = "-cg_ksp_type cg -cg_pc_type jacobi -cg_ksp_rtol 1e-12 -cg_ksp_max_it 3";
+    let others = "-factor_ksp_type preonly -factor_pc_type redundant -gmres_ksp_type gmres -gmres_ksp_rtol 1e-11 -gmres_pc_type jacobi";
+    let words: Vec<String> = [limited, others].iter().flat_map(|line| line.split(' ')).map(String::from).collect();
+    Session::start(&words).expect("the first session").expect("PETSc starts")
+}
+
+fn main() -> ExitCode {
+    mpi_test::run(
+        &[1, 2],
+        start,
+        &[
+            ("the_default_is_direct", the_default_is_direct),
+            ("a_changed_matrix_is_factorised_again", a_changed_matrix_is_factorised_again),
+            ("a_singular_matrix_is_told", a_singular_matrix_is_told),
+            ("methods_and_options_in_their_place", methods_and_options_in_their_place),
+            ("an_untouched_jacobian_is_not_factorised_again", an_untouched_jacobian_is_not_factorised_again),
+            ("a_factor_that_is_no_help_is_replaced", a_factor_that_is_no_help_is_replaced),
+        ],
+    )
+}
+
+const LOCAL: usize = 40;
+
+/// tridiag(−1, 2, −1) with `ends` in the first and last place of the diagonal.
+fn laplacian(session: &Session, ends: f64) -> Matrix {
+    let counts = (vec![3; LOCAL], vec![1; LOCAL]);
+    let mut matrix = Matrix::aij(&session.world(), (LOCAL, LOCAL), &counts.0, &counts.1).unwrap();
+    let n = (LOCAL * session.world().size()) as Int;
+    for i in matrix.row_range() {
+        let columns: Vec<Int> = (i - 1..=i + 1).filter(|j| (0..n).contains(j)).collect();
+        let diagonal = if i == 0 || i == n - 1 { ends } else { 2.0 };
+        let values: Vec<f64> = columns.iter().map(|&j| if j == i { diagonal } else { -1.0 }).collect();
+        matrix.set_values(&[i], &columns, &values, Insert::Replace).unwrap();
+    }
+    matrix.assemble().unwrap();
+    matrix.declare_positive_definite().unwrap();
+    matrix
+}
+
+fn error_of_solve(session: &Session, ksp: &mut Ksp, matrix: &Matrix) -> f64 {
+    let mut exact = Vector::new(&session.world(), LOCAL).unwrap();
+    let begin = exact.range().start as usize;
+    for (i, value) in exact.write().unwrap().iter_mut().enumerate() {
+        *value = ((begin + i) as f64).sin();
+    }
+    let mut b = exact.duplicate().unwrap();
+    let mut x = exact.duplicate().unwrap();
+    matrix.mult(&exact, &mut b).unwrap();
+    ksp.solve(&b, &mut x).unwrap();
+    x.axpy(-1.0, &exact).unwrap();
+    x.norm_max().unwrap()
+}
+
+fn the_default_is_direct(session: &Session) {
+    let matrix = laplacian(session, 2.0);
+    let mut ksp = solver(&session.world(), "", &matrix, Method::Cholesky).unwrap();
+    // Condition number about n² = 6400: 1e-12 leaves room for rounding, none for an iterative tolerance.
+    assert!(error_of_solve(session, &mut ksp, &matrix) < 1e-12);
+}
+
+fn a_changed_matrix_is_factorised_again(session: &Session) {
+    let mut matrix = laplacian(session, 2.0);
+    let mut ksp = solver(&session.world(), "", &matrix, Method::Cholesky).unwrap();
+    assert!(error_of_solve(session, &mut ksp, &matrix) < 1e-12);
+    let other = matrix.duplicate().unwrap();
+    matrix.axpy(1.0, &other).unwrap();
+    assert!(error_of_solve(session, &mut ksp, &matrix) < 1e-12);
+}
+
+fn a_singular_matrix_is_told(session: &Session) {
+    // ends = 1: constant vectors are the null space; scaled so that the last pivot is exactly zero.
+    let matrix = laplacian(session, 1.0);
+    let mut ksp = solver(&session.world(), "", &matrix, Method::Cholesky).unwrap();
+    let mut b = Vector::new(&session.world(), LOCAL).unwrap();
+    b.fill(1.0).unwrap();
+    let mut x = b.duplicate().unwrap();
+    match ksp.solve(&b, &mut x) {
+        Err(Error::Diverged(failure)) => assert!(failure.reason.contains("PC_FAILED"), "{failure}"),
+        // On one rank CHOLMOD tells it.
+        Err(Error::Petsc { message, .. }) => assert!(message.contains("not positive definite"), "{message}"),
+        // Rounding may leave a tiny pivot: then the answer is huge, not silently plausible.
+        Ok(()) => assert!(x.norm().unwrap() > 1e6),
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// Each method solves to its tolerance, from a bad guess too, and whatever options put in the place of conjugate gradients.
+fn methods_and_options_in_their_place(session: &Session) {
+    let matrix = laplacian(session, 2.0);
+    let multigrid = Method::Multigrid { tolerance: 1e-11 };
+    // (The condition, some thousand at most, times the residual.)
+    for (prefix, method, direct) in [
+        ("", multigrid, false),
+        ("", Method::Diagonal { tolerance: 1e-11 }, false),
+        ("factor_", multigrid, true),
+        ("gmres_", multigrid, false),
+    ] {
+        let mut ksp = solver(&session.world(), prefix, &matrix, method).unwrap();
+        assert_eq!(is_direct(&ksp).unwrap(), direct, "{prefix} {method:?}");
+        let error = error_of_solve(session, &mut ksp, &matrix);
+        assert!(error < 1e-7, "{prefix} {method:?}: {error:e}");
+    }
+}
+
+/// Separable equations, three on each rank.
+const EQUATIONS: usize = 3;
+const TOLERANCE: f64 = 1e-12;
+
+fn residual(x: &VectorView, f: &mut VectorView, g: fn(f64) -> f64) -> petsc_wrap::Result<()> {
+    let x = x.read()?;
+    for (f, x) in f.write()?.iter_mut().zip(x.iter()) {
+        *f = g(*x);
+    }
+    Ok(())
+}
+
+fn jacobian(x: &VectorView, matrix: &mut MatrixView, slope: fn(f64) -> f64) -> petsc_wrap::Result<()> {
+    for (i, x) in x.range().zip(x.read()?.iter()) {
+        matrix.set_values(&[i], &[i], &[slope(*x)], Insert::Replace)?;
+    }
+    matrix.assemble()?;
+    matrix.declare_positive_definite()
+}
+
+/// A solver, and its start at x = 2, for separable equations g(x_i) = 0.
+fn newton(session: &Session, iterations: usize) -> (Newton, Vector) {
+    let world = session.world();
+    let jacobian = Matrix::aij(&world, (EQUATIONS, EQUATIONS), &[1; EQUATIONS], &[0; EQUATIONS]).unwrap();
+    let mut x = Vector::new(&world, EQUATIONS).unwrap();
+    x.fill(2.0).unwrap();
+    (Newton::new(&world, jacobian, TOLERANCE, iterations).unwrap(), x)
+}
+
+fn an_untouched_jacobian_is_not_factorised_again(session: &Session) {
+    let (mut solver, mut x) = newton(session, 100);
+    let mut calls = 0;
+    // The chord method: the slope at the start serves throughout, so convergence is linear, with factor 1 − g′/12.
+    solver
+        .solve(
+            &mut x,
+            |x, f| Ok(residual(x, f, |x| x * x * x - 2.0)?),
+            |x, j| {
+                calls += 1;
+                if calls == 1 {
+                    jacobian(x, j, |x| 3.0 * x * x)?;
+                }
+                Ok(())
+            },
+            |_| Ok(1.0),
+        )
+        .unwrap();
+    assert!(calls > 20, "{calls} iterations: quadratic convergence would need 6");
+    assert!((x.norm_max().unwrap() - 2f64.cbrt()).abs() < 1e-11);
+}
+
+/// The factor of the unit matrix, kept for one whose three hundred eigenvalues lie between 1 and 1e12: conjugate gradients
+/// cannot do it in their hundred iterations.
+fn a_factor_that_is_no_help_is_replaced(session: &Session) {
+    const MANY: usize = 300;
+    let world = session.world();
+    let jacobian = Matrix::aij(&world, (MANY, MANY), &[1; MANY], &[0; MANY]).unwrap();
+    let mut x = Vector::new(&world, MANY).unwrap();
+    let first = x.range().start;
+    let mut newton = Newton::new(&world, jacobian, TOLERANCE, 20).unwrap();
+    for exponent in [0.0, 12.0] {
+        let slope = |i: Int| 10_f64.powf(exponent * (i - first) as f64 / MANY as f64);
+        x.fill(1.0).unwrap();
+        newton
+            .solve(
+                &mut x,
+                |x, f| {
+                    let x = x.read()?;
+                    for ((i, f), x) in (first..).zip(f.write()?.iter_mut()).zip(x.iter()) {
+                        *f = slope(i) * x;
+                    }
+                    Ok(())
+                },
+                |x, matrix| {
+                    for i in x.range() {
+                        matrix.set_values(&[i], &[i], &[slope(i)], Insert::Replace)?;
+                    }
+                    matrix.assemble()?;
+                    Ok(matrix.declare_positive_definite()?)
+                },
+                |_| Ok(1.0),
+            )
+            .unwrap();
+        assert!(x.norm_max().unwrap() <= TOLERANCE);
+    }
+}
