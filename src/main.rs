@@ -45,6 +45,7 @@ fn under_petsc(options: &[String], work: impl FnOnce(&Session) -> Result<i32, Er
     cli::alone::start_quickly();
     match Session::start(options) {
         Some(Ok(session)) => {
+            cli::threads::limit(&session);
             let result = work(&session);
             conclude(Some(session), result);
         }

@@ -19,6 +19,7 @@ pub mod run;
 pub mod stability;
 pub mod summary;
 pub mod sweep;
+pub mod threads;
 
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
