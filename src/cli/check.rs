@@ -13,7 +13,7 @@ use crate::solve::Method as Solution;
 
 use super::Check;
 use super::load::{Loaded, load};
-use super::notes::{describe_model, note_of_probes, notes};
+use super::notes::{Verdict, describe_model, note_of_probes, notes, verdict};
 use super::say;
 
 /// How the systems of a step are solved, and what that takes.
@@ -43,6 +43,9 @@ fn describe(comm: &Comm, scene: &Scene) -> Result<()> {
     let patch = model.dynamics.patch();
     let head = |model: &Model, mass: Option<f64>, plan: Option<&Plan>| {
         if comm.is_root() {
+            if let Some(Verdict { message, .. }) = verdict(model, scene.tolerance) {
+                say(format_args!("warning    {message}"));
+            }
             print_scene(scene, model, mass);
             print_contact(scene, patch.as_ref());
             print_time(scene, plan);

@@ -76,7 +76,7 @@ pub struct Run {
     /// Continue the run whose result this is, from the checkpoint beside it
     #[arg(long, value_name = "OUT.h5")]
     pub restart: Option<PathBuf>,
-    /// Replace an interrupted run that could be continued
+    /// Replace an interrupted run that could be continued; compute a scene whose estimated error is above half of the peak
     #[arg(long)]
     pub force: bool,
     /// Override a key of the scene by its dotted path, e.g. time.step=1e-6 or support.0.stiffness=1e9

@@ -22,6 +22,28 @@ pub fn describe_model(model: &Model) -> String {
     words
 }
 
+/// Error in the first contact, over the peak, from which a history is of no use.
+const USELESS: f64 = 0.5;
+
+/// What the first contact's estimated error means for a run, where it is above the tolerance.
+pub fn verdict(model: &Model, tolerance: f64) -> Option<Verdict> {
+    let error = model.first_contact_error().filter(|error| *error > tolerance)?;
+    let of = model.judged.iter().copied().chain(model.dynamics.patch().map(|_| "patch"));
+    let of = listed(&of.collect::<Vec<_>>());
+    let message = format!(
+        "the estimated error in the first contact is {error:.1e} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of})"
+    );
+    Some(Verdict { message, is_useless: error > USELESS })
+}
+
+/// That a history is not as good as it was to be.
+pub struct Verdict {
+    /// By how much, in words.
+    pub message: String,
+    /// Whether nothing can be read from it.
+    pub is_useless: bool,
+}
+
 /// Words as a list.
 pub fn listed(words: &[&str]) -> String {
     match words.split_last() {

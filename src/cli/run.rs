@@ -27,7 +27,7 @@ use super::Run;
 use super::interrupt::{INTERRUPTED, Interrupt};
 use super::keeping::Keeping;
 use super::load::{Loaded, STANDARD_INPUT, load};
-use super::notes::{describe_model, note_of_probes, notes};
+use super::notes::{Verdict, describe_model, note_of_probes, notes, verdict};
 use super::progress::Progress;
 use super::provenance::provenance;
 use super::recording::Recording;
@@ -84,7 +84,7 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
     if matches!(past, Some(Past::Complete)) {
         return Ok(0);
     }
-    solve(comm, (&scene, &source), (past, from), &output).map_err(|error| error.in_scene(&source))
+    solve(comm, (&scene, &source), (past, from), &output, arguments.force).map_err(|error| error.in_scene(&source))
 }
 
 /// Refuses to replace a run that was interrupted and can be continued.
@@ -111,10 +111,21 @@ fn solve(
     (scene, source): (&Scene, &Source),
     (past, from): (Option<Past>, &Path),
     output: &Path,
+    force: bool,
 ) -> Result<i32> {
     let begin = Instant::now();
     let model = Model::new(comm, scene)?;
     let modelled = begin.elapsed().as_secs_f64();
+    if let Some(Verdict { message, is_useless }) = verdict(&model, scene.tolerance) {
+        if is_useless && !force {
+            return Err(Error::Solve(format!(
+                "{message}: the result would be of no use. --force computes it all the same"
+            )));
+        }
+        if comm.is_root() {
+            tell(format_args!("warning: {message}"));
+        }
+    }
     let patch = model.dynamics.patch();
     let (described, reason, of_probes) = (describe_model(&model), model.reason.clone(), note_of_probes(&model));
     let is_factorised = model.dynamics.is_factorised_on_ranks();

@@ -153,6 +153,14 @@ impl Model {
         self
     }
 
+    /// Estimated error of the acceleration over its peak in the first contact, by basis, cells, theory and patch, as far as each is
+    /// estimated before the first step; `None` where nothing is.
+    pub fn first_contact_error(&self) -> Option<f64> {
+        let patch = self.dynamics.patch().map(|patch| patch.error());
+        let model = self.error.map(|(first, _)| first);
+        (model.is_some() || patch.is_some()).then(|| model.unwrap_or(0.0) + patch.unwrap_or(0.0))
+    }
+
     /// What the basis is, for a result's attribute.
     pub fn reduction(&self) -> String {
         self.vectors.map_or("none".to_owned(), |vectors| format!("{vectors} Krylov vectors"))
