@@ -58,6 +58,10 @@ impl Comm {
         self.mpi.all_gather_into(&(mine.len() as u64), &mut counts[..]);
         let Parts { counts, starts, total } = Parts::new(&counts).expect("more items than MPI counts");
         let mut all = vec![T::default(); total];
+        if total == 0 {
+            // Open MPI takes the addresses of two empty lists for one buffer given twice, and ends the process.
+            return all;
+        }
         self.mpi.all_gather_varcount_into(mine, &mut PartitionMut::new(&mut all[..], counts, starts));
         all
     }

@@ -49,6 +49,14 @@ pub enum Error {
         /// Where in Rust the call was made.
         location: &'static Location<'static>,
     },
+    /// A mesh file that PETSc must not read.
+    #[error("{}: {message}", path.display())]
+    MeshFile {
+        /// The file.
+        path: std::path::PathBuf,
+        /// What is wrong, with the line of a text file or the byte of a binary one.
+        message: String,
+    },
     /// An iterative method stopped without an answer.
     #[error(transparent)]
     Diverged(#[from] Diverged),

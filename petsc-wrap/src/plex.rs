@@ -1,8 +1,6 @@
 //! Unstructured meshes: topology, labels, distribution, numbering of unknowns.
 
-use std::ffi::CString;
 use std::ops::Range;
-use std::path::Path;
 
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
@@ -12,7 +10,6 @@ use crate::Int;
 use crate::comm::Comm;
 use crate::error::{Error, Result, check, require};
 use crate::object::Object;
-use crate::options::Scoped;
 use crate::text::{int, to_c};
 
 /// A distributed mesh of points: cells, faces, edges and vertices share one numbering on each rank.
@@ -84,30 +81,6 @@ impl Plex {
         check(unsafe {
             sys::create_box_mesh(comm.raw(), 3, simplex, cells.as_ptr(), corners, interpolate, &raw mut raw)
         })?;
-        // SAFETY: the new mesh is ours.
-        Ok(unsafe { Self::from_raw(raw, comm) })
-    }
-
-    /// A mesh from a Gmsh file (2.2 or 4.1, text or binary), all on rank 0 until [`Plex::distribute`].
-    ///
-    /// The faces of physical group n have the value n of the label `Face Sets`: for `all_groups` in every group that they are in,
-    /// otherwise in the first. In files of version 2.2, PETSc takes an element's geometric entity for a further group, so that
-    /// only its first is sure. Only rank 0 reads, so only it may return an error. Collective.
-    ///
-    /// # Errors
-    /// PETSc's, e.g. for a file that is not there or not of the format.
-    pub fn gmsh(comm: &Comm, path: &Path, all_groups: bool) -> Result<Self> {
-        /// What a mesh is made of here is not a matter of options: groups by number, and each surface for itself.
-        const FIXED: [&str; 3] = ["-dm_plex_gmsh_multiple_tags", "-dm_plex_gmsh_use_regions", "-dm_plex_gmsh_periodic"];
-        let values = [all_groups, false, false].map(|value| if value { "1" } else { "0" });
-        let fixed: Vec<(&str, &str)> = FIXED.into_iter().zip(values).collect();
-        let scoped = Scoped::new(comm.session(), &fixed)?;
-        let name = CString::new(path.as_os_str().as_encoded_bytes()).unwrap_or_default();
-        let mut raw = std::ptr::null_mut();
-        let interpolate = sys::TRUE;
-        // SAFETY: the path is a C string that outlives the call.
-        check(unsafe { sys::DMPlexCreateGmshFromFile(comm.raw(), name.as_ptr(), interpolate, &raw mut raw) })?;
-        drop(scoped);
         // SAFETY: the new mesh is ours.
         Ok(unsafe { Self::from_raw(raw, comm) })
     }

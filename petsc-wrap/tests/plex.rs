@@ -22,6 +22,7 @@ fn main() -> ExitCode {
             ("unknowns_are_numbered_once", unknowns_are_numbered_once),
             ("a_file_that_is_no_mesh_is_an_error", a_file_that_is_no_mesh_is_an_error),
             ("physical_groups_are_found_by_number", physical_groups_are_found_by_number),
+            ("a_file_that_breaks_its_promise_is_refused", a_file_that_breaks_its_promise_is_refused),
             ("options_of_the_user_come_back", options_of_the_user_come_back),
             ("shapes_that_petsc_takes_on_trust_are_refused", shapes_that_petsc_takes_on_trust_are_refused),
         ],
@@ -110,15 +111,17 @@ fn unknowns_are_numbered_once(session: &Session) {
 }
 
 fn a_file_that_is_no_mesh_is_an_error(session: &Session) {
-    // On its own communicator, since only the reading rank returns the error.
-    let error = Plex::gmsh(&session.alone(), "no-such-mesh.msh".as_ref(), true).err().expect("an error");
+    let error = Plex::gmsh(&session.world(), "no-such-mesh.msh".as_ref()).err().expect("an error");
     assert!(error.to_string().contains("no-such-mesh.msh"), "{error}");
 }
 
 /// A unit cube of 6 tetrahedra with two triangles a side: group 1 is the bottom, 2 the top.
 fn physical_groups_are_found_by_number(session: &Session) {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cube.msh");
-    let plex = Plex::gmsh(&session.world(), path.as_ref(), true).unwrap().distribute().unwrap();
+    let plex = Plex::gmsh(&session.world(), path.as_ref()).unwrap();
+    let names = plex.surfaces.iter().map(|surface| (surface.number, surface.name.as_str()));
+    assert!(names.eq([(1, "bottom"), (2, "top of it")]));
+    let plex = plex.plex.distribute().unwrap();
     // Bottom and top, a number without faces, and a label that is not there.
     for (label, number, faces) in [("Face Sets", 1, 2), ("Face Sets", 2, 2), ("Face Sets", 77, 0), ("no label", 1, 0)] {
         let here = plex.points(2).unwrap().filter(|&face| plex.has_label_value(label, number, face).unwrap()).count();
@@ -129,17 +132,41 @@ fn physical_groups_are_found_by_number(session: &Session) {
     assert!(cells.into_iter().all(|cell| plex.cell_type(cell).unwrap() == CellType::Tetrahedron));
 }
 
+/// PETSc would read beyond the end of its nodes, on rank 0. All ranks get the same answer.
+fn a_file_that_breaks_its_promise_is_refused(session: &Session) {
+    let world = session.world();
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cube.msh")).unwrap();
+    let path = std::env::temp_dir().join(format!("petsc-wrap-{}-{}.msh", std::process::id(), world.rank()));
+    for (place, instead) in [
+        ("1 2 4 8", "1 2 4 99"),
+        ("1 2 4 8", "1 2 4 -8"),
+        ("$Nodes\n8", "$Nodes\n9"),
+        ("$Elements\n10", "$Elements\n-1"),
+    ] {
+        std::fs::write(&path, text.replacen(place, instead, 1)).unwrap();
+        let error = Plex::gmsh(&world, &path).err();
+        assert!(matches!(error, Some(Error::MeshFile { .. })), "{instead}: {error:?}");
+    }
+    std::fs::remove_file(path).unwrap();
+}
+
 /// Reading a mesh sets options for all of PETSc, whether it succeeds or fails.
 fn options_of_the_user_come_back(session: &Session) {
     let [given, other] = ["-dm_plex_gmsh_use_regions", "-dm_plex_gmsh_multiple_tags"];
     options::set(session, given, "1").unwrap();
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cube.msh");
-    for path in [path, "no-such-mesh.msh"] {
-        assert_eq!(Plex::gmsh(&session.alone(), path.as_ref(), true).is_ok(), path.ends_with("cube.msh"));
-        assert_eq!(options::get(session, given).unwrap().as_deref(), Some("1"), "{path}");
-        assert_eq!(options::get(session, other).unwrap(), None, "{path}");
+    for fails in [false, true] {
+        if fails {
+            // PETSc reads the file, and then does not understand this.
+            options::set(session, "-dm_plex_gmsh_spacedim", "three").unwrap();
+        }
+        let outcome = Plex::gmsh(&session.alone(), path.as_ref()).map(drop);
+        assert_eq!(matches!(outcome, Err(Error::Petsc { .. })), fails, "{outcome:?}");
+        assert_eq!(options::get(session, given).unwrap().as_deref(), Some("1"), "{fails}");
+        assert_eq!(options::get(session, other).unwrap(), None, "{fails}");
     }
     options::clear(session, given).unwrap();
+    options::clear(session, "-dm_plex_gmsh_spacedim").unwrap();
 }
 
 fn shapes_that_petsc_takes_on_trust_are_refused(session: &Session) {

@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
-use petsc_wrap::{CellType, Comm, Int, Numbering, Plex};
+use petsc_wrap::{CellType, Comm, GmshMesh, Int, Numbering, PhysicalSurface, Plex};
 
 use crate::agree::agree;
 use crate::element::{Element, Shape};
 use crate::error::Result;
 use crate::scene::{Body, Fault, Geometry, Vec3};
 
-use super::gmsh::{self, Group};
+use super::gmsh;
 use super::grid::Grid;
 use super::{Elements, Mesh};
 
@@ -39,12 +39,12 @@ impl Mesh {
                 Ok(Self { mirror_nodes, copies: grid.copies(), ..mesh })
             }
             Geometry::Gmsh(path) => {
-                let (plex, groups) = gmsh::read(comm, path)?;
+                let GmshMesh { plex, surfaces: groups } = gmsh::read(comm, path)?;
                 let plex = spread(plex)?;
                 let part = Part::new(&plex, body.order, |vertex| vertex)?;
                 let (cells, facets, marks) = part.elements(&groups)?;
                 let mut surfaces = BTreeMap::new();
-                for ((_, name), mark) in groups.into_iter().zip(marks) {
+                for (PhysicalSurface { name, .. }, mark) in groups.into_iter().zip(marks) {
                     if check_surface(comm, &name, &mark)? {
                         surfaces.insert(name, mark.facets);
                     }
@@ -176,7 +176,7 @@ impl<'a> Part<'a> {
     }
 
     /// Cells, boundary facets, and what each group marks among the latter.
-    fn elements(&self, groups: &[Group]) -> Result<(Elements, Elements, Vec<Mark>)> {
+    fn elements(&self, groups: &[PhysicalSurface]) -> Result<(Elements, Elements, Vec<Mark>)> {
         let element = Element::new(self.shape, self.order);
         let facet_shape = self.shape.facet();
         let facet_element = Element::new(facet_shape, self.order);
@@ -190,7 +190,7 @@ impl<'a> Part<'a> {
             for local in self.shape.facets() {
                 let face = closure.point(local)?;
                 let boundary = self.plex.has_label(BOUNDARY, face)?;
-                for ((number, _), mark) in groups.iter().zip(&mut marks) {
+                for (PhysicalSurface { number, .. }, mark) in groups.iter().zip(&mut marks) {
                     if self.plex.has_label_value(FACES, *number, face)? {
                         if boundary {
                             mark.facets.push(facets.len());

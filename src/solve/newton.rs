@@ -33,7 +33,7 @@ impl Newton {
         let mut snes = Snes::new(comm)?;
         snes.set_type("newtonls")?;
         snes.set_line_search_type("shell")?;
-        set_refined_cholesky(&mut *snes.ksp()?, &jacobian)?;
+        set_refined_cholesky(&mut snes.ksp()?, &jacobian)?;
         // Convergence by the residual's norm alone.
         snes.set_tolerances(SnesTolerances {
             absolute: Some(absolute_tolerance),
@@ -46,7 +46,7 @@ impl Newton {
         snes.set_from_options()?;
         let is_set = |name| options::is_set(comm.session(), name);
         let tolerance_given = is_set("-snes_atol")?;
-        let keep_factor = is_refined_cholesky(&mut *snes.ksp()?)? && !is_set("-snes_lag_preconditioner")?;
+        let keep_factor = is_refined_cholesky(&mut snes.ksp()?)? && !is_set("-snes_lag_preconditioner")?;
         Ok(Self { snes, keep_factor, tolerance_given })
     }
 

@@ -6,17 +6,11 @@
 
 use std::collections::HashSet;
 
+use crate::Int;
+
 use super::nodes::Nodes;
 use super::words::Words;
-
-/// What the rest of the program has to know of the file.
-#[derive(Debug, PartialEq)]
-pub(super) struct Contents {
-    /// Physical groups of dimension 2: number and name.
-    pub surfaces: Vec<(i32, String)>,
-    /// Whether all tags of an element are physical groups (4.1), or the first one only (2.2).
-    pub all_tags: bool,
-}
+use super::{Contents, PhysicalSurface};
 
 /// What PETSc's reader holds at most: tags of an element or entity, bytes of a physical name.
 const TAGS: usize = 16;
@@ -97,16 +91,16 @@ impl<'a> Walk<'a> {
         if found == wanted { Ok(()) } else { self.words.error(format!("expected {wanted}, found {found:?}")) }
     }
 
-    fn surface_names(&mut self) -> Result<Vec<(i32, String)>, String> {
+    fn surface_names(&mut self) -> Result<Vec<PhysicalSurface>, String> {
         let mut surfaces = Vec::new();
         for _ in 0..self.words.written_count()? {
             let dimension = self.words.written_count()?;
-            let number = self.words.written_count()? as i32;
+            let number = self.words.written_count()? as Int;
             let quoted = self.words.line()?.trim();
             match quoted.strip_prefix('"').and_then(|name| name.strip_suffix('"')) {
                 Some(name) if (1..=NAME).contains(&name.len()) => {
                     if dimension == 2 {
-                        surfaces.push((number, name.to_owned()));
+                        surfaces.push(PhysicalSurface { number, name: name.to_owned() });
                     }
                 }
                 _ => return self.words.error(format!("expected a name in quotes, found {quoted:?}")),
@@ -263,9 +257,9 @@ impl<'a> Walk<'a> {
             4 => Ok((3, 4)),
             5 => Ok((3, 8)),
             6 | 7 => self.words.error("the mesh has prisms or pyramids: mesh with tetrahedra alone, or with hexahedra"),
-            _ => self.words.error(format!(
-                "elements of Gmsh's type {kind} are not read: save with Mesh.ElementOrder = 1; body.order sets the elements'"
-            )),
+            _ => self
+                .words
+                .error(format!("elements of Gmsh's type {kind} are not read: save with Mesh.ElementOrder = 1")),
         }
     }
 

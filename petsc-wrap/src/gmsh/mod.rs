@@ -1,0 +1,103 @@
+//! Meshes from Gmsh files: DMPlex reads them, after a look at what it would take on trust.
+
+mod nodes;
+mod walk;
+mod words;
+
+use std::ffi::CString;
+use std::path::Path;
+
+use petsc_sys as sys;
+
+use crate::Int;
+use crate::comm::Comm;
+use crate::error::{Error, Result, check};
+use crate::options::Scoped;
+use crate::plex::Plex;
+
+/// A mesh from a Gmsh file.
+pub struct GmshMesh {
+    /// The mesh, all on rank 0 until [`Plex::distribute`].
+    pub plex: Plex,
+    /// The physical surfaces that the file names, on every rank.
+    pub surfaces: Vec<PhysicalSurface>,
+}
+
+/// A physical group of dimension 2.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PhysicalSurface {
+    /// The value of its faces in the label `Face Sets`.
+    pub number: Int,
+    /// Its name.
+    pub name: String,
+}
+
+/// What is taken of a file before PETSc reads it.
+#[derive(Debug, PartialEq)]
+struct Contents {
+    surfaces: Vec<PhysicalSurface>,
+    /// Whether all tags of an element are physical groups (4.1), or the first one only (2.2).
+    all_tags: bool,
+}
+
+impl Plex {
+    /// A mesh of tetrahedra or of hexahedra, of first order, from a Gmsh file (2.2 or 4.1, text or binary), all on rank 0 until
+    /// [`Plex::distribute`].
+    ///
+    /// The faces of physical group n have the value n of the label `Face Sets`, in files of version 4.1 for every group that they are in, in
+    /// those of 2.2 for the first.
+    ///
+    /// Rank 0 alone reads. It walks through the file first, since PETSc uses the counts and references in it unchecked; nobody may write to
+    /// the file meanwhile. Collective.
+    ///
+    /// # Errors
+    /// [`Error::MeshFile`], on all ranks, for a file that is not there or does not keep what its format promises; PETSc's, on rank 0 alone.
+    pub fn gmsh(comm: &Comm, path: &Path) -> Result<GmshMesh> {
+        let Contents { surfaces, all_tags } = look(comm, path)?;
+        /// What a mesh is made of here is not a matter of options: groups by number, and each surface for itself.
+        const FIXED: [&str; 3] = ["-dm_plex_gmsh_multiple_tags", "-dm_plex_gmsh_use_regions", "-dm_plex_gmsh_periodic"];
+        let values = [all_tags, false, false].map(|value| if value { "1" } else { "0" });
+        let fixed: Vec<(&str, &str)> = FIXED.into_iter().zip(values).collect();
+        let scoped = Scoped::new(comm.session(), &fixed)?;
+        let name = CString::new(path.as_os_str().as_encoded_bytes()).unwrap_or_default();
+        let mut raw = std::ptr::null_mut();
+        let interpolate = sys::TRUE;
+        // SAFETY: the path is a C string that outlives the call; the file keeps what PETSc takes on trust.
+        check(unsafe { sys::DMPlexCreateGmshFromFile(comm.raw(), name.as_ptr(), interpolate, &raw mut raw) })?;
+        drop(scoped);
+        // SAFETY: the new mesh is ours.
+        Ok(GmshMesh { plex: unsafe { Plex::from_raw(raw, comm) }, surfaces })
+    }
+}
+
+/// What rank 0 finds in a file, or what is wrong with it, on every rank. Collective.
+fn look(comm: &Comm, path: &Path) -> Result<Contents> {
+    let mine = if comm.is_root() {
+        let bytes = std::fs::read(path).map_err(|error| format!("cannot be read: {error}"));
+        Some(bytes.and_then(|bytes| walk::look(&bytes)))
+    } else {
+        None
+    };
+    let message = mine.as_ref().and_then(|looked| looked.as_ref().err()).map_or("", String::as_str);
+    let message = String::from_utf8_lossy(&comm.all_gather(message.as_bytes())).into_owned();
+    if !message.is_empty() {
+        return Err(Error::MeshFile { path: path.to_owned(), message });
+    }
+    let (mut numbers, mut names, mut all_tags) = (Vec::new(), String::new(), Vec::new());
+    if let Some(Ok(contents)) = &mine {
+        all_tags.push(u8::from(contents.all_tags));
+        for surface in &contents.surfaces {
+            numbers.push(surface.number);
+            // A name is a part of a line.
+            names += &surface.name;
+            names.push('\n');
+        }
+    }
+    let (numbers, names) = (comm.all_gather(&numbers), comm.all_gather(names.as_bytes()));
+    let names = String::from_utf8_lossy(&names).into_owned();
+    let surfaces = numbers.into_iter().zip(names.lines());
+    Ok(Contents {
+        surfaces: surfaces.map(|(number, name)| PhysicalSurface { number, name: name.to_owned() }).collect(),
+        all_tags: comm.all_gather(&all_tags) == [1],
+    })
+}

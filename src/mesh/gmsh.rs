@@ -1,0 +1,22 @@
+//! Meshes from Gmsh files.
+
+use std::path::Path;
+
+use petsc_wrap::{Comm, GmshMesh, Plex};
+
+use crate::error::Result;
+use crate::scene::Fault;
+
+/// Reads a file through DMPlex, with its physical surfaces. What is wrong with it reaches all ranks as one fault. Collective.
+pub(super) fn read(comm: &Comm, path: &Path) -> Result<GmshMesh> {
+    let fault = |message: String| {
+        let help = "give the path, relative to the scene file, of a volume meshed and saved by Gmsh as MSH 2.2 or 4.1";
+        Fault::new("body.mesh", format!("{}: {message}", path.display()), help)
+    };
+    Ok(Plex::gmsh(comm, path).map_err(|error| match error {
+        petsc_wrap::Error::MeshFile { message, .. } => fault(message),
+        // What is still wrong stops rank 0 alone, inside the collective call: only then are the others aborted.
+        petsc_wrap::Error::Petsc { message, .. } => fault(message).on_one_rank(),
+        other => fault(other.to_string()).on_one_rank(),
+    })?)
+}
