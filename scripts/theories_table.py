@@ -6,7 +6,6 @@ MODEL.TOLERANCE, or newmark.
 
 import glob
 import sys
-import tomllib
 
 import h5py
 import numpy as np
@@ -29,7 +28,6 @@ class Run:
             self.seconds = float(file.attrs["wall_time_total"])
             self.unknowns = int(file.attrs["unknowns"])
             self.model, self.reduction = file.attrs["model"], file.attrs["reduction"]
-            self.scene = tomllib.loads(file.attrs["scene"])
 
     def error(self, reference):
         """Largest difference of the accelerations in the first contact of either, over the reference's peak, at this one's steps: between
@@ -122,29 +120,6 @@ def auto(rows):
     return table(["plate", "tolerance", "theory", "largest error", "met", "time over the cheapest by hand that meets it", "process over process"], lines)
 
 
-def distance(folder):
-    """What Mindlin's plate neglects, over what it adds to Kirchhoff's, by scene."""
-    lines = []
-    scenes = {name: [f"{plate}.{k}" for k in STIFFNESSES] for plate, name in PLATES.items()}
-    scenes |= {"1.5 × 1.5 × 0.04 m, 5 kg": ["light"], "the same, 0.1 kg, R1 = 2 cm, 5 m/s": ["ball"]}
-    for name, members in scenes.items():
-        ratios = []
-        for member in members:
-            thin, thick, solid = (Run(f"{folder}/distance/{member}.{model}.h5") for model in ["kirchhoff", "mindlin", "solid"])
-            ratios.append(thick.error(solid) / thin.error(thick))
-        shear = solid.scene["body"]["young"] / 2 / (1 + solid.scene["body"]["poisson"]) / solid.scene["body"]["density"]
-        crossing = solid.scene["body"]["size"][2] / shear**0.5 / contact_time(solid.scene["impactor"])
-        lines.append([name, f"{crossing:.3f}", f"{min(ratios):.4f} – {max(ratios):.4f}" if len(ratios) > 1 else f"{ratios[0]:.4f}"])
-    return table(["scene", "h/(c_s T)", "error of mindlin over its distance from kirchhoff"], lines)
-
-
-def contact_time(impactor):
-    """On a half-space."""
-    young = 1 / ((1 - 0.23**2) / 70e9 + (1 - impactor["poisson"] ** 2) / impactor["young"])
-    stiffness = 4 / 3 * young * impactor["radius"] ** 0.5
-    return 2.9432 * (5 / 4 * impactor["mass"] / stiffness) ** 0.4 * impactor["speed"] ** -0.2
-
-
 def main(folder, readme_path, doc):
     rows = {}
     names = [*(f"{model}.{tolerance}" for model in [*BY_HAND, "auto"] for tolerance in TOLERANCES), "newmark"]
@@ -157,7 +132,6 @@ def main(folder, readme_path, doc):
     for plate in PLATES:
         replace(doc, plate, whole(rows, plate))
     replace(doc, "auto", auto(rows))
-    replace(doc, "distance", distance(folder))
 
 
 main(*sys.argv[1:])

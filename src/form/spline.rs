@@ -173,8 +173,13 @@ impl Spline {
 
     /// ∫ of the functions' derivative along the line.
     pub fn integrals(&self, derivative: usize) -> DVector<f64> {
+        self.integrals_within([f64::NEG_INFINITY, f64::INFINITY], derivative)
+    }
+
+    /// The same over what an interval has of the line.
+    pub fn integrals_within(&self, ends: [f64; 2], derivative: usize) -> DVector<f64> {
         let mut sums = DVector::zeros(self.functions());
-        for (x, weight) in self.rule(self.degree) {
+        for (x, weight) in self.rule(self.degree, ends) {
             let (first, values) = self.at(x, derivative);
             for (j, value) in values.iter().enumerate().take(self.width()) {
                 sums[first + j] += weight * value;
@@ -185,8 +190,13 @@ impl Spline {
 
     /// ∫ of products of these functions' derivative (rows) with that of others (columns) on the same breaks.
     pub fn products(&self, derivative: usize, other: &Self, of_other: usize) -> DMatrix<f64> {
+        self.products_within([f64::NEG_INFINITY, f64::INFINITY], derivative, other, of_other)
+    }
+
+    /// The same over what an interval has of the domain.
+    pub fn products_within(&self, ends: [f64; 2], derivative: usize, other: &Self, of_other: usize) -> DMatrix<f64> {
         let mut sums = DMatrix::zeros(self.functions(), other.functions());
-        for (x, weight) in self.rule(self.degree + other.degree) {
+        for (x, weight) in self.rule(self.degree + other.degree, ends) {
             let (row, rows) = self.at(x, derivative);
             let (column, columns) = other.at(x, of_other);
             for j in 0..other.width() {
@@ -198,11 +208,12 @@ impl Spline {
         sums
     }
 
-    /// Points and weights that integrate polynomials of a degree on each cell.
-    fn rule(&self, degree: usize) -> impl Iterator<Item = (f64, f64)> {
+    /// Points and weights that integrate polynomials of a degree on what an interval has of each cell.
+    fn rule(&self, degree: usize, [start, end]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
         let rule = gauss_legendre(degree / 2 + 1);
-        self.breaks.windows(2).flat_map(move |cell| {
-            let (middle, half) = (0.5 * (cell[0] + cell[1]), 0.5 * (cell[1] - cell[0]));
+        let cells = self.breaks.windows(2).map(move |cell| [cell[0].max(start), cell[1].min(end)]);
+        cells.filter(|[from, to]| from < to).flat_map(move |[from, to]| {
+            let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
             rule.clone().into_iter().map(move |(x, weight)| (middle + half * x, half * weight))
         })
     }

@@ -24,6 +24,8 @@ pub struct Part<const D: usize> {
 pub enum Along {
     /// Integrated over all of it.
     All,
+    /// Integrated over what an interval has of it.
+    Within([f64; 2]),
     /// At one place.
     At(f64),
 }
@@ -147,6 +149,8 @@ impl<const D: usize> Tensor<D> {
         let (values, shared) = match place {
             Along::All if s.is_folded() => (products(d, e), DMatrix::from_element(t.functions(), s.functions(), 1.0)),
             Along::All => (products(d, e), products(0, 0)),
+            // No function is negative, so that those meet whose product has an integral.
+            Along::Within(ends) => (t.products_within(ends, e, s, d), t.products_within(ends, 0, s, 0)),
             Along::At(x) => {
                 let values = t.values(x, e) * s.values(x, d).transpose();
                 (values.clone(), values)
@@ -203,6 +207,7 @@ impl<const D: usize> Tensor<D> {
                 let (spline, derivative) = (&self.fields[part.field][axis], part.derivatives[axis]);
                 match place[axis] {
                     Along::All => spline.integrals(derivative),
+                    Along::Within(ends) => spline.integrals_within(ends, derivative),
                     Along::At(at) => spline.values(at, derivative),
                 }
             });
@@ -369,8 +374,13 @@ mod tests {
     fn points(place: [Along; 3]) -> Vec<([f64; 3], f64)> {
         let axes = [0, 1, 2].map(|axis| match place[axis] {
             Along::At(x) => vec![(x, 1.0)],
-            Along::All => BREAKS[axis]
+            Along::All | Along::Within(_) => BREAKS[axis]
                 .windows(2)
+                .map(|cell| match place[axis] {
+                    Along::Within([start, end]) => [cell[0].max(start), cell[1].min(end)],
+                    _ => [cell[0], cell[1]],
+                })
+                .filter(|[from, to]| from < to)
                 .flat_map(|cell| {
                     let (middle, half) = (0.5 * (cell[0] + cell[1]), 0.5 * (cell[1] - cell[0]));
                     gauss_legendre(5).into_iter().map(move |(x, w)| (middle + half * x, half * w))
@@ -385,11 +395,12 @@ mod tests {
             .collect()
     }
 
-    const PLACES: [[Along; 3]; 4] = [
+    const PLACES: [[Along; 3]; 5] = [
         [Along::All; 3],
         [Along::At(1.0), Along::All, Along::All],
         [Along::All, Along::At(0.3), Along::At(-0.1)],
         [Along::At(-0.3), Along::All, Along::All],
+        [Along::All, Along::Within([-0.1, 0.2]), Along::All],
     ];
 
     /// Sums over points of products of the functions' values there.

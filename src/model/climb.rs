@@ -1,34 +1,26 @@
 //! The least theory that a scene's tolerance allows.
 //!
-//! Theories are tried from the cheapest that the scene admits. Two neighbours that agree within the tolerance, in the acceleration of
-//! the first contact, end the climb at the better one of them. What Mindlin's theory neglects is a small part of what it adds to
-//! Kirchhoff's, the larger the shorter the contact, and that part of their difference is taken for it.
+//! Theories are tried from the cheapest that the scene admits. The error of a half-space is estimated from the scene alone, that of
+//! Mindlin's theory from its difference to Kirchhoff's in the acceleration of the first contact ([`super::mindlin_error`]). The first
+//! theory whose estimated error the tolerance allows is taken.
 
 use petsc_wrap::Comm;
 
-use crate::body::plate::crossing;
 use crate::contact::{hertz, zener};
 use crate::error::{Error, Result};
 use crate::scene::{Contact, Geometry, Load, Model as Theory, Newton, Scene, Scheme, Support, SupportKind, faces};
 
+use super::mindlin_error::mindlin_error_over_difference;
 use super::{Built, Model, admits, build, reduce, refine, unrefined};
 
-/// Mindlin's error over his distance from Kirchhoff, in contacts that are long against the time in which a shear wave crosses the thickness;
-/// and where that is more, the same for a contact of just this time. On the plates of docs/theories.md 0.003 to 0.009 were measured where
-/// the contact was 100 to 200 of these times, 0.0104 where it was 40 and 0.028 where it was 8.
-const OF_DISTANCE: [f64; 2] = [0.0095, 0.9];
-
-/// How much more that is where sides are clamped: up to 0.035 was measured in long contacts. A clamp holds the edges of a plate's
-/// sections too, which are free to warp where Mindlin's theory has it.
-const OF_CLAMPS: f64 = 4.5;
-
-/// k h/E from which springs count as a clamp; at 0.003 they were measured not to.
-const STIFF: f64 = 0.02;
-
-/// Part of the tolerance that this may take.
+/// Part of the tolerance that the estimated error of Mindlin's theory may take.
 const OF_THEORY: f64 = 0.75;
 
-/// The tolerance of Kirchhoff's plate, which is computed for that distance alone, over the scene's, and at most.
+/// The same where Kirchhoff's plate is not computed, and the difference taken to be the whole peak: that estimate is so high that a
+/// larger part would lift the sum of all estimates above the tolerance.
+const OF_UNCOMPARED: f64 = 0.2;
+
+/// The tolerance of Kirchhoff's plate, which is computed for that difference alone, over the scene's, and at most.
 const ROUGHER: f64 = 10.0;
 const ROUGHEST: f64 = 0.1;
 
@@ -81,7 +73,7 @@ fn is_held_away(support: &Support) -> bool {
     matches!(support.kind, SupportKind::Clamped { .. }) && support.displacement != [0.0; 3]
 }
 
-/// Theories without unknowns, where a bound says that they do.
+/// A half-space, where its estimated error is small enough.
 ///
 /// To a half-space a body adds waves (λ), its own motion (no more than by the ratio of the masses) and, as a layer of the thickness h, a
 /// dent that differs by about F/(E h): exact is 0.84 to 1.1 of that, and half of it is seen in the force.
@@ -105,16 +97,16 @@ fn formula(comm: &Comm, scene: &Scene) -> Result<Option<(Model, String)>> {
     let peak = hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed);
     let indentation = hertz::peak_indentation(impactor.stiffness, impactor.mass, impactor.speed);
     let local = peak / (body.young * size[axis] * indentation);
-    let bound = OF_LAMBDA * lambda + ratio + local;
+    let error = OF_LAMBDA * lambda + ratio + local;
     // What is left is the steps'.
-    if bound > 0.7 * scene.tolerance {
+    if error > 0.7 * scene.tolerance {
         return Ok(None);
     }
     let model = Model::of(comm, scene, Theory::HalfSpace)?;
     let reason = format!(
-        "a half-space is within {bound:.1e}: Zener's λ = {lambda:.1e}, ratio of the masses {ratio:.1e}, dent of a layer {local:.1e}"
+        "estimated error of a half-space: {error:.1e}, the sum of Zener's λ = {lambda:.1e}, ratio of the masses {ratio:.1e}, dent of a layer {local:.1e}"
     );
-    Ok(Some((model.with_error("theory", (bound, bound)), reason)))
+    Ok(Some((model.with_error("theory", (error, error)), reason)))
 }
 
 /// Whether a box is a plate.
@@ -152,44 +144,32 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>) -> Result<Option<
         passed.push(format!("Kirchhoff's theory has no neighbour to be judged by: {reason}"));
         return Ok(None);
     }
-    let is_clamped = scene.supports.iter().any(|support| holds_sections(support, scene));
-    let part = OF_DISTANCE[0].max(OF_DISTANCE[1] * crossing(scene)) * if is_clamped { OF_CLAMPS } else { 1.0 };
-    // What the distance is off by on cells and a basis that are not judged yet is a small part of that of the bound.
+    let part = mindlin_error_over_difference(scene);
+    // Cells and basis are not judged yet: their part of the difference is small, and so is what it changes in the estimate.
     let thick = unrefined(comm, &modal, operators(&modal, Theory::Mindlin)?)?;
-    let (bound, all) = if part <= OF_THEORY * tolerance {
+    let (first, all) = if part <= OF_UNCOMPARED * tolerance {
         passed.push(format!(
-            "solid would change mindlin by less than {part:.1e}, that part of its distance from kirchhoff"
+            "estimated error of mindlin relative to solid: {part:.1e}, even if kirchhoff differed from it by the whole peak"
         ));
         (part, part)
     } else {
         let rough = Scene { tolerance: tolerance.max((ROUGHER * tolerance).min(ROUGHEST)), ..modal.clone() };
         let thin = reduce(&operators(&rough, Theory::Kirchhoff)?.body, &rough)?;
         let (first, all) = thick.reduced.force.0.difference(&thin.force.0);
-        let (bound, distance) =
-            (part * first, format!("kirchhoff and mindlin differ by {first:.1e} in the first contact"));
-        if bound > OF_THEORY * tolerance {
-            passed.push(format!(
-                "{distance}, so that mindlin may be off by {bound:.1e}, too much for {tolerance:.0e}: hence solid"
-            ));
+        let error = part * first;
+        let judged = format!(
+            "kirchhoff and mindlin differ by {first:.1e} in the first contact; estimated error of mindlin relative to solid: {error:.1e}"
+        );
+        if error > OF_THEORY * tolerance {
+            passed.push(format!("{judged}, too much for {tolerance:.0e}: hence solid"));
             return Ok(None);
         }
-        passed.push(format!("{distance}, so that solid would change mindlin by about {bound:.1e}"));
-        (bound, part * all)
+        passed.push(judged);
+        (error, part * all)
     };
     let model = match scene.time.modal {
         true => Model::on_basis(comm, scene, Theory::Mindlin, refine(comm, &modal, Theory::Mindlin, thick)?)?,
         false => Model::of(comm, scene, Theory::Mindlin)?,
     };
-    Ok(Some(model.with_error("theory", (bound, all))))
-}
-
-/// Whether a support holds displacements along the plate: a clamp, or springs that are no softer than a part of the plate's own sections.
-fn holds_sections(support: &Support, scene: &Scene) -> bool {
-    let (Geometry::Box { size, .. }, Some(struck)) = (&scene.body.geometry, scene.struck_axis()) else { return false };
-    let held = match support.kind {
-        SupportKind::Clamped { components } => components,
-        SupportKind::Elastic { stiffness } => stiffness.map(|k| k * size[struck] > STIFF * scene.body.young),
-        SupportKind::Pad { .. } => return false,
-    };
-    (0..3).any(|axis| held[axis] && axis != struck)
+    Ok(Some(model.with_error("theory", (first, all))))
 }

@@ -2,11 +2,13 @@
 
 mod cells;
 mod climb;
+mod mindlin_error;
 mod readings;
 mod reduce;
 mod simulation;
 mod theory;
 
+pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::{Gauges, Readings};
 pub use reduce::{OF_BASIS, OF_SMALLER, Reduced, rate, reduce};
 pub use simulation::Simulation;

@@ -7,10 +7,11 @@ use petsc_wrap::Comm;
 use ricochet::impact::step::Step;
 use ricochet::model::{Model, Simulation};
 use ricochet::record::episodes::{Episode, Episodes};
-use ricochet::scene::Scene;
+use ricochet::scene::{Model as Theory, Scene};
 
 /// What a run tells.
 pub struct Ran {
+    pub theory: Theory,
     pub steps: Vec<Step>,
     pub contacts: Vec<Episode>,
     /// The estimate of the whole history's error.
@@ -32,7 +33,7 @@ pub fn run(comm: &Comm, text: &str) -> Ran {
 /// Runs it. Collective.
 pub fn run_scene(comm: &Comm, scene: &Scene) -> Ran {
     let model = Model::new(comm, scene).unwrap_or_else(|error| panic!("{error}"));
-    let (unknowns, vectors) = (model.unknowns, model.vectors);
+    let (theory, unknowns, vectors) = (model.theory, model.unknowns, model.vectors);
     let mut simulation = Simulation::new(scene, model).unwrap_or_else(|error| panic!("{error}"));
     let (mut steps, mut episodes) = (Vec::new(), Episodes::new(scene.impactor.mass));
     let flow = simulation.run(|step| {
@@ -43,7 +44,7 @@ pub fn run_scene(comm: &Comm, scene: &Scene) -> Ran {
     assert!(flow.unwrap_or_else(|error| panic!("{error}")).is_continue());
     comm.collect_garbage().unwrap();
     let error = simulation.error().unwrap_or(f64::NAN);
-    Ran { steps, contacts: episodes.all().to_vec(), error, unknowns, vectors }
+    Ran { theory, steps, contacts: episodes.all().to_vec(), error, unknowns, vectors }
 }
 
 impl Ran {

@@ -48,8 +48,10 @@ mod impact {
 mod model {
     pub mod climb;
     pub mod converged;
+    pub mod independent;
     pub mod reduction;
     pub mod theories;
+    pub mod theory_error;
     pub mod tolerances;
 }
 mod stability {
@@ -106,8 +108,10 @@ fn main() -> ExitCode {
         impact::time_order,
         model::climb,
         model::converged,
+        model::independent,
         model::reduction,
         model::theories,
+        model::theory_error,
         model::tolerances,
         stability::chatter,
         stability::contact,
@@ -123,6 +127,7 @@ fn main() -> ExitCode {
     .long_group("impact::reference", &[2, 3], impact::reference::LONG)
     .long_group("model::converged", &[1], model::converged::LONG)
     .long_group("model::reduction", &[1], model::reduction::LONG)
+    .long_group("model::theory_error", &[1], model::theory_error::LONG)
     .long_group("model::tolerances", &[1], model::tolerances::LONG)
     .run()
 }

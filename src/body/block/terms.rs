@@ -61,6 +61,7 @@ impl Terms<'_> {
         let load = self.vector(self.springs().map(|(place, k, u)| (place, [0, 1, 2].map(|i| k[i] * u[i]))));
         let length = |axis: usize, along: Along| match along {
             Along::All => self.frame.ends(axis)[1] - self.frame.ends(axis)[0],
+            Along::Within([start, end]) => end - start,
             Along::At(_) => 1.0,
         };
         let area = |place: [Along; 3]| (0..3).map(|axis| length(axis, place[axis])).product::<f64>();

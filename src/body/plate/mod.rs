@@ -136,9 +136,14 @@ impl Plate {
         let copies = if frame.quarter { 4.0 } else { 1.0 };
         let site = Site { frame: &frame, section: &section, lines: &lines, tensor: &tensor, theory };
         let (support_load, support_offset) = site.support_load(&boundary.springs);
+        let shear_factor = local.map_or(0.0, |local| local.shear_factor);
+        let mut elastic = theory.elastic(&section, shear_factor);
+        if theory == Theory::Mindlin {
+            elastic.extend(site.edges(shear_factor, &boundary.clamps));
+        }
         let system = System {
             mass: tensor.matrix(&theory.mass(&section)),
-            elastic: tensor.matrix(&theory.elastic(&section, local.map_or(0.0, |local| local.shear_factor))),
+            elastic: tensor.matrix(&elastic),
             support: site.springs(&boundary.springs),
             damping: site.springs(&boundary.dampers),
             held: site.held(&boundary.clamps),

@@ -5,8 +5,8 @@ use nalgebra_sparse::CsrMatrix;
 use super::boundary::{Boundary, Clamp, Place, Spring};
 use super::frame::Frame;
 use super::{Local, Theory};
-use crate::form::plate::{AREA, DEFLECTION, Section, deflection, rotation};
-use crate::form::tensor::{Linear, Part, Square, Tensor};
+use crate::form::plate::{AREA, DEFLECTION, EDGE_STRIP, Section, deflection, mindlin_edge, rotation};
+use crate::form::tensor::{Along, Linear, Part, Square, Tensor};
 
 /// A plate's discretisation, with what lives on it.
 pub(super) struct Site<'a> {
@@ -29,6 +29,25 @@ impl Site<'_> {
             Place::Face => 1.0,
             Place::Side { .. } => self.section.thickness,
         }
+    }
+
+    /// Twice the elastic energy that Mindlin's theory lacks along free edges. A clamp of the rotation along an edge leaves no boundary
+    /// layer there. Springs leave it as it is: they are far softer than the plate's sections, or hold the twist itself.
+    pub fn edges(&self, shear_factor: f64, clamps: &[Clamp]) -> Vec<Square<2>> {
+        let width = EDGE_STRIP * self.section.thickness;
+        let mut forms = Vec::new();
+        for (axis, [start, end]) in self.ends().into_iter().enumerate() {
+            for (upper, strip) in [(false, [start, start + width]), (true, [end - width, end])] {
+                let is_symmetry_plane = self.frame.quarter && !upper;
+                let holds = |clamp: &Clamp| (clamp.axis, clamp.upper) == (axis, upper) && clamp.in_plane[1 - axis];
+                if !is_symmetry_plane && !clamps.iter().any(holds) {
+                    let mut place = AREA;
+                    place[axis] = Along::Within(strip);
+                    forms.push(mindlin_edge(self.section, shear_factor, axis, place));
+                }
+            }
+        }
+        forms
     }
 
     /// Springs k: k h on w along a side, and k h³/12 on the rotations; k on w over a face.

@@ -8,7 +8,7 @@ use ricochet::scene::{self, Scene};
 
 pub const RANKS: &[usize] = &[1, 2];
 pub const TESTS: &[Test<Session>] =
-    tests![a_half_space_is_within_its_bound, what_rules_a_half_space_out, what_rules_plates_out];
+    tests![a_half_space_is_within_its_estimated_error, what_rules_a_half_space_out, what_rules_plates_out];
 
 /// A small ball of steel on a plate of glass.
 fn ball(impactor: &str, rest: &str) -> String {
@@ -22,25 +22,25 @@ fn model(comm: &Comm, scene: &Scene) -> Model {
     Model::new(comm, scene).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Against Mindlin's plate, which is within 1e-3 of a solid here. The bound is a sum of what waves, the plate's motion and its thickness
+/// Against Mindlin's plate, which is within 1e-3 of a solid here. The estimate is the sum of what waves, the plate's motion and its thickness
 /// do, each at its worst: it is met, and not by much more than a factor of two.
-fn a_half_space_is_within_its_bound(session: &Session) {
+fn a_half_space_is_within_its_estimated_error(session: &Session) {
     let comm = session.world();
     for (mass, radius) in [(1e-4, 0.002), (3e-4, 0.003), (1e-3, 0.005), (2e-3, 0.006)] {
         let text = ball(&format!("mass = {mass:e}\nradius = {radius}"), "[accuracy]\ntolerance = 1e-1\n");
         let auto = model(&comm, &parse(&text));
         assert_eq!(auto.theory, scene::Model::HalfSpace);
-        let bound = auto.error.expect("auto tells its error").0;
+        let estimate = auto.error.expect("auto tells its error").0;
         let fine = text.replace("tolerance = 1e-1", "tolerance = 1e-3");
         let [plate, half] = ["mindlin", "half-space"]
             .map(|name| run_scene(&comm, &parse(&fine.replace("[body]", &format!("[body]\nmodel = \"{name}\"")))));
         let (error, _) = plate.difference(&half);
-        println!("  {mass:e} kg, {radius} m: error {error:.2e}, bound {bound:.2e}");
-        assert!(error < bound && bound < 2.5 * error, "{mass:e} kg: {error:e}, {bound:e}");
+        println!("  {mass:e} kg, {radius} m: error {error:.2e}, estimate {estimate:.2e}");
+        assert!(error < estimate && estimate < 2.5 * error, "{mass:e} kg: {error:e}, {estimate:e}");
     }
 }
 
-/// A hit near an edge, forces that move the body before or while it is hit, and a bound above the tolerance.
+/// A hit near an edge, forces that move the body before or while it is hit, and an estimate above the tolerance.
 fn what_rules_a_half_space_out(session: &Session) {
     let comm = session.world();
     let light = "mass = 1e-4\nradius = 0.002";

@@ -1,0 +1,10 @@
+"""printed_table.py DOC NAME: puts the Markdown table of what is read between <!-- NAME --> and <!-- /NAME --> in DOC."""
+
+import sys
+
+from markers import replace
+
+lines = [line.strip() for line in sys.stdin if line.startswith("|")]
+if not lines:
+    raise SystemExit("there is no table in what was printed")
+replace(sys.argv[1], sys.argv[2], "\n".join(lines))
