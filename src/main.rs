@@ -42,10 +42,9 @@ fn under_petsc(options: &[String], work: impl FnOnce(&Session) -> Result<i32, Er
         let message = format!("{word:?} is no PETSc option: the words after -- begin with one, as -snes_monitor");
         conclude(None, Err(Error::Usage(message)));
     }
-    cli::alone::start_quickly();
+    cli::environment::set();
     match Session::start(options) {
         Some(Ok(session)) => {
-            cli::threads::limit(&session);
             let result = work(&session);
             conclude(Some(session), result);
         }

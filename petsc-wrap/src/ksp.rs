@@ -9,7 +9,7 @@ use crate::layout::Layout;
 use crate::matrix::MatrixView;
 use crate::object::{Lent, Object, viewed};
 use crate::pc::Pc;
-use crate::text::{from_c, int, to_c};
+use crate::text::{from_c, int, option_name, to_c};
 use crate::vector::VectorView;
 
 /// A linear solver with its preconditioner; its methods are those of [`KspView`].
@@ -142,8 +142,9 @@ impl KspView {
     /// # Errors
     /// PETSc's, e.g. for a prefix that begins with a dash.
     pub fn set_options_prefix(&mut self, prefix: &str) -> Result<()> {
+        let prefix = option_name(prefix)?;
         // SAFETY: the solver is valid; PETSc copies the string.
-        check(unsafe { sys::KSPSetOptionsPrefix(self.raw(), to_c(prefix).as_ptr()) })
+        check(unsafe { sys::KSPSetOptionsPrefix(self.raw(), prefix.as_ptr()) })
     }
 
     /// The operator of the system, and the matrix of which the preconditioner is made. The solver keeps both; where one has changed,

@@ -29,7 +29,6 @@ mod refused;
 mod session;
 mod snes;
 mod text;
-mod threads;
 mod vector;
 
 pub use comm::Comm;
@@ -48,7 +47,6 @@ pub use petsc_sys as sys;
 pub use plex::{CellType, Numbering, Plex};
 pub use session::{Session, petsc_version};
 pub use snes::{Lag, Outcome, Progress, Snes, SnesTolerances, Trial};
-pub use threads::limit_threads;
 pub use vector::{ReadGuard, Vector, VectorView, WriteGuard};
 
 /// PETSc's index type: 32 or 64 bits, as PETSc was built.

@@ -4,14 +4,14 @@ use petsc_sys as sys;
 
 use crate::error::{Result, check};
 use crate::session::Session;
-use crate::text::{from_c, to_c};
+use crate::text::{from_c, option_name, to_c};
 
 /// Whether an option (`name` with its leading dash) is set.
 ///
 /// # Errors
 /// PETSc's.
 pub fn is_set(_session: &Session, name: &str) -> Result<bool> {
-    let name = to_c(name);
+    let name = option_name(name)?;
     let mut set = sys::FALSE;
     let (database, prefix) = (std::ptr::null_mut(), std::ptr::null());
     // SAFETY: PETSc is initialised (a session exists); the string outlives the call.
@@ -24,7 +24,7 @@ pub fn is_set(_session: &Session, name: &str) -> Result<bool> {
 /// # Errors
 /// PETSc's.
 pub fn get(_session: &Session, name: &str) -> Result<Option<String>> {
-    let (name, none) = (to_c(name), std::ptr::null());
+    let (name, none) = (option_name(name)?, std::ptr::null());
     let (mut value, mut set) = (std::ptr::null(), sys::FALSE);
     let database = std::ptr::null_mut();
     // SAFETY: PETSc is initialised; the string outlives the call, and the out-pointers are valid.
@@ -68,7 +68,7 @@ impl Drop for Scoped<'_> {
 /// # Errors
 /// PETSc's.
 pub fn set(_session: &Session, name: &str, value: &str) -> Result<()> {
-    let (name, value) = (to_c(name), to_c(value));
+    let (name, value) = (option_name(name)?, to_c(value));
     // SAFETY: PETSc is initialised; the strings outlive the call, and PETSc copies them.
     check(unsafe { sys::PetscOptionsSetValue(std::ptr::null_mut(), name.as_ptr(), value.as_ptr()) })
 }
@@ -78,7 +78,7 @@ pub fn set(_session: &Session, name: &str, value: &str) -> Result<()> {
 /// # Errors
 /// PETSc's.
 pub fn clear(_session: &Session, name: &str) -> Result<()> {
-    let name = to_c(name);
+    let name = option_name(name)?;
     // SAFETY: PETSc is initialised; the string outlives the call.
     check(unsafe { sys::PetscOptionsClearValue(std::ptr::null_mut(), name.as_ptr()) })
 }

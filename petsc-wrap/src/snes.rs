@@ -14,7 +14,7 @@ use crate::error::{Diverged, Error, Result, check, require};
 use crate::ksp::{Ksp, iterations_of, reason_of};
 use crate::matrix::{Matrix, MatrixView};
 use crate::object::{Lent, Object};
-use crate::text::{from_c, int, to_c};
+use crate::text::{from_c, int, option_name, to_c};
 use crate::vector::{Vector, VectorView};
 
 /// What a closure returns.
@@ -172,8 +172,9 @@ impl Snes {
     /// # Errors
     /// PETSc's, e.g. for a prefix that begins with a dash.
     pub fn set_options_prefix(&mut self, prefix: &str) -> Result<()> {
+        let prefix = option_name(prefix)?;
         // SAFETY: the solver is valid; PETSc copies the string.
-        check(unsafe { sys::SNESSetOptionsPrefix(self.raw(), to_c(prefix).as_ptr()) })
+        check(unsafe { sys::SNESSetOptionsPrefix(self.raw(), prefix.as_ptr()) })
     }
 
     fn line_search(&self) -> Result<sys::SNESLineSearch> {

@@ -3,11 +3,27 @@
 use std::ffi::{CStr, CString, c_char};
 
 use crate::Int;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 
 /// A string for C, without the NULs that would end it early.
 pub(crate) fn to_c(text: &str) -> CString {
     CString::new(text.replace('\0', "")).unwrap_or_default()
+}
+
+/// The name of an option, or the beginning of one, for C.
+///
+/// # Errors
+/// [`Error::Invalid`] for a name that is long, or has more numbers between underscores, than PETSc (options.c) has room for: it does not
+/// check. It adds to a prefix some names of its own.
+pub(crate) fn option_name(name: &str) -> Result<CString> {
+    const LONGEST: usize = 200;
+    const MOST_NUMBERS: usize = 8;
+    let numbers = name.split('_').filter(|part| part.starts_with(|c: char| c.is_ascii_digit())).count();
+    require(
+        name.len() <= LONGEST && numbers <= MOST_NUMBERS,
+        "the name of an option is longer than PETSc has room for",
+    )?;
+    Ok(to_c(name))
 }
 
 /// A copy of a string of C; empty for null.

@@ -24,6 +24,7 @@ fn main() -> ExitCode {
             ("physical_groups_are_found_by_number", physical_groups_are_found_by_number),
             ("a_file_that_breaks_its_promise_is_refused", a_file_that_breaks_its_promise_is_refused),
             ("options_of_the_user_come_back", options_of_the_user_come_back),
+            ("options_cannot_lead_out_of_the_nodes", options_cannot_lead_out_of_the_nodes),
             ("shapes_that_petsc_takes_on_trust_are_refused", shapes_that_petsc_takes_on_trust_are_refused),
         ],
     )
@@ -150,6 +151,19 @@ fn a_file_that_breaks_its_promise_is_refused(session: &Session) {
     std::fs::remove_file(path).unwrap();
 }
 
+/// PETSc would read a hundred coordinates of each node.
+fn options_cannot_lead_out_of_the_nodes(session: &Session) {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cube.msh");
+    let read = || {
+        let mesh = Plex::gmsh(&session.alone(), path.as_ref()).unwrap();
+        mesh.plex.vertex_coordinates().unwrap()
+    };
+    let plain = read();
+    options::set(session, "-dm_plex_gmsh_spacedim", "100").unwrap();
+    assert_eq!(read(), plain);
+    options::clear(session, "-dm_plex_gmsh_spacedim").unwrap();
+}
+
 /// Reading a mesh sets options for all of PETSc, whether it succeeds or fails.
 fn options_of_the_user_come_back(session: &Session) {
     let [given, other] = ["-dm_plex_gmsh_use_regions", "-dm_plex_gmsh_multiple_tags"];
@@ -158,7 +172,7 @@ fn options_of_the_user_come_back(session: &Session) {
     for fails in [false, true] {
         if fails {
             // PETSc reads the file, and then does not understand this.
-            options::set(session, "-dm_plex_gmsh_spacedim", "three").unwrap();
+            options::set(session, "-dm_plex_gmsh_use_marker", "three").unwrap();
         }
         let outcome = Plex::gmsh(&session.alone(), path.as_ref()).map(drop);
         assert_eq!(matches!(outcome, Err(Error::Petsc { .. })), fails, "{outcome:?}");
@@ -166,7 +180,7 @@ fn options_of_the_user_come_back(session: &Session) {
         assert_eq!(options::get(session, other).unwrap(), None, "{fails}");
     }
     options::clear(session, given).unwrap();
-    options::clear(session, "-dm_plex_gmsh_spacedim").unwrap();
+    options::clear(session, "-dm_plex_gmsh_use_marker").unwrap();
 }
 
 fn shapes_that_petsc_takes_on_trust_are_refused(session: &Session) {

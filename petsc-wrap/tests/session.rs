@@ -60,6 +60,12 @@ fn options_are_set_and_cleared(session: &Session) {
     assert_eq!(options::get(session, "-session_other").unwrap().as_deref(), Some("9"));
     options::clear(session, "-session_other").unwrap();
     assert!(!options::is_set(session, "-session_other").unwrap());
+    // PETSc keeps the places of numbers in a name in an array of sixteen.
+    let name = format!("-a{}_", "_1".repeat(40));
+    assert!(matches!(options::get(session, &name), Err(Error::Invalid { .. })));
+    assert!(matches!(options::is_set(session, &"-a".repeat(1000)), Err(Error::Invalid { .. })));
+    let mut solver = Ksp::new(&session.alone()).unwrap();
+    assert!(matches!(solver.set_options_prefix(&name[1..]), Err(Error::Invalid { .. })));
 }
 
 fn errors_carry_message_frames_and_place(session: &Session) {

@@ -61,7 +61,8 @@ fn given(path: &Path) -> std::result::Result<Option<Vec<u8>>, String> {
         let mut bytes = Vec::new();
         input.by_ref().take(SIGNATURE.len() as u64).read_to_end(&mut bytes)?;
         if bytes == SIGNATURE {
-            return Ok(None);
+            let is_file = std::fs::metadata(path).is_ok_and(|there| there.is_file());
+            return if is_file { Ok(None) } else { Err(io::Error::other("a result cannot be read from a pipe")) };
         }
         input.read_to_end(&mut bytes)?;
         Ok(Some(bytes))

@@ -1,10 +1,10 @@
 //! What the user typed, and what to do about it; one file a subcommand.
 
-pub mod alone;
 mod bench;
 pub mod chart;
 pub mod check;
 mod collect;
+pub mod environment;
 pub mod info;
 mod interrupt;
 pub mod keeping;
@@ -19,7 +19,6 @@ pub mod run;
 pub mod stability;
 pub mod summary;
 pub mod sweep;
-pub mod threads;
 
 use std::fmt;
 use std::io::{self, IsTerminal, Write};

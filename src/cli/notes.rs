@@ -27,13 +27,15 @@ const USELESS: f64 = 0.5;
 
 /// What the first contact's estimated error means for a run, where it is above the tolerance.
 pub fn verdict(model: &Model, tolerance: f64) -> Option<Verdict> {
-    let error = model.first_contact_error().filter(|error| *error > tolerance)?;
+    // Not true of NaN, which is no good estimate.
+    let is_good = |error: &f64| *error <= tolerance;
+    let error = model.first_contact_error().filter(|error| !is_good(error))?;
     let of = model.judged.iter().copied().chain(model.dynamics.patch().map(|_| "patch"));
     let of = listed(&of.collect::<Vec<_>>());
     let message = format!(
         "the estimated error in the first contact is {error:.1e} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of})"
     );
-    Some(Verdict { message, is_useless: error > USELESS })
+    Some(Verdict { message, is_useless: error.is_nan() || error > USELESS })
 }
 
 /// That a history is not as good as it was to be.

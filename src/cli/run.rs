@@ -19,7 +19,7 @@ use crate::record::lock::Lock;
 use crate::record::provenance::Cost;
 use crate::record::read;
 use crate::record::series::SeriesWriter;
-use crate::record::target::{Kind, check_writable};
+use crate::record::target::{Kind, check_writable, is_same};
 use crate::scene::{Scene, Source};
 use crate::solve::linear::has_mumps;
 
@@ -42,9 +42,12 @@ use super::{tell, warn_of_unused_options};
 pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
     let Loaded { scene, source, is_of_result } = load(comm, &arguments.scene, &arguments.overrides)?;
     let given = arguments.output.as_ref().or(arguments.restart.as_ref());
+    // A pipe is there for one reader, and its name tells nothing.
+    let is_file_by_name = arguments.scene.metadata().map_or(true, |there| there.is_file());
     let unnamed = match given {
         None if is_of_result => Some("the scene of a result"),
         None if arguments.scene == Path::new(STANDARD_INPUT) => Some("a scene from standard input"),
+        None if !is_file_by_name => Some("a scene from a pipe"),
         _ => None,
     };
     if let Some(what) = unnamed {
@@ -55,7 +58,8 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
     let _lock = {
         let free = || {
             check_writable(&output, Kind::Run)?;
-            if arguments.restart.is_none() && !arguments.force {
+            let is_continued = arguments.restart.as_ref().is_some_and(|result| is_same(result, &output));
+            if !is_continued && !arguments.force {
                 check_not_interrupted(&output)?;
             }
             if scene.output.fields.is_some() {

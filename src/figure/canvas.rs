@@ -70,9 +70,9 @@ pub(super) fn save(drawing: &impl Drawing, out: &Path) -> Result<()> {
     };
     let bytes = bytes.map_err(|e| Error::io(out, e))?;
     let file = resolved(out);
-    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let name = file.file_name().unwrap_or_default();
     // Whole or not at all: a disk may be full.
-    Folder::of(&file).put(&name, |part| std::fs::write(part, &bytes).map_err(|e| Error::io(out, e)))
+    Folder::of(&file).put(name, |part| std::fs::write(part, &bytes).map_err(|e| Error::io(out, e)))
 }
 
 fn svg(drawing: &impl Drawing) -> std::result::Result<String, String> {

@@ -1,5 +1,6 @@
 //! A folder of results, each of which appears whole or not at all.
 
+use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -19,7 +20,7 @@ impl Folder {
     /// [`Error::Io`] where that cannot be done, or no file can be made in it.
     pub fn create(path: &Path) -> Result<Self> {
         let folder = Self { path: path.to_owned() };
-        let probe = folder.part("probe");
+        let probe = folder.part("probe".as_ref());
         fs::create_dir_all(path)
             .and_then(|()| fs::write(&probe, ""))
             .and_then(|()| fs::remove_file(&probe))
@@ -37,8 +38,8 @@ impl Folder {
     ///
     /// # Errors
     /// Those of `write`; [`Error::Io`] when the file cannot take its name.
-    pub fn put(&self, name: &str, write: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
-        let (part, path) = (self.part(name), self.path.join(name));
+    pub fn put(&self, name: impl AsRef<OsStr>, write: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
+        let (part, path) = (self.part(name.as_ref()), self.path.join(name.as_ref()));
         let done = write(&part).and_then(|()| fs::rename(&part, &path).map_err(|e| Error::io(&path, e)));
         if done.is_err() {
             // The error in hand says more than one of the removal would.
@@ -47,8 +48,10 @@ impl Folder {
         done
     }
 
-    fn part(&self, name: &str) -> PathBuf {
-        self.path.join(format!(".{}.{name}", std::process::id()))
+    fn part(&self, name: &OsStr) -> PathBuf {
+        let mut part = OsString::from(format!(".{}.", std::process::id()));
+        part.push(name);
+        self.path.join(part)
     }
 }
 

@@ -32,10 +32,11 @@ impl Kind {
     fn of(file: &hdf5::File) -> Option<Self> {
         if is_sweep(file) {
             Some(Self::Sweep)
-        } else if file.group("VTKHDF").is_ok() {
-            Some(Self::Fields)
+        } else if file.group("series").is_ok() && file.attr("run_id").is_ok() {
+            Some(Self::Run)
         } else {
-            (file.group("series").is_ok() && file.attr("run_id").is_ok()).then_some(Self::Run)
+            // A run links to its fields: this is what is left.
+            file.group("VTKHDF").is_ok().then_some(Self::Fields)
         }
     }
 }
@@ -68,6 +69,7 @@ pub fn resolved(path: &Path) -> PathBuf {
         match fs::read_link(&file) {
             // A relative link starts at the folder that it is in.
             Ok(target) => file = folder(&file).join(target),
+            Err(_) if file == path => return file,
             Err(_) => return fs::canonicalize(&file).unwrap_or(file),
         }
     }

@@ -303,7 +303,12 @@ fn sweeps() {
         case(name, "sweep box.toml --vary impactor.speed=1,2 -o out.h5", 4, &[fragment], before, ranks)
     };
     let mut cases: Vec<Case> = refused.collect();
-    cases.push(sweep("a run's result", Before::Result, "out.h5: is not a sweep of ricochet", BOTH));
+    cases.push(sweep(
+        "a run's result",
+        Before::Result,
+        "out.h5: is the result of a run, so it is not replaced by a sweep",
+        BOTH,
+    ));
     cases.push(sweep("somebody's notes", Before::Sentinel, "out.h5: is no readable HDF5 file", ALONE));
     let line = "sweep box.toml --vary impactor.speed=1,2 -o no/out.h5";
     cases.push(case("no folder", line, 4, &["no/out.h5: there is no folder no"], Before::Nothing, BOTH));
@@ -327,7 +332,7 @@ fn files_and_command_lines() {
         good("no scene file", "run no.toml", 4, &["no.toml: the scene cannot be read: No such file"], Result, BOTH),
         good("a folder for a scene", "run .", 4, &[".: the scene cannot be read", "directory"], Result, BOTH),
         good("bytes for a scene", "run bytes", 2, &["bytes: line 1 is not text in UTF-8"], Nothing, BOTH),
-        good("a result over itself", "run out.h5", 2, &["another file for its own: -o OUT.h5"], Result, BOTH),
+        good("a result over itself", "run out.h5", 2, &["the scene of a result needs a name for its result: -o OUT.h5"], Result, BOTH),
         good("a scene for a result", "info box.toml", 4, &["box.toml: is not an HDF5 file"], Nothing, ALONE),
         good("a restart from a scene", "run box.toml --restart box.toml", 4, &["box.toml: is no"], Nothing, BOTH),
         good("no folder", "run box.toml -o no/out.h5", 4, &["no/out.h5: there is no folder no"], Result, BOTH),

@@ -161,6 +161,7 @@ fn kill(plan: &Plan) {
         assert_eq!(left, ["out.h5", "out.vtkhdf", "out.xdmf", "scene.toml"]);
     }
     println!("{kills} kills in {runs} runs, {gone_on} of runs that had gone on, {unread} before the first row");
+    assert!(gone_on > 0 && unread < kills, "every second kill waits for a checkpoint: {gone_on}, {unread}");
 }
 
 /// Alone, bit for bit.

@@ -16,8 +16,6 @@ mod program;
 mod restarts;
 #[path = "../common/results.rs"]
 mod results;
-#[path = "../common/sample.rs"]
-mod sample;
 #[path = "../common/sweeps.rs"]
 mod sweeps;
 
@@ -30,7 +28,6 @@ mod fields;
 mod kills;
 mod losses;
 mod mutated_meshes;
-mod plot;
 mod probes;
 mod python;
 mod restart;
@@ -60,7 +57,6 @@ fn main() -> ExitCode {
         .long_group("kills", kills::LONG)
         .group("losses", losses::TESTS)
         .group("mutated_meshes", mutated_meshes::TESTS)
-        .group("plot", plot::TESTS)
         .group("probes", probes::TESTS)
         .group_unless(tools::python(&["h5py", "matplotlib"]), "python", python::TESTS)
         .group_unless(tools::python(&["h5py", "matplotlib", "nbclient", "ipykernel"]), "python", python::NOTEBOOK)

@@ -273,5 +273,5 @@ fn one_run_at_a_time_writes_a_result() {
     send("USR1", &started.child.id().to_string());
     assert_eq!(started.wait(LIMIT).status, Some(130));
     assert!(!folder.path().join(".out.h5.lock").exists());
-    good(&folder, 0, "run scene.toml -o out.h5 --set time.end=1e-3");
+    good(&folder, 0, "run scene.toml -o out.h5 --set time.end=1e-3 --force");
 }

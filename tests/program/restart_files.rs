@@ -47,7 +47,7 @@ fn a_checkpoint_goes_with_its_result() {
     interrupted(&folder, 0, "run scene.toml -o out.h5 --set output.checkpoint_steps=100", "TERM");
     let older = files(&folder);
     // It fails before its first step.
-    let outcome = run(ricochet(folder.path(), 0).args(words("run scene.toml -o out.h5 -- -ksp_type nonsense")));
+    let outcome = run(ricochet(folder.path(), 0).args(words("run scene.toml -o out.h5 --force -- -ksp_type nonsense")));
     assert_eq!(outcome.status, Some(2), "{outcome:#?}");
     assert!(files(&folder) == older);
 
@@ -62,7 +62,7 @@ fn a_checkpoint_goes_with_its_result() {
         started.child.kill().unwrap();
         assert_eq!(started.wait(LIMIT).signal, Some(9));
     };
-    started("run scene.toml -o out.h5 --set output.every=10 --set time.end=10");
+    started("run scene.toml -o out.h5 --force --set output.every=10 --set time.end=10");
     assert!(!path("out.checkpoint.h5").exists());
     fs::write(path("out.checkpoint.h5"), &older[0].1).unwrap();
     refused(&folder, "run scene.toml --restart out.h5", 4, &["out.checkpoint.h5", "is of another run than out.h5"]);

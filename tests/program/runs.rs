@@ -184,7 +184,7 @@ fn a_reader_who_leaves_early_is_no_error() {
     ] {
         let line = format!("'{}' {arguments} | true; exit ${{PIPESTATUS[0]}}", env!("CARGO_BIN_EXE_ricochet"));
         let outcome = run(Command::new("bash").args(["-c", &line]).current_dir(folder.path()));
-        let expected = if arguments.contains("missing") { 2 } else { 0 };
+        let expected = if arguments.contains("missing") { 4 } else { 0 };
         assert_eq!(outcome.status, Some(expected), "{outcome:#?}");
         assert_eq!(outcome.stderr, told);
     }

@@ -68,7 +68,7 @@ fn a_job_runs_on_its_tasks() {
     assert!(is_complete(&path));
     assert_eq!(number::<u64>(&results::open(&path), "ranks"), 2);
     // The queue sees what ricochet says.
-    ended(&run(&mut job(&folder, "job.sbatch", "run missing.toml -o out.h5")), 2);
+    ended(&run(&mut job(&folder, "job.sbatch", "run missing.toml -o out.h5")), 4);
 }
 
 fn an_array_computes_a_sweep_in_parts() {

@@ -114,7 +114,7 @@ fn another_sweep_is_not_continued() {
             "holds a sweep over support.0.stiffness, not over body.young",
         ),
         (format!("{LINE} --series -o s.h5"), "holds a sweep without --series"),
-        (format!("{LINE} -o run.h5"), "is not a sweep of ricochet"),
+        (format!("{LINE} -o run.h5"), "is the result of a run, so it is not replaced by a sweep"),
     ] {
         for ranks in [0, 2] {
             let outcome = run(ricochet(folder.path(), ranks).args(words(&line)));

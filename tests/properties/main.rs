@@ -8,6 +8,7 @@ mod sample;
 mod elements;
 mod forms;
 mod plates;
+mod plot;
 mod scene {
     mod boxes;
     mod errors;
@@ -16,3 +17,11 @@ mod scene {
 }
 mod series;
 mod surfaces;
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// A process that one test starts inherits the files, and their locks, that another has open: one test at a time.
+pub fn alone() -> MutexGuard<'static, ()> {
+    static ALONE: Mutex<()> = Mutex::new(());
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}

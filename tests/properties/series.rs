@@ -1,5 +1,6 @@
 //! The result file: what is written can be read, whatever happens to the process in between.
 
+use crate::alone;
 use crate::sample::{COST, HALF_PERIOD, provenance, step};
 use hdf5_metno as hdf5;
 use hdf5_metno::types::VarLenUnicode;
@@ -11,14 +12,7 @@ use ricochet::record::target::{Kind, check_writable};
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-
-/// A process that one test starts inherits the files, and their locks, that another has open: one test at a time.
-fn alone() -> MutexGuard<'static, ()> {
-    static ALONE: Mutex<()> = Mutex::new(());
-    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 type Column = (&'static str, &'static str, fn(&Step) -> f64);
 

@@ -123,6 +123,11 @@ fn main() -> ExitCode {
         stability::steps,
     )
     .group("body::lumped", &[1], body::lumped::ALONE)
+    .long_group("body::spectrum", &[3], body::spectrum::TESTS)
+    .long_group("impact::conservation", &[3], impact::conservation::TESTS)
+    .long_group("impact::newton", &[3], impact::newton::TESTS)
+    .long_group("impact::pads_condensed", &[3], impact::pads_condensed::TESTS)
+    .long_group("stability::newton", &[3], stability::newton::TESTS)
     .long_group("body::block", &[1], body::block::LONG)
     .long_group("impact::reference", &[2, 3], impact::reference::LONG)
     .long_group("model::converged", &[1], model::converged::LONG)

@@ -23,9 +23,21 @@ impl Cores {
         let mut free = self.returned.wait_while(free, |free| *free < taken).unwrap_or_else(PoisonError::into_inner);
         *free -= taken;
         drop(free);
-        let result = work();
-        *self.free.lock().unwrap_or_else(PoisonError::into_inner) += taken;
-        self.returned.notify_all();
-        result
+        // Given back also where the work panics.
+        let _taken = Taken { cores: self, count: taken };
+        work()
+    }
+}
+
+/// Cores that work is being done on.
+struct Taken<'a> {
+    cores: &'a Cores,
+    count: usize,
+}
+
+impl Drop for Taken<'_> {
+    fn drop(&mut self) {
+        *self.cores.free.lock().unwrap_or_else(PoisonError::into_inner) += self.count;
+        self.cores.returned.notify_all();
     }
 }

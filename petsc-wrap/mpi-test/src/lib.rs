@@ -98,7 +98,10 @@ impl<T> Suite<T> {
         // Tests on few ranks first: those that fill the machine do not wait for one that does not.
         due.sort_by_key(|(ranks, _)| *ranks);
         let outcome = libtest_mimic::run(&arguments, due.into_iter().map(|(_, trial)| trial).collect());
-        drop(pool);
+        if let Err(message) = pool.finish() {
+            eprintln!("{message}");
+            return ExitCode::FAILURE;
+        }
         outcome.exit_code()
     }
 }

@@ -54,6 +54,15 @@ impl Pool {
         })
     }
 
+    /// Ends all ranks that wait.
+    ///
+    /// # Errors
+    /// What they have said, where they do not end in order: their context is dropped then, and MPI is finalised.
+    pub fn finish(&self) -> Result<(), String> {
+        let all: Vec<Ranks> = self.idle().drain().flat_map(|(_, ranks)| ranks).collect();
+        all.into_iter().try_for_each(Ranks::finish)
+    }
+
     fn idle(&self) -> std::sync::MutexGuard<'_, HashMap<usize, Vec<Ranks>>> {
         self.idle.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -130,6 +139,8 @@ impl Ranks {
         // The rank that failed may not be the one that was heard first.
         self.end();
         for Connection { rank, reports } in &mut self.connections {
+            // Whoever is stuck has no more to say.
+            let _ = reports.get_ref().set_read_timeout(Some(Duration::from_secs(1)));
             if let Ok(Some(Report::Failed { message })) = receive(reports) {
                 failures.push(format!("rank {rank}: {message}"));
             }
@@ -137,17 +148,34 @@ impl Ranks {
         Err(format!("{}\n{}", failures.join("\n"), self.printed()).into())
     }
 
-    /// Waits for mpirun, which ends when a rank fails, but not for ever.
-    fn end(&mut self) {
+    fn finish(mut self) -> Result<(), String> {
+        self.dismiss();
+        if self.end() {
+            return Ok(());
+        }
+        Err(format!("{} rank(s) did not end in order\n{}", self.connections.len(), self.printed()))
+    }
+
+    /// Gives no more orders.
+    fn dismiss(&self) {
+        for connection in &self.connections {
+            let _ = connection.reports.get_ref().shutdown(std::net::Shutdown::Write);
+        }
+    }
+
+    /// Waits for mpirun, which ends when a rank fails, but not for ever; whether it ends well.
+    fn end(&mut self) -> bool {
         let begin = Instant::now();
-        while begin.elapsed() < Duration::from_secs(10) {
-            if !matches!(self.mpirun.try_wait(), Ok(None)) {
-                return;
+        while begin.elapsed() < Duration::from_secs(30) {
+            match self.mpirun.try_wait() {
+                Ok(None) => std::thread::sleep(Duration::from_millis(5)),
+                Ok(Some(status)) => return status.success(),
+                Err(_) => return false,
             }
-            std::thread::sleep(Duration::from_millis(5));
         }
         let _ = self.mpirun.kill();
         let _ = self.mpirun.wait();
+        false
     }
 
     fn printed(&mut self) -> String {
@@ -174,10 +202,7 @@ impl Connection {
 
 impl Drop for Ranks {
     fn drop(&mut self) {
-        // Their orders end, and so do they.
-        self.connections.iter().for_each(|connection| {
-            let _ = connection.reports.get_ref().shutdown(std::net::Shutdown::Write);
-        });
+        self.dismiss();
         self.end();
     }
 }

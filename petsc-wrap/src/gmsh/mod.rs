@@ -5,13 +5,13 @@ mod walk;
 mod words;
 
 use std::ffi::CString;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use petsc_sys as sys;
 
 use crate::Int;
 use crate::comm::Comm;
-use crate::error::{Error, Result, check};
+use crate::error::{Error, Result, check, require};
 use crate::options::Scoped;
 use crate::plex::Plex;
 
@@ -55,11 +55,20 @@ impl Plex {
     pub fn gmsh(comm: &Comm, path: &Path) -> Result<GmshMesh> {
         let Contents { surfaces, all_tags } = look(comm, path)?;
         /// What a mesh is made of here is not a matter of options: groups by number, and each surface for itself.
-        const FIXED: [&str; 3] = ["-dm_plex_gmsh_multiple_tags", "-dm_plex_gmsh_use_regions", "-dm_plex_gmsh_periodic"];
-        let values = [all_tags, false, false].map(|value| if value { "1" } else { "0" });
-        let fixed: Vec<(&str, &str)> = FIXED.into_iter().zip(values).collect();
+        const FIXED: [(&str, &str); 7] = [
+            ("-dm_plex_gmsh_use_regions", "0"),
+            ("-dm_plex_gmsh_periodic", "0"),
+            ("-dm_plex_gmsh_highorder", "0"),
+            ("-dm_plex_gmsh_project", "0"),
+            ("-dm_plex_gmsh_hybrid", "0"),
+            ("-dm_plex_gmsh_mark_vertices", "0"),
+            // PETSc reads as many coordinates of a node, of which there are three.
+            ("-dm_plex_gmsh_spacedim", "3"),
+        ];
+        let tags = ("-dm_plex_gmsh_multiple_tags", if all_tags { "1" } else { "0" });
+        let fixed: Vec<(&str, &str)> = FIXED.into_iter().chain([tags]).collect();
         let scoped = Scoped::new(comm.session(), &fixed)?;
-        let name = CString::new(path.as_os_str().as_encoded_bytes()).unwrap_or_default();
+        let name = CString::new(opened(comm, path)?.as_os_str().as_encoded_bytes()).unwrap_or_default();
         let mut raw = std::ptr::null_mut();
         let interpolate = sys::TRUE;
         // SAFETY: the path is a C string that outlives the call; the file keeps what PETSc takes on trust.
@@ -100,4 +109,25 @@ fn look(comm: &Comm, path: &Path) -> Result<Contents> {
         surfaces: surfaces.map(|(number, name)| PhysicalSurface { number, name: name.to_owned() }).collect(),
         all_tags: comm.all_gather(&all_tags) == [1],
     })
+}
+
+/// The path by which PETSc opens the file that was walked through, and no other: it takes some names for streams, exchanges one kind of
+/// separator for the other, and takes options from a file `.info` beside.
+fn opened(comm: &Comm, path: &Path) -> Result<PathBuf> {
+    if !comm.is_root() {
+        // Rank 0 alone opens it.
+        return Ok(path.to_owned());
+    }
+    let whole = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    require(
+        !whole.as_os_str().as_encoded_bytes().contains(&b'\\'),
+        "PETSc cannot open a mesh file with a backslash in its path",
+    )?;
+    let mut beside = whole.clone().into_os_string();
+    beside.push(".info");
+    require(
+        !Path::new(&beside).exists(),
+        "beside the mesh file is one with the ending .info, from which PETSc would take options",
+    )?;
+    Ok(whole)
 }

@@ -1,19 +1,13 @@
 //! Figures of results.
 
+use crate::alone;
 use crate::sample::{COST, provenance, step};
 use hdf5_metno as hdf5;
-use mpi_test::{PlainTest, tests};
 use ricochet::cli::plot::plot;
 use ricochet::error::Error;
 use ricochet::record::series::SeriesWriter;
 use std::fs;
 use std::path::{Path, PathBuf};
-
-pub const TESTS: &[PlainTest] = tests![
-    svg_has_a_title_a_line_and_the_contacts_of_each_file,
-    png_decodes_to_a_white_sheet_with_the_curves_on_it,
-    errors_say_what_is_wrong_with_which_file
-];
 
 /// A result of 10 000 steps, with three contacts.
 fn result(folder: &Path, name: &str, title: &str) -> PathBuf {
@@ -24,7 +18,9 @@ fn result(folder: &Path, name: &str, title: &str) -> PathBuf {
     path
 }
 
+#[test]
 fn svg_has_a_title_a_line_and_the_contacts_of_each_file() {
+    let _alone = alone();
     let folder = tempfile::tempdir().unwrap();
     let files = [
         result(folder.path(), "1.h5", "plate <a> & b"),
@@ -50,7 +46,9 @@ fn svg_has_a_title_a_line_and_the_contacts_of_each_file() {
     }
 }
 
+#[test]
 fn png_decodes_to_a_white_sheet_with_the_curves_on_it() {
+    let _alone = alone();
     let folder = tempfile::tempdir().unwrap();
     let files = [result(folder.path(), "1.h5", "plate")];
     let out = folder.path().join("figure.PNG");
@@ -65,7 +63,9 @@ fn png_decodes_to_a_white_sheet_with_the_curves_on_it() {
     assert!((0..1600).filter(|x| blue(*x)).count() > 1200);
 }
 
+#[test]
 fn errors_say_what_is_wrong_with_which_file() {
+    let _alone = alone();
     let folder = tempfile::tempdir().unwrap();
     let good = result(folder.path(), "good.h5", "plate");
     let missing = folder.path().join("missing.h5");
