@@ -102,7 +102,7 @@ fn fields_go_on_without_a_new_frame() {
 fn a_restart_that_fails_replaces_nothing() {
     let folder = folder(&scene("\n[output]\nfields = 50\n"));
     for step in ["", "--set time.step= --set time.scheme=newmark"] {
-        interrupted(&folder, 0, &format!("run scene.toml -o out.h5 {step} --set output.checkpoint_steps=100"), "TERM");
+        interrupted(&folder, 0, &format!("run scene.toml -o out.h5 --force {step} --set output.checkpoint_steps=100"), "TERM");
         let path = folder.path().join("out.checkpoint.h5");
         // As of another version: sealed, but for one of its numbers.
         let whole = fs::read(&path).unwrap();

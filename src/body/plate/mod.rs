@@ -139,7 +139,7 @@ impl Plate {
         let shear_factor = local.map_or(0.0, |local| local.shear_factor);
         let mut elastic = theory.elastic(&section, shear_factor);
         if theory == Theory::Mindlin {
-            elastic.extend(site.edges(shear_factor, &boundary));
+            elastic.extend(site.edges(shear_factor, &boundary.clamps));
         }
         let system = System {
             mass: tensor.matrix(&theory.mass(&section)),

@@ -31,20 +31,16 @@ impl Site<'_> {
         }
     }
 
-    /// Twice the elastic energy that Mindlin's theory lacks along free edges. What holds the rotation along an edge, a clamp or springs
-    /// stiffer than the plate's sections, leaves no boundary layer there.
-    pub fn edges(&self, shear_factor: f64, boundary: &Boundary) -> Vec<Square<2>> {
+    /// Twice the elastic energy that Mindlin's theory lacks along free edges. A clamp of the rotation along an edge leaves no boundary
+    /// layer there. Springs leave it as it is: they are far softer than the plate's sections, or hold the twist itself.
+    pub fn edges(&self, shear_factor: f64, clamps: &[Clamp]) -> Vec<Square<2>> {
         let width = EDGE_STRIP * self.section.thickness;
         let mut forms = Vec::new();
         for (axis, [start, end]) in self.ends().into_iter().enumerate() {
             for (upper, strip) in [(false, [start, start + width]), (true, [end - width, end])] {
                 let is_symmetry_plane = self.frame.quarter && !upper;
-                let clamps = |clamp: &Clamp| (clamp.axis, clamp.upper) == (axis, upper) && clamp.in_plane[1 - axis];
-                let stiff = self.section.young / self.section.thickness;
-                let springs =
-                    |spring: &Spring| spring.place == Place::Side { axis, upper } && spring.in_plane[1 - axis] > stiff;
-                let is_held = boundary.clamps.iter().any(clamps) || boundary.springs.iter().any(springs);
-                if !is_symmetry_plane && !is_held {
+                let holds = |clamp: &Clamp| (clamp.axis, clamp.upper) == (axis, upper) && clamp.in_plane[1 - axis];
+                if !is_symmetry_plane && !clamps.iter().any(holds) {
                     let mut place = AREA;
                     place[axis] = Along::Within(strip);
                     forms.push(mindlin_edge(self.section, shear_factor, axis, place));
