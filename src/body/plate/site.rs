@@ -32,14 +32,18 @@ impl Site<'_> {
     }
 
     /// Twice the elastic energy that Mindlin's theory lacks along free edges. A clamp of the rotation along an edge leaves no boundary
-    /// layer there. Springs leave it as it is: they are far softer than the plate's sections, or hold the twist itself.
+    /// layer there; where it holds the rotation across the edge too, there is no twist, and nothing to be left out. Springs have the layer:
+    /// they are far softer than the plate's sections, or hold the twist itself.
     pub fn edges(&self, shear_factor: f64, clamps: &[Clamp]) -> Vec<Square<2>> {
         let width = EDGE_STRIP * self.section.thickness;
         let mut forms = Vec::new();
         for (axis, [start, end]) in self.ends().into_iter().enumerate() {
             for (upper, strip) in [(false, [start, start + width]), (true, [end - width, end])] {
                 let is_symmetry_plane = self.frame.quarter && !upper;
-                let holds = |clamp: &Clamp| (clamp.axis, clamp.upper) == (axis, upper) && clamp.in_plane[1 - axis];
+                let holds = |clamp: &Clamp| {
+                    let is_here = (clamp.axis, clamp.upper) == (axis, upper);
+                    is_here && clamp.in_plane[1 - axis] && !clamp.in_plane[axis]
+                };
                 if !is_symmetry_plane && !clamps.iter().any(holds) {
                     let mut place = AREA;
                     place[axis] = Along::Within(strip);

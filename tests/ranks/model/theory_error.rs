@@ -16,8 +16,8 @@ pub const LONG: &[Test<Session>] = tests![the_estimate_is_above_the_error_on_mor
 /// Numbers of the scenes that every run of the tests computes: a second or less each, free and held, thick and thin, ν = 0 to 0.45.
 const QUICK: [usize; 7] = [1, 4, 6, 8, 12, 14, 24];
 
-/// Those of the table. The factors of the estimate were set with the first 16 and with 20, the shortest
-/// contact of all.
+/// Those of the table. The factors of the estimate were set with the first 16 and with 20 and 24, the
+/// shortest contact and the thickest clamped plate.
 const ALL: std::ops::RangeInclusive<usize> = 1..=24;
 
 struct Material {
