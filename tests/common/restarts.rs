@@ -45,7 +45,7 @@ pub fn interrupted(folder: &TempDir, ranks: usize, line: &str, signal: &str) -> 
 pub fn killed(folder: &TempDir, line: &str) -> f64 {
     let outcome = ended(folder, 0, line, "KILL");
     assert_eq!(outcome.signal, Some(9), "{line}: {outcome:#?}");
-    let file = results::open(&folder.path().join("out.checkpoint.h5"));
+    let file = results::open(folder.path().join("out.checkpoint.h5"));
     file.attr("time").unwrap().read_scalar().unwrap()
 }
 
@@ -59,7 +59,7 @@ fn datasets(group: &hdf5::Group) -> Vec<String> {
 /// energies of the total's, since some are rounding); bit for bit also what they took. Returns the largest difference.
 pub fn check_alike(path: &Path, whole: &Path, tolerance: f64) -> f64 {
     assert!(is_complete(path) && is_complete(whole));
-    let [part, whole] = [path, whole].map(|path| results::open(path));
+    let [part, whole] = [path, whole].map(results::open);
     let read = |file: &hdf5::File, name: &str| -> Vec<f64> { file.dataset(name).unwrap().read_raw().unwrap() };
     let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
     let names = |file: &hdf5::File| ["series", "contacts"].map(|group| datasets(&file.group(group).unwrap())).concat();

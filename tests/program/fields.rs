@@ -124,7 +124,7 @@ fn ranks_write_the_same_fields() {
     let folder = folder(&scene);
     let read = |ranks: usize| {
         good(&folder, ranks, &format!("run scene.toml -o {ranks}.h5"));
-        let file = results::open(&folder.path().join(format!("{ranks}.h5")));
+        let file = results::open(folder.path().join(format!("{ranks}.h5")));
         let reals =
             ["Points", "PointData/displacement", "PointData/velocity", "PointData/principal_stress", "Steps/Values"]
                 .map(|name| file.dataset(&format!("fields/{name}")).unwrap().read_raw::<f64>().unwrap());

@@ -85,7 +85,7 @@ fn fields_go_on_without_a_new_frame() {
     for name in ["more", "out"] {
         let [path, whole] = [name, "whole"].map(|name| folder.path().join(format!("{name}.h5")));
         check_alike(&path, &whole, 0.0);
-        let [part, whole] = [path, whole].map(|path| results::open(path));
+        let [part, whole] = [path, whole].map(results::open);
         for dataset in ["fields/Steps/Values", "VTKHDF/PointData/displacement", "fields/PointData/principal_stress"] {
             let [part, whole]: [Vec<f64>; 2] =
                 [&part, &whole].map(|file| file.dataset(dataset).unwrap().read_raw().unwrap());
@@ -102,7 +102,12 @@ fn fields_go_on_without_a_new_frame() {
 fn a_restart_that_fails_replaces_nothing() {
     let folder = folder(&scene("\n[output]\nfields = 50\n"));
     for step in ["", "--set time.step= --set time.scheme=newmark"] {
-        interrupted(&folder, 0, &format!("run scene.toml -o out.h5 --force {step} --set output.checkpoint_steps=100"), "TERM");
+        interrupted(
+            &folder,
+            0,
+            &format!("run scene.toml -o out.h5 --force {step} --set output.checkpoint_steps=100"),
+            "TERM",
+        );
         let path = folder.path().join("out.checkpoint.h5");
         // As of another version: sealed, but for one of its numbers.
         let whole = fs::read(&path).unwrap();

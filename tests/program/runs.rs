@@ -33,7 +33,7 @@ fn a_result_tells_where_it_comes_from() {
     // A misspelt option is told, and the run goes on.
     assert!(outcome.stderr.contains("WARN PETSc has not used the option -snes_maxit\n"), "{outcome:#?}");
     assert!(!outcome.stderr.contains('\u{1b}'));
-    let file = results::open(&folder.path().join("scene.h5"));
+    let file = results::open(folder.path().join("scene.h5"));
     assert_eq!(text(&file, "title"), "Small plate");
     assert_eq!(text(&file, "version"), env!("CARGO_PKG_VERSION"));
     assert!(text(&file, "commit").len() >= 7);
@@ -112,7 +112,7 @@ fn check_and_run_agree_on_unknowns_and_memory() {
     let small = results::folder(BOX);
     let own = peak_memory(ricochet(small.path(), 0).args(words("run scene.toml")));
     let all = peak_memory(ricochet(folder.path(), 0).args(words("run scene.toml")));
-    let file = results::open(&folder.path().join("scene.h5"));
+    let file = results::open(folder.path().join("scene.h5"));
     assert_eq!(number::<u64>(&file, "unknowns") as f64, unknowns + 1.0);
     let ratio = (all - own) / estimate;
     println!("memory: estimated {estimate} MB, measured {all:.0} − {own:.0} MB, ratio {ratio:.2}");
