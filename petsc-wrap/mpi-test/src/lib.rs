@@ -90,7 +90,7 @@ impl<T> Suite<T> {
                     let (pool, test) = (Arc::clone(&pool), full_name(group.module, name));
                     let name = format!("{test}::on_{ranks}_rank{}", if ranks == 1 { "" } else { "s" });
                     let timed = name.clone();
-                    let trial = Trial::test(name, move || times::timed(&timed, || pool.run(ranks, &test).map(Some)));
+                    let trial = Trial::test(name, move || pool.run(ranks, &test, &timed));
                     due.push((ranks, trial.with_ignored_flag(group.is_long)));
                 }
             }

@@ -14,6 +14,7 @@ use tempfile::TempDir;
 use crate::cores::Cores;
 use crate::launch::mpirun;
 use crate::message::{Order, Report, receive, send};
+use crate::times;
 use crate::worker::ROLE;
 
 /// Longer than any test takes on a busy machine.
@@ -36,11 +37,9 @@ impl Pool {
         Self { cores, shows_output, idle: Mutex::default() }
     }
 
-    /// Runs a test on so many ranks, once there are cores for them.
-    ///
-    /// Returns what they have taken of the processor, s.
-    pub fn run(&self, count: usize, test: &str) -> Result<f64, Failed> {
-        self.cores.with(count, || {
+    /// Runs a test on so many ranks, once there are cores for them, and notes its times under `name`.
+    pub fn run(&self, count: usize, test: &str, name: &str) -> Result<(), Failed> {
+        let run = || {
             let waiting = self.idle().get_mut(&count).and_then(Vec::pop);
             let mut ranks = match waiting {
                 Some(ranks) => ranks,
@@ -50,8 +49,9 @@ impl Pool {
             };
             let processor = ranks.run(test)?;
             self.idle().entry(count).or_default().push(ranks);
-            Ok(processor)
-        })
+            Ok(Some(processor))
+        };
+        self.cores.with(count, || times::timed(name, run))
     }
 
     /// Ends all ranks that wait.
