@@ -11,10 +11,10 @@ use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
 use ricochet::contact::zener;
 
+/// On one rank: other tests show that the series are the same on several.
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![the_equation_is_that_of_the_table, force_histories];
 
-/// On one rank: other tests show that the series are the same on several.
 /// Step of the equation in its own time.
 const STEP: f64 = 1e-3;
 

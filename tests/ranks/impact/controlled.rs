@@ -15,11 +15,11 @@ use ricochet::impact::checkpoint::Checkpoint;
 use ricochet::impact::step::Step;
 use ricochet::record::episodes::{Episode, Episodes};
 
+/// On one rank: other tests show that the series are the same on several.
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] =
     tests![the_tolerance_is_met_with_fewer_solves, an_interruption_between_steps_has_a_checkpoint];
 
-/// On one rank: other tests show that the series are the same on several.
 /// The paper's plate of 0.04 m on a coarse mesh: the error meant is that of the steps.
 const PLATE: &str = "size = [1.5, 1.5, 0.04]\ncells = [10, 10, 1]\ngrading = [8, 8, 1]";
 

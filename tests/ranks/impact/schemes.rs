@@ -10,6 +10,7 @@ use ricochet::contact::hertz;
 use ricochet::impact::step::Step;
 use ricochet::record::episodes::Episodes;
 
+/// On one rank: other tests show that the series are the same on several.
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![
     the_energy_scheme_keeps_the_total,
@@ -17,7 +18,6 @@ pub const TESTS: &[Test<Session>] = tests![
     the_ledger_closes_for_every_scheme
 ];
 
-/// On one rank: other tests show that the series are the same on several.
 /// The paper's plate of 0.04 m on a mesh that is coarse: what is conserved is so on any.
 const PLATE: &str = "size = [1.5, 1.5, 0.04]\ncells = [8, 8, 1]\ngrading = [6, 6, 1]";
 

@@ -7,10 +7,10 @@ use petsc_wrap::{Matrix, Session, Vector};
 use ricochet::impact::step::Step;
 use ricochet::impact::{Impact, State};
 
+/// On one rank: the first test wants its matrices whole, and other tests show that the series are the same on several.
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![free_vibration, order_in_contact];
 
-/// On one rank: the first test wants its matrices whole, and other tests show that the series are the same on several.
 /// A scene: what is special in `body` and `rest` (supports and loads), in `impactor` and in `time`.
 fn scene(body: &str, rest: &str, impactor: &str, time: &str) -> String {
     format!(

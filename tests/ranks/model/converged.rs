@@ -11,11 +11,11 @@ use petsc_wrap::{Comm, Session};
 use ricochet::impact::step::Step;
 use ricochet::record::episodes::Episodes;
 
+/// On one rank: other tests show that the series are the same on several.
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![thickest_plate, radius_does_not_matter, an_impact_off_the_centre_converges];
 pub const LONG: &[Test<Session>] = tests![thinner_plates, radius_and_mesh_do_not_matter, radii_agree_off_the_centre];
 
-/// On one rank: other tests show that the series are the same on several.
 /// A plate of physics' table of converged answers.
 struct Plate {
     size: &'static str,

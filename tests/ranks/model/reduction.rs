@@ -6,12 +6,12 @@ use mpi_test::{Test, tests};
 use petsc_wrap::Session;
 use ricochet::scene::{Newton, Reduction, Scene, Solver};
 
+/// On one rank: bases are tested on several with the bodies they are made of.
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] =
     tests![the_estimate_is_the_error, a_free_body_keeps_its_motion, loads_leave_the_force_its_vectors];
 pub const LONG: &[Test<Session>] = tests![the_estimate_is_the_error_on_more_plates];
 
-/// On one rank: bases are tested on several with the bodies they are made of.
 /// The paper's plates in coarse quadratic hexahedra; both runs by Newmark's method at the same step, so that the basis is the only
 /// difference. Steps and mesh need not be fine for that.
 fn scene(size: &str, cells: &str, supports: &str) -> Scene {

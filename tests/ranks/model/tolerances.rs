@@ -5,11 +5,11 @@ use crate::modelled::{Ran, run};
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
 
+/// On one rank: all have the same of what is here.
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![first_contacts_are_within_their_tolerance];
 pub const LONG: &[Test<Session>] = tests![first_contacts_on_more_supports];
 
-/// On one rank: all have the same of what is here.
 /// A plate a little beyond its first contact.
 fn of(comm: &Comm, (size, stiffness, end): (&str, f64, f64), model: &str, tolerance: f64) -> Ran {
     let body = format!("model = \"{model}\"\nsize = {size}");

@@ -5,10 +5,10 @@ use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
 use ricochet::impact::step::Step;
 
+/// On one rank: other tests show that the series are the same on several.
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![bounces];
 
-/// On one rank: other tests show that the series are the same on several.
 const END: f64 = 8e-3;
 
 fn solve(comm: &Comm, scheme: &str, step: f64) -> Vec<Step> {

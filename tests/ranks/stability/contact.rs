@@ -5,10 +5,10 @@ use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
 use ricochet::contact::hertz;
 
+/// On one rank: a single cell has no more to share.
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![restitution_on_a_rigid_wall];
 
-/// On one rank: a single cell has no more to share.
 /// Contact stiffness, N/m^1.5, of a mass of 1 kg at 1 m/s.
 const STIFFNESS: f64 = 1e10;
 

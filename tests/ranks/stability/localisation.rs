@@ -11,10 +11,10 @@ use ricochet::error::Error;
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
 
+/// On one rank: other tests show that the series are the same on several.
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![point_and_patch, patch_below_the_contact];
 
-/// On one rank: other tests show that the series are the same on several.
 /// Largest acceleration of the paper's impactor (m/s²) on its plate of 0.1 m, by a quarter.
 fn peak(comm: &Comm, body: &str, time: &str, contact: &str) -> f64 {
     let body = format!("size = [1.5, 1.5, 0.1]\nsymmetry = \"quarter\"\n{body}");

@@ -10,10 +10,10 @@ use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
 use ricochet::solve::linear::{Method, solver};
 
+/// On one rank: a static problem, whose assembly other tests compare on several.
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![thin_clamped_plate];
 
-/// On one rank: a static problem, whose assembly other tests compare on several.
 const YOUNG: f64 = 70e9;
 const POISSON: f64 = 0.3;
 /// Of the top, N/m².

@@ -6,10 +6,10 @@ use petsc_wrap::{Comm, Session};
 use ricochet::contact::hertz;
 use ricochet::record::episodes::Episodes;
 
+/// On one rank: a single cell has no more to share.
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![orders_through_a_hit];
 
-/// On one rank: a single cell has no more to share.
 /// Contact stiffness, N/m^1.5, of a mass of 1 kg at 1 m/s.
 const STIFFNESS: f64 = 1e10;
 

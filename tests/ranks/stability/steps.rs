@@ -15,6 +15,7 @@ use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
 use ricochet::scheme::critical_frequency;
 
+/// On one rank: other tests show that limits and series are the same on several.
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![
     limit_of_the_central_difference,
@@ -24,7 +25,6 @@ pub const TESTS: &[Test<Session>] = tests![
     row_sums_of_quadratic_tetrahedra
 ];
 
-/// On one rank: other tests show that limits and series are the same on several.
 /// Steps of a run: at 1.001 of a limit a vibration's energy grows by e^0.18 in each.
 const STEPS: usize = 300;
 
