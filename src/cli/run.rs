@@ -209,8 +209,8 @@ fn solve(
             summary.print(&episodes, &cost, &judged, output);
             if missed {
                 tell(format_args!(
-                    "note: the estimated error of the whole history is above accuracy.tolerance = {:e}, which is for the first contact: what comes \
-                     after it may hang by a hair, such as whether the bodies touch again. A smaller one tells what the history tends to",
+                    "note: the estimated error of the whole history is above accuracy.tolerance = {:e}, which is for the first contact: later contacts are \
+                     sensitive; tighten the tolerance to check them",
                     scene.tolerance
                 ));
             }
