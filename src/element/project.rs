@@ -7,8 +7,8 @@ use super::{Element, Shape, table};
 /// The point of a facet closest to `p`: its reference coordinates and its distance.
 ///
 /// `x` are the facet's vertices. A triangle's answer is exact (Ericson, Real-Time Collision Detection, 2005, 5.1.5). A
-/// quadrilateral is a bilinear patch and the squared distance may have several minima: a Gauss–Newton
-/// iteration inside the facet's bounds runs from each vertex and the best end is taken.
+/// quadrilateral is a bilinear patch and the squared distance may have several minima: Newton's iteration inside the
+/// facet's bounds runs from vertices, midpoints of edges and the centre, and the best end is taken.
 ///
 /// # Panics
 /// If `shape` is not a facet's.
@@ -92,7 +92,7 @@ impl Patch {
 }
 
 fn closest_on_patch(patch: &Patch, p: Vector3<f64>) -> (Vector2<f64>, f64) {
-    let starts = [-1., 1.];
+    let starts = [-1., 0., 1.];
     starts
         .into_iter()
         .flat_map(|s| starts.map(|t| Vector2::new(s, t)))
@@ -108,15 +108,16 @@ fn closest_on_patch(patch: &Patch, p: Vector3<f64>) -> (Vector2<f64>, f64) {
 fn descend(patch: &Patch, p: Vector3<f64>, mut xi: Vector2<f64>) -> Vector2<f64> {
     let square = |xi| (patch.position(xi) - p).norm_squared();
     let mut value = square(xi);
-    // Near the facet about five steps, as the residual is small; more where p is as far as the radius of curvature.
+    // About five steps; more where p is as far as the radius of curvature, and the minimum flat.
     for _ in 0..100 {
-        let mut next = gauss_newton(patch, p, xi);
-        let mut reached = square(next);
         // Rounding of the distance must not refuse the last steps, which still gain digits of ξ.
-        if reached.is_nan() || reached > value * (1. + 1e-14) {
-            next = sweep(patch, p, xi);
-            reached = square(next);
-        }
+        let descends = |next: &Vector2<f64>| square(*next) <= value * (1. + 1e-14);
+        let next = [Curvature::Kept, Curvature::Dropped]
+            .into_iter()
+            .map(|curvature| newton(patch, p, xi, curvature))
+            .find(descends)
+            .unwrap_or_else(|| sweep(patch, p, xi));
+        let reached = square(next);
         let step = (next - xi).amax();
         (xi, value) = (next, reached);
         if step <= 4. * f64::EPSILON {
@@ -126,24 +127,40 @@ fn descend(patch: &Patch, p: Vector3<f64>, mut xi: Vector2<f64>) -> Vector2<f64>
     xi
 }
 
-/// One Gauss–Newton step for the coordinates that are free to move, cut off at the bounds.
-fn gauss_newton(patch: &Patch, p: Vector3<f64>, xi: Vector2<f64>) -> Vector2<f64> {
+/// What becomes of the patch's own curvature in the second derivatives of the squared distance.
+#[derive(Clone, Copy, PartialEq)]
+enum Curvature {
+    /// Newton's method: quadratic at every strict minimum.
+    Kept,
+    /// The Gauss–Newton method, whose matrix is positive definite wherever the tangents are independent.
+    Dropped,
+}
+
+/// One step for the coordinates that are free to move, cut off at the bounds. Not a number where the matrix is not
+/// positive definite, so that the step would not lead down.
+fn newton(patch: &Patch, p: Vector3<f64>, xi: Vector2<f64>, curvature: Curvature) -> Vector2<f64> {
     let residual = patch.position(xi) - p;
     let tangents = patch.tangents(xi);
     let gradient = tangents.transpose() * residual;
     let held = [0, 1].map(|d| xi[d].abs() >= 1. && xi[d] * gradient[d] <= 0.);
-    let hessian = tangents.transpose() * tangents;
+    let mut hessian = tangents.transpose() * tangents;
+    if curvature == Curvature::Kept {
+        // ∂²x/∂ξ₁∂ξ₂ is the twist; along one coordinate the patch is straight.
+        let bend = patch.twist.dot(&residual);
+        hessian[(0, 1)] += bend;
+        hessian[(1, 0)] += bend;
+    }
     let mut step = -gradient;
     if held == [false; 2] {
-        // A singular matrix gives no number, which the caller refuses.
-        step = hessian.try_inverse().map_or(Vector2::repeat(f64::NAN), |inverse| inverse * step);
+        let inverse = hessian.try_inverse().filter(|_| hessian.determinant() > 0.);
+        step = inverse.map_or(Vector2::repeat(f64::NAN), |inverse| inverse * step);
     } else {
-        // Along one coordinate the patch is straight.
         for d in [0, 1] {
             step[d] = if held[d] { 0. } else { step[d] / hessian[(d, d)] };
         }
     }
-    (xi + step).map(|x| x.clamp(-1., 1.))
+    // The bounds would make a number of what is none.
+    if step.iter().all(|x| x.is_finite()) { (xi + step).map(|x| x.clamp(-1., 1.)) } else { step }
 }
 
 /// The exact minimum along ξ₁, then along ξ₂: the patch is straight along either, so this never climbs.

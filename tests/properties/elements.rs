@@ -216,6 +216,21 @@ proptest! {
     }
 }
 
+/// A patch and a point that lies as far from it as its centre of curvature, to a thousandth, so that the minimum is
+/// nearly flat: without the patch's curvature an iteration closes a few per cent of the gap a step.
+#[test]
+fn a_nearly_flat_minimum_is_found() {
+    let x = [
+        [-0.9375782267847436, -0.8891324524609358, 0.4951566526372369],
+        [0.49498072088681333, -0.4696389643601271, -0.28428309878914326],
+        [0.5848539729508343, 1.355590266844008, 0.6041870280572129],
+        [-1.4097304402682085, 0.8041174353689367, 0.3990365152421126],
+    ];
+    let p = [1.0443553207103025, -0.6590020816873277, 2.834091991156122];
+    let (xi, distance) = closest(Shape::Quadrilateral, &x, p);
+    beats_every_sample(Shape::Quadrilateral, &x, p).unwrap_or_else(|e| panic!("{xi:?} {distance}: {e}"));
+}
+
 fn beats_every_sample(shape: Shape, x: &[[f64; 3]], p: [f64; 3]) -> Result<(), TestCaseError> {
     const SAMPLES: usize = 40;
     let (xi, distance) = closest(shape, x, p);
