@@ -2,14 +2,20 @@
 
 use std::process::ExitCode;
 
+#[path = "../petsc-wrap/tests/problems/chain.rs"]
+mod chain;
+#[path = "../petsc-wrap/tests/problems/separable.rs"]
+mod separable;
+
+use chain::{LOCAL, error_of_solve, laplacian};
 use petsc_wrap::{Error, Insert, Int, Ksp, Matrix, MatrixView, Session, Vector, VectorView};
 use ricochet::solve::Newton;
 use ricochet::solve::linear::{Method, is_direct, solver};
+use separable::{jacobian, residual};
 
 fn start() -> Session {
-    let limited = "-cg_ksp_type cg -cg_pc_type jacobi -cg_ksp_rtol 1e-12 -cg_ksp_max_it 3";
-    let others = "-factor_ksp_type preonly -factor_pc_type redundant -gmres_ksp_type gmres -gmres_ksp_rtol 1e-11 -gmres_pc_type jacobi";
-    let words: Vec<String> = [limited, others].iter().flat_map(|line| line.split(' ')).map(String::from).collect();
+    let line = "-factor_ksp_type preonly -factor_pc_type redundant -gmres_ksp_type gmres -gmres_ksp_rtol 1e-11 -gmres_pc_type jacobi";
+    let words: Vec<String> = line.split(' ').map(String::from).collect();
     Session::start(&words).expect("the first session").expect("PETSc starts")
 }
 
@@ -26,38 +32,6 @@ fn main() -> ExitCode {
             ("a_factor_that_is_no_help_is_replaced", a_factor_that_is_no_help_is_replaced),
         ],
     )
-}
-
-const LOCAL: usize = 40;
-
-/// tridiag(−1, 2, −1) with `ends` in the first and last place of the diagonal.
-fn laplacian(session: &Session, ends: f64) -> Matrix {
-    let counts = (vec![3; LOCAL], vec![1; LOCAL]);
-    let mut matrix = Matrix::aij(&session.world(), (LOCAL, LOCAL), &counts.0, &counts.1).unwrap();
-    let n = (LOCAL * session.world().size()) as Int;
-    for i in matrix.row_range() {
-        let columns: Vec<Int> = (i - 1..=i + 1).filter(|j| (0..n).contains(j)).collect();
-        let diagonal = if i == 0 || i == n - 1 { ends } else { 2.0 };
-        let values: Vec<f64> = columns.iter().map(|&j| if j == i { diagonal } else { -1.0 }).collect();
-        matrix.set_values(&[i], &columns, &values, Insert::Replace).unwrap();
-    }
-    matrix.assemble().unwrap();
-    matrix.declare_positive_definite().unwrap();
-    matrix
-}
-
-fn error_of_solve(session: &Session, ksp: &mut Ksp, matrix: &Matrix) -> f64 {
-    let mut exact = Vector::new(&session.world(), LOCAL).unwrap();
-    let begin = exact.range().start as usize;
-    for (i, value) in exact.write().unwrap().iter_mut().enumerate() {
-        *value = ((begin + i) as f64).sin();
-    }
-    let mut b = exact.duplicate().unwrap();
-    let mut x = exact.duplicate().unwrap();
-    matrix.mult(&exact, &mut b).unwrap();
-    ksp.solve(&b, &mut x).unwrap();
-    x.axpy(-1.0, &exact).unwrap();
-    x.norm_max().unwrap()
 }
 
 fn the_default_is_direct(session: &Session) {
@@ -114,22 +88,6 @@ fn methods_and_options_in_their_place(session: &Session) {
 /// Separable equations, three on each rank.
 const EQUATIONS: usize = 3;
 const TOLERANCE: f64 = 1e-12;
-
-fn residual(x: &VectorView, f: &mut VectorView, g: fn(f64) -> f64) -> petsc_wrap::Result<()> {
-    let x = x.read()?;
-    for (f, x) in f.write()?.iter_mut().zip(x.iter()) {
-        *f = g(*x);
-    }
-    Ok(())
-}
-
-fn jacobian(x: &VectorView, matrix: &mut MatrixView, slope: fn(f64) -> f64) -> petsc_wrap::Result<()> {
-    for (i, x) in x.range().zip(x.read()?.iter()) {
-        matrix.set_values(&[i], &[i], &[slope(*x)], Insert::Replace)?;
-    }
-    matrix.assemble()?;
-    matrix.declare_positive_definite()
-}
 
 /// A solver, and its start at x = 2, for separable equations g(x_i) = 0.
 fn newton(session: &Session, iterations: usize) -> (Newton, Vector) {

@@ -66,11 +66,11 @@ impl Comm {
         all
     }
 
-    /// The values of rank 0 in place of each rank's own. Collective.
+    /// Replaces each rank's values by those of rank 0. Collective.
     ///
     /// # Panics
     /// When the ranks have not as many values as rank 0, on every rank.
-    pub fn take_of_root(&self, values: &mut [f64]) {
+    pub fn broadcast_from_root(&self, values: &mut [f64]) {
         let (mine, mut least, mut most) = (values.len() as u64, 0, 0);
         self.mpi.all_reduce_into(&mine, &mut least, SystemOperation::min());
         self.mpi.all_reduce_into(&mine, &mut most, SystemOperation::max());

@@ -46,7 +46,7 @@ pub use pc::Pc;
 pub use petsc_sys as sys;
 pub use plex::{CellType, Numbering, Plex};
 pub use session::{Session, petsc_version};
-pub use snes::{Lag, Outcome, Progress, Snes, SnesTolerances, Trial};
+pub use snes::{CallbackResult, Lag, Progress, Snes, SnesTolerances, Trial};
 pub use vector::{ReadGuard, Vector, VectorView, WriteGuard};
 
 /// PETSc's index type: 32 or 64 bits, as PETSc was built.

@@ -62,7 +62,7 @@ impl Pc<'_> {
     ///
     /// # Errors
     /// Another method; a solver without its operators; PETSc's.
-    pub fn of_each(&mut self) -> Result<Pc<'_>> {
+    pub fn redundant_pc(&mut self) -> Result<Pc<'_>> {
         let (mut operator, mut matrix) = (sys::FALSE, sys::FALSE);
         // SAFETY: the preconditioner is valid here and below.
         check(unsafe { sys::PCGetOperatorsSet(self.raw, &raw mut operator, &raw mut matrix) })?;

@@ -122,7 +122,7 @@
 //! ```
 //! fn choose(ksp: &mut petsc_wrap::Ksp) {
 //!     let mut pc = ksp.pc().unwrap();
-//!     pc.of_each().unwrap().set_type("lu").unwrap();
+//!     pc.redundant_pc().unwrap().set_type("lu").unwrap();
 //!     pc.set_type("jacobi").unwrap();
 //! }
 //! ```
@@ -130,7 +130,7 @@
 //! ```compile_fail,E0499
 //! fn choose(ksp: &mut petsc_wrap::Ksp) {
 //!     let mut pc = ksp.pc().unwrap();
-//!     let mut each = pc.of_each().unwrap();
+//!     let mut each = pc.redundant_pc().unwrap();
 //!     pc.set_type("jacobi").unwrap();
 //!     each.set_type("lu").unwrap();
 //! }

@@ -2,6 +2,8 @@
 
 use std::process::{ExitCode, Stdio};
 
+use mpi_test::{PlainSuite, PlainTest};
+
 /// Names an example to the processes under mpirun.
 const EXAMPLE: &str = "PETSC_WRAP_EXAMPLE";
 
@@ -26,22 +28,29 @@ const EXAMPLES: [(&str, Example); 5] = [
     ("ranks", ranks::main),
 ];
 
+const TESTS: &[PlainTest] = &[
+    ("bratu", || on_ranks("bratu")),
+    ("mesh", || on_ranks("mesh")),
+    ("options", || on_ranks("options")),
+    ("poisson", || on_ranks("poisson")),
+    ("ranks", || on_ranks("ranks")),
+];
+
 fn main() -> ExitCode {
     if let Ok(chosen) = std::env::var(EXAMPLE) {
         let (_, run) = EXAMPLES.iter().find(|(name, _)| *name == chosen).expect("an example");
         run().expect("the example runs");
         return ExitCode::SUCCESS;
     }
+    PlainSuite::default().group("examples", TESTS).run()
+}
+
+/// Runs an example under mpirun.
+fn on_ranks(example: &str) {
     let program = std::env::current_exe().expect("the path of the test program");
-    let mut failed = 0;
-    for (name, _) in EXAMPLES {
-        for ranks in [1, 2] {
-            // mpirun would read what is meant for whoever runs the tests.
-            let status = mpi_test::mpirun(ranks).arg(&program).env(EXAMPLE, name).stdin(Stdio::null()).status();
-            let is_ok = status.is_ok_and(|status| status.success());
-            println!("test {name} on {ranks} rank(s) ... {}", if is_ok { "ok" } else { "FAILED" });
-            failed += u8::from(!is_ok);
-        }
+    for ranks in [1, 2] {
+        // mpirun would read what is meant for whoever runs the tests.
+        let status = mpi_test::mpirun(ranks).arg(&program).env(EXAMPLE, example).stdin(Stdio::null()).status();
+        assert!(status.is_ok_and(|status| status.success()), "{example} on {ranks} rank(s)");
     }
-    ExitCode::from(failed)
 }

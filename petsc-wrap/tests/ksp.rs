@@ -2,6 +2,10 @@
 
 use std::process::ExitCode;
 
+#[path = "problems/chain.rs"]
+mod chain;
+
+use chain::{LOCAL, error_of_solve, laplacian};
 use petsc_wrap::{Diverged, Error, Insert, Int, Ksp, Matrix, ResidualNorm, Session, Tolerances, Vector, options};
 
 fn start() -> Session {
@@ -28,24 +32,6 @@ fn main() -> ExitCode {
     )
 }
 
-const LOCAL: usize = 40;
-
-/// tridiag(−1, 2, −1) with `ends` in the first and last place of the diagonal.
-fn laplacian(session: &Session, ends: f64) -> Matrix {
-    let counts = (vec![3; LOCAL], vec![1; LOCAL]);
-    let mut matrix = Matrix::aij(&session.world(), (LOCAL, LOCAL), &counts.0, &counts.1).unwrap();
-    let n = (LOCAL * session.world().size()) as Int;
-    for i in matrix.row_range() {
-        let columns: Vec<Int> = (i - 1..=i + 1).filter(|j| (0..n).contains(j)).collect();
-        let diagonal = if i == 0 || i == n - 1 { ends } else { 2.0 };
-        let values: Vec<f64> = columns.iter().map(|&j| if j == i { diagonal } else { -1.0 }).collect();
-        matrix.set_values(&[i], &columns, &values, Insert::Replace).unwrap();
-    }
-    matrix.assemble().unwrap();
-    matrix.declare_positive_definite().unwrap();
-    matrix
-}
-
 /// Conjugate gradients, preconditioned with the diagonal, to a relative residual of 1e-12.
 fn gradients(matrix: &Matrix) -> Ksp {
     let mut ksp = Ksp::new(matrix.comm()).unwrap();
@@ -54,20 +40,6 @@ fn gradients(matrix: &Matrix) -> Ksp {
     ksp.pc().unwrap().set_type("jacobi").unwrap();
     ksp.set_tolerances(Tolerances { relative: Some(1e-12), ..Default::default() }).unwrap();
     ksp
-}
-
-fn error_of_solve(session: &Session, ksp: &mut Ksp, matrix: &Matrix) -> f64 {
-    let mut exact = Vector::new(&session.world(), LOCAL).unwrap();
-    let begin = exact.range().start as usize;
-    for (i, value) in exact.write().unwrap().iter_mut().enumerate() {
-        *value = ((begin + i) as f64).sin();
-    }
-    let mut b = exact.duplicate().unwrap();
-    let mut x = exact.duplicate().unwrap();
-    matrix.mult(&exact, &mut b).unwrap();
-    ksp.solve(&b, &mut x).unwrap();
-    x.axpy(-1.0, &exact).unwrap();
-    x.norm_max().unwrap()
 }
 
 fn methods_solve_to_their_tolerance(session: &Session) {
@@ -107,10 +79,10 @@ fn each_rank_has_a_factor_of_all(session: &Session) {
     ksp.set_type("preonly").unwrap();
     ksp.pc().unwrap().set_type("redundant").unwrap();
     // PETSc would look at a matrix that is not there.
-    assert!(matches!(ksp.pc().unwrap().of_each().err(), Some(Error::Invalid { .. })));
+    assert!(matches!(ksp.pc().unwrap().redundant_pc().err(), Some(Error::Invalid { .. })));
     ksp.set_operators(&matrix, &matrix).unwrap();
     let mut pc = ksp.pc().unwrap();
-    let mut each = pc.of_each().unwrap();
+    let mut each = pc.redundant_pc().unwrap();
     each.set_type("cholesky").unwrap();
     each.set_factor_package("petsc").unwrap();
     assert_eq!(each.type_name().unwrap(), "cholesky");
@@ -118,7 +90,7 @@ fn each_rank_has_a_factor_of_all(session: &Session) {
     assert!(error_of_solve(session, &mut ksp, &matrix) < 1e-12);
     // Another method has none.
     ksp.pc().unwrap().set_type("jacobi").unwrap();
-    assert!(matches!(ksp.pc().unwrap().of_each().err(), Some(Error::Petsc { .. })));
+    assert!(matches!(ksp.pc().unwrap().redundant_pc().err(), Some(Error::Petsc { .. })));
 }
 
 fn a_guess_is_used_or_not(session: &Session) {
@@ -152,7 +124,7 @@ fn options_choose_by_prefix_and_divergence_is_told(session: &Session) {
     assert!(failure.norm > 0.0);
 }
 
-/// Entries [0 1; 1 0]: a zero pivot.
+/// Entries diag(0, 1): a zero pivot.
 fn a_singular_matrix_is_told(session: &Session) {
     let alone = session.alone();
     let matrix = Matrix::csr(&alone, &[0, 1, 2], &[0, 1], &[0.0, 1.0]).unwrap();

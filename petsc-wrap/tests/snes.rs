@@ -2,9 +2,13 @@
 
 use std::process::ExitCode;
 
+#[path = "problems/separable.rs"]
+mod separable;
+
 use petsc_wrap::{
     Error, Insert, Int, Lag, Matrix, MatrixView, Session, Snes, SnesTolerances, Tolerances, Vector, VectorView, options,
 };
+use separable::{jacobian, residual};
 
 fn start() -> Session {
     Session::start(&[]).expect("the first session").expect("PETSc starts")
@@ -57,22 +61,6 @@ fn solver(session: &Session, iterations: usize) -> (Snes, Vector) {
     .unwrap();
     snes.set_jacobian(jacobian).unwrap();
     (snes, x)
-}
-
-fn residual(x: &VectorView, f: &mut VectorView, g: fn(f64) -> f64) -> petsc_wrap::Result<()> {
-    let x = x.read()?;
-    for (f, x) in f.write()?.iter_mut().zip(x.iter()) {
-        *f = g(*x);
-    }
-    Ok(())
-}
-
-fn jacobian(x: &VectorView, matrix: &mut MatrixView, slope: fn(f64) -> f64) -> petsc_wrap::Result<()> {
-    for (i, x) in x.range().zip(x.read()?.iter()) {
-        matrix.set_values(&[i], &[i], &[slope(*x)], Insert::Replace)?;
-    }
-    matrix.assemble()?;
-    matrix.declare_positive_definite()
 }
 
 fn newton_converges_quadratically(session: &Session) {
@@ -228,7 +216,7 @@ fn a_solve_without_a_search_of_its_own(session: &Session) {
 /// One factor for all Jacobians is the chord method, which is linear; a new one for each is quadratic.
 fn a_preconditioner_lags_as_it_is_told(session: &Session) {
     let mut iterations = [0, 0];
-    for (lag, iterations) in [Lag::Every(1), Lag::Once].into_iter().zip(&mut iterations) {
+    for (lag, iterations) in [Lag::Every(1), Lag::RebuildThenKeep].into_iter().zip(&mut iterations) {
         let (mut snes, mut x) = solver(session, 100);
         snes.ksp().unwrap().set_type("preonly").unwrap();
         let mut linear = Vec::new();

@@ -222,7 +222,7 @@ impl Krylov {
             patch: body.localization.patch,
         };
         // Sums over ranks may differ in their last digits, and with them the decisions that follow from them.
-        projection.numbers().for_each(|numbers| body.comm().take_of_root(numbers));
+        projection.numbers().for_each(|numbers| body.comm().broadcast_from_root(numbers));
         Ok(projection)
     }
 }

@@ -63,7 +63,7 @@ impl Merged {
                 gram[(j, i)] = gram[(i, j)];
             }
         }
-        body.comm().take_of_root(gram.as_mut_slice());
+        body.comm().broadcast_from_root(gram.as_mut_slice());
         let eigen = SymmetricEigen::new(gram);
         let mut order: Vec<usize> = (0..count).collect();
         order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
@@ -144,6 +144,6 @@ fn project(body: &Body, basis: &[Vector]) -> Result<Projection> {
         copies: body.copies,
         patch: body.localization.patch,
     };
-    projection.numbers().for_each(|numbers| body.comm().take_of_root(numbers));
+    projection.numbers().for_each(|numbers| body.comm().broadcast_from_root(numbers));
     Ok(projection)
 }

@@ -14,7 +14,7 @@ use crate::record::provenance::{Cost, Provenance};
 use crate::record::read::origin;
 use crate::record::series::SeriesWriter;
 use crate::scene::{Scene, Source};
-use crate::study::chart::{Outcome, Timed, history, spent, time};
+use crate::study::chart::{Attempt, Timed, history, spent, time};
 
 use super::provenance::provenance;
 
@@ -44,7 +44,7 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// What is no fault of the settings.
-    pub fn outcome(&self, method: &str, settings: &[String], repeated: bool) -> Result<Option<Outcome>> {
+    pub fn outcome(&self, method: &str, settings: &[String], repeated: bool) -> Result<Option<Attempt>> {
         let (scene, source) =
             match Scene::within(self.source.name(), self.source.folder(), self.source.text(), settings) {
                 Ok(scene) => scene,
@@ -72,7 +72,7 @@ impl<'a> Bench<'a> {
     }
 
     /// What is known of a run, if it was made on as many ranks, with the same options.
-    fn kept(&self, name: &str, (scene, source): (&Scene, &Source), repeated: bool) -> Result<Option<Outcome>> {
+    fn kept(&self, name: &str, (scene, source): (&Scene, &Source), repeated: bool) -> Result<Option<Attempt>> {
         let own = self.folder.as_ref().and_then(|(path, _)| self.read(&path.join(name), (scene, source), repeated));
         let told = match &own {
             None => String::new(),
@@ -91,7 +91,7 @@ impl<'a> Bench<'a> {
         })
     }
 
-    fn read(&self, path: &Path, (scene, source): (&Scene, &Source), repeated: bool) -> Option<Outcome> {
+    fn read(&self, path: &Path, (scene, source): (&Scene, &Source), repeated: bool) -> Option<Attempt> {
         let failed = std::fs::read_to_string(path.with_extension("h5.txt")).ok();
         if let Some(reason) = failed.as_deref().and_then(|text| text.strip_prefix(&self.headed(source).ok()?)) {
             return Some(Err(reason.trim_end().to_owned()));

@@ -54,11 +54,11 @@ pub(super) struct Canvas<'a, DB: DrawingBackend> {
 /// A drawing for any canvas.
 pub(super) trait Drawing {
     /// Draws it.
-    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Outcome;
+    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn;
 }
 
 /// An error of plotters as text.
-pub(super) type Outcome = std::result::Result<(), String>;
+pub(super) type Drawn = std::result::Result<(), String>;
 
 /// Draws to the file `out`, SVG or PNG by its extension.
 pub(super) fn save(drawing: &impl Drawing, out: &Path) -> Result<()> {
@@ -133,7 +133,7 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
         })
     }
 
-    fn finish(self, drawing: &impl Drawing) -> Outcome {
+    fn finish(self, drawing: &impl Drawing) -> Drawn {
         drawing.draw(&self)?;
         self.area.present().map_err(|e| e.to_string())
     }
@@ -145,7 +145,7 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
     }
 
     /// A line through points from [`Self::point`].
-    pub fn line(&self, points: &[Point], stroke: &Stroke) -> Outcome {
+    pub fn line(&self, points: &[Point], stroke: &Stroke) -> Drawn {
         if stroke.dashes.is_empty() {
             return self.solid(points, stroke);
         }
@@ -154,7 +154,7 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
         dashed(points, &lengths).iter().try_for_each(|piece| self.solid(piece, stroke))
     }
 
-    fn solid(&self, points: &[Point], stroke: &Stroke) -> Outcome {
+    fn solid(&self, points: &[Point], stroke: &Stroke) -> Drawn {
         let width = (stroke.width * self.scale).round().max(1.0) as u32;
         let style = stroke.colour.stroke_width(width);
         let draw = |points: &[Point]| self.area.draw(&PathElement::new(points, style)).map_err(|e| e.to_string());
@@ -173,20 +173,20 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
     }
 
     /// A filled rectangle between two corners.
-    pub fn rectangle(&self, from: (f64, f64), to: (f64, f64), colour: RGBColor) -> Outcome {
+    pub fn rectangle(&self, from: (f64, f64), to: (f64, f64), colour: RGBColor) -> Drawn {
         let corners = [self.point(from.0, from.1), self.point(to.0, to.1)];
         self.area.draw(&Rectangle::new(corners, colour.filled())).map_err(|e| e.to_string())
     }
 
     /// A filled circle.
-    pub fn dot(&self, middle: (f64, f64), radius: f64, colour: RGBColor) -> Outcome {
+    pub fn dot(&self, middle: (f64, f64), radius: f64, colour: RGBColor) -> Drawn {
         let radius = (radius * self.scale).round() as i32;
         let circle = Circle::new(self.point(middle.0, middle.1), radius, colour.filled());
         self.area.draw(&circle).map_err(|e| e.to_string())
     }
 
     /// A text of one line with letters of `size`.
-    pub fn text(&self, text: &str, at: (f64, f64), size: f64, anchor: Anchor) -> Outcome {
+    pub fn text(&self, text: &str, at: (f64, f64), size: f64, anchor: Anchor) -> Drawn {
         let shift = self.text_shift * size;
         let (at, transform, side) = match anchor {
             Anchor::Left => ((at.0, at.1 + shift), FontTransform::None, HPos::Left),

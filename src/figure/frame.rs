@@ -1,6 +1,6 @@
 //! A part of the sheet with an axis each way.
 
-use super::canvas::{Anchor, Canvas, Outcome};
+use super::canvas::{Anchor, Canvas, Drawn};
 use super::scale::Scale;
 use super::stroke::Stroke;
 use plotters::backend::DrawingBackend;
@@ -34,7 +34,7 @@ impl Frame {
     }
 
     /// Lines across at the labelled ticks.
-    pub fn draw_grid<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Outcome {
+    pub fn draw_grid<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         for (place, _) in self.x.ticks().iter().filter(|tick| tick.1.is_some()) {
             let x = self.left + place * (self.right - self.left);
             line(canvas, (x, self.top), (x, self.bottom), &GRID)?;
@@ -47,7 +47,7 @@ impl Frame {
     }
 
     /// The frame and the ticks of both axes; labels at the horizontal one where `is_last`.
-    pub fn draw_axes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, is_last: bool) -> Outcome {
+    pub fn draw_axes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, is_last: bool) -> Drawn {
         for (place, label) in self.x.ticks() {
             let x = self.left + place * (self.right - self.left);
             let length = if label.is_some() { TICK } else { 0.5 * TICK };
@@ -80,6 +80,6 @@ pub(super) fn line<DB: DrawingBackend>(
     from: (f64, f64),
     to: (f64, f64),
     stroke: &Stroke,
-) -> Outcome {
+) -> Drawn {
     canvas.line(&[canvas.point(from.0, from.1), canvas.point(to.0, to.1)], stroke)
 }

@@ -1,7 +1,7 @@
 //! Acceleration of the impactor against time.
 
 use super::axis::Axis;
-use super::canvas::{Anchor, Canvas, Drawing, HEIGHT, Outcome, WIDTH, save};
+use super::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH, save};
 use super::stroke::{LOOKS, Stroke, stroke, thinned};
 use crate::error::{Error, Result};
 use plotters::backend::DrawingBackend;
@@ -84,7 +84,7 @@ impl Plot {
 }
 
 impl Drawing for Figure<'_> {
-    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Outcome {
+    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         let top = self.draw_legend(canvas)?;
         let plot = self.plot(canvas, top);
         draw_axes(canvas, &plot)?;
@@ -158,7 +158,7 @@ impl Figure<'_> {
     }
 
     /// Draws a row of bars a curve between the plot and its time axis' labels.
-    fn draw_contacts<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot) -> Outcome {
+    fn draw_contacts<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot) -> Drawn {
         let pitch = self.pitch();
         let top = plot.bottom + CONTACTS_GAP;
         let middle = 0.5 * (top + plot.foot) - 2.0;
@@ -196,7 +196,7 @@ impl Curve {
 }
 
 /// Grid, frame, ticks and titles of both axes.
-fn draw_axes<DB: DrawingBackend>(canvas: &Canvas<DB>, plot: &Plot) -> Outcome {
+fn draw_axes<DB: DrawingBackend>(canvas: &Canvas<DB>, plot: &Plot) -> Drawn {
     let line = |from: (f64, f64), to: (f64, f64), stroke| {
         canvas.line(&[canvas.point(from.0, from.1), canvas.point(to.0, to.1)], stroke)
     };

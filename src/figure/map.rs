@@ -1,7 +1,7 @@
 //! Values over steps, a row a scheme: heat maps side by side with a common scale.
 
 use super::axis::exponential;
-use super::canvas::{Anchor, Canvas, Drawing, HEIGHT, Outcome, WIDTH, save};
+use super::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH, save};
 use super::shade::{MISSING, shade};
 use super::stroke::Stroke;
 use crate::error::{Error, Result};
@@ -117,7 +117,7 @@ impl Plot {
 }
 
 impl Drawing for Map {
-    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Outcome {
+    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         let labels =
             self.rows.iter().map(|row| canvas.text_width(&row.label, LETTERS).max(canvas.text_width(&row.note, SMALL)));
         let first = MARGIN + labels.fold(0.0, f64::max) + 20.0;
@@ -147,7 +147,7 @@ impl Map {
         ((low / REACH).ln(), (high * REACH).ln())
     }
 
-    fn draw_panel<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot, panel: usize) -> Outcome {
+    fn draw_panel<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot, panel: usize) -> Drawn {
         let pitch = (BOTTOM - TOP) / self.rows.len() as f64;
         for (n, row) in self.rows.iter().enumerate() {
             let middle = TOP + (n as f64 + 0.5) * pitch;
@@ -177,7 +177,7 @@ impl Map {
     }
 
     /// Frame, ticks at powers of ten and the titles: steps below, steps a contact above.
-    fn draw_axes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot, title: &str) -> Outcome {
+    fn draw_axes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot, title: &str) -> Drawn {
         let line = |from: (f64, f64), to: (f64, f64)| {
             canvas.line(&[canvas.point(from.0, from.1), canvas.point(to.0, to.1)], &FRAME)
         };
@@ -216,7 +216,7 @@ impl Map {
     }
 
     /// The colours at the left, what is drawn over them at the right.
-    fn draw_legend<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Outcome {
+    fn draw_legend<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         let (y, height) = (HEIGHT - 62.0, 24.0);
         let (left, width) = (MARGIN + 24.0, 330.0);
         for n in 0..width as usize {
@@ -229,7 +229,7 @@ impl Map {
             canvas.text(&exponential(power), (x, y + 32.0), SMALL, Anchor::Centre)?;
         }
         let mut x = left + width + 50.0;
-        let mut entry = |text: &str, draw: &dyn Fn(f64) -> Outcome| -> Outcome {
+        let mut entry = |text: &str, draw: &dyn Fn(f64) -> Drawn| -> Drawn {
             draw(x)?;
             canvas.text(text, (x + 46.0, y), SMALL, Anchor::Left)?;
             x += 46.0 + canvas.text_width(text, SMALL) + 26.0;

@@ -1,6 +1,6 @@
 //! Work against precision: the time of each method's settings, and what they are off by.
 
-use super::canvas::{Anchor, Canvas, Drawing, HEIGHT, Outcome, WIDTH, save};
+use super::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH, save};
 use super::frame::{Frame, LETTERS, SMALL, line};
 use super::scale::Scale;
 use super::stroke::{COLOURS, LOOKS, Stroke, stroke};
@@ -113,7 +113,7 @@ impl Precision {
 }
 
 impl Drawing for Precision {
-    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Outcome {
+    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         let [times, errors] = self.scales();
         let width = 0.5 * (RIGHT - LEFT - GAP);
         canvas.text(&self.title, (0.5 * WIDTH, TITLE), LETTERS, Anchor::Centre)?;
@@ -138,7 +138,7 @@ impl Drawing for Precision {
 }
 
 impl Precision {
-    fn draw_panel<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame, panel: usize) -> Outcome {
+    fn draw_panel<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame, panel: usize) -> Drawn {
         // Where it is on the sheet: marks beyond the scale are at its edge.
         let at = |seconds: f64, error: f64| {
             (frame.at_x(seconds), frame.at_y(error.min(WORST)).clamp(frame.top, frame.bottom))
@@ -180,7 +180,7 @@ impl Precision {
         Ok(())
     }
 
-    fn draw_legend<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Outcome {
+    fn draw_legend<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         let count = self.methods.len() + 1;
         let rows = count.div_ceil(LEGEND_COLUMNS);
         let (width, height) =
@@ -204,7 +204,7 @@ fn draw_mark<DB: DrawingBackend>(
     (x, y): (f64, f64),
     (is_foreign, n): (bool, usize),
     colour: RGBColor,
-) -> Outcome {
+) -> Drawn {
     let parts = if n < COLOURS.len() { &[(7.0, colour)][..] } else { &[(7.0, colour), (3.5, PAPER)] };
     parts.iter().try_for_each(|&(half, colour)| match is_foreign {
         true => canvas.rectangle((x - half, y - half), (x + half, y + half), colour),

@@ -9,7 +9,7 @@
 //! zero of the slope converges from anywhere, across the kinks of contact and pads.
 
 use mpi::traits::{Communicator, Root};
-use petsc_wrap::{Comm, Gather, Insert, Int, Matrix, MatrixView, Outcome, Vector, VectorView};
+use petsc_wrap::{CallbackResult, Comm, Gather, Insert, Int, Matrix, MatrixView, Vector, VectorView};
 
 use crate::body::Body;
 use crate::error::{Error, Result};
@@ -98,7 +98,7 @@ impl Full {
             displacement.scale(scale)?;
             displacement.axpy(1.0, u)
         };
-        let residual = |d: &VectorView, r: &mut VectorView| -> Outcome<()> {
+        let residual = |d: &VectorView, r: &mut VectorView| -> CallbackResult<()> {
             constant.mult(d, r)?;
             r.axpy(-1.0, known)?;
             if let Some(pads) = pads.borrow_mut().as_deref_mut() {
@@ -108,7 +108,7 @@ impl Full {
             r.axpy(force.at(approach + direction.dot(d)?).0, direction)?;
             Ok(())
         };
-        let jacobian = |d: &VectorView, j: &mut MatrixView| -> Outcome<()> {
+        let jacobian = |d: &VectorView, j: &mut MatrixView| -> CallbackResult<()> {
             let tangent = force.at(approach + direction.dot(d)?).1;
             let mut pads = pads.borrow_mut();
             if pads.is_none() && tangent == *current {

@@ -60,7 +60,7 @@ pub struct Step<'a> {
 
 /// How a solution ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Outcome {
+pub struct Convergence {
     /// Newton iterations.
     pub iterations: usize,
     /// |r|, N.
@@ -117,10 +117,10 @@ impl Reduced {
     }
 
     /// Solves for the forces, from a guess of them. `at` is z under forces `applied`.
-    pub(super) fn solve(&mut self, step: &Step, at: &DVector<f64>, applied: &DVector<f64>) -> Outcome {
+    pub(super) fn solve(&mut self, step: &Step, at: &DVector<f64>, applied: &DVector<f64>) -> Convergence {
         // What rounding of the displacements is measured by.
         let largest = step.penetration.iter().chain(at.iter()).fold(0.0_f64, |max, value| max.max(value.abs()));
-        let mut outcome = Outcome { iterations: 0, residual: f64::NAN, converged: false };
+        let mut outcome = Convergence { iterations: 0, residual: f64::NAN, converged: false };
         loop {
             let z = at - &self.compliance * (&self.forces - applied);
             let r = self.push(step, &z) - &self.forces;

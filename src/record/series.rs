@@ -198,7 +198,7 @@ impl SeriesWriter {
                 // Before the result that it belongs to: no result is ever beside another one's.
                 checkpoint::remove(&self.path)?;
             }
-            target::take_name(part, &target::resolved(&self.path)).map_err(|e| Error::io(&self.path, e))?;
+            target::replace_with_part(part, &target::resolved(&self.path)).map_err(|e| Error::io(&self.path, e))?;
             self.part = None;
         }
         // An open file is written to the end also where nobody can find it any more. A file system that does not answer proves nothing.

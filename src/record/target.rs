@@ -89,8 +89,9 @@ pub(super) fn companion(path: &Path, ending: &str) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// Has a part take its name. What it takes the place of may be the only copy of what is in it: so it is on the disk before.
-pub(super) fn take_name(part: &Path, path: &Path) -> io::Result<()> {
+/// Renames a part to its final name. The file that it replaces may be the only copy of its data, so the part is on the disk
+/// before.
+pub(super) fn replace_with_part(part: &Path, path: &Path) -> io::Result<()> {
     if path.try_exists()? {
         synced(part)?;
         fs::rename(part, path)?;

@@ -116,7 +116,7 @@ fn precondition_by_cholesky(ksp: &mut KspView, matrix: &MatrixView, packages: [&
     let mut each;
     let pc = if package.is_none() && matrix.comm().size() > 1 {
         pc.set_type("redundant")?;
-        each = pc.of_each()?;
+        each = pc.redundant_pc()?;
         package = Factor::Cholesky.is_known(matrix.comm().session(), CHOLMOD, "seqaij")?.then_some(CHOLMOD);
         &mut each
     } else {

@@ -1,7 +1,8 @@
 //! Newton's method with a factor that serves more than one Jacobian.
 
 use petsc_wrap::{
-    Comm, Error, Lag, Matrix, MatrixView, Outcome, Progress, Result, Snes, SnesTolerances, Trial, VectorView, options,
+    CallbackResult, Comm, Error, Lag, Matrix, MatrixView, Progress, Result, Snes, SnesTolerances, Trial, VectorView,
+    options,
 };
 
 use super::linear::{is_refined_cholesky, set_refined_cholesky};
@@ -85,9 +86,9 @@ impl Newton {
         mut search: L,
     ) -> Result<usize>
     where
-        R: FnMut(&VectorView, &mut VectorView) -> Outcome<()>,
-        J: FnMut(&VectorView, &mut MatrixView) -> Outcome<()>,
-        L: for<'a> FnMut(&mut Trial<'a>) -> Outcome<f64>,
+        R: FnMut(&VectorView, &mut VectorView) -> CallbackResult<()>,
+        J: FnMut(&VectorView, &mut MatrixView) -> CallbackResult<()>,
+        L: for<'a> FnMut(&mut Trial<'a>) -> CallbackResult<f64>,
     {
         let keep_factor = self.keep_factor;
         let keeping = |x: &VectorView, j: &mut MatrixView, progress: &mut Progress| {
@@ -110,6 +111,6 @@ impl Newton {
 
 /// Lets the linear solver keep its factor for the next Jacobian, unless the last one strained it.
 fn keep_factor_while_it_serves(progress: &mut Progress) -> Result<()> {
-    let lag = if progress.linear_iterations()? <= FEW { Lag::Never } else { Lag::Once };
+    let lag = if progress.linear_iterations()? <= FEW { Lag::Keep } else { Lag::RebuildThenKeep };
     progress.set_preconditioner_lag(lag)
 }

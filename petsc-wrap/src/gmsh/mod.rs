@@ -53,7 +53,7 @@ impl Plex {
     /// # Errors
     /// [`Error::MeshFile`], on all ranks, for a file that is not there or does not keep what its format promises; PETSc's, on rank 0 alone.
     pub fn gmsh(comm: &Comm, path: &Path) -> Result<GmshMesh> {
-        let Contents { surfaces, all_tags } = look(comm, path)?;
+        let Contents { surfaces, all_tags } = read_contents(comm, path)?;
         /// What a mesh is made of here is not a matter of options: groups by number, and each surface for itself.
         const FIXED: [(&str, &str); 7] = [
             ("-dm_plex_gmsh_use_regions", "0"),
@@ -79,15 +79,15 @@ impl Plex {
     }
 }
 
-/// What rank 0 finds in a file, or what is wrong with it, on every rank. Collective.
-fn look(comm: &Comm, path: &Path) -> Result<Contents> {
+/// Validates a file on rank 0; its contents, or what is wrong with it, on every rank. Collective.
+fn read_contents(comm: &Comm, path: &Path) -> Result<Contents> {
     let mine = if comm.is_root() {
         let bytes = std::fs::read(path).map_err(|error| format!("cannot be read: {error}"));
-        Some(bytes.and_then(|bytes| walk::look(&bytes)))
+        Some(bytes.and_then(|bytes| walk::validate(&bytes)))
     } else {
         None
     };
-    let message = mine.as_ref().and_then(|looked| looked.as_ref().err()).map_or("", String::as_str);
+    let message = mine.as_ref().and_then(|contents| contents.as_ref().err()).map_or("", String::as_str);
     let message = String::from_utf8_lossy(&comm.all_gather(message.as_bytes())).into_owned();
     if !message.is_empty() {
         return Err(Error::MeshFile { path: path.to_owned(), message });

@@ -16,11 +16,11 @@ use super::{Contents, PhysicalSurface};
 const TAGS: usize = 16;
 const NAME: usize = 127;
 
-/// Walks through a file.
+/// Walks through a whole file.
 ///
 /// # Errors
 /// What is wrong, with the line of a text file or the byte of a binary one.
-pub(super) fn look(bytes: &[u8]) -> Result<Contents, String> {
+pub(super) fn validate(bytes: &[u8]) -> Result<Contents, String> {
     let mut walk = Walk { words: Words::new(bytes), entities: Default::default(), nodes: Nodes::default() };
     let modern = walk.format()?;
     let mut surfaces = Vec::new();

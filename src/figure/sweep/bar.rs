@@ -1,7 +1,7 @@
 //! The bar that tells what colours mean, and the title of a key's axis.
 
 use super::Key;
-use crate::figure::canvas::{Anchor, Canvas, Outcome};
+use crate::figure::canvas::{Anchor, Canvas, Drawn};
 use crate::figure::frame::{FRAME, SMALL, TICK, line};
 use crate::figure::scale::Scale;
 use plotters::backend::DrawingBackend;
@@ -14,7 +14,7 @@ pub(super) fn draw_bar<DB: DrawingBackend>(
     scale: &Scale,
     colour: fn(f64) -> RGBColor,
     title: &str,
-) -> Outcome {
+) -> Drawn {
     let (right, height) = (left + 28.0, bottom - top);
     for n in 0..height as usize {
         let y = bottom - n as f64;

@@ -3,7 +3,7 @@
 use super::bar::draw_bar;
 use super::{Curve, Member, ascending};
 use crate::figure::axis::Axis;
-use crate::figure::canvas::{Anchor, Canvas, Drawing, HEIGHT, Outcome, WIDTH};
+use crate::figure::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH};
 use crate::figure::frame::{Frame, LETTERS, SMALL};
 use crate::figure::scale::{Scale, cells};
 use crate::figure::shade::shade;
@@ -25,7 +25,7 @@ const MARGIN: f64 = 38.0;
 const DOTS: usize = 120;
 
 impl Drawing for Curve {
-    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Outcome {
+    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         let values = ascending(self.members.iter().map(|member| member.value));
         let cells = cells(&values, self.key.is_log);
         let peak = self.members.iter().map(|member| member.peak).fold(0.0, f64::max);
@@ -73,7 +73,7 @@ impl Drawing for Curve {
 }
 
 impl Curve {
-    fn draw_peaks<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame) -> Outcome {
+    fn draw_peaks<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame) -> Drawn {
         let mut points: Vec<(f64, f64)> = self.members.iter().map(|member| (member.value, member.peak)).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let at = |point: &(f64, f64)| (frame.at_x(point.0), frame.at_y(point.1));
@@ -95,7 +95,7 @@ impl Member {
         frame: &Frame,
         cell: (f64, f64),
         most: f64,
-    ) -> Outcome {
+    ) -> Drawn {
         let (left, right) = (frame.at_x(cell.0), frame.at_x(cell.1));
         // Space between wide bars; thin ones would vanish in it.
         let space = if right - left > 6.0 { 0.12 * (right - left) } else { 0.0 };

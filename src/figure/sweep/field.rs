@@ -2,7 +2,7 @@
 
 use super::bar::draw_bar;
 use super::{Field, ascending};
-use crate::figure::canvas::{Anchor, Canvas, Drawing, HEIGHT, Outcome, WIDTH};
+use crate::figure::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH};
 use crate::figure::frame::{Frame, LETTERS, SMALL};
 use crate::figure::scale::{Scale, cells};
 use crate::figure::shade::{MISSING, shade};
@@ -16,7 +16,7 @@ const RIGHT: f64 = WIDTH - 246.0;
 const MARGIN: f64 = 38.0;
 
 impl Drawing for Field {
-    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Outcome {
+    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         let axis = |n: usize| {
             let values = ascending(self.members.iter().map(|(values, _)| values[n]));
             let cells = cells(&values, self.keys[n].is_log);

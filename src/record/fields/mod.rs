@@ -102,7 +102,7 @@ impl FieldWriter {
     pub fn flush(&mut self) -> Result<()> {
         self.file.flush().map_err(|e| not_written(&self.path, &e))?;
         if let Some(part) = &self.part {
-            target::take_name(part, &target::resolved(&self.path)).map_err(|e| Error::io(&self.path, e))?;
+            target::replace_with_part(part, &target::resolved(&self.path)).map_err(|e| Error::io(&self.path, e))?;
             self.part = None;
         }
         xdmf::write(&self.xdmf, &self.path, &self.file)?;

@@ -21,10 +21,10 @@ use crate::error::Result;
 use crate::study::history::{Difference, History};
 
 /// What came of a setting: numbers, or a reason why there are none.
-pub type Outcome = std::result::Result<Timed, String>;
+pub type Attempt = std::result::Result<Timed, String>;
 
 /// Computes a setting, or knows what it was; `None` where that was interrupted. The times of all ranks are the same. Collective.
-pub type Bench<'a> = dyn FnMut(&str, &[String]) -> Result<Option<Outcome>> + 'a;
+pub type Bench<'a> = dyn FnMut(&str, &[String]) -> Result<Option<Attempt>> + 'a;
 
 /// A run, or a peer's.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,7 +8,7 @@ use petsc_wrap::Comm;
 
 use super::census::{Census, Line, key};
 use super::family::{self, Family};
-use super::member::Outcome;
+use super::member::Computed;
 use crate::body::ModalBody;
 use crate::error::{Error, Result};
 use crate::impact::ModalImpact;
@@ -75,7 +75,7 @@ impl<'a> Bodies<'a> {
         scene: &Scene,
         interrupted: &Rc<dyn Fn() -> bool>,
         observe: &mut dyn FnMut(&Step),
-    ) -> Result<Option<Outcome>> {
+    ) -> Result<Option<Computed>> {
         let tried = match self.of_family(index, scene)? {
             Some(kept) => kept.simulate(scene, self.has_energies, interrupted),
             None => self.of_body(scene, interrupted)?,
@@ -201,7 +201,7 @@ impl Kept {
         }
         let of_patch = self.body.patch.map_or(0.0, |patch| patch.error());
         let error_estimate = impact.count.error.unwrap_or(0.0) + all + self.of_model + of_patch;
-        let outcome = Outcome { error_estimate, unknowns: self.unknowns + 1 };
+        let outcome = Computed { error_estimate, unknowns: self.unknowns + 1 };
         Ok(Some(Tried { steps, first, outcome }))
     }
 }
@@ -211,5 +211,5 @@ struct Tried {
     steps: Vec<Step>,
     /// Estimated error by the basis in the first contact.
     first: f64,
-    outcome: Outcome,
+    outcome: Computed,
 }

@@ -13,7 +13,7 @@ use crate::scene::Scene;
 
 /// What a simulation knows beside its steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Outcome {
+pub struct Computed {
     /// Estimated error of the acceleration history over its peak; NaN where there is no estimate.
     pub error_estimate: f64,
     /// Number of unknowns, the impactor's included.
@@ -31,7 +31,7 @@ pub fn simulate(
     bodies: &mut Bodies<'_>,
     interrupted: Rc<dyn Fn() -> bool>,
     mut observe: impl FnMut(&Step),
-) -> Result<Option<Outcome>> {
+) -> Result<Option<Computed>> {
     if scene.time.modal {
         return bodies.simulate(index, scene, &interrupted, &mut observe);
     }
@@ -45,6 +45,6 @@ pub fn simulate(
         observe(step);
         Ok(if interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     })?;
-    let outcome = Outcome { error_estimate: simulation.error().unwrap_or(f64::NAN), unknowns };
+    let outcome = Computed { error_estimate: simulation.error().unwrap_or(f64::NAN), unknowns };
     Ok(flow.is_continue().then_some(outcome))
 }

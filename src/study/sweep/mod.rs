@@ -14,7 +14,7 @@ pub use bodies::Bodies;
 pub use census::{Census, Property};
 pub use digest::{Task, digest};
 pub use grid::Grid;
-pub use member::{Outcome, simulate};
+pub use member::{Computed, simulate};
 pub use shard::{Shard, parts};
 pub use spread::{Compute, Kept, spread};
 pub use vary::Variation;

@@ -1,8 +1,13 @@
 //! Distributed sparse matrices (AIJ: compressed rows).
 
+mod create;
+mod pattern;
+
 use std::ops::Range;
 
 use petsc_sys as sys;
+
+use pattern::{Blocks, Pattern};
 
 use crate::Int;
 use crate::comm::Comm;
@@ -52,155 +57,6 @@ pub struct Matrix(Object<sys::_p_Mat>);
 pub struct MatrixView([Object<sys::_p_Mat>]);
 
 viewed!(Matrix as MatrixView of Object<sys::_p_Mat>);
-
-impl Matrix {
-    /// An AIJ matrix without entries, `local` = rows and columns of this rank, with room for `diagonal[i]` entries of
-    /// row `i` in this rank's columns and `off_diagonal[i]` in the others'. An entry without room is an error. Collective.
-    ///
-    /// # Errors
-    /// A negative count; PETSc's.
-    ///
-    /// # Panics
-    /// When there are not as many counts as rows.
-    pub fn aij(comm: &Comm, local: (usize, usize), diagonal: &[Int], off_diagonal: &[Int]) -> Result<Self> {
-        assert_eq!((diagonal.len(), off_diagonal.len()), (local.0, local.0));
-        require(diagonal.iter().chain(off_diagonal).all(|count| *count >= 0), "a count of entries is negative")?;
-        let matrix = Self::create(comm, local, c"aij")?;
-        // SAFETY: the slices hold one count a local row; PETSc ignores the call that is not of the matrix's type.
-        check(unsafe { sys::MatSeqAIJSetPreallocation(matrix.raw(), 0, diagonal.as_ptr()) })?;
-        // SAFETY: as above.
-        check(unsafe { sys::MatMPIAIJSetPreallocation(matrix.raw(), 0, diagonal.as_ptr(), 0, off_diagonal.as_ptr()) })?;
-        Ok(matrix)
-    }
-
-    /// The assembled AIJ matrix with these rows of this rank, and as many columns: its row `i` has the `columns`, ascending, and `values`
-    /// from `offsets[i]` to `offsets[i + 1]`. Collective.
-    ///
-    /// # Errors
-    /// A column out of range, or not beyond the one before it in its row; PETSc's.
-    ///
-    /// # Panics
-    /// When the offsets are not those of as many columns and values.
-    pub fn csr(comm: &Comm, offsets: &[Int], columns: &[Int], values: &[f64]) -> Result<Self> {
-        let rows = offsets.len().checked_sub(1).expect("an offset more than rows");
-        let last = offsets[rows] as usize;
-        assert!(offsets[0] == 0 && offsets.windows(2).all(|pair| pair[0] <= pair[1]));
-        assert_eq!((last, last), (columns.len(), values.len()));
-        let ascends = |ends: &[Int]| columns[ends[0] as usize..ends[1] as usize].is_sorted_by(|a, b| a < b);
-        require(offsets.windows(2).all(ascends), "the columns of a row do not ascend")?;
-        if comm.size() == 1 {
-            check_indices(columns, rows)?;
-            // PETSc counts them anew when it assembles.
-            let mut own = offsets.to_vec();
-            let (i, j) = (own.as_mut_ptr(), columns.as_ptr().cast_mut());
-            let (mut raw, n) = (std::ptr::null_mut(), int(rows)?);
-            // SAFETY: the offsets are one more than the rows and lie within the columns and values, through which PETSc does not write
-            // where the rows are full. It keeps the pointers: the matrix is only copied from, and is gone before the slices are.
-            check(unsafe {
-                sys::MatCreateSeqAIJWithArrays(comm.raw(), n, n, i, j, values.as_ptr().cast_mut(), &raw mut raw)
-            })?;
-            // (Entries set row by row take many times as long.)
-            // SAFETY: the new matrix is ours.
-            return unsafe { Self::from_raw(raw, comm) }.duplicate();
-        }
-        let matrix = Self::create(comm, (rows, rows), c"aij")?;
-        // SAFETY: sizes are set.
-        check(unsafe { sys::MatSetUp(matrix.raw()) })?;
-        check_indices(columns, matrix.size().1)?;
-        let [i, j] = [offsets, columns].map(<[Int]>::as_ptr);
-        // SAFETY: the offsets are one more than the rows and lie within the columns and values, which PETSc copies.
-        check(unsafe { sys::MatMPIAIJSetPreallocationCSR(matrix.raw(), i, j, values.as_ptr()) })?;
-        Ok(matrix)
-    }
-
-    /// An AIJ matrix of zeros, `local` = rows and columns of this rank, with an entry wherever some rank names its row and column;
-    /// pairs may come more than once, and with any rank's rows. Collective.
-    ///
-    /// # Errors
-    /// An index out of range; PETSc's.
-    ///
-    /// # Panics
-    /// When there are not as many rows as columns.
-    pub fn of_pairs(comm: &Comm, local: (usize, usize), mut rows: Vec<Int>, mut columns: Vec<Int>) -> Result<Self> {
-        assert_eq!(rows.len(), columns.len());
-        let mut matrix = Self::create(comm, local, c"aij")?;
-        // SAFETY: sizes are set.
-        check(unsafe { sys::MatSetUp(matrix.raw()) })?;
-        let size = matrix.size();
-        check_indices(&rows, size.0)?;
-        check_indices(&columns, size.1)?;
-        let count = int(rows.len())? as sys::PetscCount;
-        // SAFETY: both hold as many indices, within the matrix; PETSc may overwrite them, and does not keep them.
-        check(unsafe { sys::MatSetPreallocationCOO(matrix.raw(), count, rows.as_mut_ptr(), columns.as_mut_ptr()) })?;
-        // SAFETY: the matrix has its entries.
-        check(unsafe { sys::MatZeroEntries(matrix.raw()) })?;
-        matrix.assemble()?;
-        Ok(matrix)
-    }
-
-    fn create(comm: &Comm, local: (usize, usize), kind: &std::ffi::CStr) -> Result<Self> {
-        let (rows, columns, all) = (int(local.0)?, int(local.1)?, sys::PETSC_DETERMINE as Int);
-        let mut raw = std::ptr::null_mut();
-        // SAFETY: the communicator is valid and the out-pointer too.
-        check(unsafe { sys::MatCreate(comm.raw(), &raw mut raw) })?;
-        // SAFETY: the new matrix is ours.
-        let matrix = unsafe { Self::from_raw(raw, comm) };
-        // SAFETY: a fresh matrix.
-        check(unsafe { sys::MatSetSizes(raw, rows, columns, all, all) })?;
-        // SAFETY: a fresh matrix and a C string.
-        check(unsafe { sys::MatSetType(raw, kind.as_ptr()) })?;
-        Ok(matrix)
-    }
-
-    /// Takes over a matrix of PETSc's.
-    ///
-    /// # Safety
-    /// `raw` is a reference to a valid matrix on `comm`, its type set and its layouts set up (`MatSetUp` or a preallocation), which nobody else
-    /// releases. Nobody else uses the matrix while this lives, but for solvers of this crate.
-    pub unsafe fn from_raw(raw: sys::Mat, comm: &Comm) -> Self {
-        // SAFETY: by the caller.
-        Self(unsafe { Object::new(raw, comm) })
-    }
-
-    /// A matrix that stays another's.
-    ///
-    /// # Safety
-    /// As of [`Self::from_raw`], but that its owner keeps the reference during `'a`.
-    pub(crate) unsafe fn lent<'a>(raw: sys::Mat, comm: &Comm) -> Lent<'a, Self> {
-        // SAFETY: by the caller.
-        Lent::new(Self(unsafe { Object::lent(raw, comm) }))
-    }
-
-    /// The Kronecker product of this matrix with the identity of the given size, for products with vectors: one stored entry serves
-    /// all components of an unknown. It keeps this matrix's entries and takes them over, so that they stay as they are. Collective.
-    ///
-    /// # Errors
-    /// A matrix that is not assembled or not AIJ; no component; more rows than PETSc's integers count; PETSc's.
-    pub fn by_component(self, components: usize) -> Result<Self> {
-        self.require_assembled_aij()?;
-        require(components > 0, "a product with the identity of no component")?;
-        let (rows, columns) = self.size();
-        // PETSc multiplies sizes unchecked.
-        int(rows.max(columns).saturating_mul(components))?;
-        if components == 1 {
-            // PETSc would return this very matrix.
-            return Ok(self);
-        }
-        let mut raw = std::ptr::null_mut();
-        // SAFETY: the matrix is valid, and PETSc counts the new one's reference to it; the out-pointer is valid.
-        check(unsafe { sys::MatCreateMAIJ(self.raw(), int(components)?, &raw mut raw) })?;
-        // SAFETY: a new matrix, which is ours.
-        Ok(unsafe { Self::from_raw(raw, self.comm()) })
-    }
-
-    /// Destroys it at once. Collective.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn destroy(self) -> Result<()> {
-        self.0.destroy()
-    }
-}
 
 impl MatrixView {
     pub(crate) fn raw(&self) -> sys::Mat {
@@ -611,68 +467,4 @@ pub struct Row {
     pub columns: Vec<Int>,
     /// Values, in the order of the columns.
     pub values: Vec<f64>,
-}
-
-/// The sequential matrices of which this rank's part of an AIJ matrix consists.
-struct Blocks<'a> {
-    raw: Vec<sys::Mat>,
-    /// Global numbers of the columns of the second one, in which other ranks' columns are.
-    numbers: &'a [Int],
-}
-
-impl<'a> Blocks<'a> {
-    fn of(matrix: &'a MatrixView) -> Result<Self> {
-        if matrix.comm().size() == 1 {
-            return Ok(Self { raw: vec![matrix.raw()], numbers: &[] });
-        }
-        let (mut own, mut others, mut numbers) = (std::ptr::null_mut(), std::ptr::null_mut(), std::ptr::null());
-        // SAFETY: an assembled AIJ matrix of several ranks, to which the parts belong.
-        check(unsafe { sys::MatMPIAIJGetSeqAIJ(matrix.raw(), &raw mut own, &raw mut others, &raw mut numbers) })?;
-        let (mut rows, mut columns) = (0, 0);
-        // SAFETY: the part is valid.
-        check(unsafe { sys::MatGetSize(others, &raw mut rows, &raw mut columns) })?;
-        let numbers = if columns == 0 {
-            &[]
-        } else {
-            // SAFETY: PETSc numbers as many columns, anew only when it assembles.
-            unsafe { std::slice::from_raw_parts(numbers, columns as usize) }
-        };
-        Ok(Self { raw: vec![own, others], numbers })
-    }
-}
-
-/// Where a sequential AIJ matrix has its entries.
-struct Pattern<'a> {
-    offsets: &'a [Int],
-    columns: &'a [Int],
-}
-
-impl Pattern<'_> {
-    /// Of an assembled AIJ matrix on one rank, or a part of one on several.
-    ///
-    /// # Safety
-    /// The matrix is valid, and neither changes nor goes while this lives.
-    unsafe fn of(matrix: sys::Mat) -> Result<Self> {
-        let (mut rows, mut offsets, mut columns) = (0, std::ptr::null(), std::ptr::null());
-        let (no, mut is_done) = (sys::FALSE, sys::FALSE);
-        // SAFETY: the matrix is valid and the out-pointers too; from zero on, as they are, PETSc returns its own arrays.
-        check(unsafe {
-            sys::MatGetRowIJ(matrix, 0, no, no, &raw mut rows, &raw mut offsets, &raw mut columns, &raw mut is_done)
-        })?;
-        require(is_done == sys::TRUE, "PETSc does not tell the entries of this type of matrix")?;
-        // SAFETY: there is an offset more than rows.
-        let offsets = unsafe { std::slice::from_raw_parts(offsets, rows as usize + 1) };
-        let count = offsets[rows as usize] as usize;
-        let columns = if count == 0 {
-            &[]
-        } else {
-            // SAFETY: the last offset is the number of columns.
-            unsafe { std::slice::from_raw_parts(columns, count) }
-        };
-        Ok(Self { offsets, columns })
-    }
-
-    fn is(&self, offsets: &[Int], columns: &[Int]) -> bool {
-        self.offsets == offsets && self.columns == columns
-    }
 }

@@ -1,0 +1,21 @@
+//! Nonlinear equations of one unknown each: g(x_i) = 0.
+
+use petsc_wrap::{Insert, MatrixView, VectorView};
+
+/// f_i = g(x_i).
+pub fn residual(x: &VectorView, f: &mut VectorView, g: fn(f64) -> f64) -> petsc_wrap::Result<()> {
+    let x = x.read()?;
+    for (f, x) in f.write()?.iter_mut().zip(x.iter()) {
+        *f = g(*x);
+    }
+    Ok(())
+}
+
+/// The diagonal matrix of g′(x_i).
+pub fn jacobian(x: &VectorView, matrix: &mut MatrixView, slope: fn(f64) -> f64) -> petsc_wrap::Result<()> {
+    for (i, x) in x.range().zip(x.read()?.iter()) {
+        matrix.set_values(&[i], &[i], &[slope(*x)], Insert::Replace)?;
+    }
+    matrix.assemble()?;
+    matrix.declare_positive_definite()
+}
