@@ -8,7 +8,7 @@ mod chain;
 mod separable;
 
 use chain::{LOCAL, error_of_solve, laplacian};
-use petsc_wrap::{Error, Insert, Int, Ksp, Matrix, MatrixView, Session, Vector, VectorView};
+use petsc_wrap::{Error, Insert, Int, Matrix, Session, Vector};
 use ricochet::solve::Newton;
 use ricochet::solve::linear::{Method, is_direct, solver};
 use separable::{jacobian, residual};

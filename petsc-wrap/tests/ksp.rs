@@ -6,7 +6,7 @@ use std::process::ExitCode;
 mod chain;
 
 use chain::{LOCAL, error_of_solve, laplacian};
-use petsc_wrap::{Diverged, Error, Insert, Int, Ksp, Matrix, ResidualNorm, Session, Tolerances, Vector, options};
+use petsc_wrap::{Diverged, Error, Insert, Ksp, Matrix, ResidualNorm, Session, Tolerances, Vector, options};
 
 fn start() -> Session {
     let limited = "-cg_ksp_type cg -cg_pc_type jacobi -cg_ksp_rtol 1e-12 -cg_ksp_max_it 3";

@@ -23,6 +23,7 @@ fn main() -> ExitCode {
             ("a_file_that_is_no_mesh_is_an_error", a_file_that_is_no_mesh_is_an_error),
             ("physical_groups_are_found_by_number", physical_groups_are_found_by_number),
             ("a_file_that_breaks_its_promise_is_refused", a_file_that_breaks_its_promise_is_refused),
+            ("paths_lead_to_the_file_that_was_checked", paths_lead_to_the_file_that_was_checked),
             ("options_of_the_user_come_back", options_of_the_user_come_back),
             ("options_cannot_lead_out_of_the_nodes", options_cannot_lead_out_of_the_nodes),
             ("shapes_that_petsc_takes_on_trust_are_refused", shapes_that_petsc_takes_on_trust_are_refused),
@@ -173,6 +174,32 @@ fn options_of_the_user_come_back(session: &Session) {
     assert_eq!(options::get(session, given).unwrap().as_deref(), Some("1"));
     assert_eq!(options::get(session, other).unwrap(), None);
     options::clear(session, given).unwrap();
+}
+
+/// PETSc takes a name `stdin` for a stream, a backslash for a slash, and options from a file `.info`.
+fn paths_lead_to_the_file_that_was_checked(session: &Session) {
+    let alone = session.alone();
+    let folder = std::env::temp_dir().join(format!("petsc-wrap-paths-{}", std::process::id()));
+    std::fs::create_dir_all(folder.join("a")).unwrap();
+    let put = |name: &str| {
+        let path = folder.join(name);
+        std::fs::copy(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cube.msh"), &path).unwrap();
+        path
+    };
+    let refusal = |path: &std::path::Path| match Plex::gmsh(&alone, path).err() {
+        Some(Error::MeshFile { message, .. }) => message,
+        other => panic!("{other:?}"),
+    };
+    for name in ["stdin", "stdout"] {
+        assert_eq!(Plex::gmsh(&alone, &put(name)).unwrap().surfaces.len(), 2);
+    }
+    // Where the slash leads, another file lies.
+    std::fs::write(folder.join("a/b.msh"), "no mesh").unwrap();
+    assert!(refusal(&put("a\\b.msh")).contains("backslash"));
+    let path = put("c.msh");
+    std::fs::write(folder.join("c.msh.info"), "-malloc_dump").unwrap();
+    assert!(refusal(&path).contains("c.msh.info"));
+    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 fn shapes_that_petsc_takes_on_trust_are_refused(session: &Session) {

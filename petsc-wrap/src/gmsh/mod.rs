@@ -11,7 +11,7 @@ use petsc_sys as sys;
 
 use crate::Int;
 use crate::comm::Comm;
-use crate::error::{Error, Result, check, require};
+use crate::error::{Error, Result, check};
 use crate::options::Scoped;
 use crate::plex::Plex;
 
@@ -54,6 +54,8 @@ impl Plex {
     /// [`Error::MeshFile`], on all ranks, for a file that is not there or does not keep what its format promises; PETSc's, on rank 0 alone.
     pub fn gmsh(comm: &Comm, path: &Path) -> Result<GmshMesh> {
         let Contents { surfaces, all_tags } = read_contents(comm, path)?;
+        // Rank 0 alone opens it.
+        let path = if comm.is_root() { path_for_petsc(path).unwrap_or_default() } else { PathBuf::new() };
         /// What a mesh is made of here is not a matter of options: groups by number, and each surface for itself.
         const FIXED: [(&str, &str); 7] = [
             ("-dm_plex_gmsh_use_regions", "0"),
@@ -68,7 +70,7 @@ impl Plex {
         let tags = ("-dm_plex_gmsh_multiple_tags", if all_tags { "1" } else { "0" });
         let fixed: Vec<(&str, &str)> = FIXED.into_iter().chain([tags]).collect();
         let scoped = Scoped::new(comm.session(), &fixed)?;
-        let name = CString::new(opened(comm, path)?.as_os_str().as_encoded_bytes()).unwrap_or_default();
+        let name = CString::new(path.as_os_str().as_encoded_bytes()).unwrap_or_default();
         let mut raw = std::ptr::null_mut();
         let interpolate = sys::TRUE;
         // SAFETY: the path is a C string that outlives the call; the file keeps what PETSc takes on trust.
@@ -82,8 +84,8 @@ impl Plex {
 /// Validates a file on rank 0; its contents, or what is wrong with it, on every rank. Collective.
 fn read_contents(comm: &Comm, path: &Path) -> Result<Contents> {
     let mine = if comm.is_root() {
-        let bytes = std::fs::read(path).map_err(|error| format!("cannot be read: {error}"));
-        Some(bytes.and_then(|bytes| walk::validate(&bytes)))
+        let read = |path: PathBuf| std::fs::read(path).map_err(|error| format!("cannot be read: {error}"));
+        Some(path_for_petsc(path).and_then(read).and_then(|bytes| walk::validate(&bytes)))
     } else {
         None
     };
@@ -111,23 +113,17 @@ fn read_contents(comm: &Comm, path: &Path) -> Result<Contents> {
     })
 }
 
-/// The path by which PETSc opens the file that was walked through, and no other: it takes some names for streams, exchanges one kind of
-/// separator for the other, and takes options from a file `.info` beside.
-fn opened(comm: &Comm, path: &Path) -> Result<PathBuf> {
-    if !comm.is_root() {
-        // Rank 0 alone opens it.
-        return Ok(path.to_owned());
+/// The path by which PETSc opens this file and no other: it takes some names for streams, exchanges one kind of separator for the
+/// other, and takes options from a file `.info` beside.
+fn path_for_petsc(path: &Path) -> std::result::Result<PathBuf, String> {
+    let whole = path.canonicalize().map_err(|error| format!("cannot be read: {error}"))?;
+    if whole.as_os_str().as_encoded_bytes().contains(&b'\\') {
+        return Err("PETSc cannot open a mesh file with a backslash in its path".to_owned());
     }
-    let whole = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    require(
-        !whole.as_os_str().as_encoded_bytes().contains(&b'\\'),
-        "PETSc cannot open a mesh file with a backslash in its path",
-    )?;
     let mut beside = whole.clone().into_os_string();
     beside.push(".info");
-    require(
-        !Path::new(&beside).exists(),
-        "beside the mesh file is one with the ending .info, from which PETSc would take options",
-    )?;
+    if Path::new(&beside).exists() {
+        return Err(format!("PETSc would take options from the file beside it: {}", Path::new(&beside).display()));
+    }
     Ok(whole)
 }

@@ -6,7 +6,7 @@ use super::Matrix;
 use crate::Int;
 use crate::comm::Comm;
 use crate::error::{Result, check, check_indices, require};
-use crate::object::Object;
+use crate::object::{Lent, Object};
 use crate::text::int;
 
 impl Matrix {
@@ -94,7 +94,7 @@ impl Matrix {
         Ok(matrix)
     }
 
-    fn create(comm: &Comm, local: (usize, usize), kind: &std::ffi::CStr) -> Result<Self> {
+    pub(super) fn create(comm: &Comm, local: (usize, usize), kind: &std::ffi::CStr) -> Result<Self> {
         let (rows, columns, all) = (int(local.0)?, int(local.1)?, sys::PETSC_DETERMINE as Int);
         let mut raw = std::ptr::null_mut();
         // SAFETY: the communicator is valid and the out-pointer too.

@@ -14,7 +14,7 @@ use crate::comm::Comm;
 use crate::error::{Result, check, check_indices, require};
 use crate::layout::Layout;
 use crate::null_space::NullSpace;
-use crate::object::{Lent, Object, viewed};
+use crate::object::{Object, viewed};
 use crate::text::{from_c, int};
 use crate::vector::VectorView;
 
