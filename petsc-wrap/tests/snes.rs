@@ -5,9 +5,7 @@ use std::process::ExitCode;
 #[path = "problems/separable.rs"]
 mod separable;
 
-use petsc_wrap::{
-    Error, Insert, Int, Lag, Matrix, MatrixView, Session, Snes, SnesTolerances, Tolerances, Vector, VectorView, options,
-};
+use petsc_wrap::{Error, Int, Lag, Matrix, Session, Snes, SnesTolerances, Tolerances, Vector, options};
 use separable::{jacobian, residual};
 
 fn start() -> Session {
