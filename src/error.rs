@@ -6,6 +6,9 @@ use miette::{GraphicalReportHandler, GraphicalTheme};
 
 use crate::scene::{Fault, SceneError, Source};
 
+/// Exit status of work that a signal has ended.
+pub const INTERRUPTED: i32 = 130;
+
 /// An error with one message for the user.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -30,6 +33,9 @@ pub enum Error {
     /// The time integration has made or lost energy beyond what the gate allows.
     #[error("{0}")]
     Unstable(String),
+    /// A signal, or a limit of time, has ended the work before it had a result.
+    #[error("interrupted before the first step: nothing was written")]
+    Interrupted,
     /// The result cannot be written, as all ranks know.
     #[error("{0}")]
     Output(String),
@@ -52,13 +58,15 @@ impl Error {
         Self::Io { path: path.to_owned(), reason: reason.to_string() }
     }
 
-    /// Exit status: 2 the scene or the command line is wrong, 3 the solve failed, 4 input or output failed.
+    /// Exit status: 2 the scene or the command line is wrong, 3 the solve failed, 4 input or output failed,
+    /// 130 interrupted.
     pub fn status(&self) -> i32 {
         match self {
             Self::Alone(error) => error.status(),
             Self::Usage(_) | Self::Scene(_) | Self::Fault(_) => 2,
             Self::Solve(_) | Self::Unstable(_) | Self::Petsc(_) => 3,
             Self::Io { .. } | Self::Output(_) => 4,
+            Self::Interrupted => INTERRUPTED,
         }
     }
 
@@ -66,6 +74,7 @@ impl Error {
     pub fn is_everywhere(&self) -> bool {
         match self {
             Self::Usage(_) | Self::Scene(_) | Self::Solve(_) | Self::Unstable(_) | Self::Output(_) => true,
+            Self::Interrupted => true,
             Self::Fault(fault) => fault.everywhere,
             Self::Alone(_) | Self::Io { .. } | Self::Petsc(_) => false,
         }
@@ -88,6 +97,7 @@ impl Error {
         let error = match self {
             Self::Alone(error) => return error.report(colours),
             Self::Scene(error) => error,
+            Self::Interrupted => return format!("{self}\n"),
             _ => return format!("error: {self}\n"),
         };
         let theme = if colours { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use petsc_wrap::Comm;
 
 use crate::agree::{agree, broadcast};
-use crate::error::{Error, Result};
+use crate::error::{Error, INTERRUPTED, Result};
 use crate::figure::precision::{Method as Line, Precision, Setting, draw};
 use crate::record::folder::Folder;
 use crate::scene::Scene;
@@ -17,7 +17,7 @@ use crate::study::chart::{
 use crate::study::history::Difference;
 
 use super::bench::Bench;
-use super::interrupt::{INTERRUPTED, Interrupt};
+use super::interrupt::Interrupt;
 use super::load::{Loaded, load};
 use super::progress::Items;
 use super::{Chart, say, tell, warn_of_unused_options};

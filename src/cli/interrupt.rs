@@ -8,9 +8,6 @@ use mpi::traits::CommunicatorCollectives;
 use petsc_wrap::Comm;
 use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
 
-/// Exit status of work that a signal has ended.
-pub const INTERRUPTED: i32 = 130;
-
 /// A flag that SIGINT, SIGTERM and SIGUSR1 raise, in place of ending the process at once: the last two are what a queue sends before its
 /// limit.
 pub struct Interrupt(Arc<AtomicBool>);

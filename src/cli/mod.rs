@@ -5,6 +5,7 @@ pub mod chart;
 pub mod check;
 mod collect;
 pub mod environment;
+mod follow;
 pub mod info;
 mod interrupt;
 pub mod keeping;
@@ -89,8 +90,14 @@ pub struct Run {
 /// `ricochet check`
 #[derive(Debug, Args)]
 pub struct Check {
-    /// Scene file (TOML)
+    /// Scene file (TOML), - for standard input
     pub scene: PathBuf,
+    /// Make the model and estimate its errors also where that takes more than a few seconds
+    #[arg(long)]
+    pub full: bool,
+    /// Print the facts as one JSON object
+    #[arg(long)]
+    pub json: bool,
     /// Override a key of the scene by its dotted path
     #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
     pub overrides: Vec<String>,

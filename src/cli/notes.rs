@@ -2,8 +2,9 @@
 
 use crate::contact::{Patch, hertz};
 use crate::impact::Plan;
+use crate::mesh::Measures;
 use crate::model::{self, Model};
-use crate::scene::{Model as Theory, Scene, Scheme};
+use crate::scene::{Geometry, Model as Theory, Scene, Scheme};
 use crate::scheme::critical_frequency;
 
 /// The theory, its unknowns and its basis.
@@ -69,6 +70,43 @@ pub fn note_of_probes(model: &Model) -> Option<String> {
             listed(&names)
         )
     })
+}
+
+/// Diagonal of a body, m, and its ratio to the impactor's radius, above which its lengths look like millimetres.
+const LONG: f64 = 20.0;
+const LONG_FOR_RADIUS: f64 = 200.0;
+
+/// What looks wrong with a body, or with what holds it.
+pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let edges = match (&scene.body.geometry, measures) {
+        (Geometry::Box { size, .. }, _) => *size,
+        (_, Some(Measures { bounds: [least, largest], .. })) => [0, 1, 2].map(|i| largest[i] - least[i]),
+        _ => [0.0; 3],
+    };
+    let diagonal = edges.iter().map(|edge| edge * edge).sum::<f64>().sqrt();
+    if diagonal > LONG && diagonal > LONG_FOR_RADIUS * scene.impactor.radius {
+        warnings
+            .push(format!("the body is {diagonal:.4} m long: lengths are in metres, and these look like millimetres"));
+    }
+    let Some(measures) = measures else { return warnings };
+    if measures.parts > 1 {
+        warnings.push(format!(
+            "the mesh has {} parts that share no node: only the one that is hit feels the impact, and parts without supports float freely",
+            measures.parts
+        ));
+    }
+    for (number, support) in scene.supports.iter().enumerate() {
+        let covered = measures.surfaces.iter().find(|surface| surface.name == support.surface);
+        // To rounding of sums.
+        if covered.is_some_and(|surface| surface.area > 0.999_999 * measures.area) {
+            warnings.push(format!(
+                "support.{number} holds the whole boundary, the impact point included: is {:?} the surface that was meant?",
+                support.surface
+            ));
+        }
+    }
+    warnings
 }
 
 /// The notes on a scene, with its patch and its steps: nothing that is wrong, but much that a number may depend on.

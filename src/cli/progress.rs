@@ -30,7 +30,7 @@ pub struct Lines {
 }
 
 /// When lines are due: the first soon, later ones twice as long after each other, up to a longest time.
-struct Cadence {
+pub(super) struct Cadence {
     last: Instant,
     wait: Duration,
 }
@@ -39,16 +39,16 @@ impl Cadence {
     const FIRST: Duration = Duration::from_secs(1);
     const LONGEST: Duration = Duration::from_secs(16);
 
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self { last: Instant::now(), wait: Self::FIRST }
     }
 
-    fn is_due(&self) -> bool {
+    pub(super) fn is_due(&self) -> bool {
         self.last.elapsed() >= self.wait
     }
 
     /// A line was written.
-    fn next(&mut self) {
+    pub(super) fn next(&mut self) {
         *self = Self { last: Instant::now(), wait: (2 * self.wait).min(Self::LONGEST) };
     }
 }

@@ -8,10 +8,11 @@ use std::time::Instant;
 use petsc_wrap::Comm;
 
 use crate::agree::agree;
-use crate::error::{Error, Result};
+use crate::error::{Error, INTERRUPTED, Result};
 use crate::impact::Observer;
 use crate::impact::checkpoint::Checkpoint;
 use crate::impact::step::Step;
+use crate::model::watch::{Stage, Watch as _};
 use crate::model::{self, Model, Simulation};
 use crate::record::checkpoint;
 use crate::record::fields;
@@ -24,10 +25,11 @@ use crate::scene::{Scene, Source};
 use crate::solve::linear::has_mumps;
 
 use super::Run;
-use super::interrupt::{INTERRUPTED, Interrupt};
+use super::follow::Follower;
+use super::interrupt::Interrupt;
 use super::keeping::Keeping;
 use super::load::{Loaded, STANDARD_INPUT, load};
-use super::notes::{Verdict, describe_model, note_of_probes, notes, verdict};
+use super::notes::{self, Verdict, describe_model, note_of_probes, verdict};
 use super::progress::Progress;
 use super::provenance::provenance;
 use super::recording::Recording;
@@ -118,7 +120,9 @@ fn solve(
     force: bool,
 ) -> Result<i32> {
     let begin = Instant::now();
-    let model = Model::new(comm, scene)?;
+    let interrupt = Rc::new(Interrupt::on_signals());
+    let follower = Follower::new(comm, interrupt.clone());
+    let model = Model::watched(comm, scene, &follower)?;
     let modelled = begin.elapsed().as_secs_f64();
     if let Some(Verdict { message, is_useless }) = verdict(&model, scene.tolerance) {
         if is_useless && !force {
@@ -131,11 +135,14 @@ fn solve(
         }
     }
     let patch = model.dynamics.patch();
+    let of_geometry = notes::of_geometry(scene, model.measures.as_ref());
     let (described, reason, of_probes) = (describe_model(&model), model.reason.clone(), note_of_probes(&model));
     let is_factorised = model.dynamics.is_factorised_on_ranks();
     let of_model = (model::name(model.theory), model.reduction(), model.unknowns);
     let mut provenance = provenance(comm, scene, source, of_model)?;
+    follower.at(Stage::Steps)?;
     let mut impact = Simulation::new(scene, model)?;
+    drop(follower);
     provenance.planned_rows = impact.steps().map(|steps| steps / scene.output.every + 1);
     let assembled = begin.elapsed().as_secs_f64();
     tracing::info!(modelled, assembled, "ready");
@@ -144,7 +151,10 @@ fn solve(
         if let Some(reason) = reason {
             tell(format_args!("{reason}"));
         }
-        for note in notes(scene, patch.as_ref(), impact.plan().as_ref()).into_iter().chain(of_probes) {
+        for warning in of_geometry {
+            tell(format_args!("warning: {warning}"));
+        }
+        for note in notes::notes(scene, patch.as_ref(), impact.plan().as_ref()).into_iter().chain(of_probes) {
             tell(format_args!("note: {note}"));
         }
         if is_factorised && !has_mumps(comm.session())? {
@@ -176,7 +186,6 @@ fn solve(
         progress: Progress::new([summary.end(), scene.time.end]),
         summary,
     });
-    let interrupt = Rc::new(Interrupt::on_signals());
     let (asked, ranks) = (interrupt.clone(), comm.clone());
     impact.set_interrupt(move || asked.is_raised(&ranks));
     let keeping = Keeping::new(comm, (scene, source.text()), output, &impact);

@@ -5,7 +5,7 @@ use std::time::Instant;
 use petsc_wrap::Comm;
 
 use crate::agree::agree;
-use crate::error::{Error, Result};
+use crate::error::{Error, INTERRUPTED, Result};
 use crate::figure::map::{Cell, Map, Row, Value, draw};
 use crate::mesh::Mesh;
 use crate::record::folder::Folder;
@@ -14,7 +14,7 @@ use crate::study::stability::{ENOUGH, Study};
 use crate::study::table::{csv, gist, theory};
 use crate::study::{Verdict, label, stability as study};
 
-use super::interrupt::{INTERRUPTED, Interrupt};
+use super::interrupt::Interrupt;
 use super::load::{Loaded, load};
 use super::{Stability, say, tell, warn_of_unused_options};
 

@@ -9,13 +9,14 @@ use mpi::traits::{Communicator, Root};
 use petsc_wrap::{Comm, options, petsc_version};
 
 use crate::agree::agree;
-use crate::error::{Error, Result};
+use crate::error::{Error, INTERRUPTED, Result};
 use crate::model;
 use crate::record::sweep::{Header, Member, Quantity, Status, Sweep as Part, SweepWriter};
 use crate::scene::{Model, Scene, Source};
 use crate::study::sweep::{Bodies, Census, Grid, Property, Task, Variation, digest, parts, spread};
 
-use super::interrupt::{INTERRUPTED, Interrupt};
+use super::follow::Follower;
+use super::interrupt::Interrupt;
 use super::load::{Loaded, load};
 use super::progress::Items;
 use super::{Sweep, say, short, tell, warn_of_unused_options};
@@ -42,11 +43,12 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     comm.mpi().process_at_rank(0).broadcast_into(&mut todo_somewhere);
     let desk = desk.map(|desk| Rc::new(RefCell::new(Desk { progress: Items::new(todo.len(), "members"), ..desk })));
 
-    let (interrupt, alone) = (Interrupt::on_signals(), comm.session().alone());
+    let (interrupt, alone) = (Rc::new(Interrupt::on_signals()), comm.session().alone());
     // One theory for all, lest it change from one member to the next.
     let theory = match (scene.body.model, todo_somewhere) {
         (Model::Auto, true) if !grid.varies("body.model") => {
-            let theory = census.theory(comm, |index| Ok(task(arguments, &source, &grid, index)?.scene))?;
+            let follower = Follower::new(comm, interrupt.clone());
+            let theory = census.theory(comm, |index| Ok(task(arguments, &source, &grid, index)?.scene), &follower)?;
             if comm.is_root() {
                 tell(format_args!("{} for all members", model::name(theory.0)));
             }

@@ -8,7 +8,71 @@ use super::{Mesh, Site};
 use crate::element::{Element, Quadrature, Table};
 use crate::scene::Vec3;
 
+/// What a user can hold against the drawing of a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measures {
+    /// Least and largest coordinates of the vertices, m.
+    pub bounds: [Vec3; 2],
+    /// m³.
+    pub volume: f64,
+    /// Area of the whole boundary, m².
+    pub area: f64,
+    /// By name.
+    pub surfaces: Vec<Surface>,
+    /// How many parts share no node.
+    pub parts: usize,
+}
+
+/// A named surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surface {
+    /// Its name.
+    pub name: String,
+    /// m².
+    pub area: f64,
+}
+
 impl Mesh {
+    /// Measures the mesh. Collective.
+    pub fn measures(&self) -> Measures {
+        let mpi = self.comm.mpi();
+        let (mut least, mut largest) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for x in &self.cells.x {
+            for i in 0..3 {
+                (least[i], largest[i]) = (least[i].min(x[i]), largest[i].max(x[i]));
+            }
+        }
+        let mut bounds = [[0.0; 3]; 2];
+        mpi.all_reduce_into(&least, &mut bounds[0], SystemOperation::min());
+        mpi.all_reduce_into(&largest, &mut bounds[1], SystemOperation::max());
+        let all: Vec<usize> = (0..self.facets.len()).collect();
+        let surfaces =
+            self.surfaces.iter().map(|(name, facets)| Surface { name: name.clone(), area: self.area(facets) });
+        Measures {
+            bounds,
+            volume: self.volume(),
+            surfaces: surfaces.collect(),
+            area: self.area(&all),
+            parts: self.parts,
+        }
+    }
+
+    /// Area of some of this rank's facets and of those of the other ranks, m². Collective.
+    fn area(&self, facets: &[usize]) -> f64 {
+        let shape = self.facets.shape;
+        let table = Table::new(&Element::new(shape, 1), &Quadrature::exact(shape, 2));
+        let of_facet = |x: &[Vec3]| -> f64 {
+            let element = |q| {
+                let tangents = table.jacobian(q, x);
+                table.weight(q) * tangents.column(0).cross(&tangents.column(1)).norm()
+            };
+            (0..table.points()).map(element).sum()
+        };
+        let (here, mut all) = (facets.iter().map(|&i| of_facet(self.facets.x(i))).sum::<f64>(), 0.0);
+        self.comm.mpi().all_reduce_into(&here, &mut all, SystemOperation::sum());
+        all
+    }
+
     /// Volume of all cells, m³. Collective.
     pub fn volume(&self) -> f64 {
         let shape = self.cells.shape;

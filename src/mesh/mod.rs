@@ -17,6 +17,7 @@ use petsc_wrap::{Comm, Int};
 use crate::element::{Element, Shape};
 
 pub use locate::Site;
+pub use measure::{Measures, Surface};
 pub(crate) use mirror::add_image;
 pub use whole::Whole;
 
@@ -43,6 +44,8 @@ pub struct Mesh {
     pub total_cells: usize,
     /// Diagonal of the box around the mesh, m.
     pub diameter: f64,
+    /// How many parts the mesh has that share no node.
+    pub parts: usize,
 }
 
 /// Cells or facets of one shape with elements of one order.

@@ -39,7 +39,15 @@ impl Mesh {
                 Ok(Self { mirror_nodes, copies: grid.copies(), ..mesh })
             }
             Geometry::Gmsh(path) => {
-                let GmshMesh { plex, surfaces: groups } = gmsh::read(comm, path)?;
+                let GmshMesh { plex, surfaces: groups, volumes, parts } = gmsh::read(comm, path)?;
+                if volumes > 1 {
+                    let message = format!(
+                        "{}: it has {volumes} physical volumes, and the scene has one material",
+                        path.display()
+                    );
+                    let help = "one physical volume, or none: then all cells are of the scene's material";
+                    return Err(Fault::new("body.mesh", message, help).into());
+                }
                 let plex = spread(plex)?;
                 let part = Part::new(&plex, body.order, |vertex| vertex)?;
                 let (cells, facets, marks) = part.elements(&groups)?;
@@ -49,7 +57,7 @@ impl Mesh {
                         surfaces.insert(name, mark.facets);
                     }
                 }
-                Ok(Self::collect(comm, part.numbering.owned, cells, facets, surfaces))
+                Ok(Self { parts, ..Self::collect(comm, part.numbering.owned, cells, facets, surfaces) })
             }
         }
     }
@@ -73,6 +81,7 @@ impl Mesh {
             owned_nodes,
             diameter: diameter(comm, &cells),
             copies: 1,
+            parts: 1,
             comm: comm.clone(),
             cells,
             facets,

@@ -7,10 +7,12 @@ use petsc_wrap::Comm;
 
 use super::reduce::{Reduced, force, rate, reduce};
 use super::theory::{Built, Operators, build};
+use super::watch::{Stage, Watch};
 use crate::body::Krylov;
 use crate::body::gauge::Gauge;
 use crate::error::{Error, Result};
 use crate::impact::Trace;
+use crate::mesh::Measures;
 use crate::scene::{Model, Scene};
 
 /// The coarser cells over the others, and finer ones over those at least and at most.
@@ -42,33 +44,35 @@ pub struct Fitted {
     pub error: Option<(f64, f64)>,
     /// What reads the body, as [`Operators::gauge`].
     pub gauge: Option<Gauge>,
+    /// As [`Operators::measures`].
+    pub measures: Option<Measures>,
 }
 
 /// Reduces a body on its cells, then a body of splines in modal coordinates on finer ones where these leave too much. Collective.
 ///
 /// # Errors
 /// Those of [`reduce`] and [`build`].
-pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators) -> Result<Fitted> {
-    refine(comm, scene, theory, unrefined(comm, scene, built)?)
+pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators, watch: &dyn Watch) -> Result<Fitted> {
+    refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, watch)
 }
 
 /// Reduces a body on the cells that it has. Collective.
 ///
 /// # Errors
 /// Those of [`reduce`].
-pub fn unrefined(comm: &Comm, scene: &Scene, built: Operators) -> Result<Fitted> {
-    fitted(comm, scene, built, 1.0)
+pub fn unrefined(comm: &Comm, scene: &Scene, built: Operators, watch: &dyn Watch) -> Result<Fitted> {
+    fitted(comm, scene, built, 1.0, watch)
 }
 
 /// Reduces a body of splines, in modal coordinates, on finer cells where its own leave too much. Collective.
 ///
 /// # Errors
 /// Those of [`reduce`] and [`build`].
-pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted) -> Result<Fitted> {
+pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch: &dyn Watch) -> Result<Fitted> {
     if !fine.is_of_splines || !scene.time.modal {
         return Ok(fine);
     }
-    let mut coarse = match on_coarser_cells(comm, scene, theory, &fine) {
+    let mut coarse = match on_coarser_cells(comm, scene, theory, &fine, watch) {
         Ok(trace) => trace.map(|trace| (trace, 1.0 / COARSER)),
         // Too coarse cells may be too soft, or too stiff, for the contact law: then finer ones judge.
         Err(Error::Solve(_)) => None,
@@ -89,34 +93,46 @@ pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted) -> Re
             }
         }
         let size = finer * fine.size;
-        let built = match build(comm, scene, theory, size) {
+        let built = match build(comm, scene, theory, size, watch) {
             Ok(Built::Operators(built)) => built,
             // More unknowns than splines are made for: what is left is told with the results.
             Ok(Built::Given(_)) | Err(Error::Fault(_)) => return Ok(fine),
             Err(error) => return Err(error),
         };
-        coarse = Some((std::mem::replace(&mut fine, fitted(comm, scene, built, size)?).reduced.force.0, finer));
+        coarse = Some((std::mem::replace(&mut fine, fitted(comm, scene, built, size, watch)?).reduced.force.0, finer));
     }
 }
 
-fn fitted(comm: &Comm, scene: &Scene, built: Operators, size: f64) -> Result<Fitted> {
-    let Operators { body, words, gauge, is_of_splines } = built;
-    let (reduced, unknowns) = (reduce(&body, scene)?, body.unknowns());
-    let fitted = Fitted { reduced, unknowns, is_of_splines, words, size, error: None, gauge };
+fn fitted(comm: &Comm, scene: &Scene, built: Operators, size: f64, watch: &dyn Watch) -> Result<Fitted> {
+    let Operators { body, words, gauge, is_of_splines, measures } = built;
+    let (reduced, unknowns) = (reduce(&body, scene, watch)?, body.unknowns());
+    let fitted = Fitted { reduced, unknowns, is_of_splines, words, size, error: None, gauge, measures };
     drop(body);
     comm.collect_garbage()?;
     Ok(fitted)
 }
 
 /// The force on cells that are coarser; none where there are no coarser ones.
-fn on_coarser_cells(comm: &Comm, scene: &Scene, theory: Model, fine: &Fitted) -> Result<Option<Trace>> {
-    let Built::Operators(built) = build(comm, scene, theory, COARSER * fine.size)? else { return Ok(None) };
+fn on_coarser_cells(
+    comm: &Comm,
+    scene: &Scene,
+    theory: Model,
+    fine: &Fitted,
+    watch: &dyn Watch,
+) -> Result<Option<Trace>> {
+    let Built::Operators(built) = build(comm, scene, theory, COARSER * fine.size, watch)? else { return Ok(None) };
     if built.body.unknowns() == fine.unknowns {
         return Ok(None);
     }
     let body = built.body;
+    watch.at(Stage::Factor)?;
     let mut krylov = Krylov::new(&body, rate(scene))?;
-    krylov.grow(&body, fine.reduced.projection.vectors())?;
+    let vectors = fine.reduced.projection.vectors();
+    while krylov.vectors() < vectors && !krylov.is_exhausted() {
+        watch.at(Stage::Basis { vectors: krylov.vectors(), judged: None })?;
+        krylov.grow(&body, krylov.vectors() + 1)?;
+    }
+    watch.at(Stage::Trial)?;
     let mut steps = fine.reduced.force.1;
     let trace = force(scene, &body, &krylov.projection(&body)?, &mut steps)?;
     drop((krylov, body));

@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::scene::{Contact, Geometry, Load, Model as Theory, Newton, Scene, Scheme, Support, SupportKind, faces};
 
 use super::mindlin_error::mindlin_error_over_difference;
+use super::watch::Watch;
 use super::{Built, Model, admits, build, reduce, refine, unrefined};
 
 /// Part of the tolerance that the estimated error of Mindlin's theory may take.
@@ -31,9 +32,9 @@ const SLENDER: f64 = 4.0;
 const OF_LAMBDA: f64 = 1.13;
 
 /// Climbs. Collective.
-pub(super) fn climb(comm: &Comm, scene: &Scene) -> Result<Model> {
+pub(super) fn climb(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Model> {
     let mut passed: Vec<String> = Vec::new();
-    if let Some((model, reason)) = formula(comm, scene)? {
+    if let Some((model, reason)) = formula(comm, scene, watch)? {
         return Ok(Model { reason: Some(reason), ..model });
     }
     let plates = slender(scene).and_then(|()| admits(scene, Theory::Kirchhoff)).and_then(|()| free_faces(scene));
@@ -56,7 +57,7 @@ pub(super) fn climb(comm: &Comm, scene: &Scene) -> Result<Model> {
         Ok(()) if matches!(scene.contact, Contact::Patch { radius: Some(_) }) => {
             passed.push("a patch is given, which is the solid's".to_owned());
         }
-        Ok(()) => match plate(comm, scene, &mut passed) {
+        Ok(()) => match plate(comm, scene, &mut passed, watch) {
             Ok(Some(model)) => return Ok(Model { reason: Some(passed.join("; ")), ..model }),
             Ok(None) => {}
             // What a plate cannot, the solid may.
@@ -64,7 +65,7 @@ pub(super) fn climb(comm: &Comm, scene: &Scene) -> Result<Model> {
             Err(error) => return Err(error),
         },
     }
-    let model = Model::of(comm, scene, Theory::Solid)?;
+    let model = Model::of(comm, scene, Theory::Solid, watch)?;
     Ok(Model { reason: Some(passed.join("; ")), ..model })
 }
 
@@ -77,7 +78,7 @@ fn is_held_away(support: &Support) -> bool {
 ///
 /// To a half-space a body adds waves (λ), its own motion (no more than by the ratio of the masses) and, as a layer of the thickness h, a
 /// dent that differs by about F/(E h): exact is 0.84 to 1.1 of that, and half of it is seen in the force.
-fn formula(comm: &Comm, scene: &Scene) -> Result<Option<(Model, String)>> {
+fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Model, String)>> {
     let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return Ok(None) };
     let is_patch_given = matches!(scene.contact, Contact::Patch { radius: Some(_) });
     if !scene.time.modal || is_patch_given || admits(scene, Theory::InfinitePlate).is_err() {
@@ -102,7 +103,7 @@ fn formula(comm: &Comm, scene: &Scene) -> Result<Option<(Model, String)>> {
     if error > 0.7 * scene.tolerance {
         return Ok(None);
     }
-    let model = Model::of(comm, scene, Theory::HalfSpace)?;
+    let model = Model::of(comm, scene, Theory::HalfSpace, watch)?;
     let reason = format!(
         "estimated error of a half-space: {error:.1e}, the sum of Zener's λ = {lambda:.1e}, ratio of the masses {ratio:.1e}, dent of a layer {local:.1e}"
     );
@@ -133,10 +134,10 @@ fn free_faces(scene: &Scene) -> std::result::Result<(), String> {
 }
 
 /// Kirchhoff and Mindlin; `None` where the solid is needed.
-fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>) -> Result<Option<Model>> {
+fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch) -> Result<Option<Model>> {
     let tolerance = scene.tolerance;
     let modal = Scene { time: crate::scene::Time { modal: true, ..scene.time.clone() }, ..scene.clone() };
-    let operators = |scene: &Scene, theory| match build(comm, scene, theory, 1.0)? {
+    let operators = |scene: &Scene, theory| match build(comm, scene, theory, 1.0, watch)? {
         Built::Operators(operators) => Ok(operators),
         Built::Given(_) => Err(Error::Solve("a plate has unknowns".into())),
     };
@@ -146,7 +147,7 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>) -> Result<Option<
     }
     let part = mindlin_error_over_difference(scene);
     // Cells and basis are not judged yet: their part of the difference is small, and so is what it changes in the estimate.
-    let thick = unrefined(comm, &modal, operators(&modal, Theory::Mindlin)?)?;
+    let thick = unrefined(comm, &modal, operators(&modal, Theory::Mindlin)?, watch)?;
     let (first, all) = if part <= OF_UNCOMPARED * tolerance {
         passed.push(format!(
             "estimated error of mindlin relative to solid: {part:.1e}, even if kirchhoff differed from it by the whole peak"
@@ -154,7 +155,7 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>) -> Result<Option<
         (part, part)
     } else {
         let rough = Scene { tolerance: tolerance.max((ROUGHER * tolerance).min(ROUGHEST)), ..modal.clone() };
-        let thin = reduce(&operators(&rough, Theory::Kirchhoff)?.body, &rough)?;
+        let thin = reduce(&operators(&rough, Theory::Kirchhoff)?.body, &rough, watch)?;
         let (first, all) = thick.reduced.force.0.difference(&thin.force.0);
         let error = part * first;
         let judged = format!(
@@ -168,8 +169,8 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>) -> Result<Option<
         (error, part * all)
     };
     let model = match scene.time.modal {
-        true => Model::on_basis(comm, scene, Theory::Mindlin, refine(comm, &modal, Theory::Mindlin, thick)?)?,
-        false => Model::of(comm, scene, Theory::Mindlin)?,
+        true => Model::on_basis(comm, scene, Theory::Mindlin, refine(comm, &modal, Theory::Mindlin, thick, watch)?)?,
+        false => Model::of(comm, scene, Theory::Mindlin, watch)?,
     };
     Ok(Some(model.with_error("theory", (first, all))))
 }

@@ -7,6 +7,7 @@ mod readings;
 mod reduce;
 mod simulation;
 mod theory;
+pub mod watch;
 
 pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::{Gauges, Readings};
@@ -23,8 +24,11 @@ use crate::body::gauge::Gauge;
 use crate::body::{Body, ModalBody};
 use crate::contact::Patch;
 use crate::error::Result;
+use crate::mesh::Measures;
 use crate::scene::{self, Reduction, Scene};
 use crate::solve::Method;
+
+use watch::{Unwatched, Watch};
 
 /// A scene's body, ready for impacts.
 pub struct Model {
@@ -51,6 +55,8 @@ pub struct Model {
     pub reason: Option<String>,
     /// What is read of the body, where the scene wants that.
     pub gauges: Option<Gauges>,
+    /// Measures of a mesh from a file.
+    pub measures: Option<Measures>,
 }
 
 /// How a body moves.
@@ -84,30 +90,38 @@ impl Model {
     /// A fault where the theory does not stand for the scene; those of meshes; [`crate::Error::Solve`] where the impact has no
     /// solution on any basis; PETSc's.
     pub fn new(comm: &Comm, scene: &Scene) -> Result<Self> {
+        Self::watched(comm, scene, &Unwatched)
+    }
+
+    /// [`Model::new`] before somebody who may break it off. Collective.
+    ///
+    /// # Errors
+    /// As [`Model::new`]; [`crate::Error::Interrupted`].
+    pub fn watched(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Self> {
         match scene.body.model {
-            scene::Model::Auto => climb::climb(comm, scene),
-            theory => Self::of(comm, scene, theory),
+            scene::Model::Auto => climb::climb(comm, scene, watch),
+            theory => Self::of(comm, scene, theory, watch),
         }
     }
 
     /// One theory's model. Collective.
-    fn of(comm: &Comm, scene: &Scene, theory: scene::Model) -> Result<Self> {
-        match build(comm, scene, theory, 1.0)? {
+    fn of(comm: &Comm, scene: &Scene, theory: scene::Model, watch: &dyn Watch) -> Result<Self> {
+        match build(comm, scene, theory, 1.0, watch)? {
             Built::Given(body) => Ok(Self::bare(theory, Dynamics::Modal(body), 0, "a formula".to_owned())),
-            Built::Operators(Operators { body, words, gauge, .. })
+            Built::Operators(Operators { body, words, gauge, measures, .. })
                 if !scene.time.modal && !matches!(scene.body.reduction, Reduction::Vectors(_)) =>
             {
                 let unknowns = body.unknowns();
                 let gauges = gauges(comm, scene, gauge, &body.load, None)?;
-                Ok(Self { gauges, ..Self::bare(theory, Dynamics::Stepped(body), unknowns, words) })
+                Ok(Self { gauges, measures, ..Self::bare(theory, Dynamics::Stepped(body), unknowns, words) })
             }
-            Built::Operators(built) => Self::on_basis(comm, scene, theory, fit(comm, scene, theory, built)?),
+            Built::Operators(built) => Self::on_basis(comm, scene, theory, fit(comm, scene, theory, built, watch)?),
         }
     }
 
     /// The model of a reduced body. Collective.
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
-        let Fitted { reduced, unknowns, words, gauge, error: cells, .. } = fitted;
+        let Fitted { reduced, unknowns, words, gauge, measures, error: cells, .. } = fitted;
         let Reduced { projection, judge, of_difference, krylov, error, .. } = reduced;
         let basis = &krylov.basis()[..projection.vectors()];
         let gauges = match basis {
@@ -120,8 +134,14 @@ impl Model {
             Dynamics::Stepped(Box::new(Body::of(&comm.session().alone(), &projection.system())?))
         };
         let (vectors, judge) = (Some(projection.vectors()), Some((ModalBody::of(&judge), of_difference)));
-        let model =
-            Self { vectors, judge, gauges, error: Some(error), ..Self::bare(theory, dynamics, unknowns, words) };
+        let model = Self {
+            vectors,
+            judge,
+            gauges,
+            measures,
+            error: Some(error),
+            ..Self::bare(theory, dynamics, unknowns, words)
+        };
         let model = Self { judged: vec!["basis"], ..model };
         Ok(match cells {
             Some(error) => model.with_error("cells", error),
@@ -143,6 +163,7 @@ impl Model {
             beside_basis: (0.0, 0.0),
             reason: None,
             gauges: None,
+            measures: None,
         }
     }
 

@@ -8,6 +8,8 @@ use crate::error::Result;
 use crate::impact::{Impact, ModalImpact, Steps, Trace};
 use crate::scene::{Reduction, Scene};
 
+use super::watch::{Judged, Stage, Watch};
+
 /// Vectors of the first basis that is tried.
 const FIRST: usize = 10;
 
@@ -59,7 +61,8 @@ impl Reduced {
 ///
 /// # Errors
 /// [`crate::Error::Solve`] where the impact is not solved on any basis; PETSc's.
-pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
+pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> {
+    watch.at(Stage::Factor)?;
     let mut krylov = Krylov::new(body, rate(scene))?;
     let given = match scene.body.reduction {
         Reduction::Vectors(vectors) => Some(vectors),
@@ -70,8 +73,13 @@ pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
     // The bases so far, their force, and the steps that all are compared in.
     let mut tried: Vec<(usize, Trace)> = Vec::new();
     let mut steps = None;
+    let mut last: Option<Judged> = None;
     loop {
-        krylov.grow(body, count)?;
+        while krylov.vectors() < count && !krylov.is_exhausted() {
+            watch.at(Stage::Basis { vectors: krylov.vectors(), judged: last })?;
+            krylov.grow(body, krylov.vectors() + 1)?;
+        }
+        watch.at(Stage::Trial)?;
         let projection = krylov.projection(body)?;
         count = projection.vectors();
         let enough = count > MOST || (given.is_some() && !tried.is_empty());
@@ -87,7 +95,9 @@ pub fn reduce(body: &Body, scene: &Scene) -> Result<Reduced> {
                     let of_difference = if given.is_some() { OF_SMALLER } else { OF_LARGER };
                     let (first, all) = before.difference(&trace);
                     let error = (of_difference * first, of_difference * all);
-                    if enough || error.0 <= OF_BASIS * scene.tolerance {
+                    let wanted = OF_BASIS * scene.tolerance;
+                    last = Some(Judged { vectors: count, error: error.0, wanted });
+                    if enough || error.0 <= wanted {
                         tracing::info!(vectors = count, smaller, first = error.0, all = error.1, "reduced");
                         let mut pair = [(projection.leading(*smaller), before.clone()), (projection, trace)];
                         if given.is_none() {

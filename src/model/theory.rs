@@ -8,8 +8,10 @@ use crate::body::plate::{self, Plate};
 use crate::body::{Body, ModalBody, Modes, System};
 use crate::contact::zener;
 use crate::error::Result;
-use crate::mesh::Mesh;
+use crate::mesh::{Measures, Mesh};
 use crate::scene::{Contact, Fault, Geometry, Model, Reduction, Scene};
+
+use super::watch::{Stage, Watch};
 
 /// What the scene calls the theory.
 pub fn name(model: Model) -> &'static str {
@@ -41,6 +43,8 @@ pub struct Operators {
     pub is_of_splines: bool,
     /// What reads the body at its points, where the scene wants that; of a distributed mesh rank 0 has it.
     pub gauge: Option<Gauge>,
+    /// Measures of a mesh from a file.
+    pub measures: Option<Measures>,
 }
 
 /// Why a theory does not stand for a scene: a clause.
@@ -67,7 +71,8 @@ pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
 ///
 /// # Errors
 /// A fault of `body.model` where the theory does not stand for the scene; those of meshes; PETSc's.
-pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64) -> Result<Built> {
+pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn Watch) -> Result<Built> {
+    watch.at(Stage::Assembly(theory))?;
     admits(scene, theory).map_err(|reason| {
         Fault::new(
             "body.model",
@@ -96,11 +101,12 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64) -> Result<Bui
             let mesh = Mesh::new(comm, &scene.body)?;
             let body = Body::solid(scene, &mesh)?;
             let words = format!("{} cells of order {}", mesh.total_cells, scene.body.order);
+            let measures = matches!(scene.body.geometry, Geometry::Gmsh(_)).then(|| mesh.measures());
             let whole = if scene.output.is_read() { mesh.gather() } else { None };
             drop(mesh);
             comm.collect_garbage()?;
             let gauge = whole.map(|whole| Gauge::of_mesh(scene, whole));
-            Built::Operators(Operators { body: Box::new(body), words, is_of_splines: false, gauge })
+            Built::Operators(Operators { body: Box::new(body), words, is_of_splines: false, gauge, measures })
         }
     })
 }
@@ -134,5 +140,5 @@ fn of_plate(comm: &Comm, scene: &Scene, theory: plate::Theory, size: f64) -> Res
 /// Every rank has all of it.
 fn of_system(comm: &Comm, system: &System, words: String, gauge: Option<Gauge>) -> Result<Built> {
     let body = Box::new(Body::of(&comm.session().alone(), system)?);
-    Ok(Built::Operators(Operators { body, words, is_of_splines: true, gauge }))
+    Ok(Built::Operators(Operators { body, words, is_of_splines: true, gauge, measures: None }))
 }

@@ -21,6 +21,10 @@ pub struct GmshMesh {
     pub plex: Plex,
     /// The physical surfaces that the file names, on every rank.
     pub surfaces: Vec<PhysicalSurface>,
+    /// How many physical groups of volumes the cells are in.
+    pub volumes: usize,
+    /// How many parts the cells make that share no node.
+    pub parts: usize,
 }
 
 /// A physical group of dimension 2.
@@ -38,6 +42,10 @@ struct Contents {
     surfaces: Vec<PhysicalSurface>,
     /// Whether all tags of an element are physical groups (4.1), or the first one only (2.2).
     all_tags: bool,
+    /// Physical groups that its cells are in.
+    volumes: usize,
+    /// Parts of the cells that share no node.
+    parts: usize,
 }
 
 impl Plex {
@@ -53,7 +61,7 @@ impl Plex {
     /// # Errors
     /// [`Error::MeshFile`], on all ranks, for a file that is not there or does not keep what its format promises; PETSc's, on rank 0 alone.
     pub fn gmsh(comm: &Comm, path: &Path) -> Result<GmshMesh> {
-        let Contents { surfaces, all_tags } = read_contents(comm, path)?;
+        let Contents { surfaces, volumes, parts, all_tags } = read_contents(comm, path)?;
         // Rank 0 alone opens it.
         let path = if comm.is_root() { path_for_petsc(path).unwrap_or_default() } else { PathBuf::new() };
         /// What a mesh is made of here is not a matter of options: groups by number, and each surface for itself.
@@ -77,7 +85,7 @@ impl Plex {
         check(unsafe { sys::DMPlexCreateGmshFromFile(comm.raw(), name.as_ptr(), interpolate, &raw mut raw) })?;
         drop(scoped);
         // SAFETY: the new mesh is ours.
-        Ok(GmshMesh { plex: unsafe { Plex::from_raw(raw, comm) }, surfaces })
+        Ok(GmshMesh { plex: unsafe { Plex::from_raw(raw, comm) }, surfaces, volumes, parts })
     }
 }
 
@@ -94,9 +102,9 @@ fn read_contents(comm: &Comm, path: &Path) -> Result<Contents> {
     if !message.is_empty() {
         return Err(Error::MeshFile { path: path.to_owned(), message });
     }
-    let (mut numbers, mut names, mut all_tags) = (Vec::new(), String::new(), Vec::new());
+    let (mut numbers, mut names, mut counts) = (Vec::new(), String::new(), Vec::new());
     if let Some(Ok(contents)) = &mine {
-        all_tags.push(u8::from(contents.all_tags));
+        counts.extend([usize::from(contents.all_tags), contents.volumes, contents.parts].map(|count| count as u64));
         for surface in &contents.surfaces {
             numbers.push(surface.number);
             // A name is a part of a line.
@@ -104,12 +112,16 @@ fn read_contents(comm: &Comm, path: &Path) -> Result<Contents> {
             names.push('\n');
         }
     }
-    let (numbers, names) = (comm.all_gather(&numbers), comm.all_gather(names.as_bytes()));
+    // Rank 0 alone has any.
+    let (numbers, counts) = (comm.all_gather(&numbers), comm.all_gather(&counts));
+    let names = comm.all_gather(names.as_bytes());
     let names = String::from_utf8_lossy(&names).into_owned();
     let surfaces = numbers.into_iter().zip(names.lines());
     Ok(Contents {
         surfaces: surfaces.map(|(number, name)| PhysicalSurface { number, name: name.to_owned() }).collect(),
-        all_tags: comm.all_gather(&all_tags) == [1],
+        all_tags: counts[0] == 1,
+        volumes: counts[1] as usize,
+        parts: counts[2] as usize,
     })
 }
 

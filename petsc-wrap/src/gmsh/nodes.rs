@@ -17,6 +17,8 @@ pub(super) struct Nodes {
     numbers: Vec<usize>,
     first: usize,
     states: Vec<u8>,
+    /// For each node one of the same connected part; for the part's root itself.
+    joined: Vec<usize>,
 }
 
 impl Nodes {
@@ -39,6 +41,7 @@ impl Nodes {
         }
         self.first = first;
         self.states = vec![ABSENT; last - first + 1];
+        self.joined = (0..=last - first).collect();
         for number in std::mem::take(&mut self.numbers) {
             let state = &mut self.states[number - first];
             if *state != ABSENT {
@@ -59,6 +62,28 @@ impl Nodes {
                 true
             }
         }
+    }
+
+    /// A cell joins its nodes, which are there.
+    pub fn join(&mut self, corners: &[usize]) {
+        for pair in corners.windows(2) {
+            let [one, other] = [pair[0], pair[1]].map(|number| self.root(number - self.first));
+            self.joined[one.max(other)] = one.min(other);
+        }
+    }
+
+    fn root(&mut self, mut index: usize) -> usize {
+        while self.joined[index] != index {
+            // Each node on the way comes nearer to the root.
+            self.joined[index] = self.joined[self.joined[index]];
+            index = self.joined[index];
+        }
+        index
+    }
+
+    /// Parts of the body that share no node.
+    pub fn parts(&self) -> usize {
+        (0..self.states.len()).filter(|&index| self.states[index] == IN_CELL && self.joined[index] == index).count()
     }
 
     /// There must be cells; a node outside all of them that other elements use would be a vertex without stiffness.

@@ -4,7 +4,7 @@
 //! missing, the process may end by a signal. So the sections are walked through first, in the order in which PETSc
 //! wants them. Formats: Gmsh's manual, "MSH file format", 2.2 and 4.1, text and binary.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use crate::Int;
 
@@ -21,7 +21,13 @@ const NAME: usize = 127;
 /// # Errors
 /// What is wrong, with the line of a text file or the byte of a binary one.
 pub(super) fn validate(bytes: &[u8]) -> Result<Contents, String> {
-    let mut walk = Walk { words: Words::new(bytes), entities: Default::default(), nodes: Nodes::default() };
+    let mut walk = Walk {
+        words: Words::new(bytes),
+        entities: Default::default(),
+        groups: HashMap::new(),
+        volumes: BTreeSet::new(),
+        nodes: Nodes::default(),
+    };
     let modern = walk.format()?;
     let mut surfaces = Vec::new();
     let mut section = walk.section()?;
@@ -42,13 +48,18 @@ pub(super) fn validate(bytes: &[u8]) -> Result<Contents, String> {
     if modern { walk.elements_41() } else { walk.elements_22() }?;
     walk.words.expect("$EndElements")?;
     walk.nodes.check_use()?;
-    Ok(Contents { surfaces, all_tags: modern })
+    let (volumes, parts) = (walk.volumes.len(), walk.nodes.parts());
+    Ok(Contents { surfaces, volumes, parts, all_tags: modern })
 }
 
 struct Walk<'a> {
     words: Words<'a>,
     /// Numbers of the geometric entities (4.1), by dimension.
     entities: [HashSet<i32>; 4],
+    /// Physical groups of the geometric volumes (4.1), by the volumes' numbers.
+    groups: HashMap<i32, Vec<i32>>,
+    /// Physical groups that cells are in.
+    volumes: BTreeSet<i32>,
     nodes: Nodes,
 }
 
@@ -115,7 +126,8 @@ impl<'a> Walk<'a> {
         let counts = [words.size()?, words.size()?, words.size()?, words.size()?];
         for (dimension, count) in counts.into_iter().enumerate() {
             for _ in 0..count {
-                self.entities[dimension].insert(words.int()?);
+                let number = words.int()?;
+                self.entities[dimension].insert(number);
                 for _ in 0..if dimension == 0 { 3 } else { 6 } {
                     words.real()?;
                 }
@@ -123,8 +135,9 @@ impl<'a> Walk<'a> {
                 if tags > TAGS {
                     return words.error(format!("{tags} physical groups of one entity are more than {TAGS}"));
                 }
-                for _ in 0..tags {
-                    words.int()?;
+                let groups = (0..tags).map(|_| words.int()).collect::<Result<Vec<_>, _>>()?;
+                if dimension == 3 {
+                    self.groups.insert(number, groups);
                 }
                 let bounds = if dimension == 0 { 0 } else { words.size()? };
                 for _ in 0..bounds {
@@ -180,11 +193,11 @@ impl<'a> Walk<'a> {
         self.nodes.close(Some(span))
     }
 
-    /// Dimension of the entity that a block is of.
-    fn entity(&mut self) -> Result<usize, String> {
+    /// Dimension and number of the entity that a block is of.
+    fn entity(&mut self) -> Result<(usize, i32), String> {
         let (dimension, number) = (self.words.int()?, self.words.int()?);
         match usize::try_from(dimension).ok().and_then(|d| Some((d, self.entities.get(d)?))) {
-            Some((dimension, known)) if known.contains(&number) => Ok(dimension),
+            Some((dimension, known)) if known.contains(&number) => Ok((dimension, number)),
             _ => self.words.error(format!("there is no entity {number} of dimension {dimension}")),
         }
     }
@@ -215,8 +228,12 @@ impl<'a> Walk<'a> {
             sum += count as usize;
             self.check_sum(sum, total, false)?;
             for _ in 0..count {
-                for _ in 0..tags + usize::from(self.words.binary) {
-                    self.words.int()?;
+                // The first tag is the physical group, 0 for none; a block's elements begin with their number.
+                for tag in 0..tags + usize::from(self.words.binary) {
+                    let group = self.words.int()?;
+                    if dimension == 3 && tag == usize::from(self.words.binary) && group != 0 {
+                        self.volumes.insert(group);
+                    }
                 }
                 self.element(dimension, nodes, |words| Ok(words.int()?.try_into().unwrap_or(usize::MAX)))?;
             }
@@ -230,7 +247,7 @@ impl<'a> Walk<'a> {
         self.words.size()?;
         let mut sum = 0;
         for _ in 0..blocks {
-            let entity = self.entity()?;
+            let (entity, number) = self.entity()?;
             let kind = self.words.int()?;
             let (dimension, nodes) = self.kind(kind)?;
             if entity != dimension {
@@ -239,6 +256,9 @@ impl<'a> Walk<'a> {
             let count = self.words.size()?;
             sum += count;
             self.check_sum(sum, total, false)?;
+            if dimension == 3 && count > 0 {
+                self.volumes.extend(self.groups.get(&number).into_iter().flatten());
+            }
             for _ in 0..count {
                 self.words.size()?;
                 self.element(dimension, nodes, Words::size)?;
@@ -278,6 +298,9 @@ impl<'a> Walk<'a> {
             if !self.nodes.touch(corners[i], dimension == 3) {
                 return self.words.error(format!("an element has a node {} that is not there", corners[i]));
             }
+        }
+        if dimension == 3 {
+            self.nodes.join(&corners[..count]);
         }
         Ok(())
     }

@@ -8,8 +8,9 @@ use mpi::traits::Communicator;
 use mpi::traits::{CommunicatorCollectives, Root};
 use petsc_wrap::Comm;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::impact::step::Step;
+use crate::model::watch::Until;
 use crate::model::{self, Model, Simulation};
 use crate::scene::Scene;
 use crate::study::history::{History, Recorder};
@@ -59,7 +60,10 @@ pub fn time(
     loop {
         comm.mpi().barrier();
         let start = Instant::now();
-        let model = Model::new(comm, scene)?;
+        let model = match Model::watched(comm, scene, &Until(&**interrupted)) {
+            Err(Error::Interrupted) => return Ok(None),
+            model => model?,
+        };
         let mut timed = Timed {
             model: model::name(model.theory).to_owned(),
             reduction: model.reduction(),

@@ -13,6 +13,7 @@ use crate::body::ModalBody;
 use crate::error::{Error, Result};
 use crate::impact::ModalImpact;
 use crate::impact::step::Step;
+use crate::model::watch::{Until, Watch};
 use crate::model::{Dynamics, Model, OF_BASIS, OF_SMALLER};
 use crate::scene::{self, Scene};
 
@@ -76,7 +77,8 @@ impl<'a> Bodies<'a> {
         interrupted: &Rc<dyn Fn() -> bool>,
         observe: &mut dyn FnMut(&Step),
     ) -> Result<Option<Computed>> {
-        let tried = match self.of_family(index, scene)? {
+        let watch = &Until(&**interrupted);
+        let tried = match self.of_family(index, scene, watch)? {
             Some(kept) => kept.simulate(scene, self.has_energies, interrupted),
             None => self.of_body(scene, interrupted)?,
         };
@@ -86,7 +88,7 @@ impl<'a> Bodies<'a> {
             // A patch or a basis made for another impact may not bear this one.
             Err(_) => true,
         };
-        let tried = if poor { self.make(scene)?.simulate(scene, self.has_energies, interrupted) } else { tried };
+        let tried = if poor { self.make(scene, watch)?.simulate(scene, self.has_energies, interrupted) } else { tried };
         let Some(tried) = tried? else { return Ok(None) };
         tried.steps.iter().for_each(observe);
         Ok(Some(tried.outcome))
@@ -94,14 +96,14 @@ impl<'a> Bodies<'a> {
 
     /// On the basis made for a body.
     fn of_body(&mut self, scene: &Scene, interrupted: &Rc<dyn Fn() -> bool>) -> Result<Result<Option<Tried>>> {
-        let key = key(scene);
+        let (key, watch) = (key(scene), &Until(&**interrupted));
         if !self.kept.contains_key(&key) {
             let made = match self.census.representative(scene) {
-                Some(index) => self.make(&(self.scene_of)(index)?),
-                None => self.make(scene),
+                Some(index) => self.make(&(self.scene_of)(index)?, watch),
+                None => self.make(scene, watch),
             };
             // What is wrong with the hardest member need not be wrong with this one.
-            let kept = made.or_else(|_| self.make(scene))?;
+            let kept = made.or_else(|_| self.make(scene, watch))?;
             if self.kept.len() >= MOST {
                 self.kept.clear();
             }
@@ -111,7 +113,7 @@ impl<'a> Bodies<'a> {
     }
 
     /// On the basis of all that differ in one support alone, where they are many.
-    fn of_family(&mut self, index: usize, scene: &Scene) -> Result<Option<Kept>> {
+    fn of_family(&mut self, index: usize, scene: &Scene, watch: &dyn Watch) -> Result<Option<Kept>> {
         let Some(Line { key, value, count }) = self.census.line_of(index, scene) else { return Ok(None) };
         let is_open = scene.body.model == scene::Model::Auto && self.theory.is_none();
         if count < family::LEAST || is_open {
@@ -128,7 +130,7 @@ impl<'a> Bodies<'a> {
                 Ok(self.named((self.scene_of)(all[at].1)?))
             };
             // What one of its bodies cannot, the others may by themselves.
-            let family = match Family::new(&self.comm, &values, &scene_of) {
+            let family = match Family::new(&self.comm, &values, &scene_of, watch) {
                 Ok(family) => family,
                 Err(Error::Solve(_) | Error::Fault(_)) => None,
                 Err(error) => return Err(error),
@@ -165,9 +167,9 @@ impl<'a> Bodies<'a> {
         }
     }
 
-    fn make(&self, scene: &Scene) -> Result<Kept> {
+    fn make(&self, scene: &Scene, watch: &dyn Watch) -> Result<Kept> {
         let of_theory = self.error_of_theory(scene);
-        let model = Model::new(&self.comm, &self.named(scene.clone()))?;
+        let model = Model::watched(&self.comm, &self.named(scene.clone()), watch)?;
         let of_model = of_theory.max(model.beside_basis.1);
         match model.dynamics {
             Dynamics::Modal(body) => Ok(Kept { body, judge: model.judge, unknowns: model.unknowns, of_model }),

@@ -8,6 +8,7 @@ use petsc_wrap::Comm;
 use crate::contact::hertz;
 use crate::error::Result;
 use crate::model::Model;
+use crate::model::watch::Watch;
 use crate::scene::{self, Impactor, Scene, Support, SupportKind};
 
 /// The families of members that differ in the impactor, the gap, the times or the tolerance alone, by the key of their body; with the
@@ -100,7 +101,12 @@ impl Census {
     ///
     /// # Errors
     /// Those of a model.
-    pub fn theory(&self, comm: &Comm, scene_of: impl Fn(usize) -> Result<Scene>) -> Result<(scene::Model, f64)> {
+    pub fn theory(
+        &self,
+        comm: &Comm,
+        scene_of: impl Fn(usize) -> Result<Scene>,
+        watch: &dyn Watch,
+    ) -> Result<(scene::Model, f64)> {
         let hardest = self.families.values().copied().reduce(|a, b| if b.is_harder(&a) { b } else { a });
         let mut asked = self.ends.clone();
         asked.extend(hardest.map(|member| member.index));
@@ -108,7 +114,7 @@ impl Census {
         asked.dedup();
         let mut found = Vec::new();
         for index in asked {
-            let Model { theory, beside_basis, .. } = Model::new(comm, &scene_of(index)?)?;
+            let Model { theory, beside_basis, .. } = Model::watched(comm, &scene_of(index)?, watch)?;
             found.push((theory, beside_basis.1));
             comm.collect_garbage()?;
         }

@@ -5,6 +5,7 @@ use petsc_wrap::{Comm, Vector};
 use crate::body::{Body, Merged, ModalBody, Projection, snapshots};
 use crate::error::Result;
 use crate::impact::ModalImpact;
+use crate::model::watch::Watch;
 use crate::model::{Built, Fitted, OF_BASIS, build, fit, rate, reduce};
 use crate::scene::Scene;
 
@@ -46,11 +47,16 @@ impl Family {
     ///
     /// # Errors
     /// Those of a model.
-    pub fn new(comm: &Comm, values: &[f64], scene_of: &dyn Fn(f64) -> Result<Scene>) -> Result<Option<Self>> {
+    pub fn new(
+        comm: &Comm,
+        values: &[f64],
+        scene_of: &dyn Fn(f64) -> Result<Scene>,
+        watch: &dyn Watch,
+    ) -> Result<Option<Self>> {
         let last = values.len() - 1;
         let operators = |place: usize, size: f64| {
             let scene = scene_of(values[place])?;
-            Ok::<_, crate::Error>(match build(comm, &scene, scene.body.model, size)? {
+            Ok::<_, crate::Error>(match build(comm, &scene, scene.body.model, size, watch)? {
                 Built::Operators(built) => Some((built, scene)),
                 Built::Given(_) => None,
             })
@@ -59,7 +65,7 @@ impl Family {
         let (mut size, mut of_cells) = (1.0_f64, 0.0_f64);
         for place in [0, last] {
             let Some((built, scene)) = operators(place, 1.0)? else { return Ok(None) };
-            let Fitted { size: own, error, .. } = fit(comm, &scene, scene.body.model, built)?;
+            let Fitted { size: own, error, .. } = fit(comm, &scene, scene.body.model, built, watch)?;
             size = size.min(own);
             of_cells = of_cells.max(error.unwrap_or_default().1);
         }
@@ -68,7 +74,7 @@ impl Family {
                 return Err(crate::Error::Solve("the theory has no supports".into()));
             };
             let body = built.body;
-            let reduced = reduce(&body, &scene)?;
+            let reduced = reduce(&body, &scene, watch)?;
             let snapshots = snapshots(&body, &reduced.krylov, reduced.larger(), rate(&scene))?;
             Ok(Sample { body: *body, snapshots, own: reduced.larger().clone(), error: reduced.error.1, scene })
         };

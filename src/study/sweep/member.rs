@@ -6,8 +6,9 @@ use std::rc::Rc;
 use petsc_wrap::Comm;
 
 use super::bodies::Bodies;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::impact::step::Step;
+use crate::model::watch::Until;
 use crate::model::{Model, Simulation};
 use crate::scene::Scene;
 
@@ -33,10 +34,16 @@ pub fn simulate(
     mut observe: impl FnMut(&Step),
 ) -> Result<Option<Computed>> {
     if scene.time.modal {
-        return bodies.simulate(index, scene, &interrupted, &mut observe);
+        return match bodies.simulate(index, scene, &interrupted, &mut observe) {
+            Err(Error::Interrupted) => Ok(None),
+            computed => computed,
+        };
     }
     let scene = &bodies.named(scene.clone());
-    let model = Model::new(comm, scene)?;
+    let model = match Model::watched(comm, scene, &Until(&*interrupted)) {
+        Err(Error::Interrupted) => return Ok(None),
+        model => model?,
+    };
     let unknowns = model.unknowns + 1;
     let mut simulation = Simulation::new(scene, model)?;
     let asked = interrupted.clone();

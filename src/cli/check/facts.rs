@@ -1,0 +1,94 @@
+//! A report for programs: JSON.
+
+use serde::Serialize;
+
+use crate::contact::hertz;
+use crate::model;
+
+use super::super::notes::describe_model;
+use super::Report;
+use super::text::{contact_time, support_line};
+
+/// Numbers in SI units; what is not known is null.
+#[derive(Serialize)]
+struct Facts<'a> {
+    title: &'a str,
+    mass: Option<f64>,
+    bounds: Option<[[f64; 3]; 2]>,
+    volume: Option<f64>,
+    surfaces: Vec<Area<'a>>,
+    supports: Vec<String>,
+    model: Option<ModelFacts<'a>>,
+    /// Why there is no model.
+    model_missing: Option<&'a str>,
+    contact: ContactFacts,
+    solver: Option<&'a str>,
+    memory: Option<&'a str>,
+    warnings: &'a [String],
+    notes: &'a [String],
+}
+
+#[derive(Serialize)]
+struct Area<'a> {
+    name: &'a str,
+    area: f64,
+}
+
+#[derive(Serialize)]
+struct ModelFacts<'a> {
+    theory: &'a str,
+    description: String,
+    reason: Option<&'a str>,
+    unknowns: usize,
+    vectors: Option<usize>,
+    /// Over the peak of the acceleration, in the first contact.
+    first_contact_error: Option<f64>,
+    error_is_of: &'a [&'static str],
+}
+
+/// On a half-space.
+#[derive(Serialize)]
+struct ContactFacts {
+    stiffness: f64,
+    duration: f64,
+    peak_force: f64,
+    patch_radius: Option<f64>,
+}
+
+/// The report as one JSON object.
+pub(super) fn json(report: &Report) -> String {
+    let Report { scene, measures, cost, .. } = report;
+    let made = report.model.as_ref().ok();
+    let impactor = &scene.impactor;
+    let surfaces = measures.iter().flat_map(|measures| &measures.surfaces);
+    let facts = Facts {
+        title: &scene.title,
+        mass: report.mass,
+        bounds: measures.as_ref().map(|measures| measures.bounds),
+        volume: measures.as_ref().map(|measures| measures.volume),
+        surfaces: surfaces.map(|surface| Area { name: &surface.name, area: surface.area }).collect(),
+        supports: scene.supports.iter().map(support_line).collect(),
+        model: made.map(|made| ModelFacts {
+            theory: model::name(made.theory),
+            description: describe_model(made),
+            reason: made.reason.as_deref(),
+            unknowns: made.unknowns,
+            vectors: made.vectors,
+            first_contact_error: made.first_contact_error(),
+            error_is_of: &made.judged,
+        }),
+        model_missing: report.model.as_ref().err().map(String::as_str),
+        contact: ContactFacts {
+            stiffness: impactor.stiffness,
+            duration: contact_time(scene),
+            peak_force: hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed),
+            patch_radius: made.and_then(|made| made.dynamics.patch()).map(|patch| patch.radius),
+        },
+        solver: cost.as_ref().map(|cost| cost.solver.as_str()),
+        memory: cost.as_ref().and_then(|cost| cost.memory.as_deref()),
+        warnings: &report.warnings,
+        notes: &report.notes,
+    };
+    // Names and numbers: nothing here fails to be written.
+    serde_json::to_string_pretty(&facts).unwrap_or_default()
+}

@@ -1,0 +1,166 @@
+//! `ricochet check`: what a scene asks for, and what it will cost.
+
+mod cost;
+mod facts;
+mod text;
+
+use std::rc::Rc;
+use std::time::{Duration, Instant};
+
+use petsc_wrap::Comm;
+
+use crate::body::Body;
+use crate::error::{Error, Result};
+use crate::impact::{Plan, Setting};
+use crate::mesh::{Measures, Mesh};
+use crate::model::{Dynamics, Model};
+use crate::scene::{Geometry, Scene};
+
+use super::follow::Follower;
+use super::interrupt::Interrupt;
+use super::load::{Loaded, load};
+use super::notes::{self, Verdict, note_of_probes, verdict};
+use super::{Check, say};
+use cost::Cost;
+
+/// How long a model may take without `--full`, s: a check is to answer within five seconds.
+const PATIENCE: f64 = 3.0;
+
+/// Unknowns whose matrices are made without `--full`, and the size of a mesh file that is read, bytes: about a second's work.
+const MOST_UNKNOWNS: f64 = 8e4;
+const LARGEST_FILE: u64 = 8_000_000;
+
+/// What is known of a scene before it is run.
+struct Report<'a> {
+    scene: &'a Scene,
+    /// The model, or why there is none.
+    model: std::result::Result<Model, String>,
+    /// kg.
+    mass: Option<f64>,
+    /// Of a mesh from a file.
+    measures: Option<Measures>,
+    plan: Option<Plan>,
+    cost: Option<Cost>,
+    warnings: Vec<String>,
+    notes: Vec<String>,
+}
+
+/// Checks a scene and prints what will be solved. Collective.
+///
+/// # Errors
+/// All that is wrong with the scene; PETSc's.
+pub fn check(comm: &Comm, arguments: &Check) -> Result<()> {
+    let begin = Instant::now();
+    let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
+    let deadline = (!arguments.full).then(|| begin + Duration::from_secs_f64(PATIENCE));
+    let report = report(comm, &scene, deadline).map_err(|error| error.in_scene(&source))?;
+    if comm.is_root() {
+        if arguments.json { say(format_args!("{}", facts::json(&report))) } else { text::print(&report) }
+    }
+    Ok(())
+}
+
+/// All that can be known of a scene before a deadline. Collective.
+fn report<'a>(comm: &Comm, scene: &'a Scene, deadline: Option<Instant>) -> Result<Report<'a>> {
+    let model = model(comm, scene, deadline)?;
+    let mut report = Report {
+        scene,
+        model,
+        mass: box_mass(scene),
+        measures: None,
+        plan: scene.time.step.map(|step| Plan::Equal { step }),
+        cost: None,
+        warnings: Vec::new(),
+        notes: Vec::new(),
+    };
+    match &mut report.model {
+        Ok(model) => {
+            report.measures = model.measures.take();
+            match &mut model.dynamics {
+                Dynamics::Modal(_) => report.cost = Some(Cost::modal()),
+                Dynamics::Stepped(body) => {
+                    let plan = Plan::new(scene, body, &Setting::new(&scene.impactor, body))?;
+                    report.cost = Some(Cost::of_steps(scene, body, &plan)?);
+                    report.plan = Some(plan);
+                    if report.mass.is_none() {
+                        report.mass = Some(mass(body)?);
+                    }
+                }
+            }
+        }
+        Err(_) => {
+            let is_small = |path| std::fs::metadata(path).is_ok_and(|file| file.len() <= LARGEST_FILE);
+            // All ranks see the same file.
+            if let Geometry::Gmsh(path) = &scene.body.geometry
+                && is_small(path)
+            {
+                report.measures = Some(Mesh::new(comm, &scene.body)?.measures());
+            }
+        }
+    }
+    let of_volume = report.measures.as_ref().map(|measures| scene.body.density * measures.volume);
+    report.mass = report.mass.or(of_volume);
+    let patch = report.model.as_ref().ok().and_then(|model| model.dynamics.patch());
+    if let Ok(model) = &report.model {
+        report.warnings.extend(verdict(model, scene.tolerance).map(|Verdict { message, .. }| message));
+        report.notes.extend(note_of_probes(model));
+    }
+    report.warnings.extend(notes::of_geometry(scene, report.measures.as_ref()));
+    report.notes.splice(0..0, notes::notes(scene, patch.as_ref(), report.plan.as_ref()));
+    Ok(report)
+}
+
+/// The model, or why it was not made. Collective.
+fn model(comm: &Comm, scene: &Scene, deadline: Option<Instant>) -> Result<std::result::Result<Model, String>> {
+    let interrupt = Rc::new(Interrupt::on_signals());
+    let mut follower = Follower::new(comm, interrupt.clone());
+    if let Some(deadline) = deadline {
+        follower = follower.until(deadline);
+        if let Some(size) = too_large(scene) {
+            return Ok(Err(format!("{size}, which takes more than a few seconds to look into: --full does it")));
+        }
+    }
+    match Model::watched(comm, scene, &follower) {
+        Err(Error::Interrupted) if !interrupt.is_raised(comm) => {
+            let time = follower.outlook().map_or(String::new(), |seconds| format!(" in about {seconds:.0} s"));
+            Ok(Err(format!(
+                "its choice and the estimates of errors take more than a few seconds: --full makes them{time}"
+            )))
+        }
+        model => Ok(Ok(model?)),
+    }
+}
+
+/// What makes a scene too large for a quick look.
+fn too_large(scene: &Scene) -> Option<String> {
+    match &scene.body.geometry {
+        Geometry::Gmsh(path) => {
+            let bytes = std::fs::metadata(path).map_or(0, |file| file.len());
+            (bytes > LARGEST_FILE).then(|| format!("a mesh file of {:.0} MB", 1e-6 * bytes as f64))
+        }
+        Geometry::Box { planes, is_given: true, .. } => {
+            let nodes = |axis: usize| ((planes[axis].len() - 1) * scene.body.order + 1) as f64;
+            let part = if matches!(scene.body.symmetry, crate::scene::Symmetry::Quarter { .. }) { 0.25 } else { 1.0 };
+            let unknowns = part * 3.0 * (0..3).map(nodes).product::<f64>();
+            (unknowns > MOST_UNKNOWNS).then(|| format!("about {unknowns:.1e} unknowns"))
+        }
+        Geometry::Box { .. } => None,
+    }
+}
+
+/// Mass of a box, kg.
+fn box_mass(scene: &Scene) -> Option<f64> {
+    match &scene.body.geometry {
+        Geometry::Box { size, .. } => Some(scene.body.density * size.iter().product::<f64>()),
+        Geometry::Gmsh(_) => None,
+    }
+}
+
+/// Mass of a body of solid elements, kg: 1ᵀM1 counts it once for each component.
+fn mass(body: &Body) -> Result<f64> {
+    let mut ones = body.load.duplicate()?;
+    let mut product = body.load.duplicate()?;
+    ones.fill(1.0)?;
+    body.mass.mult(&ones, &mut product)?;
+    Ok(product.dot(&ones)? / 3.0)
+}

@@ -1,0 +1,190 @@
+//! A report as lines of text.
+
+use crate::contact::{Patch, Reason, hertz};
+use crate::impact::{Plan, steps};
+use crate::mesh::{Measures, Surface};
+use crate::model;
+use crate::scene::{Contact, Geometry, Scene, Scheme, Support, SupportKind, Symmetry, Vec3};
+
+use super::super::notes::describe_model;
+use super::super::{say, short};
+use super::Report;
+use super::cost::Cost;
+
+/// Prints a report.
+pub(super) fn print(report: &Report) {
+    let Report { scene, model, plan, warnings, notes, cost, .. } = report;
+    for warning in warnings {
+        say(format_args!("warning    {warning}"));
+    }
+    print_scene(report);
+    let patch = model.as_ref().ok().and_then(|model| model.dynamics.patch());
+    print_contact(scene, patch.as_ref());
+    print_time(scene, plan.as_ref());
+    for note in notes {
+        say(format_args!("note       {note}"));
+    }
+    if let Some(Cost { solver, memory, fields }) = cost {
+        say(format_args!("solver     {solver}"));
+        if let Some(memory) = memory {
+            say(format_args!("memory     {memory}"));
+        }
+        if let Some(bytes) = fields {
+            say(format_args!("fields     about {:.0} MB more, on rank 0", 1e-6 * bytes));
+        }
+    }
+}
+
+fn print_scene(report: &Report) {
+    let Report { scene, model, mass, measures, .. } = report;
+    if !scene.title.is_empty() {
+        say(format_args!("{}", scene.title));
+    }
+    let geometry = match &scene.body.geometry {
+        Geometry::Box { size: [x, y, z], .. } => format!("box {x} × {y} × {z} m"),
+        Geometry::Gmsh(path) => path.display().to_string(),
+    };
+    let mass = mass.map_or(String::new(), |mass| format!(", {mass:.4} kg"));
+    say(format_args!("body       {geometry}{mass}"));
+    if let Some(measures) = measures {
+        print_measures(measures);
+    }
+    match model {
+        Ok(model) => {
+            say(format_args!("model      {}", describe_model(model)));
+            if let Some(reason) = &model.reason {
+                say(format_args!("           {reason}"));
+            }
+        }
+        Err(reason) => say(format_args!("model      {}: {reason}", model::name(scene.body.model))),
+    }
+    match &scene.body.symmetry {
+        Symmetry::Quarter { .. } => say(format_args!("symmetry   quarter-symmetry model")),
+        Symmetry::None { reason: Some(reason) } => say(format_args!("symmetry   none: {reason}")),
+        Symmetry::None { reason: None } => {}
+    }
+    if scene.supports.is_empty() {
+        say(format_args!("supports   none: a free body"));
+    }
+    for support in &scene.supports {
+        say(format_args!("support    {}", support_line(support)));
+    }
+    let load = &scene.load;
+    if load.body_force != [0.0; 3] {
+        say(format_args!("load       body force {:?} N/m³", load.body_force));
+    }
+    for traction in &load.traction {
+        say(format_args!("load       {}: traction {:?} N/m²", traction.surface, traction.value));
+    }
+}
+
+/// What a mesh can be held against: bounds, volume, surfaces.
+fn print_measures(measures: &Measures) {
+    let [[x0, y0, z0], [x1, y1, z1]] = measures.bounds.map(|corner| corner.map(short));
+    say(format_args!("           x {x0} to {x1} m, y {y0} to {y1} m, z {z0} to {z1} m; {} m³", short(measures.volume)));
+    for Surface { name, area } in &measures.surfaces {
+        say(format_args!("surface    {name:?}: {} m²", short(*area)));
+    }
+    say(format_args!("           whole boundary: {} m²", short(measures.area)));
+}
+
+fn print_contact(scene: &Scene, patch: Option<&Patch>) {
+    let impactor = &scene.impactor;
+    let [x, y, z] = impactor.direction.map(|d| (1e6 * d).round() / 1e6);
+    say(format_args!(
+        "impactor   {} kg at {} m/s, {} m away, k0 = {:.4e} N/m^1.5, at {:?} along [{x}, {y}, {z}]",
+        impactor.mass, impactor.speed, impactor.gap, impactor.stiffness, impactor.point
+    ));
+    say(format_args!(
+        "contact    on a half-space it would last {:.4} ms and peak at {:.0} N",
+        1e3 * contact_time(scene),
+        hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed)
+    ));
+    let Some(patch) = patch else {
+        if scene.contact == Contact::Point {
+            say(format_args!(
+                "           at a point: the force depends on the mesh, and has no limit as it is refined"
+            ));
+        }
+        return;
+    };
+    let reason = match patch.reason {
+        Reason::Scene => "as the scene says".to_owned(),
+        Reason::Thickness => format!("a quarter of the thickness of {:.4} m", patch.thickness),
+        Reason::Cells => format!("two cells of {:.4} m", patch.cell),
+        Reason::Contact => "what the contact needs".to_owned(),
+        Reason::Surface => "what has room on the surface".to_owned(),
+    };
+    say(format_args!(
+        "patch      radius {:.4e} m, {reason}; {}",
+        patch.radius,
+        if patch.is_coarse() {
+            "the cells do not resolve it".to_owned()
+        } else {
+            format!("it leaves about {:.1e} of the peak open", patch.error())
+        }
+    ));
+}
+
+fn print_time(scene: &Scene, plan: Option<&Plan>) {
+    let scheme = match scene.time.scheme {
+        _ if scene.time.modal => "modal coordinates, the linear part exact".to_owned(),
+        scheme => described(scheme),
+    };
+    let (end, contact) = (scene.time.end, contact_time(scene));
+    match plan {
+        Some(Plan::Equal { step }) => say(format_args!(
+            "time       {scheme}: {} steps of {step:.4e} s to {end:e} s, {:.0} in that contact",
+            steps(end, *step),
+            contact / step
+        )),
+        Some(Plan::Controlled { first, tolerance }) => say(format_args!(
+            "time       {scheme}, to {end:e} s in steps chosen for an error of {tolerance:e} of the peak, {first:.2e} s at first in contact"
+        )),
+        None => say(format_args!(
+            "time       {scheme}, to {end:e} s in steps chosen for an error of {:e} of the peak",
+            scene.tolerance
+        )),
+    }
+}
+
+fn described(scheme: Scheme) -> String {
+    match scheme {
+        Scheme::Newmark { beta, gamma } => format!("Newmark β = {beta}, γ = {gamma}"),
+        Scheme::GeneralizedAlpha { rho_inf } => format!("generalised-α with ρ∞ = {rho_inf}"),
+        Scheme::Energy => "energy-conserving midpoint rule".to_owned(),
+        Scheme::CentralDifference { .. } => "central difference with lumped mass".to_owned(),
+    }
+}
+
+/// Contact time on a half-space, s.
+pub(super) fn contact_time(scene: &Scene) -> f64 {
+    hertz::contact_time(scene.impactor.stiffness, scene.impactor.mass, scene.impactor.speed)
+}
+
+pub(super) fn support_line(support: &Support) -> String {
+    let Support { surface, kind, damping, displacement } = support;
+    let mut line = match kind {
+        SupportKind::Elastic { stiffness } => format!("{surface}: elastic, k = {} N/m³", by_component(*stiffness)),
+        SupportKind::Pad { stiffness, normal } => {
+            format!("{surface}: pad towards {normal:?}, k = {} N/m³", by_component(*stiffness))
+        }
+        SupportKind::Clamped { components } => {
+            let held: Vec<&str> =
+                ["x", "y", "z"].into_iter().zip(components).filter(|(_, h)| **h).map(|(c, _)| c).collect();
+            format!("{surface}: clamped in {}", held.join(", "))
+        }
+    };
+    if *damping != [0.0; 3] {
+        line += &format!(", c = {} N s/m³", by_component(*damping));
+    }
+    if *displacement != [0.0; 3] {
+        line += &format!(", ū = {displacement:?} m");
+    }
+    line
+}
+
+/// One number where all components are alike.
+fn by_component(values: Vec3) -> String {
+    if values.iter().all(|value| *value == values[0]) { format!("{:e}", values[0]) } else { format!("{values:?}") }
+}

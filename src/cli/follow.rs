@@ -1,0 +1,162 @@
+//! Follows the making of a model: shows how far it is, breaks it off at a signal or after a time.
+
+use std::cell::Cell;
+use std::io::IsTerminal;
+use std::rc::Rc;
+use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use petsc_wrap::Comm;
+
+use crate::error::{Error, Result};
+use crate::model;
+use crate::model::watch::{Judged, Stage, Watch};
+
+use super::interrupt::Interrupt;
+use super::progress::Cadence;
+use super::tell;
+
+/// Follows on all ranks; rank 0 shows what is done.
+pub struct Follower {
+    comm: Comm,
+    interrupt: Rc<Interrupt>,
+    display: Option<Display>,
+    deadline: Option<Instant>,
+    begin: Instant,
+    /// The last stage whose cost can be foreseen.
+    last: Cell<Option<Stage>>,
+}
+
+impl Follower {
+    /// Until a signal.
+    pub fn new(comm: &Comm, interrupt: Rc<Interrupt>) -> Self {
+        let display = comm.is_root().then(Display::new);
+        Self { comm: comm.clone(), interrupt, display, deadline: None, begin: Instant::now(), last: Cell::new(None) }
+    }
+
+    /// Until a signal or a time of rank 0.
+    pub fn until(self, deadline: Instant) -> Self {
+        Self { deadline: Some(deadline), ..self }
+    }
+
+    /// About how long the model would have taken, s: a basis whose error falls with the square of its vectors takes a time that grows
+    /// with their square, and is grown on two or three sets of cells.
+    pub fn outlook(&self) -> Option<f64> {
+        const SETS_OF_CELLS: f64 = 2.5;
+        let Some(Stage::Basis { vectors, judged: Some(Judged { vectors: of, error, wanted }) }) = self.last.get()
+        else {
+            return None;
+        };
+        let needed = (of as f64 * (error / wanted).sqrt()).max(vectors as f64);
+        Some(SETS_OF_CELLS * self.begin.elapsed().as_secs_f64() * (needed / vectors as f64).powi(2))
+    }
+}
+
+impl Watch for Follower {
+    fn at(&self, stage: Stage) -> Result<()> {
+        if let Some(display) = &self.display {
+            display.show(stage);
+        }
+        self.last.set(Some(stage).filter(|stage| matches!(stage, Stage::Basis { .. })).or(self.last.get()));
+        let is_late = self.comm.is_root() && self.deadline.is_some_and(|deadline| Instant::now() > deadline);
+        let (signalled, late) = self.interrupt.poll(&self.comm, is_late);
+        if signalled || late { Err(Error::Interrupted) } else { Ok(()) }
+    }
+}
+
+/// Shows the stage that was reached, also while that takes long: a thread of its own draws it.
+struct Display {
+    stages: Option<Sender<Stage>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Display {
+    fn new() -> Self {
+        let (sender, receiver) = mpsc::channel();
+        let thread = std::thread::spawn(move || {
+            let (begin, mut stage) = (Instant::now(), None);
+            let mut shown = Shown::new();
+            loop {
+                match receiver.recv_timeout(Duration::from_millis(100)) {
+                    Ok(next) => stage = Some(next),
+                    Err(RecvTimeoutError::Timeout) => {}
+                    Err(RecvTimeoutError::Disconnected) => return shown.clear(),
+                }
+                // The last of many that have come meanwhile.
+                stage = receiver.try_iter().last().or(stage);
+                if let Some(stage) = &stage {
+                    shown.show(stage, begin.elapsed());
+                }
+            }
+        });
+        Self { stages: Some(sender), thread: Some(thread) }
+    }
+
+    fn show(&self, stage: Stage) {
+        if let Some(stages) = &self.stages {
+            // The thread is there as long as this is.
+            let _ = stages.send(stage);
+        }
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        drop(self.stages.take());
+        self.thread.take().map(JoinHandle::join);
+    }
+}
+
+/// What is on the screen, or in the log.
+enum Shown {
+    Terminal(Option<ProgressBar>),
+    Lines(Cadence),
+}
+
+impl Shown {
+    fn new() -> Self {
+        if std::io::stderr().is_terminal() { Self::Terminal(None) } else { Self::Lines(Cadence::new()) }
+    }
+
+    fn show(&mut self, stage: &Stage, elapsed: Duration) {
+        /// Shorter work is not worth a flash on the screen.
+        const FLASH: Duration = Duration::from_millis(300);
+        match self {
+            Self::Terminal(bar) if elapsed > FLASH => {
+                let bar = bar.get_or_insert_with(|| {
+                    let style =
+                        ProgressStyle::with_template("{spinner} {elapsed} {msg}").expect("the template is valid");
+                    ProgressBar::new_spinner().with_style(style).with_elapsed(elapsed)
+                });
+                bar.set_message(described(stage));
+                bar.tick();
+            }
+            Self::Lines(cadence) if cadence.is_due() => {
+                cadence.next();
+                tell(format_args!("{} ({:.0} s so far)", described(stage), elapsed.as_secs_f64()));
+            }
+            _ => {}
+        }
+    }
+
+    fn clear(&self) {
+        if let Self::Terminal(Some(bar)) = self {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn described(stage: &Stage) -> String {
+    match stage {
+        Stage::Assembly(theory) => format!("{}: making its mesh and matrices", model::name(*theory)),
+        Stage::Factor => "factorising for a basis".to_owned(),
+        Stage::Basis { vectors, judged: None } => format!("growing a basis: {vectors} vectors"),
+        Stage::Basis { vectors, judged: Some(Judged { vectors: of, error, wanted }) } => format!(
+            "growing a basis: {vectors} vectors; with {of} the estimated error was {error:.1e} of the peak, {wanted:.1e} is wanted"
+        ),
+        Stage::Steps => "preparing the first step".to_owned(),
+        Stage::Trial => "computing the impact on a basis".to_owned(),
+    }
+}
