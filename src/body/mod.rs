@@ -5,6 +5,7 @@ pub mod block;
 mod clamps;
 mod deviates;
 pub mod gauge;
+mod gram;
 mod krylov;
 mod lumped;
 mod merged;

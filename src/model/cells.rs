@@ -8,10 +8,10 @@ use petsc_wrap::Comm;
 use super::reduce::{Reduced, force, rate, reduce};
 use super::theory::{Built, Operators, build};
 use super::watch::{Stage, Watch};
-use crate::body::Krylov;
+use crate::body::{Krylov, ModalBody};
 use crate::body::gauge::Gauge;
 use crate::error::{Error, Result};
-use crate::impact::Trace;
+use crate::impact::{ModalImpact, Trace};
 use crate::mesh::Measures;
 use crate::scene::{Model, Scene};
 
@@ -48,6 +48,24 @@ pub struct Fitted {
     pub measures: Option<Measures>,
 }
 
+/// Vectors of a basis on which cells are compared, at most: on bases of as many vectors the errors of these are alike, and cancel.
+const SHORT: usize = 800;
+
+/// Unknowns times the square of the vectors above which no basis is made anew on finer cells, which takes as long again and longer: some
+/// five seconds. What the cells leave is told with the results.
+const DEAREST: f64 = 4e9;
+
+impl Fitted {
+    /// The force on the basis, or on the first vectors of a long one.
+    fn on_short_basis(&self, scene: &Scene) -> Result<Trace> {
+        let Reduced { projection, force: (trace, steps), .. } = &self.reduced;
+        if projection.vectors() <= SHORT {
+            return Ok(trace.clone());
+        }
+        Ok(ModalImpact::new(scene, &ModalBody::of(&projection.leading(SHORT))).trace(*steps)?.0)
+    }
+}
+
 /// Reduces a body on its cells, then a body of splines in modal coordinates on finer ones where these leave too much. Collective.
 ///
 /// # Errors
@@ -81,14 +99,15 @@ pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch
     loop {
         let mut finer = FINER[0];
         if let Some((coarse, ratio)) = &coarse {
-            let (first, all) = fine.reduced.force.0.difference(coarse);
+            let (first, all) = fine.on_short_basis(scene)?.difference(coarse);
             let of_difference = 1.0 / (ratio.powi(-ORDER) - 1.0);
             let error = (of_difference * first, of_difference * all);
             tracing::info!(size = fine.size, unknowns = fine.unknowns, first = error.0, all = error.1, "cells");
             fine.error = Some(error);
             let wanted = OF_CELLS * scene.tolerance;
             finer = (wanted / error.0).powf(1.0 / f64::from(ORDER)).clamp(FINER[0], FINER[1]);
-            if error.0 <= wanted || finer * fine.size < FINEST {
+            let cost = fine.unknowns as f64 * (fine.reduced.projection.vectors() as f64).powi(2);
+            if error.0 <= wanted || finer * fine.size < FINEST || cost > DEAREST {
                 return Ok(fine);
             }
         }
@@ -99,7 +118,8 @@ pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch
             Ok(Built::Given(_)) | Err(Error::Fault(_)) => return Ok(fine),
             Err(error) => return Err(error),
         };
-        coarse = Some((std::mem::replace(&mut fine, fitted(comm, scene, built, size, watch)?).reduced.force.0, finer));
+        coarse = Some((fine.on_short_basis(scene)?, finer));
+        fine = fitted(comm, scene, built, size, watch)?;
     }
 }
 
@@ -127,7 +147,7 @@ fn on_coarser_cells(
     let body = built.body;
     watch.at(Stage::Factor)?;
     let mut krylov = Krylov::new(&body, rate(scene))?;
-    let vectors = fine.reduced.projection.vectors();
+    let vectors = fine.reduced.projection.vectors().min(SHORT);
     while krylov.vectors() < vectors && !krylov.is_exhausted() {
         watch.at(Stage::Basis { vectors: krylov.vectors(), judged: None })?;
         krylov.grow(&body, krylov.vectors() + 1)?;

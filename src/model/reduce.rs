@@ -26,6 +26,9 @@ const OF_LARGER: f64 = 1.0;
 /// Part of the tolerance that the estimate may take.
 pub const OF_BASIS: f64 = 0.5;
 
+/// Vectors of a long basis.
+const LONG: usize = 256;
+
 /// Vectors of a basis over those of the one before.
 const GROWTH: f64 = 1.225;
 
@@ -113,9 +116,14 @@ pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> 
             // A basis that is too small may be too soft, or too stiff, for the contact law.
             Err(_) => {}
         }
-        count = match given.is_some() || tried.len() < 2 && count <= FIRST {
-            true => larger(count),
-            false => (GROWTH * count as f64).ceil() as usize,
+        count = match last {
+            _ if given.is_some() || tried.len() < 2 && count <= FIRST => larger(count),
+            // A long basis is dear: it grows by as much as its error asks for, which falls with the square of the number.
+            Some(Judged { error, wanted, .. }) if count >= LONG => {
+                let needed = count as f64 * (error / wanted).sqrt();
+                (needed.ceil() as usize).clamp((GROWTH * count as f64).ceil() as usize, larger(count))
+            }
+            _ => (GROWTH * count as f64).ceil() as usize,
         };
     }
 }

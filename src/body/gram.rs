@@ -1,0 +1,34 @@
+//! Inner products of many vectors with many.
+
+use mpi::collective::SystemOperation;
+use mpi::traits::CommunicatorCollectives;
+use nalgebra::DMatrix;
+use petsc_wrap::{Comm, Vector};
+
+use crate::error::Result;
+
+/// Entries of a vector that are multiplied at a time: as many of some dozen vectors fit into a core's cache.
+const CHUNK: usize = 1024;
+
+/// Inner products: a row for each of `left`, a column for each of `right`. Collective.
+///
+/// All are multiplied chunk by chunk, so that each vector is read from memory once and not once for each of the others. Entries where
+/// all of `right` are zero, as of the products with a matrix of supports, are passed over.
+///
+/// # Errors
+/// PETSc's.
+pub fn gram(comm: &Comm, left: &[Vector], right: &[Vector]) -> Result<DMatrix<f64>> {
+    let rows = left.iter().map(|vector| vector.read()).collect::<petsc_wrap::Result<Vec<_>>>()?;
+    let columns = right.iter().map(|vector| vector.read()).collect::<petsc_wrap::Result<Vec<_>>>()?;
+    let mut here = DMatrix::zeros(left.len(), right.len());
+    let length = columns.first().map_or(0, |column| column.len());
+    let entries: Vec<usize> = (0..length).filter(|&i| columns.iter().any(|column| column[i] != 0.0)).collect();
+    for chunk in entries.chunks(CHUNK) {
+        let rows = DMatrix::from_fn(left.len(), chunk.len(), |i, k| rows[i][chunk[k]]);
+        let columns = DMatrix::from_fn(chunk.len(), right.len(), |k, j| columns[j][chunk[k]]);
+        here.gemm(1.0, &rows, &columns, 1.0);
+    }
+    let mut all = DMatrix::zeros(left.len(), right.len());
+    comm.mpi().all_reduce_into(here.as_slice(), all.as_mut_slice(), SystemOperation::sum());
+    Ok(all)
+}
