@@ -1,13 +1,16 @@
 //! `ricochet info`: what a result holds and where it comes from.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
 
 use crate::error::Result;
 use crate::record::checkpoint::is_there;
-use crate::record::provenance::{Cost, Provenance};
-use crate::record::read::{History, history, origin};
+use crate::record::extremes::{Extreme, Extremes, extremes};
+use crate::record::read::{history, origin};
 use crate::record::sweep::{Quantity, Status, Sweep, is_sweep};
 
+use super::summary::lines;
 use super::{Info, say, short};
 
 /// Prints it.
@@ -25,78 +28,214 @@ pub fn info(arguments: &Info) -> Result<()> {
         say(format_args!("{}", text.trim_end()));
         return Ok(());
     }
-    match sweep {
-        Some(sweep) => of_sweep(&sweep),
-        None => {
-            let (provenance, cost, complete) = origin(path)?;
-            of_run(path, (&provenance, &cost, complete), &history(path)?);
-        }
+    match (sweep, arguments.json) {
+        (Some(sweep), false) => SweepFacts::of(&sweep).print(),
+        (Some(sweep), true) => print_json(&SweepFacts::of(&sweep)),
+        (None, false) => RunFacts::read(path)?.print(),
+        (None, true) => print_json(&RunFacts::read(path)?),
     }
     Ok(())
 }
 
-fn of_run(path: &Path, (provenance, cost, complete): (&Provenance, &Cost, bool), history: &History) {
-    let Provenance { title, version, commit, petsc_version, petsc_options, ranks, model, reduction, unknowns, .. } =
-        provenance;
-    let options = if petsc_options.is_empty() { "no options" } else { petsc_options };
-    say(format_args!("title      {title}"));
-    say(format_args!(
-        "program    ricochet {version} ({commit}), PETSc {petsc_version} with {options}, {}",
-        ranks_of(*ranks)
-    ));
-    say(format_args!("model      {model}, {unknowns} unknowns, reduction {reduction}"));
-    let end = history.time.last().copied().unwrap_or_default();
-    let state = match complete {
-        true => "complete".to_owned(),
-        false if is_there(path, provenance.run_id) => {
-            format!("not complete; it goes on with --restart {}", path.display())
-        }
-        false => "not complete, without a checkpoint".to_owned(),
-    };
-    say(format_args!("series     {} rows to t = {} s, {state}", history.time.len(), short(end)));
-    let peak = history.acceleration.iter().copied().fold(0.0, f64::max);
-    let at = history.acceleration.iter().position(|a| *a == peak).map_or(0.0, |row| history.time[row]);
-    say(format_args!("peak       {} m/s² at {} ms", short(peak), short(1e3 * at)));
-    for ((start, end), impulse) in history.contacts.iter().zip(&history.impulses) {
-        say(format_args!("contact    {} to {} ms, {} N s", short(1e3 * start), short(1e3 * end), short(*impulse)));
+fn print_json(facts: &impl Serialize) {
+    // Names and numbers: nothing here fails to be written. What is no number is null.
+    say(format_args!("{}", serde_json::to_string_pretty(facts).unwrap_or_default()));
+}
+
+/// What is known of a run, in SI units.
+#[derive(Serialize)]
+struct RunFacts {
+    title: String,
+    version: String,
+    commit: String,
+    petsc_version: String,
+    petsc_options: String,
+    ranks: usize,
+    model: String,
+    reduction: String,
+    unknowns: usize,
+    rows: usize,
+    /// s.
+    end: f64,
+    is_complete: bool,
+    /// Where the run can be continued.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    restart: Option<PathBuf>,
+    largest: Option<Extremes>,
+    contacts: Vec<ContactFacts>,
+    /// Of the acceleration over its peak, over the whole history; null where there is no estimate.
+    error_estimate: f64,
+    /// s; null of a run that has not ended.
+    wall_time: f64,
+    wall_time_model: f64,
+    wall_time_setup: f64,
+    wall_time_steps: f64,
+    solves: usize,
+    newton_iterations: usize,
+}
+
+/// s, s, N s.
+#[derive(Serialize)]
+struct ContactFacts {
+    start: f64,
+    end: f64,
+    impulse: f64,
+}
+
+impl RunFacts {
+    fn read(path: &Path) -> Result<Self> {
+        let (provenance, cost, is_complete) = origin(path)?;
+        let history = history(path)?;
+        let contacts = history.contacts.iter().zip(&history.impulses);
+        let can_go_on = !is_complete && is_there(path, provenance.run_id);
+        Ok(Self {
+            title: provenance.title,
+            version: provenance.version,
+            commit: provenance.commit,
+            petsc_version: provenance.petsc_version,
+            petsc_options: provenance.petsc_options,
+            ranks: provenance.ranks,
+            model: provenance.model,
+            reduction: provenance.reduction,
+            unknowns: provenance.unknowns,
+            rows: history.time.len(),
+            end: history.time.last().copied().unwrap_or_default(),
+            is_complete,
+            restart: can_go_on.then(|| path.to_owned()),
+            largest: extremes(path)?,
+            contacts: contacts.map(|(&(start, end), &impulse)| ContactFacts { start, end, impulse }).collect(),
+            error_estimate: cost.error_estimate,
+            wall_time: cost.total,
+            wall_time_model: cost.model,
+            wall_time_setup: cost.setup,
+            wall_time_steps: cost.steps,
+            solves: cost.solves,
+            newton_iterations: cost.newton_iterations,
+        })
     }
-    if !cost.error_estimate.is_nan() {
-        say(format_args!("error      estimated {:.1e} of the peak over the whole history", cost.error_estimate));
-    }
-    if !cost.total.is_nan() {
-        let Cost { model, setup, steps, total, solves, newton_iterations, .. } = cost;
+
+    fn print(&self) {
+        let options = if self.petsc_options.is_empty() { "no options" } else { &self.petsc_options };
+        say(format_args!("title      {}", self.title));
         say(format_args!(
-            "cost       {total:.3} s (model {model:.3}, setup {setup:.3}, steps {steps:.3}), {solves} solves and {newton_iterations} Newton iterations"
+            "program    ricochet {} ({}), PETSc {} with {options}, {}",
+            self.version,
+            self.commit,
+            self.petsc_version,
+            ranks_of(self.ranks)
         ));
+        say(format_args!("model      {}, {} unknowns, reduction {}", self.model, self.unknowns, self.reduction));
+        let state = match &self.restart {
+            _ if self.is_complete => "complete".to_owned(),
+            Some(path) => format!("not complete; --restart {} continues it", path.display()),
+            None => "not complete, without a checkpoint".to_owned(),
+        };
+        say(format_args!("series     {} rows to t = {} s, {state}", self.rows, short(self.end)));
+        if let Some(largest) = &self.largest {
+            let Extreme { value, time } = largest.acceleration;
+            say(format_args!("largest    acceleration {} m/s² at {} ms", short(value), short(1e3 * time)));
+            for line in lines(largest) {
+                say(format_args!("           {line}"));
+            }
+        }
+        for ContactFacts { start, end, impulse } in &self.contacts {
+            say(format_args!("contact    {} to {} ms, {} N s", short(1e3 * start), short(1e3 * end), short(*impulse)));
+        }
+        if !self.error_estimate.is_nan() {
+            say(format_args!("error      estimated {:.1e} of the peak over the whole history", self.error_estimate));
+        }
+        if !self.wall_time.is_nan() {
+            say(format_args!(
+                "cost       {:.3} s (model {:.3}, setup {:.3}, steps {:.3}), {} solves and {} Newton iterations",
+                self.wall_time,
+                self.wall_time_model,
+                self.wall_time_setup,
+                self.wall_time_steps,
+                self.solves,
+                self.newton_iterations
+            ));
+        }
     }
 }
 
-fn of_sweep(sweep: &Sweep) {
-    let header = &sweep.header;
-    say(format_args!("title      {}", header.title));
-    say(format_args!(
-        "program    ricochet {} ({}), PETSc {}, {}",
-        header.version,
-        header.commit,
-        header.petsc_version,
-        ranks_of(header.ranks)
-    ));
-    for key in &header.keys {
-        say(format_args!("varied     {} [{}], {} values", key.path, key.units, key.values.count()));
+/// What is known of a sweep.
+#[derive(Serialize)]
+struct SweepFacts {
+    title: String,
+    version: String,
+    commit: String,
+    petsc_version: String,
+    ranks: usize,
+    varied: Vec<Varied>,
+    done: usize,
+    failed: usize,
+    refused: usize,
+    missing: usize,
+    /// i of n.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    part: Option<[usize; 2]>,
+    /// Least and largest of the members that are done, m/s².
+    peak_acceleration: Option<[f64; 2]>,
+}
+
+/// A key that is varied.
+#[derive(Serialize)]
+struct Varied {
+    key: String,
+    units: String,
+    values: usize,
+}
+
+impl SweepFacts {
+    fn of(sweep: &Sweep) -> Self {
+        let header = &sweep.header;
+        let count = |status: Status| sweep.status.iter().filter(|one| **one == status).count();
+        let peaks = sweep.quantity(Quantity::PeakAcceleration);
+        let done =
+            || sweep.status.iter().zip(peaks).filter(|(status, _)| **status == Status::Done).map(|(_, peak)| *peak);
+        Self {
+            title: header.title.clone(),
+            version: header.version.clone(),
+            commit: header.commit.clone(),
+            petsc_version: header.petsc_version.clone(),
+            ranks: header.ranks,
+            varied: header
+                .keys
+                .iter()
+                .map(|key| Varied { key: key.path.clone(), units: key.units.clone(), values: key.values.count() })
+                .collect(),
+            done: count(Status::Done),
+            failed: count(Status::Failed),
+            refused: count(Status::Refused),
+            missing: count(Status::Missing),
+            part: header.shard.map(|(i, n)| [i, n]),
+            peak_acceleration: done().reduce(f64::min).zip(done().reduce(f64::max)).map(|(low, high)| [low, high]),
+        }
     }
-    let count = |status: Status| sweep.status.iter().filter(|one| **one == status).count();
-    say(format_args!(
-        "members    {} done, {} failed, {} refused, {} missing{}",
-        count(Status::Done),
-        count(Status::Failed),
-        count(Status::Refused),
-        count(Status::Missing),
-        header.shard.map_or(String::new(), |(i, n)| format!("; part {i} of {n}"))
-    ));
-    let peaks = sweep.quantity(Quantity::PeakAcceleration);
-    let done = || sweep.status.iter().zip(peaks).filter(|(status, _)| **status == Status::Done).map(|(_, peak)| *peak);
-    if let (Some(low), Some(high)) = (done().reduce(f64::min), done().reduce(f64::max)) {
-        say(format_args!("peaks      {} to {} m/s²", short(low), short(high)));
+
+    fn print(&self) {
+        say(format_args!("title      {}", self.title));
+        say(format_args!(
+            "program    ricochet {} ({}), PETSc {}, {}",
+            self.version,
+            self.commit,
+            self.petsc_version,
+            ranks_of(self.ranks)
+        ));
+        for Varied { key, units, values } in &self.varied {
+            say(format_args!("varied     {key} [{units}], {values} values"));
+        }
+        say(format_args!(
+            "members    {} done, {} failed, {} refused, {} missing{}",
+            self.done,
+            self.failed,
+            self.refused,
+            self.missing,
+            self.part.map_or(String::new(), |[i, n]| format!("; part {i} of {n}"))
+        ));
+        if let Some([low, high]) = self.peak_acceleration {
+            say(format_args!("peaks      {} to {} m/s²", short(low), short(high)));
+        }
     }
 }
 

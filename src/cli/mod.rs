@@ -115,6 +115,9 @@ pub struct Info {
     /// Print the text of its scene, and nothing else
     #[arg(long)]
     pub scene: bool,
+    /// Print the facts as one JSON object
+    #[arg(long, conflicts_with = "scene")]
+    pub json: bool,
 }
 
 /// `ricochet plot`

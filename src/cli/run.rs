@@ -13,8 +13,9 @@ use crate::impact::Observer;
 use crate::impact::checkpoint::Checkpoint;
 use crate::impact::step::Step;
 use crate::model::watch::{Stage, Watch as _};
-use crate::model::{self, Model, Simulation};
+use crate::model::{self, Linearity, Model, Simulation};
 use crate::record::checkpoint;
+use crate::record::extremes::extremes;
 use crate::record::fields;
 use crate::record::lock::Lock;
 use crate::record::provenance::Cost;
@@ -64,6 +65,9 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
             if !is_continued && !arguments.force {
                 check_not_interrupted(&output)?;
             }
+            if given.is_none() {
+                check_own(&output, source.folder())?;
+            }
             if scene.output.fields.is_some() {
                 fields::check_writable(&output)?;
             }
@@ -108,6 +112,18 @@ fn check_not_interrupted(output: &Path) -> Result<()> {
     Err(Error::io(output, reason))
 }
 
+/// Refuses to replace the result of a scene of the same name in another folder, where the user has not named the result.
+fn check_own(output: &Path, folder: &Path) -> Result<()> {
+    if !output.exists() {
+        return Ok(());
+    }
+    let other = read::provenance(output)?.folder;
+    if is_same(Path::new(&other), &Path::new(".").join(folder)) {
+        return Ok(());
+    }
+    Err(Error::io(output, format!("holds the result of another scene, in {other}: -o names this one's result")))
+}
+
 fn default_output(scene: &Path) -> PathBuf {
     PathBuf::from(scene.with_extension("h5").file_name().unwrap_or("ricochet.h5".as_ref()))
 }
@@ -135,6 +151,7 @@ fn solve(
         }
     }
     let patch = model.dynamics.patch();
+    let linearity = Linearity::new(scene, patch.as_ref());
     let of_geometry = notes::of_geometry(scene, model.measures.as_ref());
     let (described, reason, of_probes) = (describe_model(&model), model.reason.clone(), note_of_probes(&model));
     let is_factorised = model.dynamics.is_factorised_on_ranks();
@@ -184,7 +201,7 @@ fn solve(
         writer: writer.every(scene.output.every),
         recording,
         progress: Progress::new([summary.end(), scene.time.end]),
-        summary,
+        summary: summary.following(linearity),
     });
     let (asked, ranks) = (interrupt.clone(), comm.clone());
     impact.set_interrupt(move || asked.is_raised(&ranks));
@@ -215,7 +232,12 @@ fn solve(
         // Where the run has failed already, that is what is told: a full disk fails the steps first and then the end.
         if let Some(flow) = flow {
             finished?;
-            summary.print(&episodes, &cost, &judged, output);
+            // Of a file system that cannot be read at once, the run is as good.
+            let extremes = extremes(output).ok().flatten();
+            summary.print(&episodes, extremes.as_ref(), &cost, &judged, output);
+            if let Some(warning) = summary.warning() {
+                tell(format_args!("warning: {warning}"));
+            }
             if missed {
                 tell(format_args!(
                     "note: the estimated error of the whole history is above accuracy.tolerance = {:e}, which is for the first contact: later contacts are \

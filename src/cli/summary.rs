@@ -5,7 +5,9 @@ use std::path::Path;
 use crate::error::Result;
 use crate::impact::checkpoint::Carrier;
 use crate::impact::step::Step;
+use crate::model::{Linearity, STIFFENING};
 use crate::record::episodes::Episodes;
+use crate::record::extremes::{Extreme, Extremes, ProbeExtremes};
 use crate::record::provenance::Cost;
 
 use super::notes::listed;
@@ -18,9 +20,18 @@ pub struct Summary {
     /// Energy at t = 0, J.
     initial: f64,
     last: Step,
+    linearity: Option<Linearity>,
+    /// m.
+    largest_deflection: f64,
 }
 
 impl Summary {
+    /// The same, followed for large deflections.
+    #[must_use]
+    pub fn following(self, linearity: Option<Linearity>) -> Self {
+        Self { linearity, ..self }
+    }
+
     /// Takes the next step.
     pub fn step(&mut self, step: &Step) {
         if step.impactor.acceleration > self.peak.0 {
@@ -28,6 +39,9 @@ impl Summary {
         }
         if step.number == 0 {
             self.initial = step.energy.total;
+        }
+        if let Some(linearity) = &self.linearity {
+            self.largest_deflection = self.largest_deflection.max(linearity.deflection(step));
         }
         self.last = *step;
     }
@@ -45,11 +59,12 @@ impl Summary {
         self.last = last.copied().unwrap_or_default();
         carrier.number("peak", &mut self.peak.0)?;
         carrier.number("peak_time", &mut self.peak.1)?;
-        carrier.number("initial", &mut self.initial)
+        carrier.number("initial", &mut self.initial)?;
+        carrier.number("largest_deflection", &mut self.largest_deflection)
     }
 
     /// Prints it.
-    pub fn print(&self, episodes: &Episodes, cost: &Cost, judged: &[&str], output: &Path) {
+    pub fn print(&self, episodes: &Episodes, extremes: Option<&Extremes>, cost: &Cost, judged: &[&str], output: &Path) {
         let contacts: Vec<String> = episodes
             .all()
             .iter()
@@ -65,6 +80,7 @@ impl Summary {
             short(1e3 * self.peak.1),
             short(self.last.impactor.velocity)
         ));
+        extremes.iter().flat_map(|extremes| lines(extremes)).for_each(|line| say(format_args!("{line}")));
         say(format_args!("contacts: {contacts}"));
         let energy = &self.last.energy;
         say(format_args!(
@@ -92,6 +108,39 @@ impl Summary {
             cost.newton_iterations
         ));
     }
+
+    /// That the deflection is too large for the model, where it is.
+    pub fn warning(&self) -> Option<String> {
+        let ratio = self.linearity?.excess(self.largest_deflection)?;
+        let [least, most] = STIFFENING.map(|factor| factor * ratio * ratio);
+        Some(format!(
+            "the largest deflection, about {:.2} mm, is {ratio:.2} times the thickness: the model is geometrically linear and leaves out that \
+             a plate so bent is stiffer, by {least:.2} of its bending stiffness where its edges may move in the plane and up to {most:.1} of it \
+             where they may not",
+            1e3 * self.largest_deflection
+        ))
+    }
+}
+
+/// The largest values of a run, a line each; not those of the acceleration.
+pub fn lines(extremes: &Extremes) -> Vec<String> {
+    let at = |extreme: &Extreme, factor: f64, unit: &str| {
+        format!("{} {unit} at {} ms", short(factor * extreme.value), short(1e3 * extreme.time))
+    };
+    let mut lines = vec![format!(
+        "peak force {}; largest deflection under the impactor {}",
+        at(&extremes.force, 1.0, "N"),
+        at(&extremes.deflection, 1e3, "mm")
+    )];
+    for ProbeExtremes { name, displacement, velocity, tension } in &extremes.probes {
+        lines.push(format!(
+            "probe {name:?}: displacement {}, velocity {}, tension {}",
+            at(displacement, 1e3, "mm"),
+            at(velocity, 1.0, "m/s"),
+            at(tension, 1e-6, "MPa")
+        ));
+    }
+    lines
 }
 
 /// Milliseconds below ten seconds, tenths of a second above.

@@ -94,12 +94,16 @@ fn property_of(key: &str) -> Option<Property> {
 fn task(arguments: &Sweep, source: &Source, grid: &Grid, index: usize) -> Result<Task> {
     let varied = Scene::varied(source, &grid.values(index));
     let (mut scene, source) = varied.map_err(|error| error.remarked(&grid.name(index)))?;
-    // A sweep's file has neither.
-    (scene.output.fields, scene.output.probes) = (None, Vec::new());
+    // A sweep's file has no fields, and probes in series alone.
+    scene.output.fields = None;
+    if !arguments.series {
+        scene.output.probes.clear();
+    }
     Ok(Task { index, scene, source, has_series: arguments.series })
 }
 
 fn header(comm: &Comm, arguments: &Sweep, grid: &Grid, (scene, source): (&Scene, &Source)) -> Result<Header> {
+    let probes = scene.output.probes.iter().map(|probe| probe.name.clone());
     Ok(Header {
         title: scene.title.clone(),
         scene: source.text().to_owned(),
@@ -110,6 +114,7 @@ fn header(comm: &Comm, arguments: &Sweep, grid: &Grid, (scene, source): (&Scene,
         ranks: comm.size(),
         keys: grid.keys(),
         has_series: arguments.series,
+        probes: if arguments.series { probes.collect() } else { Vec::new() },
         shard: arguments.shard.map(|shard| (shard.i, shard.n)),
     })
 }

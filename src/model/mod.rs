@@ -2,6 +2,7 @@
 
 mod cells;
 mod climb;
+mod linearity;
 mod mindlin_error;
 mod readings;
 mod reduce;
@@ -9,6 +10,7 @@ mod simulation;
 mod theory;
 pub mod watch;
 
+pub use linearity::{Linearity, STIFFENING};
 pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::{Gauges, Readings};
 pub use reduce::{OF_BASIS, OF_SMALLER, Reduced, rate, reduce};

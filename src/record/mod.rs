@@ -3,6 +3,7 @@
 pub mod checkpoint;
 mod columns;
 pub mod episodes;
+pub mod extremes;
 pub mod fields;
 pub mod folder;
 pub mod lock;

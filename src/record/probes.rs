@@ -36,6 +36,32 @@ pub(super) fn rows(file: &hdf5::File, names: &[String], rows: usize) -> hdf5::Re
     Ok(all)
 }
 
+/// What a probe has read in all rows: displacement, velocity, principal stress, three numbers a row.
+pub(super) type Whole = [Vec<f64>; 3];
+
+/// Adds a row.
+pub(super) fn push(whole: &mut Whole, probe: &Probe) {
+    whole.iter_mut().zip(COLUMNS).for_each(|(values, (_, _, value))| values.extend(value(probe)));
+}
+
+/// Writes all rows of a probe into the group `parent`.
+pub(super) fn write(file: &hdf5::File, parent: &str, name: &str, whole: &Whole) -> hdf5::Result<()> {
+    for (values, (column, units, _)) in whole.iter().zip(COLUMNS) {
+        let rows = ArrayView2::from_shape((values.len() / 3, 3), values).map_err(|error| error.to_string())?;
+        let path = format!("{parent}/probe/{name}/{column}");
+        let dataset = file.new_dataset_builder().with_data(rows).create(path.as_str())?;
+        write_text(&dataset, "units", units)?;
+    }
+    Ok(())
+}
+
+/// Reads them.
+pub(super) fn read(file: &hdf5::File, parent: &str, name: &str) -> hdf5::Result<Whole> {
+    let column = |of: &str| file.dataset(&format!("{parent}/probe/{name}/{of}"))?.read_raw::<f64>();
+    let [displacement, velocity, stress] = COLUMNS.map(|(of, ..)| column(of));
+    Ok([displacement?, velocity?, stress?])
+}
+
 /// Where the value of each column goes.
 const PUT: [fn(&mut Probe) -> &mut Vec3; 3] =
     [|probe| &mut probe.displacement, |probe| &mut probe.velocity, |probe| &mut probe.principal_stress];

@@ -1,8 +1,10 @@
 //! What is kept of one member of a sweep.
 
+use crate::impact::Probe;
 use crate::impact::step::Step;
 use crate::record::columns::SERIES;
 use crate::record::episodes::{Episode, Episodes};
+use crate::record::probes::{self, Whole};
 
 /// How far a member is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,6 +82,8 @@ pub struct Member {
     pub contacts: Vec<Episode>,
     /// Its series where they are kept: a list a dataset of `/series` of a run.
     pub series: Option<Vec<Vec<f64>>>,
+    /// What the scene's probes have read in the rows of the series, in their order.
+    pub probes: Vec<Whole>,
 }
 
 impl Member {
@@ -92,6 +96,7 @@ impl Member {
             quantities: [f64::NAN; Quantity::ALL.len()],
             contacts: Vec::new(),
             series: has_series.then(|| vec![Vec::new(); SERIES.len()]),
+            probes: Vec::new(),
         }
     }
 
@@ -105,8 +110,9 @@ impl Member {
         self.quantities[quantity as usize] = value;
     }
 
-    /// Takes an accepted step into the peaks, and into the series where its number is a multiple of `every`.
-    pub fn push(&mut self, step: &Step, every: usize) {
+    /// Takes an accepted step into the peaks, and into the series, with what probes have read at it, where its number is a multiple of
+    /// `every`.
+    pub fn push(&mut self, step: &Step, read: &[Probe], every: usize) {
         // Without a contact the peak is zero, at the beginning.
         if step.number == 0 || step.contact.force > self.get(Quantity::PeakForce) {
             self.set(Quantity::PeakForce, step.contact.force);
@@ -116,6 +122,8 @@ impl Member {
         self.set(Quantity::ReboundSpeed, step.impactor.velocity);
         if let Some(series) = self.series.as_mut().filter(|_| step.number.is_multiple_of(every)) {
             series.iter_mut().zip(&SERIES).for_each(|(values, column)| values.push((column.value)(step)));
+            self.probes.resize(read.len(), Whole::default());
+            self.probes.iter_mut().zip(read).for_each(|(whole, probe)| probes::push(whole, probe));
         }
     }
 
@@ -144,7 +152,7 @@ impl Member {
         list(&mut self.message.bytes().map(f64::from));
         list(&mut self.quantities.into_iter());
         list(&mut self.contacts.iter().flat_map(|e| [e.start, e.end, e.peak_force, e.peak_time, e.impulse]));
-        for values in self.series.iter().flatten() {
+        for values in self.series.iter().flatten().chain(self.probes.iter().flatten()) {
             list(&mut values.iter().copied());
         }
         numbers
@@ -162,7 +170,9 @@ impl Member {
         let message: Vec<u8> = list()?.iter().map(|byte| *byte as u8).collect();
         let quantities = list()?.try_into().ok()?;
         let contacts = list()?.chunks_exact(5).map(|v| episode([v[0], v[1], v[2], v[3], v[4]])).collect();
-        let series: Vec<Vec<f64>> = std::iter::from_fn(list).map(<[f64]>::to_vec).collect();
+        let mut series: Vec<Vec<f64>> = std::iter::from_fn(list).map(<[f64]>::to_vec).collect();
+        let probes = series.split_off(series.len().min(SERIES.len()));
+        let probes = probes.as_chunks::<3>().0.to_vec();
         Some(Self {
             index: *index as usize,
             status: Status::from_number(*status as u8),
@@ -170,6 +180,7 @@ impl Member {
             quantities,
             contacts,
             series: (!series.is_empty()).then_some(series),
+            probes,
         })
     }
 }
@@ -195,6 +206,8 @@ mod tests {
         member.quantities = std::array::from_fn(|n| 0.1 * n as f64);
         member.contacts = vec![episode([1.0, 2.0, 3.0, 4.0, 5.0]), episode([6.0, 7.0, 8.0, 9.0, 1e-300])];
         member.series = Some((0..SERIES.len()).map(|n| vec![n as f64, 0.5, -1.0]).collect());
+        assert_eq!(Member::from_numbers(&member.to_numbers()), Some(member.clone()));
+        member.probes = vec![[vec![1.0; 6], vec![2.0; 6], vec![-0.5; 6]], Default::default()];
         assert_eq!(Member::from_numbers(&member.to_numbers()), Some(member.clone()));
         let failed = Member { series: None, ..member }.fail(Status::Failed, "α < 0 at step 7".into());
         let back = Member::from_numbers(&failed.to_numbers()).unwrap();

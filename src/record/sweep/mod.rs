@@ -29,6 +29,8 @@ pub struct Header {
     pub keys: Vec<Key>,
     /// Whether the members' series are kept.
     pub has_series: bool,
+    /// Names of the probes in these series.
+    pub probes: Vec<String>,
     /// `(i, n)` in a part that has the members i − 1, i − 1 + n, … alone.
     pub shard: Option<(usize, usize)>,
 }

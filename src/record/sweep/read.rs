@@ -5,6 +5,7 @@ use super::{Header, Key, Values};
 use crate::error::{Error, Result};
 use crate::record::columns::{CONTACTS, SERIES};
 use crate::record::episodes::Episode;
+use crate::record::probes;
 use crate::record::provenance::text;
 use crate::record::read::open;
 use hdf5_metno as hdf5;
@@ -87,6 +88,8 @@ impl Sweep {
         if self.header.has_series && member.status == Status::Done {
             let column = |path: &str| self.file.dataset(&series_path(index, path))?.read_raw();
             member.series = Some(SERIES.iter().map(|column_of| column(column_of.path)).collect::<hdf5::Result<_>>()?);
+            let of_probe = |name: &String| probes::read(&self.file, &format!("series/{index}"), name);
+            member.probes = self.header.probes.iter().map(of_probe).collect::<hdf5::Result<_>>()?;
         }
         Ok(member)
     }
@@ -148,6 +151,7 @@ fn header(file: &hdf5::File) -> hdf5::Result<Header> {
         ranks: number("ranks")?,
         keys: paths.iter().map(|path| key(file, path)).collect::<hdf5::Result<_>>()?,
         has_series: file.attr("series")?.read_scalar()?,
+        probes: file.attr("probes")?.read_raw::<VarLenUnicode>()?.iter().map(ToString::to_string).collect(),
         shard,
     })
 }

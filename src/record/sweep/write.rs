@@ -10,6 +10,7 @@ use super::{Header, Values};
 use crate::error::{Error, Result};
 use crate::record::columns::{CONTACTS, SERIES, append, new_datasets, not_written};
 use crate::record::episodes::Episode;
+use crate::record::probes;
 use crate::record::provenance::{write_scalar, write_text};
 use crate::record::target;
 use hdf5_metno as hdf5;
@@ -159,6 +160,9 @@ impl SweepWriter {
                 let dataset = self.file.new_dataset_builder().with_data(values).create(path.as_str())?;
                 write_text(&dataset, "units", column.units)?;
             }
+            for (name, whole) in self.header.probes.iter().zip(&member.probes) {
+                probes::write(&self.file, &format!("series/{index}"), name, whole)?;
+            }
         }
         self.status[index] = member.status;
         self.quantities.iter_mut().zip(member.quantities).for_each(|(values, value)| values[index] = value);
@@ -267,6 +271,8 @@ fn begin(path: &Path, header: &Header) -> hdf5::Result<hdf5::File> {
     write_scalar(&file, "ranks", header.ranks as u64)?;
     write_scalar(&file, "series", header.has_series)?;
     write_scalar(&file, "complete", false)?;
+    let names = header.probes.iter().map(|name| word(name)).collect::<hdf5::Result<Vec<_>>>()?;
+    file.new_attr::<VarLenUnicode>().shape(names.len()).create("probes")?.write(&names)?;
     if let Some((i, n)) = header.shard {
         file.new_attr::<u64>().shape(2).create("shard")?.write(&[i as u64, n as u64])?;
     }

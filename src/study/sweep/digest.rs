@@ -38,9 +38,9 @@ pub fn digest(
     let begin = Instant::now();
     let mut member = Member::new(task.index, task.has_series);
     let mut episodes = Episodes::new(task.scene.impactor.mass);
-    let outcome = simulate(comm, (task.index, &task.scene), bodies, interrupted, |step| {
+    let outcome = simulate(comm, (task.index, &task.scene), bodies, interrupted, |step, read| {
         episodes.push(step);
-        member.push(step, task.scene.output.every);
+        member.push(step, read, task.scene.output.every);
     });
     let mut member = match outcome {
         Ok(None) => return Ok(None),

@@ -7,6 +7,7 @@ use petsc_wrap::Comm;
 
 use super::bodies::Bodies;
 use crate::error::{Error, Result};
+use crate::impact::Probe;
 use crate::impact::step::Step;
 use crate::model::watch::Until;
 use crate::model::{Model, Simulation};
@@ -21,7 +22,8 @@ pub struct Computed {
     pub unknowns: usize,
 }
 
-/// Computes the impact of a scene to its end, on a body among those kept where it is there, and gives each accepted step to `observe`. `interrupted` is asked now and then
+/// Computes the impact of a scene to its end, on a body among those kept where it is there, and gives each accepted
+/// step to `observe`, with what the scene's probes have read at it. `interrupted` is asked now and then
 /// whether to leave off, and keeps to its answer; then the outcome is `None`. Collective on `comm`.
 ///
 /// # Errors
@@ -31,10 +33,11 @@ pub fn simulate(
     (index, scene): (usize, &Scene),
     bodies: &mut Bodies<'_>,
     interrupted: Rc<dyn Fn() -> bool>,
-    mut observe: impl FnMut(&Step),
+    mut observe: impl FnMut(&Step, &[Probe]),
 ) -> Result<Option<Computed>> {
-    if scene.time.modal {
-        return match bodies.simulate(index, scene, &interrupted, &mut observe) {
+    // Bodies that are shared are not read at their points.
+    if scene.time.modal && !scene.output.is_read() {
+        return match bodies.simulate(index, scene, &interrupted, &mut |step| observe(step, &[])) {
             Err(Error::Interrupted) => Ok(None),
             computed => computed,
         };
@@ -48,8 +51,10 @@ pub fn simulate(
     let mut simulation = Simulation::new(scene, model)?;
     let asked = interrupted.clone();
     simulation.set_interrupt(move || asked());
+    let readings = simulation.read()?;
     let flow = simulation.run(|step| {
-        observe(step);
+        let reading = readings.as_ref().and_then(|readings| readings.tape.take(step.number));
+        observe(step, reading.as_ref().map_or(&[], |reading| &reading.probes));
         Ok(if interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     })?;
     let outcome = Computed { error_estimate: simulation.error().unwrap_or(f64::NAN), unknowns };

@@ -1,0 +1,69 @@
+//! How far a plate's deflection leaves what a geometrically linear model describes.
+//!
+//! A plate that deflects by more than about half of its thickness is stretched in its plane, which makes it stiffer. For a uniformly loaded
+//! circular plate the load that bends it grows by c (w/h)², c = 0.146 and 0.262 where a clamped and a simply supported edge may move in
+//! the plane, 0.471 and 1.852 where it may not (S. Timoshenko & S. Woinowsky-Krieger, Theory of Plates and Shells, 1959, §100, Table 82).
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::contact::Patch;
+use crate::impact::step::Step;
+use crate::scene::{Geometry, Scene};
+
+/// Deflection over the thickness above which the membrane forces are no longer small.
+const LARGE: f64 = 0.5;
+
+/// The least and the largest c.
+pub const STIFFENING: [f64; 2] = [0.15, 1.9];
+
+/// What tells a run's deflection.
+#[derive(Debug, Clone, Copy)]
+pub struct Linearity {
+    /// h, m.
+    thickness: f64,
+    /// Displacement of the rigid body at the impact point over the impulse's own integral, 1/kg; 0 where supports hold the body.
+    mobility: f64,
+    mass: f64,
+    speed: f64,
+}
+
+impl Linearity {
+    /// Of a box hit on a face, or of a mesh with supports and a patch; `None` where no thickness is known, or no rigid motion.
+    pub fn new(scene: &Scene, patch: Option<&Patch>) -> Option<Self> {
+        let impactor = &scene.impactor;
+        let is_free = scene.supports.is_empty();
+        let (thickness, mobility) = match (&scene.body.geometry, scene.struck_axis(), patch) {
+            (Geometry::Box { size, .. }, Some(axis), _) => {
+                (size[axis], if is_free { mobility(scene, *size)? } else { 0.0 })
+            }
+            (_, _, Some(patch)) if !is_free => (patch.thickness, 0.0),
+            _ => return None,
+        };
+        Some(Self { thickness, mobility, mass: impactor.mass, speed: impactor.speed })
+    }
+
+    /// By how much the body is bent at the impact point, m: without its motion as a rigid body, free or on its supports.
+    pub fn deflection(&self, step: &Step) -> f64 {
+        // The impulse so far is what the impactor has lost, and its integral how far it lags behind its free flight.
+        let rigid = self.mobility * self.mass * (self.speed * step.time - step.impactor.position);
+        let bent = step.contact.surface_displacement - rigid;
+        // Supports and body are springs in a row: of a motion each has the part that it has of the energy.
+        let (body, supports) = (step.energy.elastic, step.energy.support);
+        let part = if supports > 0.0 { body / (body + supports) } else { 1.0 };
+        (part * bent).abs()
+    }
+
+    /// A deflection (m) over the thickness, where that is large.
+    pub fn excess(&self, deflection: f64) -> Option<f64> {
+        Some(deflection / self.thickness).filter(|ratio| *ratio > LARGE)
+    }
+}
+
+/// aᵀ(M⁻¹)a of a rigid box: 1/m + (r × d)·I⁻¹(r × d).
+fn mobility(scene: &Scene, size: [f64; 3]) -> Option<f64> {
+    let mass = scene.body.density * size.iter().product::<f64>();
+    let [a, b, c] = size.map(|edge| edge * edge);
+    let inertia = Matrix3::from_diagonal(&(Vector3::new(b + c, a + c, a + b) * (mass / 12.0)));
+    let moment = Vector3::from(scene.impactor.point).cross(&Vector3::from(scene.impactor.direction));
+    Some(1.0 / mass + moment.dot(&(inertia.try_inverse()? * moment)))
+}

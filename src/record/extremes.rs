@@ -1,0 +1,89 @@
+//! The largest values of a result's series.
+
+use std::path::Path;
+
+use hdf5_metno as hdf5;
+use serde::Serialize;
+
+use crate::error::{Error, Result};
+use crate::record::read::open;
+
+/// A value of a series and its time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Extreme {
+    /// In the unit of its series.
+    pub value: f64,
+    /// s.
+    pub time: f64,
+}
+
+/// The largest values of a run's recorded rows.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Extremes {
+    /// m/s².
+    pub acceleration: Extreme,
+    /// N.
+    pub force: Extreme,
+    /// The displacement of the surface under the impactor of the largest magnitude, m.
+    pub deflection: Extreme,
+    /// In the order of their names.
+    pub probes: Vec<ProbeExtremes>,
+}
+
+/// The largest values at a probe.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ProbeExtremes {
+    /// The probe's name.
+    pub name: String,
+    /// Length of the displacement, m.
+    pub displacement: Extreme,
+    /// Length of the velocity, m/s.
+    pub velocity: Extreme,
+    /// Largest principal stress (tension), Pa.
+    pub tension: Extreme,
+}
+
+/// Reads the largest values of the result `path`; `None` while it has no row.
+///
+/// # Errors
+/// [`Error::Io`] as [`super::read::history`].
+pub fn extremes(path: &Path) -> Result<Option<Extremes>> {
+    let file = open(path)?;
+    of(&file).map_err(|error| Error::io(path, format!("its series cannot be read: {error}")))
+}
+
+fn of(file: &hdf5::File) -> hdf5::Result<Option<Extremes>> {
+    let column = |name: &str| file.dataset(&format!("series/{name}"))?.read_raw::<f64>();
+    let time = column("time")?;
+    let largest = |values: &[f64], size: fn(f64) -> f64| {
+        let rows = time.iter().zip(values).filter(|(_, value)| !value.is_nan());
+        rows.max_by(|(_, one), (_, other)| size(**one).total_cmp(&size(**other)))
+            .map_or(Extreme { value: f64::NAN, time: f64::NAN }, |(time, value)| Extreme { value: *value, time: *time })
+    };
+    if time.is_empty() {
+        return Ok(None);
+    }
+    let mut probes = Vec::new();
+    if let Ok(group) = file.group("series/probe") {
+        for name in group.member_names()? {
+            let of_rows = |what: &str, of_row: fn(&[f64]) -> f64| -> hdf5::Result<Extreme> {
+                let values = column(&format!("probe/{name}/{what}"))?;
+                let values: Vec<f64> = values.chunks_exact(3).map(of_row).collect();
+                Ok(largest(&values, |value| value))
+            };
+            let length = |row: &[f64]| row.iter().map(|x| x * x).sum::<f64>().sqrt();
+            probes.push(ProbeExtremes {
+                displacement: of_rows("displacement", length)?,
+                velocity: of_rows("velocity", length)?,
+                tension: of_rows("principal_stress", |row| row.iter().copied().fold(f64::NEG_INFINITY, f64::max))?,
+                name,
+            });
+        }
+    }
+    Ok(Some(Extremes {
+        acceleration: largest(&column("impactor/acceleration")?, |value| value),
+        force: largest(&column("contact/force")?, |value| value),
+        deflection: largest(&column("contact/surface_displacement")?, f64::abs),
+        probes,
+    }))
+}
