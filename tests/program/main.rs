@@ -59,6 +59,8 @@ fn main() -> ExitCode {
         .group("mutated_meshes", mutated_meshes::TESTS)
         .group("probes", probes::TESTS)
         .group_unless(tools::python(&["h5py", "matplotlib"]), "python", python::TESTS)
+        .group_unless(tools::python(&["h5py", "matplotlib", "tomli_w"]), "python", python::DICTS)
+        .long_group("python", python::LONG)
         .group_unless(tools::python(&["h5py", "matplotlib", "nbclient", "ipykernel"]), "python", python::NOTEBOOK)
         .group("restart", restart::TESTS)
         .group("restart_files", restart_files::TESTS)

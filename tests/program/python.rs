@@ -1,12 +1,15 @@
-//! `scripts/ricochet.py` reads what the program writes, and the example notebook runs as it stands.
+//! The Python package (`scripts/python`) runs the program and reads what it writes; the examples of docs/python.md and the notebook run as they
+//! stand.
 
 use mpi_test::{PlainTest, tests};
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::program::BOX;
+use crate::restarts;
 use crate::results;
-use crate::results::{column, folder, good};
+use crate::results::{column, folder, good, is_complete};
 use crate::sweeps::{numbers, supported};
 
 pub const TESTS: &[PlainTest] = tests![
@@ -14,8 +17,18 @@ pub const TESTS: &[PlainTest] = tests![
     a_run_that_was_killed_is_read_up_to_its_last_whole_row,
     sweeps_and_their_parts_are_read,
     sweeps_are_drawn_as_curves_and_maps,
+    sweeps_over_texts_are_drawn_with_names,
+    values_that_are_given_twice_have_no_grid,
+    plots_have_axes_of_their_own,
+    scenes_are_run_as_by_the_command_line,
+    values_are_set_as_toml,
+    errors_have_the_programs_message_and_status,
+    an_interrupt_ends_the_program_in_order,
+    the_package_has_the_programs_version,
     files_of_the_other_kind_are_refused
 ];
+pub const DICTS: &[PlainTest] = tests![scenes_as_dicts_are_run, the_examples_of_the_documentation_run];
+pub const LONG: &[PlainTest] = tests![pip_installs_the_package];
 pub const NOTEBOOK: &[PlainTest] = tests![the_notebook_runs];
 
 const SERIES: [&str; 16] = [
@@ -41,16 +54,30 @@ fn repository() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// What Python answers to some lines, the module at hand and `bits` to tell numbers exactly; its last line on standard error where it fails.
+/// The search path with the program that is tested in front.
+fn search_path() -> std::ffi::OsString {
+    let program = Path::new(env!("CARGO_BIN_EXE_ricochet")).parent().unwrap();
+    let others = std::env::var_os("PATH").unwrap();
+    std::env::join_paths(std::iter::once(program.to_owned()).chain(std::env::split_paths(&others))).unwrap()
+}
+
+/// What Debian's Python answers to some lines, with the package in this repository.
 fn python(folder: &Path, lines: &str) -> Result<Vec<String>, String> {
+    // Debian's Python: the one that the packages are installed for.
+    answer(Command::new("/usr/bin/python3").env("PYTHONPATH", repository().join("scripts/python")), folder, lines)
+}
+
+/// What a Python answers to some lines, the package at hand and `bits` to tell numbers exactly; its last line on standard error where it fails.
+fn answer(python: &mut Command, folder: &Path, lines: &str) -> Result<Vec<String>, String> {
     let head = "import matplotlib\nmatplotlib.use('agg')\nimport matplotlib.pyplot as plt, numpy as np, ricochet\n\
         def bits(values): return np.asarray(values, '<f8').tobytes().hex()\n";
-    // Debian's Python: the one that the packages are installed for.
-    let output = Command::new("/usr/bin/python3")
+    let output = python
         .args(["-c", &format!("{head}{lines}")])
         .current_dir(folder)
-        .env("PYTHONPATH", repository().join("scripts"))
+        .env("PATH", search_path())
         .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env_remove("PETSC_OPTIONS")
+        .env_remove("RICOCHET_LOG")
         .output()
         .unwrap();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).lines().map(str::to_owned).collect::<Vec<_>>();
@@ -179,6 +206,240 @@ fn sweeps_are_drawn_as_curves_and_maps() {
     );
 }
 
+/// Texts become names of ticks, in the order in which they were given; numbers are drawn in their own order.
+fn sweeps_over_texts_are_drawn_with_names() {
+    let folder = folder(&supported());
+    let schemes = "--vary time.scheme=newmark,energy,modal --set time.end=4e-4";
+    good(&folder, 0, &format!("sweep scene.toml {schemes} -o schemes.h5"));
+    good(&folder, 0, &format!("sweep scene.toml {schemes} --vary support.0.stiffness=1e9,1e7 --log -o both.h5"));
+    let told = python(
+        folder.path(),
+        "sweep, both = ricochet.Sweep('schemes.h5'), ricochet.Sweep('both.h5')\n\
+         def names(axis): return *(label.get_text() for label in axis.get_ticklabels()),\n\
+         axes = sweep.plot('peak_force')\n\
+         axes.figure.canvas.draw()\n\
+         print(*names(axes.xaxis), bits(axes.lines[0].get_ydata()), bits(sweep.grid('peak_force')))\n\
+         axes = both.plot('peak_force')\n\
+         axes.figure.canvas.draw()\n\
+         print(*names(axes.yaxis), axes.get_xscale(), axes.get_yscale(), axes.get_xlabel(), axes.get_ylabel())\n\
+         print(bits(axes.collections[0].get_array().ravel()))\n\
+         print(bits(both.grid('peak_force')), *both.values('time.scheme'), *both.values('support.0.stiffness'))",
+    );
+    let told = told.unwrap();
+    let peaks = |file: &str| numbers(&folder.path().join(file), "members/peak_force");
+    let of_schemes = bits(&peaks("schemes.h5"));
+    assert_eq!(told[0], format!("newmark energy modal {of_schemes} {of_schemes}"));
+    assert_eq!(told[1], "newmark energy modal log linear support.0.stiffness (N/m3) time.scheme");
+    let of_both = peaks("both.h5");
+    let ascending: Vec<f64> = of_both.chunks(2).flat_map(|pair| [pair[1], pair[0]]).collect();
+    assert_eq!(told[2], bits(&ascending));
+    assert_eq!(told[3], format!("{} newmark energy modal 1000000000.0 10000000.0", bits(&of_both)));
+}
+
+fn values_that_are_given_twice_have_no_grid() {
+    let folder = folder(&supported());
+    good(&folder, 0, "sweep scene.toml --vary body.model=kirchhoff,kirchhoff -o one.h5");
+    good(&folder, 0, "sweep scene.toml --vary body.model=kirchhoff,kirchhoff --vary impactor.speed=1,2 -o two.h5");
+    let told = python(folder.path(), "print(bits(ricochet.Sweep('one.h5').grid('peak_force')))").unwrap();
+    assert_eq!(told, [bits(&numbers(&folder.path().join("one.h5"), "members/peak_force"))]);
+    let error = python(folder.path(), "ricochet.Sweep('two.h5').grid('peak_force')").unwrap_err();
+    assert_eq!(error, "ValueError: two.h5 has no grid: a value of a key is given twice");
+}
+
+/// Each plot makes a figure, unless axes are given: then nothing is drawn elsewhere.
+fn plots_have_axes_of_their_own() {
+    let folder = folder(&supported());
+    good(&folder, 0, "run scene.toml -o run.h5");
+    good(&folder, 0, "sweep scene.toml --vary support.0.stiffness=1e8,1e9 -o sweep.h5");
+    let told = python(
+        folder.path(),
+        "run, sweep = ricochet.Run('run.h5'), ricochet.Sweep('sweep.h5')\n\
+         force, acceleration, peaks, forces = run.plot('contact/force'), run.plot(), sweep.plot(), sweep.plot('peak_force')\n\
+         print(len(plt.get_fignums()), len({axes.figure.number for axes in (force, acceleration, peaks, forces)}))\n\
+         print(run.plot('contact/force', force) is force, sweep.plot(axes=peaks) is peaks, len(plt.get_fignums()))\n\
+         print(*(len(axes.lines) for axes in (force, acceleration, peaks, forces)), force.get_ylabel(), acceleration.get_ylabel())",
+    );
+    assert_eq!(
+        told.unwrap(),
+        ["4 4", "True True 4", "2 1 2 1 contact force (N) impactor acceleration (m/s2)"].map(str::to_owned)
+    );
+}
+
+/// From a path, from text and on two ranks; into a file, and into memory, which leaves nothing on the disk.
+fn scenes_are_run_as_by_the_command_line() {
+    let folder = folder(BOX);
+    good(&folder, 0, "run scene.toml -o expected.h5 --set impactor.speed=2");
+    let told = python(
+        folder.path(),
+        "import glob, os, pathlib, tempfile\n\
+         os.makedirs('temporary'); tempfile.tempdir = os.path.abspath('temporary')\n\
+         speed = {'impactor.speed': 2.0}\n\
+         def told(run): print(bits(run.series['contact/force']), run.attributes['complete'])\n\
+         told(ricochet.run('scene.toml', set=speed))\n\
+         told(ricochet.run(open('scene.toml').read(), set=speed))\n\
+         told(ricochet.run(pathlib.Path('scene.toml'), 'made.h5', set=speed))\n\
+         told(ricochet.run('made.h5'))\n\
+         run = ricochet.run(open('scene.toml').read(), set=speed, ranks=2, petsc=['-ksp_type', 'cg'])\n\
+         print(run.attributes['ranks'], '-ksp_type cg' in run.attributes['petsc_options'], bits(run.series['contact/force']))\n\
+         print(os.listdir('temporary'), *sorted(glob.glob('*.h5')))",
+    );
+    let told = told.unwrap();
+    let force = |name: &str| bits(&column(&folder.path().join(name), "contact/force"));
+    assert_eq!(force("made.h5"), force("expected.h5"));
+    for line in &told[..4] {
+        assert_eq!(*line, format!("{} True", force("expected.h5")));
+    }
+    let on_ranks = told[4].strip_prefix("2 True ").unwrap();
+    // Equal but for the rounding of sums over ranks.
+    let expected = column(&folder.path().join("expected.h5"), "contact/force");
+    assert!(results::difference(&numbers_of(on_ranks), &expected) < 1e-9);
+    assert_eq!(told[5], "[] expected.h5 made.h5");
+}
+
+/// Texts, arrays, tables and removed keys reach the scene as such.
+fn values_are_set_as_toml() {
+    let folder = folder(&supported());
+    let told = python(
+        folder.path(),
+        "name = 'a \"b\" = c\\\\d, é'\n\
+         values = {'title': name, 'body.size': np.array([0.5, 0.4, 0.02]), 'solver.newton': None, 'impactor.mass': np.int64(40),\n\
+           'output.probes': [{'name': name, 'point': (0, 0, -0.01)}], 'time.allow_unstable': False,\n\
+           'time.scheme': 'central-difference', 'time.step': 1e-6, 'time.end': 1e-5, 'body.model': 'solid', 'body.reduction': 'none'}\n\
+         run = ricochet.run('scene.toml', set=values)\n\
+         print(run.attributes['title'] == name, run.series[f'probe/{name}/displacement'].shape[1])\n\
+         print(run.attributes['scene'])",
+    );
+    let told = told.unwrap();
+    assert_eq!(told[0], "True 3");
+    for line in ["size = [0.5, 0.4, 0.02]", "mass = 40", "allow_unstable = false"] {
+        assert!(told.iter().any(|there| there == line), "{line}: {told:#?}");
+    }
+    assert!(!told.iter().any(|line| line.starts_with("newton")), "{told:#?}");
+}
+
+fn errors_have_the_programs_message_and_status() {
+    let folder = folder(BOX);
+    let told = python(
+        folder.path(),
+        "import logging\n\
+         logging.basicConfig(filename='log', level='INFO', format='%(levelname)s %(message)s')\n\
+         def fails(*scene, **options):\n\
+        \x20   try: ricochet.run(*scene, **options)\n\
+        \x20   except (ricochet.RicochetError, FileNotFoundError) as error:\n\
+        \x20       print(type(error).__name__, getattr(error, 'status', None), ' '.join(str(error).split()))\n\
+         fails('scene.toml', set={'body.yuong': 1})\n\
+         fails('missing.toml')\n\
+         fails('scene.toml', 'missing/out.h5')\n\
+         fails('scene.toml', program='no-ricochet')\n\
+         ricochet.run('scene.toml', petsc=['-no_such_option', 1])\n\
+         print(open('log').read())",
+    );
+    let told = told.unwrap();
+    let expected: [(&str, &[&str]); 4] = [
+        ("RicochetError 2 ", &["unknown key", "did you mean `young`?"]),
+        ("RicochetError 4 ", &["missing.toml", "cannot be read"]),
+        ("RicochetError 4 ", &["missing"]),
+        ("FileNotFoundError None ", &["no-ricochet is not found"]),
+    ];
+    for (line, (start, fragments)) in told.iter().zip(expected) {
+        assert!(line.starts_with(start) && fragments.iter().all(|fragment| line.contains(fragment)), "{line}");
+    }
+    assert!(told.iter().any(|line| line == "WARNING PETSc has not used the option -no_such_option"), "{told:#?}");
+    assert!(told.iter().any(|line| line.starts_with("INFO ")), "{told:#?}");
+}
+
+/// An interrupt that reaches Python alone, as in a notebook: the program ends with a checkpoint, and Python with KeyboardInterrupt.
+fn an_interrupt_ends_the_program_in_order() {
+    let folder = folder(&restarts::scene("[output]\ncheckpoint_steps = 10\n"));
+    let error = python(
+        folder.path(),
+        "import os, signal, threading, time\n\
+         def interrupt():\n\
+        \x20   while not os.path.exists('out.checkpoint.h5'): time.sleep(0.002)\n\
+        \x20   os.kill(os.getpid(), signal.SIGINT)\n\
+         threading.Thread(target=interrupt, daemon=True).start()\n\
+         ricochet.run('scene.toml', 'out.h5', set={'time.end': 10.0})",
+    );
+    assert_eq!(error.unwrap_err(), "KeyboardInterrupt");
+    assert!(!is_complete(&folder.path().join("out.h5")));
+    let told = python(folder.path(), "print(ricochet.Run('out.h5').time[-1])").unwrap();
+    let end: f64 = told[0].parse().unwrap();
+    // The checkpoint is of the last step, which a run that was killed would not have.
+    let checkpoint = results::open(folder.path().join("out.checkpoint.h5"));
+    assert_eq!(checkpoint.attr("time").unwrap().read_scalar::<f64>().unwrap(), end);
+}
+
+fn the_package_has_the_programs_version() {
+    let folder = folder(BOX);
+    assert_eq!(python(folder.path(), "print(ricochet.__version__)").unwrap(), [env!("CARGO_PKG_VERSION")]);
+}
+
+fn scenes_as_dicts_are_run() {
+    let folder = folder(&supported());
+    good(&folder, 0, "run scene.toml");
+    let told = python(
+        folder.path(),
+        "import tomllib\n\
+         scene = tomllib.load(open('scene.toml', 'rb'))\n\
+         scene['body']['size'] = np.array(scene['body']['size'])\n\
+         print(bits(ricochet.run(scene).series['contact/force']))",
+    );
+    assert_eq!(told.unwrap(), [bits(&column(&folder.path().join("scene.h5"), "contact/force"))]);
+}
+
+/// What `bits` was made from.
+fn numbers_of(bits: &str) -> Vec<f64> {
+    let number = |digits: &str| f64::from_bits(u64::from_str_radix(digits, 16).unwrap().swap_bytes());
+    (0..bits.len() / 16).map(|n| number(&bits[16 * n..16 * n + 16])).collect()
+}
+
+/// The parts of docs/python.md that a word after three backticks marks.
+fn examples(marked: &str) -> Vec<String> {
+    let text = fs::read_to_string(repository().join("docs/python.md")).unwrap();
+    let parts = text.split("```").skip(1).step_by(2);
+    parts.filter_map(|part| part.strip_prefix(marked)?.strip_prefix('\n')).map(str::to_owned).collect()
+}
+
+/// One after the other, on the scene and the sweep that the page has.
+fn the_examples_of_the_documentation_run() {
+    let folder = folder("");
+    fs::write(folder.path().join("frame.toml"), examples("toml").concat()).unwrap();
+    let text = fs::read_to_string(repository().join("docs/python.md")).unwrap();
+    let sweep = text.lines().find_map(|line| line.strip_prefix("    ricochet sweep ")).unwrap();
+    good(&folder, 0, &format!("sweep {sweep}"));
+    let examples = examples("python");
+    assert_eq!(examples.len(), 6);
+    let told = python(folder.path(), &examples.concat()).unwrap();
+    let path = folder.path().join("frame.h5");
+    let peak = numbers(&path, "contacts/peak_force").into_iter().fold(0.0, f64::max);
+    assert_eq!(told[0], format!("mindlin {peak:?} N"));
+    assert!(told[3].starts_with("2 ") && told.iter().any(|line| line.contains("did you mean `young`?")), "{told:#?}");
+    for picture in ["frame.png", "speeds.png", "k.png"] {
+        assert!(fs::read(folder.path().join(picture)).unwrap().starts_with(b"\x89PNG"), "{picture}");
+    }
+}
+
+/// Into an environment of its own, with what PyPI has of the packages that it needs.
+fn pip_installs_the_package() {
+    let folder = folder(BOX);
+    let run = |command: &mut Command| {
+        let output = command.env_remove("PYTHONPATH").current_dir(folder.path()).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    };
+    run(Command::new("/usr/bin/python3").args(["-m", "venv", "venv"]));
+    let package = repository().join("scripts/python");
+    run(Command::new("venv/bin/pip").args(["install", "--quiet", "--disable-pip-version-check"]).arg(package));
+    let lines = "import importlib.metadata, tomllib\n\
+        print(ricochet.__file__.startswith(__import__('sys').prefix), importlib.metadata.version('ricochet'))\n\
+        run = ricochet.run(tomllib.load(open('scene.toml', 'rb')), 'out.h5')\n\
+        print(bits(run.series['contact/force']), bits(run.plot('contact/force').lines[0].get_ydata()))";
+    let mut python = Command::new(folder.path().join("venv/bin/python"));
+    let told = answer(python.env_remove("PYTHONPATH"), folder.path(), lines).unwrap();
+    assert_eq!(told[0], format!("True {}", env!("CARGO_PKG_VERSION")));
+    let force = bits(&column(&folder.path().join("out.h5"), "contact/force"));
+    assert_eq!(told[1], format!("{force} {force}"));
+}
+
 fn files_of_the_other_kind_are_refused() {
     let folder = folder(&supported());
     good(&folder, 0, "run scene.toml -o run.h5");
@@ -195,14 +456,10 @@ fn files_of_the_other_kind_are_refused() {
 
 /// Each cell runs, the figures are there, and the momentum that the notebook works out is that of the contacts.
 fn the_notebook_runs() {
-    let program = Path::new(env!("CARGO_BIN_EXE_ricochet")).parent().unwrap();
-    let path = std::env::join_paths(
-        std::iter::once(program.to_owned()).chain(std::env::split_paths(&std::env::var_os("PATH").unwrap())),
-    );
-    let output = Command::new("scripts/example").current_dir(repository()).env("PATH", path.unwrap()).output().unwrap();
+    let output = Command::new("scripts/example").current_dir(repository()).env("PATH", search_path()).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let written: PathBuf = repository().join(String::from_utf8(output.stdout).unwrap().lines().last().unwrap());
-    let notebook: serde_json::Value = serde_json::from_slice(&std::fs::read(written).unwrap()).unwrap();
+    let notebook: serde_json::Value = serde_json::from_slice(&fs::read(written).unwrap()).unwrap();
     let outputs: Vec<&serde_json::Value> =
         notebook["cells"].as_array().unwrap().iter().filter_map(|cell| cell["outputs"].as_array()).flatten().collect();
     assert_eq!(outputs.iter().filter(|output| output["data"]["image/png"].is_string()).count(), 5);
