@@ -1,12 +1,12 @@
 //! The program `ricochet`: starts MPI and PETSc, does what the command line says, and turns an error into one message and an
 //! exit status.
 
-use std::io::IsTerminal;
 use std::process::exit;
 use std::time::Duration;
 
 use clap::Parser;
 use petsc_wrap::Session;
+use ricochet::cli::terminal::{self, Verbosity};
 use ricochet::cli::{self, Cli, Command, tell};
 use ricochet::error::Error;
 
@@ -17,13 +17,25 @@ fn main() {
         Err(error) if cli::is_root_by_environment() => error.exit(),
         Err(error) => exit(error.exit_code()),
     };
+    terminal::set_verbosity(match (cli.quiet, cli.verbose) {
+        (true, _) => Verbosity::Quiet,
+        (_, 0) => Verbosity::Usual,
+        (_, 1) => Verbosity::Verbose,
+        _ => Verbosity::Debug,
+    });
     cli::log_to_stderr();
     match &cli.command {
         // Under mpirun one rank draws.
-        Command::Plot(_) if !cli::is_root_by_environment() => exit(0),
+        Command::Plot(_) | Command::Info(_) | Command::Completions(_) | Command::Schema | Command::Man(_)
+            if !cli::is_root_by_environment() =>
+        {
+            exit(0)
+        }
         Command::Plot(plot) => conclude(None, cli::plot::plot(&plot.results, &plot.output).map(|()| 0)),
-        Command::Info(_) if !cli::is_root_by_environment() => exit(0),
         Command::Info(info) => conclude(None, cli::info::info(info).map(|()| 0)),
+        Command::Completions(completions) => conclude(None, Ok(cli::text::completions(completions)).map(|()| 0)),
+        Command::Schema => conclude(None, Ok(cli::text::schema()).map(|()| 0)),
+        Command::Man(man) => conclude(None, cli::text::man(man).map(|()| 0)),
         Command::Run(run) => under_petsc(&run.petsc, |session| cli::run::run(&session.world(), run)),
         Command::Stability(stability) => {
             under_petsc(&stability.petsc, |session| cli::stability::stability(&session.world(), stability))
@@ -64,7 +76,7 @@ fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
         }
         exit(result.unwrap_or_default());
     };
-    let report = error.report(std::io::stderr().is_terminal());
+    let report = error.report(terminal::has_colours());
     let status = error.status();
     let root = session.as_ref().map_or_else(cli::is_root_by_environment, |session| session.world().is_root());
     match session {

@@ -20,7 +20,7 @@ use super::bench::Bench;
 use super::interrupt::Interrupt;
 use super::load::{Loaded, load};
 use super::progress::Items;
-use super::{Chart, say, tell, warn_of_unused_options};
+use super::{Chart, say, note, tell, warn_of_unused_options};
 
 /// Charts a scene and writes what was found; returns the exit status. Collective.
 ///
@@ -55,7 +55,7 @@ pub fn chart(comm: &Comm, arguments: &Chart) -> Result<i32> {
         Some(reference) => Some(reference),
         None => {
             if comm.is_root() {
-                tell(format_args!("{} runs; the solid is refined to measure them by", runs.done.len()));
+                note(format_args!("{} runs; the solid is refined to measure them by", runs.done.len()));
             }
             let mut once = |name: &str, settings: &[String]| bench.outcome(name, settings, false);
             refine(&ladder, &runs.done, arguments.budget, &mut once, &decide)?

@@ -1,7 +1,6 @@
 //! Follows the making of a model: shows how far it is, breaks it off at a signal or after a time.
 
 use std::cell::Cell;
-use std::io::IsTerminal;
 use std::rc::Rc;
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread::JoinHandle;
@@ -16,7 +15,8 @@ use crate::model::watch::{Judged, Stage, Watch};
 
 use super::interrupt::Interrupt;
 use super::progress::Cadence;
-use super::tell;
+use super::note;
+use super::terminal::has_bars;
 
 /// Follows on all ranks; rank 0 shows what is done.
 pub struct Follower {
@@ -117,7 +117,7 @@ enum Shown {
 
 impl Shown {
     fn new() -> Self {
-        if std::io::stderr().is_terminal() { Self::Terminal(None) } else { Self::Lines(Cadence::new()) }
+        if has_bars() { Self::Terminal(None) } else { Self::Lines(Cadence::new()) }
     }
 
     fn show(&mut self, stage: &Stage, elapsed: Duration) {
@@ -135,7 +135,7 @@ impl Shown {
             }
             Self::Lines(cadence) if cadence.is_due() => {
                 cadence.next();
-                tell(format_args!("{} ({:.0} s so far)", described(stage), elapsed.as_secs_f64()));
+                note(format_args!("{} ({:.0} s so far)", described(stage), elapsed.as_secs_f64()));
             }
             _ => {}
         }

@@ -20,17 +20,21 @@ pub mod run;
 pub mod stability;
 pub mod summary;
 pub mod sweep;
+pub mod terminal;
+pub mod text;
 
 use std::fmt;
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{ArgAction, Args, Parser, Subcommand};
 use petsc_wrap::{Comm, options};
 
 use crate::error::{Error, Result};
 use crate::study::sweep::Shard;
+
+use terminal::Verbosity;
 
 /// Version and commit.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("RICOCHET_COMMIT"), ")");
@@ -44,6 +48,12 @@ pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+    /// Say more on standard error; twice for all
+    #[arg(short, long, global = true, action = ArgAction::Count)]
+    pub verbose: u8,
+    /// Say nothing on standard error but warnings and errors
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
 }
 
 /// What to do.
@@ -63,6 +73,27 @@ pub enum Command {
     Chart(Chart),
     /// Compute a scene for many values of its keys, and write the peaks and contacts of all members to an HDF5 file
     Sweep(Sweep),
+    /// Print a script that completes commands and options in a shell
+    Completions(Completions),
+    /// Print a JSON schema of scenes, by which editors check one while it is typed
+    Schema,
+    /// Write the manual's pages
+    Man(Man),
+}
+
+/// `ricochet completions`
+#[derive(Debug, Args)]
+pub struct Completions {
+    /// Shell
+    pub shell: clap_complete::Shell,
+}
+
+/// `ricochet man`
+#[derive(Debug, Args)]
+pub struct Man {
+    /// Folder for ricochet.1 and a page for each command; made where it is missing
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
 }
 
 /// `ricochet run`
@@ -239,6 +270,13 @@ pub fn tell(line: fmt::Arguments) {
     let _ = writeln!(io::stderr(), "{line}");
 }
 
+/// A line on standard error that `--quiet` leaves out: progress and notes.
+pub fn note(line: fmt::Arguments) {
+    if terminal::verbosity() > Verbosity::Quiet {
+        tell(line);
+    }
+}
+
 /// Five digits, with a power of ten where the number is very small or large.
 fn short(value: f64) -> String {
     let size = value.abs();
@@ -257,14 +295,19 @@ fn warn_of_unused_options(comm: &Comm) -> Result<()> {
     Ok(())
 }
 
-/// Warnings, and with `RICOCHET_LOG=info` or `debug` more, go to standard error.
+/// Warnings, and with `-v`, `-vv` or `RICOCHET_LOG=info` or `debug` more, go to standard error.
 pub fn log_to_stderr() {
+    let usual = match terminal::verbosity() {
+        Verbosity::Quiet | Verbosity::Usual => "warn",
+        Verbosity::Verbose => "ricochet=info,warn",
+        Verbosity::Debug => "ricochet=debug,info",
+    };
     let filter = tracing_subscriber::EnvFilter::try_from_env("RICOCHET_LOG")
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new(usual));
     tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(io::stderr)
-        .with_ansi(io::stderr().is_terminal())
+        .with_ansi(terminal::has_colours())
         .without_time()
         .with_target(false)
         .init();

@@ -1,13 +1,13 @@
 //! How far a run or a sweep is: a bar on a terminal, sparse lines elsewhere. On rank 0.
 
-use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::impact::step::Step;
 
-use super::tell;
+use super::note;
+use super::terminal::has_bars;
 
 /// Shows the progress of a run's steps.
 pub enum Progress {
@@ -59,7 +59,7 @@ const PARTS: u64 = 10_000;
 impl Progress {
     /// Progress of a run from a time, where it goes on, to its end, s, on standard error.
     pub fn new(time: [f64; 2]) -> Self {
-        if std::io::stderr().is_terminal() {
+        if has_bars() {
             let bar = ProgressBar::new(PARTS);
             let style = "{bar:40} {percent} %, {eta} left, {msg}";
             bar.set_style(ProgressStyle::with_template(style).expect("the template is valid"));
@@ -84,7 +84,7 @@ impl Progress {
                 }
                 cadence.next();
                 let left = begin.elapsed().as_secs_f64() * (*end - step.time).max(0.0) / done;
-                tell(format_args!("step {}, {} of {:.3} ms, {left:.0} s left", step.number, state(), 1e3 * *end));
+                note(format_args!("step {}, {} of {:.3} ms, {left:.0} s left", step.number, state(), 1e3 * *end));
             }
         }
     }
@@ -110,7 +110,7 @@ pub struct Items {
 impl Items {
     /// Progress to `all` of what the plural `what` names, on standard error.
     pub fn new(all: usize, what: &'static str) -> Self {
-        let bar = std::io::stderr().is_terminal().then(|| {
+        let bar = has_bars().then(|| {
             let style = format!("{{bar:40}} {{pos}} of {{len}} {what}, {{eta}} left");
             ProgressBar::new(all as u64)
                 .with_style(ProgressStyle::with_template(&style).expect("the template is valid"))
@@ -126,7 +126,7 @@ impl Items {
         } else if self.cadence.is_due() {
             self.cadence.next();
             let left = self.begin.elapsed().as_secs_f64() * (self.all - self.done) as f64 / self.done as f64;
-            tell(format_args!("{} of {} {}, {left:.0} s left", self.done, self.all, self.what));
+            note(format_args!("{} of {} {}, {left:.0} s left", self.done, self.all, self.what));
         }
     }
 

@@ -36,7 +36,7 @@ use super::provenance::provenance;
 use super::recording::Recording;
 use super::restart::{Past, go_on};
 use super::summary::Summary;
-use super::{tell, warn_of_unused_options};
+use super::{note, tell, warn_of_unused_options};
 
 /// Runs a scene; returns the exit status. Collective.
 ///
@@ -86,7 +86,7 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
                 checkpoint::remove(from)?;
             }
             Past::Beginning => {
-                tell(format_args!("note: {} has no checkpoint beside it: from the beginning", from.display()));
+                note(format_args!("note: {} has no checkpoint beside it: from the beginning", from.display()));
             }
             Past::Moment(_) => {}
         }
@@ -164,18 +164,18 @@ fn solve(
     let assembled = begin.elapsed().as_secs_f64();
     tracing::info!(modelled, assembled, "ready");
     if comm.is_root() {
-        tell(format_args!("{described}"));
+        note(format_args!("{described}"));
         if let Some(reason) = reason {
-            tell(format_args!("{reason}"));
+            note(format_args!("{reason}"));
         }
         for warning in of_geometry {
             tell(format_args!("warning: {warning}"));
         }
-        for note in notes::notes(scene, patch.as_ref(), impact.plan().as_ref()).into_iter().chain(of_probes) {
-            tell(format_args!("note: {note}"));
+        for line in notes::notes(scene, patch.as_ref(), impact.plan().as_ref()).into_iter().chain(of_probes) {
+            note(format_args!("note: {line}"));
         }
         if is_factorised && !has_mumps(comm.session())? {
-            tell(format_args!(
+            note(format_args!(
                 "note: this PETSc is without MUMPS: each rank factorises all of a matrix for itself, so that more ranks save nothing there"
             ));
         }
@@ -191,7 +191,7 @@ fn solve(
         (false, _) => None,
         (true, None) => Some((SeriesWriter::with_probes(output, &provenance, &names)?, recording, Summary::default())),
         (true, Some((earlier, summary))) => {
-            tell(format_args!("on from t = {:.6e} s", summary.end()));
+            note(format_args!("on from t = {:.6e} s", summary.end()));
             let writer = SeriesWriter::continued(output, &provenance, &names, earlier)?;
             let recording = recording.map(|recording| recording.behind(from, summary.end(), &writer)).transpose()?;
             Some((writer, recording, summary))
@@ -239,7 +239,7 @@ fn solve(
                 tell(format_args!("warning: {warning}"));
             }
             if missed {
-                tell(format_args!(
+                note(format_args!(
                     "note: the estimated error of the whole history is above accuracy.tolerance = {:e}, which is for the first contact: later contacts are \
                      sensitive; tighten the tolerance to check them",
                     scene.tolerance
@@ -248,7 +248,7 @@ fn solve(
             if flow.is_break() {
                 tell(format_args!("interrupted: {} holds the run up to t = {:.6e} s", output.display(), summary.end()));
                 if checkpoint::beside(output).exists() {
-                    tell(format_args!("note: --restart {} goes on with it", output.display()));
+                    note(format_args!("note: --restart {} goes on with it", output.display()));
                 }
             } else {
                 checkpoint::remove(output)?;

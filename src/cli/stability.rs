@@ -16,7 +16,7 @@ use crate::study::{Verdict, label, stability as study};
 
 use super::interrupt::Interrupt;
 use super::load::{Loaded, load};
-use super::{Stability, say, tell, warn_of_unused_options};
+use super::{Stability, say, note, tell, warn_of_unused_options};
 
 /// Studies a scene and writes what was found; returns the exit status. Collective.
 ///
@@ -54,7 +54,7 @@ fn find(comm: &Comm, scene: &Scene, interrupt: &Interrupt) -> Result<Option<Stud
     let mut told = |row: &study::Row| {
         if comm.is_root() {
             let (name, count) = (label(row.scheme), row.runs.len());
-            tell(format_args!("{name}: {count} runs done after {:.0} s", begin.elapsed().as_secs_f64()));
+            note(format_args!("{name}: {count} runs done after {:.0} s", begin.elapsed().as_secs_f64()));
         }
     };
     study::stability(&mesh, scene, &mut || interrupt.is_raised(comm), &mut told)

@@ -19,7 +19,7 @@ use super::follow::Follower;
 use super::interrupt::Interrupt;
 use super::load::{Loaded, load};
 use super::progress::Items;
-use super::{Sweep, say, short, tell, warn_of_unused_options};
+use super::{Sweep, say, short, note, tell, warn_of_unused_options};
 
 /// Computes the members of a sweep that its file does not have yet; returns the exit status. Collective.
 ///
@@ -50,7 +50,7 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
             let follower = Follower::new(comm, interrupt.clone());
             let theory = census.theory(comm, |index| Ok(task(arguments, &source, &grid, index)?.scene), &follower)?;
             if comm.is_root() {
-                tell(format_args!("{} for all members", model::name(theory.0)));
+                note(format_args!("{} for all members", model::name(theory.0)));
             }
             Some(theory)
         }
@@ -134,7 +134,7 @@ impl Desk {
         let output = arguments.shard.map_or(arguments.output.clone(), |shard| shard.path(&arguments.output));
         let writer = SweepWriter::open(&output, header)?;
         if writer.header().commit != header.commit {
-            tell(format_args!(
+            note(format_args!(
                 "note: {} was begun by another version of ricochet, {} ({})",
                 output.display(),
                 writer.header().version,
@@ -164,7 +164,7 @@ impl Desk {
             }
         }
         if count > 0 {
-            tell(format_args!("note: {count} members taken over from {}", path.display()));
+            note(format_args!("note: {count} members taken over from {}", path.display()));
         }
         Ok(())
     }

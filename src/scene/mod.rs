@@ -25,6 +25,11 @@ pub(crate) use layout::growing;
 pub use source::Source;
 pub use units::unit;
 
+/// A JSON schema of a scene, by which editors check one while it is typed.
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(raw::Scene)
+}
+
 /// A vector with one value per Cartesian component.
 pub type Vec3 = [f64; 3];
 

@@ -1,146 +1,226 @@
 //! The keys of a scene and the types of their values, before any check of a value. The names of the fields are the
-//! known keys.
+//! known keys; their comments are the descriptions of the JSON schema (`ricochet schema`).
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::values::{ByComponent, List, Number, Three, Whole, WordOrWhole};
 
+/// Words of `body.model`.
+pub(super) const MODELS: [&str; 6] = ["auto", "half-space", "infinite-plate", "kirchhoff", "mindlin", "solid"];
+/// Words of `body.symmetry`.
+pub(super) const SYMMETRIES: [&str; 3] = ["auto", "none", "quarter"];
+/// Words of `support.kind`.
+pub(super) const KINDS: [&str; 3] = ["elastic", "pad", "clamped"];
+/// Words of `contact.localization`.
+pub(super) const LOCALIZATIONS: [&str; 2] = ["patch", "point"];
+/// Words of `time.scheme`.
+pub(super) const SCHEMES: [&str; 5] = ["newmark", "generalized-alpha", "energy", "central-difference", "modal"];
+/// Words of `solver.newton`.
+pub(super) const NEWTONS: [&str; 2] = ["condensed", "full"];
+
 /// The root table.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table")]
 pub(super) struct Scene {
+    /// Shown in figures and results.
     pub title: Option<String>,
+    /// The body: material and geometry.
     pub body: Body,
+    /// Supports; none means a free body.
     #[serde(default)]
     pub support: List<Support>,
+    /// The rigid impactor.
     pub impactor: Impactor,
+    /// The contact.
     #[serde(default)]
     pub contact: Contact,
+    /// Loads on the body.
     #[serde(default)]
     pub load: Load,
+    /// Time and its integration.
     pub time: Time,
+    /// What the model, the basis and the steps are chosen for.
     #[serde(default)]
     pub accuracy: Accuracy,
+    /// How a step is solved.
     #[serde(default)]
     pub solver: Solver,
+    /// What is recorded.
     #[serde(default)]
     pub output: Output,
 }
 
 /// `[body]`
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table with the header [body]")]
 pub(super) struct Body {
+    /// Theory; default "auto".
+    #[schemars(extend("enum" = MODELS))]
     pub model: Option<String>,
+    /// "auto" (default), "none", or the number of vectors of a basis.
     pub reduction: Option<WordOrWhole>,
+    /// Young's modulus, Pa.
     pub young: Number,
+    /// Poisson's ratio, between -1 and 0.5.
     pub poisson: Number,
+    /// Density, kg/m3.
     pub density: Number,
+    /// Edges of a box centred on the origin, m; or `mesh`.
     pub size: Option<Three<Number>>,
+    /// Hexahedra along each edge of the box; by default chosen for the accuracy.
     pub cells: Option<Three<Whole>>,
+    /// Largest cell edge over the smallest along each axis of the box; default 1.
     pub grading: Option<ByComponent>,
+    /// Gmsh file (2.2 or 4.1), relative to the scene; or `size`.
     pub mesh: Option<String>,
+    /// Polynomial degree of the elements, 1 or 2 (default).
     pub order: Option<Whole>,
+    /// Quarter-symmetry model; default "auto".
+    #[schemars(extend("enum" = SYMMETRIES))]
     pub symmetry: Option<String>,
 }
 
 /// One `[[support]]`
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table with the header [[support]]")]
 pub(super) struct Support {
+    /// Name of the surface: "side", "top", "bottom", "x-min" ... "z-max" of a box, or a physical surface of the mesh.
     pub surface: String,
+    /// "elastic" (springs), "pad" (one-sided) or "clamped".
+    #[schemars(extend("enum" = KINDS))]
     pub kind: String,
+    /// N/m3, one number or [kx, ky, kz].
     pub stiffness: Option<ByComponent>,
+    /// N s/m3, one number or [cx, cy, cz]; default 0.
     pub damping: Option<ByComponent>,
+    /// Prescribed displacement, m; default [0, 0, 0].
     pub displacement: Option<Three<Number>>,
+    /// Clamped only: which of "x", "y", "z" are held; default all.
     pub components: Option<List<String>>,
+    /// Pad only: the direction into the pad.
     pub normal: Option<Three<Number>>,
 }
 
 /// `[impactor]`
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table with the header [impactor]")]
 pub(super) struct Impactor {
+    /// kg.
     pub mass: Number,
+    /// m.
     pub radius: Number,
+    /// Young's modulus, Pa; or `stiffness`.
     pub young: Option<Number>,
+    /// Poisson's ratio; or `stiffness`.
     pub poisson: Option<Number>,
+    /// Hertz's k0, N/m^1.5, in place of radius and moduli.
     pub stiffness: Option<Number>,
+    /// m/s along `direction` at t = 0.
     pub speed: Number,
+    /// Where it hits, on the surface of the body, m.
     pub point: Option<Three<Number>>,
+    /// Direction of travel, into the body; default [0, 0, -1].
     pub direction: Option<Three<Number>>,
+    /// Distance to the surface at t = 0, m; default 0.
     pub gap: Option<Number>,
 }
 
 /// `[contact]`
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table with the header [contact]")]
 pub(super) struct Contact {
+    /// "patch" (default): Hertz's pressure over a disc; "point": a force at a point.
+    #[schemars(extend("enum" = LOCALIZATIONS))]
     pub localization: Option<String>,
+    /// Radius of the patch, m; by default chosen.
     pub patch_radius: Option<Number>,
 }
 
 /// `[load]`
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table with the header [load]")]
 pub(super) struct Load {
+    /// N/m3; default [0, 0, 0].
     pub body_force: Option<Three<Number>>,
+    /// Loaded surfaces.
     #[serde(default)]
     pub traction: List<Traction>,
 }
 
 /// One `[[load.traction]]`
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table with the header [[load.traction]]")]
 pub(super) struct Traction {
+    /// Name of the surface.
     pub surface: String,
+    /// N/m2.
     pub value: Three<Number>,
 }
 
 /// `[time]`
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table with the header [time]")]
 pub(super) struct Time {
+    /// End of the run, s.
     pub end: Number,
+    /// Fixed step, s; by default chosen for the accuracy.
     pub step: Option<Number>,
+    /// Time integration; by default "modal" where the body has modes, else "newmark".
+    #[schemars(extend("enum" = SCHEMES))]
     pub scheme: Option<String>,
+    /// Newmark only; default 0.25.
     pub beta: Option<Number>,
+    /// Newmark only; default 0.5.
     pub gamma: Option<Number>,
+    /// Generalised-alpha only: spectral radius at infinite frequency, 0 to 1; default 0.8.
     pub rho_inf: Option<Number>,
+    /// Central difference only: takes a step above the stable one; default false.
     pub allow_unstable: Option<bool>,
 }
 
 /// `[accuracy]`
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table with the header [accuracy]")]
 pub(super) struct Accuracy {
+    /// Error of the acceleration over its peak in the first contact, 1e-6 to 0.5; default 1e-2.
     pub tolerance: Option<Number>,
 }
 
 /// `[solver]`
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table with the header [solver]")]
 pub(super) struct Solver {
+    /// "condensed" (default) or "full" (SNES with the block aaT).
+    #[schemars(extend("enum" = NEWTONS))]
     pub newton: Option<String>,
+    /// Largest error of the energy balance over the initial energy; by default none.
     pub energy_gate: Option<Number>,
 }
 
 /// `[output]`
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table with the header [output]")]
 pub(super) struct Output {
+    /// Every n-th step is recorded; default 1.
     pub every: Option<Whole>,
+    /// A checkpoint after every n-th step.
     pub checkpoint_steps: Option<Whole>,
+    /// Wall time between checkpoints, min; default 10, 0 for none.
     pub checkpoint_minutes: Option<Number>,
+    /// Fields of every n-th step for ParaView.
     pub fields: Option<Whole>,
+    /// Points that are read at every recorded step.
     #[serde(default)]
     pub probes: List<Probe>,
 }
 
 /// One entry of `output.probes`
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table, as { name = \"bottom\", point = [0, 0, -0.05] }")]
 pub(super) struct Probe {
+    /// The probe's name in the results.
     pub name: String,
+    /// In the body or on its surface, m.
     pub point: Three<Number>,
 }

@@ -1,8 +1,10 @@
 //! Types of values, with error texts that say what was expected.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::marker::PhantomData;
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
 
 use super::Vec3;
@@ -199,3 +201,36 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ListVisitor<T> {
         all(entries).map(List)
     }
 }
+
+/// Schemas that stand in the place of their types.
+macro_rules! inline_schema {
+    ($(@$t:ident)? $type:ty, $generator:ident => $schema:expr) => {
+        impl$(<$t: JsonSchema>)? JsonSchema for $type {
+            fn inline_schema() -> bool {
+                true
+            }
+
+            fn schema_name() -> Cow<'static, str> {
+                stringify!($type).into()
+            }
+
+            fn json_schema($generator: &mut SchemaGenerator) -> Schema {
+                $schema
+            }
+        }
+    };
+}
+
+inline_schema!(Number, _generator => json_schema!({ "type": "number" }));
+inline_schema!(Whole, _generator => json_schema!({ "type": "integer" }));
+inline_schema!(WordOrWhole, _generator => json_schema!({ "type": ["string", "integer"] }));
+inline_schema!(@T Three<T>, generator => {
+    json_schema!({ "type": "array", "items": generator.subschema_for::<T>(), "minItems": 3, "maxItems": 3 })
+});
+inline_schema!(ByComponent, _generator => json_schema!({
+    "anyOf": [
+        { "type": "number" },
+        { "type": "array", "items": { "type": "number" }, "minItems": 3, "maxItems": 3 },
+    ]
+}));
+inline_schema!(@T List<T>, generator => json_schema!({ "type": "array", "items": generator.subschema_for::<T>() }));

@@ -40,8 +40,7 @@ const MOST_VECTORS: usize = 2000;
 
 /// The theory, and what is made of a linear body.
 pub(super) fn theory(source: &Source, raw: &raw::Body) -> Result<(Model, Reduction), SceneError> {
-    let words = ["auto", "half-space", "infinite-plate", "kirchhoff", "mindlin", "solid"];
-    let model = match word(source, "body.model", &raw.model, &words)? {
+    let model = match word(source, "body.model", &raw.model, &raw::MODELS)? {
         "half-space" => Model::HalfSpace,
         "infinite-plate" => Model::InfinitePlate,
         "kirchhoff" => Model::Kirchhoff,

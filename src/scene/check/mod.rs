@@ -71,7 +71,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
 }
 
 fn contact(source: &Source, raw: &raw::Contact) -> Result<Contact, SceneError> {
-    let kind = word(source, "contact.localization", &raw.localization, &["patch", "point"])?;
+    let kind = word(source, "contact.localization", &raw.localization, &raw::LOCALIZATIONS)?;
     let path = "contact.patch_radius";
     match (kind, raw.patch_radius) {
         ("patch", None) => Ok(Contact::Patch { radius: None }),
@@ -99,7 +99,7 @@ fn tolerance(source: &Source, raw: &raw::Accuracy) -> Result<f64, SceneError> {
 }
 
 fn solver(source: &Source, raw: &raw::Solver) -> Result<Solver, SceneError> {
-    let newton = match word(source, "solver.newton", &raw.newton, &["condensed", "full"])? {
+    let newton = match word(source, "solver.newton", &raw.newton, &raw::NEWTONS)? {
         "condensed" => Newton::Condensed,
         _ => Newton::Full,
     };

@@ -13,8 +13,7 @@ pub(super) fn check(
 ) -> Result<Support, SceneError> {
     let at = |key: &str| format!("support.{number}.{key}");
     surface(source, &at("surface"), &raw.surface, outline)?;
-    let kinds = ["elastic", "pad", "clamped"];
-    let kind = match word(source, &at("kind"), &Some(raw.kind.clone()), &kinds)? {
+    let kind = match word(source, &at("kind"), &Some(raw.kind.clone()), &raw::KINDS)? {
         "elastic" => {
             refuse(source, raw, number, "elastic", &["components", "normal"])?;
             let stiffness = stiffness(source, raw, &at("stiffness"))?;

@@ -15,7 +15,7 @@ pub(super) struct Parts<'a> {
 /// What part of the body is solved.
 pub(super) fn check(source: &Source, raw: &raw::Body, parts: &Parts) -> Result<Symmetry, SceneError> {
     let path = "body.symmetry";
-    let asked = word(source, path, &raw.symmetry, &["auto", "none", "quarter"])?;
+    let asked = word(source, path, &raw.symmetry, &raw::SYMMETRIES)?;
     if asked == "none" {
         return Ok(Symmetry::None { reason: None });
     }

@@ -37,8 +37,7 @@ fn step_within(source: &Source, step: f64, end: f64) -> Result<f64, SceneError> 
 }
 
 fn scheme(source: &Source, raw: &raw::Time) -> Result<Scheme, SceneError> {
-    let words = ["newmark", "generalized-alpha", "energy", "central-difference", "modal"];
-    let name = word(source, "time.scheme", &raw.scheme, &words)?;
+    let name = word(source, "time.scheme", &raw.scheme, &raw::SCHEMES)?;
     let parameters = [
         ("beta", raw.beta.is_some(), "newmark"),
         ("gamma", raw.gamma.is_some(), "newmark"),

@@ -1,0 +1,47 @@
+//! What the program knows of itself, for shells, editors and readers of manuals.
+
+use clap::CommandFactory;
+
+use crate::error::{Error, Result};
+use crate::record::folder::Folder;
+use crate::scene;
+
+use super::{Cli, Completions, Man, say};
+
+/// Prints completions for a shell.
+pub fn completions(arguments: &Completions) {
+    let mut script = Vec::new();
+    clap_complete::generate(arguments.shell, &mut Cli::command(), "ricochet", &mut script);
+    say(format_args!("{}", String::from_utf8_lossy(&script).trim_end()));
+}
+
+/// Prints the schema of scenes.
+pub fn schema() {
+    // A tree of texts: nothing here fails to be written.
+    say(format_args!("{}", serde_json::to_string_pretty(&scene::schema()).unwrap_or_default()));
+}
+
+/// Writes the manual: a page for the program and one for each command.
+///
+/// # Errors
+/// [`Error::Io`] where the folder or a page cannot be written.
+pub fn man(arguments: &Man) -> Result<()> {
+    let folder = Folder::create(&arguments.output)?;
+    let mut program = Cli::command();
+    program.build();
+    let mut names = Vec::new();
+    let commands = program.get_subcommands().filter(|command| command.get_name() != "help");
+    for (name, command) in [("ricochet".to_owned(), program.clone())]
+        .into_iter()
+        .chain(commands.map(|command| (format!("ricochet-{}", command.get_name()), command.clone())))
+    {
+        let mut page = Vec::new();
+        let file = format!("{name}.1");
+        let rendered = clap_mangen::Man::new(command).title(name).render(&mut page);
+        rendered.map_err(|error| Error::io(&arguments.output, error))?;
+        folder.put(&file, |path| std::fs::write(path, &page).map_err(|error| Error::io(path, error)))?;
+        names.push(file);
+    }
+    say(format_args!("{}: {}", arguments.output.display(), names.join(", ")));
+    Ok(())
+}
