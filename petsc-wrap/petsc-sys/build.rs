@@ -118,6 +118,7 @@ const FUNCTIONS: &[&str] = &[
     "PetscPartitionerSetFromOptions",
     "PetscPartitionerSetType",
     "PetscPushErrorHandler",
+    "PetscErrorPrintfNone",
     "PetscSectionCreate",
     "PetscSectionGetChart",
     "PetscSectionGetConstrainedStorageSize",
@@ -317,7 +318,7 @@ fn generate(petsc: &Petsc, mpi: &[PathBuf]) {
         .header("wrapper.h")
         .clang_args(include)
         .allowlist_function(FUNCTIONS.join("|"))
-        .allowlist_var("PETSC_(DETERMINE|DEFAULT|COMM_WORLD|VERSION_.*)|PetscTrFree")
+        .allowlist_var("PETSC_(DETERMINE|DEFAULT|COMM_WORLD|VERSION_.*)|PetscTrFree|PetscErrorPrintf")
         .blocklist_type("MPI_.*|ompi_.*|_?MPI.*")
         .blocklist_item("MPI_.*|ompi_.*")
         // Where PETSc is configured with strict error codes they are an enum, of the same size.

@@ -55,6 +55,9 @@ impl Session {
         check(unsafe { sys::PetscInitialize(&raw mut argc, &raw mut args, std::ptr::null(), std::ptr::null()) })?;
         // SAFETY: the handler has the right type and needs no context.
         check(unsafe { sys::PetscPushErrorHandler(Some(crate::error::record), std::ptr::null_mut()) })?;
+        // What packages print of an error beside the one that they return (CHOLMOD, say) is no text for a user.
+        // SAFETY: PETSc reads this pointer in calls of its own, of which there is none on another thread.
+        unsafe { sys::PetscErrorPrintf = Some(sys::PetscErrorPrintfNone) };
         Ok(Self(Rc::new(Inner { finalized: Cell::new(false), universe, _argv: argv, _arguments: arguments })))
     }
 

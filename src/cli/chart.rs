@@ -20,7 +20,7 @@ use super::bench::Bench;
 use super::interrupt::Interrupt;
 use super::load::{Loaded, load};
 use super::progress::Items;
-use super::{Chart, say, note, tell, warn_of_unused_options};
+use super::{Chart, note, say, tell, warn_of_unused_options};
 
 /// Charts a scene and writes what was found; returns the exit status. Collective.
 ///

@@ -14,8 +14,8 @@ use crate::model;
 use crate::model::watch::{Judged, Stage, Watch};
 
 use super::interrupt::Interrupt;
-use super::progress::Cadence;
 use super::note;
+use super::progress::Cadence;
 use super::terminal::has_bars;
 
 /// Follows on all ranks; rank 0 shows what is done.

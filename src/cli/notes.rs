@@ -113,10 +113,14 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<String> {
 pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<String> {
     let mut notes = Vec::new();
     let impactor = &scene.impactor;
+    let finer = match scene.body.geometry {
+        Geometry::Box { .. } => "body.grading",
+        Geometry::Gmsh(_) => "a mesh that is finer there",
+    };
     if let Some(patch) = patch {
         if patch.is_coarse() {
             notes.push(format!(
-                "cells of {:.4} m do not resolve the patch: they should be {:.4} m or smaller at the impact point (body.grading)",
+                "cells of {:.4} m do not resolve the patch: they should be {:.4} m or smaller at the impact point ({finer})",
                 patch.cell,
                 0.5 * patch.radius
             ));
@@ -124,7 +128,7 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<S
         if patch.error() > 0.5 * scene.tolerance {
             notes.push(format!(
                 "the patch is large for a thickness of {:.4} m and leaves about {:.1e} of the peak open: finer cells at the impact \
-                 point allow a smaller one (body.grading)",
+                 point allow a smaller one ({finer})",
                 patch.thickness,
                 patch.error()
             ));

@@ -16,7 +16,7 @@ use crate::study::{Verdict, label, stability as study};
 
 use super::interrupt::Interrupt;
 use super::load::{Loaded, load};
-use super::{Stability, say, note, tell, warn_of_unused_options};
+use super::{Stability, note, say, tell, warn_of_unused_options};
 
 /// Studies a scene and writes what was found; returns the exit status. Collective.
 ///

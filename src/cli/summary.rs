@@ -114,10 +114,12 @@ impl Summary {
         let ratio = self.linearity?.excess(self.largest_deflection)?;
         let [least, most] = STIFFENING.map(|factor| factor * ratio * ratio);
         Some(format!(
-            "the largest deflection, about {:.2} mm, is {ratio:.2} times the thickness: the model is geometrically linear and leaves out that \
-             a plate so bent is stiffer, by {least:.2} of its bending stiffness where its edges may move in the plane and up to {most:.1} of it \
-             where they may not",
-            1e3 * self.largest_deflection
+            "the largest deflection is about {} mm, {} times the thickness, and the model is geometrically linear: it neglects membrane forces, which \
+             make the plate stiffer by about {}% where its edges can move in the plane and by up to {}% where they cannot",
+            short(1e3 * self.largest_deflection),
+            short(ratio),
+            short(100.0 * least),
+            short(100.0 * most)
         ))
     }
 }

@@ -19,7 +19,7 @@ use super::follow::Follower;
 use super::interrupt::Interrupt;
 use super::load::{Loaded, load};
 use super::progress::Items;
-use super::{Sweep, say, short, note, tell, warn_of_unused_options};
+use super::{Sweep, note, say, short, tell, warn_of_unused_options};
 
 /// Computes the members of a sweep that its file does not have yet; returns the exit status. Collective.
 ///

@@ -6,6 +6,7 @@ mod impactor;
 mod modal;
 mod numbers;
 mod output;
+mod plausible;
 mod support;
 mod symmetry;
 mod time;
@@ -56,9 +57,11 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
     let against = modal::against(&raw, (model, reduction), &supports);
     let time = time::check(source, &raw.time, against)?;
     modal::only(source, &raw, model, &time)?;
+    let body = Body { model, reduction, young, poisson, density, geometry, order, symmetry };
+    plausible::check(source, &body, &impactor, time.end)?;
     Ok(Scene {
         title: raw.title.unwrap_or_default(),
-        body: Body { model, reduction, young, poisson, density, geometry, order, symmetry },
+        body,
         supports,
         impactor,
         contact,

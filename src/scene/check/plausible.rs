@@ -1,0 +1,75 @@
+//! Values that are numbers but no impact: each is refused under the key that is to blame, before it ends in a message about another.
+
+use super::super::{Body, Geometry, Impactor, SceneError, Source};
+use super::numbers::show;
+use crate::contact::hertz;
+
+/// Contacts that a run may be long: no run that anybody waits for is longer.
+const LONGEST: f64 = 1e8;
+
+/// Waves in the softest foams are faster, m/s.
+const SLOWEST: f64 = 10.0;
+
+/// A speed, an extent and an end that an impact can have.
+///
+/// # Errors
+/// An impactor faster than waves in the body; a contact larger than the body; a run of very many contacts.
+pub(super) fn check(source: &Source, body: &Body, impactor: &Impactor, end: f64) -> Result<(), SceneError> {
+    let wave = (body.young / body.density).sqrt();
+    if impactor.speed > wave {
+        let message =
+            format!("the impactor's {:.3e} m/s are faster than waves in the body, {wave:.3e} m/s", impactor.speed);
+        // In no solid are waves as slow as that.
+        let (key, help) = match wave < SLOWEST {
+            true => ("body.young", "Young's modulus in Pa, and body.density in kg/m³"),
+            false => {
+                ("impactor.speed", "a speed in m/s well below that: the body takes part in the impact by its waves")
+            }
+        };
+        return Err(source.error(key, message, help));
+    }
+    if let Geometry::Box { size, .. } = &body.geometry {
+        let edge = size.iter().copied().fold(0.0, f64::max);
+        if radius(impactor) > edge {
+            let key = culprit(body, impactor, edge, size.iter().product::<f64>());
+            let message = format!(
+                "on a half-space the contact would have a radius of {:.3e} m, and the longest edge of the body is {} m",
+                radius(impactor),
+                show(edge)
+            );
+            let help = "values in SI units: kg, m, m/s, Pa";
+            return Err(source.error(key, message, help));
+        }
+    }
+    let contact = hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed);
+    if end > LONGEST * contact {
+        let message = format!(
+            "a run of {} s is {:.1e} times as long as a contact on a half-space, {contact:.3e} s",
+            show(end),
+            end / contact
+        );
+        return Err(source.error("time.end", message, "the end of the run in s, some contacts later"));
+    }
+    Ok(())
+}
+
+/// Hertz's radius of the contact at the peak of an impact on a half-space, m.
+fn radius(impactor: &Impactor) -> f64 {
+    (impactor.radius * hertz::peak_indentation(impactor.stiffness, impactor.mass, impactor.speed)).sqrt()
+}
+
+/// The key whose value, replaced by an ordinary one, makes the contact smaller than the body.
+fn culprit(body: &Body, impactor: &Impactor, edge: f64, volume: f64) -> &'static str {
+    let heavy = Impactor { mass: impactor.mass.min(body.density * volume), ..impactor.clone() };
+    if radius(&heavy) <= edge {
+        return "impactor.mass";
+    }
+    // k0 goes with the root of R.
+    let small = edge.min(impactor.radius);
+    let blunt = Impactor {
+        radius: small,
+        stiffness: impactor.stiffness * (small / impactor.radius).sqrt(),
+        ..impactor.clone()
+    };
+    if radius(&blunt) <= edge { "impactor.radius" } else { "body.size" }
+}
