@@ -1,4 +1,4 @@
-"""theories_table.py OUT README DOC: what scripts/theories computed into OUT as a table of README and those of DOC.
+"""theories_table.py OUT DOC: what scripts/theories computed into OUT as tables of DOC.
 
 OUT holds reference/PLATE.K.h5 and runs/NAME/PLATE.K.ROUND.h5 with .h5.seconds, the time of the process beside it. NAME is
 MODEL.TOLERANCE, or newmark.
@@ -68,7 +68,7 @@ def title(name):
     return (model, tolerance) if tolerance else ("solid, stepped by Newmark", "Δt = 1e-5 s")
 
 
-def readme(rows):
+def summary(rows):
     """Errors and times: the worst of the stiffnesses."""
     lines = []
     names = ["newmark", "solid.1e-3", "solid.1e-2", "mindlin.1e-2", "kirchhoff.1e-2", "infinite-plate.1e-2", "half-space.1e-2", "auto.1e-1", "auto.1e-2", "auto.1e-3"]
@@ -120,7 +120,7 @@ def auto(rows):
     return table(["plate", "tolerance", "theory", "largest error", "met", "time over the cheapest by hand that meets it", "process over process"], lines)
 
 
-def main(folder, readme_path, doc):
+def main(folder, doc):
     rows = {}
     names = [*(f"{model}.{tolerance}" for model in [*BY_HAND, "auto"] for tolerance in TOLERANCES), "newmark"]
     for plate in PLATES:
@@ -128,7 +128,7 @@ def main(folder, readme_path, doc):
             reference = Run(f"{folder}/reference/{plate}.{k}.h5")
             for name in names:
                 rows[name, plate, k] = Row(folder, name, plate, k, reference)
-    replace(readme_path, "theories", readme(rows))
+    replace(doc, "theories", summary(rows))
     for plate in PLATES:
         replace(doc, plate, whole(rows, plate))
     replace(doc, "auto", auto(rows))

@@ -51,7 +51,7 @@ fn main() {
 fn under_petsc(options: &[String], work: impl FnOnce(&Session) -> Result<i32, Error>) {
     // PETSc would take such a word for the value of an option of ours.
     if let Some(word) = options.first().filter(|word| !word.starts_with('-')) {
-        let message = format!("{word:?} is no PETSc option: the words after -- begin with one, as -snes_monitor");
+        let message = format!("expected a PETSc option such as -snes_monitor after `--`, got {word:?}");
         conclude(None, Err(Error::Usage(message)));
     }
     cli::environment::set();
@@ -94,7 +94,11 @@ fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
                 tell(format_args!("{}", report.trim_end()));
             }
             drop(error);
-            drop(session);
+            match session {
+                // After a failed write HDF5 crashes in its handler at exit.
+                Some(session) if status == 4 => session.leave(status),
+                session => drop(session),
+            }
             exit(status);
         }
     }

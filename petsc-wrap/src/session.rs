@@ -76,6 +76,14 @@ impl Session {
         self.0.universe.world().abort(status)
     }
 
+    /// Finalises PETSc and MPI, if this is the last handle, and ends the process without the handlers that libraries have set up for its
+    /// exit. Collective.
+    pub fn leave(self, status: i32) -> ! {
+        drop(self);
+        // SAFETY: the process ends here; no handler and no destructor runs that could use what is in an unknown state.
+        unsafe { libc::_exit(status) }
+    }
+
     /// Finalises PETSc (collective) and tells what it says; otherwise done when the last handle is dropped.
     ///
     /// # Errors

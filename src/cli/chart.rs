@@ -64,7 +64,7 @@ pub fn chart(comm: &Comm, arguments: &Chart) -> Result<i32> {
     let Some(reference) = reference else {
         if comm.is_root() {
             let kept = runs.done.len();
-            tell(format_args!("interrupted: {kept} runs are kept; the same command goes on from there"));
+            tell(format_args!("interrupted: {kept} runs are kept; the same command continues"));
         }
         return Ok(INTERRUPTED);
     };

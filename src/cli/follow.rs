@@ -61,7 +61,7 @@ impl Watch for Follower {
         }
         self.last.set(Some(stage).filter(|stage| matches!(stage, Stage::Basis { .. })).or(self.last.get()));
         let is_late = self.comm.is_root() && self.deadline.is_some_and(|deadline| Instant::now() > deadline);
-        let (signalled, late) = self.interrupt.poll(&self.comm, is_late);
+        let (signalled, [late]) = self.interrupt.poll(&self.comm, [is_late]);
         if signalled || late { Err(Error::Interrupted) } else { Ok(()) }
     }
 }

@@ -26,14 +26,15 @@ impl Interrupt {
 
     /// Whether any rank has got a signal. Collective.
     pub fn is_raised(&self, comm: &Comm) -> bool {
-        self.poll(comm, false).0
+        self.poll(comm, []).0
     }
 
-    /// Whether any rank has got a signal, and whether `asked` is true on any. Collective.
-    pub fn poll(&self, comm: &Comm, asked: bool) -> (bool, bool) {
-        let (mine, mut all) = ([self.is_raised_here(), asked].map(i32::from), [0; 2]);
+    /// Whether any rank has got a signal, and which of the questions are true on any. Collective.
+    pub fn poll<const N: usize>(&self, comm: &Comm, asked: [bool; N]) -> (bool, [bool; N]) {
+        let mine: Vec<i32> = asked.into_iter().chain([self.is_raised_here()]).map(i32::from).collect();
+        let mut all = vec![0; N + 1];
         comm.mpi().all_reduce_into(&mine[..], &mut all[..], SystemOperation::max());
-        (all[0] > 0, all[1] > 0)
+        (all[N] > 0, std::array::from_fn(|n| all[n] > 0))
     }
 
     /// Whether this rank has got a signal.

@@ -105,7 +105,7 @@ fn check_complete(
     check_mesh(origin, result, scene)?;
     if !is_same(result, output) {
         return Err(format!(
-            "{shown} is complete: there is nothing to go on with, and {} would be a copy of it",
+            "{shown} is complete: there is nothing to continue, and {} would be a copy of it",
             output.display()
         ));
     }

@@ -81,7 +81,7 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
     if let (true, Some(past)) = (comm.is_root(), &past) {
         match past {
             Past::Complete => {
-                tell(format_args!("{} is complete: there is nothing to go on with", from.display()));
+                tell(format_args!("{} is complete: there is nothing to continue", from.display()));
                 // Of a run that was killed between its last row and this.
                 checkpoint::remove(from)?;
             }
@@ -191,7 +191,7 @@ fn solve(
         (false, _) => None,
         (true, None) => Some((SeriesWriter::with_probes(output, &provenance, &names)?, recording, Summary::default())),
         (true, Some((earlier, summary))) => {
-            note(format_args!("on from t = {:.6e} s", summary.end()));
+            note(format_args!("continuing from t = {:.6e} s", summary.end()));
             let writer = SeriesWriter::continued(output, &provenance, &names, earlier)?;
             let recording = recording.map(|recording| recording.behind(from, summary.end(), &writer)).transpose()?;
             Some((writer, recording, summary))
@@ -222,6 +222,7 @@ fn solve(
     };
     let flow = stepped.as_ref().ok().copied();
     let complete = flow == Some(ControlFlow::Continue(()));
+    let mut ended = Ok(());
     if let Some(Desk { writer, mut recording, progress, summary }) = watch.desk {
         progress.finish();
         let episodes = writer.episodes().clone();
@@ -230,8 +231,8 @@ fn solve(
         let recorded = fields.map_or(Ok(()), Recording::flush);
         let finished = writer.finish(&cost, complete).and(recorded);
         // Where the run has failed already, that is what is told: a full disk fails the steps first and then the end.
-        if let Some(flow) = flow {
-            finished?;
+        ended = finished;
+        if let (Some(flow), Ok(())) = (flow, &ended) {
             // Of a file system that cannot be read at once, the run is as good.
             let extremes = extremes(output).ok().flatten();
             summary.print(&episodes, extremes.as_ref(), &cost, &judged, output);
@@ -248,7 +249,7 @@ fn solve(
             if flow.is_break() {
                 tell(format_args!("interrupted: {} holds the run up to t = {:.6e} s", output.display(), summary.end()));
                 if checkpoint::beside(output).exists() {
-                    note(format_args!("note: --restart {} goes on with it", output.display()));
+                    note(format_args!("note: --restart {} continues it", output.display()));
                 }
             } else {
                 checkpoint::remove(output)?;
@@ -256,8 +257,9 @@ fn solve(
             warn_of_unused_options(comm)?;
         }
     }
-    // First of all: an error of rank 0 alone must not wait for the others in a collective call.
+    // First of all: an error of one rank alone must not wait for the others in a collective call.
     let flow = stepped?;
+    agree(comm, ended.map_err(|error| error.to_string())).map_err(Error::Output)?;
     drop(impact);
     comm.collect_garbage()?;
     Ok(match flow {
@@ -297,11 +299,13 @@ struct Watch {
 
 impl Observer for Watch {
     fn step(&mut self, step: &Step) -> Result<ControlFlow<()>> {
-        if let Some(desk) = &mut self.desk {
-            desk.step(step)?;
-        }
+        let written = self.desk.as_mut().map_or(Ok(()), |desk| desk.step(step));
         let is_late = self.desk.is_some() && self.keeping.is_due_by_time();
-        let (interrupted, late) = self.interrupt.poll(&self.comm, is_late);
+        let (interrupted, [late, failed]) = self.interrupt.poll(&self.comm, [is_late, written.is_err()]);
+        if failed {
+            // Rank 0 tells it, and all end in order.
+            return Err(Error::Output(written.err().map_or(String::new(), |error| error.to_string())));
+        }
         self.keeping.step(step, late);
         Ok(if interrupted { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     }

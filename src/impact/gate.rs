@@ -48,7 +48,7 @@ impl Gate {
         let (energy, advice) = (&step.energy, &self.advice);
         if !(energy.total.is_finite() && step.contact.force.is_finite() && step.impactor.position.is_finite()) {
             return Err(Error::Unstable(format!(
-                "the solution is no number any more; the steps before it are kept. {advice}"
+                "the solution became NaN or infinite; the steps before it are kept. {advice}"
             )));
         }
         let balance = energy.total + energy.dissipated - energy.external - self.initial;
@@ -63,7 +63,7 @@ impl Gate {
         }
         if self.part.is_none() && balance.abs() > BLOW_UP * (self.initial.abs() + energy.external.abs()) {
             return Err(Error::Unstable(format!(
-                "the time integration has made {balance:.3e} J from nothing, more than the {:.3e} J there are: it is unstable. {advice}",
+                "spurious energy gain of {balance:.3e} J, more than the {:.3e} J there are: the time integration is unstable. {advice}",
                 self.initial.abs() + energy.external.abs()
             )));
         }

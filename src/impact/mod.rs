@@ -215,7 +215,7 @@ impl Impact {
         };
         // The last vectors of a basis are made of rounding in part, which is another one on other ranks.
         if self.body.nodes.is_none() && moment.misfit(&self.body)? > SAME_BASIS {
-            let message = "the basis has come out with other rounding, as on another number of ranks: without --restart the run begins anew";
+            let message = "the recomputed basis differs from the checkpoint's (was it written on another number of ranks?): run without --restart to begin anew";
             return Err(Error::Output(message.to_owned()));
         }
         Ok(())

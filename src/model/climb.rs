@@ -162,7 +162,7 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
             "kirchhoff and mindlin differ by {first:.1e} in the first contact; estimated error of mindlin relative to solid: {error:.1e}"
         );
         if error > OF_THEORY * tolerance {
-            passed.push(format!("{judged}, too much for {tolerance:.0e}: hence solid"));
+            passed.push(format!("{judged}, above the tolerance of {tolerance:.0e}, so the solid is taken"));
             return Ok(None);
         }
         passed.push(judged);

@@ -56,7 +56,7 @@ pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
         return Err("a force at a point is for kirchhoff and solid: the others have the contact's own field".into());
     }
     if scene.output.is_read() && matches!(theory, Model::HalfSpace | Model::InfinitePlate) {
-        return Err("output.probes and output.fields want points of the body, and a formula has none".into());
+        return Err("probes and fields are not available for closed-form models".into());
     }
     match theory {
         Model::HalfSpace => Ok(()),
@@ -76,7 +76,7 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
     admits(scene, theory).map_err(|reason| {
         Fault::new(
             "body.model",
-            format!("\"{}\" does not stand for this scene: {reason}", name(theory)),
+            format!("\"{}\" cannot model this scene: {reason}", name(theory)),
             "\"solid\", or \"auto\"",
         )
     })?;

@@ -191,6 +191,7 @@ pub fn table() -> Vec<BadScene> {
     all.extend(supports());
     all.extend(symmetry());
     all.extend(impactor());
+    all.extend(implausible());
     all.extend(rest());
     all.extend(theories());
     all.extend(output());
@@ -376,6 +377,19 @@ fn rest() -> Vec<BadScene> {
         edit("tolerance of none", GOOD, ("[solver]", "[accuracy]\ntolerance = 0\n\n[solver]"), &["0 is out of range"], ("accuracy.tolerance", "tolerance")),
         edit("gate closed", GOOD, ("newton = \"full\"", "energy_gate = 0"), &["must be positive, but is 0"], ("solver.energy_gate", "energy_gate")),
         edit("newton misspelled", GOOD, ("\"full\"", "\"ful\""), &["did you mean \"full\"?"], ("solver.newton", "newton")),
+    ]
+}
+
+/// Numbers that are no impact.
+#[rustfmt::skip]
+fn implausible() -> Vec<BadScene> {
+    vec![
+        varied("faster than waves", SMALL, &["impactor.speed=1e30"], &["faster than waves in the body, 5.292e3 m/s"], ("impactor.speed", 12)),
+        varied("softer than anything", SMALL, &["body.young=1e-30"], &["faster than waves in the body", "Young's modulus in Pa"], ("body.young", 2)),
+        varied("heavier than anything", SMALL, &["impactor.mass=1e30"], &["on a half-space the contact would have a radius of"], ("impactor.mass", 8)),
+        varied("a flat impactor", SMALL, &["impactor.radius=1e20"], &["on a half-space the contact would have a radius of"], ("impactor.radius", 9)),
+        varied("a speck", SMALL, &["body.size=[1e-7, 1e-7, 1e-7]"], &["the longest edge of the body is 1e-7 m"], ("body.size", 5)),
+        varied("a run without an end", SMALL, &["time.end=1e9"], &["times as long as a contact on a half-space"], ("time.end", 15)),
     ]
 }
 

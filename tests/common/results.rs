@@ -16,6 +16,16 @@ pub fn long() -> String {
     BOX.replace("end = 1e-3", "end = 10").replace("[4, 4, 1]", "[8, 8, 1]")
 }
 
+/// A thin pane, whose model takes many seconds.
+pub fn pane() -> String {
+    BOX.replace("model = \"solid\"\nreduction = \"none\"\n", "")
+        .replace("[0.5, 0.5, 0.02]", "[1.5, 1.5, 0.004]")
+        .replace("cells = [4, 4, 1]\norder = 1\nsymmetry = \"none\"\n", "")
+        .replace("mass = 52", "mass = 0.5")
+        .replace("step = 2e-5\n[contact]\nlocalization = \"point\"\n[solver]\nnewton = \"full\"\n", "")
+        + "[accuracy]\ntolerance = 1e-3\n"
+}
+
 /// A folder with a scene in it.
 pub fn folder(scene: &str) -> TempDir {
     let folder = tempfile::tempdir().unwrap();

@@ -238,7 +238,7 @@ fn theories() {
         status: 2,
         fragments: vec![
             ": body.model: ".to_owned(),
-            format!("\"{model}\" does not stand for this scene: "),
+            format!("\"{model}\" cannot model this scene: "),
             fragment.to_owned(),
         ],
         before: Before::Result,
@@ -349,7 +349,7 @@ fn files_and_command_lines() {
         good("no subcommand's argument", "check", 2, &["<SCENE>"], Nothing, ALONE),
         good("an override without a value", "run box.toml --set", 2, &["--set <KEY=VALUE>"], Nothing, ALONE),
         good("a malformed override", "run box.toml --set time.step", 2, &["--set time.step", "no `=`"], Result, BOTH),
-        good("a word for PETSc", "run box.toml -o out.h5 -- ksp_type", 2, &["\"ksp_type\" is no PETSc option"], Result, BOTH),
+        good("a word for PETSc", "run box.toml -o out.h5 -- ksp_type", 2, &["expected a PETSc option such as -snes_monitor after `--`, got \"ksp_type\""], Result, BOTH),
         good("unknown type", "run box.toml -o out.h5 -- -ksp_type nonsense", 2, &["a PETSc option is wrong", "KSP type nonsense"], Result, BOTH),
         good("unknown preconditioner", "run box.toml -o out.h5 -- -pc_type nonsense", 2, &["a PETSc option is wrong", "nonsense"], Result, ALONE),
         good("value of another type", "run box.toml -o out.h5 -- -snes_max_it few", 2, &["a PETSc option is wrong", "few"], Result, BOTH),

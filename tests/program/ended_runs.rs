@@ -17,6 +17,7 @@ pub const TESTS: &[PlainTest] = tests![
     sigterm_ends_a_run_in_order,
     sigint_ends_a_run_in_order_and_progress_is_sparse,
     sigterm_ends_a_run_in_modal_coordinates,
+    a_signal_ends_the_making_of_a_model,
     a_signal_to_one_rank_interrupts_all,
     a_killed_rank_ends_all,
     a_solver_that_fails_says_where_and_the_rows_so_far_are_kept,
@@ -116,7 +117,11 @@ fn sigterm_ends_a_run_in_modal_coordinates() {
     let scene = results::folder(&BOX.replace("reduction = \"none\"\n", "").replace("newton = \"full\"", ""));
     let line = "run scene.toml -o out.h5 --set time.end=90 --set time.step=1e-5";
     let started = start(ricochet(scene.path(), 0).args(words(line)));
-    wait_for_handlers(started.child.id());
+    let begin = Instant::now();
+    while !started.said().contains("reduced to") {
+        assert!(begin.elapsed() < LIMIT, "no model: {}", started.said());
+        std::thread::sleep(Duration::from_millis(5));
+    }
     std::thread::sleep(Duration::from_millis(300));
     send("TERM", &started.child.id().to_string());
     let outcome = started.wait(LIMIT);
@@ -128,6 +133,27 @@ fn sigterm_ends_a_run_in_modal_coordinates() {
     let told = format!("interrupted: out.h5 holds the run up to t = {last:.6e} s");
     assert!(outcome.stderr.lines().any(|line| line == told), "{outcome:#?}");
     assert!(force.iter().any(|force| *force > 0.0) && time.windows(2).all(|pair| pair[1] > pair[0]));
+}
+
+/// Progress from the first second, and an end in order, while the model of a thin pane is made.
+fn a_signal_ends_the_making_of_a_model() {
+    let pane = results::pane();
+    for (command, signal) in [("run", "TERM"), ("run", "INT"), ("run", "USR1"), ("check --full", "TERM")] {
+        let folder = folder(&pane);
+        let output = if command == "run" { "-o out.h5" } else { "" };
+        let started = start(ricochet(folder.path(), 0).args(words(&format!("{command} scene.toml {output}"))));
+        let begin = Instant::now();
+        while !started.said().contains("growing a basis: ") {
+            assert!(begin.elapsed() < LIMIT, "nothing is said: {}", started.said());
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        send(signal, &started.child.id().to_string());
+        let outcome = started.wait(LIMIT);
+        assert_eq!(outcome.status, Some(130), "{command} {signal}: {outcome:#?}");
+        assert!(outcome.stderr.contains("interrupted before the first step: nothing was written"), "{outcome:#?}");
+        let left: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        assert_eq!(left, ["scene.toml"], "{command} {signal}");
+    }
 }
 
 fn a_signal_to_one_rank_interrupts_all() {
@@ -216,12 +242,15 @@ fn a_checkpoint_without_room_costs_nothing() {
 /// A limit on the size of files stands for a full disk: 32 MiB, where the planned rows need more.
 fn a_full_disk_is_told_in_one_line() {
     let folder = folder(&BOX.replace("end = 1e-3", "end = 20"));
-    let mut command = Command::new("bash");
-    let limited =
-        format!("trap '' XFSZ; ulimit -f 32768; exec '{}' run scene.toml -o out.h5", env!("CARGO_BIN_EXE_ricochet"));
-    let outcome = run(command.args(["-c", &limited]).current_dir(folder.path()).env("OMP_NUM_THREADS", "1"));
-    assert_eq!(outcome.status, Some(4), "{outcome:#?}");
-    let first = outcome.stderr.lines().nth(1);
-    assert_eq!(first, Some("error: out.h5: cannot be written: File too large"), "{outcome:#?}");
-    assert_eq!(outcome.stderr.matches("error: ").count(), 1);
+    let program = env!("CARGO_BIN_EXE_ricochet");
+    let limited = format!("trap '' XFSZ; ulimit -f 32768; exec '{program}' run scene.toml -o out.h5");
+    let alone = run(Command::new("bash").args(["-c", &limited]).current_dir(folder.path()).env("OMP_NUM_THREADS", "1"));
+    // mpirun's own files are not limited.
+    let two = run(mpi_test::mpirun(2).args(["bash", "-c", &limited]).current_dir(folder.path()));
+    for outcome in [alone, two] {
+        assert_eq!(outcome.status, Some(4), "{outcome:#?}");
+        let told = outcome.stderr.lines().filter(|line| line.starts_with("error: ")).collect::<Vec<_>>();
+        assert_eq!(told, ["error: out.h5: cannot be written: File too large"], "{outcome:#?}");
+        assert!(!outcome.stderr.contains("MPI_ABORT"), "{outcome:#?}");
+    }
 }

@@ -134,7 +134,7 @@ fn kill(plan: &Plan) {
             let outcome = started.wait(LIMIT);
             if outcome.status == Some(0) {
                 // A checkpoint is never lost: the run that comes to its end has gone on from it.
-                assert_eq!(outcome.stderr.contains("on from t = "), had_checkpoint, "{outcome:#?}");
+                assert_eq!(outcome.stderr.contains("continuing from t = "), had_checkpoint, "{outcome:#?}");
                 gone_on += usize::from(had_checkpoint);
                 break;
             }

@@ -22,6 +22,8 @@ mod sweeps;
 mod agreement;
 mod bad_input;
 mod chart;
+mod checks;
+mod documents;
 mod ended_runs;
 mod energy_gate;
 mod fields;
@@ -35,6 +37,7 @@ mod restart_files;
 mod runs;
 mod slurm;
 mod stability_study;
+mod summaries;
 mod sweep;
 mod sweep_resume;
 mod tools;
@@ -49,6 +52,8 @@ fn main() -> ExitCode {
         .group("bad_input", bad_input::TESTS)
         .group("chart", chart::TESTS)
         .long_group("chart", chart::LONG)
+        .group("checks", checks::TESTS)
+        .group("documents", documents::TESTS)
         .group("ended_runs", ended_runs::TESTS)
         .group("energy_gate", energy_gate::TESTS)
         .group("fields", fields::TESTS)
@@ -68,6 +73,7 @@ fn main() -> ExitCode {
         .group("slurm", slurm::TESTS)
         .group_unless(tools::command("shellcheck"), "slurm", slurm::SHELLCHECK)
         .group("stability_study", stability_study::TESTS)
+        .group("summaries", summaries::TESTS)
         .group("sweep", sweep::TESTS)
         .group("sweep_resume", sweep_resume::TESTS)
         .run()

@@ -54,7 +54,7 @@ fn restarted_series_are_those_of_one_run() {
         interrupted(&folder, 0, &line, if more.is_empty() { "TERM" } else { "USR1" });
         let rows = column(&folder.path().join("out.h5"), "time").len();
         let outcome = good(&folder, 0, &format!("run scene.toml --restart out.h5 {settings}"));
-        assert!(outcome.stderr.contains("on from t = "), "{name}: {outcome:#?}");
+        assert!(outcome.stderr.contains("continuing from t = "), "{name}: {outcome:#?}");
         let apart = check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), tolerance);
         println!("{name}: ended after {rows} rows, {apart:e} apart");
         assert!(!folder.path().join("out.checkpoint.h5").exists(), "{name}: a checkpoint of a complete run");
@@ -141,7 +141,7 @@ fn a_basis_goes_on_where_it_is_the_same() {
             let outcome = run(ricochet(folder.path(), 2).args(words(&restart)));
             assert_eq!(outcome.status, Some(4), "{outcome:#?}");
             assert!(
-                outcome.stderr.contains("out.checkpoint.h5: the basis has come out with other rounding"),
+                outcome.stderr.contains("out.checkpoint.h5: the recomputed basis differs from the checkpoint's"),
                 "{outcome:#?}"
             );
             assert!(before == fs::read(folder.path().join("out.h5")).unwrap());
@@ -190,7 +190,7 @@ fn what_cannot_go_on_says_why() {
     fs::write(path("out.h5"), &whole[0]).unwrap();
     good(&folder, 0, "run scene.toml --restart out.h5");
     let outcome = good(&folder, 0, "run scene.toml --restart out.h5");
-    assert!(outcome.stderr.contains("is complete: there is nothing to go on with"), "{outcome:#?}");
+    assert!(outcome.stderr.contains("is complete: there is nothing to continue"), "{outcome:#?}");
 }
 
 /// A run that was ended before any checkpoint begins anew, and one in modal coordinates has none.

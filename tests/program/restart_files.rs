@@ -147,7 +147,7 @@ fn a_complete_run_is_done_only_where_nothing_else_is_wanted() {
     }
     for more in ["", "-o out.h5", "-o ./out.h5", "--set title=x", "--set output.checkpoint_steps=7"] {
         let outcome = good(&folder, 0, &format!("run scene.toml --restart out.h5 {more}"));
-        assert!(outcome.stderr.contains("out.h5 is complete: there is nothing to go on with"), "{outcome:#?}");
+        assert!(outcome.stderr.contains("out.h5 is complete: there is nothing to continue"), "{outcome:#?}");
     }
     assert!(files(&folder) == before);
 }
@@ -217,7 +217,7 @@ fn results_share_nothing_but_links() {
     fs::create_dir(path("links")).unwrap();
     std::os::unix::fs::symlink("../k.h5", path("links/link.h5")).unwrap();
     let outcome = good(&folder, 0, "run scene.toml --restart links/link.h5 --set time.end=0.5");
-    assert!(outcome.stderr.contains("on from t = "), "{outcome:#?}");
+    assert!(outcome.stderr.contains("continuing from t = "), "{outcome:#?}");
     assert!(is_complete(&path("k.h5")) && fs::read_dir(path("links")).unwrap().count() == 1);
     let file = hdf5::File::open(path("links/link.h5")).unwrap();
     assert!(file.group("fields/Steps").is_ok());

@@ -10,6 +10,7 @@ use crate::sweeps::{content, members, messages, numbers, supported};
 
 pub const TESTS: &[PlainTest] = tests![
     members_are_the_runs_of_their_scenes,
+    probes_are_kept_with_series,
     any_number_of_ranks_writes_the_same,
     a_family_answers_as_its_members,
     families_are_of_one_property,
@@ -23,6 +24,34 @@ pub const TESTS: &[PlainTest] = tests![
 
 /// Six members.
 const GRID: &str = "--vary support.0.stiffness=1e7..1e11:3 --vary time.scheme=newmark,energy --log";
+
+/// In modal coordinates and in steps, whole, on two ranks, and put together of parts.
+fn probes_are_kept_with_series() {
+    let probes = "[output]\nprobes = [{ name = \"below\", point = [0.1, 0, -0.01] }, { name = \"above\", point = [0.1, 0, 0.01] }]\n";
+    let folder = folder(&(supported() + probes));
+    let line = "sweep scene.toml --vary time.scheme=modal,newmark --series";
+    good(&folder, 0, &format!("{line} -o alone.h5"));
+    good(&folder, 2, &format!("{line} -o two.h5"));
+    for part in ["1/2", "2/2"] {
+        good(&folder, 0, &format!("{line} --shard {part} -o parts.h5"));
+    }
+    good(&folder, 0, &format!("{line} -o parts.h5"));
+    for (n, scheme) in ["modal", "newmark"].into_iter().enumerate() {
+        good(&folder, 0, &format!("run scene.toml --set time.scheme={scheme} -o run.h5"));
+        for name in ["time", "probe/below/displacement", "probe/above/velocity", "probe/above/principal_stress"] {
+            let single = column(&file(&folder, "run.h5"), name);
+            assert!(single.iter().any(|value| *value != 0.0), "{name}");
+            for sweep in ["alone.h5", "two.h5", "parts.h5"] {
+                // The same program on one rank: the same numbers.
+                assert_eq!(
+                    numbers(&file(&folder, sweep), &format!("series/{n}/{name}")),
+                    single,
+                    "{sweep}: {n} {name}"
+                );
+            }
+        }
+    }
+}
 
 fn file(folder: &tempfile::TempDir, name: &str) -> std::path::PathBuf {
     folder.path().join(name)

@@ -13,6 +13,7 @@ mod scene {
     mod boxes;
     mod errors;
     mod random;
+    mod schema;
     mod values;
 }
 mod series;

@@ -121,7 +121,7 @@ impl Plate {
     /// A fault of `body.model` where the theory does not stand for the scene, or where the plate would take very many cells.
     pub fn new(scene: &Scene, theory: Theory, settings: &Settings) -> Result<Self> {
         let fault = |reason: String| {
-            let message = format!("{}'s plate does not stand for this scene: {reason}", theory.name());
+            let message = format!("{}'s plate cannot model this scene: {reason}", theory.name());
             Fault::new("body.model", message, "model = \"solid\"")
         };
         let (frame, boundary) = parts(scene, theory).map_err(fault)?;

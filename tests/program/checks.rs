@@ -1,0 +1,128 @@
+//! `check`: what a mesh measures, what looks wrong with it, facts for programs, and an answer within seconds.
+
+use std::fs;
+
+use mpi_test::{PlainTest, tests};
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::bad_meshes::{TWO, sample};
+use crate::program::{BOX, Outcome, ricochet, run};
+use crate::results::{self, folder, good, words};
+
+pub const TESTS: &[PlainTest] = tests![
+    a_mesh_is_measured,
+    what_looks_wrong_with_a_mesh_is_warned_of,
+    two_physical_volumes_are_refused,
+    facts_for_programs,
+    a_slow_scene_is_answered_soon,
+];
+
+/// Of a body from a mesh, with supports on a surface.
+fn scene(surface: &str, point: &str) -> String {
+    format!(
+        "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500\nmesh = \"body.msh\"\norder = 1\n\
+         [[support]]\nsurface = {surface:?}\nkind = \"elastic\"\nstiffness = 1e9\n\
+         [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e10\nspeed = 1.0\npoint = {point}\n\
+         [time]\nend = 1e-4\n[contact]\nlocalization = \"point\"\n"
+    )
+}
+
+fn with_mesh(surface: &str, point: &str, mesh: &str) -> TempDir {
+    let folder = folder(&scene(surface, point));
+    fs::write(folder.path().join("body.msh"), mesh).unwrap();
+    folder
+}
+
+fn facts(outcome: &Outcome) -> Value {
+    serde_json::from_str(&outcome.stdout).unwrap_or_else(|error| panic!("{error}: {outcome:#?}"))
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// The cube −0.5 ≤ x, y, z ≤ 0.5, on one rank and on two.
+fn a_mesh_is_measured() {
+    let folder = with_mesh("side", "[0, 0, 0.5]", &sample("block-tet41.msh"));
+    for ranks in [0, 2] {
+        let facts = facts(&good(&folder, ranks, "check scene.toml --json"));
+        // Sums of some hundred products of the coordinates.
+        let is = |value: &Value, exact: f64| (number(value) - exact).abs() < 1e-12 * exact.abs();
+        assert!(is(&facts["mass"], 2500.0) && is(&facts["volume"], 1.0), "{facts:#}");
+        assert!((0..3).all(|i| is(&facts["bounds"][0][i], -0.5) && is(&facts["bounds"][1][i], 0.5)), "{facts:#}");
+        let areas: Vec<(&str, bool)> = [("bottom", 1.0), ("side", 4.0), ("top", 1.0)]
+            .into_iter()
+            .zip(facts["surfaces"].as_array().unwrap())
+            .map(|((name, area), found)| (name, found["name"] == name && is(&found["area"], area)))
+            .collect();
+        assert!(areas.iter().all(|(_, is_right)| *is_right), "{areas:?} {facts:#}");
+        assert_eq!(facts["warnings"], Value::Array(Vec::new()));
+    }
+    let said = good(&folder, 0, "check scene.toml").stdout;
+    assert!(said.contains("surface    \"side\": 4.0000 m²") && said.contains("whole boundary: 6.0000 m²"), "{said}");
+}
+
+fn what_looks_wrong_with_a_mesh_is_warned_of() {
+    // The upper of the two hexahedra with nodes of its own.
+    let apart = TWO
+        .replace("12\n1 0 0 0", "16\n1 0 0 0")
+        .replace("12 0 1 2\n", "12 0 1 2\n13 0 0 1.5\n14 1 0 1.5\n15 1 1 1.5\n16 0 1 1.5\n")
+        .replace("3 5 2 3 1 5 6 7 8 9", "3 5 2 3 1 13 14 15 16 9");
+    // All six of its faces.
+    let whole = "1 3 2 1 1 9 10 11 12\n4 3 2 1 1 1 2 3 4\n5 3 2 1 1 1 2 6 5\n6 3 2 1 1 5 6 10 9\n7 3 2 1 1 2 3 7 6\n8 3 2 1 1 6 7 11 10\n\
+                 9 3 2 1 1 3 4 8 7\n10 3 2 1 1 7 8 12 11\n11 3 2 1 1 4 1 5 8\n12 3 2 1 1 8 5 9 12";
+    let covered = TWO.replace("$Elements\n3", "$Elements\n12").replace("1 3 2 1 1 9 10 11 12", whole);
+    let large = sample("block-tet41.msh").replace("0.5", "500");
+    for (mesh, point, warning) in [
+        (apart, "[0.5, 0.5, 2]", "the mesh has 2 parts that share no node"),
+        (covered, "[0.5, 0.5, 2]", "support.0 holds the whole boundary"),
+        (large, "[0, 0, 500]", "these look like millimetres"),
+    ] {
+        let surface = if point.contains("500") { "side" } else { "top" };
+        let folder = with_mesh(surface, point, &mesh);
+        let said = good(&folder, 0, "check scene.toml").stdout;
+        assert!(said.lines().any(|line| line.starts_with("warning") && line.contains(warning)), "{warning}: {said}");
+        let outcome = run(ricochet(folder.path(), 2).args(words("run scene.toml --force")));
+        let told = outcome.stderr.lines().filter(|line| line.contains(warning)).count();
+        assert_eq!((outcome.status, told), (Some(0), 1), "{warning}: {outcome:#?}");
+    }
+}
+
+fn two_physical_volumes_are_refused() {
+    // In version 2.2 by the elements' first tags, in 4.1 by the groups of the volume.
+    let by_elements = TWO.replace("3 5 2 3 1 5", "3 5 2 4 1 5");
+    let modern = sample("block-tet41.msh");
+    let volume = modern.lines().find(|line| line.contains(" 1 4 6 ")).unwrap();
+    let by_groups = modern.replacen(volume, &volume.replacen(" 1 4 6 ", " 2 4 7 6 ", 1), 1);
+    for (mesh, surface, point) in [(by_elements, "top", "[0.5, 0.5, 2]"), (by_groups, "side", "[0, 0, 0.5]")] {
+        let folder = with_mesh(surface, point, &mesh);
+        for line in ["check scene.toml", "run scene.toml"] {
+            for ranks in [0, 2] {
+                let outcome = run(ricochet(folder.path(), ranks).args(words(line)));
+                let told =
+                    "scene.toml:5: body.mesh: body.msh: it has 2 physical volumes, and the scene has one material";
+                assert_eq!((outcome.status, outcome.stderr.matches(told).count()), (Some(2), 1), "{outcome:#?}");
+            }
+        }
+    }
+}
+
+fn facts_for_programs() {
+    let folder = folder(&BOX.replace("[time]", "point = [0.0, 0.0, 0.01]\n[time]"));
+    let facts = facts(&good(&folder, 0, "check scene.toml --json"));
+    assert_eq!(facts["title"], "Small plate");
+    assert_eq!((&facts["model"]["theory"], &facts["model"]["unknowns"]), (&"solid".into(), &150.into()));
+    assert!((number(&facts["mass"]) - 12.5).abs() < 1e-12);
+    // Of an impact of 52 kg on a half-space, k0 by (15): docs/scene.md.
+    assert!((number(&facts["contact"]["stiffness"]) / 1.669e10 - 1.0).abs() < 1e-3, "{facts:#}");
+}
+
+/// A pane whose model takes much longer than the patience of `check`.
+fn a_slow_scene_is_answered_soon() {
+    let pane = results::pane();
+    let folder = folder(&pane);
+    let outcome = good(&folder, 2, "check scene.toml");
+    assert!(outcome.stdout.contains("take more than a few seconds: --full makes them"), "{outcome:#?}");
+    assert!(outcome.stdout.contains("contact    on a half-space it would last"), "{outcome:#?}");
+}

@@ -1,0 +1,115 @@
+//! What `run` and `info` say of a result, and how much.
+
+use std::fs;
+
+use mpi_test::{PlainTest, tests};
+use serde_json::Value;
+
+use crate::program::{BOX, ricochet, run};
+use crate::restarts::refused;
+use crate::results::{column, folder, good, open, words};
+
+pub const TESTS: &[PlainTest] = tests![
+    the_largest_values_are_those_of_the_series,
+    large_deflections_are_warned_of,
+    quiet_runs_say_nothing_but_warnings,
+    a_run_by_default_keeps_off_the_result_of_another_scene,
+    completions_schema_and_manual,
+];
+
+fn the_largest_values_are_those_of_the_series() {
+    let probes = "[output]\nprobes = [{ name = \"below\", point = [0.1, 0, -0.01] }]\n";
+    let folder = folder(&(BOX.to_owned() + probes));
+    let said = good(&folder, 2, "run scene.toml -o out.h5").stdout;
+    let facts: Value = serde_json::from_str(&good(&folder, 0, "info --json out.h5").stdout).unwrap();
+    let path = folder.path().join("out.h5");
+    let largest = &facts["largest"];
+    let time = column(&path, "time");
+    let check = |found: &Value, values: &[f64]| {
+        let row = time.iter().position(|time| found["time"] == *time).expect("a time of the series");
+        assert_eq!(found["value"], values[row]);
+        assert!(values.iter().all(|value| value.abs() <= values[row].abs()), "{found}");
+    };
+    check(&largest["acceleration"], &column(&path, "impactor/acceleration"));
+    check(&largest["force"], &column(&path, "contact/force"));
+    check(&largest["deflection"], &column(&path, "contact/surface_displacement"));
+    let probe = &largest["probes"][0];
+    assert_eq!(probe["name"], "below");
+    let rows = |name: &str| {
+        let file = open(&path);
+        let rows = file.dataset(&format!("series/probe/below/{name}")).unwrap().read_raw::<f64>().unwrap();
+        rows.chunks_exact(3).map(<[f64]>::to_vec).collect::<Vec<_>>()
+    };
+    let length = |row: &Vec<f64>| row.iter().map(|x| x * x).sum::<f64>().sqrt();
+    check(&probe["displacement"], &rows("displacement").iter().map(length).collect::<Vec<_>>());
+    let tension = rows("principal_stress").iter().map(|row| row[0]).fold(f64::NEG_INFINITY, f64::max);
+    assert_eq!(probe["tension"]["value"], tension);
+    let text = good(&folder, 0, "info out.h5").stdout;
+    for line in said.lines().filter(|line| line.starts_with("peak force") || line.starts_with("probe")) {
+        assert!(text.contains(line), "{line} is not in {text}");
+    }
+    assert!(said.contains("peak force ") && said.contains("probe \"below\": displacement "), "{said}");
+}
+
+/// A thin plate on its edges that deflects by more than its thickness; the same one thick; and a free box that flies away as a whole.
+fn large_deflections_are_warned_of() {
+    let supported = BOX.to_owned() + "[[support]]\nsurface = \"side\"\nkind = \"clamped\"\ncomponents = [\"z\"]\n";
+    let slow = ["--set", "time.end=0.02", "--set", "time.step=1e-4"];
+    for (scene, size, is_large) in
+        [(&supported, 0.004, true), (&supported, 0.05, false), (&BOX.to_owned(), 0.05, false)]
+    {
+        let scene = scene.replace("0.5, 0.02]", &format!("0.5, {size}]")).replace("symmetry = \"none\"", "");
+        let folder = folder(&scene);
+        let outcome = run(ricochet(folder.path(), 0).args(words("run scene.toml -o out.h5")).args(slow));
+        assert_eq!(outcome.status, Some(0), "{outcome:#?}");
+        let largest =
+            column(&folder.path().join("out.h5"), "contact/surface_displacement").into_iter().fold(0.0, f64::max);
+        // The free box moves by more than its thickness too, but is not bent.
+        assert!(is_large == (largest > size) || scene == BOX, "{largest} m");
+        let is_warned = outcome.stderr.contains("the model is geometrically linear: it neglects membrane forces");
+        assert_eq!(is_warned, is_large, "{largest} m: {outcome:#?}");
+    }
+}
+
+fn quiet_runs_say_nothing_but_warnings() {
+    let folder = folder(BOX);
+    let usual = good(&folder, 0, "run scene.toml -o out.h5");
+    let quiet = good(&folder, 0, "run --quiet scene.toml -o out.h5");
+    assert!(!usual.stderr.is_empty() && quiet.stderr.is_empty(), "{quiet:#?}");
+    assert_eq!(quiet.stdout.lines().count(), usual.stdout.lines().count());
+    let verbose = good(&folder, 0, "-v run scene.toml -o out.h5");
+    assert!(verbose.stderr.lines().count() > usual.stderr.lines().count(), "{verbose:#?}");
+    refused(&folder, "run -q -v scene.toml", 2, &["--quiet", "--verbose"]);
+}
+
+fn a_run_by_default_keeps_off_the_result_of_another_scene() {
+    let folder = folder("");
+    for name in ["a", "b"] {
+        fs::create_dir(folder.path().join(name)).unwrap();
+        fs::write(folder.path().join(name).join("plate.toml"), BOX).unwrap();
+    }
+    good(&folder, 0, "run a/plate.toml");
+    let before = fs::read(folder.path().join("plate.h5")).unwrap();
+    refused(
+        &folder,
+        "run b/plate.toml",
+        4,
+        &["plate.h5: holds the result of another scene", "-o names this one's result"],
+    );
+    assert!(fs::read(folder.path().join("plate.h5")).unwrap() == before);
+    // The same scene by another way, and by name.
+    good(&folder, 0, "run ./b/../a/plate.toml");
+    good(&folder, 0, "run b/plate.toml -o plate.h5");
+}
+
+fn completions_schema_and_manual() {
+    let folder = folder(BOX);
+    for shell in ["bash", "zsh", "fish"] {
+        assert!(good(&folder, 0, &format!("completions {shell}")).stdout.contains("stability"), "{shell}");
+    }
+    let schema: Value = serde_json::from_str(&good(&folder, 0, "schema").stdout).unwrap();
+    assert_eq!(schema["required"], serde_json::json!(["body", "impactor", "time"]));
+    good(&folder, 0, "man -o pages");
+    let page = fs::read_to_string(folder.path().join("pages/ricochet-run.1")).unwrap();
+    assert!(page.contains(".TH ricochet-run 1") && page.contains("restart"), "{page}");
+}
