@@ -6,9 +6,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use crate::program::{
-    BOX, LIMIT, Outcome, Started, children, ricochet, run, send, start, wait_for_handlers, wait_for_writes,
-};
+use crate::program::{BOX, LIMIT, Outcome, Started, children, ricochet, run, send, start, wait_for_writes};
 use crate::results::{column, folder, good, is_complete, long, words};
 use tempfile::TempDir;
 

@@ -31,6 +31,7 @@ mod body {
     pub mod block;
     pub mod convergence;
     pub mod gauge;
+    pub mod krylov;
     pub mod lumped;
     pub mod spectrum;
 }
@@ -95,6 +96,7 @@ fn main() -> ExitCode {
         body::block,
         body::convergence,
         body::gauge,
+        body::krylov,
         body::lumped,
         body::spectrum,
         impact::conservation,

@@ -1,0 +1,76 @@
+//! Long Krylov bases: orthonormal in the mass, and the operators projected onto them.
+
+use crate::glass;
+use mpi_test::{Test, tests};
+use petsc_wrap::{Session, Vector};
+use ricochet::body::{Body, Krylov};
+use ricochet::mesh::Mesh;
+use ricochet::scene::Scene;
+
+pub const RANKS: &[usize] = &[1, 2, 3];
+pub const TESTS: &[Test<Session>] = tests![long_bases_are_orthonormal, projections_grow_with_their_bases];
+
+/// A box of 855 unknowns on springs, hit off its middle, with dampers of c, N s/m³.
+fn body(session: &Session, damping: f64) -> Body {
+    let text = format!(
+        "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500\nsize = [0.5, 0.4, 0.05]\ncells = [9, 8, 2]\norder = 1\n\
+         [impactor]\nmass = 1\nradius = 0.05\nstiffness = 1e10\nspeed = 1\npoint = [0.05, 0.03, 0.025]\n\
+         [time]\nend = 1e-3\n[contact]\nlocalization = \"point\"\n{}",
+        glass::sides(1e9, damping)
+    );
+    let scene = Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0;
+    Body::solid(&scene, &Mesh::new(&session.world(), &scene.body).unwrap()).unwrap()
+}
+
+fn grown(body: &Body, vectors: usize) -> Krylov {
+    let mut krylov = Krylov::new(body, 3e4).unwrap();
+    krylov.grow(body, vectors).unwrap();
+    krylov
+}
+
+/// Beyond 256 vectors one pass of two takes the last two vectors only.
+fn long_bases_are_orthonormal(session: &Session) {
+    for damping in [0.0, 1e5] {
+        let body = body(session, damping);
+        let krylov = grown(&body, 330);
+        let basis = krylov.basis();
+        assert_eq!(basis.len(), 330);
+        let mut momentum = body.load.duplicate().unwrap();
+        let mut worst = 0.0_f64;
+        for (i, vector) in basis.iter().enumerate() {
+            body.apply_mass(vector, &mut momentum).unwrap();
+            for (j, product) in momentum.dots(basis).unwrap().into_iter().enumerate() {
+                worst = worst.max((product - f64::from(u8::from(i == j))).abs());
+            }
+        }
+        // Rounding of sums of a thousand products, after a second pass.
+        assert!(worst < 1e-12, "damping {damping:e}: {worst:e}");
+    }
+}
+
+/// Block by block as product by product, and in several steps as in one.
+fn projections_grow_with_their_bases(session: &Session) {
+    let body = body(session, 1e5);
+    let mut krylov = grown(&body, 20);
+    let first = krylov.projection(&body).unwrap();
+    krylov.grow(&body, 75).unwrap();
+    let whole = krylov.projection(&body).unwrap();
+    assert_eq!((first.vectors(), whole.vectors()), (20, 75));
+    let mut image = body.load.duplicate().unwrap();
+    for (j, vector) in krylov.basis().iter().enumerate() {
+        let mut check = |found: &nalgebra::DMatrix<f64>, apply: &dyn Fn(&Vector, &mut Vector)| {
+            apply(vector, &mut image);
+            let exact = image.dots(krylov.basis()).unwrap();
+            let most = found.amax();
+            // Sums of a thousand products in another order.
+            assert!(
+                exact.iter().enumerate().all(|(i, exact)| (found[(i, j)] - exact).abs() < 1e-12 * most),
+                "column {j}"
+            );
+        };
+        check(&whole.elastic, &|v, out| body.apply_elastic(v, out).unwrap());
+        check(&whole.support, &|v, out| body.support.as_ref().unwrap().mult(v, out).unwrap());
+        check(whole.damping.as_ref().unwrap(), &|v, out| body.damping.as_ref().unwrap().mult(v, out).unwrap());
+    }
+    assert!(whole.leading(20).elastic == first.elastic);
+}
