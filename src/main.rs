@@ -21,7 +21,9 @@ fn main() {
     match &cli.command {
         // Under mpirun one rank draws.
         Command::Plot(_) if !cli::is_root_by_environment() => exit(0),
-        Command::Plot(plot) => conclude(None, cli::plot::plot(&plot.results, &plot.output).map(|()| 0)),
+        Command::Plot(plot) => {
+            conclude(None, cli::plot::plot(&plot.results, &plot.output, plot.quantity.as_deref()).map(|()| 0))
+        }
         Command::Info(_) if !cli::is_root_by_environment() => exit(0),
         Command::Info(info) => conclude(None, cli::info::info(info).map(|()| 0)),
         Command::Run(run) => under_petsc(&run.petsc, |session| cli::run::run(&session.world(), run)),
