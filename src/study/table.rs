@@ -38,7 +38,7 @@ fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('"', "\"\""))
 }
 
-/// What was run, and for each scheme how far it holds and what theory has to say; no line is wider than [`WIDTH`].
+/// What was run, and for each scheme how far it holds and what theory has to say; no line is wider than 80 characters.
 pub fn gist(study: &Study) -> Vec<String> {
     let mut lines =
         entry("runs", &format!("first contact {:.4} ms, end at {:.4} ms", 1e3 * study.contact, 1e3 * study.end));
