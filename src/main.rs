@@ -31,7 +31,9 @@ fn main() {
         {
             exit(0)
         }
-        Command::Plot(plot) => conclude(None, cli::plot::plot(&plot.results, &plot.output).map(|()| 0)),
+        Command::Plot(plot) => {
+            conclude(None, cli::plot::plot(&plot.results, &plot.output, plot.quantity.as_deref()).map(|()| 0))
+        }
         Command::Info(info) => conclude(None, cli::info::info(info).map(|()| 0)),
         Command::Completions(completions) => conclude(None, Ok(cli::text::completions(completions)).map(|()| 0)),
         Command::Schema => conclude(None, Ok(cli::text::schema()).map(|()| 0)),

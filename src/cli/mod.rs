@@ -65,7 +65,7 @@ pub enum Command {
     Check(Check),
     /// Print what a result holds and where it comes from
     Info(Info),
-    /// Draw the impactor's acceleration against time, one curve a result; or a sweep over its keys
+    /// Draw the impactor's acceleration, or another quantity, against time, one curve a result; or a sweep over its keys
     Plot(Plot),
     /// Show where each time integration scheme holds on a scene and where it fails: schemes × steps
     Stability(Stability),
@@ -160,6 +160,10 @@ pub struct Plot {
     /// Figure; its ending says what it is: .svg or .png
     #[arg(short, long, value_name = "FIG.svg")]
     pub output: PathBuf,
+    /// What to draw of runs: acceleration (default), velocity, position, force, indentation, deflection, energy, or a dataset below /series
+    /// such as energy/total or probe/NAME/displacement
+    #[arg(long, value_name = "NAME")]
+    pub quantity: Option<String>,
 }
 
 /// `ricochet stability`
@@ -170,6 +174,9 @@ pub struct Stability {
     /// Folder for stability.csv, .svg and .png; made where it is missing
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
+    /// About how long the runs may take, after the references that they are measured by, s: the finest steps are left out; by default none
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    pub budget: Option<f64>,
     /// Override a key of the scene by its dotted path
     #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
     pub overrides: Vec<String>,

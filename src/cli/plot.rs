@@ -1,38 +1,60 @@
 //! `ricochet plot`: results to a figure.
 
 use crate::error::{Error, Result};
-use crate::figure::history::{Curve, draw};
+use crate::figure::history::{Curve, History, Run, draw};
 use crate::figure::sweep as figure;
-use crate::record::read::history;
-use crate::record::sweep::{Key, Quantity, Status, Sweep, Values, is_sweep};
+use crate::record::quantity::{Part, Quantity, quantity};
+use crate::record::sweep::{self as record, Key, Status, Sweep, Values, is_sweep};
 use std::path::{Path, PathBuf};
 
-/// Draws the acceleration histories of the results `files` to `out`, one curve a file; or a single sweep.
+/// What is drawn of runs where nothing else is asked for.
+const DEFAULT: &str = "acceleration";
+
+/// Draws a quantity of the results `files` over time to `out`, one curve a file and component; or a single sweep, which has a figure of its
+/// own. `asked` is the name of the quantity, by default the acceleration of the impactor.
 ///
 /// # Errors
-/// As of [`history`] and [`draw`]; [`Error::Usage`] for a sweep among other files, or one that no figure shows.
-pub fn plot(files: &[PathBuf], out: &Path) -> Result<()> {
+/// As of [`quantity`] and [`draw`]; [`Error::Usage`] for a sweep among other files, or one that no figure shows.
+pub fn plot(files: &[PathBuf], out: &Path, asked: Option<&str>) -> Result<()> {
     for file in files {
+        let refuse = |why: &str| Err(Error::Usage(format!("{}: {why}", file.display())));
         match is_sweep(file)? {
-            true if files.len() == 1 => return plot_sweep(file, out),
-            true => return Err(Error::Usage(format!("{}: a sweep has a figure of its own", file.display()))),
+            true if files.len() > 1 => return refuse("a sweep has a figure of its own"),
+            true if asked.is_some() => return refuse("--quantity is for runs; of a sweep the peaks are drawn"),
+            true => return plot_sweep(file, out),
             false => {}
         }
     }
-    let histories = files.iter().map(|file| history(file)).collect::<Result<Vec<_>>>()?;
-    let titles: Vec<&str> = histories.iter().map(|h| h.title.trim()).collect();
+    let name = asked.unwrap_or(DEFAULT);
+    let found = files.iter().map(|file| quantity(file, name)).collect::<Result<Vec<_>>>()?;
+    let titles: Vec<&str> = found.iter().map(|found| found.title.trim()).collect();
     let labels = labels(files, &titles);
-    let curves: Vec<Curve> = histories
-        .into_iter()
-        .zip(labels)
-        .map(|(history, label)| Curve {
-            label,
-            time: history.time,
-            acceleration: history.acceleration,
-            contacts: history.contacts,
-        })
-        .collect();
-    draw(&curves, out)
+    let Some(first) = found.first() else { return Err(Error::Usage("a figure shows a result at least".into())) };
+    // A single run's components need no more than their own names in the legend.
+    let is_alone = found.len() == 1 && first.parts.len() > 1;
+    let mut history = History {
+        title: if is_alone { labels[0].clone() } else { String::new() },
+        quantity: first.label.clone(),
+        unit: with_powers(&first.units),
+        runs: Vec::new(),
+    };
+    for (Quantity { time, parts, contacts, .. }, label) in found.into_iter().zip(labels) {
+        let curve = |Part { name, values }: Part| {
+            let label = match name.as_str() {
+                "" => label.clone(),
+                _ if is_alone => name,
+                _ => format!("{label}: {name}"),
+            };
+            Curve { label, values }
+        };
+        history.runs.push(Run { time, curves: parts.into_iter().map(curve).collect(), contacts });
+    }
+    draw(&history, out)
+}
+
+/// A unit as results have it, with its powers written as such: m/s² for m/s2.
+fn with_powers(units: &str) -> String {
+    units.replace('2', "\u{b2}").replace('3', "\u{b3}").trim_matches('1').to_owned()
 }
 
 fn plot_sweep(file: &Path, out: &Path) -> Result<()> {
@@ -43,12 +65,8 @@ fn plot_sweep(file: &Path, out: &Path) -> Result<()> {
     if !(0..status.len()).any(|member| is_done(&member)) {
         return refuse("no member of the sweep is done".into());
     }
-    let (title, peaks) = (header.title.clone(), sweep.quantity(Quantity::PeakAcceleration));
-    let axis = |key: &Key| figure::Key {
-        label: key.path.clone(),
-        unit: key.units.replace('2', "\u{b2}").replace('3', "\u{b3}").trim_matches('1').to_owned(),
-        is_log: key.is_log,
-    };
+    let (title, peaks) = (header.title.clone(), sweep.quantity(record::Quantity::PeakAcceleration));
+    let axis = |key: &Key| figure::Key { label: key.path.clone(), unit: with_powers(&key.units), is_log: key.is_log };
     let numbers = |key: &Key| match &key.values {
         Values::Numbers(numbers) => Some(numbers.clone()),
         Values::Words(_) => None,

@@ -1,7 +1,5 @@
 //! `ricochet stability`: a scene to a table and a map of where schemes hold.
 
-use std::time::Instant;
-
 use petsc_wrap::Comm;
 
 use crate::agree::agree;
@@ -16,19 +14,23 @@ use crate::study::{Verdict, label, stability as study};
 
 use super::interrupt::Interrupt;
 use super::load::{Loaded, load};
-use super::{Stability, note, say, tell, warn_of_unused_options};
+use super::progress::Items;
+use super::{Stability, say, tell, warn_of_unused_options};
 
 /// Studies a scene and writes what was found; returns the exit status. Collective.
 ///
 /// # Errors
 /// All that [`Error`] names.
 pub fn stability(comm: &Comm, arguments: &Stability) -> Result<i32> {
+    if let Some(budget) = arguments.budget.filter(|budget| budget.is_nan() || *budget < 0.0) {
+        return Err(Error::Usage(format!("--budget {budget}: a number of seconds")));
+    }
     let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
     // Before minutes of work whose result could not be written.
     let folder = if comm.is_root() { Folder::create(&arguments.output).map(Some) } else { Ok(None) };
     let folder = agree(comm, folder.map_err(|error| error.to_string())).map_err(Error::Output)?;
     let interrupt = Interrupt::on_signals();
-    let found = find(comm, &scene, &interrupt).map_err(|error| error.in_scene(&source))?;
+    let found = find(comm, &scene, arguments.budget, &interrupt).map_err(|error| error.in_scene(&source))?;
     let written = match (&folder, &found) {
         (Some(folder), Some(study)) => write(folder, study, &scene),
         _ => Ok(()),
@@ -41,23 +43,25 @@ pub fn stability(comm: &Comm, arguments: &Stability) -> Result<i32> {
         }
         warn_of_unused_options(comm)?;
     }
-    let is_complete = found.as_ref().is_some_and(|study| study.is_complete);
-    if !is_complete && comm.is_root() {
+    let is_interrupted = found.as_ref().is_none_or(|study| study.is_interrupted);
+    if is_interrupted && comm.is_root() {
         let what = if found.is_some() { "what was done so far is written" } else { "nothing was done so far" };
         tell(format_args!("interrupted: {what}"));
     }
-    Ok(if is_complete { 0 } else { INTERRUPTED })
+    Ok(if is_interrupted { INTERRUPTED } else { 0 })
 }
 
-fn find(comm: &Comm, scene: &Scene, interrupt: &Interrupt) -> Result<Option<Study>> {
-    let (begin, mesh) = (Instant::now(), Mesh::new(comm, &scene.body)?);
-    let mut told = |row: &study::Row| {
+fn find(comm: &Comm, scene: &Scene, budget: Option<f64>, interrupt: &Interrupt) -> Result<Option<Study>> {
+    let mesh = Mesh::new(comm, &scene.body)?;
+    let mut progress: Option<Items> = None;
+    let mut told = |now: study::Progress| {
         if comm.is_root() {
-            let (name, count) = (label(row.scheme), row.runs.len());
-            note(format_args!("{name}: {count} runs done after {:.0} s", begin.elapsed().as_secs_f64()));
+            progress.get_or_insert_with(|| Items::new(now.planned, "runs")).over(1);
         }
     };
-    study::stability(&mesh, scene, &mut || interrupt.is_raised(comm), &mut told)
+    let found = study::stability(&mesh, scene, budget, &mut || interrupt.is_raised(comm), &mut told);
+    progress.iter().for_each(Items::finish);
+    found
 }
 
 fn write(folder: &Folder, study: &Study, scene: &Scene) -> Result<()> {
@@ -75,6 +79,7 @@ fn map(study: &Study, scene: &Scene) -> Map {
         cells: row
             .runs
             .iter()
+            .filter(|run| run.verdict != Verdict::LeftOut)
             .map(|run| {
                 let value = |number: f64| match run.verdict {
                     Verdict::Grows(_) => Value::Unbounded,
@@ -92,11 +97,20 @@ fn map(study: &Study, scene: &Scene) -> Map {
     let mut marks = vec![(study.contact / ENOUGH, format!("{ENOUGH} steps a contact"))];
     marks.extend(scene.time.step.map(|step| (step, "the scene's step".to_owned())));
     Map {
-        title: scene.title.clone(),
+        title: title(study, scene),
         panels: vec!["energy error / initial energy".into(), "force error / peak, first contact".into()],
         rows: rows.collect(),
         contact: study.contact,
         marks,
         good: format!("both within {:e}", study.tolerance),
+    }
+}
+
+/// Says where there is less on the map than was planned.
+fn title(study: &Study, scene: &Scene) -> String {
+    match (study.left_out(), scene.title.trim()) {
+        (0, title) => title.to_owned(),
+        (count, "") => format!("{count} of {} runs left out", study.planned()),
+        (count, title) => format!("{title} ({count} of {} runs left out)", study.planned()),
     }
 }

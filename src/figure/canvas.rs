@@ -3,6 +3,7 @@
 //! plotters knows whole pixels only, so both are drawn enlarged. An SVG is then shown smaller, which keeps fractions of
 //! a pixel; a PNG is averaged down, which smooths its edges.
 
+use super::letters::{Letters, one_line};
 use super::stroke::{Point, Stroke, dashed};
 use crate::error::{Error, Result};
 use crate::record::folder::Folder;
@@ -24,8 +25,15 @@ pub(super) const HEIGHT: f64 = 1000.0;
 const SVG_SCALE: u32 = 5;
 const PNG_SCALE: u32 = 3;
 
-/// Measured with DejaVu Sans; an SVG falls back on what is installed where it is shown.
+/// Measured with DejaVu Sans; an SVG falls back on what is installed where it is shown, letter by letter.
 const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
+
+/// What a canvas is made of.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Svg,
+    Bitmap,
+}
 
 /// What a text's position is a point of.
 #[derive(Clone, Copy)]
@@ -49,6 +57,9 @@ pub(super) struct Canvas<'a, DB: DrawingBackend> {
     /// Draws a line piece by piece with round joints: the bitmap's joints of a wide line have spikes at acute angles.
     by_pieces: bool,
     font: FontDesc<'a>,
+    letters: Letters,
+    /// Letters that the font lacks are taken from others where the figure is shown.
+    has_other_fonts: bool,
 }
 
 /// A drawing for any canvas.
@@ -79,7 +90,7 @@ fn svg(drawing: &impl Drawing) -> std::result::Result<String, String> {
     let (width, height) = (WIDTH as u32 * SVG_SCALE, HEIGHT as u32 * SVG_SCALE);
     let mut svg = String::new();
     let backend = SVGBackend::with_string(&mut svg, (width, height));
-    Canvas::new(backend, SVG_SCALE, 0.06, false).and_then(|canvas| canvas.finish(drawing))?;
+    Canvas::new(backend, SVG_SCALE, Kind::Svg).and_then(|canvas| canvas.finish(drawing))?;
     Ok(svg.replacen(
         &format!("width=\"{width}\" height=\"{height}\""),
         &format!("width=\"{WIDTH}\" height=\"{HEIGHT}\""),
@@ -92,7 +103,7 @@ fn png(drawing: &impl Drawing) -> std::result::Result<Vec<u8>, String> {
     let large = (size.0 * PNG_SCALE, size.1 * PNG_SCALE);
     let mut pixels = vec![0; 3 * (large.0 * large.1) as usize];
     let backend = BitMapBackend::with_buffer(&mut pixels, large);
-    Canvas::new(backend, PNG_SCALE, 0.19, true).and_then(|canvas| canvas.finish(drawing))?;
+    Canvas::new(backend, PNG_SCALE, Kind::Bitmap).and_then(|canvas| canvas.finish(drawing))?;
     let averaged = averaged(&pixels, large.0 as usize, PNG_SCALE as usize);
     let mut png = Vec::new();
     PngEncoder::new(&mut png).write_image(&averaged, size.0, size.1, ColorType::Rgb8).map_err(|e| e.to_string())?;
@@ -119,7 +130,7 @@ fn averaged(pixels: &[u8], width: usize, scale: usize) -> Vec<u8> {
 }
 
 impl<DB: DrawingBackend> Canvas<'_, DB> {
-    fn new(backend: DB, scale: u32, text_shift: f64, by_pieces: bool) -> std::result::Result<Self, String> {
+    fn new(backend: DB, scale: u32, kind: Kind) -> std::result::Result<Self, String> {
         plotters::style::register_font(FONT, FontStyle::Normal, dejavu::sans::regular())
             .map_err(|_| "the font cannot be read".to_owned())?;
         let area = backend.into_drawing_area();
@@ -127,9 +138,14 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
         Ok(Self {
             area,
             scale: f64::from(scale),
-            text_shift,
-            by_pieces,
+            text_shift: match kind {
+                Kind::Svg => 0.06,
+                Kind::Bitmap => 0.19,
+            },
+            by_pieces: kind == Kind::Bitmap,
             font: FontDesc::new(FontFamily::Name(FONT), 1.0, FontStyle::Normal),
+            letters: Letters::new()?,
+            has_other_fonts: kind == Kind::Svg,
         })
     }
 
@@ -201,13 +217,16 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
             .into_text_style(&self.area)
             .color(&RGBColor(30, 30, 30))
             .pos(Pos::new(side, VPos::Center));
-        self.area.draw_text(text, &style, self.point(at.0, at.1)).map_err(|e| e.to_string())
+        let text = if self.has_other_fonts { one_line(text) } else { self.letters.plain(text, '?') };
+        self.area.draw_text(&text, &style, self.point(at.0, at.1)).map_err(|e| e.to_string())
     }
 
     /// Width of a text with letters of `size`.
     pub fn text_width(&self, text: &str, size: f64) -> f64 {
+        // Another font's letter may be as wide as the widest.
+        let text = self.letters.plain(text, if self.has_other_fonts { 'W' } else { '?' });
         // Measured large, since the answer is in whole pixels. Without a font no text is drawn either.
-        let large = self.font.resize(100.0).box_size(text);
+        let large = self.font.resize(100.0).box_size(&text);
         large.map_or(0.0, |(width, _)| f64::from(width) * size / 100.0)
     }
 }

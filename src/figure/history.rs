@@ -1,24 +1,45 @@
-//! Acceleration of the impactor against time.
+//! Quantities of runs against time.
 
 use super::axis::Axis;
 use super::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH, save};
+use super::letters::one_line;
 use super::stroke::{LOOKS, Stroke, stroke, thinned};
 use crate::error::{Error, Result};
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 use std::path::Path;
 
+/// A quantity of some runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct History {
+    /// Above all; empty for none.
+    pub title: String,
+    /// What the vertical axis shows.
+    pub quantity: String,
+    /// Its unit.
+    pub unit: String,
+    /// The runs.
+    pub runs: Vec<Run>,
+}
+
 /// One run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// Times, s.
+    pub time: Vec<f64>,
+    /// The quantity, or its components.
+    pub curves: Vec<Curve>,
+    /// Start and end of each contact, s.
+    pub contacts: Vec<(f64, f64)>,
+}
+
+/// One curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     /// What the legend calls it; shortened where it is too long.
     pub label: String,
-    /// Times, s.
-    pub time: Vec<f64>,
-    /// Acceleration at each time, m/s².
-    pub acceleration: Vec<f64>,
-    /// Start and end of each contact, s.
-    pub contacts: Vec<(f64, f64)>,
+    /// Its value at each time.
+    pub values: Vec<f64>,
 }
 
 /// Draws the curves to `out`, an SVG or a PNG of 1600 × 1000 pixels by its extension. Values that are not finite are
@@ -27,13 +48,13 @@ pub struct Curve {
 /// # Errors
 /// [`Error::Usage`] for another extension, no curve, or more curves than can be told apart; [`Error::Io`] when the
 /// file cannot be written.
-pub fn draw(curves: &[Curve], out: &Path) -> Result<()> {
-    if curves.is_empty() || curves.len() > LOOKS {
-        let count = curves.len();
+pub fn draw(history: &History, out: &Path) -> Result<()> {
+    let count = history.curves().count();
+    if count == 0 || count > LOOKS {
         let message = format!("a figure shows 1 to {LOOKS} curves, not {count}");
         return Err(Error::Usage(message));
     }
-    save(&Figure { curves }, out)
+    save(history, out)
 }
 
 /// Size of the letters: half of it is still readable where the figure is shown at 800 pixels.
@@ -57,10 +78,6 @@ const CONTACTS_GAP: f64 = 16.0;
 const GRID: Stroke = Stroke { colour: RGBColor(222, 222, 222), width: 1.5, dashes: &[] };
 const FRAME: Stroke = Stroke { colour: RGBColor(60, 60, 60), width: 2.0, dashes: &[] };
 
-struct Figure<'a> {
-    curves: &'a [Curve],
-}
-
 /// Where the data go: values to pixels.
 struct Plot {
     x: Axis,
@@ -83,29 +100,40 @@ impl Plot {
     }
 }
 
-impl Drawing for Figure<'_> {
+impl Drawing for History {
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
-        let top = self.draw_legend(canvas)?;
+        let top = self.draw_legend(canvas, self.draw_title(canvas)?)?;
         let plot = self.plot(canvas, top);
-        draw_axes(canvas, &plot)?;
+        self.draw_axes(canvas, &plot)?;
         self.draw_contacts(canvas, &plot)?;
-        for (n, curve) in self.curves.iter().enumerate() {
-            let points = curve.points().map(|(t, a)| canvas.point(plot.at_x(t), plot.at_y(a)));
-            canvas.line(&thinned(points), &stroke(n, self.curves.len()))?;
+        let count = self.curves().count();
+        let curves = self.runs.iter().flat_map(|run| run.curves.iter().map(move |curve| (run, curve)));
+        for (n, (run, curve)) in curves.enumerate() {
+            let points = run.points(curve).map(|(t, value)| canvas.point(plot.at_x(t), plot.at_y(value)));
+            canvas.line(&thinned(points), &stroke(n, count))?;
         }
         Ok(())
     }
 }
 
-impl Figure<'_> {
+impl History {
+    /// The curves of all runs.
+    fn curves(&self) -> impl Iterator<Item = &Curve> {
+        self.runs.iter().flat_map(|run| &run.curves)
+    }
+
     fn plot<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, top: f64) -> Plot {
         let (mut x, mut y) = ((0.0_f64, 0.0_f64), (0.0_f64, 0.0_f64));
-        for (t, a) in self.curves.iter().flat_map(Curve::points) {
+        let points = self.runs.iter().flat_map(|run| run.curves.iter().flat_map(|curve| run.points(curve)));
+        for (t, value) in points {
             x = (x.0.min(t), x.1.max(t));
-            y = (y.0.min(a), y.1.max(a));
+            y = (y.0.min(value), y.1.max(value));
         }
-        // Some room above the highest peak.
-        let (x, y) = (Axis::spanning(x.0, x.1), Axis::spanning(y.0, 1.02 * y.1));
+        // Less than a pixel to the other side of zero, as rounding makes it, takes no room.
+        let seen = |own: f64, other: f64| if own.abs() < 1e-3 * other.abs() { 0.0 } else { own };
+        let y = (seen(y.0, y.1), seen(y.1, y.0));
+        // Some room above the highest peak and below the lowest.
+        let (x, y) = (Axis::spanning(x.0, x.1), Axis::spanning(1.02 * y.0, 1.02 * y.1));
         let widest = y
             .ticks()
             .iter()
@@ -118,35 +146,43 @@ impl Figure<'_> {
             left: MARGIN + LINE + widest + 18.0,
             right: WIDTH - 1.6 * MARGIN,
             top,
-            bottom: foot - self.pitch() * self.curves.len() as f64 - CONTACTS_GAP,
+            bottom: foot - self.pitch() * self.runs.len() as f64 - CONTACTS_GAP,
             foot,
         }
     }
 
-    /// Height of one curve's row of contacts.
+    /// Height of one run's row of contacts.
     fn pitch(&self) -> f64 {
-        let count = self.curves.len() as f64;
+        let count = self.runs.len() as f64;
         (16.0 * count).clamp(CONTACTS.0, CONTACTS.1) / count
     }
 
-    /// Draws the legend at the top, and returns where it ends.
-    fn draw_legend<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> std::result::Result<f64, String> {
-        let count = self.curves.len();
+    /// Draws the title, where there is one, and returns where it ends.
+    fn draw_title<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> std::result::Result<f64, String> {
+        if self.title.is_empty() {
+            return Ok(MARGIN);
+        }
+        let fits = |title: &str| canvas.text_width(title, LETTERS) <= WIDTH - 2.0 * MARGIN;
+        let at = (0.5 * WIDTH, MARGIN + 0.5 * LINE);
+        canvas.text(&shortened(&self.title, fits), at, LETTERS, Anchor::Centre)?;
+        Ok(MARGIN + LINE + 10.0)
+    }
+
+    /// Draws the legend from `top` on, and returns where it ends.
+    fn draw_legend<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, top: f64) -> std::result::Result<f64, String> {
+        let count = self.curves().count();
         let width = WIDTH - 2.0 * MARGIN;
         let beside = LEGEND_STROKE + 46.0;
-        let widest = self
-            .curves
-            .iter()
-            .map(|curve| canvas.text_width(&curve.label, LEGEND_LETTERS) + beside)
-            .fold(0.0, f64::max);
+        let widest =
+            self.curves().map(|curve| canvas.text_width(&curve.label, LEGEND_LETTERS) + beside).fold(0.0, f64::max);
         let fitting = ((width / widest) as usize).clamp(1, LEGEND_COLUMNS);
         let needed = if count > LEGEND_LONG_LINES { 2.max(count.div_ceil(LEGEND_LINES)) } else { 1 };
         let columns = fitting.max(needed).min(count);
         let lines = count.div_ceil(columns);
         let column = (width / columns as f64).min(widest);
-        for (n, curve) in self.curves.iter().enumerate() {
+        for (n, curve) in self.curves().enumerate() {
             let x = MARGIN + 10.0 + (n / lines) as f64 * column;
-            let y = MARGIN + ((n % lines) as f64 + 0.5) * LEGEND_LINE;
+            let y = top + ((n % lines) as f64 + 0.5) * LEGEND_LINE;
             let ends = [canvas.point(x, y), canvas.point(x + LEGEND_STROKE, y)];
             canvas.line(&ends, &stroke(n, count))?;
             let fits = |label: &str| canvas.text_width(label, LEGEND_LETTERS) <= column - beside + 1.0;
@@ -154,27 +190,31 @@ impl Figure<'_> {
             let at = (x + LEGEND_STROKE + 16.0, y);
             canvas.text(&label, at, LEGEND_LETTERS, Anchor::Left)?;
         }
-        Ok(MARGIN + lines as f64 * LEGEND_LINE + 26.0)
+        Ok(top + lines as f64 * LEGEND_LINE + 26.0)
     }
 
-    /// Draws a row of bars a curve between the plot and its time axis' labels.
+    /// Draws a row of bars a run between the plot and its time axis' labels.
     fn draw_contacts<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot) -> Drawn {
         let pitch = self.pitch();
         let top = plot.bottom + CONTACTS_GAP;
         let middle = 0.5 * (top + plot.foot) - 2.0;
         let at = (plot.left - 14.0, middle);
         canvas.text(CONTACT_LABEL, at, LETTERS, Anchor::Right)?;
-        for (n, curve) in self.curves.iter().enumerate() {
+        let (mut curves, all) = (0, self.curves().count());
+        for (n, run) in self.runs.iter().enumerate() {
+            // Of a single run's components none is the one that touches.
+            let is_of_all = self.runs.len() == 1 && all > 1;
+            let colour = if is_of_all { FRAME.colour } else { stroke(curves, all).colour };
+            curves += run.curves.len();
             let y = top + (n as f64 + 0.5) * pitch - 3.0;
             let half = (0.36 * pitch).min(6.0);
-            for &(start, end) in &curve.contacts {
+            for &(start, end) in &run.contacts {
                 if !(start.is_finite() && end.is_finite()) {
                     continue;
                 }
                 let from = plot.at_x(1e3 * start).max(plot.left);
                 // Never so thin that it cannot be seen.
                 let to = plot.at_x(1e3 * end).min(plot.right).max(from + 2.0);
-                let colour = stroke(n, self.curves.len()).colour;
                 canvas.rectangle((from, y - half), (to, y + half), colour)?;
             }
         }
@@ -184,50 +224,52 @@ impl Figure<'_> {
 
 const CONTACT_LABEL: &str = "contact";
 
-impl Curve {
-    /// Time in ms and acceleration, where both are finite.
-    fn points(&self) -> impl Iterator<Item = (f64, f64)> {
-        self.time
-            .iter()
-            .zip(&self.acceleration)
-            .map(|(t, a)| (1e3 * t, *a))
-            .filter(|(t, a)| t.is_finite() && a.is_finite())
+impl History {
+    /// Grid, frame, ticks and titles of both axes.
+    fn draw_axes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot) -> Drawn {
+        let line = |from: (f64, f64), to: (f64, f64), stroke| {
+            canvas.line(&[canvas.point(from.0, from.1), canvas.point(to.0, to.1)], stroke)
+        };
+        for (x, label) in plot.x.ticks() {
+            let x = plot.at_x(x);
+            line((x, plot.top), (x, plot.foot), &GRID)?;
+            line((x, plot.foot), (x, plot.foot + 8.0), &FRAME)?;
+            canvas.text(&label, (x, plot.foot + 30.0), LETTERS, Anchor::Centre)?;
+        }
+        for (y, label) in plot.y.ticks() {
+            let y = plot.at_y(y);
+            line((plot.left, y), (plot.right, y), &GRID)?;
+            line((plot.left - 8.0, y), (plot.left, y), &FRAME)?;
+            canvas.text(&label, (plot.left - 14.0, y), LETTERS, Anchor::Right)?;
+        }
+        line((plot.left, plot.top), (plot.left, plot.foot), &FRAME)?;
+        line((plot.left, plot.bottom), (plot.right, plot.bottom), &FRAME)?;
+        line((plot.left, plot.foot), (plot.right, plot.foot), &FRAME)?;
+        let title = format!("time ({})", plot.x.unit("ms"));
+        let middle = 0.5 * (plot.left + plot.right);
+        let at = (middle, HEIGHT - MARGIN - 14.0);
+        canvas.text(&title, at, LETTERS, Anchor::Centre)?;
+        let title = match plot.y.unit(&self.unit).trim() {
+            "" => self.quantity.clone(),
+            unit => format!("{} ({unit})", self.quantity),
+        };
+        let at = (MARGIN + 12.0, 0.5 * (plot.top + plot.foot));
+        canvas.text(&title, at, LETTERS, Anchor::Upwards)
     }
 }
 
-/// Grid, frame, ticks and titles of both axes.
-fn draw_axes<DB: DrawingBackend>(canvas: &Canvas<DB>, plot: &Plot) -> Drawn {
-    let line = |from: (f64, f64), to: (f64, f64), stroke| {
-        canvas.line(&[canvas.point(from.0, from.1), canvas.point(to.0, to.1)], stroke)
-    };
-    for (x, label) in plot.x.ticks() {
-        let x = plot.at_x(x);
-        line((x, plot.top), (x, plot.foot), &GRID)?;
-        line((x, plot.foot), (x, plot.foot + 8.0), &FRAME)?;
-        canvas.text(&label, (x, plot.foot + 30.0), LETTERS, Anchor::Centre)?;
+impl Run {
+    /// Time in ms and value of a curve, where both are finite.
+    fn points(&self, curve: &Curve) -> impl Iterator<Item = (f64, f64)> {
+        let points = self.time.iter().zip(&curve.values).map(|(t, value)| (1e3 * t, *value));
+        points.filter(|(t, value)| t.is_finite() && value.is_finite())
     }
-    for (y, label) in plot.y.ticks() {
-        let y = plot.at_y(y);
-        line((plot.left, y), (plot.right, y), &GRID)?;
-        line((plot.left - 8.0, y), (plot.left, y), &FRAME)?;
-        canvas.text(&label, (plot.left - 14.0, y), LETTERS, Anchor::Right)?;
-    }
-    line((plot.left, plot.top), (plot.left, plot.foot), &FRAME)?;
-    line((plot.left, plot.bottom), (plot.right, plot.bottom), &FRAME)?;
-    line((plot.left, plot.foot), (plot.right, plot.foot), &FRAME)?;
-    let title = format!("time ({})", plot.x.unit("ms"));
-    let middle = 0.5 * (plot.left + plot.right);
-    let at = (middle, HEIGHT - MARGIN - 14.0);
-    canvas.text(&title, at, LETTERS, Anchor::Centre)?;
-    let title = format!("acceleration of the impactor ({})", plot.y.unit("m/s\u{b2}"));
-    let at = (MARGIN + 12.0, 0.5 * (plot.top + plot.foot));
-    canvas.text(&title, at, LETTERS, Anchor::Upwards)
 }
 
 /// The label if it fits, else its beginning and its end, in which titles of one study differ, around an ellipsis.
 fn shortened(label: &str, fits: impl Fn(&str) -> bool) -> String {
-    let letters: Vec<char> = label.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    let all: String = letters.iter().collect();
+    let all = one_line(label);
+    let letters: Vec<char> = all.chars().collect();
     if fits(&all) {
         return all;
     }

@@ -2,6 +2,7 @@
 
 use super::axis::exponential;
 use super::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH, save};
+use super::scale::Scale;
 use super::shade::{MISSING, shade};
 use super::stroke::Stroke;
 use crate::error::{Error, Result};
@@ -33,7 +34,7 @@ pub struct Row {
     pub label: String,
     /// Below the name, in small letters.
     pub note: String,
-    /// Where a boundary is drawn, s: 0 and infinity are the left and the right end.
+    /// Where a boundary is drawn, s; beyond the axis an arrow points to it. There is none at 0 and at infinity.
     pub limit: f64,
     /// Its cells, by ascending step.
     pub cells: Vec<Cell>,
@@ -112,8 +113,46 @@ impl Plot {
     }
 
     fn holds(&self, step: f64) -> bool {
-        (self.range.0..=self.range.1).contains(&step.ln())
+        is_within(step, self.range)
     }
+}
+
+/// Whether a step, s, lies between two of which there are the natural logarithms.
+fn is_within(step: f64, range: (f64, f64)) -> bool {
+    (range.0..=range.1).contains(&step.ln())
+}
+
+/// On which side of the axis a limit lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Side {
+    Below,
+    Within,
+    Above,
+}
+
+/// Length of a tick.
+fn tick(is_labelled: bool) -> f64 {
+    if is_labelled { 10.0 } else { 5.0 }
+}
+
+/// The title of an axis with its unit, where it has one.
+fn titled(title: &str, unit: &str) -> String {
+    match unit.trim() {
+        "" => title.to_owned(),
+        unit => format!("{title} ({unit})"),
+    }
+}
+
+/// An arrow to a limit beyond the axis, from its tip; `inwards` is 1 where the axis lies right of the tip, −1 where it lies left. White below
+/// it, since it lies on cells of all colours.
+fn draw_arrow<DB: DrawingBackend>(canvas: &Canvas<DB>, tip: (f64, f64), inwards: f64) -> Drawn {
+    for (colour, wider) in [(PAPER, 4.0), (INK, 0.0)] {
+        let stroke = Stroke { colour, width: 4.0 + wider, dashes: &[] };
+        let at = |x: f64, y: f64| canvas.point(tip.0 + inwards * x, tip.1 + y);
+        canvas.line(&[at(0.0, 0.0), at(24.0 + 0.5 * wider, 0.0)], &stroke)?;
+        canvas.line(&[at(10.0, -10.0), at(0.0, 0.0), at(10.0, 10.0)], &stroke)?;
+    }
+    Ok(())
 }
 
 impl Drawing for Map {
@@ -123,7 +162,7 @@ impl Drawing for Map {
         let first = MARGIN + labels.fold(0.0, f64::max) + 20.0;
         let count = self.panels.len() as f64;
         let width = (WIDTH - MARGIN - first - (count - 1.0) * GAP) / count;
-        canvas.text(&self.title, (0.5 * WIDTH, MARGIN + 16.0), LETTERS, Anchor::Centre)?;
+        canvas.text(&self.title, (0.5 * WIDTH, MARGIN + 6.0), LETTERS, Anchor::Centre)?;
         let pitch = (BOTTOM - TOP) / self.rows.len() as f64;
         for (n, row) in self.rows.iter().enumerate() {
             let y = TOP + (n as f64 + 0.5) * pitch;
@@ -169,14 +208,22 @@ impl Map {
             let x = plot.at(*step);
             canvas.line(&[canvas.point(x, TOP), canvas.point(x, BOTTOM)], stroke)?;
         }
-        for (n, row) in self.rows.iter().enumerate().filter(|(_, row)| row.limit < f64::INFINITY) {
-            let (x, y) = (plot.at(row.limit), TOP + n as f64 * pitch);
-            canvas.line(&[canvas.point(x, y + 1.0), canvas.point(x, y + pitch - 1.0)], &LIMIT)?;
+        for (n, row) in self.rows.iter().enumerate() {
+            let (top, middle) = (TOP + n as f64 * pitch, TOP + (n as f64 + 0.5) * pitch);
+            match row.side(plot.range) {
+                Some(Side::Within) => {
+                    let x = plot.at(row.limit);
+                    canvas.line(&[canvas.point(x, top + 1.0), canvas.point(x, top + pitch - 1.0)], &LIMIT)?;
+                }
+                Some(Side::Below) => draw_arrow(canvas, (plot.left + 5.0, middle), 1.0)?,
+                Some(Side::Above) => draw_arrow(canvas, (plot.right - 5.0, middle), -1.0)?,
+                None => {}
+            }
         }
         self.draw_axes(canvas, plot, &self.panels[panel])
     }
 
-    /// Frame, ticks at powers of ten and the titles: steps below, steps a contact above.
+    /// Frame, ticks and the titles: steps below, steps a contact above.
     fn draw_axes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot, title: &str) -> Drawn {
         let line = |from: (f64, f64), to: (f64, f64)| {
             canvas.line(&[canvas.point(from.0, from.1), canvas.point(to.0, to.1)], &FRAME)
@@ -187,32 +234,28 @@ impl Map {
         for x in [plot.left, plot.right] {
             line((x, TOP), (x, BOTTOM))?;
         }
-        for power in -15..=6 {
-            for digit in 1..10 {
-                let value = f64::from(digit) * 10_f64.powi(power);
-                let length = if digit == 1 { 10.0 } else { 5.0 };
-                if plot.holds(value) {
-                    let x = plot.at(value);
-                    line((x, BOTTOM), (x, BOTTOM + length))?;
-                    if digit == 1 {
-                        canvas.text(&exponential(power), (x, BOTTOM + 28.0), LETTERS, Anchor::Centre)?;
-                    }
-                }
-                let step = self.contact / value;
-                if plot.holds(step) {
-                    let x = plot.at(step);
-                    line((x, TOP - length), (x, TOP))?;
-                    if digit == 1 {
-                        let label = format!("{value}");
-                        canvas.text(&label, (x, TOP - 28.0), LETTERS, Anchor::Centre)?;
-                    }
-                }
+        let (low, high) = (plot.range.0.exp(), plot.range.1.exp());
+        let steps = Scale::new(low, high, true);
+        for (place, label) in steps.ticks() {
+            let x = plot.left + place * (plot.right - plot.left);
+            line((x, BOTTOM), (x, BOTTOM + tick(label.is_some())))?;
+            if let Some(label) = label {
+                canvas.text(&label, (x, BOTTOM + 28.0), LETTERS, Anchor::Centre)?;
+            }
+        }
+        // The more steps a contact, the shorter they are: from right to left.
+        let counts = Scale::new(self.contact / high, self.contact / low, true);
+        for (place, label) in counts.ticks() {
+            let x = plot.right - place * (plot.right - plot.left);
+            line((x, TOP - tick(label.is_some())), (x, TOP))?;
+            if let Some(label) = label {
+                canvas.text(&label, (x, TOP - 28.0), LETTERS, Anchor::Centre)?;
             }
         }
         let middle = 0.5 * (plot.left + plot.right);
         canvas.text(title, (middle, 74.0), LETTERS, Anchor::Centre)?;
-        canvas.text("steps a contact", (middle, 110.0), SMALL, Anchor::Centre)?;
-        canvas.text("time step (s)", (middle, BOTTOM + 60.0), SMALL, Anchor::Centre)
+        canvas.text(&titled("steps a contact", &counts.unit("")), (middle, 110.0), SMALL, Anchor::Centre)?;
+        canvas.text(&titled("time step", &steps.unit("s")), (middle, BOTTOM + 60.0), SMALL, Anchor::Centre)
     }
 
     /// The colours at the left, what is drawn over them at the right.
@@ -228,11 +271,11 @@ impl Map {
             let x = left + width * f64::from(power - SCALE.0) / f64::from(SCALE.1 - SCALE.0);
             canvas.text(&exponential(power), (x, y + 32.0), SMALL, Anchor::Centre)?;
         }
-        let mut x = left + width + 50.0;
+        let (mut x, range) = (left + width + 50.0, self.range());
         let mut entry = |text: &str, draw: &dyn Fn(f64) -> Drawn| -> Drawn {
             draw(x)?;
             canvas.text(text, (x + 46.0, y), SMALL, Anchor::Left)?;
-            x += 46.0 + canvas.text_width(text, SMALL) + 26.0;
+            x += 46.0 + canvas.text_width(text, SMALL) + 20.0;
             Ok(())
         };
         for (value, text) in [(Value::Unbounded, "blows up"), (Value::Missing, "not solved")] {
@@ -247,10 +290,17 @@ impl Map {
         let upright = |x: f64, stroke: &Stroke| {
             canvas.line(&[canvas.point(x + 18.0, y - 22.0), canvas.point(x + 18.0, y + 22.0)], stroke)
         };
-        if self.rows.iter().any(|row| row.limit < f64::INFINITY) {
+        let sides: Vec<Side> = self.rows.iter().filter_map(|row| row.side(range)).collect();
+        if sides.contains(&Side::Within) {
             entry("predicted limit", &|x| upright(x, &LIMIT))?;
         }
-        for ((_, text), stroke) in self.marks.iter().zip(&MARKS) {
+        if let Some(side) = sides.iter().find(|side| **side != Side::Within) {
+            let (tip, towards) = if *side == Side::Below { (8.0, 1.0) } else { (30.0, -1.0) };
+            let text =
+                if sides.contains(&Side::Within) { "beyond the axis" } else { "predicted limit: beyond the axis" };
+            entry(text, &|x| draw_arrow(canvas, (x + tip, y), towards))?;
+        }
+        for ((_, text), stroke) in self.marks.iter().zip(&MARKS).filter(|((step, _), _)| is_within(*step, range)) {
             entry(text, &|x| upright(x, stroke))?;
         }
         Ok(())
@@ -258,6 +308,16 @@ impl Map {
 }
 
 impl Row {
+    /// Where its limit is drawn on an axis between two natural logarithms, if it has one.
+    fn side(&self, range: (f64, f64)) -> Option<Side> {
+        let has_limit = self.limit > 0.0 && self.limit.is_finite();
+        has_limit.then(|| match self.limit.ln() {
+            limit if limit < range.0 => Side::Below,
+            limit if limit > range.1 => Side::Above,
+            _ => Side::Within,
+        })
+    }
+
     /// From where to where a cell reaches, s: half the way to its neighbours, if they are near.
     fn extent(&self, cell: usize) -> (f64, f64) {
         let step = |n: usize| self.cells.get(n).map(|cell| cell.step);
@@ -304,6 +364,40 @@ mod tests {
         assert!(shades.windows(2).all(|pair| pair[1] < pair[0]));
         assert_eq!((light(0.0), light(1e-9)), (shades[0], shades[0]));
         assert_eq!((light(f64::INFINITY), light(f64::NAN)), (shades[60], shades[60]));
+    }
+
+    /// A line where a limit lies within the axis, an arrow to it where it does not, neither where there is none.
+    #[test]
+    fn limits_are_drawn_where_they_are() {
+        let cell = |step| Cell { step, values: vec![Value::Number(0.1)], is_good: true };
+        let row =
+            |limit| Row { label: "scheme".into(), note: String::new(), limit, cells: [1e-5, 1e-4].map(cell).into() };
+        let thick = |limits: &[f64], width: &str| {
+            let map = Map {
+                title: "plate".into(),
+                panels: vec!["error".into()],
+                rows: limits.iter().copied().map(row).collect(),
+                contact: 1e-3,
+                marks: vec![(1e-9, "too short".into())],
+                good: "good".into(),
+            };
+            let folder = tempfile::tempdir().unwrap();
+            let out = folder.path().join("map.svg");
+            draw(&map, &out).unwrap();
+            let svg = std::fs::read_to_string(&out).unwrap();
+            assert!(!svg.contains("too short"));
+            svg.matches(&format!("stroke-width=\"{width}\"")).count()
+        };
+        let (lines, arrows) = ("25", "20");
+        // With the one in the legend.
+        assert_eq!((thick(&[3e-5], lines), thick(&[3e-5], arrows)), (2, 0));
+        // Both strokes of an arrow.
+        for limit in [1e-9, 1e-6, 1e-2] {
+            assert_eq!((thick(&[limit], lines), thick(&[limit], arrows)), (0, 4), "{limit}");
+        }
+        for limit in [0.0, f64::INFINITY] {
+            assert_eq!((thick(&[limit], lines), thick(&[limit], arrows)), (0, 0), "{limit}");
+        }
     }
 
     #[test]

@@ -4,6 +4,7 @@ mod axis;
 mod canvas;
 mod frame;
 pub mod history;
+mod letters;
 pub mod map;
 pub mod precision;
 mod scale;

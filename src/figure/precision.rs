@@ -165,6 +165,11 @@ impl Precision {
             pixels.iter().try_for_each(|pixel| draw_mark(canvas, *pixel, (method.is_foreign, n), look.colour))?;
         }
         // Above all lines.
+        let marks: Vec<(f64, f64)> = self
+            .settings()
+            .filter(|setting| setting.errors[panel].is_finite())
+            .map(|setting| at(setting.seconds, setting.errors[panel]))
+            .collect();
         for (n, method) in self.methods.iter().enumerate() {
             let colour = stroke(n, self.methods.len()).colour;
             for setting in method.settings.iter().filter(|setting| setting.errors[panel].is_finite()) {
@@ -173,7 +178,8 @@ impl Precision {
                 canvas.dot((x, y), 14.0, INK)?;
                 canvas.dot((x, y), 11.0, PAPER)?;
                 canvas.dot((x, y), 7.0, colour)?;
-                canvas.text(mark, (x + 18.0, y - 16.0), LEGEND_LETTERS, Anchor::Left)?;
+                let width = canvas.text_width(mark, LEGEND_LETTERS);
+                canvas.text(mark, label_place((x, y), width, frame, &marks), LEGEND_LETTERS, Anchor::Left)?;
             }
         }
         frame.draw_axes(canvas, true)?;
@@ -198,6 +204,26 @@ impl Precision {
     }
 }
 
+/// Where the label of a mark begins (the middle of its left edge): right or left of the mark, above or below it, within the frame, and
+/// where it covers the fewest other marks.
+fn label_place(mark: (f64, f64), width: f64, frame: &Frame, marks: &[(f64, f64)]) -> (f64, f64) {
+    let (beside, up) = (18.0, 16.0);
+    let half = 0.5 * LEGEND_LETTERS;
+    let places = [(beside, -up), (beside, up), (-beside - width, -up), (-beside - width, up)];
+    let places = places.map(|(dx, dy)| (mark.0 + dx, mark.1 + dy));
+    let is_within = |(x, y): (f64, f64)| {
+        x >= frame.left && x + width <= frame.right && y - half >= frame.top && y + half <= frame.bottom
+    };
+    // A mark's own radius besides.
+    let is_covered = |(x, y): (f64, f64), other: (f64, f64)| {
+        (x - 8.0..x + width + 8.0).contains(&other.0) && (other.1 - y).abs() < half + 8.0
+    };
+    let covered = |place: &(f64, f64)| marks.iter().filter(|other| is_covered(*place, **other)).count();
+    let best = places.into_iter().filter(|place| is_within(*place)).min_by_key(covered);
+    // (A panel holds a label on one side at least.)
+    best.unwrap_or(places[0])
+}
+
 /// That of a method, by its number: hollow where its colour is another's already, since a lone mark has no line to tell it by.
 fn draw_mark<DB: DrawingBackend>(
     canvas: &Canvas<DB>,
@@ -210,4 +236,47 @@ fn draw_mark<DB: DrawingBackend>(
         true => canvas.rectangle((x - half, y - half), (x + half, y + half), colour),
         false => canvas.dot((x, y), half, colour),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A mark at the right edge of both panels: its label is drawn left of it.
+    #[test]
+    fn a_label_at_the_edge_is_drawn_within_its_panel() {
+        let setting = |seconds, error| Setting { seconds, errors: [error, error], mark: Some(format!("{seconds}")) };
+        let settings = vec![setting(0.101, 0.5), setting(9.9, 0.02)];
+        let methods = vec![Method { label: "auto".into(), is_foreign: false, settings }];
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("chart.svg");
+        draw(&Precision { title: "plate".into(), methods, floor: [f64::NAN; 2] }, &out).unwrap();
+        let svg = std::fs::read_to_string(&out).unwrap();
+        // The labels' left edges, in pixels: the SVG is drawn five times as large.
+        let left = svg
+            .split("<text x=\"")
+            .skip(1)
+            .filter(|text| text.contains("\n9.9\n"))
+            .map(|text| text.split('"').next().unwrap().parse::<f64>().unwrap() / 5.0);
+        let width = 0.5 * (RIGHT - LEFT - GAP);
+        // Three letters are about 1.6 as wide as they are high.
+        let ends: Vec<f64> = left.map(|left| left + 1.6 * LEGEND_LETTERS).collect();
+        assert!(ends.len() == 2 && ends[0] < LEFT + width && ends[1] < RIGHT, "{ends:?}");
+    }
+
+    /// Marks at all corners and edges: no label crosses the frame, and none covers another mark that it can avoid.
+    #[test]
+    fn labels_stay_within_the_frame() {
+        let scale = || Scale::new(1.0, 10.0, true);
+        let frame = Frame { left: 100.0, right: 700.0, top: 50.0, bottom: 650.0, x: scale(), y: scale() };
+        let width = 50.0;
+        for x in [100.0, 110.0, 400.0, 690.0, 700.0] {
+            for y in [50.0, 60.0, 400.0, 640.0, 650.0] {
+                let (left, middle) = label_place((x, y), width, &frame, &[(x, y)]);
+                assert!(left >= frame.left && left + width <= frame.right, "{x} {y}: {left}");
+                assert!(middle > frame.top + 10.0 && middle < frame.bottom - 10.0, "{x} {y}: {middle}");
+            }
+        }
+        assert_eq!(label_place((400.0, 400.0), width, &frame, &[(430.0, 380.0)]), (418.0, 416.0));
+    }
 }

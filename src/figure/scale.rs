@@ -12,10 +12,35 @@ pub(super) struct Scale {
 /// More powers of ten than this are not all labelled.
 const LABELS: usize = 8;
 
+/// Fewer labels do not show how an axis runs.
+const LEAST_LABELS: usize = 3;
+
+/// Digits that get labels in each decade, from the fewest to the most.
+const LABELLED: [&[i32]; 4] = [&[1], &[1, 3], &[1, 2, 5], &[1, 2, 3, 5, 7]];
+
+/// Colours of values that span more than this factor are on a logarithmic scale.
+const LOG_FACTOR: f64 = 100.0;
+
 impl Scale {
     /// The axis between two limits, positive ones if it is logarithmic.
     pub fn new(low: f64, high: f64, is_log: bool) -> Self {
         Self { low, high, is_log }
+    }
+
+    /// The scale for the colours of some values that are not negative, from the smallest to the largest: logarithmic where the positive ones
+    /// span more than two decades. `from_zero` has a linear one begin at 0. Values that are not finite do not count.
+    pub fn of_colours(values: impl Iterator<Item = f64>, from_zero: bool) -> Self {
+        let (mut low, mut least, mut high) = (f64::INFINITY, f64::INFINITY, 0.0_f64);
+        for value in values.filter(|value| value.is_finite()) {
+            (low, high) = (low.min(value), high.max(value));
+            least = if value > 0.0 { least.min(value) } else { least };
+        }
+        if high > LOG_FACTOR * least {
+            return Self::new(least, high, true);
+        }
+        let low = if from_zero { 0.0 } else { low };
+        // All alike: a scale around them.
+        if high > low { Self::new(low, high, false) } else { Self::new(0.0, 2.0 * high.max(1e-300), false) }
     }
 
     /// Where a value lies: 0 at the lower limit, 1 at the upper.
@@ -30,8 +55,7 @@ impl Scale {
     /// Place and label of each tick; minor ticks have none.
     pub fn ticks(&self) -> Vec<(f64, Option<String>)> {
         let ticks = if self.is_log { self.log_ticks() } else { self.linear_ticks() };
-        let within = |place: &f64| (-1e-9..=1.0 + 1e-9).contains(place);
-        ticks.into_iter().map(|(value, label)| (self.place(value), label)).filter(|(place, _)| within(place)).collect()
+        ticks.into_iter().map(|(value, label)| (self.place(value), label)).filter(|tick| is_within(tick.0)).collect()
     }
 
     fn linear_ticks(&self) -> Vec<(f64, Option<String>)> {
@@ -40,6 +64,7 @@ impl Scale {
     }
 
     fn log_ticks(&self) -> Vec<(f64, Option<String>)> {
+        let Some(labelled) = self.labelled_digits() else { return self.linear_ticks() };
         let first = self.low.log10().floor() as i32;
         let last = self.high.log10().ceil() as i32;
         let count = (last - first) as usize;
@@ -52,21 +77,35 @@ impl Scale {
             (false, 1) => exponential(power),
             (false, _) => format!("{digit}\u{b7}{}", exponential(power)),
         };
-        let label = |digit: i32, power: i32| match digit {
-            1 if power % pace == 0 => Some(written(digit, power)),
-            // Within a decade or two, powers of ten alone are too few.
-            2 | 5 if count <= 2 => Some(written(digit, power)),
-            _ => None,
+        let is_labelled = |digit: i32, power: i32| labelled.contains(&digit) && (digit > 1 || power % pace == 0);
+        let tick = |digit: i32, power: i32| {
+            let label = is_labelled(digit, power).then(|| written(digit, power));
+            (f64::from(digit) * 10f64.powi(power), label)
         };
-        let of_power =
-            |power: i32| digits.clone().map(move |digit| (f64::from(digit) * 10f64.powi(power), label(digit, power)));
-        (first..=last).flat_map(of_power).collect()
+        (first..=last).flat_map(|power| digits.clone().map(move |digit| tick(digit, power))).collect()
+    }
+
+    /// The digits that get labels in each decade of a logarithmic axis: the fewest that make [`LEAST_LABELS`] within the limits. `None`
+    /// where the axis is too short for any of them, so that the ticks of a linear axis serve.
+    fn labelled_digits(&self) -> Option<&'static [i32]> {
+        let within = |digits: &[i32]| {
+            let places = (self.low.log10().floor() as i32..=self.high.log10().ceil() as i32)
+                .flat_map(|power| digits.iter().map(move |digit| f64::from(*digit) * 10f64.powi(power)));
+            places.filter(|value| is_within(self.place(*value))).count()
+        };
+        LABELLED.into_iter().find(|digits| within(digits) >= LEAST_LABELS)
     }
 
     /// `unit` with the power of ten that the labels leave out.
     pub fn unit(&self, unit: &str) -> String {
-        if self.is_log { unit.to_owned() } else { Axis::spanning(self.low, self.high).unit(unit) }
+        let has_plain_labels = self.is_log && self.labelled_digits().is_some();
+        if has_plain_labels { unit.to_owned() } else { Axis::spanning(self.low, self.high).unit(unit) }
     }
+}
+
+/// Whether a place is on the axis, but for rounding.
+fn is_within(place: f64) -> bool {
+    (-1e-9..=1.0 + 1e-9).contains(&place)
 }
 
 /// From where to where the cell of each of some values reaches, which ascend: half the way to its neighbours; the outer ones are
@@ -100,7 +139,7 @@ mod tests {
             labels(&Scale::new(5e5, 2e12, true)),
             "10\u{2076} 10\u{2077} 10\u{2078} 10\u{2079} 10\u{b9}\u{2070} 10\u{b9}\u{b9} 10\u{b9}\u{b2}"
         );
-        assert_eq!(labels(&Scale::new(0.09, 7.0, true)), "0.1 1");
+        assert_eq!(labels(&Scale::new(0.09, 7.0, true)), "0.1 0.3 1 3");
         assert_eq!(labels(&Scale::new(0.4, 2.1, true)), "0.5 1 2");
         let tens = |digit: &str| format!("{digit}10\u{2077}");
         assert_eq!(labels(&Scale::new(0.9e7, 6e7, true)), [tens(""), tens("2\u{b7}"), tens("5\u{b7}")].join(" "));
@@ -110,6 +149,37 @@ mod tests {
         // 1 … 9, 10 … 90, 100.
         assert_eq!(places.len(), 19);
         assert!((Scale::new(1.0, 100.0, true).place(10.0) - 0.5).abs() < 1e-15);
+    }
+
+    /// However short or long the axis, and wherever it begins.
+    #[test]
+    fn every_axis_has_three_labels_and_not_too_many() {
+        for n in 0..400 {
+            let low = 1e-7 * 1.07_f64.powi(n);
+            for factor in [1.001, 1.3, 2.0, 3.0, 7.0, 9.99, 30.0, 99.0, 101.0, 1e3, 1e9] {
+                for is_log in [true, false] {
+                    let scale = Scale::new(low, factor * low, is_log);
+                    let labels = labels(&scale);
+                    let count = labels.split(' ').count();
+                    assert!((3..=9).contains(&count), "{low} {factor} {is_log}: {labels}");
+                }
+            }
+        }
+        let short = Scale::new(1.1e9, 1.4e9, true);
+        assert_eq!(
+            (labels(&short).as_str(), short.unit("Pa").as_str()),
+            ("1.10 1.15 1.20 1.25 1.30 1.35 1.40", "10\u{2079} Pa")
+        );
+    }
+
+    #[test]
+    fn colours_of_more_than_two_decades_are_logarithmic() {
+        let of = |values: &[f64], from_zero| Scale::of_colours(values.iter().copied(), from_zero);
+        assert!((of(&[1.0, 1e4, f64::NAN], false).place(100.0) - 0.5).abs() < 1e-12);
+        assert!((of(&[0.0, 1.0, 1e4], true).place(100.0) - 0.5).abs() < 1e-12);
+        assert_eq!(of(&[1.0, 99.0], false).place(50.0), 0.5);
+        assert_eq!(of(&[50.0, 100.0], true).place(50.0), 0.5);
+        assert_eq!(of(&[3.0, 3.0], false).place(3.0), 0.5);
     }
 
     #[test]

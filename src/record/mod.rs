@@ -9,6 +9,7 @@ pub mod folder;
 pub mod lock;
 mod probes;
 pub mod provenance;
+pub mod quantity;
 pub mod read;
 pub mod series;
 pub mod sweep;

@@ -81,27 +81,35 @@ pub fn probes(path: &Path, names: &[String], rows: usize) -> Result<Vec<Vec<Prob
 /// [`Error::Io`] that says whether the file is missing, not HDF5, still being written, or not a result of ricochet.
 pub fn history(path: &Path) -> Result<History> {
     let file = open(path)?;
-    let column = |name: &str| {
-        let not_result = |why: String| {
-            let reason = format!("is not a result of ricochet: {why}");
-            Error::io(path, reason)
-        };
-        let dataset = file.dataset(name).map_err(|_| not_result(format!("there is no dataset /{name}")))?;
-        if dataset.ndim() != 1 {
-            return Err(not_result(format!("/{name} has {} dimensions, not 1", dataset.ndim())));
-        }
-        dataset.read_raw::<f64>().map_err(|e| not_result(format!("/{name} cannot be read ({e})")))
-    };
-    let mut time = column("series/time")?;
-    let mut acceleration = column("series/impactor/acceleration")?;
+    let mut time = column(&file, path, "series/time")?;
+    let mut acceleration = column(&file, path, "series/impactor/acceleration")?;
     let rows = time.len().min(acceleration.len());
     time.truncate(rows);
     acceleration.truncate(rows);
-    let start = column("contacts/start")?;
-    let end = column("contacts/end")?;
-    let impulses = column("contacts/impulse")?;
-    let title = text(&file, "title").map_err(|_| Error::io(path, "is not a result of ricochet: it has no title"))?;
-    Ok(History { title, time, acceleration, contacts: start.into_iter().zip(end).collect(), impulses })
+    let contacts = contacts(&file, path)?;
+    let impulses = column(&file, path, "contacts/impulse")?;
+    let title = text(&file, "title").map_err(|_| not_result(path, "it has no title"))?;
+    Ok(History { title, time, acceleration, contacts, impulses })
+}
+
+/// Start and end of each contact episode of a result, s.
+pub(super) fn contacts(file: &hdf5::File, path: &Path) -> Result<Vec<(f64, f64)>> {
+    let (start, end) = (column(file, path, "contacts/start")?, column(file, path, "contacts/end")?);
+    Ok(start.into_iter().zip(end).collect())
+}
+
+/// A dataset of one dimension of a result.
+pub(super) fn column(file: &hdf5::File, path: &Path, name: &str) -> Result<Vec<f64>> {
+    let dataset = file.dataset(name).map_err(|_| not_result(path, &format!("there is no dataset /{name}")))?;
+    if dataset.ndim() != 1 {
+        return Err(not_result(path, &format!("/{name} has {} dimensions, not 1", dataset.ndim())));
+    }
+    dataset.read_raw::<f64>().map_err(|e| not_result(path, &format!("/{name} cannot be read ({e})")))
+}
+
+/// Why a file is no result.
+pub(super) fn not_result(path: &Path, why: &str) -> Error {
+    Error::io(path, format!("is not a result of ricochet: {why}"))
 }
 
 /// Opens a result for reading.

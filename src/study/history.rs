@@ -182,6 +182,18 @@ pub struct Measured {
     pub whole_error: f64,
 }
 
+impl Measured {
+    /// Of a run that was not made.
+    pub(super) const NOTHING: Self = Self {
+        steps: 0,
+        time: f64::NAN,
+        energy_error: f64::NAN,
+        growth: f64::NAN,
+        first_error: f64::NAN,
+        whole_error: f64::NAN,
+    };
+}
+
 /// Measures a run step by step.
 pub(super) struct Measure<'a> {
     reference: Option<&'a History>,

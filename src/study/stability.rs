@@ -5,6 +5,9 @@
 //! the error of the time integration alone.
 
 use std::ops::ControlFlow;
+use std::time::Instant;
+
+use mpi::traits::{Communicator, Root};
 
 use crate::body::{Body, Lumped};
 use crate::contact::hertz;
@@ -16,7 +19,7 @@ use crate::scene::{Newton, Scene, Scheme, Solver, Time};
 
 use super::history::{History, Measure, Measured};
 use super::plan::{Demand, Occasion, Plan};
-use super::schemes::{compared, is_explicit};
+use super::schemes::{compared, is_explicit, label};
 use super::verdict::{Ending, Verdict};
 
 /// Steps a contact at which average acceleration has the force of an impact on a half-space to 0.6% (at 10, to 2.2%). A body that
@@ -37,12 +40,24 @@ pub struct Study {
     /// That with the lumped one, and by how much its acceleration differs from the other's in the first contact episode, over the
     /// peak: what lumping changes.
     pub explicit: Option<(Reference, f64)>,
-    /// One a scheme; the last may lack runs where the study was interrupted.
+    /// One a scheme.
     pub rows: Vec<Row>,
     /// What was left out, and why.
     pub notes: Vec<String>,
-    /// Whether all was done.
-    pub is_complete: bool,
+    /// Whether a signal ended it.
+    pub is_interrupted: bool,
+}
+
+impl Study {
+    /// Runs that were planned and not made.
+    pub fn left_out(&self) -> usize {
+        self.rows.iter().map(Row::left_out).sum()
+    }
+
+    /// Runs that were planned.
+    pub fn planned(&self) -> usize {
+        self.rows.iter().map(|row| row.runs.len()).sum()
+    }
 }
 
 /// The run that others are measured by.
@@ -82,14 +97,15 @@ pub struct Run {
 }
 
 impl Row {
-    /// The runs from the finest on, as long as each is as wanted; the step of the last.
-    fn last_while(&self, wanted: impl Fn(&Verdict) -> bool) -> Option<f64> {
-        self.runs.iter().take_while(|run| wanted(&run.verdict)).last().map(|run| run.step)
+    /// The largest step up to which all runs that were made hold, s.
+    pub fn holds(&self) -> Option<f64> {
+        let made = self.runs.iter().filter(|run| run.verdict != Verdict::LeftOut);
+        made.take_while(|run| run.verdict == Verdict::Holds).last().map(|run| run.step)
     }
 
-    /// The largest step up to which all hold, s.
-    pub fn holds(&self) -> Option<f64> {
-        self.last_while(|verdict| *verdict == Verdict::Holds)
+    /// Runs that were planned and not made: the finest, which take the longest.
+    fn left_out(&self) -> usize {
+        self.runs.iter().filter(|run| run.verdict == Verdict::LeftOut).count()
     }
 
     /// The smallest step at which energy is made from nothing, s.
@@ -99,16 +115,38 @@ impl Row {
     }
 }
 
-/// Runs the scene by all schemes. `interrupted` tells, the same on all ranks, whether to leave off; `told` gets each row. `None` where
-/// it was interrupted before the first run was done. Collective.
+/// One run of a plan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Job {
+    /// Number of its scheme.
+    row: usize,
+    /// Number of its step among those of the scheme.
+    column: usize,
+    /// What it is expected to take, s.
+    expected: f64,
+}
+
+/// How far a study is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Runs that are done.
+    pub done: usize,
+    /// Runs that are planned.
+    pub planned: usize,
+}
+
+/// Runs the scene by all schemes, beginning with the runs that are expected to be the shortest. The references come first; then no run is begun
+/// that is expected to end after more than `budget` (s), but for the shortest one. `interrupted` tells, the same on all ranks, whether
+/// to leave off; `told` hears of each run. `None` where it was interrupted before the first run was done. Collective.
 ///
 /// # Errors
 /// All that a run of the scene by the energy-conserving scheme in small steps may have; PETSc's.
 pub fn stability(
     mesh: &Mesh,
     scene: &Scene,
+    budget: Option<f64>,
     interrupted: &mut dyn FnMut() -> bool,
-    told: &mut dyn FnMut(&Row),
+    told: &mut dyn FnMut(Progress),
 ) -> Result<Option<Study>> {
     let body = Body::solid(scene, mesh)?;
     let unknowns = body.unknowns();
@@ -133,47 +171,82 @@ pub fn stability(
     );
     bench.scene.time.end = plan.end;
 
+    let start = Instant::now();
     let Some((mut reference, history)) = bench.reference(Scheme::Energy, plan.reference, None)? else {
         return Ok(None);
     };
-    let mut explicit = None;
+    // Wall time of a step, s, implicit and explicit.
+    let implicit = start.elapsed().as_secs_f64() / reference.measured.steps.max(1) as f64;
+    let (mut explicit_step, mut explicit) = (implicit, None);
     if let Some(step) = plan.explicit_reference {
         let scheme = Scheme::CentralDifference { allow_unstable: true };
+        let start = Instant::now();
         let Some((run, own)) = bench.reference(scheme, step, Some(&history))? else { return Ok(None) };
+        explicit_step = start.elapsed().as_secs_f64() / run.measured.steps.max(1) as f64;
         explicit = Some((run, own));
     }
+    let left_out = |step: f64| Run { step, measured: Measured::NOTHING, verdict: Verdict::LeftOut };
+    let row = |(scheme, (demand, steps)): (Scheme, (&Demand, &Vec<f64>))| {
+        let runs = steps.iter().map(|step| left_out(*step)).collect();
+        Row { scheme, limit: demand.limit, runs }
+    };
     let mut study = Study {
         contact: history.contact().unwrap_or(contact),
         end: plan.end,
         tolerance: scene.tolerance,
         reference,
         explicit: None,
-        rows: Vec::new(),
+        rows: schemes.into_iter().zip(demands.iter().zip(&plan.steps)).map(row).collect(),
         notes: plan.notes,
-        is_complete: true,
+        is_interrupted: false,
     };
-    for ((scheme, demand), steps) in schemes.into_iter().zip(&demands).zip(&plan.steps) {
-        let own = explicit.as_ref().filter(|_| demand.is_explicit).map(|(_, history)| history);
-        let mut row = Row { scheme, limit: demand.limit, runs: Vec::new() };
-        for &step in steps {
-            let mut measure = Measure::new(Some(own.unwrap_or(&history)));
-            let Some(ending) = bench.run(scheme, step, |step| measure.push(step))? else {
-                study.is_complete = false;
-                break;
-            };
-            let (measured, _) = measure.finish();
-            row.runs.push(Run { step, measured, verdict: Verdict::new(ending, &measured, scene.tolerance) });
-        }
-        if !row.runs.is_empty() {
-            told(&row);
-            study.rows.push(row);
-        }
-        if !study.is_complete {
+    let mut jobs = Vec::new();
+    for (row, (demand, steps)) in demands.iter().zip(&plan.steps).enumerate() {
+        let a_step = if demand.is_explicit { explicit_step } else { implicit };
+        jobs.extend(steps.iter().enumerate().map(|(column, step)| Job {
+            row,
+            column,
+            expected: a_step * plan.end / step,
+        }));
+    }
+    // Rank 0's clock is everyone's.
+    let root = mesh.comm.mpi().process_at_rank(0);
+    jobs.iter_mut().for_each(|job| root.broadcast_into(&mut job.expected));
+    jobs.sort_by(|a, b| a.expected.total_cmp(&b.expected));
+    let begin = Instant::now();
+    for (done, job) in jobs.iter().enumerate() {
+        let mut fits = budget.is_none_or(|budget| begin.elapsed().as_secs_f64() + job.expected <= budget);
+        root.broadcast_into(&mut fits);
+        if !fits && done > 0 {
             break;
         }
+        let scheme = study.rows[job.row].scheme;
+        let run = &mut study.rows[job.row].runs[job.column];
+        let own = explicit.as_ref().filter(|_| is_explicit(scheme)).map(|(_, history)| history);
+        let mut measure = Measure::new(Some(own.unwrap_or(&history)));
+        let Some(ending) = bench.run(scheme, run.step, |step| measure.push(step))? else {
+            study.is_interrupted = true;
+            break;
+        };
+        run.measured = measure.finish().0;
+        run.verdict = Verdict::new(ending, &run.measured, scene.tolerance);
+        told(Progress { done: done + 1, planned: jobs.len() });
     }
-    if study.rows.is_empty() {
+    if study.left_out() == study.planned() {
         return Ok(None);
+    }
+    let why = match budget {
+        Some(budget) if !study.is_interrupted => format!("to keep to the {budget} s of --budget"),
+        _ => "interrupted".to_owned(),
+    };
+    for row in &study.rows {
+        let which = match row.left_out() {
+            0 => continue,
+            all if all == row.runs.len() => "all steps".to_owned(),
+            1 => "its finest step".to_owned(),
+            some => format!("its {some} finest steps"),
+        };
+        study.notes.push(format!("{}: {which}, {why}", label(row.scheme)));
     }
     reference.estimate(&study.rows);
     study.reference = reference;
@@ -188,7 +261,8 @@ impl Reference {
     /// The error, from the runs.
     fn estimate(&mut self, rows: &[Row]) {
         let row = rows.iter().find(|row| row.scheme == self.scheme);
-        let twice = |run: &&Run| (run.step / self.step / 2.0 - 1.0).abs() < 1e-9 && run.verdict.reason().is_none();
+        let is_whole = |run: &Run| run.verdict.reason().is_none() && run.verdict != Verdict::LeftOut;
+        let twice = |run: &&Run| (run.step / self.step / 2.0 - 1.0).abs() < 1e-9 && is_whole(run);
         let run = row.and_then(|row| row.runs.iter().find(twice));
         self.error = run.map(|run| 0.5 * run.measured.first_error);
     }

@@ -28,6 +28,8 @@ pub enum Verdict {
     Grows(String),
     /// The run could not be made: why.
     Refused(String),
+    /// The run was not made: the study was interrupted, or its time was over.
+    LeftOut,
 }
 
 impl Verdict {
@@ -61,6 +63,7 @@ impl fmt::Display for Verdict {
             Self::Gains => "gains energy",
             Self::Grows(_) => "grows",
             Self::Refused(_) => "refused",
+            Self::LeftOut => "left out",
         })
     }
 }

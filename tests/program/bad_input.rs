@@ -356,6 +356,7 @@ fn files_and_command_lines() {
         good("no result", "plot no.h5 -o figure.svg", 4, &["no.h5: No such file"], Nothing, ALONE),
         good("a foreign file", "plot box.toml -o figure.svg", 4, &["box.toml: is not an HDF5 file"], Nothing, ALONE),
         good("another ending", "plot out.h5 -o figure.pdf", 2, &["figure.pdf", ".svg", ".png"], Result, ALONE),
+        good("no such quantity", "plot out.h5 -o figure.svg --quantity forces", 2, &["--quantity forces", "deflection"], Result, ALONE),
         good("no figure", "plot out.h5", 2, &["--output"], Result, ALONE),
         good("no folder for the figure", "plot out.h5 -o no/figure.svg", 4, &["no/figure.svg"], Result, ALONE),
     ];

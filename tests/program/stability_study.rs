@@ -13,6 +13,7 @@ pub const TESTS: &[PlainTest] = tests![
     ranks_agree,
     a_folder_that_cannot_be_made_is_told_before_any_work,
     an_interrupted_study_ends_in_order,
+    a_budget_leaves_the_finest_steps_out,
     a_scene_beyond_the_contact_law_fails_as_its_run_does
 ];
 
@@ -125,6 +126,8 @@ fn verdicts_are_those_of_theory() {
         assert!(svg.contains(part) || svg.contains(&part.replace("&apos;", "'")), "{part}");
     }
     assert!(fs::read(study.join("stability.png")).unwrap().starts_with(b"\x89PNG"));
+    let widest = outcome.stdout.lines().map(|line| line.chars().count()).max();
+    assert!(widest.is_some_and(|widest| widest <= 80), "{}", outcome.stdout);
     for part in ["average acceleration", "at every step", "at no step", &format!("up to {limit:.2e} s")] {
         assert!(outcome.stdout.contains(part), "{part}: {}", outcome.stdout);
     }
@@ -180,6 +183,32 @@ fn an_interrupted_study_ends_in_order() {
     // All the files or none.
     let files = fs::read_dir(folder.path().join("study")).unwrap().count();
     assert_eq!(files, if told[0].contains("is written") { 3 } else { 0 }, "{outcome:#?}");
+}
+
+/// The shortest run is made whatever the budget; the rest is in the table as left out, and named. On two ranks the first one's clock counts.
+fn a_budget_leaves_the_finest_steps_out() {
+    let folder = folder(&scene());
+    for ranks in [0, 2] {
+        let outcome = good(&folder, ranks, &format!("stability scene.toml -o {ranks} --set time.end=1e-3 --budget 0"));
+        let lines = lines(&folder.path().join(format!("{ranks}/stability.csv")));
+        let made: Vec<&Line> = lines.iter().filter(|line| line.verdict != "left out").collect();
+        assert!(made.len() == 1 && lines.len() > 60, "{lines:#?}");
+        // No other run of its scheme takes larger steps.
+        let own = of(&lines, &made[0].scheme);
+        assert_eq!(own[own.len() - 1].step, made[0].step);
+        assert!(lines.iter().all(|line| line.verdict != "left out" || (line.steps == 0.0 && line.growth.is_nan())));
+        let count = format!("incomplete {} of {} runs were left out", lines.len() - 1, lines.len());
+        for part in [count.as_str(), "left out   average acceleration: all steps, to keep to the 0 s of --budget"] {
+            assert!(outcome.stdout.contains(part), "{part}: {}", outcome.stdout);
+        }
+        let svg = fs::read_to_string(folder.path().join(format!("{ranks}/stability.svg"))).unwrap();
+        assert!(svg.contains(&format!("Small plate ({} of {} runs left out)", lines.len() - 1, lines.len())));
+    }
+    for budget in ["-1", "nan", "soon"] {
+        let line = format!("stability scene.toml -o bad --budget {budget}");
+        let refused = run(ricochet(folder.path(), 0).args(words(&line)));
+        assert!(refused.status == Some(2) && !folder.path().join("bad").exists(), "{refused:#?}");
+    }
 }
 
 /// Where the scene itself cannot be computed, there is nothing to compare: the run's own message and status.

@@ -19,6 +19,7 @@ pub const TESTS: &[PlainTest] = tests![
     a_member_that_fails_is_a_result,
     a_member_whose_scene_is_wrong_on_its_mesh_is_named,
     one_key_is_drawn_as_a_curve_and_two_as_a_map,
+    a_map_over_decades_has_logarithmic_colours,
     what_no_figure_shows_is_said
 ];
 
@@ -290,6 +291,28 @@ fn one_key_is_drawn_as_a_curve_and_two_as_a_map() {
     assert_eq!(cells.iter().max(), [&cells[3], &cells[7]].into_iter().max());
 }
 
+/// Peaks over three decades: colours by their logarithm, so that the middle row is half-way; and a short logarithmic axis has labels.
+fn a_map_over_decades_has_logarithmic_colours() {
+    let folder = folder(&supported());
+    let half_space = "--set body.model=half-space --set contact.localization=patch --log";
+    let vary = "--vary impactor.speed=1e-3..10:3 --vary impactor.mass=10..14:2";
+    let cells = "--set body.cells= --set body.order=";
+    good(&folder, 0, &format!("sweep scene.toml {half_space} {cells} --set time.step= {vary} -o two.h5"));
+    let peaks = members(&file(&folder, "two.h5"), "peak_acceleration");
+    assert!(peaks[4] > 1e3 * peaks[0], "{peaks:?}");
+    good(&folder, 0, "plot two.h5 -o two.png");
+    good(&folder, 0, "plot two.h5 -o two.svg");
+    let two = figure(folder.path(), "two.png");
+    let grey = |y: u32| two.get_pixel(400, y).0.iter().map(|c| i32::from(*c)).sum::<i32>();
+    let (weak, middle, strong) = (grey(780), grey(480), grey(180));
+    // On a linear scale the middle one is as light as the weakest.
+    assert!(weak - middle > 150 && middle - strong > 150, "{weak} {middle} {strong}");
+    let svg = std::fs::read_to_string(file(&folder, "two.svg")).unwrap();
+    for label in ["10\u{207b}\u{b2}", "10\u{2070}", "10", "12", "14"] {
+        assert!(svg.split("</text>").any(|text| text.trim_end().ends_with(&format!("\n{label}"))), "{label}");
+    }
+}
+
 fn what_no_figure_shows_is_said() {
     let folder = folder(&supported());
     good(&folder, 0, "sweep scene.toml --vary time.scheme=newmark,energy -o words.h5");
@@ -302,6 +325,7 @@ fn what_no_figure_shows_is_said() {
         ("plot words.h5 -o f.png", "over the numbers of one or two keys, not over time.scheme"),
         ("plot three.h5 -o f.png", "not over impactor.speed, impactor.mass, impactor.gap"),
         ("plot words.h5 three.h5 -o f.png", "words.h5: a sweep has a figure of its own"),
+        ("plot three.h5 -o f.png --quantity force", "three.h5: --quantity is for runs"),
     ] {
         let outcome = run(ricochet(folder.path(), 0).args(words(line)));
         assert_eq!(outcome.status, Some(2), "{outcome:?}");

@@ -5,6 +5,7 @@ use crate::sample::{COST, provenance, step};
 use hdf5_metno as hdf5;
 use ricochet::cli::plot::plot;
 use ricochet::error::Error;
+use ricochet::impact::Probe;
 use ricochet::record::series::SeriesWriter;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -28,7 +29,7 @@ fn svg_has_a_title_a_line_and_the_contacts_of_each_file() {
         result(folder.path(), "3.h5", "twin"),
     ];
     let out = folder.path().join("figure.svg");
-    plot(&files, &out).unwrap();
+    plot(&files, &out, None).unwrap();
     let svg = fs::read_to_string(&out).unwrap();
     for label in ["plate &lt;a&gt; &amp; b", "twin (2.h5)", "twin (3.h5)", "time (ms)"] {
         assert!(svg.contains(label), "{label}");
@@ -52,7 +53,7 @@ fn png_decodes_to_a_white_sheet_with_the_curves_on_it() {
     let folder = tempfile::tempdir().unwrap();
     let files = [result(folder.path(), "1.h5", "plate")];
     let out = folder.path().join("figure.PNG");
-    plot(&files, &out).unwrap();
+    plot(&files, &out, None).unwrap();
     let png = image::load_from_memory(&fs::read(&out).unwrap()).unwrap().into_rgb8();
     assert_eq!(png.dimensions(), (1600, 1000));
     for corner in [(0, 0), (1599, 0), (0, 999), (1599, 999)] {
@@ -80,7 +81,7 @@ fn errors_say_what_is_wrong_with_which_file() {
         (&text, "is not an HDF5 file"),
         (&other, "is not a result of ricochet: there is no dataset /series/time"),
     ] {
-        let error = plot(&[good.clone(), file.clone()], &svg).unwrap_err();
+        let error = plot(&[good.clone(), file.clone()], &svg, None).unwrap_err();
         assert_eq!(error.status(), 4);
         let message = error.to_string();
         assert!(message.starts_with(&file.display().to_string()) && message.contains(reason), "{message}");
@@ -88,13 +89,118 @@ fn errors_say_what_is_wrong_with_which_file() {
     assert!(!svg.exists());
 
     for out in ["figure.pdf", "figure"] {
-        let error = plot(std::slice::from_ref(&good), Path::new(out)).unwrap_err();
+        let error = plot(std::slice::from_ref(&good), Path::new(out), None).unwrap_err();
         assert!(matches!(error, Error::Usage(_)));
         let message = error.to_string();
         assert!(message.contains(".svg") && message.contains(".png"), "{message}");
     }
     for name in ["no/figure.svg", "no/figure.png"] {
-        let error = plot(std::slice::from_ref(&good), &folder.path().join(name)).unwrap_err();
+        let error = plot(std::slice::from_ref(&good), &folder.path().join(name), None).unwrap_err();
         assert_eq!(error.status(), 4);
     }
+}
+
+/// A result of 100 steps with a probe, whose components are 1, 2 and 3 times the number of the step.
+fn probed(folder: &Path) -> PathBuf {
+    let path = folder.join("probed.h5");
+    let names = ["edge".to_owned()];
+    let mut writer = SeriesWriter::with_probes(&path, &provenance("Plate", None), &names).unwrap();
+    for n in 0..100 {
+        let values = [1.0, 2.0, 3.0].map(|factor| factor * n as f64);
+        let read = Probe { displacement: values, velocity: values, principal_stress: values };
+        writer.push_read(&step(n), vec![read]).unwrap();
+    }
+    writer.finish(&COST, true).unwrap();
+    path
+}
+
+#[test]
+fn every_quantity_has_its_unit_and_its_components() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let file = probed(folder.path());
+    let out = folder.path().join("figure.svg");
+    let energies =
+        ["kinetic", "elastic", "support", "impactor", "contact", "dissipated", "external", "numerical", "total"];
+    for (name, axis, parts) in [
+        ("acceleration", "acceleration of the impactor (m/s\u{b2})", &[][..]),
+        ("velocity", "velocity of the impactor (m/s)", &[]),
+        ("position", "position of the impactor (m)", &[]),
+        ("force", "contact force (N)", &[]),
+        ("indentation", "indentation (m)", &[]),
+        ("deflection", "deflection under the impactor (m)", &[]),
+        ("contact/force", "contact force (N)", &[]),
+        ("/series/energy/total", "total energy (J)", &[]),
+        ("energy", "energy (J)", &energies),
+        ("probe/edge/displacement", "displacement at probe edge (m)", &["x", "y", "z"]),
+        ("probe/edge/velocity", "velocity at probe edge (m/s)", &["x", "y", "z"]),
+        ("probe/edge/principal_stress", "principal stress at probe edge (Pa)", &["largest", "middle", "smallest"]),
+    ] {
+        plot(std::slice::from_ref(&file), &out, Some(name)).unwrap();
+        let svg = fs::read_to_string(&out).unwrap();
+        let texts: Vec<&str> = svg.split("</text>").filter_map(|text| text.rsplit('>').next()).map(str::trim).collect();
+        assert!(texts.contains(&axis), "{name}: {texts:?}");
+        // Components have the legend, and the run's title is above it.
+        let legend = if parts.is_empty() { vec!["Plate"] } else { [&["Plate"], parts].concat() };
+        assert_eq!(texts[..legend.len()], legend, "{name}");
+        // Two points in the legend, more in the plot; so many curves that they are dashed have other pieces.
+        let lines = svg.split("<polyline").skip(1).map(|line| line.split("/>").next().unwrap().matches(',').count());
+        assert!(parts.len() > 5 || lines.filter(|points| *points > 10).count() == parts.len().max(1), "{name}");
+    }
+    // The components are the columns: the second is twice the first.
+    let found = ricochet::record::quantity::quantity(&file, "probe/edge/displacement").unwrap();
+    assert_eq!((found.time.len(), found.parts.len()), (100, 3));
+    for (part, factor) in found.parts.iter().zip([1.0, 2.0, 3.0]) {
+        assert!(part.values.iter().enumerate().all(|(n, value)| *value == factor * n as f64), "{}", part.name);
+    }
+}
+
+#[test]
+fn two_runs_have_the_components_of_each() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let files = [probed(folder.path()), result(folder.path(), "other.h5", "other")];
+    let out = folder.path().join("figure.svg");
+    plot(&files, &out, Some("energy")).unwrap();
+    let svg = fs::read_to_string(&out).unwrap();
+    assert!(svg.contains("Plate: kinetic") && svg.contains("other: total"));
+    // The second run has no probe.
+    let error = plot(&files, &out, Some("probe/edge/velocity")).unwrap_err().to_string();
+    assert!(error.contains("other.h5 has acceleration, ") && !error.contains("probe/edge/velocity, "), "{error}");
+}
+
+#[test]
+fn an_unknown_quantity_is_refused_with_those_there_are() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let file = probed(folder.path());
+    let out = folder.path().join("figure.svg");
+    for name in ["forces", "", "/", "time", "impactor", "probe/edge", "probe/edge/stress", "../contacts/start"] {
+        let error = plot(std::slice::from_ref(&file), &out, Some(name)).unwrap_err();
+        assert!(matches!(error, Error::Usage(_)), "{name}: {error}");
+        let message = error.to_string();
+        for there in ["deflection, energy, energy/kinetic", "probe/edge/principal_stress"] {
+            assert!(message.contains(there), "{name}: {message}");
+        }
+    }
+    assert!(!out.exists());
+}
+
+/// A bitmap has no other font for what DejaVu Sans lacks: no boxes, which are the glyph of all that is missing. An SVG keeps the text.
+#[test]
+fn letters_that_the_font_lacks_are_no_boxes() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let png = |title: &str| {
+        let file = result(folder.path(), "title.h5", title);
+        let out = folder.path().join("figure.png");
+        plot(&[file], &out, None).unwrap();
+        fs::read(&out).unwrap()
+    };
+    assert!(png("\u{5e73}\u{677f} \u{1f389} \u{ff21}") == png("?? ? A"));
+    assert!(png("\u{41f}\u{3bb}") != png("??"));
+    let file = result(folder.path(), "title.h5", "\u{5e73}\u{677f}");
+    let out = folder.path().join("figure.svg");
+    plot(&[file], &out, None).unwrap();
+    assert!(fs::read_to_string(&out).unwrap().contains("\u{5e73}\u{677f}"));
 }

@@ -31,7 +31,7 @@ impl Drawing for Curve {
         let peak = self.members.iter().map(|member| member.peak).fold(0.0, f64::max);
         let contacts = || self.members.iter().flat_map(|member| &member.contacts);
         let end = 1e3 * contacts().map(|contact| contact.1).fold(0.0, f64::max);
-        let force = contacts().map(|contact| contact.2).fold(0.0, f64::max);
+        let forces = Scale::of_colours(contacts().map(|contact| contact.2), true);
         let (peaks, times) = (Axis::spanning(0.0, 1.02 * peak), Axis::spanning(0.0, end));
         let widest =
             |axis: &Axis| axis.ticks().iter().map(|(_, label)| canvas.text_width(label, LETTERS)).fold(0.0, f64::max);
@@ -54,12 +54,11 @@ impl Drawing for Curve {
         self.draw_peaks(canvas, &upper)?;
         for member in &self.members {
             if let Some(cell) = values.iter().position(|value| *value == member.value).map(|n| cells[n]) {
-                member.draw_contacts(canvas, &lower, cell, force)?;
+                member.draw_contacts(canvas, &lower, cell, &forces)?;
             }
         }
         upper.draw_axes(canvas, false)?;
         lower.draw_axes(canvas, true)?;
-        let forces = Scale::new(0.0, force.max(1e-300), false);
         let title = format!("peak force of the contact ({})", forces.unit("N"));
         draw_bar(canvas, (RIGHT + 34.0, MIDDLE + GAP, BOTTOM), &forces, colour, &title)?;
         let upwards = |title: String, frame: &Frame| {
@@ -94,7 +93,7 @@ impl Member {
         canvas: &Canvas<DB>,
         frame: &Frame,
         cell: (f64, f64),
-        most: f64,
+        forces: &Scale,
     ) -> Drawn {
         let (left, right) = (frame.at_x(cell.0), frame.at_x(cell.1));
         // Space between wide bars; thin ones would vanish in it.
@@ -102,13 +101,13 @@ impl Member {
         for (start, end, force) in &self.contacts {
             let (bottom, top) = (frame.at_y(1e3 * start), frame.at_y(1e3 * end));
             let corners = ((left + space, top.min(bottom - 1.5)), ((right - space).max(left + space + 1.0), bottom));
-            canvas.rectangle(corners.0, corners.1, colour(force / most))?;
+            canvas.rectangle(corners.0, corners.1, colour(forces.place(*force)))?;
         }
         Ok(())
     }
 }
 
-/// The colour of a contact by its part of the largest force: the weakest is seen on white too.
-fn colour(part: f64) -> RGBColor {
-    shade(0.15 + 0.85 * part)
+/// The colour of a contact by the place of its force on the scale: the weakest is seen on white too.
+fn colour(place: f64) -> RGBColor {
+    shade(0.15 + 0.85 * place.clamp(0.0, 1.0))
 }

@@ -32,10 +32,7 @@ impl Drawing for Field {
             .fold(0.0, f64::max);
         let frame = Frame { left: LEFT + widest, right: RIGHT, top: TOP, bottom: BOTTOM, x, y };
         let numbers = || self.members.iter().map(|member| member.1).filter(|peak| peak.is_finite());
-        let (low, high) = (numbers().fold(f64::INFINITY, f64::min), numbers().fold(f64::NEG_INFINITY, f64::max));
-        // All alike: a scale around them.
-        let colours =
-            if high > low { Scale::new(low, high, false) } else { Scale::new(0.0, 2.0 * high.max(1e-300), false) };
+        let colours = Scale::of_colours(numbers(), false);
 
         canvas.text(&self.title, (0.5 * (frame.left + RIGHT), TITLE), LETTERS, Anchor::Centre)?;
         for ([value_x, value_y], peak) in &self.members {

@@ -83,13 +83,12 @@ pub fn summary(title: &str, points: &[Point], reference: &Reference, left_out: &
 fn row(points: &[Point], level: f64, floor: f64) -> Vec<String> {
     let none = || "–".to_owned();
     let best = best(points, level);
-    // `auto` is one of the others under another name.
-    let own: Vec<_> = best.iter().filter(|point| !point.is_foreign && point.auto.is_none()).collect();
-    let Some(first) = own.first().filter(|_| floor.is_nan() || level >= floor) else {
+    let Some(first) = best.first().filter(|_| floor.is_nan() || level >= floor) else {
         return [per_cent(level)].into_iter().chain((0..8).map(|_| none())).collect();
     };
     let slower = |seconds: f64| format!("{:.1}", seconds / first.total());
-    let next = own.get(1);
+    // `auto` is one of the others under another name, and peers have a column of their own.
+    let next = best.iter().skip(1).find(|point| !point.is_foreign && point.auto.is_none());
     let auto = points.iter().find(|point| point.auto.is_some_and(|tolerance| (tolerance / level - 1.0).abs() < 1e-6));
     let peer = best.iter().find(|point| point.is_foreign);
     vec![
@@ -105,7 +104,8 @@ fn row(points: &[Point], level: f64, floor: f64) -> Vec<String> {
             format!("{}, error {:.1e}{missed}", seconds(auto.total()), auto.errors.acceleration.first)
         }),
         peer.map_or_else(none, |peer| {
-            format!("{}: {}, {} times slower", peer.method, seconds(peer.total()), slower(peer.total()))
+            let time = format!("{}: {}", peer.method, seconds(peer.total()));
+            if first.is_foreign { time } else { format!("{time}, {} times slower", slower(peer.total())) }
         }),
     ]
 }
@@ -135,13 +135,36 @@ mod tests {
     use super::*;
     use crate::study::history::History;
 
+    fn reference() -> Reference {
+        let agreement = Difference { first: 1e-5, whole: 2e-5 };
+        Reference { setting: "finest".into(), history: History::default(), agreement }
+    }
+
+    /// Whoever it is: `auto`, or another program.
+    #[test]
+    fn nobody_is_quicker_than_the_quickest() {
+        let mut auto = point("auto", 0.01, 5e-3);
+        auto.auto = Some(1e-1);
+        let own = [auto, point("mindlin", 0.02, 4e-3)];
+        let text = summary("plate", &own, &reference(), &[]);
+        assert!(
+            text.contains("| 1% | auto | t=0.01 | 10.0 ms | 5.0e-3 | mindlin | 2.0 | \u{2013} | \u{2013} |"),
+            "{text}"
+        );
+        let with_peer = [own[0].clone(), own[1].clone(), point("peer", 0.005, 9e-3)];
+        let text = summary("plate", &with_peer, &reference(), &[]);
+        assert!(
+            text.contains("| 1% | peer | t=0.005 | 5.0 ms | 9.0e-3 | mindlin | 4.0 | \u{2013} | peer: 5.0 ms |"),
+            "{text}"
+        );
+    }
+
     #[test]
     fn the_gist_says_who_wins_and_by_how_much() {
         let mut auto = point("auto", 0.03, 5e-3);
         auto.auto = Some(1e-2);
         let points = [auto, point("mindlin", 0.02, 4e-3), point("solid", 0.5, 2e-4), point("peer", 4.0, 9e-3)];
-        let agreement = Difference { first: 1e-5, whole: 2e-5 };
-        let reference = Reference { setting: "finest".into(), history: History::default(), agreement };
+        let reference = reference();
         let text = summary("plate", &points, &reference, &["dear: too long".into()]);
         assert!(text.contains("| 1% | mindlin | t=0.02 | 20.0 ms | 4.0e-3 | solid | 25.0 | 30.0 ms, error 5.0e-3 | peer: 4.0 s, 200.0 times slower |"), "{text}");
         assert!(text.contains("| 0.1% | solid | t=0.5 | 500 ms | 2.0e-4 | – | – | – | – |"), "{text}");

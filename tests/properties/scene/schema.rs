@@ -18,7 +18,7 @@ fn keys<'a>(root: &'a Value, table: &'a Value, path: &str, into: &mut Vec<(Strin
         let entry = if value["items"]["$ref"].is_string() { &value["items"] } else { value };
         if resolved(entry)["properties"].is_object() {
             keys(root, entry, &path, into);
-            if entry as *const Value != value as *const Value && path.contains('.') {
+            if !std::ptr::eq(entry, value) && path.contains('.') {
                 into.push((path, value));
             }
         } else {

@@ -1,0 +1,61 @@
+//! Which letters the font has, and what stands for those that it has not.
+
+use ab_glyph::{Font, FontRef};
+use unicode_normalization::UnicodeNormalization;
+
+/// The letters of DejaVu Sans: Latin, Greek, Cyrillic, Arabic and signs, but no Chinese or Japanese, and few emoji.
+pub(super) struct Letters(FontRef<'static>);
+
+impl Letters {
+    /// Reads the font.
+    pub fn new() -> std::result::Result<Self, String> {
+        FontRef::try_from_slice(dejavu::sans::regular()).map(Self).map_err(|_| "the font cannot be read".to_owned())
+    }
+
+    fn has(&self, letter: char) -> bool {
+        self.0.glyph_id(letter).0 != 0
+    }
+
+    /// The text in letters that the font has: each other one as its compatible plain letters (NFKD), or as `missing`.
+    pub fn plain(&self, text: &str, missing: char) -> String {
+        let mut plain = String::new();
+        for letter in one_line(text).nfc() {
+            let decomposed = || std::iter::once(letter).nfkd();
+            match letter {
+                // What joins or selects the forms of other letters is not seen itself.
+                '\u{200d}' | '\u{fe00}'..='\u{fe0f}' => {}
+                letter if self.has(letter) => plain.push(letter),
+                _ if decomposed().all(|part| self.has(part)) => plain.extend(decomposed()),
+                _ => plain.push(missing),
+            }
+        }
+        plain
+    }
+}
+
+/// The text with a space in the place of each control character.
+pub(super) fn one_line(text: &str) -> String {
+    text.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn letters_that_the_font_lacks_are_replaced() {
+        let letters = Letters::new().unwrap();
+        for (text, plain) in [
+            ("Plate, 0.5 m²: Δt → 0", "Plate, 0.5 m²: Δt → 0"),
+            ("Платформа, πλάκα, żółw", "Платформа, πλάκα, żółw"),
+            // Composed where it can be: the font's accents alone are not placed over letters.
+            ("e\u{301}", "é"),
+            ("平板 🎉 ok", "?? ? ok"),
+            // Full-width letters, a unit in one sign, and a scientist of three code points.
+            ("ＡＢ ㎏ \u{1f469}\u{200d}\u{1f52c}", "AB kg ??"),
+            ("two\nlines", "two lines"),
+        ] {
+            assert_eq!(letters.plain(text, '?'), plain);
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! Any series of a result, read back for a figure.
+
+use crate::error::{Error, Result};
+use crate::record::columns::SERIES;
+use crate::record::provenance::text;
+use crate::record::read::{column, contacts, not_result, open};
+use hdf5_metno as hdf5;
+use std::path::Path;
+
+/// A quantity over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quantity {
+    /// Title of the scene; may be empty.
+    pub title: String,
+    /// What it is called.
+    pub label: String,
+    /// Its unit, as the file has it.
+    pub units: String,
+    /// Time of each row, s.
+    pub time: Vec<f64>,
+    /// One, or some components.
+    pub parts: Vec<Part>,
+    /// Start and end of each contact episode, s.
+    pub contacts: Vec<(f64, f64)>,
+}
+
+/// A component of a quantity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// Its name; empty where it is the only one.
+    pub name: String,
+    /// Its value in each row.
+    pub values: Vec<f64>,
+}
+
+/// A name for a dataset.
+struct Named {
+    name: &'static str,
+    /// Below `/series`.
+    dataset: &'static str,
+    label: &'static str,
+}
+
+const NAMES: [Named; 6] = [
+    named("acceleration", "impactor/acceleration", "acceleration of the impactor"),
+    named("velocity", "impactor/velocity", "velocity of the impactor"),
+    named("position", "impactor/position", "position of the impactor"),
+    named("force", "contact/force", "contact force"),
+    named("indentation", "contact/indentation", "indentation"),
+    named("deflection", "contact/surface_displacement", "deflection under the impactor"),
+];
+
+const fn named(name: &'static str, dataset: &'static str, label: &'static str) -> Named {
+    Named { name, dataset, label }
+}
+
+/// The name of all energies together.
+const ENERGY: &str = "energy";
+
+/// Reads a quantity of the result `path`: by a name as `force`, or by that of a dataset below `/series`. After a kill, datasets may differ in
+/// length by one flush: the rows are those that all have.
+///
+/// # Errors
+/// [`Error::Usage`] with what there is, where the result has no such quantity; [`Error::Io`] as [`super::read::history`].
+pub fn quantity(path: &Path, name: &str) -> Result<Quantity> {
+    let file = open(path)?;
+    let mut time = column(&file, path, "series/time")?;
+    let contacts = contacts(&file, path)?;
+    let title = text(&file, "title").map_err(|_| not_result(path, "it has no title"))?;
+    let short = name.trim_start_matches('/');
+    let short = short.strip_prefix("series/").unwrap_or(short);
+    let known = NAMES.iter().find(|named| named.name == short || named.dataset == short);
+    let dataset_name = known.map_or(short, |named| named.dataset);
+    let (label, datasets) = if short == ENERGY {
+        let prefix = format!("series/{ENERGY}/");
+        let parts = SERIES.iter().filter_map(|column| column.path.strip_prefix(&prefix)).map(|part| {
+            let dataset = series_dataset(&file, &format!("{ENERGY}/{part}"));
+            dataset.map(|dataset| (part.to_owned(), dataset))
+        });
+        (ENERGY.to_owned(), parts.flatten().collect())
+    } else {
+        let label = known.map_or_else(|| label(short), |named| named.label.to_owned());
+        let dataset = series_dataset(&file, dataset_name).filter(|_| short != "time");
+        (label, dataset.into_iter().map(|dataset| (String::new(), dataset)).collect::<Vec<_>>())
+    };
+    let Some((_, first)) = datasets.first() else {
+        let there = there(&file).join(", ");
+        return Err(Error::Usage(format!("--quantity {name}: {} has {there}", path.display())));
+    };
+    let units = text(first, "units").unwrap_or_default();
+    let mut parts = Vec::new();
+    for (name, dataset) in &datasets {
+        let values = dataset.read_raw::<f64>();
+        let values = values.map_err(|e| not_result(path, &format!("{} cannot be read ({e})", dataset.name())))?;
+        match dataset.shape()[..] {
+            [_, columns] if columns > 0 => parts.extend((0..columns).map(|n| Part {
+                name: component(dataset_name, n),
+                values: values.iter().skip(n).step_by(columns).copied().collect(),
+            })),
+            _ => parts.push(Part { name: name.clone(), values }),
+        }
+    }
+    let rows = parts.iter().map(|part| part.values.len()).fold(time.len(), usize::min);
+    time.truncate(rows);
+    parts.iter_mut().for_each(|part| part.values.truncate(rows));
+    Ok(Quantity { title, label, units, time, parts, contacts })
+}
+
+/// A dataset below `/series` that is there.
+fn series_dataset(file: &hdf5::File, name: &str) -> Option<hdf5::Dataset> {
+    file.dataset(&format!("series/{name}")).ok()
+}
+
+/// What a dataset without a name of its own is called.
+fn label(dataset: &str) -> String {
+    match dataset.split('/').collect::<Vec<_>>()[..] {
+        [ENERGY, part] => format!("{part} energy"),
+        ["probe", name, what] => format!("{} at probe {name}", what.replace('_', " ")),
+        _ => dataset.to_owned(),
+    }
+}
+
+/// The name of a column of a dataset that has some.
+fn component(dataset: &str, column: usize) -> String {
+    let names = if dataset.ends_with("principal_stress") { ["largest", "middle", "smallest"] } else { ["x", "y", "z"] };
+    names.get(column).map_or_else(|| column.to_string(), |name| (*name).to_owned())
+}
+
+/// The quantities of a result, by their names.
+fn there(file: &hdf5::File) -> Vec<String> {
+    let is_there = |dataset: &str| series_dataset(file, dataset).is_some();
+    let mut there: Vec<String> =
+        NAMES.iter().filter(|named| is_there(named.dataset)).map(|named| named.name.to_owned()).collect();
+    let energies = SERIES.iter().filter_map(|column| column.path.strip_prefix("series/energy/"));
+    let energies: Vec<String> = energies.map(|part| format!("{ENERGY}/{part}")).filter(|name| is_there(name)).collect();
+    if !energies.is_empty() {
+        there.push(ENERGY.to_owned());
+    }
+    there.extend(energies);
+    let probes = file.group("series/probe").and_then(|group| group.member_names()).unwrap_or_default();
+    for probe in probes {
+        let group = file.group(&format!("series/probe/{probe}"));
+        let datasets = group.and_then(|group| group.member_names()).unwrap_or_default();
+        there.extend(datasets.into_iter().map(|dataset| format!("probe/{probe}/{dataset}")));
+    }
+    there
+}
