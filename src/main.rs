@@ -35,8 +35,8 @@ fn main() {
             conclude(None, cli::plot::plot(&plot.results, &plot.output, plot.quantity.as_deref()).map(|()| 0))
         }
         Command::Info(info) => conclude(None, cli::info::info(info).map(|()| 0)),
-        Command::Completions(completions) => conclude(None, Ok(cli::text::completions(completions)).map(|()| 0)),
-        Command::Schema => conclude(None, Ok(cli::text::schema()).map(|()| 0)),
+        Command::Completions(completions) => conclude(None, cli::text::completions(completions).map(|()| 0)),
+        Command::Schema => conclude(None, cli::text::schema().map(|()| 0)),
         Command::Man(man) => conclude(None, cli::text::man(man).map(|()| 0)),
         Command::Run(run) => under_petsc(&run.petsc, |session| cli::run::run(&session.world(), run)),
         Command::Stability(stability) => {

@@ -6,19 +6,27 @@ use crate::error::{Error, Result};
 use crate::record::folder::Folder;
 use crate::scene;
 
-use super::{Cli, Completions, Man, say};
+use super::{Cli, Completions, Man, check_said, say};
 
 /// Prints completions for a shell.
-pub fn completions(arguments: &Completions) {
+///
+/// # Errors
+/// [`Error::Io`] where they cannot be written.
+pub fn completions(arguments: &Completions) -> Result<()> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut Cli::command(), "ricochet", &mut script);
     say(format_args!("{}", String::from_utf8_lossy(&script).trim_end()));
+    check_said()
 }
 
 /// Prints the schema of scenes.
-pub fn schema() {
+///
+/// # Errors
+/// [`Error::Io`] where it cannot be written.
+pub fn schema() -> Result<()> {
     // A tree of texts: nothing here fails to be written.
     say(format_args!("{}", serde_json::to_string_pretty(&scene::schema()).unwrap_or_default()));
+    check_said()
 }
 
 /// Writes the manual: a page for the program and one for each command.
