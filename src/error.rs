@@ -39,6 +39,9 @@ pub enum Error {
     /// The result cannot be written, as all ranks know.
     #[error("{0}")]
     Output(String),
+    /// Writing a result has failed, as all ranks know. HDF5 must not be used any more.
+    #[error("{0}")]
+    Unwritten(String),
     /// A file could not be read or written.
     #[error("{}: {reason}", path.display())]
     Io {
@@ -65,7 +68,7 @@ impl Error {
             Self::Alone(error) => error.status(),
             Self::Usage(_) | Self::Scene(_) | Self::Fault(_) => 2,
             Self::Solve(_) | Self::Unstable(_) | Self::Petsc(_) => 3,
-            Self::Io { .. } | Self::Output(_) => 4,
+            Self::Io { .. } | Self::Output(_) | Self::Unwritten(_) => 4,
             Self::Interrupted => INTERRUPTED,
         }
     }
@@ -74,7 +77,7 @@ impl Error {
     pub fn is_everywhere(&self) -> bool {
         match self {
             Self::Usage(_) | Self::Scene(_) | Self::Solve(_) | Self::Unstable(_) | Self::Output(_) => true,
-            Self::Interrupted => true,
+            Self::Interrupted | Self::Unwritten(_) => true,
             Self::Fault(fault) => fault.everywhere,
             Self::Alone(_) | Self::Io { .. } | Self::Petsc(_) => false,
         }

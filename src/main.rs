@@ -95,12 +95,16 @@ fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
             if root {
                 tell(format_args!("{}", report.trim_end()));
             }
-            drop(error);
-            match session {
-                // After a failed write HDF5 crashes in its handler at exit.
-                Some(session) if status == 4 => session.leave(status),
-                session => drop(session),
+            if let (Some(session), Error::Unwritten(_)) = (&session, &error) {
+                if !root {
+                    // mpirun ends all when the first has gone, which is to be the one that tells why.
+                    std::thread::sleep(Duration::from_secs(2));
+                }
+                // After a failed write HDF5 crashes in its handler at exit, and so in MPI's end.
+                session.leave(status);
             }
+            drop(error);
+            drop(session);
             exit(status);
         }
     }

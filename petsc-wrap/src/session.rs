@@ -76,10 +76,9 @@ impl Session {
         self.0.universe.world().abort(status)
     }
 
-    /// Finalises PETSc and MPI, if this is the last handle, and ends the process without the handlers that libraries have set up for its
-    /// exit. Collective.
-    pub fn leave(self, status: i32) -> ! {
-        drop(self);
+    /// Ends this process at once: without finalising anything, and without the handlers that libraries have set up for its exit. All ranks
+    /// must do so.
+    pub fn leave(&self, status: i32) -> ! {
         // SAFETY: the process ends here; no handler and no destructor runs that could use what is in an unknown state.
         unsafe { libc::_exit(status) }
     }

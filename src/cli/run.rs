@@ -259,7 +259,7 @@ fn solve(
     }
     // First of all: an error of one rank alone must not wait for the others in a collective call.
     let flow = stepped?;
-    agree(comm, ended.map_err(|error| error.to_string())).map_err(Error::Output)?;
+    agree(comm, ended.map_err(|error| error.to_string())).map_err(Error::Unwritten)?;
     drop(impact);
     comm.collect_garbage()?;
     Ok(match flow {
@@ -304,7 +304,7 @@ impl Observer for Watch {
         let (interrupted, [late, failed]) = self.interrupt.poll(&self.comm, [is_late, written.is_err()]);
         if failed {
             // Rank 0 tells it, and all end in order.
-            return Err(Error::Output(written.err().map_or(String::new(), |error| error.to_string())));
+            return Err(Error::Unwritten(written.err().map_or(String::new(), |error| error.to_string())));
         }
         self.keeping.step(step, late);
         Ok(if interrupted { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
