@@ -151,7 +151,10 @@ fn header(file: &hdf5::File) -> hdf5::Result<Header> {
         ranks: number("ranks")?,
         keys: paths.iter().map(|path| key(file, path)).collect::<hdf5::Result<_>>()?,
         has_series: file.attr("series")?.read_scalar()?,
-        probes: file.attr("probes")?.read_raw::<VarLenUnicode>()?.iter().map(ToString::to_string).collect(),
+        probes: match file.attr("probes") {
+            Ok(names) => names.read_raw::<VarLenUnicode>()?.iter().map(ToString::to_string).collect(),
+            Err(_) => Vec::new(),
+        },
         shard,
     })
 }

@@ -272,7 +272,10 @@ fn begin(path: &Path, header: &Header) -> hdf5::Result<hdf5::File> {
     write_scalar(&file, "series", header.has_series)?;
     write_scalar(&file, "complete", false)?;
     let names = header.probes.iter().map(|name| word(name)).collect::<hdf5::Result<Vec<_>>>()?;
-    file.new_attr::<VarLenUnicode>().shape(names.len()).create("probes")?.write(&names)?;
+    // HDF5 has no attributes of no values.
+    if !names.is_empty() {
+        file.new_attr::<VarLenUnicode>().shape(names.len()).create("probes")?.write(&names)?;
+    }
     if let Some((i, n)) = header.shard {
         file.new_attr::<u64>().shape(2).create("shard")?.write(&[i as u64, n as u64])?;
     }
