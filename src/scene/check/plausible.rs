@@ -10,6 +10,10 @@ const LONGEST: f64 = 1e8;
 /// Waves in the softest foams are faster, m/s.
 const SLOWEST: f64 = 10.0;
 
+/// Radius of the contact on a half-space over the longest edge of the body. Soft contacts of small bodies come to some hundred; what is above
+/// is off by powers of ten.
+const LARGEST: f64 = 1e3;
+
 /// A speed, an extent and an end that an impact can have.
 ///
 /// # Errors
@@ -30,7 +34,7 @@ pub(super) fn check(source: &Source, body: &Body, impactor: &Impactor, end: f64)
     }
     if let Geometry::Box { size, .. } = &body.geometry {
         let edge = size.iter().copied().fold(0.0, f64::max);
-        if radius(impactor) > edge {
+        if radius(impactor) > LARGEST * edge {
             let key = culprit(body, impactor, edge, size.iter().product::<f64>());
             let message = format!(
                 "on a half-space the contact would have a radius of {:.3e} m, and the longest edge of the body is {} m",
@@ -61,7 +65,7 @@ fn radius(impactor: &Impactor) -> f64 {
 /// The key whose value, replaced by an ordinary one, makes the contact smaller than the body.
 fn culprit(body: &Body, impactor: &Impactor, edge: f64, volume: f64) -> &'static str {
     let heavy = Impactor { mass: impactor.mass.min(body.density * volume), ..impactor.clone() };
-    if radius(&heavy) <= edge {
+    if radius(&heavy) <= LARGEST * edge {
         return "impactor.mass";
     }
     // k0 goes with the root of R.
@@ -71,5 +75,5 @@ fn culprit(body: &Body, impactor: &Impactor, edge: f64, volume: f64) -> &'static
         stiffness: impactor.stiffness * (small / impactor.radius).sqrt(),
         ..impactor.clone()
     };
-    if radius(&blunt) <= edge { "impactor.radius" } else { "body.size" }
+    if radius(&blunt) <= LARGEST * edge { "impactor.radius" } else { "body.size" }
 }
