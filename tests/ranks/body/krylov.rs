@@ -23,7 +23,7 @@ fn body(session: &Session, damping: f64) -> Body {
 }
 
 fn grown(body: &Body, vectors: usize) -> Krylov {
-    let mut krylov = Krylov::new(body, 3e5).unwrap();
+    let mut krylov = Krylov::new(body, 1e4).unwrap();
     krylov.grow(body, vectors).unwrap();
     krylov
 }
