@@ -41,17 +41,17 @@ const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("RICOCHET_CO
 
 /// Low-velocity impact on elastic plates and bodies.
 ///
-/// Runs alone or under mpirun; docs/scene.md describes scenes, docs/results.md results.
+/// Start with `ricochet check SCENE.toml`, then `ricochet run SCENE.toml` and `ricochet plot RESULT.h5 -o FIGURE.png`. Runs alone or under mpirun.
 #[derive(Debug, Parser)]
 #[command(version = VERSION, about, max_term_width = 100)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
-    /// Say more on standard error; twice for all
+    /// Print more on standard error; -vv for debug output
     #[arg(short, long, global = true, action = ArgAction::Count)]
     pub verbose: u8,
-    /// Say nothing on standard error but warnings and errors
+    /// Print only warnings and errors on standard error
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     pub quiet: bool,
 }
@@ -75,7 +75,7 @@ pub enum Command {
     Sweep(Sweep),
     /// Print a script that completes commands and options in a shell
     Completions(Completions),
-    /// Print a JSON schema of scenes, by which editors check one while it is typed
+    /// Print a JSON schema of scenes, for editors that check them
     Schema,
     /// Write the manual's pages
     Man(Man),
@@ -101,16 +101,17 @@ pub struct Man {
 pub struct Run {
     /// Scene file (TOML), - for standard input, or a result, whose scene is run again
     pub scene: PathBuf,
-    /// Result file; by default the scene's name with the ending .h5, in the current folder
+    /// Result file, overwritten if it is an earlier run; by default the scene's name with the ending .h5 in the current folder. Required for
+    /// standard input or a result
     #[arg(short, long, value_name = "OUT.h5")]
     pub output: Option<PathBuf>,
-    /// Continue the run whose result this is, from the checkpoint beside it
+    /// Continue the interrupted run of this result from the checkpoint beside it; in modal coordinates it begins again
     #[arg(long, value_name = "OUT.h5")]
     pub restart: Option<PathBuf>,
-    /// Replace an interrupted run that could be continued; compute a scene whose estimated error is above half of the peak
+    /// Overwrite an interrupted run that has a checkpoint, and run even if the estimated error exceeds half of the peak
     #[arg(long)]
     pub force: bool,
-    /// Override a key of the scene by its dotted path, e.g. time.step=1e-6 or support.0.stiffness=1e9
+    /// Override a key of the scene, such as time.step=1e-6 or support.0.stiffness=1e9 (entries count from 0; repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
     pub overrides: Vec<String>,
     /// Options for PETSc, unchanged, e.g. -- -log_view -snes_monitor
@@ -123,13 +124,13 @@ pub struct Run {
 pub struct Check {
     /// Scene file (TOML), - for standard input
     pub scene: PathBuf,
-    /// Make the model and estimate its errors also where that takes more than a few seconds
+    /// Build the model and estimate its errors, however long it takes
     #[arg(long)]
     pub full: bool,
     /// Print the facts as one JSON object
     #[arg(long)]
     pub json: bool,
-    /// Override a key of the scene by its dotted path
+    /// Override a key of the scene, such as time.step=1e-6 or support.0.stiffness=1e9 (entries count from 0; repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
     pub overrides: Vec<String>,
     /// Options for PETSc, unchanged
@@ -177,7 +178,7 @@ pub struct Stability {
     /// About how long the runs may take, after the references that they are measured by, s: the finest steps are left out; by default none
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     pub budget: Option<f64>,
-    /// Override a key of the scene by its dotted path
+    /// Override a key of the scene, such as time.step=1e-6 or support.0.stiffness=1e9 (entries count from 0; repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
     pub overrides: Vec<String>,
     /// Options for PETSc, unchanged
@@ -205,7 +206,7 @@ pub struct Sweep {
     /// Keep the series of every member, as a run has them
     #[arg(long)]
     pub series: bool,
-    /// Compute every n-th member from the i-th on into a part OUT.i-of-n.h5; a sweep without --shard takes the parts over
+    /// Compute only part i of n (members i, i+n, i+2n, …) and write OUT.i-of-n.h5; a sweep without --shard merges the parts
     #[arg(long, value_name = "i/n")]
     pub shard: Option<Shard>,
     /// Options for PETSc, unchanged
@@ -221,7 +222,7 @@ pub struct Chart {
     /// Folder for work-precision.csv, .svg, .png and summary.md, and for the runs, which are not done again; made where it is missing
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
-    /// Methods to chart, by words of their names as mindlin, solid/newmark or auto; all by default
+    /// Methods to include, separated by commas, such as mindlin,solid/newmark,auto; default: all
     #[arg(long, value_name = "METHOD", value_delimiter = ',')]
     pub only: Vec<String>,
     /// About how long the runs may take, and the references as long again, s
@@ -233,7 +234,7 @@ pub struct Chart {
     /// Table of other programs' runs: name, setting, seconds (or build and run), error (or series)
     #[arg(long = "with", value_name = "FILE.csv")]
     pub with: Vec<PathBuf>,
-    /// Override a key of the scene by its dotted path
+    /// Override a key of the scene, such as time.step=1e-6 or support.0.stiffness=1e9 (entries count from 0; repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
     pub overrides: Vec<String>,
     /// Options for PETSc, unchanged
