@@ -65,7 +65,7 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
             if !is_continued && !arguments.force {
                 check_not_interrupted(&output)?;
             }
-            if given.is_none() {
+            if given.is_none() && !arguments.force {
                 check_own(&output, source.folder())?;
             }
             if scene.output.fields.is_some() {
@@ -118,7 +118,8 @@ fn check_own(output: &Path, folder: &Path) -> Result<()> {
         return Ok(());
     }
     let other = read::provenance(output)?.folder;
-    if is_same(Path::new(&other), &Path::new(".").join(folder)) {
+    // A folder that was moved says nothing.
+    if !Path::new(&other).exists() || is_same(Path::new(&other), &Path::new(".").join(folder)) {
         return Ok(());
     }
     Err(Error::io(output, format!("holds the result of another scene, in {other}: -o names this one's result")))
@@ -140,18 +141,17 @@ fn solve(
     let follower = Follower::new(comm, interrupt.clone());
     let model = Model::watched(comm, scene, &follower)?;
     let modelled = begin.elapsed().as_secs_f64();
+    let mut poor = None;
     if let Some(Verdict { message, is_useless }) = verdict(&model, scene.tolerance) {
         if is_useless && !force {
             return Err(Error::Solve(format!(
                 "{message}: the result would be of no use. --force computes it all the same"
             )));
         }
-        if comm.is_root() {
-            tell(format_args!("warning: {message}"));
-        }
+        poor = Some(message);
     }
     let patch = model.dynamics.patch();
-    let linearity = Linearity::new(scene, patch.as_ref());
+    let linearity = Linearity::new(scene, model.theory, patch.as_ref());
     let of_geometry = notes::of_geometry(scene, model.measures.as_ref());
     let (described, reason, of_probes) = (describe_model(&model), model.reason.clone(), note_of_probes(&model));
     let is_factorised = model.dynamics.is_factorised_on_ranks();
@@ -164,6 +164,9 @@ fn solve(
     let assembled = begin.elapsed().as_secs_f64();
     tracing::info!(modelled, assembled, "ready");
     if comm.is_root() {
+        if let Some(message) = poor {
+            tell(format_args!("warning: {message}"));
+        }
         note(format_args!("{described}"));
         if let Some(reason) = reason {
             note(format_args!("{reason}"));
@@ -258,8 +261,14 @@ fn solve(
         }
     }
     // First of all: an error of one rank alone must not wait for the others in a collective call.
-    let flow = stepped?;
+    let is_alone = |error: &Error| !error.is_everywhere() || matches!(error, Error::Unwritten(_));
+    if stepped.as_ref().err().is_some_and(is_alone) {
+        return stepped.map(|_| 0);
+    }
+    let why = stepped.as_ref().err().map_or(String::new(), |error| format!(" (before that: {error})"));
+    let ended = ended.map_err(|error| Error::Output(format!("{error}{why}")));
     agree(comm, ended.map_err(|error| error.to_string())).map_err(Error::Unwritten)?;
+    let flow = stepped?;
     drop(impact);
     comm.collect_garbage()?;
     Ok(match flow {

@@ -48,7 +48,14 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     let theory = match (scene.body.model, todo_somewhere) {
         (Model::Auto, true) if !grid.varies("body.model") => {
             let follower = Follower::new(comm, interrupt.clone());
-            let theory = census.theory(comm, |index| Ok(task(arguments, &source, &grid, index)?.scene), &follower)?;
+            let found = census.theory(comm, |index| Ok(task(arguments, &source, &grid, index)?.scene), &follower);
+            if matches!(found, Err(Error::Interrupted)) {
+                if comm.is_root() {
+                    tell(format_args!("interrupted: members are missing; the same command computes them"));
+                }
+                return Ok(INTERRUPTED);
+            }
+            let theory = found?;
             if comm.is_root() {
                 note(format_args!("{} for all members", model::name(theory.0)));
             }

@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::contact::Patch;
 use crate::impact::step::Step;
-use crate::scene::{Geometry, Scene};
+use crate::scene::{Geometry, Load, Model, Scene, Support, SupportKind, Vec3};
 
 /// Deflection over the thickness above which the membrane forces are no longer small.
 const LARGE: f64 = 0.5;
@@ -28,10 +28,16 @@ pub struct Linearity {
 }
 
 impl Linearity {
-    /// Of a box hit on a face, or of a mesh with supports and a patch; `None` where no thickness is known, or no rigid motion.
-    pub fn new(scene: &Scene, patch: Option<&Patch>) -> Option<Self> {
+    /// Of a box hit on a face, or of a mesh with supports and a patch, by a theory that bends it; `None` where no thickness is known, or no
+    /// rigid motion: with loads on a free body, and where no support pulls back along the impact.
+    pub fn new(scene: &Scene, theory: Model, patch: Option<&Patch>) -> Option<Self> {
         let impactor = &scene.impactor;
         let is_free = scene.supports.is_empty();
+        let is_held = scene.supports.iter().any(|support| holds_along(support, impactor.direction));
+        let is_a_formula = matches!(theory, Model::HalfSpace | Model::InfinitePlate);
+        if is_a_formula || is_free && scene.load != Load::default() || !is_free && !is_held {
+            return None;
+        }
         let (thickness, mobility) = match (&scene.body.geometry, scene.struck_axis(), patch) {
             (Geometry::Box { size, .. }, Some(axis), _) => {
                 (size[axis], if is_free { mobility(scene, *size)? } else { 0.0 })
@@ -57,6 +63,16 @@ impl Linearity {
     pub fn excess(&self, deflection: f64) -> Option<f64> {
         Some(deflection / self.thickness).filter(|ratio| *ratio > LARGE)
     }
+}
+
+/// Whether a support holds the body against the impact in both ways.
+fn holds_along(support: &Support, direction: Vec3) -> bool {
+    let held = match support.kind {
+        SupportKind::Clamped { components } => components,
+        SupportKind::Elastic { stiffness } => stiffness.map(|k| k > 0.0),
+        SupportKind::Pad { .. } => return false,
+    };
+    held.iter().zip(direction).any(|(held, along)| *held && along != 0.0)
 }
 
 /// aᵀ(M⁻¹)a of a rigid box: 1/m + (r × d)·I⁻¹(r × d).

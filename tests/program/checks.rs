@@ -90,11 +90,28 @@ fn what_looks_wrong_with_a_mesh_is_warned_of() {
 }
 
 fn two_physical_volumes_are_refused() {
-    // In version 2.2 by the elements' first tags, in 4.1 by the groups of the volume.
+    // In version 2.2 by the elements' first tags, in 4.1 by the groups of the volumes, of which one may be in two.
     let by_elements = TWO.replace("3 5 2 3 1 5", "3 5 2 4 1 5");
     let modern = sample("block-tet41.msh");
     let volume = modern.lines().find(|line| line.contains(" 1 4 6 ")).unwrap();
-    let by_groups = modern.replacen(volume, &volume.replacen(" 1 4 6 ", " 2 4 7 6 ", 1), 1);
+    let in_two = modern.replacen(volume, &volume.replacen(" 1 4 6 ", " 2 4 7 6 ", 1), 1);
+    good(&with_mesh("side", "[0, 0, 0.5]", &in_two), 0, "check scene.toml");
+    // A second volume in a group of its own, which has the last element.
+    let other = volume.replacen("1 ", "2 ", 1).replacen(" 1 4 6 ", " 1 7 6 ", 1);
+    let mut lines: Vec<String> = modern.lines().map(str::to_owned).collect();
+    let at = |lines: &[String], start: &str| lines.iter().position(|line| line.starts_with(start)).unwrap();
+    let entities = at(&lines, "$Entities") + 1;
+    lines[entities] = lines[entities].replace(" 6 1", " 6 2");
+    let after = at(&lines, volume) + 1;
+    lines.insert(after, other);
+    let elements = at(&lines, "$Elements") + 1;
+    let (blocks, rest) = lines[elements].split_once(' ').unwrap();
+    lines[elements] = format!("{} {rest}", blocks.parse::<usize>().unwrap() + 1);
+    let cells = elements + at(&lines[elements..], "3 1 4 ");
+    let count: usize = lines[cells].rsplit(' ').next().unwrap().parse().unwrap();
+    lines[cells] = format!("3 1 4 {}", count - 1);
+    lines.insert(cells + count, "3 2 4 1".to_owned());
+    let by_groups = lines.join("\n") + "\n";
     for (mesh, surface, point) in [(by_elements, "top", "[0.5, 0.5, 2]"), (by_groups, "side", "[0, 0, 0.5]")] {
         let folder = with_mesh(surface, point, &mesh);
         for line in ["check scene.toml", "run scene.toml"] {

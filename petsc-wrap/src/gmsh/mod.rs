@@ -21,7 +21,7 @@ pub struct GmshMesh {
     pub plex: Plex,
     /// The physical surfaces that the file names, on every rank.
     pub surfaces: Vec<PhysicalSurface>,
-    /// How many physical groups of volumes the cells are in.
+    /// How many regions the cells are in that differ in their physical groups.
     pub volumes: usize,
     /// How many parts the cells make that share no node.
     pub parts: usize,

@@ -58,8 +58,8 @@ struct Walk<'a> {
     entities: [HashSet<i32>; 4],
     /// Physical groups of the geometric volumes (4.1), by the volumes' numbers.
     groups: HashMap<i32, Vec<i32>>,
-    /// Physical groups that cells are in.
-    volumes: BTreeSet<i32>,
+    /// The physical groups that cells are in, by region: a region may be in several.
+    volumes: BTreeSet<Vec<i32>>,
     nodes: Nodes,
 }
 
@@ -137,6 +137,8 @@ impl<'a> Walk<'a> {
                 }
                 let groups = (0..tags).map(|_| words.int()).collect::<Result<Vec<_>, _>>()?;
                 if dimension == 3 {
+                    // In any order.
+                    let groups = BTreeSet::from_iter(groups).into_iter().collect();
                     self.groups.insert(number, groups);
                 }
                 let bounds = if dimension == 0 { 0 } else { words.size()? };
@@ -232,7 +234,7 @@ impl<'a> Walk<'a> {
                 for tag in 0..tags + usize::from(self.words.binary) {
                     let group = self.words.int()?;
                     if dimension == 3 && tag == usize::from(self.words.binary) && group != 0 {
-                        self.volumes.insert(group);
+                        self.volumes.insert(vec![group]);
                     }
                 }
                 self.element(dimension, nodes, |words| Ok(words.int()?.try_into().unwrap_or(usize::MAX)))?;
@@ -257,7 +259,7 @@ impl<'a> Walk<'a> {
             sum += count;
             self.check_sum(sum, total, false)?;
             if dimension == 3 && count > 0 {
-                self.volumes.extend(self.groups.get(&number).into_iter().flatten());
+                self.volumes.extend(self.groups.get(&number).filter(|groups| !groups.is_empty()).cloned());
             }
             for _ in 0..count {
                 self.words.size()?;

@@ -7,6 +7,7 @@ mod text;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
+use mpi::traits::{Communicator, Root};
 use petsc_wrap::Comm;
 
 use crate::body::Body;
@@ -62,7 +63,8 @@ pub fn check(comm: &Comm, arguments: &Check) -> Result<()> {
 
 /// All that can be known of a scene before a deadline. Collective.
 fn report<'a>(comm: &Comm, scene: &'a Scene, deadline: Option<Instant>) -> Result<Report<'a>> {
-    let model = model(comm, scene, deadline)?;
+    let bytes = mesh_bytes(comm, scene);
+    let model = model(comm, scene, bytes, deadline)?;
     let mut report = Report {
         scene,
         model,
@@ -89,11 +91,7 @@ fn report<'a>(comm: &Comm, scene: &'a Scene, deadline: Option<Instant>) -> Resul
             }
         }
         Err(_) => {
-            let is_small = |path| std::fs::metadata(path).is_ok_and(|file| file.len() <= LARGEST_FILE);
-            // All ranks see the same file.
-            if let Geometry::Gmsh(path) = &scene.body.geometry
-                && is_small(path)
-            {
+            if bytes.is_some_and(|bytes| bytes <= LARGEST_FILE) {
                 report.measures = Some(Mesh::new(comm, &scene.body)?.measures());
             }
         }
@@ -111,12 +109,17 @@ fn report<'a>(comm: &Comm, scene: &'a Scene, deadline: Option<Instant>) -> Resul
 }
 
 /// The model, or why it was not made. Collective.
-fn model(comm: &Comm, scene: &Scene, deadline: Option<Instant>) -> Result<std::result::Result<Model, String>> {
+fn model(
+    comm: &Comm,
+    scene: &Scene,
+    bytes: Option<u64>,
+    deadline: Option<Instant>,
+) -> Result<std::result::Result<Model, String>> {
     let interrupt = Rc::new(Interrupt::on_signals());
     let mut follower = Follower::new(comm, interrupt.clone());
     if let Some(deadline) = deadline {
         follower = follower.until(deadline);
-        if let Some(size) = too_large(scene) {
+        if let Some(size) = too_large(scene, bytes) {
             return Ok(Err(format!("{size}, which takes more than a few seconds to look into: --full does it")));
         }
     }
@@ -131,12 +134,20 @@ fn model(comm: &Comm, scene: &Scene, deadline: Option<Instant>) -> Result<std::r
     }
 }
 
+/// Size of the mesh file as rank 0 sees it, which alone reads it; `None` without one. Collective.
+fn mesh_bytes(comm: &Comm, scene: &Scene) -> Option<u64> {
+    let Geometry::Gmsh(path) = &scene.body.geometry else { return None };
+    let mut bytes = if comm.is_root() { std::fs::metadata(path).map_or(0, |file| file.len()) } else { 0 };
+    comm.mpi().process_at_rank(0).broadcast_into(&mut bytes);
+    Some(bytes)
+}
+
 /// What makes a scene too large for a quick look.
-fn too_large(scene: &Scene) -> Option<String> {
+fn too_large(scene: &Scene, bytes: Option<u64>) -> Option<String> {
     match &scene.body.geometry {
-        Geometry::Gmsh(path) => {
-            let bytes = std::fs::metadata(path).map_or(0, |file| file.len());
-            (bytes > LARGEST_FILE).then(|| format!("a mesh file of {:.0} MB", 1e-6 * bytes as f64))
+        Geometry::Gmsh(_) => {
+            let large = bytes.filter(|bytes| *bytes > LARGEST_FILE);
+            large.map(|bytes| format!("a mesh file of {:.0} MB", 1e-6 * bytes as f64))
         }
         Geometry::Box { planes, is_given: true, .. } => {
             let nodes = |axis: usize| ((planes[axis].len() - 1) * scene.body.order + 1) as f64;

@@ -160,7 +160,8 @@ impl<'a> Bodies<'a> {
         }
     }
 
-    fn error_of_theory(&self, scene: &Scene) -> f64 {
+    /// The error of the theory that auto found for all; 0 where a scene names its own.
+    pub fn error_of_theory(&self, scene: &Scene) -> f64 {
         match (scene.body.model, self.theory) {
             (scene::Model::Auto, Some((_, error))) => error,
             _ => 0.0,

@@ -42,6 +42,7 @@ pub fn simulate(
             computed => computed,
         };
     }
+    let of_theory = bodies.error_of_theory(scene);
     let scene = &bodies.named(scene.clone());
     let model = match Model::watched(comm, scene, &Until(&*interrupted)) {
         Err(Error::Interrupted) => return Ok(None),
@@ -57,6 +58,6 @@ pub fn simulate(
         observe(step, reading.as_ref().map_or(&[], |reading| &reading.probes));
         Ok(if interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     })?;
-    let outcome = Computed { error_estimate: simulation.error().unwrap_or(f64::NAN), unknowns };
+    let outcome = Computed { error_estimate: simulation.error().map_or(f64::NAN, |error| error + of_theory), unknowns };
     Ok(flow.is_continue().then_some(outcome))
 }
