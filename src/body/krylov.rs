@@ -121,7 +121,7 @@ impl Krylov {
 
     fn add(&mut self, body: &Body) -> Result<()> {
         let Self { shift, solver, basis, auxiliary, work: [known, product], chains, turn, .. } = self;
-        let chains_count = chains.len();
+        let is_alone = chains.len() == 1;
         while chains[*turn].exhausted {
             *turn = (*turn + 1) % chains.len();
         }
@@ -152,7 +152,7 @@ impl Krylov {
                 companion.fill(0.0)?;
             }
         }
-        let is_tied = body.damping.is_none() && chains_count == 1 && basis.len() >= LONG;
+        let is_tied = body.damping.is_none() && is_alone && basis.len() >= LONG;
         // M-norms before and after, the latter by Pythagoras' theorem from that before the second, small correction.
         let (mut before, mut length) = (0.0_f64, 0.0);
         for pass in 0..2 {

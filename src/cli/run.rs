@@ -232,9 +232,8 @@ fn solve(
         // What was computed is kept, whatever ended the run; where nothing was, all is left as it is.
         let fields = recording.as_mut().filter(|_| complete || writer.has_begun());
         let recorded = fields.map_or(Ok(()), Recording::flush);
-        let finished = writer.finish(&cost, complete).and(recorded);
         // Where the run has failed already, that is what is told: a full disk fails the steps first and then the end.
-        ended = finished;
+        ended = writer.finish(&cost, complete).and(recorded);
         if let (Some(flow), Ok(())) = (flow, &ended) {
             // Of a file system that cannot be read at once, the run is as good.
             let extremes = extremes(output).ok().flatten();

@@ -5,7 +5,7 @@
 
 use petsc_wrap::Comm;
 
-use super::reduce::{Reduced, force, rate, reduce};
+use super::reduce::{Reduced, force, grow, rate, reduce};
 use super::theory::{Built, Operators, build};
 use super::watch::{Stage, Watch};
 use crate::body::gauge::Gauge;
@@ -147,12 +147,7 @@ fn on_coarser_cells(
     let body = built.body;
     watch.at(Stage::Factor)?;
     let mut krylov = Krylov::new(&body, rate(scene))?;
-    let vectors = fine.reduced.projection.vectors().min(SHORT);
-    while krylov.vectors() < vectors && !krylov.is_exhausted() {
-        watch.at(Stage::Basis { vectors: krylov.vectors(), judged: None })?;
-        krylov.grow(&body, krylov.vectors() + 1)?;
-    }
-    watch.at(Stage::Trial)?;
+    grow(&mut krylov, &body, fine.reduced.projection.vectors().min(SHORT), None, watch)?;
     let mut steps = fine.reduced.force.1;
     let trace = force(scene, &body, &krylov.projection(&body)?, &mut steps)?;
     drop((krylov, body));

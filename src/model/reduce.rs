@@ -78,11 +78,7 @@ pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> 
     let mut steps = None;
     let mut last: Option<Judged> = None;
     loop {
-        while krylov.vectors() < count && !krylov.is_exhausted() {
-            watch.at(Stage::Basis { vectors: krylov.vectors(), judged: last })?;
-            krylov.grow(body, krylov.vectors() + 1)?;
-        }
-        watch.at(Stage::Trial)?;
+        grow(&mut krylov, body, count, last, watch)?;
         let projection = krylov.projection(body)?;
         count = projection.vectors();
         let enough = count > MOST || (given.is_some() && !tried.is_empty());
@@ -126,6 +122,21 @@ pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> 
             _ => (GROWTH * count as f64).ceil() as usize,
         };
     }
+}
+
+/// Grows a basis to a number of vectors before somebody who may break it off. Collective.
+pub(super) fn grow(
+    krylov: &mut Krylov,
+    body: &Body,
+    vectors: usize,
+    judged: Option<Judged>,
+    watch: &dyn Watch,
+) -> Result<()> {
+    while krylov.vectors() < vectors && !krylov.is_exhausted() {
+        watch.at(Stage::Basis { vectors: krylov.vectors(), judged })?;
+        krylov.grow(body, krylov.vectors() + 1)?;
+    }
+    watch.at(Stage::Trial)
 }
 
 /// Half as many vectors more.

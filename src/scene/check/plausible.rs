@@ -14,8 +14,11 @@ const SLOWEST: f64 = 10.0;
 /// is off by powers of ten.
 const LARGEST: f64 = 1e3;
 
-/// Radius of the impactor over the longest edge of the body, above which the body is to blame.
+/// Radius of the impactor over the longest edge of the body from which the body is too small, and not the impactor too large.
 const SPECK: f64 = 1e4;
+
+/// Radius above which the impactor is to blame, m: flatter than any.
+const FLAT: f64 = 1e4;
 
 /// A speed, an extent and an end that an impact can have.
 ///
@@ -67,8 +70,7 @@ fn radius(impactor: &Impactor) -> f64 {
 
 /// The key whose value, replaced by an ordinary one, makes the contact smaller than the body.
 fn culprit(body: &Body, impactor: &Impactor, edge: f64, volume: f64) -> &'static str {
-    // (Where the impactor's radius is that of one.)
-    if SPECK * edge < impactor.radius && impactor.radius < SPECK {
+    if SPECK * edge < impactor.radius && impactor.radius < FLAT {
         return "body.size";
     }
     let heavy = Impactor { mass: impactor.mass.min(body.density * volume), ..impactor.clone() };
