@@ -87,17 +87,21 @@ fn a_kill_spoils_nothing() {
     let path = folder.path().join("s.h5");
     let many = "sweep scene.toml --vary support.0.stiffness=1e6..1e12:400 --log";
     good(&folder, 0, &format!("{many} -o whole.h5"));
-    let (whole, mut kept) = (content(&folder.path().join("whole.h5")), 0);
-    for writes in [0, 1] {
+    let whole = content(&folder.path().join("whole.h5"));
+    // Before the first members, and later and later until there are some: how many writes come before them is the machine's matter.
+    for writes in 0.. {
         let _ = std::fs::remove_file(&path);
         let mut started = begun(&folder, 0, many, writes);
         let _ = started.child.kill();
         started.wait(LIMIT);
-        kept = done(&path);
+        let kept = done(&path);
         good(&folder, 0, &format!("{many} -o s.h5"));
         assert_eq!(content(&path), whole);
+        if writes > 0 && kept > 0 {
+            break;
+        }
+        assert!(writes < 10, "what was written is there");
     }
-    assert!(kept > 0, "what was written is there");
 }
 
 fn another_sweep_is_not_continued() {
