@@ -8,7 +8,7 @@ use ricochet::body::{LinearContact, Lumped};
 use ricochet::scheme::{CentralDifference, critical_frequency};
 use ricochet::solve::linear::{Method, solver};
 
-pub const RANKS: &[usize] = &[1, 2, 3];
+pub const RANKS: &[usize] = &[1, 2];
 pub const TESTS: &[Test<Session>] = tests![lumped_sums, lowest_frequency_converges];
 /// On one rank: the step is the same on each.
 pub const ALONE: &[Test<Session>] = tests![measured_limit];

@@ -15,7 +15,7 @@ use ricochet::impact::Impact;
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
 
-pub const RANKS: &[usize] = &[1, 2, 3];
+pub const RANKS: &[usize] = &[1, 2];
 pub const TESTS: &[Test<Session>] =
     tests![entries_and_fields, the_same_on_all_numbers_of_ranks, points_and_directions_refused, newton_matrix];
 
