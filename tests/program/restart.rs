@@ -103,14 +103,16 @@ fn the_full_newton_goes_on_within_its_tolerance() {
 /// One rank, two, three and one again: nodes are known by where they lie.
 fn ranks_may_change() {
     let damper = "\n[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e8\ndamping = 1e4\n";
-    for settings in ["", "--set body.order=2 --set time.step=", "--set body.symmetry=auto"] {
+    for (settings, most) in [("", 3), ("--set body.order=2 --set time.step=", 2), ("--set body.symmetry=auto", 2)] {
         let folder = folder(&scene(damper).replace("end = 0.1", "end = 0.04"));
         good(&folder, 1, &format!("run scene.toml -o whole.h5 {settings}"));
         let line =
             |restart: &str| format!("run scene.toml -o out.h5 {restart} {settings} --set output.checkpoint_steps=200");
         interrupted(&folder, 1, &line(""), "USR1");
         interrupted(&folder, 2, &line("--restart out.h5"), "USR1");
-        interrupted(&folder, 3, &line("--restart out.h5"), "USR1");
+        if most > 2 {
+            interrupted(&folder, most, &line("--restart out.h5"), "USR1");
+        }
         good(&folder, 1, &line("--restart out.h5"));
         let apart = check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), RANKS);
         println!("ranks, {settings:?}: {apart:e} apart");

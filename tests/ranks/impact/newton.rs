@@ -8,7 +8,7 @@ use ricochet::error::Error;
 use ricochet::impact::Impact;
 use ricochet::scene::Scene;
 
-pub const RANKS: &[usize] = &[1, 2];
+pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![hard_cases, a_failure_tells_where];
 
 /// A hard case: what differs from a plain impact on a free plate.

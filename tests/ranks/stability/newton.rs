@@ -8,7 +8,7 @@ use petsc_wrap::{Comm, Session, options};
 use ricochet::error::Error;
 use ricochet::impact::step::Step;
 
-pub const RANKS: &[usize] = &[1, 2];
+pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![overshoot_across_the_touch];
 
 const SEARCH: &str = "-snes_linesearch_type";
