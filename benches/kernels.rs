@@ -3,8 +3,10 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use ricochet::description::Part;
 use ricochet::element::{Element, Shape};
-use ricochet::form::{Material, PadForms, SolidForms, SurfaceForms};
+use ricochet::form::{Foundation, Material, PadElement, SolidForms};
+use ricochet::space::finite_element::FacetRule;
 
 const GLASS: Material = Material { young: 70e9, poisson: 0.23, density: 2500. };
 
@@ -33,17 +35,18 @@ fn facets(c: &mut Criterion) {
         let x = vertices(shape);
         let n = Element::new(shape, 2).nodes();
         let mut out = vec![0.; 9 * n * n];
-        let mut surface = SurfaceForms::new(shape, 2);
+        let rule = FacetRule::new(shape, 2);
         c.bench_function(&format!("{name} spring"), |b| {
-            b.iter(|| surface.spring(black_box(&x), [1e9; 3], &mut out));
+            b.iter(|| rule.element(black_box(&x), &Part::All).spring([1e9; 3], &mut out));
         });
-        let mut pad = PadForms::new(shape, 2, [1e9; 3], [0., 0., -1.], [0.; 3]);
+        let foundation = Foundation { stiffness: [1e9; 3], normal: [0., 0., -1.], displacement: [0.; 3] };
+        let pad = PadElement::new(&rule.element(&x, &Part::All), &foundation);
         let u: Vec<f64> = (0..3 * n).map(|i| (i as f64).sin()).collect();
         c.bench_function(&format!("{name} pad residual"), |b| {
-            b.iter(|| pad.residual(black_box(&x), None, &u, &mut out[..3 * n]));
+            b.iter(|| pad.residual(None, black_box(&u), &mut out[..3 * n]));
         });
         c.bench_function(&format!("{name} pad tangent"), |b| {
-            b.iter(|| pad.tangent(black_box(&x), None, &u, &mut out));
+            b.iter(|| pad.tangent(None, black_box(&u), &mut out));
         });
     }
 }

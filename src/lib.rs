@@ -1,12 +1,13 @@
 //! ricochet: low-velocity impact on elastic plates and bodies.
 //!
-//! The data's way: [`scene`] → [`mesh`] → [`form`] (on [`element`]) → [`body`] → [`impact`] (with [`contact`] and
-//! [`scheme`]) → steps → [`record`].
+//! The data's way: [`scene`] → [`description`] → [`space`] (a [`mesh`], splines or a plate, by [`form`] on [`element`]) → [`body`] →
+//! [`impact`] (with [`contact`] and [`scheme`]) → steps → [`record`].
 
 pub mod agree;
 pub mod body;
 pub mod cli;
 pub mod contact;
+pub mod description;
 pub mod element;
 pub mod error;
 pub mod figure;
@@ -18,6 +19,7 @@ pub mod record;
 pub mod scene;
 pub mod scheme;
 pub mod solve;
+pub mod space;
 pub mod study;
 
 pub use error::{Error, Result};

@@ -21,7 +21,7 @@ pub struct Body {
     pub elastic: Matrix,
     /// M and K for products, with less memory traffic than the matrices themselves, which serve where there are none: entries by node,
     /// or an upper triangle.
-    pub(super) products: Option<[Matrix; 2]>,
+    pub(crate) products: Option<[Matrix; 2]>,
     /// K of the elastic supports (11), N/m.
     pub support: Option<Matrix>,
     /// C of the dampers (13), N s/m.
@@ -43,7 +43,7 @@ pub struct Body {
     /// How systems of its operators are solved.
     pub method: Method,
     /// The rigid motions, which multigrid needs to know of, where there are unknowns enough for that.
-    pub(super) rigid_motions: Option<NullSpace>,
+    pub(crate) rigid_motions: Option<NullSpace>,
     /// The body moved as a whole by one in the impactor's direction.
     pub translation: Vector,
     /// Numbers that look like independent normal deviates, the same on any number of ranks: where iterations start.

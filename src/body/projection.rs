@@ -45,6 +45,7 @@ impl Projection {
             elastic: of(&self.elastic),
             support: (self.support.amax() > 0.0).then(|| of(&self.support)),
             damping: self.damping.as_ref().map(of),
+            pads: Vec::new(),
             held: Vec::new(),
             load: self.load.as_slice().to_vec(),
             support_load: self.support_load.as_slice().to_vec(),

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::solve::Method;
 
 use super::deviates::normal;
-use super::{Body, Clamps};
+use super::{Body, Clamps, PadOnSurface, Pads};
 
 /// Entries of a matrix that a core's cache holds: half of them are multiplied no quicker, and take long to be picked.
 const CACHED: u64 = 100_000;
@@ -24,6 +24,8 @@ pub struct System {
     pub support: Option<CsrMatrix<f64>>,
     /// C of the dampers (13).
     pub damping: Option<CsrMatrix<f64>>,
+    /// One-sided supports (12).
+    pub pads: Vec<PadOnSurface>,
     /// Held unknowns and their values.
     pub held: Vec<(usize, f64)>,
     /// f of body forces and tractions.
@@ -61,10 +63,10 @@ impl Body {
         for (unknown, value) in &system.held {
             (free[*unknown], displacement[*unknown]) = (0.0, *value);
         }
-        let clamps = Clamps {
-            free: vector(&free)?,
-            displacement: vector(&displacement)?,
-            rows: (0..).zip(&free).filter(|(_, free)| **free == 0.0).map(|(i, _): (Int, _)| i).collect(),
+        let clamps = Clamps::new(vector(&free)?, vector(&displacement)?)?;
+        let pads = match &system.pads[..] {
+            [] => None,
+            pads => Some(Pads::new(alone, pads.to_vec(), &clamps)?),
         };
         let entries = (0..).zip(&system.localization).filter(|(_, a)| **a != 0.0).map(|(i, a)| (i, *a)).collect();
         let deviates: Vec<f64> = (0..count as u64).map(normal).collect();
@@ -78,7 +80,7 @@ impl Body {
             support: of_list(&system.support)?,
             damping: of_list(&system.damping)?,
             lumped: None,
-            pads: None,
+            pads,
             clamps,
             load: vector(&system.load)?,
             support_load: vector(&system.support_load)?,

@@ -6,8 +6,6 @@
 pub mod hertz;
 mod law;
 mod localization;
-mod patch;
-mod point;
 mod radius;
 pub mod zener;
 

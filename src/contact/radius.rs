@@ -61,7 +61,7 @@ impl Patch {
     }
 
     /// The largest of what thickness, cells and contact ask for.
-    pub(super) fn choose(thickness: f64, cell: f64, limit_radius: f64) -> Self {
+    pub(crate) fn choose(thickness: f64, cell: f64, limit_radius: f64) -> Self {
         let (mut radius, mut reason) = (OF_THICKNESS * thickness, Reason::Thickness);
         for (least, of) in [(CELLS * cell, Reason::Cells), (MARGIN * limit_radius, Reason::Contact)] {
             // A mesh made for a quarter of the thickness has it up to rounding.
@@ -73,7 +73,7 @@ impl Patch {
     }
 
     /// The same, as large as the surface has room for.
-    pub(super) fn cut_to(self, radius: f64) -> Self {
+    pub(crate) fn cut_to(self, radius: f64) -> Self {
         Self { radius, reason: Reason::Surface, ..self }
     }
 }

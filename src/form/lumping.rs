@@ -30,8 +30,10 @@ pub fn lump(matrix: &[f64], out: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::description::Part;
     use crate::element::{Element, Shape};
-    use crate::form::{Material, SolidForms, SurfaceForms};
+    use crate::form::{Material, SolidForms};
+    use crate::space::finite_element::FacetRule;
 
     const DENSITY: f64 = 3.;
 
@@ -116,16 +118,16 @@ mod tests {
         for shape in [Shape::Triangle, Shape::Quadrilateral] {
             for order in [1, 2] {
                 let x = distorted(shape);
-                let mut forms = SurfaceForms::new(shape, order);
-                let size = 3 * forms.nodes();
+                let facet = FacetRule::new(shape, order).element(&x, &Part::All);
+                let size = facet.unknowns;
                 let (mut block, mut lumped) = (vec![0.; size * size], vec![f64::NAN; size]);
                 let c = [2., 0., 5.];
-                forms.spring(&x, c, &mut block);
+                facet.spring(c, &mut block);
                 lump(&block, &mut lumped);
                 for (component, c) in c.into_iter().enumerate() {
                     let values = || lumped.iter().skip(component).step_by(3);
                     assert!(values().all(|value| if c == 0. { *value == 0. } else { *value > 0. }));
-                    assert!((values().sum::<f64>() - c * forms.area(&x)).abs() < 1e-13 * forms.area(&x));
+                    assert!((values().sum::<f64>() - c * facet.area()).abs() < 1e-13 * facet.area());
                 }
             }
         }

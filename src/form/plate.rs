@@ -2,6 +2,7 @@
 //!
 //! A point at the height z along w moves by z θ in the plane; Kirchhoff's θ is −∇w.
 
+use super::Material;
 use super::tensor::{Along, Part, Square};
 
 /// Over the whole plate.
@@ -24,6 +25,12 @@ pub struct Section {
 }
 
 impl Section {
+    /// Of a plate of a thickness, m.
+    pub fn new(thickness: f64, material: &Material) -> Self {
+        let Material { young, poisson, density } = *material;
+        Self { thickness, young, poisson, density }
+    }
+
     /// D = E h³ / (12 (1 − ν²)), N m.
     pub fn rigidity(&self) -> f64 {
         self.young * self.thickness.powi(3) / (12.0 * (1.0 - self.poisson * self.poisson))

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::polygon::{Line, angles, crossing, edges, is_seen};
 use crate::element::{Element, Inverse, Shape, adaptive};
 
 /// Nodes of a facet at most: the biquadratic quadrilateral's.
@@ -19,13 +20,6 @@ const TOLERANCE: f64 = 1e-13;
 /// and small ones alike.
 pub struct PressureForms {
     element: Element,
-}
-
-/// The line through an edge, seen from the disc's centre: inside the facet, normal·x ≥ offset. The same numbers but
-/// for the sign from both of the facets that share the edge.
-struct Line {
-    normal: [f64; 2],
-    offset: f64,
 }
 
 impl PressureForms {
@@ -66,61 +60,6 @@ impl PressureForms {
             }
         }
     }
-}
-
-impl Line {
-    /// None where the ends are one.
-    fn through(from: [f64; 2], to: [f64; 2]) -> Option<Self> {
-        let [x, y] = [to[0] - from[0], to[1] - from[1]];
-        let length = x.hypot(y);
-        let offset = (from[0] * to[1] - from[1] * to[0]) / -length;
-        (length > 0.).then_some(Self { normal: [-y / length, x / length], offset })
-    }
-}
-
-/// The edges, each from its vertex to the next.
-fn edges(x: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
-    x.iter().copied().zip(x.iter().copied().cycle().skip(1))
-}
-
-/// Whether the polygon is convex, counter-clockwise, and more than a line, up to rounding.
-fn is_seen(x: &[[f64; 2]]) -> bool {
-    let along: Vec<[f64; 2]> = edges(x).map(|(from, to)| [to[0] - from[0], to[1] - from[1]]).collect();
-    let longest = along.iter().map(|edge| edge[0].hypot(edge[1])).fold(0., f64::max);
-    let rounding = 1e-12 * longest * longest;
-    let turns = || edges(&along).map(|(one, next)| one[0] * next[1] - one[1] * next[0]);
-    turns().all(|turn| turn > -rounding) && turns().sum::<f64>() > rounding
-}
-
-/// Where a ray from the centre is in the facet and the disc.
-fn crossing(lines: &[Line], ray: [f64; 2]) -> (f64, f64) {
-    lines.iter().fold((0., 1.), |(enters, leaves): (f64, f64), line| {
-        let slope = line.normal[0] * ray[0] + line.normal[1] * ray[1];
-        if slope > 0. {
-            (enters.max(line.offset / slope), leaves)
-        } else if slope < 0. {
-            (enters, leaves.min(line.offset / slope))
-        } else {
-            (enters, if line.offset > 0. { 0. } else { leaves })
-        }
-    })
-}
-
-/// Angles from −π to π between which the crossings are smooth: those of the vertices and of where edges meet the rim.
-/// An edge at a small distance from the centre turns up and is gone within an angle as small, which a rule might step
-/// over; so circles within the rim count as well, down to one that holds 1e-14 of the load.
-fn angles(x: &[[f64; 2]], lines: &[Line]) -> Vec<f64> {
-    let radii = (0..9).map(|step| 0.125_f64.powi(step));
-    let on_circles = radii.flat_map(|radius| {
-        lines.iter().filter(move |line| line.offset.abs() < radius).flat_map(move |Line { normal, offset }| {
-            let half = (radius * radius - offset * offset).sqrt();
-            [-half, half].map(|t| (offset * normal[1] - t * normal[0]).atan2(offset * normal[0] + t * normal[1]))
-        })
-    });
-    let mut angles: Vec<f64> = x.iter().map(|v| v[1].atan2(v[0])).chain([-PI, PI]).chain(on_circles).collect();
-    angles.sort_by(f64::total_cmp);
-    angles.dedup();
-    angles
 }
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 
 use nalgebra::Vector3;
 
-use super::{add_component, add_point_load, scalar_products};
 use crate::element::{Element, Quadrature, Shape, Table};
 
 /// A linear isotropic material.
@@ -196,4 +195,45 @@ fn volume(table: &Table, q: usize, x: &[[f64; 3]]) -> Result<f64, Tangled> {
 
 fn positive(determinant: f64) -> Result<f64, Tangled> {
     if determinant > 0. { Ok(determinant) } else { Err(Tangled { determinant }) }
+}
+
+/// Σ_q s_q φ_a φ_b into the n×n slice `out`, with the scale s of each point.
+///
+/// The lower triangle is copied from the upper one: rounding must not break the symmetry.
+fn scalar_products(table: &Table, scale: &[f64], out: &mut [f64]) {
+    let n = table.nodes();
+    out.fill(0.);
+    for (q, &scale) in scale.iter().enumerate() {
+        let values = table.values(q);
+        for (a, row) in out.chunks_exact_mut(n).enumerate() {
+            let factor = scale * values[a];
+            for (entry, b) in row[a..].iter_mut().zip(&values[a..]) {
+                *entry += factor * b;
+            }
+        }
+    }
+    for a in 1..n {
+        for b in 0..a {
+            out[a * n + b] = out[b * n + a];
+        }
+    }
+}
+
+/// Adds `factor` times the n×n `block` to the entries of `out` that couple one component with itself.
+fn add_component(block: &[f64], n: usize, component: usize, factor: f64, out: &mut [f64]) {
+    let rows = out.chunks_exact_mut(3 * n).skip(component).step_by(3);
+    for (row, block) in rows.zip(block.chunks_exact(n)) {
+        for (entry, value) in row[component..].iter_mut().step_by(3).zip(block) {
+            *entry += factor * value;
+        }
+    }
+}
+
+/// Adds the value at a point, times the shape functions there, to a vector.
+fn add_point_load(values: &[f64], load: [f64; 3], out: &mut [f64]) {
+    for (entries, value) in out.chunks_exact_mut(3).zip(values) {
+        for (entry, load) in entries.iter_mut().zip(load) {
+            *entry += value * load;
+        }
+    }
 }

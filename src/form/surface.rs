@@ -1,53 +1,63 @@
-//! Elastic supports (11), dampers (13) and tractions (3) over one facet.
+//! Terms over a part of a surface: elastic supports (11), dampers (13) and tractions (3).
 
-use super::{add_component, add_point_load, scalar_products};
-use crate::element::{Element, Quadrature, Shape, Table};
-
-/// Linear terms on one facet, with the space that they need.
-#[derive(Debug, Clone)]
-pub struct SurfaceForms {
-    table: Table,
-    scale: Vec<f64>,
-    block: Vec<f64>,
+/// Quadrature points of a part of a surface, and the displacement there as a sum over the same few unknowns.
+///
+/// It is a facet of a mesh, a cell of a grid on a face, or what a region has of either. Unknowns are numbered from zero; matrices are
+/// row-major slices of n² values for n unknowns, vectors slices of n.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SurfaceElement {
+    /// n.
+    pub unknowns: usize,
+    /// The unknowns on which each component of the displacement depends.
+    pub of_component: [Vec<usize>; 3],
+    /// The quadrature points.
+    pub points: Vec<SurfacePoint>,
 }
 
-impl SurfaceForms {
-    /// Forms on a facet's shape with elements of order 1 or 2, by a rule of degree 2·order: exact on triangles and
-    /// parallelograms.
-    pub fn new(shape: Shape, order: usize) -> Self {
-        let element = Element::new(shape, order);
-        let table = Table::new(&element, &Quadrature::exact(shape, 2 * order));
-        Self { scale: vec![0.; table.points()], block: vec![0.; table.nodes() * table.nodes()], table }
-    }
+/// A quadrature point of a surface.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SurfacePoint {
+    /// Where it is, m.
+    pub position: [f64; 3],
+    /// The area that it stands for, m².
+    pub area: f64,
+    /// Values of the shape functions, for each component in the order of [`SurfaceElement::of_component`].
+    pub shape: [Vec<f64>; 3],
+}
 
-    /// Number of nodes of the facet.
-    pub fn nodes(&self) -> usize {
-        self.table.nodes()
-    }
-
+impl SurfaceElement {
     /// Σ_i ∫ k_i u_i v_i dS with one coefficient a component: N/m for the k of (11), N s/m for the c of (13).
-    pub fn spring(&mut self, x: &[[f64; 3]], k: [f64; 3], out: &mut [f64]) {
-        for (scale, area) in self.scale.iter_mut().zip(self.table.areas(x)) {
-            *scale = area;
-        }
-        scalar_products(&self.table, &self.scale, &mut self.block);
+    pub fn spring(&self, k: [f64; 3], out: &mut [f64]) {
         out.fill(0.);
-        for (component, k) in k.into_iter().enumerate() {
-            add_component(&self.block, self.table.nodes(), component, k, out);
+        for (component, k) in k.into_iter().enumerate().filter(|(_, k)| *k != 0.) {
+            let of = &self.of_component[component];
+            for point in &self.points {
+                add_square(k * point.area, &point.shape[component], of, self.unknowns, out);
+            }
         }
     }
 
     /// ∫ f·v dS with the traction `f` (N/m²) at a point of space, N.
-    pub fn traction(&self, x: &[[f64; 3]], f: impl Fn([f64; 3]) -> [f64; 3], out: &mut [f64]) {
+    pub fn traction(&self, f: impl Fn([f64; 3]) -> [f64; 3], out: &mut [f64]) {
         out.fill(0.);
-        for (q, area) in self.table.areas(x).enumerate() {
-            let force = f(self.table.position(q, x)).map(|f| area * f);
-            add_point_load(self.table.values(q), force, out);
+        for SurfacePoint { position, area, shape } in &self.points {
+            for ((f, shape), of) in f(*position).into_iter().zip(shape).zip(&self.of_component) {
+                of.iter().zip(shape).for_each(|(&unknown, value)| out[unknown] += area * f * value);
+            }
         }
     }
 
-    /// The facet's area, m².
-    pub fn area(&self, x: &[[f64; 3]]) -> f64 {
-        self.table.areas(x).sum()
+    /// ∫ dS, m².
+    pub fn area(&self) -> f64 {
+        self.points.iter().map(|point| point.area).sum()
+    }
+}
+
+/// Adds factor · N Nᵀ for values N of some of n unknowns. Products are symmetric to the last bit.
+pub(super) fn add_square(factor: f64, values: &[f64], of: &[usize], n: usize, out: &mut [f64]) {
+    for (&a, &i) in values.iter().zip(of) {
+        for (&b, &j) in values.iter().zip(of) {
+            out[i * n + j] += factor * (a * b);
+        }
     }
 }

@@ -194,6 +194,7 @@ fn numbered(points: PadPoints, unknowns: &[Int], n: usize) -> Points {
         true => pushed.partition_point(|other| other < unknown),
         false => n + 1 + held.partition_point(|other| other < unknown),
     };
-    let PadPoints { nodes, weights, offsets, values, .. } = points;
-    Points { nodes, weights, offsets, columns: points.unknowns.iter().zip(&points.free).map(column).collect(), values }
+    let PadPoints { weights, offsets, counts, values, .. } = points;
+    let columns = points.unknowns.iter().zip(&points.free).map(column).collect();
+    Points { weights, offsets, counts, columns, values }
 }

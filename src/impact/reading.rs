@@ -7,10 +7,10 @@ use std::rc::Rc;
 use petsc_wrap::{Gather, Int, Vector};
 
 use crate::body::Body;
-use crate::body::gauge::Map;
 use crate::error::Result;
 use crate::form::stress::principal;
 use crate::scene::Vec3;
+use crate::space::evaluate::Map;
 
 use super::state::State;
 

@@ -36,12 +36,12 @@ const RENEW: usize = 20;
 
 /// The points of pads in the order of Ĝ.
 pub struct Points {
-    /// Unknowns of a point.
-    pub nodes: usize,
     /// w, N/m, by point.
     pub weights: Vec<f64>,
     /// s ū, m, by point.
     pub offsets: Vec<f64>,
+    /// How many unknowns each point has.
+    pub counts: Vec<usize>,
     /// Columns of Ĝ, point by point; held unknowns have numbers behind those.
     pub columns: Vec<usize>,
     /// s φ_a, likewise.
@@ -232,7 +232,10 @@ fn conjugate_gradients(
 impl Points {
     /// Columns and values, by point.
     fn entries(&self) -> impl Iterator<Item = (&[usize], &[f64])> {
-        self.columns.chunks_exact(self.nodes).zip(self.values.chunks_exact(self.nodes))
+        self.counts.iter().scan(0, |end, count| {
+            let start = std::mem::replace(end, *end + count);
+            Some((&self.columns[start..*end], &self.values[start..*end]))
+        })
     }
 
     /// Adds D x to `out`, D of tangents by point, the contact's last.
@@ -296,7 +299,8 @@ mod tests {
             values.extend([1.0 - part, part]);
         }
         let weights = (0..30).map(|q| stiffness * (1.0 + 0.1 * q as f64)).collect();
-        Reduced::new(Points { nodes: 2, weights, offsets: vec![0.0; 30], columns, values }, compliance).unwrap()
+        Reduced::new(Points { weights, offsets: vec![0.0; 30], counts: vec![2; 30], columns, values }, compliance)
+            .unwrap()
     }
 
     /// Over decades of stiffness, from any guess, the forces are those of the displacements that they lead to.

@@ -8,12 +8,12 @@ use petsc_wrap::Comm;
 use super::reduce::{Reduced, force, grow, rate, reduce};
 use super::theory::{Built, Operators, build};
 use super::watch::{Stage, Watch};
-use crate::body::gauge::Gauge;
 use crate::body::{Krylov, ModalBody};
 use crate::error::{Error, Result};
 use crate::impact::{ModalImpact, Trace};
 use crate::mesh::Measures;
 use crate::scene::{Model, Scene};
+use crate::space::evaluate::Evaluator;
 
 /// The coarser cells over the others, and finer ones over those at least and at most.
 const COARSER: f64 = 1.5;
@@ -42,8 +42,8 @@ pub struct Fitted {
     pub size: f64,
     /// Estimated error of the acceleration over its peak by the cells, where it was looked for: in the first contact, and over all.
     pub error: Option<(f64, f64)>,
-    /// What reads the body, as [`Operators::gauge`].
-    pub gauge: Option<Gauge>,
+    /// What reads the body, as [`Operators::evaluator`].
+    pub evaluator: Option<Evaluator>,
     /// As [`Operators::measures`].
     pub measures: Option<Measures>,
 }
@@ -124,9 +124,9 @@ pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch
 }
 
 fn fitted(comm: &Comm, scene: &Scene, built: Operators, size: f64, watch: &dyn Watch) -> Result<Fitted> {
-    let Operators { body, words, gauge, is_of_splines, measures } = built;
+    let Operators { body, words, evaluator, is_of_splines, measures } = built;
     let (reduced, unknowns) = (reduce(&body, scene, watch)?, body.unknowns());
-    let fitted = Fitted { reduced, unknowns, is_of_splines, words, size, error: None, gauge, measures };
+    let fitted = Fitted { reduced, unknowns, is_of_splines, words, size, error: None, evaluator, measures };
     drop(body);
     comm.collect_garbage()?;
     Ok(fitted)

@@ -13,8 +13,8 @@
 //!
 //! The factors were measured; docs/theories.md compares the estimate with true errors. It is an estimate, not a bound.
 
-use crate::body::plate::crossing;
 use crate::scene::{Geometry, Scene, Support, SupportKind};
+use crate::space::plate::crossing;
 
 /// The constant where sections are free to warp: 0.004 of the difference was measured at ν = 0.
 const FREE_SECTIONS: f64 = 0.004;

@@ -22,13 +22,13 @@ use cells::{refine, unrefined};
 
 use petsc_wrap::{Comm, Vector};
 
-use crate::body::gauge::Gauge;
 use crate::body::{Body, ModalBody};
 use crate::contact::Patch;
 use crate::error::Result;
 use crate::mesh::Measures;
 use crate::scene::{self, Reduction, Scene};
 use crate::solve::Method;
+use crate::space::evaluate::Evaluator;
 
 use watch::{Unwatched, Watch};
 
@@ -110,11 +110,11 @@ impl Model {
     fn of(comm: &Comm, scene: &Scene, theory: scene::Model, watch: &dyn Watch) -> Result<Self> {
         match build(comm, scene, theory, 1.0, watch)? {
             Built::Given(body) => Ok(Self::bare(theory, Dynamics::Modal(body), 0, "a formula".to_owned())),
-            Built::Operators(Operators { body, words, gauge, measures, .. })
+            Built::Operators(Operators { body, words, evaluator, measures, .. })
                 if !scene.time.modal && !matches!(scene.body.reduction, Reduction::Vectors(_)) =>
             {
                 let unknowns = body.unknowns();
-                let gauges = gauges(comm, scene, gauge, &body.load, None)?;
+                let gauges = gauges(comm, scene, evaluator, &body.load, None)?;
                 Ok(Self { gauges, measures, ..Self::bare(theory, Dynamics::Stepped(body), unknowns, words) })
             }
             Built::Operators(built) => Self::on_basis(comm, scene, theory, fit(comm, scene, theory, built, watch)?),
@@ -123,12 +123,12 @@ impl Model {
 
     /// The model of a reduced body. Collective.
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
-        let Fitted { reduced, unknowns, words, gauge, measures, error: cells, .. } = fitted;
+        let Fitted { reduced, unknowns, words, evaluator, measures, error: cells, .. } = fitted;
         let Reduced { projection, judge, of_difference, krylov, error, .. } = reduced;
         let basis = &krylov.basis()[..projection.vectors()];
         let gauges = match basis {
             [] => None,
-            [like, ..] => gauges(comm, scene, gauge, like, Some(basis))?,
+            [like, ..] => gauges(comm, scene, evaluator, like, Some(basis))?,
         };
         let dynamics = if scene.time.modal {
             Dynamics::Modal(ModalBody::of(&projection))
@@ -196,9 +196,9 @@ impl Model {
 fn gauges(
     comm: &Comm,
     scene: &Scene,
-    gauge: Option<Gauge>,
+    evaluator: Option<Evaluator>,
     like: &Vector,
     basis: Option<&[Vector]>,
 ) -> Result<Option<Gauges>> {
-    scene.output.is_read().then(|| Gauges::new(comm, scene, gauge, like, basis)).transpose()
+    scene.output.is_read().then(|| Gauges::new(comm, scene, evaluator, like, basis)).transpose()
 }

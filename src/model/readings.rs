@@ -3,17 +3,17 @@
 use petsc_wrap::{Comm, Gather, Int, Vector};
 
 use crate::agree::agree;
-use crate::body::gauge::{Canvas, Form, Forms, Gauge, Map};
 use crate::error::Result;
 use crate::impact::{Readout, Tape};
 use crate::scene::{Fault, Scene, Vec3};
+use crate::space::evaluate::{Evaluator, FieldSampler, Form, Forms, Map};
 
 /// What is to be read at each step, and how fields come of it.
 pub struct Gauges {
     pub(super) readout: Readout,
     /// On rank 0, where there are fields.
-    pub(super) canvas: Option<Canvas>,
-    /// Names of the probes within [`Gauge::blurred`] of the hit; on rank 0.
+    pub(super) sampler: Option<FieldSampler>,
+    /// Names of the probes within [`Evaluator::blurred`] of the hit; on rank 0.
     pub near: Vec<String>,
 }
 
@@ -22,23 +22,23 @@ pub struct Readings {
     /// What was read at the steps that are told next.
     pub tape: Tape,
     /// What makes fields of it; on rank 0, where there are fields.
-    pub canvas: Option<Canvas>,
+    pub sampler: Option<FieldSampler>,
 }
 
 impl Gauges {
-    /// Of a body in its unknowns (`like` is laid out as they are) or on a basis of such vectors; rank 0 has its gauge. Collective.
+    /// Of a body in its unknowns (`like` is laid out as they are) or on a basis of such vectors; rank 0 has its evaluator. Collective.
     ///
     /// # Errors
     /// A fault of `output.probes` where a point is outside of the body; PETSc's.
     pub fn new(
         comm: &Comm,
         scene: &Scene,
-        gauge: Option<Gauge>,
+        evaluator: Option<Evaluator>,
         like: &Vector,
         basis: Option<&[Vector]>,
     ) -> Result<Self> {
-        let gauge = gauge.filter(|_| comm.is_root());
-        let all: Vec<Int> = if gauge.is_some() { (0..like.len() as Int).collect() } else { Vec::new() };
+        let evaluator = evaluator.filter(|_| comm.is_root());
+        let all: Vec<Int> = if evaluator.is_some() { (0..like.len() as Int).collect() } else { Vec::new() };
         let basis = match basis {
             None => None,
             Some(vectors) => {
@@ -47,23 +47,24 @@ impl Gauges {
                 Some(vectors.iter().map(&mut fetched).collect::<Result<Vec<Vec<f64>>>>()?)
             }
         };
-        let forms = agree(comm, forms(scene, gauge.as_ref())).map_err(|text| {
+        let forms = agree(comm, forms(scene, evaluator.as_ref())).map_err(|text| {
             let (key, message) = text.split_once('\n').unwrap_or(("output.probes", &text));
             Fault::new(key, message, "a point within the body or on its surface")
         })?;
         // On a basis the coordinates are as many as its vectors, wherever they are.
         let all = match &basis {
-            Some(basis) if gauge.is_some() => (0..basis.len() as Int).collect(),
+            Some(basis) if evaluator.is_some() => (0..basis.len() as Int).collect(),
             _ => all,
         };
         let basis = basis.as_deref();
         let probes = (!scene.output.probes.is_empty()).then(|| match basis {
-            Some(_) if gauge.is_some() => (all.clone(), Map::new(forms.into_iter(), basis)),
+            Some(_) if evaluator.is_some() => (all.clone(), Map::new(forms.into_iter(), basis)),
             _ => on_their_own(forms),
         });
-        let near = gauge.as_ref().and_then(Gauge::blurred).map_or_else(Vec::new, |radius| near(scene, radius));
-        let canvas = gauge.filter(|_| scene.output.fields.is_some()).map(|gauge| Canvas::new(gauge, basis));
-        Ok(Self { readout: Readout { probes, fields: scene.output.fields.map(|every| (every, all)) }, canvas, near })
+        let near = evaluator.as_ref().and_then(Evaluator::blurred).map_or_else(Vec::new, |radius| near(scene, radius));
+        let sampler =
+            evaluator.filter(|_| scene.output.fields.is_some()).map(|evaluator| FieldSampler::new(evaluator, basis));
+        Ok(Self { readout: Readout { probes, fields: scene.output.fields.map(|every| (every, all)) }, sampler, near })
     }
 }
 
@@ -79,11 +80,11 @@ fn near(scene: &Scene, radius: f64) -> Vec<String> {
 }
 
 /// Nine forms a probe; or the key of one that is outside of the body, and a message, in two lines.
-fn forms(scene: &Scene, gauge: Option<&Gauge>) -> std::result::Result<Vec<Form>, String> {
+fn forms(scene: &Scene, evaluator: Option<&Evaluator>) -> std::result::Result<Vec<Form>, String> {
     let mut all = Vec::new();
-    let Some(gauge) = gauge else { return Ok(all) };
+    let Some(evaluator) = evaluator else { return Ok(all) };
     for (number, probe) in scene.output.probes.iter().enumerate() {
-        let Some(Forms { displacement, stress }) = gauge.at(probe.point) else {
+        let Some(Forms { displacement, stress }) = evaluator.at(probe.point) else {
             return Err(format!(
                 "output.probes.{number}.point\nthe point of probe {:?} is outside of the body",
                 probe.name

@@ -59,13 +59,13 @@ impl Simulation {
     /// # Errors
     /// PETSc's.
     pub fn read(&mut self) -> Result<Option<Readings>> {
-        let Some(Gauges { readout: wanted, canvas, .. }) = self.gauges.take() else { return Ok(None) };
+        let Some(Gauges { readout: wanted, sampler, .. }) = self.gauges.take() else { return Ok(None) };
         let tape = Tape::default();
         match &mut self.kind {
             Kind::Stepped(impact) => impact.set_readout(&wanted, tape.clone())?,
             Kind::Modal { readout, .. } => *readout = Some(Box::new((wanted, tape.clone()))),
         }
-        Ok(Some(Readings { tape, canvas }))
+        Ok(Some(Readings { tape, sampler }))
     }
 
     /// Has a run ask now and then whether it is to end early. The answer must be the same on all ranks; all of them ask.

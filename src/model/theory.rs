@@ -2,14 +2,14 @@
 
 use petsc_wrap::Comm;
 
-use crate::body::block::{self, Block};
-use crate::body::gauge::Gauge;
-use crate::body::plate::{self, Plate};
 use crate::body::{Body, ModalBody, Modes, System};
 use crate::contact::zener;
 use crate::error::Result;
 use crate::mesh::{Measures, Mesh};
 use crate::scene::{Contact, Fault, Geometry, Model, Reduction, Scene};
+use crate::space::evaluate::Evaluator;
+use crate::space::plate::{self, Plate, PlateTheory};
+use crate::space::spline::{self, SplineSolid};
 
 use super::watch::{Stage, Watch};
 
@@ -42,7 +42,7 @@ pub struct Operators {
     /// Whether these are splines, on cells that the program chooses.
     pub is_of_splines: bool,
     /// What reads the body at its points, where the scene wants that; of a distributed mesh rank 0 has it.
-    pub gauge: Option<Gauge>,
+    pub evaluator: Option<Evaluator>,
     /// Measures of a mesh from a file.
     pub measures: Option<Measures>,
 }
@@ -61,8 +61,8 @@ pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
     match theory {
         Model::HalfSpace => Ok(()),
         Model::InfinitePlate => thickness(scene).map(|_| ()),
-        Model::Kirchhoff => plate::admits(scene, plate::Theory::Kirchhoff),
-        Model::Mindlin => plate::admits(scene, plate::Theory::Mindlin),
+        Model::Kirchhoff => plate::admits(scene, PlateTheory::Kirchhoff),
+        Model::Mindlin => plate::admits(scene, PlateTheory::Mindlin),
         Model::Auto | Model::Solid => Ok(()),
     }
 }
@@ -88,14 +88,14 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
             let impedance = zener::impedance((body.young, body.poisson), body.density, thickness);
             Built::Given(ModalBody::given(Modes::dashpot(impedance)))
         }
-        Model::Kirchhoff => of_plate(comm, scene, plate::Theory::Kirchhoff, size)?,
-        Model::Mindlin => of_plate(comm, scene, plate::Theory::Mindlin, size)?,
+        Model::Kirchhoff => of_plate(comm, scene, PlateTheory::Kirchhoff, size)?,
+        Model::Mindlin => of_plate(comm, scene, PlateTheory::Mindlin, size)?,
         Model::Auto | Model::Solid if is_of_splines(scene) => {
-            let mut settings = block::Settings::new(scene.tolerance);
-            settings.fineness *= size;
-            let Block { system, cells: [x, y, z], points } = Block::new(scene, &settings)?;
-            let gauge = scene.output.is_read().then(|| Gauge::of_block(scene, points));
-            of_system(comm, &system, format!("{x} × {y} × {z} cells of splines"), gauge)?
+            let mut settings = spline::Settings::new(scene.tolerance);
+            settings.cell_size_factor *= size;
+            let SplineSolid { system, cells: [x, y, z], points } = SplineSolid::new(scene, &settings)?;
+            let evaluator = scene.output.is_read().then(|| Evaluator::of_grid(scene, points));
+            of_system(comm, &system, format!("{x} × {y} × {z} cells of splines"), evaluator)?
         }
         Model::Auto | Model::Solid => {
             let mesh = Mesh::new(comm, &scene.body)?;
@@ -105,8 +105,8 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
             let whole = if scene.output.is_read() { mesh.gather() } else { None };
             drop(mesh);
             comm.collect_garbage()?;
-            let gauge = whole.map(|whole| Gauge::of_mesh(scene, whole));
-            Built::Operators(Operators { body: Box::new(body), words, is_of_splines: false, gauge, measures })
+            let evaluator = whole.map(|whole| Evaluator::of_mesh(scene, whole));
+            Built::Operators(Operators { body: Box::new(body), words, is_of_splines: false, evaluator, measures })
         }
     })
 }
@@ -126,19 +126,19 @@ fn thickness(scene: &Scene) -> std::result::Result<f64, String> {
 /// Whether a solid is a box of splines, with a tenth of the unknowns: where it is to be reduced, and the scene does not ask for cells.
 fn is_of_splines(scene: &Scene) -> bool {
     let is_reduced = scene.time.modal || matches!(scene.body.reduction, Reduction::Vectors(_));
-    is_reduced && matches!(scene.body.geometry, Geometry::Box { is_given: false, .. }) && block::admits(scene).is_ok()
+    is_reduced && matches!(scene.body.geometry, Geometry::Box { is_given: false, .. }) && spline::admits(scene).is_ok()
 }
 
-fn of_plate(comm: &Comm, scene: &Scene, theory: plate::Theory, size: f64) -> Result<Built> {
+fn of_plate(comm: &Comm, scene: &Scene, theory: PlateTheory, size: f64) -> Result<Built> {
     let mut settings = plate::Settings::new(scene.tolerance, theory);
-    settings.fineness *= size;
+    settings.cell_size_factor *= size;
     let Plate { system, cells: [x, y], points, .. } = Plate::new(scene, theory, &settings)?;
-    let gauge = scene.output.is_read().then(|| Gauge::of_plate(scene, points));
-    of_system(comm, &system, format!("{x} × {y} cells of splines"), gauge)
+    let evaluator = scene.output.is_read().then(|| Evaluator::of_grid(scene, points));
+    of_system(comm, &system, format!("{x} × {y} cells of splines"), evaluator)
 }
 
 /// Every rank has all of it.
-fn of_system(comm: &Comm, system: &System, words: String, gauge: Option<Gauge>) -> Result<Built> {
+fn of_system(comm: &Comm, system: &System, words: String, evaluator: Option<Evaluator>) -> Result<Built> {
     let body = Box::new(Body::of(&comm.session().alone(), system)?);
-    Ok(Built::Operators(Operators { body, words, is_of_splines: true, gauge, measures: None }))
+    Ok(Built::Operators(Operators { body, words, is_of_splines: true, evaluator, measures: None }))
 }

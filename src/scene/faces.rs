@@ -8,6 +8,11 @@ pub(super) const SURFACES: [&str; 9] = ["side", "top", "bottom", "x-min", "x-max
 /// A face of a box: the axis that it is normal to, and whether it is the upper one.
 pub(crate) type Face = (usize, bool);
 
+/// The name of a face.
+pub(crate) fn name((axis, is_upper): Face) -> &'static str {
+    [["x-min", "x-max"], ["y-min", "y-max"], ["z-min", "z-max"]][axis][usize::from(is_upper)]
+}
+
 /// The faces that the name of a surface of a box stands for.
 pub(crate) fn faces(name: &str) -> &'static [Face] {
     match name {

@@ -5,7 +5,7 @@
 mod check;
 mod decode;
 mod error;
-mod faces;
+pub(crate) mod faces;
 mod fault;
 mod layout;
 mod locate;
@@ -220,12 +220,41 @@ pub enum Geometry {
 pub struct Support {
     /// Name of the surface: of a box, or a physical name of the mesh file.
     pub surface: String,
+    /// The part of it that is held; all of it where this is left out.
+    pub within: Option<Within>,
     /// What holds the body there.
     pub kind: SupportKind,
     /// Damping c of (13), N s/m³ by component.
     pub damping: Vec3,
     /// Prescribed displacement ū, m.
     pub displacement: Vec3,
+}
+
+/// A part of a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Within {
+    /// Strips of a width (m) along all edges of the faces of a box.
+    Rim(f64),
+    /// What lies in a box, given by its least and largest coordinates, m.
+    Box([Vec3; 2]),
+    /// What lies in a ball.
+    Ball {
+        /// Its centre, m.
+        centre: Vec3,
+        /// Its radius, m.
+        radius: f64,
+    },
+}
+
+impl Within {
+    /// Its shortest extent, m.
+    pub fn width(&self) -> f64 {
+        match self {
+            Self::Rim(width) => *width,
+            Self::Box([low, high]) => (0..3).map(|i| high[i] - low[i]).fold(f64::INFINITY, f64::min),
+            Self::Ball { radius, .. } => *radius,
+        }
+    }
 }
 
 /// What holds the body on a surface.
@@ -295,6 +324,8 @@ pub struct Load {
 pub struct Traction {
     /// Name of the surface.
     pub surface: String,
+    /// The part of it that is loaded; all of it where this is left out.
+    pub within: Option<Within>,
     /// f, N/m².
     pub value: Vec3,
 }

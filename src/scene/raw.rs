@@ -87,6 +87,8 @@ pub(super) struct Body {
 pub(super) struct Support {
     /// Name of the surface: "side", "top", "bottom", "x-min" ... "z-max" of a box, or a physical surface of the mesh.
     pub surface: String,
+    /// The part of the surface that is held; default all of it.
+    pub within: Option<Within>,
     /// "elastic" (springs), "pad" (one-sided) or "clamped".
     #[schemars(extend("enum" = KINDS))]
     pub kind: String,
@@ -100,6 +102,29 @@ pub(super) struct Support {
     pub components: Option<List<String>>,
     /// Pad only: the direction into the pad.
     pub normal: Option<Three<Number>>,
+}
+
+/// A part of a surface: one of its keys.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a table, as { rim = 0.02 }")]
+pub(super) struct Within {
+    /// Strips of this width along all edges of a box's faces, m.
+    pub rim: Option<Number>,
+    /// What lies in a box: its corners with the least and the largest coordinates, m.
+    #[serde(rename = "box")]
+    pub corners: Option<List<Three<Number>>>,
+    /// What lies in a ball.
+    pub disc: Option<Disc>,
+}
+
+/// A ball, which cuts a disc out of a plane surface.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a table, as { centre = [0.2, 0.2, -0.005], radius = 0.03 }")]
+pub(super) struct Disc {
+    /// m.
+    pub centre: Three<Number>,
+    /// m.
+    pub radius: Number,
 }
 
 /// `[impactor]`
@@ -154,6 +179,8 @@ pub(super) struct Load {
 pub(super) struct Traction {
     /// Name of the surface.
     pub surface: String,
+    /// The part of the surface that is loaded; default all of it.
+    pub within: Option<Within>,
     /// N/m2.
     pub value: Three<Number>,
 }

@@ -11,6 +11,7 @@ use mpi::traits::{Communicator, Root};
 
 use crate::body::{Body, Lumped};
 use crate::contact::hertz;
+use crate::description::Description;
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
 use crate::impact::{Impact, Setting, stable_step};
@@ -283,7 +284,7 @@ impl<'a> Bench<'a> {
     /// With the body of the scene, whose gate is opened and whose steps are solved by the condensed Newton's method: as by the full
     /// one, but faster.
     fn new(mesh: &'a Mesh, scene: &Scene, body: Body, interrupted: &'a mut dyn FnMut() -> bool) -> Result<Self> {
-        let lumped = if body.lumped.is_none() { Some(Lumped::new(scene, mesh)?) } else { None };
+        let lumped = if body.lumped.is_none() { Some(Lumped::new(&Description::new(scene), mesh)?) } else { None };
         let solver = Solver { newton: Newton::Condensed, energy_gate: None };
         Ok(Self { mesh, scene: Scene { solver, ..scene.clone() }, body: Some(body), lumped, interrupted })
     }

@@ -5,6 +5,7 @@ use std::path::Path;
 use petsc_wrap::Comm;
 use ricochet::body::{Body, Inertia, LargestFrequency, LinearContact, Lumped, largest_frequency};
 use ricochet::contact::{Hertz, hertz};
+use ricochet::description::Description;
 use ricochet::element::Shape;
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
@@ -57,7 +58,7 @@ pub fn parts(comm: &Comm, kind: Kind, size: [f64; 3], distortion: f64, supports:
     let (scene, _) = Scene::parse("test", &text(&file, kind.order, size, supports), &[]).unwrap();
     let mesh = Mesh::new(comm, &scene.body).unwrap();
     let body = Body::solid(&scene, &mesh).unwrap();
-    let lumped = Lumped::new(&scene, &mesh).unwrap();
+    let lumped = Lumped::new(&Description::new(&scene), &mesh).unwrap();
     Parts { body, lumped, scene }
 }
 

@@ -4,13 +4,13 @@ use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use nalgebra_sparse::CsrMatrix;
-use ricochet::body::plate::{Plate, Settings, Theory, admits};
 use ricochet::scene::Scene;
+use ricochet::space::plate::{Plate, PlateTheory, Settings, admits};
 
 const YOUNG: f64 = 70e9;
 const POISSON: f64 = 0.23;
 const DENSITY: f64 = 2500.0;
-const THEORIES: [Theory; 2] = [Theory::Kirchhoff, Theory::Mindlin];
+const THEORIES: [PlateTheory; 2] = [PlateTheory::Kirchhoff, PlateTheory::Mindlin];
 
 fn scene(body: &str, impactor: &str, rest: &str) -> Scene {
     let text = format!(
@@ -20,8 +20,8 @@ fn scene(body: &str, impactor: &str, rest: &str) -> Scene {
     Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0
 }
 
-fn plate(scene: &Scene, theory: Theory, fineness: f64) -> Plate {
-    let settings = Settings { fineness, ..Settings::default() };
+fn plate(scene: &Scene, theory: PlateTheory, cell_size_factor: f64) -> Plate {
+    let settings = Settings { cell_size_factor, ..Settings::default() };
     Plate::new(scene, theory, &settings).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -109,8 +109,8 @@ fn navier_kirchhoff() {
     let bending = rigidity(0.04);
     // Cut off where waves of 1/2000 of the edges leave 1e-7.
     let exact = series([1.2, 0.9], 2000, |xi| 1.0 / (bending * xi.powi(4)));
-    let errors = [1.0, 0.5].map(|fineness| {
-        let plate = plate(&scene, Theory::Kirchhoff, fineness);
+    let errors = [1.0, 0.5].map(|cell_size_factor| {
+        let plate = plate(&scene, PlateTheory::Kirchhoff, cell_size_factor);
         assert_eq!((plate.system.copies, plate.system.compliance), (4.0, 0.0));
         1.0 - answer(&plate, 0.0) / exact
     });
@@ -125,9 +125,9 @@ fn navier_mindlin() {
     let scene = scene("size = [1.2, 0.9, 0.04]", "", &navier());
     for settings in [Settings::default(), Settings { shear_factor: Some(5.0 / 6.0), disc: 1.0, ..Settings::default() }]
     {
-        let errors = [2.0, 1.0, 0.35].map(|fineness| {
-            let settings = Settings { fineness, ..settings };
-            let plate = Plate::new(&scene, Theory::Mindlin, &settings).unwrap();
+        let errors = [2.0, 1.0, 0.35].map(|cell_size_factor| {
+            let settings = Settings { cell_size_factor, ..settings };
+            let plate = Plate::new(&scene, PlateTheory::Mindlin, &settings).unwrap();
             let local = plate.local.unwrap();
             assert_eq!(plate.system.compliance, -4.0 * local.compliance);
             let shear = local.shear_factor * YOUNG / (2.0 * (1.0 + POISSON)) * h;
@@ -360,9 +360,9 @@ fn scenes_that_are_no_plates() {
     let [(Some(along), None), (None, Some(near))] = reasons else { panic!("{reasons:?}") };
     assert!(along.starts_with("a side across y is held along x and not along z"), "{along}");
     assert!(near.starts_with("the hit is 1.000e-2 m from an edge"), "{near}");
-    for fineness in [0.0, -1.0, f64::NAN, 1e-3] {
-        let settings = Settings { fineness, ..Settings::default() };
-        let error = Plate::new(&scene(BODY, "", ""), Theory::Mindlin, &settings).expect_err("no cells");
+    for cell_size_factor in [0.0, -1.0, f64::NAN, 1e-3] {
+        let settings = Settings { cell_size_factor, ..Settings::default() };
+        let error = Plate::new(&scene(BODY, "", ""), PlateTheory::Mindlin, &settings).expect_err("no cells");
         assert!(error.to_string().contains("cells along an edge"), "{error}");
     }
 }

@@ -3,8 +3,10 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
 use ricochet::contact::{Hertz, hertz};
+use ricochet::description::Part;
 use ricochet::element::{Element, Quadrature, Shape};
-use ricochet::form::{PadForms, SurfaceForms};
+use ricochet::form::{Foundation, PadElement, SurfaceElement};
+use ricochet::space::finite_element::FacetRule;
 
 const FACETS: [Shape; 2] = [Shape::Triangle, Shape::Quadrilateral];
 const K: [f64; 3] = [2e9, 3e9, 5e9];
@@ -22,23 +24,32 @@ fn vertices(shape: Shape, points: &[[f64; 3]]) -> &[[f64; 3]] {
     &points[..shape.reference_vertices().len()]
 }
 
+/// A whole facet.
+fn facet(shape: Shape, order: usize, x: &[[f64; 3]]) -> SurfaceElement {
+    FacetRule::new(shape, order).element(x, &Part::All)
+}
+
+fn pad(facet: &SurfaceElement, normal: [f64; 3], displacement: [f64; 3]) -> PadElement {
+    PadElement::new(facet, &Foundation { stiffness: K, normal, displacement })
+}
+
 fn spring(shape: Shape, order: usize, x: &[[f64; 3]], k: [f64; 3]) -> DMatrix<f64> {
-    let mut forms = SurfaceForms::new(shape, order);
-    let size = 3 * forms.nodes();
+    let facet = facet(shape, order, x);
+    let size = facet.unknowns;
     let mut out = vec![f64::NAN; size * size];
-    forms.spring(x, k, &mut out);
+    facet.spring(k, &mut out);
     DMatrix::from_row_slice(size, size, &out)
 }
 
-fn residual(pad: &PadForms, x: &[[f64; 3]], u: &DVector<f64>) -> DVector<f64> {
+fn residual(pad: &PadElement, u: &DVector<f64>) -> DVector<f64> {
     let mut out = vec![f64::NAN; u.len()];
-    pad.residual(x, None, u.as_slice(), &mut out);
+    pad.residual(None, u.as_slice(), &mut out);
     DVector::from_vec(out)
 }
 
-fn tangent(pad: &mut PadForms, x: &[[f64; 3]], u: &DVector<f64>) -> DMatrix<f64> {
+fn tangent(pad: &PadElement, u: &DVector<f64>) -> DMatrix<f64> {
     let mut out = vec![f64::NAN; u.len() * u.len()];
-    pad.tangent(x, None, u.as_slice(), &mut out);
+    pad.tangent(None, u.as_slice(), &mut out);
     DMatrix::from_row_slice(u.len(), u.len(), &out)
 }
 
@@ -79,7 +90,7 @@ proptest! {
         for shape in FACETS {
             let x = vertices(shape, &points);
             for order in [1, 2] {
-                let area = SurfaceForms::new(shape, order).area(x);
+                let area = facet(shape, order, x).area();
                 let s = spring(shape, order, x, K);
                 prop_assert!(s == s.transpose());
                 prop_assert!(s.clone().cholesky().is_some());
@@ -109,7 +120,7 @@ proptest! {
             (Shape::Triangle, triangle([0, 1, 2])),
             (Shape::Quadrilateral, triangle([0, 1, 2]) + triangle([0, 2, 3])),
         ] {
-            let area = SurfaceForms::new(shape, 2).area(vertices(shape, &flat));
+            let area = facet(shape, 2, vertices(shape, &flat)).area();
             prop_assert!((area / exact - 1.).abs() < 1e-14);
         }
     }
@@ -121,9 +132,9 @@ proptest! {
         for shape in FACETS {
             let x = vertices(shape, &points);
             for order in [1, 2] {
-                let forms = SurfaceForms::new(shape, order);
-                let mut out = vec![f64::NAN; 3 * forms.nodes()];
-                forms.traction(x, field, &mut out);
+                let facet = facet(shape, order, x);
+                let mut out = vec![f64::NAN; facet.unknowns];
+                facet.traction(field, &mut out);
                 let nodal = Element::new(shape, order).node_vertices().iter().flat_map(|of| {
                     field([0, 1, 2].map(|d| of.iter().map(|&v| x[v][d]).sum::<f64>() / of.len() as f64))
                 });
@@ -144,21 +155,22 @@ proptest! {
         for shape in FACETS {
             let x = vertices(shape, &points);
             for order in [1, 2] {
-                let mut pad = PadForms::new(shape, order, K, normal, at);
-                let u = DVector::from_column_slice(&u[..3 * pad.nodes()]);
+                let facet = facet(shape, order, x);
+                let pad = pad(&facet, normal, at);
+                let u = DVector::from_column_slice(&u[..facet.unknowns]);
                 let step = 1e-5;
                 // Away from the kink the potential is quadratic: differences are exact but for rounding over the step.
                 // No shape function exceeds 1, so no point crosses its kink.
                 if relative(shape, order, &u, at).iter().any(|g| g.abs() < 2. * step) {
                     continue;
                 }
-                let r = residual(&pad, x, &u);
+                let r = residual(&pad, &u);
                 let slope = differences(&u, step, |u| {
-                    DVector::from_element(1, pad.potential(x, u.as_slice()))
+                    DVector::from_element(1, pad.potential(u.as_slice()))
                 });
                 prop_assert!((slope.transpose() - &r).amax() < 1e-10 * K[2]);
-                let slope = differences(&u, step, |u| residual(&pad, x, u));
-                let t = tangent(&mut pad, x, &u);
+                let slope = differences(&u, step, |u| residual(&pad, u));
+                let t = tangent(&pad, &u);
                 prop_assert!(t == t.transpose());
                 prop_assert!((slope - t).amax() < 1e-10 * K[2]);
             }
@@ -180,8 +192,9 @@ proptest! {
         for shape in FACETS {
             let x = vertices(shape, &points);
             for order in [1, 2] {
-                let mut pad = PadForms::new(shape, order, K, normal, at);
-                let n = pad.nodes();
+                let facet = facet(shape, order, x);
+                let pad = pad(&facet, normal, at);
+                let n = facet.unknowns / 3;
                 let pressed = |by: f64| {
                     DVector::from_fn(3 * n, |i, _| at[i % 3] + by * sign[i % 3] * depth[i % 3])
                 };
@@ -189,16 +202,16 @@ proptest! {
                 let stretch = DVector::from_fn(3 * n, |i, _| sign[i % 3] * depth[i % 3]);
                 let (u, off) = (pressed(1.), pressed(-1.));
                 let force = &s * &stretch;
-                prop_assert!((residual(&pad, x, &u) - &force).amax() < 1e-14 * K[2]);
-                prop_assert!((tangent(&mut pad, x, &u) - &s).amax() < 1e-14 * K[2]);
+                prop_assert!((residual(&pad, &u) - &force).amax() < 1e-14 * K[2]);
+                prop_assert!((tangent(&pad, &u) - &s).amax() < 1e-14 * K[2]);
                 let mut of_pressed = DVector::from_element(3 * n, f64::NAN);
-                pad.pressed(x, off.as_slice(), of_pressed.as_mut_slice());
+                pad.pressed(off.as_slice(), of_pressed.as_mut_slice());
                 prop_assert!((of_pressed - &s * &off).amax() < 1e-14 * K[2], "pressed whatever u is");
                 let energy = force.dot(&stretch) / 2.;
-                prop_assert!((pad.potential(x, u.as_slice()) / energy - 1.).abs() < 1e-13);
-                prop_assert_eq!(residual(&pad, x, &off).amax(), 0.);
-                prop_assert_eq!(tangent(&mut pad, x, &off).amax(), 0.);
-                prop_assert_eq!(pad.potential(x, off.as_slice()), 0.);
+                prop_assert!((pad.potential(u.as_slice()) / energy - 1.).abs() < 1e-13);
+                prop_assert_eq!(residual(&pad, &off).amax(), 0.);
+                prop_assert_eq!(tangent(&pad, &off).amax(), 0.);
+                prop_assert_eq!(pad.potential(off.as_slice()), 0.);
             }
         }
     }
@@ -229,7 +242,7 @@ proptest! {
 #[test]
 fn pad_of_the_reference_plate() {
     let field = |x: f64, y: f64| 1e-3 * (x + 0.37 * y + 0.031);
-    let pad = PadForms::new(Shape::Triangle, 2, [1e9; 3], [0., 0., -1.], [0.; 3]);
+    let foundation = Foundation { stiffness: [1e9; 3], normal: [0., 0., -1.], displacement: [0.; 3] };
     let element = Element::new(Shape::Triangle, 2);
     let (mut potential, mut resultant) = (0., 0.);
     for square in 0..100 {
@@ -244,8 +257,9 @@ fn pad_of_the_reference_plate() {
                 [0., 0., field(mean(0), mean(1))]
             });
             let u = DVector::from_iterator(18, nodal);
-            potential += pad.potential(&x, u.as_slice());
-            resultant -= residual(&pad, &x, &u).sum();
+            let pad = PadElement::new(&facet(Shape::Triangle, 2, &x), &foundation);
+            potential += pad.potential(u.as_slice());
+            resultant -= residual(&pad, &u).sum();
         }
     }
     // Rounding of 526 terms.

@@ -28,12 +28,13 @@ mod contact {
     pub mod zener;
 }
 mod body {
-    pub mod block;
     pub mod convergence;
-    pub mod gauge;
+    pub mod evaluate;
     pub mod krylov;
     pub mod lumped;
+    pub mod regions;
     pub mod spectrum;
+    pub mod spline;
 }
 mod impact {
     pub mod conservation;
@@ -93,11 +94,12 @@ fn main() -> ExitCode {
         contact::patch,
         contact::patch_radius,
         contact::zener,
-        body::block,
+        body::spline,
         body::convergence,
-        body::gauge,
+        body::evaluate,
         body::krylov,
         body::lumped,
+        body::regions,
         body::spectrum,
         impact::conservation,
         impact::controlled,
@@ -131,14 +133,14 @@ fn main() -> ExitCode {
     .long_group("contact::patch", &[3], contact::patch::TESTS)
     .long_group("contact::patch_radius", &[3], contact::patch_radius::TESTS)
     .long_group("body::convergence", &[3], body::convergence::TESTS)
-    .long_group("body::gauge", &[3], body::gauge::TESTS)
+    .long_group("body::evaluate", &[3], body::evaluate::TESTS)
     .long_group("body::lumped", &[3], body::lumped::TESTS)
     .long_group("body::spectrum", &[3], body::spectrum::TESTS)
     .long_group("impact::conservation", &[3], impact::conservation::TESTS)
     .long_group("impact::newton", &[2, 3], impact::newton::TESTS)
     .long_group("impact::pads_condensed", &[3], impact::pads_condensed::TESTS)
     .long_group("stability::newton", &[2, 3], stability::newton::TESTS)
-    .long_group("body::block", &[1], body::block::LONG)
+    .long_group("body::spline", &[1], body::spline::LONG)
     .long_group("impact::reference", &[2, 3], impact::reference::LONG)
     .long_group("model::converged", &[1], model::converged::LONG)
     .long_group("model::reduction", &[1], model::reduction::LONG)

@@ -4,7 +4,7 @@ use crate::contact::{Patch, Reason, hertz};
 use crate::impact::{Plan, steps};
 use crate::mesh::{Measures, Surface};
 use crate::model;
-use crate::scene::{Contact, Geometry, Scene, Scheme, Support, SupportKind, Symmetry, Vec3};
+use crate::scene::{Contact, Geometry, Scene, Scheme, Support, SupportKind, Symmetry, Vec3, Within};
 
 use super::super::notes::describe_model;
 use super::super::{say, short};
@@ -163,7 +163,13 @@ pub(super) fn contact_time(scene: &Scene) -> f64 {
 }
 
 pub(super) fn support_line(support: &Support) -> String {
-    let Support { surface, kind, damping, displacement } = support;
+    let Support { surface, within, kind, damping, displacement } = support;
+    let surface = match within {
+        None => surface.clone(),
+        Some(Within::Rim(width)) => format!("{surface}, along its edges {width} m wide"),
+        Some(Within::Box([low, high])) => format!("{surface}, from {low:?} to {high:?} m"),
+        Some(Within::Ball { centre, radius }) => format!("{surface}, within {radius} m of {centre:?}"),
+    };
     let mut line = match kind {
         SupportKind::Elastic { stiffness } => format!("{surface}: elastic, k = {} N/m³", by_component(*stiffness)),
         SupportKind::Pad { stiffness, normal } => {

@@ -2,10 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::body::gauge::Map;
 use crate::body::{Modes, Shapes};
 use crate::contact::Law;
 use crate::impact::reading::{Reading, Readout, Tape, probes};
+use crate::space::evaluate::Map;
 
 use super::ledger::coordinates;
 use super::motion::Motion;

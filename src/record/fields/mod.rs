@@ -11,11 +11,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use crate::body::gauge::{Frame, Grid};
 use crate::error::{Error, Result};
 use crate::record::columns::not_written;
 use crate::record::series::FLUSH_EVERY;
 use crate::record::target;
+use crate::space::evaluate::{Fields, Grid};
 pub use vtkhdf::GROUP;
 use vtkhdf::VtkHdf;
 
@@ -90,7 +90,7 @@ impl FieldWriter {
     ///
     /// # Errors
     /// [`Error::Io`] when writing fails.
-    pub fn push(&mut self, time: f64, frame: &Frame) -> Result<()> {
+    pub fn push(&mut self, time: f64, frame: &Fields) -> Result<()> {
         self.file.append(time, frame).map_err(|e| not_written(&self.path, &e))?;
         if self.flushed.is_none_or(|t| t.elapsed() >= FLUSH_EVERY) { self.flush() } else { Ok(()) }
     }

@@ -7,9 +7,9 @@ use hdf5_metno::plist::dataset_create::FillTime;
 use hdf5_metno::types::FixedAscii;
 use ndarray::ArrayView2;
 
-use crate::body::gauge::{Frame, Grid};
 use crate::element::Shape;
 use crate::record::provenance::write_text;
+use crate::space::evaluate::{Fields, Grid};
 
 /// Frames in a chunk where their number is not planned.
 const CHUNK_UNPLANNED: usize = 32;
@@ -21,7 +21,7 @@ const ROWS_MOST: usize = 1 << 27;
 pub const GROUP: &str = "VTKHDF";
 
 /// Name, unit and values of a field.
-type Field = (&'static str, &'static str, fn(&Frame) -> &[f64]);
+type Field = (&'static str, &'static str, fn(&Fields) -> &[f64]);
 
 /// All of them.
 pub const FIELDS: [Field; 3] = [
@@ -133,7 +133,7 @@ impl VtkHdf {
     }
 
     /// Adds a frame of a time, s.
-    pub fn append(&mut self, time: f64, frame: &Frame) -> hdf5::Result<()> {
+    pub fn append(&mut self, time: f64, frame: &Fields) -> hdf5::Result<()> {
         let (number, points) = (self.times.len(), self.points);
         let rows = number * points..(number + 1) * points;
         for (dataset, (_, _, values)) in self.data.iter().zip(FIELDS) {

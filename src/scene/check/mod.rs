@@ -10,6 +10,7 @@ mod plausible;
 mod support;
 mod symmetry;
 mod time;
+mod within;
 
 use std::path::Path;
 
@@ -117,9 +118,11 @@ fn load(source: &Source, raw: &raw::Load, outline: &Outline) -> Result<Load, Sce
     let mut traction = Vec::new();
     for (number, entry) in raw.traction.0.iter().enumerate() {
         surface(source, &format!("load.traction.{number}.surface"), &entry.surface, outline)?;
+        let path = format!("load.traction.{number}.within");
+        let within = within::check(source, &path, &entry.within, &entry.surface, outline)?;
         let value: Vec3 = entry.value.numbers();
         source.finite(&format!("load.traction.{number}.value"), &value)?;
-        traction.push(Traction { surface: entry.surface.clone(), value });
+        traction.push(Traction { surface: entry.surface.clone(), within, value });
     }
     Ok(Load { body_force, traction })
 }

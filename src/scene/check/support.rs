@@ -3,7 +3,7 @@
 use super::super::values::{ByComponent, List};
 use super::super::{SceneError, Source, Support, SupportKind, Vec3, raw};
 use super::body::Outline;
-use super::{surface, word};
+use super::{surface, within, word};
 
 pub(super) fn check(
     source: &Source,
@@ -13,6 +13,7 @@ pub(super) fn check(
 ) -> Result<Support, SceneError> {
     let at = |key: &str| format!("support.{number}.{key}");
     surface(source, &at("surface"), &raw.surface, outline)?;
+    let within = within::check(source, &at("within"), &raw.within, &raw.surface, outline)?;
     let kind = match word(source, &at("kind"), &Some(raw.kind.clone()), &raw::KINDS)? {
         "elastic" => {
             refuse(source, raw, number, "elastic", &["components", "normal"])?;
@@ -35,6 +36,7 @@ pub(super) fn check(
     source.finite(&at("displacement"), &displacement)?;
     Ok(Support {
         surface: raw.surface.clone(),
+        within,
         kind,
         damping: source.not_negative(&at("damping"), damping, "a damping c in N s/m3, 0 or more")?,
         displacement,

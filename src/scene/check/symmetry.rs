@@ -1,7 +1,9 @@
 //! Whether a scene has two planes of symmetry, so that a quarter of the body does for the whole.
 
 use super::super::faces::{Face, faces, struck_axis};
-use super::super::{Geometry, Impactor, Load, SceneError, Source, Support, SupportKind, Symmetry, Vec3, raw};
+use super::super::{
+    Geometry, Impactor, Load, SceneError, Source, Support, SupportKind, Symmetry, Traction, Vec3, Within, raw,
+};
 use super::word;
 
 /// What of a scene has to be symmetric.
@@ -85,11 +87,14 @@ fn unmatched<T: PartialEq>(terms: &[(usize, T)], image: impl Fn(&T) -> T) -> Opt
     terms.iter().find(|(_, term)| count(term) != count(&image(term))).map(|(number, _)| *number)
 }
 
-/// An elastic support or a pad on one face. Their terms add up, so that their order does not matter.
+/// An elastic support, a pad, or a clamp of a part of a face. Their terms add up, so that their order does not matter.
 #[derive(PartialEq)]
 struct Spring {
     face: Face,
+    within: Option<Within>,
     stiffness: Vec3,
+    /// What a clamp holds.
+    components: [bool; 3],
     /// Into a pad.
     normal: Option<Vec3>,
     damping: Vec3,
@@ -100,6 +105,7 @@ impl Spring {
     fn mirrored(&self, axis: usize) -> Self {
         Self {
             face: mirrored_face(self.face, axis),
+            within: self.within.map(|within| mirrored_part(within, axis)),
             normal: self.normal.map(|normal| mirrored(normal, axis)),
             displacement: mirrored(self.displacement, axis),
             ..*self
@@ -111,16 +117,17 @@ impl Spring {
 fn springs(supports: &[Support]) -> Vec<(usize, Spring)> {
     let mut springs = Vec::new();
     for (number, support) in supports.iter().enumerate() {
-        let (stiffness, normal) = match support.kind {
-            SupportKind::Elastic { stiffness } => (stiffness, None),
-            SupportKind::Pad { stiffness, normal } => (stiffness, Some(normal)),
+        let (stiffness, normal, components) = match support.kind {
+            SupportKind::Elastic { stiffness } => (stiffness, None, [false; 3]),
+            SupportKind::Pad { stiffness, normal } => (stiffness, Some(normal), [false; 3]),
+            SupportKind::Clamped { components } if support.within.is_some() => ([0.0; 3], None, components),
             SupportKind::Clamped { .. } => continue,
         };
-        let Support { damping, displacement, .. } = *support;
+        let Support { within, damping, displacement, .. } = *support;
         springs.extend(
             faces(&support.surface)
                 .iter()
-                .map(|&face| (number, Spring { face, stiffness, normal, damping, displacement })),
+                .map(|&face| (number, Spring { face, within, stiffness, components, normal, damping, displacement })),
         );
     }
     springs
@@ -130,21 +137,28 @@ fn springs(supports: &[Support]) -> Vec<(usize, Spring)> {
 #[derive(PartialEq)]
 struct Pull {
     face: Face,
+    within: Option<Within>,
     value: Vec3,
 }
 
 impl Pull {
     fn mirrored(&self, axis: usize) -> Self {
-        Self { face: mirrored_face(self.face, axis), value: mirrored(self.value, axis) }
+        Self {
+            face: mirrored_face(self.face, axis),
+            within: self.within.map(|within| mirrored_part(within, axis)),
+            value: mirrored(self.value, axis),
+        }
     }
 }
 
 /// The tractions on each face, with their number.
 fn tractions(load: &Load) -> Vec<(usize, Pull)> {
     let entries = load.traction.iter().enumerate();
-    let faces =
-        entries.flat_map(|(number, entry)| faces(&entry.surface).iter().map(move |&face| (number, face, entry.value)));
-    faces.map(|(number, face, value)| (number, Pull { face, value })).collect()
+    let on_faces = |(number, entry): (usize, &Traction)| {
+        let Traction { within, value, .. } = *entry;
+        faces(&entry.surface).iter().map(move |&face| (number, Pull { face, within, value }))
+    };
+    entries.flat_map(on_faces).collect()
 }
 
 fn mirrored_face((normal, upper): Face, axis: usize) -> Face {
@@ -156,7 +170,18 @@ fn mirrored(mut vector: Vec3, axis: usize) -> Vec3 {
     vector
 }
 
-/// A clamped support that holds what its mirror image does not. On an edge or a corner the last of the clamps there counts,
+fn mirrored_part(within: Within, axis: usize) -> Within {
+    match within {
+        Within::Rim(width) => Within::Rim(width),
+        Within::Box([mut low, mut high]) => {
+            (low[axis], high[axis]) = (-high[axis], -low[axis]);
+            Within::Box([low, high])
+        }
+        Within::Ball { centre, radius } => Within::Ball { centre: mirrored(centre, axis), radius },
+    }
+}
+
+/// A clamp of whole surfaces that holds what its mirror image does not. On an edge or a corner the last of the clamps there counts,
 /// so that each of the box's faces, edges and corners is looked at: a place is −1, 0 or 1 along each axis.
 fn uneven_clamp(supports: &[Support], axis: usize) -> Option<usize> {
     for mut place in (0..27i8).map(|n| [n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1]) {
@@ -178,7 +203,9 @@ fn uneven_clamp(supports: &[Support], axis: usize) -> Option<usize> {
 fn held(supports: &[Support], place: [i8; 3], component: usize) -> Option<(usize, f64)> {
     let touches = |&(axis, upper): &Face| place[axis] == if upper { 1 } else { -1 };
     supports.iter().enumerate().rev().find_map(|(number, support)| match support.kind {
-        SupportKind::Clamped { components } if components[component] && faces(&support.surface).iter().any(touches) => {
+        SupportKind::Clamped { components }
+            if support.within.is_none() && components[component] && faces(&support.surface).iter().any(touches) =>
+        {
             Some((number, support.displacement[component]))
         }
         _ => None,

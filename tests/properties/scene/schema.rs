@@ -15,7 +15,9 @@ fn keys<'a>(root: &'a Value, table: &'a Value, path: &str, into: &mut Vec<(Strin
     };
     for (name, value) in resolved(table)["properties"].as_object().expect("a table") {
         let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
-        let entry = if value["items"]["$ref"].is_string() { &value["items"] } else { value };
+        // A table, those of an array, or one that may be left out.
+        let candidates = [&value["items"], &value["anyOf"][0]];
+        let entry = candidates.into_iter().find(|entry| entry["$ref"].is_string()).unwrap_or(value);
         if resolved(entry)["properties"].is_object() {
             keys(root, entry, &path, into);
             if !std::ptr::eq(entry, value) && path.contains('.') {

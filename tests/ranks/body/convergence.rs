@@ -6,12 +6,14 @@ use mpi_test::{Test, tests};
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
 use petsc_wrap::{Comm, Gather, Int, Session, Vector, mpi};
-use ricochet::body::{Body, Clamps, assemble, into_vector};
+use ricochet::body::Body;
+use ricochet::description::{Description, Part};
 use ricochet::element::{Element, Quadrature, Shape, Table};
-use ricochet::form::{Material, SolidForms, SurfaceForms};
+use ricochet::form::{Material, SolidForms};
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
 use ricochet::solve::linear::{Method, solver};
+use ricochet::space::finite_element::{FacetRule, assemble, held, into_vector};
 
 pub const RANKS: &[usize] = &[1, 2];
 pub const TESTS: &[Test<Session>] = tests![held_boundary, mixed_boundary];
@@ -138,7 +140,7 @@ fn solve(comm: &Comm, geometry: &str, order: usize, boundary: &str) -> f64 {
     let (scene, _) = Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}"));
     let mesh = Mesh::new(comm, &scene.body).unwrap();
     let body = Body::solid(&scene, &mesh).unwrap();
-    let clamps = Clamps::with(&mesh, &scene.supports, |_, x| displacement(x)).unwrap();
+    let clamps = held(&mesh, &Description::new(&scene).clamps, |_, x| displacement(x)).unwrap();
 
     // Loads: the scene's constant ones, and beside them what is missing to those of the field.
     let mut load = body.load.duplicate().unwrap();
@@ -182,9 +184,9 @@ fn add_body_force(mesh: &Mesh, load: &mut Vector, f: impl Fn([f64; 3]) -> [f64; 
 }
 
 fn add_traction(mesh: &Mesh, surface: &str, load: &mut Vector, f: impl Fn([f64; 3]) -> [f64; 3]) {
-    let forms = SurfaceForms::new(mesh.facets.shape, mesh.facets.order);
+    let rule = FacetRule::new(mesh.facets.shape, mesh.facets.order);
     let kernel = |_: usize, x: &[[f64; 3]], block: &mut [f64]| {
-        forms.traction(x, &f, block);
+        rule.element(x, &Part::All).traction(&f, block);
         Ok(())
     };
     let chosen = mesh.surfaces[surface].iter().copied();

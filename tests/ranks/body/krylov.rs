@@ -3,9 +3,9 @@
 use crate::glass;
 use mpi_test::{Test, tests};
 use petsc_wrap::{Session, Vector};
-use ricochet::body::plate::{Plate, Settings, Theory};
 use ricochet::body::{Body, Krylov};
 use ricochet::scene::Scene;
+use ricochet::space::plate::{Plate, PlateTheory, Settings};
 
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![long_bases_are_orthonormal, projections_grow_with_their_bases];
@@ -15,8 +15,8 @@ fn body(session: &Session, damping: f64) -> Body {
     let pane = "size = [0.5, 0.5, 0.004]\nmodel = \"mindlin\"";
     let text = glass::scene(pane, "mass = 0.5\nspeed = 3", "end = 0.01", &glass::sides(1e9, damping));
     let scene = Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0;
-    let settings = Settings::new(1e-1, Theory::Mindlin);
-    let plate = Plate::new(&scene, Theory::Mindlin, &settings).unwrap_or_else(|error| panic!("{error}"));
+    let settings = Settings::new(1e-1, PlateTheory::Mindlin);
+    let plate = Plate::new(&scene, PlateTheory::Mindlin, &settings).unwrap_or_else(|error| panic!("{error}"));
     Body::of(&session.alone(), &plate.system).unwrap()
 }
 

@@ -291,7 +291,13 @@ fn the_half_space_is_taken_out(session: &Session) {
     let world = session.world();
     let mut scene = scene(&boxed([0.48, 0.48, 0.24], [12, 12, 6]), 2, [0.0, 0.0, 0.12]);
     let kind = SupportKind::Clamped { components: [true; 3] };
-    scene.supports.push(Support { surface: "bottom".into(), kind, damping: [0.0; 3], displacement: [0.0; 3] });
+    scene.supports.push(Support {
+        surface: "bottom".into(),
+        within: None,
+        kind,
+        damping: [0.0; 3],
+        displacement: [0.0; 3],
+    });
     let mesh = Mesh::new(&world, &scene.body).unwrap();
     let body = Body::solid(&scene, &mesh).unwrap();
     let mut stiffness = body.combination(0.0, 0.0).unwrap();

@@ -60,6 +60,7 @@ fn measures_of_graded_boxes_and_quarters(session: &Session) {
         for (surfaces, area) in pairs.iter().chain(single.iter().filter(|_| copies == 1)) {
             let unit = |surface: &&str| Support {
                 surface: (*surface).to_owned(),
+                within: None,
                 kind: SupportKind::Elastic { stiffness: [1.0; 3] },
                 damping: [0.0; 3],
                 displacement: [0.0; 3],

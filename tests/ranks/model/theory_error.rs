@@ -5,9 +5,9 @@
 use crate::modelled::{Ran, parse, run};
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
-use ricochet::body::plate::crossing;
 use ricochet::contact::hertz;
 use ricochet::model::mindlin_error_over_difference;
+use ricochet::space::plate::crossing;
 
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![the_estimate_is_above_the_error, edges_twist_as_those_of_solids];

@@ -3,12 +3,13 @@
 use crate::start::{run, start};
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Matrix, Session, options};
-use ricochet::body::{Body, by_iterations};
+use ricochet::body::Body;
 use ricochet::impact::Impact;
 use ricochet::impact::step::Step;
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
 use ricochet::solve::linear::{Method, is_direct, solver};
+use ricochet::space::finite_element::by_iterations;
 
 pub const RANKS: &[usize] = &[1, 2];
 pub const TESTS: &[Test<Session>] =

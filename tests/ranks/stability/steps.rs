@@ -7,6 +7,7 @@ use std::ops::ControlFlow;
 use petsc_wrap::{Comm, Session, Vector};
 use ricochet::body::{Body, Inertia, LinearContact, Lumped, largest_frequency};
 use ricochet::contact::{Hertz, hertz};
+use ricochet::description::Description;
 use ricochet::element::Shape;
 use ricochet::error::Error;
 use ricochet::impact::step::Step;
@@ -89,7 +90,7 @@ impl Block {
     /// The same with a contact on it.
     fn limit_with(&self, comm: &Comm, consistent: bool, critical: f64, contact: Option<LinearContact>) -> f64 {
         let (scene, mesh, mut body) = self.build(comm, 1e-6, "");
-        let lumped = Lumped::new(&scene, &mesh).unwrap();
+        let lumped = Lumped::new(&Description::new(&scene), &mesh).unwrap();
         let inertia = if consistent { Inertia::Consistent } else { Inertia::Lumped(&lumped.mass) };
         critical / largest_frequency(&mut body, inertia, contact).unwrap().ritz
     }

@@ -1,0 +1,132 @@
+//! What the points of a body do, linear in its unknowns: displacement and stress, wherever one asks for them.
+
+mod grid;
+mod map;
+mod sampler;
+
+pub use grid::Grid;
+pub use map::Map;
+pub use sampler::{FieldSampler, Fields};
+
+use crate::form::Material;
+use crate::form::stress::place;
+use crate::mesh::Whole;
+use crate::scene::{Scene, Symmetry, Vec3};
+
+use super::finite_element::Nodes;
+
+/// A linear form on a body's unknowns: entries by unknown, which may come more than once.
+pub type Form = Vec<(usize, f64)>;
+
+/// What is read at a point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Forms {
+    /// The displacement along x, y, z, m.
+    pub displacement: [Form; 3],
+    /// The stresses xx, yy, zz, yz, xz, xy, Pa.
+    pub stress: [Form; 6],
+}
+
+/// What reads a body between the lines of a grid, in its modelled part.
+pub trait PointEvaluator {
+    /// The forms at a point, m.
+    fn at(&self, x: Vec3) -> Forms;
+
+    /// As [`Evaluator::blurred`].
+    fn blurred(&self) -> Option<f64>;
+
+    /// Coordinates along the axes on which fields are written, m.
+    fn field_lines(&self) -> [Vec<f64>; 3];
+}
+
+/// A body whose points are read. Of a quarter it is the whole.
+pub struct Evaluator {
+    kind: Kind,
+    /// Axes across planes of symmetry beyond which there are images.
+    mirrors: Vec<usize>,
+}
+
+enum Kind {
+    Nodes(Box<Nodes>),
+    Grid(Box<dyn PointEvaluator>),
+}
+
+impl Evaluator {
+    /// Of a solid on a mesh; stresses are recovered at its nodes ([`super::finite_element::Recovery`]), and interpolated between them.
+    pub fn of_mesh(scene: &Scene, mesh: Whole) -> Self {
+        let body = &scene.body;
+        let material = Material { young: body.young, poisson: body.poisson, density: body.density };
+        // Images and all, so that patches on a plane of symmetry are whole.
+        let mesh = mirrors(scene).into_iter().fold(mesh, Whole::with_image);
+        Self { kind: Kind::Nodes(Box::new(Nodes::new(mesh, &material))), mirrors: Vec::new() }
+    }
+
+    /// Of splines or a plate.
+    pub fn of_grid(scene: &Scene, points: impl PointEvaluator + 'static) -> Self {
+        Self { kind: Kind::Grid(Box::new(points)), mirrors: mirrors(scene) }
+    }
+
+    /// Radius about the hit within which stresses are not those under the contact, m: of the disc that the force is spread over; under a
+    /// force at a point on Kirchhoff's plate, of what its thickness would even out. `None` on a mesh.
+    pub fn blurred(&self) -> Option<f64> {
+        match &self.kind {
+            Kind::Nodes(_) => None,
+            Kind::Grid(points) => points.blurred(),
+        }
+    }
+
+    /// The forms at a point (m); `None` outside of a mesh. Splines go on beyond their ends.
+    pub fn at(&self, point: Vec3) -> Option<Forms> {
+        let (mut image, mut signs) = (point, [1.0; 3]);
+        for &axis in self.mirrors.iter().filter(|&&axis| point[axis] < 0.0) {
+            (image[axis], signs[axis]) = (-point[axis], -1.0);
+        }
+        let mut forms = match &self.kind {
+            Kind::Nodes(nodes) => nodes.at(image)?,
+            Kind::Grid(points) => points.at(image),
+        };
+        let turn = |form: &mut Form, sign: f64| form.iter_mut().for_each(|(_, value)| *value *= sign);
+        for i in 0..3 {
+            turn(&mut forms.displacement[i], signs[i]);
+            (i + 1..3).for_each(|j| turn(&mut forms.stress[place(i, j)], signs[i] * signs[j]));
+        }
+        Some(forms)
+    }
+}
+
+/// Axes across planes of symmetry: where their coordinates are positive is the modelled part.
+fn mirrors(scene: &Scene) -> Vec<usize> {
+    match scene.body.symmetry {
+        Symmetry::Quarter { axes } => axes.to_vec(),
+        Symmetry::None { .. } => Vec::new(),
+    }
+}
+
+/// Entries of a form times a factor, added to another one.
+pub(super) fn add(to: &mut Form, factor: f64, form: &[(usize, f64)]) {
+    if factor != 0.0 {
+        to.extend(form.iter().map(|(unknown, value)| (*unknown, factor * value)));
+    }
+}
+
+/// The form with one entry for each unknown, ascending.
+pub(super) fn summed(mut form: Form) -> Form {
+    form.sort_by_key(|(unknown, _)| *unknown);
+    form.dedup_by(|next, first| {
+        let is_same = next.0 == first.0;
+        if is_same {
+            first.1 += next.1;
+        }
+        is_same
+    });
+    form.retain(|(_, value)| *value != 0.0);
+    form
+}
+
+/// Ends of cells, each once, and of so many equal pieces of each.
+pub(super) fn divided(breaks: &[f64], pieces: usize) -> Vec<f64> {
+    let cells = breaks.windows(2).filter(|pair| pair[0] < pair[1]);
+    let inner =
+        cells.flat_map(|pair| (0..pieces).map(move |i| pair[0] + (pair[1] - pair[0]) * i as f64 / pieces as f64));
+    inner.chain(breaks.last().copied()).collect()
+}

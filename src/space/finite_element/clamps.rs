@@ -1,0 +1,44 @@
+//! Unknowns that clamps (2) and planes of symmetry hold.
+
+use petsc_wrap::{Insert, Int, Vector};
+
+use crate::body::Clamps;
+use crate::description::Clamp;
+use crate::error::Result;
+use crate::mesh::Mesh;
+use crate::scene::Vec3;
+
+/// The unknowns of clamps and of planes of symmetry, with ū a function of the node's reference position; where two clamps hold one
+/// unknown, the later one's ū stands. Collective.
+///
+/// # Errors
+/// PETSc's.
+pub fn held(mesh: &Mesh, clamps: &[Clamp], value: impl Fn(&Clamp, Vec3) -> Vec3) -> Result<Clamps> {
+    let mut free = Vector::new(&mesh.comm, 3 * mesh.owned_nodes)?;
+    free.fill(1.0)?;
+    let mut displacement = free.duplicate()?;
+    for clamp in clamps {
+        for &facet in &mesh.surfaces[&clamp.surface] {
+            for (&node, x) in mesh.facets.nodes(facet).iter().zip(mesh.facets.node_positions(facet)) {
+                let u = value(clamp, x);
+                for component in (0..3).filter(|&c| clamp.components[c]) {
+                    let unknown = [3 * node + component as Int];
+                    free.set_values(&unknown, &[0.0], Insert::Replace)?;
+                    displacement.set_values(&unknown, &[u[component]], Insert::Replace)?;
+                }
+            }
+        }
+        free.assemble()?;
+        displacement.assemble()?;
+    }
+    for (axis, nodes) in mesh.mirror_nodes.iter().enumerate() {
+        for node in nodes {
+            let unknown = [3 * node + axis as Int];
+            free.set_values(&unknown, &[0.0], Insert::Replace)?;
+            displacement.set_values(&unknown, &[0.0], Insert::Replace)?;
+        }
+    }
+    free.assemble()?;
+    displacement.assemble()?;
+    Clamps::new(free, displacement)
+}

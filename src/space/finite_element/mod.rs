@@ -1,0 +1,154 @@
+//! Finite elements on a mesh: three unknowns a node, distributed over the ranks.
+//!
+//! P1, P2, Q1 and Q2 on DMPlex, the space of the paper.
+
+mod assembly;
+mod clamps;
+mod facets;
+mod location;
+mod lumped;
+mod patch;
+mod point;
+mod points;
+mod recovery;
+mod volume;
+
+pub use assembly::{Stopped, assemble, into_matrix, into_vector, zeros};
+pub use clamps::held;
+pub use facets::{FacetRule, FiniteElements};
+pub use points::Nodes;
+pub use recovery::Recovery;
+
+use petsc_wrap::{Insert, NullSpace, Vector};
+
+use super::SurfaceTerms;
+use crate::body::{Body, Lumped, Pads, deviates};
+use crate::contact::{Localization, hertz};
+use crate::description::Description;
+use crate::error::Result;
+use crate::mesh::Mesh;
+use crate::scene::{Contact, Fault, Scene, Scheme, Vec3};
+use crate::solve::Method;
+
+use assembly::{Components, node_graph};
+use volume::{mass_by_node, stiffness};
+
+impl Body {
+    /// Assembles a scene's body of solid elements, three unknowns a node. Collective.
+    ///
+    /// # Errors
+    /// A fault of the scene that shows only on the mesh: a surface that is not there, a tangled cell, an impact point
+    /// off the body. PETSc's.
+    pub fn solid(scene: &Scene, mesh: &Mesh) -> Result<Self> {
+        check_surfaces(scene, mesh)?;
+        let localization = match scene.contact {
+            Contact::Patch { radius } => Localization::patch(mesh, scene, radius)?,
+            Contact::Point => Localization::point(mesh, &scene.impactor)?,
+        };
+        let description = Description::new(scene);
+        let graph = node_graph(&mesh.comm, mesh.owned_nodes, &mesh.cells, 0..mesh.cells.len())?;
+        let of_nodes = mass_by_node(&description.material, mesh, graph)?;
+        let of_components = Components::new(&of_nodes)?;
+        let elastic = stiffness(&description.material, mesh, of_components.zeros()?)?;
+        let mass = of_components.like(&elastic)?;
+        drop(of_components);
+        let products = Some([of_nodes.by_component(3)?, elastic.upper_triangle(3)?]);
+        let space = FiniteElements::new(mesh, &description.material);
+        let SurfaceTerms { support, damping, load, support_load, support_offset, pads } =
+            SurfaceTerms::new(&space, &description)?;
+        let is_explicit = matches!(scene.time.scheme, Scheme::CentralDifference { .. });
+        let clamps = held(mesh, &description.clamps, |clamp, _| clamp.displacement)?;
+        let pads = (!description.pads.is_empty()).then(|| Pads::new(&mesh.comm, pads, &clamps)).transpose()?;
+        let nodes = mesh.positions();
+        Ok(Self {
+            mass,
+            elastic,
+            products,
+            support,
+            damping,
+            lumped: is_explicit.then(|| Lumped::new(&description, mesh)).transpose()?,
+            pads,
+            load,
+            support_load,
+            support_offset,
+            translation: translation(mesh, description.direction)?,
+            localization,
+            rigid_motions: Some(rigid_motions(mesh, &nodes)?),
+            method: method(scene, 3 * mesh.nodes),
+            nodes: Some(nodes),
+            deviates: deviates_of_nodes(mesh)?,
+            clamps,
+            copies: mesh.copies as f64,
+        })
+    }
+}
+
+/// Unknowns from which on a factor takes more memory and time than iterations do.
+const LARGE: usize = 300_000;
+
+/// Where iterations stop, as a part of the tolerance, in steps of a hundredth of a contact or larger.
+const OF_TOLERANCE: f64 = 1e-4;
+
+/// How a body of so many unknowns is solved.
+fn method(scene: &Scene, unknowns: usize) -> Method {
+    if unknowns < LARGE { Method::Cholesky } else { by_iterations(scene) }
+}
+
+/// How a body too large for a factor is solved. What iterations leave is a part of what a step moves, and adds up over a contact's steps:
+/// the more there are, the less may be left.
+pub fn by_iterations(scene: &Scene) -> Method {
+    let impactor = &scene.impactor;
+    let contact = hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed);
+    let part = scene.time.step.map_or(1.0, |step| (100.0 * step / contact).min(1.0));
+    Method::Multigrid { tolerance: OF_TOLERANCE * part * scene.tolerance }
+}
+
+/// Translations and rotations: what K maps to nothing, or to little where supports are soft or clamped parts few. Collective.
+fn rigid_motions(mesh: &Mesh, nodes: &[Vec3]) -> Result<NullSpace> {
+    let mut coordinates = Vector::new(&mesh.comm, 3 * nodes.len())?;
+    coordinates.write()?.copy_from_slice(nodes.as_flattened());
+    let motions = NullSpace::rigid_body(&mut coordinates)?;
+    coordinates.destroy()?;
+    Ok(motions)
+}
+
+/// By where the nodes lie, not by their numbers.
+fn deviates_of_nodes(mesh: &Mesh) -> Result<Vector> {
+    let mut deviates = Vector::new(&mesh.comm, 3 * mesh.owned_nodes)?;
+    for cell in 0..mesh.cells.len() {
+        for (&node, position) in mesh.cells.nodes(cell).iter().zip(mesh.cells.node_positions(cell)) {
+            let key = deviates::place(position, mesh.diameter);
+            let values = [0, 1, 2].map(|component| deviates::normal(key.wrapping_add(component)));
+            deviates.set_values(&[3 * node, 3 * node + 1, 3 * node + 2], &values, Insert::Replace)?;
+        }
+    }
+    deviates.assemble()?;
+    Ok(deviates)
+}
+
+/// Every surface that the scene names must be one of the mesh.
+fn check_surfaces(scene: &Scene, mesh: &Mesh) -> Result<()> {
+    let supports = scene.supports.iter().enumerate().map(|(i, s)| (format!("support.{i}.surface"), &s.surface));
+    let tractions =
+        scene.load.traction.iter().enumerate().map(|(i, t)| (format!("load.traction.{i}.surface"), &t.surface));
+    for (key, name) in supports.chain(tractions) {
+        if !mesh.surfaces.contains_key(name) {
+            let known: Vec<String> = mesh.surfaces.keys().map(|name| format!("{name:?}")).collect();
+            let help = match known.as_slice() {
+                [] => "the mesh names no surface: give it physical surfaces in Gmsh".to_owned(),
+                known => format!("the mesh names {}", known.join(", ")),
+            };
+            return Err(Fault::new(key, format!("the mesh has no surface {name:?}"), help).into());
+        }
+    }
+    Ok(())
+}
+
+/// d at every node.
+fn translation(mesh: &Mesh, direction: Vec3) -> Result<Vector> {
+    let mut vector = Vector::new(&mesh.comm, 3 * mesh.owned_nodes)?;
+    for node in vector.write()?.chunks_exact_mut(3) {
+        node.copy_from_slice(&direction);
+    }
+    Ok(vector)
+}

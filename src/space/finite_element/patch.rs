@@ -1,0 +1,158 @@
+//! Localisation by a patch: the contact force as Hertz's pressure over a disc of the surface.
+//!
+//! The disc lies in the plane normal to the surface at the impact point, and the surface is projected onto it. The
+//! same vector a loads and reads, so that energy and momentum stay exact; what an elastic half-space would yield
+//! under the patch belongs to Hertz's law, and is taken out of it by c_l.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Vector3;
+use petsc_wrap::Int;
+
+use super::location::site;
+use crate::contact::{Localization, Patch, Reason, limits, unit_compliance};
+use crate::error::Result;
+use crate::form::PressureForms;
+use crate::mesh::{Mesh, Site};
+use crate::scene::{Fault, Scene, Vec3};
+
+/// Where the scene gives the radius.
+const KEY: &str = "contact.patch_radius";
+
+/// What may be missing of the total of a patch: far above the quadrature's error.
+const MISSING: f64 = 1e-10;
+
+/// By how much a patch is made smaller until it has room.
+const SMALLER: f64 = 0.8;
+
+impl Localization {
+    /// The consistent load vector of Hertz's pressure with total 1 over a disc around the impact point, times the
+    /// direction of travel. Without a radius (m) one is chosen for the thickness, the cells and the contact, and made
+    /// smaller until it has room on the surface. Collective.
+    ///
+    /// # Errors
+    /// A fault of the scene where the point is off the surface, the direction leads out of the body, the patch
+    /// reaches past the surface, or the contact law would soften to nothing even on a thin plate; PETSc's.
+    pub fn patch(mesh: &Mesh, scene: &Scene, radius: Option<f64>) -> Result<Self> {
+        let (body, impactor) = (&scene.body, &scene.impactor);
+        let site = site(mesh, impactor)?;
+        let thickness = mesh.thickness(&site);
+        let cosine = Vector3::from(site.normal).dot(&Vector3::from(impactor.direction));
+        let unit_compliance = unit_compliance(body, cosine);
+        let copies = mesh.copies as f64;
+        let mass = copies * body.density * mesh.volume();
+        let (limit_radius, least) = limits(body, impactor, mass, thickness, unit_compliance);
+        let chosen = Patch::choose(thickness, site.cell, limit_radius);
+        let axes = Axes::new(&site);
+        let (patch, weights) = match radius {
+            Some(radius) => {
+                (Patch { radius, reason: Reason::Scene, ..chosen }, weights_of_given(mesh, &axes, radius, least)?)
+            }
+            None => fit(mesh, &axes, chosen, least)?,
+        };
+        let compliance = copies * unit_compliance / patch.radius;
+        Ok(Self { compliance, patch: Some(patch), ..Self::of_nodes(mesh, &weights, impactor.direction)? })
+    }
+}
+
+/// Weights of a patch whose radius the scene gives. Collective.
+fn weights_of_given(mesh: &Mesh, axes: &Axes, radius: f64, least: f64) -> Result<Vec<(Int, f64)>> {
+    if radius < least {
+        let message = format!(
+            "a patch of radius {radius:.3e} m is too small for this impact: below about {least:.3e} m the contact has \
+             negative stiffness"
+        );
+        return Err(Fault::new(KEY, message, "a larger radius, or `localization = \"point\"`").into());
+    }
+    let (weights, share) = weights(mesh, axes, radius);
+    if is_whole(share) {
+        return Ok(weights);
+    }
+    let message = if share < 1.0 {
+        format!("only {:.2}% of a patch of radius {radius:.3e} m is on the surface", 100.0 * share)
+    } else {
+        format!("the surface lies {share:.2} times within the patch of radius {radius:.3e} m")
+    };
+    let help = "a smaller radius, or an impact point farther from the edge of the surface";
+    Err(Fault::new(KEY, message, help).into())
+}
+
+/// The patch, or the first smaller one that has room, and its weights. Collective.
+fn fit(mesh: &Mesh, axes: &Axes, mut patch: Patch, least: f64) -> Result<(Patch, Vec<(Int, f64)>)> {
+    // No patch is wider than the body.
+    if patch.radius > mesh.diameter {
+        patch = patch.cut_to(mesh.diameter);
+    }
+    // Where no radius is too small, an impact on the very edge of the surface ends it.
+    while patch.radius >= least.max(1e-6 * mesh.diameter) {
+        let (weights, share) = weights(mesh, axes, patch.radius);
+        if is_whole(share) {
+            return Ok((patch, weights));
+        }
+        patch = patch.cut_to(SMALLER * patch.radius);
+    }
+    let message = format!(
+        "the surface around the impact point has no room for a patch of radius {:.3e} m, and below about {least:.3e} m the \
+         contact has negative stiffness",
+        patch.radius / SMALLER
+    );
+    let help = "an impact point farther from the edge of the surface, or `localization = \"point\"`";
+    Err(Fault::new(KEY, message, help).into())
+}
+
+fn is_whole(share: f64) -> bool {
+    (share - 1.0).abs() < MISSING
+}
+
+/// Coordinates about the impact point: two in the plane of the patch, and the outward normal.
+struct Axes {
+    origin: Vector3<f64>,
+    axes: [Vector3<f64>; 3],
+}
+
+impl Axes {
+    fn new(site: &Site) -> Self {
+        let normal = Vector3::from(site.normal);
+        let mut least = Vector3::zeros();
+        least[normal.iamin()] = 1.0;
+        let first = normal.cross(&least).normalize();
+        Self { origin: site.x.into(), axes: [first, normal.cross(&first), normal] }
+    }
+
+    fn coordinates(&self, x: Vec3) -> [f64; 3] {
+        let from = Vector3::from(x) - self.origin;
+        self.axes.map(|axis| axis.dot(&from))
+    }
+}
+
+/// ∫ p φ dA by node, ascending, where it is not zero, over its sum; and that sum as a part of what it would be with
+/// the whole patch on the surface. The same on all ranks. Collective.
+///
+/// Facets farther from the plane than the patch is wide are of another part of the surface. On a quarter of the body
+/// a quarter of the patch carries a quarter of the force: the sum is 1 all the same.
+fn weights(mesh: &Mesh, axes: &Axes, radius: f64) -> (Vec<(Int, f64)>, f64) {
+    let facets = &mesh.facets;
+    let forms = PressureForms::new(facets.shape, facets.order);
+    let mut load = vec![0.0; facets.nodes_each()];
+    let (mut nodes, mut values) = (Vec::new(), Vec::new());
+    for facet in 0..facets.len() {
+        let x: Vec<Vec3> = facets.x(facet).iter().map(|x| axes.coordinates(*x).map(|c| c / radius)).collect();
+        if x.iter().all(|x| x[2] > 1.0) || x.iter().all(|x| x[2] < -1.0) {
+            continue;
+        }
+        let plane: Vec<[f64; 2]> = x.iter().map(|x| [x[0], x[1]]).collect();
+        forms.load(&plane, &mut load);
+        let met = facets.nodes(facet).iter().zip(&load).filter(|(_, value)| **value != 0.0);
+        for (node, value) in met {
+            nodes.push(*node);
+            values.push(*value);
+        }
+    }
+    let mut sum = BTreeMap::new();
+    for (node, value) in mesh.comm.all_gather(&nodes).into_iter().zip(mesh.comm.all_gather(&values)) {
+        *sum.entry(node).or_insert(0.0) += value;
+    }
+    let total: f64 = sum.values().sum();
+    let weights = sum.into_iter().map(|(node, value)| (node, value / total)).collect();
+    (weights, total * mesh.copies as f64)
+}

@@ -1,0 +1,75 @@
+//! A mesh of solid elements, read at its points.
+
+use crate::form::Material;
+use crate::mesh::Whole;
+use crate::scene::Vec3;
+
+use super::Recovery;
+use crate::space::evaluate::{Form, Forms, add, summed};
+
+/// A mesh and what recovers its stresses.
+pub struct Nodes {
+    /// The mesh, with the images of a quarter.
+    pub mesh: Whole,
+    /// What recovers stresses at its nodes.
+    pub recovery: Recovery,
+    /// Hooke's law: stresses over ∂u_i/∂x_j.
+    law: [[f64; 9]; 6],
+}
+
+impl Nodes {
+    /// Of a mesh of a material.
+    pub fn new(mesh: Whole, material: &Material) -> Self {
+        Self { recovery: Recovery::new(&mesh), mesh, law: material.stress_of_gradient() }
+    }
+
+    /// The displacement along an axis at a node.
+    pub fn displacement(&self, node: usize, axis: usize) -> Form {
+        vec![(3 * self.mesh.numbers[node] as usize + axis, self.mesh.signs[node][axis])]
+    }
+
+    /// The forms at a point; `None` outside of the mesh.
+    pub fn at(&self, point: Vec3) -> Option<Forms> {
+        let (cell, values) = self.mesh.locate(point)?;
+        let nodes = self.mesh.cell(cell);
+        let mut displacement: [Form; 3] = Default::default();
+        for (axis, form) in displacement.iter_mut().enumerate() {
+            nodes.iter().zip(&values).for_each(|(&node, value)| add(form, *value, &self.displacement(node, axis)));
+        }
+        let weights = self.recovery.weights(&self.mesh, |node| nodes.contains(&node));
+        let mut samples = Form::new();
+        nodes.iter().zip(&values).for_each(|(&node, value)| add(&mut samples, *value, &weights[node]));
+        let mut stress: [Form; 6] = Default::default();
+        for (sample, weight) in summed(samples) {
+            let each = self.recovery.samples_each();
+            let (cell, sample) = (sample / each, sample % each);
+            let gradients = self.recovery.gradients(&self.mesh, cell, sample);
+            for (&node, gradient) in self.mesh.cell(cell).iter().zip(&gradients) {
+                for (form, row) in stress.iter_mut().zip(&self.law) {
+                    for i in 0..3 {
+                        let factor: f64 = (0..3).map(|j| row[3 * i + j] * gradient[j]).sum();
+                        add(form, weight * factor, &self.displacement(node, i));
+                    }
+                }
+            }
+        }
+        Some(Forms { displacement: displacement.map(summed), stress: stress.map(summed) })
+    }
+
+    /// Stresses at all samples, cell by cell, of the displacements of all nodes (m, three a node).
+    pub fn sampled(&self, displacement: &[f64]) -> Vec<[f64; 6]> {
+        let each = self.recovery.samples_each();
+        let mut all = Vec::with_capacity(each * self.mesh.len());
+        for (cell, sample) in (0..self.mesh.len()).flat_map(|cell| (0..each).map(move |sample| (cell, sample))) {
+            let mut slope = [0.0; 9];
+            for (&node, gradient) in self.mesh.cell(cell).iter().zip(self.recovery.gradients(&self.mesh, cell, sample))
+            {
+                for (entry, slope) in slope.iter_mut().enumerate() {
+                    *slope += displacement[3 * node + entry / 3] * gradient[entry % 3];
+                }
+            }
+            all.push(self.law.map(|row| row.iter().zip(&slope).map(|(a, b)| a * b).sum()));
+        }
+        all
+    }
+}

@@ -1,0 +1,180 @@
+//! What spaces on a grid between the faces of a box have in common: splines in three dimensions, and plates.
+
+use std::collections::BTreeMap;
+
+use nalgebra_sparse::CsrMatrix;
+use petsc_wrap::Int;
+
+use super::clip::{Clipped, clip};
+use super::evaluate::Form;
+use super::{Add, Space, Visit};
+use crate::description::{Part, Place};
+use crate::element::gauss_legendre;
+use crate::error::Result;
+use crate::form::{SurfaceElement, SurfacePoint};
+use crate::scene::{Vec3, faces};
+
+/// A displacement that is smooth within the cells of a grid.
+pub trait GridField {
+    /// The ends of the cells of the modelled part along each axis, m.
+    fn lines(&self) -> [&[f64]; 3];
+
+    /// The degree of the displacement within a cell along each axis.
+    fn degrees(&self) -> [usize; 3];
+
+    /// How many unknowns there are.
+    fn unknowns(&self) -> usize;
+
+    /// The displacement at a point, m.
+    fn displacement(&self, x: Vec3) -> [Form; 3];
+
+    /// The vector of a body force, N/m³.
+    fn body_force(&self, force: Vec3) -> Vec<f64>;
+}
+
+/// A field of which every rank has all, as a space.
+pub struct Grid<'a, F> {
+    /// The field.
+    pub field: &'a F,
+    /// Axes across planes of symmetry, where the modelled part has no face at its lower end.
+    pub mirrors: &'a [usize],
+}
+
+/// A face of the modelled part of a box.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Face {
+    /// The axis across it.
+    pub axis: usize,
+    /// Whether it is the one at the larger coordinate.
+    pub is_upper: bool,
+}
+
+impl Face {
+    /// The faces of the modelled part that a surface of a box stands for.
+    pub fn of_surface<'a>(surface: &str, mirrors: &'a [usize]) -> impl Iterator<Item = Self> + 'a {
+        let all = faces(surface).iter().map(|&(axis, is_upper)| Self { axis, is_upper });
+        all.filter(|face| face.is_upper || !mirrors.contains(&face.axis))
+    }
+}
+
+impl<F: GridField> Grid<'_, F> {
+    /// Visits what a part of space has of the cells on a face.
+    fn visit_face(&self, face: Face, part: &Part, visit: &mut Visit) -> Result<()> {
+        let (lines, degrees) = (self.field.lines(), self.field.degrees());
+        let across = lines[face.axis];
+        let height = if face.is_upper { across[across.len() - 1] } else { across[0] };
+        let [first, second] = [[1, 2], [0, 2], [0, 1]][face.axis];
+        let at = |along: [f64; 2]| {
+            let mut x = [height; 3];
+            (x[first], x[second]) = (along[0], along[1]);
+            x
+        };
+        let cells = |axis: usize| lines[axis].windows(2).filter(|ends| ends[0] < ends[1]);
+        let rules = [first, second].map(|axis| gauss_legendre(degrees[axis] + 1));
+        for (one, other) in cells(first).flat_map(|one| cells(second).map(move |other| (one, other))) {
+            let corners = [[one[0], other[0]], [one[1], other[0]], [one[1], other[1]], [one[0], other[1]]].map(at);
+            let points: Vec<(Vec3, f64)> = match clip(&corners, part, 2 * degrees[first].max(degrees[second])) {
+                Clipped::Nothing => continue,
+                Clipped::Points(points) => points.into_iter().map(|point| (point.position, point.area)).collect(),
+                Clipped::Whole => {
+                    let place = |ends: &[f64], t: f64| 0.5 * (ends[0] + ends[1]) + 0.5 * (ends[1] - ends[0]) * t;
+                    let area = 0.25 * (one[1] - one[0]) * (other[1] - other[0]);
+                    let of_first = |(s, of_s): &(f64, f64)| {
+                        let (x, weight) = (place(one, *s), area * of_s);
+                        let of_second = |(t, of_t): &(f64, f64)| (at([x, place(other, *t)]), weight * of_t);
+                        rules[1].iter().map(of_second).collect::<Vec<_>>()
+                    };
+                    rules[0].iter().flat_map(of_first).collect()
+                }
+            };
+            let (unknowns, element) = self.element(&points);
+            visit(&unknowns, &element)?;
+        }
+        Ok(())
+    }
+
+    /// Points with their areas as an element of the surface.
+    fn element(&self, points: &[(Vec3, f64)]) -> (Vec<Int>, SurfaceElement) {
+        let moved: Vec<[Form; 3]> = points.iter().map(|(x, _)| self.field.displacement(*x)).collect();
+        let met = |component: usize| moved.iter().flat_map(move |forms| forms[component].iter().map(|entry| entry.0));
+        let distinct = |unknowns: &mut dyn Iterator<Item = usize>| {
+            let mut unknowns: Vec<usize> = unknowns.collect();
+            unknowns.sort_unstable();
+            unknowns.dedup();
+            unknowns
+        };
+        let of_component = [0, 1, 2].map(|component| distinct(&mut met(component)));
+        let all = distinct(&mut of_component.iter().flatten().copied());
+        let shape = |forms: &[Form; 3]| {
+            std::array::from_fn(|component| {
+                let unknowns = &of_component[component];
+                let mut values = vec![0.0; unknowns.len()];
+                for (unknown, value) in &forms[component] {
+                    values[unknowns.partition_point(|other| other < unknown)] += value;
+                }
+                values
+            })
+        };
+        let points = points.iter().zip(&moved);
+        let points = points.map(|((position, area), forms)| SurfacePoint {
+            position: *position,
+            area: *area,
+            shape: shape(forms),
+        });
+        let local = |unknown: &usize| all.partition_point(|other| other < unknown);
+        let element = SurfaceElement {
+            unknowns: all.len(),
+            points: points.collect(),
+            of_component: of_component.each_ref().map(|unknowns| unknowns.iter().map(local).collect()),
+        };
+        (all.iter().map(|unknown| *unknown as Int).collect(), element)
+    }
+}
+
+impl<F: GridField> Space for Grid<'_, F> {
+    type Matrix = CsrMatrix<f64>;
+    type Vector = Vec<f64>;
+
+    fn visit(&self, place: &Place, visit: &mut Visit) -> Result<()> {
+        Face::of_surface(&place.surface, self.mirrors).try_for_each(|face| self.visit_face(face, &place.part, visit))
+    }
+
+    fn body_force(&self, force: Vec3, add: &mut Add) -> Result<()> {
+        let all: Vec<Int> = (0..self.field.unknowns() as Int).collect();
+        add(&all, &self.field.body_force(force))
+    }
+
+    fn vector(&self, fill: impl FnOnce(&mut Add) -> Result<()>) -> Result<Vec<f64>> {
+        let mut vector = vec![0.0; self.field.unknowns()];
+        fill(&mut |unknowns, values| {
+            unknowns.iter().zip(values).for_each(|(unknown, value)| vector[*unknown as usize] += value);
+            Ok(())
+        })?;
+        Ok(vector)
+    }
+
+    fn matrix(&self, _: &[&Place], fill: impl FnOnce(&mut Add) -> Result<()>) -> Result<CsrMatrix<f64>> {
+        // Summed in the order in which elements come, so that the matrix is symmetric to the last bit.
+        let mut rows = vec![BTreeMap::new(); self.field.unknowns()];
+        fill(&mut |unknowns, values| {
+            for (row, values) in unknowns.iter().zip(values.chunks_exact(unknowns.len())) {
+                for (column, value) in unknowns.iter().zip(values).filter(|(_, value)| **value != 0.0) {
+                    *rows[*row as usize].entry(*column as usize).or_insert(0.0) += value;
+                }
+            }
+            Ok(())
+        })?;
+        let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+        for row in &rows {
+            columns.extend(row.keys());
+            values.extend(row.values());
+            offsets.push(columns.len());
+        }
+        let matrix = CsrMatrix::try_from_csr_data(rows.len(), rows.len(), offsets, columns, values);
+        Ok(matrix.expect("rows in order, columns ascending"))
+    }
+
+    fn sum(&self, here: f64) -> f64 {
+        here
+    }
+}

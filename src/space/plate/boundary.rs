@@ -1,0 +1,61 @@
+//! Whether a plate takes a scene's supports and loads.
+
+use crate::scene::{Scene, Support, SupportKind, Vec3, faces};
+
+use super::PlateTheory;
+use super::geometry::{NAMES, PlateGeometry};
+
+/// Why a plate cannot take the scene's supports and loads: a clause. A plate bends, and is neither stretched in its plane nor pressed
+/// together across it.
+pub(super) fn check(scene: &Scene, geometry: &PlateGeometry, theory: PlateTheory) -> Result<(), String> {
+    if geometry.in_plane(scene.load.body_force) != [0.0; 2] {
+        return Err("load.body_force has a part in the plate's plane".into());
+    }
+    for (number, traction) in scene.load.traction.iter().enumerate() {
+        if geometry.in_plane(traction.value) != [0.0; 2] {
+            return Err(format!("load.traction.{number} has a part in the plate's plane"));
+        }
+    }
+    for (number, support) in scene.supports.iter().enumerate() {
+        let clause = |reason: &str| format!("support.{number} on {:?} {reason}", support.surface);
+        if geometry.in_plane(support.displacement) != [0.0; 2] {
+            return Err(clause("has a displacement in the plate's plane"));
+        }
+        let is_on_face = faces(&support.surface).iter().any(|(axis, _)| *axis == geometry.normal);
+        let along_plane = |value: Vec3| is_on_face && geometry.in_plane(value) != [0.0; 2];
+        let held = match support.kind {
+            SupportKind::Pad { .. } => return Err(clause("is a pad")),
+            SupportKind::Elastic { stiffness } => along_plane(stiffness),
+            SupportKind::Clamped { .. } if is_on_face && support.within.is_none() => {
+                return Err(clause("holds a face of the plate"));
+            }
+            SupportKind::Clamped { components } => along_plane(components.map(|held| f64::from(u8::from(held)))),
+        };
+        if held || along_plane(support.damping) {
+            let across = NAMES[geometry.normal];
+            return Err(clause(&format!("is on a face of the plate and acts not along {across} alone")));
+        }
+    }
+    if theory == PlateTheory::Kirchhoff { check_slopes(scene, geometry) } else { Ok(()) }
+}
+
+/// Kirchhoff's slope along a side is that of the deflection there: it is held with it or not at all.
+fn check_slopes(scene: &Scene, geometry: &PlateGeometry) -> Result<(), String> {
+    let held = |support: &Support, face: &faces::Face, component: usize| match support.kind {
+        SupportKind::Clamped { components } if support.within.is_none() => {
+            components[component] && faces(&support.surface).contains(face)
+        }
+        _ => false,
+    };
+    for i in 0..2 {
+        let [axis, along] = [geometry.axes[i], geometry.axes[1 - i]];
+        for face in [(axis, false), (axis, true)] {
+            let any = |component: usize| scene.supports.iter().any(|support| held(support, &face, component));
+            if any(along) && !any(geometry.normal) {
+                let [axis, along, across] = [axis, along, geometry.normal].map(|axis| NAMES[axis]);
+                return Err(format!("a side across {axis} is held along {along} and not along {across}"));
+            }
+        }
+    }
+    Ok(())
+}

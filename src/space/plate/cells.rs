@@ -1,0 +1,79 @@
+//! The cells of a plate: small where it is hit, growing to what carries the flexural waves of the contact.
+
+use std::f64::consts::TAU;
+
+use crate::contact::{hertz, zener};
+use crate::form::plate::Section;
+use crate::scene::{Geometry, Impactor, Scene, growing};
+
+use super::geometry::PlateGeometry;
+
+/// Each cell over the one before.
+const GROWTH: f64 = 2.0;
+
+/// Cells at the hit over the radius of the disc that is pressed.
+const OF_DISC: f64 = 0.75;
+
+/// The largest cell, in lengths of the flexural wave of the contact's frequency.
+const OF_WAVE: f64 = 0.13;
+
+/// The fewest cells along an edge.
+const LEAST: f64 = 7.0;
+
+/// The most cells along an edge: more are no small system.
+const MOST: f64 = 100.0;
+
+/// The lines of the grid along both axes of the modelled part, with small cells for the disc of a radius (m), or the point, that is hit.
+///
+/// # Errors
+/// How many cells there would be along an edge, where that is no number of cells of a small system.
+pub(super) fn lines(
+    geometry: &PlateGeometry,
+    section: &Section,
+    impactor: &Impactor,
+    disc: Option<f64>,
+    cell_size_factor: f64,
+) -> Result<[Vec<f64>; 2], f64> {
+    let wave = wavelength(section, contact_time(section, impactor));
+    let along = |axis: usize| {
+        let edge = geometry.edges[axis];
+        let largest = cell_size_factor * (OF_WAVE * wave).min(edge / LEAST);
+        let cells = if geometry.is_quarter { 0.5 * edge / largest } else { edge / largest };
+        if !(cells > 0.0 && cells <= MOST) {
+            return Err(cells);
+        }
+        // A point's deflection is off by a part of F c²/D with its cells c: a small part of the waves' length will do.
+        let at_hit = disc.map_or(section.thickness.max(largest / cell_size_factor / 8.0), |radius| OF_DISC * radius);
+        // Splines that are smooth across the hit resolve it half as well as those of a quarter, which end there.
+        let smallest = cell_size_factor * if geometry.is_quarter { at_hit } else { 0.5 * at_hit };
+        let mut lines = growing(edge, geometry.hit[axis], smallest, GROWTH.powf(cell_size_factor), largest);
+        if geometry.is_quarter {
+            lines.retain(|x| *x >= 0.0);
+        }
+        Ok(lines)
+    };
+    Ok([along(0)?, along(1)?])
+}
+
+/// How long a contact with a plate lasts, s: as long as on a half-space, or on a plate that yields less: there the force rises to
+/// what the plate's impedance Z gives, k0 (v t)^{3/2} = Z v, within t.
+pub(in crate::space) fn contact_time(section: &Section, impactor: &Impactor) -> f64 {
+    let Impactor { stiffness, mass, speed, .. } = *impactor;
+    let impedance = zener::impedance((section.young, section.poisson), section.density, section.thickness);
+    let rise = (impedance / stiffness).powf(2.0 / 3.0) / speed.cbrt();
+    hertz::contact_time(stiffness, mass, speed).min(6.0 * rise)
+}
+
+/// Length of the flexural wave of a period (s), m.
+pub(in crate::space) fn wavelength(section: &Section, period: f64) -> f64 {
+    let wavenumber = (section.density * section.thickness / section.rigidity()).sqrt() * TAU / period;
+    TAU / wavenumber.sqrt()
+}
+
+/// The time in which a shear wave crosses the thickness of a box, over that of a contact on a half-space; infinite for a mesh file.
+pub fn crossing(scene: &Scene) -> f64 {
+    let (body, impactor) = (&scene.body, &scene.impactor);
+    let (Geometry::Box { size, .. }, Some(axis)) = (&body.geometry, scene.struck_axis()) else { return f64::INFINITY };
+    let speed = (0.5 * body.young / (1.0 + body.poisson) / body.density).sqrt();
+    size[axis] / speed / hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed)
+}

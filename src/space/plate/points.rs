@@ -1,0 +1,124 @@
+//! A plate's displacement and stress at its points.
+//!
+//! A point at the height ζ along w moves by ζ θ in the plane, Kirchhoff's θ being −∇w. Stresses are plane, those of bending: across the
+//! plate there is none but Mindlin's shear, on the parabola that is zero on both faces.
+
+use super::geometry::PlateGeometry;
+use super::{Local, PlateTheory};
+use crate::form::plate::{AREA, Section, deflection, rotation};
+use crate::form::stress::place;
+use crate::form::tensor::{Linear, Part, Tensor};
+use crate::scene::Vec3;
+use crate::space::evaluate::{Form, Forms, PointEvaluator, add, divided, summed};
+use crate::space::grid::GridField;
+
+/// Hexahedra in a cell of splines along each axis, where fields are written: splines of degree 5 bend within a cell.
+const PIECES: usize = 3;
+
+/// A plate's discretisation, to be read anywhere in the modelled part.
+#[derive(Debug, Clone)]
+pub struct Points {
+    pub(super) geometry: PlateGeometry,
+    pub(super) section: Section,
+    /// The ends of the cells along the scene's axes, m: across the plate its two faces.
+    pub(super) lines: [Vec<f64>; 3],
+    pub(super) tensor: Tensor<2>,
+    pub(super) theory: PlateTheory,
+    pub(super) local: Option<Local>,
+}
+
+impl Points {
+    /// The ends of the cells along the axes of the plane, m.
+    pub(super) fn lines_in_plane(&self) -> [&[f64]; 2] {
+        self.geometry.axes.map(|axis| &self.lines[axis][..])
+    }
+
+    /// ζ times the rotation along an axis of the plane, differentiated.
+    fn turned(&self, axis: usize, derivatives: [usize; 2], height: f64) -> (f64, Part<2>) {
+        match self.theory {
+            PlateTheory::Mindlin => (height, rotation(axis, derivatives)),
+            PlateTheory::Kirchhoff => {
+                let mut all = derivatives;
+                all[axis] += 1;
+                (-height, deflection(all))
+            }
+        }
+    }
+
+    /// Coordinates in the plane, and ζ.
+    fn seen(&self, x: Vec3) -> ([f64; 2], f64) {
+        let PlateGeometry { axes, normal, sign, .. } = self.geometry;
+        (axes.map(|axis| x[axis]), sign * x[normal])
+    }
+}
+
+impl GridField for Points {
+    fn lines(&self) -> [&[f64]; 3] {
+        self.lines.each_ref().map(Vec::as_slice)
+    }
+
+    fn degrees(&self) -> [usize; 3] {
+        let mut degrees = [super::theory::DEGREE; 3];
+        degrees[self.geometry.normal] = 1;
+        degrees
+    }
+
+    fn unknowns(&self) -> usize {
+        self.tensor.unknowns()
+    }
+
+    fn displacement(&self, x: Vec3) -> [Form; 3] {
+        let PlateGeometry { axes, normal, sign, .. } = self.geometry;
+        let (point, height) = self.seen(x);
+        let mut displacement: [Form; 3] = Default::default();
+        displacement[normal] = summed(self.tensor.at_point(deflection([0, 0]), point, sign));
+        for (i, axis) in axes.into_iter().enumerate() {
+            let (factor, part) = self.turned(i, [0, 0], height);
+            displacement[axis] = summed(self.tensor.at_point(part, point, factor));
+        }
+        displacement
+    }
+
+    fn body_force(&self, force: Vec3) -> Vec<f64> {
+        let factor = self.geometry.across(force) * self.section.thickness;
+        self.tensor.vector(&[Linear { factor, part: deflection([0, 0]), place: AREA }])
+    }
+}
+
+impl PointEvaluator for Points {
+    fn at(&self, x: Vec3) -> Forms {
+        let PlateGeometry { axes, normal, sign, .. } = self.geometry;
+        let (point, height) = self.seen(x);
+        let form = |(factor, part): (f64, Part<2>)| self.tensor.at_point(part, point, factor);
+        let mut stress: [Form; 6] = Default::default();
+        let Section { young, poisson, thickness, .. } = self.section;
+        let (plane, shear) = (young / (1.0 - poisson * poisson), 0.5 * young / (1.0 + poisson));
+        for (i, axis) in axes.into_iter().enumerate() {
+            let mut along = [0, 0];
+            along[i] = 1;
+            let stretch = form(self.turned(i, along, height));
+            add(&mut stress[axis], plane, &stretch);
+            add(&mut stress[axes[1 - i]], plane * poisson, &stretch);
+            add(&mut stress[place(axes[0], axes[1])], shear, &form(self.turned(i, [along[1], along[0]], height)));
+            if let Some(local) = &self.local {
+                let over_mean = 1.5 * (1.0 - (2.0 * height / thickness).powi(2));
+                let factor = sign * over_mean * local.shear_factor * shear;
+                let to = &mut stress[place(axis, normal)];
+                add(to, factor, &form((1.0, deflection(along))));
+                add(to, factor, &form((1.0, rotation(i, [0, 0]))));
+            }
+        }
+        Forms { displacement: self.displacement(x), stress: stress.map(summed) }
+    }
+
+    fn blurred(&self) -> Option<f64> {
+        Some(self.local.map_or(2.0 * self.section.thickness, |local| local.radius))
+    }
+
+    fn field_lines(&self) -> [Vec<f64>; 3] {
+        let half = 0.5 * self.section.thickness;
+        let mut lines = self.lines.each_ref().map(|lines| divided(lines, PIECES));
+        lines[self.geometry.normal] = vec![-half, 0.0, half];
+        lines
+    }
+}

@@ -1,0 +1,60 @@
+//! A box, and where it is hit.
+
+use crate::scene::{Contact, Geometry, Scene, Symmetry, Vec3};
+
+/// The shortest edge over the longest, at least: rounding goes with the fourth power of the ratio, and is 1e-3 of the deflection here.
+const THINNEST: f64 = 1.0 / 2000.0;
+
+/// A box, where it is hit, and which part of it is modelled.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct BoxGeometry {
+    /// Edge lengths of the whole, m.
+    pub size: Vec3,
+    /// Where it is hit, m.
+    pub hit: Vec3,
+    /// The axis across the face that is hit.
+    pub struck: usize,
+    /// Axes across planes of symmetry: where their coordinates are positive is the modelled part.
+    pub mirrors: Vec<usize>,
+}
+
+impl BoxGeometry {
+    /// Why the body is no such box.
+    pub fn new(scene: &Scene) -> std::result::Result<Self, String> {
+        let (Geometry::Box { size, .. }, Some(struck)) = (&scene.body.geometry, scene.struck_axis()) else {
+            return Err("the body is from a mesh file, not a box".into());
+        };
+        if scene.contact == Contact::Point {
+            return Err("a solid yields without limit under a force at a point".into());
+        }
+        let [shortest, longest] =
+            [f64::min, f64::max].map(|pick: fn(f64, f64) -> f64| size.iter().fold(size[0], |a, b| pick(a, *b)));
+        if shortest < THINNEST * longest {
+            return Err(format!(
+                "rounding would show in a box that is 1/{:.0} as thin as it is long",
+                longest / shortest
+            ));
+        }
+        let mirrors = match scene.body.symmetry {
+            Symmetry::Quarter { axes } => axes.to_vec(),
+            Symmetry::None { .. } => Vec::new(),
+        };
+        Ok(Self { size: *size, hit: scene.impactor.point, struck, mirrors })
+    }
+
+    /// How many of the modelled part make the whole.
+    pub fn copies(&self) -> f64 {
+        if self.mirrors.is_empty() { 1.0 } else { 4.0 }
+    }
+
+    /// The axes along the face that is hit.
+    pub fn plane(&self) -> [usize; 2] {
+        [[1, 2], [0, 2], [0, 1]][self.struck]
+    }
+
+    /// Ends of the modelled part along an axis.
+    pub fn ends(&self, axis: usize) -> [f64; 2] {
+        let half = 0.5 * self.size[axis];
+        [if self.mirrors.contains(&axis) { 0.0 } else { -half }, half]
+    }
+}

@@ -1,0 +1,113 @@
+//! Supports and loads on parts of surfaces, on every space.
+
+use std::f64::consts::PI;
+
+use crate::glass;
+use mpi_test::{Test, tests};
+
+use petsc_wrap::Session;
+use ricochet::body::Body;
+use ricochet::mesh::Mesh;
+use ricochet::scene::Scene;
+use ricochet::space::plate::{self, Plate, PlateTheory};
+use ricochet::space::spline::{Settings, SplineSolid};
+
+pub const RANKS: &[usize] = &[1, 2];
+pub const TESTS: &[Test<Session>] =
+    tests![areas_of_parts_on_every_space, a_strip_that_cuts_cells_is_that_of_a_mesh_with_its_edge];
+
+const SIZE: [f64; 3] = [0.6, 0.5, 0.02];
+const K: f64 = 3e8;
+const C: f64 = 2e3;
+const PRESSURE: f64 = 7e4;
+
+/// A support, a damper and a traction on a part of a surface.
+fn scene(surface: &str, within: &str, rest: &str) -> Scene {
+    let [x, y, z] = SIZE;
+    let (young, poisson, density) = glass::GLASS;
+    let text = format!(
+        "[body]\nyoung = {young:e}\npoisson = {poisson}\ndensity = {density}\nsize = [{x}, {y}, {z}]\n{rest}\n\
+         [[support]]\nsurface = \"{surface}\"\nwithin = {within}\nkind = \"elastic\"\n\
+         stiffness = [0, 0, {K:e}]\ndamping = [0, 0, {C:e}]\n\
+         [[load.traction]]\nsurface = \"{surface}\"\nwithin = {within}\nvalue = [0, 0, {PRESSURE:e}]\n\
+         [impactor]\nmass = 1.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n[time]\nend = 1e-3\n"
+    );
+    Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}")).0
+}
+
+/// The scene's body on each space, with a name.
+fn bodies(session: &Session, surface: &str, within: &str) -> Vec<(String, Body)> {
+    let mut bodies = Vec::new();
+    for symmetry in ["quarter", "none"] {
+        let scene = scene(surface, within, &format!("symmetry = \"{symmetry}\""));
+        let splines = SplineSolid::new(&scene, &Settings { cell_size_factor: 3.0 }).unwrap().system;
+        bodies.push((format!("splines, {symmetry}"), Body::of(&session.alone(), &splines).unwrap()));
+        for theory in [PlateTheory::Kirchhoff, PlateTheory::Mindlin] {
+            let plate = Plate::new(&scene, theory, &plate::Settings::default()).unwrap().system;
+            bodies.push((format!("{}, {symmetry}", theory.name()), Body::of(&session.alone(), &plate).unwrap()));
+        }
+        let meshed = format!("symmetry = \"{symmetry}\"\ncells = [14, 10, 2]\norder = 2");
+        let scene = self::scene(surface, within, &meshed);
+        let mesh = Mesh::new(&session.world(), &scene.body).unwrap();
+        bodies.push((format!("hexahedra, {symmetry}"), Body::solid(&scene, &mesh).unwrap()));
+    }
+    bodies
+}
+
+/// Springs, dampers and tractions of a unit displacement are k A, c A and p A, whatever cells the part's edges cut.
+fn areas_of_parts_on_every_space(session: &Session) {
+    let [x, y, z] = SIZE;
+    let (rim, disc): (f64, f64) = (0.017, 0.083);
+    // Across a thickness of a part.
+    let edge = 2.0 * (x + y) * z;
+    for (surface, within, area) in [
+        ("bottom", format!("{{ rim = {rim} }}"), x * y - (x - 2.0 * rim) * (y - 2.0 * rim)),
+        ("side", "{ box = [[-1, -1, -0.004], [1, 1, 0.005]] }".to_owned(), edge * 0.009 / z),
+        ("top", "{ box = [[-0.11, -0.23, 0], [0.11, 0.23, 1]] }".to_owned(), 0.22 * 0.46),
+        ("bottom", format!("{{ disc = {{ centre = [0, 0, -0.01], radius = {disc} }} }}"), PI * disc * disc),
+        ("side", "{ rim = 0.004 }".to_owned(), edge - 2.0 * (x + y - 0.016) * (z - 0.008)),
+        ("bottom", "{ rim = 1.0 }".to_owned(), x * y),
+    ] {
+        for (name, body) in bodies(session, surface, &within) {
+            let (translation, copies) = (&body.translation, body.copies);
+            let mut product = translation.duplicate().unwrap();
+            let mut along = |matrix: &Option<petsc_wrap::Matrix>| {
+                matrix.as_ref().unwrap().mult(translation, &mut product).unwrap();
+                copies * product.dot(translation).unwrap()
+            };
+            let found = [along(&body.support) / K, along(&body.damping) / C, {
+                // Against the direction of travel.
+                -copies * body.load.dot(translation).unwrap() / PRESSURE
+            }];
+            for found in found {
+                // The rule along the rim of a disc: 1e-10 of each facet.
+                assert!((found / area - 1.0).abs() < 1e-9, "{surface} within {within}, {name}: {found} {area}");
+            }
+        }
+    }
+}
+
+/// The work of a pressure on plates that lie on a strip: one whose cells have the strip's edge on a line, and others whose lines it does
+/// not meet.
+fn a_strip_that_cuts_cells_is_that_of_a_mesh_with_its_edge(session: &Session) {
+    let work = |cells: [usize; 2]| {
+        let rest = "[[support]]\nsurface = \"bottom\"\nwithin = { rim = 0.06 }\nkind = \"elastic\"\nstiffness = 1e9\n\
+                    [[load.traction]]\nsurface = \"top\"\nvalue = [0, 0, -1e3]\n";
+        let body = format!("size = [0.6, 0.48, 0.02]\ncells = [{}, {}, 2]\nmodel = \"solid\"", cells[0], cells[1]);
+        let text = glass::scene(&body, "mass = 1.0\nspeed = 1.0", "end = 1e-3", rest);
+        let scene = Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}")).0;
+        let mesh = Mesh::new(&session.world(), &scene.body).unwrap();
+        let body = Body::solid(&scene, &mesh).unwrap();
+        let operator = body.operator(0.0, 0.0).unwrap();
+        let mut moved = body.load.duplicate().unwrap();
+        body.solver(&operator).unwrap().solve(&body.load, &mut moved).unwrap();
+        body.copies * body.load.dot(&moved).unwrap()
+    };
+    // Cells of 30 mm, and of 27 and 25 mm.
+    let [with_edge, cut, cut_elsewhere] = [[20, 16], [22, 18], [24, 20]].map(work);
+    println!("{with_edge:e}: {:.1e} {:.1e}", cut / with_edge - 1.0, cut_elsewhere / with_edge - 1.0);
+    for found in [cut, cut_elsewhere] {
+        // As close as meshes come to each other without a strip.
+        assert!((found / with_edge - 1.0).abs() < 1e-3, "{found:e} {with_edge:e}");
+    }
+}
