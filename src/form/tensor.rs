@@ -270,10 +270,12 @@ impl<const D: usize> Tensor<D> {
         }
     }
 
-    /// The entries of weight · (part of v at a point), by unknown.
+    /// The entries of weight · (part of v at a point) that are not zero, by ascending unknown.
     pub fn at_point(&self, part: Part<D>, point: [f64; D], weight: f64) -> Vec<(usize, f64)> {
         let mut entries = Vec::new();
-        self.each_at(part, point, weight, |first, values| entries.extend((first..).zip(values.iter().copied())));
+        self.each_at(part, point, weight, |first, values| {
+            entries.extend((first..).zip(values.iter().copied()).filter(|(_, value)| *value != 0.0));
+        });
         entries
     }
 

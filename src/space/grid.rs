@@ -25,7 +25,7 @@ pub trait GridField {
     /// How many unknowns there are.
     fn unknowns(&self) -> usize;
 
-    /// The displacement at a point, m.
+    /// The displacement at a point, m: entries by ascending unknown, none of them zero.
     fn displacement(&self, x: Vec3) -> [Form; 3];
 
     /// The vector of a body force, N/m³.
@@ -96,21 +96,31 @@ impl<F: GridField> Grid<'_, F> {
     /// Points with their areas as an element of the surface.
     fn element(&self, points: &[(Vec3, f64)]) -> (Vec<Int>, SurfaceElement) {
         let moved: Vec<[Form; 3]> = points.iter().map(|(x, _)| self.field.displacement(*x)).collect();
-        let met = |component: usize| moved.iter().flat_map(move |forms| forms[component].iter().map(|entry| entry.0));
-        let distinct = |unknowns: &mut dyn Iterator<Item = usize>| {
-            let mut unknowns: Vec<usize> = unknowns.collect();
+        let is_of = |form: &Form, unknowns: &[usize]| form.iter().map(|entry| &entry.0).eq(unknowns);
+        let distinct = |mut unknowns: Vec<usize>| {
             unknowns.sort_unstable();
             unknowns.dedup();
             unknowns
         };
-        let of_component = [0, 1, 2].map(|component| distinct(&mut met(component)));
-        let all = distinct(&mut of_component.iter().flatten().copied());
+        // Points within a cell have the same unknowns, but where a function happens to be zero.
+        let of_component = [0, 1, 2].map(|component| {
+            let forms = || moved.iter().map(|forms| &forms[component]);
+            let unknowns: Vec<usize> = forms().take(1).flatten().map(|entry| entry.0).collect();
+            if forms().all(|form| is_of(form, &unknowns)) {
+                return unknowns;
+            }
+            distinct(forms().flatten().map(|entry| entry.0).collect())
+        });
+        let all = distinct(of_component.concat());
         let shape = |forms: &[Form; 3]| {
             std::array::from_fn(|component| {
-                let unknowns = &of_component[component];
+                let (form, unknowns) = (&forms[component], &of_component[component]);
+                if is_of(form, unknowns) {
+                    return form.iter().map(|entry| entry.1).collect();
+                }
                 let mut values = vec![0.0; unknowns.len()];
-                for (unknown, value) in &forms[component] {
-                    values[unknowns.partition_point(|other| other < unknown)] += value;
+                for (unknown, value) in form {
+                    values[unknowns.partition_point(|other| other < unknown)] = *value;
                 }
                 values
             })

@@ -71,10 +71,10 @@ impl GridField for Points {
         let PlateGeometry { axes, normal, sign, .. } = self.geometry;
         let (point, height) = self.seen(x);
         let mut displacement: [Form; 3] = Default::default();
-        displacement[normal] = summed(self.tensor.at_point(deflection([0, 0]), point, sign));
+        displacement[normal] = self.tensor.at_point(deflection([0, 0]), point, sign);
         for (i, axis) in axes.into_iter().enumerate() {
             let (factor, part) = self.turned(i, [0, 0], height);
-            displacement[axis] = summed(self.tensor.at_point(part, point, factor));
+            displacement[axis] = self.tensor.at_point(part, point, factor);
         }
         displacement
     }

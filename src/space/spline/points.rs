@@ -46,7 +46,7 @@ impl GridField for Points {
     }
 
     fn displacement(&self, x: Vec3) -> [Form; 3] {
-        [0, 1, 2].map(|axis| summed(self.tensor.at_point(displacement(axis), x, 1.0)))
+        [0, 1, 2].map(|axis| self.tensor.at_point(displacement(axis), x, 1.0))
     }
 
     fn body_force(&self, force: Vec3) -> Vec<f64> {
