@@ -66,7 +66,7 @@ impl ExplicitStepper {
         body.clamps.zero(force)?;
         let lumped = body.lumped.as_ref().expect("an explicit scheme's body has a lumped mass");
         correct(scheme, lumped, (&self.half, &self.force), to)?;
-        let (velocity, acceleration) = scheme.correct(q_half, -contact, setting.mass, 0.0);
+        let (velocity, acceleration) = scheme.correct(q_half, setting.weight - contact, setting.mass, 0.0);
         to.state.q = Impactor { position, velocity, acceleration };
         body.apply_mass(&to.state.v, &mut to.products.momentum)?;
         body.apply_mass(&to.state.a, &mut to.inertia)?;

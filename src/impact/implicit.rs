@@ -170,7 +170,7 @@ impl ImplicitStepper {
         }
         body.clamps.zero(known)?;
         let q = state.q;
-        let known_impactor = -setting.mass * stage.apply(0.0, q.velocity, q.acceleration).1;
+        let known_impactor = setting.weight - setting.mass * stage.apply(0.0, q.velocity, q.acceleration).1;
         let force = StageForce { law: setting.law, from: from.approach, theta, gradient: scheme.gradient };
         let Body { localization, pads, .. } = &mut *body;
         let increment = &mut self.work;

@@ -16,7 +16,7 @@ pub(super) fn start(body: &mut Body, setting: &Setting, moment: &mut Moment) -> 
     moment.update(body, setting.gap)?;
     // Nothing, unless a held surface is pushed towards the impactor from the start.
     let contact = setting.law.force(moment.approach);
-    moment.state.q.acceleration = -contact / setting.mass;
+    moment.state.q.acceleration = (setting.weight - contact) / setting.mass;
     let force = &mut moment.inertia;
     force.fill(0.0)?;
     // add_force adds p: the sign is turned by what follows.

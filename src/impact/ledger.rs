@@ -4,7 +4,7 @@
 //!
 //! ΔE + D·C v̄ − D·f = ΔV − F D_δ + Δψ − p·D − (1/2 − α_f) D·(K D + C Δv) − (1 − γ − α_m) D·M Δa − Δt² (β − γ/2) Δa·M((1−γ) a_n + γ a_{n+1})
 //!
-//! over body and impactor, E the total energy, v̄ the mean velocity, V and ψ the potentials of contact and pads, F and p the forces
+//! over body and impactor with their loads f, E the total energy, v̄ the mean velocity, V and ψ the potentials of contact and pads, F and p the forces
 //! that the step used. The left side is what came and went; the right side is what the scheme itself made or lost. It is zero
 //! for the midpoint rule with discrete gradients. (For the central difference: β = 0, with the lumped mass.)
 
@@ -53,7 +53,8 @@ pub(super) fn exchange(
     let d = done.increment;
     let impactor = to.state.q.position - from.state.q.position;
     let (q0, q1) = (from.state.q, to.state.q);
-    let mut exchange = Exchange { external: body.load.dot(d)?, ..Exchange::default() };
+    let external = body.load.dot(d)? + setting.weight * impactor;
+    let mut exchange = Exchange { external, ..Exchange::default() };
     let potential = |approach| setting.law.potential(approach);
     exchange.numerical +=
         potential(to.approach) - potential(from.approach) - done.force * (to.approach - from.approach);

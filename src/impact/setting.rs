@@ -17,6 +17,8 @@ pub struct Setting {
     pub speed: f64,
     /// Distance at t = 0, m.
     pub gap: f64,
+    /// The impactor's weight along its direction, where it acts, N.
+    pub weight: f64,
     /// Φ(δ) of the part.
     pub law: Law,
     /// How many such parts the whole has.
@@ -35,6 +37,7 @@ impl Setting {
             mass: impactor.mass / copies,
             speed: impactor.speed,
             gap: impactor.gap,
+            weight: impactor.mass / copies * impactor.gravity,
             law: Law { hertz: Hertz { stiffness: impactor.stiffness / copies }, compliance },
             copies,
         }

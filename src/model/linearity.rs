@@ -25,6 +25,7 @@ pub struct Linearity {
     mobility: f64,
     mass: f64,
     speed: f64,
+    gravity: f64,
 }
 
 impl Linearity {
@@ -45,13 +46,14 @@ impl Linearity {
             (_, _, Some(patch)) if !is_free => (patch.thickness, 0.0),
             _ => return None,
         };
-        Some(Self { thickness, mobility, mass: impactor.mass, speed: impactor.speed })
+        Some(Self { thickness, mobility, mass: impactor.mass, speed: impactor.speed, gravity: impactor.gravity })
     }
 
     /// By how much the body is bent at the impact point, m: without its motion as a rigid body, free or on its supports.
     pub fn deflection(&self, step: &Step) -> f64 {
         // The impulse so far is what the impactor has lost, and its integral how far it lags behind its free flight.
-        let rigid = self.mobility * self.mass * (self.speed * step.time - step.impactor.position);
+        let flown = step.time * (self.speed + 0.5 * self.gravity * step.time);
+        let rigid = self.mobility * self.mass * (flown - step.impactor.position);
         let bent = step.contact.surface_displacement - rigid;
         // Supports and body are springs in a row: of a motion each has the part that it has of the energy.
         let (body, supports) = (step.energy.elastic, step.energy.support);

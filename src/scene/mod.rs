@@ -33,6 +33,9 @@ pub fn schema() -> schemars::Schema {
 /// A vector with one value per Cartesian component.
 pub type Vec3 = [f64; 3];
 
+/// Standard acceleration of gravity, m/s², against z (ISO 80000-3).
+pub const STANDARD_GRAVITY: f64 = 9.80665;
+
 /// One impact, checked: every number finite and in its range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
@@ -296,6 +299,8 @@ pub struct Impactor {
     pub direction: Vec3,
     /// Distance to the surface at t = 0, m.
     pub gap: f64,
+    /// Component of the acceleration of gravity along the direction, m/s²; 0 where the weight does not act.
+    pub gravity: f64,
 }
 
 /// How the contact's force reaches the body.
@@ -313,7 +318,7 @@ pub enum Contact {
 /// Forces other than the contact's, constant from t = 0 on.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Load {
-    /// b of (1), N/m³.
+    /// b of (1), the body's weight included where it acts, N/m³.
     pub body_force: Vec3,
     /// f of (3) on named surfaces.
     pub traction: Vec<Traction>,

@@ -141,8 +141,12 @@ pub(super) struct Impactor {
     pub poisson: Option<Number>,
     /// Hertz's k0, N/m^1.5, in place of radius and moduli.
     pub stiffness: Option<Number>,
-    /// m/s along `direction` at t = 0.
-    pub speed: Number,
+    /// m/s along `direction` at t = 0; or `drop_height`.
+    pub speed: Option<Number>,
+    /// Height of a free fall from rest in place of `speed`, m.
+    pub drop_height: Option<Number>,
+    /// Whether the impactor's weight acts on it along z during the run; default false.
+    pub gravity: Option<bool>,
     /// Where it hits, on the surface of the body, m.
     pub point: Option<Three<Number>>,
     /// Direction of travel, into the body; default [0, 0, -1].
@@ -168,6 +172,8 @@ pub(super) struct Contact {
 pub(super) struct Load {
     /// N/m3; default [0, 0, 0].
     pub body_force: Option<Three<Number>>,
+    /// Acceleration of gravity on the body, m/s2; default [0, 0, 0].
+    pub gravity: Option<Three<Number>>,
     /// Loaded surfaces.
     #[serde(default)]
     pub traction: List<Traction>,

@@ -19,12 +19,14 @@ pub fn unit(path: &str) -> &'static str {
         | "impactor.radius"
         | "impactor.point"
         | "impactor.gap"
+        | "impactor.drop_height"
         | "output.probes.point"
         | "contact.patch_radius" => "m",
         "support.stiffness" | "load.body_force" => "N/m3",
         "support.damping" => "N s/m3",
         "impactor.mass" => "kg",
         "impactor.speed" => "m/s",
+        "load.gravity" => "m/s2",
         "impactor.stiffness" => "N/m^1.5",
         "load.traction.value" => "N/m2",
         "time.end" | "time.step" => "s",

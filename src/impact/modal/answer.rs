@@ -11,6 +11,19 @@ pub const LOOKS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 /// The numbers of 1/2 and 1 among [`LOOKS`].
 pub const NODES: [usize; 2] = [1, 3];
 
+/// The impactor as a free body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreeBody {
+    /// Mass, kg.
+    pub mass: f64,
+    /// What its weight accelerates it by, m/s².
+    pub gravity: f64,
+    /// Speed at t = 0, m/s.
+    pub speed: f64,
+    /// Distance from the surface at t = 0, m.
+    pub gap: f64,
+}
+
 /// The state of a body in modal coordinates, and of the impactor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
@@ -48,8 +61,8 @@ impl State {
         moved + self.free[0]
     }
 
-    /// δ after a time (s) without force, m: `gap` in m.
-    pub fn flown(&self, modes: &Modes, gap: f64, time: f64) -> f64 {
+    /// δ after a time (s) without force, m.
+    pub fn flown(&self, modes: &Modes, impactor: &FreeBody, time: f64) -> f64 {
         let moved: f64 = modes
             .modes
             .iter()
@@ -65,7 +78,8 @@ impl State {
             })
             .sum();
         let free = self.free[0] + time * (self.free[1] + 0.5 * modes.free.load * time);
-        self.impactor[0] + time * self.impactor[1] - gap - free - moved
+        let fallen = time * (self.impactor[1] + 0.5 * impactor.gravity * time);
+        self.impactor[0] + fallen - impactor.gap - free - moved
     }
 
     /// The rate of [`State::surface`] under a force (N), m/s.
@@ -87,7 +101,7 @@ struct Look {
     tau: f64,
     /// c e^{λτh} by coordinate: first all real parts, then all imaginary ones, so that the sums run over vectors.
     rows: (Vec<f64>, Vec<f64>),
-    /// What the loads move, m.
+    /// What loads move the surface away from the impactor, whose weight moves it closer, m.
     load: f64,
     /// δ's answer to F at 0, h/2 and h, m/N.
     answers: [f64; 3],
@@ -105,8 +119,8 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// The tables of a step, s, for an impactor of a mass, kg.
-    pub fn new(modes: &Modes, mass: f64, step: f64) -> Self {
+    /// The tables of a step, s.
+    pub fn new(modes: &Modes, impactor: &FreeBody, step: f64) -> Self {
         let count = modes.modes.len();
         let mut looks: Vec<Look> = LOOKS
             .iter()
@@ -115,8 +129,8 @@ impl Answer {
                 Look {
                     tau,
                     rows: (Vec::with_capacity(count), Vec::with_capacity(count)),
-                    load: 0.5 * modes.free.load * (tau * step).powi(2),
-                    answers: way.map(|w| w * (modes.free.mobility + 1.0 / mass)),
+                    load: 0.5 * (modes.free.load - impactor.gravity) * (tau * step).powi(2),
+                    answers: way.map(|w| w * (modes.free.mobility + 1.0 / impactor.mass)),
                 }
             })
             .collect();
@@ -169,7 +183,7 @@ impl Answer {
     }
 
     /// The state at the end under the force's three values, N.
-    pub fn advance(&self, state: &mut State, modes: &Modes, mass: f64, force: [f64; 3]) {
+    pub fn advance(&self, state: &mut State, modes: &Modes, impactor: &FreeBody, force: [f64; 3]) {
         let h = self.step;
         for (i, z) in state.modes.iter_mut().enumerate() {
             let [a, b, c] = self.inputs[i];
@@ -181,8 +195,8 @@ impl Answer {
         let free = modes.free;
         state.free[0] += h * state.free[1] + way * free.mobility + 0.5 * h * h * free.load;
         state.free[1] += impulse * free.mobility + h * free.load;
-        state.impactor[0] += h * state.impactor[1] - way / mass;
-        state.impactor[1] -= impulse / mass;
+        state.impactor[0] += h * (state.impactor[1] + 0.5 * h * impactor.gravity) - way / impactor.mass;
+        state.impactor[1] += h * impactor.gravity - impulse / impactor.mass;
         state.way += way + h * state.impulse;
         state.impulse += impulse;
         state.time += h;

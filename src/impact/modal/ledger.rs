@@ -45,7 +45,8 @@ impl Ledger {
         let moving = free.mobility * impulse * impulse + 2.0 * free.load * impulse * t + free.square * t * t;
         let kinetic = 0.5 * (v.norm_squared() + moving);
         let impactor = 0.5 * setting.mass * state.impactor[1] * state.impactor[1];
-        let external = forms.load.dot(&x) + free.load * state.way + 0.5 * free.square * t * t;
+        let of_weight = setting.weight * state.impactor[0];
+        let external = forms.load.dot(&x) + free.load * state.way + 0.5 * free.square * t * t + of_weight;
         let total = kinetic + elastic + support + impactor + contact;
         let initial = *self.initial.get_or_insert(total - external);
         // Without dampers what the integration made is what the balance is off by.

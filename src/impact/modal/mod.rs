@@ -23,6 +23,7 @@ use super::step::{Contact, Energy, Motion as ImpactorMotion, Step};
 use super::trajectory::at;
 use super::{Count, Readout, Setting, Tape};
 use ledger::Ledger;
+use answer::FreeBody;
 use motion::Motion;
 pub use motion::Steps;
 use reading::Reader;
@@ -213,7 +214,9 @@ impl<'a> ModalImpact<'a> {
         let modes = self.body.modes(RESOLVED / steps.largest, &closed)?;
         // The springs of the modes left out are in the law.
         let law = Law { compliance: setting.law.compliance - modes.residual, ..setting.law };
-        let mut motion = Motion::new(&modes, law, (setting.mass, setting.speed, setting.gap), steps);
+        let Setting { mass, speed, gap, weight, .. } = setting;
+        let impactor = FreeBody { mass, gravity: weight / mass, speed, gap };
+        let mut motion = Motion::new(&modes, law, impactor, steps);
         let mut done = Done { trace: Trace::default(), steps: Vec::new(), sizes: steps };
         let mut ledger = self.has_energies.then(Ledger::default);
         let reader = self.readout.as_ref().filter(|_| observed).map(|readout| Reader::new(readout, &modes));

@@ -4,7 +4,7 @@ use crate::body::Modes;
 use crate::contact::Law;
 use crate::error::{Error, Result};
 
-use super::answer::{Answer, LOOKS, State};
+use super::answer::{Answer, FreeBody, LOOKS, State};
 use super::stage::{Stage, solve};
 
 /// Halvings of the step at most.
@@ -35,8 +35,7 @@ pub struct Taken {
 pub struct Motion<'a> {
     modes: &'a Modes,
     law: Law,
-    mass: f64,
-    gap: f64,
+    impactor: FreeBody,
     steps: Steps,
     /// Tables by halvings of the largest step.
     tables: Vec<Option<Answer>>,
@@ -62,12 +61,11 @@ pub struct Motion<'a> {
 
 impl<'a> Motion<'a> {
     /// At rest at t = 0; `law` in terms of the approach that the modes show.
-    pub fn new(modes: &'a Modes, law: Law, (mass, speed, gap): (f64, f64, f64), steps: Steps) -> Self {
+    pub fn new(modes: &'a Modes, law: Law, impactor: FreeBody, steps: Steps) -> Self {
         Self {
             modes,
             law,
-            mass,
-            gap,
+            impactor,
             steps,
             tables: (0..=LEVELS).map(|_| None).collect(),
             level: 0,
@@ -75,9 +73,9 @@ impl<'a> Motion<'a> {
             touching: false,
             begun: false,
             grazing: false,
-            state: State::start(modes, speed),
+            state: State::start(modes, impactor.speed),
             force: 0.0,
-            approach: -gap,
+            approach: -impactor.gap,
             solves: 0,
             iterations: 0,
         }
@@ -109,10 +107,10 @@ impl<'a> Motion<'a> {
         let step = self.steps.largest * 0.5_f64.powi(self.level as i32);
         // What is left but for rounding is a step of its own.
         if step > left * (1.0 - 1e-9) {
-            return Answer::new(self.modes, self.mass, left);
+            return Answer::new(self.modes, &self.impactor, left);
         }
-        let (modes, mass) = (self.modes, self.mass);
-        self.tables[self.level].take().unwrap_or_else(|| Answer::new(modes, mass, step))
+        let (modes, impactor) = (self.modes, self.impactor);
+        self.tables[self.level].take().unwrap_or_else(|| Answer::new(modes, &impactor, step))
     }
 
     fn put_back(&mut self, table: Answer) {
@@ -125,7 +123,7 @@ impl<'a> Motion<'a> {
     fn fly(&mut self, left: f64) -> Option<Taken> {
         self.level = 0;
         let table = self.table(left);
-        let free = table.free(&self.state, self.gap);
+        let free = table.free(&self.state, self.impactor.gap);
         self.solves += 1;
         let Some(look) = free.iter().position(|approach| *approach > 0.0) else {
             let taken = self.take(&table, [0.0; 3], free);
@@ -135,8 +133,8 @@ impl<'a> Motion<'a> {
         if std::mem::take(&mut self.grazing) && look == 0 {
             // δ rises by so little that no force comes of it before the first look.
             self.put_back(table);
-            let table = Answer::new(self.modes, self.mass, LOOKS[0] * self.steps.largest.min(left));
-            let free = table.free(&self.state, self.gap);
+            let table = Answer::new(self.modes, &self.impactor, LOOKS[0] * self.steps.largest.min(left));
+            let free = table.free(&self.state, self.impactor.gap);
             return Some(self.take(&table, [0.0; 3], free));
         }
         (self.touching, self.begun) = (true, true);
@@ -150,12 +148,12 @@ impl<'a> Motion<'a> {
             return None;
         }
         let mut at = (if look == 0 { self.approach } else { free[look - 1] }, free[look]);
-        let touch = find(None, &mut low, &mut high, &mut at, |t| self.state.flown(self.modes, self.gap, t));
+        let touch = find(None, &mut low, &mut high, &mut at, |t| self.state.flown(self.modes, &self.impactor, t));
         if touch <= 0.0 {
             return None;
         }
-        let table = Answer::new(self.modes, self.mass, touch);
-        let free = table.free(&self.state, self.gap);
+        let table = Answer::new(self.modes, &self.impactor, touch);
+        let free = table.free(&self.state, self.impactor.gap);
         let taken = self.take(&table, [0.0; 3], free);
         self.approach = 0.0;
         Some(taken)
@@ -165,7 +163,7 @@ impl<'a> Motion<'a> {
     fn press(&mut self, left: f64) -> Result<Option<Taken>> {
         loop {
             let table = self.table(left);
-            let free = table.free(&self.state, self.gap);
+            let free = table.free(&self.state, self.impactor.gap);
             self.solves += 1;
             let stage = solve(&self.law, &table, free, self.force, self.guess(table.step), false);
             if let Some(Stage { iterations, .. }) = stage {
@@ -222,8 +220,8 @@ impl<'a> Motion<'a> {
     /// `None` where it is not found.
     fn release(&mut self, (before, length): (f64, f64), guess: f64) -> Option<Taken> {
         let solved = |motion: &Self, step: f64| {
-            let table = Answer::new(motion.modes, motion.mass, step);
-            let free = table.free(&motion.state, motion.gap);
+            let table = Answer::new(motion.modes, &motion.impactor, step);
+            let free = table.free(&motion.state, motion.impactor.gap);
             // At the end of a contact δ falls along an arc: at the middle it has lost half or less.
             let first = [motion.guess(step)[0].max(0.5 * motion.approach), 0.0];
             let stage = solve(&motion.law, &table, free, motion.force, first, true);
@@ -263,7 +261,7 @@ impl<'a> Motion<'a> {
     }
 
     fn take(&mut self, table: &Answer, force: [f64; 3], approach: [f64; 4]) -> Taken {
-        table.advance(&mut self.state, self.modes, self.mass, force);
+        table.advance(&mut self.state, self.modes, &self.impactor, force);
         let all = [self.approach, approach[0], approach[1], approach[2], approach[3]];
         (self.force, self.approach, self.last) = (force[2], approach[3], Some((force, table.step)));
         Taken { step: table.step, force, approach: all }

@@ -1,7 +1,7 @@
 //! The impactor: what it is, where it hits, and how.
 
 use super::super::values::{Number, Three};
-use super::super::{Impactor, SceneError, Source, Vec3, faces, raw};
+use super::super::{Impactor, STANDARD_GRAVITY, SceneError, Source, Vec3, faces, raw};
 use super::body::{Material, Outline};
 use super::numbers::show;
 use crate::contact::hertz;
@@ -14,8 +14,7 @@ pub(super) fn check(
 ) -> Result<Impactor, SceneError> {
     let mass = source.positive("impactor.mass", raw.mass.0, "the mass m0 in kg")?;
     let radius = source.positive("impactor.radius", raw.radius.0, "the radius R of the rounded end in m")?;
-    let speed =
-        source.positive("impactor.speed", raw.speed.0, "the speed in m/s at t = 0; `direction` says which way")?;
+    let speed = speed(source, raw)?;
     let Number(gap) = raw.gap.unwrap_or(Number(0.0));
     source.not_negative("impactor.gap", [gap; 3], "a distance in m, 0 or more")?;
     let direction = raw.direction.map_or([0.0, 0.0, -1.0], Three::numbers);
@@ -28,7 +27,30 @@ pub(super) fn check(
         point: point(source, raw, outline, direction)?,
         direction,
         gap,
+        // Without −0 where the weight acts across the direction.
+        gravity: if raw.gravity == Some(true) { 0.0 - STANDARD_GRAVITY * direction[2] } else { 0.0 },
     })
+}
+
+/// The given speed, or that after a fall from a height: v² = 2 g h.
+fn speed(source: &Source, raw: &raw::Impactor) -> Result<f64, SceneError> {
+    match (raw.speed, raw.drop_height) {
+        (Some(Number(speed)), None) => {
+            source.positive("impactor.speed", speed, "the speed in m/s at t = 0; `direction` says which way")
+        }
+        (None, Some(Number(height))) => {
+            let height = source.positive("impactor.drop_height", height, "the height in m of a free fall from rest")?;
+            Ok((2.0 * STANDARD_GRAVITY * height).sqrt())
+        }
+        (None, None) => {
+            Err(source.error("impactor.speed", "this key is required", "a speed in m/s, or `drop_height` in m"))
+        }
+        (Some(_), Some(_)) => {
+            let help = "take one of the two out".into();
+            let message = "the speed is given twice".into();
+            Err(source.conflict("impactor.drop_height", "impactor.speed", message, help))
+        }
+    }
 }
 
 /// The given contact stiffness, or (15). What is given of the elastic constants is checked in either case.

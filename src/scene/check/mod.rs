@@ -35,7 +35,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
         .enumerate()
         .map(|(number, support)| support::check(source, number, support, &outline))
         .collect::<Result<Vec<_>, _>>()?;
-    let load = load(source, &raw.load, &outline)?;
+    let load = load(source, &raw.load, &outline, material.density)?;
     let impactor = impactor::check(source, &raw.impactor, &material, &outline)?;
     let contact = contact(source, &raw.contact)?;
     let output = output::check(source, &raw, &outline)?;
@@ -112,9 +112,11 @@ fn solver(source: &Source, raw: &raw::Solver) -> Result<Solver, SceneError> {
     Ok(Solver { newton, energy_gate: raw.energy_gate.map(gate).transpose()? })
 }
 
-fn load(source: &Source, raw: &raw::Load, outline: &Outline) -> Result<Load, SceneError> {
-    let body_force = raw.body_force.map_or([0.0; 3], |force| force.numbers());
-    source.finite("load.body_force", &body_force)?;
+fn load(source: &Source, raw: &raw::Load, outline: &Outline, density: f64) -> Result<Load, SceneError> {
+    let [force, gravity] = [raw.body_force, raw.gravity].map(|vector| vector.map_or([0.0; 3], |v| v.numbers()));
+    source.finite("load.body_force", &force)?;
+    source.finite("load.gravity", &gravity)?;
+    let body_force = [0, 1, 2].map(|i| force[i] + density * gravity[i]);
     let mut traction = Vec::new();
     for (number, entry) in raw.traction.0.iter().enumerate() {
         surface(source, &format!("load.traction.{number}.surface"), &entry.surface, outline)?;

@@ -17,7 +17,8 @@ pub const TESTS: &[Test<Session>] = tests![
     fewer_steps_than_newmark,
     energy_is_what_the_steps_make,
     no_step_is_unstable,
-    every_speed_comes_to_its_end
+    every_speed_comes_to_its_end,
+    a_ball_that_is_thrown_up_falls_back
 ];
 
 /// The paper's plate of 0.04 m by Mindlin's theory, with a basis that is the same for all runs.
@@ -171,4 +172,48 @@ fn every_speed_comes_to_its_end(session: &Session) {
         // By the tolerance of 1e-2.
         assert!((last - scene.time.end).abs() < 1e-12 && made < 1e-3 * initial, "{} {made}", scene.impactor.speed);
     }
+}
+
+/// A ball that a light plate throws up comes down again where a free fall does, and the energy is that of its height.
+fn a_ball_that_is_thrown_up_falls_back(session: &Session) {
+    const GRAVITY: f64 = 9.80665;
+    let text = plate("model = \"mindlin\"\nreduction = 20\nsize = [1.5, 1.5, 0.04]", "end = 0.3", &sides(1e9, 1e5));
+    let (gap, height) = (0.02, 0.1);
+    let dropped = text.replace("speed = 1.0", &format!("drop_height = {height}\ngap = {gap}\ngravity = true"));
+    let scene = parse(&dropped);
+    assert_eq!(scene.impactor.speed, (2.0 * GRAVITY * height).sqrt());
+    let body = body(session, &scene);
+    let (mut steps, mut flights) = (Vec::new(), Vec::new());
+    let _ = ModalImpact::new(&scene, &body)
+        .run(|step| {
+            steps.push(step.clone());
+            Ok(ControlFlow::Continue(()))
+        })
+        .unwrap();
+    // The first contact: gap = v t + g t²/2.
+    let speed = scene.impactor.speed;
+    let touch = (-speed + (speed * speed + 2.0 * GRAVITY * gap).sqrt()) / GRAVITY;
+    let first = steps.iter().position(|step| step.contact.force > 0.0).expect("a contact");
+    assert!((steps[first - 1].time - touch).abs() < 1e-12, "{} {touch}", steps[first - 1].time);
+    // Between contacts the impactor flies on a parabola.
+    for pair in steps.windows(2).filter(|pair| pair.iter().all(|step| step.contact.force == 0.0)) {
+        let [from, to] = [&pair[0], &pair[1]];
+        let t = to.time - from.time;
+        let (x, v) = (from.impactor.position, from.impactor.velocity);
+        assert!((to.impactor.position - (x + v * t + 0.5 * GRAVITY * t * t)).abs() < 1e-13);
+        assert!((to.impactor.velocity - (v + GRAVITY * t)).abs() < 1e-13);
+        flights.push(v);
+    }
+    assert!(flights.iter().any(|v| *v < -0.1) && flights.last().is_some_and(|v| *v > 0.1), "up and down");
+    let closed = |step: &ricochet::impact::step::Step| {
+        let energy = &step.energy;
+        energy.total + energy.dissipated - energy.external - energy.numerical
+    };
+    let (start, largest) = (closed(&steps[0]), steps[0].energy.total);
+    let off = steps.iter().map(|step| (closed(step) - start).abs()).fold(0.0, f64::max);
+    // Rounding of some thousand steps.
+    assert!(off < 1e-11 * largest, "{off:e} of {largest:e}");
+    // The weight's work is the height lost.
+    let weight = scene.impactor.mass * GRAVITY;
+    assert!(steps.iter().all(|step| (step.energy.external - weight * step.impactor.position).abs() < 1e-9));
 }

@@ -94,7 +94,7 @@ fn the_energy_scheme_balances_dampers_and_pads(session: &Session) {
     }
 }
 
-/// total + dissipated − external − numerical of each scheme stays, whatever acts: dampers, loads, a gap, displaced supports
+/// total + dissipated − external − numerical of each scheme stays, whatever acts: dampers, loads, the impactor's weight, a gap, displaced supports
 /// and a pad; and what the scheme itself made is not zero where it is not the energy scheme.
 fn the_ledger_closes_for_every_scheme(session: &Session) {
     let world = session.world();
@@ -131,7 +131,7 @@ fn the_ledger_closes_for_every_scheme(session: &Session) {
                 // A displaced clamp starts with a jerk of the highest frequencies, which ρ∞ = 0 overshoots before it
                 // damps them: to five times the initial energy, where a run without a gate of its own is stopped.
                 let rest = format!("{rest}[solver]\nnewton = \"{newton}\"\nenergy_gate = 10.0\n");
-                let impactor = "mass = 52.0\nspeed = 1.0\ngap = 1.234e-4";
+                let impactor = "mass = 52.0\nspeed = 1.0\ngap = 1.234e-4\ngravity = true";
                 let text = scene(PLATE, impactor, &format!("end = 0.01\n{step}{scheme}"), &rest);
                 let (_, mut impact) = start(&world, &text);
                 let series = run(&mut impact);
