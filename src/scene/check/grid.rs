@@ -149,7 +149,16 @@ mod tests {
 
     fn hit(size: Vec3, point: Vec3, contact: Contact, order: usize) -> [Vec<f64>; 3] {
         let direction = [0.0, 0.0, -1.0];
-        let impactor = Impactor { mass: 52.0, radius: 0.05, stiffness: 1.7e10, speed: 1.0, point, direction, gap: 0.0, gravity: 0.0 };
+        let impactor = Impactor {
+            mass: 52.0,
+            radius: 0.05,
+            stiffness: 1.7e10,
+            speed: 1.0,
+            point,
+            direction,
+            gap: 0.0,
+            gravity: 0.0,
+        };
         default::planes(Hit { size, impactor: &impactor, contact, order })
     }
 

@@ -1,5 +1,6 @@
 //! What `model = "auto"` takes: a half-space only where its error is as told, and no theory that does not stand for the scene.
 
+use crate::glass::plate;
 use crate::modelled::{parse, run_scene};
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
@@ -7,8 +8,12 @@ use ricochet::model::Model;
 use ricochet::scene::{self, Scene};
 
 pub const RANKS: &[usize] = &[1, 2];
-pub const TESTS: &[Test<Session>] =
-    tests![a_half_space_is_within_its_estimated_error, what_rules_a_half_space_out, what_rules_plates_out];
+pub const TESTS: &[Test<Session>] = tests![
+    a_half_space_is_within_its_estimated_error,
+    what_rules_a_half_space_out,
+    what_rules_plates_out,
+    strips_are_for_plates
+];
 
 /// A small ball of steel on a plate of glass.
 fn ball(impactor: &str, rest: &str) -> String {
@@ -108,8 +113,8 @@ fn what_rules_plates_out(session: &Session) {
         (
             coarse,
             "",
-            "[[support]]\nsurface = \"bottom\"\nkind = \"elastic\"\nstiffness = [0, 0, 1e10]".to_owned(),
-            "on the face that is hit, or on the one opposite",
+            "[[support]]\nsurface = \"bottom\"\nkind = \"elastic\"\nstiffness = [0, 0, 1e12]".to_owned(),
+            "presses the thickness together",
         ),
         (plate, "", "[contact]\npatch_radius = 0.01".to_owned(), "a patch is given"),
         (plate, "", format!("{newmark}\n[contact]\nlocalization = \"point\""), "a force at a point"),
@@ -117,5 +122,26 @@ fn what_rules_plates_out(session: &Session) {
         let (theory, why) = found(&text(body, impactor, &rest));
         assert_eq!(theory, scene::Model::Solid, "{reason}: {why}");
         assert!(why.contains(reason), "{reason}: {why}");
+    }
+}
+
+/// Narrow, usual and wide strips of rubber under the edges: auto takes a plate, which is within the tolerance of the solid.
+fn strips_are_for_plates(session: &Session) {
+    let comm = session.world();
+    for width in [0.005, 0.02, 0.1] {
+        let strip = format!(
+            "[[support]]\nsurface = \"bottom\"\nwithin = {{ rim = {width} }}\nkind = \"elastic\"\nstiffness = [0, 0, 5e8]\n"
+        );
+        let text = plate("size = [0.5, 0.5, 0.02]", "end = 2.5e-3", &strip);
+        let tolerance = parse(&text).tolerance;
+        let auto = model(&comm, &parse(&text));
+        assert_eq!(auto.theory, scene::Model::Mindlin, "{width}: {:?}", auto.reason);
+        let solid = text.replace("size = [0.5", "model = \"solid\"\nsize = [0.5");
+        let (error, _) = run_scene(&comm, &parse(&solid)).difference(&run_scene(&comm, &parse(&text)));
+        println!(
+            "  strips of {width} m: error {error:.1e}, estimate {:.1e}",
+            auto.error.expect("auto tells its error").0
+        );
+        assert!(error < tolerance, "{width}: {error:e}");
     }
 }
