@@ -186,7 +186,7 @@ fn a_ball_that_is_thrown_up_falls_back(session: &Session) {
     let (mut steps, mut flights) = (Vec::new(), Vec::new());
     let _ = ModalImpact::new(&scene, &body)
         .run(|step| {
-            steps.push(step.clone());
+            steps.push(*step);
             Ok(ControlFlow::Continue(()))
         })
         .unwrap();
