@@ -16,6 +16,9 @@ const DEFAULT: &str = "acceleration";
 /// # Errors
 /// As of [`quantity`] and [`draw`]; [`Error::Usage`] for a sweep among other files, or one that no figure shows.
 pub fn plot(files: &[PathBuf], out: &Path, asked: Option<&str>) -> Result<()> {
+    if hdf5_metno::File::open(out).is_ok() {
+        return Err(Error::io(out, "is an HDF5 file, so no figure replaces it"));
+    }
     for file in files {
         let refuse = |why: &str| Err(Error::Usage(format!("{}: {why}", file.display())));
         match is_sweep(file)? {

@@ -51,6 +51,7 @@ impl Past {
         let checked = match &there {
             Some((origin, true, _)) => check_complete(origin, (result, output), scene),
             Some((origin, false, Some(kept))) => check_scene(origin, kept, result, scene),
+            Some((origin, false, None)) => check_begun(origin, result, scene),
             _ => Ok(()),
         };
         agree(comm, checked).map_err(Error::Usage)?;
@@ -107,6 +108,20 @@ fn check_complete(
         return Err(format!(
             "{shown} is complete: there is nothing to continue, and {} would be a copy of it",
             output.display()
+        ));
+    }
+    Ok(())
+}
+
+/// A run without a checkpoint is begun anew: it must be of the scene that is run, but for its end and what is written of it.
+fn check_begun(origin: &Provenance, result: &Path, scene: &Scene) -> std::result::Result<(), String> {
+    let shown = result.display();
+    let mut same = parsed(&shown.to_string(), &origin.scene, scene)?;
+    same.output = scene.output.clone();
+    same.time.end = scene.time.end;
+    if same != *scene {
+        return Err(format!(
+            "{shown} is of another scene (`ricochet info {shown} --scene` shows it), and has no checkpoint: without --restart, --force replaces it"
         ));
     }
     Ok(())

@@ -61,6 +61,7 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
     let _lock = {
         let free = || {
             check_writable(&output, Kind::Run)?;
+            checkpoint::check_writable(&output)?;
             let is_continued = arguments.restart.as_ref().is_some_and(|result| is_same(result, &output));
             if !is_continued && !arguments.force {
                 check_not_interrupted(&output)?;

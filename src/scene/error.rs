@@ -21,6 +21,20 @@ pub(super) struct Excerpt {
     pub help: String,
 }
 
+impl Excerpt {
+    /// Whether the lines about the mark can be shown: no terminal has room for longer ones, and what draws them counts columns in 16 bits.
+    fn is_short(&self) -> bool {
+        const LONGEST: usize = 2000;
+        let text = self.source.inner();
+        let at = self.mark.offset().min(text.len());
+        let mut before = text.as_bytes()[..at].rsplitn(3, |byte| *byte == b'\n');
+        let mut after = text.as_bytes()[at..].splitn(3, |byte| *byte == b'\n');
+        let own = before.next().map_or(0, <[u8]>::len) + after.next().map_or(0, <[u8]>::len);
+        let next = [before.next(), after.next()].into_iter().flatten().map(<[u8]>::len);
+        next.chain([own]).all(|length| length <= LONGEST)
+    }
+}
+
 impl SceneError {
     pub(super) fn new(key: String, line: usize, message: String, excerpt: Excerpt) -> Self {
         Self { key, line, message, excerpt: Box::new(excerpt) }
@@ -58,10 +72,10 @@ impl Diagnostic for SceneError {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        Some(&self.excerpt.source)
+        self.excerpt.is_short().then_some(&self.excerpt.source as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        Some(Box::new(std::iter::once(self.excerpt.mark.clone())))
+        self.excerpt.is_short().then(|| Box::new(std::iter::once(self.excerpt.mark.clone())) as _)
     }
 }

@@ -390,6 +390,7 @@ fn implausible() -> Vec<BadScene> {
         varied("a flat impactor", SMALL, &["impactor.radius=1e20"], &["on a half-space the contact would have a radius of"], ("impactor.radius", 9)),
         varied("a speck", SMALL, &["body.size=[1e-7, 1e-7, 1e-7]"], &["the longest edge of the body is 1e-7 m"], ("body.size", 5)),
         varied("a run without an end", SMALL, &["time.end=1e9"], &["times as long as a contact on a half-space"], ("time.end", 15)),
+        varied("a run that ends before it begins", SMALL, &["time.end=1e-10"], &["of a contact on a half-space"], ("time.end", 15)),
     ]
 }
 

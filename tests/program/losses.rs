@@ -15,6 +15,8 @@ use crate::sweeps::supported;
 
 pub const TESTS: &[PlainTest] = tests![
     only_runs_are_replaced,
+    files_beside_a_result_are_replaced_by_their_kind_alone,
+    a_run_without_a_checkpoint_is_begun_anew_as_itself,
     an_interrupted_run_is_replaced_by_force_alone,
     a_dangling_link_is_followed,
     a_figure_is_whole_or_not_there,
@@ -53,6 +55,45 @@ fn only_runs_are_replaced() {
     refused(&folder, "sweep scene.toml --vary support.0.stiffness=1e8,1e9 -o run.h5", 4, &[why]);
     assert!(fs::read(path("run.h5")).unwrap() == before);
     good(&folder, 0, "run scene.toml -o run.h5");
+}
+
+/// What has the name of a run's checkpoint or fields, and a result that is to be a figure.
+fn files_beside_a_result_are_replaced_by_their_kind_alone() {
+    let folder = folder(&supported());
+    let path = |name: &str| folder.path().join(name);
+    good(&folder, 0, "run scene.toml -o other.h5");
+    fs::copy(path("other.h5"), path("a.checkpoint.h5")).unwrap();
+    fs::write(path("b.checkpoint.h5"), "notes").unwrap();
+    fs::write(path("c.xdmf"), "notes").unwrap();
+    for (name, line, why) in [
+        ("a.checkpoint.h5", "run scene.toml -o a.h5", "is no checkpoint of a run, so it is not replaced"),
+        ("b.checkpoint.h5", "run scene.toml -o b.h5", "is no checkpoint of a run, so it is not replaced"),
+        (
+            "c.xdmf",
+            "run scene.toml -o c.h5 --set output.fields=5",
+            "is no XDMF of a run's fields, so it is not replaced",
+        ),
+        ("other.h5", "plot other.h5 -o other.h5", "is an HDF5 file, so no figure replaces it"),
+    ] {
+        let before = fs::read(path(name)).unwrap();
+        refused(&folder, line, 4, &[name, why]);
+        assert!(fs::read(path(name)).unwrap() == before, "{name} has changed");
+    }
+    // A run's own are.
+    good(&folder, 0, "run scene.toml -o d.h5 --set output.fields=5");
+    good(&folder, 0, "run scene.toml -o d.h5 --set output.fields=5");
+}
+
+fn a_run_without_a_checkpoint_is_begun_anew_as_itself() {
+    let folder = folder(&scene(""));
+    let line = "run scene.toml -o out.h5 --set output.checkpoint_steps=100";
+    interrupted(&folder, 0, line, "TERM");
+    fs::remove_file(folder.path().join("out.checkpoint.h5")).unwrap();
+    let before = fs::read(folder.path().join("out.h5")).unwrap();
+    let why = "is of another scene (`ricochet info out.h5 --scene` shows it), and has no checkpoint";
+    refused(&folder, "run scene.toml --restart out.h5 --set impactor.mass=3", 2, &[why]);
+    assert!(fs::read(folder.path().join("out.h5")).unwrap() == before);
+    good(&folder, 0, "run scene.toml --restart out.h5 --set time.end=1e-3");
 }
 
 fn an_interrupted_run_is_replaced_by_force_alone() {

@@ -50,6 +50,19 @@ pub fn is_there(result: &Path, run_id: u64) -> bool {
     beside(result).exists() && read().is_ok_and(|there| there == run_id)
 }
 
+/// Tells whether a checkpoint can be written beside a result: no file of another kind is replaced or removed.
+///
+/// # Errors
+/// [`Error::Io`] with the reason.
+pub fn check_writable(result: &Path) -> Result<()> {
+    let path = beside(result);
+    let is_one = |file: hdf5::File| file.attr("run_id").is_ok() && file.dataset("names").is_ok();
+    if path.exists() && !hdf5::File::open(&path).is_ok_and(is_one) {
+        return Err(Error::io(&path, "is no checkpoint of a run, so it is not replaced"));
+    }
+    Ok(())
+}
+
 impl Kept {
     /// Writes it beside the result `result`, in the place of the last one.
     ///

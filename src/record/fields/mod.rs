@@ -36,6 +36,13 @@ pub fn check_writable(result: &Path) -> Result<()> {
     if xdmf.is_dir() {
         return Err(Error::io(&xdmf, "is a folder"));
     }
+    let is_ours = |text: &[u8]| text.windows(5).take(100).any(|part| part == b"<Xdmf");
+    match fs::read(&xdmf) {
+        Ok(text) if !is_ours(&text) => {
+            return Err(Error::io(&xdmf, "is no XDMF of a run's fields, so it is not replaced"));
+        }
+        _ => {}
+    }
     target::check_writable(&fields, target::Kind::Fields)
 }
 

@@ -7,6 +7,9 @@ use crate::contact::hertz;
 /// Contacts that a run may be long: no run that anybody waits for is longer.
 const LONGEST: f64 = 1e8;
 
+/// Part of a contact that a run is long at least: in less the force is rounding.
+const SHORTEST: f64 = 1e-4;
+
 /// Waves in the softest foams are faster, m/s.
 const SLOWEST: f64 = 10.0;
 
@@ -59,6 +62,11 @@ pub(super) fn check(source: &Source, body: &Body, impactor: &Impactor, end: f64)
             end / contact
         );
         return Err(source.error("time.end", message, "the end of the run in s, some contacts later"));
+    }
+    if impactor.gap == 0.0 && end < SHORTEST * contact {
+        let message =
+            format!("a run of {} s is {:.1e} of a contact on a half-space, {contact:.3e} s", show(end), end / contact);
+        return Err(source.error("time.end", message, "the end of the run in s, at least a contact long"));
     }
     Ok(())
 }

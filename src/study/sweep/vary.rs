@@ -50,6 +50,9 @@ fn as_range(values: &str) -> Option<(&str, &str)> {
 }
 
 fn range(from: &str, to: &str, log: bool) -> Result<Vec<String>, String> {
+    if to.starts_with('.') {
+        return Err("a range has two dots between its ends: A..B:N".into());
+    }
     let (to, count) = to.split_once(':').ok_or("a range says how many values it has: A..B:N")?;
     let end = |text: &str| {
         let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
@@ -165,6 +168,7 @@ mod tests {
             ("speed=1..inf:3", false, "\"inf\" is no end"),
             ("speed=1..nan:3", false, "\"nan\" is no end"),
             ("speed=1..:3", false, "\"\" is no end"),
+            ("speed=1e6...1e9:3", false, "two dots"),
             ("speed=1..1:3", false, "both ends"),
             ("speed=0..1:3", true, "positive ends, and 0 is not"),
             ("speed=1..-2:3", true, "positive ends, and -2 is not"),

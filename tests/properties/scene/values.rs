@@ -241,3 +241,15 @@ fn the_reference_s_example_is_a_scene() -> Result<()> {
     parse(example.unwrap_or_default(), &[])?;
     Ok(())
 }
+
+/// A fault at the end of a line that no terminal shows, and one in a line beside such a line.
+#[test]
+fn long_lines_are_not_drawn() {
+    let probes: String = (0..4000).map(|i| format!("{{ name = \"p{i}\", point = [0, 0, 0] }}, ")).collect();
+    for last in ["{ name = \"off\", point = [9, 0, 0] }]\n", "]\nevery = 0\n"] {
+        let text = format!("{SMALL}\n[output]\nprobes = [{probes}{last}");
+        let error = Scene::parse("scene.toml", &text, &[]).expect_err("a fault");
+        let report = ricochet::Error::from(error).report(false);
+        assert!(report.len() < 3000 && report.contains("output."), "{} bytes", report.len());
+    }
+}
