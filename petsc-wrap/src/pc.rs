@@ -58,6 +58,34 @@ impl Pc<'_> {
         check(unsafe { sys::PCFactorSetMatSolverType(self.raw, to_c(name).as_ptr()) })
     }
 
+    /// Has MUMPS, where it is what factorises, take this percentage of memory beyond what it expects to need (its control parameter 14), unless
+    /// `-mat_mumps_icntl_14` says otherwise. What its pivots take is not known before, and a factorisation that runs out of memory fails. Of no
+    /// effect with other packages. Collective.
+    ///
+    /// # Errors
+    /// A solver without its operators; PETSc's.
+    pub fn set_mumps_margin(&mut self, percent: u8) -> Result<()> {
+        let mut name = std::ptr::null();
+        // SAFETY: the preconditioner is valid here and below; other methods leave the name null.
+        check(unsafe { sys::PCFactorGetMatSolverType(self.raw, &raw mut name) })?;
+        // SAFETY: the name is null, or valid while the preconditioner's package stays.
+        if unsafe { from_c(name) } != "mumps" {
+            return Ok(());
+        }
+        let (mut operator, mut matrix) = (sys::FALSE, sys::FALSE);
+        // SAFETY: as above.
+        check(unsafe { sys::PCGetOperatorsSet(self.raw, &raw mut operator, &raw mut matrix) })?;
+        // PETSc makes the factor for the matrix without asking whether there is one.
+        require(matrix == sys::TRUE, "the solver has no operator yet")?;
+        // SAFETY: there is a matrix.
+        check(unsafe { sys::PCFactorSetUpMatSolverType(self.raw) })?;
+        let mut factor = std::ptr::null_mut();
+        // SAFETY: the factor was just made; it belongs to the preconditioner.
+        check(unsafe { sys::PCFactorGetMatrix(self.raw, &raw mut factor) })?;
+        // SAFETY: a factor of MUMPS, which has this parameter.
+        check(unsafe { sys::MatMumpsSetIcntl(factor, 14, sys::PetscInt::from(percent)) })
+    }
+
     /// For the method `redundant`: the preconditioner with which each rank, or group of ranks, solves the whole system for itself. Collective.
     ///
     /// # Errors

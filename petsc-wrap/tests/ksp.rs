@@ -26,6 +26,7 @@ fn main() -> ExitCode {
             ("options_choose_by_prefix_and_divergence_is_told", options_choose_by_prefix_and_divergence_is_told),
             ("a_singular_matrix_is_told", a_singular_matrix_is_told),
             ("what_does_not_fit_is_refused", what_does_not_fit_is_refused),
+            ("mumps_takes_more_memory_where_it_factorises", mumps_takes_more_memory_where_it_factorises),
             ("a_solver_keeps_its_matrix", a_solver_keeps_its_matrix),
             ("a_right_hand_side_that_is_read_is_not_written", a_right_hand_side_that_is_read_is_not_written),
         ],
@@ -210,4 +211,24 @@ fn a_right_hand_side_that_is_read_is_not_written(session: &Session) {
     matrix.mult(&x, &mut residual).unwrap();
     residual.axpy(-1.0, &b).unwrap();
     assert!(residual.norm().unwrap() < 1e-9);
+}
+
+/// Not before there is a matrix to factorise; and nothing comes of it where another package, or none, does.
+fn mumps_takes_more_memory_where_it_factorises(session: &Session) {
+    let matrix = laplacian(session, 2.0);
+    for package in ["mumps", "petsc"] {
+        let mut ksp = Ksp::new(matrix.comm()).unwrap();
+        ksp.set_type("preonly").unwrap();
+        ksp.pc().unwrap().set_mumps_margin(80).unwrap();
+        ksp.pc().unwrap().set_type("cholesky").unwrap();
+        ksp.pc().unwrap().set_factor_package(package).unwrap();
+        let early = ksp.pc().unwrap().set_mumps_margin(80);
+        assert_eq!(is_invalid(early), package == "mumps", "{package}");
+        ksp.set_operators(&matrix, &matrix).unwrap();
+        if !petsc_wrap::Factor::Cholesky.is_available(package, &matrix).unwrap() {
+            continue;
+        }
+        ksp.pc().unwrap().set_mumps_margin(80).unwrap();
+        assert!(error_of_solve(session, &mut ksp, &matrix) < 1e-12, "{package}");
+    }
 }

@@ -96,7 +96,8 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<String> {
             measures.parts
         ));
     }
-    for (number, support) in scene.supports.iter().enumerate() {
+    let of_whole_surfaces = scene.supports.iter().enumerate().filter(|(_, support)| support.within.is_none());
+    for (number, support) in of_whole_surfaces {
         let covered = measures.surfaces.iter().find(|surface| surface.name == support.surface);
         // To rounding of sums.
         if covered.is_some_and(|surface| surface.area > 0.999_999 * measures.area) {

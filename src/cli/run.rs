@@ -61,10 +61,12 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
     let _lock = {
         let free = || {
             check_writable(&output, Kind::Run)?;
-            checkpoint::check_writable(&output)?;
             let is_continued = arguments.restart.as_ref().is_some_and(|result| is_same(result, &output));
-            if !is_continued && !arguments.force {
-                check_not_interrupted(&output)?;
+            if !is_continued {
+                checkpoint::check_writable(&output)?;
+                if !arguments.force {
+                    check_not_interrupted(&output)?;
+                }
             }
             if given.is_none() && !arguments.force {
                 check_own(&output, source.folder())?;

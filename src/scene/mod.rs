@@ -258,6 +258,30 @@ impl Within {
             Self::Ball { radius, .. } => *radius,
         }
     }
+
+    /// Whether it has as much of a body of a thickness (m) on either side of the middle plane across an axis.
+    pub fn is_even(&self, axis: usize, thickness: f64) -> bool {
+        let half = 0.5 * thickness;
+        match self {
+            Self::Rim(_) => true,
+            Self::Box([low, high]) => low[axis].max(-half) == -high[axis].min(half),
+            Self::Ball { centre, .. } => centre[axis] == 0.0,
+        }
+    }
+}
+
+impl Support {
+    /// Whether it acts on a part of a side that is not even across the thickness along an axis of a body, and in other directions than
+    /// along that axis: then bending and stretching are coupled.
+    pub fn couples_stretching(&self, axis: usize, thickness: f64) -> bool {
+        let is_even = self.within.is_none_or(|within| within.is_even(axis, thickness));
+        let acts = |values: Vec3| (0..3).any(|i| i != axis && values[i] != 0.0);
+        let holds = match self.kind {
+            SupportKind::Elastic { stiffness } | SupportKind::Pad { stiffness, .. } => acts(stiffness),
+            SupportKind::Clamped { components } => (0..3).any(|i| i != axis && components[i]),
+        };
+        !is_even && (holds || acts(self.damping))
+    }
 }
 
 /// What holds the body on a surface.

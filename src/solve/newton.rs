@@ -5,7 +5,7 @@ use petsc_wrap::{
     options,
 };
 
-use super::linear::{is_refined_cholesky, set_refined_cholesky};
+use super::linear::{MARGIN, is_refined_cholesky, set_refined_cholesky};
 
 /// Iterations of a linear solve from which a new factor is cheaper: a factorisation costs ten solves or more.
 const FEW: usize = 8;
@@ -45,6 +45,7 @@ impl Newton {
         })?;
         snes.set_jacobian(jacobian)?;
         snes.set_from_options()?;
+        snes.ksp()?.pc()?.set_mumps_margin(MARGIN)?;
         let is_set = |name| options::is_set(comm.session(), name);
         let tolerance_given = is_set("-snes_atol")?;
         let keep_factor = is_refined_cholesky(&mut snes.ksp()?)? && !is_set("-snes_lag_preconditioner")?;

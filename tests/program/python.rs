@@ -353,7 +353,9 @@ fn an_interrupt_ends_the_program_in_order() {
     let folder = folder(&restarts::scene("[output]\ncheckpoint_steps = 10\n"));
     let error = python(
         folder.path(),
+        // Jobs in the background of a shell inherit that interrupts are ignored.
         "import os, signal, threading, time\n\
+         signal.signal(signal.SIGINT, signal.default_int_handler)\n\
          def interrupt():\n\
         \x20   while not os.path.exists('out.checkpoint.h5'): time.sleep(0.002)\n\
         \x20   os.kill(os.getpid(), signal.SIGINT)\n\

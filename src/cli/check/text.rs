@@ -74,7 +74,8 @@ fn print_scene(report: &Report) {
         say(format_args!("load       body force {:?} N/m³", load.body_force));
     }
     for traction in &load.traction {
-        say(format_args!("load       {}: traction {:?} N/m²", traction.surface, traction.value));
+        let place = place(&traction.surface, traction.within);
+        say(format_args!("load       {place}: traction {:?} N/m²", traction.value));
     }
 }
 
@@ -92,8 +93,13 @@ fn print_contact(scene: &Scene, patch: Option<&Patch>) {
     let impactor = &scene.impactor;
     let [x, y, z] = impactor.direction.map(|d| (1e6 * d).round() / 1e6);
     say(format_args!(
-        "impactor   {} kg at {} m/s, {} m away, k0 = {:.4e} N/m^1.5, at {:?} along [{x}, {y}, {z}]",
-        impactor.mass, impactor.speed, impactor.gap, impactor.stiffness, impactor.point
+        "impactor   {} kg at {} m/s, {} m away{}, k0 = {:.4e} N/m^1.5, at {:?} along [{x}, {y}, {z}]",
+        impactor.mass,
+        short(impactor.speed),
+        impactor.gap,
+        if impactor.gravity == 0.0 { "" } else { ", with its weight" },
+        impactor.stiffness,
+        impactor.point
     ));
     say(format_args!(
         "contact    on a half-space it would last {:.4} ms and peak at {:.0} N",
@@ -162,14 +168,19 @@ pub(super) fn contact_time(scene: &Scene) -> f64 {
     hertz::contact_time(scene.impactor.stiffness, scene.impactor.mass, scene.impactor.speed)
 }
 
-pub(super) fn support_line(support: &Support) -> String {
-    let Support { surface, within, kind, damping, displacement } = support;
-    let surface = match within {
-        None => surface.clone(),
+/// A surface, or which part of it.
+fn place(surface: &str, within: Option<Within>) -> String {
+    match within {
+        None => surface.to_owned(),
         Some(Within::Rim(width)) => format!("{surface}, along its edges {width} m wide"),
         Some(Within::Box([low, high])) => format!("{surface}, from {low:?} to {high:?} m"),
         Some(Within::Ball { centre, radius }) => format!("{surface}, within {radius} m of {centre:?}"),
-    };
+    }
+}
+
+pub(super) fn support_line(support: &Support) -> String {
+    let Support { surface, within, kind, damping, displacement } = support;
+    let surface = place(surface, *within);
     let mut line = match kind {
         SupportKind::Elastic { stiffness } => format!("{surface}: elastic, k = {} N/m³", by_component(*stiffness)),
         SupportKind::Pad { stiffness, normal } => {

@@ -27,6 +27,11 @@ pub(super) fn check(
         _ => {
             let others = ["stiffness", "damping", "normal"];
             refuse(source, raw, number, "clamped", &others)?;
+            if within.is_some() && raw.displacement.is_some() {
+                let help = "take `displacement` out, or hold the whole surface".into();
+                let message = "a part of a surface is clamped where it is, without a displacement".into();
+                return Err(source.conflict(&at("displacement"), &at("within"), message, help));
+            }
             let components = components(source, &raw.components, &at("components"))?;
             SupportKind::Clamped { components }
         }

@@ -21,10 +21,10 @@ pub use recovery::Recovery;
 
 use petsc_wrap::{Insert, NullSpace, Vector};
 
-use super::SurfaceTerms;
+use super::{Space, SurfaceTerms};
 use crate::body::{Body, Lumped, Pads, deviates};
 use crate::contact::{Localization, hertz};
-use crate::description::Description;
+use crate::description::{Description, region};
 use crate::error::Result;
 use crate::mesh::Mesh;
 use crate::scene::{Contact, Fault, Scene, Scheme, Vec3};
@@ -54,6 +54,7 @@ impl Body {
         drop(of_components);
         let products = Some([of_nodes.by_component(3)?, elastic.upper_triangle(3)?]);
         let space = FiniteElements::new(mesh, &description.material);
+        check_parts(scene, &space)?;
         let SurfaceTerms { support, damping, load, support_load, support_offset, pads } =
             SurfaceTerms::new(&space, &description)?;
         let is_explicit = matches!(scene.time.scheme, Scheme::CentralDifference { .. });
@@ -139,6 +140,27 @@ fn check_surfaces(scene: &Scene, mesh: &Mesh) -> Result<()> {
                 known => format!("the mesh names {}", known.join(", ")),
             };
             return Err(Fault::new(key, format!("the mesh has no surface {name:?}"), help).into());
+        }
+    }
+    Ok(())
+}
+
+/// Every part of a surface that the scene names must have an area. Collective.
+fn check_parts(scene: &Scene, space: &FiniteElements) -> Result<()> {
+    let supports = scene.supports.iter().enumerate().map(|(i, s)| (format!("support.{i}"), &s.surface, s.within));
+    let tractions = scene.load.traction.iter().enumerate();
+    let tractions = tractions.map(|(i, t)| (format!("load.traction.{i}"), &t.surface, t.within));
+    for (key, surface, within) in supports.chain(tractions).filter(|(_, _, within)| within.is_some()) {
+        let mut area = 0.0;
+        for place in &region(scene, surface, within) {
+            space.visit(place, &mut |_, element| {
+                area += element.area();
+                Ok(())
+            })?;
+        }
+        if space.sum(area) == 0.0 {
+            let message = format!("nothing of the surface {surface:?} lies within");
+            return Err(Fault::new(format!("{key}.within"), message, "a part that meets the surface").into());
         }
     }
     Ok(())

@@ -125,5 +125,7 @@ fn is_bent(geometry: &BoxGeometry, scene: &Scene) -> bool {
     crossing(scene) <= SLOW
         && scene.load.traction.is_empty()
         && across(scene.load.body_force)
-        && scene.supports.iter().all(|support| across(support.displacement))
+        && scene.supports.iter().all(|support| {
+            across(support.displacement) && !support.couples_stretching(geometry.struck, geometry.size[geometry.struck])
+        })
 }

@@ -1,6 +1,7 @@
 //! Supports and loads on parts of surfaces, on every space.
 
 use std::f64::consts::PI;
+use std::path::Path;
 
 use crate::glass;
 use mpi_test::{Test, tests};
@@ -13,8 +14,11 @@ use ricochet::space::plate::{self, Plate, PlateTheory};
 use ricochet::space::spline::{Settings, SplineSolid};
 
 pub const RANKS: &[usize] = &[1, 2];
-pub const TESTS: &[Test<Session>] =
-    tests![areas_of_parts_on_every_space, a_strip_that_cuts_cells_is_that_of_a_mesh_with_its_edge];
+pub const TESTS: &[Test<Session>] = tests![
+    areas_of_parts_on_every_space,
+    areas_of_parts_of_a_mesh,
+    a_strip_that_cuts_cells_is_that_of_a_mesh_with_its_edge
+];
 
 const SIZE: [f64; 3] = [0.6, 0.5, 0.02];
 const K: f64 = 3e8;
@@ -85,6 +89,48 @@ fn areas_of_parts_on_every_space(session: &Session) {
             }
         }
     }
+}
+
+/// Triangles of a Gmsh file that a part cuts; a part that has nothing of its surface is refused.
+fn areas_of_parts_of_a_mesh(session: &Session) {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("meshes/plate20.msh");
+    let body = |within: &str| {
+        let rest = format!(
+            "[[support]]\nsurface = \"bottom\"\nwithin = {within}\nkind = \"elastic\"\nstiffness = [0, 0, {K:e}]\n"
+        );
+        let impactor = "mass = 1.0\nspeed = 1.0\npoint = [0.0, 0.0, 0.01]";
+        let text = glass::scene(&format!("mesh = {file:?}"), impactor, "end = 1e-3", &rest);
+        let scene = Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}")).0;
+        Body::solid(&scene, &Mesh::new(&session.world(), &scene.body).unwrap())
+    };
+    let radius: f64 = 0.11;
+    for (within, area, square) in [
+        (
+            "{ box = [[-0.2, -0.13, -1], [0.17, 0.22, 0]] }",
+            0.37 * 0.35,
+            0.35 * (0.17_f64.powi(3) + 0.2_f64.powi(3)) / 3.0,
+        ),
+        (
+            "{ disc = { centre = [0.03, -0.05, -0.01], radius = 0.11 } }",
+            PI * radius * radius,
+            PI * radius * radius * (0.25 * radius * radius + 0.03 * 0.03),
+        ),
+    ] {
+        let body = body(within).unwrap();
+        let mut product = body.translation.duplicate().unwrap();
+        body.support.as_ref().unwrap().mult(&body.translation, &mut product).unwrap();
+        let found = product.dot(&body.translation).unwrap() / K;
+        assert!((found / area - 1.0).abs() < 1e-9, "{within}: {found} {area}");
+        // The field u_z = x, which shape functions in a wrong place would not have: ∫ x² dA.
+        let mut tilted = body.translation.duplicate().unwrap();
+        let nodes = body.nodes.as_ref().unwrap();
+        tilted.write().unwrap().chunks_exact_mut(3).zip(nodes).for_each(|(u, x)| u.copy_from_slice(&[0.0, 0.0, x[0]]));
+        body.support.as_ref().unwrap().mult(&tilted, &mut product).unwrap();
+        let found = product.dot(&tilted).unwrap() / K;
+        assert!((found / square - 1.0).abs() < 1e-9, "{within}: {found} {square}");
+    }
+    let error = body("{ box = [[-0.2, -0.13, 0], [0.17, 0.22, 1]] }").err().expect("nothing is there").to_string();
+    assert!(error.contains("support.0.within") && error.contains("lies within"), "{error}");
 }
 
 /// The work of a pressure on plates that lie on a strip: one whose cells have the strip's edge on a line, and others whose lines it does

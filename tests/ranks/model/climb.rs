@@ -12,7 +12,8 @@ pub const TESTS: &[Test<Session>] = tests![
     a_half_space_is_within_its_estimated_error,
     what_rules_a_half_space_out,
     what_rules_plates_out,
-    strips_are_for_plates
+    strips_are_for_plates,
+    sides_held_unevenly_are_for_solids
 ];
 
 /// A small ball of steel on a plate of glass.
@@ -144,4 +145,23 @@ fn strips_are_for_plates(session: &Session) {
         );
         assert!(error < tolerance, "{width}: {error:e}");
     }
+}
+
+/// A side that is held below its middle alone stretches the plate when it bends.
+fn sides_held_unevenly_are_for_solids(session: &Session) {
+    let comm = session.world();
+    let held = |low: f64, stiffness: &str| {
+        let part = format!("within = {{ box = [[-1, -1, {low}], [1, 1, 0]] }}");
+        let support = format!("[[support]]\nsurface = \"side\"\n{part}\nkind = \"elastic\"\nstiffness = {stiffness}\n");
+        parse(&plate("size = [0.5, 0.5, 0.02]", "end = 1e-4", &(support + "[accuracy]\ntolerance = 0.2\n")))
+    };
+    let auto = model(&comm, &held(-0.01, "1e9"));
+    assert_eq!(auto.theory, scene::Model::Solid);
+    assert!(
+        auto.reason.as_deref().is_some_and(|reason| reason.contains("not even across the thickness")),
+        "{:?}",
+        auto.reason
+    );
+    // Across the plate it does not matter where.
+    assert_eq!(model(&comm, &held(-0.01, "[0, 0, 1e9]")).theory, scene::Model::Mindlin);
 }
