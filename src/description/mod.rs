@@ -118,7 +118,7 @@ impl Description {
                     }
                     // The edge of a part cuts cells, whose unknowns cannot be held in part.
                     Some(within) => {
-                        let stiff = STIFF_AS_A_CLAMP * body.young / within.width();
+                        let stiff = STIFF_AS_A_CLAMP * body.young / within.width(&body.geometry, &support.surface);
                         let stiffness = components.map(|held| if held { stiff } else { 0.0 });
                         description.springs.push(Spring { region, stiffness, displacement });
                     }

@@ -250,11 +250,20 @@ pub enum Within {
 }
 
 impl Within {
-    /// Its shortest extent, m.
-    pub fn width(&self) -> f64 {
+    /// The shortest extent of what it has of a surface, m: of a box's, along its faces and within these; of a mesh's, as it is given.
+    pub fn width(&self, geometry: &Geometry, surface: &str) -> f64 {
+        let (size, along): (Vec3, Vec<usize>) = match geometry {
+            Geometry::Box { size, .. } => {
+                let along = |axis: &usize| faces::faces(surface).iter().any(|(across, _)| across != axis);
+                (*size, (0..3).filter(along).collect())
+            }
+            Geometry::Gmsh(_) => ([f64::INFINITY; 3], vec![0, 1, 2]),
+        };
+        let shortest =
+            |extent: &dyn Fn(usize) -> f64| along.iter().map(|axis| extent(*axis)).fold(f64::INFINITY, f64::min);
         match self {
-            Self::Rim(width) => *width,
-            Self::Box([low, high]) => (0..3).map(|i| high[i] - low[i]).fold(f64::INFINITY, f64::min),
+            Self::Rim(width) => shortest(&|i| width.min(0.5 * size[i])),
+            Self::Box([low, high]) => shortest(&|i| high[i].min(0.5 * size[i]) - low[i].max(-0.5 * size[i])),
             Self::Ball { radius, .. } => *radius,
         }
     }

@@ -33,6 +33,12 @@ pub(super) fn check(
                 return Err(source.conflict(&at("displacement"), &at("within"), message, help));
             }
             let components = components(source, &raw.components, &at("components"))?;
+            let moved = raw.displacement.map_or([0.0; 3], |value| value.numbers());
+            if let Some(axis) = (0..3).find(|&i| moved[i] != 0.0 && !components[i]) {
+                let message = format!("component \"{}\" is displaced and not held", ["x", "y", "z"][axis]);
+                let help = "0 there, or the component among `components`".into();
+                return Err(source.conflict(&at("displacement"), &at("components"), message, help));
+            }
             SupportKind::Clamped { components }
         }
     };

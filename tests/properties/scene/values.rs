@@ -253,3 +253,21 @@ fn long_lines_are_not_drawn() {
         assert!(report.len() < 3000 && report.contains("output."), "{} bytes", report.len());
     }
 }
+
+/// A clamp of a part is as stiff as what it has of the surface asks for, however large the box is that was typed.
+#[test]
+fn parts_are_as_wide_as_what_they_have_of_the_surface() {
+    let width = |surface: &str, within: &str| {
+        let text = format!("{SMALL}\n[[support]]\nsurface = \"{surface}\"\nwithin = {within}\nkind = \"clamped\"\n");
+        let (scene, _) = Scene::parse("scene.toml", &text, &[]).unwrap_or_else(|error| panic!("{error}"));
+        let support = scene.supports.last().expect("a support");
+        support.within.expect("a part").width(&scene.body.geometry, surface)
+    };
+    let (scene, _) = Scene::parse("scene.toml", SMALL, &[]).expect("a scene");
+    let Geometry::Box { size: [x, y, _], .. } = scene.body.geometry else { panic!("a box") };
+    let beyond = 0.3 * x;
+    let strip = width("bottom", &format!("{{ box = [[-1e3, -1e3, -1e3], [-{beyond}, 1e3, 1e3]] }}"));
+    assert!((strip / (0.5 * x - beyond) - 1.0).abs() < 1e-12, "{strip}");
+    assert_eq!(width("bottom", "{ rim = 1e3 }"), 0.5 * x.min(y));
+    assert_eq!(width("bottom", &format!("{{ disc = {{ centre = [0, 0, 0], radius = {x} }} }}")), x);
+}
