@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use ricochet::description::Part;
+use ricochet::description::Extent;
 use ricochet::element::{Element, Shape};
 use ricochet::form::{Foundation, Material, PadElement, SolidForms};
 use ricochet::space::finite_element::FacetRule;
@@ -37,10 +37,10 @@ fn facets(c: &mut Criterion) {
         let mut out = vec![0.; 9 * n * n];
         let rule = FacetRule::new(shape, 2);
         c.bench_function(&format!("{name} spring"), |b| {
-            b.iter(|| rule.element(black_box(&x), &Part::All).spring([1e9; 3], &mut out));
+            b.iter(|| rule.element(black_box(&x), &Extent::All).spring([1e9; 3], &mut out));
         });
         let foundation = Foundation { stiffness: [1e9; 3], normal: [0., 0., -1.], displacement: [0.; 3] };
-        let pad = PadElement::new(&rule.element(&x, &Part::All), &foundation);
+        let pad = PadElement::new(&rule.element(&x, &Extent::All), &foundation);
         let u: Vec<f64> = (0..3 * n).map(|i| (i as f64).sin()).collect();
         c.bench_function(&format!("{name} pad residual"), |b| {
             b.iter(|| pad.residual(None, black_box(&u), &mut out[..3 * n]));

@@ -4,7 +4,7 @@
 
 mod region;
 
-pub use region::{Part, Place, Region, region};
+pub use region::{Extent, Place, Region, region};
 
 use crate::form::{Foundation, Material};
 use crate::scene::{Scene, SupportKind, Vec3};

@@ -30,7 +30,7 @@ pub fn lump(matrix: &[f64], out: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::description::Part;
+    use crate::description::Extent;
     use crate::element::{Element, Shape};
     use crate::form::{Material, SolidForms};
     use crate::space::finite_element::FacetRule;
@@ -118,7 +118,7 @@ mod tests {
         for shape in [Shape::Triangle, Shape::Quadrilateral] {
             for order in [1, 2] {
                 let x = distorted(shape);
-                let facet = FacetRule::new(shape, order).element(&x, &Part::All);
+                let facet = FacetRule::new(shape, order).element(&x, &Extent::All);
                 let size = facet.unknowns;
                 let (mut block, mut lumped) = (vec![0.; size * size], vec![f64::NAN; size]);
                 let c = [2., 0., 5.];

@@ -1,6 +1,6 @@
 //! Integrals over one cell or facet: numbers in, small dense matrices out. Pure: no mesh, no solver.
 //!
-//! Unknowns of a cell are numbered node-major: 3·node + component, nodes in the order of [`crate::element::Element`].
+//! Over a part of a surface, unknowns are those of its [`SurfaceElement`]. Unknowns of a cell are numbered node-major: 3·node + component, nodes in the order of [`crate::element::Element`].
 //! With n nodes a matrix is a row-major slice of (3n)² and a vector a slice of 3n; both are overwritten. The vertex
 //! coordinates `x` come in the order of the shape's reference vertices. Nothing is allocated after construction.
 

@@ -8,6 +8,11 @@ pub(super) const SURFACES: [&str; 9] = ["side", "top", "bottom", "x-min", "x-max
 /// A face of a box: the axis that it is normal to, and whether it is the upper one.
 pub(crate) type Face = (usize, bool);
 
+/// The axes along the faces across an axis, ascending.
+pub(crate) fn along(across: usize) -> [usize; 2] {
+    [[1, 2], [0, 2], [0, 1]][across]
+}
+
 /// The name of a face.
 pub(crate) fn name((axis, is_upper): Face) -> &'static str {
     [["x-min", "x-max"], ["y-min", "y-max"], ["z-min", "z-max"]][axis][usize::from(is_upper)]

@@ -1,45 +1,49 @@
-//! Quadrature on what a convex part of space has of a facet.
+//! Quadrature on what a convex extent of space has of a facet.
 
 use nalgebra::Vector3;
 
-use crate::description::Part;
+use crate::description::Extent;
 use crate::element::{Element, Quadrature, Shape, Table, gauss_legendre};
 use crate::form::polygon::{Line, angles, crossing, is_seen};
 use crate::scene::Vec3;
 
-/// What a part of space has of a facet.
+/// What an extent of space has of a facet.
 pub enum Clipped {
     /// All of it.
     Whole,
     /// None of it.
     Nothing,
     /// Some: quadrature points.
-    Points(Vec<ClippedPoint>),
+    Points(Vec<AreaPoint>),
 }
 
 /// A quadrature point.
-pub struct ClippedPoint {
+pub struct AreaPoint {
     /// Where it is, m.
     pub position: Vec3,
     /// The area that it stands for, m².
     pub area: f64,
 }
 
-/// How near to the edge of a part counts as on it, over the size of the facet: far above the digits of a typed number.
+/// How near to the edge of an extent counts as on it, over the size of the facet: far above the digits of a typed number.
 const ROUNDING: f64 = 1e-9;
 
 /// Points along the angle between two directions in which a ray's ends change their kind: 1e-10 of the integral.
 const ANGLES: usize = 16;
 
-/// What a part has of a plane convex facet with its vertices in order, by a rule that is exact, away from the rim of a ball, for
+/// What an extent has of a plane convex facet with its vertices in order, by a rule that is exact, away from the rim of a ball, for
 /// polynomials of a degree in each coordinate.
-pub fn clip(facet: &[Vec3], part: &Part, degree: usize) -> Clipped {
+pub fn clip(facet: &[Vec3], extent: &Extent, degree: usize) -> Clipped {
+    // Most are whole, without a look at their vertices.
+    if *extent == Extent::All {
+        return Clipped::Whole;
+    }
     let x: Vec<Vector3<f64>> = facet.iter().copied().map(Vector3::from).collect();
     let size = (0..x.len()).map(|i| (x[i] - x[0]).norm()).fold(0.0, f64::max);
-    match part {
-        Part::All => Clipped::Whole,
-        Part::Box(corners) => clip_to_box(&x, *corners, ROUNDING * size, degree),
-        Part::Ball { centre, radius } => clip_to_ball(&x, Vector3::from(*centre), *radius, ROUNDING * size, degree),
+    match extent {
+        Extent::All => Clipped::Whole,
+        Extent::Box(corners) => clip_to_box(&x, *corners, ROUNDING * size, degree),
+        Extent::Ball { centre, radius } => clip_to_ball(&x, Vector3::from(*centre), *radius, ROUNDING * size, degree),
     }
 }
 
@@ -80,15 +84,15 @@ fn clip_to_box(x: &[Vector3<f64>], corners: [Vec3; 2], rounding: f64, degree: us
 }
 
 /// A product rule where the polygon is a parallelogram, else triangles about its first vertex.
-fn over_polygon(polygon: &[Vector3<f64>], degree: usize) -> Vec<ClippedPoint> {
+fn over_polygon(polygon: &[Vector3<f64>], degree: usize) -> Vec<AreaPoint> {
     let is_parallelogram = match polygon {
         [a, b, c, d] => (a + c - b - d).norm() < 1e-12 * (c - a).norm(),
         _ => false,
     };
-    let over = |shape: Shape, degree: usize, x: &[Vec3]| -> Vec<ClippedPoint> {
+    let over = |shape: Shape, degree: usize, x: &[Vec3]| -> Vec<AreaPoint> {
         let table = Table::new(&Element::new(shape, 1), &Quadrature::exact(shape, degree));
         let points = table.areas(x).enumerate();
-        points.map(|(q, area)| ClippedPoint { position: table.position(q, x), area }).collect()
+        points.map(|(q, area)| AreaPoint { position: table.position(q, x), area }).collect()
     };
     let vertices: Vec<Vec3> = polygon.iter().map(|x| Vec3::from(*x)).collect();
     if is_parallelogram {
@@ -133,7 +137,7 @@ fn clip_to_ball(x: &[Vector3<f64>], centre: Vector3<f64>, radius: f64, rounding:
                 let r = 0.5 * (enters + leaves) + 0.5 * (leaves - enters) * s;
                 let area = 0.25 * weight * of_point * (arc[1] - arc[0]) * (leaves - enters) * r * disc * disc;
                 let position = origin + (axes[0] * ray[0] + axes[1] * ray[1]) * (r * disc);
-                points.push(ClippedPoint { position: position.into(), area });
+                points.push(AreaPoint { position: position.into(), area });
             }
         }
     }
@@ -155,8 +159,8 @@ mod tests {
     const SQUARE: [Vec3; 4] = [[0.0, 0.0, 0.3], [2.0, 0.0, 0.3], [2.0, 2.0, 0.3], [0.0, 2.0, 0.3]];
     const TRIANGLE: [Vec3; 3] = [[0.0, 0.0, 0.3], [2.0, 0.0, 0.3], [0.0, 2.0, 0.3]];
 
-    fn integral(facet: &[Vec3], part: &Part, f: impl Fn(Vec3) -> f64) -> f64 {
-        match clip(facet, part, 4) {
+    fn integral(facet: &[Vec3], extent: &Extent, f: impl Fn(Vec3) -> f64) -> f64 {
+        match clip(facet, extent, 4) {
             Clipped::Whole => f64::INFINITY,
             Clipped::Nothing => 0.0,
             Clipped::Points(points) => points.iter().map(|point| point.area * f(point.position)).sum(),
@@ -168,17 +172,17 @@ mod tests {
     fn boxes_cut_exactly() {
         let (low, high) = ([0.5, -1.0, -1.0], [1.25, 0.75, 1.0]);
         let exact = (1.25_f64.powi(5) - 0.5_f64.powi(5)) / 5.0 * 0.75_f64.powi(4) / 4.0;
-        let found = integral(&SQUARE, &Part::Box([low, high]), |x| x[0].powi(4) * x[1].powi(3));
+        let found = integral(&SQUARE, &Extent::Box([low, high]), |x| x[0].powi(4) * x[1].powi(3));
         assert!((found / exact - 1.0).abs() < 1e-14, "{found} {exact}");
         // x < 1 of the triangle: ∫₀¹ x² (2 − x)²/2 dx, of x² y.
-        let found = integral(&TRIANGLE, &Part::Box([[-9.0; 3], [1.0, 9.0, 9.0]]), |x| x[0].powi(2) * x[1]);
+        let found = integral(&TRIANGLE, &Extent::Box([[-9.0; 3], [1.0, 9.0, 9.0]]), |x| x[0].powi(2) * x[1]);
         let exact = 0.5 * (4.0 / 3.0 - 1.0 + 0.2);
         assert!((found / exact - 1.0).abs() < 1e-14, "{found} {exact}");
         // Edges that are those of the facet, but for the digits of a typed number, cut nothing.
-        let typed = Part::Box([[1e-11, -9.0, -9.0], [2.0 - 1e-11, 9.0, 9.0]]);
+        let typed = Extent::Box([[1e-11, -9.0, -9.0], [2.0 - 1e-11, 9.0, 9.0]]);
         assert!(matches!(clip(&SQUARE, &typed, 4), Clipped::Whole));
-        assert!(matches!(clip(&SQUARE, &Part::Box([[2.0, 0.0, 0.0], [3.0; 3]]), 4), Clipped::Nothing));
-        assert!(matches!(clip(&SQUARE, &Part::Box([[0.0, 0.0, 0.4], [3.0; 3]]), 4), Clipped::Nothing));
+        assert!(matches!(clip(&SQUARE, &Extent::Box([[2.0, 0.0, 0.0], [3.0; 3]]), 4), Clipped::Nothing));
+        assert!(matches!(clip(&SQUARE, &Extent::Box([[0.0, 0.0, 0.4], [3.0; 3]]), 4), Clipped::Nothing));
     }
 
     /// A disc within a facet, one whose rim cuts it, and one about a vertex: areas and second moments.
@@ -188,7 +192,7 @@ mod tests {
             let ball = |centre: [f64; 2], radius: f64| {
                 // Seen from 0.3 below the facet.
                 let sphere = radius.hypot(0.3);
-                Part::Ball { centre: [centre[0], centre[1], 0.0], radius: sphere }
+                Extent::Ball { centre: [centre[0], centre[1], 0.0], radius: sphere }
             };
             let r = 0.4;
             let area = integral(facet, &ball([0.5, 0.6], r), |_| 1.0);
@@ -203,11 +207,11 @@ mod tests {
         }
         // A segment: centre 0.3 r outside of the edge.
         let (r, e) = (0.5, 0.15_f64);
-        let part = Part::Ball { centre: [1.0, -e, 0.3], radius: r };
+        let ball = Extent::Ball { centre: [1.0, -e, 0.3], radius: r };
         let exact = r * r * (e / r).acos() - e * (r * r - e * e).sqrt();
-        let found = integral(&SQUARE, &part, |_| 1.0);
+        let found = integral(&SQUARE, &ball, |_| 1.0);
         assert!((found / exact - 1.0).abs() < 1e-10, "{found} {exact}");
-        assert!(matches!(clip(&SQUARE, &Part::Ball { centre: [1.0, 1.0, 0.3], radius: 1.5 }, 4), Clipped::Whole));
-        assert!(matches!(clip(&SQUARE, &Part::Ball { centre: [1.0, 1.0, 2.0], radius: 1.5 }, 4), Clipped::Nothing));
+        assert!(matches!(clip(&SQUARE, &Extent::Ball { centre: [1.0, 1.0, 0.3], radius: 1.5 }, 4), Clipped::Whole));
+        assert!(matches!(clip(&SQUARE, &Extent::Ball { centre: [1.0, 1.0, 2.0], radius: 1.5 }, 4), Clipped::Nothing));
     }
 }

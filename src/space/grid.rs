@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use nalgebra_sparse::CsrMatrix;
 use petsc_wrap::Int;
 
-use super::clip::{Clipped, clip};
+use super::clip::{AreaPoint, Clipped, clip};
 use super::evaluate::Form;
 use super::{Add, Space, Visit};
-use crate::description::{Part, Place};
+use crate::description::{Extent, Place};
 use crate::element::gauss_legendre;
 use crate::error::Result;
 use crate::form::{SurfaceElement, SurfacePoint};
@@ -33,7 +33,7 @@ pub trait GridField {
 }
 
 /// A field of which every rank has all, as a space.
-pub struct Grid<'a, F> {
+pub struct GridSpace<'a, F> {
     /// The field.
     pub field: &'a F,
     /// Axes across planes of symmetry, where the modelled part has no face at its lower end.
@@ -57,13 +57,13 @@ impl Face {
     }
 }
 
-impl<F: GridField> Grid<'_, F> {
-    /// Visits what a part of space has of the cells on a face.
-    fn visit_face(&self, face: Face, part: &Part, visit: &mut Visit) -> Result<()> {
+impl<F: GridField> GridSpace<'_, F> {
+    /// Visits what an extent of space has of the cells on a face.
+    fn visit_face(&self, face: Face, extent: &Extent, visit: &mut Visit) -> Result<()> {
         let (lines, degrees) = (self.field.lines(), self.field.degrees());
         let across = lines[face.axis];
         let height = if face.is_upper { across[across.len() - 1] } else { across[0] };
-        let [first, second] = [[1, 2], [0, 2], [0, 1]][face.axis];
+        let [first, second] = faces::along(face.axis);
         let at = |along: [f64; 2]| {
             let mut x = [height; 3];
             (x[first], x[second]) = (along[0], along[1]);
@@ -73,15 +73,18 @@ impl<F: GridField> Grid<'_, F> {
         let rules = [first, second].map(|axis| gauss_legendre(degrees[axis] + 1));
         for (one, other) in cells(first).flat_map(|one| cells(second).map(move |other| (one, other))) {
             let corners = [[one[0], other[0]], [one[1], other[0]], [one[1], other[1]], [one[0], other[1]]].map(at);
-            let points: Vec<(Vec3, f64)> = match clip(&corners, part, 2 * degrees[first].max(degrees[second])) {
+            let points: Vec<AreaPoint> = match clip(&corners, extent, 2 * degrees[first].max(degrees[second])) {
                 Clipped::Nothing => continue,
-                Clipped::Points(points) => points.into_iter().map(|point| (point.position, point.area)).collect(),
+                Clipped::Points(points) => points,
                 Clipped::Whole => {
                     let place = |ends: &[f64], t: f64| 0.5 * (ends[0] + ends[1]) + 0.5 * (ends[1] - ends[0]) * t;
                     let area = 0.25 * (one[1] - one[0]) * (other[1] - other[0]);
                     let of_first = |(s, of_s): &(f64, f64)| {
                         let (x, weight) = (place(one, *s), area * of_s);
-                        let of_second = |(t, of_t): &(f64, f64)| (at([x, place(other, *t)]), weight * of_t);
+                        let of_second = |(t, of_t): &(f64, f64)| AreaPoint {
+                            position: at([x, place(other, *t)]),
+                            area: weight * of_t,
+                        };
                         rules[1].iter().map(of_second).collect::<Vec<_>>()
                     };
                     rules[0].iter().flat_map(of_first).collect()
@@ -94,8 +97,8 @@ impl<F: GridField> Grid<'_, F> {
     }
 
     /// Points with their areas as an element of the surface.
-    fn element(&self, points: &[(Vec3, f64)]) -> (Vec<Int>, SurfaceElement) {
-        let moved: Vec<[Form; 3]> = points.iter().map(|(x, _)| self.field.displacement(*x)).collect();
+    fn element(&self, points: &[AreaPoint]) -> (Vec<Int>, SurfaceElement) {
+        let moved: Vec<[Form; 3]> = points.iter().map(|point| self.field.displacement(point.position)).collect();
         let is_of = |form: &Form, unknowns: &[usize]| form.iter().map(|entry| &entry.0).eq(unknowns);
         let distinct = |mut unknowns: Vec<usize>| {
             unknowns.sort_unstable();
@@ -126,9 +129,9 @@ impl<F: GridField> Grid<'_, F> {
             })
         };
         let points = points.iter().zip(&moved);
-        let points = points.map(|((position, area), forms)| SurfacePoint {
-            position: *position,
-            area: *area,
+        let points = points.map(|(point, forms)| SurfacePoint {
+            position: point.position,
+            area: point.area,
             shape: shape(forms),
         });
         let local = |unknown: &usize| all.partition_point(|other| other < unknown);
@@ -141,12 +144,12 @@ impl<F: GridField> Grid<'_, F> {
     }
 }
 
-impl<F: GridField> Space for Grid<'_, F> {
+impl<F: GridField> Space for GridSpace<'_, F> {
     type Matrix = CsrMatrix<f64>;
     type Vector = Vec<f64>;
 
     fn visit(&self, place: &Place, visit: &mut Visit) -> Result<()> {
-        Face::of_surface(&place.surface, self.mirrors).try_for_each(|face| self.visit_face(face, &place.part, visit))
+        Face::of_surface(&place.surface, self.mirrors).try_for_each(|face| self.visit_face(face, &place.extent, visit))
     }
 
     fn body_force(&self, force: Vec3, add: &mut Add) -> Result<()> {

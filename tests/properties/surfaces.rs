@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
 use ricochet::contact::{Hertz, hertz};
-use ricochet::description::Part;
+use ricochet::description::Extent;
 use ricochet::element::{Element, Quadrature, Shape};
 use ricochet::form::{Foundation, PadElement, SurfaceElement};
 use ricochet::space::finite_element::FacetRule;
@@ -26,7 +26,7 @@ fn vertices(shape: Shape, points: &[[f64; 3]]) -> &[[f64; 3]] {
 
 /// A whole facet.
 fn facet(shape: Shape, order: usize, x: &[[f64; 3]]) -> SurfaceElement {
-    FacetRule::new(shape, order).element(x, &Part::All)
+    FacetRule::new(shape, order).element(x, &Extent::All)
 }
 
 fn pad(facet: &SurfaceElement, normal: [f64; 3], displacement: [f64; 3]) -> PadElement {

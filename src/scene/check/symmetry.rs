@@ -1,6 +1,6 @@
 //! Whether a scene has two planes of symmetry, so that a quarter of the body does for the whole.
 
-use super::super::faces::{Face, faces, struck_axis};
+use super::super::faces::{Face, along, faces, struck_axis};
 use super::super::{
     Geometry, Impactor, Load, SceneError, Source, Support, SupportKind, Symmetry, Traction, Vec3, Within, raw,
 };
@@ -40,11 +40,7 @@ fn planes(parts: &Parts) -> Result<[usize; 2], String> {
         return Err("the body is from a mesh file".into());
     };
     let struck = struck_axis(*size, impactor.point, impactor.direction);
-    let axes = match struck {
-        0 => [1, 2],
-        1 => [0, 2],
-        _ => [0, 1],
-    };
+    let axes = along(struck);
     for axis in axes {
         let name = NAMES[axis];
         if impactor.point[axis] != 0.0 {

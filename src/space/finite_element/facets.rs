@@ -7,13 +7,13 @@ use petsc_wrap::{Insert, Matrix, Vector};
 
 use super::assembly::{assemble, unknowns, zeros};
 use super::volume::{everywhere, forms};
-use crate::description::{Part, Place};
+use crate::description::{Extent, Place};
 use crate::element::{Element, Inverse, Quadrature, Shape, Table};
 use crate::error::Result;
 use crate::form::{Material, SurfaceElement, SurfacePoint};
 use crate::mesh::Mesh;
 use crate::scene::Vec3;
-use crate::space::clip::{Clipped, ClippedPoint, clip, normal};
+use crate::space::clip::{AreaPoint, Clipped, clip, normal};
 use crate::space::{Add, Space, Visit};
 
 /// Quadrature on facets of one shape with elements of one order.
@@ -38,15 +38,15 @@ impl FacetRule {
         SurfaceElement { unknowns, of_component, points: Vec::new() }
     }
 
-    /// What a part of space has of a facet with these vertices (m): three unknowns a node, node by node.
-    pub fn element(&self, x: &[Vec3], part: &Part) -> SurfaceElement {
+    /// What an extent of space has of a facet with these vertices (m): three unknowns a node, node by node.
+    pub fn element(&self, x: &[Vec3], extent: &Extent) -> SurfaceElement {
         let mut element = self.without_points();
-        self.fill(x, part, &mut element.points);
+        self.fill(x, extent, &mut element.points);
         element
     }
 
-    fn fill(&self, x: &[Vec3], part: &Part, points: &mut Vec<SurfacePoint>) {
-        match clip(x, part, self.degree) {
+    fn fill(&self, x: &[Vec3], extent: &Extent, points: &mut Vec<SurfacePoint>) {
+        match clip(x, extent, self.degree) {
             Clipped::Nothing => points.clear(),
             Clipped::Whole => {
                 points.resize(self.table.points(), SurfacePoint::default());
@@ -58,7 +58,7 @@ impl FacetRule {
                 points.resize(clipped.len(), SurfacePoint::default());
                 let inverse = Projected::new(&self.element, x);
                 let mut values = vec![0.0; self.element.nodes()];
-                for (point, ClippedPoint { position, area }) in points.iter_mut().zip(clipped) {
+                for (point, AreaPoint { position, area }) in points.iter_mut().zip(clipped) {
                     self.element.values(inverse.at(position), &mut values);
                     set(point, position, area, &values);
                 }
@@ -124,7 +124,7 @@ impl Space for FiniteElements<'_> {
         let mut element = self.rule.without_points();
         let mut numbers = Vec::with_capacity(element.unknowns);
         for &facet in &self.mesh.surfaces[&place.surface] {
-            self.rule.fill(facets.x(facet), &place.part, &mut element.points);
+            self.rule.fill(facets.x(facet), &place.extent, &mut element.points);
             if !element.points.is_empty() {
                 unknowns(facets.nodes(facet), &mut numbers);
                 visit(&numbers, &element)?;

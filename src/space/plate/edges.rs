@@ -9,7 +9,8 @@ use crate::space::grid::Face;
 /// Twice the elastic energy that Mindlin's theory lacks along free edges.
 ///
 /// A clamp of the rotation along an edge leaves no boundary layer there; where it holds the rotation across the edge too, there is no
-/// twist, and nothing to be left out. Springs have the layer: they are far softer than the plate's sections, or hold the twist itself.
+/// twist, and nothing to be left out. Springs have the layer: they are far softer than the plate's sections, or, as a clamp of a part
+/// of a side, hold the twist itself.
 pub(super) fn forms(points: &Points, shear_factor: f64, clamps: &[Clamp]) -> Vec<Square<2>> {
     let Points { geometry, section, .. } = points;
     let width = EDGE_STRIP * section.thickness;

@@ -1,6 +1,6 @@
 //! A box seen as a plate: its middle plane, its thickness, and where it is hit.
 
-use crate::scene::{Geometry, Scene, Symmetry, Vec3};
+use crate::scene::{Geometry, Scene, Symmetry, Vec3, faces};
 
 pub(super) const NAMES: [&str; 3] = ["x", "y", "z"];
 
@@ -34,7 +34,7 @@ impl PlateGeometry {
         let (Some(normal), None) = (along.next(), along.next()) else {
             return Err("the impactor does not move along the normal of a face".into());
         };
-        let axes = [[1, 2], [0, 2], [0, 1]][normal];
+        let axes = faces::along(normal);
         for axis in axes {
             // Equal lengths typed in different digits.
             if size[axis] < size[normal] * (1.0 - 1e-9) {

@@ -20,7 +20,7 @@ use geometry::PlateGeometry;
 use layer::Layer;
 
 use super::SurfaceTerms;
-use super::grid::Grid;
+use super::grid::GridSpace;
 use crate::body::System;
 use crate::description::Description;
 use crate::error::Result;
@@ -142,7 +142,7 @@ impl Plate {
         geometry.axes.into_iter().zip(in_plane).for_each(|(axis, of_axis)| lines[axis] = of_axis);
         let points = Points { geometry, section, lines, tensor, theory, local };
         let mirrors = points.geometry.mirrors();
-        let terms = SurfaceTerms::new(&Grid { field: &points, mirrors: &mirrors }, &description)?;
+        let terms = SurfaceTerms::new(&GridSpace { field: &points, mirrors: &mirrors }, &description)?;
         let copies = if points.geometry.is_quarter { 4.0 } else { 1.0 };
         let mut elastic = theory.elastic(&section, local.map_or(0.0, |local| local.shear_factor));
         if let Some(local) = &local {

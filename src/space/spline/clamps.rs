@@ -3,6 +3,7 @@
 use crate::description::Clamp;
 use crate::form::Spline;
 use crate::form::tensor::Tensor;
+use crate::scene::faces;
 use crate::space::grid::Face;
 
 /// Unknowns of clamped faces, the last clamp's value for each, and those of planes of symmetry; ascending.
@@ -11,7 +12,7 @@ pub fn held(tensor: &Tensor<3>, mirrors: &[usize], clamps: &[Clamp]) -> Vec<(usi
     // At an end of an axis one function alone is not zero, and functions sum to one.
     let mut hold = |component: usize, face: Face, value: f64| {
         let counts = tensor.splines(component).each_ref().map(Spline::functions);
-        let [first, second] = [[1, 2], [0, 2], [0, 1]][face.axis];
+        let [first, second] = faces::along(face.axis);
         for (i, j) in (0..counts[first]).flat_map(|i| (0..counts[second]).map(move |j| (i, j))) {
             let mut functions = [0; 3];
             functions[face.axis] = if face.is_upper { counts[face.axis] - 1 } else { 0 };

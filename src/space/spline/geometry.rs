@@ -1,6 +1,6 @@
 //! A box, and where it is hit.
 
-use crate::scene::{Contact, Geometry, Scene, Symmetry, Vec3};
+use crate::scene::{Contact, Geometry, Scene, Symmetry, Vec3, faces};
 
 /// The shortest edge over the longest, at least: rounding goes with the fourth power of the ratio, and is 1e-3 of the deflection here.
 const THINNEST: f64 = 1.0 / 2000.0;
@@ -49,7 +49,7 @@ impl BoxGeometry {
 
     /// The axes along the face that is hit.
     pub fn plane(&self) -> [usize; 2] {
-        [[1, 2], [0, 2], [0, 1]][self.struck]
+        faces::along(self.struck)
     }
 
     /// Ends of the modelled part along an axis.

@@ -13,7 +13,7 @@ mod patch;
 mod points;
 
 use super::SurfaceTerms;
-use super::grid::Grid;
+use super::grid::GridSpace;
 use crate::body::System;
 use crate::description::Description;
 use crate::error::Result;
@@ -92,7 +92,7 @@ impl SplineSolid {
         let (mass, elastic) =
             (tensor.matrix(&mass(&description.material)), tensor.matrix(&elastic(&description.material)));
         let points = Points::new(tensor, lines, &description.material, patch.disc);
-        let terms = SurfaceTerms::new(&Grid { field: &points, mirrors: &geometry.mirrors }, &description)?;
+        let terms = SurfaceTerms::new(&GridSpace { field: &points, mirrors: &geometry.mirrors }, &description)?;
         let copies = geometry.copies();
         let system = System {
             mass,

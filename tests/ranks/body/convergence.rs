@@ -7,7 +7,7 @@ use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
 use petsc_wrap::{Comm, Gather, Int, Session, Vector, mpi};
 use ricochet::body::Body;
-use ricochet::description::{Description, Part};
+use ricochet::description::{Description, Extent};
 use ricochet::element::{Element, Quadrature, Shape, Table};
 use ricochet::form::{Material, SolidForms};
 use ricochet::mesh::Mesh;
@@ -186,7 +186,7 @@ fn add_body_force(mesh: &Mesh, load: &mut Vector, f: impl Fn([f64; 3]) -> [f64; 
 fn add_traction(mesh: &Mesh, surface: &str, load: &mut Vector, f: impl Fn([f64; 3]) -> [f64; 3]) {
     let rule = FacetRule::new(mesh.facets.shape, mesh.facets.order);
     let kernel = |_: usize, x: &[[f64; 3]], block: &mut [f64]| {
-        rule.element(x, &Part::All).traction(&f, block);
+        rule.element(x, &Extent::All).traction(&f, block);
         Ok(())
     };
     let chosen = mesh.surfaces[surface].iter().copied();
