@@ -267,6 +267,13 @@ fn other_entries_are_refused(session: &Session) {
     let outcome = couple(0).copy_from(&last);
     assert_eq!(outcome.is_ok(), world.size() == 1);
     couple(0).copy_from(&first).unwrap();
+    // A part of the entries would keep the old values of the others.
+    let (all, first) = (springs(session), world.rank() as Int * LOCAL as Int);
+    let rows: Vec<_> = all.row_range().map(|row| all.row(row).unwrap()).collect();
+    let offsets: Vec<Int> = (0..=LOCAL as Int).collect();
+    let diagonal: Vec<Int> = (first..first + LOCAL as Int).collect();
+    assert!(rows.iter().all(|row| row.columns.len() > 1));
+    assert!(is_invalid(all.with_values(&offsets, &diagonal, &[1.0; LOCAL])));
 }
 
 /// A product with one component is the matrix itself, once. One with more keeps entries that nobody can change any more.

@@ -139,7 +139,7 @@ impl MatrixView {
     /// This matrix of [`Matrix::csr`] with other values in the place of its own, given as there. Collective.
     ///
     /// # Errors
-    /// Rows that are not those of the matrix, of which a rank among several sees its entries only; PETSc's.
+    /// Rows on this rank that have not the entries of the matrix, which the other ranks do not learn; PETSc's.
     ///
     /// # Panics
     /// When there are not as many offsets, columns and values.
@@ -149,8 +149,11 @@ impl MatrixView {
         let range = matrix.row_range();
         assert_eq!((offsets.len(), columns.len()), ((range.end - range.start) as usize + 1, values.len()));
         if self.comm().size() > 1 {
+            let mut present = Row::default();
             for (row, ends) in range.zip(offsets.windows(2)) {
                 let own = ends[0] as usize..ends[1] as usize;
+                self.row_into(row, &mut present)?;
+                require(present.columns == columns[own.clone()], "the rows have not the entries of the matrix")?;
                 matrix.set_values(&[row], &columns[own.clone()], &values[own], Insert::Replace)?;
             }
             matrix.assemble()?;
