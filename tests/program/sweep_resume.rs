@@ -85,7 +85,8 @@ fn a_signal_keeps_what_is_done() {
 fn a_kill_spoils_nothing() {
     let folder = folder(&supported());
     let path = folder.path().join("s.h5");
-    let many = "sweep scene.toml --vary support.0.stiffness=1e6..1e12:400 --log";
+    // Longer than two flushes of a second each take.
+    let many = "sweep scene.toml --vary support.0.stiffness=1e6..1e12:400 --log --set time.end=0.05";
     good(&folder, 0, &format!("{many} -o whole.h5"));
     let whole = content(&folder.path().join("whole.h5"));
     // Before the first members, and later and later until there are some: how many writes come before them is the machine's matter.
