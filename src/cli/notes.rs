@@ -1,6 +1,6 @@
 //! What a user should know of a scene before its numbers are trusted.
 
-use crate::contact::{Patch, hertz};
+use crate::contact::{ForceLaw, Patch};
 use crate::impact::Plan;
 use crate::mesh::Measures;
 use crate::model::{self, Model};
@@ -72,6 +72,9 @@ pub fn note_of_probes(model: &Model) -> Option<String> {
     })
 }
 
+/// Part of a table that an impact is expected to use at least: less looks like units that differ by a thousand.
+const LEAST_OF_TABLE: f64 = 0.01;
+
 /// Diagonal of a body, m, and its ratio to the impactor's radius, above which its lengths look like millimetres.
 const LONG: f64 = 20.0;
 const LONG_FOR_RADIUS: f64 = 200.0;
@@ -85,7 +88,7 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<String> {
         _ => [0.0; 3],
     };
     let diagonal = edges.iter().map(|edge| edge * edge).sum::<f64>().sqrt();
-    if diagonal > LONG && diagonal > LONG_FOR_RADIUS * scene.impactor.radius {
+    if diagonal > LONG && diagonal > LONG_FOR_RADIUS * scene.impactor.radius.unwrap_or_default() {
         warnings
             .push(format!("the body is {diagonal:.4} m long: lengths are in metres, and these look like millimetres"));
     }
@@ -146,15 +149,26 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<S
     {
         notes.push("with γ below 1/2 every vibration grows".to_owned());
     }
-    let contact = hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed);
+    let contact = impactor.contact_time();
     if plan.is_some_and(|plan| contact < 20.0 * plan.step()) {
         notes.push("fewer than 20 steps in a contact: expect its force to depend on the step".to_owned());
     }
-    let indentation = hertz::peak_indentation(impactor.stiffness, impactor.mass, impactor.speed);
-    if indentation > 0.1 * impactor.radius {
-        notes.push(format!(
+    let indentation = impactor.peak_indentation();
+    match &impactor.force_law {
+        ForceLaw::Hertz(_) if impactor.radius.is_some_and(|radius| indentation > 0.1 * radius) => notes.push(format!(
             "on a half-space the impactor would sink in by {indentation:.2e} m: Hertz's law holds while that is small against its radius"
-        ));
+        )),
+        ForceLaw::Table(table) if indentation > table.end() => notes.push(format!(
+            "contact.table ends at an indentation of {} m, and a rigid wall would stop the impactor at about {indentation:.3e} m: the run \
+             stops where the table does",
+            table.end()
+        )),
+        ForceLaw::Table(table) if indentation < LEAST_OF_TABLE * table.end() => notes.push(format!(
+            "a rigid wall would stop the impactor at an indentation of {indentation:.3e} m, and contact.table goes to {} m: is the \
+             table in m and N?",
+            table.end()
+        )),
+        _ => {}
     }
     if impactor.gap > impactor.speed * scene.time.end {
         notes.push("the gap is wider than the impactor's way to time.end".to_owned());

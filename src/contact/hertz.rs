@@ -1,5 +1,7 @@
 //! Hertz's law of contact between a sphere and a plane (Hertz 1881), and the impact on a half-space that follows from it.
 
+use super::force_law::positive_part;
+
 /// F ~ α^{3/2}.
 const EXPONENT: f64 = 1.5;
 
@@ -37,10 +39,9 @@ impl Hertz {
         self.force(indentation) * positive_part(indentation) / (EXPONENT + 1.)
     }
 
-    /// The indentation (m) at which the tangent is 1/c for a compliance c (m/N): there the law loses its monotony when the
-    /// compliance's part is taken out. Infinite for c = 0.
-    pub fn critical_indentation(&self, compliance: f64) -> f64 {
-        (EXPONENT * self.stiffness * compliance).powi(-2)
+    /// The indentation (m) at which the tangent reaches a value (N/m).
+    pub fn indentation_of_tangent(&self, tangent: f64) -> f64 {
+        (tangent / (EXPONENT * self.stiffness)).powi(2)
     }
 }
 
@@ -48,6 +49,12 @@ impl Hertz {
 /// ∫₀¹ dx/√(1 − x^{5/2}).
 pub fn contact_time(stiffness: f64, mass: f64, speed: f64) -> f64 {
     2. * peak_indentation(stiffness, mass, speed) / speed * TIME_INTEGRAL
+}
+
+/// k0 (N/m^{3/2}) of the law with a contact time (s) of the same impact.
+pub fn stiffness_of_contact_time(time: f64, mass: f64, speed: f64) -> f64 {
+    let indentation = 0.5 * time * speed / TIME_INTEGRAL;
+    0.5 * mass * speed * speed * (EXPONENT + 1.) / indentation.powf(EXPONENT + 1.)
 }
 
 /// Largest force (N) of the same impact.
@@ -61,11 +68,6 @@ pub fn peak_indentation(stiffness: f64, mass: f64, speed: f64) -> f64 {
     ratio.powf(1. / (EXPONENT + 1.))
 }
 
-/// ⟨α⟩, which keeps NaN.
-fn positive_part(indentation: f64) -> f64 {
-    indentation.clamp(0., f64::INFINITY)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -73,6 +75,12 @@ mod tests {
 
     /// The plates of the paper: glass and a steel impactor of 52 kg at 1 m/s.
     const PAPER: f64 = 16_690_188_300.054_407;
+
+    #[test]
+    fn stiffness_goes_with_the_contact_time() {
+        let found = stiffness_of_contact_time(contact_time(PAPER, 52., 1.2), 52., 1.2);
+        assert!((found / PAPER - 1.).abs() < 1e-14);
+    }
 
     #[test]
     fn stiffness_of_the_papers_impactor() {

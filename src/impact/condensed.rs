@@ -73,7 +73,7 @@ impl Condensed {
         }
         let free_impactor = of_impactor * problem.known_impactor;
         let free = problem.force.from + free_impactor - a.dot(increment)?;
-        let (force, iterations) = solve_scalar(&problem.force, free, compliance);
+        let (force, iterations) = solve_scalar(problem.force, free, compliance);
         increment.axpy(force, answer)?;
         Ok(Solved { increment: free_impactor - of_impactor * force, force, iterations })
     }
@@ -117,7 +117,7 @@ fn solve_scalar(law: &StageForce, free: f64, compliance: f64) -> (f64, usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::{Hertz, Law};
+    use crate::contact::{ForceLaw, Hertz, Law};
 
     /// Over decades of stiffness, compliance and approach the equation is solved to rounding, in few iterations.
     #[test]
@@ -128,9 +128,10 @@ mod tests {
                     [(1e-9, -1e-3), (1e-4, -1.0), (1e-4, 1e-9), (10.0, 0.0), (1e-6, 2e-6), (-1e-6, 1e-6)]
                 {
                     for gradient in [false, true] {
-                        let law = Law { hertz: Hertz { stiffness }, compliance: 0.0 };
+                        let force_law = ForceLaw::Hertz(Hertz { stiffness });
+                        let law = Law { force_law, compliance: 0.0, damping: 0.0 };
                         let theta = if gradient { 0.5 } else { 1.0 };
-                        let stage = StageForce { law, from, theta, gradient };
+                        let stage = StageForce { law, from, theta, gradient, rate: [0.0; 2] };
                         let (force, iterations) = solve_scalar(&stage, free, compliance);
                         let approach = free - compliance * force;
                         let (again, tangent) = stage.at(approach);

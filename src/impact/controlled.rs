@@ -14,7 +14,6 @@ use std::ops::ControlFlow;
 use petsc_wrap::Comm;
 
 use crate::body::Body;
-use crate::contact::hertz;
 use crate::error::{Error, Result};
 use crate::scene::Fault;
 
@@ -92,7 +91,7 @@ impl Resumed {
 /// # Errors
 /// A fault of `time.end` where the run would take too many of them.
 pub(super) fn first_step(setting: &Setting, tolerance: f64, end: f64) -> Result<f64> {
-    let contact = hertz::contact_time(setting.law.hertz.stiffness, setting.mass, setting.speed);
+    let contact = setting.law.force_law.contact_time(setting.mass, setting.speed);
     let step = (FIRST * tolerance.sqrt() * contact).min(end / LEAST);
     if end / step <= MOST_STEPS {
         return Ok(step);
@@ -170,7 +169,7 @@ impl Controlled<'_> {
                 }
                 return Ok(ControlFlow::Break(()));
             }
-            let level = if pair.fine.time < careful { LEVELS[0] } else { self.level(pair, body)? };
+            let level = if pair.fine.time < careful { LEVELS[0] } else { self.level(pair) };
             if level > LEVELS[0] {
                 saved.copy_from(pair)?;
             }
@@ -272,13 +271,13 @@ impl Controlled<'_> {
         pair.fine.time >= self.end - 1e-9 * self.ladder.step(LEVELS[0])
     }
 
-    /// The level of the next steps: the larger ones where the impactor is off and will be after them. Collective.
-    fn level(&self, pair: &Pair, body: &Body) -> Result<usize> {
+    /// The level of the next steps: the larger ones where the impactor is off and will be after them.
+    fn level(&self, pair: &Pair) -> usize {
         if pair.is_touching() {
-            return Ok(LEVELS[0]);
+            return LEVELS[0];
         }
         let clearance = -pair.fine.now.approach.max(pair.coarse.now.approach);
-        let rate = pair.fine.now.rate(body)?;
+        let rate = pair.fine.now.rate;
         // Farther away than twice what the surface has moved to and fro, contact is not near.
         let far = clearance > 2.0 * (pair.surface[1] - pair.surface[0]);
         let stays_off = |level: usize| {
@@ -286,7 +285,7 @@ impl Controlled<'_> {
             way < 0.5 * clearance && pair.fine.time + 2.0 * self.ladder.step(level) <= self.end
         };
         let candidates = if far { &LEVELS[..] } else { &LEVELS[..2] };
-        Ok(candidates.iter().rev().copied().find(|level| stays_off(*level)).unwrap_or(LEVELS[0]))
+        candidates.iter().rev().copied().find(|level| stays_off(*level)).unwrap_or(LEVELS[0])
     }
 
     /// Two steps of the fine trajectory, which are returned, and one of the coarse.

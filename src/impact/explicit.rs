@@ -48,12 +48,17 @@ impl ExplicitStepper {
         to.state.q.position = position;
         to.state.v.copy_from(&self.half)?;
         to.update(body, setting.gap)?;
-        let contact = setting.law.force(to.approach);
+        // Of the velocities at the end of the step those at its middle are known: they go on with the old accelerations.
+        let rate = match setting.law.damping {
+            0.0 => 0.0,
+            _ => q_half - to.surface_rate(body)? + 0.5 * scheme.step * from.acceleration(body)?,
+        };
+        let contact = setting.law.damped(to.approach, rate);
         // f + a F − K u − p at the new place; the dampers' force is part of the correction.
         let force = &mut self.force;
         force.copy_from(&body.load)?;
         force.axpy(1.0, &body.support_load)?;
-        force.axpy(contact, &body.localization.vector)?;
+        force.axpy(contact.force, &body.localization.vector)?;
         force.axpy(-1.0, &to.products.elastic)?;
         if let Some(support) = &to.products.support {
             force.axpy(-1.0, support)?;
@@ -66,8 +71,9 @@ impl ExplicitStepper {
         body.clamps.zero(force)?;
         let lumped = body.lumped.as_ref().expect("an explicit scheme's body has a lumped mass");
         correct(scheme, lumped, (&self.half, &self.force), to)?;
-        let (velocity, acceleration) = scheme.correct(q_half, setting.weight - contact, setting.mass, 0.0);
+        let (velocity, acceleration) = scheme.correct(q_half, setting.weight - contact.force, setting.mass, 0.0);
         to.state.q = Impactor { position, velocity, acceleration };
+        to.rate = velocity - to.surface_rate(body)?;
         body.apply_mass(&to.state.v, &mut to.products.momentum)?;
         body.apply_mass(&to.state.a, &mut to.inertia)?;
         if let Some(product) = &mut to.products.damping {
@@ -76,7 +82,8 @@ impl ExplicitStepper {
         // The ledger's D.
         self.half.copy_from(&to.state.u)?;
         self.half.axpy(-1.0, &state.u)?;
-        let work = Work { increment: &self.half, force: contact, pads: self.pads.as_ref() };
+        let (force, damping) = (contact.force, contact.force - contact.elastic);
+        let work = Work { increment: &self.half, force, damping, pads: self.pads.as_ref() };
         let family = Implicit { beta: 0.0, ..newmark(0.25, 0.5) };
         exchange(body, setting, (&family, scheme.step), (from, to), work, &mut self.force)
     }

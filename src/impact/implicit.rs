@@ -30,7 +30,7 @@ pub struct Problem<'a> {
     /// a.
     pub direction: &'a Vector,
     /// F at the stage.
-    pub force: StageForce,
+    pub force: &'a StageForce,
     /// p.
     pub pads: Option<&'a mut Pads>,
     /// Where to start, m.
@@ -111,7 +111,7 @@ impl ImplicitStepper {
     pub(super) fn new(
         comm: &Comm,
         body: &Body,
-        setting: Setting,
+        setting: &Setting,
         (scheme, step): (Implicit, f64),
         (newton, tolerance): (scene::Newton, f64),
     ) -> Result<Self> {
@@ -171,7 +171,12 @@ impl ImplicitStepper {
         body.clamps.zero(known)?;
         let q = state.q;
         let known_impactor = setting.weight - setting.mass * stage.apply(0.0, q.velocity, q.acceleration).1;
-        let force = StageForce { law: setting.law, from: from.approach, theta, gradient: scheme.gradient };
+        let rate = match setting.law.damping {
+            0.0 => [0.0; 2],
+            _ => [stage.v[0] * from.rate + stage.v[1] * from.acceleration(body)?, stage.c1],
+        };
+        let force =
+            StageForce { law: setting.law.clone(), from: from.approach, theta, gradient: scheme.gradient, rate };
         let Body { localization, pads, .. } = &mut *body;
         let increment = &mut self.work;
         let mut largest = 0.0_f64;
@@ -186,7 +191,7 @@ impl ImplicitStepper {
             known,
             known_impactor,
             direction: &localization.vector,
-            force,
+            force: &force,
             pads: pads.as_mut(),
             guess: 0.0,
             largest,
@@ -235,7 +240,11 @@ impl ImplicitStepper {
             body.apply_mass(&to.state.a, &mut to.inertia)?;
             body.clamps.zero(&mut to.inertia)?;
         }
-        let work = Work { increment: &self.work, force: solved.force, pads: self.pads.as_ref() };
+        let damping = match setting.law.damping {
+            0.0 => 0.0,
+            _ => solved.force - force.elastic(from.approach + theta * (to.approach - from.approach)).0,
+        };
+        let work = Work { increment: &self.work, force: solved.force, damping, pads: self.pads.as_ref() };
         let exchange = exchange(body, setting, (&scheme, step), (from, to), work, &mut self.known)?;
         Ok((exchange, solved.iterations))
     }

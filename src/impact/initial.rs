@@ -15,7 +15,7 @@ pub(super) fn start(body: &mut Body, setting: &Setting, moment: &mut Moment) -> 
     moment.state.q = Impactor { position: 0.0, velocity: setting.speed, acceleration: 0.0 };
     moment.update(body, setting.gap)?;
     // Nothing, unless a held surface is pushed towards the impactor from the start.
-    let contact = setting.law.force(moment.approach);
+    let contact = setting.force(moment.approach, moment.rate);
     moment.state.q.acceleration = (setting.weight - contact) / setting.mass;
     let force = &mut moment.inertia;
     force.fill(0.0)?;

@@ -2,10 +2,10 @@
 //!
 //! With D, Δa, Δv, ΔF the changes over a step of the family α_m, α_f, β, γ, the discrete equations give exactly
 //!
-//! ΔE + D·C v̄ − D·f = ΔV − F D_δ + Δψ − p·D − (1/2 − α_f) D·(K D + C Δv) − (1 − γ − α_m) D·M Δa − Δt² (β − γ/2) Δa·M((1−γ) a_n + γ a_{n+1})
+//! ΔE + D·C v̄ + F_d D_δ − D·f = ΔV − (F − F_d) D_δ + Δψ − p·D − (1/2 − α_f) D·(K D + C Δv) − (1 − γ − α_m) D·M Δa − Δt² (β − γ/2) Δa·M((1−γ) a_n + γ a_{n+1})
 //!
 //! over body and impactor with their loads f, E the total energy, v̄ the mean velocity, V and ψ the potentials of contact and pads, F and p the forces
-//! that the step used. The left side is what came and went; the right side is what the scheme itself made or lost. It is zero
+//! that the step used, F_d the part of F that is damping. The left side is what came and went; the right side is what the scheme itself made or lost. It is zero
 //! for the midpoint rule with discrete gradients. (For the central difference: β = 0, with the lumped mass.)
 
 use petsc_wrap::Vector;
@@ -22,7 +22,7 @@ use super::step::Energy;
 /// What a step exchanged, J.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Exchange {
-    /// Lost in dampers: D·C v̄.
+    /// Lost in dampers and in the contact: D·C v̄ + F_d D_δ.
     pub dissipated: f64,
     /// Done by loads: D·f.
     pub external: f64,
@@ -36,6 +36,8 @@ pub struct Work<'a> {
     pub increment: &'a Vector,
     /// F, N.
     pub force: f64,
+    /// The part of F that is the contact's damping, N.
+    pub damping: f64,
     /// p, N.
     pub pads: Option<&'a Vector>,
 }
@@ -56,8 +58,9 @@ pub(super) fn exchange(
     let external = body.load.dot(d)? + setting.weight * impactor;
     let mut exchange = Exchange { external, ..Exchange::default() };
     let potential = |approach| setting.law.potential(approach);
-    exchange.numerical +=
-        potential(to.approach) - potential(from.approach) - done.force * (to.approach - from.approach);
+    let elastic = done.force - done.damping;
+    exchange.numerical += potential(to.approach) - potential(from.approach) - elastic * (to.approach - from.approach);
+    exchange.dissipated += done.damping * (to.approach - from.approach);
     if let Some(pads) = done.pads {
         exchange.numerical += to.pads - from.pads - pads.dot(d)?;
     }

@@ -1,7 +1,6 @@
 //! The largest step that theory allows a scheme on a body, known before anything is run.
 
 use crate::body::{Body, Inertia, LinearContact, largest_frequency};
-use crate::contact::hertz;
 use crate::error::Result;
 use crate::scene::Scheme;
 use crate::scheme::critical_frequency;
@@ -22,13 +21,18 @@ pub fn stable_step(body: &mut Body, setting: &Setting, scheme: Scheme) -> Result
     if critical == 0.0 || critical.is_infinite() {
         return Ok(critical);
     }
-    let Setting { law, mass, speed, .. } = *setting;
-    let peak = hertz::peak_indentation(law.hertz.stiffness, mass, speed);
-    let approach = peak - law.compliance * law.hertz.force(peak);
-    let contact = LinearContact { tangent: law.tangent(approach.min(law.limit())), mass };
+    let Setting { law, mass, speed, .. } = setting;
+    let peak = law.force_law.peak_indentation(*mass, *speed);
+    let approach = peak - law.compliance * law.force_law.force(peak);
     let lumped = body.lumped.take();
-    let inertia = lumped.as_ref().map_or(Inertia::Consistent, |lumped| Inertia::Lumped(&lumped.mass));
-    let largest = largest_frequency(body, inertia, Some(contact));
+    let inertia = || lumped.as_ref().map_or(Inertia::Consistent, |lumped| Inertia::Lumped(&lumped.mass));
+    let mut tangent = law.tangent(approach.min(law.limit()));
+    let mut largest = largest_frequency(body, inertia(), Some(LinearContact { tangent, mass: *mass }));
+    if let (Ok(found), true) = (&largest, law.damping > 0.0) {
+        // A damper of which the velocity is not known yet is to the fastest vibration what a spring of c ω is.
+        tangent += law.damping * law.force_law.force(peak) * found.bound;
+        largest = largest_frequency(body, inertia(), Some(LinearContact { tangent, mass: *mass }));
+    }
     body.lumped = lumped;
     Ok(critical / largest?.bound)
 }

@@ -31,7 +31,6 @@ use std::ops::ControlFlow;
 use petsc_wrap::Comm;
 
 use crate::body::Body;
-use crate::contact::hertz;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 use crate::scheme::Implicit;
@@ -123,10 +122,9 @@ impl Impact {
         let (comm, end) = (&body.comm().clone(), scene.time.end);
         let setting = Setting::new(&scene.impactor, &body);
         let plan = Plan::new(scene, &mut body, &setting)?;
-        let newton_tolerance =
-            FORCE_TOLERANCE * hertz::peak_force(setting.law.hertz.stiffness, setting.mass, setting.speed);
+        let newton_tolerance = FORCE_TOLERANCE * setting.hardest();
         let (methods, base) = ((scene.time.scheme, scene.solver.newton), plan.step());
-        let mut ladder = Ladder::new(comm, setting, methods, newton_tolerance, base);
+        let mut ladder = Ladder::new(comm, setting.clone(), methods, newton_tolerance, base);
         // Here, so that wrong options for PETSc are found before anything is written.
         ladder.at(0, &body)?;
         Ok(Self {

@@ -111,7 +111,7 @@ impl PadStep {
         let tolerance = self.tolerance.max(problem.largest);
         let displacement = self.gather.fetch(problem.u)?.to_vec();
         let penetration = self.reduced.as_ref().map_or_else(Vec::new, |reduced| reduced.penetration(&displacement));
-        let mut step = Step { contact: &problem.force, penetration: &penetration, tolerance: FIRST * tolerance };
+        let mut step = Step { contact: problem.force, penetration: &penetration, tolerance: FIRST * tolerance };
         // φ that E has already.
         let mut applied = DVector::zeros(self.pushed.len() + 1);
         let (mut force, mut iterations) = (0.0, 0);

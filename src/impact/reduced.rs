@@ -279,7 +279,7 @@ fn moving<'a>(columns: &'a [usize], values: &'a [f64], last: usize) -> impl Iter
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::{Hertz, Law};
+    use crate::contact::{ForceLaw, Hertz, Law};
 
     /// A chain of ten unknowns under thirty points, and a contact: G = exp(−|i − j|/4) and the like, m/N times 1e-9.
     fn chain(stiffness: f64) -> Reduced {
@@ -312,8 +312,15 @@ mod tests {
                 for trial in 0..20 {
                     // Displacements of all signs, which change with the trial: the forces of the last are a bad guess.
                     let wave = |i: usize| 1e-4 * (1.7 * i as f64 + 2.3 * f64::from(trial)).sin();
-                    let law = Law { hertz: Hertz { stiffness: 1e10 }, compliance: 0.0 };
-                    let contact = StageForce { law, from: wave(20), theta: if gradient { 0.5 } else { 1.0 }, gradient };
+                    let force_law = ForceLaw::Hertz(Hertz { stiffness: 1e10 });
+                    let law = Law { force_law, compliance: 0.0, damping: 0.0 };
+                    let contact = StageForce {
+                        law,
+                        from: wave(20),
+                        theta: if gradient { 0.5 } else { 1.0 },
+                        gradient,
+                        rate: [0.0; 2],
+                    };
                     let before: Vec<f64> = (0..12).map(|i| wave(i + 30)).collect();
                     let penetration = reduced.penetration(&before);
                     let step = Step { contact: &contact, penetration: &penetration, tolerance: 1e-8 };

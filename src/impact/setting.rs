@@ -1,7 +1,7 @@
 //! What an impact is made of, beside its body: the numbers of impactor and contact.
 
 use crate::body::Body;
-use crate::contact::{Hertz, Law, hertz};
+use crate::contact::Law;
 use crate::error::{Error, Result};
 use crate::scene;
 
@@ -9,7 +9,7 @@ use crate::scene;
 ///
 /// Of a body with n-fold symmetry one part is modelled, hit by that part of the impactor: mass and force are divided by
 /// n, and the compliance c_l of the patch is multiplied, so that the indentation is the same.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Setting {
     /// m0 of the part, kg.
     pub mass: f64,
@@ -38,30 +38,48 @@ impl Setting {
             speed: impactor.speed,
             gap: impactor.gap,
             weight: impactor.mass / copies * impactor.gravity,
-            law: Law { hertz: Hertz { stiffness: impactor.stiffness / copies }, compliance },
+            law: Law { force_law: impactor.force_law.part(copies), compliance, damping: impactor.damping },
             copies,
         }
     }
 
-    /// Refuses an approach beyond what the contact law can follow.
+    /// F at an approach (m) and its rate (m/s), N.
+    pub(super) fn force(&self, approach: f64, rate: f64) -> f64 {
+        self.law.damped(approach, rate).force
+    }
+
+    /// Largest force of the same impact on a fixed half-space, N.
+    pub(super) fn hardest(&self) -> f64 {
+        self.law.force_law.peak_force(self.mass, self.speed)
+    }
+
+    /// Refuses an approach (m) beyond what the contact law can follow at its rate (m/s).
     ///
     /// # Errors
     /// [`Error::Solve`]; [`Error::Unstable`] where no impact reaches as far.
-    pub(super) fn admit(&self, approach: f64) -> Result<()> {
-        if approach <= self.law.limit() || approach.is_nan() {
+    pub(super) fn admit(&self, approach: f64, rate: f64) -> Result<()> {
+        let law = self.law.at_rate(approach, rate);
+        if approach <= law.limit() || approach.is_nan() {
             return Ok(());
         }
         // No impact presses harder than this on a body at rest; one that moves may do so by a little.
-        let hardest = hertz::peak_force(self.law.hertz.stiffness, self.mass, self.speed);
-        if self.law.force(approach) > 10.0 * hardest.max(self.law.force(self.law.limit())) {
+        if law.force(approach) > 10.0 * self.hardest().max(law.force(law.limit())) {
             return Err(Error::Unstable(
                 "the motion has blown up: the time integration is unstable at this step".into(),
             ));
         }
+        if law.ends() {
+            return Err(Error::Solve(format!(
+                "the impactor has come to the end of contact.table, an indentation of {:.4e} m at a force of {:.4e} N: the table \
+                 has to go on, or the impactor has to be lighter or slower",
+                law.force_law.end(),
+                self.copies * law.force(law.limit())
+            )));
+        }
         Err(Error::Solve(format!(
             "the contact is as wide as the patch that stands for it: at a force of {:.4e} N the law's stiffness would turn \
              negative. A larger contact.patch_radius is needed, more than 1.2 (E*/E') times the contact's radius",
-            self.copies * self.law.force(self.law.limit())
+            self.copies * law.force(law.limit())
         )))
     }
 }

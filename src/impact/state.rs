@@ -114,6 +114,8 @@ pub struct Moment {
     pub surface: f64,
     /// δ = q − gap − aᵀu, m.
     pub approach: f64,
+    /// δ̇ = q̇ − aᵀu̇, m/s.
+    pub rate: f64,
     /// Potential of the pads, J.
     pub pads: f64,
 }
@@ -122,7 +124,7 @@ impl Moment {
     /// At rest at u = 0.
     pub(super) fn zero(body: &Body) -> Result<Self> {
         let (state, products) = (State::zero(body)?, Products::zero(body)?);
-        Ok(Self { state, products, inertia: body.load.duplicate()?, surface: 0.0, approach: 0.0, pads: 0.0 })
+        Ok(Self { state, products, inertia: body.load.duplicate()?, surface: 0.0, approach: 0.0, rate: 0.0, pads: 0.0 })
     }
 
     /// All but the inertia anew, after u, u̇ and q have changed. Collective.
@@ -135,21 +137,27 @@ impl Moment {
         Ok(())
     }
 
-    /// Surface and approach anew, after u and q have changed. Collective.
+    /// Surface, approach and its rate anew, after u, u̇ and q have changed. Collective.
     pub(super) fn place(&mut self, body: &Body, gap: f64) -> Result<()> {
         self.surface = body.localization.vector.dot(&self.state.u)?;
         self.approach = self.state.q.position - gap - self.surface;
+        self.rate = self.state.q.velocity - self.surface_rate(body)?;
         Ok(())
     }
 
-    /// δ̇ = q̇ − aᵀu̇, m/s. Collective.
-    pub(super) fn rate(&self, body: &Body) -> Result<f64> {
-        Ok(self.state.q.velocity - body.localization.vector.dot(&self.state.v)?)
+    /// aᵀu̇, m/s. Collective.
+    pub(super) fn surface_rate(&self, body: &Body) -> Result<f64> {
+        Ok(body.localization.vector.dot(&self.state.v)?)
+    }
+
+    /// δ̈ = q̈ − aᵀü, m/s². Collective.
+    pub(super) fn acceleration(&self, body: &Body) -> Result<f64> {
+        Ok(self.state.q.acceleration - body.localization.vector.dot(&self.state.a)?)
     }
 
     /// To a checkpoint or from it.
     pub(super) fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
-        let Self { state, products, inertia, surface, approach, pads } = self;
+        let Self { state, products, inertia, surface, approach, rate, pads } = self;
         let vectors = [
             ("displacement", &mut state.u),
             ("velocity", &mut state.v),
@@ -173,6 +181,7 @@ impl Moment {
             ("impactor.acceleration", acceleration),
             ("surface", surface),
             ("approach", approach),
+            ("rate", rate),
             ("pads", pads),
         ];
         numbers.into_iter().try_for_each(|(name, number)| carrier.number(name, number))
@@ -203,6 +212,7 @@ impl Moment {
         }
         self.inertia.copy_from(&other.inertia)?;
         (self.surface, self.approach, self.pads) = (other.surface, other.approach, other.pads);
+        self.rate = other.rate;
         Ok(())
     }
 }

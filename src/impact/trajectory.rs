@@ -48,7 +48,7 @@ impl Trajectory {
     ) -> Result<usize> {
         let (number, wrong) = (self.steps + 1, |error| at(error, self.steps + 1, time));
         let (exchange, iterations) = stepper.advance(body, setting, &self.now, &mut self.next).map_err(wrong)?;
-        setting.admit(self.next.approach).map_err(wrong)?;
+        setting.admit(self.next.approach, self.next.rate).map_err(wrong)?;
         self.ledger.account(exchange);
         std::mem::swap(&mut self.now, &mut self.next);
         (self.time, self.steps) = (time, number);
@@ -89,7 +89,7 @@ impl Trajectory {
 
     /// F over the impactor's mass, m/s².
     pub(super) fn acceleration(&self, setting: &Setting) -> f64 {
-        setting.law.force(self.now.approach) / setting.mass
+        setting.force(self.now.approach, self.now.rate) / setting.mass
     }
 
     /// Has the state read, where somebody reads it. Collective.
@@ -105,8 +105,8 @@ impl Trajectory {
     /// # Errors
     /// PETSc's.
     pub(super) fn observed(&self, body: &Body, setting: &Setting) -> Result<Step> {
-        let Moment { state, surface, approach, .. } = &self.now;
-        let force = setting.law.force(*approach);
+        let Moment { state, surface, approach, rate, .. } = &self.now;
+        let force = setting.force(*approach, *rate);
         Ok(Step {
             number: self.steps,
             time: self.time,
@@ -117,10 +117,10 @@ impl Trajectory {
             },
             contact: Contact {
                 force: setting.copies * force,
-                indentation: setting.law.indentation(*approach),
+                indentation: setting.law.indentation(*approach, force),
                 surface_displacement: *surface,
                 approach: *approach,
-                rate: self.now.rate(body)?,
+                rate: *rate,
             },
             energy: self.ledger.energy(body, setting, &self.now)?,
         })

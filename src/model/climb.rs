@@ -102,8 +102,8 @@ fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Mode
     let impedance = zener::impedance((body.young, body.poisson), body.density, size[axis]);
     let lambda = impactor.stiffness.powf(0.4) * impactor.speed.powf(0.2) * impactor.mass.powf(0.6) / impedance;
     let ratio = impactor.mass / (body.density * size.iter().product::<f64>());
-    let peak = hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed);
-    let indentation = hertz::peak_indentation(impactor.stiffness, impactor.mass, impactor.speed);
+    let peak = impactor.peak_force();
+    let indentation = impactor.peak_indentation();
     let local = peak / (body.young * size[axis] * indentation);
     let error = OF_LAMBDA * lambda + ratio + local;
     // What is left is the steps'.

@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 
 use crate::body::{Body, Krylov, ModalBody, Projection};
-use crate::contact::hertz;
 use crate::error::Result;
 use crate::impact::{Impact, ModalImpact, Steps, Trace};
 use crate::scene::{Reduction, Scene};
@@ -168,5 +167,5 @@ pub(super) fn force(scene: &Scene, body: &Body, projection: &Projection, steps: 
 /// The rate at which the scene's impact excites a body, 1/s.
 pub fn rate(scene: &Scene) -> f64 {
     let impactor = &scene.impactor;
-    RATE * (1e-2 / scene.tolerance).cbrt() / hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed)
+    RATE * (1e-2 / scene.tolerance).cbrt() / impactor.contact_time()
 }

@@ -7,6 +7,7 @@ mod decode;
 mod error;
 pub(crate) mod faces;
 mod fault;
+mod impactor;
 mod layout;
 mod locate;
 mod overrides;
@@ -18,9 +19,12 @@ mod values;
 
 use std::path::Path;
 
+use crate::contact::ForceLaw;
+
 pub use error::SceneError;
 pub(crate) use faces::faces;
 pub use fault::Fault;
+pub use impactor::Impactor;
 pub(crate) use layout::growing;
 pub use source::Source;
 pub use units::unit;
@@ -106,8 +110,7 @@ impl Scene {
     /// # Errors
     /// [`Error::Scene`](crate::Error::Scene) for everything that is wrong in the text or in an override.
     pub fn within(name: &str, folder: &Path, text: &str, overrides: &[String]) -> crate::Result<(Self, Source)> {
-        let source = Source::new(name, text, overrides)?.of_folder(folder);
-        Ok((check::scene(&source, folder)?, source))
+        Ok(Self::checked(Source::new(name, text, overrides)?.of_folder(folder))?)
     }
 
     /// The axis across the face of a box that is hit; `None` for a mesh file.
@@ -123,8 +126,7 @@ impl Scene {
     /// # Errors
     /// Everything that is wrong in the values, or in the scene with them.
     pub fn varied(source: &Source, values: &[String]) -> Result<(Self, Source), SceneError> {
-        let source = source.varied(values)?;
-        Ok((check::scene(&source, source.folder())?, source))
+        Self::checked(source.varied(values)?)
     }
 
     /// The scene in `text`, called `name` in messages; a mesh file is relative to the current folder.
@@ -132,8 +134,18 @@ impl Scene {
     /// # Errors
     /// Everything that is wrong in the text or in an override.
     pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<(Self, Source), SceneError> {
-        let source = Source::new(name, text, overrides)?;
-        Ok((check::scene(&source, Path::new(""))?, source))
+        Self::checked(Source::new(name, text, overrides)?)
+    }
+
+    /// The scene of a source, which gets the points of the table of the contact's law in the place of their file: then it is all that
+    /// is needed to repeat the run.
+    fn checked(source: Source) -> Result<(Self, Source), SceneError> {
+        let scene = check::scene(&source, source.folder())?;
+        let source = match &scene.impactor.force_law {
+            ForceLaw::Table(table) => source.with_table(&table.points()),
+            _ => source,
+        };
+        Ok((scene, source))
     }
 }
 
@@ -313,27 +325,6 @@ pub enum SupportKind {
         /// Which components are held.
         components: [bool; 3],
     },
-}
-
-/// The rigid impactor with one degree of freedom.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Impactor {
-    /// m0, kg.
-    pub mass: f64,
-    /// Radius R of the contact surface, m.
-    pub radius: f64,
-    /// Contact stiffness k0, N/m^1.5: given, or (15).
-    pub stiffness: f64,
-    /// Speed along the direction at t = 0, m/s.
-    pub speed: f64,
-    /// Impact point on the surface of the body, m.
-    pub point: Vec3,
-    /// Unit vector of travel d.
-    pub direction: Vec3,
-    /// Distance to the surface at t = 0, m.
-    pub gap: f64,
-    /// Component of the acceleration of gravity along the direction, m/s²; 0 where the weight does not act.
-    pub gravity: f64,
 }
 
 /// How the contact's force reaches the body.

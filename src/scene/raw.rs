@@ -4,7 +4,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::values::{ByComponent, List, Number, Three, Whole, WordOrWhole};
+use super::values::{ByComponent, FileOrPoints, List, Number, Three, Whole, WordOrWhole};
 
 /// Words of `body.model`.
 pub(super) const MODELS: [&str; 6] = ["auto", "half-space", "infinite-plate", "kirchhoff", "mindlin", "solid"];
@@ -14,6 +14,8 @@ pub(super) const SYMMETRIES: [&str; 3] = ["auto", "none", "quarter"];
 pub(super) const KINDS: [&str; 3] = ["elastic", "pad", "clamped"];
 /// Words of `contact.localization`.
 pub(super) const LOCALIZATIONS: [&str; 2] = ["patch", "point"];
+/// Words of `contact.law`.
+pub(super) const LAWS: [&str; 3] = ["hertz", "power", "table"];
 /// Words of `time.scheme`.
 pub(super) const SCHEMES: [&str; 5] = ["newmark", "generalized-alpha", "energy", "central-difference", "modal"];
 /// Words of `solver.newton`.
@@ -133,8 +135,8 @@ pub(super) struct Disc {
 pub(super) struct Impactor {
     /// kg.
     pub mass: Number,
-    /// m.
-    pub radius: Number,
+    /// m; laws of contact other than "hertz" need none.
+    pub radius: Option<Number>,
     /// Young's modulus, Pa; or `stiffness`.
     pub young: Option<Number>,
     /// Poisson's ratio; or `stiffness`.
@@ -164,6 +166,17 @@ pub(super) struct Contact {
     pub localization: Option<String>,
     /// Radius of the patch, m; by default chosen.
     pub patch_radius: Option<Number>,
+    /// "hertz" (default), "power" or "table".
+    #[schemars(extend("enum" = LAWS))]
+    pub law: Option<String>,
+    /// Power only: N/m^exponent.
+    pub stiffness: Option<Number>,
+    /// Power only: 1 or more.
+    pub exponent: Option<Number>,
+    /// Table only: a file with columns indentation (m) and force (N), relative to the scene; or the points themselves.
+    pub table: Option<FileOrPoints>,
+    /// Hunt and Crossley's factor 1 + damping * rate of indentation, s/m; default 0.
+    pub damping: Option<Number>,
 }
 
 /// `[load]`

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use miette::{LabeledSpan, NamedSource};
-use toml_edit::{Document, DocumentMut};
+use toml_edit::{Array, Document, DocumentMut, value};
 
 use super::error::{Excerpt, SceneError};
 use super::locate::{self, locate};
@@ -14,7 +14,7 @@ use super::overrides::Override;
 #[derive(Debug, Clone)]
 pub struct Source {
     name: String,
-    /// What a mesh file is relative to.
+    /// What files that the scene names are relative to.
     folder: PathBuf,
     text: String,
     overrides: Vec<Override>,
@@ -61,6 +61,19 @@ impl Source {
     /// Of a scene whose mesh file is relative to a folder.
     pub(super) fn of_folder(self, folder: &Path) -> Self {
         Self { folder: folder.to_owned(), ..self }
+    }
+
+    /// With points of indentation (m) and force (N) for `contact.table`, which may have named their file.
+    pub(super) fn with_table(mut self, points: &[[f64; 2]]) -> Self {
+        let document = Document::parse(self.text.as_str()).map(Document::into_mut);
+        if let Ok(mut document) = document
+            && let Some(table) = document.get_mut("contact").and_then(|contact| contact.get_mut("table"))
+            && table.is_str()
+        {
+            *table = value(points.iter().map(|point| Array::from_iter(*point)).collect::<Array>());
+            self.text = document.to_string();
+        }
+        self
     }
 
     /// What a mesh file is relative to; empty for the current folder.

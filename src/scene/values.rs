@@ -24,6 +24,13 @@ pub(super) enum WordOrWhole {
     Whole(i64),
 }
 
+/// A file of pairs of numbers, or the pairs.
+#[derive(Debug, Clone)]
+pub(super) enum FileOrPoints {
+    File(String),
+    Points(Vec<[f64; 2]>),
+}
+
 /// Three entries, one a direction.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Three<T>(pub [T; 3]);
@@ -114,6 +121,31 @@ impl Visitor<'_> for WordOrWholeVisitor {
 
     fn visit_i64<E: de::Error>(self, value: i64) -> Result<WordOrWhole, E> {
         Ok(WordOrWhole::Whole(value))
+    }
+}
+
+impl<'de> Deserialize<'de> for FileOrPoints {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(FileOrPointsVisitor)
+    }
+}
+
+struct FileOrPointsVisitor;
+
+impl<'de> Visitor<'de> for FileOrPointsVisitor {
+    type Value = FileOrPoints;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("the name of a file, or points [[0, 0], [0.001, 50.0]] of indentation and force")
+    }
+
+    fn visit_str<E: de::Error>(self, value: &str) -> Result<FileOrPoints, E> {
+        Ok(FileOrPoints::File(value.to_owned()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, entries: A) -> Result<FileOrPoints, A::Error> {
+        let points: Vec<[Number; 2]> = all(entries)?;
+        Ok(FileOrPoints::Points(points.into_iter().map(|[x, y]| [x.0, y.0]).collect()))
     }
 }
 
@@ -224,6 +256,12 @@ macro_rules! inline_schema {
 inline_schema!(Number, _generator => json_schema!({ "type": "number" }));
 inline_schema!(Whole, _generator => json_schema!({ "type": "integer" }));
 inline_schema!(WordOrWhole, _generator => json_schema!({ "type": ["string", "integer"] }));
+inline_schema!(FileOrPoints, _generator => json_schema!({
+    "anyOf": [
+        { "type": "string" },
+        { "type": "array", "items": { "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 } },
+    ]
+}));
 inline_schema!(@T Three<T>, generator => {
     json_schema!({ "type": "array", "items": generator.subschema_for::<T>(), "minItems": 3, "maxItems": 3 })
 });

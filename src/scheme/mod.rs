@@ -108,7 +108,7 @@ impl Affine {
 }
 
 /// The contact force of a step as a function of the approach at its stage.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct StageForce {
     /// Φ(δ).
     pub law: Law,
@@ -118,6 +118,8 @@ pub struct StageForce {
     pub theta: f64,
     /// Whether the force is the discrete gradient over the step.
     pub gradient: bool,
+    /// δ̇ at the stage where δ has not moved, m/s, and what it changes with δ, 1/s: wanted where the law has damping.
+    pub rate: [f64; 2],
 }
 
 impl StageForce {
@@ -128,6 +130,22 @@ impl StageForce {
 
     /// F, N, and dF/dδ, N/m, at the stage's approach (m).
     pub fn at(&self, stage: f64) -> (f64, f64) {
+        let elastic = self.elastic(stage);
+        if self.law.damping == 0.0 {
+            return elastic;
+        }
+        let [known, slope] = self.rate;
+        let damped = self.law.damped(stage, known + slope * (stage - self.from));
+        if !self.gradient {
+            return (damped.force, damped.stiffness + slope * damped.viscosity);
+        }
+        // The mean force with what damping adds at the middle; never below zero, which keeps NaN.
+        let force = (elastic.0 + damped.force - damped.elastic).clamp(0.0, f64::INFINITY);
+        (force, if force == 0.0 { 0.0 } else { elastic.1 + slope * damped.viscosity })
+    }
+
+    /// The same without damping: what the potential gives.
+    pub fn elastic(&self, stage: f64) -> (f64, f64) {
         if self.gradient {
             let (force, tangent) = self.law.gradient(self.from, self.end(stage));
             (force, tangent / self.theta)

@@ -76,6 +76,20 @@ pub fn quadratic(values: [f64; 3], tau: f64) -> f64 {
     a + tau * (4.0 * b - 3.0 * a - c + tau * (2.0 * a - 4.0 * b + 2.0 * c))
 }
 
+/// Derivatives at five equidistant places of the quartic through the values there, over the distance of the first from the last.
+pub fn slopes(values: [f64; 5], length: f64) -> [f64; 5] {
+    SLOPES.map(|row| (0..5).map(|k| row[k] * values[k]).sum::<f64>() / (3.0 * length))
+}
+
+/// Twelve times the derivatives of Lagrange's quartics through 0 to 4, by the place.
+pub const SLOPES: [[f64; 5]; 5] = [
+    [-25.0, 48.0, -36.0, 16.0, -3.0],
+    [-3.0, -10.0, 18.0, -6.0, 1.0],
+    [1.0, -8.0, 0.0, 8.0, -1.0],
+    [-1.0, 6.0, -18.0, 10.0, 3.0],
+    [3.0, -16.0, 36.0, -48.0, 25.0],
+];
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -98,6 +112,17 @@ mod tests {
                     "{y} {k}"
                 );
             }
+        }
+    }
+
+    /// Of x⁴ − 2x³ + 3x − 1, exactly but for rounding.
+    #[test]
+    fn slopes_are_those_of_a_quartic() {
+        let length = 0.8;
+        let at = |k: usize| 0.25 * length * k as f64;
+        let found = slopes([0, 1, 2, 3, 4].map(|k| at(k).powi(4) - 2.0 * at(k).powi(3) + 3.0 * at(k) - 1.0), length);
+        for (k, slope) in found.into_iter().enumerate() {
+            assert!((slope - (4.0 * at(k).powi(3) - 6.0 * at(k).powi(2) + 3.0)).abs() < 1e-13, "{k}: {slope}");
         }
     }
 

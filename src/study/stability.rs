@@ -10,7 +10,6 @@ use std::time::Instant;
 use mpi::traits::{Communicator, Root};
 
 use crate::body::{Body, Lumped};
-use crate::contact::hertz;
 use crate::description::Description;
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
@@ -159,7 +158,7 @@ pub fn stability(
         demands.push(Demand { limit, is_explicit: is_explicit(*scheme) });
     }
     let impactor = &scene.impactor;
-    let contact = hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed);
+    let contact = impactor.contact_time();
     let plan = Plan::new(
         &Occasion {
             contact,

@@ -22,6 +22,7 @@ mod mesh {
     pub mod symmetry;
 }
 mod contact {
+    pub mod laws;
     pub mod localisation;
     pub mod patch;
     pub mod patch_radius;
@@ -90,6 +91,7 @@ fn main() -> ExitCode {
         suite,
         mesh::meshes,
         mesh::symmetry,
+        contact::laws,
         contact::localisation,
         contact::patch,
         contact::patch_radius,
@@ -129,6 +131,7 @@ fn main() -> ExitCode {
     .group("body::lumped", &[1], body::lumped::ALONE)
     // Three ranks on fewer cores wait for each other most of the time: meshes and the paper's plates are enough every day.
     .long_group("mesh::symmetry", &[3], mesh::symmetry::TESTS)
+    .long_group("contact::laws", &[3], contact::laws::TESTS)
     .long_group("contact::localisation", &[3], contact::localisation::TESTS)
     .long_group("contact::patch", &[3], contact::patch::TESTS)
     .long_group("contact::patch_radius", &[3], contact::patch_radius::TESTS)

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::contact::hertz;
+use crate::contact::ForceLaw;
 use crate::model;
 
 use super::super::notes::describe_model;
@@ -49,7 +49,10 @@ struct ModelFacts<'a> {
 /// On a half-space.
 #[derive(Serialize)]
 struct ContactFacts {
-    stiffness: f64,
+    /// The law's name in the scene.
+    law: &'static str,
+    /// Of Hertz's law.
+    stiffness: Option<f64>,
     duration: f64,
     peak_force: f64,
     patch_radius: Option<f64>,
@@ -79,9 +82,13 @@ pub(super) fn json(report: &Report) -> String {
         }),
         model_missing: report.model.as_ref().err().map(String::as_str),
         contact: ContactFacts {
-            stiffness: impactor.stiffness,
+            law: impactor.force_law.name(),
+            stiffness: match &impactor.force_law {
+                ForceLaw::Hertz(law) => Some(law.stiffness),
+                _ => None,
+            },
             duration: contact_time(scene),
-            peak_force: hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed),
+            peak_force: impactor.peak_force(),
             patch_radius: made.and_then(|made| made.dynamics.patch()).map(|patch| patch.radius),
         },
         solver: cost.as_ref().map(|cost| cost.solver.as_str()),

@@ -1,10 +1,10 @@
 //! A report as lines of text.
 
-use crate::contact::{Patch, Reason, hertz};
+use crate::contact::{ForceLaw, Patch, Reason};
 use crate::impact::{Plan, steps};
 use crate::mesh::{Measures, Surface};
 use crate::model;
-use crate::scene::{Contact, Geometry, Scene, Scheme, Support, SupportKind, Symmetry, Vec3, Within};
+use crate::scene::{Contact, Geometry, Impactor, Scene, Scheme, Support, SupportKind, Symmetry, Vec3, Within};
 
 use super::super::notes::describe_model;
 use super::super::{say, short};
@@ -89,22 +89,37 @@ fn print_measures(measures: &Measures) {
     say(format_args!("           whole boundary: {} m²", short(measures.area)));
 }
 
+/// The law of the contact.
+fn law(impactor: &Impactor) -> String {
+    let law = match &impactor.force_law {
+        ForceLaw::Hertz(law) => format!("k0 = {:.4e} N/m^1.5", law.stiffness),
+        ForceLaw::Power(law) => format!("F = {:.4e} N/m^{e} · indentation^{e}", law.stiffness, e = law.exponent),
+        ForceLaw::Table(table) => {
+            format!("force by a table of {} points up to {} m", table.points().len(), short(table.end()))
+        }
+    };
+    match impactor.damping {
+        0.0 => law,
+        damping => format!("{law}, damping {damping} s/m"),
+    }
+}
+
 fn print_contact(scene: &Scene, patch: Option<&Patch>) {
     let impactor = &scene.impactor;
     let [x, y, z] = impactor.direction.map(|d| (1e6 * d).round() / 1e6);
     say(format_args!(
-        "impactor   {} kg at {} m/s, {} m away{}, k0 = {:.4e} N/m^1.5, at {:?} along [{x}, {y}, {z}]",
+        "impactor   {} kg at {} m/s, {} m away{}, {}, at {:?} along [{x}, {y}, {z}]",
         impactor.mass,
         short(impactor.speed),
         impactor.gap,
         if impactor.gravity == 0.0 { "" } else { ", with its weight" },
-        impactor.stiffness,
+        law(impactor),
         impactor.point
     ));
     say(format_args!(
         "contact    on a half-space it would last {:.4} ms and peak at {:.0} N",
         1e3 * contact_time(scene),
-        hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed)
+        impactor.peak_force()
     ));
     let Some(patch) = patch else {
         if scene.contact == Contact::Point {
@@ -165,7 +180,7 @@ fn described(scheme: Scheme) -> String {
 
 /// Contact time on a half-space, s.
 pub(super) fn contact_time(scene: &Scene) -> f64 {
-    hertz::contact_time(scene.impactor.stiffness, scene.impactor.mass, scene.impactor.speed)
+    scene.impactor.contact_time()
 }
 
 /// A surface, or which part of it.

@@ -1,14 +1,15 @@
 //! Where the energy is, in modal coordinates.
 //!
 //! The linear part is exact: what the force's quadratic F does on body and impactor, −∫F δ̇ dt, arrives there to rounding. Energy is
-//! made only where that is not what the contact's potential V loses: ΔV − ∫F δ̇ dt over a step.
+//! made only where that is not what the contact's potential V loses and its damping takes: ΔV + ∫F_d δ̇ dt − ∫F δ̇ dt over a step.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::body::Modes;
+use crate::contact::Law;
 use crate::impact::Setting;
 use crate::impact::step::Energy;
-use crate::scheme::modal::quadratic;
+use crate::scheme::modal::{quadratic, slopes};
 
 use super::answer::State;
 use super::motion::Taken;
@@ -17,19 +18,31 @@ use super::motion::Taken;
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Ledger {
     numerical: f64,
+    /// Lost in the contact's damping.
+    of_contact: f64,
     initial: Option<f64>,
 }
 
 impl Ledger {
-    /// Counts a step; `potential` is what the contact's has risen by, J.
-    pub fn account(&mut self, taken: &Taken, potential: f64) {
+    /// Counts a step; `potential` is what that of the contact's law has risen by, J.
+    pub fn account(&mut self, taken: &Taken, law: &Law, potential: f64) {
         // ∫F δ̇ dt = [F δ] − ∫Ḟ δ dt; δ is a quartic through its five values, Ḟ is linear: Boole's rule is exact for it.
         let [a, b, c] = taken.force;
         let slope = |tau: f64| 4.0 * b - 3.0 * a - c + 2.0 * tau * (2.0 * a - 4.0 * b + 2.0 * c);
         let weights = [7.0, 32.0, 12.0, 32.0, 7.0];
         let inside: f64 = (0..5).map(|k| weights[k] / 90.0 * slope(0.25 * k as f64) * taken.approach[k]).sum();
         let ends = quadratic(taken.force, 1.0) * taken.approach[4] - a * taken.approach[0];
-        self.numerical += potential - (ends - inside);
+        let mut damped = 0.0;
+        if law.damping > 0.0 {
+            let rates = slopes(taken.approach, taken.step);
+            let power = |k: usize| {
+                let at = law.damped(taken.approach[k], rates[k]);
+                (at.force - at.elastic) * rates[k]
+            };
+            damped = (0..5).map(|k| weights[k] / 90.0 * power(k)).sum::<f64>() * taken.step;
+        }
+        self.of_contact += damped;
+        self.numerical += potential + damped - (ends - inside);
     }
 
     /// The energies, of the whole body, at a state, a force (N) and a potential of the contact (J).
@@ -52,7 +65,7 @@ impl Ledger {
         // Without dampers what the integration made is what the balance is off by.
         let off = total - external - initial;
         let (dissipated, numerical) = match forms.damped {
-            None => (0.0, off),
+            None => (self.of_contact, off + self.of_contact),
             Some(_) => (self.numerical - off, self.numerical),
         };
         let n = setting.copies;

@@ -14,7 +14,7 @@ mod trace;
 use std::ops::ControlFlow;
 
 use crate::body::{Closed, ModalBody, Modes};
-use crate::contact::{Law, hertz};
+use crate::contact::Law;
 use crate::error::{Error, Result};
 use crate::scene::{Impactor, Scene};
 
@@ -86,7 +86,7 @@ impl<'a> ModalImpact<'a> {
             end: scene.time.end,
             step: scene.time.step,
             tolerance: OF_STEPS * scene.tolerance,
-            contact_time: hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed),
+            contact_time: impactor.contact_time(),
             interrupted: &|| false,
             gate: Gate::new(scene),
             has_energies: true,
@@ -172,8 +172,7 @@ impl<'a> ModalImpact<'a> {
 
     /// A force that a contact may reach, N.
     fn guess(&self) -> f64 {
-        let Setting { law, mass, speed, .. } = self.setting;
-        OF_HALF_SPACE * hertz::peak_force(law.hertz.stiffness, mass, speed)
+        OF_HALF_SPACE * self.setting.hardest()
     }
 
     /// Halves the steps until the tolerance is met in the first contact.
@@ -207,22 +206,22 @@ impl<'a> ModalImpact<'a> {
 
     /// One run; with the steps as observers see them, or with the force alone.
     fn once(&mut self, steps: Steps, observed: bool) -> Result<Done> {
-        let setting = self.setting;
-        let Law { hertz, compliance } = setting.law;
-        let tangent = hertz.tangent((steps.peak / hertz.stiffness).powf(2.0 / 3.0));
-        let closed = Closed { tangent, compliance, mass: setting.mass };
+        let setting = self.setting.clone();
+        let Law { force_law, compliance, .. } = &setting.law;
+        let tangent = force_law.tangent(force_law.indentation(steps.peak));
+        let closed = Closed { tangent, compliance: *compliance, mass: setting.mass };
         let modes = self.body.modes(RESOLVED / steps.largest, &closed)?;
         // The springs of the modes left out are in the law.
-        let law = Law { compliance: setting.law.compliance - modes.residual, ..setting.law };
+        let law = Law { compliance: compliance - modes.residual, ..setting.law.clone() };
         let Setting { mass, speed, gap, weight, .. } = setting;
         let impactor = FreeBody { mass, gravity: weight / mass, speed, gap };
-        let mut motion = Motion::new(&modes, law, impactor, steps);
+        let mut motion = Motion::new(&modes, law.clone(), impactor, steps);
         let mut done = Done { trace: Trace::default(), steps: Vec::new(), sizes: steps };
         let mut ledger = self.has_energies.then(Ledger::default);
         let reader = self.readout.as_ref().filter(|_| observed).map(|readout| Reader::new(readout, &modes));
         if observed {
             done.steps.push(seen(0, &motion, (&modes, &setting), ledger.as_mut()));
-            reader.iter().for_each(|reader| reader.read(0, &motion, law));
+            reader.iter().for_each(|reader| reader.read(0, &motion));
         }
         let mut number = 0;
         // What is left but for rounding is nothing.
@@ -232,7 +231,8 @@ impl<'a> ModalImpact<'a> {
             let taken = motion.advance(self.end).map_err(|error| at(error, number, motion.state.time))?;
             let time = motion.state.time;
             let shown = motion.approach - modes.residual * motion.force;
-            setting.admit(shown).map_err(|error| at(error, number, time))?;
+            let rate = motion.rate() - modes.residual * motion.rise();
+            setting.admit(shown, rate).map_err(|error| at(error, number, time))?;
             if number > MOST_STEPS {
                 return Err(Error::Solve(format!("more than {MOST_STEPS} steps up to t = {time:.6e} s")));
             }
@@ -242,10 +242,10 @@ impl<'a> ModalImpact<'a> {
             done.trace.push(time - taken.step, taken.step, taken.force);
             if observed {
                 if let Some(ledger) = &mut ledger {
-                    ledger.account(&taken, law.potential(motion.approach) - before);
+                    ledger.account(&taken, &law, law.potential(motion.approach) - before);
                 }
                 done.steps.push(seen(number, &motion, (&modes, &setting), ledger.as_mut()));
-                reader.iter().for_each(|reader| reader.read(number, &motion, law));
+                reader.iter().for_each(|reader| reader.read(number, &motion));
             }
         }
         self.count.solves += motion.solves;
@@ -262,10 +262,8 @@ fn setting(impactor: &Impactor, body: &ModalBody) -> Setting {
 fn seen(number: usize, motion: &Motion, (modes, setting): (&Modes, &Setting), ledger: Option<&mut Ledger>) -> Step {
     let (state, force) = (&motion.state, motion.force);
     let approach = motion.approach - modes.residual * force;
-    let rate = motion.rate();
     // δ = δ_modes − r F.
-    let law = Law { compliance: setting.law.compliance - modes.residual, ..setting.law };
-    let tangent = if force > 0.0 { law.tangent(motion.approach) } else { 0.0 };
+    let law = motion.law();
     Step {
         number,
         time: state.time,
@@ -276,10 +274,10 @@ fn seen(number: usize, motion: &Motion, (modes, setting): (&Modes, &Setting), le
         },
         contact: Contact {
             force: setting.copies * force,
-            indentation: law.indentation(motion.approach),
+            indentation: law.indentation(motion.approach, force),
             surface_displacement: state.surface(modes) + modes.residual * force,
             approach,
-            rate: rate * (1.0 - modes.residual * tangent),
+            rate: motion.rate() - modes.residual * motion.rise(),
         },
         energy: ledger.map_or(Energy::default(), |ledger| {
             let potential = law.potential(motion.approach) - 0.5 * modes.residual * force * force;

@@ -5,7 +5,7 @@ use crate::contact::Law;
 use crate::error::{Error, Result};
 
 use super::answer::{Answer, FreeBody, LOOKS, State};
-use super::stage::{Stage, solve};
+use super::stage::{Stage, solve, solve_damped};
 
 /// Halvings of the step at most.
 const LEVELS: usize = 40;
@@ -86,6 +86,21 @@ impl<'a> Motion<'a> {
         self.state.impactor[1] - self.state.surface_rate(self.modes, self.force)
     }
 
+    /// The contact's law, in terms of the approach that the modes show.
+    pub fn law(&self) -> &Law {
+        &self.law
+    }
+
+    /// Ḟ, N/s.
+    pub fn rise(&self) -> f64 {
+        match self.last {
+            _ if self.force == 0.0 => 0.0,
+            // Damping makes it go with δ̈, which the step's quadratic has in it.
+            Some(([a, b, c], step)) if self.law.damping > 0.0 => (a - 4.0 * b + 3.0 * c) / step,
+            _ => self.law.tangent(self.approach) * self.rate(),
+        }
+    }
+
     /// Takes a step, not beyond `end` (s).
     ///
     /// # Errors
@@ -138,7 +153,7 @@ impl<'a> Motion<'a> {
             return Some(self.take(&table, [0.0; 3], free));
         }
         (self.touching, self.begun) = (true, true);
-        self.force = self.law.force(self.approach);
+        self.force = self.law.damped(self.approach, self.rate()).force;
         // As small as it has to be, for F = t^{3/2} has no quadratic.
         self.level = if self.steps.defect.is_some() { 3 } else { 0 };
         let (mut low, mut high) =
@@ -165,7 +180,7 @@ impl<'a> Motion<'a> {
             let table = self.table(left);
             let free = table.free(&self.state, self.impactor.gap);
             self.solves += 1;
-            let stage = solve(&self.law, &table, free, self.force, self.guess(table.step), false);
+            let stage = self.solve(&table, free, self.guess(table.step), false);
             if let Some(Stage { iterations, .. }) = stage {
                 self.iterations += iterations;
             }
@@ -224,7 +239,7 @@ impl<'a> Motion<'a> {
             let free = table.free(&motion.state, motion.impactor.gap);
             // At the end of a contact δ falls along an arc: at the middle it has lost half or less.
             let first = [motion.guess(step)[0].max(0.5 * motion.approach), 0.0];
-            let stage = solve(&motion.law, &table, free, motion.force, first, true);
+            let stage = motion.solve(&table, free, first, true);
             (table, stage)
         };
         let end = |step: f64| match solved(self, step).1 {
@@ -246,6 +261,14 @@ impl<'a> Motion<'a> {
         let taken = self.take(&table, force, approach);
         self.let_go();
         Some(taken)
+    }
+
+    /// The force over a step, from a guess of δ at its middle and its end; `held` takes the last force for zero.
+    fn solve(&self, table: &Answer, free: [f64; 4], guess: [f64; 2], held: bool) -> Option<Stage> {
+        if self.law.damping > 0.0 {
+            return solve_damped(&self.law, table, (self.approach, free), self.force, guess, held);
+        }
+        solve(&self.law, table, free, self.force, guess, held)
     }
 
     fn let_go(&mut self) {

@@ -3,7 +3,6 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::body::{Modes, Shapes};
-use crate::contact::Law;
 use crate::impact::reading::{Reading, Readout, Tape, probes};
 use crate::space::evaluate::Map;
 
@@ -34,28 +33,28 @@ impl<'a> Reader<'a> {
         Self { modes, probes, fields: fields.map(|(every, _)| *every), is_here: readout.is_here(), tape }
     }
 
-    /// Puts a step on the tape; `law` is in terms of the approach that the modes show.
-    pub fn read(&self, number: usize, motion: &Motion, law: Law) {
+    /// Puts a step on the tape.
+    pub fn read(&self, number: usize, motion: &Motion) {
         if !self.is_here {
             return;
         }
         let mut reading = Reading { number, ..Reading::default() };
         if let Some(shapes) = &self.probes {
-            let [values, rates] = self.values(shapes, motion, law);
+            let [values, rates] = self.values(shapes, motion);
             reading.probes = probes(values.as_slice(), rates.as_slice());
         }
         if self.fields.is_some_and(|every| number.is_multiple_of(every)) {
-            let values = self.values(&self.modes.shapes, motion, law);
+            let values = self.values(&self.modes.shapes, motion);
             reading.coordinates = Some(values.map(|values| values.as_slice().to_vec()));
         }
         self.tape.put(reading);
     }
 
     /// Values and their rates, with the static answer of the modes that are left out.
-    fn values(&self, shapes: &Shapes, motion: &Motion, law: Law) -> [DVector<f64>; 2] {
+    fn values(&self, shapes: &Shapes, motion: &Motion) -> [DVector<f64>; 2] {
         let (state, force) = (&motion.state, motion.force);
         let (x, v) = coordinates(self.modes, state);
-        let rise = if force > 0.0 { law.tangent(motion.approach) * motion.rate() } else { 0.0 };
+        let rise = motion.rise();
         let t = state.time;
         let value = |moving: &DVector<f64>, [way, of_load, force]: [f64; 3]| {
             let mut sum = &shapes.moving * moving;

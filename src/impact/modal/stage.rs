@@ -1,7 +1,7 @@
 //! The contact's force over one step: the quadratic in time that satisfies the contact law at the middle and the end.
 
-use crate::contact::Law;
-use crate::scheme::modal::quadratic;
+use crate::contact::{Damped, Law};
+use crate::scheme::modal::{quadratic, slopes};
 
 use super::answer::{Answer, LOOKS, NODES};
 
@@ -50,7 +50,7 @@ pub fn solve(law: &Law, answer: &Answer, free: [f64; 4], first: f64, guess: [f64
         if size(r) <= rounding {
             // The last correction goes to the forces, which a stiff contact needs to more digits than δ has.
             let force = [0, 1].map(|i| (at[i].0 - t[i] * change[i]).max(0.0));
-            return Some(finish(law, answer, free, [first, force[0], force[1]], iteration));
+            return Some(finish(answer, free, [first, force[0], force[1]], iteration, |_, at| law.force(at)));
         }
         let (old, mut part) = (size(r), 1.0);
         let start = x;
@@ -65,17 +65,99 @@ pub fn solve(law: &Law, answer: &Answer, free: [f64; 4], first: f64, guess: [f64
             part *= 0.5;
         }
         if part < 1e-3 {
-            return (old <= 1e3 * rounding).then(|| finish(law, answer, free, [first, at[0].0, at[1].0], iteration));
+            let finish = || finish(answer, free, [first, at[0].0, at[1].0], iteration, |_, at| law.force(at));
+            return (old <= 1e3 * rounding).then(finish);
         }
     }
     None
 }
 
-fn finish(law: &Law, answer: &Answer, free: [f64; 4], force: [f64; 3], iterations: usize) -> Stage {
+/// The same where the force goes with δ̇, too, which is that of the quartic through δ at the begin of the step and at the looks.
+///
+/// Newton's method on the forces at h/2 and h: F_i = Φ(δ_i, δ̇_i), with δ and δ̇ linear in them.
+pub fn solve_damped(
+    law: &Law,
+    answer: &Answer,
+    (begin, free): (f64, [f64; 4]),
+    first: f64,
+    guess: [f64; 2],
+    held: bool,
+) -> Option<Stage> {
+    let approaches = |f: [f64; 2]| {
+        let look = |k: usize| {
+            let a = answer.answers(k);
+            free[k] - a[0] * first - a[1] * f[0] - a[2] * f[1]
+        };
+        [begin, look(0), look(1), look(2), look(3)]
+    };
+    // What forces of 1 N change of δ and δ̇ at the two nodes.
+    let moved = [1, 2].map(|j| [0, 1, 2, 3, 4].map(|k: usize| if k == 0 { 0.0 } else { -answer.answers(k - 1)[j] }));
+    let turned = moved.map(|values| slopes(values, answer.step));
+    let at = |f: [f64; 2]| {
+        let all = approaches(f);
+        let rates = slopes(all, answer.step);
+        // A node's place among the five is one after its look's.
+        NODES.map(|look| (all[look + 1], law.damped(all[look + 1], rates[look + 1])))
+    };
+    let residual =
+        |f: [f64; 2], at: &[(f64, Damped); 2]| [f[0] - at[0].1.force, if held { f[1] } else { f[1] - at[1].1.force }];
+    let size = |r: [f64; 2]| r[0].abs().max(r[1].abs());
+    let mut f = [law.force(guess[0]), if held { 0.0 } else { law.force(guess[1]) }];
+    let mut now = at(f);
+    let mut r = residual(f, &now);
+    for iteration in 1..=MOST {
+        let stiffness = now[0].1.stiffness.max(now[1].1.stiffness);
+        let rounding = 8.0 * f64::EPSILON * (size(f) + first + stiffness * (now[0].0.abs() + now[1].0.abs()));
+        let finished = |f: [f64; 2]| {
+            let rates = slopes(approaches(f), answer.step);
+            finish(answer, free, [first, f[0], f[1]], iteration, |look, at| law.damped(at, rates[look + 1]).force)
+        };
+        if size(r) <= rounding {
+            return Some(finished(f));
+        }
+        let slope = |i: usize, j: usize| {
+            let (place, at) = (NODES[i] + 1, &now[i].1);
+            at.stiffness * moved[j][place] + at.viscosity * turned[j][place]
+        };
+        let last = if held { [0.0, 1.0] } else { [-slope(1, 0), 1.0 - slope(1, 1)] };
+        let jacobian = [[1.0 - slope(0, 0), -slope(0, 1)], last];
+        let determinant = jacobian[0][0] * jacobian[1][1] - jacobian[0][1] * jacobian[1][0];
+        let change = [
+            (jacobian[1][1] * r[0] - jacobian[0][1] * r[1]) / determinant,
+            (jacobian[0][0] * r[1] - jacobian[1][0] * r[0]) / determinant,
+        ];
+        if !change[0].is_finite() || !change[1].is_finite() {
+            return None;
+        }
+        let (old, start, mut part) = (size(r), f, 1.0);
+        loop {
+            f = [0, 1].map(|i| start[i] - part * change[i]);
+            now = at(f);
+            r = residual(f, &now);
+            if size(r) < old || part < 1e-3 {
+                break;
+            }
+            part *= 0.5;
+        }
+        if part < 1e-3 {
+            return (old <= 1e3 * rounding).then(|| finished(start));
+        }
+    }
+    None
+}
+
+/// A step with its forces; `force_at` is the law's at a look and its δ.
+fn finish(
+    answer: &Answer,
+    free: [f64; 4],
+    force: [f64; 3],
+    iterations: usize,
+    force_at: impl Fn(usize, f64) -> f64,
+) -> Stage {
     let approach = [0, 1, 2, 3].map(|k| {
         let a = answer.answers(k);
         free[k] - a[0] * force[0] - a[1] * force[1] - a[2] * force[2]
     });
-    let off = |k: usize| (law.force(approach[k]) - quadratic(force, LOOKS[k])).abs();
+    let off = |k: usize| (force_at(k, approach[k]) - quadratic(force, LOOKS[k])).abs();
     Stage { force, approach, defect: off(0).max(off(2)), iterations }
 }

@@ -146,13 +146,16 @@ mod default {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::{ForceLaw, Hertz};
 
     fn hit(size: Vec3, point: Vec3, contact: Contact, order: usize) -> [Vec<f64>; 3] {
         let direction = [0.0, 0.0, -1.0];
         let impactor = Impactor {
             mass: 52.0,
-            radius: 0.05,
+            radius: Some(0.05),
             stiffness: 1.7e10,
+            force_law: ForceLaw::Hertz(Hertz { stiffness: 1.7e10 }),
+            damping: 0.0,
             speed: 1.0,
             point,
             direction,

@@ -3,26 +3,39 @@
 use super::super::values::{Number, Three};
 use super::super::{Impactor, STANDARD_GRAVITY, SceneError, Source, Vec3, faces, raw};
 use super::body::{Material, Outline};
+use super::contact;
 use super::numbers::show;
-use crate::contact::hertz;
+use crate::contact::{ForceLaw, Hertz, hertz};
 
 pub(super) fn check(
     source: &Source,
-    raw: &raw::Impactor,
+    (raw, contact): (&raw::Impactor, &raw::Contact),
     body: &Material,
     outline: &Outline,
 ) -> Result<Impactor, SceneError> {
     let mass = source.positive("impactor.mass", raw.mass.0, "the mass m0 in kg")?;
-    let radius = source.positive("impactor.radius", raw.radius.0, "the radius R of the rounded end in m")?;
+    let radius = |Number(radius)| source.positive("impactor.radius", radius, "the radius R of the rounded end in m");
+    let radius = raw.radius.map(radius).transpose()?;
     let speed = speed(source, raw)?;
     let Number(gap) = raw.gap.unwrap_or(Number(0.0));
     source.not_negative("impactor.gap", [gap; 3], "a distance in m, 0 or more")?;
     let direction = raw.direction.map_or([0.0, 0.0, -1.0], Three::numbers);
     let direction = source.unit("impactor.direction", direction)?;
+    elastic_constants(source, raw)?;
+    let (stiffness, force_law) = match contact::law(source, contact, raw)? {
+        None => {
+            let stiffness = stiffness(source, raw, body, radius)?;
+            (stiffness, ForceLaw::Hertz(Hertz { stiffness }))
+        }
+        Some(law) => (hertz::stiffness_of_contact_time(law.contact_time(mass, speed), mass, speed), law),
+    };
+    contact::check_capacity(source, &force_law, 0.5 * mass * speed * speed)?;
     Ok(Impactor {
         mass,
         radius,
-        stiffness: stiffness(source, raw, body, radius)?,
+        stiffness,
+        force_law,
+        damping: contact::damping(source, contact)?,
         speed,
         point: point(source, raw, outline, direction)?,
         direction,
@@ -53,8 +66,8 @@ fn speed(source: &Source, raw: &raw::Impactor) -> Result<f64, SceneError> {
     }
 }
 
-/// The given contact stiffness, or (15). What is given of the elastic constants is checked in either case.
-fn stiffness(source: &Source, raw: &raw::Impactor, body: &Material, radius: f64) -> Result<f64, SceneError> {
+/// Checks what is given of the elastic constants, wanted or not.
+fn elastic_constants(source: &Source, raw: &raw::Impactor) -> Result<(), SceneError> {
     if let Some(Number(young)) = raw.young {
         source.positive("impactor.young", young, "Young's modulus in Pa")?;
     }
@@ -65,6 +78,15 @@ fn stiffness(source: &Source, raw: &raw::Impactor, body: &Material, radius: f64)
             return Err(source.error("impactor.poisson", message, "above -1 and at most 0.5"));
         }
     }
+    Ok(())
+}
+
+/// The given contact stiffness of Hertz's law, or (15).
+fn stiffness(source: &Source, raw: &raw::Impactor, body: &Material, radius: Option<f64>) -> Result<f64, SceneError> {
+    let Some(radius) = radius else {
+        let help = "the radius R of the rounded end in m";
+        return Err(source.error("impactor.radius", "this key is required", help));
+    };
     if let Some(Number(stiffness)) = raw.stiffness {
         let help = "the contact stiffness k0 in N/m^1.5; left out, it follows from (15)";
         return source.positive("impactor.stiffness", stiffness, help);

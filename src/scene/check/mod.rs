@@ -1,6 +1,7 @@
 //! From typed values to a checked scene: ranges, defaults, and what keys mean together.
 
 mod body;
+mod contact;
 mod grid;
 mod impactor;
 mod modal;
@@ -9,6 +10,7 @@ mod output;
 mod plausible;
 mod support;
 mod symmetry;
+mod table;
 mod time;
 mod within;
 
@@ -17,7 +19,7 @@ use std::path::Path;
 use super::decode::decode;
 use super::error::SceneError;
 use super::values::Number;
-use super::{Body, Contact, Geometry, Load, Newton, Scene, Solver, Source, Traction, Vec3, faces, raw, suggest};
+use super::{Body, Geometry, Load, Newton, Scene, Solver, Source, Traction, Vec3, faces, raw, suggest};
 use body::{Material, Outline};
 
 /// The scene of a source, with mesh files relative to `folder`.
@@ -36,8 +38,8 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
         .map(|(number, support)| support::check(source, number, support, &outline))
         .collect::<Result<Vec<_>, _>>()?;
     let load = load(source, &raw.load, &outline, material.density)?;
-    let impactor = impactor::check(source, &raw.impactor, &material, &outline)?;
-    let contact = contact(source, &raw.contact)?;
+    let impactor = impactor::check(source, (&raw.impactor, &raw.contact), &material, &outline)?;
+    let contact = contact::localization(source, &raw.contact)?;
     let output = output::check(source, &raw, &outline)?;
     let Material { young, poisson, density, order } = material;
     let geometry = match outline {
@@ -72,23 +74,6 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
         solver: solver(source, &raw.solver)?,
         output,
     })
-}
-
-fn contact(source: &Source, raw: &raw::Contact) -> Result<Contact, SceneError> {
-    let kind = word(source, "contact.localization", &raw.localization, &raw::LOCALIZATIONS)?;
-    let path = "contact.patch_radius";
-    match (kind, raw.patch_radius) {
-        ("patch", None) => Ok(Contact::Patch { radius: None }),
-        ("patch", Some(Number(radius))) => {
-            let radius = source.positive(path, radius, "the radius of the patch in m; left out, it is chosen")?;
-            Ok(Contact::Patch { radius: Some(radius) })
-        }
-        (_, None) => Ok(Contact::Point),
-        (_, Some(_)) => {
-            let help = "take it out, or `localization = \"patch\"`".into();
-            Err(source.conflict(path, "contact.localization", "a point has no radius".into(), help))
-        }
-    }
 }
 
 fn tolerance(source: &Source, raw: &raw::Accuracy) -> Result<f64, SceneError> {

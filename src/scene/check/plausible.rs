@@ -2,7 +2,7 @@
 
 use super::super::{Body, Geometry, Impactor, SceneError, Source};
 use super::numbers::show;
-use crate::contact::hertz;
+use crate::contact::{ForceLaw, Hertz, hertz};
 
 /// Contacts that a run may be long: no run that anybody waits for is longer.
 const LONGEST: f64 = 1e8;
@@ -41,20 +41,20 @@ pub(super) fn check(source: &Source, body: &Body, impactor: &Impactor, end: f64)
         };
         return Err(source.error(key, message, help));
     }
-    if let Geometry::Box { size, .. } = &body.geometry {
+    if let (Geometry::Box { size, .. }, Some(ball)) = (&body.geometry, Ball::of(impactor)) {
         let edge = size.iter().copied().fold(0.0, f64::max);
-        if radius(impactor) > LARGEST * edge {
-            let key = culprit(body, impactor, edge, size.iter().product::<f64>());
+        if ball.contact() > LARGEST * edge {
+            let key = culprit(body, &ball, edge, size.iter().product::<f64>());
             let message = format!(
                 "on a half-space the contact would have a radius of {:.3e} m, and the longest edge of the body is {} m",
-                radius(impactor),
+                ball.contact(),
                 show(edge)
             );
             let help = "values in SI units: kg, m, m/s, Pa";
             return Err(source.error(key, message, help));
         }
     }
-    let contact = hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed);
+    let contact = impactor.contact_time();
     if end > LONGEST * contact {
         let message = format!(
             "a run of {} s is {:.1e} times as long as a contact on a half-space, {contact:.3e} s",
@@ -71,26 +71,45 @@ pub(super) fn check(source: &Source, body: &Body, impactor: &Impactor, end: f64)
     Ok(())
 }
 
-/// Hertz's radius of the contact at the peak of an impact on a half-space, m.
-fn radius(impactor: &Impactor) -> f64 {
-    (impactor.radius * hertz::peak_indentation(impactor.stiffness, impactor.mass, impactor.speed)).sqrt()
+/// An impactor whose contact obeys Hertz's law.
+#[derive(Clone, Copy)]
+struct Ball {
+    /// kg.
+    mass: f64,
+    /// m.
+    radius: f64,
+    /// N/m^1.5.
+    stiffness: f64,
+    /// m/s.
+    speed: f64,
+}
+
+impl Ball {
+    /// `None` where the contact has another law.
+    fn of(impactor: &Impactor) -> Option<Self> {
+        let Impactor { mass, radius, force_law: ForceLaw::Hertz(Hertz { stiffness }), speed, .. } = *impactor else {
+            return None;
+        };
+        Some(Self { mass, radius: radius?, stiffness, speed })
+    }
+
+    /// Hertz's radius of the contact at the peak of an impact on a half-space, m.
+    fn contact(&self) -> f64 {
+        (self.radius * hertz::peak_indentation(self.stiffness, self.mass, self.speed)).sqrt()
+    }
 }
 
 /// The key whose value, replaced by an ordinary one, makes the contact smaller than the body.
-fn culprit(body: &Body, impactor: &Impactor, edge: f64, volume: f64) -> &'static str {
-    if SPECK * edge < impactor.radius && impactor.radius < FLAT {
+fn culprit(body: &Body, ball: &Ball, edge: f64, volume: f64) -> &'static str {
+    if SPECK * edge < ball.radius && ball.radius < FLAT {
         return "body.size";
     }
-    let heavy = Impactor { mass: impactor.mass.min(body.density * volume), ..impactor.clone() };
-    if radius(&heavy) <= LARGEST * edge {
+    let heavy = Ball { mass: ball.mass.min(body.density * volume), ..*ball };
+    if heavy.contact() <= LARGEST * edge {
         return "impactor.mass";
     }
     // k0 goes with the root of R.
-    let small = edge.min(impactor.radius);
-    let blunt = Impactor {
-        radius: small,
-        stiffness: impactor.stiffness * (small / impactor.radius).sqrt(),
-        ..impactor.clone()
-    };
-    if radius(&blunt) <= LARGEST * edge { "impactor.radius" } else { "body.size" }
+    let small = edge.min(ball.radius);
+    let blunt = Ball { radius: small, stiffness: ball.stiffness * (small / ball.radius).sqrt(), ..*ball };
+    if blunt.contact() <= LARGEST * edge { "impactor.radius" } else { "body.size" }
 }

@@ -23,7 +23,7 @@ use petsc_wrap::{Insert, NullSpace, Vector};
 
 use super::{Space, SurfaceTerms};
 use crate::body::{Body, Lumped, Pads, deviates};
-use crate::contact::{Localization, hertz};
+use crate::contact::Localization;
 use crate::description::{Description, region};
 use crate::error::Result;
 use crate::mesh::Mesh;
@@ -99,7 +99,7 @@ fn method(scene: &Scene, unknowns: usize) -> Method {
 /// the more there are, the less may be left.
 pub fn by_iterations(scene: &Scene) -> Method {
     let impactor = &scene.impactor;
-    let contact = hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed);
+    let contact = impactor.contact_time();
     let part = scene.time.step.map_or(1.0, |step| (100.0 * step / contact).min(1.0));
     Method::Multigrid { tolerance: OF_TOLERANCE * part * scene.tolerance }
 }

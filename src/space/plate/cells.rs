@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::contact::{hertz, zener};
+use crate::contact::zener;
 use crate::form::plate::Section;
 use crate::scene::{Geometry, Impactor, Scene, growing};
 
@@ -58,10 +58,10 @@ pub(super) fn lines(
 /// How long a contact with a plate lasts, s: as long as on a half-space, or on a plate that yields less: there the force rises to
 /// what the plate's impedance Z gives, k0 (v t)^{3/2} = Z v, within t.
 pub(in crate::space) fn contact_time(section: &Section, impactor: &Impactor) -> f64 {
-    let Impactor { stiffness, mass, speed, .. } = *impactor;
+    let Impactor { stiffness, speed, .. } = *impactor;
     let impedance = zener::impedance((section.young, section.poisson), section.density, section.thickness);
     let rise = (impedance / stiffness).powf(2.0 / 3.0) / speed.cbrt();
-    hertz::contact_time(stiffness, mass, speed).min(6.0 * rise)
+    impactor.contact_time().min(6.0 * rise)
 }
 
 /// Length of the flexural wave of a period (s), m.
@@ -75,5 +75,5 @@ pub fn crossing(scene: &Scene) -> f64 {
     let (body, impactor) = (&scene.body, &scene.impactor);
     let (Geometry::Box { size, .. }, Some(axis)) = (&body.geometry, scene.struck_axis()) else { return f64::INFINITY };
     let speed = (0.5 * body.young / (1.0 + body.poisson) / body.density).sqrt();
-    size[axis] / speed / hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed)
+    size[axis] / speed / impactor.contact_time()
 }

@@ -1,6 +1,5 @@
 //! Which methods a scene has, and the settings of each, from coarse to fine.
 
-use crate::contact::hertz;
 use crate::scene::{Contact, Geometry, Scene};
 
 /// A way to compute a scene.
@@ -84,7 +83,7 @@ impl Ladder {
             _ => None,
         };
         Self {
-            contact: hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed),
+            contact: impactor.contact_time(),
             thickness,
             is_linear: scene.time.modal,
             is_box: matches!(scene.body.geometry, Geometry::Box { .. }),

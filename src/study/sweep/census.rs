@@ -5,7 +5,6 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use petsc_wrap::Comm;
 
-use crate::contact::hertz;
 use crate::error::Result;
 use crate::model::Model;
 use crate::model::watch::Watch;
@@ -60,8 +59,7 @@ impl Member {
 impl Census {
     /// Counts a member, with its value on the line of [`Grid::line`](super::Grid::line), which is not negative.
     pub fn count(&mut self, index: usize, scene: &Scene, on_line: Option<(Property, f64)>) {
-        let Impactor { stiffness, mass, speed, .. } = scene.impactor;
-        let contact = hertz::contact_time(stiffness, mass, speed);
+        let contact = scene.impactor.contact_time();
         let member = Member { index, contact, tolerance: scene.tolerance };
         let harder = |most: &mut Member| {
             if member.is_harder(most) {

@@ -149,7 +149,7 @@ proptest! {
         prop_assert_eq!(*k, [stiffness[0]; 3]);
         prop_assert_eq!(*normal, scene.impactor.direction);
         let impactor = &scene.impactor;
-        prop_assert_eq!((impactor.mass, impactor.radius, impactor.speed, impactor.gap), (mass, radius, speed, gap));
+        prop_assert_eq!((impactor.mass, impactor.radius, impactor.speed, impactor.gap), (mass, Some(radius), speed, gap));
         prop_assert_eq!(impactor.point, point);
         // (15), written another way; room for the rounding of some ten operations.
         let modulus = 1.0 / ((1.0 - poisson.powi(2)) / young + (1.0 - poisson2.powi(2)) / young2);

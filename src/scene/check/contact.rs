@@ -1,0 +1,127 @@
+//! The contact: where its force acts, and how it goes with the indentation.
+
+use super::super::values::{FileOrPoints, Number};
+use super::super::{Contact, SceneError, Source, raw};
+use super::numbers::show;
+use super::{table, word};
+use crate::contact::{ForceLaw, Power, Table};
+
+/// Part of the impactor's energy that a table holds at least.
+const LEAST_CAPACITY: f64 = 0.01;
+
+/// Exponents above are walls.
+const LARGEST_EXPONENT: f64 = 10.0;
+
+/// Where the contact's force acts.
+///
+/// # Errors
+/// A radius that is no radius, or that a point has not.
+pub(super) fn localization(source: &Source, raw: &raw::Contact) -> Result<Contact, SceneError> {
+    let kind = word(source, "contact.localization", &raw.localization, &raw::LOCALIZATIONS)?;
+    let path = "contact.patch_radius";
+    match (kind, raw.patch_radius) {
+        ("patch", None) => Ok(Contact::Patch { radius: None }),
+        ("patch", Some(Number(radius))) => {
+            let radius = source.positive(path, radius, "the radius of the patch in m; left out, it is chosen")?;
+            Ok(Contact::Patch { radius: Some(radius) })
+        }
+        (_, None) => Ok(Contact::Point),
+        (_, Some(_)) => {
+            let help = "take it out, or `localization = \"patch\"`".into();
+            Err(source.conflict(path, "contact.localization", "a point has no radius".into(), help))
+        }
+    }
+}
+
+/// The law in terms of the indentation where it is not Hertz's; `None` where it is.
+///
+/// # Errors
+/// Keys of another law; numbers out of range; a table that is none.
+pub(super) fn law(
+    source: &Source,
+    raw: &raw::Contact,
+    impactor: &raw::Impactor,
+) -> Result<Option<ForceLaw>, SceneError> {
+    let kind = word(source, "contact.law", &raw.law, &raw::LAWS)?;
+    let given = [
+        ("stiffness", "power", raw.stiffness.is_some()),
+        ("exponent", "power", raw.exponent.is_some()),
+        ("table", "table", raw.table.is_some()),
+    ];
+    if let Some((key, of, _)) = given.iter().find(|(_, of, is_given)| *is_given && *of != kind) {
+        let hint = if *key == "stiffness" { "; Hertz's k0 is `impactor.stiffness`" } else { "" };
+        let help = format!("take it out, or `law = \"{of}\"`{hint}");
+        let message = format!("the law \"{kind}\" has no {key}");
+        return Err(source.conflict(&format!("contact.{key}"), "contact.law", message, help));
+    }
+    if kind != "hertz" && impactor.stiffness.is_some() {
+        let help = "take it out: `contact` has the law's numbers".into();
+        let message = format!("this is Hertz's k0, and the law is \"{kind}\"");
+        return Err(source.conflict("impactor.stiffness", "contact.law", message, help));
+    }
+    match kind {
+        "hertz" => Ok(None),
+        "power" => power(source, raw).map(Some),
+        _ => Ok(Some(ForceLaw::Table(points(source, raw)?))),
+    }
+}
+
+fn power(source: &Source, raw: &raw::Contact) -> Result<ForceLaw, SceneError> {
+    let required = |key: &str, help: &str| source.error(&format!("contact.{key}"), "this key is required", help);
+    let help = "the exponent of the indentation, 1 or more";
+    let Number(exponent) = raw.exponent.ok_or_else(|| required("exponent", help))?;
+    if !(1.0..=LARGEST_EXPONENT).contains(&exponent) {
+        let message = format!("{} is out of range", show(exponent));
+        return Err(source.error("contact.exponent", message, format!("from 1 to {LARGEST_EXPONENT}")));
+    }
+    let help = "the force in N at an indentation of 1 m";
+    let Number(stiffness) = raw.stiffness.ok_or_else(|| required("stiffness", help))?;
+    let stiffness = source.positive("contact.stiffness", stiffness, help)?;
+    Ok(ForceLaw::Power(Power { stiffness, exponent }))
+}
+
+fn points(source: &Source, raw: &raw::Contact) -> Result<Table, SceneError> {
+    let path = "contact.table";
+    let help = "lines of indentation in m and force in N, from 0, 0 on: neither may fall";
+    let wrong = |message: String| source.error(path, message, help);
+    let points = match &raw.table {
+        None => {
+            return Err(source.error(
+                path,
+                "this key is required",
+                "a file with columns indentation (m) and force (N)",
+            ));
+        }
+        Some(FileOrPoints::Points(points)) => points.clone(),
+        Some(FileOrPoints::File(name)) => table::read(&source.folder().join(name)).map_err(wrong)?,
+    };
+    Table::new(&points).map_err(wrong)
+}
+
+/// d of the damping.
+///
+/// # Errors
+/// A number out of range.
+pub(super) fn damping(source: &Source, raw: &raw::Contact) -> Result<f64, SceneError> {
+    let Number(damping) = raw.damping.unwrap_or(Number(0.0));
+    source.not_negative("contact.damping", [damping; 3], "a number in s/m, 0 or more")?;
+    Ok(damping)
+}
+
+/// Refuses a table that cannot hold an impactor's energy (J): its units are others.
+///
+/// # Errors
+/// That.
+pub(super) fn check_capacity(source: &Source, law: &ForceLaw, energy: f64) -> Result<(), SceneError> {
+    let ForceLaw::Table(table) = law else { return Ok(()) };
+    if table.capacity() >= LEAST_CAPACITY * energy {
+        return Ok(());
+    }
+    let message =
+        format!("the table takes {:.3e} J up to its end, and the impactor has {energy:.3e} J", table.capacity());
+    Err(source.error(
+        "contact.table",
+        message,
+        "indentation in m and force in N, up to the largest that the impact reaches",
+    ))
+}

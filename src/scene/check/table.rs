@@ -1,0 +1,72 @@
+//! A file with columns of indentation and force.
+
+use std::path::Path;
+
+/// Larger files are no measured curves, bytes.
+const LARGEST: u64 = 1 << 24;
+
+/// The points of a file, m and N: two columns between commas, semicolons (then a decimal comma is read, too) or tabs. A first line without
+/// numbers is a header; `#` begins a comment.
+///
+/// # Errors
+/// What cannot be read, with the file's name and the line.
+pub(super) fn read(path: &Path) -> Result<Vec<[f64; 2]>, String> {
+    let shown = path.display();
+    let wrong = |error: &dyn std::fmt::Display| format!("{shown} cannot be read: {error}");
+    let metadata = std::fs::metadata(path).map_err(|error| wrong(&error))?;
+    if !metadata.is_file() || metadata.len() > LARGEST {
+        return Err(wrong(&format!("it is no file of at most {} MB", LARGEST >> 20)));
+    }
+    let text = std::fs::read_to_string(path).map_err(|error| wrong(&error))?;
+    let text = text.trim_start_matches('\u{feff}');
+    let is_comment = |line: &str| line.trim().is_empty() || line.trim_start().starts_with('#');
+    let first = text.lines().find(|line| !is_comment(line)).unwrap_or_default();
+    let delimiter = [';', '\t'].into_iter().find(|mark| first.contains(*mark)).unwrap_or(',');
+    let number = |field: &str| match delimiter {
+        ';' => field.replace(',', ".").parse::<f64>().ok(),
+        _ => field.parse::<f64>().ok(),
+    };
+    let (mut points, mut is_first) = (Vec::new(), true);
+    for (index, line) in text.lines().enumerate().filter(|(_, line)| !is_comment(line)) {
+        let fields: Vec<&str> = line.split(delimiter).map(str::trim).collect();
+        let [x, y] = fields[..] else {
+            return Err(format!("{shown}: line {} has {} columns and not two", index + 1, fields.len()));
+        };
+        match (number(x), number(y)) {
+            (Some(x), Some(y)) => points.push([x, y]),
+            (None, None) if is_first => {}
+            _ => return Err(format!("{shown}: line {} is not made of two numbers", index + 1)),
+        }
+        is_first = false;
+    }
+    Ok(points)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_of_several_kinds() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.csv");
+        let of = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            read(&path)
+        };
+        let points = vec![[0.0, 0.0], [0.001, 12.5]];
+        for text in [
+            "0,0\n0.001,12.5\n",
+            "indentation (m), force (N)\n# measured\n0, 0\n\n1e-3, 12.5",
+            "\u{feff}m;N\n0;0\n0,001;12,5\n",
+            "0\t0\r\n0.001\t12.5\r\n",
+        ] {
+            assert_eq!(of(text).unwrap(), points, "{text}");
+        }
+        assert_eq!(of("").unwrap(), Vec::<[f64; 2]>::new());
+        assert!(of("0,0\n1\n").unwrap_err().contains("line 2 has 1 columns"));
+        assert!(of("0,0\n\n1,x\n").unwrap_err().contains("line 3"));
+        assert!(read(folder.path()).unwrap_err().contains("cannot be read"));
+        assert!(read(&folder.path().join("none")).unwrap_err().contains("cannot be read"));
+    }
+}
