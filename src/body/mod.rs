@@ -20,6 +20,7 @@ pub use lumped::Lumped;
 pub use merged::{Merged, snapshots};
 pub use modal::ModalBody;
 pub(crate) use modes::Shapes;
+pub(crate) use modes::no_equilibrium;
 pub use modes::{Closed, Free, Mode, Modes, Spectrum};
 pub use operators::Body;
 pub use pads::{PadOnSurface, PadPoints, Pads};

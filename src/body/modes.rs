@@ -4,6 +4,7 @@ use nalgebra::{Complex, DMatrix, DVector, Schur, SymmetricEigen};
 
 use super::Projection;
 use crate::error::{Error, Result};
+use crate::scene::Fault;
 
 /// A body's answer to the contact's force, u_hit = aᵀu, as a sum over first-order coordinates, one free motion, and a spring:
 ///
@@ -93,8 +94,20 @@ pub struct Closed {
 /// ω² below this part of the largest one is rounding.
 const ROUNDING: f64 = 1e-14;
 
+/// The part of the loads' squares on motions that nothing holds which rounding makes.
+const UNHELD: f64 = 1e-16;
+
+/// How far a mode moves the surface under its loads at most, m.
+const DEEPEST: f64 = 1.0;
+
 /// Condition number of the eigenvectors above which a damped body has no modal form to trust.
 const CONDITION: f64 = 1e9;
+
+/// That loads move a body that nothing holds.
+pub(crate) fn no_equilibrium() -> Error {
+    let message = "there is no equilibrium: the loads move the body in a direction in which nothing holds it";
+    Fault::new("time.initial", message, "supports that hold the loads, or `initial = \"rest\"`").into()
+}
 
 impl Modes {
     /// A body that does not move: a half-space, whose dent Hertz's law holds.
@@ -110,6 +123,18 @@ impl Modes {
         // What goes off in its waves counts as dissipated.
         let forms = Forms { damped: Some([DMatrix::zeros(0, 1), DMatrix::zeros(0, 1)]), ..Forms::none() };
         Self { modes: vec![mode], forms, ..Self::none() }
+    }
+
+    /// Refuses a body that its loads set in motion.
+    ///
+    /// # Errors
+    /// A fault of `time.initial`.
+    pub fn require_equilibrium(&self) -> Result<()> {
+        let held: f64 = self.modes.iter().map(|mode| mode.load.norm_sqr()).sum();
+        let is_held = self.free.square <= UNHELD * (held + self.free.square);
+        // A motion that nothing holds may have a frequency, of rounding.
+        let sinks = |mode: &Mode| (mode.output * mode.load).norm() > DEEPEST * mode.rate.norm();
+        if is_held && !self.modes.iter().any(sinks) { Ok(()) } else { Err(no_equilibrium()) }
     }
 
     /// The fastest of the rates |λ|, 1/s.

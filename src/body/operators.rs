@@ -32,6 +32,8 @@ pub struct Body {
     pub pads: Option<Pads>,
     /// Held unknowns (2).
     pub clamps: Clamps,
+    /// u at rest under loads, supports and pads, where the motion starts there.
+    pub equilibrium: Option<Vector>,
     /// Body force and tractions, N.
     pub load: Vector,
     /// ∫ k ū·v dS of the elastic supports, N.

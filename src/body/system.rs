@@ -82,6 +82,7 @@ impl Body {
             lumped: None,
             pads,
             clamps,
+            equilibrium: None,
             load: vector(&system.load)?,
             support_load: vector(&system.support_load)?,
             support_offset: system.support_offset,

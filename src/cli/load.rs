@@ -43,8 +43,15 @@ pub fn load(comm: &Comm, path: &Path, overrides: &[String]) -> Result<Loaded> {
     let text = bytes.map_or(Ok(String::new()), |bytes| Scene::decode(&shown(path), bytes));
     let text = broadcast(comm, 0, agree(comm, text).map_err(Error::Usage)?);
     let folder = path.parent().unwrap_or(Path::new(""));
-    let (scene, source) = Scene::within(&shown(path), folder, &text, overrides)?;
+    let (scene, source) = agreed(comm, Scene::within(&shown(path), folder, &text, overrides))?;
     Ok(Loaded { scene, source, is_of_result })
+}
+
+/// A scene where all ranks have it: the file of a table may be missing on some of their machines. Collective.
+fn agreed(comm: &Comm, parsed: Result<(Scene, Source)>) -> Result<(Scene, Source)> {
+    let mine = parsed.as_ref().map(|_| ()).map_err(ToString::to_string);
+    let all = agree(comm, mine).map_err(Error::Usage);
+    parsed.and_then(|found| all.map(|()| found))
 }
 
 /// What messages call a scene's file.

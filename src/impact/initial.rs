@@ -6,28 +6,23 @@ use crate::error::Result;
 use super::setting::Setting;
 use super::state::{Impactor, Moment};
 
-/// At rest and undeformed, held unknowns at ū; the acceleration is that of the forces, M ü = a F + f − K u − p(u). Collective.
+/// In equilibrium where the body knows of one, without acceleration; otherwise undeformed and at rest, held unknowns at ū, with the
+/// acceleration of the forces, M ü = a F + f − K u − p(u). Collective.
 ///
 /// # Errors
 /// PETSc's.
 pub(super) fn start(body: &mut Body, setting: &Setting, moment: &mut Moment) -> Result<()> {
-    moment.state.u.copy_from(&body.clamps.displacement)?;
+    moment.state.u.copy_from(body.equilibrium.as_ref().unwrap_or(&body.clamps.displacement))?;
     moment.state.q = Impactor { position: 0.0, velocity: setting.speed, acceleration: 0.0 };
     moment.update(body, setting.gap)?;
     // Nothing, unless a held surface is pushed towards the impactor from the start.
     let contact = setting.force(moment.approach, moment.rate);
     moment.state.q.acceleration = (setting.weight - contact) / setting.mass;
-    let force = &mut moment.inertia;
-    force.fill(0.0)?;
-    // add_force adds p: the sign is turned by what follows.
-    if let Some(pads) = &mut body.pads {
-        pads.add_force(None, &moment.state.u, force)?;
+    if body.equilibrium.is_some() {
+        return Ok(());
     }
-    force.aypx(-1.0, &body.load)?;
-    force.axpy(1.0, &body.support_load)?;
-    moment.products.add_internal(-1.0, force)?;
-    force.axpy(contact, &body.localization.vector)?;
-    body.clamps.zero(force)?;
+    unbalanced(body, contact, moment)?;
+    let force = &mut moment.inertia;
     if let Some(lumped) = &body.lumped {
         moment.state.a.copy_from(force)?;
         moment.state.a.pointwise_divide(&lumped.mass)?;
@@ -38,4 +33,22 @@ pub(super) fn start(body: &mut Body, setting: &Setting, moment: &mut Moment) -> 
         mass.destroy()?;
     }
     Ok(())
+}
+
+/// The forces on the free unknowns of a moment, a F + f − K u − C u̇ − p(u), in the place of its inertia. Collective.
+///
+/// # Errors
+/// PETSc's.
+pub(super) fn unbalanced(body: &mut Body, contact: f64, moment: &mut Moment) -> Result<()> {
+    let force = &mut moment.inertia;
+    force.fill(0.0)?;
+    // add_force adds p: the sign is turned by what follows.
+    if let Some(pads) = &mut body.pads {
+        pads.add_force(None, &moment.state.u, force)?;
+    }
+    force.aypx(-1.0, &body.load)?;
+    force.axpy(1.0, &body.support_load)?;
+    moment.products.add_internal(-1.0, force)?;
+    force.axpy(contact, &body.localization.vector)?;
+    Ok(body.clamps.zero(force)?)
 }

@@ -1,10 +1,12 @@
 //! One impact: body, impactor and contact law in time.
 //!
-//! M ü + C u̇ + K u + p(u) = a F(δ) + f,  m0 q̈ = −F(δ),  δ = q − gap − aᵀu  (10), (14), from rest at t = 0.
+//! M ü + C u̇ + K u + p(u) = a F(δ) + f,  m0 q̈ = −F(δ),  δ = q − gap − aᵀu  (10), (14), from rest at t = 0, undeformed or in
+//! equilibrium.
 
 pub mod checkpoint;
 mod condensed;
 mod controlled;
+mod equilibrium;
 mod explicit;
 mod full;
 mod gate;
@@ -32,7 +34,7 @@ use petsc_wrap::Comm;
 
 use crate::body::Body;
 use crate::error::{Error, Result};
-use crate::scene::Scene;
+use crate::scene::{Initial, Scene};
 use crate::scheme::Implicit;
 
 use checkpoint::{Carrier, Checkpoint};
@@ -117,10 +119,15 @@ impl Impact {
     /// An impact of the scene on its body: sets up the initial state. Collective.
     ///
     /// # Errors
-    /// A fault of the scene where an explicit step is not stable; PETSc's.
+    /// A fault of the scene where an explicit step is not stable, or where there is no equilibrium; PETSc's.
     pub fn new(scene: &Scene, mut body: Body) -> Result<Self> {
         let (comm, end) = (&body.comm().clone(), scene.time.end);
-        let setting = Setting::new(&scene.impactor, &body);
+        let mut setting = Setting::new(&scene.impactor, &body);
+        body.equilibrium = None;
+        if scene.time.initial == Initial::Equilibrium {
+            // The gap is that to the surface as the loads leave it.
+            setting.gap -= equilibrium::find(comm, &mut body, &setting)?;
+        }
         let plan = Plan::new(scene, &mut body, &setting)?;
         let newton_tolerance = FORCE_TOLERANCE * setting.hardest();
         let (methods, base) = ((scene.time.scheme, scene.solver.newton), plan.step());

@@ -366,10 +366,21 @@ pub struct Time {
     pub end: f64,
     /// Step Δt, s; controlled by the error where it is left out.
     pub step: Option<f64>,
+    /// How the body is at t = 0.
+    pub initial: Initial,
     /// Whether the body moves in modal coordinates, exactly in its linear part.
     pub modal: bool,
     /// How a step is taken otherwise.
     pub scheme: Scheme,
+}
+
+/// How the body is at t = 0: at rest in either case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Initial {
+    /// Undeformed.
+    Rest,
+    /// Deformed by its loads.
+    Equilibrium,
 }
 
 /// How a step is taken.

@@ -16,6 +16,8 @@ pub(super) const KINDS: [&str; 3] = ["elastic", "pad", "clamped"];
 pub(super) const LOCALIZATIONS: [&str; 2] = ["patch", "point"];
 /// Words of `contact.law`.
 pub(super) const LAWS: [&str; 3] = ["hertz", "power", "table"];
+/// Words of `time.initial`.
+pub(super) const INITIALS: [&str; 2] = ["rest", "equilibrium"];
 /// Words of `time.scheme`.
 pub(super) const SCHEMES: [&str; 5] = ["newmark", "generalized-alpha", "energy", "central-difference", "modal"];
 /// Words of `solver.newton`.
@@ -212,6 +214,9 @@ pub(super) struct Time {
     pub end: Number,
     /// Fixed step, s; by default chosen for the accuracy.
     pub step: Option<Number>,
+    /// "rest" (default): undeformed; "equilibrium": at rest under loads, supports and pads.
+    #[schemars(extend("enum" = INITIALS))]
+    pub initial: Option<String>,
     /// Time integration; by default "modal" where the body has modes, else "newmark".
     #[schemars(extend("enum" = SCHEMES))]
     pub scheme: Option<String>,

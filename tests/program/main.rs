@@ -28,6 +28,7 @@ mod ended_runs;
 mod energy_gate;
 mod fields;
 mod kills;
+mod laws;
 mod losses;
 mod mutated_meshes;
 mod probes;
@@ -61,6 +62,7 @@ fn main() -> ExitCode {
         .group("kills", kills::TESTS)
         .long_group("kills", kills::LONG)
         .group("losses", losses::TESTS)
+        .group("laws", laws::TESTS)
         .group("mutated_meshes", mutated_meshes::TESTS)
         .group("probes", probes::TESTS)
         .group_unless(tools::python(&["h5py", "matplotlib"]), "python", python::TESTS)

@@ -40,6 +40,7 @@ mod body {
 mod impact {
     pub mod conservation;
     pub mod controlled;
+    pub mod equilibrium;
     pub mod extremes;
     pub mod modal;
     pub mod newton;
@@ -105,6 +106,7 @@ fn main() -> ExitCode {
         body::spectrum,
         impact::conservation,
         impact::controlled,
+        impact::equilibrium,
         impact::extremes,
         impact::modal,
         impact::newton,
@@ -139,6 +141,7 @@ fn main() -> ExitCode {
     .long_group("body::evaluate", &[3], body::evaluate::TESTS)
     .long_group("body::lumped", &[3], body::lumped::TESTS)
     .long_group("body::spectrum", &[3], body::spectrum::TESTS)
+    .long_group("impact::equilibrium", &[3], impact::equilibrium::TESTS)
     .long_group("impact::conservation", &[3], impact::conservation::TESTS)
     .long_group("impact::newton", &[2, 3], impact::newton::TESTS)
     .long_group("impact::pads_condensed", &[3], impact::pads_condensed::TESTS)

@@ -55,6 +55,15 @@ impl State {
         }
     }
 
+    /// At rest under the loads, which have moved what is held by x = f/ω² or, with dampers, by z = −g/λ.
+    pub fn equilibrium(modes: &Modes, speed: f64) -> Self {
+        let at_rest = |mode: &crate::body::Mode| match mode.load.norm_sqr() {
+            0.0 => mode.load,
+            _ => -mode.load / mode.rate,
+        };
+        Self { modes: modes.modes.iter().map(at_rest).collect(), ..Self::start(modes, speed) }
+    }
+
     /// Re Σ c z + X, m: the surface's displacement but for its spring.
     pub fn surface(&self, modes: &Modes) -> f64 {
         let moved: f64 = modes.modes.iter().zip(&self.modes).map(|(mode, z)| real_product(mode.output, *z)).sum();

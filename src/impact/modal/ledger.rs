@@ -21,6 +21,8 @@ pub struct Ledger {
     /// Lost in the contact's damping.
     of_contact: f64,
     initial: Option<f64>,
+    /// What the loads had done before t = 0.
+    before: Option<f64>,
 }
 
 impl Ledger {
@@ -59,7 +61,10 @@ impl Ledger {
         let kinetic = 0.5 * (v.norm_squared() + moving);
         let impactor = 0.5 * setting.mass * state.impactor[1] * state.impactor[1];
         let of_weight = setting.weight * state.impactor[0];
-        let external = forms.load.dot(&x) + free.load * state.way + 0.5 * free.square * t * t + of_weight;
+        let external = forms.load.dot(&x) - *self.before.get_or_insert_with(|| forms.load.dot(&x))
+            + free.load * state.way
+            + 0.5 * free.square * t * t
+            + of_weight;
         let total = kinetic + elastic + support + impactor + contact;
         let initial = *self.initial.get_or_insert(total - external);
         // Without dampers what the integration made is what the balance is off by.

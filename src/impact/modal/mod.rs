@@ -16,13 +16,13 @@ use std::ops::ControlFlow;
 use crate::body::{Closed, ModalBody, Modes};
 use crate::contact::Law;
 use crate::error::{Error, Result};
-use crate::scene::{Impactor, Scene};
+use crate::scene::{Impactor, Initial, Scene};
 
 use super::gate::Gate;
 use super::step::{Contact, Energy, Motion as ImpactorMotion, Step};
 use super::trajectory::at;
 use super::{Count, Readout, Setting, Tape};
-use answer::FreeBody;
+use answer::{FreeBody, State};
 use ledger::Ledger;
 use motion::Motion;
 pub use motion::Steps;
@@ -57,6 +57,7 @@ pub struct ModalImpact<'a> {
     end: f64,
     /// Given step, s.
     step: Option<f64>,
+    initial: Initial,
     tolerance: f64,
     contact_time: f64,
     interrupted: &'a dyn Fn() -> bool,
@@ -85,6 +86,7 @@ impl<'a> ModalImpact<'a> {
             setting: setting(impactor, body),
             end: scene.time.end,
             step: scene.time.step,
+            initial: scene.time.initial,
             tolerance: OF_STEPS * scene.tolerance,
             contact_time: impactor.contact_time(),
             interrupted: &|| false,
@@ -214,8 +216,17 @@ impl<'a> ModalImpact<'a> {
         // The springs of the modes left out are in the law.
         let law = Law { compliance: compliance - modes.residual, ..setting.law.clone() };
         let Setting { mass, speed, gap, weight, .. } = setting;
+        let state = match self.initial {
+            Initial::Rest => State::start(&modes, speed),
+            Initial::Equilibrium => {
+                modes.require_equilibrium()?;
+                State::equilibrium(&modes, speed)
+            }
+        };
+        // The gap is that to the surface as the loads leave it.
+        let gap = gap - state.surface(&modes);
         let impactor = FreeBody { mass, gravity: weight / mass, speed, gap };
-        let mut motion = Motion::new(&modes, law.clone(), impactor, steps);
+        let mut motion = Motion::new(&modes, law.clone(), impactor, steps, state);
         let mut done = Done { trace: Trace::default(), steps: Vec::new(), sizes: steps };
         let mut ledger = self.has_energies.then(Ledger::default);
         let reader = self.readout.as_ref().filter(|_| observed).map(|readout| Reader::new(readout, &modes));

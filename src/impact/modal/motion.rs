@@ -60,8 +60,8 @@ pub struct Motion<'a> {
 }
 
 impl<'a> Motion<'a> {
-    /// At rest at t = 0; `law` in terms of the approach that the modes show.
-    pub fn new(modes: &'a Modes, law: Law, impactor: FreeBody, steps: Steps) -> Self {
+    /// At t = 0; `law` in terms of the approach that the modes show.
+    pub fn new(modes: &'a Modes, law: Law, impactor: FreeBody, steps: Steps, state: State) -> Self {
         Self {
             modes,
             law,
@@ -73,9 +73,9 @@ impl<'a> Motion<'a> {
             touching: false,
             begun: false,
             grazing: false,
-            state: State::start(modes, impactor.speed),
             force: 0.0,
-            approach: -impactor.gap,
+            approach: -impactor.gap - state.surface(modes),
+            state,
             solves: 0,
             iterations: 0,
         }

@@ -1,7 +1,7 @@
 //! The contact's force over one step: the quadratic in time that satisfies the contact law at the middle and the end.
 
 use crate::contact::{Damped, Law};
-use crate::scheme::modal::{quadratic, slopes};
+use crate::scheme::modal::{SLOPES, quadratic, slopes};
 
 use super::answer::{Answer, LOOKS, NODES};
 
@@ -106,8 +106,11 @@ pub fn solve_damped(
     let mut now = at(f);
     let mut r = residual(f, &now);
     for iteration in 1..=MOST {
-        let stiffness = now[0].1.stiffness.max(now[1].1.stiffness);
-        let rounding = 8.0 * f64::EPSILON * (size(f) + first + stiffness * (now[0].0.abs() + now[1].0.abs()));
+        let largest = |part: fn(&Damped) -> f64| part(&now[0].1).max(part(&now[1].1));
+        let extent = begin.abs() + now[0].0.abs() + now[1].0.abs();
+        // Slopes of a quartic magnify the rounding of its values.
+        let steepest = largest(|at| at.stiffness) + SLOPES[4][3].abs() / answer.step * largest(|at| at.viscosity);
+        let rounding = 8.0 * f64::EPSILON * (size(f) + first + steepest * extent);
         let finished = |f: [f64; 2]| {
             let rates = slopes(approaches(f), answer.step);
             finish(answer, free, [first, f[0], f[1]], iteration, |look, at| law.damped(at, rates[look + 1]).force)

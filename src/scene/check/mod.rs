@@ -60,6 +60,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
     let against = modal::against(&raw, (model, reduction), &supports);
     let time = time::check(source, &raw.time, against)?;
     modal::only(source, &raw, model, &time)?;
+    time::equilibrium(source, &time, &load, &supports)?;
     let body = Body { model, reduction, young, poisson, density, geometry, order, symmetry };
     plausible::check(source, &body, &impactor, time.end)?;
     Ok(Scene {

@@ -1,7 +1,7 @@
 //! The end of the run, the step and the scheme.
 
 use super::super::values::Number;
-use super::super::{SceneError, Scheme, Source, Time, raw};
+use super::super::{Initial, Load, SceneError, Scheme, Source, Support, SupportKind, Time, raw};
 use super::numbers::show;
 use super::word;
 
@@ -20,7 +20,32 @@ pub(super) fn check(source: &Source, raw: &raw::Time, against: Option<(String, S
     // A parameter of a scheme asks for that scheme.
     let parameters = raw.beta.is_some() || raw.gamma.is_some() || raw.rho_inf.is_some() || raw.allow_unstable.is_some();
     let modal = asked || (raw.scheme.is_none() && against.is_none() && !parameters);
-    Ok(Time { end, step, modal, scheme: scheme(source, raw)? })
+    let initial = match word(source, "time.initial", &raw.initial, &raw::INITIALS)? {
+        "rest" => Initial::Rest,
+        _ => Initial::Equilibrium,
+    };
+    Ok(Time { end, step, initial, modal, scheme: scheme(source, raw)? })
+}
+
+/// Refuses an equilibrium of loads along an axis along which no support acts.
+///
+/// # Errors
+/// That; what holds no more than a part of a body is found when the body is made.
+pub(super) fn equilibrium(source: &Source, time: &Time, load: &Load, supports: &[Support]) -> Result<(), SceneError> {
+    if time.initial == Initial::Rest {
+        return Ok(());
+    }
+    let holds = |support: &Support, axis: usize| match support.kind {
+        SupportKind::Elastic { stiffness } => stiffness[axis] > 0.0,
+        SupportKind::Pad { stiffness, normal } => stiffness[axis] > 0.0 && normal[axis] != 0.0,
+        SupportKind::Clamped { components } => components[axis],
+    };
+    let is_loaded =
+        |axis: usize| load.body_force[axis] != 0.0 || load.traction.iter().any(|entry| entry.value[axis] != 0.0);
+    let unheld = |axis: &usize| is_loaded(*axis) && !supports.iter().any(|support| holds(support, *axis));
+    let Some(axis) = (0..3).find(unheld) else { return Ok(()) };
+    let message = format!("there is no equilibrium: loads act along {}, and no support does", ["x", "y", "z"][axis]);
+    Err(source.error("time.initial", message, "supports that hold the loads, or `initial = \"rest\"`"))
 }
 
 fn step_within(source: &Source, step: f64, end: f64) -> Result<f64, SceneError> {

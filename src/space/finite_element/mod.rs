@@ -79,6 +79,7 @@ impl Body {
             nodes: Some(nodes),
             deviates: deviates_of_nodes(mesh)?,
             clamps,
+            equilibrium: None,
             copies: mesh.copies as f64,
         })
     }

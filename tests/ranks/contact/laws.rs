@@ -67,8 +67,8 @@ fn a_mass_on_a_wall(session: &Session) {
             episode.impulse / (2.0 * MASS * SPEED) - 1.0,
             imbalance(&ran),
         ];
-        println!("  {contact}: {errors:.1e?}, peak {:.6e} N", episode.peak_force);
-        assert!(errors.iter().all(|error| error.abs() < 1e-8), "{contact}: {errors:e?}");
+        println!("  {contact}: {errors:?}, peak {:.6e} N", episode.peak_force);
+        assert!(errors.iter().all(|error| error.abs() < 1e-8), "{contact}: {errors:?}");
         // The peak lies between steps: (π/1000)²/8 of it.
         let peak = stiffness * way.powf(exponent);
         assert!((episode.peak_force / peak - 1.0).abs() < 2e-6, "{} {peak}", episode.peak_force);
@@ -145,21 +145,21 @@ fn every_scheme_converges_to_the_same_history(session: &Session) {
         let time = format!("{support}[time]\nend = 0.02\n{time}");
         run(&session.world(), &scene(body, contact, &time))
     };
-    let body = "model = \"mindlin\"\nreduction = 8\ncells = [4, 4, 1]";
+    // Of vibrations that all steps resolve.
+    let body = "model = \"mindlin\"\nreduction = 2\ncells = [4, 4, 1]";
     let modal = at(body, "step = 2e-5");
-    assert!(modal.contacts[0].end < 0.02 || modal.steps.len() > 900);
     for scheme in ["newmark", "generalized-alpha", "energy"] {
-        let off = |step: f64| modal.difference(&at(body, &format!("scheme = \"{scheme}\"\nstep = {step:e}"))).0;
+        let off = |step: f64| at(body, &format!("scheme = \"{scheme}\"\nstep = {step:e}")).difference(&modal).0;
         let (coarse, fine) = (off(2e-4), off(1e-4));
         println!("  {scheme}: {coarse:.1e}, {fine:.1e}, order {:.2}", (coarse / fine).log2());
-        // Second order; the power's kink at the touch takes some of it.
-        assert!((coarse / fine).log2() > 1.6 && fine < 2e-3, "{scheme}: {coarse:e} {fine:e}");
+        // Second order, but for the next term of the error.
+        assert!((coarse / fine).log2() > 1.9 && fine < 5e-4, "{scheme}: {coarse:e} {fine:e}");
     }
-    // The full Newton step, and steps without solves, on a solid of few cells.
+    // The full Newton step has the condensed one's solution.
     let solid = |rest: &str, time: &str| {
         at("model = \"solid\"\nreduction = \"none\"\norder = 1\ncells = [4, 4, 1]", &format!("{time}\n{rest}"))
     };
-    let condensed = solid("", "end = 0.01\nscheme = \"newmark\"\nstep = 1e-4".trim_start_matches("end = 0.01\n"));
+    let condensed = solid("", "scheme = \"newmark\"\nstep = 1e-4");
     let full = solid("[solver]\nnewton = \"full\"\n", "scheme = \"newmark\"\nstep = 1e-4");
     // Newton's tolerance of 1e-10 of the largest force.
     assert!(condensed.difference(&full).1 < 1e-7, "{:?}", condensed.difference(&full));

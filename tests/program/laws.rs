@@ -1,0 +1,85 @@
+//! Laws of contact as a user gives them.
+
+use crate::program::{ricochet, run};
+use crate::results::{column, difference, folder, good, open, text, words};
+use crate::sweeps::members;
+use mpi_test::{PlainTest, tests};
+
+pub const TESTS: &[PlainTest] =
+    tests![a_table_comes_from_a_file_and_stays_in_the_result, tables_of_other_units_are_told, laws_are_swept];
+
+/// A pane under a soft impactor.
+const SOFT: &str = "[body]\nmodel = \"mindlin\"\nreduction = 10\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+                    size = [1.0, 1.0, 0.02]\n[impactor]\nmass = 50.0\nspeed = 1.0\n[contact]\nlaw = \"table\"\n\
+                    table = \"curves/tyre.csv\"\n[time]\nend = 0.01\nstep = 1e-4\n";
+
+/// With the file that it names, of F = 2e5 α from 0 to `end` in units of so many m and N.
+fn with_table(end: f64, units: [f64; 2]) -> tempfile::TempDir {
+    let folder = folder(SOFT);
+    let points =
+        (0..=5).map(|i| 0.2 * end * f64::from(i)).map(|x| format!("{},{}\n", x / units[0], 2e5 * x / units[1]));
+    std::fs::create_dir(folder.path().join("curves")).unwrap();
+    let table = format!("indentation (m),force (N)\n{}", points.collect::<String>());
+    std::fs::write(folder.path().join("curves/tyre.csv"), table).unwrap();
+    folder
+}
+
+/// The file is found beside the scene, on all ranks; the result repeats itself without it, to the same bits.
+fn a_table_comes_from_a_file_and_stays_in_the_result() {
+    let folder = with_table(0.1, [1.0; 2]);
+    for ranks in [0, 2] {
+        good(&folder, ranks, "run scene.toml -o table.h5 --force");
+        good(
+            &folder,
+            ranks,
+            "run scene.toml -o spring.h5 --force --set contact={law=\"power\",stiffness=2e5,exponent=1}",
+        );
+        let [table, spring] =
+            ["table.h5", "spring.h5"].map(|name| column(&folder.path().join(name), "impactor/acceleration"));
+        // A table of a line's points is the line, but for rounding.
+        assert!(difference(&table, &spring) < 1e-9 && table.iter().any(|a| *a > 1.0));
+    }
+    std::fs::remove_dir_all(folder.path().join("curves")).unwrap();
+    good(&folder, 0, "run table.h5 -o again.h5");
+    let [table, again] =
+        ["table.h5", "again.h5"].map(|name| column(&folder.path().join(name), "impactor/acceleration"));
+    assert!(difference(&table, &again) < 1e-9);
+    let scene = text(&open(folder.path().join("again.h5")), "scene");
+    assert!(scene.contains("table = [[0.0, 0.0], [0.02"), "{scene}");
+    let outcome = run(ricochet(folder.path(), 2).args(words("run scene.toml -o none.h5")));
+    assert_eq!(outcome.status, Some(2), "{outcome:?}");
+    assert!(outcome.stderr.matches("tyre.csv cannot be read").count() == 1 && outcome.stderr.contains("contact.table"));
+}
+
+/// mm for m, or N for kN, use little of a table and are warned of; m for mm, or kN for N, cannot hold the impact and are refused.
+fn tables_of_other_units_are_told() {
+    for units in [[1e-3, 1.0], [1.0, 1e-3]] {
+        let said = good(&with_table(0.1, units), 0, "check scene.toml");
+        assert!(
+            said.stdout.contains("is the table in m and N?") || said.stderr.contains("is the table in m and N?"),
+            "{said:?}"
+        );
+    }
+    for units in [[1e3, 1.0], [1.0, 1e3]] {
+        let folder = with_table(0.03, units);
+        let outcome = run(ricochet(folder.path(), 0).args(words("check scene.toml")));
+        assert_eq!(outcome.status, Some(2), "{outcome:?}");
+        assert!(outcome.stderr.contains("and the impactor has 2.500e1 J"), "{outcome:?}");
+    }
+    // Too short for a wall: told beforehand, and a reason to stop where the pane does not give way enough.
+    let said = good(&with_table(0.01, [1.0; 2]), 0, "check scene.toml");
+    assert!(said.stdout.contains("contact.table ends at an indentation of 0.01 m"), "{said:?}");
+    let folder = with_table(0.004, [1.0; 2]);
+    let outcome = run(ricochet(folder.path(), 0).args(words("run scene.toml -o out.h5")));
+    assert_eq!(outcome.status, Some(3), "{outcome:?}");
+    assert!(outcome.stderr.contains("the end of contact.table"), "{outcome:?}");
+}
+
+/// A key of the law is a key like others: members of a sweep have its values.
+fn laws_are_swept() {
+    let folder = with_table(0.1, [1.0; 2]);
+    good(&folder, 0, "sweep scene.toml --vary contact.damping=0,0.5,1 -o s.h5");
+    let rebound = members(&folder.path().join("s.h5"), "peak_acceleration");
+    // More damping stops the impactor sooner.
+    assert!(rebound.windows(2).all(|two| two[0] < two[1]), "{rebound:?}");
+}

@@ -1,0 +1,157 @@
+//! Bodies that start at rest under their loads: reactions, rest until the hit, and the same impact as without loads.
+
+use std::ops::ControlFlow;
+
+use mpi_test::{Test, tests};
+use petsc_wrap::Session;
+use ricochet::model::{Model, Simulation};
+use ricochet::scene::Scene;
+
+use crate::modelled::{parse, run};
+use crate::start::start;
+
+pub const RANKS: &[usize] = &[1, 2];
+pub const TESTS: &[Test<Session>] = tests![
+    reactions_are_the_weight,
+    a_plate_on_a_pad_sinks_in_evenly,
+    nothing_moves_before_the_hit,
+    loads_do_not_change_the_impact_of_a_linear_body,
+    what_nothing_holds_has_no_equilibrium
+];
+
+/// A pane under its weight and a pressure on a part of it; the body's lines, supports, and the lines of the impactor and of time.
+fn scene(body: &str, supports: &str, impactor: &str, time: &str) -> String {
+    format!(
+        "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n{body}\n{supports}\n\
+         [load]\ngravity = [0.0, 0.0, -9.80665]\n[[load.traction]]\nsurface = \"top\"\nvalue = [0.0, 0.0, -500.0]\n\
+         within = {{ box = [[0.0, 0.0, -1.0], [0.2, 0.3, 1.0]] }}\n\
+         [impactor]\nmass = 2.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n{impactor}\n\
+         [time]\ninitial = \"equilibrium\"\n{time}\n"
+    )
+}
+
+const SOLID: &str = "model = \"solid\"\nreduction = \"none\"\norder = 1\nsize = [0.8, 1.0, 0.02]\ncells = [4, 5, 1]";
+const PLATE: &str =
+    "model = \"mindlin\"\nsymmetry = \"none\"\nreduction = 40\nsize = [0.8, 1.0, 0.02]\ncells = [5, 6, 1]";
+/// Along the plane it is free: nothing pushes it there.
+const SIDES: &str = "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = [0, 0, 1e7]\n";
+/// Pads under strips: the middle of the far strip lifts off beside the pressed corner.
+const STRIPS: &str = "[[support]]\nsurface = \"bottom\"\nwithin = { rim = 0.1 }\nkind = \"pad\"\nstiffness = [0, 0, 1e8]\nnormal = [0, 0, -1]\n";
+
+fn reactions_are_the_weight(session: &Session) {
+    let world = session.world();
+    let damped = SIDES.to_owned() + "damping = [0, 0, 1e4]\n";
+    for supports in [SIDES, &damped, STRIPS] {
+        let (_, impact) = start(&world, &scene(SOLID, supports, "", "end = 1e-3\nstep = 1e-5\nscheme = \"newmark\""));
+        let mut u = impact.state().u.duplicate().unwrap();
+        u.copy_from(&impact.state().u).unwrap();
+        let mut body = impact.into_body();
+        let mut reaction = u.duplicate().unwrap();
+        if let Some(support) = &body.support {
+            support.mult(&u, &mut reaction).unwrap();
+        }
+        if let Some(pads) = &mut body.pads {
+            pads.add_force(None, &u, &mut reaction).unwrap();
+        }
+        // Along the impactor's direction, downwards.
+        let (held, load) = (body.translation.dot(&reaction).unwrap(), body.translation.dot(&body.load).unwrap());
+        let weight = 2500.0 * 9.80665 * 0.8 * 1.0 * 0.02 + 500.0 * 0.2 * 0.3;
+        if world.is_root() {
+            println!("  {load} N, {weight} N, {:.1e}", held / load - 1.0);
+        }
+        // The loads' edge cuts cells; the reactions are the acceptance's 1e-9.
+        assert!((load / weight - 1.0).abs() < 1e-6 && (held / load - 1.0).abs() < 1e-9, "{held} {load} {weight}");
+    }
+}
+
+/// Without pressure, on a pad under all of it: u = ρ g h/k everywhere, but for the squeeze of its own thickness.
+fn a_plate_on_a_pad_sinks_in_evenly(session: &Session) {
+    let pad = STRIPS.replace("within = { rim = 0.1 }\n", "").replace("1e8", "1e6");
+    let text = scene(SOLID, &pad, "gap = 0.5", "end = 1e-3\nstep = 1e-4\nscheme = \"energy\"")
+        .replace("value = [0.0, 0.0, -500.0]", "value = [0.0, 0.0, 0.0]");
+    let ran = run(&session.world(), &text);
+    let (weight, thickness) = (2500.0 * 9.80665 * 0.02, 0.02);
+    let sunk = weight / 1e6;
+    // In the plane it is free to grow: the column's own shortening, ρ g h²/2E.
+    let exact = sunk + 0.5 * weight * thickness / 70e9;
+    for step in &ran.steps {
+        let off = step.contact.surface_displacement / exact - 1.0;
+        // The shortening is 1e-7 of it, the elements' linear displacement leaves a part of that.
+        assert!(off.abs() < 1e-7, "{off:e}");
+    }
+}
+
+/// Gap and speed give the time of the hit; until then the surface stays, in every way to move.
+fn nothing_moves_before_the_hit(session: &Session) {
+    for (body, supports, time) in [
+        (SOLID, SIDES, "scheme = \"newmark\"\nstep = 2e-5"),
+        (SOLID, STRIPS, "scheme = \"newmark\"\nstep = 2e-5"),
+        (SOLID, STRIPS, "scheme = \"energy\"\nstep = 2e-5"),
+        (SOLID, SIDES, "scheme = \"central-difference\""),
+        (SOLID, STRIPS, "scheme = \"generalized-alpha\""),
+        (PLATE, SIDES, "step = 2e-5"),
+        (PLATE, &(SIDES.to_owned() + "damping = [0, 0, 1e4]\n"), "step = 2e-5"),
+    ] {
+        let time = format!("end = 3e-3\n{time}");
+        let ran = run(&session.world(), &scene(body, supports, "gap = 2e-3", &time));
+        let rest = ran.steps[0].contact.surface_displacement;
+        let before = || ran.steps.iter().take_while(|step| step.contact.force == 0.0);
+        let moved = before().map(|step| (step.contact.surface_displacement / rest - 1.0).abs()).fold(0.0, f64::max);
+        let hit = ran.contacts[0].start;
+        println!("  {time:?}: {rest:.3e} m, moves by {moved:.1e}, hit at {hit:.6e} s");
+        assert!(rest > 1e-6 && before().count() > 50 && moved < 1e-9, "{body} {supports} {time}: {moved:e}");
+        // The start of a contact is found within a step.
+        assert!((hit - 2e-3).abs() < 2e-5, "{hit}");
+        let first = ran.steps[0].energy;
+        assert_eq!((first.external, first.dissipated), (0.0, 0.0));
+    }
+}
+
+/// Superposition: a linear body's motion from equilibrium is that from rest without loads.
+fn loads_do_not_change_the_impact_of_a_linear_body(session: &Session) {
+    for (body, time) in [
+        (SOLID, "end = 2e-3\nscheme = \"newmark\"\nstep = 2e-5"),
+        (PLATE, "end = 2e-3\nstep = 2e-5"),
+        (PLATE, "end = 2e-3\nscheme = \"energy\"\nstep = 2e-5"),
+    ] {
+        let loaded = scene(body, SIDES, "", time);
+        // A billionth of the loads, so that bases of them are the same.
+        let free = loaded.replace("-9.80665", "-9.80665e-9").replace("-500.0", "-500e-9");
+        let free = free.replace("initial = \"equilibrium\"\n", "");
+        let [loaded, free] = [loaded, free].map(|text| run(&session.world(), &text));
+        assert_eq!(loaded.steps.len(), free.steps.len());
+        let peak = free.peak();
+        let mut off = 0.0_f64;
+        for (a, b) in loaded.steps.iter().zip(&free.steps) {
+            assert!((a.time - b.time).abs() < 1e-10, "{} {}", a.time, b.time);
+            off = off.max((a.impactor.acceleration - b.impactor.acceleration).abs() / peak);
+        }
+        println!("  {time:?}: {off:.1e}");
+        // A billionth of the deflection is a thousandth of that of the indentation; and rounding.
+        assert!(off < 1e-8 && peak > 10.0, "{body}: {off:e}");
+        let energy = |step: &ricochet::impact::step::Step| {
+            step.energy.total + step.energy.dissipated - step.energy.external - step.energy.numerical
+        };
+        let first = energy(&loaded.steps[0]);
+        assert!(loaded.steps.iter().all(|step| (energy(step) / first - 1.0).abs() < 1e-9));
+    }
+}
+
+/// Pads that face the wrong way, in steps; loads that nothing holds along their axis are an error of the scene.
+fn what_nothing_holds_has_no_equilibrium(session: &Session) {
+    let wrong = STRIPS.replace("normal = [0, 0, -1]", "normal = [0, 0, 1]");
+    let scene_of = |body: &str, supports: &str| scene(body, supports, "", "end = 1e-3\nstep = 1e-5");
+    let text = scene_of(SOLID, &wrong);
+    let parsed = parse(&text);
+    let run = || {
+        let mut simulation = Simulation::new(&parsed, Model::new(&session.world(), &parsed)?)?;
+        simulation.run(|_| Ok(ControlFlow::Continue(())))
+    };
+    let Err(error) = run() else { panic!("{text} has one") };
+    let error = error.to_string();
+    assert!(error.contains("time.initial") && error.contains("there is no equilibrium"), "{error}");
+    for (body, supports) in [(SOLID, ""), (PLATE, ""), (SOLID, &SIDES.replace("[0, 0, 1e7]", "[1e7, 1e7, 0]"))] {
+        let Err(error) = Scene::parse("test", &scene_of(body, supports), &[]) else { panic!("{supports} holds it") };
+        assert!(error.to_string().contains("loads act along z"), "{error}");
+    }
+}
