@@ -61,6 +61,20 @@ fn refuse(source: &Source, path: &[String], text: &str) -> SceneError {
         Some(("invalid value", what)) => format!("this value will not do: {what}"),
         _ => found.replacen("invalid length", "wrong number of entries:", 1),
     };
-    let found = found.replace("type: map", "type: a table").replace("type: sequence", "type: an array");
+    // serde's names of types, but for what a reader of the scene would call them.
+    let plain = [
+        ("type: map", "type: a table"),
+        ("type: sequence", "type: an array"),
+        ("type: string", "type: the text"),
+        ("type: floating point", "type: the number"),
+        ("type: integer", "type: the number"),
+        ("type: boolean", "type: the value"),
+    ];
+    let found = plain.into_iter().fold(found, |found, (theirs, ours)| found.replace(theirs, ours));
+    let expected = match expected {
+        "a boolean" => "true or false",
+        "a string" => "a text in quotes",
+        other => other,
+    };
     source.error_at(&path, Mark::Value, found, format!("expected {expected}"))
 }

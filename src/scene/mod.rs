@@ -4,9 +4,12 @@
 
 mod check;
 mod decode;
+mod differences;
+mod doubts;
 mod error;
 pub(crate) mod faces;
 mod fault;
+mod grammar;
 mod impactor;
 mod layout;
 mod locate;
@@ -21,6 +24,8 @@ use std::path::Path;
 
 use crate::contact::ForceLaw;
 
+pub use differences::differences;
+pub use doubts::{Doubt, doubts};
 pub use error::SceneError;
 pub(crate) use faces::faces;
 pub use fault::Fault;

@@ -7,6 +7,7 @@ use miette::{LabeledSpan, NamedSource};
 use toml_edit::{Array, Document, DocumentMut, value};
 
 use super::error::{Excerpt, SceneError};
+use super::grammar::hint;
 use super::locate::{self, locate};
 use super::overrides::Override;
 
@@ -100,7 +101,19 @@ impl Source {
 
     /// [`error`](Self::error) at a key that does not go with another one; it tells of an override of either.
     pub(super) fn conflict(&self, path: &str, with: &str, message: String, help: String) -> SceneError {
-        let message = match (self.overridden(path), self.overridden(with)) {
+        self.error_with(path, &[with], message, help)
+    }
+
+    /// [`error`](Self::error) at a key whose value is wrong beside those of some others; it tells of an override of one of them.
+    pub(super) fn error_with(
+        &self,
+        path: &str,
+        others: &[&str],
+        message: String,
+        help: impl Into<String>,
+    ) -> SceneError {
+        let other = others.iter().find_map(|other| self.overridden(other));
+        let message = match (self.overridden(path), other) {
             (None, Some(given)) => format!("{message} (set by {} {given})", self.option),
             _ => message,
         };
@@ -163,9 +176,9 @@ impl Source {
         let line = self.text[start..].lines().next().unwrap_or_default();
         let key = left_of_equals(line).trim_matches(['[', ']']).to_owned();
         let number = locate::line(self.text.as_bytes(), span.start);
+        let help = hint(line, message).to_owned();
         let message = format!("not valid TOML: {}", message.replace('\n', "; "));
-        let help = "a line is `key = value`, `[table]` or `[[array of tables]]`; text stands in \"quotes\"";
-        self.fault(key, number, span, None, (message, help.into()))
+        self.fault(key, number, span, None, (message, help))
     }
 }
 
@@ -184,7 +197,8 @@ fn written(document: &DocumentMut, option: &str, overrides: &[String]) -> Result
 
 /// What is assigned to in a line that may be no assignment: where there is nothing, the line itself.
 fn left_of_equals(line: &str) -> &str {
-    let key = line.split('=').next().unwrap_or_default().trim();
+    let end = if line.contains('=') { '=' } else { ':' };
+    let key = line.split(end).next().unwrap_or_default().trim();
     if key.is_empty() { line.trim() } else { key }
 }
 

@@ -11,6 +11,7 @@ mod plates;
 mod plot;
 mod scene {
     mod boxes;
+    mod doubts;
     mod errors;
     mod random;
     mod schema;

@@ -21,6 +21,7 @@ use super::error::SceneError;
 use super::values::Number;
 use super::{Body, Geometry, Load, Newton, Scene, Solver, Source, Traction, Vec3, faces, raw, suggest};
 use body::{Material, Outline};
+pub(super) use numbers::show;
 
 /// The scene of a source, with mesh files relative to `folder`.
 ///
@@ -62,7 +63,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
     modal::only(source, &raw, model, &time)?;
     time::equilibrium(source, &time, &load, &supports)?;
     let body = Body { model, reduction, young, poisson, density, geometry, order, symmetry };
-    plausible::check(source, &body, &impactor, time.end)?;
+    plausible::check(source, &body, (&impactor, raw.impactor.stiffness.is_some()), time.end)?;
     Ok(Scene {
         title: raw.title.unwrap_or_default(),
         body,

@@ -23,24 +23,71 @@ const SPECK: f64 = 1e4;
 /// Radius above which the impactor is to blame, m: flatter than any.
 const FLAT: f64 = 1e4;
 
-/// A speed, an extent and an end that an impact can have.
+/// Densities that no solid has, kg/m³.
+const LIGHTEST: f64 = 1e-2;
+const HEAVIEST: f64 = 1e6;
+
+/// Speed of light, m/s.
+const LIGHT: f64 = 3e8;
+
+/// A contact stiffness that is given, over that of two bodies of the plate's material, or the inverse, from which it is to blame.
+const STRANGE: f64 = 1e6;
+
+/// Keys that a contact on a half-space goes by, besides its stiffness: where one of them was overridden, a message tells.
+const OF_CONTACT: [&str; 9] = [
+    "impactor.stiffness",
+    "impactor.mass",
+    "impactor.speed",
+    "impactor.radius",
+    "impactor.young",
+    "body.young",
+    "contact.stiffness",
+    "contact.exponent",
+    "contact.table",
+];
+
+/// A speed, an extent and an end that an impact can have; of the impactor also whether its contact stiffness is given.
 ///
 /// # Errors
-/// An impactor faster than waves in the body; a contact larger than the body; a run of very many contacts.
-pub(super) fn check(source: &Source, body: &Body, impactor: &Impactor, end: f64) -> Result<(), SceneError> {
+/// Waves faster than light; an impactor faster than waves in the body; a contact larger than the body; a run of very many contacts, or of
+/// next to none.
+pub(super) fn check(
+    source: &Source,
+    body: &Body,
+    (impactor, is_stiffness_given): (&Impactor, bool),
+    end: f64,
+) -> Result<(), SceneError> {
     let wave = (body.young / body.density).sqrt();
+    if wave > LIGHT {
+        let message = format!("waves in the body would be faster than light, {wave:.1e} m/s");
+        let help = "Young's modulus in Pa, as 70e9, and body.density in kg/m3, as 2500";
+        let key = if body.density < LIGHTEST { "body.density" } else { "body.young" };
+        return Err(source.error_with(key, &["body.young", "body.density"], message, help));
+    }
     if impactor.speed > wave {
         let message =
             format!("the impactor's {:.3e} m/s are faster than waves in the body, {wave:.3e} m/s", impactor.speed);
         // In no solid are waves as slow as that.
         let (key, help) = match wave < SLOWEST {
-            true => ("body.young", "Young's modulus in Pa, and body.density in kg/m³"),
+            true if body.density > HEAVIEST => ("body.density", "the density in kg/m3, as 2500 for glass"),
+            true => ("body.young", "Young's modulus in Pa, so that 70 GPa are 70e9, and body.density in kg/m3"),
             false => {
                 ("impactor.speed", "a speed in m/s well below that: the body takes part in the impact by its waves")
             }
         };
-        return Err(source.error(key, message, help));
+        return Err(source.error_with(key, &["body.density", "impactor.speed", "impactor.drop_height"], message, help));
     }
+    let of_material = (body.young, body.poisson);
+    let natural = impactor.radius.map_or(f64::NAN, |radius| hertz::stiffness(radius, of_material, of_material));
+    let is_strange = is_stiffness_given
+        && Ball::of(impactor).is_some_and(|ball| !(natural / STRANGE..natural * STRANGE).contains(&ball.stiffness));
+    let error = |key: &str, message: String, help: &str| match is_strange {
+        true => {
+            let help = format!("in N/m^1.5: two bodies of the plate's material would have {natural:.1e}");
+            source.error_with("impactor.stiffness", &["impactor.radius"], message, help)
+        }
+        false => source.error_with(key, &OF_CONTACT, message, help),
+    };
     if let (Geometry::Box { size, .. }, Some(ball)) = (&body.geometry, Ball::of(impactor)) {
         let edge = size.iter().copied().fold(0.0, f64::max);
         if ball.contact() > LARGEST * edge {
@@ -50,8 +97,7 @@ pub(super) fn check(source: &Source, body: &Body, impactor: &Impactor, end: f64)
                 ball.contact(),
                 show(edge)
             );
-            let help = "values in SI units: kg, m, m/s, Pa";
-            return Err(source.error(key, message, help));
+            return Err(error(key, message, "values in SI units: kg, m, m/s, Pa"));
         }
     }
     let contact = impactor.contact_time();
@@ -61,12 +107,12 @@ pub(super) fn check(source: &Source, body: &Body, impactor: &Impactor, end: f64)
             show(end),
             end / contact
         );
-        return Err(source.error("time.end", message, "the end of the run in s, some contacts later"));
+        return Err(error("time.end", message, "the end of the run in s, some contacts later"));
     }
     if impactor.gap == 0.0 && end < SHORTEST * contact {
         let message =
             format!("a run of {} s is {:.1e} of a contact on a half-space, {contact:.3e} s", show(end), end / contact);
-        return Err(source.error("time.end", message, "the end of the run in s, at least a contact long"));
+        return Err(error("time.end", message, "the end of the run in s, at least a contact long"));
     }
     Ok(())
 }

@@ -70,8 +70,14 @@ fn scheme(source: &Source, raw: &raw::Time) -> Result<Scheme, SceneError> {
         ("allow_unstable", raw.allow_unstable.is_some(), "central-difference"),
     ];
     if let Some((key, _, owner)) = parameters.into_iter().find(|(_, given, owner)| *given && *owner != name) {
-        let message = format!("the scheme \"{name}\" has no `{key}`");
-        let help = format!("take it out: it belongs to \"{owner}\"");
+        let message = match &raw.scheme {
+            Some(_) => format!("the scheme \"{name}\" has no `{key}`"),
+            None => format!("`{key}` is of the scheme \"{owner}\", and no scheme is given"),
+        };
+        let help = match &raw.scheme {
+            Some(_) => format!("take it out: it belongs to \"{owner}\""),
+            None => format!("take it out, or add `scheme = \"{owner}\"`"),
+        };
         return Err(source.conflict(&format!("time.{key}"), "time.scheme", message, help));
     }
     match name {

@@ -1,0 +1,98 @@
+//! Values that a scene may have and that are hardly what was meant: most look as if they were in another unit.
+
+use std::f64::consts::PI;
+
+use super::check::show;
+use super::decode::decode;
+use super::values::Number;
+use super::{Scene, SceneError, Source, Vec3};
+
+/// Softer than rubber, and stiffer than diamond, Pa.
+const SOFT: f64 = 1e6;
+const STIFF: f64 = 1e13;
+
+/// Lighter than foam, and heavier than any metal, kg/m³.
+const LIGHT: f64 = 25.0;
+const HEAVY: f64 = 25e3;
+
+/// A radius, m, and the density of a ball of that radius and of the impactor's mass, kg/m³, that no ball has.
+const LARGE: f64 = 1.0;
+const HOLLOW: f64 = 10.0;
+
+/// Acceleration of a body by its loads, m/s², and tractions over Young's modulus.
+const FORCED: f64 = 1e5;
+const STRAINED: f64 = 0.1;
+
+/// Contacts that a run is long at most.
+const LONG: f64 = 5e3;
+
+/// A value that is hardly what was meant.
+#[derive(Debug)]
+pub struct Doubt {
+    /// Where it is, and what is odd about it.
+    pub error: SceneError,
+    /// By what factor it is beyond what is usual.
+    pub excess: f64,
+}
+
+/// All such values of the scene of a source.
+pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
+    let Ok(raw) = decode(source) else { return Vec::new() };
+    let impactor = &scene.impactor;
+    let contact = impactor.contact_time();
+    let mut all = Vec::new();
+    let mut doubt = |key: &str, excess: f64, what: String, help: String| {
+        if excess > 1.0 {
+            all.push(Doubt { error: source.error(key, what, help), excess });
+        }
+    };
+    let of_young = || "Young's modulus is in Pa: 70 GPa are 70e9".to_owned();
+    for (key, young) in [("body.young", Some(raw.body.young)), ("impactor.young", raw.impactor.young)] {
+        let Some(Number(young)) = young else { continue };
+        doubt(key, SOFT / young, format!("{} Pa is softer than rubber", show(young)), of_young());
+    }
+    let Number(young) = raw.body.young;
+    doubt("body.young", young / STIFF, format!("{} Pa is stiffer than diamond", show(young)), of_young());
+    let density = scene.body.density;
+    let of_density = || "the density is in kg/m3: 2.5 g/cm3 are 2500".to_owned();
+    doubt("body.density", LIGHT / density, format!("{} kg/m3 is lighter than foam", show(density)), of_density());
+    doubt("body.density", density / HEAVY, format!("{} kg/m3 is heavier than any metal", show(density)), of_density());
+    if let Some(radius) = impactor.radius.filter(|radius| *radius > LARGE) {
+        let of_ball = impactor.mass / (4.0 / 3.0 * PI * radius.powi(3));
+        let what =
+            format!("a ball of {} m and {} kg would be lighter than air or foam", show(radius), show(impactor.mass));
+        let help = format!("the radius is in m: {} mm are {}", show(radius), show(1e-3 * radius));
+        doubt("impactor.radius", HOLLOW / of_ball, what, help);
+    }
+    let force = largest(scene.load.body_force) / density;
+    let key = if raw.load.body_force.is_some() { "load.body_force" } else { "load.gravity" };
+    let what = format!("the loads accelerate the body by {force:.1e} m/s2, ten thousand times its weight and more");
+    doubt(key, force / FORCED, what, "body_force is in N/m3, and gravity in m/s2".to_owned());
+    for (number, traction) in scene.load.traction.iter().enumerate() {
+        let pressure = largest(traction.value) / scene.body.young;
+        let what = format!(
+            "a traction of {pressure:.1e} of Young's modulus strains the body beyond what a linear model describes"
+        );
+        doubt(&format!("load.traction.{number}.value"), pressure / STRAINED, what, "a traction is in Pa".to_owned());
+    }
+    let end = scene.time.end;
+    let contacts = (end - impactor.gap / impactor.speed) / contact;
+    let what = format!(
+        "a run of {} s is {contacts:.1e} times as long as a contact on a half-space, {contact:.1e} s",
+        show(end)
+    );
+    doubt("time.end", contacts / LONG, what, format!("the time is in s: {} ms are {}", show(end), show(1e-3 * end)));
+    if let Some(step) = scene.time.step {
+        let what = format!(
+            "a step of {} s is longer than a contact on a half-space, {contact:.1e} s, which it leaps over",
+            show(step)
+        );
+        let help = format!("a step of at most {:.0e} s, or none: then it is chosen", 0.05 * contact);
+        doubt("time.step", step / contact, what, help);
+    }
+    all
+}
+
+fn largest(vector: Vec3) -> f64 {
+    vector.into_iter().fold(0.0, |most, x| most.max(x.abs()))
+}

@@ -1,0 +1,54 @@
+//! Values that a scene may have and that are hardly what was meant.
+
+use crate::bad_scenes::SMALL;
+use ricochet::scene::{Scene, doubts};
+
+/// The lines of the doubts.
+fn doubted(overrides: &[&str]) -> Vec<String> {
+    let overrides: Vec<String> = overrides.iter().map(|&given| given.into()).collect();
+    let (scene, source) = Scene::parse("scene.toml", SMALL, &overrides).unwrap();
+    let all = doubts(&scene, &source);
+    assert!(all.iter().all(|doubt| doubt.excess > 1.0));
+    all.iter().map(|doubt| format!("{}; {}", doubt.error, doubt.error.advice())).collect()
+}
+
+#[test]
+fn values_in_other_units_are_told_with_their_key_and_a_remedy() {
+    for (overrides, parts) in [
+        // In GPa and in MPa; the first is refused at higher speeds.
+        (&["body.young=210", "impactor.speed=0.1"][..], [":2: body.young: 210 Pa", "70 GPa are 70e9"]),
+        (&["body.young=70000"], [":2: body.young: 70000 Pa is softer", "(set by --set body.young=70000)"]),
+        (&["body.young=1e15"], ["body.young: ", "stiffer than diamond"]),
+        (&["impactor.young=210"], ["impactor.young: 210 Pa is softer", "in Pa"]),
+        (&["body.density=2.5"], ["body.density: 2.5 kg/m3 is lighter than foam", "2.5 g/cm3 are 2500"]),
+        (&["body.density=2.5e6"], ["body.density: ", "heavier than any metal"]),
+        (&["impactor.radius=50"], ["impactor.radius: a ball of 50 m and 52 kg", "50 mm are 0.05"]),
+        (&["load.body_force=[0,0,-1e12]"], ["load.body_force: the loads accelerate the body by 4.0e8 m/s2", "in N/m3"]),
+        (
+            &["load.traction=[{surface=\"top\",value=[0,0,-1e30]}]"],
+            ["load.traction.0.value: a traction of 1.4e19", "in Pa"],
+        ),
+        (&["time.end=500"], ["time.end: a run of 500 s", "500 ms are 0.5"]),
+        (&["time.step=5e-3"], ["time.step: a step of 0.005 s is longer than a contact", "at most"]),
+    ] {
+        let said = doubted(overrides);
+        assert_eq!(said.len(), 1, "{overrides:?}: {said:?}");
+        assert!(parts.iter().all(|part| said[0].contains(part)), "{parts:?}: {said:?}");
+    }
+}
+
+/// Rubber, aluminium foam, a flat hammer, a rigid impactor, many bounces, few steps.
+#[test]
+fn unusual_values_are_not_doubted() {
+    for overrides in [
+        &[][..],
+        &["body.young=2e6", "body.density=1100", "impactor.speed=0.5"],
+        &["body.density=200", "body.young=1e9"],
+        &["impactor.radius=0.9"],
+        &["impactor.young=1e15"],
+        &["time.end=1"],
+        &["time.step=5e-4"],
+    ] {
+        assert_eq!(doubted(overrides), Vec::<String>::new(), "{overrides:?}");
+    }
+}
