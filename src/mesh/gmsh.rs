@@ -16,7 +16,19 @@ pub(super) fn read(comm: &Comm, path: &Path) -> Result<GmshMesh> {
     Ok(Plex::gmsh(comm, path).map_err(|error| match error {
         petsc_wrap::Error::MeshFile { message, .. } => fault(message),
         // What is still wrong stops rank 0 alone, inside the collective call: only then are the others aborted.
-        petsc_wrap::Error::Petsc { message, .. } => fault(message).on_one_rank(),
+        petsc_wrap::Error::Petsc { message, .. } => fault(plain(&message)).on_one_rank(),
         other => fault(other.to_string()).on_one_rank(),
     })?)
+}
+
+/// What DMPlex says of a mesh, in the words of who has made it.
+fn plain(message: &str) -> String {
+    if message.contains("Could not find orientation") {
+        "two of its cells go round a face that they share in ways that do not fit: are nodes of one exchanged?"
+            .to_owned()
+    } else if message.contains("Could not determine") {
+        "a surface has a face that is none of any cell".to_owned()
+    } else {
+        format!("its cells do not fit together ({message})")
+    }
 }

@@ -8,6 +8,7 @@ mod locate;
 mod measure;
 mod mirror;
 mod plex;
+mod sound;
 mod whole;
 
 use std::collections::BTreeMap;

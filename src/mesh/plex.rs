@@ -13,6 +13,7 @@ use crate::scene::{Body, Fault, Geometry, Vec3};
 
 use super::gmsh;
 use super::grid::Grid;
+use super::sound::{check_extent, check_untangled};
 use super::{Elements, Mesh};
 
 /// Label of the facets on the boundary of the whole body.
@@ -57,6 +58,7 @@ impl Mesh {
                         surfaces.insert(name, mark.facets);
                     }
                 }
+                check_untangled(comm, &cells)?;
                 Ok(Self { parts, ..Self::collect(comm, part.numbering.owned, cells, facets, surfaces) })
             }
         }
@@ -165,7 +167,8 @@ impl<'a> Part<'a> {
         let known = coordinates.ok_or("the mesh has curved cells (elements of higher order)".to_owned());
         let coordinates = agree(plex.comm(), known)
             .map_err(|message| Fault::new("body.mesh", message, "save it from Gmsh with Mesh.ElementOrder = 1"))?;
-        let coordinates = coordinates.into_iter().map(place).collect();
+        let coordinates: Vec<Vec3> = coordinates.into_iter().map(place).collect();
+        check_extent(plex.comm(), &coordinates)?;
         let edges = plex.points(1)?.map(|edge| Ok(plex.cone(edge)?.to_vec())).collect::<Result<Vec<_>>>()?;
         let first_edge = plex.points(1)?.start;
         let faces = plex

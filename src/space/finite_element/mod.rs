@@ -27,7 +27,7 @@ use crate::contact::Localization;
 use crate::description::{Description, region};
 use crate::error::Result;
 use crate::mesh::Mesh;
-use crate::scene::{Contact, Fault, Scene, Scheme, Vec3};
+use crate::scene::{Contact, Fault, Geometry, Scene, Scheme, Vec3};
 use crate::solve::Method;
 
 use assembly::{Components, node_graph};
@@ -140,7 +140,11 @@ fn check_surfaces(scene: &Scene, mesh: &Mesh) -> Result<()> {
                 [] => "the mesh names no surface: give it physical surfaces in Gmsh".to_owned(),
                 known => format!("the mesh names {}", known.join(", ")),
             };
-            return Err(Fault::new(key, format!("the mesh has no surface {name:?}"), help).into());
+            let file = match &scene.body.geometry {
+                Geometry::Gmsh(path) => format!(" {}", path.display()),
+                Geometry::Box { .. } => String::new(),
+            };
+            return Err(Fault::new(key, format!("the mesh{file} has no surface {name:?}"), help).into());
         }
     }
     Ok(())
