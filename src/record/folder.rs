@@ -28,6 +28,31 @@ impl Folder {
         Ok(folder)
     }
 
+    /// Keeps in the file `name` what the folder's results are of, and sees that it may: results of another text, where these `replace` none,
+    /// and files of others that have the names of `results` are no results of this one. `are_ours` tells whether those are of this program.
+    ///
+    /// # Errors
+    /// [`Error::Io`] with what is there.
+    pub fn claim(
+        &self,
+        (name, text): (&str, &str),
+        results: &[&str],
+        (are_ours, replaces): (bool, bool),
+    ) -> Result<()> {
+        let refuse = |why: String| Err(Error::io(&self.path, format!("{why}: choose another folder")));
+        match fs::read_to_string(self.path.join(name)) {
+            Ok(there) if there == text => return Ok(()),
+            Ok(_) if !replaces => return refuse(format!("holds results of another scene, as {name} shows")),
+            Ok(_) => {}
+            Err(_) => {
+                if let Some(there) = results.iter().find(|there| !are_ours && self.path.join(there).exists()) {
+                    return refuse(format!("has a file {there} that is not of this program"));
+                }
+            }
+        }
+        self.put(name, |path| fs::write(path, text).map_err(|e| Error::io(path, e)))
+    }
+
     /// The folder that the file `path` is in.
     pub fn of(path: &Path) -> Self {
         Self { path: target::folder(path).to_owned() }

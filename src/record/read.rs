@@ -6,6 +6,7 @@ use crate::impact::step::Step;
 use crate::record::columns::{Column, SERIES};
 use crate::record::probes;
 use crate::record::provenance::{Cost, Provenance, text};
+use crate::record::sweep::is_one as is_sweep;
 use crate::record::target::is_locked;
 use hdf5_metno as hdf5;
 use std::path::Path;
@@ -39,10 +40,7 @@ pub fn provenance(path: &Path) -> Result<Provenance> {
 /// [`Error::Io`] as [`history`].
 pub fn origin(path: &Path) -> Result<(Provenance, Cost, bool)> {
     let file = open(path)?;
-    if file.group("series").is_err() {
-        let message = "is not a result of ricochet: it has no series. What lies beside one is told with it, as a checkpoint and fields are";
-        return Err(Error::io(path, message));
-    }
+    check_run(&file, path)?;
     let read = || Ok((Provenance::read(&file)?, Cost::read(&file)?, file.attr("complete")?.read_scalar()?));
     read().map_err(|e: hdf5::Error| Error::io(path, format!("is not a result of this version of ricochet: {e}")))
 }
@@ -81,6 +79,7 @@ pub fn probes(path: &Path, names: &[String], rows: usize) -> Result<Vec<Vec<Prob
 /// [`Error::Io`] that says whether the file is missing, not HDF5, still being written, or not a result of ricochet.
 pub fn history(path: &Path) -> Result<History> {
     let file = open(path)?;
+    check_run(&file, path)?;
     let mut time = column(&file, path, "series/time")?;
     let mut acceleration = column(&file, path, "series/impactor/acceleration")?;
     let rows = time.len().min(acceleration.len());
@@ -105,6 +104,19 @@ pub(super) fn column(file: &hdf5::File, path: &Path, name: &str) -> Result<Vec<f
         return Err(not_result(path, &format!("/{name} has {} dimensions, not 1", dataset.ndim())));
     }
     dataset.read_raw::<f64>().map_err(|e| not_result(path, &format!("/{name} cannot be read ({e})")))
+}
+
+/// Tells what a file is that is not the result of a run.
+fn check_run(file: &hdf5::File, path: &Path) -> Result<()> {
+    let is_checkpoint = file.dataset("names").is_ok() && file.attr("run_id").is_ok();
+    let what = match file.group("series") {
+        _ if is_sweep(file) => "is a sweep, and the result of a run is wanted",
+        Ok(_) => return Ok(()),
+        Err(_) if is_checkpoint => "is a checkpoint: give the result that it lies beside",
+        Err(_) if file.group("VTKHDF").is_ok() => "holds the fields of a run: give the result that it lies beside",
+        Err(_) => "is not a result of ricochet: it has no series",
+    };
+    Err(Error::io(path, what))
 }
 
 /// Why a file is no result.

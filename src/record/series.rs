@@ -63,6 +63,8 @@ pub struct SeriesWriter {
     series: Vec<hdf5::Dataset>,
     contacts: Vec<hdf5::Dataset>,
     probes: ProbeDatasets,
+    /// Whether an older result keeps its name until this one is whole.
+    waits: bool,
     /// Whether it goes on with the result that is at `path`, whose checkpoint then stays.
     goes_on: bool,
     every: usize,
@@ -108,6 +110,7 @@ impl SeriesWriter {
             series,
             contacts,
             probes,
+            waits: false,
             goes_on: false,
             every: 1,
             buffer: Vec::new(),
@@ -138,6 +141,14 @@ impl SeriesWriter {
         copy().map_err(|e| not_written(path, &e))?;
         (writer.rows_written, writer.episodes) = (rows, earlier.episodes);
         Ok(writer)
+    }
+
+    /// For a run whose steps are all there before the first of them is told: an older result is replaced when this one has its end, so that
+    /// a disk that fills meanwhile costs nothing.
+    #[must_use]
+    pub fn all_at_once(mut self) -> Self {
+        self.waits = self.path.exists();
+        self
     }
 
     /// The run's.
@@ -193,6 +204,9 @@ impl SeriesWriter {
     /// [`Error::Io`] when writing fails; the rows stay in the buffer.
     pub fn flush(&mut self) -> Result<()> {
         self.write().map_err(|e| not_written(&self.path, &e))?;
+        if self.waits {
+            return Ok(());
+        }
         if let Some(part) = &self.part {
             if !self.goes_on {
                 // Before the result that it belongs to: no result is ever beside another one's.
@@ -242,13 +256,15 @@ impl SeriesWriter {
         if !complete && !self.has_begun() {
             return Ok(());
         }
-        self.flush()?;
+        self.write().map_err(|e| not_written(&self.path, &e))?;
         let mark = || {
             cost.update(&self.file)?;
             self.file.attr("complete")?.write_scalar(&complete)?;
             self.file.flush()
         };
-        mark().map_err(|e| not_written(&self.path, &e))
+        mark().map_err(|e| not_written(&self.path, &e))?;
+        self.waits = false;
+        self.flush()
     }
 
     fn write(&mut self) -> hdf5::Result<()> {

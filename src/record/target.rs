@@ -48,6 +48,9 @@ impl Kind {
 /// file, a file of another kind, or a result that a run is still writing.
 pub fn check_writable(path: &Path, kind: Kind) -> Result<()> {
     let part = part(&resolved(path))?;
+    if part.to_str().is_none() {
+        return Err(Error::io(path, "is no name for a result: HDF5 wants text in UTF-8"));
+    }
     if let Ok(there) = fs::metadata(path) {
         check_replaceable(path, &there, kind)?;
     }

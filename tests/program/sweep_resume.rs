@@ -14,6 +14,7 @@ pub const TESTS: &[PlainTest] = tests![
     what_is_missing_is_computed_and_nothing_else,
     a_signal_keeps_what_is_done,
     a_kill_spoils_nothing,
+    a_full_disk_spoils_nothing,
     another_sweep_is_not_continued
 ];
 
@@ -103,6 +104,30 @@ fn a_kill_spoils_nothing() {
         }
         assert!(writes < 10, "what was written is there");
     }
+}
+
+/// Limits on the size of files stand for a disk that is full at one moment or another of a sweep.
+fn a_full_disk_spoils_nothing() {
+    let folder = folder(&supported());
+    let path = folder.path().join("s.h5");
+    let line = format!("{LINE} --series -o").replace(":8", ":19");
+    good(&folder, 0, &format!("{line} whole.h5"));
+    let whole = folder.path().join("whole.h5");
+    let size = whole.metadata().unwrap().len() / 512;
+    let mut interrupted = 0;
+    for part in [size / 2, size - 100] {
+        let _ = std::fs::remove_file(&path);
+        let limited = format!("ulimit -f {}; exec '{}' {line} s.h5", part / 2, env!("CARGO_BIN_EXE_ricochet"));
+        let mut command = std::process::Command::new("bash");
+        let outcome = run(command.args(["-c", &limited]).current_dir(folder.path()).env("OMP_NUM_THREADS", "1"));
+        assert_eq!(outcome.status, Some(4), "{outcome:#?}");
+        assert_eq!(outcome.stderr.matches("s.h5: cannot be written: File too large").count(), 1, "{outcome:#?}");
+        assert!(!outcome.stderr.contains("MPI_ABORT"), "{outcome:#?}");
+        interrupted += usize::from(done(&path) > 0);
+        good(&folder, 0, &format!("{line} s.h5"));
+        assert_eq!(content(&path), content(&whole));
+    }
+    assert!(interrupted > 0, "what was written before is kept");
 }
 
 fn another_sweep_is_not_continued() {

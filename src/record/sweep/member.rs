@@ -45,6 +45,10 @@ pub enum Quantity {
     ReboundSpeed,
     /// Estimated error of the acceleration history over its peak.
     ErrorEstimate,
+    /// The same in the first contact alone, as far as it is known before the first step.
+    FirstContactError,
+    /// Largest deflection under the impactor over the body's thickness.
+    DeflectionOverThickness,
     /// Number of unknowns, the impactor's included.
     Unknowns,
     /// Wall time, s.
@@ -53,7 +57,7 @@ pub enum Quantity {
 
 impl Quantity {
     /// All of them, with the names of their datasets and their units.
-    pub(super) const ALL: [(Self, &'static str, &'static str); 10] = [
+    pub(super) const ALL: [(Self, &'static str, &'static str); 12] = [
         (Self::PeakForce, "peak_force", "N"),
         (Self::PeakAcceleration, "peak_acceleration", "m/s2"),
         (Self::PeakTime, "peak_time", "s"),
@@ -62,6 +66,8 @@ impl Quantity {
         (Self::OpenAtEnd, "open_at_end", "1"),
         (Self::ReboundSpeed, "rebound_speed", "m/s"),
         (Self::ErrorEstimate, "error_estimate", "1"),
+        (Self::FirstContactError, "first_contact_error", "1"),
+        (Self::DeflectionOverThickness, "deflection_over_thickness", "1"),
         (Self::Unknowns, "unknowns", "1"),
         (Self::WallTime, "wall_time", "s"),
     ];

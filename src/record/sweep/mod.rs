@@ -1,7 +1,9 @@
 //! The result of a sweep: one file for all members.
 
+mod begin;
 mod member;
 mod read;
+mod room;
 mod write;
 
 pub use member::{Member, Quantity, Status};

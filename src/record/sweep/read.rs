@@ -94,6 +94,11 @@ impl Sweep {
         Ok(member)
     }
 
+    /// The open file.
+    pub(super) fn file(&self) -> &hdf5::File {
+        &self.file
+    }
+
     /// The open file again.
     pub(super) fn into_file(self) -> hdf5::File {
         self.file
@@ -110,7 +115,11 @@ fn read(path: &Path, file: hdf5::File) -> hdf5::Result<Sweep> {
     let members = header.members();
     let status: Vec<u8> = file.dataset("members/status")?.read_raw()?;
     let status: Vec<Status> = status.into_iter().map(Status::from_number).collect();
-    let of = |(_, name, _): &(Quantity, &str, &str)| file.dataset(&format!("members/{name}"))?.read_raw::<f64>();
+    let of = |(quantity, name, _): &(Quantity, &str, &str)| match (file.dataset(&format!("members/{name}")), quantity) {
+        // What an earlier version did not have.
+        (Err(_), Quantity::FirstContactError | Quantity::DeflectionOverThickness) => Ok(vec![f64::NAN; members]),
+        (dataset, _) => dataset?.read_raw::<f64>(),
+    };
     let quantities = Quantity::ALL.iter().map(of).collect::<hdf5::Result<Vec<_>>>()?;
     let lengths = quantities.iter().map(Vec::len).chain(header.keys.iter().map(|key| key.values.count()));
     if status.len() != members || lengths.into_iter().any(|length| length != members) {

@@ -2,20 +2,22 @@
 //!
 //! A process may be killed at any moment. The datasets of the members have their final size from the beginning, so that a flush
 //! moves nothing in the file; a member's status is written when all else of it is on the disk. What is not safe is the moment of
-//! a flush in which the table of contacts outgrows its chunk, or in which series come in.
+//! a flush in which the table of contacts outgrows its chunk, or in which series come in. A full disk spoils nothing: room is made before
+//! anything is written, and after an error nothing is.
 
+use super::Header;
+use super::begin::{begin, chunk, new_quantity};
 use super::member::{Member, Quantity, Status};
 use super::read::{Sweep, series_path};
-use super::{Header, Values};
+use super::room;
 use crate::error::{Error, Result};
-use crate::record::columns::{CONTACTS, SERIES, append, new_datasets, not_written};
+use crate::record::columns::{CONTACTS, SERIES, append, not_written};
 use crate::record::episodes::Episode;
 use crate::record::probes;
-use crate::record::provenance::{write_scalar, write_text};
+use crate::record::provenance::write_text;
 use crate::record::target;
 use hdf5_metno as hdf5;
-use hdf5_metno::plist::dataset_create::FillTime;
-use hdf5_metno::types::{FixedUnicode, VarLenUnicode};
+use hdf5_metno::types::FixedUnicode;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -28,9 +30,6 @@ pub(super) type Message = FixedUnicode<MESSAGE>;
 const MESSAGE: usize = 400;
 /// Wall time between two flushes: what a kill may cost.
 const FLUSH_EVERY: Duration = Duration::from_secs(1);
-/// Contacts that a member is given room for, and at least and at most in all: the unused end takes no space on the disk.
-const ROOM: usize = 8;
-const CHUNK: (usize, usize) = (1 << 12, 1 << 22);
 
 /// Writes a sweep. One process (rank 0) has it.
 pub struct SweepWriter {
@@ -48,6 +47,8 @@ pub struct SweepWriter {
     /// Members that are not on the disk yet.
     fresh: Vec<usize>,
     flushed: Instant,
+    /// Whether a write has failed. What HDF5 still has in memory may lead to what is not on the disk.
+    has_failed: bool,
 }
 
 impl SweepWriter {
@@ -82,6 +83,7 @@ impl SweepWriter {
             is_new: true,
             fresh: Vec::new(),
             flushed: Instant::now(),
+            has_failed: false,
         })
     }
 
@@ -89,6 +91,13 @@ impl SweepWriter {
         let file = hdf5::File::open_rw(path).map_err(|error| not_written(path, &error))?;
         let sweep = Sweep::of(path, file)?;
         header.check_same(&sweep.header).map_err(|why| Error::io(path, format!("{why}: choose another file")))?;
+        let file = sweep.file();
+        // What an earlier version did not have yet.
+        let missing = Quantity::ALL.iter().filter(|(_, name, _)| !file.link_exists(&format!("members/{name}")));
+        missing
+            .into_iter()
+            .try_for_each(|quantity| new_quantity(file, quantity, header.members()))
+            .map_err(|error| not_written(path, &error))?;
         Ok(Self {
             path: path.to_owned(),
             header: sweep.header.clone(),
@@ -101,6 +110,7 @@ impl SweepWriter {
             is_new: false,
             fresh: Vec::new(),
             flushed: Instant::now(),
+            has_failed: false,
             file: sweep.into_file(),
         })
     }
@@ -130,7 +140,16 @@ impl SweepWriter {
     /// # Errors
     /// [`Error::Io`] when writing fails.
     pub fn push(&mut self, member: &Member) -> Result<()> {
-        self.take(member).map_err(|error| not_written(&self.path, &error))?;
+        let columns = member.series.iter().flatten().map(Vec::len).chain(member.probes.iter().flatten().map(Vec::len));
+        let series: u64 = columns.map(|length| room::OF_DATASET + 8 * length as u64).sum();
+        if let Err(error) = self.make_room(series, member.contacts.len()) {
+            // For those before it there is room.
+            let _ = self.flush();
+            self.has_failed = true;
+            return Err(error);
+        }
+        let taken = self.take(member);
+        self.noted(taken)?;
         self.flush_if_due()
     }
 
@@ -140,6 +159,22 @@ impl SweepWriter {
     /// [`Error::Io`] when writing fails.
     pub fn flush_if_due(&mut self) -> Result<()> {
         if self.flushed.elapsed() >= FLUSH_EVERY { self.flush() } else { Ok(()) }
+    }
+
+    /// Has so many bytes at the end of the file for series, and what so many contacts more and HDF5 itself need.
+    fn make_room(&self, series: u64, contacts: usize) -> Result<()> {
+        // Whole chunks of the columns, where contacts outgrow those that are there.
+        let chunk = chunk(self.header.members());
+        let more = (self.contacts.len() + contacts).div_ceil(chunk) - self.contacts_written.div_ceil(chunk);
+        let of_contacts = 8 * (1 + CONTACTS.len() as u64) * (more * chunk) as u64;
+        let made = room::make(&self.path, self.file.size() + series + of_contacts + room::OF_FLUSH);
+        made.map_err(|error| Error::io(&self.path, format!("cannot be written: {}", plain(&error))))
+    }
+
+    /// The same result as an error of this file, which is left alone from then on.
+    fn noted<T>(&mut self, result: hdf5::Result<T>) -> Result<T> {
+        self.has_failed |= result.is_err();
+        result.map_err(|error| not_written(&self.path, &error))
     }
 
     fn take(&mut self, member: &Member) -> hdf5::Result<()> {
@@ -177,7 +212,15 @@ impl SweepWriter {
     /// # Errors
     /// [`Error::Io`] when writing fails.
     pub fn flush(&mut self) -> Result<()> {
-        self.write().map_err(|error| not_written(&self.path, &error))
+        if self.fresh.is_empty() {
+            self.flushed = Instant::now();
+            return Ok(());
+        }
+        let made = self.make_room(0, 0);
+        self.has_failed |= made.is_err();
+        made?;
+        let written = self.write();
+        self.noted(written)
     }
 
     fn write(&mut self) -> hdf5::Result<()> {
@@ -228,7 +271,9 @@ impl SweepWriter {
             self.file.attr("complete")?.write_scalar(&is_complete)?;
             self.file.flush()
         };
-        mark().map_err(|error| not_written(&self.path, &error))
+        let marked = mark();
+        self.noted(marked)?;
+        room::give_back(&self.path, self.file.size()).map_err(|error| Error::io(&self.path, error))
     }
 
     /// The members that belong into this file.
@@ -241,81 +286,26 @@ impl SweepWriter {
 impl Drop for SweepWriter {
     /// Writes what came in; an error has nobody to go to. A new sweep without a member leaves nothing behind.
     fn drop(&mut self) {
+        if self.has_failed {
+            // Closing it would write what is in memory; the program ends without that.
+            std::mem::forget(self.file.clone());
+        }
         let _ = match self.is_new {
+            _ if self.has_failed => Ok(()),
             true => fs::remove_file(target::resolved(&self.path)).map_err(|e| Error::io(&self.path, e)),
             false => self.flush(),
         };
     }
 }
 
+/// An error of the system without its number.
+fn plain(error: &std::io::Error) -> String {
+    let text = error.to_string();
+    text.split(" (os error").next().unwrap_or_default().to_owned()
+}
+
 /// The text, cut where it is too long.
 fn fixed(text: &str) -> Message {
     let end = (0..=MESSAGE.min(text.len())).rev().find(|end| text.is_char_boundary(*end)).unwrap_or(0);
     text[..end].replace('\0', " ").parse().unwrap_or_default()
-}
-
-/// The file at `path` with its attributes and all its datasets.
-fn begin(path: &Path, header: &Header) -> hdf5::Result<hdf5::File> {
-    let (file, members) = (hdf5::File::create(path)?, header.members());
-    for (name, text) in [
-        ("kind", KIND),
-        ("title", &header.title),
-        ("scene", &header.scene),
-        ("version", &header.version),
-        ("commit", &header.commit),
-        ("petsc_version", &header.petsc_version),
-        ("petsc_options", &header.petsc_options),
-    ] {
-        write_text(&file, name, text)?;
-    }
-    write_scalar(&file, "ranks", header.ranks as u64)?;
-    write_scalar(&file, "series", header.has_series)?;
-    write_scalar(&file, "complete", false)?;
-    let names = header.probes.iter().map(|name| word(name)).collect::<hdf5::Result<Vec<_>>>()?;
-    // HDF5 has no attributes of no values.
-    if !names.is_empty() {
-        file.new_attr::<VarLenUnicode>().shape(names.len()).create("probes")?.write(&names)?;
-    }
-    if let Some((i, n)) = header.shard {
-        file.new_attr::<u64>().shape(2).create("shard")?.write(&[i as u64, n as u64])?;
-    }
-    let paths = header.keys.iter().map(|key| word(&key.path)).collect::<hdf5::Result<Vec<_>>>()?;
-    file.new_attr::<VarLenUnicode>().shape(paths.len()).create("vary")?.write(&paths)?;
-    for key in &header.keys {
-        let (path, new) = (format!("members/vary/{}", key.path), file.new_dataset_builder());
-        let dataset = match &key.values {
-            Values::Numbers(numbers) => new.with_data(numbers).create(path.as_str())?,
-            Values::Words(words) => {
-                let words = words.iter().map(|text| word(text)).collect::<hdf5::Result<Vec<_>>>()?;
-                new.with_data(&words).create(path.as_str())?
-            }
-        };
-        write_text(&dataset, "units", &key.units)?;
-        write_scalar(&dataset, "log", key.is_log)?;
-    }
-    let status = file.new_dataset_builder().with_data(&vec![0_u8; members]).create("members/status")?;
-    write_text(&status, "units", "1")?;
-    write_text(&status, "codes", "0 not computed, 1 done, 2 solve failed, 3 scene refused on its mesh")?;
-    let empty = vec![Message::default(); members];
-    let message = file.new_dataset_builder().with_data(&empty).create("members/message")?;
-    write_text(&message, "units", "1")?;
-    for (_, name, units) in Quantity::ALL {
-        let unknown = vec![f64::NAN; members];
-        let dataset = file.new_dataset_builder().with_data(&unknown).create(format!("members/{name}").as_str())?;
-        write_text(&dataset, "units", units)?;
-    }
-    let chunk = (ROOM * members).clamp(CHUNK.0, CHUNK.1);
-    let member = file.new_dataset::<u64>().shape((0..,)).chunk((chunk,)).fill_time(FillTime::Never);
-    let member = member.chunk_cache(0, 0, 1.0).create("contacts/member")?;
-    write_text(&member, "units", "1")?;
-    new_datasets(&file, &CONTACTS, chunk)?;
-    if header.has_series {
-        file.create_group("series")?;
-    }
-    file.flush()?;
-    Ok(file)
-}
-
-fn word(text: &str) -> hdf5::Result<VarLenUnicode> {
-    text.parse().map_err(|_| format!("{text:?} holds a NUL character").into())
 }

@@ -1,0 +1,93 @@
+//! A sweep's file before its first member.
+
+use super::member::Quantity;
+use super::write::{KIND, Message};
+use super::{Header, Values};
+use crate::record::columns::{CONTACTS, new_datasets};
+use crate::record::provenance::{write_scalar, write_text};
+use hdf5_metno as hdf5;
+use hdf5_metno::plist::dataset_create::FillTime;
+use hdf5_metno::types::VarLenUnicode;
+use std::path::Path;
+
+/// Contacts that a member is given room for, and at least and at most in all.
+const ROOM: usize = 8;
+const CHUNK: (usize, usize) = (1 << 12, 1 << 22);
+
+/// Contacts in a chunk of the table of so many members.
+pub(super) fn chunk(members: usize) -> usize {
+    (ROOM * members).clamp(CHUNK.0, CHUNK.1)
+}
+
+/// The file at `path` with its attributes and all its datasets.
+pub(super) fn begin(path: &Path, header: &Header) -> hdf5::Result<hdf5::File> {
+    let (file, members) = (hdf5::File::create(path)?, header.members());
+    for (name, text) in [
+        ("kind", KIND),
+        ("title", &header.title),
+        ("scene", &header.scene),
+        ("version", &header.version),
+        ("commit", &header.commit),
+        ("petsc_version", &header.petsc_version),
+        ("petsc_options", &header.petsc_options),
+    ] {
+        write_text(&file, name, text)?;
+    }
+    write_scalar(&file, "ranks", header.ranks as u64)?;
+    write_scalar(&file, "series", header.has_series)?;
+    write_scalar(&file, "complete", false)?;
+    let names = header.probes.iter().map(|name| word(name)).collect::<hdf5::Result<Vec<_>>>()?;
+    // HDF5 has no attributes of no values.
+    if !names.is_empty() {
+        file.new_attr::<VarLenUnicode>().shape(names.len()).create("probes")?.write(&names)?;
+    }
+    if let Some((i, n)) = header.shard {
+        file.new_attr::<u64>().shape(2).create("shard")?.write(&[i as u64, n as u64])?;
+    }
+    let paths = header.keys.iter().map(|key| word(&key.path)).collect::<hdf5::Result<Vec<_>>>()?;
+    file.new_attr::<VarLenUnicode>().shape(paths.len()).create("vary")?.write(&paths)?;
+    for key in &header.keys {
+        let (path, new) = (format!("members/vary/{}", key.path), file.new_dataset_builder());
+        let dataset = match &key.values {
+            Values::Numbers(numbers) => new.with_data(numbers).create(path.as_str())?,
+            Values::Words(words) => {
+                let words = words.iter().map(|text| word(text)).collect::<hdf5::Result<Vec<_>>>()?;
+                new.with_data(&words).create(path.as_str())?
+            }
+        };
+        write_text(&dataset, "units", &key.units)?;
+        write_scalar(&dataset, "log", key.is_log)?;
+    }
+    let status = file.new_dataset_builder().with_data(&vec![0_u8; members]).create("members/status")?;
+    write_text(&status, "units", "1")?;
+    write_text(&status, "codes", "0 not computed, 1 done, 2 solve failed, 3 scene refused on its mesh")?;
+    let empty = vec![Message::default(); members];
+    let message = file.new_dataset_builder().with_data(&empty).create("members/message")?;
+    write_text(&message, "units", "1")?;
+    Quantity::ALL.iter().try_for_each(|quantity| new_quantity(&file, quantity, members))?;
+    let chunk = chunk(members);
+    let member = file.new_dataset::<u64>().shape((0..,)).chunk((chunk,)).fill_time(FillTime::Never);
+    let member = member.chunk_cache(0, 0, 1.0).create("contacts/member")?;
+    write_text(&member, "units", "1")?;
+    new_datasets(&file, &CONTACTS, chunk)?;
+    if header.has_series {
+        file.create_group("series")?;
+    }
+    file.flush()?;
+    Ok(file)
+}
+
+/// A quantity of all members, not known yet.
+pub(super) fn new_quantity(
+    file: &hdf5::File,
+    (_, name, units): &(Quantity, &str, &str),
+    members: usize,
+) -> hdf5::Result<()> {
+    let unknown = vec![f64::NAN; members];
+    let dataset = file.new_dataset_builder().with_data(&unknown).create(format!("members/{name}").as_str())?;
+    write_text(&dataset, "units", units)
+}
+
+fn word(text: &str) -> hdf5::Result<VarLenUnicode> {
+    text.parse().map_err(|_| format!("{text:?} holds a NUL character").into())
+}
