@@ -7,6 +7,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use mpi::traits::{Communicator, Root};
 use petsc_wrap::Comm;
 
 use crate::error::{Error, Result};
@@ -63,6 +64,11 @@ impl Watch for Follower {
         let is_late = self.comm.is_root() && self.deadline.is_some_and(|deadline| Instant::now() > deadline);
         let (signalled, [late]) = self.interrupt.poll(&self.comm, [is_late]);
         if signalled || late { Err(Error::Interrupted) } else { Ok(()) }
+    }
+
+    fn agreed(&self, mut mine: f64) -> f64 {
+        self.comm.mpi().process_at_rank(0).broadcast_into(&mut mine);
+        mine
     }
 }
 
@@ -151,12 +157,12 @@ impl Shown {
 fn described(stage: &Stage) -> String {
     match stage {
         Stage::Assembly(theory) => format!("{}: making its mesh and matrices", model::name(*theory)),
-        Stage::Factor => "factorising for a basis".to_owned(),
-        Stage::Basis { vectors, judged: None } => format!("growing a basis: {vectors} vectors"),
+        Stage::Factor => "factorising the stiffness for a basis".to_owned(),
+        Stage::Basis { vectors, judged: None } => format!("reducing the body to a basis: {vectors} vectors so far"),
         Stage::Basis { vectors, judged: Some(Judged { vectors: of, error, wanted }) } => format!(
-            "growing a basis: {vectors} vectors; with {of} the estimated error was {error:.1e} of the peak, {wanted:.1e} is wanted"
+            "reducing the body to a basis: {vectors} vectors so far; with {of} the estimated error was {error:.1e} of the peak, {wanted:.1e} is wanted"
         ),
         Stage::Steps => "preparing the first step".to_owned(),
-        Stage::Trial => "computing the impact on a basis".to_owned(),
+        Stage::Trial => "computing the impact on a basis, to judge it".to_owned(),
     }
 }

@@ -99,15 +99,16 @@ pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch
     loop {
         let mut finer = FINER[0];
         if let Some((coarse, ratio)) = &coarse {
-            let (first, all) = fine.on_short_basis(scene)?.difference(coarse);
+            let (first, all) = watch.shared(fine.on_short_basis(scene))?.difference(coarse);
             let of_difference = 1.0 / (ratio.powi(-ORDER) - 1.0);
             let error = (of_difference * first, of_difference * all);
             tracing::info!(size = fine.size, unknowns = fine.unknowns, first = error.0, all = error.1, "cells");
             fine.error = Some(error);
             let wanted = OF_CELLS * scene.tolerance;
-            finer = (wanted / error.0).powf(1.0 / f64::from(ORDER)).clamp(FINER[0], FINER[1]);
+            let over = watch.agreed(error.0 / wanted);
+            finer = over.recip().powf(1.0 / f64::from(ORDER)).clamp(FINER[0], FINER[1]);
             let cost = fine.unknowns as f64 * (fine.reduced.projection.vectors() as f64).powi(2);
-            if error.0 <= wanted || finer * fine.size < FINEST || cost > DEAREST {
+            if over <= 1.0 || finer * fine.size < FINEST || cost > DEAREST {
                 return Ok(fine);
             }
         }
@@ -118,7 +119,7 @@ pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch
             Ok(Built::Given(_)) | Err(Error::Fault(_)) => return Ok(fine),
             Err(error) => return Err(error),
         };
-        coarse = Some((fine.on_short_basis(scene)?, finer));
+        coarse = Some((watch.shared(fine.on_short_basis(scene))?, finer));
         fine = fitted(comm, scene, built, size, watch)?;
     }
 }
@@ -149,7 +150,7 @@ fn on_coarser_cells(
     let mut krylov = Krylov::new(&body, rate(scene))?;
     grow(&mut krylov, &body, fine.reduced.projection.vectors().min(SHORT), None, watch)?;
     let mut steps = fine.reduced.force.1;
-    let trace = force(scene, &body, &krylov.projection(&body)?, &mut steps)?;
+    let trace = watch.shared(force(scene, &body, &krylov.projection(&body)?, &mut steps))?;
     drop((krylov, body));
     comm.collect_garbage()?;
     Ok(Some(trace))

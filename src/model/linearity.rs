@@ -11,7 +11,7 @@ use crate::impact::step::Step;
 use crate::scene::{Geometry, Load, Model, Scene, Support, SupportKind, Vec3};
 
 /// Deflection over the thickness above which the membrane forces are no longer small.
-const LARGE: f64 = 0.5;
+pub const LARGE: f64 = 0.5;
 
 /// The least and the largest c.
 pub const STIFFENING: [f64; 2] = [0.15, 1.9];
@@ -61,9 +61,14 @@ impl Linearity {
         (part * bent).abs()
     }
 
+    /// A deflection (m) over the thickness.
+    pub fn over_thickness(&self, deflection: f64) -> f64 {
+        deflection / self.thickness
+    }
+
     /// A deflection (m) over the thickness, where that is large.
     pub fn excess(&self, deflection: f64) -> Option<f64> {
-        Some(deflection / self.thickness).filter(|ratio| *ratio > LARGE)
+        Some(self.over_thickness(deflection)).filter(|ratio| *ratio > LARGE)
     }
 }
 

@@ -10,7 +10,7 @@ mod simulation;
 mod theory;
 pub mod watch;
 
-pub use linearity::{Linearity, STIFFENING};
+pub use linearity::{LARGE, Linearity, STIFFENING};
 pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::{Gauges, Readings};
 pub use reduce::{OF_BASIS, OF_SMALLER, Reduced, rate, reduce};

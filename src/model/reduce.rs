@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::body::{Body, Krylov, ModalBody, Projection};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::impact::{Impact, ModalImpact, Steps, Trace};
 use crate::scene::{Reduction, Scene};
 
@@ -81,9 +81,10 @@ pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> 
         let projection = krylov.projection(body)?;
         count = projection.vectors();
         let enough = count > MOST || (given.is_some() && !tried.is_empty());
-        match force(scene, body, &projection, &mut steps) {
+        let is_exhausted = watch.decided(krylov.is_exhausted());
+        match watch.shared(force(scene, body, &projection, &mut steps)) {
             // All that the forces reach, to rounding.
-            Ok(trace) if krylov.is_exhausted() && (given.is_none() || tried.is_empty()) => {
+            Ok(trace) if is_exhausted && (given.is_none() || tried.is_empty()) => {
                 let (judge, force) = (projection.clone(), (trace, steps));
                 return Ok(Reduced { projection, judge, of_difference: 0.0, krylov, error: (0.0, 0.0), force });
             }
@@ -94,8 +95,9 @@ pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> 
                     let (first, all) = before.difference(&trace);
                     let error = (of_difference * first, of_difference * all);
                     let wanted = OF_BASIS * scene.tolerance;
-                    last = Some(Judged { vectors: count, error: error.0, wanted });
-                    if enough || error.0 <= wanted {
+                    let over = watch.agreed(error.0 / wanted);
+                    last = Some(Judged { vectors: count, error: over * wanted, wanted });
+                    if enough || over <= 1.0 {
                         tracing::info!(vectors = count, smaller, first = error.0, all = error.1, "reduced");
                         let mut pair = [(projection.leading(*smaller), before.clone()), (projection, trace)];
                         if given.is_none() {
@@ -107,7 +109,8 @@ pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> 
                 }
                 tried.push((count, trace));
             }
-            Err(error) if enough || krylov.is_exhausted() => return Err(error),
+            Err(error @ Error::Alone(_)) => return Err(error),
+            Err(error) if enough || is_exhausted => return Err(error),
             // A basis that is too small may be too soft, or too stiff, for the contact law.
             Err(_) => {}
         }
@@ -131,7 +134,7 @@ pub(super) fn grow(
     judged: Option<Judged>,
     watch: &dyn Watch,
 ) -> Result<()> {
-    while krylov.vectors() < vectors && !krylov.is_exhausted() {
+    while watch.decided(krylov.vectors() < vectors && !krylov.is_exhausted()) {
         watch.at(Stage::Basis { vectors: krylov.vectors(), judged })?;
         krylov.grow(body, krylov.vectors() + 1)?;
     }

@@ -1,6 +1,6 @@
 //! Who follows the making of a model, and may break it off.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::Model as Theory;
 
 /// What is being done.
@@ -39,8 +39,33 @@ pub trait Watch {
     /// Something is about to be done. Collective.
     ///
     /// # Errors
-    /// [`crate::Error::Interrupted`] where it is not to be done.
+    /// [`Error::Interrupted`] where it is not to be done.
     fn at(&self, stage: Stage) -> Result<()>;
+
+    /// The first rank's number. Every rank computes plates for itself, and ranks on unlike processors round differently: what is decided by
+    /// such a number is to be the same on all, since all must come to the same stages. Collective.
+    fn agreed(&self, mine: f64) -> f64 {
+        mine
+    }
+}
+
+impl dyn Watch + '_ {
+    /// The first rank's decision. Collective.
+    pub fn decided(&self, mine: bool) -> bool {
+        self.agreed(f64::from(u8::from(mine))) > 0.5
+    }
+
+    /// A result where the first rank has one; where it has an error, that of this rank or another one. Collective.
+    ///
+    /// # Errors
+    /// Such an error; [`Error::Alone`] where the first rank has none.
+    pub fn shared<T>(&self, mine: Result<T>) -> Result<T> {
+        match (self.decided(mine.is_ok()), mine) {
+            (true, Err(error)) => Err(Error::Alone(Box::new(error))),
+            (false, Ok(_)) => Err(Error::Solve("the first rank has not solved this".into())),
+            (_, mine) => mine,
+        }
+    }
 }
 
 /// Nobody follows.
@@ -57,6 +82,6 @@ pub struct Until<'a>(pub &'a dyn Fn() -> bool);
 
 impl Watch for Until<'_> {
     fn at(&self, _: Stage) -> Result<()> {
-        if (self.0)() { Err(crate::Error::Interrupted) } else { Ok(()) }
+        if (self.0)() { Err(Error::Interrupted) } else { Ok(()) }
     }
 }

@@ -50,6 +50,7 @@ mod impact {
     pub mod time_order;
 }
 mod model {
+    pub mod agreement;
     pub mod climb;
     pub mod converged;
     pub mod independent;
@@ -114,6 +115,7 @@ fn main() -> ExitCode {
         impact::reference,
         impact::schemes,
         impact::time_order,
+        model::agreement,
         model::climb,
         model::converged,
         model::independent,

@@ -1,0 +1,52 @@
+//! Ranks that compute a plate each for itself take the same way, also where they do not round alike.
+
+use std::cell::Cell;
+
+use crate::glass::{plate, sides};
+use crate::modelled::parse;
+use mpi::collective::SystemOperation;
+use mpi::traits::{Communicator, CommunicatorCollectives, Root};
+use mpi_test::{Test, tests};
+use petsc_wrap::{Comm, Session};
+use ricochet::Result;
+use ricochet::model::Model;
+use ricochet::model::watch::{Stage, Watch};
+use ricochet::scene::Scene;
+
+pub const RANKS: &[usize] = &[2];
+pub const TESTS: &[Test<Session>] = tests![all_ranks_come_to_the_same_stages];
+
+/// Counts the stages that a rank comes to.
+struct Counted {
+    comm: Comm,
+    stages: Cell<usize>,
+}
+
+impl Watch for Counted {
+    fn at(&self, _: Stage) -> Result<()> {
+        self.stages.set(self.stages.get() + 1);
+        Ok(())
+    }
+
+    fn agreed(&self, mut mine: f64) -> f64 {
+        self.comm.mpi().process_at_rank(0).broadcast_into(&mut mine);
+        mine
+    }
+}
+
+/// Tolerances that differ stand for processors that do: by themselves, the ranks would take bases of other sizes.
+fn all_ranks_come_to_the_same_stages(session: &Session) {
+    let comm = session.world();
+    let scene = parse(&plate("size = [1.5, 1.5, 0.04]", "end = 2e-3", &sides(1e9, 0.0)));
+    let alone = |scene: &Scene| Model::new(&session.alone(), scene).unwrap().vectors;
+    let finer = Scene { tolerance: 0.2 * scene.tolerance, ..scene.clone() };
+    assert_ne!(alone(&scene), alone(&finer));
+    let own = if comm.is_root() { &scene } else { &finer };
+    let watch = Counted { comm: comm.clone(), stages: Cell::new(0) };
+    let vectors = Model::watched(&comm, own, &watch).unwrap().vectors.unwrap();
+    let count = [vectors, watch.stages.get()];
+    let (mut least, mut most) = ([0; 2], [0; 2]);
+    comm.mpi().all_reduce_into(&count, &mut least, SystemOperation::min());
+    comm.mpi().all_reduce_into(&count, &mut most, SystemOperation::max());
+    assert_eq!(least, most);
+}
