@@ -56,6 +56,11 @@ impl History {
         Self { time, acceleration, contacts }
     }
 
+    /// Number of times.
+    pub fn rows(&self) -> usize {
+        self.time.len()
+    }
+
     /// The first contact.
     pub fn first(&self) -> Option<Contact> {
         self.contacts.first().copied()

@@ -4,12 +4,12 @@ use super::schemes::{label, name};
 use super::stability::{ENOUGH, Reference, Row, Study};
 
 /// Columns of the CSV, with their units.
-const HEADER: &str = "scheme,step_s,steps_per_contact,stable_step_s,steps,time_s,energy_error,growth,\
+pub const COLUMNS: &str = "scheme,step_s,steps_per_contact,stable_step_s,steps,time_s,energy_error,growth,\
                       force_error_first,force_error,verdict,reason\n";
 
 /// One line a run, by scheme and ascending step. Errors are parts of the initial energy and of the reference's peak acceleration.
 pub fn csv(study: &Study) -> String {
-    let mut text = HEADER.to_owned();
+    let mut text = COLUMNS.to_owned();
     for row in &study.rows {
         for run in &row.runs {
             let measured = &run.measured;

@@ -6,7 +6,9 @@ use serde::Deserialize;
 
 use super::Errors;
 use crate::error::{Error, Result};
+use crate::record::provenance::Provenance;
 use crate::record::read;
+use crate::scene::{Body, Geometry, Scene, differences};
 use crate::study::history::{Contact, History};
 
 /// A line of the table: `name`, `setting`, either `seconds` or `build` and `run`, and either `error` (and `whole_error`) or `series`.
@@ -88,7 +90,8 @@ pub fn foreign(path: &Path, mass: f64) -> Result<Vec<Foreign>> {
             }
             (None, series) if !series.is_empty() => {
                 let beside = path.parent().unwrap_or(Path::new("")).join(series);
-                Found::History(history(&beside, mass).map_err(|error| wrong(&error.to_string()))?)
+                let found = history(&beside, mass).and_then(|found| comparable(&beside, found));
+                Found::History(found.map_err(|error| wrong(&error.to_string()))?)
             }
             _ => return Err(wrong("either `error`, not negative, or `series` is to be given")),
         };
@@ -142,6 +145,64 @@ pub fn history(path: &Path, mass: f64) -> Result<History> {
     Ok(History::of_series(time, acceleration, mass))
 }
 
+/// A history that others can be compared with, from the file `path`.
+///
+/// # Errors
+/// [`Error::Io`] where it has no contact in it.
+pub fn comparable(path: &Path, history: History) -> Result<History> {
+    let why = match (history.rows(), history.peak()) {
+        (rows @ 0..2, _) => format!("has {rows} rows, and a history at least two"),
+        (_, peak) if peak > 0.0 => return Ok(history),
+        _ => "has no acceleration above zero, so no contact to compare".to_owned(),
+    };
+    Err(Error::io(path, why))
+}
+
+/// Refuses the result `path` of another impact than that of a scene, whose text is `text`: model, cells, steps and tolerances may differ.
+///
+/// # Errors
+/// [`Error::Io`] with the keys that differ.
+pub fn check_same_impact(path: &Path, scene: &Scene, text: &str) -> Result<()> {
+    let Provenance { scene: there, folder, .. } = read::provenance(path)?;
+    let (mut other, _) = Scene::within(&path.display().to_string(), Path::new(&folder), &there, &[])?;
+    let Body { young, poisson, density, geometry, .. } = other.body;
+    let geometry = match (geometry, &scene.body.geometry) {
+        (Geometry::Box { size, .. }, Geometry::Box { size: same, .. }) if size == *same => scene.body.geometry.clone(),
+        // A mesh may be a finer one of the same body.
+        (Geometry::Gmsh(_), Geometry::Gmsh(_)) => scene.body.geometry.clone(),
+        (geometry, _) => geometry,
+    };
+    other.body = Body { young, poisson, density, geometry, ..scene.body.clone() };
+    let same = Scene {
+        body: other.body,
+        supports: other.supports,
+        impactor: other.impactor,
+        load: other.load,
+        ..scene.clone()
+    };
+    if same == *scene {
+        return Ok(());
+    }
+    let of_impact = [
+        "body.young",
+        "body.poisson",
+        "body.density",
+        "body.size",
+        "body.mesh",
+        "support",
+        "impactor",
+        "load",
+        "contact.law",
+        "contact.stiffness",
+        "contact.exponent",
+        "contact.table",
+        "contact.damping",
+    ];
+    let mut keys = differences(&there, text);
+    keys.retain(|key| of_impact.iter().any(|start| key.starts_with(start)));
+    Err(Error::io(path, format!("is of another impact: other values of {}", keys.join(", "))))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -149,6 +210,8 @@ mod tests {
     fn table(text: &str) -> Result<Vec<Foreign>> {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("half.csv"), "time,acceleration\n0,0\n1,2\n2,0\n").unwrap();
+        std::fs::write(folder.path().join("short.csv"), "time,acceleration\n0,2\n").unwrap();
+        std::fs::write(folder.path().join("flat.csv"), "time,acceleration\n0,0\n1,0\n").unwrap();
         std::fs::write(folder.path().join("back.csv"), "time,acceleration\n0,0\n1,2\n1,0\n").unwrap();
         let path = folder.path().join("peers.csv");
         std::fs::write(&path, text).unwrap();
@@ -175,6 +238,9 @@ mod tests {
             ("name,seconds,error\nA,fast,0.1\n", "invalid"),
             ("name,seconds,fault\nA,1,0.1\n", "fault"),
             ("name,seconds,series\nA,1,none.csv\n", "none.csv"),
+            ("name,seconds,series\nA,1,short.csv\n", "line 2: "),
+            ("name,seconds,series\nA,1,short.csv\n", "short.csv: has 1 rows"),
+            ("name,seconds,series\nA,1,flat.csv\n", "flat.csv: has no acceleration above zero"),
             ("name,seconds,series\nA,1,back.csv\n", "line 4: times are to ascend"),
         ] {
             let error = table(text).unwrap_err();

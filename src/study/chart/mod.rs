@@ -10,7 +10,7 @@ mod reference;
 mod table;
 mod timing;
 
-pub use foreign::{Foreign, foreign, history};
+pub use foreign::{Foreign, check_same_impact, comparable, foreign, history};
 pub use front::{LEVELS, best, front};
 pub use methods::{Ladder, Method, cleared, settings_of};
 pub use reference::{Reference, refine};

@@ -14,8 +14,8 @@ use crate::error::{Error, Result};
 use crate::impact::ModalImpact;
 use crate::impact::step::Step;
 use crate::model::watch::{Until, Watch};
-use crate::model::{Dynamics, Model, OF_BASIS, OF_SMALLER};
-use crate::scene::{self, Scene};
+use crate::model::{Dynamics, LARGE, Linearity, Model, OF_BASIS, OF_SMALLER};
+use crate::scene::{self, Scene, SupportKind};
 
 /// Bodies that are kept at most; then all are dropped.
 const MOST: usize = 64;
@@ -28,8 +28,8 @@ pub struct Bodies<'a> {
     comm: Comm,
     census: &'a Census,
     scene_of: &'a dyn Fn(usize) -> Result<Scene>,
-    /// What auto is for all members, with the error that it found, where it was asked.
-    theory: Option<(scene::Model, f64)>,
+    /// What auto is for all members, with the errors that it found, where it was asked.
+    theory: Option<(scene::Model, (f64, f64))>,
     /// Whether steps are to have their energies.
     has_energies: bool,
     kept: HashMap<u64, Kept>,
@@ -40,10 +40,11 @@ pub struct Bodies<'a> {
 /// A body on a basis, and on another one by which each member's error is estimated, with that over the difference of the two.
 struct Kept {
     body: ModalBody,
+    theory: scene::Model,
     judge: Option<(ModalBody, f64)>,
     unknowns: usize,
-    /// Error by theory and cells, as far as they are known, and by the merging of bases.
-    of_model: f64,
+    /// Error by theory and cells, as far as they are known, and by the merging of bases: in the first contact, and over all.
+    of_model: (f64, f64),
 }
 
 impl<'a> Bodies<'a> {
@@ -52,7 +53,7 @@ impl<'a> Bodies<'a> {
         comm: &Comm,
         census: &'a Census,
         scene_of: &'a dyn Fn(usize) -> Result<Scene>,
-        theory: Option<(scene::Model, f64)>,
+        theory: Option<(scene::Model, (f64, f64))>,
         has_energies: bool,
     ) -> Self {
         Self {
@@ -137,14 +138,18 @@ impl<'a> Bodies<'a> {
             };
             self.families.insert(key, family);
         }
-        let of_theory = self.error_of_theory(scene);
+        let (first, all) = self.error_of_theory(scene);
+        let theory = self.named(scene.clone()).body.model;
         Ok(self.families[&key].as_ref().map(|family| {
             let ([body, larger], of_merging) = family.at(value);
+            // In the first contact it was tested to be no more than that.
+            let of_first = of_merging.min(OF_BASIS * scene.tolerance);
             Kept {
                 body,
+                theory,
                 judge: Some((larger, OF_SMALLER)),
                 unknowns: family.unknowns,
-                of_model: of_merging + of_theory,
+                of_model: (of_first + first, of_merging + all),
             }
         }))
     }
@@ -160,20 +165,21 @@ impl<'a> Bodies<'a> {
         }
     }
 
-    /// The error of the theory that auto found for all; 0 where a scene names its own.
-    pub fn error_of_theory(&self, scene: &Scene) -> f64 {
+    /// The errors of the theory that auto found for all; 0 where a scene names its own.
+    pub fn error_of_theory(&self, scene: &Scene) -> (f64, f64) {
         match (scene.body.model, self.theory) {
             (scene::Model::Auto, Some((_, error))) => error,
-            _ => 0.0,
+            _ => (0.0, 0.0),
         }
     }
 
     fn make(&self, scene: &Scene, watch: &dyn Watch) -> Result<Kept> {
-        let of_theory = self.error_of_theory(scene);
-        let model = Model::watched(&self.comm, &self.named(scene.clone()), watch)?;
-        let of_model = of_theory.max(model.beside_basis.1);
-        match model.dynamics {
-            Dynamics::Modal(body) => Ok(Kept { body, judge: model.judge, unknowns: model.unknowns, of_model }),
+        let (first, all) = self.error_of_theory(scene);
+        let Model { theory, dynamics, judge, unknowns, beside_basis, .. } =
+            Model::watched(&self.comm, &self.named(scene.clone()), watch)?;
+        let of_model = (first.max(beside_basis.0), all.max(beside_basis.1));
+        match dynamics {
+            Dynamics::Modal(body) => Ok(Kept { body, theory, judge, unknowns, of_model }),
             Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),
         }
     }
@@ -196,6 +202,16 @@ impl Kept {
         if flow.is_break() || interrupted() {
             return Ok(None);
         }
+        let linearity = Linearity::new(scene, self.theory, self.body.patch.as_ref());
+        let deflection = linearity.map_or(f64::NAN, |linearity| {
+            let each = steps.iter().map(|step| linearity.over_thickness(linearity.deflection(step)));
+            each.fold(0.0, f64::max)
+        });
+        // What of it is the supports' own, the energies alone tell.
+        let yields = scene.supports.iter().any(|support| !matches!(support.kind, SupportKind::Clamped { .. }));
+        if !has_energies && yields && deflection > LARGE {
+            return self.simulate(scene, true, interrupted);
+        }
         let (mut first, mut all) = (0.0, 0.0);
         if let Some((judge, of_difference)) = &self.judge {
             let Some((force, taken)) = impact.force() else { return Ok(None) };
@@ -203,8 +219,9 @@ impl Kept {
             (first, all) = (of_difference * difference.0, of_difference * difference.1);
         }
         let of_patch = self.body.patch.map_or(0.0, |patch| patch.error());
-        let error_estimate = impact.count.error.unwrap_or(0.0) + all + self.of_model + of_patch;
-        let outcome = Computed { error_estimate, unknowns: self.unknowns + 1 };
+        let error_estimate = impact.count.error.unwrap_or(0.0) + all + self.of_model.1 + of_patch;
+        let first_error = first + self.of_model.0 + of_patch;
+        let outcome = Computed { error_estimate, first_error, deflection, unknowns: self.unknowns + 1 };
         Ok(Some(Tried { steps, first, outcome }))
     }
 }

@@ -95,7 +95,7 @@ impl Census {
     }
 
     /// The theory that auto finds for all members, the highest that the first, the last and the hardest of them ask for, with the
-    /// largest error over the whole history that it found for that. Collective.
+    /// largest errors that it found for that, in the first contact and over the whole history. Collective.
     ///
     /// # Errors
     /// Those of a model.
@@ -104,7 +104,7 @@ impl Census {
         comm: &Comm,
         scene_of: impl Fn(usize) -> Result<Scene>,
         watch: &dyn Watch,
-    ) -> Result<(scene::Model, f64)> {
+    ) -> Result<(scene::Model, (f64, f64))> {
         let hardest = self.families.values().copied().reduce(|a, b| if b.is_harder(&a) { b } else { a });
         let mut asked = self.ends.clone();
         asked.extend(hardest.map(|member| member.index));
@@ -113,12 +113,14 @@ impl Census {
         let mut found = Vec::new();
         for index in asked {
             let Model { theory, beside_basis, .. } = Model::watched(comm, &scene_of(index)?, watch)?;
-            found.push((theory, beside_basis.1));
+            found.push((theory, beside_basis));
             comm.collect_garbage()?;
         }
         let highest = found.iter().map(|(theory, _)| *theory).max().unwrap_or(scene::Model::HalfSpace);
         let errors = found.iter().filter(|(theory, _)| *theory == highest);
-        Ok((highest, errors.map(|(_, error)| *error).fold(0.0, f64::max)))
+        let largest =
+            errors.fold((0.0_f64, 0.0_f64), |(first, all), (_, error)| (first.max(error.0), all.max(error.1)));
+        Ok((highest, largest))
     }
 }
 

@@ -47,6 +47,8 @@ pub fn digest(
         Ok(Some(outcome)) => {
             member.set_contacts(&episodes);
             member.set(Quantity::ErrorEstimate, outcome.error_estimate);
+            member.set(Quantity::FirstContactError, outcome.first_error);
+            member.set(Quantity::DeflectionOverThickness, outcome.deflection);
             member.set(Quantity::Unknowns, outcome.unknowns as f64);
             member.status = Status::Done;
             member

@@ -64,6 +64,12 @@ impl Grid {
         self.members == 0
     }
 
+    /// The member that has the first value of the key at a place, and all else as another one.
+    pub fn with_first(&self, member: usize, place: usize) -> usize {
+        let stride: usize = self.variations[place + 1..].iter().map(|variation| variation.texts.len()).product();
+        member - stride * self.places(member)[place]
+    }
+
     /// The values of a member as `KEY=VALUE`, a key each.
     pub fn values(&self, member: usize) -> Vec<String> {
         let each = self.variations.iter().zip(self.places(member));
@@ -126,6 +132,7 @@ mod tests {
         assert_eq!(grid.values(3), ["support.0.stiffness=1e8", "time.scheme=energy", "impactor.speed=1"]);
         assert_eq!(grid.values(11), ["support.0.stiffness=1e9", "time.scheme=energy", "impactor.speed=3"]);
         assert_eq!(grid.name(6), "member 6: support.0.stiffness=1e9, time.scheme=newmark, impactor.speed=1");
+        assert_eq!([0, 1, 2].map(|place| grid.with_first(11, place)), [5, 8, 9]);
         let keys = grid.keys();
         assert_eq!(keys[0].values, Values::Numbers([[1e8; 6], [1e9; 6]].concat()));
         assert_eq!((keys[0].units.as_str(), keys[2].units.as_str()), ("N/m3", "m/s"));

@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::impact::Probe;
 use crate::impact::step::Step;
 use crate::model::watch::Until;
-use crate::model::{Model, Simulation};
+use crate::model::{Linearity, Model, Simulation};
 use crate::scene::Scene;
 
 /// What a simulation knows beside its steps.
@@ -18,6 +18,10 @@ use crate::scene::Scene;
 pub struct Computed {
     /// Estimated error of the acceleration history over its peak; NaN where there is no estimate.
     pub error_estimate: f64,
+    /// The same in the first contact alone, as far as it is known before the first step.
+    pub first_error: f64,
+    /// Largest deflection under the impactor over the thickness; NaN where that is not known.
+    pub deflection: f64,
     /// Number of unknowns, the impactor's included.
     pub unknowns: usize,
 }
@@ -49,15 +53,22 @@ pub fn simulate(
         model => model?,
     };
     let unknowns = model.unknowns + 1;
+    let first_error = model.first_contact_error().map_or(f64::NAN, |error| error + of_theory.0);
+    let linearity = Linearity::new(scene, model.theory, model.dynamics.patch().as_ref());
+    let mut deflection = f64::NAN;
     let mut simulation = Simulation::new(scene, model)?;
     let asked = interrupted.clone();
     simulation.set_interrupt(move || asked());
     let readings = simulation.read()?;
     let flow = simulation.run(|step| {
+        if let Some(linearity) = &linearity {
+            deflection = deflection.max(linearity.over_thickness(linearity.deflection(step)));
+        }
         let reading = readings.as_ref().and_then(|readings| readings.tape.take(step.number));
         observe(step, reading.as_ref().map_or(&[], |reading| &reading.probes));
         Ok(if interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     })?;
-    let outcome = Computed { error_estimate: simulation.error().map_or(f64::NAN, |error| error + of_theory), unknowns };
+    let error_estimate = simulation.error().map_or(f64::NAN, |error| error + of_theory.1);
+    let outcome = Computed { error_estimate, first_error, deflection, unknowns };
     Ok(flow.is_continue().then_some(outcome))
 }
