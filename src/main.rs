@@ -24,6 +24,7 @@ fn main() {
         _ => Verbosity::Debug,
     });
     cli::log_to_stderr();
+    cli::interrupt::outlive_limits();
     match &cli.command {
         // Under mpirun one rank draws.
         Command::Plot(_) | Command::Info(_) | Command::Completions(_) | Command::Schema | Command::Man(_)
@@ -51,9 +52,7 @@ fn main() {
 }
 
 fn under_petsc(options: &[String], work: impl FnOnce(&Session) -> Result<i32, Error>) {
-    // PETSc would take such a word for the value of an option of ours.
-    if let Some(word) = options.first().filter(|word| !word.starts_with('-')) {
-        let message = format!("expected a PETSc option such as -snes_monitor after `--`, got {word:?}");
+    if let Some(message) = cli::refused_for_petsc(options) {
         conclude(None, Err(Error::Usage(message)));
     }
     cli::environment::set();
@@ -84,6 +83,11 @@ fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
     match session {
         // After a failed write HDF5 crashes in its handler at exit, so that even a lone rank leaves without it.
         Some(session) if !error.is_everywhere() && (session.world().size() > 1 || error.status() == 4) => {
+            if session.world().size() == 1 {
+                tell(format_args!("{}", report.trim_end()));
+                // Nobody else is to be ended, and MPI would say that it was.
+                session.leave(status);
+            }
             if !root {
                 // Where rank 0 has the error as well, its message is the one, also on a busy machine.
                 std::thread::sleep(Duration::from_secs(2));

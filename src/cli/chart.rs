@@ -1,6 +1,6 @@
 //! `ricochet chart`: a scene to a chart of speed against accuracy.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use petsc_wrap::Comm;
@@ -11,8 +11,8 @@ use crate::figure::precision::{Method as Line, Precision, Setting, draw};
 use crate::record::folder::Folder;
 use crate::scene::Scene;
 use crate::study::chart::{
-    Errors, Foreign, Ladder, Method, Point, Reference, Run, cleared, csv, foreign, history, refine, runs, settings_of,
-    summary,
+    Errors, Foreign, Ladder, Method, Point, Reference, Run, check_same_impact, cleared, comparable, csv, foreign,
+    history, refine, runs, settings_of, summary,
 };
 use crate::study::history::Difference;
 
@@ -22,25 +22,36 @@ use super::load::{Loaded, load};
 use super::progress::Items;
 use super::{Chart, note, say, tell, warn_of_unused_options};
 
+/// The files of a chart, and the folder of its runs.
+const RESULTS: [&str; 4] = ["work-precision.csv", "summary.md", "work-precision.svg", "work-precision.png"];
+const RUNS: &str = "runs";
+
 /// Charts a scene and writes what was found; returns the exit status. Collective.
 ///
 /// # Errors
 /// All that [`Error`] names.
 pub fn chart(comm: &Comm, arguments: &Chart) -> Result<i32> {
-    if arguments.budget.is_nan() || arguments.budget < 0.0 {
-        return Err(Error::Usage(format!("--budget {}: a number of seconds", arguments.budget)));
+    if arguments.budget.is_nan() || arguments.budget <= 0.0 {
+        return Err(Error::Usage(format!("--budget {}: expected a number of seconds above 0", arguments.budget)));
     }
-    let Loaded { scene: given, source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
-    let (scene, source) = Scene::within(source.name(), source.folder(), source.text(), &cleared(&given))?;
+    let Loaded { scene: given, source: given_source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
+    let (name, folder, text) = (given_source.name(), given_source.folder(), given_source.text());
+    let (scene, source) = Scene::within(name, folder, text, &cleared(&given))?;
     let ladder = Ladder::new(&scene);
     let methods = selected(ladder.methods(), &arguments.only)?;
-    let (peers, known) = read(comm, arguments, scene.impactor.mass)?;
+    let (peers, known) = read(comm, arguments, (&given, given_source.text()))?;
 
-    let folder = if comm.is_root() { Folder::create(&arguments.output).map(Some) } else { Ok(None) };
+    let claimed = || {
+        let folder = Folder::create(&arguments.output)?;
+        let are_ours = arguments.output.join(RUNS).exists();
+        folder.claim(("chart.toml", given_source.text()), &RESULTS, (are_ours, false))?;
+        Ok::<_, Error>(Some(folder))
+    };
+    let folder = if comm.is_root() { claimed() } else { Ok(None) };
     let folder = agree(comm, folder.map_err(|error| error.to_string())).map_err(Error::Output)?;
     let interrupt = Rc::new(Interrupt::on_signals());
     let (asked, ranks) = (interrupt, comm.clone());
-    let place = arguments.output.join("runs");
+    let place = arguments.output.join(RUNS);
     let bench = Bench::new(comm, &source, &place, Rc::new(move || asked.is_raised(&ranks)))?;
 
     let all = methods.iter().map(|method| method.rungs.len()).sum();
@@ -100,13 +111,21 @@ fn selected(methods: Vec<Method>, only: &[String]) -> Result<Vec<Method>> {
 }
 
 /// What other programs, and a reference that is given, say; on rank 0. Collective.
-fn read(comm: &Comm, arguments: &Chart, mass: f64) -> Result<(Vec<Foreign>, Option<Reference>)> {
+fn read(comm: &Comm, arguments: &Chart, (scene, text): (&Scene, &str)) -> Result<(Vec<Foreign>, Option<Reference>)> {
+    let mass = scene.impactor.mass;
     let read = || -> Result<_> {
         let mut peers = Vec::new();
         for path in &arguments.with {
             peers.extend(foreign(path, mass)?);
         }
-        Ok((peers, arguments.reference.as_ref().map(|path| history(path, mass)).transpose()?))
+        let reference = |path: &PathBuf| {
+            let found = comparable(path, history(path, mass)?)?;
+            if path.extension().is_some_and(|extension| extension == "h5") {
+                check_same_impact(path, scene, text)?;
+            }
+            Ok::<_, Error>(found)
+        };
+        Ok((peers, arguments.reference.as_ref().map(reference).transpose()?))
     };
     let read = if comm.is_root() { read() } else { Ok((Vec::new(), None)) };
     let (peers, history) = agree(comm, read.map_err(|error| error.to_string())).map_err(Error::Output)?;

@@ -6,7 +6,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
 use petsc_wrap::Comm;
-use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
+use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1, SIGXFSZ};
+
+/// Has a write beyond the largest size of files that the system allows fail as one on a full disk does, in place of ending the program without
+/// a word.
+pub fn outlive_limits() {
+    if let Err(error) = signal_hook::flag::register(SIGXFSZ, Arc::default()) {
+        tracing::debug!("a limit on the size of files ends the program: {error}");
+    }
+}
 
 /// A flag that SIGINT, SIGTERM and SIGUSR1 raise, in place of ending the process at once: the last two are what a queue sends before its
 /// limit.

@@ -7,10 +7,12 @@ mod collect;
 pub mod environment;
 mod follow;
 pub mod info;
-mod interrupt;
+pub mod interrupt;
 pub mod keeping;
 mod load;
+mod members;
 mod notes;
+mod petsc;
 pub mod plot;
 mod progress;
 mod provenance;
@@ -29,11 +31,12 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use clap::{ArgAction, Args, Parser, Subcommand};
-use petsc_wrap::{Comm, options};
 
 use crate::error::{Error, Result};
 use crate::study::sweep::Shard;
 
+pub use petsc::refused as refused_for_petsc;
+use petsc::warn_of_unused as warn_of_unused_options;
 use terminal::Verbosity;
 
 /// Version and commit.
@@ -226,7 +229,7 @@ pub struct Chart {
     #[arg(long, value_name = "METHOD", value_delimiter = ',')]
     pub only: Vec<String>,
     /// About how long the runs may take, and the references as long again, s
-    #[arg(long, value_name = "SECONDS", default_value_t = 600.0)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 600.0, allow_hyphen_values = true)]
     pub budget: f64,
     /// Result, or table of time and acceleration, to measure errors by; by default the solid is refined
     #[arg(long, value_name = "FILE")]
@@ -293,14 +296,6 @@ fn short(value: f64) -> String {
     }
     let before = if size < 1.0 { 0 } else { size.log10().floor() as usize };
     format!("{value:.*}", 4_usize.saturating_sub(before))
-}
-
-/// Misspelt options are the user's to know of.
-fn warn_of_unused_options(comm: &Comm) -> Result<()> {
-    for name in options::unused(comm.session())? {
-        tracing::warn!("PETSc has not used the option -{name}");
-    }
-    Ok(())
 }
 
 /// Warnings, and with `-v`, `-vv` or `RICOCHET_LOG=info` or `debug` more, go to standard error.

@@ -4,8 +4,37 @@ use crate::contact::{ForceLaw, Patch};
 use crate::impact::Plan;
 use crate::mesh::Measures;
 use crate::model::{self, Model};
-use crate::scene::{Geometry, Model as Theory, Scene, Scheme};
+use crate::scene::{Contact, Doubt, Geometry, Model as Theory, Scene, Scheme, Source, doubts};
 use crate::scheme::critical_frequency;
+
+/// What a user should know of a scene, or of what came of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Remark {
+    /// What it is about: the same for all members of a sweep that it is made of.
+    pub kind: String,
+    /// How bad it is among those of its kind.
+    pub size: f64,
+    /// In words.
+    pub text: String,
+}
+
+impl Remark {
+    fn new(kind: &str, size: f64, text: String) -> Self {
+        Self { kind: kind.to_owned(), size, text }
+    }
+}
+
+/// The words of remarks.
+pub fn texts(remarks: Vec<Remark>) -> Vec<String> {
+    remarks.into_iter().map(|remark| remark.text).collect()
+}
+
+/// Values that are hardly what was meant.
+pub fn of_values(scene: &Scene, source: &Source) -> Vec<Remark> {
+    let remark =
+        |Doubt { error, excess }: Doubt| Remark::new(error.key(), excess, format!("{error}; {}", error.advice()));
+    doubts(scene, source).into_iter().map(remark).collect()
+}
 
 /// The theory, its unknowns and its basis.
 pub fn describe_model(model: &Model) -> String {
@@ -24,7 +53,7 @@ pub fn describe_model(model: &Model) -> String {
 }
 
 /// Error in the first contact, over the peak, from which a history is of no use.
-const USELESS: f64 = 0.5;
+pub const USELESS: f64 = 0.5;
 
 /// What the first contact's estimated error means for a run, where it is above the tolerance.
 pub fn verdict(model: &Model, tolerance: f64) -> Option<Verdict> {
@@ -32,11 +61,25 @@ pub fn verdict(model: &Model, tolerance: f64) -> Option<Verdict> {
     let is_good = |error: &f64| *error <= tolerance;
     let error = model.first_contact_error().filter(|error| !is_good(error))?;
     let of = model.judged.iter().copied().chain(model.dynamics.patch().map(|_| "patch"));
-    let of = listed(&of.collect::<Vec<_>>());
+    let of: Vec<&str> = of.collect();
+    let mut remedies: Vec<&str> = of.iter().copied().map(remedy).collect();
+    remedies.dedup();
+    let of = listed(&of);
     let message = format!(
-        "the estimated error in the first contact is {error:.1e} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of})"
+        "the estimated error in the first contact is {error:.1e} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of}); \
+         what may lower it: {}",
+        remedies.join(", or ")
     );
     Some(Verdict { message, is_useless: error.is_nan() || error > USELESS })
+}
+
+/// What makes the error by a part of a model smaller.
+fn remedy(part: &str) -> &'static str {
+    match part {
+        "basis" => "body.reduction = \"auto\" in place of a number",
+        "patch" => "finer cells at the impact point",
+        _ => "body.model = \"solid\"",
+    }
 }
 
 /// That a history is not as good as it was to be.
@@ -62,11 +105,11 @@ pub fn note_of_probes(model: &Model) -> Option<String> {
     let (word, read) = if names.len() == 1 { ("probe", "reads") } else { ("probes", "read") };
     let why = match model.theory {
         Theory::Kirchhoff => "where Kirchhoff's plate has a force at a point, under which moments have no limit",
-        _ => "where this body carries the force on a wide disc: they may be off by some tenths",
+        _ => "where this body carries the force on a wide disc: they may be off by some tens of per cent",
     };
     (!names.is_empty()).then(|| {
         format!(
-            "{word} {} {read} stresses near the hit, {why}. model = \"solid\" with reduction = \"none\" has the contact's own",
+            "{word} {} {read} stresses near the hit, {why}. For stresses there take model = \"solid\" with reduction = \"none\"",
             listed(&names)
         )
     })
@@ -80,8 +123,9 @@ const LONG: f64 = 20.0;
 const LONG_FOR_RADIUS: f64 = 200.0;
 
 /// What looks wrong with a body, or with what holds it.
-pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<String> {
+pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
     let mut warnings = Vec::new();
+    let mut add = |kind: &str, size: f64, text: String| warnings.push(Remark::new(kind, size, text));
     let edges = match (&scene.body.geometry, measures) {
         (Geometry::Box { size, .. }, _) => *size,
         (_, Some(Measures { bounds: [least, largest], .. })) => [0, 1, 2].map(|i| largest[i] - least[i]),
@@ -89,33 +133,39 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<String> {
     };
     let diagonal = edges.iter().map(|edge| edge * edge).sum::<f64>().sqrt();
     if diagonal > LONG && diagonal > LONG_FOR_RADIUS * scene.impactor.radius.unwrap_or_default() {
-        warnings
-            .push(format!("the body is {diagonal:.4} m long: lengths are in metres, and these look like millimetres"));
+        let text = format!(
+            "the body is {diagonal:.4} m long: lengths are in metres, and these look like millimetres, of which a thousand make a metre"
+        );
+        add("long body", diagonal, text);
     }
     let Some(measures) = measures else { return warnings };
     if measures.parts > 1 {
-        warnings.push(format!(
-            "the mesh has {} parts that share no node: only the one that is hit feels the impact, and parts without supports float freely",
+        let text = format!(
+            "the mesh has {} parts that share no node: only the one that is hit feels the impact, and parts without supports float freely; \
+             make them one in Gmsh (Coherence)",
             measures.parts
-        ));
+        );
+        add("parts", measures.parts as f64, text);
     }
     let of_whole_surfaces = scene.supports.iter().enumerate().filter(|(_, support)| support.within.is_none());
     for (number, support) in of_whole_surfaces {
         let covered = measures.surfaces.iter().find(|surface| surface.name == support.surface);
         // To rounding of sums.
         if covered.is_some_and(|surface| surface.area > 0.999_999 * measures.area) {
-            warnings.push(format!(
+            let text = format!(
                 "support.{number} holds the whole boundary, the impact point included: is {:?} the surface that was meant?",
                 support.surface
-            ));
+            );
+            add("whole boundary", 1.0, text);
         }
     }
     warnings
 }
 
 /// The notes on a scene, with its patch and its steps: nothing that is wrong, but much that a number may depend on.
-pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<String> {
+pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<Remark> {
     let mut notes = Vec::new();
+    let mut add = |kind: &str, size: f64, text: String| notes.push(Remark::new(kind, size, text));
     let impactor = &scene.impactor;
     let finer = match scene.body.geometry {
         Geometry::Box { .. } => "body.grading",
@@ -123,55 +173,96 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<S
     };
     if let Some(patch) = patch {
         if patch.is_coarse() {
-            notes.push(format!(
-                "cells of {:.4} m do not resolve the patch: they should be {:.4} m or smaller at the impact point ({finer})",
+            let text = format!(
+                "cells of {:.4} m do not resolve the patch: make them {:.4} m or smaller at the impact point ({finer})",
                 patch.cell,
                 0.5 * patch.radius
-            ));
+            );
+            add("coarse cells", patch.cell / patch.radius, text);
         }
         if patch.error() > 0.5 * scene.tolerance {
-            notes.push(format!(
-                "the patch is large for a thickness of {:.4} m and leaves about {:.1e} of the peak open: finer cells at the impact \
-                 point allow a smaller one ({finer})",
+            let text = format!(
+                "the patch is large for a thickness of {:.4} m, which may change the force by about {:.1e} of its peak: make cells finer at the \
+                 impact point for a smaller one ({finer})",
                 patch.thickness,
                 patch.error()
-            ));
+            );
+            add("large patch", patch.error(), text);
         }
         if patch.is_critical() {
-            notes.push(format!(
-                "on a half-space the contact would outgrow the patch, which takes {:.4e} m: the run stops if it does",
+            let text = format!(
+                "on a half-space the contact would outgrow the patch, which takes {:.4e} m: the run stops if it does; a larger \
+                 contact.patch_radius avoids that",
                 patch.limit_radius
-            ));
+            );
+            add("critical patch", 1.0 / patch.limit_radius, text);
         }
     }
     if let Scheme::Newmark { beta, gamma } = scene.time.scheme
         && critical_frequency(beta, gamma) == 0.0
     {
-        notes.push("with γ below 1/2 every vibration grows".to_owned());
+        add("time.gamma", -gamma, "with γ below 1/2 every vibration grows: take time.gamma = 0.5".to_owned());
     }
     let contact = impactor.contact_time();
-    if plan.is_some_and(|plan| contact < 20.0 * plan.step()) {
-        notes.push("fewer than 20 steps in a contact: expect its force to depend on the step".to_owned());
+    if let Some(step) = plan.map(Plan::step).filter(|step| contact < 20.0 * step && *step <= contact) {
+        let text = format!(
+            "fewer than 20 steps in a contact: its force depends on the step; take a time.step of at most {:.0e} s",
+            0.05 * contact
+        );
+        add("few steps", step / contact, text);
     }
     let indentation = impactor.peak_indentation();
     match &impactor.force_law {
-        ForceLaw::Hertz(_) if impactor.radius.is_some_and(|radius| indentation > 0.1 * radius) => notes.push(format!(
-            "on a half-space the impactor would sink in by {indentation:.2e} m: Hertz's law holds while that is small against its radius"
-        )),
-        ForceLaw::Table(table) if indentation > table.end() => notes.push(format!(
-            "contact.table ends at an indentation of {} m, and a rigid wall would stop the impactor at about {indentation:.3e} m: the run \
-             stops where the table does",
-            table.end()
-        )),
-        ForceLaw::Table(table) if indentation < LEAST_OF_TABLE * table.end() => notes.push(format!(
-            "a rigid wall would stop the impactor at an indentation of {indentation:.3e} m, and contact.table goes to {} m: is the \
-             table in m and N?",
-            table.end()
-        )),
+        ForceLaw::Hertz(_) => {
+            if let Some(radius) = impactor.radius.filter(|radius| indentation > 0.1 * radius) {
+                let text = format!(
+                    "on a half-space the impactor would sink in by {indentation:.2e} m, and Hertz's law holds while that is small against its \
+                     radius of {radius} m: check impactor.radius, the moduli, and the speed"
+                );
+                add("deep indentation", indentation / radius, text);
+            }
+        }
+        ForceLaw::Table(table) if indentation > table.end() => {
+            let text = format!(
+                "contact.table ends at an indentation of {} m, and a rigid wall would stop the impactor at about {indentation:.3e} m: the run \
+                 stops where the table does, so give it more points",
+                table.end()
+            );
+            add("short table", indentation / table.end(), text);
+        }
+        ForceLaw::Table(table) if indentation < LEAST_OF_TABLE * table.end() => {
+            let text = format!(
+                "a rigid wall would stop the impactor at an indentation of {indentation:.3e} m, and contact.table goes to {} m: is the \
+                 table in m and N?",
+                table.end()
+            );
+            add("long table", table.end() / indentation, text);
+        }
         _ => {}
     }
     if impactor.gap > impactor.speed * scene.time.end {
-        notes.push("the gap is wider than the impactor's way to time.end".to_owned());
+        let text = "the impactor does not cross its gap up to time.end: make time.end later, or impactor.gap smaller"
+            .to_owned();
+        add("wide gap", impactor.gap / (impactor.speed * scene.time.end), text);
+    }
+    if let Some(key) = unused(scene) {
+        let name = model::name(scene.body.model);
+        let text = format!("{key} has no effect with model = \"{name}\", which chooses its own; it is for \"solid\"");
+        add("unused key", 1.0, text);
     }
     notes
+}
+
+/// A key that is given for the solid's cells, where another theory is named.
+fn unused(scene: &Scene) -> Option<&'static str> {
+    if matches!(scene.body.model, Theory::Auto | Theory::Solid) {
+        return None;
+    }
+    match (&scene.body.geometry, scene.contact) {
+        (Geometry::Box { is_given: true, .. }, _) => {
+            Some("what is given of cells (body.cells, body.grading or body.order)")
+        }
+        (_, Contact::Patch { radius: Some(_) }) => Some("contact.patch_radius"),
+        _ => None,
+    }
 }

@@ -10,23 +10,48 @@ use super::note;
 use super::terminal::has_bars;
 
 /// Shows the progress of a run's steps.
-pub enum Progress {
-    /// On a terminal.
-    Bar {
-        /// Its position runs to [`PARTS`].
-        bar: ProgressBar,
-        /// Beginning and end of what is run, s.
-        time: [f64; 2],
-    },
-    /// Into a log.
-    Lines(Lines),
+pub struct Progress {
+    /// Beginning and end of what is run, s.
+    time: [f64; 2],
+    left: Left,
+    shown: Shown,
 }
 
-/// Lines of progress, not more often than they are worth reading.
-pub struct Lines {
-    time: [f64; 2],
-    begin: Instant,
-    cadence: Cadence,
+enum Shown {
+    /// On a terminal; its position runs to [`PARTS`].
+    Bar(ProgressBar),
+    /// Into a log, not more often than lines are worth reading.
+    Lines(Cadence),
+}
+
+/// About how long the rest takes, by how quickly the parts so far came after the first one.
+struct Left {
+    first: Option<(Instant, f64)>,
+    count: usize,
+}
+
+impl Left {
+    /// Parts that come before the estimate: the first ones have much to set up, and are of another length than later ones.
+    const BEFORE: usize = 20;
+
+    fn new() -> Self {
+        Self { first: None, count: 0 }
+    }
+
+    /// Another part is over, up to `done` of 1.
+    fn over(&mut self, done: f64) {
+        self.count += 1;
+        self.first.get_or_insert_with(|| (Instant::now(), done));
+    }
+
+    /// In words, behind what was done; nothing before there is something to go by.
+    fn words(&self, done: f64) -> String {
+        let Some((begin, at)) = self.first.filter(|(_, at)| self.count > Self::BEFORE && done > *at) else {
+            return String::new();
+        };
+        let seconds = begin.elapsed().as_secs_f64() * (1.0 - done).max(0.0) / (done - at);
+        format!(", about {seconds:.0} s left")
+    }
 }
 
 /// When lines are due: the first soon, later ones twice as long after each other, up to a longest time.
@@ -59,39 +84,46 @@ const PARTS: u64 = 10_000;
 impl Progress {
     /// Progress of a run from a time, where it goes on, to its end, s, on standard error.
     pub fn new(time: [f64; 2]) -> Self {
-        if has_bars() {
-            let bar = ProgressBar::new(PARTS);
-            let style = "{bar:40} {percent} %, {eta} left, {msg}";
-            bar.set_style(ProgressStyle::with_template(style).expect("the template is valid"));
-            Self::Bar { bar, time }
+        let shown = if has_bars() {
+            let style = ProgressStyle::with_template("{bar:40} {percent} %, {msg}").expect("the template is valid");
+            Shown::Bar(ProgressBar::new(PARTS).with_style(style))
         } else {
-            Self::Lines(Lines { time, begin: Instant::now(), cadence: Cadence::new() })
-        }
+            Shown::Lines(Cadence::new())
+        };
+        Self { time, left: Left::new(), shown }
     }
 
     /// A step was accepted.
     pub fn step(&mut self, step: &Step) {
-        let state = || format!("t = {:.3} ms, F = {:.1} N", 1e3 * step.time, step.contact.force);
-        match self {
-            Self::Bar { bar, time: [from, end] } => {
-                bar.set_position((PARTS as f64 * ((step.time - *from) / (*end - *from)).min(1.0)) as u64);
+        let [from, end] = self.time;
+        let done = ((step.time - from) / (end - from)).min(1.0);
+        self.left.over(done);
+        let state = || {
+            format!(
+                "t = {:.3} of {:.3} ms, F = {:.1} N{}",
+                1e3 * step.time,
+                1e3 * end,
+                step.contact.force,
+                self.left.words(done)
+            )
+        };
+        match &mut self.shown {
+            Shown::Bar(bar) => {
+                bar.set_position((PARTS as f64 * done) as u64);
                 bar.set_message(state());
             }
-            Self::Lines(Lines { time: [from, end], begin, cadence }) => {
-                let done = step.time - *from;
-                if !cadence.is_due() || done <= 0.0 {
-                    return;
+            Shown::Lines(cadence) => {
+                if cadence.is_due() && step.number > 0 {
+                    cadence.next();
+                    note(format_args!("step {}, {}", step.number, state()));
                 }
-                cadence.next();
-                let left = begin.elapsed().as_secs_f64() * (*end - step.time).max(0.0) / done;
-                note(format_args!("step {}, {} of {:.3} ms, {left:.0} s left", step.number, state(), 1e3 * *end));
             }
         }
     }
 
     /// The run is over.
     pub fn finish(self) {
-        if let Self::Bar { bar, .. } = self {
+        if let Shown::Bar(bar) = self.shown {
             bar.finish_and_clear();
         }
     }
@@ -126,7 +158,7 @@ impl Items {
         } else if self.cadence.is_due() {
             self.cadence.next();
             let left = self.begin.elapsed().as_secs_f64() * (self.all - self.done) as f64 / self.done as f64;
-            note(format_args!("{} of {} {}, {left:.0} s left", self.done, self.all, self.what));
+            note(format_args!("{} of {} {}, about {left:.0} s left", self.done, self.all, self.what));
         }
     }
 
@@ -135,5 +167,21 @@ impl Items {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Left;
+
+    #[test]
+    fn no_time_is_foreseen_from_the_first_parts() {
+        let mut left = Left::new();
+        for part in 1..=Left::BEFORE {
+            left.over(1e-9 * part as f64);
+            assert_eq!(left.words(1e-9 * part as f64), "");
+        }
+        left.over(0.5);
+        assert_eq!(left.words(0.5), ", about 0 s left");
     }
 }

@@ -15,7 +15,7 @@ use crate::record::provenance::Provenance;
 use crate::record::read;
 use crate::record::series::Earlier;
 use crate::record::target::is_same;
-use crate::scene::{Geometry, Output, Scene};
+use crate::scene::{self, Geometry, Output, Scene, Source};
 
 use super::collect::{gathered, shared};
 use super::keeping::carry;
@@ -44,14 +44,14 @@ impl Past {
     ///
     /// # Errors
     /// [`Error::Output`] where that cannot be read; [`Error::Usage`] where it is of another scene.
-    pub fn read(comm: &Comm, (result, output): (&Path, &Path), scene: &Scene) -> Result<Self> {
+    pub fn read(comm: &Comm, (result, output): (&Path, &Path), (scene, source): (&Scene, &Source)) -> Result<Self> {
         // Of the whole body: one rank has it at a time.
         let there = if comm.is_root() { there(result).map(Some) } else { Ok(None) };
         let there = agree(comm, there.map_err(|error| error.to_string())).map_err(Error::Output)?;
         let checked = match &there {
-            Some((origin, true, _)) => check_complete(origin, (result, output), scene),
-            Some((origin, false, Some(kept))) => check_scene(origin, kept, result, scene),
-            Some((origin, false, None)) => check_begun(origin, result, scene),
+            Some((origin, true, _)) => check_complete(origin, (result, output), (scene, source.text())),
+            Some((origin, false, Some(kept))) => check_scene(origin, kept, result, (scene, source.text())),
+            Some((origin, false, None)) => check_begun(origin, result, (scene, source.text())),
             _ => Ok(()),
         };
         agree(comm, checked).map_err(Error::Usage)?;
@@ -85,7 +85,7 @@ fn there(result: &Path) -> Result<(Provenance, bool, Option<Kept>)> {
 fn check_complete(
     origin: &Provenance,
     (result, output): (&Path, &Path),
-    scene: &Scene,
+    (scene, text): (&Scene, &str),
 ) -> std::result::Result<(), String> {
     let shown = result.display();
     let of_result = parsed(&shown.to_string(), &origin.scene, scene)?;
@@ -94,7 +94,8 @@ fn check_complete(
     same.time.end = scene.time.end;
     if same != *scene {
         return Err(format!(
-            "{shown} is complete and of another scene (`ricochet info {shown} --scene` shows it): without --restart this one is run anew"
+            "{shown} is complete and of another scene ({}): without --restart this one is run anew",
+            differing(&origin.scene, text, result)
         ));
     }
     if end != scene.time.end {
@@ -114,21 +115,27 @@ fn check_complete(
 }
 
 /// A run without a checkpoint is begun anew: it must be of the scene that is run, but for its end and what is written of it.
-fn check_begun(origin: &Provenance, result: &Path, scene: &Scene) -> std::result::Result<(), String> {
+fn check_begun(origin: &Provenance, result: &Path, (scene, text): (&Scene, &str)) -> std::result::Result<(), String> {
     let shown = result.display();
     let mut same = parsed(&shown.to_string(), &origin.scene, scene)?;
     same.output = scene.output.clone();
     same.time.end = scene.time.end;
     if same != *scene {
         return Err(format!(
-            "{shown} is of another scene (`ricochet info {shown} --scene` shows it), and has no checkpoint: without --restart, --force replaces it"
+            "{shown} is of another scene ({}), and has no checkpoint: without --restart, --force replaces it",
+            differing(&origin.scene, text, result)
         ));
     }
     Ok(())
 }
 
 /// The scene of a checkpoint must be the one that is run, but for its end and what is written of it.
-fn check_scene(origin: &Provenance, kept: &Kept, result: &Path, scene: &Scene) -> std::result::Result<(), String> {
+fn check_scene(
+    origin: &Provenance,
+    kept: &Kept,
+    result: &Path,
+    (scene, text): (&Scene, &str),
+) -> std::result::Result<(), String> {
     let shown = beside(result).display().to_string();
     let of_kept = parsed(&shown, &kept.scene, scene)?;
     let end = of_kept.time.end;
@@ -137,9 +144,8 @@ fn check_scene(origin: &Provenance, kept: &Kept, result: &Path, scene: &Scene) -
     same.time.end = scene.time.end;
     if same != *scene {
         return Err(format!(
-            "{shown} is of another scene: only its end, its title and [output] but for probes and fields may change; `ricochet info {} --scene` \
-             shows it",
-            result.display()
+            "{shown} is of another scene ({}): only its end, its title and [output] but for probes and fields may change",
+            differing(&kept.scene, text, result)
         ));
     }
     // Chosen steps may pass the end by one, so the same end is never too early.
@@ -147,6 +153,16 @@ fn check_scene(origin: &Provenance, kept: &Kept, result: &Path, scene: &Scene) -
         return Err(format!("{shown} is at t = {:.6e} s, beyond the end at {:e} s", kept.time, scene.time.end));
     }
     check_mesh(origin, result, scene)
+}
+
+/// Which keys differ from those of a result's scene, in words.
+fn differing(there: &str, now: &str, result: &Path) -> String {
+    const FREE: [&str; 5] =
+        ["title", "time.end", "output.every", "output.checkpoint_steps", "output.checkpoint_minutes"];
+    let mut keys = scene::differences(there, now);
+    keys.retain(|key| !FREE.contains(&key.as_str()));
+    let show = format!("`ricochet info {} --scene` shows it", result.display());
+    if keys.is_empty() { show } else { format!("other values of {}; {show}", keys.join(", ")) }
 }
 
 /// The scene of a text, with what makes no other run of it taken from `scene`.

@@ -79,7 +79,8 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
         let free = if comm.is_root() { free().map_err(|error| error.to_string()) } else { Ok(None) };
         agree(comm, free).map_err(Error::Output)?
     };
-    let past = arguments.restart.as_ref().map(|result| Past::read(comm, (result, &output), &scene)).transpose()?;
+    let past =
+        arguments.restart.as_ref().map(|result| Past::read(comm, (result, &output), (&scene, &source))).transpose()?;
     let from = arguments.restart.as_deref().unwrap_or(&output);
     if let (true, Some(past)) = (comm.is_root(), &past) {
         match past {
@@ -140,6 +141,11 @@ fn solve(
     force: bool,
 ) -> Result<i32> {
     let begin = Instant::now();
+    if comm.is_root() {
+        // Before the model, which may take long for such values.
+        let odd = notes::texts(notes::of_values(scene, source));
+        odd.iter().for_each(|warning| tell(format_args!("warning: {warning}")));
+    }
     let interrupt = Rc::new(Interrupt::on_signals());
     let follower = Follower::new(comm, interrupt.clone());
     let model = Model::watched(comm, scene, &follower)?;
@@ -148,14 +154,14 @@ fn solve(
     if let Some(Verdict { message, is_useless }) = verdict(&model, scene.tolerance) {
         if is_useless && !force {
             return Err(Error::Solve(format!(
-                "{message}: the result would be of no use. --force computes it all the same"
+                "{message}. The result would be of no use; --force computes it all the same"
             )));
         }
         poor = Some(message);
     }
     let patch = model.dynamics.patch();
     let linearity = Linearity::new(scene, model.theory, patch.as_ref());
-    let of_geometry = notes::of_geometry(scene, model.measures.as_ref());
+    let warnings = notes::texts(notes::of_geometry(scene, model.measures.as_ref()));
     let (described, reason, of_probes) = (describe_model(&model), model.reason.clone(), note_of_probes(&model));
     let is_factorised = model.dynamics.is_factorised_on_ranks();
     let of_model = (model::name(model.theory), model.reduction(), model.unknowns);
@@ -174,10 +180,11 @@ fn solve(
         if let Some(reason) = reason {
             note(format_args!("{reason}"));
         }
-        for warning in of_geometry {
+        for warning in warnings {
             tell(format_args!("warning: {warning}"));
         }
-        for line in notes::notes(scene, patch.as_ref(), impact.plan().as_ref()).into_iter().chain(of_probes) {
+        let of_scene = notes::notes(scene, patch.as_ref(), impact.plan().as_ref());
+        for line in notes::texts(of_scene).into_iter().chain(of_probes) {
             note(format_args!("note: {line}"));
         }
         if is_factorised && !has_mumps(comm.session())? {
@@ -204,7 +211,7 @@ fn solve(
         }
     };
     let desk = parts.map(|(writer, recording, summary)| Desk {
-        writer: writer.every(scene.output.every),
+        writer: if scene.time.modal { writer.all_at_once() } else { writer }.every(scene.output.every),
         recording,
         progress: Progress::new([summary.end(), scene.time.end]),
         summary: summary.following(linearity),

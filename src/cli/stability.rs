@@ -9,7 +9,7 @@ use crate::mesh::Mesh;
 use crate::record::folder::Folder;
 use crate::scene::Scene;
 use crate::study::stability::{ENOUGH, Study};
-use crate::study::table::{csv, gist, theory};
+use crate::study::table::{COLUMNS, csv, gist, theory};
 use crate::study::{Verdict, label, stability as study};
 
 use super::interrupt::Interrupt;
@@ -17,17 +17,27 @@ use super::load::{Loaded, load};
 use super::progress::Items;
 use super::{Stability, say, tell, warn_of_unused_options};
 
+/// The files of a study.
+const RESULTS: [&str; 3] = ["stability.csv", "stability.svg", "stability.png"];
+
 /// Studies a scene and writes what was found; returns the exit status. Collective.
 ///
 /// # Errors
 /// All that [`Error`] names.
 pub fn stability(comm: &Comm, arguments: &Stability) -> Result<i32> {
     if let Some(budget) = arguments.budget.filter(|budget| budget.is_nan() || *budget < 0.0) {
-        return Err(Error::Usage(format!("--budget {budget}: a number of seconds")));
+        return Err(Error::Usage(format!("--budget {budget}: expected a number of seconds, 0 or more")));
     }
     let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
     // Before minutes of work whose result could not be written.
-    let folder = if comm.is_root() { Folder::create(&arguments.output).map(Some) } else { Ok(None) };
+    let claimed = || {
+        let folder = Folder::create(&arguments.output)?;
+        let there = std::fs::read_to_string(arguments.output.join(RESULTS[0])).unwrap_or_default();
+        let are_ours = there.starts_with(COLUMNS);
+        folder.claim(("stability.toml", source.text()), &RESULTS, (are_ours, true))?;
+        Ok::<_, Error>(Some(folder))
+    };
+    let folder = if comm.is_root() { claimed() } else { Ok(None) };
     let folder = agree(comm, folder.map_err(|error| error.to_string())).map_err(Error::Output)?;
     let interrupt = Interrupt::on_signals();
     let found = find(comm, &scene, arguments.budget, &interrupt).map_err(|error| error.in_scene(&source))?;

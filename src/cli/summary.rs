@@ -112,16 +112,21 @@ impl Summary {
     /// That the deflection is too large for the model, where it is.
     pub fn warning(&self) -> Option<String> {
         let ratio = self.linearity?.excess(self.largest_deflection)?;
-        let [least, most] = STIFFENING.map(|factor| factor * ratio * ratio);
-        Some(format!(
-            "the largest deflection is about {} mm, {} times the thickness, and the model is geometrically linear: it neglects membrane forces, which \
-             make the plate stiffer by about {}% where its edges can move in the plane and by up to {}% where they cannot",
-            short(1e3 * self.largest_deflection),
-            short(ratio),
-            short(100.0 * least),
-            short(100.0 * most)
-        ))
+        Some(format!("the largest deflection is about {} mm, {}", short(1e3 * self.largest_deflection), beyond(ratio)))
     }
+}
+
+/// What a deflection of so many thicknesses means.
+pub fn beyond(ratio: f64) -> String {
+    let [least, most] = STIFFENING.map(|factor| factor * ratio * ratio);
+    format!(
+        "{} times the thickness, and the model is geometrically linear: it neglects membrane forces, which \
+         make the plate stiffer by about {}% where its edges can move in the plane and by up to {}% where they cannot; \
+         expect larger forces and smaller deflections",
+        short(ratio),
+        short(100.0 * least),
+        short(100.0 * most)
+    )
 }
 
 /// The largest values of a run, a line each; not those of the acceleration.

@@ -18,6 +18,7 @@ use crate::study::sweep::{Bodies, Census, Grid, Property, Task, Variation, diges
 use super::follow::Follower;
 use super::interrupt::Interrupt;
 use super::load::{Loaded, load};
+use super::members::{Remarks, tell_of_idle_keys};
 use super::progress::Items;
 use super::{Sweep, note, say, short, tell, warn_of_unused_options};
 
@@ -29,15 +30,23 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     let begin = Instant::now();
     let variations = arguments.vary.iter().map(|given| Variation::parse(given, arguments.log));
     let grid = variations.collect::<std::result::Result<_, _>>().and_then(Grid::new).map_err(Error::Usage)?;
-    let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
-    let mut census = Census::default();
+    let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides).map_err(of_base)?;
+    let (mut census, mut remarks, mut tolerances) = (Census::default(), Remarks::default(), Vec::new());
     for index in 0..grid.len() {
         let on_line = grid.line().and_then(|key| Some((property_of(key)?, grid.number(index, key)?)));
-        census.count(index, &task(arguments, &source, &grid, index)?.scene, on_line);
+        let member = task(arguments, &source, &grid, index)?;
+        census.count(index, &member.scene, on_line);
+        if comm.is_root() {
+            remarks.of_scene(index, &member.scene, &member.source);
+            tolerances.push(member.scene.tolerance);
+        }
     }
     let header = header(comm, arguments, &grid, (&scene, &source))?;
     let desk = if comm.is_root() { Desk::open(arguments, &header).map(Some) } else { Ok(None) };
     let desk = agree(comm, desk.map_err(|error| error.to_string())).map_err(Error::Output)?;
+    if desk.is_some() {
+        remarks.tell(&grid);
+    }
     let todo: Vec<usize> = desk.as_ref().map_or(Vec::new(), Desk::missing);
     let mut todo_somewhere = !todo.is_empty();
     comm.mpi().process_at_rank(0).broadcast_into(&mut todo_somewhere);
@@ -79,6 +88,8 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
         desk.progress.finish();
         desk.writer.finish()?;
         desk.print(&grid, begin.elapsed().as_secs_f64());
+        Remarks::of_results(&desk.writer, &tolerances).tell(&grid);
+        tell_of_idle_keys(&grid, &desk.writer);
         if flow.is_break() {
             let missing = desk.missing().len();
             tell(format_args!("interrupted: {missing} members are missing; the same command computes them"));
@@ -89,6 +100,14 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     }
     comm.mpi().process_at_rank(0).broadcast_into(&mut status);
     Ok(status)
+}
+
+/// An error of the scene as it stands, of which members are made.
+fn of_base(error: Error) -> Error {
+    match error {
+        Error::Scene(error) => error.remarked("in the scene itself, before --vary").into(),
+        other => other,
+    }
 }
 
 /// What a key like `support.NUMBER.stiffness` is of.

@@ -47,6 +47,10 @@ pub fn man(arguments: &Man) -> Result<()> {
         let file = format!("{name}.1");
         let rendered = clap_mangen::Man::new(command).title(name).render(&mut page);
         rendered.map_err(|error| Error::io(&arguments.output, error))?;
+        let there = std::fs::read_to_string(arguments.output.join(&file)).unwrap_or_default();
+        if !there.is_empty() && !there.contains(".TH ricochet") {
+            return Err(Error::io(&arguments.output.join(&file), "is no page of this manual, so it is not replaced"));
+        }
         folder.put(&file, |path| std::fs::write(path, &page).map_err(|error| Error::io(path, error)))?;
         names.push(file);
     }

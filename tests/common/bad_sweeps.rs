@@ -18,7 +18,7 @@ const fn bad(name: &'static str, line: &'static str, fragments: &'static [&'stat
 
 /// All of them; each ends with status 2.
 #[rustfmt::skip]
-pub const TABLE: [BadSweep; 20] = [
+pub const TABLE: [BadSweep; 21] = [
     bad("nothing is varied", "-o out.h5", &["--vary"], false),
     bad("no output", "--vary impactor.speed=1,2", &["--output"], false),
     bad("no values", "--vary impactor.speed -o out.h5", &["--vary impactor.speed: ", "KEY=A..B:N or KEY=A,B,C"], true),
@@ -40,5 +40,7 @@ pub const TABLE: [BadSweep; 20] = [
     bad("shard 0", "--vary impactor.speed=1,2 --shard 0/2 -o out.h5", &["'0/2'", "1 ≤ i ≤ n"], false),
     bad("shard beyond", "--vary impactor.speed=1,2 --shard 3/2 -o out.h5", &["'3/2'", "1 ≤ i ≤ n"], false),
     bad("a malformed override", "--vary impactor.speed=1,2 --set time.step -o out.h5", &["--set time.step", "no `=`"], false),
+    bad("a fault of the scene itself", "--vary impactor.speed=1,2 --set body.young=-1 -o out.h5",
+        &["body.young: must be positive, but is -1 (set by --set body.young=-1) (in the scene itself, before --vary)"], false),
     bad("unknown type", "--vary impactor.speed=1,2 -o out.h5 -- -ksp_type nonsense", &["a PETSc option is wrong", "KSP type nonsense"], true),
 ];

@@ -142,15 +142,26 @@ fn what_is_wrong_is_told() {
     let folder = folder();
     let path = folder.path();
     fs::write(path.join("bad.csv"), "name,seconds,error\nA,fast,1\n").unwrap();
+    fs::write(path.join("short.csv"), "time,acceleration\n0,1\n").unwrap();
+    let other = ["run", "ball.toml", "-o", "other.h5", "--set", "impactor.speed=2", "--set", "body.model=half-space"];
+    ricochet(path).args(other).assert().success();
+    // What stands in the folder and is none of this program's stays.
+    fs::create_dir(path.join("full")).unwrap();
+    fs::write(path.join("full/summary.md"), "my notes").unwrap();
     for (arguments, status, part) in [
         (vec!["--only", "minlin"], 2, "--only minlin: no method of this scene; there are auto, half-space"),
-        (vec!["--budget=-1"], 2, "--budget -1: a number of seconds"),
+        (vec!["--budget", "-1"], 2, "--budget -1: expected a number of seconds above 0"),
+        (vec!["--budget", "0"], 2, "--budget 0: expected a number of seconds above 0"),
         (vec!["--with", "bad.csv"], 4, "bad.csv"),
         (vec!["--with", "none.csv"], 4, "none.csv"),
         (vec!["--reference", "none.h5"], 4, "none.h5"),
+        (vec!["--reference", "short.csv"], 4, "short.csv: has 1 rows, and a history at least two"),
+        (vec!["--reference", "other.h5"], 4, "other.h5: is of another impact: other values of impactor.speed"),
         (vec!["--set", "body.young=-1"], 2, "body.young"),
+        (vec!["-o", "full"], 4, "full: has a file summary.md that is not of this program"),
     ] {
-        let all = ["chart", "ball.toml", "-o", "chart"].into_iter().chain(arguments.iter().copied());
+        let output = if arguments[0] == "-o" { vec![] } else { vec!["-o", "chart"] };
+        let all = ["chart", "ball.toml"].into_iter().chain(output).chain(arguments.iter().copied());
         let assert = ricochet(path).args(all).assert().code(status);
         let text = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
         assert!(text.contains(part), "{arguments:?}: {text}");
@@ -172,6 +183,9 @@ fn a_reference_may_be_given() {
     ricochet(path).args(fine).args(cells).assert().success();
     let chart = ["chart", "pad.toml", "-o", "chart", "--only", "solid/energy", "--reference", "fine.h5"];
     ricochet(path).args(chart).args(cells).assert().success();
+    // The same folder is for the same scene.
+    let other = ricochet(path).args(chart).args(["--set", "body.cells=[4,4,1]"]).assert().code(4);
+    assert!(String::from_utf8_lossy(&other.get_output().stderr).contains("holds results of another scene"));
     let lines = table(&path.join("chart"));
     assert!(lines.len() >= 4 && lines.iter().all(|line| line.0 == "solid/energy"), "{lines:?}");
     // Order two, until the reference's own steps are met.

@@ -13,6 +13,7 @@ use crate::results::{self, folder, good, words};
 pub const TESTS: &[PlainTest] = tests![
     a_mesh_is_measured,
     what_looks_wrong_with_a_mesh_is_warned_of,
+    odd_values_are_warned_of_and_computed,
     two_physical_volumes_are_refused,
     facts_for_programs,
     a_slow_scene_is_answered_soon,
@@ -87,6 +88,23 @@ fn what_looks_wrong_with_a_mesh_is_warned_of() {
         let told = outcome.stderr.lines().filter(|line| line.contains(warning)).count();
         assert_eq!((outcome.status, told), (Some(0), 1), "{warning}: {outcome:#?}");
     }
+}
+
+fn odd_values_are_warned_of_and_computed() {
+    let folder = folder(BOX);
+    let told = "scene.toml (after --set):14: impactor.radius: a ball of 50 m and 52 kg";
+    let said = good(&folder, 0, "check scene.toml --set impactor.radius=50").stdout;
+    assert!(said.lines().any(|line| line.starts_with("warning    ") && line.contains(told)), "{said}");
+    let outcome = good(&folder, 2, "run scene.toml -o out.h5 --set impactor.radius=50");
+    assert_eq!(outcome.stderr.matches(&format!("warning: {told}")).count(), 1, "{outcome:#?}");
+    let ignored = good(
+        &folder,
+        0,
+        "check scene.toml --set body.model=mindlin --set solver.newton= --set body.reduction= \
+        --set contact.localization=",
+    )
+    .stdout;
+    assert!(ignored.contains("has no effect with model = \"mindlin\""), "{ignored}");
 }
 
 fn two_physical_volumes_are_refused() {

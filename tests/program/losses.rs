@@ -22,6 +22,7 @@ pub const TESTS: &[PlainTest] = tests![
     a_figure_is_whole_or_not_there,
     scenes_come_through_pipes,
     a_scene_that_cannot_be_read_is_an_error_of_input,
+    a_name_that_is_no_text_is_told_at_once,
     what_cannot_be_said_is_an_error_of_output,
 ];
 
@@ -90,7 +91,7 @@ fn a_run_without_a_checkpoint_is_begun_anew_as_itself() {
     interrupted(&folder, 0, line, "TERM");
     fs::remove_file(folder.path().join("out.checkpoint.h5")).unwrap();
     let before = fs::read(folder.path().join("out.h5")).unwrap();
-    let why = "is of another scene (`ricochet info out.h5 --scene` shows it), and has no checkpoint";
+    let why = "`ricochet info out.h5 --scene` shows it), and has no checkpoint";
     refused(&folder, "run scene.toml --restart out.h5 --set impactor.mass=3", 2, &[why]);
     assert!(fs::read(folder.path().join("out.h5")).unwrap() == before);
     good(&folder, 0, "run scene.toml --restart out.h5 --set time.end=1e-3");
@@ -166,6 +167,17 @@ fn a_scene_that_cannot_be_read_is_an_error_of_input() {
     let folder = folder(BOX);
     refused(&folder, "run missing.toml", 4, &["missing.toml: the scene cannot be read: No such file"]);
     refused(&folder, "check .", 4, &["the scene cannot be read"]);
+}
+
+/// HDF5 wants the names of its files as text: that is told before the work.
+fn a_name_that_is_no_text_is_told_at_once() {
+    let folder = folder(BOX);
+    for line in ["run scene.toml", "sweep scene.toml --vary impactor.speed=1,2"] {
+        let outcome = bash(folder.path(), &format!("ricochet {line} -o $'a\\xff.h5'"));
+        assert_eq!(outcome.status, Some(4), "{outcome:#?}");
+        assert!(outcome.stderr.contains("is no name for a result: HDF5 wants text in UTF-8"), "{outcome:#?}");
+        assert!(!outcome.stderr.contains("solid:") && !outcome.stderr.contains("MPI_ABORT"), "{outcome:#?}");
+    }
 }
 
 fn what_cannot_be_said_is_an_error_of_output() {

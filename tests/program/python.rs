@@ -434,7 +434,7 @@ fn pip_installs_the_package() {
     let lines = "import importlib.metadata, tomllib\n\
         print(ricochet.__file__.startswith(__import__('sys').prefix), importlib.metadata.version('ricochet'))\n\
         run = ricochet.run(tomllib.load(open('scene.toml', 'rb')), 'out.h5')\n\
-        print(bits(run.series['contact/force']), bits(run.plot('contact/force').lines[0].get_ydata()))";
+        print(bits(run.series['contact/force']), bits(run.plot('force').lines[0].get_ydata()))";
     let mut python = Command::new(folder.path().join("venv/bin/python"));
     let told = answer(python.env_remove("PYTHONPATH"), folder.path(), lines).unwrap();
     assert_eq!(told[0], format!("True {}", env!("CARGO_PKG_VERSION")));
@@ -448,6 +448,12 @@ fn files_of_the_other_kind_are_refused() {
     good(&folder, 0, "sweep scene.toml --vary support.0.stiffness=1e8,1e9 -o sweep.h5");
     for (line, message) in [
         ("ricochet.Run('sweep.h5')", "ValueError: sweep.h5 is not a run of ricochet"),
+        (
+            "ricochet.Run('scene.toml')",
+            "ValueError: scene.toml is not a result of ricochet: ricochet.run computes a scene",
+        ),
+        ("ricochet.Run('no.h5')", "FileNotFoundError: there is no file no.h5"),
+        ("ricochet.Run('run.h5').plot('forces')", "ValueError: the run has no series 'forces'"),
         ("ricochet.Sweep('run.h5')", "ValueError: run.h5 is not a sweep of ricochet"),
         ("ricochet.Sweep('sweep.h5').series(1)", "has no series of member 1: is it done, and was --series given?"),
     ] {

@@ -177,9 +177,18 @@ fn what_cannot_go_on_says_why() {
         &folder,
         "run scene.toml --restart out.h5 --set body.young=71e9",
         2,
-        &["out.checkpoint.h5", "another scene"],
+        &["out.checkpoint.h5", "another scene (other values of body.young; `ricochet info out.h5 --scene` shows it)"],
     );
     refused(&folder, "run scene.toml --restart out.h5 --set time.step=1e-5", 2, &["another scene"]);
+    for (line, why) in [
+        ("run out.checkpoint.h5 -o more.h5", "is a checkpoint: give the result that it lies beside"),
+        ("info out.checkpoint.h5", "is a checkpoint: give the result that it lies beside"),
+        ("plot out.checkpoint.h5 -o more.svg", "is a checkpoint: give the result that it lies beside"),
+    ] {
+        let outcome = run(ricochet(folder.path(), 0).args(words(line)));
+        assert_eq!(outcome.status, Some(4), "{outcome:#?}");
+        assert!(outcome.stderr.contains(why), "{line}: {outcome:#?}");
+    }
     // Cut at every kind of place: in the superblock, in the headers, in the numbers, just before the end.
     let length = whole[1].len();
     for part in [0, 4, 100, 800, length / 8, length / 3, length / 2, length - 3000, length - 8, length - 1] {

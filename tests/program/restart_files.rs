@@ -139,7 +139,7 @@ fn a_complete_run_is_done_only_where_nothing_else_is_wanted() {
     for (more, said) in [
         ("--set time.end=2e-3", "and a complete run has no checkpoint"),
         ("--set time.end=5e-4", "and a complete run has no checkpoint"),
-        ("--set body.young=71e9", "of another scene"),
+        ("--set body.young=71e9", "of another scene (other values of body.young"),
         ("--set output.every=2", "of another scene"),
         ("-o more.h5", "more.h5 would be a copy of it"),
     ] {

@@ -12,6 +12,7 @@ use crate::results::{column, folder, good, open, pane, words};
 pub const TESTS: &[PlainTest] = tests![
     the_largest_values_are_those_of_the_series,
     large_deflections_are_warned_of,
+    a_sweep_repeats_the_warnings_of_its_members,
     quiet_runs_say_nothing_but_warnings,
     a_run_by_default_keeps_off_the_result_of_another_scene,
     completions_schema_and_manual,
@@ -74,6 +75,30 @@ fn large_deflections_are_warned_of() {
     }
 }
 
+/// What a run warns of, a sweep tells once, with the member that it concerns most.
+fn a_sweep_repeats_the_warnings_of_its_members() {
+    let pane = pane().replace("tolerance = 1e-2", "tolerance = 1e-1").replace("end = 1e-3", "end = 0.02");
+    let folder = folder(&pane.replace("[1.0, 1.5, 0.008]", "[0.5, 0.5, 0.008]"));
+    let line =
+        "sweep scene.toml --vary impactor.speed=0.1,8,7 --vary output.every=1,2 -o s.h5 --set impactor.young=210e4";
+    let outcome = good(&folder, 0, line);
+    let told = |start: &str, part: &str| {
+        outcome.stderr.lines().filter(|line| line.starts_with(start) && line.contains(part)).count()
+    };
+    let most = "warning: 4 of 6 members, most of all member 2: impactor.speed=8, output.every=1: the largest deflection is about";
+    assert_eq!((told(most, "membrane forces"), told("warning: ", "largest deflection")), (1, 1), "{outcome:#?}");
+    assert_eq!(told("note: --vary output.every has no effect", ""), 1, "{outcome:#?}");
+    let rough = good(
+        &folder,
+        0,
+        &line.replace("s.h5", "rough.h5 --set body.reduction=4 --set body.model=mindlin --set accuracy.tolerance=1e-4"),
+    );
+    assert!(rough.stderr.contains("the estimated error in the first contact is "), "{rough:#?}");
+    // With another unit in the scene, for all of them.
+    let odd = good(&folder, 0, "sweep scene.toml --vary impactor.speed=0.1,0.2 -o odd.h5 --set impactor.young=210");
+    assert_eq!(odd.stderr.matches("warning: 2 of 2 members, most of all ").count(), 1, "{odd:#?}");
+}
+
 fn quiet_runs_say_nothing_but_warnings() {
     let folder = folder(BOX);
     let usual = good(&folder, 0, "run scene.toml -o out.h5");
@@ -115,4 +140,15 @@ fn completions_schema_and_manual() {
     good(&folder, 0, "man -o pages");
     let page = fs::read_to_string(folder.path().join("pages/ricochet-run.1")).unwrap();
     assert!(page.contains(".TH ricochet-run 1") && page.contains("restart"), "{page}");
+    good(&folder, 0, "man -o pages");
+    // Files of others stay.
+    fs::write(folder.path().join("pages/ricochet-run.1"), "my notes").unwrap();
+    fs::write(folder.path().join("pages/stability.csv"), "my table").unwrap();
+    for (line, why) in [
+        ("man -o pages", "pages/ricochet-run.1: is no page of this manual, so it is not replaced"),
+        ("stability scene.toml -o pages", "pages: has a file stability.csv that is not of this program"),
+    ] {
+        let outcome = run(ricochet(folder.path(), 0).args(words(line)));
+        assert_eq!((outcome.status, outcome.stderr.contains(why)), (Some(4), true), "{outcome:#?}");
+    }
 }

@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use crate::impact::{Plan, Setting};
 use crate::mesh::{Measures, Mesh};
 use crate::model::{Dynamics, Model};
-use crate::scene::{Geometry, Scene};
+use crate::scene::{Geometry, Scene, Source};
 
 use super::follow::Follower;
 use super::interrupt::Interrupt;
@@ -54,7 +54,7 @@ pub fn check(comm: &Comm, arguments: &Check) -> Result<()> {
     let begin = Instant::now();
     let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
     let deadline = (!arguments.full).then(|| begin + Duration::from_secs_f64(PATIENCE));
-    let report = report(comm, &scene, deadline).map_err(|error| error.in_scene(&source))?;
+    let report = report(comm, (&scene, &source), deadline).map_err(|error| error.in_scene(&source))?;
     if comm.is_root() {
         if arguments.json { say(format_args!("{}", facts::json(&report))) } else { text::print(&report) }
     }
@@ -62,7 +62,7 @@ pub fn check(comm: &Comm, arguments: &Check) -> Result<()> {
 }
 
 /// All that can be known of a scene before a deadline. Collective.
-fn report<'a>(comm: &Comm, scene: &'a Scene, deadline: Option<Instant>) -> Result<Report<'a>> {
+fn report<'a>(comm: &Comm, (scene, source): (&'a Scene, &Source), deadline: Option<Instant>) -> Result<Report<'a>> {
     let bytes = mesh_bytes(comm, scene);
     let model = model(comm, scene, bytes, deadline)?;
     let mut report = Report {
@@ -103,8 +103,9 @@ fn report<'a>(comm: &Comm, scene: &'a Scene, deadline: Option<Instant>) -> Resul
         report.warnings.extend(verdict(model, scene.tolerance).map(|Verdict { message, .. }| message));
         report.notes.extend(note_of_probes(model));
     }
-    report.warnings.extend(notes::of_geometry(scene, report.measures.as_ref()));
-    report.notes.splice(0..0, notes::notes(scene, patch.as_ref(), report.plan.as_ref()));
+    report.warnings.extend(notes::texts(notes::of_values(scene, source)));
+    report.warnings.extend(notes::texts(notes::of_geometry(scene, report.measures.as_ref())));
+    report.notes.splice(0..0, notes::texts(notes::notes(scene, patch.as_ref(), report.plan.as_ref())));
     Ok(report)
 }
 

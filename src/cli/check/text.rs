@@ -117,7 +117,7 @@ fn print_contact(scene: &Scene, patch: Option<&Patch>) {
         impactor.point
     ));
     say(format_args!(
-        "contact    on a half-space it would last {:.4} ms and peak at {:.0} N",
+        "contact    on a half-space it would last {:.4} ms and peak at {:.0} N; a body that bends has a lower peak",
         1e3 * contact_time(scene),
         impactor.peak_force()
     ));
@@ -142,7 +142,7 @@ fn print_contact(scene: &Scene, patch: Option<&Patch>) {
         if patch.is_coarse() {
             "the cells do not resolve it".to_owned()
         } else {
-            format!("it leaves about {:.1e} of the peak open", patch.error())
+            format!("it changes the force by about {:.1e} of its peak", patch.error())
         }
     ));
 }

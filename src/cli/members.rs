@@ -1,0 +1,120 @@
+//! What is to be known of a sweep's members: each kind of remark once, with how many it concerns and which of them most.
+
+use std::collections::BTreeMap;
+
+use crate::impact::Plan;
+use crate::model::LARGE;
+use crate::record::sweep::{Quantity, Status, SweepWriter};
+use crate::scene::{Scene, Source};
+use crate::study::sweep::Grid;
+
+use super::notes::{self, Remark, USELESS};
+use super::summary::beyond;
+use super::{note, tell};
+
+/// Remarks on members, by their kind.
+#[derive(Default)]
+pub struct Remarks {
+    warnings: Kinds,
+    notes: Kinds,
+}
+
+/// Of each kind the worst, its member, and how many members have one.
+#[derive(Default)]
+struct Kinds(BTreeMap<String, (Remark, usize, usize)>);
+
+impl Kinds {
+    fn add(&mut self, member: usize, remark: Remark) {
+        match self.0.get_mut(&remark.kind) {
+            None => {
+                self.0.insert(remark.kind.clone(), (remark, member, 1));
+            }
+            Some((worst, at, count)) => {
+                *count += 1;
+                if remark.size > worst.size {
+                    (*worst, *at) = (remark, member);
+                }
+            }
+        }
+    }
+
+    fn lines<'a>(&'a self, grid: &'a Grid) -> impl Iterator<Item = String> + 'a {
+        self.0.values().map(|(worst, at, count)| {
+            let all = grid.len();
+            format!("{count} of {all} members, most of all {}: {}", grid.name(*at), worst.text)
+        })
+    }
+}
+
+impl Remarks {
+    /// What a run would say of a member's scene before it is computed.
+    pub fn of_scene(&mut self, member: usize, scene: &Scene, source: &Source) {
+        let values = notes::of_values(scene, source).into_iter().chain(notes::of_geometry(scene, None));
+        values.for_each(|remark| self.warnings.add(member, remark));
+        let plan = scene.time.step.map(|step| Plan::Equal { step });
+        notes::notes(scene, None, plan.as_ref()).into_iter().for_each(|remark| self.notes.add(member, remark));
+    }
+
+    /// What a run would say of its answer, of all members that are done; `tolerances` are theirs.
+    pub fn of_results(writer: &SweepWriter, tolerances: &[f64]) -> Self {
+        let mut all = Self::default();
+        for (member, tolerance) in tolerances.iter().enumerate() {
+            if writer.status()[member] != Status::Done {
+                continue;
+            }
+            let of = |quantity| writer.quantity(quantity)[member];
+            let (first, whole) = (of(Quantity::FirstContactError), of(Quantity::ErrorEstimate));
+            let deflection = of(Quantity::DeflectionOverThickness);
+            let remark = |kind: &str, size: f64, text: String| Remark { kind: kind.to_owned(), size, text };
+            let of_first = format!(
+                "the estimated error in the first contact is {first:.1e} of the peak, above accuracy.tolerance = {tolerance:e}"
+            );
+            if first > USELESS {
+                let text = format!("{of_first}, and its results are of no use: `ricochet check` of its scene says why");
+                all.warnings.add(member, remark("useless", first, text));
+            } else if first > *tolerance {
+                let text = format!("{of_first}: `ricochet check` of its scene says why");
+                all.warnings.add(member, remark("first contact", first, text));
+            } else if whole > *tolerance {
+                let text = format!(
+                    "the estimated error of the whole history is {whole:.1e} of the peak, above accuracy.tolerance = {tolerance:e}, which is for the first \
+                     contact: later contacts are sensitive; tighten the tolerance to check them"
+                );
+                all.notes.add(member, remark("whole history", whole, text));
+            }
+            if deflection > LARGE {
+                let text = format!("the largest deflection is about {}", beyond(deflection));
+                all.warnings.add(member, remark("deflection", deflection, text));
+            }
+        }
+        all
+    }
+
+    /// Tells all.
+    pub fn tell(&self, grid: &Grid) {
+        self.warnings.lines(grid).for_each(|line| tell(format_args!("warning: {line}")));
+        self.notes.lines(grid).for_each(|line| note(format_args!("note: {line}")));
+    }
+}
+
+/// Tells of keys whose values have changed nothing: where members that differ in such a key alone are all alike.
+pub fn tell_of_idle_keys(grid: &Grid, writer: &SweepWriter) {
+    const KEPT: [Quantity; 5] =
+        [Quantity::PeakForce, Quantity::PeakTime, Quantity::Impulse, Quantity::Contacts, Quantity::ReboundSpeed];
+    let is_done = |member: &usize| writer.status()[*member] == Status::Done;
+    for (place, key) in grid.keys().iter().enumerate() {
+        let other = |member: usize| (member, grid.with_first(member, place));
+        let mut pairs =
+            (0..grid.len()).map(other).filter(|(one, other)| one != other && is_done(one) && is_done(other));
+        let alike = |(one, other): (usize, usize)| {
+            let bits = |member: usize| KEPT.map(|quantity| writer.quantity(quantity)[member].to_bits());
+            bits(one) == bits(other)
+        };
+        if let Some(first) = pairs.next()
+            && alike(first)
+            && pairs.all(alike)
+        {
+            note(format_args!("note: --vary {} has no effect: members that differ in it alone are alike", key.path));
+        }
+    }
+}
