@@ -55,12 +55,13 @@ class Run:
     def plot(self, name: str = "impactor/acceleration", axes: Optional[Axes] = None, **line: Any) -> Axes:
         """Draws a series (in its SI unit) over the time (in ms), one line a component, the contacts shaded.
 
-        name  of the series
+        name  of the series, or the last part of it where no other series has that: "force" for "contact/force"
         axes  matplotlib's axes to draw in; without them a new figure is made
         line  what matplotlib's Axes.plot takes: label="k = 1e9", color="black", ...
 
-        Returns the axes, for further runs: b.plot(axes=a.plot()).
+        Returns the axes, for further runs: b.plot(axes=a.plot()). Raises ValueError if there is no such series.
         """
+        name = self._full(name)
         values = self.series[name]
         axes = axes_or_new(axes)
         if values.ndim == 1:
@@ -72,6 +73,16 @@ class Run:
             axes.axvspan(1e3 * start, 1e3 * end, color=curve.get_color(), alpha=0.12, linewidth=0)
         axes.set(xlabel="time (ms)", ylabel=label(name, self.units[name]))
         return axes
+
+
+    def _full(self, name: str) -> str:
+        """The name of a series from that or its last part."""
+        if name in self.series:
+            return name
+        found = [full for full in self.series if full.endswith(f"/{name}")]
+        if len(found) != 1:
+            raise ValueError(f"the run has no series {name!r}, or several: {', '.join(found or self.series)}")
+        return found[0]
 
 
 class Sweep:
@@ -206,7 +217,15 @@ class Sweep:
 
 def _open(path: Path) -> h5py.File:
     """For reading alone: HDF5's lock of a file that is still being written is no obstacle."""
-    return h5py.File(path, "r", locking=False)
+    try:
+        return h5py.File(path, "r", locking=False)
+    except FileNotFoundError:
+        raise FileNotFoundError(f"there is no file {path}") from None
+    except OSError as error:
+        if not os.path.isfile(path) or h5py.is_hdf5(path):
+            raise
+        hint = ": ricochet.run computes a scene" if str(path).endswith(".toml") else ""
+        raise ValueError(f"{path} is not a result of ricochet{hint}") from error
 
 
 def _series(group: h5py.Group) -> tuple[dict[str, np.ndarray], dict[str, str]]:
