@@ -147,6 +147,14 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
         );
         add("parts", measures.parts as f64, text);
     }
+    if measures.open_faces > 0 {
+        let text = format!(
+            "{} faces of the mesh lie on others without sharing their nodes, so that the body is open there: merge the nodes in Gmsh (Coherence \
+             Mesh), unless a crack is meant",
+            2 * measures.open_faces
+        );
+        add("open faces", measures.open_faces as f64, text);
+    }
     let of_whole_surfaces = scene.supports.iter().enumerate().filter(|(_, support)| support.within.is_none());
     for (number, support) in of_whole_surfaces {
         let covered = measures.surfaces.iter().find(|surface| surface.name == support.surface);

@@ -4,7 +4,7 @@ use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
 use nalgebra::Vector3;
 
-use super::{Mesh, Site};
+use super::{Mesh, Site, mean};
 use crate::element::{Element, Quadrature, Table};
 use crate::scene::Vec3;
 
@@ -21,7 +21,12 @@ pub struct Measures {
     pub surfaces: Vec<Surface>,
     /// How many parts share no node.
     pub parts: usize,
+    /// Pairs of faces that lie on each other and do not share their nodes: the body is open there.
+    pub open_faces: usize,
 }
+
+/// Coordinates of faces that lie on each other differ by less than this part of the mesh's diameter.
+const SAME: f64 = 1e-9;
 
 /// A named surface.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,7 +59,18 @@ impl Mesh {
             surfaces: surfaces.collect(),
             area: self.area(&all),
             parts: self.parts,
+            open_faces: self.open_faces(),
         }
+    }
+
+    /// Pairs of faces of the boundary with the same middle. Collective.
+    fn open_faces(&self) -> usize {
+        let middles: Vec<f64> = (0..self.facets.len()).flat_map(|i| mean(self.facets.x(i).iter().copied())).collect();
+        let all = self.comm.all_gather(&middles);
+        let key = |x: &[f64]| [x[0], x[1], x[2]].map(|x| (x / (SAME * self.diameter)).round() as i64);
+        let mut keys: Vec<[i64; 3]> = all.chunks_exact(3).map(key).collect();
+        keys.sort_unstable();
+        keys.windows(2).filter(|pair| pair[0] == pair[1]).count()
     }
 
     /// Area of some of this rank's facets and of those of the other ranks, m². Collective.

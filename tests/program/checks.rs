@@ -75,7 +75,13 @@ fn what_looks_wrong_with_a_mesh_is_warned_of() {
                  9 3 2 1 1 3 4 8 7\n10 3 2 1 1 7 8 12 11\n11 3 2 1 1 4 1 5 8\n12 3 2 1 1 8 5 9 12";
     let covered = TWO.replace("$Elements\n3", "$Elements\n12").replace("1 3 2 1 1 9 10 11 12", whole);
     let large = sample("block-tet41.msh").replace("0.5", "500");
+    // Only two of its four nodes there.
+    let open = TWO
+        .replace("12\n1 0 0 0", "14\n1 0 0 0")
+        .replace("12 0 1 2\n", "12 0 1 2\n13 1 1 1\n14 0 1 1\n")
+        .replace("3 5 2 3 1 5 6 7 8 9", "3 5 2 3 1 5 6 13 14 9");
     for (mesh, point, warning) in [
+        (open, "[0.5, 0.5, 2]", "2 faces of the mesh lie on others without sharing their nodes"),
         (apart, "[0.5, 0.5, 2]", "the mesh has 2 parts that share no node"),
         (covered, "[0.5, 0.5, 2]", "support.0 holds the whole boundary"),
         (large, "[0, 0, 500]", "these look like millimetres"),
