@@ -44,7 +44,7 @@ pub fn chart(comm: &Comm, arguments: &Chart) -> Result<i32> {
     let claimed = || {
         let folder = Folder::create(&arguments.output)?;
         let are_ours = arguments.output.join(RUNS).exists();
-        folder.claim(("chart.toml", given_source.text()), &RESULTS, (are_ours, false))?;
+        folder.claim(("chart.toml", given_source.text()), &RESULTS, are_ours)?;
         Ok::<_, Error>(Some(folder))
     };
     let folder = if comm.is_root() { claimed() } else { Ok(None) };

@@ -28,29 +28,33 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Keeps in the file `name` what the folder's results are of, and sees that it may: results of another text, where these `replace` none,
-    /// and files of others that have the names of `results` are no results of this one. `are_ours` tells whether those are of this program.
+    /// Refuses to replace files of others that have the names of `results`; `are_ours` tells whether those that are there are this program's.
     ///
     /// # Errors
     /// [`Error::Io`] with what is there.
-    pub fn claim(
-        &self,
-        (name, text): (&str, &str),
-        results: &[&str],
-        (are_ours, replaces): (bool, bool),
-    ) -> Result<()> {
-        let refuse = |why: String| Err(Error::io(&self.path, format!("{why}: choose another folder")));
+    pub fn check_ours(&self, results: &[&str], are_ours: bool) -> Result<()> {
+        match results.iter().find(|there| !are_ours && self.path.join(there).exists()) {
+            Some(there) => self.refuse(&format!("has a file {there} that is not of this program")),
+            None => Ok(()),
+        }
+    }
+
+    /// Keeps in the file `name` the text that the folder's results are of, so that those of another text do not mix with them; files of
+    /// others stay, as by [`Self::check_ours`].
+    ///
+    /// # Errors
+    /// [`Error::Io`] with what is there.
+    pub fn claim(&self, (name, text): (&str, &str), results: &[&str], are_ours: bool) -> Result<()> {
         match fs::read_to_string(self.path.join(name)) {
             Ok(there) if there == text => return Ok(()),
-            Ok(_) if !replaces => return refuse(format!("holds results of another scene, as {name} shows")),
-            Ok(_) => {}
-            Err(_) => {
-                if let Some(there) = results.iter().find(|there| !are_ours && self.path.join(there).exists()) {
-                    return refuse(format!("has a file {there} that is not of this program"));
-                }
-            }
+            Ok(_) => return self.refuse(&format!("holds results of another scene, as {name} shows")),
+            Err(_) => self.check_ours(results, are_ours)?,
         }
         self.put(name, |path| fs::write(path, text).map_err(|e| Error::io(path, e)))
+    }
+
+    fn refuse(&self, why: &str) -> Result<()> {
+        Err(Error::io(&self.path, format!("{why}: choose another folder")))
     }
 
     /// The folder that the file `path` is in.

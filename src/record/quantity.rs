@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::record::columns::SERIES;
 use crate::record::provenance::text;
-use crate::record::read::{column, contacts, not_result, open};
+use crate::record::read::{check_run, column, contacts, not_result, open};
 use hdf5_metno as hdf5;
 use std::path::Path;
 
@@ -64,6 +64,7 @@ const ENERGY: &str = "energy";
 /// [`Error::Usage`] with what there is, where the result has no such quantity; [`Error::Io`] as [`super::read::history`].
 pub fn quantity(path: &Path, name: &str) -> Result<Quantity> {
     let file = open(path)?;
+    check_run(&file, path)?;
     let mut time = column(&file, path, "series/time")?;
     let contacts = contacts(&file, path)?;
     let title = text(&file, "title").map_err(|_| not_result(path, "it has no title"))?;

@@ -107,7 +107,7 @@ pub(super) fn column(file: &hdf5::File, path: &Path, name: &str) -> Result<Vec<f
 }
 
 /// Tells what a file is that is not the result of a run.
-fn check_run(file: &hdf5::File, path: &Path) -> Result<()> {
+pub(super) fn check_run(file: &hdf5::File, path: &Path) -> Result<()> {
     let is_checkpoint = file.dataset("names").is_ok() && file.attr("run_id").is_ok();
     let what = match file.group("series") {
         _ if is_sweep(file) => "is a sweep, and the result of a run is wanted",
