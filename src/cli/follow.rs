@@ -7,12 +7,11 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use mpi::traits::{Communicator, Root};
 use petsc_wrap::Comm;
 
 use crate::error::{Error, Result};
 use crate::model;
-use crate::model::watch::{Judged, Stage, Watch};
+use crate::model::watch::{Judged, Stage, Watch, of_first};
 
 use super::interrupt::Interrupt;
 use super::note;
@@ -66,9 +65,8 @@ impl Watch for Follower {
         if signalled || late { Err(Error::Interrupted) } else { Ok(()) }
     }
 
-    fn agreed(&self, mut mine: f64) -> f64 {
-        self.comm.mpi().process_at_rank(0).broadcast_into(&mut mine);
-        mine
+    fn agreed(&self, mine: f64) -> f64 {
+        of_first(&self.comm, mine)
     }
 }
 

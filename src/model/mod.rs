@@ -92,7 +92,7 @@ impl Model {
     /// A fault where the theory does not stand for the scene; those of meshes; [`crate::Error::Solve`] where the impact has no
     /// solution on any basis; PETSc's.
     pub fn new(comm: &Comm, scene: &Scene) -> Result<Self> {
-        Self::watched(comm, scene, &Unwatched)
+        Self::watched(comm, scene, &Unwatched(comm))
     }
 
     /// [`Model::new`] before somebody who may break it off. Collective.

@@ -1,5 +1,8 @@
 //! Who follows the making of a model, and may break it off.
 
+use mpi::traits::{Communicator, Root};
+use petsc_wrap::Comm;
+
 use crate::error::{Error, Result};
 use crate::scene::Model as Theory;
 
@@ -44,9 +47,7 @@ pub trait Watch {
 
     /// The first rank's number. Every rank computes plates for itself, and ranks on unlike processors round differently: what is decided by
     /// such a number is to be the same on all, since all must come to the same stages. Collective.
-    fn agreed(&self, mine: f64) -> f64 {
-        mine
-    }
+    fn agreed(&self, mine: f64) -> f64;
 }
 
 impl dyn Watch + '_ {
@@ -68,20 +69,34 @@ impl dyn Watch + '_ {
     }
 }
 
-/// Nobody follows.
-pub struct Unwatched;
+/// The first rank's number. Collective.
+pub fn of_first(comm: &Comm, mut mine: f64) -> f64 {
+    comm.mpi().process_at_rank(0).broadcast_into(&mut mine);
+    mine
+}
 
-impl Watch for Unwatched {
+/// Nobody follows these ranks.
+pub struct Unwatched<'a>(pub &'a Comm);
+
+impl Watch for Unwatched<'_> {
     fn at(&self, _: Stage) -> Result<()> {
         Ok(())
     }
+
+    fn agreed(&self, mine: f64) -> f64 {
+        of_first(self.0, mine)
+    }
 }
 
-/// Breaks off where a function says so, with the same answer on all ranks.
-pub struct Until<'a>(pub &'a dyn Fn() -> bool);
+/// Breaks off on these ranks where a function says so, with the same answer on all.
+pub struct Until<'a>(pub &'a Comm, pub &'a dyn Fn() -> bool);
 
 impl Watch for Until<'_> {
     fn at(&self, _: Stage) -> Result<()> {
-        if (self.0)() { Err(Error::Interrupted) } else { Ok(()) }
+        if (self.1)() { Err(Error::Interrupted) } else { Ok(()) }
+    }
+
+    fn agreed(&self, mine: f64) -> f64 {
+        of_first(self.0, mine)
     }
 }

@@ -60,7 +60,7 @@ pub fn time(
     loop {
         comm.mpi().barrier();
         let start = Instant::now();
-        let model = match Model::watched(comm, scene, &Until(&**interrupted)) {
+        let model = match Model::watched(comm, scene, &Until(comm, &**interrupted)) {
             Err(Error::Interrupted) => return Ok(None),
             model => model?,
         };

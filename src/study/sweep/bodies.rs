@@ -78,7 +78,8 @@ impl<'a> Bodies<'a> {
         interrupted: &Rc<dyn Fn() -> bool>,
         observe: &mut dyn FnMut(&Step),
     ) -> Result<Option<Computed>> {
-        let watch = &Until(&**interrupted);
+        let comm = self.comm.clone();
+        let watch = &Until(&comm, &**interrupted);
         let tried = match self.of_family(index, scene, watch)? {
             Some(kept) => kept.simulate(scene, self.has_energies, interrupted),
             None => self.of_body(scene, interrupted)?,
@@ -97,7 +98,8 @@ impl<'a> Bodies<'a> {
 
     /// On the basis made for a body.
     fn of_body(&mut self, scene: &Scene, interrupted: &Rc<dyn Fn() -> bool>) -> Result<Result<Option<Tried>>> {
-        let (key, watch) = (key(scene), &Until(&**interrupted));
+        let (key, comm) = (key(scene), self.comm.clone());
+        let watch = &Until(&comm, &**interrupted);
         if !self.kept.contains_key(&key) {
             let made = match self.census.representative(scene) {
                 Some(index) => self.make(&(self.scene_of)(index)?, watch),

@@ -48,7 +48,7 @@ pub fn simulate(
     }
     let of_theory = bodies.error_of_theory(scene);
     let scene = &bodies.named(scene.clone());
-    let model = match Model::watched(comm, scene, &Until(&*interrupted)) {
+    let model = match Model::watched(comm, scene, &Until(comm, &*interrupted)) {
         Err(Error::Interrupted) => return Ok(None),
         model => model?,
     };

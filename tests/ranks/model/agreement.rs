@@ -5,12 +5,12 @@ use std::cell::Cell;
 use crate::glass::{plate, sides};
 use crate::modelled::parse;
 use mpi::collective::SystemOperation;
-use mpi::traits::{Communicator, CommunicatorCollectives, Root};
+use mpi::traits::CommunicatorCollectives;
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
 use ricochet::Result;
 use ricochet::model::Model;
-use ricochet::model::watch::{Stage, Watch};
+use ricochet::model::watch::{Stage, Watch, of_first};
 use ricochet::scene::Scene;
 
 pub const RANKS: &[usize] = &[2];
@@ -28,9 +28,8 @@ impl Watch for Counted {
         Ok(())
     }
 
-    fn agreed(&self, mut mine: f64) -> f64 {
-        self.comm.mpi().process_at_rank(0).broadcast_into(&mut mine);
-        mine
+    fn agreed(&self, mine: f64) -> f64 {
+        of_first(&self.comm, mine)
     }
 }
 
