@@ -121,11 +121,11 @@ pub fn beyond(ratio: f64) -> String {
     let [least, most] = STIFFENING.map(|factor| factor * ratio * ratio);
     format!(
         "{} times the thickness, and the model is geometrically linear: it neglects membrane forces, which \
-         make the plate stiffer by about {}% where its edges can move in the plane and by up to {}% where they cannot; \
+         make the plate stiffer by about {:.0}% where its edges can move in the plane and by up to {:.0}% where they cannot; \
          expect larger forces and smaller deflections",
         short(ratio),
-        short(100.0 * least),
-        short(100.0 * most)
+        100.0 * least,
+        100.0 * most
     )
 }
 
