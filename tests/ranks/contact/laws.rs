@@ -54,7 +54,7 @@ fn a_mass_on_a_wall(session: &Session) {
         ("law = \"power\"\nstiffness = 3e6\nexponent = 2.0", 3e6, 2.0),
         (&table, 5e4, 1.0),
     ] {
-        let way = (energy * (exponent + 1.0) / stiffness as f64).powf(1.0 / (exponent + 1.0));
+        let way = (energy * (exponent + 1.0) / stiffness).powf(1.0 / (exponent + 1.0));
         let end = 8.0 * way / SPEED;
         // Steps of a thousandth of the contact: of fourth order in it but for the touch, where the force has a kink.
         let time = format!("[time]\nend = {end:e}\nstep = {:e}\n", end / 4000.0);
