@@ -68,7 +68,9 @@ impl Krylov {
         let mut force = body.load.duplicate()?;
         force.copy_from(&body.localization.vector)?;
         let mut starts = vec![force];
-        if loads.norm_max()? > 0.0 {
+        // In equilibrium loads make no waves: the deflection that they have made is all that the basis needs of them.
+        let rest = body.equilibrium.as_ref();
+        if rest.is_none() && loads.norm_max()? > 0.0 {
             starts.push(loads);
         }
         let mut chains = Vec::new();
@@ -81,11 +83,25 @@ impl Krylov {
             let message = "the body is held where it is hit, along the impact: it does not move there".to_owned();
             return Err(Fault::new("impactor.point", message, "`model = \"half-space\"`, or another point").into());
         }
+        let (mut basis, mut auxiliary) = (Vec::new(), Vec::new());
+        if let Some(rest) = rest {
+            let (mut first, mut product) = (rest.duplicate()?, rest.duplicate()?);
+            first.copy_from(rest)?;
+            body.apply_mass(&first, &mut product)?;
+            let length = first.dot(&product)?.sqrt();
+            if length > 0.0 {
+                first.scale(1.0 / length)?;
+                if body.damping.is_some() {
+                    auxiliary.push(body.load.duplicate()?);
+                }
+                basis.push(first);
+            }
+        }
         Ok(Self {
             shift,
             solver: body.solver(&matrix)?,
-            basis: Vec::new(),
-            auxiliary: Vec::new(),
+            basis,
+            auxiliary,
             projected: std::array::from_fn(|_| DMatrix::zeros(0, 0)),
             work: [body.load.duplicate()?, body.load.duplicate()?],
             chains,
@@ -121,7 +137,8 @@ impl Krylov {
 
     fn add(&mut self, body: &Body) -> Result<()> {
         let Self { shift, solver, basis, auxiliary, work: [known, product], chains, turn, .. } = self;
-        let is_alone = chains.len() == 1;
+        // A recurrence of three terms knows no other vectors.
+        let is_alone = chains.len() == 1 && body.equilibrium.is_none();
         while chains[*turn].exhausted {
             *turn = (*turn + 1) % chains.len();
         }

@@ -7,7 +7,7 @@ use crate::error::Result;
 
 /// Modes, with what the contact law needs of the body.
 pub struct ModalBody {
-    source: Box<Source>,
+    source: Source,
     /// c_l of the contact law, m/N, of the modelled part.
     pub compliance: f64,
     /// How many such parts make the whole.
@@ -17,20 +17,20 @@ pub struct ModalBody {
 }
 
 enum Source {
-    Given(Modes),
-    Spectrum(Spectrum),
+    Given(Box<Modes>),
+    Spectrum(Box<Spectrum>),
 }
 
 impl ModalBody {
     /// A body of given modes, all of which take part.
     pub fn given(modes: Modes) -> Self {
-        Self { source: Box::new(Source::Given(modes)), compliance: 0.0, copies: 1.0, patch: None }
+        Self { source: Source::Given(Box::new(modes)), compliance: 0.0, copies: 1.0, patch: None }
     }
 
     /// A body on a basis.
     pub fn of(projection: &Projection) -> Self {
         let Projection { compliance, copies, patch, .. } = *projection;
-        Self { source: Box::new(Source::Spectrum(Spectrum::new(projection))), compliance, copies, patch }
+        Self { source: Source::Spectrum(Box::new(Spectrum::new(projection))), compliance, copies, patch }
     }
 
     /// The modes up to a frequency (rad/s) in contact, the others by their static answer.
@@ -38,8 +38,8 @@ impl ModalBody {
     /// # Errors
     /// [`crate::Error::Solve`] where dampers leave the body without independent modes.
     pub fn modes(&self, cutoff: f64, closed: &Closed) -> Result<Modes> {
-        match &*self.source {
-            Source::Given(modes) => Ok(modes.clone()),
+        match &self.source {
+            Source::Given(modes) => Ok((**modes).clone()),
             Source::Spectrum(spectrum) => spectrum.modes(cutoff, closed),
         }
     }

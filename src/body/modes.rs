@@ -20,6 +20,8 @@ pub struct Modes {
     pub free: Free,
     /// r, m/N: the static answer of the modes that are left out.
     pub residual: f64,
+    /// How far the loads move the surface in the modes that are left out, m: where the body starts in equilibrium.
+    pub rest: f64,
     /// Where the energy is.
     pub(crate) forms: Forms,
     /// How all of the body moves.
@@ -37,6 +39,8 @@ pub(crate) struct Shapes {
     pub free: [DVector<f64>; 2],
     /// Σ φ e/ω² over what is left out: its static answer to the force.
     pub residual: DVector<f64>,
+    /// Σ f e/ω² over what is left out: its static answer to the loads.
+    pub rest: DVector<f64>,
 }
 
 /// One first-order coordinate.
@@ -76,6 +80,8 @@ pub(crate) struct Forms {
     pub support_offset: f64,
     /// f.
     pub load: DVector<f64>,
+    /// Energy of what the loads do to the modes that are left out, J.
+    pub rest: f64,
     /// x and v from z, with dampers: Re(X z), Re(V z).
     pub damped: Option<[DMatrix<Complex<f64>>; 2]>,
 }
@@ -113,7 +119,7 @@ impl Modes {
     /// A body that does not move: a half-space, whose dent Hertz's law holds.
     pub fn none() -> Self {
         let shapes = Shapes::none();
-        Self { modes: Vec::new(), free: Free::default(), residual: 0.0, forms: Forms::none(), shapes }
+        Self { modes: Vec::new(), free: Free::default(), residual: 0.0, rest: 0.0, forms: Forms::none(), shapes }
     }
 
     /// A surface that moves at F/Z: an infinite plate of the impedance Z, N s/m.
@@ -213,12 +219,16 @@ impl Spectrum {
             self.squares[i] <= ROUNDING * self.squares.max() && !held
         };
         let (rigid, moving): (Vec<usize>, Vec<usize>) = (0..count).partition(is_free);
-        let loads = &self.load + &self.support_load;
         let mut free = Free::default();
         let mut shapes = Shapes::zero(self.vectors.nrows());
         shapes.moving = self.vectors.select_columns(&moving);
+        let loads = &self.load + &self.support_load;
+        let (mut rest, mut rest_energy) = (0.0, 0.0);
         for (i, e) in self.vectors.column_iter().enumerate().skip(count) {
             shapes.residual.axpy(self.force[i] / self.squares[i], &e, 1.0);
+            shapes.rest.axpy(loads[i] / self.squares[i], &e, 1.0);
+            rest += self.force[i] * loads[i] / self.squares[i];
+            rest_energy += 0.5 * loads[i] * loads[i] / self.squares[i];
         }
         for i in rigid {
             let (force, load) = (self.force[i], loads[i]);
@@ -245,9 +255,10 @@ impl Spectrum {
             support_offset: self.support_offset,
             load: of_moving(&self.load),
             squares,
+            rest: rest_energy,
             damped,
         };
-        Ok(Modes { modes, free, residual, forms, shapes })
+        Ok(Modes { modes, free, residual, rest, forms, shapes })
     }
 }
 
@@ -258,6 +269,7 @@ impl Shapes {
             moving: forms * &self.moving,
             free: self.free.each_ref().map(|free| forms * free),
             residual: forms * &self.residual,
+            rest: forms * &self.rest,
         }
     }
 
@@ -268,7 +280,8 @@ impl Shapes {
 
     fn zero(coordinates: usize) -> Self {
         let zero = DVector::zeros(coordinates);
-        Self { moving: DMatrix::zeros(coordinates, 0), free: [zero.clone(), zero.clone()], residual: zero }
+        let free = [zero.clone(), zero.clone()];
+        Self { moving: DMatrix::zeros(coordinates, 0), free, residual: zero.clone(), rest: zero }
     }
 }
 
@@ -281,6 +294,7 @@ impl Forms {
             support_load: empty.clone(),
             support_offset: 0.0,
             load: empty,
+            rest: 0.0,
             damped: None,
         }
     }

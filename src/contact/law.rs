@@ -33,7 +33,7 @@ pub struct Damped {
     pub force: f64,
     /// What it would be at rest, N: the slope of the potential.
     pub elastic: f64,
-    /// ∂F/∂δ, N/m, but for what the damping's factor changes with δ: enough for Newton's method.
+    /// ∂F/∂δ at a fixed factor 1 + d α̇, N/m: enough for Newton's method.
     pub stiffness: f64,
     /// ∂F/∂δ̇, N s/m.
     pub viscosity: f64,
@@ -137,7 +137,8 @@ impl Law {
         }
         let factor = self.factor(at.growth, rate);
         if factor == 0.0 {
-            return Damped { force: 0.0, elastic, stiffness: 0.0, viscosity: 0.0 };
+            // Nothing, but for NaN.
+            return Damped { force: 0.0 * elastic, elastic, stiffness: 0.0, viscosity: 0.0 };
         }
         let now = self.multiplied(factor).state(approach);
         // δ = α − c f Φ(α) at a fixed δ: d(f Φ)/df = Φ/(1 − c f Φ′).
@@ -273,7 +274,7 @@ mod tests {
     fn derivatives_agree_with_differences() {
         for law in laws() {
             let limit = law.limit().min(1e-3);
-            for approach in [1e-6, 3e-5, 0.33 * limit, 0.87 * limit, 1.5 * limit] {
+            for approach in [1e-6, 3e-5, 0.33 * limit, 0.87 * limit, 1.47 * limit] {
                 // (step/δ)² and rounding over step/δ: 1e-8 together.
                 let step = 1e-5 * approach;
                 let slope =

@@ -89,7 +89,7 @@ impl Table {
         let number = self.knots.partition_point(|knot| knot.indentation < x).max(1);
         let a = self.knots[number - 1];
         let Some(b) = self.knots.get(number) else {
-            // Beyond the end, or NaN.
+            // Beyond the end.
             let over = x - a.indentation;
             let force = a.force + a.slope * over;
             return [force, a.slope, a.potential + 0.5 * (a.force + force) * over].map(|value| self.factor * value);

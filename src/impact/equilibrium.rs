@@ -5,7 +5,7 @@
 //! proximal point algorithm, SIAM J. Control Optim. 14, 1976): a step of an implicit scheme from rest. What vibrates with ω comes nearer
 //! by the factor ε/(ε + ω²) or better; what nothing holds stays where it is, as long as nothing pushes it.
 
-use petsc_wrap::Comm;
+use petsc_wrap::{Comm, Vector};
 
 use crate::body::{Body, no_equilibrium};
 use crate::error::Result;
@@ -33,11 +33,11 @@ const ROUNDING: f64 = 1e-7;
 /// Iterations with one step at most.
 const MOST: usize = 50;
 
-/// Puts the body into equilibrium; returns the surface's displacement aᵀu there, m. Collective.
+/// u in equilibrium. Collective.
 ///
 /// # Errors
 /// A fault of `time.initial` where there is no equilibrium; PETSc's.
-pub(super) fn find(comm: &Comm, body: &mut Body, setting: &Setting) -> Result<f64> {
+pub(super) fn find(comm: &Comm, body: &mut Body, setting: &Setting) -> Result<Vector> {
     let setting = Setting { speed: 0.0, gap: FAR, weight: 0.0, ..setting.clone() };
     body.equilibrium = None;
     let (mut now, mut next) = (Moment::zero(body)?, Moment::zero(body)?);
@@ -46,6 +46,9 @@ pub(super) fn find(comm: &Comm, body: &mut Body, setting: &Setting) -> Result<f6
     let tolerance = TOLERANCE * loads;
     let mut left = loads;
     for step in STEPS {
+        if left <= tolerance {
+            break;
+        }
         let scheme = (newmark(0.25, 0.5), step);
         let mut stepper = ImplicitStepper::new(comm, body, &setting, scheme, (Newton::Condensed, tolerance))?;
         for _ in 0..MOST {
@@ -69,9 +72,7 @@ pub(super) fn find(comm: &Comm, body: &mut Body, setting: &Setting) -> Result<f6
     if left > ROUNDING * loads || !left.is_finite() {
         return Err(no_equilibrium());
     }
-    let surface = now.surface;
-    body.equilibrium = Some(now.state.u);
-    Ok(surface)
+    Ok(now.state.u)
 }
 
 /// Takes all speed and acceleration out.

@@ -48,7 +48,7 @@ impl ExplicitStepper {
         to.state.q.position = position;
         to.state.v.copy_from(&self.half)?;
         to.update(body, setting.gap)?;
-        // Of the velocities at the end of the step those at its middle are known: they go on with the old accelerations.
+        // Only the velocity at the middle of the step is known: it is extrapolated with the old acceleration.
         let rate = match setting.law.damping {
             0.0 => 0.0,
             _ => q_half - to.surface_rate(body)? + 0.5 * scheme.step * from.acceleration(body)?,

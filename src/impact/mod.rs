@@ -62,6 +62,21 @@ const FORCE_TOLERANCE: f64 = 1e-10;
 /// for rounding, 4e-15 and 1e-13.
 const SAME_BASIS: f64 = 1e-12;
 
+/// Puts a body into equilibrium where the scene wants it to start there. Collective.
+///
+/// # Errors
+/// A fault of `time.initial` where there is none; PETSc's.
+pub fn settle(scene: &Scene, body: &mut Body) -> Result<()> {
+    body.equilibrium = match scene.time.initial {
+        Initial::Rest => None,
+        Initial::Equilibrium => {
+            let setting = Setting::new(&scene.impactor, body);
+            Some(equilibrium::find(&body.comm().clone(), body, &setting)?)
+        }
+    };
+    Ok(())
+}
+
 /// A body under an impactor, ready to run.
 pub struct Impact {
     comm: Comm,
@@ -122,11 +137,11 @@ impl Impact {
     /// A fault of the scene where an explicit step is not stable, or where there is no equilibrium; PETSc's.
     pub fn new(scene: &Scene, mut body: Body) -> Result<Self> {
         let (comm, end) = (&body.comm().clone(), scene.time.end);
+        settle(scene, &mut body)?;
         let mut setting = Setting::new(&scene.impactor, &body);
-        body.equilibrium = None;
-        if scene.time.initial == Initial::Equilibrium {
+        if let Some(rest) = &body.equilibrium {
             // The gap is that to the surface as the loads leave it.
-            setting.gap -= equilibrium::find(comm, &mut body, &setting)?;
+            setting.gap -= body.localization.vector.dot(rest)?;
         }
         let plan = Plan::new(scene, &mut body, &setting)?;
         let newton_tolerance = FORCE_TOLERANCE * setting.hardest();

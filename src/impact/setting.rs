@@ -48,9 +48,9 @@ impl Setting {
         self.law.damped(approach, rate).force
     }
 
-    /// Largest force of the same impact on a fixed half-space, N.
+    /// Largest force of the same impact on a fixed half-space, N; with damping no more than that.
     pub(super) fn hardest(&self) -> f64 {
-        self.law.force_law.peak_force(self.mass, self.speed)
+        self.law.force_law.peak_force(self.mass, self.speed) * (1.0 + self.law.damping * self.speed)
     }
 
     /// Refuses an approach (m) beyond what the contact law can follow at its rate (m/s).
@@ -59,8 +59,15 @@ impl Setting {
     /// [`Error::Solve`]; [`Error::Unstable`] where no impact reaches as far.
     pub(super) fn admit(&self, approach: f64, rate: f64) -> Result<()> {
         let law = self.law.at_rate(approach, rate);
-        if approach <= law.limit() || approach.is_nan() {
+        if approach <= law.limit() || approach.is_nan() || rate.is_nan() {
             return Ok(());
+        }
+        if law.limit() == 0.0 {
+            return Err(Error::Solve(format!(
+                "the law of the contact is stiffer from its first touch on than the body's own dent on the patch, {:.4e} N/m: a larger \
+                 contact.patch_radius, or a law that begins softer, is needed",
+                self.copies / law.compliance
+            )));
         }
         // No impact presses harder than this on a body at rest; one that moves may do so by a little.
         if law.force(approach) > 10.0 * self.hardest().max(law.force(law.limit())) {

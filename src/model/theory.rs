@@ -5,6 +5,7 @@ use petsc_wrap::Comm;
 use crate::body::{Body, ModalBody, Modes, System};
 use crate::contact::zener;
 use crate::error::Result;
+use crate::impact::settle;
 use crate::mesh::{Measures, Mesh};
 use crate::scene::{Contact, Fault, Geometry, Model, Reduction, Scene};
 use crate::space::evaluate::Evaluator;
@@ -80,7 +81,7 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
             "\"solid\", or \"auto\"",
         )
     })?;
-    Ok(match theory {
+    let mut built = match theory {
         Model::HalfSpace => Built::Given(ModalBody::given(Modes::none())),
         Model::InfinitePlate => {
             let body = &scene.body;
@@ -108,7 +109,14 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
             let evaluator = whole.map(|whole| Evaluator::of_mesh(scene, whole));
             Built::Operators(Operators { body: Box::new(body), words, is_of_splines: false, evaluator, measures })
         }
-    })
+    };
+    // Bases are made of what the loads have done. (Pads have none: their bodies are put into equilibrium before they move.)
+    if let Built::Operators(Operators { body, .. }) = &mut built
+        && body.pads.is_none()
+    {
+        settle(scene, body)?;
+    }
+    Ok(built)
 }
 
 /// Thickness of a box under the impact point, m, where the hit is along its normal.

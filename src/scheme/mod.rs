@@ -141,7 +141,8 @@ impl StageForce {
         }
         // The mean force with what damping adds at the middle; never below zero, which keeps NaN.
         let force = (elastic.0 + damped.force - damped.elastic).clamp(0.0, f64::INFINITY);
-        (force, if force == 0.0 { 0.0 } else { elastic.1 + slope * damped.viscosity })
+        let stiffness = elastic.1 + damped.stiffness - self.law.tangent(stage) + slope * damped.viscosity;
+        (force, if force == 0.0 { 0.0 } else { stiffness })
     }
 
     /// The same without damping: what the potential gives.

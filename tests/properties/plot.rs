@@ -79,7 +79,7 @@ fn errors_say_what_is_wrong_with_which_file() {
         (&missing, "No such file"),
         (&folder.path().to_owned(), "is a folder"),
         (&text, "is not an HDF5 file"),
-        (&other, "is not a result of ricochet: there is no dataset /series/time"),
+        (&other, "is not a result of ricochet: it has no series"),
     ] {
         let error = plot(&[good.clone(), file.clone()], &svg, None).unwrap_err();
         assert_eq!(error.status(), 4);

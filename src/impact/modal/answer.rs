@@ -39,6 +39,8 @@ pub struct State {
     pub way: f64,
     /// Time, s.
     pub time: f64,
+    /// 1 where the loads have moved the body before t = 0, also in the modes that are left out; otherwise 0.
+    pub settled: f64,
 }
 
 impl State {
@@ -52,6 +54,7 @@ impl State {
             impulse: 0.0,
             way: 0.0,
             time: 0.0,
+            settled: 0.0,
         }
     }
 
@@ -61,7 +64,7 @@ impl State {
             0.0 => mode.load,
             _ => -mode.load / mode.rate,
         };
-        Self { modes: modes.modes.iter().map(at_rest).collect(), ..Self::start(modes, speed) }
+        Self { modes: modes.modes.iter().map(at_rest).collect(), settled: 1.0, ..Self::start(modes, speed) }
     }
 
     /// Re Σ c z + X, m: the surface's displacement but for its spring.

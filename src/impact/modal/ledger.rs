@@ -54,7 +54,7 @@ impl Ledger {
         let of_support = 0.5 * x.dot(&(&forms.support * &x));
         let support = of_support - forms.support_load.dot(&x) + forms.support_offset;
         let bent = 0.5 * forms.squares.iter().zip(&x).map(|(square, x)| square * x * x).sum::<f64>();
-        let elastic = bent - of_support + 0.5 * modes.residual * force * force;
+        let elastic = bent - of_support + 0.5 * modes.residual * force * force + state.settled * forms.rest;
         let free = modes.free;
         let (impulse, t) = (state.impulse, state.time);
         let moving = free.mobility * impulse * impulse + 2.0 * free.load * impulse * t + free.square * t * t;

@@ -286,7 +286,7 @@ fn seen(number: usize, motion: &Motion, (modes, setting): (&Modes, &Setting), le
         contact: Contact {
             force: setting.copies * force,
             indentation: law.indentation(motion.approach, force),
-            surface_displacement: state.surface(modes) + modes.residual * force,
+            surface_displacement: state.surface(modes) + modes.residual * force + state.settled * modes.rest,
             approach,
             rate: motion.rate() - modes.residual * motion.rise(),
         },

@@ -63,6 +63,8 @@ impl<'a> Reader<'a> {
             sum.axpy(force, &shapes.residual, 1.0);
             sum
         };
-        [value(&x, [state.way, 0.5 * t * t, force]), value(&v, [state.impulse, t, rise])]
+        let mut values = value(&x, [state.way, 0.5 * t * t, force]);
+        values.axpy(state.settled, &shapes.rest, 1.0);
+        [values, value(&v, [state.impulse, t, rise])]
     }
 }

@@ -59,7 +59,8 @@ impl Member {
 impl Census {
     /// Counts a member, with its value on the line of [`Grid::line`](super::Grid::line), which is not negative.
     pub fn count(&mut self, index: usize, scene: &Scene, on_line: Option<(Property, f64)>) {
-        let contact = scene.impactor.contact_time();
+        // Damping makes a contact harder from its first moment on.
+        let contact = scene.impactor.contact_time() / (1.0 + scene.impactor.damping * scene.impactor.speed);
         let member = Member { index, contact, tolerance: scene.tolerance };
         let harder = |most: &mut Member| {
             if member.is_harder(most) {
