@@ -122,7 +122,7 @@ const LEAST_OF_TABLE: f64 = 0.01;
 const LONG: f64 = 20.0;
 const LONG_FOR_RADIUS: f64 = 200.0;
 
-/// What looks wrong with a body, or with what holds it.
+/// What looks wrong with a body, with what holds it, or with the table of the contact's law.
 pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
     let mut warnings = Vec::new();
     let mut add = |kind: &str, size: f64, text: String| warnings.push(Remark::new(kind, size, text));
@@ -137,6 +137,17 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
             "the body is {diagonal:.4} m long: lengths are in metres, and these look like millimetres, of which a thousand make a metre"
         );
         add("long body", diagonal, text);
+    }
+    let indentation = scene.impactor.peak_indentation();
+    if let ForceLaw::Table(table) = &scene.impactor.force_law
+        && indentation < LEAST_OF_TABLE * table.end()
+    {
+        let end = table.end();
+        let text = format!(
+            "a rigid wall would stop the impactor at an indentation of {indentation:.3e} m, and contact.table goes to {end} m: is the \
+             table in m and N?"
+        );
+        add("units of a table", end / indentation, text);
     }
     let Some(measures) = measures else { return warnings };
     if measures.parts > 1 {
@@ -237,14 +248,6 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
                 table.end()
             );
             add("short table", indentation / table.end(), text);
-        }
-        ForceLaw::Table(table) if indentation < LEAST_OF_TABLE * table.end() => {
-            let text = format!(
-                "a rigid wall would stop the impactor at an indentation of {indentation:.3e} m, and contact.table goes to {} m: is the \
-                 table in m and N?",
-                table.end()
-            );
-            add("long table", table.end() / indentation, text);
         }
         _ => {}
     }

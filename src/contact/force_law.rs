@@ -103,6 +103,11 @@ impl ForceLaw {
         }
     }
 
+    /// The largest tangent up to an indentation (m), N/m; for tables a bound of it.
+    pub fn steepest(&self, indentation: f64) -> f64 {
+        if let Self::Table(table) = self { table.steepest(indentation) } else { self.tangent(indentation) }
+    }
+
     /// The indentation (m) at a force (N).
     pub fn indentation(&self, force: f64) -> f64 {
         match self {

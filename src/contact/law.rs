@@ -114,6 +114,13 @@ impl Law {
         self.state(approach).tangent
     }
 
+    /// The largest tangent at rest up to an indentation (m), N/m: as far as the law holds.
+    pub fn steepest(&self, indentation: f64) -> f64 {
+        let slope = self.force_law.steepest(indentation);
+        let slope = if self.compliance > 0.0 { slope.min(LIMIT / self.compliance) } else { slope };
+        slope / (1.0 - self.compliance * slope)
+    }
+
     /// The law without damping whose force is the damped one's at an approach (m) and its rate (m/s).
     pub fn at_rate(&self, approach: f64, rate: f64) -> Self {
         self.multiplied(self.factor(self.state(approach).growth, rate))

@@ -120,15 +120,20 @@ impl Table {
         zero(0.0, self.beyond(|high| self.potential(high) >= energy), value)
     }
 
-    /// The least knot after which the tangent is above a value (N/m) somewhere; infinite where it nowhere is.
+    /// The least indentation (m) at which the tangent passes a value (N/m); infinite where it nowhere does.
     pub(super) fn indentation_of_tangent(&self, tangent: f64) -> f64 {
-        let steep = |pair: &[Knot]| {
+        self.knots.windows(2).find_map(|pair| passes(pair, tangent / self.factor)).unwrap_or(f64::INFINITY)
+    }
+
+    /// The largest tangent up to an indentation (m), N/m.
+    pub(super) fn steepest(&self, indentation: f64) -> f64 {
+        let before = self.knots.windows(2).take_while(|pair| pair[0].indentation < indentation);
+        let steepest = before.map(|pair| {
             let (a, b) = (pair[0], pair[1]);
-            let rise = (b.force - a.force) / (b.indentation - a.indentation);
-            // The slope's quadratic through both ends with the mean `rise` is below this bound of it.
-            self.factor * a.slope.max(b.slope).max(1.5 * rise) > tangent
-        };
-        self.knots.windows(2).find(|pair| steep(pair)).map_or(f64::INFINITY, |pair| pair[0].indentation)
+            // The slope's quadratic through both ends with the mean `rise` is nowhere above this.
+            a.slope.max(b.slope).max(1.5 * (b.force - a.force) / (b.indentation - a.indentation))
+        });
+        self.factor * steepest.fold(0.0, f64::max)
     }
 
     /// The end, or a place as far beyond it as is wanted; a table that ends flat may have none.
@@ -143,6 +148,23 @@ impl Table {
     fn last(&self) -> &Knot {
         self.knots.last().expect("a table has points")
     }
+}
+
+/// Where the slope between two points passes a value (N/m) for the first time, m.
+fn passes(pair: &[Knot], value: f64) -> Option<f64> {
+    let (a, b) = (pair[0], pair[1]);
+    let width = b.indentation - a.indentation;
+    let rise = (b.force - a.force) / width;
+    if a.slope > value {
+        return Some(a.indentation);
+    }
+    // In the width's part t: a.slope + t (p + t q).
+    let (p, q) = (6.0 * rise - 4.0 * a.slope - 2.0 * b.slope, 3.0 * (a.slope + b.slope) - 6.0 * rise);
+    let (left, root) = (value - a.slope, p * p + 4.0 * q * (value - a.slope));
+    // The first of both roots, without cancellation; p is negative where the slope falls first.
+    let t = if root >= 0.0 { 2.0 * left / (p + root.sqrt()) } else { f64::NAN };
+    let within = (0.0..1.0).contains(&t).then_some(a.indentation + t * width);
+    within.or((b.slope > value).then_some(b.indentation))
 }
 
 /// Whether points are a law of contact.
@@ -222,13 +244,21 @@ mod tests {
         assert_eq!(rough.force(1.05), 5.0);
     }
 
-    /// Its tangent is nowhere above the value before the place that is named for it.
+    /// Its tangent is nowhere above the value before the place that is named for it, and is it there.
     #[test]
     fn the_steepest_place_is_not_missed() {
         let table = Table::new(&[[0.0, 0.0], [1.0, 1.0], [2.0, 8.0], [3.0, 9.0], [4.0, 9.5]]).unwrap();
         for tangent in [0.5, 2.0, 6.0, 20.0] {
             let place = table.indentation_of_tangent(tangent);
-            assert!((0..4000).map(|i| 1e-3 * f64::from(i)).filter(|x| *x < place).all(|x| table.tangent(x) <= tangent));
+            let before = (0..4000).map(|i| 1e-3 * f64::from(i)).filter(|x| *x < place);
+            assert!(before.clone().all(|x| table.tangent(x) <= tangent * (1.0 + 1e-12)));
+            if place.is_finite() && place > 0.0 {
+                assert!((table.tangent(place) / tangent - 1.0).abs() < 1e-9, "{tangent}: {place}");
+            }
+        }
+        for x in [0.4, 1.3, 2.0, 3.9] {
+            let most = (0..1000).map(|i| table.tangent(1e-3 * x * f64::from(i))).fold(0.0, f64::max);
+            assert!(table.steepest(x) >= most, "{x}: {most}");
         }
         assert_eq!(table.indentation_of_tangent(20.0), f64::INFINITY);
     }

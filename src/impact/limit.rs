@@ -23,14 +23,14 @@ pub fn stable_step(body: &mut Body, setting: &Setting, scheme: Scheme) -> Result
     }
     let Setting { law, mass, speed, .. } = setting;
     let peak = law.force_law.peak_indentation(*mass, *speed);
-    let approach = peak - law.compliance * law.force_law.force(peak);
     let lumped = body.lumped.take();
     let inertia = || lumped.as_ref().map_or(Inertia::Consistent, |lumped| Inertia::Lumped(&lumped.mass));
-    let mut tangent = law.tangent(approach.min(law.limit()));
+    let mut tangent = law.steepest(peak);
     let mut largest = largest_frequency(body, inertia(), Some(LinearContact { tangent, mass: *mass }));
     if let (Ok(found), true) = (&largest, law.damping > 0.0) {
-        // A damper of which the velocity is not known yet is to the fastest vibration what a spring of c ω is.
-        tangent += law.damping * law.force_law.force(peak) * found.bound;
+        // The damper's velocity is extrapolated: with c of the damper the step bears (ω Δt)²/4 + c Δt/m = 1, as a spring of 2 c ω has it.
+        let damper = law.damped(peak, *speed).viscosity;
+        tangent += 2.0 * damper * found.bound;
         largest = largest_frequency(body, inertia(), Some(LinearContact { tangent, mass: *mass }));
     }
     body.lumped = lumped;

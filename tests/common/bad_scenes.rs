@@ -387,6 +387,7 @@ fn rest() -> Vec<BadScene> {
         edit("an empty table", GOOD, ("localization = \"point\"", "law = \"table\"\ntable = []"), &["two points at least, and has 0"], ("contact.table", "table = [")),
         edit("a table in kN", GOOD, ("localization = \"point\"", "law = \"table\"\ntable = [[0, 0], [1e-3, 40.0]]"), &["the table takes 2.000e-2 J"], ("contact.table", "table = [")),
         edit("damping below zero", GOOD, ("localization = \"point\"", "damping = -0.1"), &["-0.1"], ("contact.damping", "damping = -")),
+        edit("damping without end", GOOD, ("localization = \"point\"", "damping = 2e3"), &["the first touch would take 2000 times the law's force"], ("contact.damping", "damping = 2e3")),
         edit("no radius", GOOD, ("localization = \"point\"", "patch_radius = 0"), &["must be positive, but is 0"], ("contact.patch_radius", "patch_radius")),
         edit("tolerance of all", GOOD, ("[solver]", "[accuracy]\ntolerance = 1\n\n[solver]"), &["1 is out of range", "from 1e-6 to 0.5"], ("accuracy.tolerance", "tolerance")),
         edit("tolerance of none", GOOD, ("[solver]", "[accuracy]\ntolerance = 0\n\n[solver]"), &["0 is out of range"], ("accuracy.tolerance", "tolerance")),

@@ -210,7 +210,7 @@ impl<'a> ModalImpact<'a> {
     fn once(&mut self, steps: Steps, observed: bool) -> Result<Done> {
         let setting = self.setting.clone();
         let Law { force_law, compliance, .. } = &setting.law;
-        let tangent = force_law.tangent(force_law.indentation(steps.peak));
+        let tangent = force_law.steepest(force_law.indentation(steps.peak));
         let closed = Closed { tangent, compliance: *compliance, mass: setting.mass };
         let modes = self.body.modes(RESOLVED / steps.largest, &closed)?;
         // The springs of the modes left out are in the law.

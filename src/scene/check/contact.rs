@@ -9,6 +9,9 @@ use crate::contact::{ForceLaw, Power, Table};
 /// Part of the impactor's energy that a table holds at least.
 const LEAST_CAPACITY: f64 = 0.01;
 
+/// Damping times speed above which the impactor would stick: less than a twentieth of its speed is left at this.
+const LARGEST_DAMPING: f64 = 100.0;
+
 /// Exponents above are walls.
 const LARGEST_EXPONENT: f64 = 10.0;
 
@@ -102,9 +105,18 @@ fn points(source: &Source, raw: &raw::Contact) -> Result<Table, SceneError> {
 ///
 /// # Errors
 /// A number out of range.
-pub(super) fn damping(source: &Source, raw: &raw::Contact) -> Result<f64, SceneError> {
+pub(super) fn damping(source: &Source, raw: &raw::Contact, speed: f64) -> Result<f64, SceneError> {
     let Number(damping) = raw.damping.unwrap_or(Number(0.0));
-    source.not_negative("contact.damping", [damping; 3], "a number in s/m, 0 or more")?;
+    let help = "a number in s/m, 0 or more: about 1.5 times the part of the speed that is lost, over the speed";
+    source.not_negative("contact.damping", [damping; 3], help)?;
+    if damping * speed > LARGEST_DAMPING {
+        let message = format!(
+            "at {} m/s the first touch would take {} times the law's force",
+            show(speed),
+            show(damping * speed)
+        );
+        return Err(source.error("contact.damping", message, help));
+    }
     Ok(damping)
 }
 

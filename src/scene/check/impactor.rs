@@ -35,7 +35,7 @@ pub(super) fn check(
         radius,
         stiffness,
         force_law,
-        damping: contact::damping(source, contact)?,
+        damping: contact::damping(source, contact, speed)?,
         speed,
         point: point(source, raw, outline, direction)?,
         direction,

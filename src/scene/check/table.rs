@@ -3,9 +3,9 @@
 use std::path::Path;
 
 /// Larger files are no measured curves, bytes.
-const LARGEST: u64 = 1 << 24;
+const LARGEST: u64 = 1 << 20;
 
-/// The points of a file, m and N: two columns between commas, semicolons (then a decimal comma is read, too) or tabs. A first line without
+/// The points of a file, m and N: two columns between commas, semicolons or tabs, with which a decimal comma is read, too. A first line without
 /// numbers is a header; `#` begins a comment.
 ///
 /// # Errors
@@ -23,14 +23,17 @@ pub(super) fn read(path: &Path) -> Result<Vec<[f64; 2]>, String> {
     let first = text.lines().find(|line| !is_comment(line)).unwrap_or_default();
     let delimiter = [';', '\t'].into_iter().find(|mark| first.contains(*mark)).unwrap_or(',');
     let number = |field: &str| match delimiter {
-        ';' => field.replace(',', ".").parse::<f64>().ok(),
+        ';' | '\t' => field.replace(',', ".").parse::<f64>().ok(),
         _ => field.parse::<f64>().ok(),
     };
     let (mut points, mut is_first) = (Vec::new(), true);
     for (index, line) in text.lines().enumerate().filter(|(_, line)| !is_comment(line)) {
         let fields: Vec<&str> = line.split(delimiter).map(str::trim).collect();
         let [x, y] = fields[..] else {
-            return Err(format!("{shown}: line {} has {} columns and not two", index + 1, fields.len()));
+            let (columns, number) = (fields.len(), index + 1);
+            return Err(format!(
+                "{shown}: line {number} has not two columns but {columns}, separated by {delimiter:?}"
+            ));
         };
         match (number(x), number(y)) {
             (Some(x), Some(y)) => points.push([x, y]),
@@ -60,11 +63,12 @@ mod tests {
             "indentation (m), force (N)\n# measured\n0, 0\n\n1e-3, 12.5",
             "\u{feff}m;N\n0;0\n0,001;12,5\n",
             "0\t0\r\n0.001\t12.5\r\n",
+            "0\t0\r\n0,001\t12,5\r\n",
         ] {
             assert_eq!(of(text).unwrap(), points, "{text}");
         }
         assert_eq!(of("").unwrap(), Vec::<[f64; 2]>::new());
-        assert!(of("0,0\n1\n").unwrap_err().contains("line 2 has 1 columns"));
+        assert!(of("0,0\n1\n").unwrap_err().contains("line 2 has not two columns but 1"));
         assert!(of("0,0\n\n1,x\n").unwrap_err().contains("line 3"));
         assert!(read(folder.path()).unwrap_err().contains("cannot be read"));
         assert!(read(&folder.path().join("none")).unwrap_err().contains("cannot be read"));
