@@ -205,9 +205,6 @@ mod tests {
     #[test]
     fn hertz_is_a_power() {
         let [hertz, power, ..] = laws();
-        for value in [hertz::contact_time, hertz::peak_force, hertz::peak_indentation] {
-            assert!(value(1.669e10, 52.0, 1.2) > 0.0);
-        }
         let (mass, speed) = (52.0, 1.2);
         let of = |law: &ForceLaw| {
             let way = law.peak_indentation(mass, speed);

@@ -39,14 +39,7 @@ pub fn solve(law: &Law, answer: &Answer, free: [f64; 4], first: f64, guess: [f64
         let rounding = 4.0 * f64::EPSILON * (x[0].abs() + x[1].abs() + known[0].abs() + known[1].abs());
         let t = at.map(|(_, tangent)| tangent);
         let jacobian = [[1.0 + s[0][0] * t[0], s[0][1] * t[1]], [s[1][0] * t[0], 1.0 + s[1][1] * t[1]]];
-        let determinant = jacobian[0][0] * jacobian[1][1] - jacobian[0][1] * jacobian[1][0];
-        let change = [
-            (jacobian[1][1] * r[0] - jacobian[0][1] * r[1]) / determinant,
-            (jacobian[0][0] * r[1] - jacobian[1][0] * r[0]) / determinant,
-        ];
-        if !change[0].is_finite() || !change[1].is_finite() {
-            return None;
-        }
+        let change = solve_pair(jacobian, r)?;
         if size(r) <= rounding {
             // The last correction goes to the forces, which a stiff contact needs to more digits than δ has.
             let force = [0, 1].map(|i| (at[i].0 - t[i] * change[i]).max(0.0));
@@ -124,14 +117,7 @@ pub fn solve_damped(
         };
         let last = if held { [0.0, 1.0] } else { [-slope(1, 0), 1.0 - slope(1, 1)] };
         let jacobian = [[1.0 - slope(0, 0), -slope(0, 1)], last];
-        let determinant = jacobian[0][0] * jacobian[1][1] - jacobian[0][1] * jacobian[1][0];
-        let change = [
-            (jacobian[1][1] * r[0] - jacobian[0][1] * r[1]) / determinant,
-            (jacobian[0][0] * r[1] - jacobian[1][0] * r[0]) / determinant,
-        ];
-        if !change[0].is_finite() || !change[1].is_finite() {
-            return None;
-        }
+        let change = solve_pair(jacobian, r)?;
         let (old, start, mut part) = (size(r), f, 1.0);
         loop {
             f = [0, 1].map(|i| start[i] - part * change[i]);
@@ -147,6 +133,13 @@ pub fn solve_damped(
         }
     }
     None
+}
+
+/// x of the two equations A x = r by Cramer's rule; `None` where it is not finite.
+fn solve_pair(a: [[f64; 2]; 2], r: [f64; 2]) -> Option<[f64; 2]> {
+    let determinant = a[0][0] * a[1][1] - a[0][1] * a[1][0];
+    let x = [(a[1][1] * r[0] - a[0][1] * r[1]) / determinant, (a[0][0] * r[1] - a[1][0] * r[0]) / determinant];
+    x.iter().all(|x| x.is_finite()).then_some(x)
 }
 
 /// A step with its forces; `force_at` is the law's at a look and its δ.
