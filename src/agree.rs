@@ -1,15 +1,18 @@
-//! One rank's error made every rank's, so that all of them stop with one message.
+//! What all ranks are to have alike: values, decisions and errors, sent as the types that they are.
 
 use mpi::collective::SystemOperation;
 use mpi::traits::{Communicator, CommunicatorCollectives, Root};
 use petsc_wrap::Comm;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
-/// The value where no rank has an error; otherwise, on every rank, the message of the lowest rank that has one.
-/// Collective.
+use crate::error;
+
+/// The value where no rank has an error; otherwise, on every rank, the error of the lowest rank that has one. Collective.
 ///
 /// # Errors
-/// That message.
-pub fn agree<T>(comm: &Comm, result: Result<T, String>) -> Result<T, String> {
+/// That error.
+pub fn agree<T, E: Serialize + DeserializeOwned>(comm: &Comm, result: Result<T, E>) -> Result<T, E> {
     let mpi = comm.mpi();
     let mine = if result.is_err() { mpi.rank() } else { mpi.size() };
     let mut first = 0;
@@ -17,17 +20,52 @@ pub fn agree<T>(comm: &Comm, result: Result<T, String>) -> Result<T, String> {
     if first == mpi.size() {
         return result;
     }
-    let message = result.err().unwrap_or_default();
-    Err(broadcast(comm, first as usize, message))
+    Err(of_rank(comm, first as usize, result.err()))
 }
 
-/// The text of one rank, on every rank. Collective.
-pub fn broadcast(comm: &Comm, root: usize, text: String) -> String {
-    let process = comm.mpi().process_at_rank(root as i32);
-    let mut bytes = text.into_bytes();
+/// What rank 0 finds, on every rank: a value, or the error that kept it from one. The others do not look. Collective.
+///
+/// # Errors
+/// That error; of one that another rank cannot hold (an excerpt of a scene, PETSc's frames) the others have the text.
+pub fn decided<T: Serialize + DeserializeOwned>(
+    comm: &Comm,
+    decide: impl FnOnce() -> error::Result<T>,
+) -> error::Result<T> {
+    let mine = comm.is_root().then(decide).map(|found| found.map_err(error::Error::of_all_ranks));
+    let sent = mine.as_ref().map(|found| found.as_ref().map_err(error::Error::as_told));
+    let bytes = broadcast(comm, 0, sent.as_ref().map_or_else(Vec::new, encoded));
+    mine.unwrap_or_else(|| decoded::<Result<T, error::Error>>(&bytes))
+}
+
+/// The value of rank 0, on every rank; what the others give is not looked at. Collective.
+pub fn of_root<T: Serialize + DeserializeOwned>(comm: &Comm, value: Option<T>) -> T {
+    of_rank(comm, 0, value)
+}
+
+/// The value of one rank, on every rank. Collective.
+fn of_rank<T: Serialize + DeserializeOwned>(comm: &Comm, rank: usize, value: Option<T>) -> T {
+    let is_mine = comm.mpi().rank() as usize == rank;
+    let value = value.filter(|_| is_mine);
+    let bytes = broadcast(comm, rank, value.as_ref().map_or_else(Vec::new, encoded));
+    value.unwrap_or_else(|| decoded(&bytes))
+}
+
+/// A value as bytes, for a message between ranks of one run.
+pub fn encoded<T: Serialize>(value: &T) -> Vec<u8> {
+    postcard::to_stdvec(value).expect("what ranks exchange has lengths and no foreign serialisers")
+}
+
+/// The value of [`encoded`] bytes.
+pub fn decoded<T: DeserializeOwned>(bytes: &[u8]) -> T {
+    postcard::from_bytes(bytes).expect("all ranks run the same program, so that types are alike")
+}
+
+/// The bytes of one rank, on every rank. Collective.
+fn broadcast(comm: &Comm, rank: usize, mut bytes: Vec<u8>) -> Vec<u8> {
+    let process = comm.mpi().process_at_rank(rank as i32);
     let mut length = bytes.len();
     process.broadcast_into(&mut length);
     bytes.resize(length, 0);
     process.broadcast_into(&mut bytes[..]);
-    String::from_utf8_lossy(&bytes).into_owned()
+    bytes
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use miette::{GraphicalReportHandler, GraphicalTheme};
+use serde::{Deserialize, Serialize};
 
 use crate::scene::{Fault, SceneError, Source};
 
@@ -10,13 +11,14 @@ use crate::scene::{Fault, SceneError, Source};
 pub const INTERRUPTED: i32 = 130;
 
 /// An error with one message for the user.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, Serialize, Deserialize)]
 pub enum Error {
     /// The command line is wrong.
     #[error("{0}")]
     Usage(String),
     /// The scene is wrong.
     #[error(transparent)]
+    #[serde(skip)]
     Scene(Box<SceneError>),
     /// The scene is wrong in a way that its text alone does not show.
     #[error(transparent)]
@@ -26,6 +28,7 @@ pub enum Error {
     Alone(Box<Error>),
     /// PETSc failed where it should not.
     #[error(transparent)]
+    #[serde(skip)]
     Petsc(petsc_wrap::Error),
     /// The solve failed.
     #[error("{0}")]
@@ -70,6 +73,34 @@ impl Error {
             Self::Solve(_) | Self::Unstable(_) | Self::Petsc(_) => 3,
             Self::Io { .. } | Self::Output(_) | Self::Unwritten(_) => 4,
             Self::Interrupted => INTERRUPTED,
+        }
+    }
+
+    /// The same error where all ranks are about to have it.
+    #[must_use]
+    pub fn of_all_ranks(self) -> Self {
+        match self {
+            Self::Io { .. } => Self::Output(self.to_string()),
+            Self::Petsc(error) => Self::Solve(error.to_string()),
+            Self::Alone(error) => error.of_all_ranks(),
+            Self::Fault(fault) => Self::Fault(Box::new(Fault { everywhere: true, ..*fault })),
+            other => other,
+        }
+    }
+
+    /// What another rank has of an error that all ranks have.
+    #[must_use]
+    pub fn as_told(&self) -> Self {
+        let message = self.to_string();
+        match self {
+            Self::Usage(_) | Self::Scene(_) => Self::Usage(message),
+            Self::Fault(fault) => Self::Fault(fault.clone()),
+            Self::Alone(error) => error.as_told(),
+            Self::Solve(_) | Self::Petsc(_) => Self::Solve(message),
+            Self::Unstable(_) => Self::Unstable(message),
+            Self::Interrupted => Self::Interrupted,
+            Self::Output(_) | Self::Io { .. } => Self::Output(message),
+            Self::Unwritten(_) => Self::Unwritten(message),
         }
     }
 

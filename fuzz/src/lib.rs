@@ -7,9 +7,9 @@ use std::ops::ControlFlow;
 use petsc_wrap::{Comm, Session};
 use ricochet::cli::keeping::carry;
 use ricochet::cli::summary::Summary;
-use ricochet::impact::Observer;
 use ricochet::impact::checkpoint::{Carrier, Checkpoint};
 use ricochet::impact::step::Step;
+use ricochet::impact::{Observer, Reading};
 use ricochet::mesh::Mesh;
 use ricochet::model::{Model, Simulation};
 use ricochet::record::checkpoint::{Kept, beside};
@@ -114,7 +114,7 @@ const BODY: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500\nsize =
 struct Keeper(Episodes, Summary, Checkpoint);
 
 impl Observer for Keeper {
-    fn step(&mut self, step: &Step) -> Result<ControlFlow<()>, ricochet::Error> {
+    fn step(&mut self, step: &Step, _: &Reading) -> Result<ControlFlow<()>, ricochet::Error> {
         self.0.push(step);
         self.1.step(step);
         Ok(ControlFlow::Continue(()))

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use petsc_wrap::{Comm, options};
+use serde::{Deserialize, Serialize};
 
-use crate::agree::{agree, broadcast};
+use crate::agree::{decided, of_root};
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
 use crate::record::folder::Folder;
@@ -27,6 +28,14 @@ pub struct Bench<'a> {
     interrupted: Rc<dyn Fn() -> bool>,
 }
 
+/// What a run took, s: what is sent of a [`Timed`].
+#[derive(Serialize, Deserialize)]
+struct Times {
+    build: f64,
+    run: f64,
+    spent: f64,
+}
+
 impl<'a> Bench<'a> {
     /// Keeps runs in a folder, those of each build of this program apart. Collective.
     ///
@@ -34,10 +43,12 @@ impl<'a> Bench<'a> {
     /// [`Error::Output`] where that cannot be made.
     pub fn new(comm: &'a Comm, source: &'a Source, folder: &Path, interrupted: Rc<dyn Fn() -> bool>) -> Result<Self> {
         let folder = &folder.join(program());
-        let made =
-            if comm.is_root() { Folder::create(folder).map(|made| Some((folder.to_owned(), made))) } else { Ok(None) };
-        let folder = agree(comm, made.map_err(|error| error.to_string())).map_err(Error::Output)?;
-        Ok(Self { comm, source, folder, interrupted })
+        let mut made = None;
+        decided(comm, || {
+            made = Some((folder.to_owned(), Folder::create(folder)?));
+            Ok(())
+        })?;
+        Ok(Self { comm, source, folder: made, interrupted })
     }
 
     /// What comes of some settings of a method, run a few times where it is `repeated`; `None` where it was interrupted. Collective.
@@ -74,21 +85,12 @@ impl<'a> Bench<'a> {
     /// What is known of a run, if it was made on as many ranks, with the same options.
     fn kept(&self, name: &str, (scene, source): (&Scene, &Source), repeated: bool) -> Result<Option<Attempt>> {
         let own = self.folder.as_ref().and_then(|(path, _)| self.read(&path.join(name), (scene, source), repeated));
-        let told = match &own {
-            None => String::new(),
-            Some(Ok(timed)) => format!("+{:e} {:e} {:e}", timed.build, timed.run, timed.spent),
-            Some(Err(reason)) => format!("-{reason}"),
-        };
-        let told = broadcast(self.comm, 0, told);
-        Ok(match (own, told.split_at_checked(1)) {
-            (Some(own), _) => Some(own),
-            (None, Some(("+", numbers))) => {
-                let numbers: Vec<f64> = numbers.split(' ').filter_map(|number| number.parse().ok()).collect();
-                Some(Ok(Timed { build: numbers[0], run: numbers[1], spent: numbers[2], ..Timed::default() }))
-            }
-            (None, Some((_, reason))) => Some(Err(reason.to_owned())),
-            (None, None) => None,
-        })
+        // The other ranks need its times alone, by which the next runs are chosen.
+        let times = |timed: &Timed| Times { build: timed.build, run: timed.run, spent: timed.spent };
+        let told = own.as_ref().map(|attempt| attempt.as_ref().map(times).map_err(Clone::clone));
+        let told: Option<std::result::Result<Times, String>> = of_root(self.comm, Some(told));
+        let known = |Times { build, run, spent }| Timed { build, run, spent, ..Timed::default() };
+        Ok(own.or_else(|| told.map(|attempt| attempt.map(known))))
     }
 
     fn read(&self, path: &Path, (scene, source): (&Scene, &Source), repeated: bool) -> Option<Attempt> {

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use petsc_wrap::Comm;
 
-use crate::agree::{agree, broadcast};
+use crate::agree::{decided, of_root};
 use crate::error::{Error, INTERRUPTED, Result};
 use crate::figure::precision::{Method as Line, Precision, Setting, draw};
 use crate::record::folder::Folder;
@@ -41,14 +41,12 @@ pub fn chart(comm: &Comm, arguments: &Chart) -> Result<i32> {
     let methods = selected(ladder.methods(), &arguments.only)?;
     let (peers, known) = read(comm, arguments, (&given, given_source.text()))?;
 
-    let claimed = || {
-        let folder = Folder::create(&arguments.output)?;
+    let mut folder = None;
+    decided(comm, || {
+        let made = folder.insert(Folder::create(&arguments.output)?);
         let are_ours = arguments.output.join(RUNS).exists();
-        folder.claim(("chart.toml", given_source.text()), &RESULTS, are_ours)?;
-        Ok::<_, Error>(Some(folder))
-    };
-    let folder = if comm.is_root() { claimed() } else { Ok(None) };
-    let folder = agree(comm, folder.map_err(|error| error.to_string())).map_err(Error::Output)?;
+        made.claim(("chart.toml", given_source.text()), &RESULTS, are_ours)
+    })?;
     let interrupt = Rc::new(Interrupt::on_signals());
     let (asked, ranks) = (interrupt, comm.clone());
     let place = arguments.output.join(RUNS);
@@ -60,7 +58,7 @@ pub fn chart(comm: &Comm, arguments: &Chart) -> Result<i32> {
     let mut timed = |name: &str, settings: &[String]| bench.outcome(name, settings, true);
     let runs = runs(&methods, arguments.budget, &mut timed, &mut told)?;
     progress.iter().for_each(Items::finish);
-    let decide = |mine: bool| broadcast(comm, 0, if mine { "1".to_owned() } else { String::new() }) == "1";
+    let decide = |mine: bool| of_root(comm, Some(mine));
     let reference = match known {
         _ if runs.is_interrupted => None,
         Some(reference) => Some(reference),
@@ -79,12 +77,11 @@ pub fn chart(comm: &Comm, arguments: &Chart) -> Result<i32> {
         }
         return Ok(INTERRUPTED);
     };
-    let written = folder.map_or(Ok(()), |folder| {
+    decided(comm, || {
         let points = points(&methods, &runs.done, &peers, &reference);
         let title = if given.title.is_empty() { arguments.scene.display().to_string() } else { given.title.clone() };
-        write(&folder, &title, &points, &reference, &runs.left_out)
-    });
-    agree(comm, written.map_err(|error| error.to_string())).map_err(Error::Output)?;
+        folder.map_or(Ok(()), |folder| write(&folder, &title, &points, &reference, &runs.left_out))
+    })?;
     if comm.is_root() {
         say(format_args!("{}: work-precision.csv, .svg, .png, summary.md", arguments.output.display()));
         warn_of_unused_options(comm)?;
@@ -127,8 +124,11 @@ fn read(comm: &Comm, arguments: &Chart, (scene, text): (&Scene, &str)) -> Result
         };
         Ok((peers, arguments.reference.as_ref().map(reference).transpose()?))
     };
-    let read = if comm.is_root() { read() } else { Ok((Vec::new(), None)) };
-    let (peers, history) = agree(comm, read.map_err(|error| error.to_string())).map_err(Error::Output)?;
+    let (mut peers, mut history) = (Vec::new(), None);
+    decided(comm, || {
+        (peers, history) = read()?;
+        Ok(())
+    })?;
     let unknown = Difference { first: f64::NAN, whole: f64::NAN };
     let reference = arguments.reference.as_ref().map(|path| Reference {
         setting: path.display().to_string(),

@@ -4,7 +4,7 @@ use mpi::datatype::{Partition, PartitionMut};
 use mpi::traits::{Communicator, Root};
 use petsc_wrap::Comm;
 
-use crate::agree::broadcast;
+use crate::agree::of_root;
 use crate::impact::checkpoint::Checkpoint;
 
 /// The values of all ranks, in their order, on rank 0; nothing elsewhere. Collective.
@@ -23,13 +23,7 @@ pub fn gathered(comm: &Comm, values: &[f64]) -> Vec<f64> {
 /// everything. Collective.
 pub fn shared(comm: &Comm, whole: Option<Checkpoint>, part: Option<usize>) -> Checkpoint {
     let Checkpoint { vectors, numbers } = whole.unwrap_or_default();
-    let names =
-        |names: Vec<&str>| -> Vec<String> { broadcast(comm, 0, names.join("\n")).lines().map(str::to_owned).collect() };
-    let of_numbers = names(numbers.keys().map(String::as_str).collect());
-    let mut values: Vec<f64> = numbers.into_values().collect();
-    values.resize(of_numbers.len(), 0.0);
-    comm.mpi().process_at_rank(0).broadcast_into(&mut values[..]);
-    let of_vectors = names(vectors.keys().map(String::as_str).collect());
+    let names: Vec<String> = of_root(comm, Some(vectors.keys().cloned().collect()));
     let vector = |name: String| {
         let all = vectors.get(&name).map_or(&[][..], Vec::as_slice);
         let mine = match part {
@@ -38,10 +32,7 @@ pub fn shared(comm: &Comm, whole: Option<Checkpoint>, part: Option<usize>) -> Ch
         };
         (name, mine)
     };
-    Checkpoint {
-        vectors: of_vectors.into_iter().map(vector).collect(),
-        numbers: of_numbers.into_iter().zip(values).collect(),
-    }
+    Checkpoint { vectors: names.into_iter().map(vector).collect(), numbers: of_root(comm, Some(numbers)) }
 }
 
 /// This rank's share of what rank 0 has, so many values. Collective.

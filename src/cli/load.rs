@@ -4,12 +4,12 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use mpi::traits::{Communicator, Root};
 use petsc_wrap::{Comm, options};
+use serde::{Deserialize, Serialize};
 
-use crate::agree::{agree, broadcast};
+use crate::agree::decided;
 use crate::error::{Error, Result};
-use crate::record::provenance::{Provenance, digest};
+use crate::record::provenance::digest;
 use crate::record::read;
 use crate::scene::{Geometry, Scene, Source};
 
@@ -26,32 +26,38 @@ pub struct Loaded {
     pub is_of_result: bool,
 }
 
-/// Reads a scene on rank 0 and parses it on all, so that all of them get the same data or the same error. A result is the scene that it
-/// was computed of, with its options for PETSc where no others are given; `-` is standard input. Collective.
+/// What rank 0 reads.
+#[derive(Serialize, Deserialize)]
+struct Given {
+    source: Source,
+    is_of_result: bool,
+    /// The options for PETSc of a result.
+    petsc_options: Option<String>,
+}
+
+/// Reads a scene, with all files that it names but its mesh, on rank 0, so that all ranks get the same data or the same error. A result
+/// is the scene that it was computed of, with its options for PETSc where no others are given; `-` is standard input. Collective.
 ///
 /// # Errors
 /// [`Error::Output`] where the file cannot be read; [`Error::Usage`] where it is no text; [`Error::Scene`] where the scene is wrong.
 pub fn load(comm: &Comm, path: &Path, overrides: &[String]) -> Result<Loaded> {
-    let given = if comm.is_root() { given(path) } else { Ok(None) };
-    let bytes = agree(comm, given.map_err(|reason| format!("{}: {reason}", shown(path)))).map_err(Error::Output)?;
-    let mut is_of_result = comm.is_root() && bytes.is_none();
-    comm.mpi().process_at_rank(0).broadcast_into(&mut is_of_result);
-    if is_of_result {
-        let (scene, source) = of_result(comm, path, overrides)?;
-        return Ok(Loaded { scene, source, is_of_result });
+    let Given { source, is_of_result, petsc_options } = decided(comm, || given(path, overrides))?;
+    if let Some(given) = petsc_options
+        && words(&options::all(comm.session())?).next().is_none()
+    {
+        set_options(comm, &given)?;
     }
-    let text = bytes.map_or(Ok(String::new()), |bytes| Scene::decode(&shown(path), bytes));
-    let text = broadcast(comm, 0, agree(comm, text).map_err(Error::Usage)?);
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let (scene, source) = agreed(comm, Scene::within(&shown(path), folder, &text, overrides))?;
+    let (scene, source) = Scene::checked(source)?;
     Ok(Loaded { scene, source, is_of_result })
 }
 
-/// A scene where all ranks have it: the file of a table may be missing on some of their machines. Collective.
-fn agreed(comm: &Comm, parsed: Result<(Scene, Source)>) -> Result<(Scene, Source)> {
-    let mine = parsed.as_ref().map(|_| ()).map_err(ToString::to_string);
-    let all = agree(comm, mine).map_err(Error::Usage);
-    parsed.and_then(|found| all.map(|()| found))
+fn given(path: &Path, overrides: &[String]) -> Result<Given> {
+    let wrong = |reason: String| Error::Output(format!("{}: {reason}", shown(path)));
+    let Some(bytes) = bytes(path).map_err(wrong)? else { return of_result(path, overrides) };
+    let text = Scene::decode(&shown(path), bytes).map_err(Error::Usage)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let (_, source) = Scene::within(&shown(path), folder, &text, overrides)?;
+    Ok(Given { source, is_of_result: false, petsc_options: None })
 }
 
 /// What messages call a scene's file.
@@ -60,7 +66,7 @@ fn shown(path: &Path) -> String {
 }
 
 /// The bytes of a scene; `None` for a result, of which only the first are read. Read once: a pipe gives them once.
-fn given(path: &Path) -> std::result::Result<Option<Vec<u8>>, String> {
+fn bytes(path: &Path) -> std::result::Result<Option<Vec<u8>>, String> {
     const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
     let read = || {
         let mut input: Box<dyn Read> =
@@ -78,21 +84,14 @@ fn given(path: &Path) -> std::result::Result<Option<Vec<u8>>, String> {
 }
 
 /// The scene of a result.
-fn of_result(comm: &Comm, path: &Path, overrides: &[String]) -> Result<(Scene, Source)> {
-    let read = || read::provenance(path).map(Some).map_err(|error| error.to_string());
-    let origin = agree(comm, if comm.is_root() { read() } else { Ok(None) }).map_err(Error::Output)?;
-    let of = |text: fn(Provenance) -> String| broadcast(comm, 0, origin.clone().map(text).unwrap_or_default());
-    let (text, given) = (of(|origin| origin.scene), of(|origin| origin.petsc_options));
-    if words(&options::all(comm.session())?).next().is_none() {
-        set_options(comm, &given)?;
+fn of_result(path: &Path, overrides: &[String]) -> Result<Given> {
+    let origin = read::provenance(path)?;
+    let folder = PathBuf::from(origin.folder);
+    let (scene, source) = Scene::within(&path.display().to_string(), &folder, &origin.scene, overrides)?;
+    if mesh_digest(&scene).unwrap_or_default() != origin.mesh_digest.unwrap_or_default() {
+        return Err(Error::Usage(changed(path, &scene)));
     }
-    let folder = PathBuf::from(of(|origin| origin.folder));
-    let (scene, source) = Scene::within(&path.display().to_string(), &folder, &text, overrides)?;
-    let wanted = of(|origin| origin.mesh_digest.unwrap_or_default());
-    let there = if comm.is_root() { mesh_digest(&scene).unwrap_or_default() } else { wanted.clone() };
-    let same = if there == wanted { Ok(()) } else { Err(changed(path, &scene)) };
-    agree(comm, same).map_err(Error::Usage)?;
-    Ok((scene, source))
+    Ok(Given { source, is_of_result: true, petsc_options: Some(origin.petsc_options) })
 }
 
 /// That a scene's mesh is not that of a result.

@@ -45,9 +45,10 @@ pub fn describe_model(model: &Model) -> String {
     if let Some(vectors) = model.vectors {
         words += &format!(", reduced to {vectors} vectors");
     }
-    if let Some((first, _)) = model.error {
+    if let Some(errors) = model.error.total() {
+        let causes = listed(&model.error.causes());
         words +=
-            &format!("; estimated error of {} {first:.1e} of the peak in the first contact", listed(&model.judged));
+            &format!("; estimated error of {causes} {:.1e} of the peak in the first contact", errors.first_contact);
     }
     words
 }
@@ -59,12 +60,12 @@ pub const USELESS: f64 = 0.5;
 pub fn verdict(model: &Model, tolerance: f64) -> Option<Verdict> {
     // Not true of NaN, which is no good estimate.
     let is_good = |error: &f64| *error <= tolerance;
-    let error = model.first_contact_error().filter(|error| !is_good(error))?;
-    let of = model.judged.iter().copied().chain(model.dynamics.patch().map(|_| "patch"));
-    let of: Vec<&str> = of.collect();
-    let mut remedies: Vec<&str> = of.iter().copied().map(remedy).collect();
+    let estimate = model.error_before_steps();
+    let error = estimate.total().map(|errors| errors.first_contact).filter(|error| !is_good(error))?;
+    let causes = estimate.causes();
+    let mut remedies: Vec<&str> = causes.iter().copied().map(remedy).collect();
     remedies.dedup();
-    let of = listed(&of);
+    let of = listed(&causes);
     let message = format!(
         "the estimated error in the first contact is {error:.1e} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of}); \
          what may lower it: {}",

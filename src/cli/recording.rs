@@ -1,19 +1,17 @@
-//! What a run reads of its body, on the way into the result: probes into the series, fields into their own file.
+//! The fields of a run, on the way into their own file.
 
 use std::path::{Path, PathBuf};
 
 use crate::error::Result;
+use crate::impact::Reading;
 use crate::impact::step::Step;
-use crate::impact::{Probe, Tape};
-use crate::model::Readings;
 use crate::record::fields::FieldWriter;
 use crate::record::series::SeriesWriter;
 use crate::space::evaluate::FieldSampler;
 
-/// The readings of a run, and the file of its fields. Rank 0 has it.
+/// What makes fields of readings, and the file of these. Rank 0 has it.
 pub struct Recording {
-    tape: Tape,
-    sampler: Option<FieldSampler>,
+    sampler: FieldSampler,
     output: PathBuf,
     fields: Option<FieldWriter>,
     /// Number of frames, where it is known.
@@ -22,10 +20,9 @@ pub struct Recording {
 
 impl Recording {
     /// Of a run with fields after every so many of so many steps, as far as these are known, that writes the result `output`.
-    pub fn new(readings: Readings, output: &Path, every: Option<usize>, steps: Option<usize>) -> Self {
-        let Readings { tape, sampler } = readings;
+    pub fn new(sampler: FieldSampler, output: &Path, every: Option<usize>, steps: Option<usize>) -> Self {
         let planned = every.zip(steps).map(|(every, steps)| steps / every + 1);
-        Self { tape, sampler, output: output.to_owned(), fields: None, planned }
+        Self { sampler, output: output.to_owned(), fields: None, planned }
     }
 
     /// Goes on with the fields of the result `from` behind a time, s; a result that has no frame of its own has these.
@@ -33,32 +30,25 @@ impl Recording {
     /// # Errors
     /// [`crate::Error::Io`] where they cannot be read, or written.
     pub fn behind(self, from: &Path, end: f64, writer: &SeriesWriter) -> Result<Self> {
-        let Some(sampler) = &self.sampler else { return Ok(self) };
         writer.link_fields()?;
-        let fields = FieldWriter::continued(&self.output, sampler.grid(), (from, end))?;
+        let fields = FieldWriter::continued(&self.output, self.sampler.grid(), (from, end))?;
         Ok(Self { fields: Some(fields), ..self })
     }
 
-    /// Writes the step's fields where it has any; returns what the probes have read at it.
+    /// Writes the step's fields where it has any.
     ///
     /// # Errors
     /// [`crate::Error::Io`] when writing fails.
-    pub fn step(&mut self, step: &Step, writer: &SeriesWriter) -> Result<Vec<Probe>> {
-        // In modal coordinates all steps are there when the first is told.
-        let waiting = if step.number == 0 { self.tape.fields() } else { 0 };
-        let Some(reading) = self.tape.take(step.number) else { return Ok(Vec::new()) };
-        if let (Some(sampler), Some([u, v])) = (&self.sampler, &reading.coordinates) {
-            let fields = match &mut self.fields {
-                Some(fields) => fields,
-                none => {
-                    writer.link_fields()?;
-                    let planned = self.planned.or(Some(waiting).filter(|waiting| *waiting > 1));
-                    none.insert(FieldWriter::create(&self.output, sampler.grid(), planned)?)
-                }
-            };
-            fields.push(step.time, &sampler.fields([u, v]))?;
-        }
-        Ok(reading.probes)
+    pub fn step(&mut self, step: &Step, reading: &Reading, writer: &SeriesWriter) -> Result<()> {
+        let Some([u, v]) = &reading.coordinates else { return Ok(()) };
+        let fields = match &mut self.fields {
+            Some(fields) => fields,
+            none => {
+                writer.link_fields()?;
+                none.insert(FieldWriter::create(&self.output, self.sampler.grid(), self.planned)?)
+            }
+        };
+        fields.push(step.time, &self.sampler.fields([u, v]))
     }
 
     /// Brings all fields to the system.

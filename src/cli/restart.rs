@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use mpi::traits::{Communicator, Root};
 use petsc_wrap::Comm;
 
 use crate::agree::agree;
@@ -29,8 +28,8 @@ pub enum Past {
     Complete,
     /// No checkpoint of it was kept.
     Beginning,
-    /// It goes on from here; rank 0 has it.
-    Moment(Option<Box<Moment>>),
+    /// It goes on from here.
+    Moment(Box<Moment>),
 }
 
 /// What there is of a run, and its checkpoint.
@@ -40,32 +39,25 @@ pub struct Moment {
 }
 
 impl Past {
-    /// Reads what is left of the run of a scene whose result is at `result`, and which is to go on in `output`. Collective.
+    /// Reads what is left of the run of a scene whose result is at `result`, and which is to go on in `output`.
     ///
     /// # Errors
-    /// [`Error::Output`] where that cannot be read; [`Error::Usage`] where it is of another scene.
-    pub fn read(comm: &Comm, (result, output): (&Path, &Path), (scene, source): (&Scene, &Source)) -> Result<Self> {
-        // Of the whole body: one rank has it at a time.
-        let there = if comm.is_root() { there(result).map(Some) } else { Ok(None) };
-        let there = agree(comm, there.map_err(|error| error.to_string())).map_err(Error::Output)?;
-        let checked = match &there {
-            Some((origin, true, _)) => check_complete(origin, (result, output), (scene, source.text())),
-            Some((origin, false, Some(kept))) => check_scene(origin, kept, result, (scene, source.text())),
-            Some((origin, false, None)) => check_begun(origin, result, (scene, source.text())),
-            _ => Ok(()),
-        };
-        agree(comm, checked).map_err(Error::Usage)?;
-        let (mut complete, mut is_kept) = (false, false);
-        if let Some((_, is_complete, kept)) = &there {
-            (complete, is_kept) = (*is_complete, kept.is_some());
-        }
-        comm.mpi().process_at_rank(0).broadcast_into(&mut complete);
-        comm.mpi().process_at_rank(0).broadcast_into(&mut is_kept);
-        Ok(match (complete, is_kept) {
-            (true, _) => Self::Complete,
-            (false, false) => Self::Beginning,
-            (false, true) => {
-                Self::Moment(there.and_then(|(origin, _, kept)| kept.map(|kept| Box::new(Moment { origin, kept }))))
+    /// [`Error::Io`] where that cannot be read; [`Error::Usage`] where it is of another scene.
+    pub fn read((result, output): (&Path, &Path), (scene, source): (&Scene, &Source)) -> Result<Self> {
+        let (origin, is_complete, kept) = there(result)?;
+        let text = source.text();
+        Ok(match kept {
+            _ if is_complete => {
+                check_complete(&origin, (result, output), (scene, text)).map_err(Error::Usage)?;
+                Self::Complete
+            }
+            None => {
+                check_begun(&origin, result, (scene, text)).map_err(Error::Usage)?;
+                Self::Beginning
+            }
+            Some(kept) => {
+                check_scene(&origin, &kept, result, (scene, text)).map_err(Error::Usage)?;
+                Self::Moment(Box::new(Moment { origin, kept }))
             }
         })
     }

@@ -6,12 +6,13 @@ use std::rc::Rc;
 use std::time::Instant;
 
 use petsc_wrap::Comm;
+use serde::{Deserialize, Serialize};
 
-use crate::agree::agree;
+use crate::agree::{agree, decided};
 use crate::error::{Error, INTERRUPTED, Result};
-use crate::impact::Observer;
 use crate::impact::checkpoint::Checkpoint;
 use crate::impact::step::Step;
+use crate::impact::{Observer, Reading};
 use crate::model::watch::{Stage, Watch as _};
 use crate::model::{self, Linearity, Model, Simulation};
 use crate::record::checkpoint;
@@ -34,7 +35,7 @@ use super::notes::{self, Verdict, describe_model, note_of_probes, verdict};
 use super::progress::Progress;
 use super::provenance::provenance;
 use super::recording::Recording;
-use super::restart::{Past, go_on};
+use super::restart::{Moment, Past, go_on};
 use super::summary::Summary;
 use super::{note, tell, warn_of_unused_options};
 
@@ -57,48 +58,63 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
         return Err(Error::Usage(format!("{what} needs a name for its result: -o OUT.h5")));
     }
     let output = given.cloned().unwrap_or_else(|| default_output(&arguments.scene));
-    // Before minutes of work whose result could not be written. Held to the end.
-    let _lock = {
-        let free = || {
-            check_writable(&output, Kind::Run)?;
-            let is_continued = arguments.restart.as_ref().is_some_and(|result| is_same(result, &output));
-            if !is_continued {
-                checkpoint::check_writable(&output)?;
-                if !arguments.force {
-                    check_not_interrupted(&output)?;
-                }
-            }
-            if given.is_none() && !arguments.force {
-                check_own(&output, source.folder())?;
-            }
-            if scene.output.fields.is_some() {
-                fields::check_writable(&output)?;
-            }
-            Lock::take(&output).map(Some)
-        };
-        let free = if comm.is_root() { free().map_err(|error| error.to_string()) } else { Ok(None) };
-        agree(comm, free).map_err(Error::Output)?
-    };
-    let past =
-        arguments.restart.as_ref().map(|result| Past::read(comm, (result, &output), (&scene, &source))).transpose()?;
     let from = arguments.restart.as_deref().unwrap_or(&output);
-    if let (true, Some(past)) = (comm.is_root(), &past) {
-        match past {
+    // Of rank 0: held to the end, and what it goes on from.
+    let (mut lock, mut moment) = (None, None);
+    // Before minutes of work whose result could not be written.
+    let start = decided(comm, || {
+        check_writable(&output, Kind::Run)?;
+        let is_continued = arguments.restart.as_ref().is_some_and(|result| is_same(result, &output));
+        if !is_continued {
+            checkpoint::check_writable(&output)?;
+            if !arguments.force {
+                check_not_interrupted(&output)?;
+            }
+        }
+        if given.is_none() && !arguments.force {
+            check_own(&output, source.folder())?;
+        }
+        if scene.output.fields.is_some() {
+            fields::check_writable(&output)?;
+        }
+        lock = Some(Lock::take(&output)?);
+        let Some(result) = &arguments.restart else { return Ok(Start::Anew) };
+        Ok(match Past::read((result, &output), (&scene, &source))? {
             Past::Complete => {
                 tell(format_args!("{} is complete: there is nothing to continue", from.display()));
                 // Of a run that was killed between its last row and this.
                 checkpoint::remove(from)?;
+                Start::Nothing
             }
             Past::Beginning => {
                 note(format_args!("note: {} has no checkpoint beside it: from the beginning", from.display()));
+                Start::Anew
             }
-            Past::Moment(_) => {}
-        }
-    }
-    if matches!(past, Some(Past::Complete)) {
-        return Ok(0);
-    }
-    solve(comm, (&scene, &source), (past, from), &output, arguments.force).map_err(|error| error.in_scene(&source))
+            Past::Moment(there) => {
+                moment = Some(there);
+                Start::GoOn
+            }
+        })
+    })?;
+    let past = match start {
+        Start::Nothing => return Ok(0),
+        Start::Anew => None,
+        Start::GoOn => Some(moment),
+    };
+    let solved = solve(comm, (&scene, &source), (past, from), &output, arguments.force);
+    drop(lock);
+    solved.map_err(|error| error.in_scene(&source))
+}
+
+/// What is to be done of a scene.
+#[derive(Debug, Serialize, Deserialize)]
+enum Start {
+    /// Its result is complete.
+    Nothing,
+    /// All of it.
+    Anew,
+    /// What is behind a checkpoint.
+    GoOn,
 }
 
 /// Refuses to replace a run that was interrupted and can be continued.
@@ -136,7 +152,7 @@ fn default_output(scene: &Path) -> PathBuf {
 fn solve(
     comm: &Comm,
     (scene, source): (&Scene, &Source),
-    (past, from): (Option<Past>, &Path),
+    (past, from): (Option<Option<Box<Moment>>>, &Path),
     output: &Path,
     force: bool,
 ) -> Result<i32> {
@@ -194,12 +210,12 @@ fn solve(
         }
     }
     let names: Vec<String> = scene.output.probes.iter().map(|probe| probe.name.clone()).collect();
-    let readings = impact.read()?;
     let earlier = match past {
-        Some(Past::Moment(moment)) => go_on(comm, moment, (from, &provenance, &names), &mut impact)?,
-        _ => None,
+        Some(moment) => go_on(comm, moment, (from, &provenance, &names), &mut impact)?,
+        None => None,
     };
-    let recording = readings.map(|readings| Recording::new(readings, output, scene.output.fields, impact.steps()));
+    let steps = impact.steps();
+    let recording = impact.take_sampler().map(|sampler| Recording::new(sampler, output, scene.output.fields, steps));
     let parts = match (comm.is_root(), earlier) {
         (false, _) => None,
         (true, None) => Some((SeriesWriter::with_probes(output, &provenance, &names)?, recording, Summary::default())),
@@ -216,13 +232,12 @@ fn solve(
         progress: Progress::new([summary.end(), scene.time.end]),
         summary: summary.following(linearity),
     });
-    let (asked, ranks) = (interrupt.clone(), comm.clone());
-    impact.set_interrupt(move || asked.is_raised(&ranks));
     let keeping = Keeping::new(comm, (scene, source.text()), output, &impact);
     let mut watch = Watch { comm: comm.clone(), interrupt, keeping, desk };
     let stepped = impact.run_watched(&mut watch);
     let total = begin.elapsed().as_secs_f64();
-    let (count, error, judged) = (impact.count(), impact.error(), impact.judged());
+    let (count, estimate) = (impact.count(), impact.error());
+    let error = estimate.total().map(|errors| errors.history);
     let missed = error.is_some_and(|error| error > scene.tolerance);
     let cost = Cost {
         model: modelled,
@@ -247,7 +262,7 @@ fn solve(
         if let (Some(flow), Ok(())) = (flow, &ended) {
             // Of a file system that cannot be read at once, the run is as good.
             let extremes = extremes(output).ok().flatten();
-            summary.print(&episodes, extremes.as_ref(), &cost, &judged, output);
+            summary.print(&episodes, extremes.as_ref(), &cost, &estimate.causes(), output);
             if let Some(warning) = summary.warning() {
                 tell(format_args!("warning: {warning}"));
             }
@@ -295,12 +310,11 @@ struct Desk {
 }
 
 impl Desk {
-    fn step(&mut self, step: &Step) -> Result<()> {
-        let probes = match &mut self.recording {
-            Some(recording) => recording.step(step, &self.writer)?,
-            None => Vec::new(),
-        };
-        self.writer.push_read(step, probes)?;
+    fn step(&mut self, step: &Step, reading: &Reading) -> Result<()> {
+        if let Some(recording) = &mut self.recording {
+            recording.step(step, reading, &self.writer)?;
+        }
+        self.writer.push_read(step, reading.probes.clone())?;
         self.progress.step(step);
         self.summary.step(step);
         Ok(())
@@ -316,8 +330,8 @@ struct Watch {
 }
 
 impl Observer for Watch {
-    fn step(&mut self, step: &Step) -> Result<ControlFlow<()>> {
-        let written = self.desk.as_mut().map_or(Ok(()), |desk| desk.step(step));
+    fn step(&mut self, step: &Step, reading: &Reading) -> Result<ControlFlow<()>> {
+        let written = self.desk.as_mut().map_or(Ok(()), |desk| desk.step(step, reading));
         let is_late = self.desk.is_some() && self.keeping.is_due_by_time();
         let (interrupted, [late, failed]) = self.interrupt.poll(&self.comm, [is_late, written.is_err()]);
         if failed {
@@ -326,6 +340,10 @@ impl Observer for Watch {
         }
         self.keeping.step(step, late);
         Ok(if interrupted { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+    }
+
+    fn is_interrupted(&mut self) -> bool {
+        self.interrupt.is_raised(&self.comm)
     }
 
     fn settled(&mut self, interrupted: bool, checkpoint: &mut dyn FnMut() -> Result<Checkpoint>) -> Result<()> {

@@ -2,7 +2,7 @@
 
 use petsc_wrap::Comm;
 
-use crate::agree::agree;
+use crate::agree::decided;
 use crate::error::{Error, INTERRUPTED, Result};
 use crate::figure::map::{Cell, Map, Row, Value, draw};
 use crate::mesh::Mesh;
@@ -30,22 +30,18 @@ pub fn stability(comm: &Comm, arguments: &Stability) -> Result<i32> {
     }
     let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
     // Before minutes of work whose result could not be written.
-    let claimed = || {
-        let folder = Folder::create(&arguments.output)?;
+    let mut folder = None;
+    decided(comm, || {
+        let made = folder.insert(Folder::create(&arguments.output)?);
         let there = std::fs::read_to_string(arguments.output.join(RESULTS[0])).unwrap_or_default();
-        let are_ours = there.starts_with(COLUMNS);
-        folder.check_ours(&RESULTS, are_ours)?;
-        Ok::<_, Error>(Some(folder))
-    };
-    let folder = if comm.is_root() { claimed() } else { Ok(None) };
-    let folder = agree(comm, folder.map_err(|error| error.to_string())).map_err(Error::Output)?;
+        made.check_ours(&RESULTS, there.starts_with(COLUMNS))
+    })?;
     let interrupt = Interrupt::on_signals();
     let found = find(comm, &scene, arguments.budget, &interrupt).map_err(|error| error.in_scene(&source))?;
-    let written = match (&folder, &found) {
+    decided(comm, || match (&folder, &found) {
         (Some(folder), Some(study)) => write(folder, study, &scene),
         _ => Ok(()),
-    };
-    agree(comm, written.map_err(|error| error.to_string())).map_err(Error::Output)?;
+    })?;
     if comm.is_root() {
         if let Some(study) = &found {
             gist(study).iter().for_each(|line| say(format_args!("{line}")));

@@ -5,10 +5,9 @@ use std::path::Path;
 use std::rc::Rc;
 use std::time::Instant;
 
-use mpi::traits::{Communicator, Root};
 use petsc_wrap::{Comm, options, petsc_version};
 
-use crate::agree::agree;
+use crate::agree::{decided, of_root};
 use crate::error::{Error, INTERRUPTED, Result};
 use crate::model;
 use crate::record::sweep::{Header, Member, Quantity, Status, Sweep as Part, SweepWriter};
@@ -22,6 +21,9 @@ use super::members::{Remarks, tell_of_idle_keys};
 use super::progress::Items;
 use super::{Sweep, note, say, short, tell, warn_of_unused_options};
 
+/// The key whose values are files that members are to hold.
+const TABLE: &str = "contact.table";
+
 /// Computes the members of a sweep that its file does not have yet; returns the exit status. Collective.
 ///
 /// # Errors
@@ -29,8 +31,14 @@ use super::{Sweep, note, say, short, tell, warn_of_unused_options};
 pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     let begin = Instant::now();
     let variations = arguments.vary.iter().map(|given| Variation::parse(given, arguments.log));
-    let grid = variations.collect::<std::result::Result<_, _>>().and_then(Grid::new).map_err(Error::Usage)?;
+    let mut grid = variations.collect::<std::result::Result<_, _>>().and_then(Grid::new).map_err(Error::Usage)?;
     let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides).map_err(of_base)?;
+    let tables = decided(comm, || {
+        let contents = |file: &String| Ok(Scene::table_in_file(&source, file)?);
+        grid.texts(TABLE).iter().map(contents).collect::<Result<Vec<String>>>()
+    })?;
+    grid.set_contents(TABLE, tables);
+    let grid = grid;
     let (mut census, mut remarks, mut tolerances) = (Census::default(), Remarks::default(), Vec::new());
     for index in 0..grid.len() {
         let on_line = grid.line().and_then(|key| Some((property_of(key)?, grid.number(index, key)?)));
@@ -42,19 +50,17 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
         }
     }
     let header = header(comm, arguments, &grid, (&scene, &source))?;
-    let desk = if comm.is_root() { Desk::open(arguments, &header).map(Some) } else { Ok(None) };
-    let desk = agree(comm, desk.map_err(|error| error.to_string())).map_err(Error::Output)?;
-    if desk.is_some() {
+    let (mut desk, mut todo) = (None, Vec::new());
+    let is_something_missing = decided(comm, || {
+        todo = desk.insert(Desk::open(arguments, &header)?).missing();
         remarks.tell(&grid);
-    }
-    let todo: Vec<usize> = desk.as_ref().map_or(Vec::new(), Desk::missing);
-    let mut todo_somewhere = !todo.is_empty();
-    comm.mpi().process_at_rank(0).broadcast_into(&mut todo_somewhere);
+        Ok(!todo.is_empty())
+    })?;
     let desk = desk.map(|desk| Rc::new(RefCell::new(Desk { progress: Items::new(todo.len(), "members"), ..desk })));
 
     let (interrupt, alone) = (Rc::new(Interrupt::on_signals()), comm.session().alone());
     // One theory for all, lest it change from one member to the next.
-    let theory = match (scene.body.model, todo_somewhere) {
+    let theory = match (scene.body.model, is_something_missing) {
         (Model::Auto, true) if !grid.varies("body.model") => {
             let follower = Follower::new(comm, interrupt.clone());
             let found = census.theory(comm, |index| Ok(task(arguments, &source, &grid, index)?.scene), &follower);
@@ -98,8 +104,7 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
         }
         warn_of_unused_options(comm)?;
     }
-    comm.mpi().process_at_rank(0).broadcast_into(&mut status);
-    Ok(status)
+    Ok(of_root(comm, Some(status)))
 }
 
 /// An error of the scene as it stands, of which members are made.

@@ -21,12 +21,11 @@ use super::Count;
 use super::checkpoint::{Carrier, Checkpoint};
 use super::gate::Gate;
 use super::ladder::Ladder;
-use super::observer::Observer;
+use super::observer::{Observed, Observer};
 use super::pair::Pair;
 use super::reading::Reader;
 use super::setting::Setting;
 use super::state::Moment;
-use super::step::Step;
 use super::trajectory::{Trajectory, at};
 
 /// Levels of the ladder's steps in contact, out of it, and the largest, well away from the body.
@@ -68,8 +67,6 @@ pub struct Controlled<'a> {
     pub tolerance: f64,
     /// Order of the scheme, 1 or 2.
     pub order: usize,
-    /// Whether the run is to end early; the same on all ranks, and asked on all. Steps are not told while the first contact lasts.
-    pub interrupted: &'a dyn Fn() -> bool,
 }
 
 /// A moment that a run goes on from.
@@ -117,17 +114,15 @@ impl Controlled<'_> {
         mut self,
         body: &mut Body,
         resumed: Option<Resumed>,
-        observer: &mut impl Observer,
+        observer: &mut dyn Observer,
     ) -> Result<(ControlFlow<()>, Trajectory)> {
         if let Some(Resumed { mut pair, careful }) = resumed {
             let flow = self.advance_to_end(&mut pair, careful, body, &mut None, observer)?;
             return Ok((flow, pair.fine));
         }
         let mut pair = Pair::new(body, self.setting)?;
-        let start = pair.fine.observed(body, self.setting)?;
-        pair.fine.read(self.reader)?;
-        self.gate.open(&start);
-        if observer.step(&start)?.is_break() {
+        let start = pair.fine.observed(body, self.setting, self.reader)?;
+        if self.gate.tell(&start, observer)?.is_break() {
             return Ok((ControlFlow::Break(()), pair.fine));
         }
         // Steps that are not told yet, while the first episode may still be taken back.
@@ -135,8 +130,7 @@ impl Controlled<'_> {
         let ended = self.advance_to_end(&mut pair, 0.0, body, &mut held, observer);
         // What was computed is kept, whatever has ended the run.
         for step in held.into_iter().flatten() {
-            self.gate.check(&step).map_err(|error| at(error, step.number, step.time))?;
-            let _ = observer.step(&step)?;
+            let _ = self.gate.tell(&step, observer)?;
         }
         Ok((ended?, pair.fine))
     }
@@ -156,17 +150,14 @@ impl Controlled<'_> {
         pair: &mut Pair,
         mut careful: f64,
         body: &mut Body,
-        held: &mut Option<Vec<Step>>,
-        observer: &mut impl Observer,
+        held: &mut Option<Vec<Observed>>,
+        observer: &mut dyn Observer,
     ) -> Result<ControlFlow<()>> {
         let mut saved = Pair::new(body, self.setting)?;
         let (part, seen) = SEEN[self.order - 1];
         let mut restarts = 0;
         while !self.is_over(pair) {
-            if (self.interrupted)() {
-                if held.is_none() {
-                    self.settle(pair, careful, body, (true, observer))?;
-                }
+            if held.is_some() && observer.is_interrupted() {
                 return Ok(ControlFlow::Break(()));
             }
             let level = if pair.fine.time < careful { LEVELS[0] } else { self.level(pair) };
@@ -219,9 +210,8 @@ impl Controlled<'_> {
             }
             let mut flow = ControlFlow::Continue(());
             for step in &told {
-                self.gate.check(step).map_err(|error| at(error, step.number, step.time))?;
                 // All that are accepted already are told before a break is heeded.
-                if observer.step(step)?.is_break() {
+                if self.gate.tell(step, observer)?.is_break() {
                     flow = ControlFlow::Break(());
                 }
             }
@@ -241,7 +231,7 @@ impl Controlled<'_> {
         pair: &mut Pair,
         mut careful: f64,
         body: &Body,
-        (interrupted, observer): (bool, &mut impl Observer),
+        (interrupted, observer): (bool, &mut dyn Observer),
     ) -> Result<()> {
         observer.settled(interrupted, &mut || {
             let mut checkpoint = Checkpoint::default();
@@ -289,13 +279,12 @@ impl Controlled<'_> {
     }
 
     /// Two steps of the fine trajectory, which are returned, and one of the coarse.
-    fn advance(&mut self, pair: &mut Pair, level: usize, body: &mut Body) -> Result<Vec<Step>> {
+    fn advance(&mut self, pair: &mut Pair, level: usize, body: &mut Body) -> Result<Vec<Observed>> {
         let mut told = Vec::with_capacity(2);
         pair.has_touched = false;
         for _ in 0..2 {
             self.step(&mut pair.fine, level, body)?;
-            told.push(pair.fine.observed(body, self.setting)?);
-            pair.fine.read(self.reader)?;
+            told.push(pair.fine.observed(body, self.setting, self.reader)?);
             pair.has_touched |= pair.fine.now.approach > 0.0;
         }
         self.step(&mut pair.coarse, level + 1, body)?;

@@ -1,10 +1,14 @@
 //! Stops a run whose energy has gone wrong.
 
+use std::ops::ControlFlow;
+
 use crate::error::{Error, Result};
 use crate::scene::{Scene, Scheme};
 
 use super::checkpoint::Carrier;
+use super::observer::{Observed, Observer};
 use super::step::Step;
+use super::trajectory::at;
 
 /// What may be made from nothing where the scene sets no gate, as a part of the energy that there is: a scheme at its
 /// worst makes a small part of that, an unstable one a thousandfold within some tens of steps.
@@ -30,9 +34,17 @@ impl Gate {
         self.part.is_some()
     }
 
-    /// Takes the initial energy.
-    pub(super) fn open(&mut self, start: &Step) {
-        self.initial = start.energy.total + start.energy.dissipated - start.energy.external;
+    /// Tells an observer a step that passes; the first one sets the energy that there is.
+    ///
+    /// # Errors
+    /// [`Error::Unstable`] where the step's balance is off, or it is not a number; the observer's.
+    pub(super) fn tell(&mut self, observed: &Observed, observer: &mut dyn Observer) -> Result<ControlFlow<()>> {
+        let Observed { step, reading } = observed;
+        match step.number {
+            0 => self.initial = step.energy.total + step.energy.dissipated - step.energy.external,
+            number => self.check(step).map_err(|error| at(error, number, step.time))?,
+        }
+        observer.step(step, reading)
     }
 
     /// To a checkpoint or from it.
@@ -41,10 +53,7 @@ impl Gate {
     }
 
     /// Refuses a step whose balance is off, or which is not a number.
-    ///
-    /// # Errors
-    /// [`Error::Unstable`].
-    pub(super) fn check(&self, step: &Step) -> Result<()> {
+    fn check(&self, step: &Step) -> Result<()> {
         let (energy, advice) = (&step.energy, &self.advice);
         if !(energy.total.is_finite() && step.contact.force.is_finite() && step.impactor.position.is_finite()) {
             return Err(Error::Unstable(format!(

@@ -7,6 +7,7 @@ pub mod checkpoint;
 mod condensed;
 mod controlled;
 mod equilibrium;
+mod estimate;
 mod explicit;
 mod full;
 mod gate;
@@ -26,6 +27,7 @@ mod search;
 mod setting;
 mod state;
 pub mod step;
+mod time_integration;
 mod trajectory;
 
 use std::ops::ControlFlow;
@@ -34,25 +36,26 @@ use petsc_wrap::Comm;
 
 use crate::body::Body;
 use crate::error::{Error, Result};
-use crate::scene::{Initial, Scene};
+use crate::scene::{Initial, Scene, Vec3};
 use crate::scheme::Implicit;
 
 use checkpoint::{Carrier, Checkpoint};
 use controlled::Controlled;
+pub use estimate::{Cause, ErrorEstimate, Errors};
 use gate::Gate;
 pub use implicit::Method;
 use ladder::Ladder;
 pub use limit::stable_step;
 pub use modal::{ModalImpact, Steps, Trace};
-pub use observer::Observer;
-use observer::Told;
+pub use observer::{Observer, Until};
 pub use plan::{Plan, steps};
 use reading::Reader;
-pub use reading::{Probe, Reading, Readout, Tape};
+pub use reading::{Probe, Reading, Readout};
 pub use setting::Setting;
 pub use state::{Impactor, State};
 use step::Step;
-use trajectory::{Trajectory, at};
+pub use time_integration::{Count, TimeIntegration};
+use trajectory::Trajectory;
 
 /// Newton's residual, as a part of the largest force that a half-space would see.
 const FORCE_TOLERANCE: f64 = 1e-10;
@@ -89,7 +92,6 @@ pub struct Impact {
     trajectory: Trajectory,
     /// Order of the scheme.
     order: usize,
-    interrupted: Box<dyn Fn() -> bool>,
     resumed: Resumed,
     reader: Option<Reader>,
     /// What the runs have cost so far.
@@ -104,30 +106,6 @@ enum Resumed {
     Equal,
     /// A moment of chosen steps.
     Chosen(Box<controlled::Resumed>),
-}
-
-/// What was done for a run.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Count {
-    /// Steps taken, rejected ones and those of an error estimate included: each is one linear solve in the condensed step, a few with
-    /// pads.
-    pub solves: usize,
-    /// Newton iterations.
-    pub iterations: usize,
-    /// Estimated error of the acceleration over its peak, where steps are chosen by it.
-    pub error: Option<f64>,
-}
-
-impl Count {
-    /// To a checkpoint or from it.
-    fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
-        carrier.count("solves", &mut self.solves)?;
-        carrier.count("iterations", &mut self.iterations)?;
-        let mut error = self.error.unwrap_or(f64::NAN);
-        carrier.number("error", &mut error)?;
-        self.error = (!error.is_nan()).then_some(error);
-        Ok(())
-    }
 }
 
 impl Impact {
@@ -159,7 +137,6 @@ impl Impact {
             body,
             setting,
             order: Implicit::new(scene.time.scheme).map_or(2, |scheme| scheme.order()),
-            interrupted: Box::new(|| false),
             resumed: Resumed::No,
             reader: None,
             count: Count::default(),
@@ -171,32 +148,9 @@ impl Impact {
         &self.plan
     }
 
-    /// Number of steps to the end, where they are of one size.
-    pub fn steps(&self) -> Option<usize> {
-        match self.plan {
-            Plan::Equal { step } => Some(steps(self.end, step)),
-            Plan::Controlled { .. } => None,
-        }
-    }
-
     /// The body.
     pub fn body(&self) -> &Body {
         &self.body
-    }
-
-    /// Has a run ask now and then whether it is to end early, also while it does not tell its steps yet. The answer must be the same
-    /// on all ranks; all of them ask.
-    pub fn set_interrupt(&mut self, interrupted: impl Fn() -> bool + 'static) {
-        self.interrupted = Box::new(interrupted);
-    }
-
-    /// Has a run put readings of its steps on a tape, each before the step is told. Collective.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn set_readout(&mut self, readout: &Readout, tape: Tape) -> Result<()> {
-        self.reader = Some(Reader::new(&self.body, readout, tape)?);
-        Ok(())
     }
 
     /// The body, for another impact on it.
@@ -217,11 +171,86 @@ impl Impact {
         self.trajectory.set_state(state, &mut self.body, &self.setting)
     }
 
-    /// Has the next run go on from a checkpoint of the same scene, and tell the steps after it. Collective.
+    /// What takes chosen steps of it, and the body; `None` for steps of one size.
+    fn controlled(&mut self) -> Option<(Controlled<'_>, &mut Body)> {
+        let Plan::Controlled { tolerance, .. } = self.plan else { return None };
+        let Self { comm, body, setting, ladder, gate, count, reader, end, order, .. } = self;
+        let (end, order) = (*end, *order);
+        let controlled = Controlled { comm, setting, ladder, gate, count, reader, end, tolerance, order };
+        Some((controlled, body))
+    }
+
+    /// Runs before a closure, as [`TimeIntegration::run_watched`].
     ///
     /// # Errors
-    /// [`Error::Output`] where the checkpoint is of another kind of run, or on another basis; PETSc's.
-    pub fn resume(&mut self, checkpoint: &Checkpoint) -> Result<()> {
+    /// As there.
+    pub fn run(&mut self, mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
+        self.run_watched(&mut observe)
+    }
+
+    fn run_in_equal_steps(&mut self, resumed: Resumed, observer: &mut dyn Observer) -> Result<ControlFlow<()>> {
+        let mut flow = ControlFlow::Continue(());
+        if matches!(resumed, Resumed::No) {
+            (self.trajectory.time, self.trajectory.steps) = (0.0, 0);
+            let start = self.trajectory.observed(&self.body, &self.setting, &mut self.reader)?;
+            flow = self.gate.tell(&start, observer)?;
+        }
+        let size = self.ladder.step(0);
+        for number in self.trajectory.steps + 1..=steps(self.end, size) {
+            if flow.is_break() {
+                break;
+            }
+            let Self { body, setting, trajectory, gate, count, ladder, reader, .. } = self;
+            let time = number as f64 * size;
+            count.iterations += trajectory.advance(ladder.at(0, body)?, time, body, setting)?;
+            count.solves += 1;
+            flow = gate.tell(&trajectory.observed(body, setting, reader)?, observer)?;
+            observer.settled(flow.is_break(), &mut || {
+                let mut checkpoint = Checkpoint::default();
+                self.carry(&mut Carrier::to(&mut checkpoint))?;
+                Ok(checkpoint)
+            })?;
+        }
+        Ok(flow)
+    }
+
+    /// A run in equal steps, to a checkpoint or from it.
+    fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+        let Self { body, trajectory, ladder, gate, count, .. } = self;
+        trajectory.carry(carrier)?;
+        carrier.within("ladder", |carrier| ladder.carry(carrier, body))?;
+        gate.carry(carrier)?;
+        count.carry(carrier)
+    }
+}
+
+impl TimeIntegration for Impact {
+    fn plan(&self) -> Option<Plan> {
+        Some(self.plan)
+    }
+
+    fn steps(&self) -> Option<usize> {
+        match self.plan {
+            Plan::Equal { step } => Some(steps(self.end, step)),
+            Plan::Controlled { .. } => None,
+        }
+    }
+
+    fn count(&self) -> Count {
+        self.count
+    }
+
+    fn nodes(&self) -> Option<&[Vec3]> {
+        self.body.nodes.as_deref()
+    }
+
+    fn set_readout(&mut self, readout: Readout) -> Result<()> {
+        self.reader = Some(Reader::new(&self.body, &readout)?);
+        Ok(())
+    }
+
+    /// Refuses, with [`Error::Output`], a checkpoint that is of another kind of run, or on another basis.
+    fn resume(&mut self, checkpoint: &Checkpoint) -> Result<()> {
         self.resumed = match self.controlled() {
             Some((mut controlled, body)) => Resumed::Chosen(Box::new(controlled.resumed(body, checkpoint)?)),
             None => {
@@ -241,78 +270,12 @@ impl Impact {
         Ok(())
     }
 
-    /// What takes chosen steps of it, and the body; `None` for steps of one size.
-    fn controlled(&mut self) -> Option<(Controlled<'_>, &mut Body)> {
-        let Plan::Controlled { tolerance, .. } = self.plan else { return None };
-        let Self { comm, body, setting, ladder, gate, count, reader, end, order, interrupted, .. } = self;
-        let (end, order, interrupted) = (*end, *order, &**interrupted);
-        let controlled = Controlled { comm, setting, ladder, gate, count, reader, end, tolerance, order, interrupted };
-        Some((controlled, body))
-    }
-
-    /// Runs to the end, or until `observe`, which gets the initial state and every accepted step, breaks off; tells which.
-    /// Collective.
-    ///
-    /// # Errors
-    /// [`crate::Error::Solve`] with step and time where a step is not solved or the contact law is left,
-    /// [`crate::Error::Unstable`] where the energy gate closes; the observer's; PETSc's.
-    pub fn run(&mut self, observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
-        self.run_watched(&mut Told(observe))
-    }
-
-    /// [`Self::run`] before an observer who may keep checkpoints. Collective.
-    ///
-    /// # Errors
-    /// As [`Self::run`].
-    pub fn run_watched(&mut self, observer: &mut impl Observer) -> Result<ControlFlow<()>> {
+    fn run_watched(&mut self, observer: &mut dyn Observer) -> Result<ControlFlow<()>> {
         let resumed = std::mem::replace(&mut self.resumed, Resumed::No);
         let Some((controlled, body)) = self.controlled() else { return self.run_in_equal_steps(resumed, observer) };
         let resumed = if let Resumed::Chosen(moment) = resumed { Some(*moment) } else { None };
         let (flow, trajectory) = controlled.run(body, resumed, observer)?;
         self.trajectory = trajectory;
         Ok(flow)
-    }
-
-    fn run_in_equal_steps(&mut self, resumed: Resumed, observer: &mut impl Observer) -> Result<ControlFlow<()>> {
-        let mut flow = ControlFlow::Continue(());
-        if matches!(resumed, Resumed::No) {
-            (self.trajectory.time, self.trajectory.steps) = (0.0, 0);
-            let start = self.trajectory.observed(&self.body, &self.setting)?;
-            self.trajectory.read(&mut self.reader)?;
-            self.gate.open(&start);
-            flow = observer.step(&start)?;
-        }
-        let size = self.ladder.step(0);
-        for number in self.trajectory.steps + 1..=steps(self.end, size) {
-            if flow.is_break() {
-                break;
-            }
-            let Self { body, setting, trajectory, gate, count, ladder, reader, .. } = self;
-            let time = number as f64 * size;
-            count.iterations += trajectory.advance(ladder.at(0, body)?, time, body, setting)?;
-            count.solves += 1;
-            let step = trajectory.observed(body, setting)?;
-            trajectory.read(reader)?;
-            gate.check(&step).map_err(|error| at(error, number, time))?;
-            flow = observer.step(&step)?;
-            if flow.is_continue() && (self.interrupted)() {
-                flow = ControlFlow::Break(());
-            }
-            observer.settled(flow.is_break(), &mut || {
-                let mut checkpoint = Checkpoint::default();
-                self.carry(&mut Carrier::to(&mut checkpoint))?;
-                Ok(checkpoint)
-            })?;
-        }
-        Ok(flow)
-    }
-
-    /// A run in equal steps, to a checkpoint or from it.
-    fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
-        let Self { body, trajectory, ladder, gate, count, .. } = self;
-        trajectory.carry(carrier)?;
-        carrier.within("ladder", |carrier| ladder.carry(carrier, body))?;
-        gate.carry(carrier)?;
-        count.carry(carrier)
     }
 }

@@ -6,8 +6,8 @@ use crate::body::Body;
 use crate::error::Result;
 
 use super::checkpoint::Carrier;
+use super::observer::Observed;
 use super::setting::Setting;
-use super::step::Step;
 use super::trajectory::Trajectory;
 
 /// The fine and the coarse trajectory, and how they differ.
@@ -54,8 +54,8 @@ impl Pair {
     }
 
     /// Takes what the steps told and how the two differ after them. Collective.
-    pub(super) fn compare(&mut self, setting: &Setting, told: &[Step]) -> Result<()> {
-        for step in told {
+    pub(super) fn compare(&mut self, setting: &Setting, told: &[Observed]) -> Result<()> {
+        for Observed { step, .. } in told {
             self.peak = self.peak.max(step.impactor.acceleration);
         }
         let now = &self.fine.now;

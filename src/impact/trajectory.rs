@@ -7,7 +7,8 @@ use super::checkpoint::Carrier;
 use super::initial;
 use super::ladder::Stepper;
 use super::ledger::Ledger;
-use super::reading::Reader;
+use super::observer::Observed;
+use super::reading::{Reader, Reading};
 use super::setting::Setting;
 use super::state::{Moment, State};
 use super::step::{Contact, Motion, Step};
@@ -92,19 +93,19 @@ impl Trajectory {
         setting.force(self.now.approach, self.now.rate) / setting.mass
     }
 
-    /// Has the state read, where somebody reads it. Collective.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub(super) fn read(&self, reader: &mut Option<Reader>) -> Result<()> {
-        reader.as_mut().map_or(Ok(()), |reader| reader.read(self.steps, &self.now.state))
-    }
-
     /// The moment as observers see it. Collective.
     ///
     /// # Errors
     /// PETSc's.
-    pub(super) fn observed(&self, body: &Body, setting: &Setting) -> Result<Step> {
+    pub(super) fn observed(&self, body: &Body, setting: &Setting, reader: &mut Option<Reader>) -> Result<Observed> {
+        let reading = match reader {
+            Some(reader) => reader.read(self.steps, &self.now.state)?,
+            None => Reading::default(),
+        };
+        Ok(Observed { step: self.step(body, setting)?, reading })
+    }
+
+    fn step(&self, body: &Body, setting: &Setting) -> Result<Step> {
         let Moment { state, surface, approach, rate, .. } = &self.now;
         let force = setting.force(*approach, *rate);
         Ok(Step {

@@ -10,7 +10,7 @@ use super::theory::{Built, Operators, build};
 use super::watch::{Stage, Watch};
 use crate::body::{Krylov, ModalBody};
 use crate::error::{Error, Result};
-use crate::impact::{ModalImpact, Trace};
+use crate::impact::{Errors, ModalImpact, Trace};
 use crate::mesh::Measures;
 use crate::scene::{Model, Scene};
 use crate::space::evaluate::Evaluator;
@@ -40,8 +40,8 @@ pub struct Fitted {
     pub words: String,
     /// Size of the cells over that by the rule of thumb.
     pub size: f64,
-    /// Estimated error of the acceleration over its peak by the cells, where it was looked for: in the first contact, and over all.
-    pub error: Option<(f64, f64)>,
+    /// Estimated error by the cells, where it was looked for.
+    pub error: Option<Errors>,
     /// What reads the body, as [`Operators::evaluator`].
     pub evaluator: Option<Evaluator>,
     /// As [`Operators::measures`].
@@ -99,13 +99,13 @@ pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch
     loop {
         let mut finer = FINER[0];
         if let Some((coarse, ratio)) = &coarse {
-            let (first, all) = watch.shared(fine.on_short_basis(scene))?.difference(coarse);
             let of_difference = 1.0 / (ratio.powi(-ORDER) - 1.0);
-            let error = (of_difference * first, of_difference * all);
-            tracing::info!(size = fine.size, unknowns = fine.unknowns, first = error.0, all = error.1, "cells");
+            let error = of_difference * watch.shared(fine.on_short_basis(scene))?.difference(coarse);
+            let Errors { first_contact, history } = error;
+            tracing::info!(size = fine.size, unknowns = fine.unknowns, first_contact, history, "cells");
             fine.error = Some(error);
             let wanted = OF_CELLS * scene.tolerance;
-            let over = watch.agreed(error.0 / wanted);
+            let over = watch.agreed(first_contact / wanted);
             finer = over.recip().powf(1.0 / f64::from(ORDER)).clamp(FINER[0], FINER[1]);
             let cost = fine.unknowns as f64 * (fine.reduced.projection.vectors() as f64).powi(2);
             if over <= 1.0 || finer * fine.size < FINEST || cost > DEAREST {

@@ -10,6 +10,7 @@ use petsc_wrap::Comm;
 
 use crate::contact::{hertz, zener};
 use crate::error::{Error, Result};
+use crate::impact::{Cause, Errors};
 use crate::scene::{
     Contact, Geometry, Impactor, Load, Model as Theory, Newton, Scene, Scheme, Support, SupportKind, faces,
 };
@@ -114,7 +115,7 @@ fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Mode
     let reason = format!(
         "estimated error of a half-space: {error:.1e}, the sum of Zener's λ = {lambda:.1e}, ratio of the masses {ratio:.1e}, dent of a layer {local:.1e}"
     );
-    Ok(Some((model.with_error("theory", (error, error)), reason)))
+    Ok(Some((model.with_error(Cause::Theory, Errors::throughout(error)), reason)))
 }
 
 /// Whether a box is a plate.
@@ -172,30 +173,31 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
     let part = mindlin_error_over_difference(scene);
     // Cells and basis are not judged yet: their part of the difference is small, and so is what it changes in the estimate.
     let thick = unrefined(comm, &modal, operators(&modal, Theory::Mindlin)?, watch)?;
-    let (first, all) = if part <= OF_UNCOMPARED * tolerance {
+    let of_theory = if part <= OF_UNCOMPARED * tolerance {
         passed.push(format!(
             "estimated error of mindlin relative to solid: {part:.1e}, even if kirchhoff differed from it by the whole peak"
         ));
-        (part, part)
+        Errors::throughout(part)
     } else {
         let rough = Scene { tolerance: tolerance.max((ROUGHER * tolerance).min(ROUGHEST)), ..modal.clone() };
         let thin = reduce(&operators(&rough, Theory::Kirchhoff)?.body, &rough, watch)?;
-        let (first, all) = thick.reduced.force.0.difference(&thin.force.0);
-        let error = part * first;
+        let difference = thick.reduced.force.0.difference(&thin.force.0);
+        let (differ, of_theory) = (difference.first_contact, part * difference);
+        let error = of_theory.first_contact;
         let judged = format!(
-            "kirchhoff and mindlin differ by {first:.1e} in the first contact; estimated error of mindlin relative to solid: {error:.1e}"
+            "kirchhoff and mindlin differ by {differ:.1e} in the first contact; estimated error of mindlin relative to solid: {error:.1e}"
         );
         if watch.agreed(error / tolerance) > OF_THEORY {
             passed.push(format!("{judged}, above the tolerance of {tolerance:.0e}, so the solid is taken"));
             return Ok(None);
         }
         passed.push(judged);
-        (error, part * all)
+        of_theory
     };
     let model = match scene.time.modal {
         true => Model::on_basis(comm, scene, Theory::Mindlin, refine(comm, &modal, Theory::Mindlin, thick, watch)?)?,
         false => Model::of(comm, scene, Theory::Mindlin, watch)?,
     };
     let pressed: f64 = scene.supports.iter().map(|support| pressing(scene, support)).sum();
-    Ok(Some(model.with_error("theory", (first + pressed, all + pressed))))
+    Ok(Some(model.with_error(Cause::Theory, of_theory + Errors::throughout(pressed))))
 }

@@ -12,7 +12,7 @@ pub mod watch;
 
 pub use linearity::{LARGE, Linearity, STIFFENING};
 pub use mindlin_error::mindlin_error_over_difference;
-pub use readings::{Gauges, Readings};
+pub use readings::Gauges;
 pub use reduce::{OF_BASIS, OF_SMALLER, Reduced, rate, reduce};
 pub use simulation::Simulation;
 pub use theory::{Built, Operators, admits, build, name};
@@ -25,6 +25,7 @@ use petsc_wrap::{Comm, Vector};
 use crate::body::{Body, ModalBody};
 use crate::contact::Patch;
 use crate::error::Result;
+use crate::impact::{Cause, ErrorEstimate, Errors};
 use crate::mesh::Measures;
 use crate::scene::{self, Reduction, Scene};
 use crate::solve::Method;
@@ -46,13 +47,8 @@ pub struct Model {
     pub vectors: Option<usize>,
     /// The body on another basis, by which this one is judged, and the error over the difference of the two.
     pub judge: Option<(ModalBody, f64)>,
-    /// Estimated error of the acceleration over its peak by basis, cells and theory, as far as each is known: in the first contact, and
-    /// over all.
-    pub error: Option<(f64, f64)>,
-    /// What that error is of.
-    pub judged: Vec<&'static str>,
-    /// What of that is not the basis'.
-    pub beside_basis: (f64, f64),
+    /// Estimated error by basis, cells and theory, as far as each is known.
+    pub error: ErrorEstimate,
     /// Why this theory and not another, where that was to be found.
     pub reason: Option<String>,
     /// What is read of the body, where the scene wants that.
@@ -136,17 +132,10 @@ impl Model {
             Dynamics::Stepped(Box::new(Body::of(&comm.session().alone(), &projection.system())?))
         };
         let (vectors, judge) = (Some(projection.vectors()), Some((ModalBody::of(&judge), of_difference)));
-        let model = Self {
-            vectors,
-            judge,
-            gauges,
-            measures,
-            error: Some(error),
-            ..Self::bare(theory, dynamics, unknowns, words)
-        };
-        let model = Self { judged: vec!["basis"], ..model };
+        let model = Self { vectors, judge, gauges, measures, ..Self::bare(theory, dynamics, unknowns, words) };
+        let model = model.with_error(Cause::Basis, error);
         Ok(match cells {
-            Some(error) => model.with_error("cells", error),
+            Some(error) => model.with_error(Cause::Cells, error),
             None => model,
         })
     }
@@ -160,30 +149,26 @@ impl Model {
             words,
             vectors: None,
             judge: None,
-            error: None,
-            judged: Vec::new(),
-            beside_basis: (0.0, 0.0),
+            error: ErrorEstimate::default(),
             reason: None,
             gauges: None,
             measures: None,
         }
     }
 
-    /// The same with an error beside that of the basis added: in the first contact, and over all.
-    fn with_error(mut self, of: &'static str, (first, all): (f64, f64)) -> Self {
-        self.judged.push(of);
-        let before = self.error.unwrap_or_default();
-        self.error = Some((before.0 + first, before.1 + all));
-        self.beside_basis = (self.beside_basis.0 + first, self.beside_basis.1 + all);
-        self
+    /// The same with one more error.
+    fn with_error(self, cause: Cause, errors: Errors) -> Self {
+        Self { error: self.error.with(cause, errors), ..self }
     }
 
-    /// Estimated error of the acceleration over its peak in the first contact, by basis, cells, theory and patch, as far as each is
-    /// estimated before the first step; `None` where nothing is.
-    pub fn first_contact_error(&self) -> Option<f64> {
-        let patch = self.dynamics.patch().map(|patch| patch.error());
-        let model = self.error.map(|(first, _)| first);
-        (model.is_some() || patch.is_some()).then(|| model.unwrap_or(0.0) + patch.unwrap_or(0.0))
+    /// What is estimated before the first step: [`Model::error`], and that of the patch.
+    pub fn error_before_steps(&self) -> ErrorEstimate {
+        self.error.clone().with_patch(self.dynamics.patch().as_ref())
+    }
+
+    /// Estimated error by cells and theory.
+    pub fn error_beside_basis(&self) -> Errors {
+        self.error.without(Cause::Basis).total().unwrap_or_default()
     }
 
     /// What the basis is, for a result's attribute.

@@ -4,7 +4,7 @@ use petsc_wrap::{Comm, Gather, Int, Vector};
 
 use crate::agree::agree;
 use crate::error::Result;
-use crate::impact::{Readout, Tape};
+use crate::impact::Readout;
 use crate::scene::{Fault, Scene, Vec3};
 use crate::space::evaluate::{Evaluator, FieldSampler, Form, Forms, Map};
 
@@ -15,14 +15,6 @@ pub struct Gauges {
     pub(super) sampler: Option<FieldSampler>,
     /// Names of the probes within [`Evaluator::blurred`] of the hit; on rank 0.
     pub near: Vec<String>,
-}
-
-/// Readings of a run, as it tells its steps.
-pub struct Readings {
-    /// What was read at the steps that are told next.
-    pub tape: Tape,
-    /// What makes fields of it; on rank 0, where there are fields.
-    pub sampler: Option<FieldSampler>,
 }
 
 impl Gauges {
@@ -47,10 +39,7 @@ impl Gauges {
                 Some(vectors.iter().map(&mut fetched).collect::<Result<Vec<Vec<f64>>>>()?)
             }
         };
-        let forms = agree(comm, forms(scene, evaluator.as_ref())).map_err(|text| {
-            let (key, message) = text.split_once('\n').unwrap_or(("output.probes", &text));
-            Fault::new(key, message, "a point within the body or on its surface")
-        })?;
+        let forms = agree(comm, forms(scene, evaluator.as_ref()))?;
         // On a basis the coordinates are as many as its vectors, wherever they are.
         let all = match &basis {
             Some(basis) if evaluator.is_some() => (0..basis.len() as Int).collect(),
@@ -79,16 +68,15 @@ fn near(scene: &Scene, radius: f64) -> Vec<String> {
     probes.map(|probe| probe.name.clone()).collect()
 }
 
-/// Nine forms a probe; or the key of one that is outside of the body, and a message, in two lines.
-fn forms(scene: &Scene, evaluator: Option<&Evaluator>) -> std::result::Result<Vec<Form>, String> {
+/// Nine forms a probe, where this rank has the evaluator.
+fn forms(scene: &Scene, evaluator: Option<&Evaluator>) -> std::result::Result<Vec<Form>, Fault> {
     let mut all = Vec::new();
     let Some(evaluator) = evaluator else { return Ok(all) };
     for (number, probe) in scene.output.probes.iter().enumerate() {
         let Some(Forms { displacement, stress }) = evaluator.at(probe.point) else {
-            return Err(format!(
-                "output.probes.{number}.point\nthe point of probe {:?} is outside of the body",
-                probe.name
-            ));
+            let message = format!("the point of probe {:?} is outside of the body", probe.name);
+            let help = "a point within the body or on its surface";
+            return Err(Fault::new(format!("output.probes.{number}.point"), message, help));
         };
         all.extend(displacement.into_iter().chain(stress));
     }

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use crate::body::{Body, Krylov, ModalBody, Projection};
 use crate::error::{Error, Result};
-use crate::impact::{Impact, ModalImpact, Steps, Trace};
+use crate::impact::{Errors, Impact, ModalImpact, Steps, Trace};
 use crate::scene::{Reduction, Scene};
 
 use super::watch::{Judged, Stage, Watch};
@@ -45,8 +45,8 @@ pub struct Reduced {
     pub of_difference: f64,
     /// The vectors of the larger one.
     pub krylov: Krylov,
-    /// Estimated error of the acceleration over its peak: in the first contact, and over all.
-    pub error: (f64, f64),
+    /// Its estimated error.
+    pub error: Errors,
     /// The force on the basis, and its steps in modal coordinates.
     pub force: (Trace, Option<Steps>),
 }
@@ -86,19 +86,24 @@ pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> 
             // All that the forces reach, to rounding.
             Ok(trace) if is_exhausted && (given.is_none() || tried.is_empty()) => {
                 let (judge, force) = (projection.clone(), (trace, steps));
-                return Ok(Reduced { projection, judge, of_difference: 0.0, krylov, error: (0.0, 0.0), force });
+                return Ok(Reduced { projection, judge, of_difference: 0.0, krylov, error: Errors::default(), force });
             }
             Ok(trace) => {
                 let judged = tried.iter().rev().find(|(smaller, _)| larger(*smaller) <= count);
                 if let Some((smaller, before)) = judged.or(tried.last().filter(|_| enough)) {
                     let of_difference = if given.is_some() { OF_SMALLER } else { OF_LARGER };
-                    let (first, all) = before.difference(&trace);
-                    let error = (of_difference * first, of_difference * all);
+                    let error = of_difference * before.difference(&trace);
                     let wanted = OF_BASIS * scene.tolerance;
-                    let over = watch.agreed(error.0 / wanted);
+                    let over = watch.agreed(error.first_contact / wanted);
                     last = Some(Judged { vectors: count, error: over * wanted, wanted });
                     if enough || over <= 1.0 {
-                        tracing::info!(vectors = count, smaller, first = error.0, all = error.1, "reduced");
+                        tracing::info!(
+                            vectors = count,
+                            smaller,
+                            first = error.first_contact,
+                            all = error.history,
+                            "reduced"
+                        );
                         let mut pair = [(projection.leading(*smaller), before.clone()), (projection, trace)];
                         if given.is_none() {
                             pair.reverse();

@@ -1,11 +1,13 @@
 //! Contact episodes: when, how hard, and with what impulse the impactor and the body touch.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::Result;
 use crate::impact::checkpoint::Carrier;
 use crate::impact::step::Step;
 
 /// One uninterrupted contact: a maximal run of consecutive steps with F > 0.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Episode {
     /// Where α rises through zero, s: between the last step without force and the first with it.
     pub start: f64,

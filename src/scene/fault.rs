@@ -1,7 +1,9 @@
 //! A fault of the scene that shows only when it is built.
 
+use serde::{Deserialize, Serialize};
+
 /// A key found wrong by the mesh or the body; [`Source::error`](super::Source::error) makes it point into the text.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error, Serialize, Deserialize)]
 #[error("{key}: {message}")]
 pub struct Fault {
     /// Dotted path of the key.

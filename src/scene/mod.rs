@@ -126,6 +126,17 @@ impl Scene {
         }
     }
 
+    /// The points of a file for `contact.table`, as a scene has them in its text; an array is taken as it is.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn table_in_file(source: &Source, file: &str) -> Result<String, SceneError> {
+        if file.trim_start().starts_with('[') {
+            return Ok(file.to_owned());
+        }
+        check::table_in_file(source, file.trim_matches('"'))
+    }
+
     /// The scene of `source`, with `values` (each `KEY=VALUE`) of a sweep written into it.
     ///
     /// # Errors
@@ -144,7 +155,10 @@ impl Scene {
 
     /// The scene of a source, which gets the points of the table of the contact's law in the place of their file: then it is all that
     /// is needed to repeat the run.
-    fn checked(source: Source) -> Result<(Self, Source), SceneError> {
+    ///
+    /// # Errors
+    /// Everything that is wrong in it.
+    pub fn checked(source: Source) -> Result<(Self, Source), SceneError> {
         let scene = check::scene(&source, source.folder())?;
         let source = match &scene.impactor.force_law {
             ForceLaw::Table(table) => source.with_table(&table.points()),

@@ -1,19 +1,18 @@
 //! Overrides `KEY=VALUE` of single keys, written into the text of a scene.
 
+use serde::{Deserialize, Serialize};
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
 /// The parts of the longest path, `load.traction.0.value.0`; a bound, so that a path cannot exhaust the stack.
 const DEEPEST: usize = 5;
 
 /// One override, as given and taken apart.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Override {
     /// `KEY=VALUE`.
     pub given: String,
     /// The key's path.
     pub segments: Vec<String>,
-    /// `None` takes the key out.
-    value: Option<Value>,
 }
 
 impl Override {
@@ -22,8 +21,7 @@ impl Override {
     /// # Errors
     /// What is wrong, when there is no `=` or no key.
     pub fn new(given: &str) -> Result<Self, String> {
-        let (key, value) =
-            given.split_once('=').ok_or("an override has the form KEY=VALUE, and this one has no `=`")?;
+        let (key, _) = given.split_once('=').ok_or("an override has the form KEY=VALUE, and this one has no `=`")?;
         let segments: Vec<String> = key.split('.').map(|part| part.trim().to_owned()).collect();
         if segments.iter().any(String::is_empty) {
             return Err("its KEY is not a path of names and numbers joined by single dots".into());
@@ -31,9 +29,15 @@ impl Override {
         if segments.len() > DEEPEST {
             return Err(format!("its KEY has {} parts, and no key of a scene has more than {DEEPEST}", segments.len()));
         }
+        Ok(Self { given: given.to_owned(), segments })
+    }
+
+    /// What is behind the `=`; `None` takes the key out.
+    fn value(&self) -> Option<Value> {
+        let (_, value) = self.given.split_once('=')?;
         let value = value.trim();
         let read = |value: &str| value.parse().unwrap_or_else(|_| Value::from(value));
-        Ok(Self { given: given.to_owned(), segments, value: (!value.is_empty()).then(|| read(value)) })
+        (!value.is_empty()).then(|| read(value))
     }
 
     /// Writes the value into the document; tables on the way are made where they are missing.
@@ -42,7 +46,7 @@ impl Override {
     /// What is wrong, when the path runs through something that is not a table, or past the end of an array.
     pub fn apply(&self, document: &mut DocumentMut) -> Result<(), String> {
         let segments: Vec<&str> = self.segments.iter().map(String::as_str).collect();
-        in_table(document.as_table_mut(), false, &segments, self.value.as_ref())
+        in_table(document.as_table_mut(), false, &segments, self.value().as_ref())
     }
 }
 

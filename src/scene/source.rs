@@ -1,9 +1,11 @@
 //! The text of a scene after its overrides, and errors that point into it.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use miette::{LabeledSpan, NamedSource};
+use serde::{Deserialize, Serialize};
 use toml_edit::{Array, Document, DocumentMut, value};
 
 use super::error::{Excerpt, SceneError};
@@ -12,7 +14,7 @@ use super::locate::{self, locate};
 use super::overrides::Override;
 
 /// The text of a scene after its overrides: all that is needed to repeat the run.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Source {
     name: String,
     /// What files that the scene names are relative to.
@@ -20,7 +22,7 @@ pub struct Source {
     text: String,
     overrides: Vec<Override>,
     /// The option that gave the overrides.
-    option: &'static str,
+    option: Cow<'static, str>,
 }
 
 /// What an error underlines.
@@ -43,7 +45,7 @@ impl Source {
 
     fn with(name: &str, text: &str, overrides: &[String], option: &'static str) -> Result<Self, SceneError> {
         let (name, text) = (name.to_owned(), text.to_owned());
-        let mut source = Self { name, folder: PathBuf::new(), text, overrides: Vec::new(), option };
+        let mut source = Self { name, folder: PathBuf::new(), text, overrides: Vec::new(), option: option.into() };
         let mut document = Document::parse(source.text.as_str())
             .map_err(|error| source.syntax(error.message(), error.span()))?
             .into_mut();

@@ -43,7 +43,7 @@ pub fn run_scene(comm: &Comm, scene: &Scene) -> Ran {
     });
     assert!(flow.unwrap_or_else(|error| panic!("{error}")).is_continue());
     comm.collect_garbage().unwrap();
-    let error = simulation.error().unwrap_or(f64::NAN);
+    let error = simulation.error().total().map_or(f64::NAN, |errors| errors.history);
     Ran { theory, steps, contacts: episodes.all().to_vec(), error, unknowns, vectors }
 }
 

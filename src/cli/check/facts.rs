@@ -43,7 +43,7 @@ struct ModelFacts<'a> {
     vectors: Option<usize>,
     /// Over the peak of the acceleration, in the first contact.
     first_contact_error: Option<f64>,
-    error_is_of: &'a [&'static str],
+    error_is_of: Vec<&'static str>,
 }
 
 /// On a half-space.
@@ -77,8 +77,8 @@ pub(super) fn json(report: &Report) -> String {
             reason: made.reason.as_deref(),
             unknowns: made.unknowns,
             vectors: made.vectors,
-            first_contact_error: made.first_contact_error(),
-            error_is_of: &made.judged,
+            first_contact_error: made.error_before_steps().total().map(|errors| errors.first_contact),
+            error_is_of: made.error.causes(),
         }),
         model_missing: report.model.as_ref().err().map(String::as_str),
         contact: ContactFacts {

@@ -11,17 +11,21 @@ mod reading;
 mod stage;
 mod trace;
 
+use std::borrow::Borrow;
 use std::ops::ControlFlow;
 
 use crate::body::{Closed, ModalBody, Modes};
 use crate::contact::Law;
 use crate::error::{Error, Result};
-use crate::scene::{Impactor, Initial, Scene};
+use crate::scene::{Impactor, Initial, Scene, Vec3};
 
+use super::checkpoint::Checkpoint;
 use super::gate::Gate;
+use super::observer::{Observed, Observer};
+use super::reading::{Reading, Readout};
 use super::step::{Contact, Energy, Motion as ImpactorMotion, Step};
 use super::trajectory::at;
-use super::{Count, Readout, Setting, Tape};
+use super::{Count, Plan, Setting, TimeIntegration};
 use answer::{FreeBody, State};
 use ledger::Ledger;
 use motion::Motion;
@@ -50,9 +54,9 @@ const ASK_EVERY: usize = 1024;
 /// Steps of one run at most.
 const MOST_STEPS: usize = 10_000_000;
 
-/// An impact on a modal body.
-pub struct ModalImpact<'a> {
-    body: &'a ModalBody,
+/// An impact on a modal body, which it owns or borrows.
+pub struct ModalImpact<B> {
+    body: B,
     setting: Setting,
     end: f64,
     /// Given step, s.
@@ -60,10 +64,9 @@ pub struct ModalImpact<'a> {
     initial: Initial,
     tolerance: f64,
     contact_time: f64,
-    interrupted: &'a dyn Fn() -> bool,
     gate: Gate,
     has_energies: bool,
-    readout: Option<(&'a Readout, Tape)>,
+    readout: Option<Readout>,
     /// The force of the last run, and its steps.
     last: Option<(Trace, Steps)>,
     /// What the runs have cost so far.
@@ -73,23 +76,22 @@ pub struct ModalImpact<'a> {
 /// A run that is done.
 struct Done {
     trace: Trace,
-    steps: Vec<Step>,
+    steps: Vec<Observed>,
     sizes: Steps,
 }
 
-impl<'a> ModalImpact<'a> {
+impl<B: Borrow<ModalBody>> ModalImpact<B> {
     /// An impactor and the times of a scene, on a body.
-    pub fn new(scene: &Scene, body: &'a ModalBody) -> Self {
+    pub fn new(scene: &Scene, body: B) -> Self {
         let impactor = &scene.impactor;
         Self {
+            setting: setting(impactor, body.borrow()),
             body,
-            setting: setting(impactor, body),
             end: scene.time.end,
             step: scene.time.step,
             initial: scene.time.initial,
             tolerance: OF_STEPS * scene.tolerance,
             contact_time: impactor.contact_time(),
-            interrupted: &|| false,
             gate: Gate::new(scene),
             has_energies: true,
             readout: None,
@@ -98,42 +100,30 @@ impl<'a> ModalImpact<'a> {
         }
     }
 
-    /// Has a run ask now and then whether it is to end early, before it has told its steps.
-    #[must_use]
-    pub fn interrupted_by(self, interrupted: &'a dyn Fn() -> bool) -> Self {
-        Self { interrupted, ..self }
-    }
-
-    /// Has a run put readings of its steps on a tape, before it tells the first of them.
-    #[must_use]
-    pub fn read_by(self, readout: &'a Readout, tape: Tape) -> Self {
-        Self { readout: Some((readout, tape)), ..self }
-    }
-
     /// Impactor and contact.
     pub fn setting(&self) -> &Setting {
         &self.setting
     }
 
-    /// Runs to the end and shows `observe` the initial state and every step, until it breaks off; tells which.
+    /// Runs before a closure, as [`TimeIntegration::run_watched`].
     ///
     /// # Errors
-    /// [`Error::Solve`] with step and time where a step is not solved or the contact law is left; [`Error::Unstable`] where the energy
-    /// gate closes; the observer's.
+    /// As there.
     pub fn run(&mut self, mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
-        let Done { trace, steps, sizes } = self.done()?;
+        self.observed(&mut observe)
+    }
+
+    /// All steps are there before the first is told: those up to an interruption are told to their end.
+    fn observed(&mut self, observer: &mut dyn Observer) -> Result<ControlFlow<()>> {
+        let Done { trace, steps, sizes } = self.done(observer)?;
         self.last = Some((trace, sizes));
+        let mut flow = ControlFlow::Continue(());
         for step in &steps {
-            match step.number {
-                _ if !self.has_energies => {}
-                0 => self.gate.open(step),
-                number => self.gate.check(step).map_err(|error| at(error, number, step.time))?,
-            }
-            if observe(step)?.is_break() {
-                return Ok(ControlFlow::Break(()));
+            if self.gate.tell(step, observer)?.is_break() {
+                flow = ControlFlow::Break(());
             }
         }
-        Ok(ControlFlow::Continue(()))
+        Ok(flow)
     }
 
     /// Leaves the energies of the steps at zero, which take a good part of the time, but where the scene has an energy gate.
@@ -152,23 +142,28 @@ impl<'a> ModalImpact<'a> {
     /// # Errors
     /// As [`ModalImpact::run`].
     pub fn trace(&mut self, steps: Option<Steps>) -> Result<(Trace, Steps)> {
+        let nobody = &mut |_: &Step| Ok(ControlFlow::Continue(()));
         let done = match steps {
-            Some(steps) => self.once(steps, false)?,
-            None => self.done()?,
+            Some(steps) => self.once(steps, false, nobody)?,
+            None => self.done(nobody)?,
         };
         Ok((done.trace, done.sizes))
     }
 
-    fn done(&mut self) -> Result<Done> {
+    fn done(&mut self, observer: &mut dyn Observer) -> Result<Done> {
         match self.step {
             Some(step) => {
                 let guess = Steps { largest: step, defect: None, peak: self.guess() };
-                let done = self.once(guess, true)?;
+                let done = self.once(guess, true, observer)?;
                 let peak = done.trace.peak();
                 // A contact that is harder than thought is stiffer, too.
-                if peak <= guess.peak { Ok(done) } else { self.once(Steps { peak: 1.1 * peak, ..guess }, true) }
+                if peak <= guess.peak {
+                    Ok(done)
+                } else {
+                    self.once(Steps { peak: 1.1 * peak, ..guess }, true, observer)
+                }
             }
-            None => self.controlled(),
+            None => self.controlled(observer),
         }
     }
 
@@ -178,24 +173,24 @@ impl<'a> ModalImpact<'a> {
     }
 
     /// Halves the steps until the tolerance is met in the first contact.
-    fn controlled(&mut self) -> Result<Done> {
+    fn controlled(&mut self, observer: &mut dyn Observer) -> Result<Done> {
         let contact = self.contact_time;
         let mut largest = (2.0 * FIRST * self.tolerance.cbrt() * contact).min(0.5 * self.end);
         // What a step may be off by goes with its length as the error does.
         let defect = |largest: f64, peak: f64| peak * (largest / (FIRST * contact)).powi(3).min(0.1);
         let guess = self.guess();
         let coarse = Steps { largest, defect: Some(defect(largest, guess)), peak: guess };
-        let mut coarse = self.once(coarse, false)?;
+        let mut coarse = self.once(coarse, false, observer)?;
         for _ in 0..REFINEMENTS {
             largest *= 0.5;
             let peak = coarse.trace.peak();
             let peak = if peak > 0.0 { peak } else { guess };
             let fine = Steps { largest, defect: Some(defect(largest, peak)), peak: 1.1 * peak };
-            let fine = self.once(fine, true)?;
+            let fine = self.once(fine, true, observer)?;
             // Of order two at least: the finer run's error is a third of the difference.
-            let (first, all) = fine.trace.difference(&coarse.trace);
-            self.count.error = Some(all / 3.0);
-            if first / 3.0 <= self.tolerance || (self.interrupted)() {
+            let error = 1.0 / 3.0 * fine.trace.difference(&coarse.trace);
+            self.count.error = Some(error.history);
+            if error.first_contact <= self.tolerance || observer.is_interrupted() {
                 return Ok(fine);
             }
             coarse = fine;
@@ -207,12 +202,12 @@ impl<'a> ModalImpact<'a> {
     }
 
     /// One run; with the steps as observers see them, or with the force alone.
-    fn once(&mut self, steps: Steps, observed: bool) -> Result<Done> {
+    fn once(&mut self, steps: Steps, observed: bool, observer: &mut dyn Observer) -> Result<Done> {
         let setting = self.setting.clone();
         let Law { force_law, compliance, .. } = &setting.law;
         let tangent = force_law.steepest(force_law.indentation(steps.peak));
         let closed = Closed { tangent, compliance: *compliance, mass: setting.mass };
-        let modes = self.body.modes(RESOLVED / steps.largest, &closed)?;
+        let modes = self.body.borrow().modes(RESOLVED / steps.largest, &closed)?;
         // The springs of the modes left out are in the law.
         let law = Law { compliance: compliance - modes.residual, ..setting.law.clone() };
         let Setting { mass, speed, gap, weight, .. } = setting;
@@ -230,9 +225,12 @@ impl<'a> ModalImpact<'a> {
         let mut done = Done { trace: Trace::default(), steps: Vec::new(), sizes: steps };
         let mut ledger = self.has_energies.then(Ledger::default);
         let reader = self.readout.as_ref().filter(|_| observed).map(|readout| Reader::new(readout, &modes));
+        let see = |number: usize, motion: &Motion, ledger: Option<&mut Ledger>| Observed {
+            step: seen(number, motion, (&modes, &setting), ledger),
+            reading: reader.as_ref().map_or_else(Reading::default, |reader| reader.read(number, motion)),
+        };
         if observed {
-            done.steps.push(seen(0, &motion, (&modes, &setting), ledger.as_mut()));
-            reader.iter().for_each(|reader| reader.read(0, &motion));
+            done.steps.push(see(0, &motion, ledger.as_mut()));
         }
         let mut number = 0;
         // What is left but for rounding is nothing.
@@ -247,7 +245,7 @@ impl<'a> ModalImpact<'a> {
             if number > MOST_STEPS {
                 return Err(Error::Solve(format!("more than {MOST_STEPS} steps up to t = {time:.6e} s")));
             }
-            if number % ASK_EVERY == 0 && (self.interrupted)() {
+            if number % ASK_EVERY == 0 && observer.is_interrupted() {
                 break;
             }
             done.trace.push(time - taken.step, taken.step, taken.force);
@@ -255,13 +253,45 @@ impl<'a> ModalImpact<'a> {
                 if let Some(ledger) = &mut ledger {
                     ledger.account(&taken, &law, law.potential(motion.approach) - before);
                 }
-                done.steps.push(seen(number, &motion, (&modes, &setting), ledger.as_mut()));
-                reader.iter().for_each(|reader| reader.read(number, &motion));
+                done.steps.push(see(number, &motion, ledger.as_mut()));
             }
         }
         self.count.solves += motion.solves;
         self.count.iterations += motion.iterations;
         Ok(done)
+    }
+}
+
+impl<B: Borrow<ModalBody>> TimeIntegration for ModalImpact<B> {
+    fn plan(&self) -> Option<Plan> {
+        self.step.map(|step| Plan::Equal { step })
+    }
+
+    /// Not known: a contact begins and ends between the steps of a size.
+    fn steps(&self) -> Option<usize> {
+        None
+    }
+
+    fn count(&self) -> Count {
+        self.count
+    }
+
+    fn nodes(&self) -> Option<&[Vec3]> {
+        None
+    }
+
+    fn set_readout(&mut self, readout: Readout) -> Result<()> {
+        self.readout = Some(readout);
+        Ok(())
+    }
+
+    /// Has no checkpoints: it is done anew.
+    fn resume(&mut self, _: &Checkpoint) -> Result<()> {
+        Ok(())
+    }
+
+    fn run_watched(&mut self, observer: &mut dyn Observer) -> Result<ControlFlow<()>> {
+        self.observed(observer)
     }
 }
 

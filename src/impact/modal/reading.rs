@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::body::{Modes, Shapes};
-use crate::impact::reading::{Reading, Readout, Tape, probes};
+use crate::impact::reading::{Reading, Readout, probes};
 use crate::space::evaluate::Map;
 
 use super::ledger::coordinates;
@@ -18,11 +18,10 @@ pub struct Reader<'a> {
     fields: Option<usize>,
     /// Whether this rank is the one that reads.
     is_here: bool,
-    tape: &'a Tape,
 }
 
 impl<'a> Reader<'a> {
-    pub fn new((readout, tape): &'a (&Readout, Tape), modes: &'a Modes) -> Self {
+    pub fn new(readout: &Readout, modes: &'a Modes) -> Self {
         let of_modes = |(_, map): &(_, Map)| match map {
             Map::Dense(count, rows) => Some(modes.shapes.mapped(&DMatrix::from_row_slice(map.len(), *count, rows))),
             // Another rank reads.
@@ -30,15 +29,15 @@ impl<'a> Reader<'a> {
         };
         let probes = readout.probes.as_ref().and_then(of_modes);
         let fields = readout.fields.as_ref().filter(|(_, columns)| !columns.is_empty());
-        Self { modes, probes, fields: fields.map(|(every, _)| *every), is_here: readout.is_here(), tape }
+        Self { modes, probes, fields: fields.map(|(every, _)| *every), is_here: readout.is_here() }
     }
 
-    /// Puts a step on the tape.
-    pub fn read(&self, number: usize, motion: &Motion) {
+    /// Reads a step.
+    pub fn read(&self, number: usize, motion: &Motion) -> Reading {
+        let mut reading = Reading::default();
         if !self.is_here {
-            return;
+            return reading;
         }
-        let mut reading = Reading { number, ..Reading::default() };
         if let Some(shapes) = &self.probes {
             let [values, rates] = self.values(shapes, motion);
             reading.probes = probes(values.as_slice(), rates.as_slice());
@@ -47,7 +46,7 @@ impl<'a> Reader<'a> {
             let values = self.values(&self.modes.shapes, motion);
             reading.coordinates = Some(values.map(|values| values.as_slice().to_vec()));
         }
-        self.tape.put(reading);
+        reading
     }
 
     /// Values and their rates, with the static answer of the modes that are left out.

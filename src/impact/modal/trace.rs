@@ -1,5 +1,6 @@
 //! A force as a run gives it: quadratics in time, one a step.
 
+use crate::impact::Errors;
 use crate::scheme::modal::quadratic;
 
 /// F(t), N.
@@ -34,22 +35,21 @@ impl Trace {
         end.map_or(f64::INFINITY, |(begin, step, _)| begin + step)
     }
 
-    /// Largest difference to another trace over the peak, in the first contact and over all: that in force and, up to a step's length,
-    /// in time.
-    pub fn difference(&self, other: &Self) -> (f64, f64) {
+    /// Largest difference to another trace over the peak: that in force and, up to a step's length, in time.
+    pub fn difference(&self, other: &Self) -> Errors {
         let peak = self.peak().max(f64::MIN_POSITIVE);
         let end = self.first_end().max(other.first_end());
         let times = |trace: &Self| {
             trace.steps.iter().flat_map(|(begin, step, _)| [begin + 0.5 * step, begin + step]).collect::<Vec<f64>>()
         };
-        let (mut first, mut all) = (0.0_f64, 0.0_f64);
+        let mut largest = Errors::default();
         for time in times(self).into_iter().chain(times(other)) {
             let off = (self.at(time) - other.at(time)).abs() / peak;
-            all = all.max(off);
+            largest.history = largest.history.max(off);
             if time <= end {
-                first = first.max(off);
+                largest.first_contact = largest.first_contact.max(off);
             }
         }
-        (first, all)
+        largest
     }
 }

@@ -3,11 +3,13 @@
 use crate::impact::Probe;
 use crate::impact::step::Step;
 use crate::record::columns::SERIES;
+use serde::{Deserialize, Serialize};
+
 use crate::record::episodes::{Episode, Episodes};
 use crate::record::probes::{self, Whole};
 
 /// How far a member is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Status {
     /// Not computed yet.
     Missing = 0,
@@ -74,7 +76,7 @@ impl Quantity {
 }
 
 /// One member.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Member {
     /// Its number, from 0.
     pub index: usize,
@@ -145,50 +147,6 @@ impl Member {
     pub fn fail(self, status: Status, message: String) -> Self {
         Self { status, message, ..Self::new(self.index, self.series.is_some()) }
     }
-
-    /// All of it as numbers, for a message between ranks.
-    pub fn to_numbers(&self) -> Vec<f64> {
-        let mut numbers = vec![self.index as f64, f64::from(self.status as u8)];
-        let mut list = |values: &mut dyn Iterator<Item = f64>| {
-            let begin = numbers.len();
-            numbers.push(0.0);
-            numbers.extend(values);
-            numbers[begin] = (numbers.len() - begin - 1) as f64;
-        };
-        list(&mut self.message.bytes().map(f64::from));
-        list(&mut self.quantities.into_iter());
-        list(&mut self.contacts.iter().flat_map(|e| [e.start, e.end, e.peak_force, e.peak_time, e.impulse]));
-        for values in self.series.iter().flatten().chain(self.probes.iter().flatten()) {
-            list(&mut values.iter().copied());
-        }
-        numbers
-    }
-
-    /// From [`Self::to_numbers`]; `None` where the numbers are none of a member.
-    pub fn from_numbers(numbers: &[f64]) -> Option<Self> {
-        let ([index, status], mut rest) = numbers.split_first_chunk()?;
-        let mut list = || {
-            let (length, after) = rest.split_first()?;
-            let (values, after) = after.split_at_checked(*length as usize)?;
-            rest = after;
-            Some(values)
-        };
-        let message: Vec<u8> = list()?.iter().map(|byte| *byte as u8).collect();
-        let quantities = list()?.try_into().ok()?;
-        let contacts = list()?.chunks_exact(5).map(|v| episode([v[0], v[1], v[2], v[3], v[4]])).collect();
-        let mut series: Vec<Vec<f64>> = std::iter::from_fn(list).map(<[f64]>::to_vec).collect();
-        let probes = series.split_off(series.len().min(SERIES.len()));
-        let probes = probes.as_chunks::<3>().0.to_vec();
-        Some(Self {
-            index: *index as usize,
-            status: Status::from_number(*status as u8),
-            message: String::from_utf8_lossy(&message).into_owned(),
-            quantities,
-            contacts,
-            series: (!series.is_empty()).then_some(series),
-            probes,
-        })
-    }
 }
 
 /// An episode from its columns in a table of contacts.
@@ -203,22 +161,5 @@ mod tests {
     #[test]
     fn quantities_are_in_their_order() {
         assert!(Quantity::ALL.iter().enumerate().all(|(n, (quantity, ..))| *quantity as usize == n));
-    }
-
-    #[test]
-    fn a_member_survives_its_way_between_ranks() {
-        let mut member = Member::new(123_456, true);
-        member.status = Status::Done;
-        member.quantities = std::array::from_fn(|n| 0.1 * n as f64);
-        member.contacts = vec![episode([1.0, 2.0, 3.0, 4.0, 5.0]), episode([6.0, 7.0, 8.0, 9.0, 1e-300])];
-        member.series = Some((0..SERIES.len()).map(|n| vec![n as f64, 0.5, -1.0]).collect());
-        assert_eq!(Member::from_numbers(&member.to_numbers()), Some(member.clone()));
-        member.probes = vec![[vec![1.0; 6], vec![2.0; 6], vec![-0.5; 6]], Default::default()];
-        assert_eq!(Member::from_numbers(&member.to_numbers()), Some(member.clone()));
-        let failed = Member { series: None, ..member }.fail(Status::Failed, "α < 0 at step 7".into());
-        let back = Member::from_numbers(&failed.to_numbers()).unwrap();
-        assert_eq!((back.status, back.message.as_str(), back.series), (Status::Failed, "α < 0 at step 7", None));
-        assert!(back.quantities.iter().all(|value| value.is_nan()) && back.contacts.is_empty());
-        assert_eq!(Member::from_numbers(&[1.0, 1.0, 5.0]), None);
     }
 }

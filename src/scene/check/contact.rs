@@ -9,6 +9,9 @@ use crate::contact::{ForceLaw, Power, Table};
 /// Part of the impactor's energy that a table holds at least.
 const LEAST_CAPACITY: f64 = 0.01;
 
+/// What a table is to be like.
+const HELP_OF_TABLE: &str = "lines of indentation in m and force in N, from 0, 0 on: neither may fall";
+
 /// Damping times speed above which the impactor would stick: less than a twentieth of its speed is left at this.
 const LARGEST_DAMPING: f64 = 100.0;
 
@@ -83,10 +86,20 @@ fn power(source: &Source, raw: &raw::Contact) -> Result<ForceLaw, SceneError> {
     Ok(ForceLaw::Power(Power { stiffness, exponent }))
 }
 
+/// The points of a table's file as an array in TOML.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn table_in_file(source: &Source, file: &str) -> Result<String, SceneError> {
+    let points = table::read(&source.folder().join(file))
+        .map_err(|message| source.error("contact.table", message, HELP_OF_TABLE))?;
+    let each: Vec<String> = points.iter().map(|[x, y]| format!("[{x:?}, {y:?}]")).collect();
+    Ok(format!("[{}]", each.join(", ")))
+}
+
 fn points(source: &Source, raw: &raw::Contact) -> Result<Table, SceneError> {
     let path = "contact.table";
-    let help = "lines of indentation in m and force in N, from 0, 0 on: neither may fall";
-    let wrong = |message: String| source.error(path, message, help);
+    let wrong = |message: String| source.error(path, message, HELP_OF_TABLE);
     let points = match &raw.table {
         None => {
             return Err(source.error(

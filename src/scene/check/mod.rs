@@ -21,6 +21,7 @@ use super::error::SceneError;
 use super::values::Number;
 use super::{Body, Geometry, Load, Newton, Scene, Solver, Source, Traction, Vec3, faces, raw, suggest};
 use body::{Material, Outline};
+pub(super) use contact::table_in_file;
 pub(super) use numbers::show;
 
 /// The scene of a source, with mesh files relative to `folder`.

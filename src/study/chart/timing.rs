@@ -1,6 +1,5 @@
 //! One setting's time, and what came of it.
 
-use std::ops::ControlFlow;
 use std::rc::Rc;
 use std::time::Instant;
 
@@ -10,6 +9,7 @@ use petsc_wrap::Comm;
 
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
+use crate::impact::{self, Reading};
 use crate::model::watch::Until;
 use crate::model::{self, Model, Simulation};
 use crate::scene::Scene;
@@ -71,22 +71,18 @@ pub fn time(
             ..Timed::default()
         };
         let mut simulation = Simulation::new(scene, model)?;
-        let asked = interrupted.clone();
-        simulation.set_interrupt(move || asked());
         let built = start.elapsed().as_secs_f64();
         let mut steps = Vec::new();
-        let flow = simulation.run(|step| {
-            steps.push(*step);
-            Ok(ControlFlow::Continue(()))
-        })?;
+        let take = |step: &Step, _: &Reading| steps.push(*step);
+        let flow = simulation.run_watched(&mut impact::Until { interrupted: &**interrupted, take })?;
         runs.push(start.elapsed().as_secs_f64() - built);
         builds.push(built);
         timed.solves = simulation.count().solves;
         timed.iterations = simulation.count().iterations;
-        timed.estimate = simulation.error().unwrap_or(f64::NAN);
+        timed.estimate = simulation.error().total().map_or(f64::NAN, |errors| errors.history);
         drop(simulation);
         comm.collect_garbage()?;
-        if flow.is_break() || interrupted() {
+        if flow.is_break() {
             return Ok(None);
         }
         let spent = begin.elapsed().as_secs_f64();

@@ -1,18 +1,17 @@
 //! The bodies of a sweep, each made once: members that differ in the impactor, the gap, the times or the tolerance share one.
 
-use std::collections::HashMap;
-use std::ops::ControlFlow;
 use std::rc::Rc;
 
 use petsc_wrap::Comm;
 
-use super::census::{Census, Line, key};
+use super::by_body::{BodyOf, ByBody};
+use super::census::{Census, Line};
 use super::family::{self, Family};
 use super::member::Computed;
 use crate::body::ModalBody;
 use crate::error::{Error, Result};
-use crate::impact::ModalImpact;
 use crate::impact::step::Step;
+use crate::impact::{self, Errors, ModalImpact, Reading, TimeIntegration as _};
 use crate::model::watch::{Until, Watch};
 use crate::model::{Dynamics, LARGE, Linearity, Model, OF_BASIS, OF_SMALLER};
 use crate::scene::{self, Scene, SupportKind};
@@ -29,12 +28,12 @@ pub struct Bodies<'a> {
     census: &'a Census,
     scene_of: &'a dyn Fn(usize) -> Result<Scene>,
     /// What auto is for all members, with the errors that it found, where it was asked.
-    theory: Option<(scene::Model, (f64, f64))>,
+    theory: Option<(scene::Model, Errors)>,
     /// Whether steps are to have their energies.
     has_energies: bool,
-    kept: HashMap<u64, Kept>,
-    /// By the key of their line; `None` where no merged basis served.
-    families: HashMap<u64, Option<Family>>,
+    kept: ByBody<Kept>,
+    /// By what their line shares; `None` where no merged basis served.
+    families: ByBody<Option<Family>>,
 }
 
 /// A body on a basis, and on another one by which each member's error is estimated, with that over the difference of the two.
@@ -43,8 +42,8 @@ struct Kept {
     theory: scene::Model,
     judge: Option<(ModalBody, f64)>,
     unknowns: usize,
-    /// Error by theory and cells, as far as they are known, and by the merging of bases: in the first contact, and over all.
-    of_model: (f64, f64),
+    /// Error by theory and cells, as far as they are known, and by the merging of bases.
+    of_model: Errors,
 }
 
 impl<'a> Bodies<'a> {
@@ -53,7 +52,7 @@ impl<'a> Bodies<'a> {
         comm: &Comm,
         census: &'a Census,
         scene_of: &'a dyn Fn(usize) -> Result<Scene>,
-        theory: Option<(scene::Model, (f64, f64))>,
+        theory: Option<(scene::Model, Errors)>,
         has_energies: bool,
     ) -> Self {
         Self {
@@ -62,8 +61,8 @@ impl<'a> Bodies<'a> {
             scene_of,
             theory,
             has_energies,
-            kept: HashMap::new(),
-            families: HashMap::new(),
+            kept: ByBody::default(),
+            families: ByBody::default(),
         }
     }
 
@@ -98,35 +97,36 @@ impl<'a> Bodies<'a> {
 
     /// On the basis made for a body.
     fn of_body(&mut self, scene: &Scene, interrupted: &Rc<dyn Fn() -> bool>) -> Result<Result<Option<Tried>>> {
-        let (key, comm) = (key(scene), self.comm.clone());
+        let (body, comm) = (BodyOf::new(scene), self.comm.clone());
         let watch = &Until(&comm, &**interrupted);
-        if !self.kept.contains_key(&key) {
-            let made = match self.census.representative(scene) {
-                Some(index) => self.make(&(self.scene_of)(index)?, watch),
-                None => self.make(scene, watch),
-            };
-            // What is wrong with the hardest member need not be wrong with this one.
-            let kept = made.or_else(|_| self.make(scene, watch))?;
-            if self.kept.len() >= MOST {
-                self.kept.clear();
-            }
-            self.kept.insert(key, kept);
+        if let Some(kept) = self.kept.get(&body) {
+            return Ok(kept.simulate(scene, self.has_energies, interrupted));
         }
-        Ok(self.kept[&key].simulate(scene, self.has_energies, interrupted))
+        let made = match self.census.representative(scene) {
+            Some(index) => self.make(&(self.scene_of)(index)?, watch),
+            None => self.make(scene, watch),
+        };
+        // What is wrong with the hardest member need not be wrong with this one.
+        let kept = made.or_else(|_| self.make(scene, watch))?;
+        if self.kept.len() >= MOST {
+            self.kept.clear();
+        }
+        let kept = self.kept.get_or_insert_with(body, || kept);
+        Ok(kept.simulate(scene, self.has_energies, interrupted))
     }
 
     /// On the basis of all that differ in one support alone, where they are many.
     fn of_family(&mut self, index: usize, scene: &Scene, watch: &dyn Watch) -> Result<Option<Kept>> {
-        let Some(Line { key, value, count }) = self.census.line_of(index, scene) else { return Ok(None) };
+        let Some(Line { body, value, count }) = self.census.line_of(index, scene) else { return Ok(None) };
         let is_open = scene.body.model == scene::Model::Auto && self.theory.is_none();
         if count < family::LEAST || is_open {
             return Ok(None);
         }
-        if !self.families.contains_key(&key) {
+        if self.families.get(&body).is_none() {
             if self.families.len() >= MOST {
                 self.families.clear();
             }
-            let all = self.census.members_on(key);
+            let all = self.census.members_on(&body);
             let values: Vec<f64> = all.iter().map(|(value, _)| *value).collect();
             let scene_of = |value: f64| {
                 let at = values.partition_point(|other| *other < value).min(values.len() - 1);
@@ -138,20 +138,21 @@ impl<'a> Bodies<'a> {
                 Err(Error::Solve(_) | Error::Fault(_)) => None,
                 Err(error) => return Err(error),
             };
-            self.families.insert(key, family);
+            self.families.get_or_insert_with(body.clone(), || family);
         }
-        let (first, all) = self.error_of_theory(scene);
+        let of_theory = self.error_of_theory(scene);
         let theory = self.named(scene.clone()).body.model;
-        Ok(self.families[&key].as_ref().map(|family| {
+        let family = self.families.get(&body).and_then(Option::as_ref);
+        Ok(family.map(|family| {
             let ([body, larger], of_merging) = family.at(value);
             // In the first contact it was tested to be no more than that.
-            let of_first = of_merging.min(OF_BASIS * scene.tolerance);
+            let first_contact = of_merging.min(OF_BASIS * scene.tolerance);
             Kept {
                 body,
                 theory,
                 judge: Some((larger, OF_SMALLER)),
                 unknowns: family.unknowns,
-                of_model: (of_first + first, of_merging + all),
+                of_model: of_theory + Errors { first_contact, history: of_merging },
             }
         }))
     }
@@ -168,18 +169,17 @@ impl<'a> Bodies<'a> {
     }
 
     /// The errors of the theory that auto found for all; 0 where a scene names its own.
-    pub fn error_of_theory(&self, scene: &Scene) -> (f64, f64) {
+    pub fn error_of_theory(&self, scene: &Scene) -> Errors {
         match (scene.body.model, self.theory) {
             (scene::Model::Auto, Some((_, error))) => error,
-            _ => (0.0, 0.0),
+            _ => Errors::default(),
         }
     }
 
     fn make(&self, scene: &Scene, watch: &dyn Watch) -> Result<Kept> {
-        let (first, all) = self.error_of_theory(scene);
-        let Model { theory, dynamics, judge, unknowns, beside_basis, .. } =
-            Model::watched(&self.comm, &self.named(scene.clone()), watch)?;
-        let of_model = (first.max(beside_basis.0), all.max(beside_basis.1));
+        let model = Model::watched(&self.comm, &self.named(scene.clone()), watch)?;
+        let of_model = self.error_of_theory(scene).max(model.error_beside_basis());
+        let Model { theory, dynamics, judge, unknowns, .. } = model;
         match dynamics {
             Dynamics::Modal(body) => Ok(Kept { body, theory, judge, unknowns, of_model }),
             Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),
@@ -191,17 +191,12 @@ impl Kept {
     /// `None` where it was interrupted.
     fn simulate(&self, scene: &Scene, has_energies: bool, interrupted: &Rc<dyn Fn() -> bool>) -> Result<Option<Tried>> {
         let mut steps = Vec::new();
-        let asked = interrupted.clone();
-        let asked = move || asked();
-        let mut impact = ModalImpact::new(scene, &self.body).interrupted_by(&asked);
+        let mut impact = ModalImpact::new(scene, &self.body);
         if !has_energies {
             impact = impact.without_energies();
         }
-        let flow = impact.run(|step| {
-            steps.push(*step);
-            Ok(ControlFlow::Continue(()))
-        })?;
-        if flow.is_break() || interrupted() {
+        let take = |step: &Step, _: &Reading| steps.push(*step);
+        if impact.run_watched(&mut impact::Until { interrupted: &**interrupted, take })?.is_break() {
             return Ok(None);
         }
         let linearity = Linearity::new(scene, self.theory, self.body.patch.as_ref());
@@ -214,17 +209,16 @@ impl Kept {
         if !has_energies && yields && deflection > LARGE {
             return self.simulate(scene, true, interrupted);
         }
-        let (mut first, mut all) = (0.0, 0.0);
+        let mut of_basis = Errors::default();
         if let Some((judge, of_difference)) = &self.judge {
             let Some((force, taken)) = impact.force() else { return Ok(None) };
-            let difference = force.difference(&ModalImpact::new(scene, judge).trace(Some(*taken))?.0);
-            (first, all) = (of_difference * difference.0, of_difference * difference.1);
+            of_basis = *of_difference * force.difference(&ModalImpact::new(scene, judge).trace(Some(*taken))?.0);
         }
-        let of_patch = self.body.patch.map_or(0.0, |patch| patch.error());
-        let error_estimate = impact.count.error.unwrap_or(0.0) + all + self.of_model.1 + of_patch;
-        let first_error = first + self.of_model.0 + of_patch;
+        let of_patch = Errors::throughout(self.body.patch.map_or(0.0, |patch| patch.error()));
+        let all = of_basis + self.of_model + of_patch;
+        let (error_estimate, first_error) = (impact.count.error.unwrap_or(0.0) + all.history, all.first_contact);
         let outcome = Computed { error_estimate, first_error, deflection, unknowns: self.unknowns + 1 };
-        Ok(Some(Tried { steps, first, outcome }))
+        Ok(Some(Tried { steps, first: of_basis.first_contact, outcome }))
     }
 }
 

@@ -1,32 +1,34 @@
 //! Which members of a sweep share a body, and which of them asks most of it.
 
-use std::collections::{BTreeMap, HashMap};
-use std::hash::{DefaultHasher, Hash, Hasher};
+use std::collections::BTreeMap;
 
 use petsc_wrap::Comm;
 
 use crate::error::Result;
+use crate::impact::Errors;
 use crate::model::Model;
 use crate::model::watch::Watch;
-use crate::scene::{self, Impactor, Scene, Support, SupportKind};
+use crate::scene::{self, Scene, Support, SupportKind};
 
-/// The families of members that differ in the impactor, the gap, the times or the tolerance alone, by the key of their body; with the
+use super::by_body::{BodyOf, ByBody};
+
+/// The families of members that differ in the impactor, the gap, the times or the tolerance alone, by their body; with the
 /// member that asks most, by its tolerance and then by its contact, for which the family's basis is made: so that no result depends on
 /// the order of members.
 #[derive(Debug, Default)]
 pub struct Census {
-    families: HashMap<u64, Member>,
+    families: ByBody<Member>,
     ends: Vec<usize>,
     /// What is varied of a support, where it is one thing, with each member's value.
     line: Option<(Property, Vec<f64>)>,
     /// Members by all that their bodies depend on but for that value: the hardest of each value, by its bits, which ascend with it.
-    lines: HashMap<u64, BTreeMap<u64, Member>>,
+    lines: ByBody<BTreeMap<u64, Member>>,
 }
 
 /// Members that differ in one support's stiffness or in its damping alone.
 pub struct Line {
     /// What they share.
-    pub key: u64,
+    pub body: BodyOf,
     /// One member's value.
     pub value: f64,
     /// How many values there are.
@@ -69,34 +71,35 @@ impl Census {
         };
         if let Some((property, value)) = on_line {
             self.line.get_or_insert((property, Vec::new())).1.push(value);
-            let line = self.lines.entry(key(&without(scene, property))).or_default();
+            let line = self.lines.get_or_insert_with(BodyOf::new(&without(scene, property)), BTreeMap::new);
             harder(line.entry(value.to_bits()).or_insert(member));
         }
-        harder(self.families.entry(key(scene)).or_insert(member));
+        harder(self.families.get_or_insert_with(BodyOf::new(scene), || member));
         self.ends.truncate(1);
         self.ends.push(index);
     }
 
     /// The member for which the basis of a scene's family is made.
     pub fn representative(&self, scene: &Scene) -> Option<usize> {
-        self.families.get(&key(scene)).map(|member| member.index)
+        self.families.get(&BodyOf::new(scene)).map(|member| member.index)
     }
 
     /// The line that a member is on, and where.
     pub fn line_of(&self, index: usize, scene: &Scene) -> Option<Line> {
         let (property, values) = self.line.as_ref()?;
-        let line = key(&without(scene, *property));
-        Some(Line { key: line, value: values[index], count: self.lines.get(&line)?.len() })
+        let body = BodyOf::new(&without(scene, *property));
+        let count = self.lines.get(&body)?.len();
+        Some(Line { body, value: values[index], count })
     }
 
     /// The values of a line, ascending, each with the hardest member.
-    pub fn members_on(&self, line: u64) -> Vec<(f64, usize)> {
-        let all = self.lines.get(&line).into_iter().flatten();
+    pub fn members_on(&self, line: &BodyOf) -> Vec<(f64, usize)> {
+        let all = self.lines.get(line).into_iter().flatten();
         all.map(|(bits, member)| (f64::from_bits(*bits), member.index)).collect()
     }
 
     /// The theory that auto finds for all members, the highest that the first, the last and the hardest of them ask for, with the
-    /// largest errors that it found for that, in the first contact and over the whole history. Collective.
+    /// largest errors that it found for that. Collective.
     ///
     /// # Errors
     /// Those of a model.
@@ -105,7 +108,7 @@ impl Census {
         comm: &Comm,
         scene_of: impl Fn(usize) -> Result<Scene>,
         watch: &dyn Watch,
-    ) -> Result<(scene::Model, (f64, f64))> {
+    ) -> Result<(scene::Model, Errors)> {
         let hardest = self.families.values().copied().reduce(|a, b| if b.is_harder(&a) { b } else { a });
         let mut asked = self.ends.clone();
         asked.extend(hardest.map(|member| member.index));
@@ -113,15 +116,14 @@ impl Census {
         asked.dedup();
         let mut found = Vec::new();
         for index in asked {
-            let Model { theory, beside_basis, .. } = Model::watched(comm, &scene_of(index)?, watch)?;
-            found.push((theory, beside_basis));
+            let model = Model::watched(comm, &scene_of(index)?, watch)?;
+            found.push((model.theory, model.error_beside_basis()));
+            drop(model);
             comm.collect_garbage()?;
         }
         let highest = found.iter().map(|(theory, _)| *theory).max().unwrap_or(scene::Model::HalfSpace);
         let errors = found.iter().filter(|(theory, _)| *theory == highest);
-        let largest =
-            errors.fold((0.0_f64, 0.0_f64), |(first, all), (_, error)| (first.max(error.0), all.max(error.1)));
-        Ok((highest, largest))
+        Ok((highest, errors.fold(Errors::default(), |largest, (_, errors)| largest.max(*errors))))
     }
 }
 
@@ -134,13 +136,4 @@ fn without(scene: &Scene, Property { support, is_damping }: Property) -> Scene {
         _ => {}
     }
     scene
-}
-
-/// All of a scene that its body depends on.
-pub(super) fn key(scene: &Scene) -> u64 {
-    let Scene { body, supports, impactor, contact, load, .. } = scene;
-    let Impactor { point, direction, .. } = impactor;
-    let mut hasher = DefaultHasher::new();
-    format!("{body:?} {supports:?} {point:?} {direction:?} {contact:?} {load:?}").hash(&mut hasher);
-    hasher.finish()
 }

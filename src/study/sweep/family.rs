@@ -4,7 +4,7 @@ use petsc_wrap::{Comm, Vector};
 
 use crate::body::{Body, Merged, ModalBody, Projection, snapshots};
 use crate::error::Result;
-use crate::impact::ModalImpact;
+use crate::impact::{Errors, ModalImpact};
 use crate::model::watch::Watch;
 use crate::model::{Built, Fitted, OF_BASIS, build, fit, rate, reduce};
 use crate::scene::Scene;
@@ -67,7 +67,7 @@ impl Family {
             let Some((built, scene)) = operators(place, 1.0)? else { return Ok(None) };
             let Fitted { size: own, error, .. } = fit(comm, &scene, scene.body.model, built, watch)?;
             size = size.min(own);
-            of_cells = of_cells.max(error.unwrap_or_default().1);
+            of_cells = of_cells.max(error.unwrap_or_default().history);
         }
         let make = |place: usize| -> Result<Sample> {
             let Some((built, scene)) = operators(place, size)? else {
@@ -76,7 +76,7 @@ impl Family {
             let body = built.body;
             let reduced = reduce(&body, &scene, watch)?;
             let snapshots = snapshots(&body, &reduced.krylov, reduced.larger(), rate(&scene))?;
-            Ok(Sample { body: *body, snapshots, own: reduced.larger().clone(), error: reduced.error.1, scene })
+            Ok(Sample { body: *body, snapshots, own: reduced.larger().clone(), error: reduced.error.history, scene })
         };
         let mut ends = [make(0)?, make(last)?];
         let mut pool: Vec<Vector> = ends.iter_mut().flat_map(|end| std::mem::take(&mut end.snapshots)).collect();
@@ -98,7 +98,7 @@ impl Family {
             let middle = from.midpoint(to);
             let sample = make(middle)?;
             let tolerance = OF_BASIS * sample.scene.tolerance;
-            let (first, all) = off(&merged, values[middle], &sample)?;
+            let Errors { first_contact: first, history: all } = off(&merged, values[middle], &sample)?;
             of_basis = of_basis.max(sample.error);
             tracing::info!(value = values[middle], first, all, "merged basis tested");
             pool = merged.directions;
@@ -125,11 +125,11 @@ impl Family {
 }
 
 /// How far the merged basis is off a body's own one, which was not among those it was made of.
-fn off(merged: &Merged, value: f64, sample: &Sample) -> Result<(f64, f64)> {
+fn off(merged: &Merged, value: f64, sample: &Sample) -> Result<Errors> {
     let [basis, _] = merged.at(value);
     let (own, steps) = ModalImpact::new(&sample.scene, &ModalBody::of(&sample.own)).trace(None)?;
     match ModalImpact::new(&sample.scene, &ModalBody::of(&basis)).trace(Some(steps)) {
         Ok((merged, _)) => Ok(own.difference(&merged)),
-        Err(_) => Ok((f64::INFINITY, f64::INFINITY)),
+        Err(_) => Ok(Errors::throughout(f64::INFINITY)),
     }
 }

@@ -72,13 +72,30 @@ impl Grid {
 
     /// The values of a member as `KEY=VALUE`, a key each.
     pub fn values(&self, member: usize) -> Vec<String> {
-        let each = self.variations.iter().zip(self.places(member));
-        each.map(|(variation, place)| format!("{}={}", variation.key, variation.texts[place])).collect()
+        self.pairs(member, |variation| &variation.contents)
     }
 
     /// What a message calls a member.
     pub fn name(&self, member: usize) -> String {
-        format!("member {member}: {}", self.values(member).join(", "))
+        format!("member {member}: {}", self.pairs(member, |variation| &variation.texts).join(", "))
+    }
+
+    fn pairs(&self, member: usize, of: impl Fn(&Variation) -> &[String]) -> Vec<String> {
+        let each = self.variations.iter().zip(self.places(member));
+        each.map(|(variation, place)| format!("{}={}", variation.key, of(variation)[place])).collect()
+    }
+
+    /// What the values of a key are, as they were given; nothing where it is not varied.
+    pub fn texts(&self, key: &str) -> &[String] {
+        self.variations.iter().find(|variation| variation.key == key).map_or(&[], |variation| &variation.texts)
+    }
+
+    /// Has the scenes of a key's values hold these contents.
+    pub fn set_contents(&mut self, key: &str, contents: Vec<String>) {
+        let found = self.variations.iter_mut().find(|variation| variation.key == key);
+        if let Some(variation) = found.filter(|variation| variation.texts.len() == contents.len()) {
+            variation.contents = contents;
+        }
     }
 
     /// The keys as a result holds them: with the value of every member.

@@ -1,15 +1,14 @@
 //! How a member of a sweep is computed.
 
-use std::ops::ControlFlow;
 use std::rc::Rc;
 
 use petsc_wrap::Comm;
 
 use super::bodies::Bodies;
 use crate::error::{Error, Result};
-use crate::impact::Probe;
 use crate::impact::step::Step;
-use crate::model::watch::Until;
+use crate::impact::{Probe, Reading, Until};
+use crate::model::watch;
 use crate::model::{Linearity, Model, Simulation};
 use crate::scene::Scene;
 
@@ -48,27 +47,25 @@ pub fn simulate(
     }
     let of_theory = bodies.error_of_theory(scene);
     let scene = &bodies.named(scene.clone());
-    let model = match Model::watched(comm, scene, &Until(comm, &*interrupted)) {
+    let model = match Model::watched(comm, scene, &watch::Until(comm, &*interrupted)) {
         Err(Error::Interrupted) => return Ok(None),
         model => model?,
     };
     let unknowns = model.unknowns + 1;
-    let first_error = model.first_contact_error().map_or(f64::NAN, |error| error + of_theory.0);
+    let first_error = model.error_before_steps().total().map_or(f64::NAN, |errors| (errors + of_theory).first_contact);
     let linearity = Linearity::new(scene, model.theory, model.dynamics.patch().as_ref());
     let mut deflection = f64::NAN;
     let mut simulation = Simulation::new(scene, model)?;
-    let asked = interrupted.clone();
-    simulation.set_interrupt(move || asked());
-    let readings = simulation.read()?;
-    let flow = simulation.run(|step| {
-        if let Some(linearity) = &linearity {
-            deflection = deflection.max(linearity.over_thickness(linearity.deflection(step)));
-        }
-        let reading = readings.as_ref().and_then(|readings| readings.tape.take(step.number));
-        observe(step, reading.as_ref().map_or(&[], |reading| &reading.probes));
-        Ok(if interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+    let flow = simulation.run_watched(&mut Until {
+        interrupted: &*interrupted,
+        take: |step: &Step, reading: &Reading| {
+            if let Some(linearity) = &linearity {
+                deflection = deflection.max(linearity.over_thickness(linearity.deflection(step)));
+            }
+            observe(step, &reading.probes);
+        },
     })?;
-    let error_estimate = simulation.error().map_or(f64::NAN, |error| error + of_theory.1);
+    let error_estimate = simulation.error().total().map_or(f64::NAN, |errors| (errors + of_theory).history);
     let outcome = Computed { error_estimate, first_error, deflection, unknowns };
     Ok(flow.is_continue().then_some(outcome))
 }

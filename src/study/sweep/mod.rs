@@ -1,6 +1,7 @@
 //! A scene with some of its keys varied: every member an impact of its own, on one rank alone.
 
 mod bodies;
+mod by_body;
 mod census;
 mod digest;
 mod family;

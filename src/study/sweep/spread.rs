@@ -12,7 +12,9 @@ use std::time::{Duration, Instant};
 use mpi::point_to_point::MatchedReceiveVec;
 use mpi::traits::{Communicator, Destination, Root, Source};
 use petsc_wrap::Comm;
+use serde::{Deserialize, Serialize};
 
+use crate::agree::{decoded, encoded};
 use crate::error::{Error, Result};
 use crate::record::sweep::Member;
 
@@ -29,13 +31,28 @@ const LOOK_EVERY: Duration = Duration::from_millis(2);
 /// Between two looks while there is nothing else to do.
 const IDLE: Duration = Duration::from_micros(200);
 
-/// To the other ranks: the number of a member, or this.
-const STOP: u64 = u64::MAX;
-const ORDER: i32 = 1;
-/// From the other ranks.
-const RESULT: i32 = 2;
-const GIVES_UP: i32 = 3;
-const BYE: i32 = 4;
+/// Rank 0's word to another rank.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+enum Order {
+    /// Compute the member of this number.
+    Compute(usize),
+    /// Take leave when the member at work is done.
+    Stop,
+}
+
+/// Another rank's word to rank 0.
+#[derive(Serialize, Deserialize)]
+enum Report {
+    /// A member is computed.
+    Done(Box<Member>),
+    /// A signal has come.
+    GivesUp,
+    /// Nothing comes after this.
+    Bye,
+}
+
+/// What tells their messages from those of PETSc.
+const TAG: i32 = 1;
 
 /// Has `compute` compute the members `todo` (read on rank 0), each on one rank. `kept` gets the results on rank 0. Breaks off, on all ranks, when `signalled` says so on any. Collective.
 ///
@@ -141,7 +158,7 @@ impl Desk {
         let index = if self.stopped { None } else { self.queue.pop_front() };
         match index {
             Some(index) => {
-                self.send(rank, index as u64);
+                self.send(rank, Order::Compute(index));
                 self.out[rank] += 1;
             }
             None if self.out[rank] == 0 => self.dismiss(rank),
@@ -151,29 +168,29 @@ impl Desk {
 
     fn dismiss(&mut self, rank: usize) {
         if !self.dismissed[rank] {
-            self.send(rank, STOP);
+            self.send(rank, Order::Stop);
             self.dismissed[rank] = true;
         }
     }
 
-    fn send(&self, rank: usize, order: u64) {
-        self.comm.mpi().process_at_rank(rank as i32).send_with_tag(&order, ORDER);
+    fn send(&self, rank: usize, order: Order) {
+        self.comm.mpi().process_at_rank(rank as i32).send_with_tag(&encoded(&order)[..], TAG);
     }
 
     /// Takes what has come in; tells whether the sweep is broken off.
     fn serve(&mut self) -> bool {
         let comm = self.comm.clone();
-        while let Some(message) = comm.mpi().any_process().immediate_matched_probe() {
-            let (numbers, status) = message.matched_receive_vec::<f64>();
+        while let Some(message) = comm.mpi().any_process().immediate_matched_probe_with_tag(TAG) {
+            let (bytes, status) = message.matched_receive_vec::<u8>();
             let rank = status.source_rank() as usize;
-            match status.tag() {
-                RESULT => {
-                    self.keep(Member::from_numbers(&numbers));
+            match decoded(&bytes) {
+                Report::Done(member) => {
+                    self.keep(Some(*member));
                     self.out[rank] -= 1;
                     self.order(rank);
                 }
-                GIVES_UP => self.stop(),
-                _ => self.gone += 1,
+                Report::GivesUp => self.stop(),
+                Report::Bye => self.gone += 1,
             }
         }
         self.keep(None);
@@ -211,7 +228,7 @@ fn take(bench: Bench, compute: &mut Compute) -> Result<()> {
     loop {
         let is_to_leave_off = bench.borrow_mut().look();
         if bench.borrow().stopped {
-            root.send_with_tag::<[f64]>(&[], BYE);
+            root.send_with_tag(&encoded(&Report::Bye)[..], TAG);
             return Ok(());
         }
         let next = if is_to_leave_off { None } else { bench.borrow_mut().queue.pop_front() };
@@ -221,7 +238,7 @@ fn take(bench: Bench, compute: &mut Compute) -> Result<()> {
         };
         let seen = bench.clone();
         if let Some(member) = compute(index, now_and_then(move || seen.borrow_mut().look()))? {
-            root.send_with_tag(&member.to_numbers()[..], RESULT);
+            root.send_with_tag(&encoded(&Report::Done(Box::new(member)))[..], TAG);
         }
     }
 }
@@ -245,13 +262,14 @@ impl Bench {
     /// Takes rank 0's orders; tells whether to leave off.
     fn look(&mut self) -> bool {
         let root = self.comm.mpi().process_at_rank(0);
-        while let Some(message) = root.immediate_matched_probe_with_tag(ORDER) {
-            for order in message.matched_receive_vec::<u64>().0 {
-                if order == STOP { self.stopped = true } else { self.queue.push_back(order as usize) }
+        while let Some(message) = root.immediate_matched_probe_with_tag(TAG) {
+            match decoded(&message.matched_receive_vec::<u8>().0) {
+                Order::Compute(index) => self.queue.push_back(index),
+                Order::Stop => self.stopped = true,
             }
         }
         if !self.gave_up && (self.signalled)() {
-            root.send_with_tag::<[f64]>(&[], GIVES_UP);
+            root.send_with_tag(&encoded(&Report::GivesUp)[..], TAG);
             self.gave_up = true;
         }
         self.stopped || self.gave_up

@@ -12,8 +12,10 @@ pub(super) const MOST: usize = 1_000_000;
 pub struct Variation {
     /// Dotted path of the key.
     pub key: String,
-    /// Each value as the scene would have it.
+    /// Each value as it was given.
     pub texts: Vec<String>,
+    /// Each value as the scene has it: the same, but for files, whose place their content takes.
+    pub contents: Vec<String>,
     /// The values as numbers, if all of them are finite ones.
     pub numbers: Option<Vec<f64>>,
     /// Whether the values belong on a logarithmic axis.
@@ -40,7 +42,7 @@ impl Variation {
         let numbers: Option<Vec<f64>> =
             texts.iter().map(|text| text.parse().ok().filter(|number: &f64| number.is_finite())).collect();
         let is_positive = numbers.as_ref().is_some_and(|numbers| numbers.iter().all(|number| *number > 0.0));
-        Ok(Self { key: key.to_owned(), texts, numbers, is_log: log && is_positive })
+        Ok(Self { key: key.to_owned(), contents: texts.clone(), texts, numbers, is_log: log && is_positive })
     }
 }
 

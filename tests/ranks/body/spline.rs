@@ -10,7 +10,7 @@ use nalgebra_sparse::CsrMatrix;
 use petsc_wrap::{Session, Vector};
 use ricochet::body::{Body, Krylov, ModalBody, System};
 use ricochet::contact::hertz;
-use ricochet::impact::{ModalImpact, Trace};
+use ricochet::impact::{Errors, ModalImpact, Trace};
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
 use ricochet::solve::linear::{Method, solver};
@@ -351,7 +351,7 @@ fn impacts_as_on_a_mesh(session: &Session) {
         let meshed = trace(&mesh, &meshed(session, &mesh));
         let splines = scene("");
         let found = trace(&splines, &body(session, &splines, 1.0));
-        let (first, _) = found.difference(&meshed);
+        let Errors { first_contact: first, .. } = found.difference(&meshed);
         println!("{first:.2e} in the first contact");
         // Twice what the mesh's cells of half the radius leave.
         assert!(first < 3e-3, "{first}");
@@ -399,7 +399,7 @@ fn check_bending(session: &Session, chosen: Range<usize>) {
         let [half, whole] = ["", PULL].map(scene);
         let [bent, full] = [&half, &whole].map(|scene| body(session, scene, 1.0));
         assert!(10 * bent.unknowns() < 7 * full.unknowns(), "{} {}", bent.unknowns(), full.unknowns());
-        let (first, _) = trace(&half, &bent).difference(&trace(&whole, &full));
+        let Errors { first_contact: first, .. } = trace(&half, &bent).difference(&trace(&whole, &full));
         println!("{first:.1e} in the first contact");
         // What different cells across the thickness leave, a part in a thousand in either, and squeezing in motion.
         assert!(first < 1.5e-3, "{point} {rest}: {first:e}");

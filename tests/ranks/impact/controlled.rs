@@ -2,17 +2,15 @@
 
 use crate::glass;
 use mpi_test::{Test, tests};
-use std::cell::Cell;
 use std::ops::ControlFlow;
-use std::rc::Rc;
 
 use crate::glass::{plate, sides};
 use crate::start::{run, start};
 use petsc_wrap::{Comm, Session};
 use ricochet::Error;
-use ricochet::impact::Observer;
 use ricochet::impact::checkpoint::Checkpoint;
 use ricochet::impact::step::Step;
+use ricochet::impact::{Observer, Reading, TimeIntegration as _};
 use ricochet::record::episodes::{Episode, Episodes};
 
 /// On one rank: other tests show that the series are the same on several.
@@ -106,12 +104,27 @@ fn the_tolerance_is_met_with_fewer_solves(session: &Session) {
 struct Keeper {
     series: Vec<Step>,
     kept: Option<Checkpoint>,
+    /// How often it was asked to go on, after steps and between them.
+    asked: usize,
+    /// At which of these it is to end; 0 for never.
+    end: usize,
+}
+
+impl Keeper {
+    fn ends(&mut self) -> bool {
+        self.asked += 1;
+        self.asked == self.end
+    }
 }
 
 impl Observer for Keeper {
-    fn step(&mut self, step: &Step) -> Result<ControlFlow<()>, Error> {
+    fn step(&mut self, step: &Step, _: &Reading) -> Result<ControlFlow<()>, Error> {
         self.series.push(*step);
-        Ok(ControlFlow::Continue(()))
+        Ok(if self.ends() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+    }
+
+    fn is_interrupted(&mut self) -> bool {
+        self.ends()
     }
 
     fn settled(
@@ -126,38 +139,31 @@ impl Observer for Keeper {
     }
 }
 
-/// Whenever a run is asked to end, also where it is asked between its steps and not after one, it hands over a checkpoint of the last step
-/// that it has told, and goes on from there bit for bit; while the first contact may still be taken back there is none.
+/// Whenever a run is to end, after a step or between two, it hands over a checkpoint of the last step that it has told, and goes on from
+/// there bit for bit; while the first contact may still be taken back there is none.
 fn an_interruption_between_steps_has_a_checkpoint(session: &Session) {
     let world = session.world();
     let new = || start(&world, &plate(PLATE, "end = 8e-3", &sides(1e9, 0.0))).1;
-    let asked = Rc::new(Cell::new(0));
-    // Asked to end at the n-th time that it asks, with what went before.
-    let watched = |resumed: Option<&Checkpoint>, at: usize| {
-        let (mut impact, mut keeper) = (new(), Keeper::default());
+    // To end at the n-th time that it asks.
+    let watched = |resumed: Option<&Checkpoint>, end: usize| {
+        let (mut impact, mut keeper) = (new(), Keeper { end, ..Keeper::default() });
         if let Some(checkpoint) = resumed {
             impact.resume(checkpoint).unwrap();
         }
-        asked.set(0);
-        let asked = asked.clone();
-        impact.set_interrupt(move || {
-            asked.set(asked.get() + 1);
-            asked.get() == at
-        });
         let flow = impact.run_watched(&mut keeper).unwrap();
         drop(impact);
         world.collect_garbage().unwrap();
         (flow, keeper)
     };
-    let (flow, whole) = watched(None, usize::MAX);
+    let (flow, whole) = watched(None, 0);
     assert!(flow.is_continue() && whole.kept.is_none());
-    let all = asked.get();
+    let all = whole.asked;
     let mut gone_on = 0;
     for part in 1..12 {
-        let (flow, Keeper { mut series, kept }) = watched(None, all * part / 12);
+        let (flow, Keeper { mut series, kept, .. }) = watched(None, all * part / 12);
         assert!(flow.is_break() && series.len() < whole.series.len());
         let Some(checkpoint) = kept else { continue };
-        let (flow, rest) = watched(Some(&checkpoint), usize::MAX);
+        let (flow, rest) = watched(Some(&checkpoint), 0);
         assert!(flow.is_continue());
         series.extend(rest.series);
         assert!(series == whole.series, "interrupted at {part}/12");

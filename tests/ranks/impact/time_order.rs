@@ -5,7 +5,7 @@ use mpi_test::{Test, tests};
 use nalgebra::{DMatrix, DVector};
 use petsc_wrap::{Matrix, Session, Vector};
 use ricochet::impact::step::Step;
-use ricochet::impact::{Impact, State};
+use ricochet::impact::{Impact, State, TimeIntegration as _};
 
 /// On one rank: the first test wants its matrices whole, and other tests show that the series are the same on several.
 pub const RANKS: &[usize] = &[1];

@@ -36,7 +36,7 @@ fn a_half_space_is_within_its_estimated_error(session: &Session) {
         let text = ball(&format!("mass = {mass:e}\nradius = {radius}"), "[accuracy]\ntolerance = 1e-1\n");
         let auto = model(&comm, &parse(&text));
         assert_eq!(auto.theory, scene::Model::HalfSpace);
-        let estimate = auto.error.expect("auto tells its error").0;
+        let estimate = auto.error.total().expect("auto tells its error").first_contact;
         let fine = text.replace("tolerance = 1e-1", "tolerance = 1e-3");
         let [plate, half] = ["mindlin", "half-space"]
             .map(|name| run_scene(&comm, &parse(&fine.replace("[body]", &format!("[body]\nmodel = \"{name}\"")))));
@@ -141,7 +141,7 @@ fn strips_are_for_plates(session: &Session) {
         let (error, _) = run_scene(&comm, &parse(&solid)).difference(&run_scene(&comm, &parse(&text)));
         println!(
             "  strips of {width} m: error {error:.1e}, estimate {:.1e}",
-            auto.error.expect("auto tells its error").0
+            auto.error.total().expect("auto tells its error").first_contact
         );
         assert!(error < tolerance, "{width}: {error:e}");
     }

@@ -1,0 +1,111 @@
+//! Estimated errors of the acceleration, by what causes them, and how they add up.
+
+use std::ops::{Add, Mul};
+
+use crate::contact::Patch;
+
+/// What an error comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cause {
+    /// The vectors of a basis.
+    Basis,
+    /// The size of the cells.
+    Cells,
+    /// The theory of the body, compared with three-dimensional elasticity.
+    Theory,
+    /// The steps in time.
+    Steps,
+    /// The patch that stands for the contact.
+    Patch,
+}
+
+impl Cause {
+    /// Its name in messages and results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Basis => "basis",
+            Self::Cells => "cells",
+            Self::Theory => "theory",
+            Self::Steps => "steps",
+            Self::Patch => "patch",
+        }
+    }
+}
+
+/// Estimated error of the acceleration over its peak.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Errors {
+    /// In the first contact.
+    pub first_contact: f64,
+    /// Over the whole history.
+    pub history: f64,
+}
+
+impl Errors {
+    /// The same in the first contact and after it.
+    pub fn throughout(error: f64) -> Self {
+        Self { first_contact: error, history: error }
+    }
+
+    /// The larger of each.
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        Self { first_contact: self.first_contact.max(other.first_contact), history: self.history.max(other.history) }
+    }
+}
+
+impl Add for Errors {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { first_contact: self.first_contact + other.first_contact, history: self.history + other.history }
+    }
+}
+
+impl Mul<Errors> for f64 {
+    type Output = Errors;
+
+    fn mul(self, errors: Errors) -> Errors {
+        Errors { first_contact: self * errors.first_contact, history: self * errors.history }
+    }
+}
+
+/// Errors by their causes. Their sum is the estimate: a bound for causes that do not cancel each other.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ErrorEstimate {
+    parts: Vec<(Cause, Errors)>,
+}
+
+impl ErrorEstimate {
+    /// With one more.
+    #[must_use]
+    pub fn with(mut self, cause: Cause, errors: Errors) -> Self {
+        self.parts.push((cause, errors));
+        self
+    }
+
+    /// With that of a patch, where there is one.
+    #[must_use]
+    pub fn with_patch(self, patch: Option<&Patch>) -> Self {
+        match patch {
+            Some(patch) => self.with(Cause::Patch, Errors::throughout(patch.error())),
+            None => self,
+        }
+    }
+
+    /// All but those of a cause.
+    #[must_use]
+    pub fn without(&self, cause: Cause) -> Self {
+        Self { parts: self.parts.iter().copied().filter(|(of, _)| *of != cause).collect() }
+    }
+
+    /// The sum; `None` where nothing is estimated.
+    pub fn total(&self) -> Option<Errors> {
+        self.parts.iter().map(|(_, errors)| *errors).reduce(Add::add)
+    }
+
+    /// The names of the causes.
+    pub fn causes(&self) -> Vec<&'static str> {
+        self.parts.iter().map(|(cause, _)| cause.name()).collect()
+    }
+}

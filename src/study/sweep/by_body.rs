@@ -1,0 +1,75 @@
+//! What is kept of each body of a sweep. A hash finds it; the descriptions themselves are compared.
+
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use crate::scene::{self, Contact, Impactor, Load, Scene, Support, Vec3};
+
+/// All of a scene that its body depends on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyOf {
+    body: scene::Body,
+    supports: Vec<Support>,
+    point: Vec3,
+    direction: Vec3,
+    contact: Contact,
+    load: Load,
+}
+
+impl BodyOf {
+    /// Of a scene.
+    pub fn new(scene: &Scene) -> Self {
+        let Scene { body, supports, impactor, contact, load, .. } = scene.clone();
+        let Impactor { point, direction, .. } = impactor;
+        Self { body, supports, point, direction, contact, load }
+    }
+
+    fn hash(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        format!("{self:?}").hash(&mut hasher);
+        hasher.finish()
+    }
+}
+
+/// A map from bodies.
+#[derive(Debug)]
+pub struct ByBody<T>(HashMap<u64, Vec<(BodyOf, T)>>);
+
+impl<T> Default for ByBody<T> {
+    fn default() -> Self {
+        Self(HashMap::new())
+    }
+}
+
+impl<T> ByBody<T> {
+    /// What is kept of a body.
+    pub fn get(&self, body: &BodyOf) -> Option<&T> {
+        let alike = self.0.get(&body.hash())?;
+        alike.iter().find(|(other, _)| other == body).map(|(_, kept)| kept)
+    }
+
+    /// What is kept of a body, made where it is missing.
+    pub fn get_or_insert_with(&mut self, body: BodyOf, make: impl FnOnce() -> T) -> &mut T {
+        let alike = self.0.entry(body.hash()).or_default();
+        let place = alike.iter().position(|(other, _)| *other == body).unwrap_or_else(|| {
+            alike.push((body, make()));
+            alike.len() - 1
+        });
+        &mut alike[place].1
+    }
+
+    /// All that is kept.
+    pub fn values(&self) -> impl Iterator<Item = &T> {
+        self.0.values().flatten().map(|(_, kept)| kept)
+    }
+
+    /// How many bodies there are.
+    pub fn len(&self) -> usize {
+        self.0.values().map(Vec::len).sum()
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+}
