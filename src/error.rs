@@ -16,20 +16,12 @@ pub enum Error {
     /// The command line is wrong.
     #[error("{0}")]
     Usage(String),
-    /// The scene is wrong.
-    #[error(transparent)]
-    #[serde(skip)]
-    Scene(Box<SceneError>),
     /// The scene is wrong in a way that its text alone does not show.
     #[error(transparent)]
     Fault(Box<Fault>),
     /// An error that the other ranks do not know of.
     #[error(transparent)]
     Alone(Box<Error>),
-    /// PETSc failed where it should not.
-    #[error(transparent)]
-    #[serde(skip)]
-    Petsc(petsc_wrap::Error),
     /// The solve failed.
     #[error("{0}")]
     Solve(String),
@@ -53,6 +45,14 @@ pub enum Error {
         /// What failed and why.
         reason: String,
     },
+    /// The scene is wrong. (Variants that are not sent come last: a message holds the number of a variant, which skipped ones would shift.)
+    #[error(transparent)]
+    #[serde(skip)]
+    Scene(Box<SceneError>),
+    /// PETSc failed where it should not.
+    #[error(transparent)]
+    #[serde(skip)]
+    Petsc(petsc_wrap::Error),
 }
 
 /// Result with [`Error`].
@@ -171,5 +171,32 @@ impl From<SceneError> for Error {
 impl From<Fault> for Error {
     fn from(fault: Fault) -> Self {
         Self::Fault(Box::new(fault))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::agree::{decoded, encoded};
+
+    /// What another rank is told has the kind, the status and the message of the error.
+    #[test]
+    fn errors_survive_their_way_between_ranks() {
+        let all = [
+            Error::Usage("usage".into()),
+            Fault::new("key", "fault", "help").into(),
+            Error::Alone(Box::new(Error::Unstable("alone".into()))),
+            Error::Solve("solve".into()),
+            Error::Unstable("unstable".into()),
+            Error::Interrupted,
+            Error::Output("output".into()),
+            Error::Unwritten("unwritten".into()),
+            Error::io(Path::new("file"), "io"),
+        ];
+        for error in all {
+            let told: Error = decoded(&encoded(&error.as_told()));
+            assert_eq!((told.status(), told.to_string()), (error.status(), error.to_string()));
+            assert!(told.is_everywhere());
+        }
     }
 }

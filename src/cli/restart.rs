@@ -12,7 +12,7 @@ use crate::record::checkpoint::{Kept, beside};
 use crate::record::episodes::Episodes;
 use crate::record::provenance::Provenance;
 use crate::record::read;
-use crate::record::series::Earlier;
+use crate::record::series::{Earlier, Points};
 use crate::record::target::is_same;
 use crate::scene::{self, Geometry, Output, Scene, Source};
 
@@ -182,7 +182,7 @@ fn check_mesh(origin: &Provenance, result: &Path, scene: &Scene) -> std::result:
 pub fn go_on(
     comm: &Comm,
     moment: Option<Box<Moment>>,
-    (result, provenance, probes): (&Path, &Provenance, &[String]),
+    (result, provenance, points): (&Path, &Provenance, &Points),
     impact: &mut Simulation,
 ) -> Result<Option<(Earlier, Summary)>> {
     let named = |why: String| format!("{}: {why}", beside(result).display());
@@ -190,7 +190,7 @@ pub fn go_on(
         for note in differences(&moment.origin, provenance) {
             tell(format_args!("note: {} {note}", result.display()));
         }
-        earlier(moment, result, probes, named)
+        earlier(moment, result, points, named)
     });
     let past = agree(comm, past.transpose()).map_err(Error::Output)?;
     let mine = impact.nodes();
@@ -227,7 +227,7 @@ fn differences(origin: &Provenance, now: &Provenance) -> Vec<String> {
 fn earlier(
     Moment { origin, kept }: &Moment,
     result: &Path,
-    probes: &[String],
+    points: &Points,
     named: impl Fn(String) -> String,
 ) -> std::result::Result<(Earlier, Summary), String> {
     let mut rows = 0;
@@ -237,8 +237,9 @@ fn earlier(
     carry(&mut rows, &mut past, &mut Carrier::from(checkpoint)).map_err(|error| named(error.to_string()))?;
     let (episodes, summary) = past;
     let read = || {
-        let (columns, probes) = (read::rows(result, rows)?, read::probes(result, probes, rows)?);
-        Ok(Earlier { result: result.to_owned(), run_id: origin.run_id, columns, probes, episodes })
+        let (columns, probes) = (read::rows(result, rows)?, read::probes(result, &points.probes, rows)?);
+        let (tensions, ring) = read::tensions(result, &points.faces.names, rows)?;
+        Ok(Earlier { result: result.to_owned(), run_id: origin.run_id, columns, probes, tensions, ring, episodes })
     };
     let earlier = read().map_err(|error: Error| error.to_string())?;
     Ok((earlier, summary))

@@ -1,5 +1,6 @@
 //! `ricochet run`: a scene to a result.
 
+use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -21,8 +22,9 @@ use crate::record::fields;
 use crate::record::lock::Lock;
 use crate::record::provenance::Cost;
 use crate::record::read;
-use crate::record::series::SeriesWriter;
+use crate::record::series::{Points, SeriesWriter};
 use crate::record::target::{Kind, check_writable, is_same};
+use crate::record::tension::{Faces, strengths};
 use crate::scene::{Scene, Source};
 use crate::solve::linear::has_mumps;
 
@@ -104,6 +106,12 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
     let solved = solve(comm, (&scene, &source), (past, from), &output, arguments.force);
     drop(lock);
     solved.map_err(|error| error.in_scene(&source))
+}
+
+/// The radial tension at the edge of the contact times α/F, 1/m²: (1 − 2ν)/(2πR).
+fn ring(scene: &Scene) -> Option<f64> {
+    let radius = scene.impactor.radius.filter(|_| scene.output.stress)?;
+    Some((1.0 - 2.0 * scene.body.poisson) / (2.0 * PI * radius))
 }
 
 /// What is to be done of a scene.
@@ -209,19 +217,23 @@ fn solve(
             ));
         }
     }
-    let names: Vec<String> = scene.output.probes.iter().map(|probe| probe.name.clone()).collect();
+    let points = Points {
+        probes: scene.output.probes.iter().map(|probe| probe.name.clone()).collect(),
+        faces: Faces { names: impact.faces().to_vec(), ring: ring(scene) },
+    };
+    let strengths = strengths(&scene.strength, &points.faces.names);
     let earlier = match past {
-        Some(moment) => go_on(comm, moment, (from, &provenance, &names), &mut impact)?,
+        Some(moment) => go_on(comm, moment, (from, &provenance, &points), &mut impact)?,
         None => None,
     };
     let steps = impact.steps();
     let recording = impact.take_sampler().map(|sampler| Recording::new(sampler, output, scene.output.fields, steps));
     let parts = match (comm.is_root(), earlier) {
         (false, _) => None,
-        (true, None) => Some((SeriesWriter::with_probes(output, &provenance, &names)?, recording, Summary::default())),
+        (true, None) => Some((SeriesWriter::with_points(output, &provenance, &points)?, recording, Summary::default())),
         (true, Some((earlier, summary))) => {
             note(format_args!("continuing from t = {:.6e} s", summary.end()));
-            let writer = SeriesWriter::continued(output, &provenance, &names, earlier)?;
+            let writer = SeriesWriter::continued(output, &provenance, &points, earlier)?;
             let recording = recording.map(|recording| recording.behind(from, summary.end(), &writer)).transpose()?;
             Some((writer, recording, summary))
         }
@@ -231,6 +243,7 @@ fn solve(
         recording,
         progress: Progress::new([summary.end(), scene.time.end]),
         summary: summary.following(linearity),
+        strengths,
     });
     let keeping = Keeping::new(comm, (scene, source.text()), output, &impact);
     let mut watch = Watch { comm: comm.clone(), interrupt, keeping, desk };
@@ -251,13 +264,14 @@ fn solve(
     let flow = stepped.as_ref().ok().copied();
     let complete = flow == Some(ControlFlow::Continue(()));
     let mut ended = Ok(());
-    if let Some(Desk { writer, mut recording, progress, summary }) = watch.desk {
+    if let Some(Desk { mut writer, mut recording, progress, summary, .. }) = watch.desk {
         progress.finish();
         let episodes = writer.episodes().clone();
         // What was computed is kept, whatever ended the run; where nothing was, all is left as it is.
         let fields = recording.as_mut().filter(|_| complete || writer.has_begun());
         let recorded = fields.map_or(Ok(()), Recording::flush);
         // Where the run has failed already, that is what is told: a full disk fails the steps first and then the end.
+        writer.set_largest(summary.largest_tension());
         ended = writer.finish(&cost, complete).and(recorded);
         if let (Some(flow), Ok(())) = (flow, &ended) {
             // Of a file system that cannot be read at once, the run is as good.
@@ -307,6 +321,8 @@ struct Desk {
     recording: Option<Recording>,
     progress: Progress,
     summary: Summary,
+    /// Of the faces, in their order, Pa.
+    strengths: Vec<Option<f64>>,
 }
 
 impl Desk {
@@ -314,9 +330,10 @@ impl Desk {
         if let Some(recording) = &mut self.recording {
             recording.step(step, reading, &self.writer)?;
         }
-        self.writer.push_read(step, reading.probes.clone())?;
+        self.writer.push_read(step, reading)?;
         self.progress.step(step);
         self.summary.step(step);
+        self.summary.tensions(step.time, &reading.faces, &self.strengths);
         Ok(())
     }
 }

@@ -7,8 +7,10 @@ use crate::impact::checkpoint::Carrier;
 use crate::impact::step::Step;
 use crate::model::{Linearity, STIFFENING};
 use crate::record::episodes::Episodes;
-use crate::record::extremes::{Extreme, Extremes, ProbeExtremes};
+use crate::record::extremes::{Extreme, Extremes, ProbeExtremes, TensionExtreme};
 use crate::record::provenance::Cost;
+use crate::record::tension::LargestTension;
+use crate::space::evaluate::FaceTension;
 
 use super::notes::listed;
 use super::{say, short};
@@ -23,6 +25,7 @@ pub struct Summary {
     linearity: Option<Linearity>,
     /// m.
     largest_deflection: f64,
+    tension: LargestTension,
 }
 
 impl Summary {
@@ -46,6 +49,16 @@ impl Summary {
         self.last = *step;
     }
 
+    /// Takes the largest tension on each face at a time, s, with the strengths of the faces, Pa.
+    pub fn tensions(&mut self, time: f64, tensions: &[FaceTension], strengths: &[Option<f64>]) {
+        self.tension.take(time, tensions, strengths);
+    }
+
+    /// The largest tension so far.
+    pub fn largest_tension(&self) -> LargestTension {
+        self.tension
+    }
+
     /// Time reached, s.
     pub fn end(&self) -> f64 {
         self.last.time
@@ -60,7 +73,8 @@ impl Summary {
         carrier.number("peak", &mut self.peak.0)?;
         carrier.number("peak_time", &mut self.peak.1)?;
         carrier.number("initial", &mut self.initial)?;
-        carrier.number("largest_deflection", &mut self.largest_deflection)
+        carrier.number("largest_deflection", &mut self.largest_deflection)?;
+        self.tension.carry(carrier)
     }
 
     /// Prints it.
@@ -139,6 +153,21 @@ pub fn lines(extremes: &Extremes) -> Vec<String> {
         at(&extremes.force, 1.0, "N"),
         at(&extremes.deflection, 1e3, "mm")
     )];
+    if let Some(TensionExtreme { largest, face }) = &extremes.tension {
+        let [x, y, z] = largest.point;
+        let mut line = format!(
+            "largest tension {} MPa on face {face:?} at {} ms, at [{}, {}, {}] m",
+            short(1e-6 * largest.value),
+            short(1e3 * largest.time),
+            short(x),
+            short(y),
+            short(z)
+        );
+        if !largest.strength_passed_at.is_nan() {
+            line += &format!("; the strength is passed at {} ms", short(1e3 * largest.strength_passed_at));
+        }
+        lines.push(line);
+    }
     for ProbeExtremes { name, displacement, velocity, tension } in &extremes.probes {
         lines.push(format!(
             "probe {name:?}: displacement {}, velocity {}, tension {}",

@@ -16,6 +16,28 @@ pub fn principal([xx, yy, zz, yz, xz, xy]: [f64; 6]) -> [f64; 3] {
     values
 }
 
+/// The largest principal value of a stress.
+///
+/// By the trigonometric solution of the characteristic equation (O. K. Smith, Commun. ACM 4, 1961): good to some 1e-8 of the stress where
+/// two values meet, which is enough for a maximum, at a tenth of an eigenvalue solver's time.
+pub fn largest_principal([xx, yy, zz, yz, xz, xy]: [f64; 6]) -> f64 {
+    let mean = (xx + yy + zz) / 3.0;
+    let (a, b, c) = (xx - mean, yy - mean, zz - mean);
+    let shear = yz * yz + xz * xz + xy * xy;
+    let size = ((a * a + b * b + c * c + 2.0 * shear) / 6.0).sqrt();
+    if size == 0.0 {
+        return mean;
+    }
+    let determinant = a * (b * c - yz * yz) - xy * (xy * c - yz * xz) + xz * (xy * yz - b * xz);
+    let angle = (0.5 * determinant / size.powi(3)).clamp(-1.0, 1.0).acos() / 3.0;
+    mean + 2.0 * size * angle.cos()
+}
+
+/// The larger principal value of a stress in a plane, of its components a, b and ab.
+pub fn largest_in_plane([a, b, ab]: [f64; 3]) -> f64 {
+    0.5 * (a + b) + (0.5 * (a - b)).hypot(ab)
+}
+
 impl Material {
     /// Hooke's law (4), a row for each stress over the nine ∂u_i/∂x_j (entry 3i + j), Pa.
     pub fn stress_of_gradient(&self) -> [[f64; 9]; 6] {
@@ -47,6 +69,13 @@ mod tests {
         let found = principal([s[(0, 0)], s[(1, 1)], s[(2, 2)], s[(1, 2)], s[(0, 2)], s[(0, 1)]]);
         // Rounding of a few products.
         assert!(found.iter().zip([40., 3., -7.]).all(|(a, b)| (a - b).abs() < 1e-13), "{found:?}");
+        let largest = largest_principal([s[(0, 0)], s[(1, 1)], s[(2, 2)], s[(1, 2)], s[(0, 2)], s[(0, 1)]]);
+        assert!((largest - 40.0).abs() < 1e-12, "{largest}");
+        // Two that meet, and all three.
+        assert!((largest_principal([5., 5., 1., 0., 0., 0.]) - 5.0).abs() < 1e-7);
+        assert_eq!(largest_principal([3., 3., 3., 0., 0., 0.]), 3.0);
+        // (a + b)/2 ± √(((a − b)/2)² + ab²)
+        assert!((largest_in_plane([1., 7., 4.]) - 9.0).abs() < 1e-14);
     }
 
     /// Uniaxial stress comes of stretching by E with −ν across; a rotation gives none.

@@ -6,24 +6,27 @@ use crate::body::Body;
 use crate::error::Result;
 use crate::form::stress::principal;
 use crate::scene::Vec3;
-use crate::space::evaluate::Map;
+use crate::space::evaluate::{FaceStresses, FaceTension, Map};
 
 use super::state::State;
 
 /// What is to be read, in the coordinates in which a body moves. One rank has all of it, the others nothing.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone, Default)]
 pub struct Readout {
     /// Where there are probes, the coordinates that they need, and nine forms on these a probe: displacement, m, and stress, Pa.
     pub probes: Option<(Vec<Int>, Map)>,
     /// Where there are fields, after how many steps, and the coordinates: all of them.
     pub fields: Option<(usize, Vec<Int>)>,
+    /// Where the largest tension is looked for; a rank that does not read has no faces.
+    pub faces: Option<FaceStresses>,
 }
 
 impl Readout {
     /// Whether it is this rank that has it.
     pub(super) fn is_here(&self) -> bool {
         let probes = self.probes.as_ref().is_some_and(|(_, map)| !map.is_empty());
-        probes || self.fields.as_ref().is_some_and(|(_, columns)| !columns.is_empty())
+        let faces = self.faces.as_ref().is_some_and(|faces| !faces.faces.is_empty());
+        probes || faces || self.fields.as_ref().is_some_and(|(_, columns)| !columns.is_empty())
     }
 }
 
@@ -43,6 +46,8 @@ pub struct Probe {
 pub struct Reading {
     /// Of each probe.
     pub probes: Vec<Probe>,
+    /// The largest tension on each face.
+    pub faces: Vec<FaceTension>,
     /// All coordinates and their rates, where the step's fields are wanted.
     pub coordinates: Option<[Vec<f64>; 2]>,
 }
@@ -51,6 +56,7 @@ pub struct Reading {
 pub struct Reader {
     probes: Option<(Gather, Map)>,
     fields: Option<(usize, Gather)>,
+    faces: Option<(Gather, FaceStresses)>,
     /// Whether this rank is the one that reads.
     is_here: bool,
 }
@@ -71,6 +77,10 @@ impl Reader {
                 Some((every, columns)) => Some((*every, gather(columns)?)),
                 None => None,
             },
+            faces: match &readout.faces {
+                Some(faces) => Some((gather(&faces.columns)?, faces.clone())),
+                None => None,
+            },
             is_here: readout.is_here(),
         })
     }
@@ -85,6 +95,12 @@ impl Reader {
         if let Some((gather, map)) = &mut self.probes {
             let [u, v] = [fetched(gather, &state.u)?, fetched(gather, &state.v)?];
             reading.probes = probes(&map.apply(&u), &map.apply(&v));
+        }
+        if let Some((gather, faces)) = &mut self.faces {
+            let u = fetched(gather, &state.u)?;
+            if !faces.faces.is_empty() {
+                reading.faces = faces.tensions(&faces.map.apply(&u), |_, _, _| {});
+            }
         }
         if let Some((every, gather)) = &mut self.fields
             && number.is_multiple_of(*every)

@@ -1,5 +1,7 @@
 //! All of a distributed mesh on one rank, in an order that knows no partition.
 
+use std::collections::BTreeMap;
+
 use petsc_wrap::Int;
 
 use crate::element::{Element, Shape, within};
@@ -31,6 +33,8 @@ pub struct Whole {
     pub cells: Vec<usize>,
     /// Nodes of each cell.
     pub nodes_each: usize,
+    /// Nodes of each named surface, without images.
+    pub surfaces: BTreeMap<String, Vec<usize>>,
 }
 
 impl Mesh {
@@ -43,6 +47,12 @@ impl Mesh {
             places.extend(cells.node_positions(i).flatten());
         }
         let (numbers, places) = (self.comm.all_gather(&numbers), self.comm.all_gather(&places));
+        let on_surface = |facets: &Vec<usize>| {
+            let here: Vec<Int> = facets.iter().flat_map(|&i| self.facets.nodes(i)).copied().collect();
+            self.comm.all_gather(&here)
+        };
+        let surfaces: Vec<(String, Vec<Int>)> =
+            self.surfaces.iter().map(|(name, facets)| (name.clone(), on_surface(facets))).collect();
         if !self.comm.is_root() {
             return None;
         }
@@ -60,7 +70,14 @@ impl Mesh {
         let mut all: Vec<Vec<usize>> =
             numbers.chunks_exact(nodes_each).map(|cell| cell.iter().map(|n| position[*n as usize]).collect()).collect();
         all.sort_by_cached_key(|cell| key(super::mean(cell.iter().map(|&node| nodes[node]))));
+        let placed = |numbers: Vec<Int>| {
+            let mut nodes: Vec<usize> = numbers.into_iter().map(|number| position[number as usize]).collect();
+            nodes.sort_unstable();
+            nodes.dedup();
+            nodes
+        };
         Some(Whole {
+            surfaces: surfaces.into_iter().map(|(name, numbers)| (name, placed(numbers))).collect(),
             shape: cells.shape,
             order: cells.order,
             signs: vec![[1.0; 3]; nodes.len()],
@@ -95,6 +112,11 @@ impl Whole {
             self.originals.push(self.originals[node]);
         }
         self
+    }
+
+    /// The displacement along an axis at a node, m, of those of all unknowns.
+    pub fn displacement(&self, unknowns: &[f64], node: usize, axis: usize) -> f64 {
+        self.signs[node][axis] * unknowns[3 * self.numbers[node] as usize + axis]
     }
 
     /// Nodes of a cell.

@@ -6,7 +6,7 @@ use crate::agree::agree;
 use crate::error::Result;
 use crate::impact::Readout;
 use crate::scene::{Fault, Scene, Vec3};
-use crate::space::evaluate::{Evaluator, FieldSampler, Form, Forms, Map};
+use crate::space::evaluate::{Evaluator, FaceStresses, FieldSampler, Form, Forms, Map};
 
 /// What is to be read at each step, and how fields come of it.
 pub struct Gauges {
@@ -50,10 +50,14 @@ impl Gauges {
             Some(_) if evaluator.is_some() => (all.clone(), Map::new(forms.into_iter(), basis)),
             _ => on_their_own(forms),
         });
+        let faces = evaluator.as_ref().filter(|_| scene.output.stress);
+        let faces = faces.map_or_else(FaceStresses::default, |evaluator| evaluator.faces(scene, basis));
         let near = evaluator.as_ref().and_then(Evaluator::blurred).map_or_else(Vec::new, |radius| near(scene, radius));
         let sampler =
             evaluator.filter(|_| scene.output.fields.is_some()).map(|evaluator| FieldSampler::new(evaluator, basis));
-        Ok(Self { readout: Readout { probes, fields: scene.output.fields.map(|every| (every, all)) }, sampler, near })
+        let faces = FaceStresses { columns: all.clone(), ..faces };
+        let readout = Readout { probes, fields: scene.output.fields.map(|every| (every, all)), faces: scene.output.stress.then_some(faces) };
+        Ok(Self { readout, sampler, near })
     }
 }
 

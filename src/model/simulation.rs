@@ -19,6 +19,8 @@ pub struct Simulation {
     of_model: ErrorEstimate,
     patch: Option<Patch>,
     sampler: Option<FieldSampler>,
+    /// Names of the faces whose largest tension is read; on rank 0.
+    faces: Vec<String>,
 }
 
 impl Simulation {
@@ -32,17 +34,23 @@ impl Simulation {
             Dynamics::Stepped(body) => Box::new(Impact::new(scene, *body)?),
             Dynamics::Modal(body) => Box::new(ModalImpact::new(scene, body)),
         };
-        let mut sampler = None;
+        let (mut sampler, mut faces) = (None, Vec::new());
         if let Some(Gauges { readout, sampler: of_fields, .. }) = model.gauges {
+            faces = readout.faces.iter().flat_map(|all| &all.faces).map(|face| face.name.clone()).collect();
             integration.set_readout(readout)?;
             sampler = of_fields;
         }
-        Ok(Self { integration, of_model, patch, sampler })
+        Ok(Self { integration, of_model, patch, sampler, faces })
     }
 
     /// What makes fields of readings; on rank 0, where the scene wants fields. It is handed out once.
     pub fn take_sampler(&mut self) -> Option<FieldSampler> {
         self.sampler.take()
+    }
+
+    /// Names of the faces whose largest tension is read, in the order of [`crate::impact::Reading::faces`]; on rank 0.
+    pub fn faces(&self) -> &[String] {
+        &self.faces
     }
 
     /// Has the next run go on from a checkpoint of the same scene. One in modal coordinates has none: it is done anew. Collective.

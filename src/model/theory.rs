@@ -56,7 +56,7 @@ pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
     if scene.contact == Contact::Point && matches!(theory, Model::HalfSpace | Model::InfinitePlate | Model::Mindlin) {
         return Err("a force at a point is for kirchhoff and solid: the others have the contact's own field".into());
     }
-    if scene.output.is_read() && matches!(theory, Model::HalfSpace | Model::InfinitePlate) {
+    if scene.output.has_points() && matches!(theory, Model::HalfSpace | Model::InfinitePlate) {
         return Err("probes and fields are not available for closed-form models".into());
     }
     match theory {

@@ -6,6 +6,7 @@ use hdf5_metno as hdf5;
 use serde::Serialize;
 
 use crate::error::{Error, Result};
+use crate::record::tension::LargestTension;
 use crate::record::read::open;
 
 /// A value of a series and its time.
@@ -26,8 +27,20 @@ pub struct Extremes {
     pub force: Extreme,
     /// The displacement of the surface under the impactor of the largest magnitude, m.
     pub deflection: Extreme,
+    /// The largest tension on the faces, where stresses were read.
+    pub tension: Option<TensionExtreme>,
     /// In the order of their names.
     pub probes: Vec<ProbeExtremes>,
+}
+
+/// The largest tension of a run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TensionExtreme {
+    /// How large, when and where.
+    #[serde(flatten)]
+    pub largest: LargestTension,
+    /// On which face.
+    pub face: String,
 }
 
 /// The largest values at a probe.
@@ -89,6 +102,7 @@ fn of(file: &hdf5::File) -> hdf5::Result<Option<Extremes>> {
         acceleration: largest(&column("impactor/acceleration")?, |value| value),
         force: peaks.chain([of_rows]).max_by(|one, other| one.value.total_cmp(&other.value)).unwrap_or(of_rows),
         deflection: largest(&column("contact/surface_displacement")?, f64::abs),
+        tension: LargestTension::read(file).map(|(largest, face)| TensionExtreme { largest, face }),
         probes,
     }))
 }

@@ -14,3 +14,4 @@ pub mod read;
 pub mod series;
 pub mod sweep;
 pub mod target;
+pub mod tension;

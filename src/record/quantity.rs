@@ -54,6 +54,8 @@ const fn named(name: &'static str, dataset: &'static str, label: &'static str) -
     Named { name, dataset, label }
 }
 
+/// The name of the largest tensions on all faces together.
+const STRESS: &str = "stress";
 /// The name of all energies together.
 const ENERGY: &str = "energy";
 
@@ -72,7 +74,11 @@ pub fn quantity(path: &Path, name: &str) -> Result<Quantity> {
     let short = short.strip_prefix("series/").unwrap_or(short);
     let known = NAMES.iter().find(|named| named.name == short || named.dataset == short);
     let dataset_name = known.map_or(short, |named| named.dataset);
-    let (label, datasets) = if short == ENERGY {
+    let (label, datasets) = if short == STRESS {
+        let faces = file.group("series/stress").and_then(|group| group.member_names()).unwrap_or_default();
+        let of_face = |face: String| Some((face.clone(), series_dataset(&file, &format!("{STRESS}/{face}/largest"))?));
+        ("largest tension".to_owned(), faces.into_iter().filter_map(of_face).collect())
+    } else if short == ENERGY {
         let prefix = format!("series/{ENERGY}/");
         let parts = SERIES.iter().filter_map(|column| column.path.strip_prefix(&prefix)).map(|part| {
             let dataset = series_dataset(&file, &format!("{ENERGY}/{part}"));
@@ -116,6 +122,8 @@ fn series_dataset(file: &hdf5::File, name: &str) -> Option<hdf5::Dataset> {
 fn label(dataset: &str) -> String {
     match dataset.split('/').collect::<Vec<_>>()[..] {
         [ENERGY, part] => format!("{part} energy"),
+        [STRESS, "ring"] => "tension at the edge of the contact".to_owned(),
+        [STRESS, face, "largest"] => format!("largest tension on face {face}"),
         ["probe", name, what] => format!("{} at probe {name}", what.replace('_', " ")),
         _ => dataset.to_owned(),
     }
@@ -138,6 +146,12 @@ fn there(file: &hdf5::File) -> Vec<String> {
         there.push(ENERGY.to_owned());
     }
     there.extend(energies);
+    let faces = file.group("series/stress").and_then(|group| group.member_names()).unwrap_or_default();
+    if faces.iter().any(|face| face != "ring") {
+        there.push(STRESS.to_owned());
+    }
+    let of_face = |face: &String| if face == "ring" { face.clone() } else { format!("{face}/largest") };
+    there.extend(faces.iter().map(|face| format!("{STRESS}/{}", of_face(face))));
     let probes = file.group("series/probe").and_then(|group| group.member_names()).unwrap_or_default();
     for probe in probes {
         let group = file.group(&format!("series/probe/{probe}"));

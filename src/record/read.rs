@@ -8,6 +8,8 @@ use crate::record::probes;
 use crate::record::provenance::{Cost, Provenance, text};
 use crate::record::sweep::is_one as is_sweep;
 use crate::record::target::is_locked;
+use crate::record::tension;
+use crate::space::evaluate::FaceTension;
 use hdf5_metno as hdf5;
 use std::path::Path;
 
@@ -70,6 +72,21 @@ pub fn rows(path: &Path, rows: usize) -> Result<Vec<Vec<f64>>> {
 /// [`Error::Io`] as [`rows`].
 pub fn probes(path: &Path, names: &[String], rows: usize) -> Result<Vec<Vec<Probe>>> {
     probes::rows(&open(path)?, names, rows).map_err(|e| Error::io(path, format!("its probes cannot be read: {e}")))
+}
+
+/// The first rows of a result: the largest tension on each of some faces, and that at the edge of the contact where it is recorded.
+///
+/// # Errors
+/// [`Error::Io`] where there are fewer.
+pub fn tensions(path: &Path, names: &[String], rows: usize) -> Result<(Vec<Vec<FaceTension>>, Option<Vec<f64>>)> {
+    let file = open(path)?;
+    let wrong = |e: hdf5::Error| Error::io(path, format!("its stresses cannot be read: {e}"));
+    let ring = file.dataset("series/stress/ring").and_then(|dataset| dataset.read_raw::<f64>()).ok();
+    let ring = ring.map(|mut ring| {
+        ring.resize(rows, f64::NAN);
+        ring
+    });
+    Ok((tension::rows(&file, names, rows).map_err(wrong)?, ring))
 }
 
 /// Reads the history of the result `path`. After a kill, datasets may differ in length by one flush: the rows are

@@ -9,7 +9,7 @@
 //! (it alone is lost then), or in which a series outgrows its chunk.
 
 use crate::error::{Error, Result};
-use crate::impact::Probe;
+use crate::impact::{Probe, Reading};
 use crate::impact::step::Step;
 use crate::record::checkpoint;
 use crate::record::columns::{CONTACTS, SERIES, append, new_datasets, not_written};
@@ -18,6 +18,8 @@ use crate::record::fields;
 use crate::record::probes::ProbeDatasets;
 use crate::record::provenance::{Cost, Provenance, write_scalar};
 use crate::record::target;
+use crate::record::tension::{Faces, LargestTension, TensionDatasets, rings};
+use crate::space::evaluate::FaceTension;
 use hdf5_metno as hdf5;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -43,6 +45,10 @@ pub struct Earlier {
     pub columns: Vec<Vec<f64>>,
     /// Of each row what every probe has read.
     pub probes: Vec<Vec<Probe>>,
+    /// Of each row the largest tension on every face.
+    pub tensions: Vec<Vec<FaceTension>>,
+    /// Of each row the tension at the edge of the contact, where it is recorded.
+    pub ring: Option<Vec<f64>>,
     /// The contacts.
     pub episodes: Episodes,
 }
@@ -51,6 +57,15 @@ impl Earlier {
     fn rows(&self) -> usize {
         self.columns.first().map_or(0, Vec::len)
     }
+}
+
+/// What a run reads of its body at each step beside the surface under the impactor.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Points {
+    /// Names of the probes.
+    pub probes: Vec<String>,
+    /// The faces.
+    pub faces: Faces,
 }
 
 /// Writes the series and the contacts of one run to a file. One process (rank 0) has it.
@@ -63,14 +78,18 @@ pub struct SeriesWriter {
     series: Vec<hdf5::Dataset>,
     contacts: Vec<hdf5::Dataset>,
     probes: ProbeDatasets,
+    faces: Faces,
+    tensions: TensionDatasets,
+    /// Of the whole run, where stresses are read.
+    largest: LargestTension,
     /// Whether an older result keeps its name until this one is whole.
     waits: bool,
     /// Whether it goes on with the result that is at `path`, whose checkpoint then stays.
     goes_on: bool,
     every: usize,
     buffer: Vec<Step>,
-    /// What the probes read at the buffer's steps.
-    read: Vec<Vec<Probe>>,
+    /// What was read at the buffer's steps.
+    read: Vec<Reading>,
     rows_written: usize,
     episodes: Episodes,
     episodes_written: usize,
@@ -86,22 +105,22 @@ impl SeriesWriter {
     /// # Errors
     /// [`Error::Io`] as of [`target::check_writable`], or when writing fails.
     pub fn create(path: &Path, provenance: &Provenance) -> Result<Self> {
-        Self::with_probes(path, provenance, &[])
+        Self::with_points(path, provenance, &Points::default())
     }
 
-    /// The same with a group for each of some probes.
+    /// The same with groups for what is read of the body.
     ///
     /// # Errors
     /// As [`Self::create`].
-    pub fn with_probes(path: &Path, provenance: &Provenance, names: &[String]) -> Result<Self> {
+    pub fn with_points(path: &Path, provenance: &Provenance, points: &Points) -> Result<Self> {
         target::check_writable(path, target::Kind::Run)?;
         let part = target::part(&target::resolved(path))?;
-        let begun = begin(&part, provenance, names);
+        let begun = begin(&part, provenance, points);
         if begun.is_err() {
             // The error in hand says more than one of the removal would.
             let _ = fs::remove_file(&part);
         }
-        let Begun { file, series, contacts, probes } = begun.map_err(|e| not_written(path, &e))?;
+        let Begun { file, series, contacts, probes, tensions } = begun.map_err(|e| not_written(path, &e))?;
         Ok(Self {
             path: path.to_owned(),
             run_id: provenance.run_id,
@@ -110,6 +129,9 @@ impl SeriesWriter {
             series,
             contacts,
             probes,
+            faces: points.faces.clone(),
+            tensions,
+            largest: LargestTension::default(),
             waits: false,
             goes_on: false,
             every: 1,
@@ -126,9 +148,9 @@ impl SeriesWriter {
     ///
     /// # Errors
     /// As [`Self::create`].
-    pub fn continued(path: &Path, provenance: &Provenance, names: &[String], earlier: Earlier) -> Result<Self> {
+    pub fn continued(path: &Path, provenance: &Provenance, points: &Points, earlier: Earlier) -> Result<Self> {
         let provenance = Provenance { run_id: earlier.run_id, ..provenance.clone() };
-        let mut writer = Self::with_probes(path, &provenance, names)?;
+        let mut writer = Self::with_points(path, &provenance, points)?;
         writer.goes_on = target::is_same(path, &earlier.result);
         let rows = earlier.rows();
         let copy = || {
@@ -136,6 +158,8 @@ impl SeriesWriter {
                 dataset.resize((rows,))?;
                 dataset.write_slice(values, 0..rows)?;
             }
+            let ring = earlier.ring.as_deref().unwrap_or_default();
+            writer.tensions.append(0, &earlier.tensions, ring)?;
             writer.probes.append(0, &earlier.probes)
         };
         copy().map_err(|e| not_written(path, &e))?;
@@ -178,18 +202,19 @@ impl SeriesWriter {
     /// # Errors
     /// [`Error::Io`] when writing fails; the rows stay in the buffer.
     pub fn push(&mut self, step: &Step) -> Result<()> {
-        self.push_read(step, Vec::new())
+        self.push_read(step, &Reading::default())
     }
 
-    /// The same with what the probes have read at the step.
+    /// The same with what was read of the body at the step.
     ///
     /// # Errors
     /// As [`Self::push`].
-    pub fn push_read(&mut self, step: &Step, probes: Vec<Probe>) -> Result<()> {
+    pub fn push_read(&mut self, step: &Step, reading: &Reading) -> Result<()> {
         self.episodes.push(step);
         if step.number.is_multiple_of(self.every) {
             self.buffer.push(*step);
-            self.read.push(probes);
+            let Reading { probes, faces, .. } = reading;
+            self.read.push(Reading { probes: probes.clone(), faces: faces.clone(), coordinates: None });
         }
         let due = self.flushed.is_none_or(|t| t.elapsed() >= FLUSH_EVERY);
         if due || self.buffer.len() >= ROWS_BUFFERED {
@@ -247,6 +272,11 @@ impl SeriesWriter {
         self.flushed.is_some()
     }
 
+    /// What the root is to say of the largest tension of the whole run.
+    pub fn set_largest(&mut self, largest: LargestTension) {
+        self.largest = largest;
+    }
+
     /// Ends the result: the last rows, what the run cost, and whether it came to its end. A run that has not come to its end, nor taken a
     /// step in this process, leaves what was there.
     ///
@@ -259,6 +289,7 @@ impl SeriesWriter {
         self.write().map_err(|e| not_written(&self.path, &e))?;
         let mark = || {
             cost.update(&self.file)?;
+            self.largest.update(&self.file, &self.faces.names)?;
             self.file.attr("complete")?.write_scalar(&complete)?;
             self.file.flush()
         };
@@ -268,7 +299,10 @@ impl SeriesWriter {
     }
 
     fn write(&mut self) -> hdf5::Result<()> {
-        self.probes.append(self.rows_written, &self.read)?;
+        let (probes, tensions): (Vec<_>, Vec<_>) =
+            self.read.iter_mut().map(|read| (std::mem::take(&mut read.probes), read.faces.clone())).unzip();
+        self.probes.append(self.rows_written, &probes)?;
+        self.tensions.append(self.rows_written, &tensions, &rings(&self.faces, &self.buffer))?;
         append(&self.series, &SERIES, self.rows_written, &self.buffer)?;
         // An open episode grows, so the last one that was written may have changed.
         let first = self.episodes_written.saturating_sub(1);
@@ -300,20 +334,23 @@ struct Begun {
     series: Vec<hdf5::Dataset>,
     contacts: Vec<hdf5::Dataset>,
     probes: ProbeDatasets,
+    tensions: TensionDatasets,
 }
 
 /// The file at `path` with its attributes, and its datasets under `/series` and `/contacts`.
-fn begin(path: &Path, provenance: &Provenance, probes: &[String]) -> hdf5::Result<Begun> {
+fn begin(path: &Path, provenance: &Provenance, points: &Points) -> hdf5::Result<Begun> {
     let file = hdf5::File::create(path)?;
     provenance.write(&file)?;
     Cost::UNKNOWN.write(&file)?;
+    LargestTension::begin(&file)?;
     write_scalar(&file, "complete", false)?;
     let chunk = provenance.planned_rows.unwrap_or(CHUNK_UNPLANNED).clamp(1, CHUNK_MOST);
     let contacts = new_datasets(&file, &CONTACTS, CHUNK_CONTACTS)?;
     // Before the series, whose time is to come last.
-    let probes = ProbeDatasets::new(&file, probes, chunk)?;
+    let probes = ProbeDatasets::new(&file, &points.probes, chunk)?;
+    let tensions = TensionDatasets::new(&file, &points.faces, chunk)?;
     let series = new_datasets(&file, &SERIES, chunk)?;
     let group = file.group("contacts")?;
     write_scalar(&group, "open_at_end", false)?;
-    Ok(Begun { file, series, contacts, probes })
+    Ok(Begun { file, series, contacts, probes, tensions })
 }

@@ -16,6 +16,7 @@ mod locate;
 mod overrides;
 mod raw;
 mod source;
+mod strength;
 mod suggest;
 mod units;
 mod values;
@@ -28,6 +29,7 @@ pub use differences::differences;
 pub use doubts::{Doubt, doubts};
 pub use error::SceneError;
 pub(crate) use faces::faces;
+pub use strength::Strength;
 pub use fault::Fault;
 pub use impactor::Impactor;
 pub(crate) use layout::growing;
@@ -64,6 +66,10 @@ pub struct Scene {
     pub time: Time,
     /// Error of the acceleration history over its peak that error-controlled steps aim at.
     pub tolerance: f64,
+    /// What that is the error of.
+    pub measure: Measure,
+    /// The tension that the material bears.
+    pub strength: Strength,
     /// How a step is solved.
     pub solver: Solver,
     /// What is written.
@@ -455,15 +461,31 @@ pub struct Output {
     pub checkpoint_minutes: Option<f64>,
     /// Every n-th step's fields are written.
     pub fields: Option<usize>,
+    /// Whether the largest tension on each face is looked for.
+    pub stress: bool,
     /// Points that are read at every step of the series.
     pub probes: Vec<Probe>,
 }
 
 impl Output {
-    /// Whether the body is read elsewhere than under the impactor.
-    pub fn is_read(&self) -> bool {
+    /// Whether the scene has points of the body read, at which closed-form models have nothing to tell.
+    pub fn has_points(&self) -> bool {
         self.fields.is_some() || !self.probes.is_empty()
     }
+
+    /// Whether the body is read elsewhere than under the impactor.
+    pub fn is_read(&self) -> bool {
+        self.stress || self.has_points()
+    }
+}
+
+/// What `accuracy.tolerance` is the error of, over its peak in the first contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// The impactor's acceleration.
+    Acceleration,
+    /// The largest tension.
+    Stress,
 }
 
 /// A point of the body that is read.

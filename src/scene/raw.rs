@@ -1,6 +1,8 @@
 //! The keys of a scene and the types of their values, before any check of a value. The names of the fields are the
 //! known keys; their comments are the descriptions of the JSON schema (`ricochet schema`).
 
+use std::collections::BTreeMap;
+
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -20,6 +22,8 @@ pub(super) const LAWS: [&str; 3] = ["hertz", "power", "table"];
 pub(super) const INITIALS: [&str; 2] = ["rest", "equilibrium"];
 /// Words of `time.scheme`.
 pub(super) const SCHEMES: [&str; 5] = ["newmark", "generalized-alpha", "energy", "central-difference", "modal"];
+/// Words of `accuracy.quantity`.
+pub(super) const QUANTITIES: [&str; 2] = ["acceleration", "stress"];
 /// Words of `solver.newton`.
 pub(super) const NEWTONS: [&str; 2] = ["condensed", "full"];
 
@@ -47,6 +51,9 @@ pub(super) struct Scene {
     /// What the model, the basis and the steps are chosen for.
     #[serde(default)]
     pub accuracy: Accuracy,
+    /// The tension that the material bears.
+    #[serde(default)]
+    pub strength: Strength,
     /// How a step is solved.
     #[serde(default)]
     pub solver: Solver,
@@ -234,8 +241,22 @@ pub(super) struct Time {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table with the header [accuracy]")]
 pub(super) struct Accuracy {
-    /// Error of the acceleration over its peak in the first contact, 1e-6 to 0.5; default 1e-2.
+    /// Error of the quantity over its peak in the first contact, 1e-6 to 0.5; default 1e-2.
     pub tolerance: Option<Number>,
+    /// "acceleration" (default), or "stress": the largest tension.
+    #[schemars(extend("enum" = QUANTITIES))]
+    pub quantity: Option<String>,
+}
+
+/// `[strength]`
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a table with the header [strength]")]
+pub(super) struct Strength {
+    /// On every face that has none of its own, Pa.
+    pub tension: Option<Number>,
+    /// By the name of a face ("upper", "lower", or a surface of the mesh), Pa.
+    #[serde(default)]
+    pub face: BTreeMap<String, Number>,
 }
 
 /// `[solver]`
@@ -261,6 +282,8 @@ pub(super) struct Output {
     pub checkpoint_minutes: Option<Number>,
     /// Fields of every n-th step for ParaView.
     pub fields: Option<Whole>,
+    /// Whether the largest tension on each face is looked for; default true.
+    pub stress: Option<bool>,
     /// Points that are read at every recorded step.
     #[serde(default)]
     pub probes: List<Probe>,

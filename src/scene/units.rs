@@ -3,8 +3,10 @@
 /// SI unit of the value of a key, by its dotted path; `1` for a number without one, and for text.
 pub fn unit(path: &str) -> &'static str {
     let names: Vec<&str> = path.split('.').filter(|name| name.parse::<usize>().is_err()).collect();
-    match names.join(".").as_str() {
-        "body.young" | "impactor.young" => "Pa",
+    // Below `strength.face` are names that the user gives.
+    let known = if names.starts_with(&["strength", "face"]) { &names[..2] } else { &names[..] };
+    match known.join(".").as_str() {
+        "body.young" | "impactor.young" | "strength.tension" | "strength.face" => "Pa",
         "body.density" => "kg/m3",
         "body.size"
         | "support.displacement"

@@ -5,8 +5,8 @@ use crate::sample::{COST, provenance, step};
 use hdf5_metno as hdf5;
 use ricochet::cli::plot::plot;
 use ricochet::error::Error;
-use ricochet::impact::Probe;
-use ricochet::record::series::SeriesWriter;
+use ricochet::impact::{Probe, Reading};
+use ricochet::record::series::{Points, SeriesWriter};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -104,11 +104,11 @@ fn errors_say_what_is_wrong_with_which_file() {
 fn probed(folder: &Path) -> PathBuf {
     let path = folder.join("probed.h5");
     let names = ["edge".to_owned()];
-    let mut writer = SeriesWriter::with_probes(&path, &provenance("Plate", None), &names).unwrap();
+    let mut writer = SeriesWriter::with_points(&path, &provenance("Plate", None), &Points { probes: names.to_vec(), ..Points::default() }).unwrap();
     for n in 0..100 {
         let values = [1.0, 2.0, 3.0].map(|factor| factor * n as f64);
         let read = Probe { displacement: values, velocity: values, principal_stress: values };
-        writer.push_read(&step(n), vec![read]).unwrap();
+        writer.push_read(&step(n), &Reading { probes: vec![read], ..Reading::default() }).unwrap();
     }
     writer.finish(&COST, true).unwrap();
     path

@@ -224,10 +224,10 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let mut motion = Motion::new(&modes, law.clone(), impactor, steps, state);
         let mut done = Done { trace: Trace::default(), steps: Vec::new(), sizes: steps };
         let mut ledger = self.has_energies.then(Ledger::default);
-        let reader = self.readout.as_ref().filter(|_| observed).map(|readout| Reader::new(readout, &modes));
-        let see = |number: usize, motion: &Motion, ledger: Option<&mut Ledger>| Observed {
+        let mut reader = self.readout.as_ref().filter(|_| observed).map(|readout| Reader::new(readout, &modes));
+        let mut see = |number: usize, motion: &Motion, ledger: Option<&mut Ledger>| Observed {
             step: seen(number, motion, (&modes, &setting), ledger),
-            reading: reader.as_ref().map_or_else(Reading::default, |reader| reader.read(number, motion)),
+            reading: reader.as_mut().map_or_else(Reading::default, |reader| reader.read(number, motion)),
         };
         if observed {
             done.steps.push(see(0, &motion, ledger.as_mut()));
@@ -258,6 +258,9 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         }
         self.count.solves += motion.solves;
         self.count.iterations += motion.iterations;
+        if let Some(reader) = reader {
+            reader.finish(&mut done.steps);
+        }
         Ok(done)
     }
 }

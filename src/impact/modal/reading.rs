@@ -1,10 +1,12 @@
-//! What is read of a body in modal coordinates.
+//! What is read of a body in modal coordinates: probes and fields step by step, the faces' stresses for all steps of a run at once, as the
+//! product of two matrices.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::body::{Modes, Shapes};
+use crate::impact::observer::Observed;
 use crate::impact::reading::{Reading, Readout, probes};
-use crate::space::evaluate::Map;
+use crate::space::evaluate::{FaceStresses, Map};
 
 use super::ledger::coordinates;
 use super::motion::Motion;
@@ -16,12 +18,25 @@ pub struct Reader<'a> {
     probes: Option<Shapes>,
     /// After how many steps all coordinates are wanted.
     fields: Option<usize>,
+    faces: Option<Faces<'a>>,
     /// Whether this rank is the one that reads.
     is_here: bool,
 }
 
+/// The faces, and what is to be known of each step for them.
+struct Faces<'a> {
+    faces: &'a FaceStresses,
+    /// Stresses at the sampled points, a column for each of [`weights`].
+    stresses: DMatrix<f64>,
+    /// Of the steps so far, one after the other.
+    weights: Vec<f64>,
+}
+
+/// Steps whose stresses are computed at once: they stay in the cache.
+const BLOCK: usize = 64;
+
 impl<'a> Reader<'a> {
-    pub fn new(readout: &Readout, modes: &'a Modes) -> Self {
+    pub fn new(readout: &'a Readout, modes: &'a Modes) -> Self {
         let of_modes = |(_, map): &(_, Map)| match map {
             Map::Dense(count, rows) => Some(modes.shapes.mapped(&DMatrix::from_row_slice(map.len(), *count, rows))),
             // Another rank reads.
@@ -29,14 +44,31 @@ impl<'a> Reader<'a> {
         };
         let probes = readout.probes.as_ref().and_then(of_modes);
         let fields = readout.fields.as_ref().filter(|(_, columns)| !columns.is_empty());
-        Self { modes, probes, fields: fields.map(|(every, _)| *every), is_here: readout.is_here() }
+        let faces = readout.faces.as_ref().and_then(|faces| {
+            let (count, entries) = faces.dense()?;
+            let rows = entries.len() / count.max(1);
+            let shapes = modes.shapes.mapped(&DMatrix::from_row_slice(rows, count, entries));
+            let [way, of_load] = &shapes.free;
+            let mut stresses = shapes.moving.resize_horizontally(modes.forms.squares.len() + 4, 0.0);
+            let others = [way, of_load, &shapes.residual, &shapes.rest];
+            let first = stresses.ncols() - others.len();
+            others.into_iter().enumerate().for_each(|(i, column)| stresses.set_column(first + i, column));
+            Some(Faces { faces, stresses, weights: Vec::new() })
+        });
+        Self { modes, probes, fields: fields.map(|(every, _)| *every), faces, is_here: readout.is_here() }
     }
 
     /// Reads a step.
-    pub fn read(&self, number: usize, motion: &Motion) -> Reading {
+    pub fn read(&mut self, number: usize, motion: &Motion) -> Reading {
         let mut reading = Reading::default();
         if !self.is_here {
             return reading;
+        }
+        if let Some(faces) = &mut self.faces {
+            let (x, _) = coordinates(self.modes, &motion.state);
+            let state = &motion.state;
+            faces.weights.extend_from_slice(x.as_slice());
+            faces.weights.extend([state.way, 0.5 * state.time * state.time, motion.force, state.settled]);
         }
         if let Some(shapes) = &self.probes {
             let [values, rates] = self.values(shapes, motion);
@@ -47,6 +79,18 @@ impl<'a> Reader<'a> {
             reading.coordinates = Some(values.map(|values| values.as_slice().to_vec()));
         }
         reading
+    }
+
+    /// Adds what takes all steps: the largest tensions on the faces.
+    pub fn finish(self, steps: &mut [Observed]) {
+        let Some(Faces { faces, stresses, weights }) = self.faces else { return };
+        let count = stresses.ncols();
+        for (steps, weights) in steps.chunks_mut(BLOCK).zip(weights.chunks(BLOCK * count)) {
+            let all = &stresses * DMatrix::from_column_slice(count, steps.len(), weights);
+            for (step, stresses) in steps.iter_mut().zip(all.column_iter()) {
+                step.reading.faces = faces.tensions(stresses.as_slice(), |_, _, _| {});
+            }
+        }
     }
 
     /// Values and their rates, with the static answer of the modes that are left out.

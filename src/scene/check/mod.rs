@@ -8,6 +8,7 @@ mod modal;
 mod numbers;
 mod output;
 mod plausible;
+mod strength;
 mod support;
 mod symmetry;
 mod table;
@@ -43,6 +44,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
     let impactor = impactor::check(source, (&raw.impactor, &raw.contact), &material, &outline)?;
     let contact = contact::localization(source, &raw.contact)?;
     let output = output::check(source, &raw, &outline)?;
+    let strength = strength::check(source, &raw, &outline)?;
     let Material { young, poisson, density, order } = material;
     let geometry = match outline {
         Outline::Gmsh(path) => Geometry::Gmsh(path),
@@ -66,7 +68,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
     let body = Body { model, reduction, young, poisson, density, geometry, order, symmetry };
     plausible::check(source, &body, (&impactor, raw.impactor.stiffness.is_some()), time.end)?;
     Ok(Scene {
-        title: raw.title.unwrap_or_default(),
+        title: raw.title.clone().unwrap_or_default(),
         body,
         supports,
         impactor,
@@ -74,6 +76,8 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
         load,
         time,
         tolerance: tolerance(source, &raw.accuracy)?,
+        measure: strength::measure(source, &raw)?,
+        strength,
         solver: solver(source, &raw.solver)?,
         output,
     })

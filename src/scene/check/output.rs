@@ -9,7 +9,7 @@ use super::numbers::show;
 const CHECKPOINT_MINUTES: f64 = 10.0;
 
 pub(super) fn check(source: &Source, raw: &raw::Scene, outline: &Outline) -> Result<Output, SceneError> {
-    let raw::Output { every, checkpoint_steps, checkpoint_minutes, fields, probes } = &raw.output;
+    let raw::Output { every, checkpoint_steps, checkpoint_minutes, fields, stress, probes } = &raw.output;
     let steps = |key: &str, Whole(n): Whole| source.whole(&format!("output.{key}"), n, 1..=1_000_000_000);
     let fields = fields.map(|n| steps("fields", n)).transpose()?;
     let theory = raw.body.model.as_deref().unwrap_or_default();
@@ -36,6 +36,7 @@ pub(super) fn check(source: &Source, raw: &raw::Scene, outline: &Outline) -> Res
         checkpoint_steps: checkpoint_steps.map(|n| steps("checkpoint_steps", n)).transpose()?,
         checkpoint_minutes: (minutes > 0.0).then_some(minutes),
         fields,
+        stress: stress.unwrap_or(true),
         probes: checked,
     })
 }

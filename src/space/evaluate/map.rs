@@ -17,10 +17,20 @@ impl Map {
         match basis {
             None => Self::Sparse(forms.collect()),
             Some(basis) => {
-                let along = |form: &Form, vector: &[f64]| form.iter().map(|(i, value)| value * vector[*i]).sum::<f64>();
-                let coefficients =
-                    forms.flat_map(|form| basis.iter().map(|vector| along(&form, vector)).collect::<Vec<f64>>());
-                Self::Dense(basis.len(), coefficients.collect())
+                let (count, unknowns) = (basis.len(), basis.first().map_or(0, Vec::len));
+                // Unknown by unknown, so that a form adds up rows.
+                let by_unknown: Vec<f64> =
+                    (0..unknowns).flat_map(|unknown| basis.iter().map(move |vector| vector[unknown])).collect();
+                let mut coefficients = Vec::new();
+                for form in forms {
+                    let row = coefficients.len();
+                    coefficients.resize(row + count, 0.0);
+                    for (unknown, value) in form {
+                        let of_unknown = &by_unknown[unknown * count..(unknown + 1) * count];
+                        coefficients[row..].iter_mut().zip(of_unknown).for_each(|(sum, x)| *sum += value * x);
+                    }
+                }
+                Self::Dense(count, coefficients)
             }
         }
     }

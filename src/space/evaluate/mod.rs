@@ -1,12 +1,18 @@
 //! What the points of a body do, linear in its unknowns: displacement and stress, wherever one asks for them.
 
+mod faces;
 mod grid;
 mod map;
 mod sampler;
+mod stress_map;
 
+pub use faces::{Face, FaceStresses, FaceTension};
 pub use grid::Grid;
 pub use map::Map;
 pub use sampler::{FieldSampler, Fields};
+pub use stress_map::StressMap;
+
+use std::rc::Rc;
 
 use crate::form::Material;
 use crate::form::stress::place;
@@ -14,6 +20,7 @@ use crate::mesh::Whole;
 use crate::scene::{Scene, Symmetry, Vec3};
 
 use super::finite_element::Nodes;
+use stress_map::Recovered;
 
 /// A linear form on a body's unknowns: entries by unknown, which may come more than once.
 pub type Form = Vec<(usize, f64)>;
@@ -37,6 +44,17 @@ pub trait PointEvaluator {
 
     /// Coordinates along the axes on which fields are written, m.
     fn field_lines(&self) -> [Vec<f64>; 3];
+
+    /// The stresses at a point of the face that is hit or of the one opposite, m, as they count for the largest tension.
+    fn face_stress(&self, x: Vec3) -> [Form; 6] {
+        self.at(x).stress
+    }
+
+    /// Coordinates along the axes on whose crossings the largest tension is looked for, m.
+    fn face_lines(&self) -> [Vec<f64>; 3];
+
+    /// Whether stresses on both faces are opposite.
+    fn bends_alone(&self) -> bool;
 }
 
 /// A body whose points are read. Of a quarter it is the whole.
@@ -47,7 +65,7 @@ pub struct Evaluator {
 }
 
 enum Kind {
-    Nodes(Box<Nodes>),
+    Nodes(Rc<Nodes>),
     Grid(Box<dyn PointEvaluator>),
 }
 
@@ -58,7 +76,7 @@ impl Evaluator {
         let material = Material { young: body.young, poisson: body.poisson, density: body.density };
         // Images and all, so that patches on a plane of symmetry are whole.
         let mesh = mirrors(scene).into_iter().fold(mesh, Whole::with_image);
-        Self { kind: Kind::Nodes(Box::new(Nodes::new(mesh, &material))), mirrors: Vec::new() }
+        Self { kind: Kind::Nodes(Rc::new(Nodes::new(mesh, &material))), mirrors: Vec::new() }
     }
 
     /// Of splines or a plate.
@@ -73,6 +91,29 @@ impl Evaluator {
             Kind::Nodes(_) => None,
             Kind::Grid(points) => points.blurred(),
         }
+    }
+
+    /// What reads the largest tension on each face, in the body's unknowns or on a basis: vector by vector the values of all unknowns.
+    pub fn faces(&self, scene: &Scene, basis: Option<&[Vec<f64>]>) -> FaceStresses {
+        let (faces, map) = match (&self.kind, scene.struck_axis()) {
+            (Kind::Grid(points), Some(struck)) => {
+                let hit = (struck, scene.impactor.point);
+                let at = |x: Vec3| points.face_stress(x);
+                let (faces, forms) = faces::of_box(hit, points.face_lines(), &self.mirrors, points.bends_alone(), at);
+                (faces, StressMap::Forms { map: Map::new(forms.into_iter(), basis), components: 3 })
+            }
+            (Kind::Nodes(nodes), struck) => {
+                let faces = faces::of_mesh(&nodes.mesh, struck.map(|axis| (axis, scene.impactor.point)));
+                let recovered = Recovered::at(nodes, &faces.1);
+                let map = match basis {
+                    Some(basis) => StressMap::on_basis(&recovered, basis),
+                    None => StressMap::Recovered(Rc::new(recovered)),
+                };
+                (faces.0, map)
+            }
+            (Kind::Grid(_), None) => return FaceStresses::default(),
+        };
+        FaceStresses { columns: Vec::new(), map, faces }
     }
 
     /// The forms at a point (m); `None` outside of a mesh. Splines go on beyond their ends.

@@ -1,9 +1,12 @@
 //! Fields of a whole body at one time, from the coordinates in which it moves.
 
+use std::rc::Rc;
+
 use crate::form::stress::principal;
 use crate::scene::Vec3;
 
-use super::{Evaluator, Form, Forms, Grid, Kind, Map};
+use super::stress_map::Recovered;
+use super::{Evaluator, Forms, Grid, Kind, Map};
 use crate::space::finite_element::Nodes;
 
 /// The fields at all points of a grid, three values a point.
@@ -29,8 +32,8 @@ pub struct FieldSampler {
 enum Stress {
     /// Six forms a point.
     Forms(Map),
-    /// Of a mesh, by the weights of the samples in the cells at each node that is no image.
-    Recovered(Box<Nodes>, Vec<Form>),
+    /// Of a mesh, at each node that is no image, from the displacements of the points.
+    Recovered(Recovered, Rc<Nodes>),
 }
 
 impl FieldSampler {
@@ -43,12 +46,13 @@ impl FieldSampler {
         Self { grid: evaluator.mirrors.iter().fold(part.grid, |grid, &axis| grid.with_image(axis)), ..part }
     }
 
-    fn of_nodes(nodes: Box<Nodes>, basis: Option<&[Vec<f64>]>) -> Self {
+    fn of_nodes(nodes: Rc<Nodes>, basis: Option<&[Vec<f64>]>) -> Self {
         let all = (0..nodes.mesh.nodes.len()).flat_map(|node| (0..3).map(move |axis| (node, axis)));
         let displacement = Map::new(all.map(|(node, axis)| nodes.displacement(node, axis)), basis);
         // Images have the same principal values.
         let weights = nodes.recovery.weights(&nodes.mesh, |node| nodes.mesh.originals[node] == node);
-        Self { grid: Grid::of_mesh(&nodes.mesh), displacement, stress: Stress::Recovered(nodes, weights) }
+        let recovered = Recovered::new(nodes.clone(), weights);
+        Self { grid: Grid::of_mesh(&nodes.mesh), displacement, stress: Stress::Recovered(recovered, nodes) }
     }
 
     fn of_lines(lines: &[Vec<f64>; 3], at: impl Fn(Vec3) -> Forms, basis: Option<&[Vec<f64>]>) -> Self {
@@ -71,17 +75,9 @@ impl FieldSampler {
                 let stresses = map.apply(displacement);
                 stresses.chunks_exact(6).map(|s| principal([s[0], s[1], s[2], s[3], s[4], s[5]])).collect()
             }
-            Stress::Recovered(nodes, weights) => {
-                let sampled = nodes.sampled(&moved);
-                let at_node = |weights: &Form| {
-                    let mut sum = [0.0; 6];
-                    for (sample, weight) in weights {
-                        (0..6).for_each(|i| sum[i] += weight * sampled[*sample][i]);
-                    }
-                    principal(sum)
-                };
-                let originals: Vec<[f64; 3]> = weights.iter().map(at_node).collect();
-                nodes.mesh.originals.iter().map(|&node| originals[node]).collect()
+            Stress::Recovered(recovered, nodes) => {
+                let stresses = recovered.stresses(|node, axis| moved[3 * node + axis]);
+                nodes.mesh.originals.iter().map(|&node| principal(stresses[node])).collect()
             }
         };
         let images = &self.grid.images;

@@ -56,20 +56,8 @@ impl Nodes {
         Some(Forms { displacement: displacement.map(summed), stress: stress.map(summed) })
     }
 
-    /// Stresses at all samples, cell by cell, of the displacements of all nodes (m, three a node).
-    pub fn sampled(&self, displacement: &[f64]) -> Vec<[f64; 6]> {
-        let each = self.recovery.samples_each();
-        let mut all = Vec::with_capacity(each * self.mesh.len());
-        for (cell, sample) in (0..self.mesh.len()).flat_map(|cell| (0..each).map(move |sample| (cell, sample))) {
-            let mut slope = [0.0; 9];
-            for (&node, gradient) in self.mesh.cell(cell).iter().zip(self.recovery.gradients(&self.mesh, cell, sample))
-            {
-                for (entry, slope) in slope.iter_mut().enumerate() {
-                    *slope += displacement[3 * node + entry / 3] * gradient[entry % 3];
-                }
-            }
-            all.push(self.law.map(|row| row.iter().zip(&slope).map(|(a, b)| a * b).sum()));
-        }
-        all
+    /// The stress of a gradient of the displacement, entry 3i + j being ∂u_i/∂x_j.
+    pub fn stress(&self, gradient: &[f64; 9]) -> [f64; 6] {
+        self.law.map(|row| row.iter().zip(gradient).map(|(a, b)| a * b).sum())
     }
 }

@@ -15,6 +15,9 @@ use crate::space::grid::GridField;
 /// Hexahedra in a cell of splines along each axis, where fields are written: splines of degree 5 bend within a cell.
 const PIECES: usize = 3;
 
+/// Points in a cell along each axis at which the largest tension is looked for.
+const FACE_PIECES: usize = 2;
+
 /// A plate's discretisation, to be read anywhere in the modelled part.
 #[derive(Debug, Clone)]
 pub struct Points {
@@ -113,6 +116,14 @@ impl PointEvaluator for Points {
 
     fn blurred(&self) -> Option<f64> {
         Some(self.local.map_or(2.0 * self.section.thickness, |local| local.radius))
+    }
+
+    fn face_lines(&self) -> [Vec<f64>; 3] {
+        self.lines.each_ref().map(|lines| divided(lines, FACE_PIECES))
+    }
+
+    fn bends_alone(&self) -> bool {
+        true
     }
 
     fn field_lines(&self) -> [Vec<f64>; 3] {

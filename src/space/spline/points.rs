@@ -12,6 +12,9 @@ use super::DEGREE;
 /// Hexahedra in a cell of splines along each axis, where fields are written.
 const PIECES: usize = 2;
 
+/// Points in a cell along each axis at which the largest tension is looked for.
+const FACE_PIECES: usize = 2;
+
 /// Points of fields at most, but for one at each crossing of lines.
 const MOST_POINTS: usize = 20_000;
 
@@ -69,6 +72,14 @@ impl PointEvaluator for Points {
 
     fn blurred(&self) -> Option<f64> {
         Some(self.disc)
+    }
+
+    fn face_lines(&self) -> [Vec<f64>; 3] {
+        self.lines.each_ref().map(|lines| divided(lines, FACE_PIECES))
+    }
+
+    fn bends_alone(&self) -> bool {
+        false
     }
 
     fn field_lines(&self) -> [Vec<f64>; 3] {

@@ -39,7 +39,7 @@ pub fn simulate(
     mut observe: impl FnMut(&Step, &[Probe]),
 ) -> Result<Option<Computed>> {
     // Bodies that are shared are not read at their points.
-    if scene.time.modal && !scene.output.is_read() {
+    if scene.time.modal && !scene.output.has_points() {
         return match bodies.simulate(index, scene, &interrupted, &mut |step| observe(step, &[])) {
             Err(Error::Interrupted) => Ok(None),
             computed => computed,

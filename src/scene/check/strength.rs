@@ -1,0 +1,47 @@
+//! The tension that the material bears, and what the accuracy is for.
+
+use super::super::strength::Strength;
+use super::super::values::Number;
+use super::super::{Measure, SceneError, Source, raw, suggest};
+use super::body::Outline;
+use super::word;
+
+/// Faces of a box.
+const FACES: [&str; 2] = ["upper", "lower"];
+
+pub(super) fn check(source: &Source, raw: &raw::Scene, outline: &Outline) -> Result<Strength, SceneError> {
+    let raw::Strength { tension, face } = &raw.strength;
+    let help = "a tension in Pa: 45e6 for annealed float glass";
+    let checked = |path: String, Number(tension): Number| source.positive(&path, tension, help);
+    let mut by_face = std::collections::BTreeMap::new();
+    for (name, given) in face {
+        let path = format!("strength.face.{name}");
+        if matches!(outline, Outline::Box(_)) && !FACES.contains(&name.as_str()) {
+            let message = format!("a box that is hit has no face \"{name}\"");
+            return Err(source.error(&path, message, suggest::help(name, &FACES, '"')));
+        }
+        by_face.insert(name.clone(), checked(path, *given)?);
+    }
+    let tension = tension.map(|given| checked("strength.tension".to_owned(), given)).transpose()?;
+    let strength = Strength { tension, by_face };
+    let is_off = raw.output.stress == Some(false);
+    if strength.is_given() && is_off {
+        let help = "take one of both out".into();
+        let message = "a strength is held against stresses, which are not read".into();
+        return Err(source.conflict("output.stress", "strength", message, help));
+    }
+    Ok(strength)
+}
+
+/// What `accuracy.tolerance` is for.
+pub(super) fn measure(source: &Source, raw: &raw::Scene) -> Result<Measure, SceneError> {
+    let key = "accuracy.quantity";
+    match word(source, key, &raw.accuracy.quantity, &raw::QUANTITIES)? {
+        "acceleration" => Ok(Measure::Acceleration),
+        _ if raw.output.stress == Some(false) => {
+            let help = "\"acceleration\", or `output.stress = true`".into();
+            Err(source.conflict(key, "output.stress", "stresses are not read".into(), help))
+        }
+        _ => Ok(Measure::Stress),
+    }
+}

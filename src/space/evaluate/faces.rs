@@ -1,0 +1,249 @@
+//! The largest tension on the faces of a body, from stresses at points that are dense enough for it.
+//!
+//! On a box these are the face that is hit ("upper") and the one opposite ("lower"), on the points of a grid; between these a parabola
+//! along each axis tells how much higher the largest value lies. On a mesh from a file they are its named surfaces, at their nodes.
+
+use petsc_wrap::Int;
+
+use crate::form::stress::{largest_in_plane, largest_principal, place};
+use crate::mesh::Whole;
+use crate::scene::faces::{along, name as face_name};
+use crate::scene::Vec3;
+
+use super::{Form, Map, StressMap};
+
+/// Where stresses are read for the largest tension on each face; one rank has them.
+#[derive(Clone)]
+pub struct FaceStresses {
+    /// The coordinates of the body that they need.
+    pub columns: Vec<Int>,
+    /// Stresses at the sampled points: of a box those in the plane of the face, a, b and ab.
+    pub map: StressMap,
+    /// The faces.
+    pub faces: Vec<Face>,
+}
+
+/// The points of one face.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Face {
+    /// Its name.
+    pub name: String,
+    /// Where stresses are read, m.
+    pub points: Vec<Vec3>,
+    /// The number of its first point among those sampled.
+    pub first: usize,
+    /// 1, or −1 where the stresses are the opposite of those sampled: on a plate that bends.
+    pub sign: f64,
+    /// Points along two axes where they form a grid, the second's fastest.
+    pub grid: Option<FaceGrid>,
+}
+
+/// Points of a face between lines.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FaceGrid {
+    /// The axes along the face.
+    pub axes: [usize; 2],
+    /// Coordinates along these, ascending, m.
+    pub lines: [Vec<f64>; 2],
+    /// Along which axes the first line is a plane of symmetry.
+    pub is_mirrored: [bool; 2],
+}
+
+/// The largest tension on a face at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FaceTension {
+    /// The largest principal stress, Pa.
+    pub largest: f64,
+    /// Where it is, m; of a quarter in the part that is modelled.
+    pub point: Vec3,
+}
+
+impl Default for FaceStresses {
+    /// Of a rank that does not read.
+    fn default() -> Self {
+        let map = StressMap::Forms { map: Map::Sparse(Vec::new()), components: 3 };
+        Self { columns: Vec::new(), map, faces: Vec::new() }
+    }
+}
+
+impl FaceTension {
+    /// Nothing was read.
+    pub const UNKNOWN: Self = Self { largest: f64::NAN, point: [f64::NAN; 3] };
+}
+
+impl FaceGrid {
+    /// The points on the face at a height along the axis across it, m.
+    fn points(&self, across: usize, height: f64) -> Vec<Vec3> {
+        let at = |a: f64, b: f64| {
+            let mut x = [0.0; 3];
+            (x[self.axes[0]], x[self.axes[1]], x[across]) = (a, b, height);
+            x
+        };
+        self.lines[0].iter().flat_map(|a| self.lines[1].iter().map(move |b| at(*a, *b))).collect()
+    }
+}
+
+/// The two faces of a box across an axis, with the forms of the stresses in their planes, point by point.
+pub(super) fn of_box(
+    (struck, hit): (usize, Vec3),
+    lines: [Vec<f64>; 3],
+    mirrors: &[usize],
+    bends_alone: bool,
+    at: impl Fn(Vec3) -> [Form; 6],
+) -> (Vec<Face>, Vec<Form>) {
+    let axes = along(struck);
+    let half = lines[struck].last().copied().unwrap_or_default();
+    let grid = FaceGrid {
+        axes,
+        lines: axes.map(|axis| with_hit(&lines[axis], hit[axis])),
+        is_mirrored: axes.map(|axis| mirrors.contains(&axis)),
+    };
+    let upper = half.copysign(hit[struck]);
+    let in_plane = |x: &Vec3| {
+        let mut stress = at(*x);
+        [axes[0], axes[1], place(axes[0], axes[1])].map(|component| std::mem::take(&mut stress[component]))
+    };
+    let (mut faces, mut forms) = (Vec::new(), Vec::new());
+    for (name, height) in [("lower", -upper), ("upper", upper)] {
+        let points = grid.points(struck, height);
+        let is_opposite = bends_alone && name == "upper";
+        let (first, sign) = if is_opposite { (0, -1.0) } else { (forms.len() / 3, 1.0) };
+        if !is_opposite {
+            forms.extend(points.iter().flat_map(in_plane));
+        }
+        faces.push(Face { name: name.to_owned(), points, first, sign, grid: Some(grid.clone()) });
+    }
+    faces.reverse();
+    (faces, forms)
+}
+
+/// The named surfaces of a mesh, or of a box that is hit along an axis its two faces, and the nodes on them, face by face.
+pub(super) fn of_mesh(mesh: &Whole, hit: Option<(usize, Vec3)>) -> (Vec<Face>, Vec<usize>) {
+    let named: Vec<(String, &Vec<usize>)> = match hit {
+        None => mesh.surfaces.iter().map(|(name, nodes)| (name.clone(), nodes)).collect(),
+        Some((struck, point)) => {
+            let is_positive = point[struck] > 0.0;
+            let of_face = |(name, is_upper): (&str, bool)| {
+                let nodes = mesh.surfaces.get(face_name((struck, is_upper)))?;
+                Some((name.to_owned(), nodes))
+            };
+            [("upper", is_positive), ("lower", !is_positive)].into_iter().filter_map(of_face).collect()
+        }
+    };
+    let (mut faces, mut all) = (Vec::new(), Vec::new());
+    for (name, nodes) in named.into_iter().filter(|(_, nodes)| !nodes.is_empty()) {
+        let points = nodes.iter().map(|&node| mesh.nodes[node]).collect();
+        faces.push(Face { name, points, first: all.len(), sign: 1.0, grid: None });
+        all.extend_from_slice(nodes);
+    }
+    (faces, all)
+}
+
+/// Lines with one through the hit.
+fn with_hit(lines: &[f64], hit: f64) -> Vec<f64> {
+    let mut lines = lines.to_vec();
+    let size = lines.last().copied().unwrap_or_default() - lines.first().copied().unwrap_or_default();
+    let place = lines.partition_point(|x| *x < hit);
+    let is_there = |i: usize| lines.get(i).is_some_and(|x| (x - hit).abs() < 1e-6 * size);
+    if place > 0 && place < lines.len() && !is_there(place) && !is_there(place - 1) {
+        lines.insert(place, hit);
+    }
+    lines
+}
+
+impl FaceStresses {
+    /// The largest tension on each face, of the stresses at the sampled points; `local` adds the local field of a point by the numbers of
+    /// its face and among the face's.
+    pub fn tensions(&self, stresses: &[f64], local: impl Fn(usize, usize, &mut [f64])) -> Vec<FaceTension> {
+        let components = self.map.components();
+        let each = |(number, face): (usize, &Face)| {
+            let value = |point: usize| {
+                let start = components * (face.first + point);
+                let mut stress = [0.0; 6];
+                let stress = &mut stress[..components];
+                stress.iter_mut().zip(&stresses[start..]).for_each(|(to, from)| *to = face.sign * from);
+                local(number, point, stress);
+                match *stress {
+                    [a, b, ab] => largest_in_plane([a, b, ab]),
+                    [xx, yy, zz, yz, xz, xy] => largest_principal([xx, yy, zz, yz, xz, xy]),
+                    _ => f64::NAN,
+                }
+            };
+            let best = (0..face.points.len()).map(|point| (value(point), point));
+            let (largest, point) = best.max_by(|one, other| one.0.total_cmp(&other.0)).unwrap_or((f64::NAN, 0));
+            let mut found = FaceTension { largest, point: face.points.get(point).copied().unwrap_or_default() };
+            if let Some(grid) = &face.grid {
+                grid.refine(point, largest, value, &mut found);
+            }
+            found
+        };
+        self.faces.iter().enumerate().map(each).collect()
+    }
+}
+
+impl FaceGrid {
+    /// Lifts the largest value to the tops of parabolas through it and its neighbours along each axis.
+    fn refine(&self, best: usize, top: f64, value: impl Fn(usize) -> f64, found: &mut FaceTension) {
+        let count = self.lines[1].len();
+        let place = [best / count, best % count];
+        for (side, stride) in [(0, count), (1, 1)] {
+            let (lines, at) = (&self.lines[side], place[side]);
+            if at + 1 >= lines.len() || (at == 0 && !self.is_mirrored[side]) {
+                continue;
+            }
+            let (after, ahead) = (value(best + stride), lines[at + 1] - lines[at]);
+            let (before, behind) =
+                if at == 0 { (after, ahead) } else { (value(best - stride), lines[at] - lines[at - 1]) };
+            // f(top) + s x + c x²/2 through both neighbours.
+            let (rise, fall) = ((after - top) / ahead, (before - top) / behind);
+            let curvature = 2.0 * (rise + fall) / (ahead + behind);
+            let slope = rise - 0.5 * curvature * ahead;
+            if curvature < 0.0 {
+                let way = (-slope / curvature).clamp(-0.5 * behind, 0.5 * ahead);
+                found.largest += slope * way + 0.5 * curvature * way * way;
+                found.point[self.axes[side]] += way;
+            }
+        }
+    }
+}
+
+impl FaceStresses {
+    /// The map as a dense matrix, where the body moves on a basis: how many coordinates there are, and the entries row by row.
+    pub fn dense(&self) -> Option<(usize, &[f64])> {
+        match &self.map {
+            StressMap::Forms { map: Map::Dense(count, entries), .. } => Some((*count, entries)),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A bump between the points of a grid: its height and place come out to the third order of the spacing; on a plane of symmetry and
+    /// on the edge as they are.
+    #[test]
+    fn a_largest_value_between_points_is_found() {
+        let errors = [0.1, 0.05].map(|spacing: f64| {
+            let lines: Vec<f64> = (0..=(1.0 / spacing) as usize).map(|i| spacing * i as f64).collect();
+            let grid = FaceGrid { axes: [0, 1], lines: [lines.clone(), lines], is_mirrored: [true, false] };
+            let mut worst = 0.0_f64;
+            for [x, y] in [[0.0, 0.437], [0.317, 0.518], [0.731, 0.283]] {
+                let points = grid.points(2, 0.5);
+                let bump = |p: &Vec3| (-((p[0] - x).powi(2) + 2.0 * (p[1] - y).powi(2))).exp();
+                let stresses: Vec<f64> = points.iter().flat_map(|p| [bump(p), 0.2, 0.0]).collect();
+                let face = Face { name: String::new(), points, first: 0, sign: 1.0, grid: Some(grid.clone()) };
+                let map = StressMap::Forms { map: Map::Dense(0, Vec::new()), components: 3 };
+                let [found] = FaceStresses { columns: Vec::new(), map, faces: vec![face] }
+                    .tensions(&stresses, |_, _, _| {})
+                    .try_into()
+                    .expect("one face");
+                worst = worst.max((found.largest - 1.0).abs());
+                assert!((found.point[0] - x).abs() < spacing.powi(2) && (found.point[1] - y).abs() < spacing.powi(2));
+            }
+            worst
+        });
+        assert!(errors[0] / errors[1] > 7.0 && errors[1] < 1e-4, "{errors:?}");
+    }
+}
