@@ -280,7 +280,7 @@ impl<const D: usize> Tensor<D> {
     }
 
     /// Hands runs of entries of weight · (part of v at a point) to a visitor, each with its first unknown.
-    fn each_at(&self, part: Part<D>, point: [f64; D], weight: f64, mut visit: impl FnMut(usize, &[f64])) {
+    pub fn each_at(&self, part: Part<D>, point: [f64; D], weight: f64, mut visit: impl FnMut(usize, &[f64])) {
         let splines = &self.fields[part.field];
         let values: [(usize, [f64; WIDTH]); D] =
             std::array::from_fn(|axis| splines[axis].at(point[axis], part.derivatives[axis]));

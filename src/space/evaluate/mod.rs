@@ -4,12 +4,14 @@ mod faces;
 mod grid;
 mod map;
 mod sampler;
+mod smoothed;
 mod stress_map;
 
 pub use faces::{Face, FaceStresses, FaceTension};
 pub use grid::Grid;
 pub use map::Map;
 pub use sampler::{FieldSampler, Fields};
+pub use smoothed::Add;
 pub use stress_map::StressMap;
 
 use std::rc::Rc;
@@ -55,6 +57,13 @@ pub trait PointEvaluator {
 
     /// Whether stresses on both faces are opposite.
     fn bends_alone(&self) -> bool;
+
+    /// How many unknowns there are.
+    fn unknowns(&self) -> usize;
+
+    /// Hands over the stresses at a point as the section there carries them: those along the face by their mean and their moment over the
+    /// thickness, those across it by their shear force on a parabola.
+    fn add_section_stress(&self, x: Vec3, add: &mut smoothed::Add);
 }
 
 /// A body whose points are read. Of a quarter it is the whole.

@@ -9,7 +9,7 @@ use crate::form::plate::{AREA, Section, deflection, rotation};
 use crate::form::stress::place;
 use crate::form::tensor::{Linear, Part, Tensor};
 use crate::scene::Vec3;
-use crate::space::evaluate::{Form, Forms, PointEvaluator, add, divided, summed};
+use crate::space::evaluate::{Add, Form, Forms, PointEvaluator, add, divided, summed};
 use crate::space::grid::GridField;
 
 /// Hexahedra in a cell of splines along each axis, where fields are written: splines of degree 5 bend within a cell.
@@ -124,6 +124,16 @@ impl PointEvaluator for Points {
 
     fn bends_alone(&self) -> bool {
         true
+    }
+
+    fn unknowns(&self) -> usize {
+        self.tensor.unknowns()
+    }
+
+    fn add_section_stress(&self, x: Vec3, add: &mut Add) {
+        for (component, form) in self.at(x).stress.iter().enumerate() {
+            form.iter().for_each(|(unknown, value)| add(component, *unknown, *value));
+        }
     }
 
     fn field_lines(&self) -> [Vec<f64>; 3] {

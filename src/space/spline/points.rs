@@ -1,13 +1,16 @@
 //! Displacement and stress at the points of a box of splines.
 
+use crate::element::gauss_legendre;
 use crate::form::Material;
 use crate::form::elastic::{VOLUME, displacement};
 use crate::form::tensor::{Linear, Part, Tensor};
 use crate::scene::Vec3;
-use crate::space::evaluate::{Form, Forms, PointEvaluator, add, divided, summed};
+use crate::form::stress::place;
+use crate::space::evaluate::{Add, Form, Forms, PointEvaluator, add, divided, summed};
 use crate::space::grid::GridField;
 
 use super::DEGREE;
+use super::patch::PatchModel;
 
 /// Hexahedra in a cell of splines along each axis, where fields are written.
 const PIECES: usize = 2;
@@ -18,6 +21,13 @@ const FACE_PIECES: usize = 2;
 /// Points of fields at most, but for one at each crossing of lines.
 const MOST_POINTS: usize = 20_000;
 
+/// How many of a stress's two directions are across a face.
+fn across_face(component: usize, across: usize) -> usize {
+    (0..3).flat_map(|i| (i..3).map(move |j| (i, j))).find(|(i, j)| place(*i, *j) == component).map_or(0, |(i, j)| {
+        usize::from(i == across) + usize::from(j == across)
+    })
+}
+
 /// A box's discretisation, to be read anywhere in the modelled part.
 #[derive(Debug, Clone)]
 pub struct Points {
@@ -27,11 +37,15 @@ pub struct Points {
     law: [[f64; 9]; 6],
     /// Radius of the disc that is pressed, m.
     disc: f64,
+    /// The axis across the face that is hit.
+    struck: usize,
+    /// Whether it bends alone: then its other half has the opposite stresses along the face.
+    bends: bool,
 }
 
 impl Points {
-    pub(super) fn new(tensor: Tensor<3>, lines: [Vec<f64>; 3], material: &Material, disc: f64) -> Self {
-        Self { tensor, lines, law: material.stress_of_gradient(), disc }
+    pub(super) fn new(tensor: Tensor<3>, lines: [Vec<f64>; 3], material: &Material, (struck, patch): (usize, &PatchModel)) -> Self {
+        Self { tensor, lines, law: material.stress_of_gradient(), disc: patch.disc, struck, bends: patch.bends }
     }
 }
 
@@ -79,7 +93,51 @@ impl PointEvaluator for Points {
     }
 
     fn bends_alone(&self) -> bool {
-        false
+        self.bends
+    }
+
+    fn unknowns(&self) -> usize {
+        self.tensor.unknowns()
+    }
+
+    fn add_section_stress(&self, x: Vec3, add: &mut Add) {
+        let (across, lines) = (self.struck, &self.lines[self.struck]);
+        let half = lines.last().copied().unwrap_or_default();
+        let thickness = 2.0 * half;
+        let height = x[across];
+        let rule = gauss_legendre(DEGREE);
+        // A body that bends alone has the opposite stresses in its other half.
+        let from = if self.bends { 0.0 } else { -half };
+        let both = if self.bends { 2.0 } else { 1.0 };
+        let breaks: Vec<f64> = std::iter::once(from).chain(lines.iter().copied().filter(|z| *z > from)).collect();
+        for ends in breaks.windows(2).filter(|ends| ends[0] < ends[1]) {
+            for (node, weight) in &rule {
+                let mut at = x;
+                at[across] = 0.5 * (ends[0] + ends[1] + (ends[1] - ends[0]) * node);
+                let part = 0.5 * (ends[1] - ends[0]) * weight / thickness;
+                let mean = if self.bends { 0.0 } else { part };
+                // σ(z) = ∫σ dz/h + 12 z ∫σ z dz/h³ along the face, and across it 3/2 (1 − (2z/h)²) ∫σ dz/h.
+                let along = mean + both * part * 12.0 * height * at[across] / (thickness * thickness);
+                let shear = both * part * 1.5 * (1.0 - (height / half).powi(2));
+                for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+                    let mut derivatives = [0; 3];
+                    derivatives[j] = 1;
+                    self.tensor.each_at(Part { field: i, derivatives }, at, 1.0, |first, values| {
+                        for (component, row) in self.law.iter().enumerate() {
+                            let factor = row[3 * i + j]
+                                * match across_face(component, across) {
+                                    0 => along,
+                                    1 => shear,
+                                    _ => 0.0,
+                                };
+                            if factor != 0.0 {
+                                values.iter().enumerate().for_each(|(n, value)| add(component, first + n, factor * value));
+                            }
+                        }
+                    });
+                }
+            }
+        }
     }
 
     fn field_lines(&self) -> [Vec<f64>; 3] {
