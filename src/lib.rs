@@ -20,6 +20,7 @@ pub mod scene;
 pub mod scheme;
 pub mod solve;
 pub mod space;
+pub mod stack;
 pub mod study;
 
 pub use error::{Error, Result};

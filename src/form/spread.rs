@@ -90,6 +90,16 @@ impl Spread {
         hertz_wave(self.ratio * x)
     }
 
+    /// P at x = ξR.
+    pub fn transform(&self, x: f64) -> f64 {
+        if x > SERIES { self.wave(x) } else { self.hertz(x) + self.beyond_hertz(x) }
+    }
+
+    /// The weights w_m with their m.
+    pub fn parts(&self) -> [(i32, f64); 3] {
+        std::array::from_fn(|i| ((LOWEST + i) as i32, self.weights[i]))
+    }
+
     /// P² at x = ξR.
     pub fn square(&self, x: f64) -> f64 {
         self.over_waves(x) + self.hertz(x).powi(2)
@@ -97,10 +107,16 @@ impl Spread {
 
     /// P² − Λ_{3/2}², Hertz's, at x = ξR, without the terms that cancel.
     pub fn over_waves(&self, x: f64) -> f64 {
-        let hertz = hertz_wave(self.ratio * x);
+        let hertz = self.hertz(x);
         if x > SERIES {
             return self.wave(x).powi(2) - hertz * hertz;
         }
+        let difference = self.beyond_hertz(x);
+        difference * (difference + 2.0 * hertz)
+    }
+
+    /// P less Hertz's transform at a small x = ξR, without the terms that cancel.
+    fn beyond_hertz(&self, x: f64) -> f64 {
         let quarter = -0.25 * x * x;
         let mut terms = [1.0; 3];
         let (mut of_hertz, mut difference) = (1.0, 0.0);
@@ -114,7 +130,7 @@ impl Spread {
                 difference += terms.iter().zip(self.weights).map(|(term, w)| w * term).sum::<f64>() - of_hertz;
             }
         }
-        difference * (difference + 2.0 * hertz)
+        difference
     }
 }
 

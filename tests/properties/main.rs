@@ -18,6 +18,7 @@ mod scene {
     mod values;
 }
 mod series;
+mod stack;
 mod surfaces;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -1,0 +1,51 @@
+//! Hertz's field: a half-space under p = p₀ √(1 − r²/a²) over a disc, p₀ = 3F/(2πa²), for F = 1.
+
+use std::f64::consts::PI;
+
+use super::Cylindrical;
+
+/// A point is at most this many radii of the contact away; beyond, a wider contact has the same field to 1e-6, where the formulas
+/// for the narrow one would lose digits.
+const FAR: f64 = 1e3;
+
+/// The stresses at a radius and a depth (m) under Hertz's pressure over a contact radius (m), for 1 N.
+///
+/// M. T. Huber, Ann. Phys. 14, 1904; K. L. Johnson, *Contact Mechanics*, 1985, ch. 3. Written in the oblate spheroidal coordinates
+/// c and u, r² = (a² + u)(1 − c²), z² = u c²: so it holds on the axis, on the surface and at the contact's edge too. There is no
+/// stress at a point of no distance from a contact of no radius: zero is returned.
+pub fn hertz(poisson: f64, radius: f64, depth: f64, contact_radius: f64) -> Cylindrical {
+    let (rr, zz) = (radius * radius, depth * depth);
+    let a = contact_radius.max((rr + zz).sqrt() / FAR);
+    let square = a * a;
+    if square <= 0.0 {
+        return Cylindrical::default();
+    }
+    // u − v = d and uv = a²z², with v = a²c².
+    let d = rr + zz - square;
+    let s = (d * d + 4.0 * square * zz).sqrt();
+    let larger = 0.5 * (d.abs() + s);
+    let smaller = if larger > 0.0 { square * zz / larger } else { 0.0 };
+    let (u, v) = if d > 0.0 { (larger, smaller) } else { (smaller, larger) };
+    let (root, c) = (u.sqrt(), v.sqrt() / a);
+    // At the edge c³/s and c² √u/s vanish.
+    let over_s = if s > 0.0 { square / s } else { 0.0 };
+    let stretch = (1.0 - poisson) * u / (square + u);
+    let angle = (1.0 + poisson) * root / a * a.atan2(root);
+    let ring = (1.0 - 2.0 * poisson) / 3.0 * square * (1.0 + c + c * c) / ((1.0 + c) * (square + u));
+    let along = c * c * c * over_s;
+    let p0 = 1.5 / (PI * square);
+    Cylindrical {
+        rr: p0 * (ring + along + c * (stretch + angle - 2.0)),
+        tt: -p0 * (ring + c * (2.0 * poisson + stretch - angle)),
+        zz: -p0 * along,
+        rz: -p0 * radius * c * c * root / (square + u) * over_s,
+    }
+}
+
+/// The largest tension on the loaded face for 1 N, Pa: σ_rr = (1 − 2ν) p₀/3 = (1 − 2ν)/(2πa²) at the contact's edge.
+///
+/// (Johnson, (3.49).) Outside it falls as (a/r)². It starts the cone cracks of Hertz. It is steep, so that a plate's bending strength is
+/// not what to compare it with; what the body's bending adds at the edge is not in it.
+pub fn ring_tension(poisson: f64, contact_radius: f64) -> f64 {
+    (1.0 - 2.0 * poisson) / (2.0 * PI * contact_radius * contact_radius)
+}

@@ -1,0 +1,63 @@
+//! The local field at one point for any contact radius.
+
+use super::half_space;
+use crate::scene::Vec3;
+
+/// Stresses in cylindrical coordinates about the line of the force, Pa; tension is positive, z points into the body.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Cylindrical {
+    /// σ_rr.
+    pub rr: f64,
+    /// σ_θθ.
+    pub tt: f64,
+    /// σ_zz.
+    pub zz: f64,
+    /// σ_rz.
+    pub rz: f64,
+}
+
+impl Cylindrical {
+    /// xx, yy, zz, yz, xz, xy in Cartesian coordinates in which the unit vectors along r and z (into the body) are given.
+    ///
+    /// σ = σ_θθ 1 + (σ_rr − σ_θθ) r rᵀ + (σ_zz − σ_θθ) z zᵀ + σ_rz (r zᵀ + z rᵀ).
+    pub fn cartesian(&self, radial: Vec3, inward: Vec3) -> [f64; 6] {
+        [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)].map(|(i, j)| {
+            let unit = if i == j { self.tt } else { 0.0 };
+            let across = radial[i] * inward[j] + inward[i] * radial[j];
+            unit + (self.rr - self.tt) * radial[i] * radial[j]
+                + (self.zz - self.tt) * inward[i] * inward[j]
+                + self.rz * across
+        })
+    }
+}
+
+/// The local field at one point: a polynomial in the square of the contact radius and, in the loaded layer, Hertz's field.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PointField {
+    /// Where Hertz's field is added: ν, the radius and the depth, m.
+    pub(super) hertz: Option<(f64, f64, f64)>,
+    /// Of Chebyshev's polynomials of 2 (r_c/largest)² − 1: σ_rr + σ_θθ, σ_rr − σ_θθ, σ_zz, σ_rz, Pa.
+    pub(super) coefficients: Vec<[f64; 4]>,
+    /// The largest contact radius, m.
+    pub(super) largest: f64,
+}
+
+impl PointField {
+    /// The stresses that 1 N adds at a contact radius, m. Beyond the largest one that was provided for, what is not Hertz's half-space
+    /// stays as it is there.
+    pub fn stress(&self, contact_radius: f64) -> Cylindrical {
+        let t = 2.0 * (contact_radius / self.largest).powi(2).min(1.0) - 1.0;
+        // Clenshaw's recurrence.
+        let (mut next, mut after) = ([0.0; 4], [0.0; 4]);
+        for of_degree in self.coefficients.iter().skip(1).rev() {
+            let this = std::array::from_fn(|i| of_degree[i] + 2.0 * t * next[i] - after[i]);
+            (after, next) = (next, this);
+        }
+        let first = self.coefficients.first().copied().unwrap_or_default();
+        let [sum, difference, zz, rz]: [f64; 4] = std::array::from_fn(|i| first[i] + t * next[i] - after[i]);
+        let rest = Cylindrical { rr: 0.5 * (sum + difference), tt: 0.5 * (sum - difference), zz, rz };
+        let Some((poisson, radius, depth)) = self.hertz else { return rest };
+        let hertz = half_space::hertz(poisson, radius, depth, contact_radius);
+        Cylindrical { rr: rest.rr + hertz.rr, tt: rest.tt + hertz.tt, zz: rest.zz + hertz.zz, rz: rest.rz + hertz.rz }
+    }
+}

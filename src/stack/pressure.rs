@@ -1,0 +1,154 @@
+//! Axisymmetric pressures of total force 1 on the loaded face: their transforms, and what a thin plate of infinite extent has under
+//! them.
+//!
+//! With Q(r) the force within r, the integrals over wavenumbers that a plate's stresses need are elementary:
+//!
+//! ∫ P J₁(ξr) dξ = Q/r,   ∫ (P − P′) J₀(ξr)/ξ dξ = V − V′ with dV/dr = −Q/r,   ∫ P J₂(ξr)/ξ dξ = r⁻² ∫₀^r Q ρ dρ.
+
+use std::f64::consts::PI;
+
+use crate::form::{Spread, hertz_wave};
+
+/// How a force of 1 N is distributed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Pressure {
+    /// A point force.
+    Point,
+    /// Hertz's pressure over a disc.
+    Hertz {
+        /// m; positive.
+        radius: f64,
+    },
+    /// A smoother pressure over a wider disc with the same moments.
+    Spread {
+        /// Its shape.
+        spread: Spread,
+        /// Of the wider disc, m; positive.
+        radius: f64,
+    },
+}
+
+/// A pressure at a radius.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Plane {
+    /// p, 1/m².
+    pub density: f64,
+    /// Q/(πr²), 1/m²: the mean of p within r.
+    pub mean: f64,
+    /// V, which is −ln r (r in m) outside of the disc.
+    pub potential: f64,
+    /// r⁻² ∫₀^r Q ρ dρ.
+    pub average: f64,
+}
+
+impl Pressure {
+    /// P at a wavenumber, 1/m.
+    pub fn transform(&self, wavenumber: f64) -> f64 {
+        match self {
+            Self::Point => 1.0,
+            Self::Hertz { radius } => hertz_wave(wavenumber * radius),
+            Self::Spread { spread, radius } => spread.transform(wavenumber * radius),
+        }
+    }
+
+    /// The radius (m) beyond which there is none of it.
+    pub fn radius(&self) -> f64 {
+        match self {
+            Self::Point => 0.0,
+            Self::Hertz { radius } | Self::Spread { radius, .. } => *radius,
+        }
+    }
+
+    /// The integrals at a radius, m; of a point force at a positive one.
+    pub(super) fn plane(&self, r: f64) -> Plane {
+        let unit = |radius: f64| PI * radius * radius;
+        match self {
+            Self::Point => Plane { density: 0.0, mean: 1.0 / unit(r), potential: -r.ln(), average: 0.5 },
+            Self::Hertz { radius } => {
+                let v = (1.0 - (r / radius).powi(2)).max(0.0).sqrt();
+                if v == 0.0 {
+                    return outside(r, *radius, 2.5);
+                }
+                Plane {
+                    density: 1.5 * v / unit(*radius),
+                    mean: (1.0 + v + v * v) / (1.0 + v) / unit(*radius),
+                    potential: v + v.powi(3) / 3.0 - v.ln_1p() - radius.ln(),
+                    average: 0.5 - 0.2 * (1.0 + v + v * v + v.powi(3) + v.powi(4)) / (1.0 + v),
+                }
+            }
+            Self::Spread { spread, radius } => {
+                let of_parts = |f: &dyn Fn(i32) -> f64| spread.parts().iter().map(|(m, w)| w * f(*m)).sum::<f64>();
+                let q = (r / radius).powi(2);
+                if q >= 1.0 {
+                    // Weights sum to 1: those of 1/(m + 1) make the second moment.
+                    return outside(r, *radius, 1.0 / of_parts(&|m| 1.0 / f64::from(m + 1)));
+                }
+                let inside = 1.0 - q;
+                let geometric = |m: i32| (0..m).map(|j| inside.powi(j)).sum::<f64>();
+                let logarithmic = |m: i32| (1..=m).map(|j| inside.powi(j) / f64::from(j)).sum::<f64>();
+                Plane {
+                    density: of_parts(&|m| f64::from(m) * inside.powi(m - 1)) / unit(*radius),
+                    mean: of_parts(&geometric) / unit(*radius),
+                    potential: 0.5 * of_parts(&logarithmic) - radius.ln(),
+                    average: 0.5 - 0.5 * of_parts(&|m| geometric(m + 1) / f64::from(m + 1)),
+                }
+            }
+        }
+    }
+}
+
+/// Outside of a disc, over which (1 − Q) ρ dρ has the integral R²/(2n).
+fn outside(r: f64, radius: f64, n: f64) -> Plane {
+    let q = (r / radius).powi(2);
+    Plane { density: 0.0, mean: 1.0 / (PI * r * r), potential: -r.ln(), average: 0.5 - 0.5 / (n * q) }
+}
+
+/// The transform (1 + ξa) e^{−ξa} of a pressure p = 3a³/(2π (r² + a²)^{5/2}): smooth, and with both sides elementary.
+pub(super) fn smooth_transform(x: f64) -> f64 {
+    (1.0 + x) * (-x).exp()
+}
+
+/// V and r⁻² ∫ Q ρ dρ of that pressure.
+pub(super) fn smooth_plane(r: f64, a: f64) -> (f64, f64) {
+    let rho = r.hypot(a);
+    (a / rho - (a + rho).ln(), 0.5 - a * a / (rho * (rho + a)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::adaptive;
+
+    /// By quadrature of the transforms against Bessel's functions, and of p: inside and outside, at the centre too.
+    #[test]
+    fn integrals_are_those_of_the_transform() {
+        let discs = [
+            Pressure::Spread { spread: Spread::new(0.0), radius: 2.0 },
+            Pressure::Spread { spread: Spread::new(0.6), radius: 1.5 },
+            Pressure::Hertz { radius: 1.2 },
+        ];
+        for pressure in discs {
+            for r in [1e-9, 0.3, 1.1, 1.9, 3.0] {
+                let found = pressure.plane(r);
+                let (smooth_potential, smooth_average) = smooth_plane(r, 1.0);
+                let [force, moment] = adaptive((0.0, r), 1e-13, &mut |s| {
+                    let force = 2.0 * PI * s * pressure.plane(s).density;
+                    [force, force * (r * r - s * s) / 2.0]
+                });
+                let [potential, average] = adaptive((0.0, 300.0), 1e-9, &mut |x| {
+                    let apart = (pressure.transform(x) - smooth_transform(x)) / x;
+                    let j2 = 2.0 * libm::j1(x * r) / (x * r) - libm::j0(x * r);
+                    [apart * libm::j0(x * r), apart * j2]
+                });
+                if r > 1e-6 {
+                    assert!((found.mean * PI * r * r - force).abs() < 1e-11, "{pressure:?} {r}: {found:?} {force}");
+                    assert!((found.average * r * r - moment).abs() < 1e-11, "{pressure:?} {r}: {found:?} {moment}");
+                }
+                // What lies beyond 300: P falls with x⁻² for Hertz's pressure.
+                let tail = 3e-5;
+                assert!((found.potential - smooth_potential - potential).abs() < tail, "{pressure:?} {r} {potential}");
+                assert!((found.average - smooth_average - average).abs() < tail, "{pressure:?} {r}: {average}");
+            }
+        }
+    }
+}

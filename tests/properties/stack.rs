@@ -1,0 +1,209 @@
+//! Stacks of layers: against the closed forms of one layer, of thin plates and of half-spaces, and against their own equations.
+
+use ricochet::stack::{Layer, Response, Section, Stack};
+
+fn stack(layers: &[(f64, f64, f64)]) -> Stack {
+    let layers: Vec<Layer> =
+        layers.iter().map(|&(thickness, young, poisson)| Layer { thickness, young, poisson }).collect();
+    Stack::new(&layers).expect("elastic layers")
+}
+
+fn laminate(young: f64, poisson: f64) -> Stack {
+    stack(&[(0.010, 70e9, 0.23), (0.00076, young, poisson), (0.008, 70e9, 0.23)])
+}
+
+/// Stacks of one to five layers, stiff and soft, thin and thick, one nearly incompressible.
+fn stacks() -> Vec<Stack> {
+    vec![
+        stack(&[(0.1, 70e9, 0.23)]),
+        stack(&[(0.02, 1e6, 0.4999)]),
+        stack(&[(0.01, 70e9, 0.23), (0.02, 210e9, 0.3)]),
+        laminate(7e6, 0.45),
+        laminate(7e4, 0.4999),
+        stack(&[(0.004, 70e9, 0.23), (0.001, 1e7, 0.49), (0.02, 3e9, -0.2), (0.0005, 1e8, 0.0), (0.006, 70e9, 0.23)]),
+    ]
+}
+
+/// T of the lower face of one layer: the Airy solution.
+fn lower_face(poisson: f64, x: f64) -> f64 {
+    // sinh² x − x² = (sinh x − x)(sinh x + x), the first by its series where it cancels.
+    let less = if x < 2.0 {
+        let (mut term, mut sum) = (x.powi(3) / 6.0, 0.0);
+        for k in 2..20 {
+            sum += term;
+            term *= x * x / f64::from(2 * k * (2 * k + 1));
+        }
+        sum
+    } else {
+        x.sinh() - x
+    };
+    // Over sinh x, which overflows.
+    let over = if x < 300.0 { x.sinh() / (less * (x.sinh() + x)) } else { 2.0 * (-x).exp() };
+    (1.0 + poisson) * 2.0 * x * over
+}
+
+/// 1e-12 of the closed form, from plates to half-spaces, for one layer and for the same one in five pieces.
+#[test]
+fn one_material_is_one_layer() {
+    let (h, poisson) = (0.1, 0.23);
+    let parts = [0.3, 0.05, 0.001, 0.449, 0.2].map(|part| (part * h, 70e9, poisson));
+    for layers in [&[(h, 70e9, poisson)][..], &parts] {
+        let stack = stack(layers);
+        for x in [1e-6, 1e-4, 1e-2, 0.1, 0.5, 0.99, 1.01, 3.0, 10.0, 30.0, 100.0, 300.0] {
+            let found = stack.wave(x / h).response(&stack, h).sum;
+            let exact = lower_face(poisson, x);
+            assert!((found / exact - 1.0).abs() < 1e-12, "{} layers, {x}: {found:e} {exact:e}", layers.len());
+        }
+    }
+}
+
+/// The displacement of the loaded face is Γ, 1e-12: docs/theories.md.
+#[test]
+fn the_loaded_face_moves_as_a_layers() {
+    let (h, young, poisson) = (0.02, 70e9, 0.23);
+    let stack = stack(&[(h, young, poisson)]);
+    for x in [1.0, 3.0, 10.0, 40.0_f64] {
+        let f = (x.cosh() + 1.0) / (x.sinh() - x) + (x.cosh() - 1.0) / (x.sinh() + x);
+        let exact = (1.0 - poisson * poisson) * h / (young * x) * f;
+        let found = stack.wave(x / h).response(&stack, 0.0).u_z;
+        assert!((found / exact - 1.0).abs() < 1e-12, "{x}: {found:e} {exact:e}");
+    }
+}
+
+fn values(response: &Response) -> [f64; 6] {
+    let Response { u_r, u_z, sum, difference, sigma_zz, sigma_rz } = *response;
+    [u_r, u_z, sum, difference, sigma_zz, sigma_rz]
+}
+
+/// Long waves: a thin plate, apart by O(ξ²) with digits left for all of that, soft layers or not.
+#[test]
+fn long_waves_are_those_of_a_thin_plate() {
+    for stack in stacks() {
+        let section = Section::new(&stack);
+        // A soft layer slides unless waves are longer than √(E/G).
+        let softest = stack.layers().iter().map(|layer| layer.young / stack.layers()[0].young).fold(1.0, f64::min);
+        for part in [0.0, 0.2, 0.7, 1.0] {
+            let depth = part * stack.thickness();
+            let apart = [1e-2, 1e-3].map(|x| {
+                let wavenumber = x * softest.sqrt() / stack.thickness();
+                let exact = stack.wave(wavenumber).response(&stack, depth);
+                let plate = section.response(&stack, wavenumber, depth);
+                let largest = section.response(&stack, wavenumber, stack.thickness());
+                let over = [plate.u_z * wavenumber * stack.thickness(), plate.u_z, largest.sum, largest.sum];
+                let pairs = values(&exact).into_iter().zip(values(&plate)).zip(over);
+                pairs.map(|((exact, plate), over)| ((exact - plate) / over).abs()).fold(0.0, f64::max)
+            });
+            assert!(apart[0] < 1e-2, "{stack:?} {part}: {apart:?}");
+            assert!(apart[1] < 0.011 * apart[0] + 1e-11, "{stack:?} {part}: {apart:?}");
+        }
+    }
+}
+
+/// Short waves see the first layer alone, as a half-space; nothing overflows.
+#[test]
+fn short_waves_are_those_of_a_half_space() {
+    for stack in stacks() {
+        let first = stack.layers()[0];
+        for x in [60.0, 300.0, 3000.0] {
+            let wavenumber = x / first.thickness;
+            let found = stack.wave(wavenumber);
+            for s in [0.0, 0.5, 2.0_f64] {
+                let found = found.response(&stack, s / wavenumber);
+                let (decay, nu) = ((-s).exp(), first.poisson);
+                let over = 2.0 * (1.0 + nu) / first.young / (2.0 * wavenumber) * decay;
+                let pairs = [
+                    (found.u_r, over * (s - 1.0 + 2.0 * nu), over),
+                    (found.u_z, over * (s + 2.0 - 2.0 * nu), over),
+                    (found.sum, decay * (s - 1.0 - 2.0 * nu), decay),
+                    (found.sigma_zz, -decay * (1.0 + s), decay),
+                    (found.sigma_rz, -decay * s, decay),
+                ];
+                for (found, exact, size) in pairs {
+                    assert!((found - exact).abs() < 1e-13 * size, "{stack:?} {x} {s}: {found:e} {exact:e}");
+                }
+            }
+            let below = found.response(&stack, stack.thickness());
+            assert!(values(&below).iter().all(|value| value.abs() < 1e-20), "{stack:?} {x}: {below:?}");
+        }
+    }
+}
+
+/// The loaded face has a pressure of 1 and no shear, the lower face neither; interfaces are continuous. Rounding of the largest.
+#[test]
+fn faces_and_interfaces() {
+    for stack in stacks() {
+        let last = stack.layers().len() - 1;
+        for x in [1e-4, 1e-2, 0.3, 1.0, 3.0, 12.0, 50.0] {
+            let wave = stack.wave(x / stack.thickness());
+            let (top, bottom) = (wave.response(&stack, 0.0), wave.response(&stack, stack.thickness()));
+            // Shear is of 1/x.
+            let size = 1e-11 * (1.0 + 1.0 / x);
+            assert!((top.sigma_zz + 1.0).abs() < size && top.sigma_rz.abs() < size, "{stack:?} {x}: {top:?}");
+            assert!(bottom.sigma_zz.abs() < size && bottom.sigma_rz.abs() < size, "{stack:?} {x}: {bottom:?}");
+            for i in 0..last {
+                let above = wave.response_in(&stack, i, stack.layers()[i].thickness);
+                let below = wave.response_in(&stack, i + 1, 0.0);
+                let moves = 1e-10 * (above.u_z.abs() + above.u_r.abs());
+                assert!((above.u_z - below.u_z).abs() < moves, "{stack:?} {x}: {above:?} {below:?}");
+                assert!((above.u_r - below.u_r).abs() < moves, "{stack:?} {x}: {above:?} {below:?}");
+                assert!((above.sigma_zz - below.sigma_zz).abs() < size, "{stack:?} {x}: {above:?} {below:?}");
+                assert!((above.sigma_rz - below.sigma_rz).abs() < size, "{stack:?} {x}: {above:?} {below:?}");
+            }
+        }
+    }
+}
+
+/// Hooke's law and equilibrium within layers, from displacements and stresses at neighbouring depths: central differences of the fourth
+/// order, whose error and rounding are below 1e-7 of the largest term.
+#[test]
+fn hookes_law_and_equilibrium() {
+    for stack in stacks() {
+        for (i, layer) in stack.layers().iter().enumerate() {
+            let (nu, shear) = (layer.poisson, 0.5 * layer.young / (1.0 + layer.poisson));
+            let lambda = 2.0 * shear * nu / (1.0 - 2.0 * nu);
+            for x in [0.3, 0.9, 1.1, 4.0] {
+                let k = x / layer.thickness;
+                let wave = stack.wave(k);
+                for part in [0.2, 0.5, 0.77] {
+                    let (depth, step) = (part * layer.thickness, 1e-3 / k.max(1.0 / layer.thickness));
+                    let at = |n: f64| values(&wave.response_in(&stack, i, depth + n * step));
+                    let (m2, m1, p1, p2) = (at(-2.0), at(-1.0), at(1.0), at(2.0));
+                    let slope = |j: usize| (m2[j] - p2[j] + 8.0 * (p1[j] - m1[j])) / (12.0 * step);
+                    let [u, w, sum, difference, sigma, tau] = at(0.0);
+                    // u_r = U J₁: ε_rr + ε_θθ = kU J₀, ε_rr − ε_θθ = −kU J₂, γ_rz = (U′ − kW) J₁.
+                    let dilatation = k * u + slope(1);
+                    let radial = 0.5 * (sum - difference);
+                    let residuals = [
+                        sum - 2.0 * (lambda * dilatation + shear * k * u),
+                        difference + 2.0 * shear * k * u,
+                        sigma - lambda * dilatation - 2.0 * shear * slope(1),
+                        tau - shear * (slope(0) - k * w),
+                        // σ_zz′ + k σ_rz = 0, and of σ_rr′ + (σ_rr − σ_θθ)/r the amplitude −k (sum − difference)/2 with J₁.
+                        (slope(4) + k * tau) / k,
+                        (slope(5) - k * radial) / k,
+                    ];
+                    let strains = shear.max(lambda.abs()) * (k * u).abs().max(slope(1).abs());
+                    let size = strains + shear * (k * w).abs() + radial.abs() + sigma.abs() + tau.abs();
+                    assert!(
+                        residuals.iter().all(|r| r.abs() < 1e-7 * size),
+                        "{stack:?} {i} {x} {part}: {residuals:?} {size:e}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_no_stack() {
+    assert_eq!(Stack::new(&[]), None);
+    let good = Layer { thickness: 0.1, young: 70e9, poisson: 0.23 };
+    for bad in [
+        Layer { thickness: 0.0, ..good },
+        Layer { young: f64::NAN, ..good },
+        Layer { poisson: 0.5, ..good },
+        Layer { poisson: -1.0, ..good },
+    ] {
+        assert_eq!(Stack::new(&[good, bad]), None);
+    }
+}
