@@ -16,12 +16,14 @@
 
 pub mod half_space;
 mod layer;
+mod level;
 mod local;
 mod point;
 mod pressure;
 mod section;
 mod wave;
 
+pub use level::Level;
 pub use local::{Carrier, LocalField};
 pub use point::{Cylindrical, PointField};
 pub use pressure::Pressure;

@@ -17,6 +17,16 @@ pub struct Cylindrical {
 }
 
 impl Cylindrical {
+    /// The sum with another one times a factor.
+    pub fn plus(&self, factor: f64, other: &Self) -> Self {
+        Self {
+            rr: self.rr + factor * other.rr,
+            tt: self.tt + factor * other.tt,
+            zz: self.zz + factor * other.zz,
+            rz: self.rz + factor * other.rz,
+        }
+    }
+
     /// xx, yy, zz, yz, xz, xy in Cartesian coordinates in which the unit vectors along r and z (into the body) are given.
     ///
     /// σ = σ_θθ 1 + (σ_rr − σ_θθ) r rᵀ + (σ_zz − σ_θθ) z zᵀ + σ_rz (r zᵀ + z rᵀ).
@@ -34,12 +44,22 @@ impl Cylindrical {
 /// The local field at one point: a polynomial in the square of the contact radius and, in the loaded layer, Hertz's field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointField {
-    /// Where Hertz's field is added: ν, the radius and the depth, m.
-    pub(super) hertz: Option<(f64, f64, f64)>,
+    /// Where Hertz's field is added.
+    pub(super) hertz: Option<Shallow>,
     /// Of Chebyshev's polynomials of 2 (r_c/largest)² − 1: σ_rr + σ_θθ, σ_rr − σ_θθ, σ_zz, σ_rz, Pa.
     pub(super) coefficients: Vec<[f64; 4]>,
     /// The largest contact radius, m.
     pub(super) largest: f64,
+}
+
+/// A point in the loaded layer, m, where the half-space of this Poisson's ratio has a part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Shallow {
+    pub poisson: f64,
+    pub radius: f64,
+    pub depth: f64,
+    /// Of Hertz's field there.
+    pub factor: f64,
 }
 
 impl PointField {
@@ -56,8 +76,7 @@ impl PointField {
         let first = self.coefficients.first().copied().unwrap_or_default();
         let [sum, difference, zz, rz]: [f64; 4] = std::array::from_fn(|i| first[i] + t * next[i] - after[i]);
         let rest = Cylindrical { rr: 0.5 * (sum + difference), tt: 0.5 * (sum - difference), zz, rz };
-        let Some((poisson, radius, depth)) = self.hertz else { return rest };
-        let hertz = half_space::hertz(poisson, radius, depth, contact_radius);
-        Cylindrical { rr: rest.rr + hertz.rr, tt: rest.tt + hertz.tt, zz: rest.zz + hertz.zz, rz: rest.rz + hertz.rz }
+        let Some(Shallow { poisson, radius, depth, factor }) = self.hertz else { return rest };
+        rest.plus(factor, &half_space::hertz(poisson, radius, depth, contact_radius))
     }
 }

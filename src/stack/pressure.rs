@@ -5,8 +5,10 @@
 //!
 //! ∫ P J₁(ξr) dξ = Q/r,   ∫ (P − P′) J₀(ξr)/ξ dξ = V − V′ with dV/dr = −Q/r,   ∫ P J₂(ξr)/ξ dξ = r⁻² ∫₀^r Q ρ dρ.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
+use super::Cylindrical;
+use super::half_space::hertz;
 use crate::form::{Spread, hertz_wave};
 
 /// How a force of 1 N is distributed.
@@ -57,6 +59,37 @@ impl Pressure {
             Self::Point => 0.0,
             Self::Hertz { radius } | Self::Spread { radius, .. } => *radius,
         }
+    }
+
+    /// The stresses in a half-space at a radius and a depth, m, with the points of a rule on \[−1, 1\].
+    ///
+    /// A spread pressure is a sum of Hertz's over smaller discs, by Sonine's integral (DLMF 10.22.19): for the disc's radius R
+    ///
+    /// Λ_m(ξR) ∝ ∫ sin⁴θ cos^{2m−4}θ Λ_{3/2}(ξR sin θ) dθ from 0 to π/2,
+    ///
+    /// whose factor makes Λ_m(0) = 1. On the surface Hertz's stress has a root where the disc's edge meets the point: there the points crowd.
+    pub(super) fn half_space(&self, poisson: f64, r: f64, depth: f64, rule: &[(f64, f64)]) -> Cylindrical {
+        let (spread, radius) = match self {
+            Self::Point => return hertz(poisson, r, depth, 0.0),
+            Self::Hertz { radius } => return hertz(poisson, r, depth, *radius),
+            Self::Spread { spread, radius } => (spread, radius),
+        };
+        let mut sum = Cylindrical::default();
+        let edge = (r / radius).min(1.0).asin();
+        for length in [-edge, FRAC_PI_2 - edge] {
+            for (at, weight) in rule {
+                let s = 0.5 * (1.0 + at);
+                let (sin, cos) = (edge + length * s * s).sin_cos();
+                // ∫ sin⁴ cos² = π/32, and the next one is (2m − 3)/(2m + 2) of one.
+                let (mut whole, mut part) = (PI / 32.0, 0.0);
+                for (m, of_part) in spread.parts() {
+                    part += of_part * cos.powi(2 * m - 4) / whole;
+                    whole *= f64::from(2 * m - 3) / f64::from(2 * m + 2);
+                }
+                sum = sum.plus(length.abs() * weight * s * sin.powi(4) * part, &hertz(poisson, r, depth, radius * sin));
+            }
+        }
+        sum
     }
 
     /// The integrals at a radius, m; of a point force at a positive one.
