@@ -13,7 +13,7 @@ import sys
 
 import ngsolve as ng
 import numpy as np
-from netgen.occ import OCCGeometry, Rectangle
+from netgen.occ import Glue, OCCGeometry, Rectangle
 
 CONTACT, DISC, RADIUS, POISSON, ORDER = 0.1, 2.0, 30.0, 0.23, 6
 # Of p = sum of w m / (pi R^2) (1 - r^2/R^2)^(m-1): total 1, second and fourth moments 0.
@@ -22,37 +22,25 @@ RADII = (0.0, 0.03, 0.13, 0.2, 0.35, 0.6, 1.0, 1.6, 2.4)
 DEPTHS = (0.0, 0.05, 0.25, 0.5, 0.75, 1.0)
 
 
-def mesh(fineness):
+def mesh(cell_size):
     """Triangles, small at the contact's edge, where the pressure's slope is infinite. The depth z goes down from 0."""
-    contact = Rectangle(CONTACT, 0.1).Face()
-    rest = Rectangle(RADIUS, 1).Face()
-    near = Rectangle(3, 1).Face()
-    shape = rest
-    contact.faces.maxh = 0.03 * fineness
-    near.faces.maxh = 0.15 * fineness
-    rest.faces.maxh = 0.5 * fineness
+    contact, near, plate = (Rectangle(*size).Face() for size in ((CONTACT, 0.1), (3, 1), (RADIUS, 1)))
+    for face, size in ((contact, 0.03), (near, 0.15), (plate, 0.5)):
+        face.faces.maxh = size * cell_size
     for vertex in contact.vertices:
-        x, z = vertex.p[0], vertex.p[1]
-        if abs(x - CONTACT) < 1e-9 and abs(z) < 1e-9:
-            vertex.maxh = 0.002 * fineness
-    from netgen.occ import Glue
-
-    shape = Glue([contact, near - contact, rest - near])
+        if abs(vertex.p[0] - CONTACT) + abs(vertex.p[1]) < 1e-9:
+            vertex.maxh = 0.002 * cell_size
+    shape = Glue([contact, near - contact, plate - near])
     for edge in shape.edges:
         x, z = edge.center[0], edge.center[1]
-        edge.name = "inner"
-        if abs(x) < 1e-9:
-            edge.name = "axis"
-        elif abs(x - RADIUS) < 1e-9:
-            edge.name = "side"
-        elif abs(z) < 1e-9 and x < CONTACT:
-            edge.name = "contact"
+        on = {"axis": x < 1e-9, "side": x > RADIUS - 1e-9, "contact": z < 1e-9 and x < CONTACT}
+        edge.name = next((name for name, is_there in on.items() if is_there), "inner")
     return ng.Mesh(OCCGeometry(shape, dim=2).GenerateMesh(grading=0.3))
 
 
-def solid(fineness):
+def solid(cell_size):
     """The mesh and the stresses rr, tt, zz, rz."""
-    cells = mesh(fineness)
+    cells = mesh(cell_size)
     space = ng.H1(cells, order=ORDER, dirichlet="axis") * ng.H1(cells, order=ORDER, dirichlet="side")
     (u, w), (v, q) = space.TnT()
     r = ng.x
@@ -93,8 +81,8 @@ def plate(r, z):
 
 def main():
     answers = []
-    for fineness in (2.0, 1.0):
-        cells, stress = solid(fineness)
+    for cell_size in (2.0, 1.0):
+        cells, stress = solid(cell_size)
         # Off the axis by a hair, where u_r / r is 0/0.
         at = [(r, z) for r in RADII for z in DEPTHS]
         answers.append(

@@ -57,17 +57,23 @@ impl<'a> Level<'a> {
         let depth = depth.clamp(0.0, height);
         let bending = local.section.bending(&local.stack, depth);
         let mut decay = local.decay(depth);
-        match local.carrier {
+        match &local.carrier {
             Carrier::Plate { .. } => decay = decay.min(height),
+            // As the pressure's transform: up to the last wavenumber.
+            Carrier::Layerwise { .. } => decay = 0.0,
             Carrier::BentSolid { .. } => decay = decay.min(local.decay(height - depth)),
             Carrier::Solid { .. } => {}
         }
         let waves = local.nodes.iter().take_while(|node| node.wavenumber * decay < END).map(|node| {
             let rest = local.rest(&node.wave, depth);
-            let of_body = match local.carrier {
+            let of_body = match &local.carrier {
                 Carrier::Plate { .. } => {
                     let smooth = node.smooth / (node.wavenumber * node.wavenumber);
                     [bending.sum * smooth, bending.difference * smooth, 0.0, 0.0]
+                }
+                Carrier::Layerwise { theory, .. } => {
+                    let response = node.layerwise.as_ref().map(|wave| components(&theory.response(wave, depth)));
+                    response.unwrap_or_default().map(|a| a * node.carried)
                 }
                 Carrier::Solid { .. } => rest.map(|a| a * node.carried),
                 Carrier::BentSolid { .. } => {
@@ -111,9 +117,10 @@ impl<'a> Level<'a> {
         let Self { local, depth, bending, .. } = self;
         let height = local.stack.thickness();
         let own = || local.half_space(radius, *depth).by_bessel();
-        match local.carrier {
+        match &local.carrier {
+            Carrier::Layerwise { .. } => [0.0; 4],
             Carrier::Plate { pressure, reading } => {
-                let radius = if pressure == Pressure::Point { radius.max(1e-9 * height) } else { radius };
+                let radius = if *pressure == Pressure::Point { radius.max(1e-9 * height) } else { radius };
                 let (plane, (potential, average)) = (pressure.plane(radius), smooth_plane(radius, height));
                 let read = 2.0 * PI * reading;
                 let sum = plane.potential - potential + read * plane.density;

@@ -18,12 +18,12 @@ use std::f64::consts::PI;
 use super::level::Level;
 use super::point::PointField;
 use super::pressure::{Pressure, smooth_transform};
-use super::{Section, Stack, Wave};
+use super::{Layerwise, LayerwiseWave, Section, Stack, Wave};
 use crate::element::gauss_legendre;
 use crate::form::hertz_wave;
 
 /// How a body carries the force.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Carrier {
     /// A plate of Kirchhoff's or of Mindlin's theory.
     ///
@@ -35,6 +35,13 @@ pub enum Carrier {
         pressure: Pressure,
         /// s h², m².
         reading: f64,
+    },
+    /// A plate of the layerwise theory of the same stack.
+    Layerwise {
+        /// Of the force: a spread one over the stack's thickness or more, for which the sum over waves converges.
+        pressure: Pressure,
+        /// The theory.
+        theory: Layerwise,
     },
     /// A solid that resolves the thickness.
     Solid {
@@ -70,6 +77,8 @@ pub(super) struct Node {
     /// ξ dξ/(2π), 1/m².
     pub weight: f64,
     pub wave: Wave,
+    /// The layerwise theory's, where it carries the force.
+    pub layerwise: Option<LayerwiseWave>,
     /// P_w.
     pub carried: f64,
     /// (1 + ξa) e^{−ξa}, a being the stack's thickness.
@@ -95,7 +104,10 @@ impl Carrier {
     /// The pressure that the body is under.
     pub fn pressure(&self) -> &Pressure {
         match self {
-            Self::Plate { pressure, .. } | Self::Solid { pressure } | Self::BentSolid { pressure } => pressure,
+            Self::Plate { pressure, .. }
+            | Self::Layerwise { pressure, .. }
+            | Self::Solid { pressure }
+            | Self::BentSolid { pressure } => pressure,
         }
     }
 }
@@ -118,6 +130,10 @@ impl LocalField {
                     wavenumber,
                     weight: half * weight * wavenumber / (2.0 * PI),
                     wave: stack.wave(wavenumber),
+                    layerwise: match &carrier {
+                        Carrier::Layerwise { theory, .. } => Some(theory.wave(wavenumber)),
+                        _ => None,
+                    },
                     carried: carrier.pressure().transform(wavenumber),
                     smooth: smooth_transform(wavenumber * height),
                     contact: chebyshev(terms, |square| hertz_wave(wavenumber * largest * square.sqrt())),

@@ -2,7 +2,7 @@
 //! that a body's own stresses lack under the impactor.
 //!
 //! [`Stack`] is the exact three-dimensional solution for one wavenumber: layers of any stiffness, bonded, free below. [`Section`] is
-//! what the theory of thin plates has in its place. [`LocalField`] adds up the wavenumbers: the stresses that are missing where a
+//! what the theory of thin plates has in its place, [`Layerwise`] that of plates that are bonded. [`LocalField`] adds up the wavenumbers: the stresses that are missing where a
 //! discretised body carries the force on another disc than the contact's own, or bends as a plate. [`half_space`] has Hertz's field.
 //!
 //! Coordinates are cylindrical about the line of the force: the radius r, and the depth z from the upper face into the body. A
@@ -16,6 +16,7 @@
 
 pub mod half_space;
 mod layer;
+mod layerwise;
 mod level;
 mod local;
 mod point;
@@ -23,6 +24,7 @@ mod pressure;
 mod section;
 mod wave;
 
+pub use layerwise::{Layerwise, LayerwiseWave};
 pub use level::Level;
 pub use local::{Carrier, LocalField};
 pub use point::{Cylindrical, PointField};

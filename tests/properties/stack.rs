@@ -1,6 +1,6 @@
 //! Stacks of layers: against the closed forms of one layer, of thin plates and of half-spaces, and against their own equations.
 
-use ricochet::stack::{Layer, Response, Section, Stack};
+use ricochet::stack::{Layer, Layerwise, Response, Section, Stack};
 
 fn stack(layers: &[(f64, f64, f64)]) -> Stack {
     let layers: Vec<Layer> =
@@ -227,6 +227,50 @@ fn other_solutions_of_laminates() {
         }
     }
     println!("largest error: {worst:.1e}");
+}
+
+/// One layer is Mindlin's plate: the moments of a thin plate, and its shear deflection besides.
+#[test]
+fn one_layer_of_the_layerwise_theory() {
+    let (h, young, nu, kappa) = (0.02, 70e9, 0.23, 0.87);
+    let stack = stack(&[(h, young, nu)]);
+    let theory = Layerwise::new(&stack, &[kappa]).expect("a factor");
+    for wavenumber in [1e-3, 1.0, 50.0, 1e4] {
+        for depth in [0.0, 0.3 * h, h] {
+            let found = values(&theory.response(&theory.wave(wavenumber), depth));
+            let mut exact = values(&Section::new(&stack).response(&stack, wavenumber, depth));
+            exact[1] += 2.0 * (1.0 + nu) / (kappa * young * h * wavenumber * wavenumber);
+            let size = [exact[1], exact[1], exact[2], exact[2], 1.0, 1.0 / (wavenumber * h)];
+            let near = |i: usize| (found[i] - exact[i]).abs() <= 1e-11 * size[i].abs();
+            assert!((0..6).all(near), "{wavenumber} {depth}: {found:?} {exact:?}");
+        }
+    }
+    assert_eq!(Layerwise::new(&stack, &[]), None);
+}
+
+/// The layerwise theory over the exact solution, the loaded face's u_z of 10/0.76/10 mm with interlayers of a bulk modulus of 2 GPa; by an
+/// independent code of high-order elements across the thickness, to its printed digits.
+#[test]
+fn the_layerwise_theory_in_long_and_short_waves() {
+    let waves = [5.0, 10.0, 20.0, 40.0, 80.0, 160.0];
+    for (shear, known) in [
+        (1e5, [1.0002, 1.0006, 1.0019, 0.9991, 0.813, 0.500]),
+        (1e6, [1.0002, 1.0007, 1.0021, 1.0031, 0.935, 0.561]),
+        (1e7, [1.0005, 1.0013, 1.0030, 1.0042, 0.953, 0.623]),
+        (1e8, [1.0006, 1.0021, 1.0057, 1.0080, 0.954, 0.635]),
+    ] {
+        let bulk = 2e9;
+        let poisson = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear));
+        let glass = (0.010, 70e9, 0.23);
+        let stack = stack(&[glass, (0.00076, 2.0 * shear * (1.0 + poisson), poisson), glass]);
+        let theory = Layerwise::new(&stack, &[5.0 / 6.0, 1.0, 5.0 / 6.0]).expect("factors");
+        for (wavenumber, known) in waves.into_iter().zip(known) {
+            let exact = stack.wave(wavenumber).response(&stack, 0.0).u_z;
+            let found = theory.response(&theory.wave(wavenumber), 0.0).u_z / exact;
+            let printed = if wavenumber < 50.0 { 6e-5 } else { 6e-4 };
+            assert!((found - known).abs() < printed, "{shear:e} {wavenumber}: {found} {known}");
+        }
+    }
 }
 
 #[test]
