@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::local::{Carrier, END, LocalField, REACH, SHALLOW};
+use super::local::{Carrier, END, LocalField, SHALLOW};
 use super::point::{PointField, Shallow};
 use super::pressure::{Pressure, smooth_plane};
 use super::section::Bending;
@@ -89,7 +89,7 @@ impl<'a> Level<'a> {
     /// The field at a radius from the line of the force, m.
     pub fn at(&self, radius: f64) -> PointField {
         let local = self.local;
-        let reach = REACH * local.stack.thickness() + local.carrier.pressure().radius();
+        let reach = local.reach();
         let factor = if radius > reach { (reach / radius).powi(2) } else { 1.0 };
         let radius = radius.min(reach);
         let mut first = self.closed(radius).map(|a| -a);

@@ -197,6 +197,16 @@ fn the_disc_that_stands_for_a_point_load() {
     assert!((radius - 0.3253).abs() < 5e-5, "{radius}");
 }
 
+/// In the stresses of solids with Hertz's pressure over h/4 and h/8 a difference of 0.452 MPa was measured; the formula has 0.465 MPa.
+#[test]
+fn patches_of_a_quarter_and_an_eighth() {
+    let layer = Layer { thickness: 0.1, young: 70e9, poisson: 0.23 };
+    let carrier = Carrier::Solid { pressure: Pressure::Hertz { radius: 0.025 } };
+    let field = LocalField::new(Stack::new(&[layer]).expect("an elastic layer"), carrier, 0.02);
+    let found = 101.66e3 * field.at(0.0, 0.1).stress(0.0125).rr;
+    assert!((found - 0.465e6).abs() < 0.5e3, "{found:e}");
+}
+
 /// Tables for small contacts and large ones agree, at all depths; the series are cut at 1e-9 of the field.
 #[test]
 fn tables_for_any_largest_contact() {
