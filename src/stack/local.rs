@@ -155,7 +155,7 @@ impl LocalField {
         self.at_depth(depth).at(radius)
     }
 
-    /// The field at a depth (m), for many radii: a third of the cost.
+    /// The field at a depth (m), for many radii: they share what the waves have there.
     pub fn at_depth(&self, depth: f64) -> Level<'_> {
         Level::new(self, depth)
     }

@@ -66,6 +66,14 @@ impl PointField {
     /// The stresses that 1 N adds at a contact radius, m. Beyond the largest one that was provided for, what is not Hertz's half-space
     /// stays as it is there.
     pub fn stress(&self, contact_radius: f64) -> Cylindrical {
+        let smooth = self.smooth_stress(contact_radius);
+        let Some(Shallow { poisson, radius, depth, factor }) = self.hertz else { return smooth };
+        smooth.plus(factor, &half_space::hertz(poisson, radius, depth, contact_radius))
+    }
+
+    /// The same without Hertz's field of the loaded layer: on the loaded face without the contact's pressure and its ring of tension
+    /// ([`half_space::ring_tension`]), which are steep, and which one does not compare with the strength in bending.
+    pub fn smooth_stress(&self, contact_radius: f64) -> Cylindrical {
         let t = 2.0 * (contact_radius / self.largest).powi(2).min(1.0) - 1.0;
         // Clenshaw's recurrence.
         let (mut next, mut after) = ([0.0; 4], [0.0; 4]);
@@ -75,8 +83,6 @@ impl PointField {
         }
         let first = self.coefficients.first().copied().unwrap_or_default();
         let [sum, difference, zz, rz]: [f64; 4] = std::array::from_fn(|i| first[i] + t * next[i] - after[i]);
-        let rest = Cylindrical { rr: 0.5 * (sum + difference), tt: 0.5 * (sum - difference), zz, rz };
-        let Some(Shallow { poisson, radius, depth, factor }) = self.hertz else { return rest };
-        rest.plus(factor, &half_space::hertz(poisson, radius, depth, contact_radius))
+        Cylindrical { rr: 0.5 * (sum + difference), tt: 0.5 * (sum - difference), zz, rz }
     }
 }
