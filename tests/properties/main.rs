@@ -7,6 +7,7 @@ mod sample;
 
 mod elements;
 mod forms;
+mod local_bodies;
 mod local_field;
 mod plates;
 mod plot;
