@@ -99,23 +99,6 @@ pub fn listed(words: &[&str]) -> String {
     }
 }
 
-/// What is to be known of a model's probes.
-pub fn note_of_probes(model: &Model) -> Option<String> {
-    let near: Vec<String> = model.gauges.as_ref()?.near.iter().map(|name| format!("{name:?}")).collect();
-    let names: Vec<&str> = near.iter().map(String::as_str).collect();
-    let (word, read) = if names.len() == 1 { ("probe", "reads") } else { ("probes", "read") };
-    let why = match model.theory {
-        Theory::Kirchhoff => "where Kirchhoff's plate has a force at a point, under which moments have no limit",
-        _ => "where this body carries the force on a wide disc: they may be off by some tens of per cent",
-    };
-    (!names.is_empty()).then(|| {
-        format!(
-            "{word} {} {read} stresses near the hit, {why}. For stresses there take model = \"solid\" with reduction = \"none\"",
-            listed(&names)
-        )
-    })
-}
-
 /// Part of a table that an impact is expected to use at least: less looks like units that differ by a thousand.
 const LEAST_OF_TABLE: f64 = 0.01;
 

@@ -33,7 +33,7 @@ use super::follow::Follower;
 use super::interrupt::Interrupt;
 use super::keeping::Keeping;
 use super::load::{Loaded, STANDARD_INPUT, load};
-use super::notes::{self, Verdict, describe_model, note_of_probes, verdict};
+use super::notes::{self, Verdict, describe_model, verdict};
 use super::progress::Progress;
 use super::provenance::provenance;
 use super::recording::Recording;
@@ -186,7 +186,7 @@ fn solve(
     let patch = model.dynamics.patch();
     let linearity = Linearity::new(scene, model.theory, patch.as_ref());
     let warnings = notes::texts(notes::of_geometry(scene, model.measures.as_ref()));
-    let (described, reason, of_probes) = (describe_model(&model), model.reason.clone(), note_of_probes(&model));
+    let (described, reason) = (describe_model(&model), model.reason.clone());
     let is_factorised = model.dynamics.is_factorised_on_ranks();
     let of_model = (model::name(model.theory), model.reduction(), model.unknowns);
     let mut provenance = provenance(comm, scene, source, of_model)?;
@@ -208,7 +208,7 @@ fn solve(
             tell(format_args!("warning: {warning}"));
         }
         let of_scene = notes::notes(scene, patch.as_ref(), impact.plan().as_ref());
-        for line in notes::texts(of_scene).into_iter().chain(of_probes) {
+        for line in notes::texts(of_scene) {
             note(format_args!("note: {line}"));
         }
         if is_factorised && !has_mumps(comm.session())? {

@@ -50,7 +50,7 @@ pub use modal::{ModalImpact, Steps, Trace};
 pub use observer::{Observer, Until};
 pub use plan::{Plan, steps};
 use reading::Reader;
-pub use reading::{Probe, Reading, Readout};
+pub use reading::{Probe, ProbeForms, Reading, Readout};
 pub use setting::Setting;
 pub use state::{Impactor, State};
 use step::Step;

@@ -6,25 +6,39 @@ use crate::body::Body;
 use crate::error::Result;
 use crate::form::stress::principal;
 use crate::scene::Vec3;
-use crate::space::evaluate::{FaceStresses, FaceTension, Map};
+use crate::space::evaluate::{ContactNow, ContactSize, FaceStresses, FaceTension, LocalPoint, Map};
 
 use super::state::State;
+use super::step::Step;
 
 /// What is to be read, in the coordinates in which a body moves. One rank has all of it, the others nothing.
 #[derive(Clone, Default)]
 pub struct Readout {
-    /// Where there are probes, the coordinates that they need, and nine forms on these a probe: displacement, m, and stress, Pa.
-    pub probes: Option<(Vec<Int>, Map)>,
+    /// Where there are probes.
+    pub probes: Option<ProbeForms>,
     /// Where there are fields, after how many steps, and the coordinates: all of them.
     pub fields: Option<(usize, Vec<Int>)>,
     /// Where the largest tension is looked for; a rank that does not read has no faces.
     pub faces: Option<FaceStresses>,
+    /// How wide the contact is.
+    pub contact: ContactSize,
+}
+
+/// What probes are made of.
+#[derive(Clone)]
+pub struct ProbeForms {
+    /// The coordinates that they need.
+    pub columns: Vec<Int>,
+    /// Nine forms on these a probe: displacement, m, and stress, Pa.
+    pub map: Map,
+    /// What stresses near the hit lack, probe by probe.
+    pub local: Vec<Option<LocalPoint>>,
 }
 
 impl Readout {
     /// Whether it is this rank that has it.
     pub(super) fn is_here(&self) -> bool {
-        let probes = self.probes.as_ref().is_some_and(|(_, map)| !map.is_empty());
+        let probes = self.probes.as_ref().is_some_and(|probes| !probes.map.is_empty());
         let faces = self.faces.as_ref().is_some_and(|faces| !faces.faces.is_empty());
         probes || faces || self.fields.as_ref().is_some_and(|(_, columns)| !columns.is_empty())
     }
@@ -54,9 +68,10 @@ pub struct Reading {
 
 /// Reads a body that is stepped in its unknowns.
 pub struct Reader {
-    probes: Option<(Gather, Map)>,
+    probes: Option<(Gather, ProbeForms)>,
     fields: Option<(usize, Gather)>,
     faces: Option<(Gather, FaceStresses)>,
+    contact: ContactSize,
     /// Whether this rank is the one that reads.
     is_here: bool,
 }
@@ -70,7 +85,7 @@ impl Reader {
         let gather = |columns: &[Int]| Gather::new(&body.load, columns);
         Ok(Self {
             probes: match &readout.probes {
-                Some((columns, map)) => Some((gather(columns)?, map.clone())),
+                Some(probes) => Some((gather(&probes.columns)?, probes.clone())),
                 None => None,
             },
             fields: match &readout.fields {
@@ -81,6 +96,7 @@ impl Reader {
                 Some(faces) => Some((gather(&faces.columns)?, faces.clone())),
                 None => None,
             },
+            contact: readout.contact,
             is_here: readout.is_here(),
         })
     }
@@ -89,21 +105,22 @@ impl Reader {
     ///
     /// # Errors
     /// PETSc's.
-    pub(super) fn read(&mut self, number: usize, state: &State) -> Result<Reading> {
+    pub(super) fn read(&mut self, step: &Step, state: &State) -> Result<Reading> {
         let fetched = |gather: &mut Gather, of: &Vector| Ok::<_, crate::Error>(gather.fetch(of)?.to_vec());
         let mut reading = Reading::default();
-        if let Some((gather, map)) = &mut self.probes {
+        let contact = contact(&self.contact, step);
+        if let Some((gather, forms)) = &mut self.probes {
             let [u, v] = [fetched(gather, &state.u)?, fetched(gather, &state.v)?];
-            reading.probes = probes(&map.apply(&u), &map.apply(&v));
+            reading.probes = forms.probes((&forms.map.apply(&u), &forms.map.apply(&v)), &contact);
         }
         if let Some((gather, faces)) = &mut self.faces {
             let u = fetched(gather, &state.u)?;
             if !faces.faces.is_empty() {
-                reading.faces = faces.tensions(&faces.map.apply(&u), |_, _, _| {});
+                reading.faces = faces.tensions(&faces.map.apply(&u), &contact);
             }
         }
         if let Some((every, gather)) = &mut self.fields
-            && number.is_multiple_of(*every)
+            && step.number.is_multiple_of(*every)
         {
             reading.coordinates = Some([fetched(gather, &state.u)?, fetched(gather, &state.v)?]);
         }
@@ -111,12 +128,25 @@ impl Reader {
     }
 }
 
-/// What probes read of the values of their nine forms, and of the rates of these.
-pub(super) fn probes(values: &[f64], rates: &[f64]) -> Vec<Probe> {
-    let one = |(value, rate): (&[f64], &[f64])| Probe {
-        displacement: [value[0], value[1], value[2]],
-        velocity: [rate[0], rate[1], rate[2]],
-        principal_stress: principal([value[3], value[4], value[5], value[6], value[7], value[8]]),
-    };
-    values.chunks_exact(9).zip(rates.chunks_exact(9)).map(one).collect()
+/// The contact at a step.
+pub(super) fn contact(size: &ContactSize, step: &Step) -> ContactNow {
+    ContactNow { force: step.contact.force, radius: size.radius(step.contact.indentation) }
+}
+
+impl ProbeForms {
+    /// What probes read of the values of their nine forms, and of the rates of these, under the contact.
+    pub(super) fn probes(&self, (values, rates): (&[f64], &[f64]), contact: &ContactNow) -> Vec<Probe> {
+        let one = |((value, rate), local): ((&[f64], &[f64]), &Option<LocalPoint>)| {
+            let mut stress = [value[3], value[4], value[5], value[6], value[7], value[8]];
+            if let Some(local) = local.as_ref().filter(|_| contact.force > 0.0) {
+                stress.iter_mut().zip(local.stress(contact)).for_each(|(sum, more)| *sum += more);
+            }
+            Probe {
+                displacement: [value[0], value[1], value[2]],
+                velocity: [rate[0], rate[1], rate[2]],
+                principal_stress: principal(stress),
+            }
+        };
+        values.chunks_exact(9).zip(rates.chunks_exact(9)).zip(&self.local).map(one).collect()
+    }
 }

@@ -98,11 +98,12 @@ impl Trajectory {
     /// # Errors
     /// PETSc's.
     pub(super) fn observed(&self, body: &Body, setting: &Setting, reader: &mut Option<Reader>) -> Result<Observed> {
+        let step = self.step(body, setting)?;
         let reading = match reader {
-            Some(reader) => reader.read(self.steps, &self.now.state)?,
+            Some(reader) => reader.read(&step, &self.now.state)?,
             None => Reading::default(),
         };
-        Ok(Observed { step: self.step(body, setting)?, reading })
+        Ok(Observed { step, reading })
     }
 
     fn step(&self, body: &Body, setting: &Setting) -> Result<Step> {

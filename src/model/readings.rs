@@ -4,17 +4,15 @@ use petsc_wrap::{Comm, Gather, Int, Vector};
 
 use crate::agree::agree;
 use crate::error::Result;
-use crate::impact::Readout;
-use crate::scene::{Fault, Scene, Vec3};
-use crate::space::evaluate::{Evaluator, FaceStresses, FieldSampler, Form, Forms, Map};
+use crate::impact::{ProbeForms, Readout};
+use crate::scene::{Fault, Scene};
+use crate::space::evaluate::{ContactSize, Evaluator, FaceStresses, FieldSampler, Form, Forms, LocalPoint, Map};
 
 /// What is to be read at each step, and how fields come of it.
 pub struct Gauges {
     pub(super) readout: Readout,
     /// On rank 0, where there are fields.
     pub(super) sampler: Option<FieldSampler>,
-    /// Names of the probes within [`Evaluator::blurred`] of the hit; on rank 0.
-    pub near: Vec<String>,
 }
 
 impl Gauges {
@@ -39,7 +37,7 @@ impl Gauges {
                 Some(vectors.iter().map(&mut fetched).collect::<Result<Vec<Vec<f64>>>>()?)
             }
         };
-        let forms = agree(comm, forms(scene, evaluator.as_ref()))?;
+        let (forms, local) = agree(comm, forms(scene, evaluator.as_ref()))?;
         // On a basis the coordinates are as many as its vectors, wherever they are.
         let all = match &basis {
             Some(basis) if evaluator.is_some() => (0..basis.len() as Int).collect(),
@@ -47,44 +45,47 @@ impl Gauges {
         };
         let basis = basis.as_deref();
         let probes = (!scene.output.probes.is_empty()).then(|| match basis {
-            Some(_) if evaluator.is_some() => (all.clone(), Map::new(forms.into_iter(), basis)),
-            _ => on_their_own(forms),
+            Some(_) if evaluator.is_some() => {
+                ProbeForms { columns: all.clone(), map: Map::new(forms.into_iter(), basis), local }
+            }
+            _ => {
+                let (columns, map) = on_their_own(forms);
+                ProbeForms { columns, map, local }
+            }
         });
         let faces = evaluator.as_ref().filter(|_| scene.output.stress);
         let faces = faces.map_or_else(FaceStresses::default, |evaluator| evaluator.faces(scene, basis));
-        let near = evaluator.as_ref().and_then(Evaluator::blurred).map_or_else(Vec::new, |radius| near(scene, radius));
         let sampler =
             evaluator.filter(|_| scene.output.fields.is_some()).map(|evaluator| FieldSampler::new(evaluator, basis));
         let faces = FaceStresses { columns: all.clone(), ..faces };
-        let readout = Readout { probes, fields: scene.output.fields.map(|every| (every, all)), faces: scene.output.stress.then_some(faces) };
-        Ok(Self { readout, sampler, near })
+        let contact = ContactSize::new(scene);
+        let readout = Readout {
+            probes,
+            fields: scene.output.fields.map(|every| (every, all)),
+            faces: scene.output.stress.then_some(faces),
+            contact,
+        };
+        Ok(Self { readout, sampler })
     }
 }
 
-/// Names of probes that lie above or below a disc about the hit, m.
-fn near(scene: &Scene, radius: f64) -> Vec<String> {
-    let Some(struck) = scene.struck_axis() else { return Vec::new() };
-    let distance = |x: Vec3| {
-        let square = |axis: usize| (x[axis] - scene.impactor.point[axis]).powi(2);
-        (0..3).filter(|&axis| axis != struck).map(square).sum::<f64>().sqrt()
-    };
-    let probes = scene.output.probes.iter().filter(|probe| distance(probe.point) < radius);
-    probes.map(|probe| probe.name.clone()).collect()
-}
-
-/// Nine forms a probe, where this rank has the evaluator.
-fn forms(scene: &Scene, evaluator: Option<&Evaluator>) -> std::result::Result<Vec<Form>, Fault> {
-    let mut all = Vec::new();
-    let Some(evaluator) = evaluator else { return Ok(all) };
+/// Nine forms a probe, and what its stresses lack near the hit, where this rank has the evaluator.
+fn forms(
+    scene: &Scene,
+    evaluator: Option<&Evaluator>,
+) -> std::result::Result<(Vec<Form>, Vec<Option<LocalPoint>>), Fault> {
+    let (mut all, mut locals) = (Vec::new(), Vec::new());
+    let Some(evaluator) = evaluator else { return Ok((all, locals)) };
     for (number, probe) in scene.output.probes.iter().enumerate() {
-        let Some(Forms { displacement, stress }) = evaluator.at(probe.point) else {
+        let Some(Forms { displacement, stress, local }) = evaluator.at(probe.point) else {
             let message = format!("the point of probe {:?} is outside of the body", probe.name);
             let help = "a point within the body or on its surface";
             return Err(Fault::new(format!("output.probes.{number}.point"), message, help));
         };
         all.extend(displacement.into_iter().chain(stress));
+        locals.push(local);
     }
-    Ok(all)
+    Ok((all, locals))
 }
 
 /// The coordinates that some forms need, ascending, and the forms on these.

@@ -6,8 +6,8 @@ use hdf5_metno as hdf5;
 use serde::Serialize;
 
 use crate::error::{Error, Result};
-use crate::record::tension::LargestTension;
 use crate::record::read::open;
+use crate::record::tension::LargestTension;
 
 /// A value of a series and its time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

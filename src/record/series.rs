@@ -9,8 +9,8 @@
 //! (it alone is lost then), or in which a series outgrows its chunk.
 
 use crate::error::{Error, Result};
-use crate::impact::{Probe, Reading};
 use crate::impact::step::Step;
+use crate::impact::{Probe, Reading};
 use crate::record::checkpoint;
 use crate::record::columns::{CONTACTS, SERIES, append, new_datasets, not_written};
 use crate::record::episodes::Episodes;

@@ -50,10 +50,8 @@ impl TensionDatasets {
                 _ => builder.shape((0.., columns)).chunk((chunk, columns)),
             };
             // As of the series: only new rows are written, the rest of a chunk stays a hole.
-            let dataset = builder
-                .chunk_cache(0, 0, 1.0)
-                .fill_time(FillTime::Never)
-                .create(format!("{GROUP}/{name}").as_str())?;
+            let dataset =
+                builder.chunk_cache(0, 0, 1.0).fill_time(FillTime::Never).create(format!("{GROUP}/{name}").as_str())?;
             write_text(&dataset, "units", units)?;
             Ok::<_, hdf5::Error>(dataset)
         };

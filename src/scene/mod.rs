@@ -29,11 +29,11 @@ pub use differences::differences;
 pub use doubts::{Doubt, doubts};
 pub use error::SceneError;
 pub(crate) use faces::faces;
-pub use strength::Strength;
 pub use fault::Fault;
 pub use impactor::Impactor;
 pub(crate) use layout::growing;
 pub use source::Source;
+pub use strength::Strength;
 pub use units::unit;
 
 /// A JSON schema of a scene, by which editors check one while it is typed.

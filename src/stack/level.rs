@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use super::local::{Carrier, END, LocalField, SHALLOW};
 use super::point::{PointField, Shallow};
 use super::pressure::{Pressure, smooth_plane};
+use super::resultants::along_section;
 use super::section::Bending;
 use super::{Cylindrical, Response, Wave};
 
@@ -60,7 +61,7 @@ impl<'a> Level<'a> {
         match &local.carrier {
             Carrier::Plate { .. } => decay = decay.min(height),
             // As the pressure's transform: up to the last wavenumber.
-            Carrier::Layerwise { .. } => decay = 0.0,
+            Carrier::Layerwise { .. } | Carrier::Sections { .. } => decay = 0.0,
             Carrier::BentSolid { .. } => decay = decay.min(local.decay(height - depth)),
             Carrier::Solid { .. } => {}
         }
@@ -75,6 +76,7 @@ impl<'a> Level<'a> {
                     let response = node.layerwise.as_ref().map(|wave| components(&theory.response(wave, depth)));
                     response.unwrap_or_default().map(|a| a * node.carried)
                 }
+                Carrier::Sections { body, .. } => along_section(local, node, depth, *body).map(|a| a * node.carried),
                 Carrier::Solid { .. } => rest.map(|a| a * node.carried),
                 Carrier::BentSolid { .. } => {
                     let other = local.rest(&node.wave, height - depth);
@@ -118,7 +120,7 @@ impl<'a> Level<'a> {
         let height = local.stack.thickness();
         let own = || local.half_space(radius, *depth).by_bessel();
         match &local.carrier {
-            Carrier::Layerwise { .. } => [0.0; 4],
+            Carrier::Layerwise { .. } | Carrier::Sections { .. } => [0.0; 4],
             Carrier::Plate { pressure, reading } => {
                 let radius = if *pressure == Pressure::Point { radius.max(1e-9 * height) } else { radius };
                 let (plane, (potential, average)) = (pressure.plane(radius), smooth_plane(radius, height));
@@ -141,7 +143,8 @@ impl<'a> Level<'a> {
     }
 }
 
-fn components(response: &Response) -> [f64; 4] {
+/// σ_rr + σ_θθ, σ_rr − σ_θθ, σ_zz, σ_rz.
+pub(super) fn components(response: &Response) -> [f64; 4] {
     [response.sum, response.difference, response.sigma_zz, response.sigma_rz]
 }
 

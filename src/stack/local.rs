@@ -53,6 +53,31 @@ pub enum Carrier {
         /// Of the force.
         pressure: Pressure,
     },
+    /// A body of one layer that is read by the resultants of its sections, as means over a disc: stresses along the face by their mean and
+    /// moment over the thickness, those across it by the shear force on a parabola. Both pressures are spread ones over half the thickness
+    /// or more, for which the sum over waves converges.
+    Sections {
+        /// Of the force.
+        pressure: Pressure,
+        /// Of the disc over which the mean is taken.
+        smoothing: Pressure,
+        /// What the body is.
+        body: Sections,
+    },
+}
+
+/// What carries a force through sections.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Sections {
+    /// A plate, with its reading as of [`Carrier::Plate`], m².
+    Plate {
+        /// s h².
+        reading: f64,
+    },
+    /// A solid that resolves the thickness.
+    Solid,
+    /// A solid that bends alone, whose sections have no mean.
+    BentSolid,
 }
 
 /// Thicknesses outside of the body's disc up to which waves are summed.
@@ -77,7 +102,7 @@ pub(super) struct Node {
     pub wave: Wave,
     /// The layerwise theory's, where it carries the force.
     pub layerwise: Option<LayerwiseWave>,
-    /// P_w.
+    /// P_w, times that of the mean where one is taken.
     pub carried: f64,
     /// (1 + ξa) e^{−ξa}, a being the stack's thickness.
     pub smooth: f64,
@@ -105,7 +130,18 @@ impl Carrier {
             Self::Plate { pressure, .. }
             | Self::Layerwise { pressure, .. }
             | Self::Solid { pressure }
-            | Self::BentSolid { pressure } => pressure,
+            | Self::BentSolid { pressure }
+            | Self::Sections { pressure, .. } => pressure,
+        }
+    }
+}
+
+impl Carrier {
+    /// The radius (m) within which the body's field is that of its own disc.
+    fn reach(&self) -> f64 {
+        match self {
+            Self::Sections { pressure, smoothing, .. } => pressure.radius() + smoothing.radius(),
+            _ => self.pressure().radius(),
         }
     }
 }
@@ -120,7 +156,7 @@ impl LocalField {
         let terms = ((20.7 / decay).ceil() + 1.0).clamp(4.0, 24.0) as usize;
         let rule = gauss_legendre(POINTS);
         let mut nodes = Vec::new();
-        for ends in panels(&stack, carrier.pressure().radius()).windows(2) {
+        for ends in panels(&stack, carrier.reach()).windows(2) {
             let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
             nodes.extend(rule.iter().map(|(at, weight)| {
                 let wavenumber = middle + half * at;
@@ -132,7 +168,11 @@ impl LocalField {
                         Carrier::Layerwise { theory, .. } => Some(theory.wave(wavenumber)),
                         _ => None,
                     },
-                    carried: carrier.pressure().transform(wavenumber),
+                    carried: carrier.pressure().transform(wavenumber)
+                        * match &carrier {
+                            Carrier::Sections { smoothing, .. } => smoothing.transform(wavenumber),
+                            _ => 1.0,
+                        },
                     smooth: smooth_transform(wavenumber * height),
                     contact: chebyshev(terms, |square| hertz_wave(wavenumber * largest * square.sqrt())),
                 }
@@ -147,7 +187,7 @@ impl LocalField {
     ///
     /// On one layer under a plate theory it is there 0.3% of the largest tension on the lower face, and the rest of the field 1e-4.
     pub fn reach(&self) -> f64 {
-        REACH * self.stack.thickness() + self.carrier.pressure().radius()
+        REACH * self.stack.thickness() + self.carrier.reach()
     }
 
     /// The field at a radius from the line of the force and a depth below the loaded face, m, between the faces.

@@ -21,12 +21,13 @@ mod level;
 mod local;
 mod point;
 mod pressure;
+mod resultants;
 mod section;
 mod wave;
 
 pub use layerwise::{Layerwise, LayerwiseWave};
 pub use level::Level;
-pub use local::{Carrier, LocalField};
+pub use local::{Carrier, LocalField, Sections};
 pub use point::{Cylindrical, PointField};
 pub use pressure::Pressure;
 pub use section::Section;

@@ -104,7 +104,12 @@ fn errors_say_what_is_wrong_with_which_file() {
 fn probed(folder: &Path) -> PathBuf {
     let path = folder.join("probed.h5");
     let names = ["edge".to_owned()];
-    let mut writer = SeriesWriter::with_points(&path, &provenance("Plate", None), &Points { probes: names.to_vec(), ..Points::default() }).unwrap();
+    let mut writer = SeriesWriter::with_points(
+        &path,
+        &provenance("Plate", None),
+        &Points { probes: names.to_vec(), ..Points::default() },
+    )
+    .unwrap();
     for n in 0..100 {
         let values = [1.0, 2.0, 3.0].map(|factor| factor * n as f64);
         let read = Probe { displacement: values, velocity: values, principal_stress: values };

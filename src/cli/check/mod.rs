@@ -20,7 +20,7 @@ use crate::scene::{Geometry, Scene, Source};
 use super::follow::Follower;
 use super::interrupt::Interrupt;
 use super::load::{Loaded, load};
-use super::notes::{self, Verdict, note_of_probes, verdict};
+use super::notes::{self, Verdict, verdict};
 use super::{Check, say};
 use cost::Cost;
 
@@ -101,7 +101,6 @@ fn report<'a>(comm: &Comm, (scene, source): (&'a Scene, &Source), deadline: Opti
     let patch = report.model.as_ref().ok().and_then(|model| model.dynamics.patch());
     if let Ok(model) = &report.model {
         report.warnings.extend(verdict(model, scene.tolerance).map(|Verdict { message, .. }| message));
-        report.notes.extend(note_of_probes(model));
     }
     report.warnings.extend(notes::texts(notes::of_values(scene, source)));
     report.warnings.extend(notes::texts(notes::of_geometry(scene, report.measures.as_ref())));

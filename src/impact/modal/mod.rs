@@ -225,9 +225,10 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let mut done = Done { trace: Trace::default(), steps: Vec::new(), sizes: steps };
         let mut ledger = self.has_energies.then(Ledger::default);
         let mut reader = self.readout.as_ref().filter(|_| observed).map(|readout| Reader::new(readout, &modes));
-        let mut see = |number: usize, motion: &Motion, ledger: Option<&mut Ledger>| Observed {
-            step: seen(number, motion, (&modes, &setting), ledger),
-            reading: reader.as_mut().map_or_else(Reading::default, |reader| reader.read(number, motion)),
+        let mut see = |number: usize, motion: &Motion, ledger: Option<&mut Ledger>| {
+            let step = seen(number, motion, (&modes, &setting), ledger);
+            let reading = reader.as_mut().map_or_else(Reading::default, |reader| reader.read(&step, motion));
+            Observed { step, reading }
         };
         if observed {
             done.steps.push(see(0, &motion, ledger.as_mut()));

@@ -5,8 +5,9 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::body::{Modes, Shapes};
 use crate::impact::observer::Observed;
-use crate::impact::reading::{Reading, Readout, probes};
-use crate::space::evaluate::{FaceStresses, Map};
+use crate::impact::reading::{ProbeForms, Reading, Readout, contact};
+use crate::impact::step::Step;
+use crate::space::evaluate::{ContactSize, FaceStresses, Map};
 
 use super::ledger::coordinates;
 use super::motion::Motion;
@@ -15,10 +16,11 @@ use super::motion::Motion;
 pub struct Reader<'a> {
     modes: &'a Modes,
     /// What the probes' forms are of the modes.
-    probes: Option<Shapes>,
+    probes: Option<(Shapes, &'a ProbeForms)>,
     /// After how many steps all coordinates are wanted.
     fields: Option<usize>,
     faces: Option<Faces<'a>>,
+    contact: ContactSize,
     /// Whether this rank is the one that reads.
     is_here: bool,
 }
@@ -37,8 +39,11 @@ const BLOCK: usize = 64;
 
 impl<'a> Reader<'a> {
     pub fn new(readout: &'a Readout, modes: &'a Modes) -> Self {
-        let of_modes = |(_, map): &(_, Map)| match map {
-            Map::Dense(count, rows) => Some(modes.shapes.mapped(&DMatrix::from_row_slice(map.len(), *count, rows))),
+        let of_modes = |forms: &'a ProbeForms| match &forms.map {
+            Map::Dense(count, rows) => {
+                let rows = DMatrix::from_row_slice(forms.map.len(), *count, rows);
+                Some((modes.shapes.mapped(&rows), forms))
+            }
             // Another rank reads.
             Map::Sparse(_) => None,
         };
@@ -55,11 +60,18 @@ impl<'a> Reader<'a> {
             others.into_iter().enumerate().for_each(|(i, column)| stresses.set_column(first + i, column));
             Some(Faces { faces, stresses, weights: Vec::new() })
         });
-        Self { modes, probes, fields: fields.map(|(every, _)| *every), faces, is_here: readout.is_here() }
+        Self {
+            modes,
+            probes,
+            fields: fields.map(|(every, _)| *every),
+            faces,
+            contact: readout.contact,
+            is_here: readout.is_here(),
+        }
     }
 
     /// Reads a step.
-    pub fn read(&mut self, number: usize, motion: &Motion) -> Reading {
+    pub fn read(&mut self, step: &Step, motion: &Motion) -> Reading {
         let mut reading = Reading::default();
         if !self.is_here {
             return reading;
@@ -70,11 +82,11 @@ impl<'a> Reader<'a> {
             faces.weights.extend_from_slice(x.as_slice());
             faces.weights.extend([state.way, 0.5 * state.time * state.time, motion.force, state.settled]);
         }
-        if let Some(shapes) = &self.probes {
+        if let Some((shapes, forms)) = &self.probes {
             let [values, rates] = self.values(shapes, motion);
-            reading.probes = probes(values.as_slice(), rates.as_slice());
+            reading.probes = forms.probes((values.as_slice(), rates.as_slice()), &contact(&self.contact, step));
         }
-        if self.fields.is_some_and(|every| number.is_multiple_of(every)) {
+        if self.fields.is_some_and(|every| step.number.is_multiple_of(every)) {
             let values = self.values(&self.modes.shapes, motion);
             reading.coordinates = Some(values.map(|values| values.as_slice().to_vec()));
         }
@@ -88,7 +100,7 @@ impl<'a> Reader<'a> {
         for (steps, weights) in steps.chunks_mut(BLOCK).zip(weights.chunks(BLOCK * count)) {
             let all = &stresses * DMatrix::from_column_slice(count, steps.len(), weights);
             for (step, stresses) in steps.iter_mut().zip(all.column_iter()) {
-                step.reading.faces = faces.tensions(stresses.as_slice(), |_, _, _| {});
+                step.reading.faces = faces.tensions(stresses.as_slice(), &contact(&self.contact, &step.step));
             }
         }
     }

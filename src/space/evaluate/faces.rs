@@ -7,10 +7,14 @@ use petsc_wrap::Int;
 
 use crate::form::stress::{largest_in_plane, largest_principal, place};
 use crate::mesh::Whole;
-use crate::scene::faces::{along, name as face_name};
 use crate::scene::Vec3;
+use crate::scene::faces::{along, name as face_name};
 
-use super::{Form, Map, StressMap};
+use super::{ContactNow, Form, LocalPoint, Map, NearHit, StressMap};
+
+/// Thicknesses about the hit within which the stresses of faces are read as means, and to which they get the local field.
+const NEAR: f64 = 1.25;
+const REACH: f64 = 2.5;
 
 /// Where stresses are read for the largest tension on each face; one rank has them.
 #[derive(Clone)]
@@ -24,7 +28,7 @@ pub struct FaceStresses {
 }
 
 /// The points of one face.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Face {
     /// Its name.
     pub name: String,
@@ -32,6 +36,8 @@ pub struct Face {
     pub points: Vec<Vec3>,
     /// The number of its first point among those sampled.
     pub first: usize,
+    /// What points near the hit lack, by their numbers.
+    pub local: Vec<(usize, LocalPoint)>,
     /// 1, or −1 where the stresses are the opposite of those sampled: on a plate that bends.
     pub sign: f64,
     /// Points along two axes where they form a grid, the second's fastest.
@@ -89,7 +95,8 @@ pub(super) fn of_box(
     lines: [Vec<f64>; 3],
     mirrors: &[usize],
     bends_alone: bool,
-    at: impl Fn(Vec3) -> [Form; 6],
+    at: impl Fn(Vec3, bool) -> [Form; 6],
+    near: Option<&NearHit>,
 ) -> (Vec<Face>, Vec<Form>) {
     let axes = along(struck);
     let half = lines[struck].last().copied().unwrap_or_default();
@@ -99,8 +106,20 @@ pub(super) fn of_box(
         is_mirrored: axes.map(|axis| mirrors.contains(&axis)),
     };
     let upper = half.copysign(hit[struck]);
+    let size = lines.each_ref().map(|lines| lines.last().copied().unwrap_or_default());
+    // Where means are worth their cost: the largest tension of a contact is within the nearest of these points.
+    let is_near =
+        |x: Vec3| near.is_some_and(|near| near.distance(x) <= NEAR * near.thickness() && near.is_smoothed(x, size));
+    let local = |points: &[Vec3]| -> Vec<(usize, LocalPoint)> {
+        let reached = points.iter().enumerate().filter_map(|(number, x)| {
+            let near = near.filter(|near| near.distance(*x) <= REACH * near.thickness())?;
+            // (The ring of tension at the contact's edge is told by itself.)
+            Some((number, near.at(*x, is_near(*x))?.without_ring()))
+        });
+        reached.collect()
+    };
     let in_plane = |x: &Vec3| {
-        let mut stress = at(*x);
+        let mut stress = at(*x, is_near(*x));
         [axes[0], axes[1], place(axes[0], axes[1])].map(|component| std::mem::take(&mut stress[component]))
     };
     let (mut faces, mut forms) = (Vec::new(), Vec::new());
@@ -111,7 +130,8 @@ pub(super) fn of_box(
         if !is_opposite {
             forms.extend(points.iter().flat_map(in_plane));
         }
-        faces.push(Face { name: name.to_owned(), points, first, sign, grid: Some(grid.clone()) });
+        let local = local(&points);
+        faces.push(Face { name: name.to_owned(), points, first, local, sign, grid: Some(grid.clone()) });
     }
     faces.reverse();
     (faces, forms)
@@ -133,7 +153,7 @@ pub(super) fn of_mesh(mesh: &Whole, hit: Option<(usize, Vec3)>) -> (Vec<Face>, V
     let (mut faces, mut all) = (Vec::new(), Vec::new());
     for (name, nodes) in named.into_iter().filter(|(_, nodes)| !nodes.is_empty()) {
         let points = nodes.iter().map(|&node| mesh.nodes[node]).collect();
-        faces.push(Face { name, points, first: all.len(), sign: 1.0, grid: None });
+        faces.push(Face { name, points, first: all.len(), local: Vec::new(), sign: 1.0, grid: None });
         all.extend_from_slice(nodes);
     }
     (faces, all)
@@ -152,17 +172,30 @@ fn with_hit(lines: &[f64], hit: f64) -> Vec<f64> {
 }
 
 impl FaceStresses {
-    /// The largest tension on each face, of the stresses at the sampled points; `local` adds the local field of a point by the numbers of
-    /// its face and among the face's.
-    pub fn tensions(&self, stresses: &[f64], local: impl Fn(usize, usize, &mut [f64])) -> Vec<FaceTension> {
+    /// The largest tension on each face, of the stresses at the sampled points and the contact.
+    pub fn tensions(&self, stresses: &[f64], contact: &ContactNow) -> Vec<FaceTension> {
         let components = self.map.components();
-        let each = |(number, face): (usize, &Face)| {
+        let each = |face: &Face| {
+            let closed = if contact.force > 0.0 { &face.local[..] } else { &[] };
+            let local: Vec<(usize, Vec<f64>)> = closed
+                .iter()
+                .map(|(point, local)| {
+                    let all = local.stress(contact);
+                    let stress = match &face.grid {
+                        Some(FaceGrid { axes: [a, b], .. }) => vec![all[*a], all[*b], all[place(*a, *b)]],
+                        None => all.to_vec(),
+                    };
+                    (*point, stress)
+                })
+                .collect();
             let value = |point: usize| {
                 let start = components * (face.first + point);
                 let mut stress = [0.0; 6];
                 let stress = &mut stress[..components];
                 stress.iter_mut().zip(&stresses[start..]).for_each(|(to, from)| *to = face.sign * from);
-                local(number, point, stress);
+                if let Ok(at) = local.binary_search_by_key(&point, |(of, _)| *of) {
+                    stress.iter_mut().zip(&local[at].1).for_each(|(to, more)| *to += more);
+                }
                 match *stress {
                     [a, b, ab] => largest_in_plane([a, b, ab]),
                     [xx, yy, zz, yz, xz, xy] => largest_principal([xx, yy, zz, yz, xz, xy]),
@@ -177,7 +210,7 @@ impl FaceStresses {
             }
             found
         };
-        self.faces.iter().enumerate().map(each).collect()
+        self.faces.iter().map(each).collect()
     }
 }
 
@@ -233,10 +266,17 @@ mod tests {
                 let points = grid.points(2, 0.5);
                 let bump = |p: &Vec3| (-((p[0] - x).powi(2) + 2.0 * (p[1] - y).powi(2))).exp();
                 let stresses: Vec<f64> = points.iter().flat_map(|p| [bump(p), 0.2, 0.0]).collect();
-                let face = Face { name: String::new(), points, first: 0, sign: 1.0, grid: Some(grid.clone()) };
+                let face = Face {
+                    name: String::new(),
+                    points,
+                    first: 0,
+                    local: Vec::new(),
+                    sign: 1.0,
+                    grid: Some(grid.clone()),
+                };
                 let map = StressMap::Forms { map: Map::Dense(0, Vec::new()), components: 3 };
                 let [found] = FaceStresses { columns: Vec::new(), map, faces: vec![face] }
-                    .tensions(&stresses, |_, _, _| {})
+                    .tensions(&stresses, &ContactNow::default())
                     .try_into()
                     .expect("one face");
                 worst = worst.max((found.largest - 1.0).abs());

@@ -3,6 +3,7 @@
 mod faces;
 mod grid;
 mod map;
+mod near;
 mod sampler;
 mod smoothed;
 mod stress_map;
@@ -10,6 +11,7 @@ mod stress_map;
 pub use faces::{Face, FaceStresses, FaceTension};
 pub use grid::Grid;
 pub use map::Map;
+pub use near::{ContactNow, ContactSize, Hit, LocalPoint, NearHit};
 pub use sampler::{FieldSampler, Fields};
 pub use smoothed::Add;
 pub use stress_map::StressMap;
@@ -19,21 +21,25 @@ use std::rc::Rc;
 use crate::form::Material;
 use crate::form::stress::place;
 use crate::mesh::Whole;
+use crate::scene::faces::along;
 use crate::scene::{Scene, Symmetry, Vec3};
 
 use super::finite_element::Nodes;
+use smoothed::smoothed;
 use stress_map::Recovered;
 
 /// A linear form on a body's unknowns: entries by unknown, which may come more than once.
 pub type Form = Vec<(usize, f64)>;
 
 /// What is read at a point.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Forms {
     /// The displacement along x, y, z, m.
     pub displacement: [Form; 3],
     /// The stresses xx, yy, zz, yz, xz, xy, Pa.
     pub stress: [Form; 6],
+    /// What these lack near the hit.
+    pub local: Option<LocalPoint>,
 }
 
 /// What reads a body between the lines of a grid, in its modelled part.
@@ -41,16 +47,11 @@ pub trait PointEvaluator {
     /// The forms at a point, m.
     fn at(&self, x: Vec3) -> Forms;
 
-    /// As [`Evaluator::blurred`].
-    fn blurred(&self) -> Option<f64>;
+    /// How it carries the contact's force, where that is known.
+    fn hit(&self) -> Option<Hit>;
 
     /// Coordinates along the axes on which fields are written, m.
     fn field_lines(&self) -> [Vec<f64>; 3];
-
-    /// The stresses at a point of the face that is hit or of the one opposite, m, as they count for the largest tension.
-    fn face_stress(&self, x: Vec3) -> [Form; 6] {
-        self.at(x).stress
-    }
 
     /// Coordinates along the axes on whose crossings the largest tension is looked for, m.
     fn face_lines(&self) -> [Vec<f64>; 3];
@@ -69,6 +70,8 @@ pub trait PointEvaluator {
 /// A body whose points are read. Of a quarter it is the whole.
 pub struct Evaluator {
     kind: Kind,
+    /// The neighbourhood of the hit, where stresses lack the local field.
+    near: Option<NearHit>,
     /// Axes across planes of symmetry beyond which there are images.
     mirrors: Vec<usize>,
 }
@@ -85,21 +88,13 @@ impl Evaluator {
         let material = Material { young: body.young, poisson: body.poisson, density: body.density };
         // Images and all, so that patches on a plane of symmetry are whole.
         let mesh = mirrors(scene).into_iter().fold(mesh, Whole::with_image);
-        Self { kind: Kind::Nodes(Rc::new(Nodes::new(mesh, &material))), mirrors: Vec::new() }
+        Self { kind: Kind::Nodes(Rc::new(Nodes::new(mesh, &material))), near: None, mirrors: Vec::new() }
     }
 
     /// Of splines or a plate.
     pub fn of_grid(scene: &Scene, points: impl PointEvaluator + 'static) -> Self {
-        Self { kind: Kind::Grid(Box::new(points)), mirrors: mirrors(scene) }
-    }
-
-    /// Radius about the hit within which stresses are not those under the contact, m: of the disc that the force is spread over; under a
-    /// force at a point on Kirchhoff's plate, of what its thickness would even out. `None` on a mesh.
-    pub fn blurred(&self) -> Option<f64> {
-        match &self.kind {
-            Kind::Nodes(_) => None,
-            Kind::Grid(points) => points.blurred(),
-        }
+        let near = points.hit().and_then(|hit| NearHit::new(scene, hit));
+        Self { kind: Kind::Grid(Box::new(points)), near, mirrors: mirrors(scene) }
     }
 
     /// What reads the largest tension on each face, in the body's unknowns or on a basis: vector by vector the values of all unknowns.
@@ -107,8 +102,17 @@ impl Evaluator {
         let (faces, map) = match (&self.kind, scene.struck_axis()) {
             (Kind::Grid(points), Some(struck)) => {
                 let hit = (struck, scene.impactor.point);
-                let at = |x: Vec3| points.face_stress(x);
-                let (faces, forms) = faces::of_box(hit, points.face_lines(), &self.mirrors, points.bends_alone(), at);
+                let lines = points.face_lines();
+                let (faces, forms) = faces::of_box(
+                    hit,
+                    lines,
+                    &self.mirrors,
+                    points.bends_alone(),
+                    |x, is_near| {
+                        if is_near { self.stress(points.as_ref(), x) } else { points.at(x).stress }
+                    },
+                    self.near.as_ref(),
+                );
                 (faces, StressMap::Forms { map: Map::new(forms.into_iter(), basis), components: 3 })
             }
             (Kind::Nodes(nodes), struck) => {
@@ -133,7 +137,11 @@ impl Evaluator {
         }
         let mut forms = match &self.kind {
             Kind::Nodes(nodes) => nodes.at(image)?,
-            Kind::Grid(points) => points.at(image),
+            Kind::Grid(points) => {
+                let local =
+                    self.near.as_ref().and_then(|near| near.at(point, self.is_smoothed(points.as_ref(), image)));
+                Forms { stress: self.stress(points.as_ref(), image), local, ..points.at(image) }
+            }
         };
         let turn = |form: &mut Form, sign: f64| form.iter_mut().for_each(|(_, value)| *value *= sign);
         for i in 0..3 {
@@ -141,6 +149,23 @@ impl Evaluator {
             (i + 1..3).for_each(|j| turn(&mut forms.stress[place(i, j)], signs[i] * signs[j]));
         }
         Some(forms)
+    }
+}
+
+impl Evaluator {
+    fn is_smoothed(&self, points: &dyn PointEvaluator, x: Vec3) -> bool {
+        let half = points.face_lines().map(|lines| lines.last().copied().unwrap_or_default());
+        self.near.as_ref().is_some_and(|near| near.is_smoothed(x, half))
+    }
+
+    /// The stresses of a body on a grid at a point of its modelled part: near the hit as means.
+    fn stress(&self, points: &dyn PointEvaluator, x: Vec3) -> [Form; 6] {
+        match &self.near {
+            Some(near) if self.is_smoothed(points, x) => {
+                smoothed(points, &self.mirrors, x, (along(near.struck), near.smoothing()))
+            }
+            _ => points.at(x).stress,
+        }
     }
 }
 

@@ -52,7 +52,8 @@ impl Recovered {
             *sample = place * each + *sample % each;
         }
         let samples = cells.iter().flat_map(|&cell| (0..each).map(move |sample| (cell, sample)));
-        let gradients = samples.flat_map(|(cell, sample)| nodes.recovery.gradients(&nodes.mesh, cell, sample)).collect();
+        let gradients =
+            samples.flat_map(|(cell, sample)| nodes.recovery.gradients(&nodes.mesh, cell, sample)).collect();
         Self { nodes, weights, cells, gradients }
     }
 
@@ -62,7 +63,8 @@ impl Recovered {
         let mut sampled = Vec::with_capacity(each * self.cells.len());
         let mut gradients = self.gradients.chunks_exact(mesh.nodes_each);
         for &cell in &self.cells {
-            let moved: Vec<Vec3> = mesh.cell(cell).iter().map(|&node| [0, 1, 2].map(|i| displacement(node, i))).collect();
+            let moved: Vec<Vec3> =
+                mesh.cell(cell).iter().map(|&node| [0, 1, 2].map(|i| displacement(node, i))).collect();
             for gradients in gradients.by_ref().take(each) {
                 let mut slope = [0.0; 9];
                 for (u, gradient) in moved.iter().zip(gradients) {

@@ -53,7 +53,7 @@ impl Nodes {
                 }
             }
         }
-        Some(Forms { displacement: displacement.map(summed), stress: stress.map(summed) })
+        Some(Forms { displacement: displacement.map(summed), stress: stress.map(summed), local: None })
     }
 
     /// The stress of a gradient of the displacement, entry 3i + j being ∂u_i/∂x_j.

@@ -9,8 +9,9 @@ use crate::form::plate::{AREA, Section, deflection, rotation};
 use crate::form::stress::place;
 use crate::form::tensor::{Linear, Part, Tensor};
 use crate::scene::Vec3;
-use crate::space::evaluate::{Add, Form, Forms, PointEvaluator, add, divided, summed};
+use crate::space::evaluate::{Add, Form, Forms, Hit, PointEvaluator, add, divided, summed};
 use crate::space::grid::GridField;
+use crate::stack::{Pressure, Sections};
 
 /// Hexahedra in a cell of splines along each axis, where fields are written: splines of degree 5 bend within a cell.
 const PIECES: usize = 3;
@@ -111,11 +112,19 @@ impl PointEvaluator for Points {
                 add(to, factor, &form((1.0, rotation(i, [0, 0]))));
             }
         }
-        Forms { displacement: self.displacement(x), stress: stress.map(summed) }
+        Forms { displacement: self.displacement(x), stress: stress.map(summed), local: None }
     }
 
-    fn blurred(&self) -> Option<f64> {
-        Some(self.local.map_or(2.0 * self.section.thickness, |local| local.radius))
+    fn hit(&self) -> Option<Hit> {
+        let PlateGeometry { axes, normal, hit, .. } = self.geometry;
+        let mut point = [0.0; 3];
+        (point[axes[0]], point[axes[1]]) = (hit[0], hit[1]);
+        let (pressure, reading) = match self.local {
+            None => (Pressure::Point, 0.0),
+            Some(Local { spread, radius, reading, .. }) => (Pressure::Spread { spread, radius }, reading),
+        };
+        let reading = reading * self.section.thickness.powi(2);
+        Some(Hit { pressure, body: Sections::Plate { reading }, cell: Hit::cell(&self.lines, normal, point) })
     }
 
     fn face_lines(&self) -> [Vec<f64>; 3] {

@@ -91,7 +91,7 @@ impl SplineSolid {
         let tensor = tensor(&lines, patch.bends.then_some(geometry.struck));
         let (mass, elastic) =
             (tensor.matrix(&mass(&description.material)), tensor.matrix(&elastic(&description.material)));
-        let points = Points::new(tensor, lines, &description.material, (geometry.struck, &patch));
+        let points = Points::new(tensor, lines, &description.material, (&geometry, &patch));
         let terms = SurfaceTerms::new(&GridSpace { field: &points, mirrors: &geometry.mirrors }, &description)?;
         let copies = geometry.copies();
         let system = System {

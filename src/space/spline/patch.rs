@@ -30,6 +30,8 @@ pub(super) struct PatchModel {
     /// Whether the body bends alone: displacements along the face are odd across the thickness, those across it even. What else there is,
     /// squeezing, is then a constant of the contact law, as on an infinite layer at rest.
     pub bends: bool,
+    /// Whether the body is a layer about the hit.
+    pub is_plate: bool,
 }
 
 impl PatchModel {
@@ -87,7 +89,7 @@ impl PatchModel {
         let patch =
             given.map(|radius| Patch { radius, reason: Reason::Scene, thickness, cell: 0.0, limit_radius: 0.0 });
         let spread = Spread::new((radius / disc).min(1.0));
-        Ok(Self { patch, spread, disc, compliance: compliance(disc), bends })
+        Ok(Self { patch, spread, disc, compliance: compliance(disc), bends, is_plate })
     }
 
     /// a: the spread pressure on the disc of the struck face, with total 1, times the direction.

@@ -1,15 +1,17 @@
 //! Displacement and stress at the points of a box of splines.
 
 use crate::element::gauss_legendre;
-use crate::form::Material;
 use crate::form::elastic::{VOLUME, displacement};
-use crate::form::tensor::{Linear, Part, Tensor};
-use crate::scene::Vec3;
 use crate::form::stress::place;
-use crate::space::evaluate::{Add, Form, Forms, PointEvaluator, add, divided, summed};
+use crate::form::tensor::{Linear, Part, Tensor};
+use crate::form::{Material, Spread};
+use crate::scene::Vec3;
+use crate::space::evaluate::{Add, Form, Forms, Hit, PointEvaluator, add, divided, summed};
 use crate::space::grid::GridField;
+use crate::stack::{Pressure, Sections};
 
 use super::DEGREE;
+use super::geometry::BoxGeometry;
 use super::patch::PatchModel;
 
 /// Hexahedra in a cell of splines along each axis, where fields are written.
@@ -23,9 +25,10 @@ const MOST_POINTS: usize = 20_000;
 
 /// How many of a stress's two directions are across a face.
 fn across_face(component: usize, across: usize) -> usize {
-    (0..3).flat_map(|i| (i..3).map(move |j| (i, j))).find(|(i, j)| place(*i, *j) == component).map_or(0, |(i, j)| {
-        usize::from(i == across) + usize::from(j == across)
-    })
+    (0..3)
+        .flat_map(|i| (i..3).map(move |j| (i, j)))
+        .find(|(i, j)| place(*i, *j) == component)
+        .map_or(0, |(i, j)| usize::from(i == across) + usize::from(j == across))
 }
 
 /// A box's discretisation, to be read anywhere in the modelled part.
@@ -35,17 +38,36 @@ pub struct Points {
     pub(super) lines: [Vec<f64>; 3],
     /// Hooke's law: stresses over ∂u_i/∂x_j.
     law: [[f64; 9]; 6],
-    /// Radius of the disc that is pressed, m.
+    /// The pressure, and the radius of the disc that it is on, m.
+    spread: Spread,
     disc: f64,
-    /// The axis across the face that is hit.
+    /// Whether it is a layer about the hit.
+    is_plate: bool,
+    /// Where it is hit, m, and the axis across that face.
+    hit: Vec3,
     struck: usize,
     /// Whether it bends alone: then its other half has the opposite stresses along the face.
     bends: bool,
 }
 
 impl Points {
-    pub(super) fn new(tensor: Tensor<3>, lines: [Vec<f64>; 3], material: &Material, (struck, patch): (usize, &PatchModel)) -> Self {
-        Self { tensor, lines, law: material.stress_of_gradient(), disc: patch.disc, struck, bends: patch.bends }
+    pub(super) fn new(
+        tensor: Tensor<3>,
+        lines: [Vec<f64>; 3],
+        material: &Material,
+        (geometry, patch): (&BoxGeometry, &PatchModel),
+    ) -> Self {
+        Self {
+            tensor,
+            lines,
+            law: material.stress_of_gradient(),
+            spread: patch.spread,
+            disc: patch.disc,
+            hit: geometry.hit,
+            struck: geometry.struck,
+            is_plate: patch.is_plate,
+            bends: patch.bends,
+        }
     }
 }
 
@@ -81,11 +103,14 @@ impl PointEvaluator for Points {
             let slope = self.tensor.at_point(Part { field: i, derivatives }, x, 1.0);
             stress.iter_mut().zip(&self.law).for_each(|(form, row)| add(form, row[3 * i + j], &slope));
         }
-        Forms { displacement: self.displacement(x), stress: stress.map(summed) }
+        Forms { displacement: self.displacement(x), stress: stress.map(summed), local: None }
     }
 
-    fn blurred(&self) -> Option<f64> {
-        Some(self.disc)
+    fn hit(&self) -> Option<Hit> {
+        let body = if self.bends { Sections::BentSolid } else { Sections::Solid };
+        let pressure = Pressure::Spread { spread: self.spread, radius: self.disc };
+        let cell = Hit::cell(&self.lines, self.struck, self.hit);
+        self.is_plate.then_some(Hit { pressure, body, cell })
     }
 
     fn face_lines(&self) -> [Vec<f64>; 3] {
@@ -131,7 +156,10 @@ impl PointEvaluator for Points {
                                     _ => 0.0,
                                 };
                             if factor != 0.0 {
-                                values.iter().enumerate().for_each(|(n, value)| add(component, first + n, factor * value));
+                                values
+                                    .iter()
+                                    .enumerate()
+                                    .for_each(|(n, value)| add(component, first + n, factor * value));
                             }
                         }
                     });

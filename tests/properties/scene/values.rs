@@ -35,7 +35,14 @@ fn defaults_are_those_of_the_reference() -> Result<()> {
     assert_eq!((newmark.modal, newmark.scheme), (false, Scheme::Newmark { beta, gamma }));
     assert_eq!(
         scene.output,
-        Output { every: 1, checkpoint_steps: None, checkpoint_minutes: Some(10.0), fields: None, stress: true, probes: Vec::new() }
+        Output {
+            every: 1,
+            checkpoint_steps: None,
+            checkpoint_minutes: Some(10.0),
+            fields: None,
+            stress: true,
+            probes: Vec::new()
+        }
     );
     let schemes = ["generalized-alpha", "central-difference"].map(|name| format!("time.scheme={name}"));
     let rho_inf = 0.8;
@@ -59,7 +66,14 @@ fn probes_and_fields() -> Result<()> {
     let expected = vec![probe("bottom ½", [0.1, 0.0, -0.05]), probe("side", [-0.75, 0.0, 0.0])];
     assert_eq!(
         output,
-        Output { every: 1, checkpoint_steps: None, checkpoint_minutes: Some(10.0), fields: Some(50), stress: true, probes: expected }
+        Output {
+            every: 1,
+            checkpoint_steps: None,
+            checkpoint_minutes: Some(10.0),
+            fields: Some(50),
+            stress: true,
+            probes: expected
+        }
     );
     let far = parse(MESH, &["output.probes=[{ name = \"far\", point = [7, 8, 9] }]"])?.output;
     assert_eq!(far.probes, [probe("far", [7.0, 8.0, 9.0])]);

@@ -1,0 +1,204 @@
+//! What a body's own stresses lack near the hit: the local field under the contact, wherever stresses are read.
+
+use std::cell::OnceCell;
+use std::rc::Rc;
+
+use crate::scene::{Contact, Impactor, Scene, Vec3};
+use crate::stack::{Carrier, Layer, LocalField, PointField, Pressure, Sections, Stack};
+
+/// Part of the thickness about the hit within which stresses are read as means over a disc.
+const SMOOTHED: f64 = 2.0;
+
+/// Part of the thickness about the hit within which the local field is added.
+const REACH: f64 = 4.0;
+
+/// Cells in the radius of the disc of means at least: with as many the mean is good to 0.3% of the largest tension.
+const CELLS: f64 = 2.0;
+
+/// Largest contact radius over that of the same impact on a half-space.
+const WIDEST: f64 = 1.2;
+
+/// How a body of one layer carries the contact's force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// The pressure that the body is under.
+    pub pressure: Pressure,
+    /// What carries it.
+    pub body: Sections,
+    /// The longest edge of the cells about the hit, m.
+    pub cell: f64,
+}
+
+impl Hit {
+    /// The longest of the cells that hold a point, along the axes of a face, m; `lines` are the ends of the cells along each axis.
+    pub fn cell(lines: &[Vec<f64>; 3], struck: usize, point: Vec3) -> f64 {
+        let of_axis = |axis: usize| {
+            let holds = |ends: &&[f64]| ends[0] <= point[axis] && point[axis] <= ends[1];
+            lines[axis].windows(2).filter(holds).map(|ends| ends[1] - ends[0]).fold(0.0, f64::max)
+        };
+        (0..3).filter(|axis| *axis != struck).map(of_axis).fold(0.0, f64::max)
+    }
+}
+
+/// How wide the contact is.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ContactSize {
+    /// R of Hertz's contact, m: its radius is √(Rα).
+    pub curvature: Option<f64>,
+    /// A given radius, m.
+    pub given: f64,
+}
+
+/// The contact at one time.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ContactNow {
+    /// F of the whole body, N.
+    pub force: f64,
+    /// Radius of the contact, m.
+    pub radius: f64,
+}
+
+/// The neighbourhood of the hit on a layer.
+pub struct NearHit {
+    hit: Hit,
+    stack: Stack,
+    /// The axis across the face that is hit.
+    pub struck: usize,
+    point: Vec3,
+    /// Distance of the hit from the nearest edge, m.
+    room: f64,
+    largest: f64,
+    by_sections: OnceCell<LocalField>,
+    as_it_is: OnceCell<LocalField>,
+}
+
+/// The local field at one point.
+#[derive(Debug, Clone)]
+pub struct LocalPoint {
+    field: Rc<PointField>,
+    /// Unit vectors away from the line of the force, and into the body.
+    radial: Vec3,
+    inward: Vec3,
+    /// Whether Hertz's own field, with its ring of tension, is part of it.
+    has_ring: bool,
+}
+
+impl ContactSize {
+    /// Of a scene: the patch where one is given, otherwise Hertz's contact of a round impactor, otherwise a point.
+    pub fn new(scene: &Scene) -> Self {
+        match scene.contact {
+            Contact::Patch { radius: Some(given) } => Self { curvature: None, given },
+            _ => Self { curvature: scene.impactor.radius, given: 0.0 },
+        }
+    }
+
+    /// The radius at an indentation, m.
+    pub fn radius(&self, indentation: f64) -> f64 {
+        self.curvature.map_or(self.given, |curvature| (curvature * indentation.max(0.0)).sqrt())
+    }
+
+    /// A radius that the contact hardly exceeds, m.
+    fn largest(&self, impactor: &Impactor) -> f64 {
+        WIDEST * self.radius(impactor.peak_indentation())
+    }
+}
+
+impl NearHit {
+    /// Of a box that is hit on a face, as on an infinite layer.
+    pub fn new(scene: &Scene, hit: Hit) -> Option<Self> {
+        let struck = scene.struck_axis()?;
+        let crate::scene::Geometry::Box { size, .. } = &scene.body.geometry else { return None };
+        let (young, poisson) = (scene.body.young, scene.body.poisson);
+        let point = scene.impactor.point;
+        let room = (0..3).filter(|axis| *axis != struck).map(|axis| 0.5 * size[axis] - point[axis].abs());
+        Some(Self {
+            hit,
+            stack: Stack::new(&[Layer { thickness: size[struck], young, poisson }])?,
+            struck,
+            point,
+            room: room.fold(f64::INFINITY, f64::min),
+            largest: ContactSize::new(scene).largest(&scene.impactor).max(1e-6 * size[struck]),
+            by_sections: OnceCell::new(),
+            as_it_is: OnceCell::new(),
+        })
+    }
+
+    /// h, m.
+    pub fn thickness(&self) -> f64 {
+        self.stack.thickness()
+    }
+
+    /// Radius of the disc of means, m: that of the body's own disc or more where cells are coarse, as far as there is room about the hit.
+    pub fn smoothing(&self) -> f64 {
+        let disc = self.hit.pressure.radius();
+        let disc = if disc > 0.0 { disc } else { 2.0 * self.thickness() };
+        disc.max(CELLS * self.hit.cell).min(self.room)
+    }
+
+    /// Distance of a point from the line of the force, m.
+    pub fn distance(&self, x: Vec3) -> f64 {
+        (0..3).filter(|&axis| axis != self.struck).map(|axis| (x[axis] - self.point[axis]).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// Whether stresses at a point are read as means, for which the disc is within the body.
+    pub fn is_smoothed(&self, x: Vec3, half: Vec3) -> bool {
+        let disc = self.smoothing() * (1.0 - 1e-9);
+        let fits = (0..3).filter(|&axis| axis != self.struck).all(|axis| x[axis].abs() + disc <= half[axis]);
+        fits && disc >= 0.45 * self.thickness() && self.distance(x) <= SMOOTHED * self.thickness()
+    }
+
+    /// What a point (m) lacks whose stresses are read as means of the sections', or as they are; `None` far away.
+    pub fn at(&self, x: Vec3, is_smoothed: bool) -> Option<LocalPoint> {
+        let radius = self.distance(x);
+        if radius > REACH * self.thickness() {
+            return None;
+        }
+        let Hit { pressure, body, .. } = self.hit;
+        let field = if is_smoothed {
+            self.by_sections.get_or_init(|| {
+                let smoothing = Pressure::Spread { spread: crate::form::Spread::new(0.0), radius: self.smoothing() };
+                let carrier = Carrier::Sections { pressure, smoothing, body };
+                LocalField::new(self.stack.clone(), carrier, self.largest)
+            })
+        } else {
+            self.as_it_is.get_or_init(|| {
+                let carrier = match body {
+                    Sections::Plate { reading } => Carrier::Plate { pressure, reading },
+                    Sections::Solid => Carrier::Solid { pressure },
+                    Sections::BentSolid => Carrier::BentSolid { pressure },
+                };
+                LocalField::new(self.stack.clone(), carrier, self.largest)
+            })
+        };
+        let side = self.point[self.struck].signum();
+        let mut inward = [0.0; 3];
+        inward[self.struck] = -side;
+        let mut radial = [0, 1, 2].map(|axis| x[axis] - self.point[axis]);
+        radial[self.struck] = 0.0;
+        if radius > 1e-9 * self.thickness() {
+            radial = radial.map(|x| x / radius);
+        } else {
+            radial = [0.0; 3];
+            radial[(self.struck + 1) % 3] = 1.0;
+        }
+        let depth = 0.5 * self.thickness() - side * x[self.struck];
+        Some(LocalPoint { field: Rc::new(field.at(radius, depth)), radial, inward, has_ring: true })
+    }
+}
+
+impl LocalPoint {
+    /// The same without Hertz's own field, whose ring of tension is told by itself.
+    #[must_use]
+    pub fn without_ring(self) -> Self {
+        Self { has_ring: false, ..self }
+    }
+
+    /// The stresses that the contact adds, Pa.
+    pub fn stress(&self, contact: &ContactNow) -> [f64; 6] {
+        let field = match self.has_ring {
+            true => self.field.stress(contact.radius),
+            false => self.field.smooth_stress(contact.radius),
+        };
+        field.cartesian(self.radial, self.inward).map(|stress| contact.force * stress)
+    }
+}
