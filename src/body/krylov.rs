@@ -264,6 +264,8 @@ impl Krylov {
         let [elastic, support, damping] = &self.projected;
         let mut projection = Projection {
             translation: along(&momentum)?,
+            hit_stress: forms_on(&body.hit_stress, &self.basis)?,
+            hit_local: body.hit_local,
             elastic: elastic.clone(),
             support: support.clone(),
             damping: body.damping.is_some().then(|| damping.clone()),
@@ -279,4 +281,13 @@ impl Krylov {
         projection.numbers().for_each(|numbers| body.comm().broadcast_from_root(numbers));
         Ok(projection)
     }
+}
+
+/// Linear forms on a basis, a row each. Collective.
+pub(super) fn forms_on(forms: &[Vector], basis: &[Vector]) -> Result<DMatrix<f64>> {
+    let mut rows = DMatrix::zeros(forms.len(), basis.len());
+    for (i, form) in forms.iter().enumerate() {
+        rows.set_row(i, &DVector::from_vec(form.dots(basis)?).transpose());
+    }
+    Ok(rows)
 }

@@ -8,6 +8,7 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use petsc_wrap::Vector;
 
+use super::krylov::forms_on;
 use super::{Body, Krylov, Projection};
 use crate::error::Result;
 
@@ -137,6 +138,8 @@ fn project(body: &Body, basis: &[Vector]) -> Result<Projection> {
         damping,
         force: along(&body.localization.vector)?,
         translation: DVector::zeros(count),
+        hit_stress: forms_on(&body.hit_stress, basis)?,
+        hit_local: body.hit_local,
         load: along(&body.load)?,
         support_load: along(&body.support_load)?,
         support_offset: body.support_offset,

@@ -26,6 +26,8 @@ pub struct Modes {
     pub(crate) forms: Forms,
     /// How all of the body moves.
     pub(crate) shapes: Shapes,
+    /// The stresses under the hit on the other face, three forms, with what they lack for 1 N; or none.
+    pub(crate) hit_stress: Option<(Shapes, [f64; 3])>,
 }
 
 /// A body's coordinates y on its basis, from those of its modes: with x of the vibrations, ∫∫F of the free motions, and F,
@@ -119,7 +121,15 @@ impl Modes {
     /// A body that does not move: a half-space, whose dent Hertz's law holds.
     pub fn none() -> Self {
         let shapes = Shapes::none();
-        Self { modes: Vec::new(), free: Free::default(), residual: 0.0, rest: 0.0, forms: Forms::none(), shapes }
+        Self {
+            modes: Vec::new(),
+            free: Free::default(),
+            residual: 0.0,
+            rest: 0.0,
+            forms: Forms::none(),
+            shapes,
+            hit_stress: None,
+        }
     }
 
     /// A surface that moves at F/Z: an infinite plate of the impedance Z, N s/m.
@@ -162,6 +172,9 @@ pub struct Spectrum {
     support_offset: f64,
     /// The vibrations on the basis, by columns.
     vectors: DMatrix<f64>,
+    /// Stresses under the hit on the basis, a row each.
+    hit_stress: DMatrix<f64>,
+    hit_local: [f64; 3],
 }
 
 impl Spectrum {
@@ -182,6 +195,8 @@ impl Spectrum {
             damping: projection.damping.as_ref().map(on),
             support_offset: projection.support_offset,
             vectors,
+            hit_stress: projection.hit_stress.clone(),
+            hit_local: projection.hit_local,
         }
     }
 
@@ -258,7 +273,8 @@ impl Spectrum {
             rest: rest_energy,
             damped,
         };
-        Ok(Modes { modes, free, residual, rest, forms, shapes })
+        let hit_stress = (self.hit_stress.nrows() > 0).then(|| (shapes.mapped(&self.hit_stress), self.hit_local));
+        Ok(Modes { modes, free, residual, rest, forms, shapes, hit_stress })
     }
 }
 

@@ -46,6 +46,10 @@ pub struct Body {
     pub method: Method,
     /// The rigid motions, which multigrid needs to know of, where there are unknowns enough for that.
     pub(crate) rigid_motions: Option<NullSpace>,
+    /// As of [`System::hit_stress`](super::System::hit_stress).
+    pub hit_stress: Vec<Vector>,
+    /// As of [`System::hit_local`](super::System::hit_local).
+    pub hit_local: [f64; 3],
     /// The body moved as a whole by one in the impactor's direction.
     pub translation: Vector,
     /// Numbers that look like independent normal deviates, the same on any number of ranks: where iterations start.

@@ -21,6 +21,10 @@ pub struct Projection {
     pub force: DVector<f64>,
     /// VᵀMt of the unit translation t along the impactor's direction.
     pub translation: DVector<f64>,
+    /// The forms of [`System::hit_stress`] on V, a row each.
+    pub hit_stress: DMatrix<f64>,
+    /// As of [`System::hit_local`].
+    pub hit_local: [f64; 3],
     /// Vᵀf of body forces and tractions.
     pub load: DVector<f64>,
     /// Vᵀ∫ k ū of the supports.
@@ -53,6 +57,8 @@ impl Projection {
             localization: self.force.as_slice().to_vec(),
             compliance: self.compliance,
             patch: self.patch,
+            hit_stress: self.hit_stress.row_iter().map(|row| row.iter().copied().collect()).collect(),
+            hit_local: self.hit_local,
             translation: self.translation.as_slice().to_vec(),
             copies: self.copies,
         }
@@ -85,8 +91,8 @@ impl Projection {
 
     /// All the numbers of the arrays.
     pub(super) fn numbers(&mut self) -> impl Iterator<Item = &mut [f64]> {
-        let Self { elastic, support, damping, force, translation, load, support_load, .. } = self;
-        [Some(elastic), Some(support), damping.as_mut()]
+        let Self { elastic, support, damping, force, translation, hit_stress, load, support_load, .. } = self;
+        [Some(elastic), Some(support), Some(hit_stress), damping.as_mut()]
             .into_iter()
             .flatten()
             .map(|m| m.as_mut_slice())
@@ -103,6 +109,8 @@ impl Projection {
             damping: self.damping.as_ref().map(square),
             force: head(&self.force),
             translation: head(&self.translation),
+            hit_stress: self.hit_stress.columns(0, count).into_owned(),
+            hit_local: self.hit_local,
             load: head(&self.load),
             support_load: head(&self.support_load),
             support_offset: self.support_offset,

@@ -40,6 +40,10 @@ pub struct System {
     pub compliance: f64,
     /// The patch of a body of solid elements.
     pub patch: Option<Patch>,
+    /// σ_a, σ_b and σ_ab, Pa, under the hit on the other face, along its axes, as linear forms; empty where they are not read.
+    pub hit_stress: Vec<Vec<f64>>,
+    /// What these lack for a force of 1 N on the whole body, Pa.
+    pub hit_local: [f64; 3],
     /// The unknowns of a unit translation along the impactor's direction.
     pub translation: Vec<f64>,
     /// How many such bodies make the whole.
@@ -94,6 +98,8 @@ impl Body {
             },
             rigid_motions: None,
             method: Method::Cholesky,
+            hit_stress: system.hit_stress.iter().map(|form| vector(form)).collect::<Result<_>>()?,
+            hit_local: system.hit_local,
             translation: vector(&system.translation)?,
             deviates: vector(&deviates)?,
             nodes: None,

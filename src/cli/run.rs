@@ -24,7 +24,7 @@ use crate::record::provenance::Cost;
 use crate::record::read;
 use crate::record::series::{Points, SeriesWriter};
 use crate::record::target::{Kind, check_writable, is_same};
-use crate::record::tension::{Faces, strengths};
+use crate::record::tension::{Faces, LargestTension, strengths};
 use crate::scene::{Scene, Source};
 use crate::solve::linear::has_mumps;
 
@@ -271,7 +271,8 @@ fn solve(
         let fields = recording.as_mut().filter(|_| complete || writer.has_begun());
         let recorded = fields.map_or(Ok(()), Recording::flush);
         // Where the run has failed already, that is what is told: a full disk fails the steps first and then the end.
-        writer.set_largest(summary.largest_tension());
+        let stress_error = estimate.total().map_or(f64::NAN, |errors| errors.stress);
+        writer.set_largest(LargestTension { error_estimate: stress_error, ..summary.largest_tension() });
         ended = writer.finish(&cost, complete).and(recorded);
         if let (Some(flow), Ok(())) = (flow, &ended) {
             // Of a file system that cannot be read at once, the run is as good.

@@ -163,6 +163,9 @@ pub fn lines(extremes: &Extremes) -> Vec<String> {
             short(y),
             short(z)
         );
+        if !largest.error_estimate.is_nan() {
+            line += &format!(", estimated error {:.1e}", largest.error_estimate);
+        }
         if !largest.strength_passed_at.is_nan() {
             line += &format!("; the strength is passed at {} ms", short(1e3 * largest.strength_passed_at));
         }

@@ -3,6 +3,7 @@
 use std::ops::{Add, Mul};
 
 use crate::contact::Patch;
+use crate::scene::Measure;
 
 /// What an error comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,25 +33,39 @@ impl Cause {
     }
 }
 
-/// Estimated error of the acceleration over its peak.
+/// Estimated errors, each over the peak of its quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Errors {
-    /// In the first contact.
+    /// Of the acceleration in the first contact.
     pub first_contact: f64,
-    /// Over the whole history.
+    /// Of the acceleration over the whole history.
     pub history: f64,
+    /// Of the largest tension in the first contact; NaN where it is not estimated.
+    pub stress: f64,
 }
 
 impl Errors {
-    /// The same in the first contact and after it.
+    /// The same of all.
     pub fn throughout(error: f64) -> Self {
-        Self { first_contact: error, history: error }
+        Self { first_contact: error, history: error, stress: error }
+    }
+
+    /// That of what the tolerance is for; where the stress' is not estimated, the acceleration's.
+    pub fn of(&self, measure: Measure) -> f64 {
+        match measure {
+            Measure::Stress if !self.stress.is_nan() => self.stress,
+            _ => self.first_contact,
+        }
     }
 
     /// The larger of each.
     #[must_use]
     pub fn max(self, other: Self) -> Self {
-        Self { first_contact: self.first_contact.max(other.first_contact), history: self.history.max(other.history) }
+        Self {
+            first_contact: self.first_contact.max(other.first_contact),
+            history: self.history.max(other.history),
+            stress: self.stress.max(other.stress),
+        }
     }
 }
 
@@ -58,7 +73,11 @@ impl Add for Errors {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        Self { first_contact: self.first_contact + other.first_contact, history: self.history + other.history }
+        Self {
+            first_contact: self.first_contact + other.first_contact,
+            history: self.history + other.history,
+            stress: self.stress + other.stress,
+        }
     }
 }
 
@@ -66,7 +85,8 @@ impl Mul<Errors> for f64 {
     type Output = Errors;
 
     fn mul(self, errors: Errors) -> Errors {
-        Errors { first_contact: self * errors.first_contact, history: self * errors.history }
+        let Errors { first_contact, history, stress } = errors;
+        Errors { first_contact: self * first_contact, history: self * history, stress: self * stress }
     }
 }
 

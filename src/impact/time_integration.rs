@@ -52,6 +52,8 @@ pub struct Count {
     pub iterations: usize,
     /// Estimated error of the acceleration over its peak, where steps are chosen by it.
     pub error: Option<f64>,
+    /// The same of the largest tension in the first contact.
+    pub stress_error: Option<f64>,
 }
 
 impl Count {

@@ -22,6 +22,9 @@ const FINER: [f64; 2] = [1.0 / COARSER, 0.85];
 /// Errors fall with this power of the size, or faster.
 const ORDER: i32 = 3;
 
+/// Likewise of the stress under the hit.
+const ORDER_OF_STRESS: i32 = 2;
+
 /// Part of the tolerance that the estimate may take.
 const OF_CELLS: f64 = 0.6;
 
@@ -99,13 +102,15 @@ pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch
     loop {
         let mut finer = FINER[0];
         if let Some((coarse, ratio)) = &coarse {
-            let of_difference = 1.0 / (ratio.powi(-ORDER) - 1.0);
-            let error = of_difference * watch.shared(fine.on_short_basis(scene))?.difference(coarse);
-            let Errors { first_contact, history } = error;
-            tracing::info!(size = fine.size, unknowns = fine.unknowns, first_contact, history, "cells");
+            let of_difference = |order: i32| 1.0 / (ratio.powi(-order) - 1.0);
+            let difference = watch.shared(fine.on_short_basis(scene))?.difference(coarse);
+            let stress = of_difference(ORDER_OF_STRESS) * difference.stress;
+            let error = Errors { stress, ..of_difference(ORDER) * difference };
+            let Errors { first_contact, history, stress } = error;
+            tracing::info!(size = fine.size, unknowns = fine.unknowns, first_contact, history, stress, "cells");
             fine.error = Some(error);
             let wanted = OF_CELLS * scene.tolerance;
-            let over = watch.agreed(first_contact / wanted);
+            let over = watch.agreed(error.of(scene.measure) / wanted);
             finer = over.recip().powf(1.0 / f64::from(ORDER)).clamp(FINER[0], FINER[1]);
             let cost = fine.unknowns as f64 * (fine.reduced.projection.vectors() as f64).powi(2);
             if over <= 1.0 || finer * fine.size < FINEST || cost > DEAREST {

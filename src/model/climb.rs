@@ -183,7 +183,7 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
         let thin = reduce(&operators(&rough, Theory::Kirchhoff)?.body, &rough, watch)?;
         let difference = thick.reduced.force.0.difference(&thin.force.0);
         let (differ, of_theory) = (difference.first_contact, part * difference);
-        let error = of_theory.first_contact;
+        let error = of_theory.of(scene.measure);
         let judged = format!(
             "kirchhoff and mindlin differ by {differ:.1e} in the first contact; estimated error of mindlin relative to solid: {error:.1e}"
         );

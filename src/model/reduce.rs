@@ -94,7 +94,7 @@ pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> 
                     let of_difference = if given.is_some() { OF_SMALLER } else { OF_LARGER };
                     let error = of_difference * before.difference(&trace);
                     let wanted = OF_BASIS * scene.tolerance;
-                    let over = watch.agreed(error.first_contact / wanted);
+                    let over = watch.agreed(error.of(scene.measure) / wanted);
                     last = Some(Judged { vectors: count, error: over * wanted, wanted });
                     if enough || over <= 1.0 {
                         tracing::info!(

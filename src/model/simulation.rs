@@ -99,8 +99,12 @@ impl Simulation {
 
     /// Estimated error by basis, cells, theory, steps and patch, as far as each is estimated; empty where nothing but the patch's is.
     pub fn error(&self) -> ErrorEstimate {
-        let error = match self.count().error {
-            Some(error) => self.of_model.clone().with(Cause::Steps, Errors { first_contact: 0.0, history: error }),
+        let Count { error, stress_error, .. } = self.count();
+        let error = match error {
+            Some(history) => {
+                let stress = stress_error.unwrap_or(f64::NAN);
+                self.of_model.clone().with(Cause::Steps, Errors { first_contact: 0.0, history, stress })
+            }
             None => self.of_model.clone(),
         };
         if error.total().is_none() { error } else { error.with_patch(self.patch.as_ref()) }

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::impact::settle;
 use crate::mesh::{Measures, Mesh};
 use crate::scene::{Contact, Fault, Geometry, Model, Reduction, Scene};
-use crate::space::evaluate::Evaluator;
+use crate::space::evaluate::{Evaluator, PointEvaluator};
 use crate::space::plate::{self, Plate, PlateTheory};
 use crate::space::spline::{self, SplineSolid};
 
@@ -95,18 +95,18 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
             let mut settings = spline::Settings::new(scene.tolerance);
             settings.cell_size_factor *= size;
             let SplineSolid { system, cells: [x, y, z], points } = SplineSolid::new(scene, &settings)?;
-            let evaluator = scene.output.is_read().then(|| Evaluator::of_grid(scene, points));
-            of_system(comm, &system, format!("{x} × {y} × {z} cells of splines"), evaluator)?
+            of_grid(comm, scene, (system, points), format!("{x} × {y} × {z} cells of splines"))?
         }
         Model::Auto | Model::Solid => {
             let mesh = Mesh::new(comm, &scene.body)?;
             let body = Body::solid(scene, &mesh)?;
             let words = format!("{} cells of order {}", mesh.total_cells, scene.body.order);
             let measures = matches!(scene.body.geometry, Geometry::Gmsh(_)).then(|| mesh.measures());
+            let patch = body.localization.patch;
             let whole = if scene.output.is_read() { mesh.gather() } else { None };
             drop(mesh);
             comm.collect_garbage()?;
-            let evaluator = whole.map(|whole| Evaluator::of_mesh(scene, whole));
+            let evaluator = whole.map(|whole| Evaluator::of_mesh(scene, whole, patch.as_ref()));
             Built::Operators(Operators { body: Box::new(body), words, is_of_splines: false, evaluator, measures })
         }
     };
@@ -141,12 +141,21 @@ fn of_plate(comm: &Comm, scene: &Scene, theory: PlateTheory, size: f64) -> Resul
     let mut settings = plate::Settings::new(scene.tolerance, theory);
     settings.cell_size_factor *= size;
     let Plate { system, cells: [x, y], points, .. } = Plate::new(scene, theory, &settings)?;
-    let evaluator = scene.output.is_read().then(|| Evaluator::of_grid(scene, points));
-    of_system(comm, &system, format!("{x} × {y} cells of splines"), evaluator)
+    of_grid(comm, scene, (system, points), format!("{x} × {y} cells of splines"))
 }
 
 /// Every rank has all of it.
-fn of_system(comm: &Comm, system: &System, words: String, evaluator: Option<Evaluator>) -> Result<Built> {
-    let body = Box::new(Body::of(&comm.session().alone(), system)?);
+fn of_grid(
+    comm: &Comm,
+    scene: &Scene,
+    (mut system, points): (System, impl PointEvaluator + 'static),
+    words: String,
+) -> Result<Built> {
+    let evaluator = scene.output.is_read().then(|| Evaluator::of_grid(scene, points));
+    let read = evaluator.as_ref().filter(|_| scene.output.stress).and_then(|evaluator| evaluator.hit_stress(scene));
+    if let Some(read) = read {
+        (system.hit_stress, system.hit_local) = read;
+    }
+    let body = Box::new(Body::of(&comm.session().alone(), &system)?);
     Ok(Built::Operators(Operators { body, words, is_of_splines: true, evaluator, measures: None }))
 }

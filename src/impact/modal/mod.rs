@@ -17,7 +17,8 @@ use std::ops::ControlFlow;
 use crate::body::{Closed, ModalBody, Modes};
 use crate::contact::Law;
 use crate::error::{Error, Result};
-use crate::scene::{Impactor, Initial, Scene, Vec3};
+use crate::form::stress::largest_in_plane;
+use crate::scene::{Impactor, Initial, Measure, Scene, Vec3};
 
 use super::checkpoint::Checkpoint;
 use super::gate::Gate;
@@ -63,6 +64,7 @@ pub struct ModalImpact<B> {
     step: Option<f64>,
     initial: Initial,
     tolerance: f64,
+    measure: Measure,
     contact_time: f64,
     gate: Gate,
     has_energies: bool,
@@ -91,6 +93,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             step: scene.time.step,
             initial: scene.time.initial,
             tolerance: OF_STEPS * scene.tolerance,
+            measure: scene.measure,
             contact_time: impactor.contact_time(),
             gate: Gate::new(scene),
             has_energies: true,
@@ -190,7 +193,8 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             // Of order two at least: the finer run's error is a third of the difference.
             let error = 1.0 / 3.0 * fine.trace.difference(&coarse.trace);
             self.count.error = Some(error.history);
-            if error.first_contact <= self.tolerance || observer.is_interrupted() {
+            self.count.stress_error = Some(error.stress).filter(|error| !error.is_nan());
+            if error.of(self.measure) <= self.tolerance || observer.is_interrupted() {
                 return Ok(fine);
             }
             coarse = fine;
@@ -250,6 +254,11 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
                 break;
             }
             done.trace.push(time - taken.step, taken.step, taken.force);
+            if let Some((shapes, local)) = &modes.hit_stress {
+                let [values, _] = reading::values(&modes, shapes, &motion);
+                let force = setting.copies * motion.force;
+                done.trace.push_tension(time, largest_in_plane([0, 1, 2].map(|i| values[i] + force * local[i])));
+            }
             if observed {
                 if let Some(ledger) = &mut ledger {
                     ledger.account(&taken, &law, law.potential(motion.approach) - before);

@@ -83,12 +83,12 @@ impl<'a> Reader<'a> {
             faces.weights.extend([state.way, 0.5 * state.time * state.time, motion.force, state.settled]);
         }
         if let Some((shapes, forms)) = &self.probes {
-            let [values, rates] = self.values(shapes, motion);
-            reading.probes = forms.probes((values.as_slice(), rates.as_slice()), &contact(&self.contact, step));
+            let [moved, rates] = values(self.modes, shapes, motion);
+            reading.probes = forms.probes((moved.as_slice(), rates.as_slice()), &contact(&self.contact, step));
         }
         if self.fields.is_some_and(|every| step.number.is_multiple_of(every)) {
-            let values = self.values(&self.modes.shapes, motion);
-            reading.coordinates = Some(values.map(|values| values.as_slice().to_vec()));
+            let all = values(self.modes, &self.modes.shapes, motion);
+            reading.coordinates = Some(all.map(|values| values.as_slice().to_vec()));
         }
         reading
     }
@@ -104,22 +104,22 @@ impl<'a> Reader<'a> {
             }
         }
     }
+}
 
-    /// Values and their rates, with the static answer of the modes that are left out.
-    fn values(&self, shapes: &Shapes, motion: &Motion) -> [DVector<f64>; 2] {
-        let (state, force) = (&motion.state, motion.force);
-        let (x, v) = coordinates(self.modes, state);
-        let rise = motion.rise();
-        let t = state.time;
-        let value = |moving: &DVector<f64>, [way, of_load, force]: [f64; 3]| {
-            let mut sum = &shapes.moving * moving;
-            sum.axpy(way, &shapes.free[0], 1.0);
-            sum.axpy(of_load, &shapes.free[1], 1.0);
-            sum.axpy(force, &shapes.residual, 1.0);
-            sum
-        };
-        let mut values = value(&x, [state.way, 0.5 * t * t, force]);
-        values.axpy(state.settled, &shapes.rest, 1.0);
-        [values, value(&v, [state.impulse, t, rise])]
-    }
+/// Values and their rates, with the static answer of the modes that are left out.
+pub fn values(modes: &Modes, shapes: &Shapes, motion: &Motion) -> [DVector<f64>; 2] {
+    let (state, force) = (&motion.state, motion.force);
+    let (x, v) = coordinates(modes, state);
+    let rise = motion.rise();
+    let t = state.time;
+    let value = |moving: &DVector<f64>, [way, of_load, force]: [f64; 3]| {
+        let mut sum = &shapes.moving * moving;
+        sum.axpy(way, &shapes.free[0], 1.0);
+        sum.axpy(of_load, &shapes.free[1], 1.0);
+        sum.axpy(force, &shapes.residual, 1.0);
+        sum
+    };
+    let mut values = value(&x, [state.way, 0.5 * t * t, force]);
+    values.axpy(state.settled, &shapes.rest, 1.0);
+    [values, value(&v, [state.impulse, t, rise])]
 }

@@ -8,12 +8,29 @@ use crate::scheme::modal::quadratic;
 pub struct Trace {
     /// Begin and size of each step, s, and its three values.
     steps: Vec<(f64, f64, [f64; 3])>,
+    /// The tension under the hit on the other face, where it is read: s, Pa.
+    tension: Vec<(f64, f64)>,
 }
 
 impl Trace {
     /// Adds a step.
     pub fn push(&mut self, begin: f64, step: f64, force: [f64; 3]) {
         self.steps.push((begin, step, force));
+    }
+
+    /// Adds a tension (Pa) at a time, s.
+    pub fn push_tension(&mut self, time: f64, tension: f64) {
+        self.tension.push((time, tension));
+    }
+
+    /// The tension at a time, linear between those that are known; NaN where there is none.
+    fn tension_at(&self, time: f64) -> f64 {
+        let next = self.tension.partition_point(|(at, _)| *at < time).min(self.tension.len().saturating_sub(1));
+        let (Some((b, after)), Some((a, before))) = (self.tension.get(next), self.tension.get(next.saturating_sub(1)))
+        else {
+            return f64::NAN;
+        };
+        if b > a { before + (after - before) * ((time - a) / (b - a)).clamp(0.0, 1.0) } else { *after }
     }
 
     /// Largest of the values.
@@ -50,6 +67,16 @@ impl Trace {
                 largest.first_contact = largest.first_contact.max(off);
             }
         }
+        // Relative to the largest tension of the first contact.
+        let within = |trace: &Self| trace.tension.iter().filter(|(time, _)| *time <= end).copied().collect::<Vec<_>>();
+        let all = within(self);
+        let most = all.iter().map(|(_, tension)| *tension).fold(0.0, f64::max);
+        largest.stress = match all.is_empty() || other.tension.is_empty() {
+            true => f64::NAN,
+            false => {
+                all.iter().map(|(time, tension)| (tension - other.tension_at(*time)).abs() / most).fold(0.0, f64::max)
+            }
+        };
         largest
     }
 }

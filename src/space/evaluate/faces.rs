@@ -10,11 +10,15 @@ use crate::mesh::Whole;
 use crate::scene::Vec3;
 use crate::scene::faces::{along, name as face_name};
 
+use super::stress_map::Recovered;
 use super::{ContactNow, Form, LocalPoint, Map, NearHit, StressMap};
 
-/// Thicknesses about the hit within which the stresses of faces are read as means, and to which they get the local field.
+/// Thicknesses about the hit within which a face of a box is read at the hit alone, by a mean: a contact's largest tension is there, and
+/// nearby the stresses of coarse cells are off.
 const NEAR: f64 = 1.25;
-const REACH: f64 = 2.5;
+
+/// Thicknesses about the hit within which faces get the local field.
+const REACH: f64 = 2.0;
 
 /// Where stresses are read for the largest tension on each face; one rank has them.
 #[derive(Clone)]
@@ -38,6 +42,8 @@ pub struct Face {
     pub first: usize,
     /// What points near the hit lack, by their numbers.
     pub local: Vec<(usize, LocalPoint)>,
+    /// Which of its points are not read.
+    pub left_out: Vec<bool>,
     /// 1, or −1 where the stresses are the opposite of those sampled: on a plate that bends.
     pub sign: f64,
     /// Points along two axes where they form a grid, the second's fastest.
@@ -69,6 +75,19 @@ impl Default for FaceStresses {
     fn default() -> Self {
         let map = StressMap::Forms { map: Map::Sparse(Vec::new()), components: 3 };
         Self { columns: Vec::new(), map, faces: Vec::new() }
+    }
+}
+
+impl Face {
+    /// Adds what points of a mesh near the hit lack.
+    pub(super) fn add_local(&mut self, near: &NearHit, recovered: &Recovered) {
+        for (number, x) in self.points.iter().enumerate() {
+            if near.distance(*x) > REACH * near.thickness() {
+                continue;
+            }
+            let local = near.recovered(*x, recovered.samples(self.first + number));
+            self.local.extend(local.map(|local| (number, local.without_ring())));
+        }
     }
 }
 
@@ -107,19 +126,24 @@ pub(super) fn of_box(
     };
     let upper = half.copysign(hit[struck]);
     let size = lines.each_ref().map(|lines| lines.last().copied().unwrap_or_default());
-    // Where means are worth their cost: the largest tension of a contact is within the nearest of these points.
-    let is_near =
-        |x: Vec3| near.is_some_and(|near| near.distance(x) <= NEAR * near.thickness() && near.is_smoothed(x, size));
+    let is_hit = |x: Vec3| near.is_some_and(|near| near.distance(x) <= 1e-6 * near.thickness());
+    let is_smoothed = |x: Vec3| is_hit(x) && near.is_some_and(|near| near.is_smoothed(x, size));
+    let has_hit = is_smoothed(hit);
+    let is_left_out =
+        |x: &Vec3| has_hit && !is_hit(*x) && near.is_some_and(|near| near.distance(*x) < NEAR * near.thickness());
     let local = |points: &[Vec3]| -> Vec<(usize, LocalPoint)> {
         let reached = points.iter().enumerate().filter_map(|(number, x)| {
-            let near = near.filter(|near| near.distance(*x) <= REACH * near.thickness())?;
+            let near = near.filter(|near| near.distance(*x) <= REACH * near.thickness() && !is_left_out(x))?;
             // (The ring of tension at the contact's edge is told by itself.)
-            Some((number, near.at(*x, is_near(*x))?.without_ring()))
+            Some((number, near.at(*x, is_smoothed(*x))?.without_ring()))
         });
         reached.collect()
     };
     let in_plane = |x: &Vec3| {
-        let mut stress = at(*x, is_near(*x));
+        if is_left_out(x) {
+            return Default::default();
+        }
+        let mut stress = at(*x, is_smoothed(*x));
         [axes[0], axes[1], place(axes[0], axes[1])].map(|component| std::mem::take(&mut stress[component]))
     };
     let (mut faces, mut forms) = (Vec::new(), Vec::new());
@@ -131,7 +155,8 @@ pub(super) fn of_box(
             forms.extend(points.iter().flat_map(in_plane));
         }
         let local = local(&points);
-        faces.push(Face { name: name.to_owned(), points, first, local, sign, grid: Some(grid.clone()) });
+        let left_out = points.iter().map(is_left_out).collect();
+        faces.push(Face { name: name.to_owned(), points, first, local, left_out, sign, grid: Some(grid.clone()) });
     }
     faces.reverse();
     (faces, forms)
@@ -153,7 +178,8 @@ pub(super) fn of_mesh(mesh: &Whole, hit: Option<(usize, Vec3)>) -> (Vec<Face>, V
     let (mut faces, mut all) = (Vec::new(), Vec::new());
     for (name, nodes) in named.into_iter().filter(|(_, nodes)| !nodes.is_empty()) {
         let points = nodes.iter().map(|&node| mesh.nodes[node]).collect();
-        faces.push(Face { name, points, first: all.len(), local: Vec::new(), sign: 1.0, grid: None });
+        let left_out = vec![false; nodes.len()];
+        faces.push(Face { name, points, first: all.len(), local: Vec::new(), left_out, sign: 1.0, grid: None });
         all.extend_from_slice(nodes);
     }
     (faces, all)
@@ -202,7 +228,9 @@ impl FaceStresses {
                     _ => f64::NAN,
                 }
             };
-            let best = (0..face.points.len()).map(|point| (value(point), point));
+            let value = |point: usize| if face.left_out[point] { f64::NAN } else { value(point) };
+            let read = (0..face.points.len()).filter(|point| !face.left_out[*point]);
+            let best = read.map(|point| (value(point), point));
             let (largest, point) = best.max_by(|one, other| one.0.total_cmp(&other.0)).unwrap_or((f64::NAN, 0));
             let mut found = FaceTension { largest, point: face.points.get(point).copied().unwrap_or_default() };
             if let Some(grid) = &face.grid {
@@ -224,6 +252,7 @@ impl FaceGrid {
             if at + 1 >= lines.len() || (at == 0 && !self.is_mirrored[side]) {
                 continue;
             }
+            // (Neighbours that are not read make no parabola.)
             let (after, ahead) = (value(best + stride), lines[at + 1] - lines[at]);
             let (before, behind) =
                 if at == 0 { (after, ahead) } else { (value(best - stride), lines[at] - lines[at - 1]) };
@@ -268,6 +297,7 @@ mod tests {
                 let stresses: Vec<f64> = points.iter().flat_map(|p| [bump(p), 0.2, 0.0]).collect();
                 let face = Face {
                     name: String::new(),
+                    left_out: vec![false; points.len()],
                     points,
                     first: 0,
                     local: Vec::new(),

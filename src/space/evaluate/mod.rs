@@ -18,6 +18,7 @@ pub use stress_map::StressMap;
 
 use std::rc::Rc;
 
+use crate::contact::Patch;
 use crate::form::Material;
 use crate::form::stress::place;
 use crate::mesh::Whole;
@@ -83,12 +84,13 @@ enum Kind {
 
 impl Evaluator {
     /// Of a solid on a mesh; stresses are recovered at its nodes ([`super::finite_element::Recovery`]), and interpolated between them.
-    pub fn of_mesh(scene: &Scene, mesh: Whole) -> Self {
+    pub fn of_mesh(scene: &Scene, mesh: Whole, patch: Option<&Patch>) -> Self {
         let body = &scene.body;
         let material = Material { young: body.young, poisson: body.poisson, density: body.density };
         // Images and all, so that patches on a plane of symmetry are whole.
         let mesh = mirrors(scene).into_iter().fold(mesh, Whole::with_image);
-        Self { kind: Kind::Nodes(Rc::new(Nodes::new(mesh, &material))), near: None, mirrors: Vec::new() }
+        let near = patch.and_then(|patch| NearHit::of_patch_on_mesh(scene, patch.radius));
+        Self { kind: Kind::Nodes(Rc::new(Nodes::new(mesh, &material))), near, mirrors: Vec::new() }
     }
 
     /// Of splines or a plate.
@@ -116,17 +118,42 @@ impl Evaluator {
                 (faces, StressMap::Forms { map: Map::new(forms.into_iter(), basis), components: 3 })
             }
             (Kind::Nodes(nodes), struck) => {
-                let faces = faces::of_mesh(&nodes.mesh, struck.map(|axis| (axis, scene.impactor.point)));
-                let recovered = Recovered::at(nodes, &faces.1);
+                let (mut faces, all) = faces::of_mesh(&nodes.mesh, struck.map(|axis| (axis, scene.impactor.point)));
+                let recovered = Recovered::at(nodes, &all);
+                if let Some(near) = &self.near {
+                    faces.iter_mut().for_each(|face| face.add_local(near, &recovered));
+                }
                 let map = match basis {
                     Some(basis) => StressMap::on_basis(&recovered, basis),
                     None => StressMap::Recovered(Rc::new(recovered)),
                 };
-                (faces.0, map)
+                (faces, map)
             }
             (Kind::Grid(_), None) => return FaceStresses::default(),
         };
         FaceStresses { columns: Vec::new(), map, faces }
+    }
+
+    /// The stresses σ_a, σ_b and σ_ab under the hit on the other face of a box, along its axes, as forms on all unknowns, and what they lack
+    /// for 1 N: by them the error of stresses is estimated. `None` where they are not read so.
+    pub fn hit_stress(&self, scene: &Scene) -> Option<(Vec<Vec<f64>>, [f64; 3])> {
+        let (Kind::Grid(points), Some(near)) = (&self.kind, &self.near) else { return None };
+        let mut x = scene.impactor.point;
+        x[near.struck] = -x[near.struck];
+        if !self.is_smoothed(points.as_ref(), x) {
+            return None;
+        }
+        let radius = ContactSize::new(scene).radius(scene.impactor.peak_indentation());
+        let local = near.at(x, true)?.stress(&ContactNow { force: 1.0, radius });
+        let stress = self.stress(points.as_ref(), x);
+        let [a, b] = along(near.struck);
+        let dense = |component: usize| {
+            let mut form = vec![0.0; points.unknowns()];
+            stress[component].iter().for_each(|(unknown, value)| form[*unknown] += value);
+            form
+        };
+        let components = [a, b, place(a, b)];
+        Some((components.map(dense).to_vec(), components.map(|component| local[component])))
     }
 
     /// The forms at a point (m); `None` outside of a mesh. Splines go on beyond their ends.
@@ -136,7 +163,11 @@ impl Evaluator {
             (image[axis], signs[axis]) = (-point[axis], -1.0);
         }
         let mut forms = match &self.kind {
-            Kind::Nodes(nodes) => nodes.at(image)?,
+            Kind::Nodes(nodes) => {
+                let (forms, samples) = nodes.at(image)?;
+                let local = self.near.as_ref().and_then(|near| near.recovered(image, samples.into_iter()));
+                Forms { local, ..forms }
+            }
             Kind::Grid(points) => {
                 let local =
                     self.near.as_ref().and_then(|near| near.at(point, self.is_smoothed(points.as_ref(), image)));

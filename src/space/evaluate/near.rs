@@ -1,16 +1,21 @@
 //! What a body's own stresses lack near the hit: the local field under the contact, wherever stresses are read.
 
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
+use std::collections::HashMap;
 use std::rc::Rc;
 
-use crate::scene::{Contact, Impactor, Scene, Vec3};
-use crate::stack::{Carrier, Layer, LocalField, PointField, Pressure, Sections, Stack};
+use crate::form::Spread;
+use crate::scene::{Contact, Geometry, Impactor, Scene, Vec3, faces};
+use crate::stack::{Carrier, Cylindrical, Layer, LocalField, PointField, Pressure, Sections, Stack};
 
 /// Part of the thickness about the hit within which stresses are read as means over a disc.
 const SMOOTHED: f64 = 2.0;
 
 /// Part of the thickness about the hit within which the local field is added.
 const REACH: f64 = 4.0;
+
+/// Thicknesses between the hit and the nearest edge from which a box is a layer about it.
+const LEAST_ROOM: f64 = 1.0;
 
 /// Cells in the radius of the disc of means at least: with as many the mean is good to 0.3% of the largest tension.
 const CELLS: f64 = 2.0;
@@ -70,6 +75,10 @@ pub struct NearHit {
     largest: f64,
     by_sections: OnceCell<LocalField>,
     as_it_is: OnceCell<LocalField>,
+    /// What a mesh has of the field of its patch beyond a wide disc's on a plate: what recovery loses of it.
+    patch: OnceCell<LocalField>,
+    /// That by distance and depth: samples of a mesh are read from several nodes, and have images.
+    of_patch: RefCell<HashMap<[u64; 2], Cylindrical>>,
 }
 
 /// The local field at one point.
@@ -81,6 +90,8 @@ pub struct LocalPoint {
     inward: Vec3,
     /// Whether Hertz's own field, with its ring of tension, is part of it.
     has_ring: bool,
+    /// What recovery loses of the field that the body has, for 1 N, Pa.
+    lost: [f64; 6],
 }
 
 impl ContactSize {
@@ -107,7 +118,7 @@ impl NearHit {
     /// Of a box that is hit on a face, as on an infinite layer.
     pub fn new(scene: &Scene, hit: Hit) -> Option<Self> {
         let struck = scene.struck_axis()?;
-        let crate::scene::Geometry::Box { size, .. } = &scene.body.geometry else { return None };
+        let Geometry::Box { size, .. } = &scene.body.geometry else { return None };
         let (young, poisson) = (scene.body.young, scene.body.poisson);
         let point = scene.impactor.point;
         let room = (0..3).filter(|axis| *axis != struck).map(|axis| 0.5 * size[axis] - point[axis].abs());
@@ -120,7 +131,19 @@ impl NearHit {
             largest: ContactSize::new(scene).largest(&scene.impactor).max(1e-6 * size[struck]),
             by_sections: OnceCell::new(),
             as_it_is: OnceCell::new(),
+            patch: OnceCell::new(),
+            of_patch: RefCell::default(),
         })
+    }
+
+    /// Of a mesh of a box under a patch of a radius, m: where the box is a layer about the hit, free below.
+    pub fn of_patch_on_mesh(scene: &Scene, radius: f64) -> Option<Self> {
+        let body = Sections::Solid;
+        let near = Self::new(scene, Hit { pressure: Pressure::Hertz { radius }, body, cell: 0.0 })?;
+        let is_free = |surface: &str| faces(surface).iter().all(|(axis, _)| *axis != near.struck);
+        let is_normal = (scene.impactor.direction[near.struck].abs() - 1.0).abs() < 1e-9;
+        let is_layer = near.room >= LEAST_ROOM * near.thickness() && is_normal;
+        (is_layer && scene.supports.iter().all(|support| is_free(&support.surface))).then_some(near)
     }
 
     /// h, m.
@@ -156,7 +179,7 @@ impl NearHit {
         let Hit { pressure, body, .. } = self.hit;
         let field = if is_smoothed {
             self.by_sections.get_or_init(|| {
-                let smoothing = Pressure::Spread { spread: crate::form::Spread::new(0.0), radius: self.smoothing() };
+                let smoothing = Pressure::Spread { spread: Spread::new(0.0), radius: self.smoothing() };
                 let carrier = Carrier::Sections { pressure, smoothing, body };
                 LocalField::new(self.stack.clone(), carrier, self.largest)
             })
@@ -170,19 +193,55 @@ impl NearHit {
                 LocalField::new(self.stack.clone(), carrier, self.largest)
             })
         };
-        let side = self.point[self.struck].signum();
+        let [radial, inward] = self.directions(x);
+        let field = Rc::new(field.at(radius, self.depth(x)));
+        Some(LocalPoint { field, radial, inward, has_ring: true, lost: [0.0; 6] })
+    }
+
+    /// What a point of a mesh lacks whose stresses are recovered from samples at some places, with their weights: polynomials do not follow
+    /// the field of the patch.
+    pub fn recovered(&self, x: Vec3, samples: impl Iterator<Item = (Vec3, f64)>) -> Option<LocalPoint> {
+        let point = self.at(x, false)?;
+        let mut lost = self.of_patch(x);
+        for (place, weight) in samples {
+            lost.iter_mut().zip(self.of_patch(place)).for_each(|(lost, stress)| *lost -= weight * stress);
+        }
+        Some(LocalPoint { lost, ..point })
+    }
+
+    /// The field of the patch for 1 N less that of a wide disc on a plate, which polynomials follow, Pa.
+    fn of_patch(&self, x: Vec3) -> [f64; 6] {
+        let field = self.patch.get_or_init(|| {
+            let pressure = Pressure::Spread { spread: Spread::new(0.0), radius: 2.0 * self.thickness() };
+            let carrier = Carrier::Plate { pressure, reading: 0.0 };
+            LocalField::new(self.stack.clone(), carrier, self.hit.pressure.radius())
+        });
+        let place = [self.distance(x), self.depth(x)];
+        let mut known = self.of_patch.borrow_mut();
+        let stress = known
+            .entry(place.map(f64::to_bits))
+            .or_insert_with(|| field.at(place[0], place[1]).stress(self.hit.pressure.radius()));
+        let [radial, inward] = self.directions(x);
+        stress.cartesian(radial, inward)
+    }
+
+    /// Depth below the face that is hit, m.
+    fn depth(&self, x: Vec3) -> f64 {
+        0.5 * self.thickness() - self.point[self.struck].signum() * x[self.struck]
+    }
+
+    /// Unit vectors away from the line of the force, and into the body.
+    fn directions(&self, x: Vec3) -> [Vec3; 2] {
         let mut inward = [0.0; 3];
-        inward[self.struck] = -side;
-        let mut radial = [0, 1, 2].map(|axis| x[axis] - self.point[axis]);
+        inward[self.struck] = -self.point[self.struck].signum();
+        let radius = self.distance(x);
+        let mut radial = [0, 1, 2].map(|axis| (x[axis] - self.point[axis]) / radius);
         radial[self.struck] = 0.0;
-        if radius > 1e-9 * self.thickness() {
-            radial = radial.map(|x| x / radius);
-        } else {
+        if radius <= 1e-9 * self.thickness() {
             radial = [0.0; 3];
             radial[(self.struck + 1) % 3] = 1.0;
         }
-        let depth = 0.5 * self.thickness() - side * x[self.struck];
-        Some(LocalPoint { field: Rc::new(field.at(radius, depth)), radial, inward, has_ring: true })
+        [radial, inward]
     }
 }
 
@@ -199,6 +258,7 @@ impl LocalPoint {
             true => self.field.stress(contact.radius),
             false => self.field.smooth_stress(contact.radius),
         };
-        field.cartesian(self.radial, self.inward).map(|stress| contact.force * stress)
+        let stress = field.cartesian(self.radial, self.inward);
+        std::array::from_fn(|i| contact.force * (stress[i] + self.lost[i]))
     }
 }

@@ -57,6 +57,13 @@ impl Recovered {
         Self { nodes, weights, cells, gradients }
     }
 
+    /// The places of the samples that the stresses at a node are made of, m, with their weights.
+    pub fn samples(&self, number: usize) -> impl Iterator<Item = (Vec3, f64)> {
+        let (recovery, each) = (&self.nodes.recovery, self.nodes.recovery.samples_each());
+        let place = move |sample: usize| recovery.place(self.cells[sample / each] * each + sample % each);
+        self.weights[number].iter().map(move |(sample, weight)| (place(*sample), *weight))
+    }
+
     /// The stresses, of the displacement along an axis at a node, m.
     pub fn stresses(&self, displacement: impl Fn(usize, usize) -> f64) -> Vec<[f64; 6]> {
         let (mesh, each) = (&self.nodes.mesh, self.nodes.recovery.samples_each());

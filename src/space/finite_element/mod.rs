@@ -72,6 +72,8 @@ impl Body {
             load,
             support_load,
             support_offset,
+            hit_stress: Vec::new(),
+            hit_local: [0.0; 3],
             translation: translation(mesh, description.direction)?,
             localization,
             rigid_motions: Some(rigid_motions(mesh, &nodes)?),

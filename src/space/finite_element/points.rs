@@ -28,8 +28,8 @@ impl Nodes {
         vec![(3 * self.mesh.numbers[node] as usize + axis, self.mesh.signs[node][axis])]
     }
 
-    /// The forms at a point; `None` outside of the mesh.
-    pub fn at(&self, point: Vec3) -> Option<Forms> {
+    /// The forms at a point, and the places of the samples that its stresses are made of, with their weights; `None` outside of the mesh.
+    pub fn at(&self, point: Vec3) -> Option<(Forms, Vec<(Vec3, f64)>)> {
         let (cell, values) = self.mesh.locate(point)?;
         let nodes = self.mesh.cell(cell);
         let mut displacement: [Form; 3] = Default::default();
@@ -40,7 +40,9 @@ impl Nodes {
         let mut samples = Form::new();
         nodes.iter().zip(&values).for_each(|(&node, value)| add(&mut samples, *value, &weights[node]));
         let mut stress: [Form; 6] = Default::default();
-        for (sample, weight) in summed(samples) {
+        let samples = summed(samples);
+        let places = samples.iter().map(|(sample, weight)| (self.recovery.place(*sample), *weight)).collect();
+        for (sample, weight) in samples {
             let each = self.recovery.samples_each();
             let (cell, sample) = (sample / each, sample % each);
             let gradients = self.recovery.gradients(&self.mesh, cell, sample);
@@ -53,7 +55,8 @@ impl Nodes {
                 }
             }
         }
-        Some(Forms { displacement: displacement.map(summed), stress: stress.map(summed), local: None })
+        let forms = Forms { displacement: displacement.map(summed), stress: stress.map(summed), local: None };
+        Some((forms, places))
     }
 
     /// The stress of a gradient of the displacement, entry 3i + j being ∂u_i/∂x_j.

@@ -62,6 +62,11 @@ impl Recovery {
         self.table.points()
     }
 
+    /// Where a sample is, m; they are numbered cell by cell.
+    pub fn place(&self, sample: usize) -> Vec3 {
+        self.places[sample]
+    }
+
     /// ∂φ/∂x of a cell's shape functions at one of its samples, 1/m.
     pub fn gradients(&self, mesh: &Whole, cell: usize, sample: usize) -> Vec<Vec3> {
         let jacobian = self.table.jacobian(sample, &mesh.x(cell));

@@ -161,6 +161,8 @@ impl Plate {
             localization: location::localization(&points, copies),
             compliance: local.map_or(0.0, |local| -local.compliance * copies),
             patch: None,
+            hit_stress: Vec::new(),
+            hit_local: [0.0; 3],
             translation: points.tensor.one(DEFLECTION),
             copies,
         };

@@ -107,6 +107,8 @@ impl SplineSolid {
             localization: patch.localization(&geometry, &points, description.direction),
             compliance: copies * patch.compliance,
             patch: patch.patch,
+            hit_stress: Vec::new(),
+            hit_local: [0.0; 3],
             translation: translation(&points.tensor, description.direction),
             copies,
         };

@@ -152,7 +152,7 @@ impl<'a> Bodies<'a> {
                 theory,
                 judge: Some((larger, OF_SMALLER)),
                 unknowns: family.unknowns,
-                of_model: of_theory + Errors { first_contact, history: of_merging },
+                of_model: of_theory + Errors { first_contact, history: of_merging, stress: f64::NAN },
             }
         }))
     }

@@ -98,7 +98,7 @@ impl Family {
             let middle = from.midpoint(to);
             let sample = make(middle)?;
             let tolerance = OF_BASIS * sample.scene.tolerance;
-            let Errors { first_contact: first, history: all } = off(&merged, values[middle], &sample)?;
+            let Errors { first_contact: first, history: all, .. } = off(&merged, values[middle], &sample)?;
             of_basis = of_basis.max(sample.error);
             tracing::info!(value = values[middle], first, all, "merged basis tested");
             pool = merged.directions;
