@@ -2,10 +2,12 @@
 
 use std::f64::consts::PI;
 
-use ricochet::element::adaptive;
+use ricochet::element::{adaptive, gauss_legendre};
 use ricochet::form::{Spread, hertz_wave};
 use ricochet::stack::half_space::{hertz, ring_tension};
-use ricochet::stack::{Carrier, Cylindrical, Layer, Layerwise, LocalField, Pressure, Response, Section, Stack};
+use ricochet::stack::{
+    Carrier, Cylindrical, Layer, Layerwise, LocalField, Pressure, Response, Section, Sections, Stack, Wave,
+};
 
 fn one_layer(thickness: f64, poisson: f64) -> Stack {
     Stack::new(&[Layer { thickness, young: 1.0, poisson }]).expect("an elastic layer")
@@ -49,6 +51,24 @@ fn four(response: &Response) -> [f64; 4] {
     [response.sum, response.difference, response.sigma_zz, response.sigma_rz]
 }
 
+/// Mean and moment along the face and the shear force's parabola, by a finer rule than the library's.
+fn sections(stack: &Stack, wave: &Wave, z: f64, has_mean: bool) -> [f64; 4] {
+    let h = stack.thickness();
+    let (mut mean, mut moment, mut shear) = ([0.0; 2], [0.0; 2], 0.0);
+    for (at, weight) in gauss_legendre(40) {
+        let depth = 0.5 * h * (1.0 + at);
+        let [sum, difference, _, rz] = four(&wave.response(stack, depth));
+        for (i, value) in [sum, difference].into_iter().enumerate() {
+            mean[i] += 0.5 * weight * value;
+            moment[i] += 0.5 * weight * value * (depth - 0.5 * h) * h;
+        }
+        shear += 0.5 * weight * rz;
+    }
+    let place = z - 0.5 * h;
+    let along = |i: usize| f64::from(u8::from(has_mean)) * mean[i] + 12.0 * place * moment[i] / h.powi(3);
+    [along(0), along(1), 0.0, 1.5 * (1.0 - (2.0 * place / h).powi(2)) * shear]
+}
+
 /// (1/2π) ∫ ξ [A P_c − A_w P_w] J dξ as it stands, up to an end.
 fn plain(stack: &Stack, carrier: &Carrier, (r, z): (f64, f64), contact: f64, end: f64) -> [f64; 4] {
     let section = Section::new(stack);
@@ -56,7 +76,10 @@ fn plain(stack: &Stack, carrier: &Carrier, (r, z): (f64, f64), contact: f64, end
         let wave = stack.wave(x);
         let exact = four(&wave.response(stack, z));
         let other = four(&wave.response(stack, stack.thickness() - z));
-        let carried = carrier.pressure().transform(x);
+        let mut carried = carrier.pressure().transform(x);
+        if let Carrier::Sections { smoothing, .. } = carrier {
+            carried *= smoothing.transform(x);
+        }
         let body = match carrier {
             Carrier::Solid { .. } => exact,
             Carrier::Layerwise { theory, .. } => four(&theory.response(&theory.wave(x), z)),
@@ -64,7 +87,11 @@ fn plain(stack: &Stack, carrier: &Carrier, (r, z): (f64, f64), contact: f64, end
                 let signs = [-1.0, -1.0, -1.0, 1.0];
                 std::array::from_fn(|i| 0.5 * (exact[i] + signs[i] * other[i]))
             }
-            Carrier::Plate { reading, .. } => {
+            Carrier::Sections { body: Sections::Solid | Sections::BentSolid, .. } => {
+                let has_mean = matches!(carrier, Carrier::Sections { body: Sections::Solid, .. });
+                sections(stack, &wave, z, has_mean)
+            }
+            Carrier::Plate { reading, .. } | Carrier::Sections { body: Sections::Plate { reading }, .. } => {
                 let read = 1.0 + reading * x * x;
                 let [sum, difference, _, rz] = four(&section.response(stack, x, z));
                 [sum * read, difference * read, 0.0, rz]
@@ -93,6 +120,9 @@ fn carriers(stack: &Stack) -> Vec<Carrier> {
         Carrier::Solid { pressure: hertz },
         Carrier::BentSolid { pressure: spread },
         Carrier::Layerwise { pressure: spread, theory },
+        Carrier::Sections { pressure: spread, smoothing: spread, body: Sections::Plate { reading: -0.024 } },
+        Carrier::Sections { pressure: spread, smoothing: patch, body: Sections::Solid },
+        Carrier::Sections { pressure: patch, smoothing: spread, body: Sections::BentSolid },
     ]
 }
 
@@ -103,7 +133,7 @@ fn integrals_as_they_stand() {
     let stacks = [(one_layer(1.0, 0.3), true), (laminate(1e-3, 0.45), false), (laminate(1e-6, 0.4999), false)];
     for (stack, is_layer) in stacks {
         for carrier in carriers(&stack) {
-            if !is_layer && matches!(carrier, Carrier::BentSolid { .. }) {
+            if !is_layer && matches!(carrier, Carrier::BentSolid { .. } | Carrier::Sections { .. }) {
                 continue;
             }
             let field = LocalField::new(stack.clone(), carrier.clone(), 0.5);
@@ -115,6 +145,8 @@ fn integrals_as_they_stand() {
                     let tail = match carrier {
                         Carrier::Plate { pressure: Pressure::Hertz { .. }, .. } => 3e-4,
                         Carrier::Plate { .. } | Carrier::Layerwise { .. } => 3e-5,
+                        // Twelve points over the thickness where waves of half of it are left.
+                        Carrier::Sections { .. } => 3e-5,
                         Carrier::BentSolid { .. } => 1e-5,
                         Carrier::Solid { .. } => 1e-6,
                     };

@@ -93,7 +93,7 @@ fn linear_fields_are_exact(session: &Session) {
         assert_eq!(whole.is_some(), comm.is_root());
         let u = gathered(&u, comm.is_root());
         let Some(whole) = whole else { continue };
-        let evaluator = Evaluator::of_mesh(&scene, whole);
+        let evaluator = Evaluator::of_mesh(&scene, whole, None);
         for point in [[0.0; 3], [0.123, -0.31, 0.07], [0.5, 0.1, -0.2], [-0.5, 0.4, 0.3], [0.5, -0.4, 0.3]] {
             let (moved, stress) = read(&evaluator.at(point).expect("a point of the box"), &u);
             let off = (0..3).map(|i| (moved[i] - linear(point)[i]).abs()).fold(0.0, f64::max);
@@ -142,7 +142,7 @@ fn order_of_recovered_stresses(session: &Session) {
             interpolate(&mesh, &mut u, |x| [0, 1, 2].map(|i| angle(i, x).sin()));
             let whole = mesh.gather();
             let u = gathered(&u, comm.is_root());
-            let sampler = FieldSampler::new(Evaluator::of_mesh(&scene, whole?), None);
+            let sampler = FieldSampler::new(Evaluator::of_mesh(&scene, whole?, None), None);
             let found = sampler.fields([&u, &u]).principal_stress;
             let mut errors = [0.0_f64; 2];
             for (n, x) in sampler.grid().points.iter().enumerate() {
@@ -203,7 +203,8 @@ fn a_bar_under_tension(session: &Session) {
     let mesh = Mesh::new(&comm, &meshed.body).unwrap();
     let of_mesh = gathered(&at_rest(&Body::solid(&meshed, &mesh).unwrap()), comm.is_root());
     let splines = (Evaluator::of_grid(&scene, block.points), of_system(session, &block.system));
-    let all = mesh.gather().map(|whole| (Evaluator::of_mesh(&meshed, whole), of_mesh)).into_iter().chain([splines]);
+    let all =
+        mesh.gather().map(|whole| (Evaluator::of_mesh(&meshed, whole, None), of_mesh)).into_iter().chain([splines]);
     let (young, poisson, _) = glass::GLASS;
     for (name, (evaluator, u)) in ["mesh", "splines"].into_iter().rev().zip(all.collect::<Vec<_>>().into_iter().rev()) {
         for x in [[0.0; 3], [0.2, -0.1, 0.03], [0.45, 0.15, 0.1], [-0.45, -0.15, -0.1], [0.45, 0.0, -0.1]] {
@@ -301,7 +302,7 @@ fn points_outside_are_none(session: &Session) {
     for kind in [KINDS[1], KINDS[2]] {
         let (scene, mesh) = bricked(&comm, kind, [3, 2, 2], 0.2);
         let Some(whole) = mesh.gather() else { continue };
-        let evaluator = Evaluator::of_mesh(&scene, whole);
+        let evaluator = Evaluator::of_mesh(&scene, whole, None);
         for (x, is_in) in [
             ([0.5, 0.4, 0.3], true),
             ([0.5 + 1e-8, 0.0, 0.0], true),
