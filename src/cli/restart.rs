@@ -238,8 +238,8 @@ fn earlier(
     let (episodes, summary) = past;
     let read = || {
         let (columns, probes) = (read::rows(result, rows)?, read::probes(result, &points.probes, rows)?);
-        let (tensions, ring) = read::tensions(result, &points.faces.names, rows)?;
-        Ok(Earlier { result: result.to_owned(), run_id: origin.run_id, columns, probes, tensions, ring, episodes })
+        let tensions = read::tensions(result, &points.faces.names, rows)?;
+        Ok(Earlier { result: result.to_owned(), run_id: origin.run_id, columns, probes, tensions, episodes })
     };
     let earlier = read().map_err(|error: Error| error.to_string())?;
     Ok((earlier, summary))

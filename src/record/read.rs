@@ -8,8 +8,7 @@ use crate::record::probes;
 use crate::record::provenance::{Cost, Provenance, text};
 use crate::record::sweep::is_one as is_sweep;
 use crate::record::target::is_locked;
-use crate::record::tension;
-use crate::space::evaluate::FaceTension;
+use crate::record::tension::{self, EarlierTensions};
 use hdf5_metno as hdf5;
 use std::path::Path;
 
@@ -78,7 +77,7 @@ pub fn probes(path: &Path, names: &[String], rows: usize) -> Result<Vec<Vec<Prob
 ///
 /// # Errors
 /// [`Error::Io`] where there are fewer.
-pub fn tensions(path: &Path, names: &[String], rows: usize) -> Result<(Vec<Vec<FaceTension>>, Option<Vec<f64>>)> {
+pub fn tensions(path: &Path, names: &[String], rows: usize) -> Result<EarlierTensions> {
     let file = open(path)?;
     let wrong = |e: hdf5::Error| Error::io(path, format!("its stresses cannot be read: {e}"));
     let ring = file.dataset("series/stress/ring").and_then(|dataset| dataset.read_raw::<f64>()).ok();
@@ -86,7 +85,7 @@ pub fn tensions(path: &Path, names: &[String], rows: usize) -> Result<(Vec<Vec<F
         ring.resize(rows, f64::NAN);
         ring
     });
-    Ok((tension::rows(&file, names, rows).map_err(wrong)?, ring))
+    Ok(EarlierTensions { faces: tension::rows(&file, names, rows).map_err(wrong)?, ring })
 }
 
 /// Reads the history of the result `path`. After a kill, datasets may differ in length by one flush: the rows are

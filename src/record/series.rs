@@ -18,8 +18,7 @@ use crate::record::fields;
 use crate::record::probes::ProbeDatasets;
 use crate::record::provenance::{Cost, Provenance, write_scalar};
 use crate::record::target;
-use crate::record::tension::{Faces, LargestTension, TensionDatasets, rings};
-use crate::space::evaluate::FaceTension;
+use crate::record::tension::{EarlierTensions, Faces, LargestTension, TensionDatasets, rings};
 use hdf5_metno as hdf5;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -45,10 +44,8 @@ pub struct Earlier {
     pub columns: Vec<Vec<f64>>,
     /// Of each row what every probe has read.
     pub probes: Vec<Vec<Probe>>,
-    /// Of each row the largest tension on every face.
-    pub tensions: Vec<Vec<FaceTension>>,
-    /// Of each row the tension at the edge of the contact, where it is recorded.
-    pub ring: Option<Vec<f64>>,
+    /// Its stresses.
+    pub tensions: EarlierTensions,
     /// The contacts.
     pub episodes: Episodes,
 }
@@ -158,8 +155,8 @@ impl SeriesWriter {
                 dataset.resize((rows,))?;
                 dataset.write_slice(values, 0..rows)?;
             }
-            let ring = earlier.ring.as_deref().unwrap_or_default();
-            writer.tensions.append(0, &earlier.tensions, ring)?;
+            let EarlierTensions { faces, ring } = &earlier.tensions;
+            writer.tensions.append(0, faces, ring.as_deref().unwrap_or_default())?;
             writer.probes.append(0, &earlier.probes)
         };
         copy().map_err(|e| not_written(path, &e))?;

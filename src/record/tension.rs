@@ -87,6 +87,15 @@ impl TensionDatasets {
     }
 }
 
+/// The first rows of what a result holds of stresses.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct EarlierTensions {
+    /// Of each row the largest tension on every face.
+    pub faces: Vec<Vec<FaceTension>>,
+    /// Of each row the tension at the edge of the contact, where it is recorded.
+    pub ring: Option<Vec<f64>>,
+}
+
 /// The ring's tension at each step.
 pub(super) fn rings(of: &Faces, steps: &[Step]) -> Vec<f64> {
     steps.iter().map(|step| of.ring(step)).collect()
@@ -137,8 +146,7 @@ impl LargestTension {
     /// Takes a step.
     pub fn take(&mut self, time: f64, tensions: &[FaceTension], strengths: &[Option<f64>]) {
         for (face, tension) in tensions.iter().enumerate() {
-            // Not true of NaN, with which it begins.
-            if !(self.value >= tension.largest) {
+            if self.value.is_nan() || tension.largest > self.value {
                 *self = Self { value: tension.largest, face, time, point: tension.point, ..*self };
             }
             let is_passed = strengths.get(face).copied().flatten().is_some_and(|strength| tension.largest > strength);

@@ -72,7 +72,7 @@ pub trait PointEvaluator {
 pub struct Evaluator {
     kind: Kind,
     /// The neighbourhood of the hit, where stresses lack the local field.
-    near: Option<NearHit>,
+    near: Option<Box<NearHit>>,
     /// Axes across planes of symmetry beyond which there are images.
     mirrors: Vec<usize>,
 }
@@ -89,13 +89,13 @@ impl Evaluator {
         let material = Material { young: body.young, poisson: body.poisson, density: body.density };
         // Images and all, so that patches on a plane of symmetry are whole.
         let mesh = mirrors(scene).into_iter().fold(mesh, Whole::with_image);
-        let near = patch.and_then(|patch| NearHit::of_patch_on_mesh(scene, patch.radius));
+        let near = patch.and_then(|patch| NearHit::of_patch_on_mesh(scene, patch.radius)).map(Box::new);
         Self { kind: Kind::Nodes(Rc::new(Nodes::new(mesh, &material))), near, mirrors: Vec::new() }
     }
 
     /// Of splines or a plate.
     pub fn of_grid(scene: &Scene, points: impl PointEvaluator + 'static) -> Self {
-        let near = points.hit().and_then(|hit| NearHit::new(scene, hit));
+        let near = points.hit().and_then(|hit| NearHit::new(scene, hit)).map(Box::new);
         Self { kind: Kind::Grid(Box::new(points)), near, mirrors: mirrors(scene) }
     }
 
@@ -113,7 +113,7 @@ impl Evaluator {
                     |x, is_near| {
                         if is_near { self.stress(points.as_ref(), x) } else { points.at(x).stress }
                     },
-                    self.near.as_ref(),
+                    self.near.as_deref(),
                 );
                 (faces, StressMap::Forms { map: Map::new(forms.into_iter(), basis), components: 3 })
             }
