@@ -42,6 +42,8 @@ pub struct Merged {
     projections: [Projection; 2],
     /// Vectors of the basis; there are more, by which it is judged.
     vectors: usize,
+    /// All of them.
+    basis: Vec<Vector>,
     /// The directions, each as long as it weighs: what stands for all snapshots where more are added.
     pub directions: Vec<Vector>,
 }
@@ -85,7 +87,12 @@ impl Merged {
             basis.push(next);
         }
         let projections = [project(body, &basis)?, project(other, &basis)?];
-        Ok(Self { ends: [from, to], projections, vectors, directions })
+        Ok(Self { ends: [from, to], projections, vectors, basis, directions })
+    }
+
+    /// The vectors of the basis.
+    pub fn basis(&self) -> &[Vector] {
+        &self.basis[..self.vectors]
     }
 
     /// The body at a parameter: on the basis, and on the larger one.

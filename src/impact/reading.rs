@@ -1,5 +1,7 @@
 //! What is read of the body at every step, besides the surface under the impactor.
 
+use std::rc::Rc;
+
 use petsc_wrap::{Gather, Int, Vector};
 
 use crate::body::Body;
@@ -19,7 +21,7 @@ pub struct Readout {
     /// Where there are fields, after how many steps, and the coordinates: all of them.
     pub fields: Option<(usize, Vec<Int>)>,
     /// Where the largest tension is looked for; a rank that does not read has no faces.
-    pub faces: Option<FaceStresses>,
+    pub faces: Option<Rc<FaceStresses>>,
     /// How wide the contact is.
     pub contact: ContactSize,
 }
@@ -36,6 +38,11 @@ pub struct ProbeForms {
 }
 
 impl Readout {
+    /// Names of the faces whose largest tension is read, in their order.
+    pub fn face_names(&self) -> Vec<String> {
+        self.faces.iter().flat_map(|all| &all.faces).map(|face| face.name.clone()).collect()
+    }
+
     /// Whether it is this rank that has it.
     pub(super) fn is_here(&self) -> bool {
         let probes = self.probes.as_ref().is_some_and(|probes| !probes.map.is_empty());
@@ -70,7 +77,7 @@ pub struct Reading {
 pub struct Reader {
     probes: Option<(Gather, ProbeForms)>,
     fields: Option<(usize, Gather)>,
-    faces: Option<(Gather, FaceStresses)>,
+    faces: Option<(Gather, Rc<FaceStresses>)>,
     contact: ContactSize,
     /// Whether this rank is the one that reads.
     is_here: bool,

@@ -1,5 +1,7 @@
 //! What a scene has read of its body: probes and fields, in the coordinates in which the body moves.
 
+use std::rc::Rc;
+
 use petsc_wrap::{Comm, Gather, Int, Vector};
 
 use crate::agree::agree;
@@ -10,7 +12,7 @@ use crate::space::evaluate::{ContactSize, Evaluator, FaceStresses, FieldSampler,
 
 /// What is to be read at each step, and how fields come of it.
 pub struct Gauges {
-    pub(super) readout: Readout,
+    pub readout: Readout,
     /// On rank 0, where there are fields.
     pub(super) sampler: Option<FieldSampler>,
 }
@@ -62,7 +64,7 @@ impl Gauges {
         let readout = Readout {
             probes,
             fields: scene.output.fields.map(|every| (every, all)),
-            faces: scene.output.stress.then_some(faces),
+            faces: scene.output.stress.then(|| Rc::new(faces)),
             contact,
         };
         Ok(Self { readout, sampler })

@@ -36,7 +36,7 @@ impl Simulation {
         };
         let (mut sampler, mut faces) = (None, Vec::new());
         if let Some(Gauges { readout, sampler: of_fields, .. }) = model.gauges {
-            faces = readout.faces.iter().flat_map(|all| &all.faces).map(|face| face.name.clone()).collect();
+            faces = readout.face_names();
             integration.set_readout(readout)?;
             sampler = of_fields;
         }

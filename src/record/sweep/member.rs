@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::record::episodes::{Episode, Episodes};
 use crate::record::probes::{self, Whole};
+use crate::record::tension::LargestTension;
 
 /// How far a member is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -51,6 +52,16 @@ pub enum Quantity {
     FirstContactError,
     /// Largest deflection under the impactor over the body's thickness.
     DeflectionOverThickness,
+    /// Largest tension on any face, Pa.
+    LargestStress,
+    /// On which face: its number in the order of "upper", "lower", or of the names of a mesh's surfaces, from 0.
+    LargestStressFace,
+    /// When, s.
+    LargestStressTime,
+    /// When the strength of a face was passed first, s; NaN where it was not.
+    StrengthPassedAt,
+    /// Estimated error of the largest tension over its value.
+    StressErrorEstimate,
     /// Number of unknowns, the impactor's included.
     Unknowns,
     /// Wall time, s.
@@ -59,7 +70,7 @@ pub enum Quantity {
 
 impl Quantity {
     /// All of them, with the names of their datasets and their units.
-    pub(super) const ALL: [(Self, &'static str, &'static str); 12] = [
+    pub(super) const ALL: [(Self, &'static str, &'static str); 17] = [
         (Self::PeakForce, "peak_force", "N"),
         (Self::PeakAcceleration, "peak_acceleration", "m/s2"),
         (Self::PeakTime, "peak_time", "s"),
@@ -70,6 +81,11 @@ impl Quantity {
         (Self::ErrorEstimate, "error_estimate", "1"),
         (Self::FirstContactError, "first_contact_error", "1"),
         (Self::DeflectionOverThickness, "deflection_over_thickness", "1"),
+        (Self::LargestStress, "largest_stress", "Pa"),
+        (Self::LargestStressFace, "largest_stress_face", "1"),
+        (Self::LargestStressTime, "largest_stress_time", "s"),
+        (Self::StrengthPassedAt, "strength_passed_at", "s"),
+        (Self::StressErrorEstimate, "stress_error_estimate", "1"),
         (Self::Unknowns, "unknowns", "1"),
         (Self::WallTime, "wall_time", "s"),
     ];
@@ -133,6 +149,16 @@ impl Member {
             self.probes.resize(read.len(), Whole::default());
             self.probes.iter_mut().zip(read).for_each(|(whole, probe)| probes::push(whole, probe));
         }
+    }
+
+    /// Takes the largest tension of all its steps.
+    pub fn set_tension(&mut self, tension: &LargestTension) {
+        let LargestTension { value, face, time, strength_passed_at, error_estimate, .. } = *tension;
+        self.set(Quantity::LargestStress, value);
+        self.set(Quantity::LargestStressFace, if value.is_nan() { f64::NAN } else { face as f64 });
+        self.set(Quantity::LargestStressTime, time);
+        self.set(Quantity::StrengthPassedAt, strength_passed_at);
+        self.set(Quantity::StressErrorEstimate, error_estimate);
     }
 
     /// Takes the contacts of all its steps.

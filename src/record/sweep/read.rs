@@ -117,7 +117,17 @@ fn read(path: &Path, file: hdf5::File) -> hdf5::Result<Sweep> {
     let status: Vec<Status> = status.into_iter().map(Status::from_number).collect();
     let of = |(quantity, name, _): &(Quantity, &str, &str)| match (file.dataset(&format!("members/{name}")), quantity) {
         // What an earlier version did not have.
-        (Err(_), Quantity::FirstContactError | Quantity::DeflectionOverThickness) => Ok(vec![f64::NAN; members]),
+        // Of sweeps that are older than these columns.
+        (
+            Err(_),
+            Quantity::FirstContactError
+            | Quantity::DeflectionOverThickness
+            | Quantity::LargestStress
+            | Quantity::LargestStressFace
+            | Quantity::LargestStressTime
+            | Quantity::StrengthPassedAt
+            | Quantity::StressErrorEstimate,
+        ) => Ok(vec![f64::NAN; members]),
         (dataset, _) => dataset?.read_raw::<f64>(),
     };
     let quantities = Quantity::ALL.iter().map(of).collect::<hdf5::Result<Vec<_>>>()?;

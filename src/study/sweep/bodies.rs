@@ -11,10 +11,12 @@ use super::member::Computed;
 use crate::body::ModalBody;
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
-use crate::impact::{self, Errors, ModalImpact, Reading, TimeIntegration as _};
+use crate::impact::{self, Errors, ModalImpact, Reading, Readout, TimeIntegration as _};
 use crate::model::watch::{Until, Watch};
 use crate::model::{Dynamics, LARGE, Linearity, Model, OF_BASIS, OF_SMALLER};
+use crate::record::tension::{LargestTension, strengths};
 use crate::scene::{self, Scene, SupportKind};
+use crate::space::evaluate::ContactSize;
 
 /// Bodies that are kept at most; then all are dropped.
 const MOST: usize = 64;
@@ -42,6 +44,8 @@ struct Kept {
     theory: scene::Model,
     judge: Option<(ModalBody, f64)>,
     unknowns: usize,
+    /// What is read of it: the faces.
+    readout: Option<Readout>,
     /// Error by theory and cells, as far as they are known, and by the merging of bases.
     of_model: Errors,
 }
@@ -152,6 +156,7 @@ impl<'a> Bodies<'a> {
                 theory,
                 judge: Some((larger, OF_SMALLER)),
                 unknowns: family.unknowns,
+                readout: family.readout.clone(),
                 of_model: of_theory + Errors { first_contact, history: of_merging, stress: f64::NAN },
             }
         }))
@@ -179,9 +184,10 @@ impl<'a> Bodies<'a> {
     fn make(&self, scene: &Scene, watch: &dyn Watch) -> Result<Kept> {
         let model = Model::watched(&self.comm, &self.named(scene.clone()), watch)?;
         let of_model = self.error_of_theory(scene).max(model.error_beside_basis());
-        let Model { theory, dynamics, judge, unknowns, .. } = model;
+        let Model { theory, dynamics, judge, unknowns, gauges, .. } = model;
+        let readout = gauges.map(|gauges| gauges.readout);
         match dynamics {
-            Dynamics::Modal(body) => Ok(Kept { body, theory, judge, unknowns, of_model }),
+            Dynamics::Modal(body) => Ok(Kept { body, theory, judge, unknowns, readout, of_model }),
             Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),
         }
     }
@@ -195,7 +201,15 @@ impl Kept {
         if !has_energies {
             impact = impact.without_energies();
         }
-        let take = |step: &Step, _: &Reading| steps.push(*step);
+        let names = self.readout.as_ref().map_or_else(Vec::new, Readout::face_names);
+        let (mut tension, strengths) = (LargestTension::default(), strengths(&scene.strength, &names));
+        if let Some(readout) = &self.readout {
+            impact.set_readout(Readout { contact: ContactSize::new(scene), ..readout.clone() })?;
+        }
+        let take = |step: &Step, reading: &Reading| {
+            tension.take(step.time, &reading.faces, &strengths);
+            steps.push(*step);
+        };
         if impact.run_watched(&mut impact::Until { interrupted: &**interrupted, take })?.is_break() {
             return Ok(None);
         }
@@ -217,7 +231,9 @@ impl Kept {
         let of_patch = Errors::throughout(self.body.patch.map_or(0.0, |patch| patch.error()));
         let all = of_basis + self.of_model + of_patch;
         let (error_estimate, first_error) = (impact.count.error.unwrap_or(0.0) + all.history, all.first_contact);
-        let outcome = Computed { error_estimate, first_error, deflection, unknowns: self.unknowns + 1 };
+        tension.error_estimate = impact.count.stress_error.unwrap_or(0.0) + all.stress;
+        let unknowns = self.unknowns + 1;
+        let outcome = Computed { error_estimate, first_error, deflection, unknowns, tension };
         Ok(Some(Tried { steps, first: of_basis.first_contact, outcome }))
     }
 }

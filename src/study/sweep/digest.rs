@@ -49,6 +49,7 @@ pub fn digest(
             member.set(Quantity::ErrorEstimate, outcome.error_estimate);
             member.set(Quantity::FirstContactError, outcome.first_error);
             member.set(Quantity::DeflectionOverThickness, outcome.deflection);
+            member.set_tension(&outcome.tension);
             member.set(Quantity::Unknowns, outcome.unknowns as f64);
             member.status = Status::Done;
             member

@@ -4,9 +4,9 @@ use petsc_wrap::{Comm, Vector};
 
 use crate::body::{Body, Merged, ModalBody, Projection, snapshots};
 use crate::error::Result;
-use crate::impact::{Errors, ModalImpact};
+use crate::impact::{Errors, ModalImpact, Readout};
 use crate::model::watch::Watch;
-use crate::model::{Built, Fitted, OF_BASIS, build, fit, rate, reduce};
+use crate::model::{Built, Fitted, Gauges, OF_BASIS, Operators, build, fit, rate, reduce};
 use crate::scene::Scene;
 
 /// Fewer values than this are computed one by one.
@@ -29,6 +29,8 @@ pub struct Family {
     errors: Vec<(f64, f64)>,
     /// Unknowns of the bodies.
     pub unknowns: usize,
+    /// What is read of the bodies: the faces.
+    pub readout: Option<Readout>,
 }
 
 /// A body made at one value.
@@ -114,7 +116,13 @@ impl Family {
         errors.sort_by(|a, b| a.0.total_cmp(&b.0));
         errors.iter_mut().for_each(|(_, error)| *error += of_cells + of_basis);
         let unknowns = ends[0].body.unknowns();
-        Ok(Some(Self { merged, errors, unknowns }))
+        let readout = match (operators(0, size)?, merged.basis()) {
+            (Some((Operators { evaluator, .. }, scene)), basis @ [like, ..]) if scene.output.is_read() => {
+                Some(Gauges::new(comm, &scene, evaluator, like, Some(basis))?.readout)
+            }
+            _ => None,
+        };
+        Ok(Some(Self { merged, errors, unknowns, readout }))
     }
 
     /// The body at a value, on the basis and on the larger one, with the error found near that value.

@@ -10,6 +10,7 @@ use crate::impact::step::Step;
 use crate::impact::{Probe, Reading, Until};
 use crate::model::watch;
 use crate::model::{Linearity, Model, Simulation};
+use crate::record::tension::{LargestTension, strengths};
 use crate::scene::Scene;
 
 /// What a simulation knows beside its steps.
@@ -23,6 +24,8 @@ pub struct Computed {
     pub deflection: f64,
     /// Number of unknowns, the impactor's included.
     pub unknowns: usize,
+    /// The largest tension of all faces.
+    pub tension: LargestTension,
 }
 
 /// Computes the impact of a scene to its end, on a body among those kept where it is there, and gives each accepted
@@ -56,16 +59,20 @@ pub fn simulate(
     let linearity = Linearity::new(scene, model.theory, model.dynamics.patch().as_ref());
     let mut deflection = f64::NAN;
     let mut simulation = Simulation::new(scene, model)?;
+    let (mut tension, strengths) = (LargestTension::default(), strengths(&scene.strength, simulation.faces()));
     let flow = simulation.run_watched(&mut Until {
         interrupted: &*interrupted,
         take: |step: &Step, reading: &Reading| {
             if let Some(linearity) = &linearity {
                 deflection = deflection.max(linearity.over_thickness(linearity.deflection(step)));
             }
+            tension.take(step.time, &reading.faces, &strengths);
             observe(step, &reading.probes);
         },
     })?;
-    let error_estimate = simulation.error().total().map_or(f64::NAN, |errors| (errors + of_theory).history);
-    let outcome = Computed { error_estimate, first_error, deflection, unknowns };
+    let errors = simulation.error().total().map(|errors| errors + of_theory);
+    let error_estimate = errors.map_or(f64::NAN, |errors| errors.history);
+    tension.error_estimate = errors.map_or(f64::NAN, |errors| errors.stress);
+    let outcome = Computed { error_estimate, first_error, deflection, unknowns, tension };
     Ok(flow.is_continue().then_some(outcome))
 }
