@@ -36,6 +36,8 @@ pub struct Krylov {
     chains: Vec<Chain>,
     /// Whose turn it is.
     turn: usize,
+    /// Whose it was last of those that do not begin with a.
+    other: usize,
 }
 
 /// Vectors from which on the first of the two passes that make a new vector orthogonal takes the last two vectors only, where the operator
@@ -73,6 +75,12 @@ impl Krylov {
         if rest.is_none() && loads.norm_max()? > 0.0 {
             starts.push(loads);
         }
+        // What lets go of a foundation, or meets it, is moved by its forces.
+        for pushed in body.unilateral.iter().flat_map(|foundation| &foundation.loads) {
+            let mut start = body.load.duplicate()?;
+            start.copy_from(pushed)?;
+            starts.push(start);
+        }
         let mut chains = Vec::new();
         for mut start in starts {
             body.clamps.zero(&mut start)?;
@@ -106,6 +114,7 @@ impl Krylov {
             work: [body.load.duplicate()?, body.load.duplicate()?],
             chains,
             turn: 0,
+            other: 0,
         })
     }
 
@@ -136,7 +145,7 @@ impl Krylov {
     }
 
     fn add(&mut self, body: &Body) -> Result<()> {
-        let Self { shift, solver, basis, auxiliary, work: [known, product], chains, turn, .. } = self;
+        let Self { shift, solver, basis, auxiliary, work: [known, product], chains, turn, other, .. } = self;
         // A recurrence of three terms knows no other vectors.
         let is_alone = chains.len() == 1 && body.equilibrium.is_none();
         while chains[*turn].exhausted {
@@ -200,7 +209,13 @@ impl Krylov {
             chain.image.scale(1.0 / length)?;
         }
         chain.last = Some(basis.len());
-        *turn = (*turn + 1) % chains.len();
+        // Every second vector is a's; the other chains share the rest.
+        *turn = if *turn == 0 && chains.len() > 1 {
+            *other = 1 + *other % (chains.len() - 1);
+            *other
+        } else {
+            0
+        };
         if let Some(mut companion) = companion {
             companion.scale(1.0 / length)?;
             auxiliary.push(companion);
@@ -276,6 +291,7 @@ impl Krylov {
             compliance: body.localization.compliance,
             copies: body.copies,
             patch: body.localization.patch,
+            foundation: body.unilateral.as_ref().map(|foundation| foundation.on(&self.basis)).transpose()?,
         };
         // Sums over ranks may differ in their last digits, and with them the decisions that follow from them.
         projection.numbers().for_each(|numbers| body.comm().broadcast_from_root(numbers));

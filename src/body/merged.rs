@@ -153,6 +153,7 @@ fn project(body: &Body, basis: &[Vector]) -> Result<Projection> {
         compliance: body.localization.compliance,
         copies: body.copies,
         patch: body.localization.patch,
+        foundation: None,
     };
     projection.numbers().for_each(|numbers| body.comm().broadcast_from_root(numbers));
     Ok(projection)

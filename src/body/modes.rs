@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector, Schur, SymmetricEigen};
 
-use super::Projection;
+use super::{FoundationPoints, Projection};
 use crate::error::{Error, Result};
 use crate::scene::Fault;
 
@@ -28,6 +28,17 @@ pub struct Modes {
     pub(crate) shapes: Shapes,
     /// The stresses under the hit on the other face, three forms, with what they lack for 1 N; or none.
     pub(crate) hit_stress: Option<(Shapes, [f64; 3])>,
+    /// Unilateral foundations, whose springs the modes have.
+    pub(crate) foundation: Option<ModalFoundation>,
+}
+
+/// Unilateral foundations on the real coordinates x of the vibrations. The modes that are left out do not move them.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ModalFoundation {
+    /// Their points; s ū is less what the modes that are left out move in equilibrium.
+    pub points: FoundationPoints,
+    /// b of forces on x, with dampers; without it is 1.
+    pub inputs: Option<DMatrix<Complex<f64>>>,
 }
 
 /// A body's coordinates y on its basis, from those of its modes: with x of the vibrations, ∫∫F of the free motions, and F,
@@ -129,6 +140,7 @@ impl Modes {
             forms: Forms::none(),
             shapes,
             hit_stress: None,
+            foundation: None,
         }
     }
 
@@ -153,10 +165,25 @@ impl Modes {
         if is_held && !self.modes.iter().any(sinks) { Ok(()) } else { Err(no_equilibrium()) }
     }
 
+    /// x of the vibrations from z.
+    pub(crate) fn places(&self, z: &[Complex<f64>]) -> DVector<f64> {
+        if let Some([places, _]) = &self.forms.damped {
+            return real_parts(places, z);
+        }
+        // A frequency of nothing but rounding is not divided by.
+        let frequency = |square: f64| square.max(f64::MIN_POSITIVE).sqrt();
+        DVector::from_iterator(z.len(), z.iter().zip(&self.forms.squares).map(|(z, s)| z.im / frequency(*s)))
+    }
+
     /// The fastest of the rates |λ|, 1/s.
     pub fn fastest(&self) -> f64 {
         self.modes.iter().map(|mode| mode.rate.norm()).fold(0.0, f64::max)
     }
+}
+
+/// Re(A z).
+pub(crate) fn real_parts(matrix: &DMatrix<Complex<f64>>, z: &[Complex<f64>]) -> DVector<f64> {
+    DVector::from_fn(matrix.nrows(), |i, _| (0..matrix.ncols()).map(|k| (matrix[(i, k)] * z[k]).re).sum())
 }
 
 /// The free vibrations of a body on a basis.
@@ -175,6 +202,8 @@ pub struct Spectrum {
     /// Stresses under the hit on the basis, a row each.
     hit_stress: DMatrix<f64>,
     hit_local: [f64; 3],
+    /// Unilateral foundations along them.
+    foundation: Option<FoundationPoints>,
 }
 
 impl Spectrum {
@@ -194,6 +223,7 @@ impl Spectrum {
             support: on(&projection.support),
             damping: projection.damping.as_ref().map(on),
             support_offset: projection.support_offset,
+            foundation: projection.foundation.as_ref().map(|points| points.on(&vectors)),
             vectors,
             hit_stress: projection.hit_stress.clone(),
             hit_local: projection.hit_local,
@@ -237,7 +267,11 @@ impl Spectrum {
         let mut free = Free::default();
         let mut shapes = Shapes::zero(self.vectors.nrows());
         shapes.moving = self.vectors.select_columns(&moving);
-        let loads = &self.load + &self.support_load;
+        let mut loads = &self.load + &self.support_load;
+        if let Some(points) = &self.foundation {
+            // Where the foundations are left in equilibrium, their springs pull less than they would.
+            loads -= points.rows.tr_mul(&points.resting);
+        }
         let (mut rest, mut rest_energy) = (0.0, 0.0);
         for (i, e) in self.vectors.column_iter().enumerate().skip(count) {
             shapes.residual.axpy(self.force[i] / self.squares[i], &e, 1.0);
@@ -257,13 +291,22 @@ impl Spectrum {
         let block = |m: &DMatrix<f64>| m.select_rows(&moving).select_columns(&moving);
         let squares = of_moving(&self.squares).map(|square| square.max(0.0));
         let (force, load) = (of_moving(&self.force), of_moving(&loads));
-        let (modes, damped) = match &self.damping {
-            None => (vibrations(&squares, &force, &load), None),
+        let (modes, damped, inputs) = match &self.damping {
+            None => (vibrations(&squares, &force, &load), None, None),
             Some(damping) => {
-                let (modes, shapes) = damped(&squares, &block(damping), &force, &load)?;
-                (modes, Some(shapes))
+                let Damped { modes, shapes, inputs } = damped(&squares, &block(damping), &force, &load)?;
+                (modes, Some(shapes), Some(inputs))
             }
         };
+        let foundation = self.foundation.as_ref().map(|all| {
+            let mut points = all.select(&moving);
+            if points.is_settled {
+                for i in count..loads.len() {
+                    points.offsets.axpy(-loads[i] / self.squares[i], &all.rows.column(i), 1.0);
+                }
+            }
+            ModalFoundation { points, inputs }
+        });
         let forms = Forms {
             support: block(&self.support),
             support_load: of_moving(&self.support_load),
@@ -274,7 +317,7 @@ impl Spectrum {
             damped,
         };
         let hit_stress = (self.hit_stress.nrows() > 0).then(|| (shapes.mapped(&self.hit_stress), self.hit_local));
-        Ok(Modes { modes, free, residual, rest, forms, shapes, hit_stress })
+        Ok(Modes { modes, free, residual, rest, forms, shapes, hit_stress, foundation })
     }
 }
 
@@ -332,7 +375,12 @@ fn vibrations(squares: &DVector<f64>, force: &DVector<f64>, load: &DVector<f64>)
     (0..squares.len()).map(mode).collect()
 }
 
-type Damped = (Vec<Mode>, [DMatrix<Complex<f64>>; 2]);
+/// The coordinates of a damped body, x and v from them, and b of forces on x.
+struct Damped {
+    modes: Vec<Mode>,
+    shapes: [DMatrix<Complex<f64>>; 2],
+    inputs: DMatrix<Complex<f64>>,
+}
 
 /// The eigenvectors of (s x, v)˙ = [0 s; −ω²/s −C] (s x, v), s = ω where there is one.
 fn damped(squares: &DVector<f64>, damping: &DMatrix<f64>, force: &DVector<f64>, load: &DVector<f64>) -> Result<Damped> {
@@ -373,7 +421,8 @@ fn damped(squares: &DVector<f64>, damping: &DMatrix<f64>, force: &DVector<f64>, 
         load: along(k, load),
         output: (0..n).map(|i| places[(i, c)] * force[i]).sum(),
     };
-    Ok((chosen.iter().enumerate().map(mode).collect(), [places, speeds]))
+    let inputs = DMatrix::from_fn(chosen.len(), n, |c, i| inverse[(chosen[c].0, n + i)]);
+    Ok(Damped { modes: chosen.iter().enumerate().map(mode).collect(), shapes: [places, speeds], inputs })
 }
 
 /// Unit eigenvectors of an upper triangle, by columns.

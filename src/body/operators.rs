@@ -6,7 +6,7 @@ use crate::contact::Localization;
 use crate::error::Result;
 use crate::solve::linear::{Method, solver};
 
-use super::{Clamps, Lumped, Pads};
+use super::{Clamps, Lumped, Pads, Unilateral};
 
 /// Relative residual of an iterative solution with M.
 const OF_MASS: f64 = 1e-12;
@@ -30,6 +30,8 @@ pub struct Body {
     pub lumped: Option<Lumped>,
     /// Pads (12).
     pub pads: Option<Pads>,
+    /// The pads of a body that is to be reduced, whose springs are in K ([`Body::take_pads_as_springs`]).
+    pub unilateral: Option<Unilateral>,
     /// Held unknowns (2).
     pub clamps: Clamps,
     /// u at rest under loads, supports and pads, where the motion starts there.

@@ -29,6 +29,8 @@ pub struct PadOnSurface {
     pub unknowns: Vec<Int>,
     /// What pushes back.
     pub element: PadElement,
+    /// The number of its place among those of all pads.
+    pub place: usize,
 }
 
 /// Pads as their quadrature points, component by component: a point pushes back with w ⟨g⟩ on each of its unknowns times s φ_a,
@@ -124,6 +126,59 @@ impl Pads {
         Ok(())
     }
 
+    /// The pads as springs in both directions: adds their K to a matrix, which must be assembled afterwards, and ∫ k ū·v dS to a vector;
+    /// returns ½ ∫ k ū·ū dS, J, the same on all ranks. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn add_springs(&self, matrix: &mut MatrixView, load: &mut VectorView) -> petsc_wrap::Result<f64> {
+        let (mut square, mut vector, mut offset) = (Vec::new(), Vec::new(), 0.0);
+        for PadOnSurface { unknowns, element, .. } in &self.elements {
+            square.resize(unknowns.len().pow(2), 0.0);
+            vector.resize(unknowns.len(), 0.0);
+            element.pressed_tangent(&mut square);
+            element.load(|point| point.offset, &mut vector);
+            matrix.set_values(unknowns, unknowns, &square, Insert::Add)?;
+            load.set_values(unknowns, &vector, Insert::Add)?;
+            offset += element.points().iter().map(|point| 0.5 * point.weight * point.offset.powi(2)).sum::<f64>();
+        }
+        load.assemble()?;
+        Ok(self.sum(offset))
+    }
+
+    /// ∫ k s·v dS over each place with pads. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn loads(&self, like: &Vector) -> petsc_wrap::Result<Vec<Vector>> {
+        let mut places: Vec<u64> =
+            self.comm.all_gather(&self.elements.iter().map(|pad| pad.place as u64).collect::<Vec<_>>());
+        places.sort_unstable();
+        places.dedup();
+        let mut block = Vec::new();
+        let of_place = |place: u64| {
+            let mut load = like.duplicate()?;
+            for pad in self.elements.iter().filter(|pad| pad.place as u64 == place) {
+                block.resize(pad.unknowns.len(), 0.0);
+                pad.element.load(|_| 1.0, &mut block);
+                load.set_values(&pad.unknowns, &block, Insert::Add)?;
+            }
+            load.assemble()?;
+            Ok(load)
+        };
+        places.into_iter().map(of_place).collect()
+    }
+
+    /// Σ s φ_a u_a at all points, m, in the order of [`Self::points`]. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn moved(&mut self, u: &Vector) -> petsc_wrap::Result<Vec<f64>> {
+        let u = self.gather.fetch(u)?;
+        let here: Vec<f64> = placed(&self.elements).flat_map(|(pad, place)| pad.element.moved(&u[place])).collect();
+        Ok(self.comm.all_gather(&here))
+    }
+
     /// The free unknowns that a pad can push, by global number, in order; the same on all ranks. Collective.
     pub fn pushed(&self) -> Vec<Int> {
         let mut here: Vec<Int> = Vec::new();
@@ -173,9 +228,14 @@ impl Pads {
     pub fn potential(&mut self, u: &Vector) -> petsc_wrap::Result<f64> {
         let u = self.gather.fetch(u)?;
         let here: f64 = placed(&self.elements).map(|(pad, place)| pad.element.potential(&u[place])).sum();
+        drop(u);
+        Ok(self.sum(here))
+    }
+
+    fn sum(&self, here: f64) -> f64 {
         let mut all = 0.0;
         self.comm.mpi().all_reduce_into(&here, &mut all, SystemOperation::sum());
-        Ok(all)
+        all
     }
 }
 

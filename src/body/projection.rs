@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use nalgebra_sparse::CsrMatrix;
 
-use super::System;
+use super::{FoundationPoints, System};
 use crate::contact::Patch;
 
 /// ÿ + C ẏ + (K_e + K_s) y = a F + f: a body's operators on a basis V with VᵀMV = 1, so that u = V y.
@@ -37,6 +37,8 @@ pub struct Projection {
     pub copies: f64,
     /// The patch, where there is one.
     pub patch: Option<Patch>,
+    /// Unilateral foundations, whose springs are among the supports.
+    pub foundation: Option<FoundationPoints>,
 }
 
 impl Projection {
@@ -117,6 +119,7 @@ impl Projection {
             compliance: self.compliance,
             copies: self.copies,
             patch: self.patch,
+            foundation: self.foundation.as_ref().map(|points| points.leading(count)),
         }
     }
 }

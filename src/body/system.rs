@@ -85,6 +85,7 @@ impl Body {
             damping: of_list(&system.damping)?,
             lumped: None,
             pads,
+            unilateral: None,
             clamps,
             equilibrium: None,
             load: vector(&system.load)?,

@@ -90,6 +90,27 @@ impl PadElement {
         }
     }
 
+    /// That tangent, N/m.
+    pub fn pressed_tangent(&self, out: &mut [f64]) {
+        out.fill(0.);
+        for point in &self.points {
+            add_square(point.weight, &point.values, &point.unknowns, self.unknowns, out);
+        }
+    }
+
+    /// Σ_i ∫ k_i s_i f v_i dS of a f that may depend on the point, N.
+    pub fn load(&self, f: impl Fn(&PadPoint) -> f64, out: &mut [f64]) {
+        out.fill(0.);
+        for point in &self.points {
+            point.add(point.weight * f(point), out);
+        }
+    }
+
+    /// Σ s φ_a u_a at each point, m.
+    pub fn moved<'a>(&'a self, u: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        self.points.iter().map(|point| point.moved(u))
+    }
+
     /// Σ_i ½ ∫ k_i ⟨g_i⟩² dS, J.
     pub fn potential(&self, u: &[f64]) -> f64 {
         self.points.iter().map(|point| 0.5 * point.weight * positive_part(point.penetration(u)).powi(2)).sum()

@@ -139,8 +139,8 @@ fn pressing(scene: &Scene, support: &Support) -> f64 {
         return 0.0;
     }
     let stiffness = match support.kind {
-        SupportKind::Elastic { stiffness } => stiffness[axis],
-        SupportKind::Pad { .. } | SupportKind::Clamped { .. } => return f64::INFINITY,
+        SupportKind::Elastic { stiffness } | SupportKind::Pad { stiffness, .. } => stiffness[axis],
+        SupportKind::Clamped { .. } => return f64::INFINITY,
     };
     let Impactor { stiffness: of_contact, mass, speed, .. } = scene.impactor;
     let damping = support.damping[axis] * PI / hertz::contact_time(of_contact, mass, speed);

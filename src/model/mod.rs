@@ -27,7 +27,7 @@ use crate::contact::Patch;
 use crate::error::Result;
 use crate::impact::{Cause, ErrorEstimate, Errors};
 use crate::mesh::Measures;
-use crate::scene::{self, Reduction, Scene};
+use crate::scene::{self, Scene};
 use crate::solve::Method;
 use crate::space::evaluate::Evaluator;
 
@@ -107,7 +107,7 @@ impl Model {
         match build(comm, scene, theory, 1.0, watch)? {
             Built::Given(body) => Ok(Self::bare(theory, Dynamics::Modal(body), 0, "a formula".to_owned())),
             Built::Operators(Operators { body, words, evaluator, measures, .. })
-                if !scene.time.modal && !matches!(scene.body.reduction, Reduction::Vectors(_)) =>
+                if !scene.is_reduced() =>
             {
                 let unknowns = body.unknowns();
                 let gauges = gauges(comm, scene, evaluator, &body.load, None)?;

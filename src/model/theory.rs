@@ -7,7 +7,7 @@ use crate::contact::zener;
 use crate::error::Result;
 use crate::impact::settle;
 use crate::mesh::{Measures, Mesh};
-use crate::scene::{Contact, Fault, Geometry, Model, Reduction, Scene};
+use crate::scene::{Contact, Fault, Geometry, Model, Scene};
 use crate::space::evaluate::{Evaluator, PointEvaluator};
 use crate::space::plate::{self, Plate, PlateTheory};
 use crate::space::spline::{self, SplineSolid};
@@ -110,11 +110,13 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
             Built::Operators(Operators { body: Box::new(body), words, is_of_splines: false, evaluator, measures })
         }
     };
-    // Bases are made of what the loads have done. (Pads have none: their bodies are put into equilibrium before they move.)
+    // Bases are made of what the loads have done, and of pads as springs. (A body that keeps its pads is put into equilibrium before it
+    // moves.)
     if let Built::Operators(Operators { body, .. }) = &mut built
-        && body.pads.is_none()
+        && (body.pads.is_none() || scene.is_reduced())
     {
         settle(scene, body)?;
+        body.take_pads_as_springs()?;
     }
     Ok(built)
 }
@@ -133,8 +135,7 @@ fn thickness(scene: &Scene) -> std::result::Result<f64, String> {
 
 /// Whether a solid is a box of splines, with a tenth of the unknowns: where it is to be reduced, and the scene does not ask for cells.
 fn is_of_splines(scene: &Scene) -> bool {
-    let is_reduced = scene.time.modal || matches!(scene.body.reduction, Reduction::Vectors(_));
-    is_reduced && matches!(scene.body.geometry, Geometry::Box { is_given: false, .. }) && spline::admits(scene).is_ok()
+    scene.is_reduced() && matches!(scene.body.geometry, Geometry::Box { is_given: false, .. }) && spline::admits(scene).is_ok()
 }
 
 fn of_plate(comm: &Comm, scene: &Scene, theory: PlateTheory, size: f64) -> Result<Built> {

@@ -77,6 +77,11 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Whether the body moves on a basis.
+    pub fn is_reduced(&self) -> bool {
+        self.time.modal || matches!(self.body.reduction, Reduction::Vectors(_))
+    }
+
     /// Reads and checks a scene file after `overrides`, each `KEY=VALUE` with a dotted path for the key.
     ///
     /// # Errors
@@ -318,12 +323,14 @@ impl Within {
 
 impl Support {
     /// Whether it acts on a part of a side that is not even across the thickness along an axis of a body, and in other directions than
-    /// along that axis: then bending and stretching are coupled.
+    /// along that axis: then bending and stretching are coupled. A pad that acts in such directions lets go of one half of a bent side.
     pub fn couples_stretching(&self, axis: usize, thickness: f64) -> bool {
         let is_even = self.within.is_none_or(|within| within.is_even(axis, thickness));
         let acts = |values: Vec3| (0..3).any(|i| i != axis && values[i] != 0.0);
         let holds = match self.kind {
-            SupportKind::Elastic { stiffness } | SupportKind::Pad { stiffness, .. } => acts(stiffness),
+            SupportKind::Pad { normal, .. } if acts(normal) => return true,
+            SupportKind::Pad { .. } => false,
+            SupportKind::Elastic { stiffness } => acts(stiffness),
             SupportKind::Clamped { components } => (0..3).any(|i| i != axis && components[i]),
         };
         !is_even && (holds || acts(self.damping))

@@ -107,14 +107,13 @@ fn support_offset<S: Space>(space: &S, description: &Description) -> Result<f64>
 
 fn pads<S: Space>(space: &S, description: &Description) -> Result<Vec<PadOnSurface>> {
     let mut pads = Vec::new();
-    for term in &description.pads {
-        for place in &term.region {
-            space.visit(place, &mut |unknowns, element| {
-                let element = PadElement::new(element, &term.foundation);
-                pads.push(PadOnSurface { unknowns: unknowns.to_vec(), element });
-                Ok(())
-            })?;
-        }
+    let places = description.pads.iter().flat_map(|term| term.region.iter().map(move |place| (place, term)));
+    for (number, (place, term)) in places.enumerate() {
+        space.visit(place, &mut |unknowns, element| {
+            let element = PadElement::new(element, &term.foundation);
+            pads.push(PadOnSurface { unknowns: unknowns.to_vec(), element, place: number });
+            Ok(())
+        })?;
     }
     Ok(pads)
 }

@@ -104,7 +104,7 @@ impl State {
 }
 
 /// Re(a b).
-fn real_product(a: Complex<f64>, b: Complex<f64>) -> f64 {
+pub(super) fn real_product(a: Complex<f64>, b: Complex<f64>) -> f64 {
     a.re * b.re - a.im * b.im
 }
 
@@ -117,6 +117,15 @@ struct Look {
     load: f64,
     /// δ's answer to F at 0, h/2 and h, m/N.
     answers: [f64; 3],
+    /// What the coordinates do by themselves, where forces beside F act on them.
+    coordinates: Vec<Coordinate>,
+}
+
+/// z(τh) of a coordinate: e^{λτh} z + g, and the weights of its inputs at 0, h/2 and h.
+struct Coordinate {
+    growth: Complex<f64>,
+    load: Complex<f64>,
+    weights: [Complex<f64>; 3],
 }
 
 /// What a step of the size h does.
@@ -143,6 +152,7 @@ impl Answer {
                     rows: (Vec::with_capacity(count), Vec::with_capacity(count)),
                     load: 0.5 * (modes.free.load - impactor.gravity) * (tau * step).powi(2),
                     answers: way.map(|w| w * (modes.free.mobility + 1.0 / impactor.mass)),
+                    coordinates: Vec::new(),
                 }
             })
             .collect();
@@ -164,8 +174,16 @@ impl Answer {
                 look.rows.0.push(row.re);
                 look.rows.1.push(row.im);
                 look.load += real_product(mode.output, mode.load * phi[0]) * look.tau * step;
-                for (answer, weight) in look.answers.iter_mut().zip(weights(phi, look.tau)) {
+                let weights = weights(phi, look.tau);
+                for (answer, weight) in look.answers.iter_mut().zip(weights) {
                     *answer += real_product(of_force, weight);
+                }
+                if modes.foundation.is_some() {
+                    look.coordinates.push(Coordinate {
+                        growth: phi[0] * y * look.tau + 1.0,
+                        load: mode.load * phi[0] * look.tau * step,
+                        weights: weights.map(|w| w * step),
+                    });
                 }
             }
             let [_, _, _, whole] = of_looks;
@@ -192,6 +210,21 @@ impl Answer {
     /// How much δ falls at a look for F of 1 N at 0, h/2 and h, m/N.
     pub fn answers(&self, look: usize) -> [f64; 3] {
         self.looks[look].answers
+    }
+
+    /// z at a look without any force but the loads.
+    pub fn left_alone(&self, look: usize, state: &State) -> Vec<Complex<f64>> {
+        let coordinates = self.looks[look].coordinates.iter().zip(&state.modes);
+        coordinates.map(|(Coordinate { growth, load, .. }, z)| growth * z + load).collect()
+    }
+
+    /// What inputs at 0, h/2 and h add to z at a look.
+    pub fn driven(&self, look: usize, inputs: &[Vec<Complex<f64>>; 3]) -> Vec<Complex<f64>> {
+        let [a, b, c] = inputs;
+        let of = |(i, Coordinate { weights, .. }): (usize, &Coordinate)| {
+            weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i]
+        };
+        self.looks[look].coordinates.iter().enumerate().map(of).collect()
     }
 
     /// The state at the end under the force's three values, N.

@@ -3,9 +3,9 @@
 //! The linear part is exact: what the force's quadratic F does on body and impactor, −∫F δ̇ dt, arrives there to rounding. Energy is
 //! made only where that is not what the contact's potential V loses and its damping takes: ΔV + ∫F_d δ̇ dt − ∫F δ̇ dt over a step.
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::DVector;
 
-use crate::body::Modes;
+use crate::body::{Modes, real_parts};
 use crate::contact::Law;
 use crate::impact::Setting;
 use crate::impact::step::Energy;
@@ -44,15 +44,22 @@ impl Ledger {
             damped = (0..5).map(|k| weights[k] / 90.0 * power(k)).sum::<f64>() * taken.step;
         }
         self.of_contact += damped;
-        self.numerical += potential + damped - (ends - inside);
+        self.numerical += potential + damped - (ends - inside) + taken.made;
     }
 
-    /// The energies, of the whole body, at a state, a force (N) and a potential of the contact (J).
-    pub fn energy(&mut self, modes: &Modes, setting: &Setting, state: &State, (force, contact): (f64, f64)) -> Energy {
+    /// The energies, of the whole body, at a state, a force (N), a potential of the contact (J), and one of springs where there are
+    /// none (J).
+    pub fn energy(
+        &mut self,
+        modes: &Modes,
+        setting: &Setting,
+        state: &State,
+        (force, contact, absent): (f64, f64, f64),
+    ) -> Energy {
         let forms = &modes.forms;
         let (x, v) = coordinates(modes, state);
         let of_support = 0.5 * x.dot(&(&forms.support * &x));
-        let support = of_support - forms.support_load.dot(&x) + forms.support_offset;
+        let support = of_support - forms.support_load.dot(&x) + forms.support_offset - absent;
         let bent = 0.5 * forms.squares.iter().zip(&x).map(|(square, x)| square * x * x).sum::<f64>();
         let elastic = bent - of_support + 0.5 * modes.residual * force * force + state.settled * forms.rest;
         let free = modes.free;
@@ -92,10 +99,7 @@ impl Ledger {
 pub(super) fn coordinates(modes: &Modes, state: &State) -> (DVector<f64>, DVector<f64>) {
     let z = &state.modes;
     if let Some([places, speeds]) = &modes.forms.damped {
-        let real = |m: &DMatrix<Complex<f64>>| {
-            DVector::from_fn(m.nrows(), |i, _| (0..m.ncols()).map(|k| (m[(i, k)] * z[k]).re).sum())
-        };
-        return (real(places), real(speeds));
+        return (real_parts(places, z), real_parts(speeds, z));
     }
     let count = modes.forms.squares.len();
     let frequency = |i: usize| modes.forms.squares[i].max(f64::MIN_POSITIVE).sqrt();

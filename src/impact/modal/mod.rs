@@ -6,6 +6,7 @@
 
 mod answer;
 mod ledger;
+mod lift;
 mod motion;
 mod reading;
 mod stage;
@@ -335,7 +336,7 @@ fn seen(number: usize, motion: &Motion, (modes, setting): (&Modes, &Setting), le
         },
         energy: ledger.map_or(Energy::default(), |ledger| {
             let potential = law.potential(motion.approach) - 0.5 * modes.residual * force * force;
-            ledger.energy(modes, setting, state, (force, potential))
+            ledger.energy(modes, setting, state, (force, potential, motion.absent_energy()))
         }),
     }
 }

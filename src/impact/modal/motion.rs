@@ -5,6 +5,7 @@ use crate::contact::Law;
 use crate::error::{Error, Result};
 
 use super::answer::{Answer, FreeBody, LOOKS, State};
+use super::lift::{Lift, Pulled};
 use super::stage::{Stage, solve, solve_damped};
 
 /// Halvings of the step at most.
@@ -29,6 +30,8 @@ pub struct Taken {
     pub force: [f64; 3],
     /// δ at its begin and at the looks, m.
     pub approach: [f64; 5],
+    /// Energy that unilateral foundations make in it, with dampers, J.
+    pub made: f64,
 }
 
 /// Body and impactor on their way.
@@ -47,6 +50,10 @@ pub struct Motion<'a> {
     begun: bool,
     /// Whether a contact was just found to be none.
     grazing: bool,
+    /// Unilateral foundations.
+    lift: Option<Lift<'a>>,
+    /// Halvings from which on the forces of these are found.
+    coarsest: usize,
     /// The state reached.
     pub state: State,
     /// F, N.
@@ -73,6 +80,8 @@ impl<'a> Motion<'a> {
             touching: false,
             begun: false,
             grazing: false,
+            lift: Lift::new(modes, &state),
+            coarsest: 0,
             force: 0.0,
             approach: -impactor.gap - state.surface(modes),
             state,
@@ -89,6 +98,11 @@ impl<'a> Motion<'a> {
     /// The contact's law, in terms of the approach that the modes show.
     pub fn law(&self) -> &Law {
         &self.law
+    }
+
+    /// The energy of springs where unilateral foundations have none, J.
+    pub fn absent_energy(&self) -> f64 {
+        self.lift.as_ref().map_or(0.0, Lift::energy)
     }
 
     /// Ḟ, N/s.
@@ -109,7 +123,7 @@ impl<'a> Motion<'a> {
         // Contact found and lost again, then a step.
         for _ in 0..8 {
             let left = end - self.state.time;
-            let taken = if self.touching { self.press(left)? } else { self.fly(left) };
+            let taken = if self.touching { self.press(left)? } else { self.fly(left)? };
             if let Some(taken) = taken {
                 return Ok(taken);
             }
@@ -135,59 +149,89 @@ impl<'a> Motion<'a> {
     }
 
     /// A step without contact; `None` where contact begins at once.
-    fn fly(&mut self, left: f64) -> Option<Taken> {
-        self.level = 0;
-        let table = self.table(left);
-        let free = table.free(&self.state, self.impactor.gap);
-        self.solves += 1;
-        let Some(look) = free.iter().position(|approach| *approach > 0.0) else {
-            let taken = self.take(&table, [0.0; 3], free);
+    fn fly(&mut self, left: f64) -> Result<Option<Taken>> {
+        self.level = self.coarsest;
+        let (table, free, pulled) = loop {
+            let table = self.table(left);
+            self.solves += 1;
+            if let Some((free, pulled)) = self.flight(&table) {
+                break (table, free, pulled);
+            }
             self.put_back(table);
-            return Some(taken);
+            self.level += 1;
+            self.coarsest = self.level;
+            if self.level > LEVELS {
+                return Err(not_followed());
+            }
+        };
+        let Some(look) = free.iter().position(|approach| *approach > 0.0) else {
+            let taken = self.take(&table, [0.0; 3], free, pulled);
+            self.put_back(table);
+            return Ok(Some(taken));
         };
         if std::mem::take(&mut self.grazing) && look == 0 {
             // δ rises by so little that no force comes of it before the first look.
             self.put_back(table);
             let table = Answer::new(self.modes, &self.impactor, LOOKS[0] * self.steps.largest.min(left));
-            let free = table.free(&self.state, self.impactor.gap);
-            return Some(self.take(&table, [0.0; 3], free));
+            let (free, pulled) = self.flight(&table).ok_or_else(not_followed)?;
+            return Ok(Some(self.take(&table, [0.0; 3], free, pulled)));
         }
         (self.touching, self.begun) = (true, true);
         self.force = self.law.damped(self.approach, self.rate()).force;
         // As small as it has to be, for F = t^{3/2} has no quadratic.
-        self.level = if self.steps.defect.is_some() { 3 } else { 0 };
+        self.level = if self.steps.defect.is_some() { 3 } else { 0 }.max(self.coarsest);
         let (mut low, mut high) =
             (if look == 0 { 0.0 } else { LOOKS[look - 1] * table.step }, LOOKS[look] * table.step);
         self.put_back(table);
         if look == 0 && self.approach >= 0.0 {
-            return None;
+            return Ok(None);
         }
         let mut at = (if look == 0 { self.approach } else { free[look - 1] }, free[look]);
-        let touch = find(None, &mut low, &mut high, &mut at, |t| self.state.flown(self.modes, &self.impactor, t));
+        let touch = find(None, &mut low, &mut high, &mut at, |t| self.flown(t));
         if touch <= 0.0 {
-            return None;
+            return Ok(None);
         }
         let table = Answer::new(self.modes, &self.impactor, touch);
-        let free = table.free(&self.state, self.impactor.gap);
-        let taken = self.take(&table, [0.0; 3], free);
+        let (free, pulled) = self.flight(&table).ok_or_else(not_followed)?;
+        let taken = self.take(&table, [0.0; 3], free, pulled);
         self.approach = 0.0;
-        Some(taken)
+        Ok(Some(taken))
+    }
+
+    /// δ at the looks of a step without contact, m, and what foundations do meanwhile; `None` where that is not found.
+    fn flight(&self, table: &Answer) -> Option<([f64; 4], Option<Pulled>)> {
+        let free = table.free(&self.state, self.impactor.gap);
+        match &self.lift {
+            None => Some((free, None)),
+            Some(lift) => {
+                let (free, pulled) = lift.solve(table, &self.state, free, |free| Some((free, [0.0; 3])))?;
+                Some((free, Some(pulled)))
+            }
+        }
+    }
+
+    /// δ after a time (s) without contact, m.
+    fn flown(&self, time: f64) -> f64 {
+        if self.lift.is_none() || time <= 0.0 {
+            return self.state.flown(self.modes, &self.impactor, time);
+        }
+        let table = Answer::new(self.modes, &self.impactor, time);
+        self.flight(&table).map_or(f64::NAN, |(free, _)| free[3])
     }
 
     /// A step in contact; `None` where it has ended already.
     fn press(&mut self, left: f64) -> Result<Option<Taken>> {
         loop {
             let table = self.table(left);
-            let free = table.free(&self.state, self.impactor.gap);
             self.solves += 1;
-            let stage = self.solve(&table, free, self.guess(table.step), false);
-            if let Some(Stage { iterations, .. }) = stage {
+            let stage = self.solve(&table, self.guess(table.step), false);
+            if let Some((Stage { iterations, .. }, _)) = stage {
                 self.iterations += iterations;
             }
             let level = self.level;
             let worst = self.steps.defect.unwrap_or(f64::INFINITY);
-            let stage = stage.filter(|stage| stage.defect <= worst);
-            let Some(stage) = stage else {
+            let stage = stage.filter(|(stage, _)| stage.defect <= worst);
+            let Some((stage, pulled)) = stage else {
                 self.put_back(table);
                 self.level += 1;
                 if self.level > LEVELS {
@@ -220,7 +264,7 @@ impl<'a> Motion<'a> {
                 }
                 continue;
             }
-            let taken = self.take(&table, stage.force, stage.approach);
+            let taken = self.take(&table, stage.force, stage.approach, pulled);
             self.put_back(table);
             self.begun = false;
             // The defect falls with the third power of the step: an eighth of it is what the next size will show.
@@ -236,14 +280,13 @@ impl<'a> Motion<'a> {
     fn release(&mut self, (before, length): (f64, f64), guess: f64) -> Option<Taken> {
         let solved = |motion: &Self, step: f64| {
             let table = Answer::new(motion.modes, &motion.impactor, step);
-            let free = table.free(&motion.state, motion.impactor.gap);
             // At the end of a contact δ falls along an arc: at the middle it has lost half or less.
             let first = [motion.guess(step)[0].max(0.5 * motion.approach), 0.0];
-            let stage = motion.solve(&table, free, first, true);
+            let stage = motion.solve(&table, first, true);
             (table, stage)
         };
         let end = |step: f64| match solved(self, step).1 {
-            Some(stage) => stage.approach[3],
+            Some((stage, _)) => stage.approach[3],
             None => f64::NAN,
         };
         // The force of the shorter step is another one, so that δ may pass zero a little later.
@@ -257,18 +300,29 @@ impl<'a> Motion<'a> {
         };
         let step = find(Some(guess), &mut low, &mut high, &mut at, end);
         let (table, stage) = solved(self, step);
-        let Stage { force, approach, .. } = stage?;
-        let taken = self.take(&table, force, approach);
+        let (Stage { force, approach, .. }, pulled) = stage?;
+        let taken = self.take(&table, force, approach, pulled);
         self.let_go();
         Some(taken)
     }
 
-    /// The force over a step, from a guess of δ at its middle and its end; `held` takes the last force for zero.
-    fn solve(&self, table: &Answer, free: [f64; 4], guess: [f64; 2], held: bool) -> Option<Stage> {
-        if self.law.damping > 0.0 {
-            return solve_damped(&self.law, table, (self.approach, free), self.force, guess, held);
+    /// The forces over a step, from a guess of δ at its middle and its end; `held` takes the contact's last one for zero.
+    fn solve(&self, table: &Answer, guess: [f64; 2], held: bool) -> Option<(Stage, Option<Pulled>)> {
+        let contact = |free: [f64; 4]| {
+            if self.law.damping > 0.0 {
+                return solve_damped(&self.law, table, (self.approach, free), self.force, guess, held);
+            }
+            solve(&self.law, table, free, self.force, guess, held)
+        };
+        let free = table.free(&self.state, self.impactor.gap);
+        match &self.lift {
+            None => Some((contact(free)?, None)),
+            Some(lift) => {
+                let with_force = |free: [f64; 4]| contact(free).map(|stage| (stage, stage.force));
+                let (stage, pulled) = lift.solve(table, &self.state, free, with_force)?;
+                Some((stage, Some(pulled)))
+            }
         }
-        solve(&self.law, table, free, self.force, guess, held)
     }
 
     fn let_go(&mut self) {
@@ -283,12 +337,21 @@ impl<'a> Motion<'a> {
         if self.last.is_none() { linear.map(|x| x.max(0.0)) } else { linear }
     }
 
-    fn take(&mut self, table: &Answer, force: [f64; 3], approach: [f64; 4]) -> Taken {
+    fn take(&mut self, table: &Answer, force: [f64; 3], approach: [f64; 4], pulled: Option<Pulled>) -> Taken {
         table.advance(&mut self.state, self.modes, &self.impactor, force);
+        let made = pulled.as_ref().map_or(0.0, |pulled| pulled.made);
+        if let (Some(lift), Some(pulled)) = (&mut self.lift, pulled) {
+            lift.advance(table, &mut self.state, pulled);
+        }
         let all = [self.approach, approach[0], approach[1], approach[2], approach[3]];
         (self.force, self.approach, self.last) = (force[2], approach[3], Some((force, table.step)));
-        Taken { step: table.step, force, approach: all }
+        Taken { step: table.step, force, approach: all, made }
     }
+}
+
+/// That foundations are too stiff for any step.
+fn not_followed() -> Error {
+    Error::Solve("the forces of the pads are not found at any step".into())
 }
 
 /// Where δ is zero before a look at which it is not positive any more, as a part of the step: on the parabola through that look and

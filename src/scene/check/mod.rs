@@ -63,7 +63,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
     modal::basis(source, reduction, &supports)?;
     let against = modal::against(&raw, (model, reduction), &supports);
     let time = time::check(source, &raw.time, against)?;
-    modal::only(source, &raw, model, &time)?;
+    modal::only(source, &raw, (model, &supports), &time)?;
     time::equilibrium(source, &time, &load, &supports)?;
     let body = Body { model, reduction, young, poisson, density, geometry, order, symmetry };
     plausible::check(source, &body, (&impactor, raw.impactor.stiffness.is_some()), time.end)?;

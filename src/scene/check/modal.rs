@@ -48,7 +48,6 @@ pub(super) fn basis(source: &Source, reduction: Reduction, supports: &[Support])
 /// Why a support leaves the body without modes.
 fn linear(support: &Support) -> Option<String> {
     match support.kind {
-        SupportKind::Pad { .. } => Some("a body on pads is not linear, and has no modes".to_owned()),
         SupportKind::Clamped { .. } if support.displacement != [0.0; 3] => {
             Some("a body in modes is held at zero, and this one at a displacement".to_owned())
         }
@@ -60,8 +59,19 @@ fn linear(support: &Support) -> Option<String> {
 ///
 /// # Errors
 /// A theory without unknowns under a scheme that steps unknowns; the same for the explicit scheme on any body but a mesh of solid elements.
-pub(super) fn only(source: &Source, raw: &raw::Scene, model: Model, time: &Time) -> Result<(), SceneError> {
+pub(super) fn only(
+    source: &Source,
+    raw: &raw::Scene,
+    (model, supports): (Model, &[Support]),
+    time: &Time,
+) -> Result<(), SceneError> {
     let name = raw.body.model.as_deref().unwrap_or_default();
+    let pad = supports.iter().position(|support| matches!(support.kind, SupportKind::Pad { .. }));
+    if let (false, Some(WordOrWhole::Whole(_)), Some(pad)) = (time.modal, &raw.body.reduction, pad) {
+        let message = "on a basis, a body on pads moves in modal coordinates only".to_owned();
+        let help = "`scheme = \"modal\"`, or `reduction = \"none\"`".to_owned();
+        return Err(source.conflict("body.reduction", &format!("support.{pad}.kind"), message, help));
+    }
     if !time.modal && matches!(model, Model::HalfSpace | Model::InfinitePlate) {
         let asked = [
             ("time.scheme", raw.time.scheme.is_some()),

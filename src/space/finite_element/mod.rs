@@ -69,6 +69,7 @@ impl Body {
             damping,
             lumped: is_explicit.then(|| Lumped::new(&description, mesh)).transpose()?,
             pads,
+            unilateral: None,
             load,
             support_load,
             support_offset,

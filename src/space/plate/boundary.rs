@@ -21,6 +21,11 @@ pub(super) fn check(scene: &Scene, geometry: &PlateGeometry, theory: PlateTheory
         if geometry.in_plane(support.displacement) != [0.0; 2] {
             return Err(clause("has a displacement in the plate's plane"));
         }
+        if let SupportKind::Pad { normal, .. } = support.kind
+            && geometry.in_plane(normal) != [0.0; 2]
+        {
+            return Err(clause("is a pad that acts along the plate, which it would stretch"));
+        }
         if support.couples_stretching(geometry.normal, geometry.thickness) {
             return Err(clause(
                 "is on a part of a side that is not even across the thickness, and acts along the plate",
@@ -29,7 +34,7 @@ pub(super) fn check(scene: &Scene, geometry: &PlateGeometry, theory: PlateTheory
         let is_on_face = faces(&support.surface).iter().any(|(axis, _)| *axis == geometry.normal);
         let along_plane = |value: Vec3| is_on_face && geometry.in_plane(value) != [0.0; 2];
         let held = match support.kind {
-            SupportKind::Pad { .. } => return Err(clause("is a pad")),
+            SupportKind::Pad { .. } => false,
             SupportKind::Elastic { stiffness } => along_plane(stiffness),
             SupportKind::Clamped { .. } if is_on_face && support.within.is_none() => {
                 return Err(clause("holds a face of the plate"));
