@@ -14,6 +14,10 @@ use crate::error::Result;
 use crate::form::{SurfaceElement, SurfacePoint};
 use crate::scene::{Vec3, faces};
 
+/// The degree of a displacement that quadrature for rough integrands squares exactly. Within a cell the splines' higher terms are small:
+/// cells resolve the waves.
+const ROUGH_DEGREE: usize = 2;
+
 /// A displacement that is smooth within the cells of a grid.
 pub trait GridField {
     /// The ends of the cells of the modelled part along each axis, m.
@@ -58,9 +62,9 @@ impl Face {
 }
 
 impl<F: GridField> GridSpace<'_, F> {
-    /// Visits what an extent of space has of the cells on a face.
-    fn visit_face(&self, face: Face, extent: &Extent, visit: &mut Visit) -> Result<()> {
-        let (lines, degrees) = (self.field.lines(), self.field.degrees());
+    /// Visits what an extent of space has of the cells on a face, with rules for products of polynomials of these degrees along the axes.
+    fn visit_face(&self, face: Face, extent: &Extent, degrees: [usize; 3], visit: &mut Visit) -> Result<()> {
+        let lines = self.field.lines();
         let across = lines[face.axis];
         let height = if face.is_upper { across[across.len() - 1] } else { across[0] };
         let [first, second] = faces::along(face.axis);
@@ -149,7 +153,15 @@ impl<F: GridField> Space for GridSpace<'_, F> {
     type Vector = Vec<f64>;
 
     fn visit(&self, place: &Place, visit: &mut Visit) -> Result<()> {
-        Face::of_surface(&place.surface, self.mirrors).try_for_each(|face| self.visit_face(face, &place.extent, visit))
+        let degrees = self.field.degrees();
+        let mut faces = Face::of_surface(&place.surface, self.mirrors);
+        faces.try_for_each(|face| self.visit_face(face, &place.extent, degrees, visit))
+    }
+
+    fn visit_roughly(&self, place: &Place, visit: &mut Visit) -> Result<()> {
+        let degrees = self.field.degrees().map(|degree| degree.min(ROUGH_DEGREE));
+        let mut faces = Face::of_surface(&place.surface, self.mirrors);
+        faces.try_for_each(|face| self.visit_face(face, &place.extent, degrees, visit))
     }
 
     fn body_force(&self, force: Vec3, add: &mut Add) -> Result<()> {

@@ -40,6 +40,14 @@ pub trait Space {
     /// The visitor's.
     fn visit(&self, place: &Place, visit: &mut Visit) -> Result<()>;
 
+    /// The same with quadrature for an integrand that is not smooth, where more points gain little.
+    ///
+    /// # Errors
+    /// The visitor's.
+    fn visit_roughly(&self, place: &Place, visit: &mut Visit) -> Result<()> {
+        self.visit(place, visit)
+    }
+
     /// Adds ∫ f·v dV of a body force, N/m³.
     ///
     /// # Errors

@@ -109,7 +109,7 @@ fn pads<S: Space>(space: &S, description: &Description) -> Result<Vec<PadOnSurfa
     let mut pads = Vec::new();
     let places = description.pads.iter().flat_map(|term| term.region.iter().map(move |place| (place, term)));
     for (number, (place, term)) in places.enumerate() {
-        space.visit(place, &mut |unknowns, element| {
+        space.visit_roughly(place, &mut |unknowns, element| {
             let element = PadElement::new(element, &term.foundation);
             pads.push(PadOnSurface { unknowns: unknowns.to_vec(), element, place: number });
             Ok(())
