@@ -177,7 +177,28 @@ impl Body {
     /// # Errors
     /// PETSc's.
     pub fn operator(&self, c1: f64, c2: f64) -> Result<Matrix> {
-        let mut matrix = self.combination(c1, c2)?;
+        self.without_held(self.combination(c1, c2)?)
+    }
+
+    /// K + c2 M with the pads' tangent at u, or that of pads pressed everywhere, and the held unknowns taken out. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn operator_on_pads(&mut self, c2: f64, u: Option<&Vector>) -> Result<Matrix> {
+        let mut matrix = self.combination(0.0, c2)?;
+        match (&mut self.pads, u) {
+            (Some(pads), Some(u)) => pads.add_tangent(None, u, 1.0, &mut matrix)?,
+            (Some(pads), None) => {
+                let mut idle = self.load.duplicate()?;
+                pads.add_springs(&mut matrix, &mut idle)?;
+            }
+            (None, _) => {}
+        }
+        matrix.assemble()?;
+        self.without_held(matrix)
+    }
+
+    fn without_held(&self, mut matrix: Matrix) -> Result<Matrix> {
         let typical = matrix.trace()? / self.unknowns() as f64;
         matrix.zero_rows_columns(&self.clamps.rows, typical)?;
         matrix.declare_positive_definite()?;

@@ -106,9 +106,7 @@ impl Model {
     fn of(comm: &Comm, scene: &Scene, theory: scene::Model, watch: &dyn Watch) -> Result<Self> {
         match build(comm, scene, theory, 1.0, watch)? {
             Built::Given(body) => Ok(Self::bare(theory, Dynamics::Modal(body), 0, "a formula".to_owned())),
-            Built::Operators(Operators { body, words, evaluator, measures, .. })
-                if !scene.is_reduced() =>
-            {
+            Built::Operators(Operators { body, words, evaluator, measures, .. }) if !scene.is_reduced() => {
                 let unknowns = body.unknowns();
                 let gauges = gauges(comm, scene, evaluator, &body.load, None)?;
                 Ok(Self { gauges, measures, ..Self::bare(theory, Dynamics::Stepped(body), unknowns, words) })

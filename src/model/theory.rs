@@ -135,7 +135,9 @@ fn thickness(scene: &Scene) -> std::result::Result<f64, String> {
 
 /// Whether a solid is a box of splines, with a tenth of the unknowns: where it is to be reduced, and the scene does not ask for cells.
 fn is_of_splines(scene: &Scene) -> bool {
-    scene.is_reduced() && matches!(scene.body.geometry, Geometry::Box { is_given: false, .. }) && spline::admits(scene).is_ok()
+    scene.is_reduced()
+        && matches!(scene.body.geometry, Geometry::Box { is_given: false, .. })
+        && spline::admits(scene).is_ok()
 }
 
 fn of_plate(comm: &Comm, scene: &Scene, theory: PlateTheory, size: f64) -> Result<Built> {

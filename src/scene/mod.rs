@@ -77,6 +77,11 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Whether a support only pushes back.
+    pub fn is_on_pads(&self) -> bool {
+        self.supports.iter().any(|support| matches!(support.kind, SupportKind::Pad { .. }))
+    }
+
     /// Whether the body moves on a basis.
     pub fn is_reduced(&self) -> bool {
         self.time.modal || matches!(self.body.reduction, Reduction::Vectors(_))

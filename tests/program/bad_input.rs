@@ -245,14 +245,14 @@ fn theories() {
         ranks: if model == "mindlin" { BOTH } else { ALONE },
     };
     let oblique = "impactor.direction=[0.1,0,-1]";
-    let pad = "support=[{surface=\"bottom\",kind=\"pad\",stiffness=1e9,normal=[0,0,-1]}]";
+    let pad = "support=[{surface=\"bottom\",kind=\"pad\",stiffness=1e9,normal=[0.1,0,-1]}]";
     let clamped = "support=[{surface=\"bottom\",kind=\"clamped\"}]";
     let pushed = "support=[{surface=\"side\",kind=\"elastic\",stiffness=1e9,displacement=[1e-4,0,0]}]";
     let traction = "load.traction=[{surface=\"top\",value=[1,0,0]}]";
     check_all(&[
         case("plate hit askew", "kirchhoff", oblique, "the impactor does not move along the normal of a face"),
         case("endless plate hit askew", "infinite-plate", oblique, "the hit is oblique"),
-        case("plate on a pad", "kirchhoff", pad, "support.0 on \"bottom\" is a pad"),
+        case("plate on a pad", "kirchhoff", pad, "support.0 on \"bottom\" is a pad that acts along the plate"),
         case("plate held by its face", "kirchhoff", clamped, "support.0 on \"bottom\" holds a face of the plate"),
         case(
             "plate pushed along itself",

@@ -330,13 +330,13 @@ fn displaced_clamps_carry_the_plate() {
 #[test]
 fn scenes_that_are_no_plates() {
     const BODY: &str = "size = [0.6, 0.4, 0.03]";
-    let pad = "[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nstiffness = 1e9\nnormal = [0, 0, -1]\n";
+    let pad = "[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nstiffness = 1e9\nnormal = [0.1, 0, -1]\n";
     let displaced = held("x-min", r#"["x"]"#) + "displacement = [1e-3, 0, 0]\n";
     let cases = [
         ("mesh = \"x.msh\"", "point = [0, 0, 0]", "", "the body is from a mesh file"),
         (BODY, "direction = [0.1, 0, -1]", "", "the impactor does not move along the normal"),
         (BODY, "direction = [-1, 0, 0]", "", "the body is not thin along x: its edge along y is shorter"),
-        (BODY, "", pad, "support.0 on \"bottom\" is a pad"),
+        (BODY, "", pad, "support.0 on \"bottom\" is a pad that acts along the plate"),
         (BODY, "", &held("bottom", r#"["z"]"#), "support.0 on \"bottom\" holds a face"),
         (
             BODY,

@@ -48,6 +48,7 @@ mod impact {
     pub mod reference;
     pub mod schemes;
     pub mod time_order;
+    pub mod unilateral;
 }
 mod model {
     pub mod agreement;
@@ -115,6 +116,7 @@ fn main() -> ExitCode {
         impact::reference,
         impact::schemes,
         impact::time_order,
+        impact::unilateral,
         model::agreement,
         model::climb,
         model::converged,

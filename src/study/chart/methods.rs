@@ -85,7 +85,7 @@ impl Ladder {
         Self {
             contact: impactor.contact_time(),
             thickness,
-            is_linear: scene.time.modal,
+            is_linear: scene.time.modal && !scene.is_on_pads(),
             is_box: matches!(scene.body.geometry, Geometry::Box { .. }),
         }
     }

@@ -123,8 +123,7 @@ impl<'a> Bodies<'a> {
     fn of_family(&mut self, index: usize, scene: &Scene, watch: &dyn Watch) -> Result<Option<Kept>> {
         let Some(Line { body, value, count }) = self.census.line_of(index, scene) else { return Ok(None) };
         let is_open = scene.body.model == scene::Model::Auto && self.theory.is_none();
-        let is_on_pads = scene.supports.iter().any(|support| matches!(support.kind, SupportKind::Pad { .. }));
-        if count < family::LEAST || is_open || is_on_pads {
+        if count < family::LEAST || is_open || scene.is_on_pads() {
             return Ok(None);
         }
         if self.families.get(&body).is_none() {

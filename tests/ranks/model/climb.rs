@@ -94,9 +94,9 @@ fn what_rules_plates_out(session: &Session) {
             coarse,
             "",
             format!(
-                "{newmark}\n[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nstiffness = 1e9\nnormal = [0, 0, -1]"
+                "{newmark}\n[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nstiffness = 1e9\nnormal = [0.1, 0, -1]"
             ),
-            "is a pad",
+            "is a pad that acts along the plate",
         ),
         (
             coarse,
