@@ -33,6 +33,14 @@ impl ModalBody {
         Self { source: Source::Spectrum(Box::new(Spectrum::new(projection))), compliance, copies, patch }
     }
 
+    /// The frequency up to which steps must resolve the motion, since unilateral foundations let go of it, rad/s.
+    pub fn stiffened(&self) -> f64 {
+        match &self.source {
+            Source::Given(_) => 0.0,
+            Source::Spectrum(spectrum) => spectrum.stiffened(),
+        }
+    }
+
     /// The modes up to a frequency (rad/s) in contact, the others by their static answer.
     ///
     /// # Errors

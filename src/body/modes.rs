@@ -119,6 +119,9 @@ const UNHELD: f64 = 1e-16;
 /// How far a mode moves the surface under its loads at most, m.
 const DEEPEST: f64 = 1.0;
 
+/// The part of a mode's stiffness that unilateral foundations may have where it is left out: where these let go, it is slower.
+const OF_FOUNDATION: f64 = 0.01;
+
 /// Condition number of the eigenvectors above which a damped body has no modal form to trust.
 const CONDITION: f64 = 1e9;
 
@@ -204,6 +207,8 @@ pub struct Spectrum {
     hit_local: [f64; 3],
     /// Unilateral foundations along them.
     foundation: Option<FoundationPoints>,
+    /// How many of the modes, the lowest first, have those that foundations stiffen.
+    stiffened: usize,
 }
 
 impl Spectrum {
@@ -215,19 +220,31 @@ impl Spectrum {
         let vectors = eigen.eigenvectors.select_columns(&order);
         let along = |v: &DVector<f64>| vectors.tr_mul(v);
         let on = |m: &DMatrix<f64>| vectors.tr_mul(&(m * &vectors));
+        let squares = eigen.eigenvalues.select_rows(&order);
+        let foundation = projection.foundation.as_ref().map(|points| points.on(&vectors));
+        let is_stiffened = |i: &usize| {
+            let stiffness = foundation.as_ref().map_or(0.0, |points: &FoundationPoints| points.square(*i));
+            stiffness > OF_FOUNDATION * squares[*i].max(0.0)
+        };
         Self {
-            squares: eigen.eigenvalues.select_rows(&order),
+            stiffened: (0..squares.len()).rev().find(is_stiffened).map_or(0, |last| last + 1),
+            squares,
             force: along(&projection.force),
             load: along(&projection.load),
             support_load: along(&projection.support_load),
             support: on(&projection.support),
             damping: projection.damping.as_ref().map(on),
             support_offset: projection.support_offset,
-            foundation: projection.foundation.as_ref().map(|points| points.on(&vectors)),
+            foundation,
             vectors,
             hit_stress: projection.hit_stress.clone(),
             hit_local: projection.hit_local,
         }
+    }
+
+    /// The highest frequency of the modes that unilateral foundations stiffen, rad/s: none of these is left out.
+    pub fn stiffened(&self) -> f64 {
+        self.stiffened.checked_sub(1).map_or(0.0, |last| self.squares[last].max(0.0).sqrt())
     }
 
     /// How many of the modes, the lowest first, vibrate no faster than a frequency (rad/s) while the contact is closed.
@@ -255,7 +272,7 @@ impl Spectrum {
     pub fn modes(&self, cutoff: f64, closed: &Closed) -> Result<Modes> {
         // What nothing holds has no static answer.
         let free = self.squares.iter().filter(|square| **square <= ROUNDING * self.squares.max()).count();
-        let count = self.slower_than(cutoff, closed).max(free);
+        let count = self.slower_than(cutoff, closed).max(free).max(self.stiffened);
         let left = self.force.iter().zip(&self.squares).skip(count);
         let residual = left.map(|(force, square)| force * force / square).sum();
         let most_damped = self.damping.as_ref().map_or(0.0, |d| d.amax());

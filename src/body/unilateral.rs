@@ -97,6 +97,11 @@ impl FoundationPoints {
         Self { rows: &self.rows * coordinates, ..self.without_rows() }
     }
 
+    /// Stiffness of all points, pressed, along a coordinate.
+    pub fn square(&self, coordinate: usize) -> f64 {
+        self.rows.column(coordinate).component_mul(&self.stiffness).dot(&self.rows.column(coordinate))
+    }
+
     /// The same on the first coordinates.
     pub fn leading(&self, count: usize) -> Self {
         Self { rows: self.rows.columns(0, count).into_owned(), ..self.without_rows() }

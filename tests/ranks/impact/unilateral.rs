@@ -75,7 +75,7 @@ fn lifts_off_as_the_stepped_plate(session: &Session) {
     };
     let whole = "reduction = 2000";
     let fine = ran(whole, "step = 5e-7");
-    let stepped = [2e-5, 1e-5, 5e-6].map(|step| {
+    let stepped = [1e-5, 5e-6, 2.5e-6].map(|step| {
         let time = format!("scheme = \"newmark\"\nstep = {step:e}");
         off(&ran("reduction = \"none\"", &time), &fine)
     });
@@ -83,8 +83,8 @@ fn lifts_off_as_the_stepped_plate(session: &Session) {
     let order = |errors: [f64; 3]| 0.5 * (errors[0] / errors[2]).log2();
     println!("  stepped {stepped:?}, order {:.2}; modal {modal:?}, order {:.2}", order(stepped), order(modal));
     // Average acceleration is of order two, and so is what both leave at last.
-    assert!(order(stepped) > 1.9 && stepped[2] < 2e-3);
-    assert!((order(modal) > 1.9 || modal[2] < 1e-4) && modal[2] < 1e-3);
+    assert!(order(stepped) > 1.9 && stepped[2] < 1e-4);
+    assert!(order(modal) > 1.9 && modal[2] < 1e-5);
 }
 
 /// Without dampers and with them, at rest or in equilibrium before.
@@ -102,7 +102,8 @@ fn energy_is_what_the_steps_make(session: &Session) {
                 let balance = now.total + now.dissipated - now.external - now.numerical - first.total;
                 // Rounding.
                 assert!(balance.abs() < 1e-11 * first.total, "{balance:e}");
-                assert!(now.support >= -1e-12 * first.total);
+                // Energy that springs would have is taken off: it is some times the total where the pane is far off its strips.
+                assert!(now.support >= -1e-8 * first.total, "{:e}", now.support);
                 largest = largest.max(now.numerical.abs() / first.total);
             }
             largest
