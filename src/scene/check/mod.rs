@@ -60,8 +60,9 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
     let parts = symmetry::Parts { geometry: &geometry, impactor: &impactor, supports: &supports, load: &load };
     let symmetry = symmetry::check(source, &raw.body, &parts)?;
     let (model, reduction) = body::theory(source, &raw.body)?;
-    modal::basis(source, reduction, &supports)?;
-    let against = modal::against(&raw, (model, reduction), &supports);
+    let stiffest = modal::stiffest(&geometry, density, &impactor);
+    modal::basis(source, reduction, &supports, stiffest)?;
+    let against = modal::against(&raw, (model, reduction), &supports, stiffest);
     let time = time::check(source, &raw.time, against)?;
     modal::only(source, &raw, (model, &supports), &time)?;
     time::equilibrium(source, &time, &load, &supports)?;

@@ -1,13 +1,24 @@
 //! What rules modal coordinates out, and what there is in them alone.
 
 use super::super::values::WordOrWhole;
-use super::super::{Model, Reduction, SceneError, Source, Support, SupportKind, Time, raw};
+use super::super::{Geometry, Impactor, Model, Reduction, SceneError, Source, Support, SupportKind, Time, raw};
 
-/// The first key that rules modal coordinates out, with the reason.
+/// √(k/(ρ h)) of pads, times the contact time on a half-space, up to which a basis was seen to learn what a body does that lets go of them.
+const STIFFEST: f64 = 300.0;
+
+/// The stiffness of pads up to which a basis serves, N/m³.
+pub(super) fn stiffest(geometry: &Geometry, density: f64, impactor: &Impactor) -> f64 {
+    let Geometry::Box { size, .. } = geometry else { return f64::INFINITY };
+    let thickness = size.iter().copied().fold(f64::INFINITY, f64::min);
+    density * thickness * (STIFFEST / impactor.contact_time()).powi(2)
+}
+
+/// The first key that rules modal coordinates out, with the reason; `stiffest` is that of [`stiffest`].
 pub(super) fn against(
     raw: &raw::Scene,
     (model, reduction): (Model, Reduction),
     supports: &[Support],
+    stiffest: f64,
 ) -> Option<(String, String)> {
     if raw.solver.newton.as_deref() == Some("full") {
         let reason = "the full Newton's method solves for all unknowns, which modal coordinates are not".to_owned();
@@ -20,23 +31,28 @@ pub(super) fn against(
         let reason = "modal coordinates are those of a reduced body".to_owned();
         return Some(("body.reduction".to_owned(), reason));
     }
-    not_linear(supports)
+    without_modes(supports, stiffest)
 }
 
 /// The first support that leaves the body without modes, with the reason.
-fn not_linear(supports: &[Support]) -> Option<(String, String)> {
+fn without_modes(supports: &[Support], stiffest: f64) -> Option<(String, String)> {
     supports
         .iter()
         .enumerate()
-        .find_map(|(i, support)| linear(support).map(|reason| (format!("support.{i}.kind"), reason)))
+        .find_map(|(i, support)| against_modes(support, stiffest).map(|reason| (format!("support.{i}.kind"), reason)))
 }
 
 /// Refuses a basis for a body that has none.
 ///
 /// # Errors
-/// A number of vectors beside supports that are not linear.
-pub(super) fn basis(source: &Source, reduction: Reduction, supports: &[Support]) -> Result<(), SceneError> {
-    match (reduction, not_linear(supports)) {
+/// A number of vectors beside supports that leave the body without modes.
+pub(super) fn basis(
+    source: &Source,
+    reduction: Reduction,
+    supports: &[Support],
+    stiffest: f64,
+) -> Result<(), SceneError> {
+    match (reduction, without_modes(supports, stiffest)) {
         (Reduction::Vectors(_), Some((key, reason))) => {
             let help = "\"none\", or \"auto\", which is the same here".to_owned();
             Err(source.conflict("body.reduction", &key, reason, help))
@@ -46,8 +62,13 @@ pub(super) fn basis(source: &Source, reduction: Reduction, supports: &[Support])
 }
 
 /// Why a support leaves the body without modes.
-fn linear(support: &Support) -> Option<String> {
+fn against_modes(support: &Support, stiffest: f64) -> Option<String> {
     match support.kind {
+        SupportKind::Pad { stiffness, normal } if (0..3).any(|i| normal[i] != 0.0 && stiffness[i] > stiffest) => {
+            Some(format!(
+                "a pad stiffer than {stiffest:.1e} N/m3 is a wall for this impact, and no basis knows how a body leaves it"
+            ))
+        }
         SupportKind::Clamped { .. } if support.displacement != [0.0; 3] => {
             Some("a body in modes is held at zero, and this one at a displacement".to_owned())
         }

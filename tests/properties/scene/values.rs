@@ -97,6 +97,7 @@ fn modal_coordinates_are_the_default_where_nothing_rules_them_out() -> Result<()
         (SMALL, "time.gamma=0.5", false),
         (SMALL, "time.scheme=energy", false),
         (SMALL, "support=[{surface='bottom',kind='pad',stiffness=1e9,normal=[0,0,-1]}]", true),
+        (SMALL, "support=[{surface='bottom',kind='pad',stiffness=1e14,normal=[0,0,-1]}]", false),
         (MESH, "support.0.displacement=[0,0,1e-4]", false),
     ] {
         let time = parse(good, &[given])?.time;
