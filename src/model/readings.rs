@@ -12,6 +12,7 @@ use crate::space::evaluate::{ContactSize, Evaluator, FaceStresses, FieldSampler,
 
 /// What is to be read at each step, and how fields come of it.
 pub struct Gauges {
+    /// What a run reads at each step.
     pub readout: Readout,
     /// On rank 0, where there are fields.
     pub(super) sampler: Option<FieldSampler>,

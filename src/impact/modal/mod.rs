@@ -179,7 +179,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
     /// Halves the steps until the tolerance is met in the first contact.
     fn controlled(&mut self, observer: &mut dyn Observer) -> Result<Done> {
         let contact = self.contact_time;
-        let resolving = RESOLVED / self.body.stiffened();
+        let resolving = RESOLVED / self.body.borrow().stiffened();
         let mut largest = (2.0 * FIRST * self.tolerance.cbrt() * contact).min(0.5 * self.end).min(resolving);
         // What a step may be off by goes with its length as the error does.
         let defect = |largest: f64, peak: f64| peak * (largest / (FIRST * contact)).powi(3).min(0.1);
