@@ -16,6 +16,7 @@ pub mod impact;
 pub mod mesh;
 pub mod model;
 pub mod record;
+pub mod report;
 pub mod scene;
 pub mod scheme;
 pub mod solve;

@@ -27,7 +27,12 @@ fn main() {
     cli::interrupt::outlive_limits();
     match &cli.command {
         // Under mpirun one rank draws.
-        Command::Plot(_) | Command::Info(_) | Command::Completions(_) | Command::Schema | Command::Man(_)
+        Command::Plot(_)
+        | Command::Report(_)
+        | Command::Info(_)
+        | Command::Completions(_)
+        | Command::Schema
+        | Command::Man(_)
             if !cli::is_root_by_environment() =>
         {
             exit(0)
@@ -36,6 +41,7 @@ fn main() {
             conclude(None, cli::plot::plot(&plot.results, &plot.output, plot.quantity.as_deref()).map(|()| 0))
         }
         Command::Info(info) => conclude(None, cli::info::info(info).map(|()| 0)),
+        Command::Report(report) => conclude(None, cli::report::report(report).map(|()| 0)),
         Command::Completions(completions) => conclude(None, cli::text::completions(completions).map(|()| 0)),
         Command::Schema => conclude(None, cli::text::schema().map(|()| 0)),
         Command::Man(man) => conclude(None, cli::text::man(man).map(|()| 0)),

@@ -17,6 +17,7 @@ pub mod plot;
 mod progress;
 mod provenance;
 mod recording;
+pub mod report;
 mod restart;
 pub mod run;
 pub mod stability;
@@ -70,6 +71,8 @@ pub enum Command {
     Info(Info),
     /// Draw the impactor's acceleration, or another quantity, against time, one curve a result; or a sweep over its keys
     Plot(Plot),
+    /// Write a report on a run, to hand in: one HTML page with scene, model, history, contacts, tension, errors and origin
+    Report(Report),
     /// Show where each time integration scheme holds on a scene and where it fails: schemes × steps
     Stability(Stability),
     /// Chart speed against accuracy on a scene: models × reductions × schemes × steps × meshes
@@ -168,6 +171,17 @@ pub struct Plot {
     /// such as energy/total or probe/NAME/displacement
     #[arg(long, value_name = "NAME")]
     pub quantity: Option<String>,
+}
+
+/// `ricochet report`
+#[derive(Debug, Args)]
+pub struct Report {
+    /// Result file of a run
+    #[arg(value_name = "OUT.h5")]
+    pub result: PathBuf,
+    /// Write the page to this file, which ends in .html; it needs no other file and no network
+    #[arg(short, long, value_name = "REPORT.html")]
+    pub output: PathBuf,
 }
 
 /// `ricochet stability`

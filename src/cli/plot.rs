@@ -48,7 +48,7 @@ pub fn plot(files: &[PathBuf], out: &Path, asked: Option<&str>) -> Result<()> {
                 _ if is_alone => name,
                 _ => format!("{label}: {name}"),
             };
-            Curve { label, values }
+            Curve { label, values, is_limit: false }
         };
         history.runs.push(Run { time, curves: parts.into_iter().map(curve).collect(), contacts });
     }

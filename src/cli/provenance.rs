@@ -5,10 +5,12 @@ use std::path::Path;
 use petsc_wrap::{Comm, options, petsc_version};
 
 use crate::error::Result;
-use crate::record::provenance::{Provenance, new_run_id};
+use crate::model::Model;
+use crate::record::provenance::{ModelDetails, Provenance, new_run_id};
 use crate::scene::{Scene, Source};
 
 use super::load::mesh_digest;
+use super::notes::listed;
 
 /// Of a run of a scene by this program: its theory, what was made of it, and its unknowns without the impactor's are the caller's.
 ///
@@ -35,9 +37,21 @@ pub fn provenance(
         petsc_options: options::all(comm.session())?,
         ranks: comm.size(),
         model: model.to_owned(),
+        model_details: None,
         reduction,
         unknowns: unknowns + 1,
         impactor_mass: scene.impactor.mass,
         planned_rows: None,
     })
+}
+
+/// What a report says of a model.
+pub fn model_details(model: &Model) -> ModelDetails {
+    let estimate = model.error_before_steps();
+    ModelDetails {
+        discretisation: model.words.clone(),
+        reason: model.reason.clone().unwrap_or_default(),
+        error_causes: listed(&estimate.causes()),
+        first_contact_error: estimate.total().map_or(f64::NAN, |errors| errors.first_contact),
+    }
 }

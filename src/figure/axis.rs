@@ -58,7 +58,7 @@ impl Axis {
 }
 
 /// A power of ten, as 10⁻⁶.
-pub(super) fn exponential(exponent: i32) -> String {
+pub(crate) fn exponential(exponent: i32) -> String {
     let superscript = |c| match c {
         '-' => '\u{207b}',
         '1' => '\u{b9}',

@@ -1,37 +1,36 @@
-//! What figures are drawn on: SVG or PNG, by the extension of the file.
-//!
-//! plotters knows whole pixels only, so both are drawn enlarged. An SVG is then shown smaller, which keeps fractions of
-//! a pixel; a PNG is averaged down, which smooths its edges.
+//! What figures are drawn on: an SVG or a bitmap.
 
 use super::letters::{Letters, one_line};
 use super::stroke::{Point, Stroke, dashed};
-use crate::error::{Error, Result};
-use crate::record::folder::Folder;
-use crate::record::target::resolved;
-use image::codecs::png::PngEncoder;
-use image::{ColorType, ImageEncoder};
-use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
+use plotters::backend::DrawingBackend;
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, IntoDrawingArea};
 use plotters::element::{Circle, PathElement, Rectangle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontDesc, FontFamily, FontStyle, FontTransform, IntoTextStyle, RGBColor, WHITE};
-use std::path::Path;
 
-/// Size of a figure in its pixels.
+/// Size of a figure in a file of its own, in its pixels.
 pub(super) const WIDTH: f64 = 1600.0;
 pub(super) const HEIGHT: f64 = 1000.0;
-
-const SVG_SCALE: u32 = 5;
-const PNG_SCALE: u32 = 3;
 
 /// Measured with DejaVu Sans; an SVG falls back on what is installed where it is shown, letter by letter.
 const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
 
+/// Size of a figure, in its pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sheet {
+    /// From left to right.
+    pub width: u32,
+    /// From top to bottom.
+    pub height: u32,
+}
+
 /// What a canvas is made of.
 #[derive(Clone, Copy, PartialEq)]
-enum Kind {
+pub(super) enum Kind {
+    /// An SVG.
     Svg,
+    /// Pixels.
     Bitmap,
 }
 
@@ -48,9 +47,12 @@ pub(super) enum Anchor {
     Upwards,
 }
 
-/// A white sheet of [`WIDTH`] × [`HEIGHT`] pixels; all lengths are in these pixels.
+/// A white sheet; all lengths are in its pixels.
 pub(super) struct Canvas<'a, DB: DrawingBackend> {
     area: DrawingArea<DB, Shift>,
+    /// Size of the sheet.
+    pub width: f64,
+    pub height: f64,
     scale: f64,
     /// From the middle of a text's box to that of its letters, in sizes of the font: plotters' backends differ.
     text_shift: f64,
@@ -71,72 +73,17 @@ pub(super) trait Drawing {
 /// An error of plotters as text.
 pub(super) type Drawn = std::result::Result<(), String>;
 
-/// Draws to the file `out`, SVG or PNG by its extension.
-pub(super) fn save(drawing: &impl Drawing, out: &Path) -> Result<()> {
-    let extension = out.extension().and_then(|e| e.to_str()).unwrap_or_default();
-    let bytes = match extension.to_ascii_lowercase().as_str() {
-        "svg" => svg(drawing).map(String::into_bytes),
-        "png" => png(drawing),
-        _ => return Err(Error::Usage(format!("{}: a figure is an .svg or a .png file", out.display()))),
-    };
-    let bytes = bytes.map_err(|e| Error::io(out, e))?;
-    let file = resolved(out);
-    let name = file.file_name().unwrap_or_default();
-    // Whole or not at all: a disk may be full.
-    Folder::of(&file).put(name, |part| std::fs::write(part, &bytes).map_err(|e| Error::io(out, e)))
-}
-
-fn svg(drawing: &impl Drawing) -> std::result::Result<String, String> {
-    let (width, height) = (WIDTH as u32 * SVG_SCALE, HEIGHT as u32 * SVG_SCALE);
-    let mut svg = String::new();
-    let backend = SVGBackend::with_string(&mut svg, (width, height));
-    Canvas::new(backend, SVG_SCALE, Kind::Svg).and_then(|canvas| canvas.finish(drawing))?;
-    Ok(svg.replacen(
-        &format!("width=\"{width}\" height=\"{height}\""),
-        &format!("width=\"{WIDTH}\" height=\"{HEIGHT}\""),
-        1,
-    ))
-}
-
-fn png(drawing: &impl Drawing) -> std::result::Result<Vec<u8>, String> {
-    let size = (WIDTH as u32, HEIGHT as u32);
-    let large = (size.0 * PNG_SCALE, size.1 * PNG_SCALE);
-    let mut pixels = vec![0; 3 * (large.0 * large.1) as usize];
-    let backend = BitMapBackend::with_buffer(&mut pixels, large);
-    Canvas::new(backend, PNG_SCALE, Kind::Bitmap).and_then(|canvas| canvas.finish(drawing))?;
-    let averaged = averaged(&pixels, large.0 as usize, PNG_SCALE as usize);
-    let mut png = Vec::new();
-    PngEncoder::new(&mut png).write_image(&averaged, size.0, size.1, ColorType::Rgb8).map_err(|e| e.to_string())?;
-    Ok(png)
-}
-
-/// Each square of `scale` × `scale` RGB pixels as its mean.
-fn averaged(pixels: &[u8], width: usize, scale: usize) -> Vec<u8> {
-    let rows = pixels.chunks_exact(3 * width);
-    let mut small = Vec::with_capacity(pixels.len() / (scale * scale));
-    let mut sums = vec![0_usize; 3 * width / scale];
-    for (y, row) in rows.enumerate() {
-        for (x, pixel) in row.chunks_exact(3).enumerate() {
-            for (channel, value) in pixel.iter().enumerate() {
-                sums[3 * (x / scale) + channel] += usize::from(*value);
-            }
-        }
-        if y % scale == scale - 1 {
-            small.extend(sums.iter().map(|sum| (sum / (scale * scale)) as u8));
-            sums.fill(0);
-        }
-    }
-    small
-}
-
 impl<DB: DrawingBackend> Canvas<'_, DB> {
-    fn new(backend: DB, scale: u32, kind: Kind) -> std::result::Result<Self, String> {
+    /// A sheet of so many pixels of the backend a pixel.
+    pub fn new(backend: DB, (sheet, scale): (Sheet, u32), kind: Kind) -> std::result::Result<Self, String> {
         plotters::style::register_font(FONT, FontStyle::Normal, dejavu::sans::regular())
             .map_err(|_| "the font cannot be read".to_owned())?;
         let area = backend.into_drawing_area();
         area.fill(&WHITE).map_err(|e| e.to_string())?;
         Ok(Self {
             area,
+            width: f64::from(sheet.width),
+            height: f64::from(sheet.height),
             scale: f64::from(scale),
             text_shift: match kind {
                 Kind::Svg => 0.06,
@@ -149,7 +96,8 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
         })
     }
 
-    fn finish(self, drawing: &impl Drawing) -> Drawn {
+    /// Draws on it, once.
+    pub fn finish(self, drawing: &impl Drawing) -> Drawn {
         drawing.draw(&self)?;
         self.area.present().map_err(|e| e.to_string())
     }

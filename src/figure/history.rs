@@ -1,9 +1,10 @@
 //! Quantities of runs against time.
 
 use super::axis::Axis;
-use super::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH, save};
-use super::letters::one_line;
-use super::stroke::{LOOKS, Stroke, stroke, thinned};
+use super::canvas::{Anchor, Canvas, Drawing, Drawn, Sheet};
+use super::legend::{Entry, LETTERS, LINE, MARGIN, draw_legend, draw_title};
+use super::output::{inline, save};
+use super::stroke::{LIMIT, LOOKS, Stroke, stroke, thinned};
 use crate::error::{Error, Result};
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
@@ -40,6 +41,8 @@ pub struct Curve {
     pub label: String,
     /// Its value at each time.
     pub values: Vec<f64>,
+    /// Whether it is a limit that others are held against, which is dashed.
+    pub is_limit: bool,
 }
 
 /// Draws the curves to `out`, an SVG or a PNG of 1600 × 1000 pixels by its extension. Values that are not finite are
@@ -49,27 +52,26 @@ pub struct Curve {
 /// [`Error::Usage`] for another extension, no curve, or more curves than can be told apart; [`Error::Io`] when the
 /// file cannot be written.
 pub fn draw(history: &History, out: &Path) -> Result<()> {
-    let count = history.curves().count();
-    if count == 0 || count > LOOKS {
-        let message = format!("a figure shows 1 to {LOOKS} curves, not {count}");
-        return Err(Error::Usage(message));
-    }
+    check(history)?;
     save(history, out)
 }
 
-/// Size of the letters: half of it is still readable where the figure is shown at 800 pixels.
-const LETTERS: f64 = 32.0;
-const LEGEND_LETTERS: f64 = 29.0;
-const MARGIN: f64 = 30.0;
-/// Height of a line of letters.
-const LINE: f64 = 42.0;
-const LEGEND_LINE: f64 = 40.0;
-/// Length of the stroke beside a label.
-const LEGEND_STROKE: f64 = 84.0;
-const LEGEND_COLUMNS: usize = 4;
-const LEGEND_LINES: usize = 8;
-/// Long labels are rather shortened than given a line each when there are more.
-const LEGEND_LONG_LINES: usize = 5;
+/// Draws the curves to the text of an element `svg` for a page, with `name` for readers who do not see it.
+///
+/// # Errors
+/// [`Error::Usage`] for no curve, or more curves than can be told apart; [`Error::Output`] when the figure cannot be drawn.
+pub fn draw_inline(history: &History, sheet: Sheet, name: &str) -> Result<String> {
+    check(history)?;
+    inline(history, sheet, name).map_err(Error::Output)
+}
+
+fn check(history: &History) -> Result<()> {
+    match history.curves().count() {
+        1..=LOOKS => Ok(()),
+        count => Err(Error::Usage(format!("a figure shows 1 to {LOOKS} curves, not {count}"))),
+    }
+}
+
 /// Height that the contacts take at least and at most.
 const CONTACTS: (f64, f64) = (36.0, 160.0);
 /// Between the plot and the contacts.
@@ -102,15 +104,17 @@ impl Plot {
 
 impl Drawing for History {
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
-        let top = self.draw_legend(canvas, self.draw_title(canvas)?)?;
+        let top = draw_title(canvas, &self.title)?;
+        let count = self.curves().count();
+        let entries: Vec<Entry> = self.curves().enumerate().map(|(n, curve)| curve.entry(n, count)).collect();
+        let top = draw_legend(canvas, top, &entries)?;
         let plot = self.plot(canvas, top);
         self.draw_axes(canvas, &plot)?;
         self.draw_contacts(canvas, &plot)?;
-        let count = self.curves().count();
         let curves = self.runs.iter().flat_map(|run| run.curves.iter().map(move |curve| (run, curve)));
         for (n, (run, curve)) in curves.enumerate() {
             let points = run.points(curve).map(|(t, value)| canvas.point(plot.at_x(t), plot.at_y(value)));
-            canvas.line(&thinned(points), &stroke(n, count))?;
+            canvas.line(&thinned(points), &curve.stroke(n, count))?;
         }
         Ok(())
     }
@@ -139,12 +143,12 @@ impl History {
             .iter()
             .map(|(_, label)| canvas.text_width(label, LETTERS))
             .fold(canvas.text_width(CONTACT_LABEL, LETTERS), f64::max);
-        let foot = HEIGHT - MARGIN - 2.0 * LINE - 14.0;
+        let foot = canvas.height - MARGIN - 2.0 * LINE - 14.0;
         Plot {
             x,
             y,
             left: MARGIN + LINE + widest + 18.0,
-            right: WIDTH - 1.6 * MARGIN,
+            right: canvas.width - 1.6 * MARGIN,
             top,
             bottom: foot - self.pitch() * self.runs.len() as f64 - CONTACTS_GAP,
             foot,
@@ -155,42 +159,6 @@ impl History {
     fn pitch(&self) -> f64 {
         let count = self.runs.len() as f64;
         (16.0 * count).clamp(CONTACTS.0, CONTACTS.1) / count
-    }
-
-    /// Draws the title, where there is one, and returns where it ends.
-    fn draw_title<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> std::result::Result<f64, String> {
-        if self.title.is_empty() {
-            return Ok(MARGIN);
-        }
-        let fits = |title: &str| canvas.text_width(title, LETTERS) <= WIDTH - 2.0 * MARGIN;
-        let at = (0.5 * WIDTH, MARGIN + 0.5 * LINE);
-        canvas.text(&shortened(&self.title, fits), at, LETTERS, Anchor::Centre)?;
-        Ok(MARGIN + LINE + 10.0)
-    }
-
-    /// Draws the legend from `top` on, and returns where it ends.
-    fn draw_legend<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, top: f64) -> std::result::Result<f64, String> {
-        let count = self.curves().count();
-        let width = WIDTH - 2.0 * MARGIN;
-        let beside = LEGEND_STROKE + 46.0;
-        let widest =
-            self.curves().map(|curve| canvas.text_width(&curve.label, LEGEND_LETTERS) + beside).fold(0.0, f64::max);
-        let fitting = ((width / widest) as usize).clamp(1, LEGEND_COLUMNS);
-        let needed = if count > LEGEND_LONG_LINES { 2.max(count.div_ceil(LEGEND_LINES)) } else { 1 };
-        let columns = fitting.max(needed).min(count);
-        let lines = count.div_ceil(columns);
-        let column = (width / columns as f64).min(widest);
-        for (n, curve) in self.curves().enumerate() {
-            let x = MARGIN + 10.0 + (n / lines) as f64 * column;
-            let y = top + ((n % lines) as f64 + 0.5) * LEGEND_LINE;
-            let ends = [canvas.point(x, y), canvas.point(x + LEGEND_STROKE, y)];
-            canvas.line(&ends, &stroke(n, count))?;
-            let fits = |label: &str| canvas.text_width(label, LEGEND_LETTERS) <= column - beside + 1.0;
-            let label = shortened(&curve.label, fits);
-            let at = (x + LEGEND_STROKE + 16.0, y);
-            canvas.text(&label, at, LEGEND_LETTERS, Anchor::Left)?;
-        }
-        Ok(top + lines as f64 * LEGEND_LINE + 26.0)
     }
 
     /// Draws a row of bars a run between the plot and its time axis' labels.
@@ -247,7 +215,7 @@ impl History {
         line((plot.left, plot.foot), (plot.right, plot.foot), &FRAME)?;
         let title = format!("time ({})", plot.x.unit("ms"));
         let middle = 0.5 * (plot.left + plot.right);
-        let at = (middle, HEIGHT - MARGIN - 14.0);
+        let at = (middle, canvas.height - MARGIN - 14.0);
         canvas.text(&title, at, LETTERS, Anchor::Centre)?;
         let title = match plot.y.unit(&self.unit).trim() {
             "" => self.quantity.clone(),
@@ -258,40 +226,22 @@ impl History {
     }
 }
 
+impl Curve {
+    /// Curve `n` of `of` in the legend.
+    fn entry(&self, n: usize, of: usize) -> Entry<'_> {
+        Entry { label: &self.label, stroke: self.stroke(n, of) }
+    }
+
+    /// The look of curve `n` of `of`.
+    fn stroke(&self, n: usize, of: usize) -> Stroke {
+        if self.is_limit { LIMIT } else { stroke(n, of) }
+    }
+}
+
 impl Run {
     /// Time in ms and value of a curve, where both are finite.
     fn points(&self, curve: &Curve) -> impl Iterator<Item = (f64, f64)> {
         let points = self.time.iter().zip(&curve.values).map(|(t, value)| (1e3 * t, *value));
         points.filter(|(t, value)| t.is_finite() && value.is_finite())
-    }
-}
-
-/// The label if it fits, else its beginning and its end, in which titles of one study differ, around an ellipsis.
-fn shortened(label: &str, fits: impl Fn(&str) -> bool) -> String {
-    let all = one_line(label);
-    let letters: Vec<char> = all.chars().collect();
-    if fits(&all) {
-        return all;
-    }
-    let kept = |n: usize| -> String {
-        let (head, tail) = (n - n / 2, n / 2);
-        let head: String = letters[..head].iter().collect();
-        let tail: String = letters[letters.len() - tail..].iter().collect();
-        format!("{}\u{2026}{}", head.trim_end(), tail.trim_start())
-    };
-    let longest = (0..letters.len()).rev().find(|&n| fits(&kept(n)));
-    kept(longest.unwrap_or(0))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::shortened;
-
-    #[test]
-    fn a_long_label_keeps_both_its_ends() {
-        let fits = |label: &str| label.chars().count() <= 12;
-        assert_eq!(shortened("short", fits), "short");
-        assert_eq!(shortened("glass plate, k = 1e9", fits), "glass…= 1e9");
-        assert_eq!(shortened("two\nlines", fits), "two lines");
     }
 }

@@ -1,7 +1,8 @@
 //! Values over steps, a row a scheme: heat maps side by side with a common scale.
 
 use super::axis::exponential;
-use super::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH, save};
+use super::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH};
+use super::output::save;
 use super::scale::Scale;
 use super::shade::{MISSING, shade};
 use super::stroke::Stroke;

@@ -1,7 +1,8 @@
 //! Work against precision: the time of each method's settings, and what they are off by.
 
-use super::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH, save};
+use super::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH};
 use super::frame::{Frame, LETTERS, SMALL, line};
+use super::output::save;
 use super::scale::Scale;
 use super::stroke::{COLOURS, LOOKS, Stroke, stroke};
 use crate::error::{Error, Result};

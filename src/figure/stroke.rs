@@ -33,6 +33,9 @@ pub(super) struct Stroke {
     pub dashes: &'static [f64],
 }
 
+/// The look of a limit that curves are held against.
+pub(super) const LIMIT: Stroke = Stroke { colour: RGBColor(180, 20, 20), width: 4.0, dashes: DASHES[1] };
+
 /// The look of curve `n` of `of`: the second four are thinner, and the colours shift against the dashes from eight on.
 pub(super) fn stroke(n: usize, of: usize) -> Stroke {
     if of <= BY_COLOUR {

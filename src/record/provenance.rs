@@ -30,6 +30,8 @@ pub struct Provenance {
     pub ranks: usize,
     /// Theory of the body: `solid`, `kirchhoff`, …
     pub model: String,
+    /// More of the model; results of earlier versions have none.
+    pub model_details: Option<ModelDetails>,
     /// Reduction of the body: `none`, or how many basis vectors of which kind.
     pub reduction: String,
     /// Number of unknowns, the impactor's included.
@@ -39,6 +41,43 @@ pub struct Provenance {
     /// Number of rows that the run will record, where the steps are fixed: it sizes the chunks of the series, so
     /// that a run that keeps to it never has to enlarge the file.
     pub planned_rows: Option<usize>,
+}
+
+/// What a report says of a model beside its name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModelDetails {
+    /// The discretisation in words.
+    pub discretisation: String,
+    /// Why the program has selected this theory; empty where the scene names it.
+    pub reason: String,
+    /// What the error before the first step is estimated of, in words; empty where nothing is.
+    pub error_causes: String,
+    /// That error in the first contact, of the acceleration over its peak; NaN where there is no estimate.
+    pub first_contact_error: f64,
+}
+
+impl ModelDetails {
+    fn texts(&self) -> [(&'static str, &str); 3] {
+        [
+            ("discretisation", &self.discretisation),
+            ("model_reason", &self.reason),
+            ("first_contact_error_causes", &self.error_causes),
+        ]
+    }
+
+    fn write(&self, root: &Location) -> Result<()> {
+        self.texts().into_iter().try_for_each(|(name, text)| write_text(root, name, text))?;
+        write_scalar(root, "first_contact_error", self.first_contact_error)
+    }
+
+    fn read(root: &Location) -> Result<Self> {
+        Ok(Self {
+            discretisation: text(root, "discretisation")?,
+            reason: text(root, "model_reason")?,
+            error_causes: text(root, "first_contact_error_causes")?,
+            first_contact_error: root.attr("first_contact_error")?.read_scalar()?,
+        })
+    }
 }
 
 /// What a run has cost, and how good it is: attributes of the root, made with the file and filled in at the end.
@@ -148,6 +187,9 @@ impl Provenance {
         if let Some(digest) = &self.mesh_digest {
             write_text(root, "mesh_digest", digest)?;
         }
+        if let Some(details) = &self.model_details {
+            details.write(root)?;
+        }
         write_scalar(root, "run_id", self.run_id)?;
         write_scalar(root, "ranks", self.ranks as u64)?;
         write_scalar(root, "unknowns", self.unknowns as u64)?;
@@ -174,6 +216,7 @@ impl Provenance {
             petsc_options: words("petsc_options")?,
             ranks: count("ranks")?,
             model: words("model")?,
+            model_details: ModelDetails::read(root).ok(),
             reduction: words("reduction")?,
             unknowns: count("unknowns")?,
             impactor_mass: root.attr("impactor_mass")?.read_scalar()?,

@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::impact::Probe;
 use crate::impact::step::Step;
 use crate::record::columns::{Column, SERIES};
+use crate::record::episodes::Episode;
 use crate::record::probes;
 use crate::record::provenance::{Cost, Provenance, text};
 use crate::record::sweep::is_one as is_sweep;
@@ -105,6 +106,37 @@ pub fn history(path: &Path) -> Result<History> {
     let impulses = column(&file, path, "contacts/impulse")?;
     let title = text(&file, "title").map_err(|_| not_result(path, "it has no title"))?;
     Ok(History { title, time, acceleration, contacts, impulses })
+}
+
+/// The contacts of a result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contacts {
+    /// In the order of time.
+    pub episodes: Vec<Episode>,
+    /// Whether the last one goes on at the last step.
+    pub is_open: bool,
+}
+
+/// Reads the contacts of the result `path`.
+///
+/// # Errors
+/// [`Error::Io`] as [`history`].
+pub fn episodes(path: &Path) -> Result<Contacts> {
+    let file = open(path)?;
+    check_run(&file, path)?;
+    let of = |name: &str| column(&file, path, &format!("contacts/{name}"));
+    let (start, end, impulse) = (of("start")?, of("end")?, of("impulse")?);
+    let (peak_force, peak_time) = (of("peak_force")?, of("peak_time")?);
+    let count = [&end, &impulse, &peak_force, &peak_time].iter().fold(start.len(), |count, of| count.min(of.len()));
+    let episode = |n: usize| Episode {
+        start: start[n],
+        end: end[n],
+        peak_force: peak_force[n],
+        peak_time: peak_time[n],
+        impulse: impulse[n],
+    };
+    let open_at_end = file.group("contacts").and_then(|group| group.attr("open_at_end")?.read_scalar::<bool>());
+    Ok(Contacts { episodes: (0..count).map(episode).collect(), is_open: open_at_end.unwrap_or_default() })
 }
 
 /// Start and end of each contact episode of a result, s.

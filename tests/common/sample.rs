@@ -62,6 +62,7 @@ pub fn provenance(title: &str, planned_rows: Option<usize>) -> Provenance {
         petsc_options: String::new(),
         ranks: 2,
         model: "solid".into(),
+        model_details: None,
         reduction: "none".into(),
         unknowns: 4711,
         impactor_mass: MASS,

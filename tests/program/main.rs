@@ -10,12 +10,16 @@ mod bad_sweeps;
 mod bricks;
 #[path = "../common/glass.rs"]
 mod glass;
+#[path = "../common/page.rs"]
+mod page;
 #[path = "../common/program.rs"]
 mod program;
 #[path = "../common/restarts.rs"]
 mod restarts;
 #[path = "../common/results.rs"]
 mod results;
+#[path = "../common/stresses.rs"]
+mod stresses;
 #[path = "../common/sweeps.rs"]
 mod sweeps;
 
@@ -33,6 +37,7 @@ mod losses;
 mod mutated_meshes;
 mod probes;
 mod python;
+mod report;
 mod restart;
 mod restart_files;
 mod runs;
@@ -69,6 +74,8 @@ fn main() -> ExitCode {
         .group_unless(tools::python(&["h5py", "matplotlib", "tomli_w"]), "python", python::DICTS)
         .long_group("python", python::LONG)
         .group_unless(tools::python(&["h5py", "matplotlib", "nbclient", "ipykernel"]), "python", python::NOTEBOOK)
+        .group("report", report::TESTS)
+        .group_unless(tools::browser(), "report", report::IN_A_BROWSER)
         .group("restart", restart::TESTS)
         .group("restart_files", restart_files::TESTS)
         .group("runs", runs::TESTS)

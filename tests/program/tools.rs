@@ -12,6 +12,11 @@ pub fn command(name: &str) -> Missing {
     (!found).then(|| format!("needs {name}"))
 }
 
+/// Why a page cannot be read in a browser and in print.
+pub fn browser() -> Missing {
+    command("chromium").or_else(|| command("pdftotext"))
+}
+
 /// Why Debian's Python cannot import modules.
 pub fn python(modules: &[&str]) -> Missing {
     can_import("/usr/bin/python3", modules)

@@ -4,6 +4,8 @@
 mod bad_scenes;
 #[path = "../common/sample.rs"]
 mod sample;
+#[path = "../common/stresses.rs"]
+mod stresses;
 
 mod elements;
 mod forms;
@@ -21,6 +23,7 @@ mod scene {
 }
 mod series;
 mod stack;
+mod stress;
 mod surfaces;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};

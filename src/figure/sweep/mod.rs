@@ -4,7 +4,7 @@ mod bar;
 mod curve;
 mod field;
 
-use super::canvas::save;
+use super::output::save;
 use crate::error::Result;
 use std::path::Path;
 

@@ -20,6 +20,9 @@ const NEAR: f64 = 1.25;
 /// Thicknesses about the hit within which faces get the local field.
 const REACH: f64 = 2.0;
 
+/// Difference of two stresses over them that may be rounding.
+const ALIKE: f64 = 1e-6;
+
 /// Where stresses are read for the largest tension on each face; one rank has them.
 #[derive(Clone)]
 pub struct FaceStresses {
@@ -231,7 +234,11 @@ impl FaceStresses {
             let value = |point: usize| if face.left_out[point] { f64::NAN } else { value(point) };
             let read = (0..face.points.len()).filter(|point| !face.left_out[*point]);
             let best = read.map(|point| (value(point), point));
-            let (largest, point) = best.max_by(|one, other| one.0.total_cmp(&other.0)).unwrap_or((f64::NAN, 0));
+            // Of points that are alike but for rounding, as those that mirror each other, the first.
+            let higher = |one: (f64, usize), other: (f64, usize)| {
+                if other.0 > one.0 + ALIKE * one.0.abs() { other } else { one }
+            };
+            let (largest, point) = best.reduce(higher).unwrap_or((f64::NAN, 0));
             let mut found = FaceTension { largest, point: face.points.get(point).copied().unwrap_or_default() };
             if let Some(grid) = &face.grid {
                 grid.refine(point, largest, value, &mut found);

@@ -77,7 +77,7 @@ fn probes_and_fields() -> Result<()> {
     );
     let far = parse(MESH, &["output.probes=[{ name = \"far\", point = [7, 8, 9] }]"])?.output;
     assert_eq!(far.probes, [probe("far", [7.0, 8.0, 9.0])]);
-    assert!(far.is_read() && !parse(MESH, &[])?.output.is_read());
+    assert!(far.has_points() && !parse(MESH, &[])?.output.has_points());
     Ok(())
 }
 

@@ -1,0 +1,140 @@
+//! The largest principal stresses of a result, over the whole body: `/series/stress` and their attributes of the root.
+
+use std::path::Path;
+
+use hdf5_metno as hdf5;
+
+use crate::error::{Error, Result};
+use crate::record::provenance::text;
+use crate::record::read::{check_run, open};
+use crate::scene::Vec3;
+
+/// The largest principal stresses of a run, face by face.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stresses {
+    /// Time of each row, s.
+    pub time: Vec<f64>,
+    /// The hit face first, then the opposite one; of layers from the hit down.
+    pub faces: Vec<Face>,
+    /// Hertz's radial tension at the edge of the contact in each row, Pa; empty where it was not recorded.
+    pub ring: Vec<f64>,
+    /// The largest stress of all faces and rows; `None` without a row.
+    pub largest: Option<Largest>,
+    /// Estimated error of the largest stress over its peak; NaN where there is no estimate.
+    pub error_estimate: f64,
+    /// When the strength was first passed, s; `None` where it was not.
+    pub strength_passed_at: Option<f64>,
+}
+
+/// The largest principal stress on one face.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Face {
+    /// `upper` (the hit one), `lower`, or the name of a mesh's surface.
+    pub name: String,
+    /// Its value in each row, Pa; tension is positive.
+    pub largest: Vec<f64>,
+    /// Its place in each row, m.
+    pub point: Vec<Vec3>,
+}
+
+/// A stress with its place and time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Largest {
+    /// Pa.
+    pub value: f64,
+    /// Name of the face.
+    pub face: String,
+    /// s.
+    pub time: f64,
+    /// m.
+    pub point: Vec3,
+}
+
+impl Face {
+    /// The largest stress of all rows that have a number.
+    pub fn peak(&self, time: &[f64]) -> Option<Largest> {
+        let rows = self.largest.iter().zip(time).zip(&self.point).filter(|((value, _), _)| !value.is_nan());
+        let ((value, time), point) = rows.max_by(|one, other| one.0.0.total_cmp(other.0.0))?;
+        Some(Largest { value: *value, face: self.name.clone(), time: *time, point: *point })
+    }
+}
+
+impl Stresses {
+    /// Reads the stresses of the result `path`; `None` where it was made without them. After a kill, datasets may differ in length by one
+    /// flush: the rows are those that all have.
+    ///
+    /// # Errors
+    /// [`Error::Io`] as [`super::read::history`].
+    pub fn read(path: &Path) -> Result<Option<Self>> {
+        let file = open(path)?;
+        check_run(&file, path)?;
+        let Ok(group) = file.group("series/stress") else { return Ok(None) };
+        let read = Self::of(&file, &group);
+        read.map(Some).map_err(|error| Error::io(path, format!("its stresses cannot be read: {error}")))
+    }
+
+    fn of(file: &hdf5::File, group: &hdf5::Group) -> hdf5::Result<Self> {
+        let mut time = file.dataset("series/time")?.read_raw::<f64>()?;
+        let mut faces = Vec::new();
+        for of_face in group.groups()? {
+            let name = of_face.name().rsplit('/').next().unwrap_or_default().to_owned();
+            let largest = of_face.dataset("largest")?.read_raw::<f64>()?;
+            let points = of_face.dataset("point")?.read_raw::<f64>()?;
+            let point: Vec<Vec3> = points.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect();
+            faces.push(Face { name, largest, point });
+        }
+        faces.sort_by(|one, other| order(&one.name).cmp(&order(&other.name)));
+        let mut ring = match group.dataset("ring") {
+            Ok(dataset) => dataset.read_raw::<f64>()?,
+            Err(_) => Vec::new(),
+        };
+        let lengths = faces.iter().flat_map(|face| [face.largest.len(), face.point.len()]);
+        let rows = lengths.chain((!ring.is_empty()).then_some(ring.len())).fold(time.len(), usize::min);
+        time.truncate(rows);
+        ring.truncate(rows);
+        for face in &mut faces {
+            face.largest.truncate(rows);
+            face.point.truncate(rows);
+        }
+        let number = |name: &str| file.attr(name).and_then(|value| value.read_scalar::<f64>()).unwrap_or(f64::NAN);
+        // All steps count for the attributes, recorded or not. A run that was interrupted may lack them: then its rows tell.
+        let of_rows = faces.iter().filter_map(|face| face.peak(&time));
+        let of_rows = of_rows.max_by(|one, other| one.value.total_cmp(&other.value));
+        let largest = of_attributes(file, number("largest_stress"), number("largest_stress_time")).or(of_rows);
+        Ok(Self {
+            time,
+            faces,
+            ring,
+            largest,
+            error_estimate: number("stress_error_estimate"),
+            strength_passed_at: Some(number("strength_passed_at")).filter(|time| time.is_finite()),
+        })
+    }
+}
+
+/// The largest stress as the attributes of the root have it, where they have all of it.
+fn of_attributes(file: &hdf5::File, value: f64, time: f64) -> Option<Largest> {
+    let face = text(file, "largest_stress_face").ok()?;
+    let point = file.attr("largest_stress_point").and_then(|point| point.read_raw::<f64>()).ok()?;
+    let point = <Vec3>::try_from(point).ok()?;
+    (value.is_finite() && time.is_finite()).then_some(Largest { value, face, time, point })
+}
+
+/// By what faces are sorted: their layer, from the hit down; the upper face before the lower; then the name.
+fn order(name: &str) -> (usize, usize, &str) {
+    let (layer, side) = name.split_once('-').and_then(|(n, side)| Some((n.parse().ok()?, side))).unwrap_or((0, name));
+    let rank = ["upper", "lower"].iter().position(|known| *known == side).unwrap_or(2);
+    (layer, rank, name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::order;
+
+    #[test]
+    fn faces_are_sorted_from_the_hit_down() {
+        let mut names = ["10-lower", "frame", "2-upper", "lower", "10-upper", "upper", "a-upper"];
+        names.sort_by(|one, other| order(one).cmp(&order(other)));
+        assert_eq!(names, ["upper", "lower", "a-upper", "frame", "2-upper", "10-upper", "10-lower"]);
+    }
+}

@@ -1,0 +1,97 @@
+//! The energies and their balance.
+
+use crate::error::Result;
+use crate::record::quantity::Quantity;
+
+use super::data::Data;
+use super::figures::Curves;
+use super::number::{ENERGY, Unit, digits, percent, unit_for};
+use super::page::{Column, Part, Section, Table};
+
+/// Energies below this part of the largest are not drawn.
+const SEEN: f64 = 1e-3;
+
+/// A balance that is off by less of the initial energy is off by rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Names of the datasets and what they are.
+const NAMES: [(&str, &str); 9] = [
+    ("impactor", "impactor"),
+    ("contact", "contact"),
+    ("kinetic", "body, kinetic"),
+    ("elastic", "body, strain"),
+    ("support", "supports"),
+    ("total", "total"),
+    ("dissipated", "dissipated"),
+    ("external", "work of loads"),
+    ("numerical", "integration"),
+];
+
+/// The section.
+///
+/// # Errors
+/// Where the figure cannot be drawn.
+pub fn section(data: &Data) -> Result<Section> {
+    let Quantity { time, parts, .. } = &data.energies;
+    let named: Vec<(&str, &[f64])> = NAMES
+        .iter()
+        .filter_map(|(name, words)| Some((*words, parts.iter().find(|part| part.name == *name)?.values.as_slice())))
+        .collect();
+    let size = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let largest = named.iter().map(|(_, values)| size(values)).fold(0.0, f64::max);
+    let curves = named.iter().filter(|(_, values)| size(values) > SEEN * largest);
+    let figure = Curves {
+        quantity: "energy",
+        units: ENERGY,
+        time,
+        curves: curves.map(|(name, values)| ((*name).to_owned(), *values)).collect(),
+        limits: Vec::new(),
+        contacts: data.touches(),
+        caption: "Energies of impactor (kinetic), contact (indentation), body and supports, and their total. Those below a thousandth of the largest are left out.".to_owned(),
+    };
+    let mut sections = Vec::new();
+    if largest > 0.0 {
+        sections.push(Part::Figure(figure.draw()?));
+    }
+    sections.push(Part::Table(table(&named, unit_for(largest, ENERGY))));
+    sections.extend(balance(&data.energies).map(Part::Text));
+    Ok(Section { id: "energy", title: "Energies", parts: sections })
+}
+
+fn table(named: &[(&str, &[f64])], unit: Unit) -> Table {
+    let number = |value: f64| digits(value / unit.size, 4);
+    let row = |(name, values): &(&str, &[f64])| {
+        let by_size = values.iter().copied().max_by(|one, other| one.abs().total_cmp(&other.abs()));
+        let [first, last] = [values.first(), values.last()].map(|value| value.copied().unwrap_or(f64::NAN));
+        vec![(*name).to_owned(), number(first), number(by_size.unwrap_or(f64::NAN)), number(last)]
+    };
+    Table {
+        caption: "Energies at the start, at their largest and at the end".to_owned(),
+        columns: vec![
+            Column::text("Energy"),
+            Column::number("Start", unit.name),
+            Column::number("Largest", unit.name),
+            Column::number("End", unit.name),
+        ],
+        rows: named.iter().map(row).collect(),
+    }
+}
+
+/// By how much the balance is off, in a sentence.
+fn balance(energies: &Quantity) -> Option<String> {
+    let of = |name: &str| Some(&energies.parts.iter().find(|part| part.name == name)?.values);
+    let (total, dissipated, external, numerical) = (of("total")?, of("dissipated")?, of("external")?, of("numerical")?);
+    let kept = |n: usize| total[n] + dissipated[n] - external[n] - numerical[n];
+    let initial = *total.first().filter(|total| **total > 0.0)?;
+    let off = (0..total.len()).map(|n| (kept(n) - kept(0)).abs()).fold(0.0, f64::max);
+    let made = numerical.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let constant = match off / initial {
+        off if off < ROUNDING => "constant, but for rounding".to_owned(),
+        off => format!("constant to {} of the initial energy", percent(off)),
+    };
+    Some(format!(
+        "Balance: the total, with what was dissipated and without the work of loads and what the time integration has made, is {constant}. \
+         The integration makes or loses at most {} of the initial energy.",
+        percent(made / initial)
+    ))
+}

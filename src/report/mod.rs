@@ -1,0 +1,57 @@
+//! A report on a run, to hand in: one page that needs nothing else.
+//!
+//! The data's way: a result's file → [`data`] → sections of text, tables and figures, a file each → [`page`] → HTML.
+
+mod contacts;
+mod data;
+mod energy;
+mod figures;
+mod history;
+mod model;
+mod number;
+mod origin;
+mod page;
+mod probes;
+mod scene;
+mod summary;
+mod tension;
+
+use std::path::Path;
+
+use askama::Template;
+
+use crate::error::{Error, Result};
+
+use data::Data;
+use page::{Page, Section};
+
+/// The report on the result `path`: the text of an HTML file.
+///
+/// # Errors
+/// [`Error::Io`] as [`crate::record::read::history`].
+pub fn report(path: &Path) -> Result<String> {
+    let data = Data::read(path)?;
+    let page = Page {
+        title: data.title(),
+        file: data.file.clone(),
+        date: data.written.map(number::date),
+        version: env!("CARGO_PKG_VERSION"),
+        summary: summary::summary(&data),
+        sections: sections(&data)?,
+    };
+    page.render().map_err(|error| Error::Output(format!("the report cannot be made: {error}")))
+}
+
+/// The sections in the order of a reader's questions: what was computed, by what, with what result, and where it comes from.
+fn sections(data: &Data) -> Result<Vec<Section>> {
+    Ok(vec![
+        scene::section(data),
+        model::section(data),
+        history::section(data)?,
+        contacts::section(data),
+        tension::section(data)?,
+        probes::section(data)?,
+        energy::section(data)?,
+        origin::section(data),
+    ])
+}

@@ -1,0 +1,117 @@
+//! The model that was taken, and why; how good it is; what it leaves out.
+
+use crate::record::provenance::ModelDetails;
+use crate::scene::{Model, Scene};
+
+use super::data::Data;
+use super::number::percent;
+use super::page::{Fact, Facts, Part, Section};
+
+/// The section.
+pub fn section(data: &Data) -> Section {
+    let origin = &data.provenance;
+    let mut rows = vec![Fact::new("Theory", theory(&origin.model))];
+    rows.push(Fact::new("Selected", selected(data)));
+    if let Some(details) = &origin.model_details {
+        rows.push(Fact::new("Discretisation", &details.discretisation));
+    }
+    rows.push(Fact::new(
+        "Reduction",
+        if origin.reduction == "none" { "none: all unknowns" } else { origin.reduction.as_str() },
+    ));
+    rows.push(Fact::new("Unknowns", format!("{}, with the impactor’s", origin.unknowns)));
+    let details = origin.model_details.as_ref().filter(|details| details.first_contact_error.is_finite());
+    if let Some(ModelDetails { first_contact_error, error_causes, .. }) = details {
+        let error = format!("{} of the peak, by {error_causes}", percent(*first_contact_error));
+        rows.push(Fact::new("Estimated error in the first contact", error));
+    }
+    rows.push(Fact::new("Estimated error of the acceleration", acceleration_error(data).sentence()));
+    if let Some(stresses) = &data.stresses {
+        rows.push(Fact::new(
+            "Estimated error of the largest tension",
+            stress_error(stresses.error_estimate).sentence(),
+        ));
+    }
+    let parts = vec![
+        Part::Facts(Facts { caption: "Model".to_owned(), rows }),
+        Part::Text(
+            "The estimate of the acceleration’s error is the sum of the estimated errors of the cells, the basis, the selected theory, \
+             the time steps and the contact patch, as far as each applies, divided by the peak. It does not include the error of a theory, \
+             of a time step or of a mesh that the scene prescribes, nor that of its material data."
+                .to_owned(),
+        ),
+        Part::Text(
+            "Assumptions: small deflections (the model is geometrically linear), one linear elastic material that does not fail, \
+             an impactor that is rigid except for its contact, and a contact force by the law given above."
+                .to_owned(),
+        ),
+    ];
+    Section { id: "model", title: "Model", parts }
+}
+
+/// A theory's name in words.
+fn theory(name: &str) -> String {
+    match name {
+        "half-space" => "Half-space: the local indentation alone",
+        "infinite-plate" => "Infinite plate (Zener 1941): bending waves without reflections",
+        "kirchhoff" => "Kirchhoff’s plate: bending of a thin plate",
+        "mindlin" => "Mindlin’s plate (Reissner 1945, Mindlin 1951): bending with shear and rotary inertia",
+        "solid" => "Three-dimensional elasticity",
+        other => other,
+    }
+    .to_owned()
+}
+
+/// Who has selected the theory, and why.
+fn selected(data: &Data) -> String {
+    let asked = data.scene.as_ref().map(|scene| scene.body.model);
+    let reason = data.provenance.model_details.as_ref().map(|details| &details.reason);
+    match (asked, reason.filter(|reason| !reason.is_empty())) {
+        (Ok(model), _) if model != Model::Auto => "by the scene".to_owned(),
+        (_, Some(reason)) => format!("by ricochet, the cheapest theory that meets the tolerance. {}", sentence(reason)),
+        (Ok(_), None) => "by ricochet, the cheapest theory that meets the tolerance".to_owned(),
+        (Err(_), None) => "not known".to_owned(),
+    }
+}
+
+/// With a capital letter and a full stop.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
+    format!("{first}{}.", letters.as_str().trim_end_matches('.'))
+}
+
+/// An estimated error in words.
+pub struct Estimate {
+    /// Per cent, or that there is none.
+    pub value: String,
+    /// Of what; may be empty.
+    pub of: String,
+}
+
+impl Estimate {
+    fn sentence(self) -> String {
+        format!("{} {}", self.value, self.of).trim_end().to_owned()
+    }
+}
+
+/// That of the acceleration, with the tolerance.
+pub fn acceleration_error(data: &Data) -> Estimate {
+    let error = data.cost.error_estimate;
+    if error.is_nan() {
+        let of = if data.is_complete { "" } else { "(the run did not reach its end)" };
+        return Estimate { value: "not estimated".to_owned(), of: of.to_owned() };
+    }
+    let tolerance = data.scene.as_ref().map_or(String::new(), |Scene { tolerance, .. }| {
+        format!(" (tolerance in the first contact: {})", percent(*tolerance))
+    });
+    Estimate { value: percent(error), of: format!("of the peak, over the whole history{tolerance}") }
+}
+
+/// That of the largest tension.
+pub fn stress_error(error: f64) -> Estimate {
+    match error.is_nan() {
+        true => Estimate { value: "not estimated".to_owned(), of: String::new() },
+        false => Estimate { value: percent(error), of: "of the peak".to_owned() },
+    }
+}

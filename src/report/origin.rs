@@ -1,0 +1,36 @@
+//! Where the result comes from, and what it has cost.
+
+use super::data::Data;
+use super::number::{TIME, computed, date};
+use super::page::{Fact, Facts, Part, Section};
+
+/// The section.
+pub fn section(data: &Data) -> Section {
+    let (origin, cost) = (&data.provenance, &data.cost);
+    // But for the one that every session has.
+    let options: Vec<&str> =
+        origin.petsc_options.split_whitespace().filter(|word| *word != "-no_signal_handler").collect();
+    let options = if options.is_empty() { "none".to_owned() } else { options.join(" ") };
+    let mut rows = vec![
+        Fact::new("Result", &data.file),
+        Fact::new("Last written", data.written.map_or("not known".to_owned(), date)),
+        Fact::new("Run", format!("{:016x}", origin.run_id)),
+        Fact::new("State", if data.is_complete { "complete" } else { "not complete: the run did not reach its end" }),
+        Fact::new("Program", format!("ricochet {}, commit {}", origin.version, origin.commit)),
+        Fact::new("PETSc", &origin.petsc_version),
+        Fact::new("Options for PETSc", options),
+        Fact::new("MPI ranks", origin.ranks.to_string()),
+    ];
+    if let Some(digest) = &origin.mesh_digest {
+        rows.push(Fact::new("Digest of the mesh file", digest));
+    }
+    if cost.total.is_finite() {
+        let [total, model, setup, steps] =
+            [cost.total, cost.model, cost.setup, cost.steps].map(|time| computed(time, TIME));
+        rows.push(Fact::new("Wall time", format!("{total} (model {model}, setup {setup}, steps {steps})")));
+        rows.push(Fact::new("Solves", format!("{}, with {} Newton iterations", cost.solves, cost.newton_iterations)));
+    }
+    let again = format!("ricochet run {} -o again.h5 computes the same scene again.", data.file);
+    let parts = vec![Part::Facts(Facts { caption: "Origin of the result".to_owned(), rows }), Part::Text(again)];
+    Section { id: "origin", title: "Provenance", parts }
+}

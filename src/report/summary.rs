@@ -1,0 +1,149 @@
+//! What a reader must know: what was hit by what, the key figures, and what follows from them.
+
+use crate::impact::step::{Contact, Energy, Motion, Step};
+use crate::model::{self, Linearity};
+use crate::record::extremes::Extreme;
+use crate::scene::Model;
+
+use super::data::Data;
+use super::model::{Estimate, acceleration_error, stress_error};
+use super::number::{ACCELERATION, FORCE, LENGTH, MASS, SPEED, STRESS, TIME, Units, computed, given, percent};
+use super::page::{Grade, KeyFigure, Summary, Verdict};
+use super::scene::sentence;
+use super::tension::{face_name, most_used};
+
+/// The summary.
+pub fn summary(data: &Data) -> Summary {
+    let first = data.velocity.values.first().copied().unwrap_or(f64::NAN);
+    let unread = || {
+        format!(
+            "An impactor of {} hits an elastic body at {}.",
+            given(data.provenance.impactor_mass, MASS),
+            computed(first, SPEED)
+        )
+    };
+    Summary {
+        sentence: data.scene.as_ref().map_or_else(|_| unread(), sentence),
+        verdicts: [incomplete(data), strength(data), deflection(data)].into_iter().flatten().collect(),
+        facts: facts(data),
+    }
+}
+
+fn verdict(grade: Grade, title: &str, text: String) -> Verdict {
+    Verdict { grade, title: title.to_owned(), text }
+}
+
+/// That the run did not reach its end.
+fn incomplete(data: &Data) -> Option<Verdict> {
+    let wanted = data.scene.as_ref().map_or(String::new(), |scene| format!(" of {}", given(scene.time.end, TIME)));
+    let text = format!("The run was ended at {}{wanted}. All values are those up to then.", computed(data.end(), TIME));
+    (!data.is_complete).then(|| verdict(Grade::Open, "Incomplete", text))
+}
+
+/// Whether the strength is exceeded.
+fn strength(data: &Data) -> Option<Verdict> {
+    if !data.strength.is_given() {
+        return None;
+    }
+    let (Some(stresses), Some(used)) = (&data.stresses, most_used(data)) else {
+        let text = "The scene gives a strength, but this result holds no stresses to hold against it.".to_owned();
+        return Some(verdict(Grade::Open, "Strength not assessed", text));
+    };
+    let part = used.part();
+    let what = format!(
+        "On the {} the largest tension, {}, is {} of the strength of {}",
+        face_name(&used.largest.face),
+        computed(used.largest.value, STRESS),
+        percent(part),
+        given(used.strength, STRESS)
+    );
+    if part >= 1.0 || stresses.strength_passed_at.is_some() {
+        let when = stresses
+            .strength_passed_at
+            .map_or(String::new(), |at| format!("; the strength is first exceeded at {}", computed(at, TIME)));
+        return Some(verdict(Grade::Bad, "Strength exceeded", format!("{what}{when}.")));
+    }
+    let error = stresses.error_estimate;
+    Some(if error.is_nan() {
+        verdict(Grade::Open, "Strength not exceeded", format!("{what}. The error of the tension is not estimated."))
+    } else if part + error * part >= 1.0 {
+        let text = format!("{what}, which is nearer to it than the estimated error of {}.", percent(error));
+        verdict(Grade::Open, "Strength not exceeded, but within the error", text)
+    } else {
+        let grade = if data.is_complete { Grade::Good } else { Grade::Open };
+        verdict(
+            grade,
+            "Strength not exceeded",
+            format!("{what}; the estimated error of the tension is {}.", percent(error)),
+        )
+    })
+}
+
+/// That the deflection is too large for the model.
+fn deflection(data: &Data) -> Option<Verdict> {
+    let theories = [Model::HalfSpace, Model::InfinitePlate, Model::Kirchhoff, Model::Mindlin, Model::Solid];
+    let theory = theories.into_iter().find(|theory| model::name(*theory) == data.provenance.model)?;
+    let linearity = Linearity::new(data.scene.as_ref().ok()?, theory, None)?;
+    let energy = |name: &str| data.energies.parts.iter().find(|part| part.name == name).map(|part| &part.values);
+    let (elastic, support) = (energy("elastic")?, energy("support")?);
+    let rows = data.deflection.values.len().min(data.position.values.len()).min(elastic.len());
+    let step = |n: usize| Step {
+        time: data.deflection.time[n],
+        impactor: Motion { position: data.position.values[n], ..Motion::default() },
+        contact: Contact { surface_displacement: data.deflection.values[n], ..Contact::default() },
+        energy: Energy { elastic: elastic[n], support: support[n], ..Energy::default() },
+        ..Step::default()
+    };
+    let largest = (0..rows).map(|n| linearity.deflection(&step(n))).fold(0.0, f64::max);
+    let ratio = linearity.excess(largest)?;
+    let text = format!(
+        "The body bends by {}, which is {} of its thickness. The model is geometrically linear and neglects membrane forces, \
+         which stiffen the body: expect larger forces and smaller deflections.",
+        computed(largest, LENGTH),
+        percent(ratio)
+    );
+    Some(verdict(Grade::Open, "Large deflection", text))
+}
+
+fn facts(data: &Data) -> Vec<KeyFigure> {
+    let mut facts = Vec::new();
+    let mut add = |name: &'static str, value: String, note: String| facts.push(KeyFigure { name, value, note });
+    let at = |time: f64| format!("at {}", computed(time, TIME));
+    if let Some(largest) = &data.extremes {
+        let mut extreme =
+            |name, Extreme { value, time }: Extreme, units: Units| add(name, computed(value, units), at(time));
+        extreme("Peak contact force", largest.force, FORCE);
+        extreme("Peak acceleration", largest.acceleration, ACCELERATION);
+        let Extreme { value, time } = largest.deflection;
+        add("Largest deflection", computed(value, LENGTH), format!("under the impactor, {}", at(time)));
+    }
+    match &data.contacts.episodes[..] {
+        [] => add("Contact", "none".to_owned(), String::new()),
+        [first, rest @ ..] => {
+            let is_open = data.contacts.is_open && rest.is_empty();
+            let count = match (rest.len(), is_open) {
+                (_, true) => "not over at the end".to_owned(),
+                (0, _) => "the only contact".to_owned(),
+                (more, _) => format!("the first of {} contacts", more + 1),
+            };
+            add("Contact duration", computed(first.end - first.start, TIME), count);
+        }
+    }
+    let velocities = data.velocity.values.first().zip(data.velocity.values.last());
+    if let Some((before, after)) = velocities {
+        add(
+            "Impactor’s velocity at the end",
+            computed(*after, SPEED),
+            format!("{} at the start", computed(*before, SPEED)),
+        );
+    }
+    if let Some((stresses, largest)) = data.stresses.as_ref().and_then(|of| Some((of, of.largest.as_ref()?))) {
+        let note = format!("{}, {}", face_name(&largest.face), at(largest.time));
+        add("Largest tension", computed(largest.value, STRESS), note);
+        let Estimate { value, of } = stress_error(stresses.error_estimate);
+        add("Estimated error of the tension", value, of);
+    }
+    let Estimate { value, of } = acceleration_error(data);
+    add("Estimated error of the acceleration", value, of);
+    facts
+}

@@ -1,0 +1,173 @@
+//! The largest tension on the faces of the body, and what the material stands.
+
+use crate::error::Result;
+use crate::record::stress::{Face, Largest, Stresses};
+
+use super::data::Data;
+use super::figures::Curves;
+use super::model::{Estimate, stress_error};
+use super::number::{STRESS, TIME, computed, digits, given, percent, place, unit_for};
+use super::page::{Column, Part, Section, Table};
+
+/// More faces than this are not drawn: those with the largest tension are.
+const DRAWN: usize = 6;
+
+/// The section.
+///
+/// # Errors
+/// Where a figure cannot be drawn.
+pub fn section(data: &Data) -> Result<Section> {
+    let mut parts = Vec::new();
+    match &data.stresses {
+        Some(stresses) if !stresses.faces.is_empty() => {
+            parts.push(Part::Table(table(data, stresses)));
+            parts.push(Part::Text(judgement(data, stresses)));
+            parts.push(figure(data, stresses)?);
+            parts.extend(map(data));
+        }
+        _ => parts.push(Part::Text(
+            "This result holds no stresses on the faces of the body. Probes, where the scene has any, read the stress at single points."
+                .to_owned(),
+        )),
+    }
+    parts.extend(data.stresses.as_ref().and_then(ring).map(Part::Text));
+    Ok(Section { id: "tension", title: "Largest tension", parts })
+}
+
+/// The map of the largest tension over time on a face. It goes here once results hold one.
+fn map(_data: &Data) -> Option<Part> {
+    None
+}
+
+/// A face as a reader knows it.
+pub fn face_name(name: &str) -> String {
+    match name {
+        "upper" => "upper face (hit)".to_owned(),
+        "lower" => "lower face (opposite)".to_owned(),
+        other => other.to_owned(),
+    }
+}
+
+/// A face's largest tension, what it stands, and the part of it that is used.
+pub struct Use {
+    /// The largest tension.
+    pub largest: Largest,
+    /// Pa.
+    pub strength: f64,
+}
+
+impl Use {
+    /// The tension over the strength.
+    pub fn part(&self) -> f64 {
+        self.largest.value / self.strength
+    }
+}
+
+/// The face that uses the most of its strength; `None` where no face has one.
+pub fn most_used(data: &Data) -> Option<Use> {
+    let stresses = data.stresses.as_ref()?;
+    let of_rows = stresses.faces.iter().filter_map(|face| face.peak(&stresses.time));
+    // The attributes know all steps, the rows those that were recorded.
+    let all = of_rows.chain(stresses.largest.clone());
+    let used = all.filter_map(|largest| Some(Use { strength: data.strength.of(&largest.face)?, largest }));
+    used.max_by(|one, other| one.part().total_cmp(&other.part()))
+}
+
+fn table(data: &Data, stresses: &Stresses) -> Table {
+    let time = unit_for(data.end(), TIME);
+    let peaks: Vec<(&Face, Option<Largest>)> = stresses.faces.iter().map(|face| (face, peak(stresses, face))).collect();
+    let values = peaks.iter().filter_map(|(_, peak)| Some(peak.as_ref()?.value.abs()));
+    let stress = unit_for(values.fold(0.0, f64::max), STRESS);
+    let has_strength = data.strength.is_given();
+    let row = |(face, peak): &(&Face, Option<Largest>)| {
+        let mut row = vec![face_name(&face.name)];
+        row.extend(match peak {
+            Some(Largest { value, time: at, point, .. }) => {
+                [digits(value / stress.size, 4), digits(at / time.size, 4), place(*point)]
+            }
+            None => ["–", "–", "–"].map(str::to_owned),
+        });
+        if has_strength {
+            let strength = data.strength.of(&face.name);
+            row.push(strength.map_or("–".to_owned(), |strength| digits(strength / stress.size, 4)));
+            let used = peak.as_ref().zip(strength).map(|(peak, strength)| percent(peak.value / strength));
+            row.push(used.unwrap_or("–".to_owned()));
+        }
+        row
+    };
+    let mut columns = vec![
+        Column::text("Face"),
+        Column::number("Tension", stress.name),
+        Column::number("at", time.name),
+        Column::text("Place"),
+    ];
+    if has_strength {
+        columns.extend([Column::number("Strength", stress.name), Column::number("Used", "")]);
+    }
+    Table {
+        caption: "Largest principal stress on each face".to_owned(),
+        columns,
+        rows: peaks.iter().map(row).collect(),
+    }
+}
+
+/// A face's peak: by the attributes of the root, which know all steps, where they are of this face.
+fn peak(stresses: &Stresses, face: &Face) -> Option<Largest> {
+    stresses.largest.clone().filter(|largest| largest.face == face.name).or_else(|| face.peak(&stresses.time))
+}
+
+/// The error of the stresses, and when the strength was exceeded.
+fn judgement(data: &Data, stresses: &Stresses) -> String {
+    let strength = match (!data.strength.is_given(), stresses.strength_passed_at) {
+        (true, _) => "The scene gives no strength.".to_owned(),
+        (false, Some(time)) => format!("The strength was first exceeded at {}.", computed(time, TIME)),
+        (false, None) => "The strength was not exceeded.".to_owned(),
+    };
+    let Estimate { value, of } = stress_error(stresses.error_estimate);
+    format!("{strength} Estimated error of the largest tension: {}.", format!("{value} {of}").trim_end())
+}
+
+fn figure(data: &Data, stresses: &Stresses) -> Result<Part> {
+    let size = |face: &&Face| face.peak(&stresses.time).map_or(f64::NEG_INFINITY, |peak| peak.value);
+    let mut drawn: Vec<&Face> = stresses.faces.iter().collect();
+    if drawn.len() > DRAWN {
+        drawn.sort_by(|one, other| size(other).total_cmp(&size(one)));
+        drawn.truncate(DRAWN);
+    }
+    let which = if drawn.len() < stresses.faces.len() { ", of the faces with the largest values" } else { "" };
+    let curves = Curves {
+        quantity: "largest principal stress",
+        units: STRESS,
+        time: &stresses.time,
+        curves: drawn.iter().map(|face| (face_name(&face.name), face.largest.as_slice())).collect(),
+        limits: limits(data, &drawn),
+        contacts: data.touches(),
+        caption: format!("Largest principal stress anywhere on a face{which}. Tension is positive."),
+    };
+    curves.draw().map(Part::Figure)
+}
+
+/// What some faces stand: a line where they all stand the same, otherwise one each.
+fn limits(data: &Data, faces: &[&Face]) -> Vec<(String, f64)> {
+    let strengths = faces.iter().filter_map(|face| Some((face.name.as_str(), data.strength.of(&face.name)?)));
+    let mut strengths: Vec<(&str, f64)> = strengths.collect();
+    let is_common = strengths.windows(2).all(|pair| pair[0].1 == pair[1].1);
+    strengths.truncate(if is_common { 1 } else { DRAWN });
+    let named = |(face, strength): (&str, f64)| {
+        let words = format!("strength {}", given(strength, STRESS));
+        (if is_common { words } else { format!("{words} ({face})") }, strength)
+    };
+    strengths.into_iter().map(named).collect()
+}
+
+/// Hertz's radial tension, in a sentence.
+fn ring(stresses: &Stresses) -> Option<String> {
+    let rows = stresses.ring.iter().zip(&stresses.time).filter(|(value, _)| value.is_finite());
+    let (value, time) = rows.max_by(|one, other| one.0.total_cmp(other.0))?;
+    Some(format!(
+        "At the edge of the contact itself Hertz’s radial tension reaches {} at {}. It is steep, starts cone cracks under small impactors, \
+         and is not held against the strength.",
+        computed(*value, STRESS),
+        computed(*time, TIME)
+    ))
+}
