@@ -2,6 +2,7 @@
 
 pub mod chart;
 pub mod history;
+pub mod limit;
 mod plan;
 mod schemes;
 pub mod stability;

@@ -18,4 +18,4 @@ pub use grid::Grid;
 pub use member::{Computed, simulate};
 pub use shard::{Shard, parts};
 pub use spread::{Compute, Kept, spread};
-pub use vary::Variation;
+pub use vary::{Variation, written};

@@ -99,7 +99,7 @@ fn rounded(value: f64, size: f64) -> f64 {
 }
 
 /// A number as TOML has it, which reads back the same: a small whole one without a point, since some keys want whole numbers.
-fn written(value: f64) -> String {
+pub fn written(value: f64) -> String {
     let size = value.abs();
     if value.fract() == 0.0 && size < 1e6 {
         format!("{value:.0}")

@@ -1,0 +1,107 @@
+//! The lowest change of sign of a function that is computed at few places.
+
+/// A place and the function there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Point {
+    /// Place on the axis of the search.
+    pub place: f64,
+    /// The function: negative before the root.
+    pub function: f64,
+}
+
+/// The places that were computed.
+#[derive(Debug)]
+pub(super) struct Scan {
+    /// Ascending, up to the first that is not negative.
+    pub points: Vec<Point>,
+    /// The number of the first point at which the function is not negative; at least 1.
+    pub crossing: Option<usize>,
+    /// Whether no interval before it is left in doubt.
+    pub is_complete: bool,
+}
+
+/// Curvature that is assumed over that of the parabola through three points.
+const SAFETY: f64 = 2.0;
+/// Places beside those of the grid, at most.
+const MOST: usize = 16;
+/// How far a maximum may rise above the points beside it unseen, over the tolerance.
+const UNSEEN: f64 = 0.25;
+/// Where in an interval a place is added: at least and at most this part of it from its beginning.
+const WITHIN: [f64; 2] = [0.2, 0.8];
+
+/// Computes a function, which is negative at the first place, at the ascending places of a grid up to the first change of sign, and then
+/// between them where a lower one may hide.
+///
+/// # Errors
+/// The first one of the function.
+pub(super) fn scan<E>(
+    grid: &[f64],
+    tolerance: f64,
+    function: &mut impl FnMut(f64) -> Result<f64, E>,
+) -> Result<Scan, E> {
+    let mut points: Vec<Point> = Vec::new();
+    for place in grid {
+        points.push(Point { place: *place, function: function(*place)? });
+        if points.len() > 1 && is_crossed(points.last()) {
+            break;
+        }
+    }
+    for _ in 0..MOST {
+        let Some(place) = doubtful(&points, UNSEEN * tolerance) else { break };
+        let at = points.partition_point(|point| point.place < place);
+        points.insert(at, Point { place, function: function(place)? });
+        if is_crossed(points.get(at)) {
+            points.truncate(at + 1);
+        }
+    }
+    let is_complete = doubtful(&points, UNSEEN * tolerance).is_none();
+    let crossing = (points.len() > 1 && is_crossed(points.last())).then(|| points.len() - 1);
+    Ok(Scan { points, crossing, is_complete })
+}
+
+fn is_crossed(point: Option<&Point>) -> bool {
+    point.is_some_and(|point| point.function >= 0.0)
+}
+
+/// Where to look in the interval between negative points whose curvature allows the highest maximum, if that is not negative.
+fn doubtful(points: &[Point], unseen: f64) -> Option<f64> {
+    let highest = points.windows(2).enumerate().filter_map(|(number, pair)| {
+        let [a, b] = [pair[0], pair[1]];
+        if b.function >= 0.0 {
+            return None;
+        }
+        let curvature = curvature(points, number);
+        let highest = highest(a, b, SAFETY * curvature);
+        let is_seen = highest <= a.function.max(b.function) + unseen;
+        (highest >= 0.0 && !is_seen).then(|| (highest, vertex(a, b, curvature)))
+    });
+    highest.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| place)
+}
+
+/// How far the parabolas through an interval's ends and a point beside them are bent down, at most; 0 where none is.
+fn curvature(points: &[Point], interval: usize) -> f64 {
+    let of_three = |first: usize| {
+        let three = points.get(first..first + 3)?;
+        let slope = |a: Point, b: Point| (b.function - a.function) / (b.place - a.place);
+        let change = slope(three[1], three[2]) - slope(three[0], three[1]);
+        Some(-2.0 * change / (three[2].place - three[0].place))
+    };
+    [interval.checked_sub(1), Some(interval)].into_iter().flatten().filter_map(of_three).fold(0.0, f64::max)
+}
+
+/// The highest value of a parabola that is bent down so far and goes through two points, between them.
+fn highest(a: Point, b: Point, curvature: f64) -> f64 {
+    let sagitta = curvature * (b.place - a.place).powi(2) / 8.0;
+    let rise = b.function - a.function;
+    if rise.abs() >= 4.0 * sagitta {
+        return a.function.max(b.function);
+    }
+    0.5 * (a.function + b.function) + sagitta + rise * rise / (16.0 * sagitta)
+}
+
+/// The place of its highest value, not too near to either point.
+fn vertex(a: Point, b: Point, curvature: f64) -> f64 {
+    let width = b.place - a.place;
+    let part = 0.5 + (b.function - a.function) / (curvature * width * width);
+    a.place + part.clamp(WITHIN[0], WITHIN[1]) * width
+}
