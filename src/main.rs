@@ -51,6 +51,7 @@ fn main() {
         }
         Command::Chart(chart) => under_petsc(&chart.petsc, |session| cli::chart::chart(&session.world(), chart)),
         Command::Sweep(sweep) => under_petsc(&sweep.petsc, |session| cli::sweep::sweep(&session.world(), sweep)),
+        Command::Limit(limit) => under_petsc(&limit.petsc, |session| cli::limit::limit(&session.world(), limit)),
         Command::Check(check) => {
             under_petsc(&check.petsc, |session| cli::check::check(&session.world(), check).map(|()| 0))
         }

@@ -9,6 +9,7 @@ mod follow;
 pub mod info;
 pub mod interrupt;
 pub mod keeping;
+pub mod limit;
 mod load;
 mod members;
 mod notes;
@@ -79,6 +80,8 @@ pub enum Command {
     Chart(Chart),
     /// Compute a scene for many values of its keys, and write the peaks and contacts of all members to an HDF5 file
     Sweep(Sweep),
+    /// Find the lowest value of a key at which the largest tension just reaches the strength
+    Limit(Limit),
     /// Print a script that completes commands and options in a shell
     Completions(Completions),
     /// Print a JSON schema of scenes, for editors that check them
@@ -227,6 +230,28 @@ pub struct Sweep {
     #[arg(long, value_name = "i/n")]
     pub shard: Option<Shard>,
     /// Options for PETSc, unchanged
+    #[arg(last = true, value_name = "PETSC OPTIONS")]
+    pub petsc: Vec<String>,
+}
+
+/// `ricochet limit`
+#[derive(Debug, Args)]
+pub struct Limit {
+    /// Scene file (TOML) with a [strength], - for standard input
+    pub scene: PathBuf,
+    /// Search this range of a numeric key, such as impactor.speed=0.1..10, impactor.drop_height=0.1..2 or body.size.2=0.004..0.04
+    #[arg(long, value_name = "KEY=A..B", allow_hyphen_values = true)]
+    pub vary: String,
+    /// Write the run at the limit to this file, as `ricochet run` does
+    #[arg(short, long, value_name = "OUT.h5")]
+    pub output: Option<PathBuf>,
+    /// Print the facts as one JSON object
+    #[arg(long)]
+    pub json: bool,
+    /// Override a key of the scene by its dotted path, for all runs
+    #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    pub overrides: Vec<String>,
+    /// Pass these options to PETSc, unchanged
     #[arg(last = true, value_name = "PETSC OPTIONS")]
     pub petsc: Vec<String>,
 }

@@ -65,19 +65,15 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
     let (mut lock, mut moment) = (None, None);
     // Before minutes of work whose result could not be written.
     let start = decided(comm, || {
-        check_writable(&output, Kind::Run)?;
         let is_continued = arguments.restart.as_ref().is_some_and(|result| is_same(result, &output));
-        if !is_continued {
-            checkpoint::check_writable(&output)?;
-            if !arguments.force {
-                check_not_interrupted(&output)?;
-            }
-        }
+        let replaced = match (is_continued, arguments.force) {
+            (true, _) => Replaced::ByItself,
+            (_, true) => Replaced::Anyway,
+            _ => Replaced::UnlessInterrupted,
+        };
+        check_output(&scene, &output, replaced)?;
         if given.is_none() && !arguments.force {
             check_own(&output, source.folder())?;
-        }
-        if scene.output.fields.is_some() {
-            fields::check_writable(&output)?;
         }
         lock = Some(Lock::take(&output)?);
         let Some(result) = &arguments.restart else { return Ok(Start::Anew) };
@@ -103,7 +99,8 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
         Start::Anew => None,
         Start::GoOn => Some(moment),
     };
-    let solved = solve(comm, (&scene, &source), (past, from), &output, arguments.force);
+    let written = Written { output: &output, force: arguments.force, has_summary: true };
+    let solved = solve(comm, (&scene, &source), (past, from), &written);
     drop(lock);
     solved.map_err(|error| error.in_scene(&source))
 }
@@ -123,6 +120,31 @@ enum Start {
     Anew,
     /// What is behind a checkpoint.
     GoOn,
+}
+
+/// What may happen to an earlier run at the place of a result.
+pub(super) enum Replaced {
+    /// It is continued.
+    ByItself,
+    /// It is replaced.
+    Anyway,
+    /// It is replaced unless it was interrupted and can be continued.
+    UnlessInterrupted,
+}
+
+/// Whether a run can be written, with its checkpoint and its fields.
+///
+/// # Errors
+/// [`Error::Io`] where it cannot.
+pub(super) fn check_output(scene: &Scene, output: &Path, replaced: Replaced) -> Result<()> {
+    check_writable(output, Kind::Run)?;
+    if !matches!(replaced, Replaced::ByItself) {
+        checkpoint::check_writable(output)?;
+    }
+    if matches!(replaced, Replaced::UnlessInterrupted) {
+        check_not_interrupted(output)?;
+    }
+    if scene.output.fields.is_some() { fields::check_writable(output) } else { Ok(()) }
 }
 
 /// Refuses to replace a run that was interrupted and can be continued.
@@ -157,12 +179,25 @@ fn default_output(scene: &Path) -> PathBuf {
     PathBuf::from(scene.with_extension("h5").file_name().unwrap_or("ricochet.h5".as_ref()))
 }
 
-fn solve(
+/// How a run is written.
+pub(super) struct Written<'a> {
+    /// The result.
+    pub output: &'a Path,
+    /// Whether it is computed even if its estimated error makes it useless.
+    pub force: bool,
+    /// Whether its summary is printed.
+    pub has_summary: bool,
+}
+
+/// Computes a run, or what is missing of it, and writes it; returns the exit status. Collective.
+///
+/// # Errors
+/// All that [`Error`] names.
+pub(super) fn solve(
     comm: &Comm,
     (scene, source): (&Scene, &Source),
     (past, from): (Option<Option<Box<Moment>>>, &Path),
-    output: &Path,
-    force: bool,
+    &Written { output, force, has_summary }: &Written<'_>,
 ) -> Result<i32> {
     let begin = Instant::now();
     if comm.is_root() {
@@ -279,7 +314,9 @@ fn solve(
         if let (Some(flow), Ok(())) = (flow, &ended) {
             // Of a file system that cannot be read at once, the run is as good.
             let extremes = extremes(output).ok().flatten();
-            summary.print(&episodes, extremes.as_ref(), &cost, &estimate.causes(), output);
+            if has_summary {
+                summary.print(&episodes, extremes.as_ref(), &cost, &estimate.causes(), output);
+            }
             if let Some(warning) = summary.warning() {
                 tell(format_args!("warning: {warning}"));
             }

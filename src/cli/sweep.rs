@@ -108,7 +108,7 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
 }
 
 /// An error of the scene as it stands, of which members are made.
-fn of_base(error: Error) -> Error {
+pub(super) fn of_base(error: Error) -> Error {
     match error {
         Error::Scene(error) => error.remarked("in the scene itself, before --vary").into(),
         other => other,

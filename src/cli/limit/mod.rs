@@ -1,0 +1,133 @@
+//! `ricochet limit`: the lowest value of a key at which the largest tension just reaches the strength.
+
+mod report;
+mod trial;
+
+use std::rc::Rc;
+
+use petsc_wrap::Comm;
+
+use crate::agree::decided;
+use crate::error::{Error, Result};
+use crate::record::lock::Lock;
+use crate::scene::{Model, Scene, Source, unit};
+use crate::study::limit::{Range, search};
+use crate::study::sweep::written;
+
+use super::interrupt::Interrupt;
+use super::load::{Loaded, load};
+use super::run::{Replaced, Written, check_output, solve};
+use super::sweep::of_base;
+use super::{Limit, note, notes, tell, warn_of_unused_options};
+use report::{Report, header, line};
+use trial::{Trial, trial};
+
+/// Searches the limit; returns the exit status. Every answer is a good one: also that there is no limit in the range. Collective.
+///
+/// # Errors
+/// All that [`Error`] names.
+pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
+    let range = Range::parse(&arguments.vary).map_err(Error::Usage)?;
+    let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides).map_err(of_base)?;
+    check(&scene, &range)?;
+    // Before the first run: a value that makes no scene.
+    for value in range.values() {
+        at(&source, &range, value)?;
+    }
+    // Of rank 0: held to the end.
+    let mut lock = None;
+    decided(comm, || {
+        if let Some(output) = &arguments.output {
+            check_output(&scene, output, Replaced::UnlessInterrupted)?;
+            lock = Some(Lock::take(output)?);
+        }
+        let odd = notes::texts(notes::of_values(&scene, &source));
+        odd.iter().for_each(|warning| tell(format_args!("warning: {warning}")));
+        note(format_args!("{}", header(&range)));
+        Ok(())
+    })?;
+    let interrupt = Rc::new(Interrupt::on_signals());
+    let mut trials: Vec<Trial> = Vec::new();
+    let found = search(&range, scene.tolerance, |value| {
+        let (scene, source) = at(&source, &range, value)?;
+        let utilisation = trial(comm, (&scene, &source), &interrupt).map_err(|error| named(error, &range, value))?;
+        let ratio = utilisation.ratio;
+        trials.push(Trial { value, utilisation });
+        if let Some(last) = trials.last().filter(|_| comm.is_root()) {
+            note(format_args!("{}", line(trials.len(), last)));
+        }
+        Ok::<_, Error>(ratio)
+    })?;
+    let report = Report::new(&range, scene.tolerance, &found, &trials);
+    if comm.is_root() {
+        if arguments.json {
+            report.print_json(arguments.output.as_deref())
+        } else {
+            report.print()
+        }
+        report.remarks().iter().for_each(|remark| tell(format_args!("{remark}")));
+        warn_of_unused_options(comm)?;
+    }
+    let status = match (&found.root, &arguments.output) {
+        (Some(root), Some(output)) => {
+            let (scene, source) = at_with_output(&source, &range, root.at.value)?;
+            let written = Written { output, force: false, has_summary: false };
+            solve(comm, (&scene, &source), (None, output), &written).map_err(|error| error.in_scene(&source))?
+        }
+        (None, Some(output)) => {
+            if comm.is_root() {
+                note(format_args!("note: there is no limit in the range, so {} is not written", output.display()));
+            }
+            0
+        }
+        _ => 0,
+    };
+    drop(lock);
+    Ok(status)
+}
+
+/// Whether the scene has what a limit is of.
+fn check(scene: &Scene, range: &Range) -> Result<()> {
+    let is_varied = range.key.starts_with("strength.");
+    if !scene.strength.is_given() && !is_varied {
+        let message = "a limit needs the strength of the material, for example [strength] tension = 45e6 in the scene, or --set strength.tension=45e6";
+        return Err(Error::Usage(message.to_owned()));
+    }
+    if matches!(scene.body.model, Model::HalfSpace | Model::InfinitePlate) {
+        return Err(Error::Usage(trial::without_faces(scene.body.model)));
+    }
+    Ok(())
+}
+
+/// The scene at a value, with its own output.
+fn at_with_output(source: &Source, range: &Range, value: f64) -> Result<(Scene, Source)> {
+    let given = format!("{}={}", range.key, written(value));
+    Ok(Scene::varied(source, &[given]).map_err(|error| error.remarked(&of_value(range, value)))?)
+}
+
+/// The scene at a value; what a run of the search would not keep is taken out.
+fn at(source: &Source, range: &Range, value: f64) -> Result<(Scene, Source)> {
+    let (mut scene, source) = at_with_output(source, range, value)?;
+    scene.output.fields = None;
+    scene.output.probes.clear();
+    Ok((scene, source))
+}
+
+/// What a message calls a run.
+fn of_value(range: &Range, value: f64) -> String {
+    let unit = unit(&range.key);
+    format!("at {} = {}{}", range.key, written(value), if unit == "1" { String::new() } else { format!(" {unit}") })
+}
+
+/// An error with the value at which it has come.
+fn named(error: Error, range: &Range, value: f64) -> Error {
+    let at_value = |message: String| format!("{message} ({})", of_value(range, value));
+    match error {
+        Error::Usage(message) => Error::Usage(at_value(message)),
+        Error::Solve(message) => Error::Solve(at_value(message)),
+        Error::Unstable(message) => Error::Unstable(at_value(message)),
+        Error::Scene(error) => error.remarked(&of_value(range, value)).into(),
+        Error::Alone(error) => Error::Alone(Box::new(named(*error, range, value))),
+        other => other,
+    }
+}

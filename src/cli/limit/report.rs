@@ -1,0 +1,236 @@
+//! What the search has found, for readers and for programs.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::scene::{Vec3, unit};
+use crate::study::limit::{Found, Range};
+
+use super::super::{say, short};
+use super::trial::{Trial, Utilisation};
+
+/// The head of the table of runs.
+pub(super) fn header(range: &Range) -> String {
+    format!(
+        "{:>4} {:>14}  {:>8}  {:>12}  {:<8} {:>10}",
+        "run",
+        with_unit(range),
+        "ratio",
+        "tension/MPa",
+        "face",
+        "time/ms"
+    )
+}
+
+/// A run in the table.
+pub(super) fn line(number: usize, Trial { value, utilisation }: &Trial) -> String {
+    let Utilisation { ratio, tension, face, time, .. } = utilisation;
+    let [value, tension, time] = [*value, 1e-6 * tension, 1e3 * time].map(short);
+    format!("{number:>4} {value:>14}  {ratio:>8.4}  {tension:>12}  {face:<8} {time:>10}")
+}
+
+fn with_unit(range: &Range) -> String {
+    match unit(&range.key) {
+        "1" => range.key.clone(),
+        unit => format!("{}/({unit})", range.key),
+    }
+}
+
+/// How the ratio lies on the range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Outcome {
+    /// The strength is reached first at the value.
+    Reached,
+    /// It is passed at the lower end already, and from the value on no more.
+    PassedUpToValue,
+    /// It is passed at the lower end already, and everywhere.
+    PassedEverywhere,
+    /// It is reached nowhere.
+    ReachedNowhere,
+}
+
+/// All facts, in SI units; what is not known is null.
+#[derive(Debug, Serialize)]
+pub(super) struct Report<'a> {
+    key: &'a str,
+    unit: &'static str,
+    range: [f64; 2],
+    outcome: Outcome,
+    limit: Option<LimitFacts<'a>>,
+    /// The run of the largest ratio, and that of the smallest.
+    largest: RunFacts<'a>,
+    smallest: RunFacts<'a>,
+    runs: usize,
+    /// Whether no interval below is left in which the curvature of the ratio allows a lower limit.
+    is_lowest_by_curvature: bool,
+    samples: Vec<RunFacts<'a>>,
+    #[serde(skip)]
+    warnings: &'a [String],
+}
+
+#[derive(Debug, Serialize)]
+struct LimitFacts<'a> {
+    value: f64,
+    uncertainty: f64,
+    ratio: f64,
+    tension: f64,
+    strength: f64,
+    face: &'a str,
+    time: f64,
+    point: Vec3,
+    peak_force: f64,
+    is_jump: bool,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct RunFacts<'a> {
+    value: f64,
+    ratio: f64,
+    tension: f64,
+    face: &'a str,
+    time: f64,
+}
+
+impl<'a> From<&'a Trial> for RunFacts<'a> {
+    fn from(Trial { value, utilisation }: &'a Trial) -> Self {
+        let Utilisation { ratio, tension, face, time, .. } = utilisation;
+        Self { value: *value, ratio: *ratio, tension: *tension, face, time: *time }
+    }
+}
+
+impl<'a> Report<'a> {
+    /// Of a search that had at least one run.
+    pub fn new(range: &'a Range, tolerance: f64, found: &Found, trials: &'a [Trial]) -> Self {
+        let at = found.root.and_then(|root| trials.iter().find(|trial| trial.value == root.at.value).zip(Some(root)));
+        let limit = at.map(|(Trial { value, utilisation }, root)| {
+            // The tension is taken to be as good as the acceleration, and no better than the tolerance.
+            let error = utilisation.error_estimate.max(tolerance) + utilisation.ratio.ln().abs();
+            LimitFacts {
+                value: *value,
+                uncertainty: error * root.sensitivity,
+                ratio: utilisation.ratio,
+                tension: utilisation.tension,
+                strength: utilisation.strength,
+                face: &utilisation.face,
+                time: utilisation.time,
+                point: utilisation.point,
+                peak_force: utilisation.peak_force,
+                is_jump: root.is_jump,
+            }
+        });
+        let mut samples: Vec<RunFacts> = trials.iter().map(RunFacts::from).collect();
+        samples.sort_by(|a, b| a.value.total_cmp(&b.value));
+        let by_ratio = |a: &&RunFacts, b: &&RunFacts| a.ratio.total_cmp(&b.ratio);
+        let none = || RunFacts { value: f64::NAN, ratio: f64::NAN, tension: f64::NAN, face: "", time: f64::NAN };
+        let outcome = match (found.root, samples.first()) {
+            (Some(root), _) if root.is_rising => Outcome::Reached,
+            (Some(_), _) => Outcome::PassedUpToValue,
+            (None, Some(first)) if first.ratio >= 1.0 => Outcome::PassedEverywhere,
+            (None, _) => Outcome::ReachedNowhere,
+        };
+        Self {
+            key: &range.key,
+            unit: unit(&range.key),
+            range: [range.from, range.to],
+            outcome,
+            limit,
+            largest: samples.iter().max_by(by_ratio).cloned().unwrap_or_else(none),
+            smallest: samples.iter().min_by(by_ratio).cloned().unwrap_or_else(none),
+            runs: trials.len(),
+            is_lowest_by_curvature: found.is_complete,
+            samples,
+            warnings: at.map_or(&[], |(trial, _)| &trial.utilisation.warnings),
+        }
+    }
+
+    /// Prints it as one JSON object, with the result that is to be written.
+    pub fn print_json(&self, output: Option<&Path>) {
+        #[derive(Serialize)]
+        struct WithOutput<'a> {
+            #[serde(flatten)]
+            report: &'a Report<'a>,
+            output: Option<&'a Path>,
+        }
+        let facts = WithOutput { report: self, output: output.filter(|_| self.limit.is_some()) };
+        // Names and numbers: nothing here fails to be written. What is no number is null.
+        say(format_args!("{}", serde_json::to_string_pretty(&facts).unwrap_or_default()));
+    }
+
+    /// Prints it in a few lines.
+    pub fn print(&self) {
+        let [from, to] = self.range.map(|end| self.shown(end));
+        let of = |run: &RunFacts| format!("{}, at {} = {}", short(run.ratio), self.key, self.shown(run.value));
+        match (&self.limit, self.outcome) {
+            (Some(limit), _) => self.print_limit(limit),
+            (None, Outcome::PassedEverywhere) => say(format_args!(
+                "the strength is passed at the lower end already, and everywhere from {from} to {to}: the ratio of tension to strength is \
+                 at most {}, and at least {}",
+                of(&self.largest),
+                of(&self.smallest)
+            )),
+            (None, _) => say(format_args!(
+                "the strength is reached nowhere from {from} to {to}: the largest ratio of tension to strength is {}",
+                of(&self.largest)
+            )),
+        }
+        say(format_args!("{} runs", self.runs));
+    }
+
+    fn print_limit(&self, limit: &LimitFacts) {
+        let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
+        say(format_args!(
+            "limit: {} = {} ± {}{unit}, where the largest tension is {} of the strength",
+            self.key,
+            short(limit.value),
+            rounded(limit.uncertainty),
+            short(limit.ratio)
+        ));
+        let [x, y, z] = limit.point.map(short);
+        say(format_args!(
+            "strength {} MPa reached on face {:?} at {} ms, at [{x}, {y}, {z}] m; peak force {} N",
+            short(1e-6 * limit.strength),
+            limit.face,
+            short(1e3 * limit.time),
+            short(limit.peak_force)
+        ));
+        let from = self.shown(self.range[0]);
+        match self.outcome {
+            Outcome::PassedUpToValue => say(format_args!(
+                "the strength is passed at the lower end already, {from}, and from there up to the limit; just above the limit it is not"
+            )),
+            _ => say(format_args!("the strength is not reached below the limit, from {from} on")),
+        }
+    }
+
+    /// What is to be known of the answer, for standard error.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut remarks: Vec<String> = self.warnings.iter().map(|warning| format!("warning: {warning}")).collect();
+        if self.limit.as_ref().is_some_and(|limit| limit.is_jump) {
+            remarks.push(format!(
+                "warning: the tension jumps at the limit of {}: no value near it is just at the strength",
+                self.key
+            ));
+        }
+        if !self.is_lowest_by_curvature {
+            let message = "warning: between the values that were computed the tension may reach the strength elsewhere: search a smaller range";
+            remarks.push(message.to_owned());
+        }
+        let is_idle = self.samples.len() > 1 && self.largest.ratio.to_bits() == self.smallest.ratio.to_bits();
+        if is_idle {
+            remarks.push(format!("warning: --vary {} has no effect on the tension", self.key));
+        }
+        remarks
+    }
+
+    fn shown(&self, value: f64) -> String {
+        if self.unit == "1" { short(value) } else { format!("{} {}", short(value), self.unit) }
+    }
+}
+
+/// Two digits.
+fn rounded(value: f64) -> String {
+    let two: f64 = format!("{value:.1e}").parse().unwrap_or(value);
+    if (1e-4..1e6).contains(&two.abs()) { format!("{two}") } else { format!("{two:.1e}") }
+}

@@ -1,0 +1,146 @@
+//! One run of the search: how much of the strength is used.
+
+use std::rc::Rc;
+
+use petsc_wrap::Comm;
+use serde::{Deserialize, Serialize};
+
+use crate::agree::of_root;
+use crate::error::{Error, Result};
+use crate::impact::step::Step;
+use crate::impact::{Reading, Until};
+use crate::model::watch::{Stage, Watch as _};
+use crate::model::{self, Linearity, Model, Simulation};
+use crate::record::tension::strengths;
+use crate::scene::{self, Scene, Source, Vec3};
+use crate::space::evaluate::FaceTension;
+
+use super::super::follow::Follower;
+use super::super::interrupt::Interrupt;
+use super::super::notes::{Verdict, verdict};
+use super::super::summary::Summary;
+
+/// A value of the key and what came of it.
+#[derive(Debug, Clone)]
+pub(super) struct Trial {
+    /// Value of the key.
+    pub value: f64,
+    /// The run there.
+    pub utilisation: Utilisation,
+}
+
+/// Where and when the largest part of the strength is used.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct Utilisation {
+    /// Tension over strength.
+    pub ratio: f64,
+    /// The name of the face.
+    pub face: String,
+    /// Pa.
+    pub tension: f64,
+    /// Of the face, Pa.
+    pub strength: f64,
+    /// s.
+    pub time: f64,
+    /// m.
+    pub point: Vec3,
+    /// Over all of the run, N.
+    pub peak_force: f64,
+    /// Estimated error of the acceleration history over its peak; NaN where there is no estimate.
+    pub error_estimate: f64,
+    /// What a run would warn of.
+    pub warnings: Vec<String>,
+}
+
+impl Utilisation {
+    /// Before the first step.
+    fn new() -> Self {
+        let none = f64::NAN;
+        Self {
+            ratio: none,
+            face: String::new(),
+            tension: none,
+            strength: none,
+            time: none,
+            point: [none; 3],
+            peak_force: 0.0,
+            error_estimate: none,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Takes a step.
+    fn take(&mut self, step: &Step, tensions: &[FaceTension], faces: &[String], strengths: &[Option<f64>]) {
+        self.peak_force = self.peak_force.max(step.contact.force);
+        for ((tension, face), strength) in tensions.iter().zip(faces).zip(strengths) {
+            let Some(strength) = *strength else { continue };
+            let ratio = tension.largest / strength;
+            // Not true of NaN, with which it begins.
+            if ratio.is_nan() || self.ratio >= ratio {
+                continue;
+            }
+            self.face.clone_from(face);
+            (self.ratio, self.tension, self.strength) = (ratio, tension.largest, strength);
+            (self.time, self.point) = (step.time, tension.point);
+        }
+    }
+}
+
+/// Runs a scene for the largest ratio of tension to strength. Collective.
+///
+/// # Errors
+/// Those of a run; [`Error::Usage`] where no face has a strength.
+pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: &Rc<Interrupt>) -> Result<Utilisation> {
+    let follower = Follower::new(comm, interrupt.clone());
+    let model = Model::watched(comm, scene, &follower).map_err(|error| error.in_scene(source))?;
+    let mut warnings = Vec::new();
+    if let Some(Verdict { message, is_useless }) = verdict(&model, scene.tolerance) {
+        if is_useless {
+            return Err(Error::Solve(format!("{message}. The result would be of no use")));
+        }
+        warnings.push(message);
+    }
+    let theory = model.theory;
+    let linearity = Linearity::new(scene, theory, model.dynamics.patch().as_ref());
+    follower.at(Stage::Steps)?;
+    let mut impact = Simulation::new(scene, model).map_err(|error| error.in_scene(source))?;
+    drop(follower);
+    let faces = of_root(comm, comm.is_root().then(|| impact.faces().to_vec()));
+    let strengths = strengths(&scene.strength, &faces);
+    if faces.is_empty() {
+        return Err(Error::Usage(without_faces(theory)));
+    }
+    if strengths.iter().all(Option::is_none) {
+        let faces = faces.join(", ");
+        return Err(Error::Usage(format!("no face of the body has a strength: its faces are {faces}")));
+    }
+    let (mut summary, mut most) = (Summary::default().following(linearity), Utilisation::new());
+    let flow = impact.run_watched(&mut Until {
+        interrupted: &|| interrupt.is_raised(comm),
+        take: |step: &Step, reading: &Reading| {
+            summary.step(step);
+            most.take(step, &reading.faces, &faces, &strengths);
+        },
+    })?;
+    if flow.is_break() {
+        return Err(Error::Interrupted);
+    }
+    most.error_estimate = impact.error().total().map_or(f64::NAN, |errors| errors.history);
+    warnings.extend(summary.warning());
+    most.warnings = warnings;
+    drop(impact);
+    comm.collect_garbage()?;
+    let most = of_root(comm, comm.is_root().then_some(most));
+    if most.ratio.is_nan() {
+        return Err(Error::Solve("no tension was found on a face that has a strength".to_owned()));
+    }
+    Ok(most)
+}
+
+/// That a theory has no faces.
+pub(super) fn without_faces(theory: scene::Model) -> String {
+    format!(
+        "the theory \"{}\" is a formula and has no faces, so no strength is reached there: choose body.model = \"mindlin\" or \"solid\"",
+        model::name(theory)
+    )
+}
