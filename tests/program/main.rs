@@ -33,6 +33,7 @@ mod energy_gate;
 mod fields;
 mod kills;
 mod laws;
+mod limit;
 mod losses;
 mod mutated_meshes;
 mod probes;
@@ -68,6 +69,7 @@ fn main() -> ExitCode {
         .long_group("kills", kills::LONG)
         .group("losses", losses::TESTS)
         .group("laws", laws::TESTS)
+        .group("limit", limit::TESTS)
         .group("mutated_meshes", mutated_meshes::TESTS)
         .group("probes", probes::TESTS)
         .group_unless(tools::python(&["h5py", "matplotlib"]), "python", python::TESTS)

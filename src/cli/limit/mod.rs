@@ -1,6 +1,7 @@
 //! `ricochet limit`: the lowest value of a key at which the largest tension just reaches the strength.
 
 mod report;
+mod table;
 mod trial;
 
 use std::rc::Rc;
@@ -19,7 +20,8 @@ use super::load::{Loaded, load};
 use super::run::{Replaced, Written, check_output, solve};
 use super::sweep::of_base;
 use super::{Limit, note, notes, tell, warn_of_unused_options};
-use report::{Report, header, line};
+use report::Report;
+use table::{header, line};
 use trial::{Trial, trial};
 
 /// Searches the limit; returns the exit status. Every answer is a good one: also that there is no limit in the range. Collective.
@@ -54,7 +56,7 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
         let ratio = utilisation.ratio;
         trials.push(Trial { value, utilisation });
         if let Some(last) = trials.last().filter(|_| comm.is_root()) {
-            note(format_args!("{}", line(trials.len(), last)));
+            note(format_args!("{}", line(&range, trials.len(), last)));
         }
         Ok::<_, Error>(ratio)
     })?;
@@ -102,7 +104,10 @@ fn check(scene: &Scene, range: &Range) -> Result<()> {
 /// The scene at a value, with its own output.
 fn at_with_output(source: &Source, range: &Range, value: f64) -> Result<(Scene, Source)> {
     let given = format!("{}={}", range.key, written(value));
-    Ok(Scene::varied(source, &[given]).map_err(|error| error.remarked(&of_value(range, value)))?)
+    Ok(Scene::varied(source, std::slice::from_ref(&given)).map_err(|error| {
+        // Of the key itself the message has the value already.
+        if error.message().contains(&given) { error } else { error.remarked(&of_value(range, value)) }
+    })?)
 }
 
 /// The scene at a value; what a run of the search would not keep is taken out.

@@ -8,34 +8,8 @@ use crate::scene::{Vec3, unit};
 use crate::study::limit::{Found, Range};
 
 use super::super::{say, short};
+use super::table::{UNCERTAINTY, VALUE, significant};
 use super::trial::{Trial, Utilisation};
-
-/// The head of the table of runs.
-pub(super) fn header(range: &Range) -> String {
-    format!(
-        "{:>4} {:>14}  {:>8}  {:>12}  {:<8} {:>10}",
-        "run",
-        with_unit(range),
-        "ratio",
-        "tension/MPa",
-        "face",
-        "time/ms"
-    )
-}
-
-/// A run in the table.
-pub(super) fn line(number: usize, Trial { value, utilisation }: &Trial) -> String {
-    let Utilisation { ratio, tension, face, time, .. } = utilisation;
-    let [value, tension, time] = [*value, 1e-6 * tension, 1e3 * time].map(short);
-    format!("{number:>4} {value:>14}  {ratio:>8.4}  {tension:>12}  {face:<8} {time:>10}")
-}
-
-fn with_unit(range: &Range) -> String {
-    match unit(&range.key) {
-        "1" => range.key.clone(),
-        unit => format!("{}/({unit})", range.key),
-    }
-}
 
 /// How the ratio lies on the range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -63,6 +37,8 @@ pub(super) struct Report<'a> {
     largest: RunFacts<'a>,
     smallest: RunFacts<'a>,
     runs: usize,
+    /// Runs that were added to the grid where a lower limit might hide.
+    added: usize,
     /// Whether no interval below is left in which the curvature of the ratio allows a lower limit.
     is_lowest_by_curvature: bool,
     samples: Vec<RunFacts<'a>>,
@@ -139,6 +115,7 @@ impl<'a> Report<'a> {
             largest: samples.iter().max_by(by_ratio).cloned().unwrap_or_else(none),
             smallest: samples.iter().min_by(by_ratio).cloned().unwrap_or_else(none),
             runs: trials.len(),
+            added: found.added,
             is_lowest_by_curvature: found.is_complete,
             samples,
             warnings: at.map_or(&[], |(trial, _)| &trial.utilisation.warnings),
@@ -183,8 +160,8 @@ impl<'a> Report<'a> {
         say(format_args!(
             "limit: {} = {} ± {}{unit}, where the largest tension is {} of the strength",
             self.key,
-            short(limit.value),
-            rounded(limit.uncertainty),
+            significant(limit.value, VALUE),
+            significant(limit.uncertainty, UNCERTAINTY),
             short(limit.ratio)
         ));
         let [x, y, z] = limit.point.map(short);
@@ -196,12 +173,19 @@ impl<'a> Report<'a> {
             short(limit.peak_force)
         ));
         let from = self.shown(self.range[0]);
-        match self.outcome {
-            Outcome::PassedUpToValue => say(format_args!(
-                "the strength is passed at the lower end already, {from}, and from there up to the limit; just above the limit it is not"
-            )),
-            _ => say(format_args!("the strength is not reached below the limit, from {from} on")),
-        }
+        let (way, side) = match self.outcome {
+            Outcome::PassedUpToValue => ("is passed at the lower end already, ", "stays above the strength"),
+            _ => ("is not reached from ", "stays below it"),
+        };
+        let lower = self.samples.iter().filter(|run| run.value < limit.value).count();
+        let added = if self.added > 0 {
+            format!(" (of all runs {} were added to look for one)", self.added)
+        } else {
+            String::new()
+        };
+        say(format_args!(
+            "it {way}{from}, and up to the limit the tension {side}: by {lower} lower values, between which its curvature leaves no room for another limit{added}"
+        ));
     }
 
     /// What is to be known of the answer, for standard error.
@@ -225,12 +209,7 @@ impl<'a> Report<'a> {
     }
 
     fn shown(&self, value: f64) -> String {
-        if self.unit == "1" { short(value) } else { format!("{} {}", short(value), self.unit) }
+        let value = significant(value, VALUE);
+        if self.unit == "1" { value } else { format!("{value} {}", self.unit) }
     }
-}
-
-/// Two digits.
-fn rounded(value: f64) -> String {
-    let two: f64 = format!("{value:.1e}").parse().unwrap_or(value);
-    if (1e-4..1e6).contains(&two.abs()) { format!("{two}") } else { format!("{two:.1e}") }
 }

@@ -16,6 +16,8 @@ pub(super) struct Scan {
     pub points: Vec<Point>,
     /// The number of the first point at which the function is not negative; at least 1.
     pub crossing: Option<usize>,
+    /// How many places were added to those of the grid.
+    pub added: usize,
     /// Whether no interval before it is left in doubt.
     pub is_complete: bool,
 }
@@ -46,17 +48,19 @@ pub(super) fn scan<E>(
             break;
         }
     }
-    for _ in 0..MOST {
+    let mut added = 0;
+    while added < MOST {
         let Some(place) = doubtful(&points, UNSEEN * tolerance) else { break };
         let at = points.partition_point(|point| point.place < place);
         points.insert(at, Point { place, function: function(place)? });
+        added += 1;
         if is_crossed(points.get(at)) {
             points.truncate(at + 1);
         }
     }
     let is_complete = doubtful(&points, UNSEEN * tolerance).is_none();
     let crossing = (points.len() > 1 && is_crossed(points.last())).then(|| points.len() - 1);
-    Ok(Scan { points, crossing, is_complete })
+    Ok(Scan { points, crossing, added, is_complete })
 }
 
 fn is_crossed(point: Option<&Point>) -> bool {

@@ -34,6 +34,8 @@ pub struct Found {
     pub root: Option<Root>,
     /// All values that were computed, ascending; their number is that of the runs.
     pub samples: Vec<Sample>,
+    /// How many of them were added to the grid where a lower root might hide.
+    pub added: usize,
     /// Whether no interval is left in which the curvature allows a root below the one that was found.
     pub is_complete: bool,
 }
@@ -66,7 +68,7 @@ pub fn search<E>(range: &Range, tolerance: f64, mut ratio: impl FnMut(f64) -> Re
         let logarithm = ratio.max(LEAST_RATIO).ln();
         Ok(logarithm * *sign.get_or_insert(if logarithm < 0.0 { 1.0 } else { -1.0 }))
     };
-    let Scan { points, crossing, is_complete } = scan(&range.grid(), tolerance, &mut function)?;
+    let Scan { points, crossing, added, is_complete } = scan(&range.grid(), tolerance, &mut function)?;
     let part = OF_ROOT * tolerance;
     let target = root::Target { function: part, relative: part, jump: tolerance };
     let narrowed = match crossing {
@@ -79,7 +81,7 @@ pub fn search<E>(range: &Range, tolerance: f64, mut ratio: impl FnMut(f64) -> Re
         let at = samples.iter().find(|sample| sample.value == value).copied().unwrap_or(Sample { value, ratio: 1.0 });
         Root { at, is_rising, is_jump, sensitivity: sensitivity(&samples, at, tolerance) }
     });
-    Ok(Found { root, samples, is_complete })
+    Ok(Found { root, samples, added, is_complete })
 }
 
 /// Change of the value over that of the logarithm of the ratio about a sample, from the nearest other one whose ratio differs by clearly
