@@ -239,7 +239,7 @@ pub struct Sweep {
 pub struct Limit {
     /// Scene file (TOML) with a [strength], - for standard input
     pub scene: PathBuf,
-    /// Search this range of a numeric key, such as impactor.speed=0.1..10, impactor.drop_height=0.1..2 or body.size.2=0.004..0.04
+    /// Search this range of a numeric key for its lowest limit, such as impactor.speed=0.1..10 or body.size.2=0.004..0.04
     #[arg(long, value_name = "KEY=A..B", allow_hyphen_values = true)]
     pub vary: String,
     /// Write the run at the limit to this file, as `ricochet run` does

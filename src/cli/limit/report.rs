@@ -173,19 +173,22 @@ impl<'a> Report<'a> {
             short(limit.peak_force)
         ));
         let from = self.shown(self.range[0]);
-        let (way, side) = match self.outcome {
-            Outcome::PassedUpToValue => ("is passed at the lower end already, ", "stays above the strength"),
-            _ => ("is not reached from ", "stays below it"),
+        let below = match self.outcome {
+            Outcome::PassedUpToValue => {
+                format!("the strength is passed at the lower end already, {from}, and up to the limit")
+            }
+            _ => format!("no lower value from {from} on reaches the strength"),
         };
         let lower = self.samples.iter().filter(|run| run.value < limit.value).count();
-        let added = if self.added > 0 {
-            format!(" (of all runs {} were added to look for one)", self.added)
-        } else {
-            String::new()
+        let rest = match self.is_lowest_by_curvature {
+            true => "the curvature of the tension between them allows no other limit",
+            false => "between them another limit may hide",
         };
-        say(format_args!(
-            "it {way}{from}, and up to the limit the tension {side}: by {lower} lower values, between which its curvature leaves no room for another limit{added}"
-        ));
+        let added = match self.added {
+            0 => String::new(),
+            added => format!("; {added} of the runs were added for that"),
+        };
+        say(format_args!("{below}: {lower} were computed, and {rest}{added}"));
     }
 
     /// What is to be known of the answer, for standard error.
