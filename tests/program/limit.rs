@@ -40,7 +40,7 @@ fn of(facts: &Value, path: &str) -> f64 {
 /// The largest tension of a run with a value, Pa.
 fn tension(folder: &TempDir, key: &str, value: f64) -> f64 {
     good(folder, 0, &format!("run scene.toml --set {key}={value} -o run.h5"));
-    number(&results::open(&folder.path().join("run.h5")), "largest_stress")
+    number(&results::open(folder.path().join("run.h5")), "largest_stress")
 }
 
 /// The limit, and a straight line between two runs beside it.
@@ -106,7 +106,7 @@ fn the_run_at_the_limit_is_written() {
     let folder = pane(45e6);
     let facts = facts(&good(&folder, 0, "limit scene.toml --vary impactor.speed=0.1..10 -o out.h5 --json"));
     assert_eq!(facts["output"], "out.h5");
-    let file = results::open(&folder.path().join("out.h5"));
+    let file = results::open(folder.path().join("out.h5"));
     assert_eq!(number::<f64>(&file, "largest_stress"), of(&facts, "/limit/tension"));
     assert!(text(&file, "scene").contains(&format!("speed = {}", facts["limit"]["value"])));
     assert!(number::<bool>(&file, "complete"));
