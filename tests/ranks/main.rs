@@ -56,6 +56,7 @@ mod model {
     pub mod converged;
     pub mod independent;
     pub mod reduction;
+    pub mod stress;
     pub mod theories;
     pub mod theory_error;
     pub mod tolerances;
@@ -122,6 +123,7 @@ fn main() -> ExitCode {
         model::converged,
         model::independent,
         model::reduction,
+        model::stress,
         model::theories,
         model::theory_error,
         model::tolerances,

@@ -1,0 +1,122 @@
+//! The largest tension on the lower face under the hit, against solids of another program: quarter plates of hexahedra of order 3 and 4, graded
+//! to the pressure, which is Hertz's over r_p (52 kg at 1 m/s).
+//!
+//! Measured were 17.05 (r_p = h/4) and 17.50 MPa (h/8) for 1.5 × 1.5 × 0.1 m without supports, 73.4 and 74.8 MPa for 0.5 × 0.5 × 0.02 m on
+//! sides of 1e9 N/m³. They go with r_p² as the static layer has it, so that the contacts themselves, of 0.041 h and 0.104 h, have 17.64 and
+//! 74.95 MPa. The measurements' meshes leave 2e-3.
+
+use std::ops::ControlFlow;
+
+use mpi_test::{Test, tests};
+use petsc_wrap::{Comm, Session};
+use ricochet::impact::step::Step;
+use ricochet::impact::{Observer, Reading};
+use ricochet::model::{Model, Simulation};
+use ricochet::record::tension::LargestTension;
+use ricochet::scene::{Measure, Scene};
+
+use crate::modelled::parse;
+
+pub const RANKS: &[usize] = &[1];
+pub const TESTS: &[Test<Session>] = tests![
+    plates_and_splines_have_the_tension_of_solids,
+    meshes_get_back_what_recovery_loses,
+    tolerances_can_be_for_stress
+];
+
+const PLATES: [(&str, [f64; 2]); 2] = [
+    ("size = [1.5, 1.5, 0.1]\n[time]\nend = 1.0e-3\n", [17.05e6, 17.64e6]),
+    (
+        "size = [0.5, 0.5, 0.02]\n[time]\nend = 1.5e-3\n[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\n",
+        [73.4e6, 74.95e6],
+    ),
+];
+
+/// The scene of a plate with more keys.
+fn scene(plate: &str, more: &str) -> Scene {
+    parse(&format!(
+        "[impactor]\nmass = 52.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n{more}\n\
+         [body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n{plate}"
+    ))
+}
+
+struct Watch(LargestTension);
+
+impl Observer for Watch {
+    fn step(&mut self, step: &Step, reading: &Reading) -> ricochet::error::Result<ControlFlow<()>> {
+        self.0.take(step.time, &reading.faces, &[]);
+        Ok(ControlFlow::Continue(()))
+    }
+}
+
+/// The largest tension, with its estimated error.
+fn largest(comm: &Comm, scene: &Scene) -> LargestTension {
+    let mut simulation = Simulation::new(scene, Model::new(comm, scene).unwrap()).unwrap();
+    let mut watch = Watch(LargestTension::default());
+    assert!(simulation.run_watched(&mut watch).unwrap().is_continue());
+    let error_estimate = simulation.error().total().map_or(f64::NAN, |errors| errors.stress);
+    assert_eq!(simulation.faces()[watch.0.face], "lower");
+    comm.collect_garbage().unwrap();
+    LargestTension { error_estimate, ..watch.0 }
+}
+
+/// Within half of a per cent at a tolerance of 1e-3; at 1e-2, where the force is off by up to 0.8%, within 1.3%. Without the local field it is
+/// −11% to −21% by plates and +14% by splines. The estimate is no less than what it is off by, but for the measurements' own 2e-3.
+fn plates_and_splines_have_the_tension_of_solids(session: &Session) {
+    let comm = session.world();
+    for (plate, [_, exact]) in PLATES {
+        for (theory, tolerance) in [("mindlin", 1e-2), ("mindlin", 1e-3), ("solid", 1e-2)] {
+            let more = format!("[accuracy]\ntolerance = {tolerance:e}");
+            let mut scene = scene(plate, &more);
+            scene.body.model =
+                if theory == "solid" { ricochet::scene::Model::Solid } else { ricochet::scene::Model::Mindlin };
+            let found = largest(&comm, &scene);
+            let error = found.value / exact - 1.0;
+            println!(
+                "{theory} {tolerance:e}: {:.3e} Pa, {error:+.1e}, estimated {:.1e}",
+                found.value, found.error_estimate
+            );
+            assert!(error.abs() < if tolerance < 5e-3 { 5e-3 } else { 1.3e-2 }, "{theory} {tolerance:e}: {error:+.2e}");
+            assert!(error.abs() < found.error_estimate + 2e-3, "{theory} {tolerance:e}: {found:?}");
+        }
+    }
+    // A radius that is given is that of the pressure.
+    for ((plate, [measured, _]), radius) in PLATES.into_iter().zip([0.025, 0.005]) {
+        let mut scene = scene(plate, &format!("[contact]\npatch_radius = {radius}\n[accuracy]\ntolerance = 1e-3"));
+        scene.body.model = ricochet::scene::Model::Mindlin;
+        let error = largest(&comm, &scene).value / measured - 1.0;
+        println!("r_p = {radius}: {error:+.1e}");
+        assert!(error.abs() < 5e-3, "{radius}: {error:+.2e}");
+    }
+}
+
+/// Superconvergent recovery on the default mesh alone is 6% low.
+fn meshes_get_back_what_recovery_loses(session: &Session) {
+    let comm = session.world();
+    let (plate, [measured, exact]) = PLATES[0];
+    for (contact, expected) in [("[contact]\npatch_radius = 0.025\n", measured), ("", exact)] {
+        let mut scene = scene(plate, contact);
+        scene.body.reduction = ricochet::scene::Reduction::None;
+        scene.body.model = ricochet::scene::Model::Solid;
+        scene.time.modal = false;
+        scene.time.step = Some(1e-5);
+        let error = largest(&comm, &scene).value / expected - 1.0;
+        println!("{error:+.1e}");
+        assert!(error.abs() < 1.5e-2, "{error:+.2e}");
+    }
+}
+
+/// With `quantity = "stress"` the estimated error of the stress is what is brought under the tolerance: cells become finer.
+fn tolerances_can_be_for_stress(session: &Session) {
+    let comm = session.world();
+    let (plate, [_, exact]) = PLATES[0];
+    let mut scene = scene(plate, "");
+    scene.body.model = ricochet::scene::Model::Mindlin;
+    let by_force = largest(&comm, &scene);
+    scene.measure = Measure::Stress;
+    let by_stress = largest(&comm, &scene);
+    println!("{by_force:?}\n{by_stress:?}");
+    assert!(by_force.error_estimate > 1e-2 && by_stress.error_estimate < by_force.error_estimate);
+    // Parts of it have parts of the tolerance, which together may be 1.6 of it.
+    assert!(by_stress.error_estimate < 1.6e-2 && (by_stress.value / exact - 1.0).abs() < 1e-2);
+}
