@@ -121,7 +121,8 @@ fn kill(plan: &Plan) {
         runs += 1;
         loop {
             let line = if out.exists() { "run scene.toml --restart out.h5" } else { "run scene.toml -o out.h5" };
-            let had_checkpoint = checkpoint.exists();
+            // (Of a run that was killed after its last row the checkpoint may still be there.)
+            let had_checkpoint = checkpoint.exists() && !(out.exists() && is_complete(&out));
             let mut started = start(ricochet(folder.path(), ranks).args(words(line)));
             wait_for_moment(kills, &mut random, (&checkpoint, time), &mut started.child);
             match ranks {

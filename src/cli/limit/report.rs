@@ -81,7 +81,7 @@ impl<'a> Report<'a> {
     pub fn new(range: &'a Range, tolerance: f64, found: &Found, trials: &'a [Trial]) -> Self {
         let at = found.root.and_then(|root| trials.iter().find(|trial| trial.value == root.at.value).zip(Some(root)));
         let limit = at.map(|(Trial { value, utilisation }, root)| {
-            // The tension is taken to be as good as the acceleration, and no better than the tolerance.
+            // No better than the tolerance, whatever the estimate says.
             let error = utilisation.error_estimate.max(tolerance) + utilisation.ratio.ln().abs();
             LimitFacts {
                 value: *value,

@@ -125,7 +125,8 @@ pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: 
     if flow.is_break() {
         return Err(Error::Interrupted);
     }
-    most.error_estimate = impact.error().total().map_or(f64::NAN, |errors| errors.history);
+    // (A maximum takes no notice of NaN, where the stress' is not estimated.)
+    most.error_estimate = impact.error().total().map_or(f64::NAN, |errors| errors.history.max(errors.stress));
     warnings.extend(summary.warning());
     most.warnings = warnings;
     drop(impact);
