@@ -237,7 +237,7 @@ pub struct Sweep {
 /// `ricochet limit`
 #[derive(Debug, Args)]
 pub struct Limit {
-    /// Scene file (TOML) with a [strength], - for standard input
+    /// Scene file (TOML) with the table strength, - for standard input
     pub scene: PathBuf,
     /// Search this range of a numeric key for its lowest limit, such as impactor.speed=0.1..10 or body.size.2=0.004..0.04
     #[arg(long, value_name = "KEY=A..B", allow_hyphen_values = true)]

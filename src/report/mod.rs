@@ -1,6 +1,6 @@
 //! A report on a run, to hand in: one page that needs nothing else.
 //!
-//! The data's way: a result's file → [`data`] → sections of text, tables and figures, a file each → [`page`] → HTML.
+//! The data's way: a result's file → `data` → sections of text, tables and figures, a file each → `page` → HTML.
 
 mod contacts;
 mod data;

@@ -28,7 +28,7 @@ pub struct Reader<'a> {
 /// The faces, and what is to be known of each step for them.
 struct Faces<'a> {
     faces: &'a FaceStresses,
-    /// Stresses at the sampled points, a column for each of [`weights`].
+    /// Stresses at the sampled points, a column for each of `weights`.
     stresses: DMatrix<f64>,
     /// Of the steps so far, one after the other.
     weights: Vec<f64>,

@@ -1,8 +1,8 @@
 //! The lowest value of one key of a scene at which the largest tension just reaches the strength.
 //!
 //! What is searched is the ratio of tension to strength as a function of the value: the lowest root of its logarithm. The values of a
-//! coarse grid are computed in ascending order up to the first change of sign ([`bracket`]). Intervals before it whose curvature allows a
-//! maximum beyond the strength are refined; then the bracket is narrowed by Chandrupatla's method ([`root`]).
+//! coarse grid are computed in ascending order up to the first change of sign (`bracket`). Intervals before it whose curvature allows a
+//! maximum beyond the strength are refined; then the bracket is narrowed by Chandrupatla's method (`root`).
 
 mod bracket;
 mod range;
