@@ -25,6 +25,10 @@ const ORDER: i32 = 3;
 /// Likewise of the stress under the hit.
 const ORDER_OF_STRESS: i32 = 2;
 
+/// What is left of the stress under the hit however fine the cells are: by means over a disc, and by a local field that is at rest. Converged
+/// tensions were measured to be 0.1% to 0.4% below those of solids.
+const OF_LOCAL_FIELD: f64 = 5e-3;
+
 /// Part of the tolerance that the estimate may take.
 const OF_CELLS: f64 = 0.6;
 
@@ -108,7 +112,8 @@ pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch
             let error = Errors { stress, ..of_difference(ORDER) * difference };
             let Errors { first_contact, history, stress } = error;
             tracing::info!(size = fine.size, unknowns = fine.unknowns, first_contact, history, stress, "cells");
-            fine.error = Some(error);
+            // (What finer cells do not change counts for the estimate, not for the choice of cells.)
+            fine.error = Some(error + Errors { stress: OF_LOCAL_FIELD, ..Errors::default() });
             let wanted = OF_CELLS * scene.tolerance;
             let over = watch.agreed(error.of(scene.measure) / wanted);
             finer = over.recip().powf(1.0 / f64::from(ORDER)).clamp(FINER[0], FINER[1]);

@@ -60,8 +60,8 @@ fn largest(comm: &Comm, scene: &Scene) -> LargestTension {
     LargestTension { error_estimate, ..watch.0 }
 }
 
-/// Within half of a per cent at a tolerance of 1e-3; at 1e-2, where the force is off by up to 0.8%, within 1.3%. Without the local field it is
-/// −11% to −21% by plates and +14% by splines. The estimate is no less than what it is off by, but for the measurements' own 2e-3.
+/// Within half of a per cent at a tolerance of 1e-3; at 1e-2, where the force is off by up to 0.8%, within 1.4%. Without the local field it is
+/// −11% to −21% by plates and +14% by splines. The estimate is no less than what it is off by.
 fn plates_and_splines_have_the_tension_of_solids(session: &Session) {
     let comm = session.world();
     for (plate, [_, exact]) in PLATES {
@@ -76,8 +76,8 @@ fn plates_and_splines_have_the_tension_of_solids(session: &Session) {
                 "{theory} {tolerance:e}: {:.3e} Pa, {error:+.1e}, estimated {:.1e}",
                 found.value, found.error_estimate
             );
-            assert!(error.abs() < if tolerance < 5e-3 { 5e-3 } else { 1.3e-2 }, "{theory} {tolerance:e}: {error:+.2e}");
-            assert!(error.abs() < found.error_estimate + 2e-3, "{theory} {tolerance:e}: {found:?}");
+            assert!(error.abs() < if tolerance < 5e-3 { 5e-3 } else { 1.4e-2 }, "{theory} {tolerance:e}: {error:+.2e}");
+            assert!(error.abs() < found.error_estimate, "{theory} {tolerance:e}: {found:?}");
         }
     }
     // A radius that is given is that of the pressure.
@@ -117,6 +117,6 @@ fn tolerances_can_be_for_stress(session: &Session) {
     let by_stress = largest(&comm, &scene);
     println!("{by_force:?}\n{by_stress:?}");
     assert!(by_force.error_estimate > 1e-2 && by_stress.error_estimate < by_force.error_estimate);
-    // Parts of it have parts of the tolerance, which together may be 1.6 of it.
-    assert!(by_stress.error_estimate < 1.6e-2 && (by_stress.value / exact - 1.0).abs() < 1e-2);
+    // Parts of it have parts of the tolerance, which together may be 1.6 of it; to that comes what no cells change.
+    assert!(by_stress.error_estimate < 1.6e-2 + 5e-3 && (by_stress.value / exact - 1.0).abs() < 1e-2);
 }
