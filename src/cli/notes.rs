@@ -4,7 +4,7 @@ use crate::contact::{ForceLaw, Patch};
 use crate::impact::Plan;
 use crate::mesh::Measures;
 use crate::model::{self, Model};
-use crate::scene::{Contact, Doubt, Geometry, Model as Theory, Scene, Scheme, Source, doubts};
+use crate::scene::{Contact, Doubt, Geometry, Measure, Model as Theory, Scene, Scheme, Source, doubts};
 use crate::scheme::critical_frequency;
 
 /// What a user should know of a scene, or of what came of it.
@@ -57,21 +57,36 @@ pub fn describe_model(model: &Model) -> String {
 pub const USELESS: f64 = 0.5;
 
 /// What the first contact's estimated error means for a run, where it is above the tolerance.
-pub fn verdict(model: &Model, tolerance: f64) -> Option<Verdict> {
+pub fn verdict(model: &Model, scene: &Scene) -> Option<Verdict> {
+    let tolerance = scene.tolerance;
     // Not true of NaN, which is no good estimate.
     let is_good = |error: &f64| *error <= tolerance;
     let estimate = model.error_before_steps();
-    let error = estimate.total().map(|errors| errors.first_contact).filter(|error| !is_good(error))?;
+    let error = estimate.total().map(|errors| errors.of(scene.measure)).filter(|error| !is_good(error))?;
+    let of_what = match scene.measure {
+        Measure::Acceleration => "",
+        Measure::Stress => " of the largest tension",
+    };
     let causes = estimate.causes();
     let mut remedies: Vec<&str> = causes.iter().copied().map(remedy).collect();
     remedies.dedup();
     let of = listed(&causes);
     let message = format!(
-        "the estimated error in the first contact is {error:.1e} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of}); \
+        "the estimated error{of_what} in the first contact is {error:.1e} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of}); \
          what may lower it: {}",
         remedies.join(", or ")
     );
     Some(Verdict { message, is_useless: error.is_nan() || error > USELESS })
+}
+
+/// That a tolerance for stresses is one for the acceleration, where the error of stresses is not estimated.
+pub fn note_of_measure(model: &Model, scene: &Scene) -> Option<String> {
+    let has_none = model.error.total().is_none_or(|errors| errors.stress.is_nan());
+    (scene.measure == Measure::Stress && has_none).then(|| {
+        "the error of stresses is not estimated for this body: accuracy.tolerance is for the acceleration here (plates and splines in modal \
+         coordinates, hit at least a thickness from an edge, have an estimate)"
+            .to_owned()
+    })
 }
 
 /// What makes the error by a part of a model smaller.

@@ -162,8 +162,8 @@ fn parsed(name: &str, text: &str, scene: &Scene) -> std::result::Result<Scene, S
     let (mut there, _) = Scene::parse(name, text, &[]).map_err(|error| error.to_string())?;
     there.title.clone_from(&scene.title);
     // Probes and fields go on; what has not been read of the time before cannot be had any more.
-    let Output { every, probes, fields, .. } = there.output;
-    there.output = Output { every, probes, fields, ..scene.output.clone() };
+    let Output { every, probes, fields, stress, .. } = there.output;
+    there.output = Output { every, probes, fields, stress, ..scene.output.clone() };
     // Its path may be another one; what it holds is compared.
     if let (Geometry::Gmsh(_), Geometry::Gmsh(_)) = (&there.body.geometry, &scene.body.geometry) {
         there.body.geometry.clone_from(&scene.body.geometry);

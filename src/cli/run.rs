@@ -9,7 +9,7 @@ use std::time::Instant;
 use petsc_wrap::Comm;
 use serde::{Deserialize, Serialize};
 
-use crate::agree::{agree, decided};
+use crate::agree::{agree, decided, of_root};
 use crate::error::{Error, INTERRUPTED, Result};
 use crate::impact::checkpoint::Checkpoint;
 use crate::impact::step::Step;
@@ -25,7 +25,7 @@ use crate::record::read;
 use crate::record::series::{Points, SeriesWriter};
 use crate::record::target::{Kind, check_writable, is_same};
 use crate::record::tension::{Faces, LargestTension, strengths};
-use crate::scene::{Scene, Source};
+use crate::scene::{Fault, Scene, Source};
 use crate::solve::linear::has_mumps;
 
 use super::Run;
@@ -109,6 +109,21 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
 fn ring(scene: &Scene) -> Option<f64> {
     let radius = scene.impactor.radius.filter(|_| scene.output.stress)?;
     Some((1.0 - 2.0 * scene.body.poisson) / (2.0 * PI * radius))
+}
+
+/// Refuses a strength of a face that the body does not have.
+fn check_strength(scene: &Scene, faces: &[String]) -> Result<()> {
+    let wrong = scene.strength.by_face.keys().find(|name| !faces.contains(name));
+    let key = match wrong {
+        Some(name) => format!("strength.face.{name}"),
+        None if scene.strength.is_given() && faces.is_empty() => "strength".to_owned(),
+        None => return Ok(()),
+    };
+    let help = match faces {
+        [] => "a theory whose stresses are read: \"mindlin\" or \"solid\"; on a mesh, named surfaces".to_owned(),
+        faces => format!("one of {}", faces.join(", ")),
+    };
+    Err(Fault::new(key, "the model has no such face", help).into())
 }
 
 /// What is to be done of a scene.
@@ -210,7 +225,7 @@ pub(super) fn solve(
     let model = Model::watched(comm, scene, &follower)?;
     let modelled = begin.elapsed().as_secs_f64();
     let mut poor = None;
-    if let Some(Verdict { message, is_useless }) = verdict(&model, scene.tolerance) {
+    if let Some(Verdict { message, is_useless }) = verdict(&model, scene) {
         if is_useless && !force {
             return Err(Error::Solve(format!(
                 "{message}. The result would be of no use; --force computes it all the same"
@@ -222,6 +237,7 @@ pub(super) fn solve(
     let linearity = Linearity::new(scene, model.theory, patch.as_ref());
     let warnings = notes::texts(notes::of_geometry(scene, model.measures.as_ref()));
     let (described, reason) = (describe_model(&model), model.reason.clone());
+    let of_measure = notes::note_of_measure(&model, scene);
     let is_factorised = model.dynamics.is_factorised_on_ranks();
     let details = model_details(&model);
     let of_model = (model::name(model.theory), model.reduction(), model.unknowns);
@@ -245,7 +261,7 @@ pub(super) fn solve(
             tell(format_args!("warning: {warning}"));
         }
         let of_scene = notes::notes(scene, patch.as_ref(), impact.plan().as_ref());
-        for line in notes::texts(of_scene) {
+        for line in notes::texts(of_scene).into_iter().chain(of_measure) {
             note(format_args!("note: {line}"));
         }
         if is_factorised && !has_mumps(comm.session())? {
@@ -254,6 +270,7 @@ pub(super) fn solve(
             ));
         }
     }
+    check_strength(scene, &of_root(comm, Some(impact.faces().to_vec())))?;
     let points = Points {
         probes: scene.output.probes.iter().map(|probe| probe.name.clone()).collect(),
         faces: Faces { names: impact.faces().to_vec(), ring: ring(scene) },

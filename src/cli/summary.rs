@@ -164,10 +164,10 @@ pub fn lines(extremes: &Extremes) -> Vec<String> {
             short(z)
         );
         if !largest.error_estimate.is_nan() {
-            line += &format!(", estimated error {:.1e}", largest.error_estimate);
+            line += &format!(", estimated error in the first contact {:.1e}", largest.error_estimate);
         }
         if !largest.strength_passed_at.is_nan() {
-            line += &format!("; the strength is passed at {} ms", short(1e3 * largest.strength_passed_at));
+            line += &format!("; the strength is exceeded from {} ms on", short(1e3 * largest.strength_passed_at));
         }
         lines.push(line);
     }

@@ -100,7 +100,8 @@ fn report<'a>(comm: &Comm, (scene, source): (&'a Scene, &Source), deadline: Opti
     report.mass = report.mass.or(of_volume);
     let patch = report.model.as_ref().ok().and_then(|model| model.dynamics.patch());
     if let Ok(model) = &report.model {
-        report.warnings.extend(verdict(model, scene.tolerance).map(|Verdict { message, .. }| message));
+        report.notes.extend(notes::note_of_measure(model, scene));
+        report.warnings.extend(verdict(model, scene).map(|Verdict { message, .. }| message));
     }
     report.warnings.extend(notes::texts(notes::of_values(scene, source)));
     report.warnings.extend(notes::texts(notes::of_geometry(scene, report.measures.as_ref())));

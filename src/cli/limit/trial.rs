@@ -94,7 +94,7 @@ pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: 
     let follower = Follower::new(comm, interrupt.clone());
     let model = Model::watched(comm, scene, &follower).map_err(|error| error.in_scene(source))?;
     let mut warnings = Vec::new();
-    if let Some(Verdict { message, is_useless }) = verdict(&model, scene.tolerance) {
+    if let Some(Verdict { message, is_useless }) = verdict(&model, scene) {
         if is_useless {
             return Err(Error::Solve(format!("{message}. The result would be of no use")));
         }

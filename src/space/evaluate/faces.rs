@@ -193,9 +193,12 @@ fn with_hit(lines: &[f64], hit: f64) -> Vec<f64> {
     let mut lines = lines.to_vec();
     let size = lines.last().copied().unwrap_or_default() - lines.first().copied().unwrap_or_default();
     let place = lines.partition_point(|x| *x < hit);
-    let is_there = |i: usize| lines.get(i).is_some_and(|x| (x - hit).abs() < 1e-6 * size);
-    if place > 0 && place < lines.len() && !is_there(place) && !is_there(place - 1) {
-        lines.insert(place, hit);
+    let near = (0..lines.len()).find(|&i| (lines[i] - hit).abs() < 1e-6 * size);
+    match near {
+        // The hit itself, lest no point be on it.
+        Some(i) => lines[i] = hit,
+        None if place > 0 && place < lines.len() => lines.insert(place, hit),
+        None => {}
     }
     lines
 }

@@ -54,6 +54,9 @@ pub trait PointEvaluator {
     /// Coordinates along the axes on which fields are written, m.
     fn field_lines(&self) -> [Vec<f64>; 3];
 
+    /// The stresses along the face at one of its points, m; an unknown may come more than once.
+    fn face_stress(&self, x: Vec3) -> [Form; 6];
+
     /// Coordinates along the axes on whose crossings the largest tension is looked for, m.
     fn face_lines(&self) -> [Vec<f64>; 3];
 
@@ -111,7 +114,7 @@ impl Evaluator {
                     &self.mirrors,
                     points.bends_alone(),
                     |x, is_near| {
-                        if is_near { self.stress(points.as_ref(), x) } else { points.at(x).stress }
+                        if is_near { self.stress(points.as_ref(), x) } else { points.face_stress(x) }
                     },
                     self.near.as_deref(),
                 );

@@ -20,6 +20,9 @@ const LEAST_ROOM: f64 = 1.0;
 /// Cells in the radius of the disc of means at least: with as many the mean is good to 0.3% of the largest tension.
 const CELLS: f64 = 2.0;
 
+/// Contact radii over the thickness for which tables are made at least: members of a sweep share them.
+const LEAST_TABLE: f64 = 0.4;
+
 /// Largest contact radius over that of the same impact on a half-space.
 const WIDEST: f64 = 1.2;
 
@@ -115,20 +118,24 @@ impl ContactSize {
 }
 
 impl NearHit {
-    /// Of a box that is hit on a face, as on an infinite layer.
+    /// Of a box that is hit on a face, as on an infinite layer; `None` nearer than its thickness to an edge.
     pub fn new(scene: &Scene, hit: Hit) -> Option<Self> {
         let struck = scene.struck_axis()?;
         let Geometry::Box { size, .. } = &scene.body.geometry else { return None };
         let (young, poisson) = (scene.body.young, scene.body.poisson);
         let point = scene.impactor.point;
         let room = (0..3).filter(|axis| *axis != struck).map(|axis| 0.5 * size[axis] - point[axis].abs());
+        let room = room.fold(f64::INFINITY, f64::min);
+        if room < LEAST_ROOM * size[struck] * (1.0 - 1e-9) {
+            return None;
+        }
         Some(Self {
             hit,
             stack: Stack::new(&[Layer { thickness: size[struck], young, poisson }])?,
             struck,
             point,
-            room: room.fold(f64::INFINITY, f64::min),
-            largest: ContactSize::new(scene).largest(&scene.impactor).max(1e-6 * size[struck]),
+            room,
+            largest: ContactSize::new(scene).largest(&scene.impactor).max(LEAST_TABLE * size[struck]),
             by_sections: OnceCell::new(),
             as_it_is: OnceCell::new(),
             patch: OnceCell::new(),
@@ -142,8 +149,7 @@ impl NearHit {
         let near = Self::new(scene, Hit { pressure: Pressure::Hertz { radius }, body, cell: 0.0 })?;
         let is_free = |surface: &str| faces(surface).iter().all(|(axis, _)| *axis != near.struck);
         let is_normal = (scene.impactor.direction[near.struck].abs() - 1.0).abs() < 1e-9;
-        let is_layer = near.room >= LEAST_ROOM * near.thickness() && is_normal;
-        (is_layer && scene.supports.iter().all(|support| is_free(&support.surface))).then_some(near)
+        (is_normal && scene.supports.iter().all(|support| is_free(&support.surface))).then_some(near)
     }
 
     /// h, m.
@@ -177,6 +183,10 @@ impl NearHit {
             return None;
         }
         let Hit { pressure, body, .. } = self.hit;
+        // Under a point force the plate's moments have no limit.
+        if pressure == Pressure::Point && !is_smoothed && radius < 0.5 * self.thickness() {
+            return None;
+        }
         let field = if is_smoothed {
             self.by_sections.get_or_init(|| {
                 let smoothing = Pressure::Spread { spread: Spread::new(0.0), radius: self.smoothing() };

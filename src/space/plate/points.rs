@@ -140,9 +140,35 @@ impl PointEvaluator for Points {
     }
 
     fn add_section_stress(&self, x: Vec3, add: &mut Add) {
-        for (component, form) in self.at(x).stress.iter().enumerate() {
-            form.iter().for_each(|(unknown, value)| add(component, *unknown, *value));
+        let PlateGeometry { axes, normal, sign, .. } = self.geometry;
+        let (point, height) = self.seen(x);
+        let Section { young, poisson, thickness, .. } = self.section;
+        let (plane, shear) = (young / (1.0 - poisson * poisson), 0.5 * young / (1.0 + poisson));
+        let mut put = |to: &[(usize, f64)], (factor, part): (f64, Part<2>)| {
+            self.tensor.each_at(part, point, factor, |first, values| {
+                for (n, value) in values.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+                    to.iter().for_each(|(component, factor)| add(*component, first + n, factor * value));
+                }
+            });
+        };
+        for (i, axis) in axes.into_iter().enumerate() {
+            let mut along = [0, 0];
+            along[i] = 1;
+            put(&[(axis, plane), (axes[1 - i], plane * poisson)], self.turned(i, along, height));
+            put(&[(place(axes[0], axes[1]), shear)], self.turned(i, [along[1], along[0]], height));
+            let over_mean = 1.5 * (1.0 - (2.0 * height / thickness).powi(2));
+            if let Some(local) = self.local.as_ref().filter(|_| over_mean > 1e-12) {
+                let to = [(place(axis, normal), sign * over_mean * local.shear_factor * shear)];
+                put(&to, (1.0, deflection(along)));
+                put(&to, (1.0, rotation(i, [0, 0])));
+            }
         }
+    }
+
+    fn face_stress(&self, x: Vec3) -> [Form; 6] {
+        let mut stress: [Form; 6] = Default::default();
+        self.add_section_stress(x, &mut |component, unknown, value| stress[component].push((unknown, value)));
+        stress
     }
 
     fn field_lines(&self) -> [Vec<f64>; 3] {

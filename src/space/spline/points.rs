@@ -125,12 +125,31 @@ impl PointEvaluator for Points {
         self.tensor.unknowns()
     }
 
+    fn face_stress(&self, x: Vec3) -> [Form; 6] {
+        let mut stress: [Form; 6] = Default::default();
+        for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+            let mut derivatives = [0; 3];
+            derivatives[j] = 1;
+            self.tensor.each_at(Part { field: i, derivatives }, x, 1.0, |first, values| {
+                for (component, row) in self.law.iter().enumerate() {
+                    let factor = row[3 * i + j];
+                    if factor != 0.0 && across_face(component, self.struck) == 0 {
+                        let entries = values.iter().enumerate().filter(|(_, value)| **value != 0.0);
+                        stress[component].extend(entries.map(|(n, value)| (first + n, factor * value)));
+                    }
+                }
+            });
+        }
+        stress
+    }
+
     fn add_section_stress(&self, x: Vec3, add: &mut Add) {
         let (across, lines) = (self.struck, &self.lines[self.struck]);
         let half = lines.last().copied().unwrap_or_default();
         let thickness = 2.0 * half;
         let height = x[across];
-        let rule = gauss_legendre(DEGREE);
+        // Stresses times z are of degree DEGREE + 1.
+        let rule = gauss_legendre(DEGREE / 2 + 1);
         // A body that bends alone has the opposite stresses in its other half.
         let from = if self.bends { 0.0 } else { -half };
         let both = if self.bends { 2.0 } else { 1.0 };

@@ -231,10 +231,14 @@ impl Kept {
         let of_patch = Errors::throughout(self.body.patch.map_or(0.0, |patch| patch.error()));
         let all = of_basis + self.of_model + of_patch;
         let (error_estimate, first_error) = (impact.count.error.unwrap_or(0.0) + all.history, all.first_contact);
-        tension.error_estimate = impact.count.stress_error.unwrap_or(0.0) + all.stress;
+        // Of given steps there is no estimate, which counts for nothing; of chosen ones there has to be one.
+        let of_steps = if impact.count.error.is_some() { f64::NAN } else { 0.0 };
+        if !tension.value.is_nan() {
+            tension.error_estimate = impact.count.stress_error.unwrap_or(of_steps) + all.stress;
+        }
         let unknowns = self.unknowns + 1;
         let outcome = Computed { error_estimate, first_error, deflection, unknowns, tension };
-        Ok(Some(Tried { steps, first: of_basis.first_contact, outcome }))
+        Ok(Some(Tried { steps, first: of_basis.of(scene.measure), outcome }))
     }
 }
 

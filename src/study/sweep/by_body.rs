@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use crate::scene::{self, Contact, Impactor, Load, Scene, Support, Vec3};
+use crate::scene::{self, Contact, Impactor, Initial, Load, Scene, Support, Vec3};
 
 /// All of a scene that its body depends on.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,14 +14,16 @@ pub struct BodyOf {
     direction: Vec3,
     contact: Contact,
     load: Load,
+    initial: Initial,
+    stress: bool,
 }
 
 impl BodyOf {
     /// Of a scene.
     pub fn new(scene: &Scene) -> Self {
-        let Scene { body, supports, impactor, contact, load, .. } = scene.clone();
+        let Scene { body, supports, impactor, contact, load, time, output, .. } = scene.clone();
         let Impactor { point, direction, .. } = impactor;
-        Self { body, supports, point, direction, contact, load }
+        Self { body, supports, point, direction, contact, load, initial: time.initial, stress: output.stress }
     }
 
     fn hash(&self) -> u64 {

@@ -100,7 +100,8 @@ impl Family {
             let middle = from.midpoint(to);
             let sample = make(middle)?;
             let tolerance = OF_BASIS * sample.scene.tolerance;
-            let Errors { first_contact: first, history: all, .. } = off(&merged, values[middle], &sample)?;
+            let found = off(&merged, values[middle], &sample)?;
+            let (first, all) = (found.of(sample.scene.measure), found.history);
             of_basis = of_basis.max(sample.error);
             tracing::info!(value = values[middle], first, all, "merged basis tested");
             pool = merged.directions;
