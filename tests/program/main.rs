@@ -47,6 +47,7 @@ mod stability_study;
 mod summaries;
 mod sweep;
 mod sweep_resume;
+mod tension;
 mod tools;
 
 use std::process::ExitCode;
@@ -87,5 +88,6 @@ fn main() -> ExitCode {
         .group("summaries", summaries::TESTS)
         .group("sweep", sweep::TESTS)
         .group("sweep_resume", sweep_resume::TESTS)
+        .group("tension", tension::TESTS)
         .run()
 }

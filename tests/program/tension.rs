@@ -1,0 +1,102 @@
+//! The largest tension as a user meets it: in summaries, results and sweeps, with a strength, and where there is none.
+
+use crate::program::{ricochet, run};
+use crate::results::{change, column, folder, good, number, open, text, words};
+use mpi_test::{PlainTest, tests};
+
+pub const TESTS: &[PlainTest] = tests![
+    results_tell_the_largest_tension,
+    strengths_are_of_faces_that_are_there,
+    sweeps_have_a_column_for_it,
+    what_has_no_estimate_is_told
+];
+
+/// A pane whose tension is some 60 MPa.
+const PANE: &str = "[body]\nmodel = \"mindlin\"\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.5, 0.5, 0.02]\n\
+                    [[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\n\
+                    [impactor]\nmass = 52.0\nspeed = 1.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\n[time]\nend = 5e-4\n";
+
+/// The attributes are those of the series, with 2 ranks as with one; ν and R alone make the ring of F and α.
+fn results_tell_the_largest_tension() {
+    let folder = folder(PANE);
+    let mut found = Vec::new();
+    for ranks in [0, 2] {
+        let said = good(&folder, ranks, "run scene.toml -o out.h5 --force --set strength.tension=50e6");
+        assert!(
+            said.stdout.contains("largest tension ") && said.stdout.contains("the strength is exceeded from "),
+            "{said:?}"
+        );
+        let path = folder.path().join("out.h5");
+        let lower = column(&path, "stress/lower/largest");
+        let time = column(&path, "time");
+        let file = open(&path);
+        let largest: f64 = number(&file, "largest_stress");
+        assert_eq!(lower.iter().copied().fold(f64::NAN, f64::max), largest);
+        assert_eq!(text(&file, "largest_stress_face"), "lower");
+        let passed: f64 = number(&file, "strength_passed_at");
+        let first = lower.iter().position(|tension| *tension > 50e6).unwrap();
+        assert_eq!(time[first], passed);
+        let [ring, force, indentation] =
+            ["stress/ring", "contact/force", "contact/indentation"].map(|name| column(&path, name));
+        for (row, ring) in ring.iter().enumerate().skip(1) {
+            let expected = 0.54 / (2.0 * std::f64::consts::PI * 0.05) * force[row] / indentation[row];
+            assert!((ring - expected).abs() < 1e-12 * expected.abs(), "{row}: {ring} {expected}");
+        }
+        found.push(largest);
+    }
+    assert!((found[0] / found[1] - 1.0).abs() < 1e-9, "{found:?}");
+    let facts = good(&folder, 0, "info out.h5 --json").stdout;
+    assert!(facts.contains("\"strength_passed_at\""), "{facts}");
+    good(&folder, 0, "plot out.h5 --quantity stress -o stress.svg");
+}
+
+/// A strength for nothing is an error with the key, on one rank and on two, and no result is begun.
+fn strengths_are_of_faces_that_are_there() {
+    let folder = folder(PANE);
+    for (more, key) in [
+        ("--set strength.face.botom=1e6", "strength.face.botom"),
+        ("--set body.model=half-space --set strength.tension=1e6", "strength"),
+        ("--set output.stress=false --set strength.tension=1e6", "output.stress"),
+        ("--set strength.tension=-1", "strength.tension"),
+    ] {
+        for ranks in [0, 2] {
+            let outcome = run(ricochet(folder.path(), ranks).args(words(&format!("run scene.toml -o none.h5 {more}"))));
+            assert_eq!(outcome.status, Some(2), "{more}: {outcome:?}");
+            assert!(
+                outcome.stderr.matches("error").count() <= 2 && outcome.stderr.contains(key),
+                "{more}: {outcome:?}"
+            );
+            assert!(!folder.path().join("none.h5").exists());
+        }
+    }
+}
+
+/// Each member's is that of its run, to what another basis may change.
+fn sweeps_have_a_column_for_it() {
+    let folder = folder(PANE);
+    good(&folder, 0, "sweep scene.toml --vary impactor.speed=0.5,1 --set strength.face.lower=50e6 -o sweep.h5");
+    let file = open(folder.path().join("sweep.h5"));
+    let of = |name: &str| file.dataset(&format!("members/{name}")).unwrap().read_raw::<f64>().unwrap();
+    let (tensions, faces, passed) = (of("largest_stress"), of("largest_stress_face"), of("strength_passed_at"));
+    assert!(faces == [1.0, 1.0] && passed[0].is_nan() && passed[1] > 0.0, "{faces:?} {passed:?}");
+    assert!(of("stress_error_estimate").iter().all(|error| *error > 0.0 && *error < 0.1));
+    for (speed, tension) in ["0.5", "1"].iter().zip(tensions) {
+        good(&folder, 0, &format!("run scene.toml -o run.h5 --force --set impactor.speed={speed}"));
+        let alone: f64 = number(&open(folder.path().join("run.h5")), "largest_stress");
+        // Half of the tolerance is the bases'.
+        assert!((tension / alone - 1.0).abs() < 5e-3, "{speed}: {tension} {alone}");
+    }
+}
+
+/// A tolerance for stresses where none is estimated is said to be one for the acceleration; near an edge nothing is added.
+fn what_has_no_estimate_is_told() {
+    let folder = folder(PANE);
+    let said = good(&folder, 0, "check scene.toml --set accuracy.quantity=stress --set impactor.point=[0,0.24,0.01]");
+    assert!(said.stdout.contains("the error of stresses is not estimated for this body"), "{said:?}");
+    good(&folder, 0, "run scene.toml -o edge.h5 --set impactor.point=[0,0.238,0.01]");
+    let path = folder.path().join("edge.h5");
+    change(&path, |file| {
+        assert!(number::<f64>(file, "stress_error_estimate").is_nan());
+        assert!(number::<f64>(file, "largest_stress").is_finite());
+    });
+}
