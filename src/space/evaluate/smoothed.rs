@@ -12,10 +12,10 @@ use crate::scene::Vec3;
 
 use super::{Form, PointEvaluator};
 
-/// Points of the quadrature along a radius, exact for the weight times polynomials of degree 14 in r, and about the centre: a multiple of
+/// Points of the quadrature along a radius, exact for the weight times polynomials of degree 28 in r, and about the centre: a multiple of
 /// four, so that they mirror each other.
-const ALONG: usize = 6;
-const ABOUT: usize = 12;
+const ALONG: usize = 10;
+const ABOUT: usize = 32;
 
 /// Takes entries of the stresses' forms: component, unknown, value.
 pub type Add<'a> = dyn FnMut(usize, usize, f64) + 'a;
