@@ -102,7 +102,9 @@ fn of(file: &hdf5::File) -> hdf5::Result<Option<Extremes>> {
         acceleration: largest(&column("impactor/acceleration")?, |value| value),
         force: peaks.chain([of_rows]).max_by(|one, other| one.value.total_cmp(&other.value)).unwrap_or(of_rows),
         deflection: largest(&column("contact/surface_displacement")?, f64::abs),
-        tension: LargestTension::read(file).map(|(largest, face)| TensionExtreme { largest, face }),
+        tension: LargestTension::read(file)
+            .filter(|(largest, _)| !largest.value.is_nan())
+            .map(|(largest, face)| TensionExtreme { largest, face }),
         probes,
     }))
 }

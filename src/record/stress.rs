@@ -5,8 +5,8 @@ use std::path::Path;
 use hdf5_metno as hdf5;
 
 use crate::error::{Error, Result};
-use crate::record::provenance::text;
 use crate::record::read::{check_run, open};
+use crate::record::tension::LargestTension;
 use crate::scene::Vec3;
 
 /// The largest principal stresses of a run, face by face.
@@ -96,28 +96,23 @@ impl Stresses {
             face.largest.truncate(rows);
             face.point.truncate(rows);
         }
-        let number = |name: &str| file.attr(name).and_then(|value| value.read_scalar::<f64>()).unwrap_or(f64::NAN);
         // All steps count for the attributes, recorded or not. A run that was interrupted may lack them: then its rows tell.
         let of_rows = faces.iter().filter_map(|face| face.peak(&time));
         let of_rows = of_rows.max_by(|one, other| one.value.total_cmp(&other.value));
-        let largest = of_attributes(file, number("largest_stress"), number("largest_stress_time")).or(of_rows);
+        let attributes = LargestTension::read(file);
+        let of_run = attributes.clone().filter(|(found, _)| found.value.is_finite() && found.time.is_finite());
+        let of_run =
+            of_run.map(|(found, face)| Largest { value: found.value, face, time: found.time, point: found.point });
+        let (found, _) = attributes.unwrap_or_default();
         Ok(Self {
             time,
             faces,
             ring,
-            largest,
-            error_estimate: number("stress_error_estimate"),
-            strength_passed_at: Some(number("strength_passed_at")).filter(|time| time.is_finite()),
+            largest: of_run.or(of_rows),
+            error_estimate: found.error_estimate,
+            strength_passed_at: Some(found.strength_passed_at).filter(|time| time.is_finite()),
         })
     }
-}
-
-/// The largest stress as the attributes of the root have it, where they have all of it.
-fn of_attributes(file: &hdf5::File, value: f64, time: f64) -> Option<Largest> {
-    let face = text(file, "largest_stress_face").ok()?;
-    let point = file.attr("largest_stress_point").and_then(|point| point.read_raw::<f64>()).ok()?;
-    let point = <Vec3>::try_from(point).ok()?;
-    (value.is_finite() && time.is_finite()).then_some(Largest { value, face, time, point })
 }
 
 /// By what faces are sorted: their layer, from the hit down; the upper face before the lower; then the name.

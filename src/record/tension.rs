@@ -191,14 +191,15 @@ impl LargestTension {
         root.attr(POINT)?.write(&self.point)
     }
 
-    /// Reads what [`Self::update`] has written, with the name of the face; `None` where stresses were not read.
+    /// Reads what [`Self::update`] has written, with the name of the face; `None` of a result that is older than
+    /// these attributes. Of a run without stresses, or that was killed, they are NaN.
     pub(super) fn read(root: &hdf5::Location) -> Option<(Self, String)> {
         let [value, time, strength_passed_at, error_estimate] =
             NUMBERS.map(|name| root.attr(name).and_then(|attr| attr.read_scalar::<f64>()).unwrap_or(f64::NAN));
         let point = root.attr(POINT).and_then(|attr| attr.read_raw::<f64>()).ok()?;
         let point = [*point.first()?, *point.get(1)?, *point.get(2)?];
         let found = Self { value, face: 0, time, point, strength_passed_at, error_estimate };
-        (!value.is_nan()).then(|| (found, text(root, FACE).unwrap_or_default()))
+        Some((found, text(root, FACE).unwrap_or_default()))
     }
 }
 

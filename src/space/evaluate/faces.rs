@@ -250,6 +250,14 @@ impl FaceStresses {
         };
         self.faces.iter().map(each).collect()
     }
+
+    /// The map as a dense matrix, where the body moves on a basis: how many coordinates there are, and the entries row by row.
+    pub fn dense(&self) -> Option<(usize, &[f64])> {
+        match &self.map {
+            StressMap::Forms { map: Map::Dense(count, entries), .. } => Some((*count, entries)),
+            _ => None,
+        }
+    }
 }
 
 impl FaceGrid {
@@ -275,16 +283,6 @@ impl FaceGrid {
                 found.largest += slope * way + 0.5 * curvature * way * way;
                 found.point[self.axes[side]] += way;
             }
-        }
-    }
-}
-
-impl FaceStresses {
-    /// The map as a dense matrix, where the body moves on a basis: how many coordinates there are, and the entries row by row.
-    pub fn dense(&self) -> Option<(usize, &[f64])> {
-        match &self.map {
-            StressMap::Forms { map: Map::Dense(count, entries), .. } => Some((*count, entries)),
-            _ => None,
         }
     }
 }

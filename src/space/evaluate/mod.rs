@@ -184,9 +184,7 @@ impl Evaluator {
         }
         Some(forms)
     }
-}
 
-impl Evaluator {
     fn is_smoothed(&self, points: &dyn PointEvaluator, x: Vec3) -> bool {
         let half = points.face_lines().map(|lines| lines.last().copied().unwrap_or_default());
         self.near.as_ref().is_some_and(|near| near.is_smoothed(x, half))
