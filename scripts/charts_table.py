@@ -11,15 +11,16 @@ from markers import replace, table
 PLATES = {"plate100": "1.5 × 1.5 × 0.1 m", "plate40": "1.5 × 1.5 × 0.04 m", "plate20": "0.5 × 0.5 × 0.02 m"}
 STIFFNESSES = ["0", "1e9"]
 LEVELS = [1e-1, 5e-2, 2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 1e-4]
+TENSION_LEVELS = [5e-2, 2e-2, 1e-2, 5e-3]
 LISTING = "legacy FEniCS, the paper's listing"
 PEERS = {LISTING: "the listing", "legacy FEniCS, condensed": "FEniCS, condensed",
          "NGSolve + eigsh modes": "NGSolve, modes", "NGSolve + Ritz vectors": "NGSolve, Ritz"}  # fmt: skip
 
 
-def points(path):
+def points(path, error):
     with open(path, encoding="utf-8") as file:
         for row in csv.DictReader(file):
-            yield row["method"], row["setting"], float(row["total_s"]), float(row["error_first"]), row["is_resolved"] == "true"
+            yield row["method"], row["setting"], float(row["total_s"]), float(row[error]), row["is_resolved"] == "true"
 
 
 def best(rows, level):
@@ -39,14 +40,14 @@ def ratio(value):
     return f"{value:.1f}" if value < 10 else f"{value:,.0f}"
 
 
-def chart(rows):
+def chart(rows, levels):
     """By error: our best, auto's, and the peers' over ours."""
     peers, auto = [row for row in rows if row[0] in PEERS], [row for row in rows if row[0] == "auto"]
     own = [row for row in rows if row[0] not in PEERS and row[0] != "auto"]
     lines = []
     # Errors that the reference cannot tell are below this.
     floor = max((row[3] for row in rows if not row[4]), default=0.0)
-    for level in LEVELS:
+    for level in levels:
         first = best(own, level)
         if first is None or level < floor:
             lines.append([per_cent(level), *["–"] * 6])
@@ -64,11 +65,17 @@ def chart(rows):
     return table(["error", "quickest", "`auto`, over it", *PEERS.values()], lines)
 
 
+def tension(rows):
+    """The same by the error of the largest tension, whatever the acceleration's is."""
+    return chart([(method, setting, time, error, True) for method, setting, time, error, _ in rows], TENSION_LEVELS)
+
+
 def main(folder, doc):
     for plate in PLATES:
         for k in STIFFNESSES:
-            rows = list(points(f"{folder}/{plate}-k{k}/work-precision.csv"))
-            replace(doc, f"chart-{plate}-k{k}", chart(rows))
+            of_chart = f"{folder}/{plate}-k{k}/work-precision.csv"
+            replace(doc, f"chart-{plate}-k{k}", chart(list(points(of_chart, "error_first")), LEVELS))
+            replace(doc, f"tension-{plate}-k{k}", tension(list(points(of_chart, "error_tension"))))
 
 
 main(*sys.argv[1:])

@@ -14,10 +14,13 @@ TINY = Cells(2, 0.25, 5, 1, 5, 5)  # for compiling
 
 
 def build(scene, cells, reduce, count, step):
-    """All before the first step: reduce(solid, count) gives omega^2 (1/s2) and phi (kg^-0.5). What it returns takes the steps."""
-    squares, shapes = reduce(Solid.build(scene, cells), count)
+    """All before the first step; what it returns takes the steps.
+
+    reduce(solid, count) gives omega^2 (1/s2), phi (kg^-0.5) and two normal stresses (Pa kg^-0.5 / m) of each mode.
+    """
+    basis = reduce(Solid.build(scene, cells), count)
     impactor = Impactor.quarter(scene, cells.patch * scene.size[2])
-    return lambda: modal.history(squares, shapes, impactor, scene.end, step)
+    return lambda: modal.history(basis, impactor, scene.end, step)
 
 
 def main(doc, name, reduce, noun, choices):

@@ -46,6 +46,7 @@ class Plate:
         self.mass.zeroRowsColumns(held, 0.0)
         self.mass = without_zeros(self.mass)
         self.load = self.pressure(scene.size[2] * cells.patch)
+        self.stresses = [self.under_the_hit(scene, axis) for axis in (0, 1)]
 
     def dofs(self, component, axis, value):
         """Those of a component on the plane where a coordinate has a value."""
@@ -79,6 +80,22 @@ class Plate:
         load.setValues(top, -values[rows, columns])
         load.assemble()
         return load
+
+
+    def under_the_hit(self, scene, along):
+        """What reads the normal stress along an axis at the foot of the plate's axis: by the gradient in the cell there."""
+        lam, mu = scene.lame
+        corner = np.array([line[0] for line in self.lines])
+        row = self.matrix.createVecRight()
+        for axis, line in enumerate(self.lines):
+            size = line[1] - line[0]
+            for share, slope in zip((0, 0.5, 1), (-3, 4, -1), strict=True):
+                place = corner + share * size * np.eye(3)[axis]
+                dofs = self.dofs(axis, axis, place[axis])
+                dof = dofs[np.abs(self.where[dofs] - place).sum(axis=1).argmin()]
+                row.setValue(dof, (lam + (2 * mu if axis == along else 0)) * slope / size, addv=True)
+        row.assemble()
+        return row
 
 
 def without_zeros(matrix):
@@ -126,11 +143,12 @@ def build(scene, cells, step):
     plate = Plate(scene, cells, 4 / step**2)
     solver = factor(plate.matrix)
     impactor = Impactor.quarter(scene, cells.patch * scene.size[2])
-    return lambda: history(solver, plate.mass, plate.load, impactor, scene.end, step)
+    return lambda: history(solver, plate, impactor, scene.end, step)
 
 
-def history(solver, mass, load, impactor, end, step):
-    """Times (s) and accelerations (m/s2)."""
+def history(solver, plate, impactor, end, step):
+    """Times (s), accelerations (m/s2), and tensions (Pa) under the hit on the other face."""
+    mass, load = plate.mass, plate.load
     answer, place, velocity, acceleration, trial, right = (load.duplicate() for _ in range(6))
     for vector in (place, velocity, acceleration):
         vector.set(0.0)
@@ -138,7 +156,7 @@ def history(solver, mass, load, impactor, end, step):
     quarter = step**2 / 4
     yielding = load.dot(answer) + quarter / impactor.mass - impactor.dent
     q, speed, old = 0.0, impactor.speed, 0.0
-    forces = [0.0]
+    forces, tensions = [0.0], [0.0]
     for _ in range(round(end / step)):
         trial.waxpy(step, velocity, place)
         trial.axpy(quarter, acceleration)
@@ -156,7 +174,8 @@ def history(solver, mass, load, impactor, end, step):
         velocity.axpy(step / 2, acceleration)
         old = new
         forces.append(new)
-    return step * np.arange(len(forces)), np.array(forces) / impactor.mass
+        tensions.append(max(row.dot(place) for row in plate.stresses))
+    return step * np.arange(len(forces)), np.array(forces) / impactor.mass, np.array(tensions)
 
 
 def main():

@@ -17,8 +17,8 @@ REPEATS = 3
 def collect(name, settings, folder, budget):
     """Adds to OUTDIR/peers.csv the settings that it lacks.
 
-    They are pairs of a text and a function that gives the seconds to build and to run, and the series: rows of time (s) and
-    acceleration (m/s2). None is begun after `budget` seconds.
+    They are pairs of a text and a function that gives the seconds to build and to run, and the series: rows of time (s),
+    acceleration (m/s2) and, where the peer has it, largest tension (Pa). None is begun after `budget` seconds.
     """
     (folder / "series").mkdir(parents=True, exist_ok=True)
     table = folder / "peers.csv"
@@ -34,12 +34,13 @@ def collect(name, settings, folder, budget):
             built, ran, series = measure()
             if not np.isfinite(series).all():
                 raise ArithmeticError("the series is not finite")
+            columns = ",".join(["time", "acceleration", "tension"][: series.shape[1]])
         except Exception:  # whatever it is, the next setting may do
             print(f"{name}: {setting} failed:\n{traceback.format_exc()}", flush=True)
             continue
         path = f"series/{slug(name)}-{slug(setting)}.csv"
         thin = series[:: -(-len(series) // ROWS)]
-        np.savetxt(folder / path, thin, fmt="%.10e", delimiter=",", header="time,acceleration", comments="")
+        np.savetxt(folder / path, thin, fmt="%.10e", delimiter=",", header=columns, comments="")
         rows.append(dict(zip(HEADER, [name, setting, f"{built:.4g}", f"{ran:.4g}", path], strict=True)))
         with table.open("w", encoding="utf-8", newline="") as file:
             writer = csv.DictWriter(file, HEADER, lineterminator="\n")
@@ -52,18 +53,18 @@ def collect(name, settings, folder, budget):
 def timed(build):
     """What collect() asks for, by build(): it makes all that comes before the first step and returns run(), which takes the steps.
 
-    run() gives times and accelerations. Seconds are medians of a few where they are short.
+    run() gives times, accelerations and perhaps tensions. Seconds are medians of a few where they are short.
     """
     built, ran = [], []
     while True:
         start = time.perf_counter()
         run = build()
         middle = time.perf_counter()
-        times, accelerations = run()
+        columns = run()
         built.append(middle - start)
         ran.append(time.perf_counter() - middle)
         if built[0] + ran[0] > QUICK or len(built) == REPEATS:
-            return statistics.median(built), statistics.median(ran), np.column_stack([times, accelerations])
+            return statistics.median(built), statistics.median(ran), np.column_stack(columns)
 
 
 def slug(text):

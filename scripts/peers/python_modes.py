@@ -23,7 +23,7 @@ FREQUENCY = 50.0  # Hz: shift below zero, so that the matrix of a free plate is 
 
 
 def modes(solid, count):
-    """omega^2 (1/s2) and phi (kg^-0.5) of the lowest modes, and of one vector of static correction.
+    """omega^2 (1/s2), phi (kg^-0.5) and stresses of the lowest modes, and of one vector of static correction.
 
     The correction is what the modes miss of the displacement by a force of one: orthogonal to them, so a mode of its own.
     """
@@ -38,6 +38,7 @@ def modes(solid, count):
     return (
         np.append(squares, residual @ (solid.stiffness @ residual) / norm),
         np.append(shapes, residual @ solid.load / math.sqrt(norm)),
+        np.column_stack([solid.stresses @ vectors, solid.stresses @ residual / math.sqrt(norm)]),
     )
 
 

@@ -24,7 +24,7 @@ FREQUENCY = 1000.0  # Hz: shift of the vectors, which also holds the rigid-body 
 
 
 def ritz_modes(solid, count):
-    """omega^2 (1/s2) and phi (kg^-0.5) of the modes on `count` vectors (K + s M)^-1 a, (K + s M)^-1 M (K + s M)^-1 a, …"""
+    """omega^2 (1/s2), phi (kg^-0.5) and stresses of the modes on `count` vectors (K + s M)^-1 a, (K + s M)^-1 M (K + s M)^-1 a, …"""
     factor = solid.factor((2 * math.pi * FREQUENCY) ** 2)
     basis = np.empty((len(solid.load), count), order="F")
     vector = factor(solid.load)
@@ -38,7 +38,7 @@ def ritz_modes(solid, count):
         basis[:, number] = vector / norm
         vector = factor(weighted / norm)
     squares, modes = dense.eigh(basis.T @ (solid.stiffness @ basis))
-    return squares, modes.T @ (basis.T @ solid.load)
+    return squares, modes.T @ (basis.T @ solid.load), (solid.stresses @ basis) @ modes
 
 
 if __name__ == "__main__":

@@ -13,11 +13,15 @@ from contact import quarter_disc
 
 @dataclass(frozen=True)
 class Solid:
-    """K, M and the vector a of a quarter model: a is both the load by a force of one and what reads the displacement."""
+    """K, M and the vector a of a quarter model: a is both the load by a force of one and what reads the displacement.
+
+    `stresses` has two rows, which read the normal stresses along the plate (Pa) under the hit on the other face.
+    """
 
     stiffness: sparse.csc_matrix
     mass: sparse.csc_matrix
     load: np.ndarray
+    stresses: np.ndarray
 
     @classmethod
     def build(cls, scene, cells):
@@ -33,7 +37,7 @@ class Solid:
         stiffness, mass = (matrix.tocsr()[free][:, free].T for matrix in blocks(space, scene))
         load = np.zeros((space.ndof, 3))
         load[:, 2] = pressure(space, scene, cells.patch * scene.size[2])
-        return cls(stiffness, mass, load.ravel()[free])
+        return cls(stiffness, mass, load.ravel()[free], under_the_hit(space, scene)[:, free])
 
     def factor(self, shift):
         """Solves with K + shift M, shift in 1/s2."""
@@ -56,6 +60,22 @@ def blocks(space, scene):
                 form += mu * du * dv * ng.dx + scene.stiffness * u * v * ng.ds("front|right")
             stiffness[:, i, j] = form.Assemble().mat.CSR()[0]
     return sparse.bsr_matrix((stiffness, columns, starts)), sparse.kron(mass, sparse.eye(3))
+
+
+def under_the_hit(space, scene):
+    """sigma_x and sigma_y at the foot of the axis, by the gradient in the cell there: two rows of all unknowns."""
+    lam, mu = scene.lame
+    point = space.mesh(1e-9, 1e-9, -scene.size[2] / 2 * (1 - 1e-9))
+    cell = ng.ElementId(ng.VOL, point.nr)
+    # (NGSolve's objects refer to one another: each has a name, so that it lives.)
+    rule, geometry = ng.IntegrationRule([tuple(point.pnt)], [1.0]), space.mesh.GetTrafo(cell)
+    mapped = geometry(rule[0])
+    slopes = np.array(space.GetFE(cell).CalcDShape(*point.pnt)) @ np.linalg.inv(np.array(mapped.jacobi))
+    rows, dofs = np.zeros((2, space.ndof, 3)), list(space.GetDofNrs(cell))
+    for row in range(2):
+        for axis in range(3):
+            rows[row, dofs, axis] = (lam + (2 * mu if row == axis else 0)) * slopes[:, axis]
+    return rows.reshape(2, -1)
 
 
 def pressure(space, scene, patch):

@@ -9,13 +9,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::agree::{decided, of_root};
 use crate::error::{Error, Result};
-use crate::impact::step::Step;
 use crate::record::folder::Folder;
 use crate::record::provenance::{Cost, Provenance};
 use crate::record::read::origin;
-use crate::record::series::SeriesWriter;
+use crate::record::series::{Points, SeriesWriter};
+use crate::record::tension::Faces;
 use crate::scene::{Scene, Source};
-use crate::study::chart::{Attempt, Timed, history, spent, time};
+use crate::study::chart::{Attempt, Recording, Timed, history, spent, time};
 
 use super::provenance::provenance;
 
@@ -69,8 +69,8 @@ impl<'a> Bench<'a> {
         tracing::info!(name, "runs");
         match time(self.comm, &scene, repeated, &self.interrupted) {
             Ok(None) => Ok(None),
-            Ok(Some((timed, steps))) => {
-                self.keep(&name, (&scene, &source), &timed, &steps)?;
+            Ok(Some((timed, recording))) => {
+                self.keep(&name, (&scene, &source), &timed, recording)?;
                 Ok(Some(Ok(timed)))
             }
             Err(error @ (Error::Fault(_) | Error::Solve(_) | Error::Unstable(_))) if error.is_everywhere() => {
@@ -121,13 +121,15 @@ impl<'a> Bench<'a> {
         }))
     }
 
-    fn keep(&self, name: &str, (scene, source): (&Scene, &Source), timed: &Timed, steps: &[Step]) -> Result<()> {
+    fn keep(&self, name: &str, (scene, source): (&Scene, &Source), timed: &Timed, recording: Recording) -> Result<()> {
         let of_model = (timed.model.as_str(), timed.reduction.clone(), timed.unknowns - 1);
         let mut made = provenance(self.comm, scene, source, of_model)?;
         let Some((path, _)) = &self.folder else { return Ok(()) };
+        let Recording { faces, steps, readings } = recording;
         made.planned_rows = Some(steps.len());
-        let mut writer = SeriesWriter::create(&path.join(name), &made)?;
-        steps.iter().try_for_each(|step| writer.push(step))?;
+        let points = Points { faces: Faces { names: faces, ring: None }, ..Points::default() };
+        let mut writer = SeriesWriter::with_points(&path.join(name), &made, &points)?;
+        steps.iter().zip(&readings).try_for_each(|(step, reading)| writer.push_read(step, reading))?;
         let cost = Cost {
             model: timed.build,
             setup: 0.0,

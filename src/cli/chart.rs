@@ -129,7 +129,7 @@ fn read(comm: &Comm, arguments: &Chart, (scene, text): (&Scene, &str)) -> Result
         (peers, history) = read()?;
         Ok(())
     })?;
-    let unknown = Difference { first: f64::NAN, whole: f64::NAN };
+    let unknown = Difference { first: f64::NAN, whole: f64::NAN, tension: f64::NAN };
     let reference = arguments.reference.as_ref().map(|path| Reference {
         setting: path.display().to_string(),
         history: history.unwrap_or_default(),
@@ -178,7 +178,8 @@ fn write(folder: &Folder, title: &str, points: &[Point], reference: &Reference, 
     };
     text("work-precision.csv", csv(points, floor))?;
     text("summary.md", summary(title, points, reference, left_out))?;
-    let figure = Precision { title: title.to_owned(), methods: lines(points), floor: [floor.first, floor.whole] };
+    let figure =
+        Precision { title: title.to_owned(), methods: lines(points), floor: [floor.first, floor.whole, floor.tension] };
     ["work-precision.svg", "work-precision.png"]
         .into_iter()
         .try_for_each(|name| folder.put(name, |path| draw(&figure, path)))
@@ -190,7 +191,10 @@ fn lines(points: &[Point]) -> Vec<Line> {
     for point in points {
         let setting = Setting {
             seconds: point.total(),
-            errors: [point.errors.acceleration.first, point.errors.acceleration.whole],
+            errors: {
+                let Difference { first, whole, tension } = point.errors.history;
+                [first, whole, tension]
+            },
             mark: point.auto.map(|tolerance| format!("{tolerance:e}")),
         };
         match lines.iter_mut().find(|line| line.label == point.method) {

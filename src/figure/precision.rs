@@ -10,7 +10,8 @@ use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 use std::path::Path;
 
-/// A chart of two panels: errors in the first contact, and over all.
+/// A chart of three panels: errors of the acceleration in the first contact and over all, and of the largest tension. The third is left out
+/// where no tension is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Precision {
     /// Above all.
@@ -18,7 +19,7 @@ pub struct Precision {
     /// The methods.
     pub methods: Vec<Method>,
     /// In each panel, the error below which nothing is known.
-    pub floor: [f64; 2],
+    pub floor: [f64; PANELS],
 }
 
 /// A line of the chart.
@@ -38,7 +39,7 @@ pub struct Setting {
     /// Wall time, s.
     pub seconds: f64,
     /// The error in each panel; NaN where it is not known.
-    pub errors: [f64; 2],
+    pub errors: [f64; PANELS],
     /// What is written beside it, with a ring around it.
     pub mark: Option<String>,
 }
@@ -63,13 +64,18 @@ const LEFT: f64 = 148.0;
 const RIGHT: f64 = WIDTH - 30.0;
 /// Between the panels, with the labels of the second one.
 const GAP: f64 = 112.0;
+/// The same between three.
+const NARROW_GAP: f64 = 88.0;
 const LEGEND: f64 = 836.0;
 const LEGEND_COLUMNS: usize = 4;
 const LEGEND_LETTERS: f64 = 21.0;
 const LEGEND_STROKE: f64 = 46.0;
 /// Errors above this are all the same failure.
 const WORST: f64 = 3.0;
-const PANELS: [&str; 2] = ["in the first contact", "over the whole history"];
+/// Panels at most.
+const PANELS: usize = 3;
+const TITLES: [&str; PANELS] =
+    ["acceleration, first contact", "acceleration, whole history", "largest tension, first contact"];
 
 const FRONT: Stroke = Stroke { colour: RGBColor(255, 221, 130), width: 13.0, dashes: &[] };
 const UNKNOWN: RGBColor = RGBColor(238, 238, 238);
@@ -81,7 +87,12 @@ impl Precision {
         self.methods.iter().flat_map(|method| &method.settings)
     }
 
-    /// Powers of ten around the times, and around the errors of both panels.
+    /// How many panels there are.
+    fn panels(&self) -> usize {
+        if self.settings().any(|setting| setting.errors[PANELS - 1].is_finite()) { PANELS } else { PANELS - 1 }
+    }
+
+    /// Powers of ten around the times, and around the errors of all panels.
     fn scales(&self) -> [(f64, f64); 2] {
         let decades = |values: &mut dyn Iterator<Item = f64>| {
             let known = values.filter(|value| *value > 0.0 && value.is_finite());
@@ -116,10 +127,12 @@ impl Precision {
 impl Drawing for Precision {
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         let [times, errors] = self.scales();
-        let width = 0.5 * (RIGHT - LEFT - GAP);
+        let count = self.panels();
+        let gap = if count < PANELS { GAP } else { NARROW_GAP };
+        let width = (RIGHT - LEFT - (count - 1) as f64 * gap) / count as f64;
         canvas.text(&self.title, (0.5 * WIDTH, TITLE), LETTERS, Anchor::Centre)?;
-        for (panel, title) in PANELS.iter().enumerate() {
-            let left = LEFT + panel as f64 * (width + GAP);
+        for (panel, title) in TITLES[..count].iter().enumerate() {
+            let left = LEFT + panel as f64 * (width + gap);
             let frame = Frame {
                 left,
                 right: left + width,
@@ -132,7 +145,7 @@ impl Drawing for Precision {
             self.draw_panel(canvas, &frame, panel)?;
             canvas.text("wall time (s)", (left + 0.5 * width, BOTTOM + 74.0), SMALL, Anchor::Centre)?;
         }
-        let title = "error of the acceleration / its peak";
+        let title = "error / peak value";
         canvas.text(title, (36.0, 0.5 * (TOP + BOTTOM)), SMALL, Anchor::Upwards)?;
         self.draw_legend(canvas)
     }
@@ -246,12 +259,13 @@ mod tests {
     /// A mark at the right edge of both panels: its label is drawn left of it.
     #[test]
     fn a_label_at_the_edge_is_drawn_within_its_panel() {
-        let setting = |seconds, error| Setting { seconds, errors: [error, error], mark: Some(format!("{seconds}")) };
+        let setting =
+            |seconds, error| Setting { seconds, errors: [error, error, f64::NAN], mark: Some(format!("{seconds}")) };
         let settings = vec![setting(0.101, 0.5), setting(9.9, 0.02)];
         let methods = vec![Method { label: "auto".into(), is_foreign: false, settings }];
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("chart.svg");
-        draw(&Precision { title: "plate".into(), methods, floor: [f64::NAN; 2] }, &out).unwrap();
+        draw(&Precision { title: "plate".into(), methods, floor: [f64::NAN; PANELS] }, &out).unwrap();
         let svg = std::fs::read_to_string(&out).unwrap();
         // The labels' left edges, in pixels: the SVG is drawn five times as large.
         let left = svg

@@ -60,6 +60,12 @@ impl Face {
 }
 
 impl Stresses {
+    /// The largest stress on any face in each row, Pa.
+    pub fn largest_of_rows(&self) -> Vec<f64> {
+        let largest = |row: usize| self.faces.iter().fold(f64::NAN, |largest, face| largest.max(face.largest[row]));
+        (0..self.time.len()).map(largest).collect()
+    }
+
     /// Reads the stresses of the result `path`; `None` where it was made without them. After a kill, datasets may differ in length by one
     /// flush: the rows are those that all have.
     ///

@@ -3,12 +3,14 @@
 use crate::impact::step::Step;
 use crate::record::episodes::Episodes;
 
-/// The acceleration of a run.
+/// The acceleration of a run, and the largest tension where it is known.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct History {
     time: Vec<f64>,
     acceleration: Vec<f64>,
     contacts: Vec<Contact>,
+    /// The largest principal stress of the body at each time, Pa; empty where it is not known.
+    tension: Vec<f64>,
 }
 
 /// One contact of a run.
@@ -22,19 +24,26 @@ pub struct Contact {
     pub impulse: f64,
 }
 
-/// By how much one acceleration differs from another, over the other's peak.
+/// By how much one history differs from another.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Difference {
-    /// At most, up to the end of the other's first contact; over the peak up to there.
+    /// Of the acceleration at most, up to the end of the other's first contact, over the other's peak up to there.
     pub first: f64,
-    /// At most, over all.
+    /// Of the acceleration at most, over all, over the other's peak.
     pub whole: f64,
+    /// Of the largest tension up to the end of the other's first contact, over the other's; NaN where one has none.
+    pub tension: f64,
 }
 
 impl History {
     /// An acceleration (m/s²) at ascending times (s), and the contacts in it.
     pub fn new(time: Vec<f64>, acceleration: Vec<f64>, contacts: Vec<Contact>) -> Self {
-        Self { time, acceleration, contacts }
+        Self { time, acceleration, contacts, tension: Vec::new() }
+    }
+
+    /// The same with the largest tension (Pa) at each time.
+    pub fn with_tension(self, tension: Vec<f64>) -> Self {
+        Self { tension, ..self }
     }
 
     /// The same of an impactor's mass (kg), its contacts where the acceleration is positive, their impulses by the trapezoidal rule.
@@ -53,7 +62,7 @@ impl History {
                 contact.impulse += 0.5 * mass * (before.max(0.0) + now.max(0.0)) * (time[n] - time[n - 1]);
             }
         }
-        Self { time, acceleration, contacts }
+        Self { time, acceleration, contacts, tension: Vec::new() }
     }
 
     /// Number of times.
@@ -94,6 +103,12 @@ impl History {
     /// Largest acceleration, m/s².
     pub fn peak(&self) -> f64 {
         self.peak_until(f64::MAX)
+    }
+
+    /// Largest tension up to a time, Pa; NaN where it is not known.
+    fn tension_until(&self, until: f64) -> f64 {
+        let known = self.tension.iter().take(self.within(until));
+        known.fold(f64::NAN, |largest, tension| largest.max(*tension))
     }
 
     /// Time of the first contact's peak, s.
@@ -137,6 +152,7 @@ impl History {
         Difference {
             first: over(difference.first, other.peak_until(first_end)),
             whole: over(difference.whole, other.peak()),
+            tension: (self.tension_until(first_end) / other.tension_until(first_end) - 1.0).abs(),
         }
     }
 }
@@ -293,6 +309,19 @@ mod tests {
     }
 
     #[test]
+    fn the_largest_tension_is_compared_in_the_first_contact() {
+        let sine = |tension: f64| {
+            let time: Vec<f64> = (0..=6).map(f64::from).collect();
+            let acceleration = time.iter().map(|t| t.sin()).collect();
+            // What comes after the first contact does not count.
+            let all = time.iter().map(|t| if *t < 3.2 { tension * t.sin() } else { 1e3 }).collect();
+            History::of_series(time, acceleration, 1.0).with_tension(all)
+        };
+        assert!((sine(1.03).difference(&sine(1.0)).tension - 0.03).abs() < 1e-12);
+        assert!(reference().difference(&sine(1.0)).tension.is_nan());
+    }
+
+    #[test]
     fn errors_are_split_at_the_end_of_the_first_episode() {
         let reference = reference();
         // The rate is left out of the steps, which makes the end of the contact good to a step.
@@ -333,7 +362,8 @@ mod tests {
         }
         // 2 ∫ sin over half a period; the trapezoidal rule is off by (1e-3)²/12 of it.
         assert!((foreign.contacts[0].impulse - 4.0).abs() < 1e-6);
-        assert_eq!(foreign.difference(&known), Difference::default());
+        let Difference { first, whole, .. } = foreign.difference(&known);
+        assert_eq!([first, whole], [0.0; 2]);
         assert_eq!(known.peak(), foreign.peak());
     }
 }

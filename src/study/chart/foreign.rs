@@ -8,6 +8,7 @@ use super::Errors;
 use crate::error::{Error, Result};
 use crate::record::provenance::Provenance;
 use crate::record::read;
+use crate::record::stress::Stresses;
 use crate::scene::{Body, Geometry, Scene, differences};
 use crate::study::history::{Contact, History};
 
@@ -32,6 +33,8 @@ struct Line {
 struct Row {
     time: f64,
     acceleration: f64,
+    /// The largest tension, Pa.
+    tension: Option<f64>,
 }
 
 /// A peer's run.
@@ -115,7 +118,7 @@ fn fault(error: &csv::Error) -> String {
     }
 }
 
-/// A series: a result of ricochet, or a table of `time` and `acceleration`; `mass` (kg) is the impactor's.
+/// A series: a result of ricochet, or a table of `time`, `acceleration` and, if known, `tension`; `mass` (kg) is the impactor's.
 ///
 /// # Errors
 /// [`Error::Io`] with what is wrong.
@@ -123,10 +126,12 @@ pub fn history(path: &Path, mass: f64) -> Result<History> {
     if path.extension().is_some_and(|extension| extension == "h5") {
         let read::History { time, acceleration, contacts, impulses, .. } = read::history(path)?;
         let contact = |((start, end), impulse)| Contact { start, end, impulse };
-        return Ok(History::new(time, acceleration, contacts.into_iter().zip(impulses).map(contact).collect()));
+        let history = History::new(time, acceleration, contacts.into_iter().zip(impulses).map(contact).collect());
+        let tension = Stresses::read(path)?.map(|stresses| stresses.largest_of_rows()).unwrap_or_default();
+        return Ok(history.with_tension(tension));
     }
     let mut table = csv::Reader::from_path(path).map_err(|e| Error::io(path, e))?;
-    let (mut time, mut acceleration) = (Vec::new(), Vec::new());
+    let (mut time, mut acceleration, mut tension) = (Vec::new(), Vec::new(), Vec::new());
     for row in table.deserialize::<Row>() {
         let row = row.map_err(|e| Error::io(path, fault(&e)))?;
         if !(row.time.is_finite() && row.acceleration.is_finite()) || time.last().is_some_and(|last| *last >= row.time)
@@ -138,11 +143,14 @@ pub fn history(path: &Path, mass: f64) -> Result<History> {
         }
         time.push(row.time);
         acceleration.push(row.acceleration);
+        tension.extend(row.tension);
     }
     if time.is_empty() {
         return Err(Error::io(path, "holds no series"));
     }
-    Ok(History::of_series(time, acceleration, mass))
+    // A column that is there in some rows only is none.
+    let tension = if tension.len() == time.len() { tension } else { Vec::new() };
+    Ok(History::of_series(time, acceleration, mass).with_tension(tension))
 }
 
 /// A history that others can be compared with, from the file `path`.
@@ -223,7 +231,7 @@ mod tests {
         let all = table("name,setting,seconds,error\nA,\"coarse, 3\",2.5,0.01\n").unwrap();
         assert_eq!((all[0].name.as_str(), all[0].setting.as_str(), all[0].seconds), ("A", "coarse, 3", [0.0, 2.5]));
         let Found::Errors(errors) = all[0].found else { panic!("{all:?}") };
-        assert!(errors.acceleration.first == 0.01 && errors.acceleration.whole.is_nan());
+        assert!(errors.history.first == 0.01 && errors.history.whole.is_nan());
         let all = table("name,build,run,series\nB,1,0.5,half.csv\n").unwrap();
         let Found::History(history) = &all[0].found else { panic!("{all:?}") };
         assert_eq!((history.peak(), history.first().unwrap().impulse), (2.0, 6.0));

@@ -23,7 +23,7 @@ pub fn front(points: &[Point], error: impl Fn(&Point) -> f64) -> Vec<usize> {
 
 /// The quickest points whose error in the first contact is at most `level`, one a method, the quickest first.
 pub fn best(points: &[Point], level: f64) -> Vec<&Point> {
-    let mut all: Vec<&Point> = points.iter().filter(|point| point.errors.acceleration.first <= level).collect();
+    let mut all: Vec<&Point> = points.iter().filter(|point| point.errors.history.first <= level).collect();
     all.sort_by(|a, b| a.total().total_cmp(&b.total()));
     let mut seen: Vec<&str> = Vec::new();
     all.retain(|point| {
@@ -63,7 +63,7 @@ pub(super) mod tests {
             point("peer", 0.1, 1e-9),
             point("b", 4.0, f64::NAN),
         ];
-        assert_eq!(front(&points, |point| point.errors.acceleration.first), [2, 0, 1]);
+        assert_eq!(front(&points, |point| point.errors.history.first), [2, 0, 1]);
         let best = best(&points, 1e-2);
         let found: Vec<_> = best.iter().map(|point| (point.method.as_str(), point.total())).collect();
         assert_eq!(found, [("peer", 0.1), ("a", 1.0)]);

@@ -15,7 +15,7 @@ pub use front::{LEVELS, best, front};
 pub use methods::{Ladder, Method, cleared, settings_of};
 pub use reference::{Reference, refine};
 pub use table::{csv, summary};
-pub use timing::{Timed, spent, time};
+pub use timing::{Recording, Timed, spent, time};
 
 use crate::error::Result;
 use crate::study::history::{Difference, History};
@@ -52,8 +52,8 @@ pub struct Point {
 /// What a run is off by, each over the reference's value; NaN where that is not known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
-    /// Largest difference of the acceleration over its peak, in the first contact and over all.
-    pub acceleration: Difference,
+    /// Largest difference of the acceleration over its peak, in the first contact and over all, and that of the largest tension.
+    pub history: Difference,
     /// Largest acceleration.
     pub peak: f64,
     /// Impulse of the first contact.
@@ -79,7 +79,7 @@ impl Errors {
         };
         let [own, other] = [history, reference].map(History::first);
         Self {
-            acceleration: history.difference(reference),
+            history: history.difference(reference),
             peak: relative(Some(history.peak()), Some(reference.peak())),
             impulse: relative(own.map(|c| c.impulse), other.map(|c| c.impulse)),
             contact: relative(own.map(|c| c.end - c.start), other.map(|c| c.end - c.start)),
@@ -88,8 +88,8 @@ impl Errors {
 
     /// Of which the acceleration's alone are known.
     pub fn known(first: f64, whole: f64) -> Self {
-        let acceleration = Difference { first, whole };
-        Self { acceleration, peak: f64::NAN, impulse: f64::NAN, contact: f64::NAN }
+        let history = Difference { first, whole, tension: f64::NAN };
+        Self { history, peak: f64::NAN, impulse: f64::NAN, contact: f64::NAN }
     }
 }
 

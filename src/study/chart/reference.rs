@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::study::history::{Difference, History};
 
-use super::{Bench, Errors, Ladder, Run, Timed};
+use super::{Bench, Ladder, Run, Timed};
 
 /// Tolerances of the solid in modal coordinates.
 const TOLERANCES: [f64; 6] = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5];
@@ -35,7 +35,8 @@ pub struct Reference {
 impl Reference {
     /// Errors below this are not known, in the first contact and over all.
     pub fn floor(&self) -> Difference {
-        Difference { first: self.agreement.first / AGREEMENT, whole: self.agreement.whole / AGREEMENT }
+        let Difference { first, whole, tension } = self.agreement;
+        Difference { first: first / AGREEMENT, whole: whole / AGREEMENT, tension: tension / AGREEMENT }
     }
 }
 
@@ -100,10 +101,15 @@ fn rungs(ladder: &Ladder) -> Vec<Vec<String>> {
 
 /// The smallest errors of the runs.
 fn smallest(runs: &[Run], reference: &History) -> Difference {
-    let mut smallest = Difference { first: f64::INFINITY, whole: f64::INFINITY };
+    let none = f64::INFINITY;
+    let mut smallest = Difference { first: none, whole: none, tension: none };
     for run in runs {
-        let Difference { first, whole } = Errors::of(&run.timed.history, reference).acceleration;
-        smallest = Difference { first: smallest.first.min(first), whole: smallest.whole.min(whole) };
+        let Difference { first, whole, tension } = run.timed.history.difference(reference);
+        smallest = Difference {
+            first: smallest.first.min(first),
+            whole: smallest.whole.min(whole),
+            tension: smallest.tension.min(tension),
+        };
     }
     smallest
 }

@@ -19,6 +19,7 @@ struct Line<'a> {
     error_peak: f64,
     error_impulse: f64,
     error_contact: f64,
+    error_tension: f64,
     estimate: Option<f64>,
     is_resolved: Option<bool>,
     is_front: bool,
@@ -26,10 +27,10 @@ struct Line<'a> {
 
 /// One line a point, in the order of the methods.
 pub fn csv(points: &[Point], floor: Difference) -> String {
-    let front = front(points, |point| point.errors.acceleration.first);
+    let front = front(points, |point| point.errors.history.first);
     let mut table = csv::Writer::from_writer(Vec::new());
     for (n, point) in points.iter().enumerate() {
-        let Errors { acceleration, peak, impulse, contact } = point.errors;
+        let Errors { history, peak, impulse, contact } = point.errors;
         let line = Line {
             method: &point.method,
             setting: &point.setting,
@@ -38,13 +39,14 @@ pub fn csv(points: &[Point], floor: Difference) -> String {
             build_s: point.seconds[0],
             run_s: point.seconds[1],
             total_s: point.total(),
-            error_first: acceleration.first,
-            error_whole: acceleration.whole,
+            error_first: history.first,
+            error_whole: history.whole,
             error_peak: peak,
             error_impulse: impulse,
             error_contact: contact,
+            error_tension: history.tension,
             estimate: point.estimate,
-            is_resolved: floor.first.is_finite().then_some(acceleration.first >= floor.first),
+            is_resolved: floor.first.is_finite().then_some(history.first >= floor.first),
             is_front: front.contains(&n),
         };
         // Into memory, of plain fields.
@@ -96,12 +98,12 @@ fn row(points: &[Point], level: f64, floor: f64) -> Vec<String> {
         first.method.clone(),
         first.setting.clone(),
         seconds(first.total()),
-        format!("{:.1e}", first.errors.acceleration.first),
+        format!("{:.1e}", first.errors.history.first),
         next.map_or_else(none, |next| next.method.clone()),
         next.map_or_else(none, |next| slower(next.total())),
         auto.map_or_else(none, |auto| {
-            let missed = if auto.errors.acceleration.first > level { ", missed" } else { "" };
-            format!("{}, error {:.1e}{missed}", seconds(auto.total()), auto.errors.acceleration.first)
+            let missed = if auto.errors.history.first > level { ", missed" } else { "" };
+            format!("{}, error {:.1e}{missed}", seconds(auto.total()), auto.errors.history.first)
         }),
         peer.map_or_else(none, |peer| {
             let time = format!("{}: {}", peer.method, seconds(peer.total()));
@@ -136,7 +138,7 @@ mod tests {
     use crate::study::history::History;
 
     fn reference() -> Reference {
-        let agreement = Difference { first: 1e-5, whole: 2e-5 };
+        let agreement = Difference { first: 1e-5, whole: 2e-5, tension: f64::NAN };
         Reference { setting: "finest".into(), history: History::default(), agreement }
     }
 

@@ -13,6 +13,7 @@ use crate::impact::{self, Reading};
 use crate::model::watch::Until;
 use crate::model::{self, Model, Simulation};
 use crate::scene::Scene;
+use crate::space::evaluate::FaceTension;
 use crate::study::history::{History, Recorder};
 
 /// Repetitions that will do where they take so long, s, and the time after which there are no more, s.
@@ -44,7 +45,30 @@ pub struct Timed {
     pub history: History,
 }
 
-/// Runs a scene, a few times where it is `repeated`, without writing anything; the steps of the last time. `None` where it was interrupted.
+/// The steps of a run, with what was read at them.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Recording {
+    /// Names of the faces whose largest tension is read; on rank 0.
+    pub faces: Vec<String>,
+    /// The steps.
+    pub steps: Vec<Step>,
+    /// The reading of each.
+    pub readings: Vec<Reading>,
+}
+
+impl Recording {
+    /// The history of an impactor's mass (kg).
+    fn history(&self, mass: f64) -> History {
+        let mut recorder = Recorder::new(mass);
+        self.steps.iter().for_each(|step| recorder.push(step));
+        let largest = |faces: &[FaceTension]| faces.iter().fold(f64::NAN, |largest, face| largest.max(face.largest));
+        let has_tension = self.readings.iter().any(|reading| !reading.faces.is_empty());
+        let tension = self.readings.iter().filter(|_| has_tension).map(|reading| largest(&reading.faces)).collect();
+        recorder.finish().with_tension(tension)
+    }
+}
+
+/// Runs a scene, a few times where it is `repeated`, without writing anything; the last time is recorded. `None` where it was interrupted.
 /// Collective.
 ///
 /// # Errors
@@ -54,7 +78,7 @@ pub fn time(
     scene: &Scene,
     repeated: bool,
     interrupted: &Rc<dyn Fn() -> bool>,
-) -> Result<Option<(Timed, Vec<Step>)>> {
+) -> Result<Option<(Timed, Recording)>> {
     let (mut builds, mut runs) = (Vec::new(), Vec::new());
     let begin = Instant::now();
     loop {
@@ -72,8 +96,11 @@ pub fn time(
         };
         let mut simulation = Simulation::new(scene, model)?;
         let built = start.elapsed().as_secs_f64();
-        let mut steps = Vec::new();
-        let take = |step: &Step, _: &Reading| steps.push(*step);
+        let mut recording = Recording { faces: simulation.faces().to_vec(), ..Recording::default() };
+        let take = |step: &Step, reading: &Reading| {
+            recording.steps.push(*step);
+            recording.readings.push(reading.clone());
+        };
         let flow = simulation.run_watched(&mut impact::Until { interrupted: &**interrupted, take })?;
         runs.push(start.elapsed().as_secs_f64() - built);
         builds.push(built);
@@ -92,10 +119,8 @@ pub fn time(
             let mut numbers = [median(builds), median(runs), spent];
             comm.mpi().process_at_rank(0).broadcast_into(&mut numbers);
             [timed.build, timed.run, timed.spent] = numbers;
-            let mut recorder = Recorder::new(scene.impactor.mass);
-            steps.iter().for_each(|step| recorder.push(step));
-            timed.history = recorder.finish();
-            return Ok(Some((timed, steps)));
+            timed.history = recording.history(scene.impactor.mass);
+            return Ok(Some((timed, recording)));
         }
     }
 }
