@@ -314,7 +314,7 @@ mod tests {
             let time: Vec<f64> = (0..=6).map(f64::from).collect();
             let acceleration = time.iter().map(|t| t.sin()).collect();
             // What comes after the first contact does not count.
-            let all = time.iter().map(|t| if *t < 3.2 { tension * t.sin() } else { 1e3 }).collect();
+            let all = time.iter().map(|t| if *t < 4.5 { tension * t.sin() } else { 1e3 }).collect();
             History::of_series(time, acceleration, 1.0).with_tension(all)
         };
         assert!((sine(1.03).difference(&sine(1.0)).tension - 0.03).abs() < 1e-12);
