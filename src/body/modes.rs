@@ -85,6 +85,8 @@ pub struct Free {
 pub(crate) struct Forms {
     /// ω², 1/s².
     pub squares: DVector<f64>,
+    /// ω, rad/s; not zero, so that one may divide by it.
+    pub frequencies: DVector<f64>,
     /// K of the supports.
     pub support: DMatrix<f64>,
     /// ∫ k ū of the supports.
@@ -173,9 +175,7 @@ impl Modes {
         if let Some([places, _]) = &self.forms.damped {
             return real_parts(places, z);
         }
-        // A frequency of nothing but rounding is not divided by.
-        let frequency = |square: f64| square.max(f64::MIN_POSITIVE).sqrt();
-        DVector::from_iterator(z.len(), z.iter().zip(&self.forms.squares).map(|(z, s)| z.im / frequency(*s)))
+        DVector::from_iterator(z.len(), z.iter().zip(&self.forms.frequencies).map(|(z, frequency)| z.im / frequency))
     }
 
     /// The fastest of the rates |λ|, 1/s.
@@ -329,6 +329,7 @@ impl Spectrum {
             support_load: of_moving(&self.support_load),
             support_offset: self.support_offset,
             load: of_moving(&self.load),
+            frequencies: squares.map(|square| square.max(f64::MIN_POSITIVE).sqrt()),
             squares,
             rest: rest_energy,
             damped,
@@ -366,6 +367,7 @@ impl Forms {
         let empty = DVector::zeros(0);
         Self {
             squares: empty.clone(),
+            frequencies: empty.clone(),
             support: DMatrix::zeros(0, 0),
             support_load: empty.clone(),
             support_offset: 0.0,

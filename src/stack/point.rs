@@ -74,7 +74,7 @@ impl PointField {
     /// The same without Hertz's field of the loaded layer: on the loaded face without the contact's pressure and its ring of tension
     /// ([`half_space::ring_tension`]), which are steep, and which one does not compare with the strength in bending.
     pub fn smooth_stress(&self, contact_radius: f64) -> Cylindrical {
-        let t = 2.0 * (contact_radius / self.largest).powi(2).min(1.0) - 1.0;
+        let t = Self::variable(contact_radius, self.largest);
         // Clenshaw's recurrence.
         let (mut next, mut after) = ([0.0; 4], [0.0; 4]);
         for of_degree in self.coefficients.iter().skip(1).rev() {
@@ -83,6 +83,26 @@ impl PointField {
         }
         let first = self.coefficients.first().copied().unwrap_or_default();
         let [sum, difference, zz, rz]: [f64; 4] = std::array::from_fn(|i| first[i] + t * next[i] - after[i]);
-        Cylindrical { rr: 0.5 * (sum + difference), tt: 0.5 * (sum - difference), zz, rz }
+        of_bessel([sum, difference, zz, rz])
     }
+
+    /// The coefficients of that, of Chebyshev's polynomials T_0, T_1 and so on of [`Self::variable`].
+    pub fn smooth_coefficients(&self) -> impl Iterator<Item = Cylindrical> {
+        self.coefficients.iter().map(|coefficient| of_bessel(*coefficient))
+    }
+
+    /// The largest contact radius, m.
+    pub fn largest(&self) -> f64 {
+        self.largest
+    }
+
+    /// What the polynomials are of: 2 (r_c/largest)² − 1, no more than 1.
+    pub fn variable(contact_radius: f64, largest: f64) -> f64 {
+        2.0 * (contact_radius / largest).powi(2).min(1.0) - 1.0
+    }
+}
+
+/// From σ_rr + σ_θθ, σ_rr − σ_θθ, σ_zz, σ_rz.
+fn of_bessel([sum, difference, zz, rz]: [f64; 4]) -> Cylindrical {
+    Cylindrical { rr: 0.5 * (sum + difference), tt: 0.5 * (sum - difference), zz, rz }
 }

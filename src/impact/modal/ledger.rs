@@ -101,7 +101,6 @@ pub(super) fn coordinates(modes: &Modes, state: &State) -> (DVector<f64>, DVecto
     if let Some([places, speeds]) = &modes.forms.damped {
         return (real_parts(places, z), real_parts(speeds, z));
     }
-    let count = modes.forms.squares.len();
-    let frequency = |i: usize| modes.forms.squares[i].max(f64::MIN_POSITIVE).sqrt();
-    (DVector::from_fn(count, |i, _| z[i].im / frequency(i)), DVector::from_fn(count, |i, _| z[i].re))
+    let speeds = DVector::from_iterator(z.len(), z.iter().map(|z| z.re));
+    (modes.places(z), speeds)
 }

@@ -5,6 +5,7 @@
 //! largest is half of the other's, and the difference is the estimate of the error, by the steps and by the modes left out.
 
 mod answer;
+mod hit;
 mod ledger;
 mod lift;
 mod motion;
@@ -18,7 +19,6 @@ use std::ops::ControlFlow;
 use crate::body::{Closed, ModalBody, Modes};
 use crate::contact::Law;
 use crate::error::{Error, Result};
-use crate::form::stress::largest_in_plane;
 use crate::scene::{Impactor, Initial, Measure, Scene, Vec3};
 
 use super::checkpoint::Checkpoint;
@@ -29,6 +29,7 @@ use super::step::{Contact, Energy, Motion as ImpactorMotion, Step};
 use super::trajectory::at;
 use super::{Count, Plan, Setting, TimeIntegration};
 use answer::{FreeBody, State};
+use hit::HitTension;
 use ledger::Ledger;
 use motion::Motion;
 pub use motion::Steps;
@@ -228,6 +229,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let gap = gap - state.surface(&modes);
         let impactor = FreeBody { mass, gravity: weight / mass, speed, gap };
         let mut motion = Motion::new(&modes, law.clone(), impactor, steps, state);
+        let of_hit = HitTension::new(&modes, setting.copies);
         let mut done = Done { trace: Trace::default(), steps: Vec::new(), sizes: steps };
         let mut ledger = self.has_energies.then(Ledger::default);
         let mut reader = self.readout.as_ref().filter(|_| observed).map(|readout| Reader::new(readout, &modes));
@@ -256,10 +258,8 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
                 break;
             }
             done.trace.push(time - taken.step, taken.step, taken.force);
-            if let Some((shapes, local)) = &modes.hit_stress {
-                let [values, _] = reading::values(&modes, shapes, &motion);
-                let force = setting.copies * motion.force;
-                done.trace.push_tension(time, largest_in_plane([0, 1, 2].map(|i| values[i] + force * local[i])));
+            if let Some(tension) = &of_hit {
+                done.trace.push_tension(time, tension.at(&motion));
             }
             if observed {
                 if let Some(ledger) = &mut ledger {

@@ -1,5 +1,4 @@
-//! What is read of a body in modal coordinates: probes and fields step by step, the faces' stresses for all steps of a run at once, as the
-//! product of two matrices.
+//! What is read of a body in modal coordinates: probes and fields step by step, the faces' stresses for all steps of a run at once.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -7,7 +6,7 @@ use crate::body::{Modes, Shapes};
 use crate::impact::observer::Observed;
 use crate::impact::reading::{ProbeForms, Reading, Readout, contact};
 use crate::impact::step::Step;
-use crate::space::evaluate::{ContactSize, FaceStresses, Map};
+use crate::space::evaluate::{ContactNow, ContactSize, FaceStresses, Map, TensionSearch};
 
 use super::ledger::coordinates;
 use super::motion::Motion;
@@ -33,9 +32,6 @@ struct Faces<'a> {
     /// Of the steps so far, one after the other.
     weights: Vec<f64>,
 }
-
-/// Steps whose stresses are computed at once: they stay in the cache.
-const BLOCK: usize = 64;
 
 impl<'a> Reader<'a> {
     pub fn new(readout: &'a Readout, modes: &'a Modes) -> Self {
@@ -96,12 +92,16 @@ impl<'a> Reader<'a> {
     /// Adds what takes all steps: the largest tensions on the faces.
     pub fn finish(self, steps: &mut [Observed]) {
         let Some(Faces { faces, stresses, weights }) = self.faces else { return };
+        let contacts: Vec<ContactNow> = steps.iter().map(|step| contact(&self.contact, &step.step)).collect();
         let count = stresses.ncols();
-        for (steps, weights) in steps.chunks_mut(BLOCK).zip(weights.chunks(BLOCK * count)) {
-            let all = &stresses * DMatrix::from_column_slice(count, steps.len(), weights);
-            for (step, stresses) in steps.iter_mut().zip(all.column_iter()) {
-                step.reading.faces = faces.tensions(stresses.as_slice(), &contact(&self.contact, &step.step));
-            }
+        if let Some(search) = TensionSearch::new(faces, count, stresses.transpose().as_slice().to_vec()) {
+            let found = search.tensions(&weights, &contacts);
+            steps.iter_mut().zip(found).for_each(|(step, found)| step.reading.faces = found);
+            return;
+        }
+        for ((step, contact), weights) in steps.iter_mut().zip(&contacts).zip(weights.chunks_exact(count)) {
+            let at_points = &stresses * DVector::from_column_slice(weights);
+            step.reading.faces = faces.tensions(at_points.as_slice(), contact);
         }
     }
 }

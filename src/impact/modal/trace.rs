@@ -23,16 +23,6 @@ impl Trace {
         self.tension.push((time, tension));
     }
 
-    /// The tension at a time, linear between those that are known; NaN where there is none.
-    fn tension_at(&self, time: f64) -> f64 {
-        let next = self.tension.partition_point(|(at, _)| *at < time).min(self.tension.len().saturating_sub(1));
-        let (Some((b, after)), Some((a, before))) = (self.tension.get(next), self.tension.get(next.saturating_sub(1)))
-        else {
-            return f64::NAN;
-        };
-        if b > a { before + (after - before) * ((time - a) / (b - a)).clamp(0.0, 1.0) } else { *after }
-    }
-
     /// Largest of the values.
     pub fn peak(&self) -> f64 {
         self.steps.iter().flat_map(|(_, _, force)| *force).fold(0.0, f64::max)
@@ -40,9 +30,7 @@ impl Trace {
 
     /// F at a time.
     pub fn at(&self, time: f64) -> f64 {
-        let next = self.steps.partition_point(|(begin, _, _)| *begin <= time);
-        let Some((begin, step, force)) = self.steps.get(next.saturating_sub(1)) else { return 0.0 };
-        quadratic(*force, ((time - begin) / step).clamp(0.0, 1.0))
+        Cursor::default().force(self, time)
     }
 
     /// End of the first contact, s; infinite while it lasts.
@@ -56,27 +44,89 @@ impl Trace {
     pub fn difference(&self, other: &Self) -> Errors {
         let peak = self.peak().max(f64::MIN_POSITIVE);
         let end = self.first_end().max(other.first_end());
-        let times = |trace: &Self| {
-            trace.steps.iter().flat_map(|(begin, step, _)| [begin + 0.5 * step, begin + step]).collect::<Vec<f64>>()
-        };
         let mut largest = Errors::default();
-        for time in times(self).into_iter().chain(times(other)) {
-            let off = (self.at(time) - other.at(time)).abs() / peak;
-            largest.history = largest.history.max(off);
-            if time <= end {
-                largest.first_contact = largest.first_contact.max(off);
+        for trace in [self, other] {
+            let (mut of_self, mut of_other) = (Cursor::default(), Cursor::default());
+            for time in trace.steps.iter().flat_map(|(begin, step, _)| [begin + 0.5 * step, begin + step]) {
+                let off = (of_self.force(self, time) - of_other.force(other, time)).abs() / peak;
+                largest.history = largest.history.max(off);
+                if time <= end {
+                    largest.first_contact = largest.first_contact.max(off);
+                }
             }
         }
         // Relative to the largest tension of the first contact.
-        let within = |trace: &Self| trace.tension.iter().filter(|(time, _)| *time <= end).copied().collect::<Vec<_>>();
-        let all = within(self);
-        let most = all.iter().map(|(_, tension)| *tension).fold(0.0, f64::max);
-        largest.stress = match all.is_empty() || other.tension.is_empty() {
+        let within = self.tension.iter().take_while(|(time, _)| *time <= end);
+        let most = within.clone().map(|(_, tension)| *tension).fold(0.0, f64::max);
+        let mut of_other = Cursor::default();
+        largest.stress = match within.clone().next().is_none() || other.tension.is_empty() {
             true => f64::NAN,
-            false => {
-                all.iter().map(|(time, tension)| (tension - other.tension_at(*time)).abs() / most).fold(0.0, f64::max)
-            }
+            false => within
+                .map(|(time, tension)| (tension - of_other.tension(other, *time)).abs() / most)
+                .fold(0.0, f64::max),
         };
         largest
+    }
+}
+
+/// A place in a trace that is read at times one after the other: mostly it stays or goes on by one.
+#[derive(Default)]
+struct Cursor {
+    /// How many steps begin, or tensions lie, before the last time asked for.
+    passed: usize,
+}
+
+impl Cursor {
+    /// Counts the sorted entries before a time.
+    fn pass<T>(&mut self, entries: &[T], is_before: impl Fn(&T) -> bool) -> usize {
+        while entries.get(self.passed).is_some_and(&is_before) {
+            self.passed += 1;
+        }
+        while self.passed > 0 && !is_before(&entries[self.passed - 1]) {
+            self.passed -= 1;
+        }
+        self.passed
+    }
+
+    /// F at a time.
+    fn force(&mut self, trace: &Trace, time: f64) -> f64 {
+        let next = self.pass(&trace.steps, |(begin, _, _)| *begin <= time);
+        let Some((begin, step, force)) = trace.steps.get(next.saturating_sub(1)) else { return 0.0 };
+        quadratic(*force, ((time - begin) / step).clamp(0.0, 1.0))
+    }
+
+    /// The tension at a time, linear between those that are known; NaN where there is none.
+    fn tension(&mut self, trace: &Trace, time: f64) -> f64 {
+        let known = &trace.tension;
+        let next = self.pass(known, |(at, _)| *at < time).min(known.len().saturating_sub(1));
+        let (Some((b, after)), Some((a, before))) = (known.get(next), known.get(next.saturating_sub(1))) else {
+            return f64::NAN;
+        };
+        if b > a { before + (after - before) * ((time - a) / (b - a)).clamp(0.0, 1.0) } else { *after }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cursor finds what a search in the whole trace finds, at times in any order.
+    #[test]
+    fn cursors_read_as_searches_do() {
+        let mut trace = Trace::default();
+        for i in 0..40 {
+            let begin = 0.1 * f64::from(i);
+            let values = [0.0, 0.05, 0.1].map(|more| (begin + more).sin());
+            trace.push(begin, 0.1, values);
+            trace.push_tension(begin + 0.1, (begin + 0.1).cos());
+        }
+        let (mut force, mut tension) = (Cursor::default(), Cursor::default());
+        for time in [-1.0, 0.0, 0.03, 0.1, 0.17, 2.9, 2.95, 1.0, 0.4, 3.99, 4.5, 0.05] {
+            assert_eq!(force.force(&trace, time), Cursor::default().force(&trace, time));
+            // The linear interpolant of a cosine, off by h²/8 at most, and what is beyond the ends as there.
+            let exact = f64::clamp(time, 0.1, 4.0).cos();
+            assert!((tension.tension(&trace, time) - exact).abs() < 0.1 * 0.1 / 8.0 + 1e-15, "{time}");
+        }
+        assert!(Cursor::default().tension(&Trace::default(), 0.0).is_nan());
     }
 }

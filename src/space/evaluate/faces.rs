@@ -21,7 +21,7 @@ const NEAR: f64 = 1.25;
 const REACH: f64 = 2.0;
 
 /// Difference of two stresses over them that may be rounding.
-const ALIKE: f64 = 1e-6;
+pub(super) const ALIKE: f64 = 1e-6;
 
 /// Where stresses are read for the largest tension on each face; one rank has them.
 #[derive(Clone)]
@@ -91,6 +91,42 @@ impl Face {
             let local = near.recovered(*x, recovered.samples(self.first + number));
             self.local.extend(local.map(|local| (number, local.without_ring())));
         }
+    }
+}
+
+impl Face {
+    /// The largest principal stress at one of its points, of the stresses sampled there and the contact; NaN where it is not read.
+    pub(super) fn value(&self, point: usize, sampled: &[f64], contact: &ContactNow) -> f64 {
+        if self.left_out[point] {
+            return f64::NAN;
+        }
+        let local = self.local_at(point).filter(|_| contact.force > 0.0).map(|local| local.stress(contact));
+        let of = |i: usize, component: usize| self.sign * sampled[i] + local.map_or(0.0, |local| local[component]);
+        match (sampled.len(), &self.grid) {
+            (3, Some(FaceGrid { axes: [a, b], .. })) => {
+                largest_in_plane([of(0, *a), of(1, *b), of(2, place(*a, *b))])
+            }
+            (6, _) => largest_principal(std::array::from_fn(|i| of(i, i))),
+            _ => f64::NAN,
+        }
+    }
+
+    fn local_at(&self, point: usize) -> Option<&LocalPoint> {
+        self.local.binary_search_by_key(&point, |(of, _)| *of).ok().map(|at| &self.local[at].1)
+    }
+
+    /// The largest value of points, which are read and ascend, at the first of those that have it but for rounding, as points that mirror
+    /// each other do; on a grid lifted by its neighbours.
+    pub(super) fn largest(&self, points: impl Iterator<Item = usize>, value: impl Fn(usize) -> f64) -> FaceTension {
+        let values: Vec<(usize, f64)> = points.map(|point| (point, value(point))).collect();
+        let most = values.iter().map(|(_, value)| *value).fold(f64::NAN, f64::max);
+        let first = values.into_iter().find(|(_, value)| *value >= most - ALIKE * most.abs());
+        let (point, largest) = first.unwrap_or((0, f64::NAN));
+        let mut found = FaceTension { largest, point: self.points.get(point).copied().unwrap_or_default() };
+        if let Some(grid) = &self.grid {
+            grid.refine(point, largest, value, &mut found);
+        }
+        found
     }
 }
 
@@ -207,48 +243,12 @@ impl FaceStresses {
     /// The largest tension on each face, of the stresses at the sampled points and the contact.
     pub fn tensions(&self, stresses: &[f64], contact: &ContactNow) -> Vec<FaceTension> {
         let components = self.map.components();
-        let each = |face: &Face| {
-            let closed = if contact.force > 0.0 { &face.local[..] } else { &[] };
-            let local: Vec<(usize, Vec<f64>)> = closed
-                .iter()
-                .map(|(point, local)| {
-                    let all = local.stress(contact);
-                    let stress = match &face.grid {
-                        Some(FaceGrid { axes: [a, b], .. }) => vec![all[*a], all[*b], all[place(*a, *b)]],
-                        None => all.to_vec(),
-                    };
-                    (*point, stress)
-                })
-                .collect();
-            let value = |point: usize| {
-                let start = components * (face.first + point);
-                let mut stress = [0.0; 6];
-                let stress = &mut stress[..components];
-                stress.iter_mut().zip(&stresses[start..]).for_each(|(to, from)| *to = face.sign * from);
-                if let Ok(at) = local.binary_search_by_key(&point, |(of, _)| *of) {
-                    stress.iter_mut().zip(&local[at].1).for_each(|(to, more)| *to += more);
-                }
-                match *stress {
-                    [a, b, ab] => largest_in_plane([a, b, ab]),
-                    [xx, yy, zz, yz, xz, xy] => largest_principal([xx, yy, zz, yz, xz, xy]),
-                    _ => f64::NAN,
-                }
-            };
-            let value = |point: usize| if face.left_out[point] { f64::NAN } else { value(point) };
-            let read = (0..face.points.len()).filter(|point| !face.left_out[*point]);
-            let best = read.map(|point| (value(point), point));
-            // Of points that are alike but for rounding, as those that mirror each other, the first.
-            let higher = |one: (f64, usize), other: (f64, usize)| {
-                if other.0 > one.0 + ALIKE * one.0.abs() { other } else { one }
-            };
-            let (largest, point) = best.reduce(higher).unwrap_or((f64::NAN, 0));
-            let mut found = FaceTension { largest, point: face.points.get(point).copied().unwrap_or_default() };
-            if let Some(grid) = &face.grid {
-                grid.refine(point, largest, value, &mut found);
-            }
-            found
+        let sampled = |number: usize| &stresses[components * number..components * (number + 1)];
+        let of_face = |face: &Face| {
+            let value = |point: usize| face.value(point, sampled(face.first + point), contact);
+            face.largest((0..face.points.len()).filter(|point| !face.left_out[*point]), value)
         };
-        self.faces.iter().map(each).collect()
+        self.faces.iter().map(of_face).collect()
     }
 
     /// The map as a dense matrix, where the body moves on a basis: how many coordinates there are, and the entries row by row.

@@ -5,14 +5,16 @@ mod grid;
 mod map;
 mod near;
 mod sampler;
+mod search;
 mod smoothed;
 mod stress_map;
 
-pub use faces::{Face, FaceStresses, FaceTension};
+pub use faces::{Face, FaceGrid, FaceStresses, FaceTension};
 pub use grid::Grid;
 pub use map::Map;
 pub use near::{ContactNow, ContactSize, Hit, LocalPoint, NearHit};
 pub use sampler::{FieldSampler, Fields};
+pub use search::TensionSearch;
 pub use smoothed::Add;
 pub use stress_map::StressMap;
 

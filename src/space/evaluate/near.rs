@@ -262,6 +262,18 @@ impl LocalPoint {
         Self { has_ring: false, ..self }
     }
 
+    /// Without the ring: for 1 N the coefficients of Chebyshev's polynomials of 2 (r_c/largest)² − 1, Pa, up to the largest contact
+    /// radius (m) of the field. `None` with the ring, which is no polynomial.
+    pub(super) fn polynomial(&self) -> Option<(f64, Vec<[f64; 6]>)> {
+        let coefficients = self.field.smooth_coefficients().map(|field| field.cartesian(self.radial, self.inward));
+        let mut coefficients: Vec<[f64; 6]> = coefficients.collect();
+        if coefficients.is_empty() {
+            coefficients.push([0.0; 6]);
+        }
+        coefficients[0].iter_mut().zip(self.lost).for_each(|(sum, lost)| *sum += lost);
+        (!self.has_ring).then(|| (self.field.largest(), coefficients))
+    }
+
     /// The stresses that the contact adds, Pa.
     pub fn stress(&self, contact: &ContactNow) -> [f64; 6] {
         let field = match self.has_ring {

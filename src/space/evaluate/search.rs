@@ -1,0 +1,227 @@
+//! The largest tensions of many steps at once, on the faces of a box that moves in few coordinates.
+//!
+//! At most steps all but a few points of a face are far below its largest tension. Therefore the stresses at all points are computed in
+//! single precision, as one product of matrices for a block of steps, and in double precision at those points alone whose tension is
+//! the largest or may be, by a bound of the rounding: what is found is what a search of all points in double precision finds.
+//!
+//! *The bound.* Coordinates w_i are scaled by ρ_i, the largest stress at any point for w_i = 1, and by S = Σ ρ_i |w_i|. Then each stress
+//! over S is a sum of n products whose absolute values sum to 1 at most; in arithmetic of unit roundoff u it is off by (n + 4) u at most,
+//! roundings of the factors included (Higham, Accuracy and Stability of Numerical Algorithms, §3.1). The principal stress m + √(d² + s²) is off by no more than the
+//! errors of m, d and s together, and by its own few roundings.
+
+use nalgebra::{DMatrix, Dyn, MatrixView};
+
+use crate::form::stress::place;
+use crate::stack::PointField;
+
+use super::faces::ALIKE;
+use super::{ContactNow, Face, FaceGrid, FaceStresses, FaceTension};
+
+/// Steps whose stresses are computed at once: they stay in the cache.
+const BLOCK: usize = 64;
+
+/// Values of which the largest is kept together, a power of two for the processor's vectors.
+const LANES: usize = 16;
+
+/// Unit roundoff of single precision.
+const ROUNDOFF: f64 = 0.5 * f32::EPSILON as f64;
+
+/// Roundings of a principal stress of its three parts, with room.
+const OF_PRINCIPAL: f64 = 32.0;
+
+/// A search on all faces of a box.
+pub struct TensionSearch<'a> {
+    faces: &'a FaceStresses,
+    /// What the local fields add at points near the hit, face by face.
+    local: Vec<LocalRows>,
+    /// How many coordinates there are.
+    count: usize,
+    /// Stresses a, b and ab at the sampled points for 1 of each coordinate, a row each.
+    rows: Vec<f64>,
+    /// ρ.
+    scales: Vec<f64>,
+    /// For 1/ρ of each coordinate, a column each: (a + b)/2 of all sampled points, then (a − b)/2, then ab.
+    scaled: DMatrix<f32>,
+}
+
+/// What the local field adds on a face, as polynomials of the contact's radius.
+struct LocalRows {
+    /// Contact radius up to which they hold, m.
+    largest: f64,
+    /// How many coefficients each has.
+    terms: usize,
+    /// By point the coefficients for 1 N of (a + b)/2, (a − b)/2 and ab, Pa.
+    points: Vec<(usize, Vec<[f64; 3]>)>,
+}
+
+impl LocalRows {
+    /// `None` where fields are no such polynomials.
+    fn new(face: &Face) -> Option<Self> {
+        let FaceGrid { axes: [a, b], .. } = face.grid.as_ref()?;
+        let mut rows = Self { largest: 1.0, terms: 0, points: Vec::new() };
+        for (point, local) in &face.local {
+            let (largest, coefficients) = local.polynomial()?;
+            if !rows.points.is_empty() && largest != rows.largest {
+                return None;
+            }
+            rows.largest = largest;
+            rows.terms = rows.terms.max(coefficients.len());
+            let parts = coefficients.iter().map(|all| parts([all[*a], all[*b], all[place(*a, *b)]]));
+            rows.points.push((*point, parts.collect()));
+        }
+        Some(rows)
+    }
+
+    /// What is added at its points under a contact, in their order.
+    fn under(&self, contact: &ContactNow) -> impl Iterator<Item = (usize, [f64; 3])> {
+        let t = PointField::variable(contact.radius, self.largest);
+        let mut polynomials = vec![contact.force, contact.force * t];
+        for k in 2..self.terms {
+            polynomials.push(2.0 * t * polynomials[k - 1] - polynomials[k - 2]);
+        }
+        self.points.iter().map(move |(point, coefficients)| {
+            let mut sum = [0.0; 3];
+            for (factor, of_degree) in polynomials.iter().zip(coefficients) {
+                (0..3).for_each(|i| sum[i] += factor * of_degree[i]);
+            }
+            (*point, sum)
+        })
+    }
+}
+
+/// (a + b)/2, (a − b)/2 and ab of a, b and ab.
+fn parts([a, b, ab]: [f64; 3]) -> [f64; 3] {
+    [0.5 * (a + b), 0.5 * (a - b), ab]
+}
+
+impl<'a> TensionSearch<'a> {
+    /// Of stresses for 1 of each of `count` coordinates at the sampled points, a row for each component a, b and ab; `None` but for faces of
+    /// a box.
+    pub fn new(faces: &'a FaceStresses, count: usize, rows: Vec<f64>) -> Option<Self> {
+        let local = faces.faces.iter().map(LocalRows::new).collect::<Option<Vec<_>>>()?;
+        if faces.map.components() != 3 || count == 0 {
+            return None;
+        }
+        let sampled = rows.len() / (3 * count);
+        let of_point = |point: usize, coordinate: usize| {
+            parts([0, 1, 2].map(|component| rows[(3 * point + component) * count + coordinate]))
+        };
+        let scale = |coordinate: usize| {
+            let largest = (0..sampled).flat_map(|point| of_point(point, coordinate)).map(f64::abs);
+            largest.fold(0.0, f64::max)
+        };
+        let scales: Vec<f64> = (0..count).map(scale).collect();
+        let mut scaled = DMatrix::zeros(3 * sampled, count);
+        for (coordinate, scale) in scales.iter().enumerate().filter(|(_, scale)| **scale > 0.0) {
+            for point in 0..sampled {
+                for (part, stress) in of_point(point, coordinate).into_iter().enumerate() {
+                    scaled[(part * sampled + point, coordinate)] = (stress / scale) as f32;
+                }
+            }
+        }
+        Some(Self { faces, local, count, rows, scales, scaled })
+    }
+
+    /// The largest tension on each face at some steps, of their coordinates, one step after the other, and contacts.
+    pub fn tensions(&self, coordinates: &[f64], contacts: &[ContactNow]) -> Vec<Vec<FaceTension>> {
+        let mut found = Vec::with_capacity(contacts.len());
+        let mut seen = Seen::default();
+        for (coordinates, contacts) in coordinates.chunks(BLOCK * self.count).zip(contacts.chunks(BLOCK)) {
+            let (mut sizes, mut scaled) = (Vec::with_capacity(BLOCK), Vec::with_capacity(coordinates.len()));
+            for of_step in coordinates.chunks(self.count) {
+                let size: f64 = of_step.iter().zip(&self.scales).map(|(w, scale)| (w * scale).abs()).sum();
+                let over = if size > 0.0 { size } else { 1.0 };
+                scaled.extend(of_step.iter().zip(&self.scales).map(|(w, scale)| (w * scale / over) as f32));
+                sizes.push(size);
+            }
+            let all = &self.scaled * MatrixView::<f32, Dyn, Dyn>::from_slice(&scaled, self.count, contacts.len());
+            for (step, contact) in contacts.iter().enumerate() {
+                let of_step = &coordinates[step * self.count..(step + 1) * self.count];
+                let column = all.column(step);
+                let column = column.as_slice();
+                let each = self.faces.faces.iter().zip(&self.local).map(|(face, local)| {
+                    seen.look(face, local, (column, sizes[step]), contact);
+                    let bound = self.bound(seen.top);
+                    let value = |point: usize| face.value(point, &self.sampled(face.first + point, of_step), contact);
+                    // (Where nothing is known of the size, all points are looked at.)
+                    let all = !(sizes[step] > f64::MIN_POSITIVE && seen.top.is_finite());
+                    let least = if all { f32::NEG_INFINITY } else { seen.top - bound };
+                    face.largest(seen.from(least).filter(|point| !face.left_out[*point]), value)
+                });
+                found.push(each.collect());
+            }
+        }
+        found
+    }
+
+    /// By how much a tension over S that was the largest may lie below the highest one seen.
+    fn bound(&self, top: f32) -> f32 {
+        let error = (3.0 * (self.count as f64 + 4.0) + OF_PRINCIPAL) * ROUNDOFF;
+        // Both may be off; and points count as alike that differ by a part.
+        let of_top = (2.0 * ALIKE + OF_PRINCIPAL * ROUNDOFF) * f64::from(top.abs()).max(1.0);
+        (2.0 * error + of_top) as f32
+    }
+
+    /// Stresses at a sampled point in double precision.
+    fn sampled(&self, number: usize, coordinates: &[f64]) -> [f64; 3] {
+        [0, 1, 2].map(|component| {
+            let start = (3 * number + component) * self.count;
+            product(&self.rows[start..start + self.count], coordinates)
+        })
+    }
+}
+
+/// Σ a_i b_i, four sums at a time for the processor's vectors.
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 4];
+    let ends = a.chunks_exact(4).remainder().iter().zip(b.chunks_exact(4).remainder());
+    let rest: f64 = ends.map(|(a, b)| a * b).sum();
+    for (a, b) in a.chunks_exact(4).zip(b.chunks_exact(4)) {
+        (0..4).for_each(|i| sums[i] += a[i] * b[i]);
+    }
+    sums[0] + sums[1] + (sums[2] + sums[3]) + rest
+}
+
+/// Tensions over S at all points of a face, in single precision.
+#[derive(Default)]
+struct Seen {
+    values: Vec<f32>,
+    /// The largest of each so many values.
+    tops: Vec<f32>,
+    /// The largest of all.
+    top: f32,
+}
+
+impl Seen {
+    /// Looks at a face, whose stresses over the size S are parts of a column.
+    fn look(&mut self, face: &Face, local: &LocalRows, (column, size): (&[f32], f64), contact: &ContactNow) {
+        let (sampled, range) = (column.len() / 3, face.first..face.first + face.points.len());
+        let [mean, half, shear] = [0, 1, 2].map(|part| &column[part * sampled..][range.clone()]);
+        let sign = face.sign as f32;
+        self.values.clear();
+        let of_parts = mean.iter().zip(half).zip(shear);
+        self.values.extend(of_parts.map(|((m, d), s)| sign * m + (d * d + s * s).sqrt()));
+        if contact.force > 0.0 {
+            for (point, more) in local.under(contact) {
+                let of = |part: usize, stress: f32| f64::from(sign * stress) + more[part] / size;
+                let [m, d, s] = [of(0, mean[point]), of(1, half[point]), of(2, shear[point])];
+                self.values[point] = (m + (d * d + s * s).sqrt()) as f32;
+            }
+        }
+        let left_out = face.left_out.iter().zip(&mut self.values).filter(|(is_left_out, _)| **is_left_out);
+        left_out.for_each(|(_, value)| *value = f32::NEG_INFINITY);
+        self.tops.clear();
+        let larger = |a: f32, b: f32| if b > a { b } else { a };
+        self.tops.extend(self.values.chunks(LANES).map(|some| some.iter().copied().fold(f32::NEG_INFINITY, larger)));
+        self.top = self.tops.iter().copied().fold(f32::NEG_INFINITY, larger);
+    }
+
+    /// The points whose values are no lower than some value.
+    fn from(&self, least: f32) -> impl Iterator<Item = usize> {
+        let some = self.values.chunks(LANES).enumerate().zip(&self.tops).filter(move |(_, top)| **top >= least);
+        some.flat_map(move |((chunk, values), _)| {
+            let those = values.iter().enumerate().filter(move |(_, value)| **value >= least);
+            those.map(move |(i, _)| LANES * chunk + i)
+        })
+    }
+}
