@@ -87,8 +87,9 @@ pub(crate) struct Forms {
     pub squares: DVector<f64>,
     /// ω, rad/s; not zero, so that one may divide by it.
     pub frequencies: DVector<f64>,
-    /// K of the supports.
+    /// K of the supports, and whether it is anything but zero.
     pub support: DMatrix<f64>,
+    pub has_support: bool,
     /// ∫ k ū of the supports.
     pub support_load: DVector<f64>,
     /// ½ ∫ k ū·ū, J.
@@ -324,8 +325,10 @@ impl Spectrum {
             }
             ModalFoundation { points, inputs }
         });
+        let support = block(&self.support);
         let forms = Forms {
-            support: block(&self.support),
+            has_support: support.iter().any(|entry| *entry != 0.0),
+            support,
             support_load: of_moving(&self.support_load),
             support_offset: self.support_offset,
             load: of_moving(&self.load),
@@ -369,6 +372,7 @@ impl Forms {
             squares: empty.clone(),
             frequencies: empty.clone(),
             support: DMatrix::zeros(0, 0),
+            has_support: false,
             support_load: empty.clone(),
             support_offset: 0.0,
             load: empty,

@@ -114,6 +114,12 @@ impl Law {
         self.state(approach).tangent
     }
 
+    /// F at rest and dF/dδ, N and N/m.
+    pub fn force_and_tangent(&self, approach: f64) -> (f64, f64) {
+        let state = self.state(approach);
+        (state.extended(), state.tangent)
+    }
+
     /// The largest tangent at rest up to an indentation (m), N/m: as far as the law holds.
     pub fn steepest(&self, indentation: f64) -> f64 {
         let slope = self.force_law.steepest(indentation);

@@ -154,7 +154,7 @@ impl LocalField {
         let centre = 1.0 + 2.0 * (SHALLOW * first / largest).powi(2);
         let decay = (centre + (centre * centre - 1.0).sqrt()).ln();
         let terms = ((20.7 / decay).ceil() + 1.0).clamp(4.0, 24.0) as usize;
-        let rule = gauss_legendre(POINTS);
+        let (rule, chebyshev) = (gauss_legendre(POINTS), Chebyshev::new(terms));
         let mut nodes = Vec::new();
         for ends in panels(&stack, carrier.reach()).windows(2) {
             let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
@@ -174,7 +174,7 @@ impl LocalField {
                             _ => 1.0,
                         },
                     smooth: smooth_transform(wavenumber * height),
-                    contact: chebyshev(terms, |square| hertz_wave(wavenumber * largest * square.sqrt())),
+                    contact: chebyshev.coefficients(|square| hertz_wave(wavenumber * largest * square.sqrt())),
                 }
             }));
         }
@@ -213,13 +213,29 @@ fn panels(stack: &Stack, disc: f64) -> Vec<f64> {
     std::iter::once(0.0).chain(fine).chain((1..=count as usize).map(|i| width * i as f64)).collect()
 }
 
-/// Coefficients of Chebyshev's polynomials of 2q − 1 for a function of q in [0, 1], by interpolation at their roots.
-fn chebyshev(terms: usize, f: impl Fn(f64) -> f64) -> Vec<f64> {
-    let angle = |k: usize| PI * (k as f64 + 0.5) / terms as f64;
-    let values: Vec<f64> = (0..terms).map(|k| f(0.5 + 0.5 * angle(k).cos())).collect();
-    let coefficient = |degree: usize| {
-        let sum: f64 = values.iter().enumerate().map(|(k, value)| value * (degree as f64 * angle(k)).cos()).sum();
-        sum * if degree == 0 { 1.0 } else { 2.0 } / terms as f64
-    };
-    (0..terms).map(coefficient).collect()
+/// What makes coefficients of Chebyshev's polynomials of 2q − 1 for functions of q in [0, 1], by interpolation at their roots.
+struct Chebyshev {
+    /// q at the roots.
+    roots: Vec<f64>,
+    /// The weights of the values at the roots in each coefficient.
+    weights: Vec<Vec<f64>>,
+}
+
+impl Chebyshev {
+    fn new(terms: usize) -> Self {
+        let angle = |k: usize| PI * (k as f64 + 0.5) / terms as f64;
+        let weight = |degree: usize, k: usize| {
+            (degree as f64 * angle(k)).cos() * if degree == 0 { 1.0 } else { 2.0 } / terms as f64
+        };
+        Self {
+            roots: (0..terms).map(|k| 0.5 + 0.5 * angle(k).cos()).collect(),
+            weights: (0..terms).map(|degree| (0..terms).map(|k| weight(degree, k)).collect()).collect(),
+        }
+    }
+
+    fn coefficients(&self, f: impl Fn(f64) -> f64) -> Vec<f64> {
+        let values: Vec<f64> = self.roots.iter().map(|q| f(*q)).collect();
+        let coefficient = |weights: &Vec<f64>| weights.iter().zip(&values).map(|(weight, value)| weight * value).sum();
+        self.weights.iter().map(coefficient).collect()
+    }
 }

@@ -93,13 +93,35 @@ impl State {
         let fallen = time * (self.impactor[1] + 0.5 * impactor.gravity * time);
         self.impactor[0] + fallen - impactor.gap - free - moved
     }
+}
 
-    /// The rate of [`State::surface`] under a force (N), m/s.
-    pub fn surface_rate(&self, modes: &Modes, force: f64) -> f64 {
-        let rate = |(mode, z): (&crate::body::Mode, &Complex<f64>)| {
-            real_product(mode.output, mode.rate * z + mode.input * force + mode.load)
+/// The rate of [`State::surface`], which is asked for at each step, as a form on the state.
+pub struct SurfaceRate {
+    /// c λ of each coordinate.
+    of_modes: Vec<Complex<f64>>,
+    /// Re Σ c b, m/(N s).
+    of_force: f64,
+    /// Re Σ c g, m/s.
+    of_load: f64,
+}
+
+impl SurfaceRate {
+    /// Of a body.
+    pub fn new(modes: &Modes) -> Self {
+        let sum = |of: &dyn Fn(&crate::body::Mode) -> Complex<f64>| -> f64 {
+            modes.modes.iter().map(|mode| real_product(mode.output, of(mode))).sum()
         };
-        modes.modes.iter().zip(&self.modes).map(rate).sum::<f64>() + self.free[1]
+        Self {
+            of_modes: modes.modes.iter().map(|mode| mode.output * mode.rate).collect(),
+            of_force: sum(&|mode| mode.input),
+            of_load: sum(&|mode| mode.load),
+        }
+    }
+
+    /// The rate under a force (N), m/s.
+    pub fn at(&self, state: &State, force: f64) -> f64 {
+        let moved: f64 = self.of_modes.iter().zip(&state.modes).map(|(row, z)| real_product(*row, *z)).sum();
+        moved + self.of_force * force + self.of_load + state.free[1]
     }
 }
 
@@ -111,8 +133,6 @@ pub(super) fn real_product(a: Complex<f64>, b: Complex<f64>) -> f64 {
 /// One look at a step: δ there is δ of the state left alone, less the answers to the force's three values.
 struct Look {
     tau: f64,
-    /// c e^{λτh} by coordinate: first all real parts, then all imaginary ones, so that the sums run over vectors.
-    rows: (Vec<f64>, Vec<f64>),
     /// What loads move the surface away from the impactor, whose weight moves it closer, m.
     load: f64,
     /// δ's answer to F at 0, h/2 and h, m/N.
@@ -133,6 +153,8 @@ pub struct Answer {
     /// h, s.
     pub step: f64,
     looks: Vec<Look>,
+    /// Re and Im of c e^{λτh} at all looks, by coordinate: four sums at a time, which a processor's vectors hold.
+    rows: Vec<[[f64; 4]; 2]>,
     /// e^{λh}, and the weights of the force's values with b h in them, by coordinate.
     growth: Vec<Complex<f64>>,
     inputs: Vec<[Complex<f64>; 3]>,
@@ -149,7 +171,6 @@ impl Answer {
                 let way = free_weights(tau).1.map(|w| w * step * step);
                 Look {
                     tau,
-                    rows: (Vec::with_capacity(count), Vec::with_capacity(count)),
                     load: 0.5 * (modes.free.load - impactor.gravity) * (tau * step).powi(2),
                     answers: way.map(|w| w * (modes.free.mobility + 1.0 / impactor.mass)),
                     coordinates: Vec::new(),
@@ -159,6 +180,7 @@ impl Answer {
         let mut answer = Self {
             step,
             looks: Vec::new(),
+            rows: Vec::with_capacity(count),
             growth: Vec::with_capacity(count),
             inputs: Vec::with_capacity(count),
             loads: Vec::with_capacity(count),
@@ -169,10 +191,10 @@ impl Answer {
             let half = doubled(quarter, y * 0.25);
             let of_looks = [quarter, half, phi(y * 0.75), doubled(half, y * 0.5)];
             let of_force = mode.output * mode.input * step;
-            for (look, phi) in looks.iter_mut().zip(of_looks) {
+            let mut rows = [[0.0; 4]; 2];
+            for (k, (look, phi)) in looks.iter_mut().zip(of_looks).enumerate() {
                 let row = mode.output * (phi[0] * y * look.tau + 1.0);
-                look.rows.0.push(row.re);
-                look.rows.1.push(row.im);
+                (rows[0][k], rows[1][k]) = (row.re, row.im);
                 look.load += real_product(mode.output, mode.load * phi[0]) * look.tau * step;
                 let weights = weights(phi, look.tau);
                 for (answer, weight) in look.answers.iter_mut().zip(weights) {
@@ -186,6 +208,7 @@ impl Answer {
                     });
                 }
             }
+            answer.rows.push(rows);
             let [_, _, _, whole] = of_looks;
             answer.growth.push(whole[0] * y + 1.0);
             answer.inputs.push(weights(whole, 1.0).map(|w| mode.input * w * step));
@@ -197,13 +220,15 @@ impl Answer {
 
     /// δ at every look, m, with no force: `gap` in m.
     pub fn free(&self, state: &State, gap: f64) -> [f64; 4] {
+        let mut moved = [0.0; 4];
+        for ([real, imaginary], z) in self.rows.iter().zip(&state.modes) {
+            (0..4).for_each(|k| moved[k] += real[k] * z.re - imaginary[k] * z.im);
+        }
         [0, 1, 2, 3].map(|k| {
-            let Look { tau, rows: (real, imaginary), load, .. } = &self.looks[k];
+            let Look { tau, load, .. } = &self.looks[k];
             let t = tau * self.step;
-            let moved: f64 =
-                real.iter().zip(imaginary).zip(&state.modes).map(|((re, im), z)| re * z.re - im * z.im).sum();
             let impactor = state.impactor[0] + t * state.impactor[1];
-            impactor - gap - (state.free[0] + t * state.free[1] + load + moved)
+            impactor - gap - (state.free[0] + t * state.free[1] + load + moved[k])
         })
     }
 
@@ -230,9 +255,13 @@ impl Answer {
     /// The state at the end under the force's three values, N.
     pub fn advance(&self, state: &mut State, modes: &Modes, impactor: &FreeBody, force: [f64; 3]) {
         let h = self.step;
-        for (i, z) in state.modes.iter_mut().enumerate() {
-            let [a, b, c] = self.inputs[i];
-            *z = self.growth[i] * *z + self.loads[i] + a * force[0] + b * force[1] + c * force[2];
+        let left_alone = state.modes.iter_mut().zip(&self.growth).zip(&self.loads);
+        if force == [0.0; 3] {
+            left_alone.for_each(|((z, growth), load)| *z = growth * *z + load);
+        } else {
+            for (((z, growth), load), [a, b, c]) in left_alone.zip(&self.inputs) {
+                *z = growth * *z + load + a * force[0] + b * force[1] + c * force[2];
+            }
         }
         let (velocity, way) = free_weights(1.0);
         let sum = |w: [f64; 3]| w[0] * force[0] + w[1] * force[1] + w[2] * force[2];

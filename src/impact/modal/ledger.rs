@@ -58,7 +58,7 @@ impl Ledger {
     ) -> Energy {
         let forms = &modes.forms;
         let (x, v) = coordinates(modes, state);
-        let of_support = 0.5 * x.dot(&(&forms.support * &x));
+        let of_support = if forms.has_support { 0.5 * x.dot(&(&forms.support * &x)) } else { 0.0 };
         let support = of_support - forms.support_load.dot(&x) + forms.support_offset - absent;
         let bent = 0.5 * forms.squares.iter().zip(&x).map(|(square, x)| square * x * x).sum::<f64>();
         let elastic = bent - of_support + 0.5 * modes.residual * force * force + state.settled * forms.rest;

@@ -33,7 +33,7 @@ use hit::HitTension;
 use ledger::Ledger;
 use motion::Motion;
 pub use motion::Steps;
-use reading::Reader;
+use reading::{FacesOfSteps, Reader};
 pub use trace::Trace;
 
 /// Modes up to this over the largest step take part in the motion.
@@ -82,6 +82,8 @@ struct Done {
     trace: Trace,
     steps: Vec<Observed>,
     sizes: Steps,
+    /// What is still to be read of the steps.
+    faces: Option<FacesOfSteps>,
 }
 
 impl<B: Borrow<ModalBody>> ModalImpact<B> {
@@ -120,8 +122,11 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
 
     /// All steps are there before the first is told: those up to an interruption are told to their end.
     fn observed(&mut self, observer: &mut dyn Observer) -> Result<ControlFlow<()>> {
-        let Done { trace, steps, sizes } = self.done(observer)?;
+        let Done { trace, mut steps, sizes, faces } = self.done(true, observer)?;
         self.last = Some((trace, sizes));
+        if let (Some(faces), Some(readout)) = (faces, &self.readout) {
+            faces.read(readout, &mut steps);
+        }
         let mut flow = ControlFlow::Continue(());
         for step in &steps {
             if self.gate.tell(step, observer)?.is_break() {
@@ -150,25 +155,26 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let nobody = &mut |_: &Step| Ok(ControlFlow::Continue(()));
         let done = match steps {
             Some(steps) => self.once(steps, false, nobody)?,
-            None => self.done(nobody)?,
+            None => self.done(false, nobody)?,
         };
         Ok((done.trace, done.sizes))
     }
 
-    fn done(&mut self, observer: &mut dyn Observer) -> Result<Done> {
+    /// A run in the scene's steps; with them as observers see them, or with the force alone.
+    fn done(&mut self, observed: bool, observer: &mut dyn Observer) -> Result<Done> {
         match self.step {
             Some(step) => {
                 let guess = Steps { largest: step, defect: None, peak: self.guess() };
-                let done = self.once(guess, true, observer)?;
+                let done = self.once(guess, observed, observer)?;
                 let peak = done.trace.peak();
                 // A contact that is harder than thought is stiffer, too.
                 if peak <= guess.peak {
                     Ok(done)
                 } else {
-                    self.once(Steps { peak: 1.1 * peak, ..guess }, true, observer)
+                    self.once(Steps { peak: 1.1 * peak, ..guess }, observed, observer)
                 }
             }
-            None => self.controlled(observer),
+            None => self.controlled(observed, observer),
         }
     }
 
@@ -178,7 +184,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
     }
 
     /// Halves the steps until the tolerance is met in the first contact.
-    fn controlled(&mut self, observer: &mut dyn Observer) -> Result<Done> {
+    fn controlled(&mut self, observed: bool, observer: &mut dyn Observer) -> Result<Done> {
         let contact = self.contact_time;
         let resolving = RESOLVED / self.body.borrow().stiffened();
         let mut largest = (2.0 * FIRST * self.tolerance.cbrt() * contact).min(0.5 * self.end).min(resolving);
@@ -192,7 +198,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             let peak = coarse.trace.peak();
             let peak = if peak > 0.0 { peak } else { guess };
             let fine = Steps { largest, defect: Some(defect(largest, peak)), peak: 1.1 * peak };
-            let fine = self.once(fine, true, observer)?;
+            let fine = self.once(fine, observed, observer)?;
             // Of order two at least: the finer run's error is a third of the difference.
             let error = 1.0 / 3.0 * fine.trace.difference(&coarse.trace);
             self.count.error = Some(error.history);
@@ -230,7 +236,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let impactor = FreeBody { mass, gravity: weight / mass, speed, gap };
         let mut motion = Motion::new(&modes, law.clone(), impactor, steps, state);
         let of_hit = HitTension::new(&modes, setting.copies);
-        let mut done = Done { trace: Trace::default(), steps: Vec::new(), sizes: steps };
+        let mut done = Done { trace: Trace::default(), steps: Vec::new(), sizes: steps, faces: None };
         let mut ledger = self.has_energies.then(Ledger::default);
         let mut reader = self.readout.as_ref().filter(|_| observed).map(|readout| Reader::new(readout, &modes));
         let mut see = |number: usize, motion: &Motion, ledger: Option<&mut Ledger>| {
@@ -270,9 +276,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         }
         self.count.solves += motion.solves;
         self.count.iterations += motion.iterations;
-        if let Some(reader) = reader {
-            reader.finish(&mut done.steps);
-        }
+        done.faces = reader.and_then(Reader::finish);
         Ok(done)
     }
 }

@@ -4,7 +4,7 @@ use crate::body::Modes;
 use crate::contact::Law;
 use crate::error::{Error, Result};
 
-use super::answer::{Answer, FreeBody, LOOKS, State};
+use super::answer::{Answer, FreeBody, LOOKS, State, SurfaceRate};
 use super::lift::{Lift, Pulled};
 use super::stage::{Stage, solve, solve_damped};
 
@@ -37,6 +37,7 @@ pub struct Taken {
 /// Body and impactor on their way.
 pub struct Motion<'a> {
     modes: &'a Modes,
+    surface_rate: SurfaceRate,
     law: Law,
     impactor: FreeBody,
     steps: Steps,
@@ -71,6 +72,7 @@ impl<'a> Motion<'a> {
     pub fn new(modes: &'a Modes, law: Law, impactor: FreeBody, steps: Steps, state: State) -> Self {
         Self {
             modes,
+            surface_rate: SurfaceRate::new(modes),
             law,
             impactor,
             steps,
@@ -92,7 +94,7 @@ impl<'a> Motion<'a> {
 
     /// δ̇ of the modes, m/s.
     pub fn rate(&self) -> f64 {
-        self.state.impactor[1] - self.state.surface_rate(self.modes, self.force)
+        self.state.impactor[1] - self.surface_rate.at(&self.state, self.force)
     }
 
     /// The contact's law, in terms of the approach that the modes show.

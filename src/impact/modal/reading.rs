@@ -6,7 +6,7 @@ use crate::body::{Modes, Shapes};
 use crate::impact::observer::Observed;
 use crate::impact::reading::{ProbeForms, Reading, Readout, contact};
 use crate::impact::step::Step;
-use crate::space::evaluate::{ContactNow, ContactSize, FaceStresses, Map, TensionSearch};
+use crate::space::evaluate::{ContactNow, ContactSize, Map, TensionSearch};
 
 use super::ledger::coordinates;
 use super::motion::Motion;
@@ -18,15 +18,14 @@ pub struct Reader<'a> {
     probes: Option<(Shapes, &'a ProbeForms)>,
     /// After how many steps all coordinates are wanted.
     fields: Option<usize>,
-    faces: Option<Faces<'a>>,
+    faces: Option<FacesOfSteps>,
     contact: ContactSize,
     /// Whether this rank is the one that reads.
     is_here: bool,
 }
 
-/// The faces, and what is to be known of each step for them.
-struct Faces<'a> {
-    faces: &'a FaceStresses,
+/// What is to be known of each step for the faces: they are read when it is known that the run counts.
+pub struct FacesOfSteps {
     /// Stresses at the sampled points, a column for each of `weights`.
     stresses: DMatrix<f64>,
     /// Of the steps so far, one after the other.
@@ -54,7 +53,7 @@ impl<'a> Reader<'a> {
             let others = [way, of_load, &shapes.residual, &shapes.rest];
             let first = stresses.ncols() - others.len();
             others.into_iter().enumerate().for_each(|(i, column)| stresses.set_column(first + i, column));
-            Some(Faces { faces, stresses, weights: Vec::new() })
+            Some(FacesOfSteps { stresses, weights: Vec::new() })
         });
         Self {
             modes,
@@ -89,18 +88,25 @@ impl<'a> Reader<'a> {
         reading
     }
 
-    /// Adds what takes all steps: the largest tensions on the faces.
-    pub fn finish(self, steps: &mut [Observed]) {
-        let Some(Faces { faces, stresses, weights }) = self.faces else { return };
-        let contacts: Vec<ContactNow> = steps.iter().map(|step| contact(&self.contact, &step.step)).collect();
-        let count = stresses.ncols();
-        if let Some(search) = TensionSearch::new(faces, count, stresses.transpose().as_slice().to_vec()) {
-            let found = search.tensions(&weights, &contacts);
+    /// What takes all steps.
+    pub fn finish(self) -> Option<FacesOfSteps> {
+        self.faces
+    }
+}
+
+impl FacesOfSteps {
+    /// Adds the largest tensions on the faces to the steps.
+    pub fn read(&self, readout: &Readout, steps: &mut [Observed]) {
+        let Some(faces) = readout.faces.as_ref() else { return };
+        let contacts: Vec<ContactNow> = steps.iter().map(|step| contact(&readout.contact, &step.step)).collect();
+        let count = self.stresses.ncols();
+        if let Some(search) = TensionSearch::new(faces, count, self.stresses.transpose().as_slice().to_vec()) {
+            let found = search.tensions(&self.weights, &contacts);
             steps.iter_mut().zip(found).for_each(|(step, found)| step.reading.faces = found);
             return;
         }
-        for ((step, contact), weights) in steps.iter_mut().zip(&contacts).zip(weights.chunks_exact(count)) {
-            let at_points = &stresses * DVector::from_column_slice(weights);
+        for ((step, contact), weights) in steps.iter_mut().zip(&contacts).zip(self.weights.chunks_exact(count)) {
+            let at_points = &self.stresses * DVector::from_column_slice(weights);
             step.reading.faces = faces.tensions(at_points.as_slice(), contact);
         }
     }

@@ -28,7 +28,7 @@ pub fn solve(law: &Law, answer: &Answer, free: [f64; 4], first: f64, guess: [f64
     let s = NODES.map(|k| [answer.answers(k)[1], answer.answers(k)[2]]);
     let law_at = |place: usize, approach: f64| match held && place == 1 {
         true => (0.0, 0.0),
-        false => (law.force(approach), law.tangent(approach)),
+        false => law.force_and_tangent(approach),
     };
     let residual = |x: [f64; 2], f: [f64; 2]| [0, 1].map(|i| x[i] + s[i][0] * f[0] + s[i][1] * f[1] - known[i]);
     let size = |r: [f64; 2]| r[0].abs().max(r[1].abs());
