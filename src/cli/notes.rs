@@ -1,7 +1,7 @@
 //! What a user should know of a scene before its numbers are trusted.
 
 use crate::contact::{ForceLaw, Patch};
-use crate::impact::Plan;
+use crate::impact::{Errors, Plan};
 use crate::mesh::Measures;
 use crate::model::{self, Model};
 use crate::scene::{Contact, Doubt, Geometry, Measure, Model as Theory, Scene, Scheme, Source, doubts};
@@ -87,6 +87,33 @@ pub fn note_of_measure(model: &Model, scene: &Scene) -> Option<String> {
          coordinates, hit at least a thickness from an edge, have an estimate)"
             .to_owned()
     })
+}
+
+/// What a run with its steps' errors shows to be above the tolerance; the first contact's error before the steps has a [`verdict`], and it
+/// may have been above it already.
+pub fn missed(errors: &Errors, (measure, tolerance): (Measure, f64), was_warned: bool) -> Vec<String> {
+    let mut missed = Vec::new();
+    let of_stress = measure == Measure::Stress && !was_warned;
+    if of_stress && errors.stress > tolerance {
+        missed.push(format!(
+            "the estimated error of the largest tension in the first contact is {:.1e} with that of the steps, above accuracy.tolerance = {tolerance:e}: \
+             tighten the tolerance",
+            errors.stress
+        ));
+    }
+    if errors.history > tolerance {
+        missed.push(match measure {
+            Measure::Acceleration => format!(
+                "the estimated error of the whole history is above accuracy.tolerance = {tolerance:e}, which is for the first contact: later contacts are \
+                 sensitive; tighten the tolerance to check them"
+            ),
+            Measure::Stress => format!(
+                "the estimated error of the acceleration over the whole history is above accuracy.tolerance = {tolerance:e}; stresses are estimated in \
+                 the first contact alone: later contacts are sensitive; tighten the tolerance to check them"
+            ),
+        });
+    }
+    missed
 }
 
 /// What makes the error by a part of a model smaller.
@@ -274,5 +301,27 @@ fn unused(scene: &Scene) -> Option<&'static str> {
         }
         (_, Contact::Patch { radius: Some(_) }) => Some("contact.patch_radius"),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tolerance_for_stresses_is_held_against_stresses() {
+        let errors = |history: f64, stress: f64| Errors { first_contact: 1e-3, history, stress };
+        let told = |errors: Errors, measure: Measure, was_warned: bool| missed(&errors, (measure, 1e-2), was_warned);
+        assert!(told(errors(9e-3, 2e-2), Measure::Acceleration, false).is_empty());
+        let of_stress = told(errors(9e-3, 2e-2), Measure::Stress, false);
+        assert!(
+            matches!(&of_stress[..], [one] if one.contains("largest tension") && one.contains("2.0e-2")),
+            "{of_stress:?}"
+        );
+        // What was said before the run is not said again; and an error that is not estimated is not above anything.
+        assert!(told(errors(9e-3, 2e-2), Measure::Stress, true).is_empty());
+        assert!(told(errors(9e-3, f64::NAN), Measure::Stress, false).is_empty());
+        assert_eq!(told(errors(2e-2, 9e-3), Measure::Acceleration, false).len(), 1);
+        assert!(told(errors(2e-2, 9e-3), Measure::Stress, false)[0].contains("first contact alone"));
     }
 }

@@ -233,6 +233,7 @@ pub(super) fn solve(
         }
         poor = Some(message);
     }
+    let was_warned = poor.is_some();
     let patch = model.dynamics.patch();
     let linearity = Linearity::new(scene, model.theory, patch.as_ref());
     let warnings = notes::texts(notes::of_geometry(scene, model.measures.as_ref()));
@@ -305,7 +306,6 @@ pub(super) fn solve(
     let total = begin.elapsed().as_secs_f64();
     let (count, estimate) = (impact.count(), impact.error());
     let error = estimate.total().map(|errors| errors.history);
-    let missed = error.is_some_and(|error| error > scene.tolerance);
     let cost = Cost {
         model: modelled,
         setup: assembled - modelled,
@@ -337,12 +337,12 @@ pub(super) fn solve(
             if let Some(warning) = summary.warning() {
                 tell(format_args!("warning: {warning}"));
             }
-            if missed {
-                note(format_args!(
-                    "note: the estimated error of the whole history is above accuracy.tolerance = {:e}, which is for the first contact: later contacts are \
-                     sensitive; tighten the tolerance to check them",
-                    scene.tolerance
-                ));
+            for missed in estimate
+                .total()
+                .iter()
+                .flat_map(|errors| notes::missed(errors, (scene.measure, scene.tolerance), was_warned))
+            {
+                note(format_args!("note: {missed}"));
             }
             if flow.is_break() {
                 tell(format_args!("interrupted: {} holds the run up to t = {:.6e} s", output.display(), summary.end()));

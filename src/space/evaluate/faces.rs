@@ -103,9 +103,7 @@ impl Face {
         let local = self.local_at(point).filter(|_| contact.force > 0.0).map(|local| local.stress(contact));
         let of = |i: usize, component: usize| self.sign * sampled[i] + local.map_or(0.0, |local| local[component]);
         match (sampled.len(), &self.grid) {
-            (3, Some(FaceGrid { axes: [a, b], .. })) => {
-                largest_in_plane([of(0, *a), of(1, *b), of(2, place(*a, *b))])
-            }
+            (3, Some(FaceGrid { axes: [a, b], .. })) => largest_in_plane([of(0, *a), of(1, *b), of(2, place(*a, *b))]),
             (6, _) => largest_principal(std::array::from_fn(|i| of(i, i))),
             _ => f64::NAN,
         }

@@ -204,8 +204,7 @@ impl NearHit {
             })
         };
         let [radial, inward] = self.directions(x);
-        let field = Rc::new(field.at(radius, self.depth(x)));
-        Some(LocalPoint { field, radial, inward, has_ring: true, lost: [0.0; 6] })
+        Some(LocalPoint::new(field.at(radius, self.depth(x)), radial, inward))
     }
 
     /// What a point of a mesh lacks whose stresses are recovered from samples at some places, with their weights: polynomials do not follow
@@ -256,6 +255,11 @@ impl NearHit {
 }
 
 impl LocalPoint {
+    /// A field along unit vectors away from the line of the force and into the body.
+    pub fn new(field: PointField, radial: Vec3, inward: Vec3) -> Self {
+        Self { field: Rc::new(field), radial, inward, has_ring: true, lost: [0.0; 6] }
+    }
+
     /// The same without Hertz's own field, whose ring of tension is told by itself.
     #[must_use]
     pub fn without_ring(self) -> Self {
