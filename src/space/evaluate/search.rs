@@ -144,10 +144,13 @@ impl<'a> TensionSearch<'a> {
                     seen.look(face, local, (column, sizes[step]), contact);
                     let bound = self.bound(seen.top);
                     let value = |point: usize| face.value(point, &self.sampled(face.first + point, of_step), contact);
-                    // (Where nothing is known of the size, all points are looked at.)
-                    let all = !(sizes[step] > f64::MIN_POSITIVE && seen.top.is_finite());
-                    let least = if all { f32::NEG_INFINITY } else { seen.top - bound };
-                    face.largest(seen.from(least).filter(|point| face.left_out.get(*point) == Some(&false)), value)
+                    let is_read = |point: &usize| face.left_out.get(*point) == Some(&false);
+                    if sizes[step] > f64::MIN_POSITIVE && seen.top.is_finite() {
+                        face.largest(seen.from(seen.top - bound).filter(is_read), value)
+                    } else {
+                        // Without a size, as at rest, single precision tells nothing.
+                        face.largest((0..face.points.len()).filter(is_read), value)
+                    }
                 });
                 found.push(each.collect());
             }
@@ -220,7 +223,9 @@ impl Seen {
             for (point, more) in local.under(contact) {
                 let of = |part: usize, stress: f32| f64::from(sign * stress) + more[part] / size;
                 let [m, d, s] = [of(0, mean[point]), of(1, half[point]), of(2, shear[point])];
-                self.values[point] = (m + (d * d + s * s).sqrt()) as f32;
+                let value = (m + (d * d + s * s).sqrt()) as f32;
+                // What a small size takes out of range has all points looked at.
+                self.values[point] = if value.is_nan() { f32::INFINITY } else { value };
             }
         }
         let left_out = face.left_out.iter().zip(&mut self.values).filter(|(is_left_out, _)| **is_left_out);
