@@ -48,7 +48,8 @@ impl Recording {
                 none.insert(FieldWriter::create(&self.output, self.sampler.grid(), self.planned)?)
             }
         };
-        fields.push(step.time, &self.sampler.fields([u, v]))
+        let contact = self.sampler.contact.now(step.contact.force, step.contact.indentation);
+        fields.push(step.time, &self.sampler.fields([u, v], &contact))
     }
 
     /// Brings all fields to the system.

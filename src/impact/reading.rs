@@ -137,7 +137,7 @@ impl Reader {
 
 /// The contact at a step.
 pub(super) fn contact(size: &ContactSize, step: &Step) -> ContactNow {
-    ContactNow { force: step.contact.force, radius: size.radius(step.contact.indentation) }
+    size.now(step.contact.force, step.contact.indentation)
 }
 
 impl ProbeForms {

@@ -58,10 +58,10 @@ impl Gauges {
         });
         let faces = evaluator.as_ref().filter(|_| scene.output.stress);
         let faces = faces.map_or_else(FaceStresses::default, |evaluator| evaluator.faces(scene, basis));
-        let sampler =
-            evaluator.filter(|_| scene.output.fields.is_some()).map(|evaluator| FieldSampler::new(evaluator, basis));
-        let faces = FaceStresses { columns: all.clone(), ..faces };
         let contact = ContactSize::new(scene);
+        let sampler = evaluator.filter(|_| scene.output.fields.is_some());
+        let sampler = sampler.map(|evaluator| FieldSampler::new(&evaluator, contact, basis));
+        let faces = FaceStresses { columns: all.clone(), ..faces };
         let readout = Readout {
             probes,
             fields: scene.output.fields.map(|every| (every, all)),

@@ -35,7 +35,7 @@ use stress_map::Recovered;
 pub type Form = Vec<(usize, f64)>;
 
 /// What is read at a point.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Forms {
     /// The displacement along x, y, z, m.
     pub displacement: [Form; 3],

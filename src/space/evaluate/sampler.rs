@@ -3,10 +3,9 @@
 use std::rc::Rc;
 
 use crate::form::stress::principal;
-use crate::scene::Vec3;
 
 use super::stress_map::Recovered;
-use super::{Evaluator, Forms, Grid, Kind, Map};
+use super::{ContactNow, ContactSize, Evaluator, Grid, Kind, LocalPoint, Map, NearHit};
 use crate::space::finite_element::Nodes;
 
 /// The fields at all points of a grid, three values a point.
@@ -22,10 +21,14 @@ pub struct Fields {
 
 /// A grid, and what its points do.
 pub struct FieldSampler {
+    /// How wide the contact is.
+    pub contact: ContactSize,
     grid: Grid,
     /// Displacements of the modelled part's points.
     displacement: Map,
     stress: Stress,
+    /// What the stresses of points near the hit lack, by their numbers.
+    local: Vec<(usize, LocalPoint)>,
 }
 
 /// How stresses come about.
@@ -38,28 +41,44 @@ enum Stress {
 
 impl FieldSampler {
     /// Of a body in its unknowns, or on a basis: vector by vector the values of all unknowns.
-    pub fn new(evaluator: Evaluator, basis: Option<&[Vec<f64>]>) -> Self {
-        let part = match evaluator.kind {
-            Kind::Nodes(nodes) => Self::of_nodes(nodes, basis),
-            Kind::Grid(points) => Self::of_lines(&points.field_lines(), |x| points.at(x), basis),
+    pub fn new(evaluator: &Evaluator, contact: ContactSize, basis: Option<&[Vec<f64>]>) -> Self {
+        let part = match &evaluator.kind {
+            Kind::Nodes(nodes) => Self::of_nodes(nodes, evaluator.near.as_deref(), contact, basis),
+            Kind::Grid(points) => Self::of_lines(evaluator, &points.field_lines(), contact, basis),
         };
         Self { grid: evaluator.mirrors.iter().fold(part.grid, |grid, &axis| grid.with_image(axis)), ..part }
     }
 
-    fn of_nodes(nodes: Rc<Nodes>, basis: Option<&[Vec<f64>]>) -> Self {
+    fn of_nodes(nodes: &Rc<Nodes>, near: Option<&NearHit>, contact: ContactSize, basis: Option<&[Vec<f64>]>) -> Self {
         let all = (0..nodes.mesh.nodes.len()).flat_map(|node| (0..3).map(move |axis| (node, axis)));
         let displacement = Map::new(all.map(|(node, axis)| nodes.displacement(node, axis)), basis);
         // Images have the same principal values.
-        let weights = nodes.recovery.weights(&nodes.mesh, |node| nodes.mesh.originals[node] == node);
-        let recovered = Recovered::new(nodes.clone(), weights);
-        Self { grid: Grid::of_mesh(&nodes.mesh), displacement, stress: Stress::Recovered(recovered, nodes) }
+        let is_original = |node: usize| nodes.mesh.originals[node] == node;
+        let recovered = Recovered::new(nodes.clone(), nodes.recovery.weights(&nodes.mesh, is_original));
+        let mut local = Vec::new();
+        if let Some(near) = near {
+            let originals = nodes.mesh.nodes.iter().enumerate().filter(|(node, _)| is_original(*node));
+            local.extend(originals.filter_map(|(node, x)| Some((node, near.recovered(*x, recovered.samples(node))?))));
+        }
+        let stress = Stress::Recovered(recovered, nodes.clone());
+        Self { contact, grid: Grid::of_mesh(&nodes.mesh), displacement, stress, local }
     }
 
-    fn of_lines(lines: &[Vec<f64>; 3], at: impl Fn(Vec3) -> Forms, basis: Option<&[Vec<f64>]>) -> Self {
+    fn of_lines(
+        evaluator: &Evaluator,
+        lines: &[Vec<f64>; 3],
+        contact: ContactSize,
+        basis: Option<&[Vec<f64>]>,
+    ) -> Self {
         let grid = Grid::of_lines(lines);
-        let displacement = Map::new(grid.points.iter().flat_map(|x| at(*x).displacement), basis);
-        let stress = Map::new(grid.points.iter().flat_map(|x| at(*x).stress), basis);
-        Self { grid, displacement, stress: Stress::Forms(stress) }
+        let (mut displacements, mut stresses, mut local) = (Vec::new(), Vec::new(), Vec::new());
+        for (number, forms) in grid.points.iter().map(|x| evaluator.at(*x).unwrap_or_default()).enumerate() {
+            displacements.extend(forms.displacement);
+            stresses.extend(forms.stress);
+            local.extend(forms.local.map(|local| (number, local)));
+        }
+        let [displacement, stress] = [displacements, stresses].map(|forms| Map::new(forms.into_iter(), basis));
+        Self { contact, grid, displacement, stress: Stress::Forms(stress), local }
     }
 
     /// The grid.
@@ -67,18 +86,21 @@ impl FieldSampler {
         &self.grid
     }
 
-    /// The fields, of the coordinates of displacement and velocity.
-    pub fn fields(&self, [displacement, velocity]: [&[f64]; 2]) -> Fields {
+    /// The fields, of the coordinates of displacement and velocity, and of the contact.
+    pub fn fields(&self, [displacement, velocity]: [&[f64]; 2], contact: &ContactNow) -> Fields {
         let moved = self.displacement.apply(displacement);
+        let mut stresses: Vec<[f64; 6]> = match &self.stress {
+            Stress::Forms(map) => map.apply(displacement).as_chunks().0.to_vec(),
+            Stress::Recovered(recovered, _) => recovered.stresses(|node, axis| moved[3 * node + axis]),
+        };
+        if contact.force > 0.0 {
+            for (point, local) in &self.local {
+                stresses[*point].iter_mut().zip(local.stress(contact)).for_each(|(to, more)| *to += more);
+            }
+        }
         let principal: Vec<[f64; 3]> = match &self.stress {
-            Stress::Forms(map) => {
-                let stresses = map.apply(displacement);
-                stresses.chunks_exact(6).map(|s| principal([s[0], s[1], s[2], s[3], s[4], s[5]])).collect()
-            }
-            Stress::Recovered(recovered, nodes) => {
-                let stresses = recovered.stresses(|node, axis| moved[3 * node + axis]);
-                nodes.mesh.originals.iter().map(|&node| principal(stresses[node])).collect()
-            }
+            Stress::Forms(_) => stresses.into_iter().map(principal).collect(),
+            Stress::Recovered(_, nodes) => nodes.mesh.originals.iter().map(|&node| principal(stresses[node])).collect(),
         };
         let images = &self.grid.images;
         let turned = |values: &[f64]| -> Vec<f64> {

@@ -14,7 +14,7 @@ use ricochet::form::stress::{place, principal};
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
 use ricochet::solve::linear::{Method, solver};
-use ricochet::space::evaluate::{Evaluator, FieldSampler, Fields, Form, Forms};
+use ricochet::space::evaluate::{ContactNow, ContactSize, Evaluator, FieldSampler, Fields, Form, Forms};
 use ricochet::space::plate::{self, Plate, PlateTheory};
 use ricochet::space::spline::{self, SplineSolid};
 
@@ -102,8 +102,8 @@ fn linear_fields_are_exact(session: &Session) {
             let off = stress.iter().zip(exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / exact[2];
             assert!(off < 1e-11, "{kind:?} {cells:?} {point:?}: {stress:?}, not {exact:?}");
         }
-        let sampler = FieldSampler::new(evaluator, None);
-        let Fields { displacement, velocity, principal_stress } = sampler.fields([&u, &u]);
+        let sampler = FieldSampler::new(&evaluator, ContactSize::default(), None);
+        let Fields { displacement, velocity, principal_stress } = sampler.fields([&u, &u], &ContactNow::default());
         assert_eq!(displacement, velocity);
         let exact = principal(exact);
         for (n, x) in sampler.grid().points.iter().enumerate() {
@@ -142,8 +142,8 @@ fn order_of_recovered_stresses(session: &Session) {
             interpolate(&mesh, &mut u, |x| [0, 1, 2].map(|i| angle(i, x).sin()));
             let whole = mesh.gather();
             let u = gathered(&u, comm.is_root());
-            let sampler = FieldSampler::new(Evaluator::of_mesh(&scene, whole?, None), None);
-            let found = sampler.fields([&u, &u]).principal_stress;
+            let sampler = FieldSampler::new(&Evaluator::of_mesh(&scene, whole?, None), ContactSize::default(), None);
+            let found = sampler.fields([&u, &u], &ContactNow::default()).principal_stress;
             let mut errors = [0.0_f64; 2];
             for (n, x) in sampler.grid().points.iter().enumerate() {
                 let exact = principal(hooke(|i, j| WAVES[i][j] * angle(i, *x).cos()));
