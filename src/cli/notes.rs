@@ -36,8 +36,8 @@ pub fn of_values(scene: &Scene, source: &Source) -> Vec<Remark> {
     doubts(scene, source).into_iter().map(remark).collect()
 }
 
-/// The theory, its unknowns and its basis.
-pub fn describe_model(model: &Model) -> String {
+/// The theory, its unknowns and its basis, with the estimated error of what the tolerance is for.
+pub fn describe_model(model: &Model, measure: Measure) -> String {
     let mut words = format!("{}: {}", model::name(model.theory), model.words);
     if model.unknowns > 0 {
         words += &format!(", {} unknowns", model.unknowns);
@@ -47,8 +47,13 @@ pub fn describe_model(model: &Model) -> String {
     }
     if let Some(errors) = model.error.total() {
         let causes = listed(&model.error.causes());
-        words +=
-            &format!("; estimated error of {causes} {:.1e} of the peak in the first contact", errors.first_contact);
+        // (Where stresses have no estimate, the tolerance is for the acceleration, as a note says.)
+        let of_what = match measure {
+            Measure::Stress if !errors.stress.is_nan() => format!("{} by {causes}", measure.of_what()),
+            _ => format!(" of {causes}"),
+        };
+        let error = errors.of(measure);
+        words += &format!("; estimated error{of_what} {error:.1e} of the peak in the first contact");
     }
     words
 }
@@ -63,10 +68,7 @@ pub fn verdict(model: &Model, scene: &Scene) -> Option<Verdict> {
     let is_good = |error: &f64| *error <= tolerance;
     let estimate = model.error_before_steps();
     let error = estimate.total().map(|errors| errors.of(scene.measure)).filter(|error| !is_good(error))?;
-    let of_what = match scene.measure {
-        Measure::Acceleration => "",
-        Measure::Stress => " of the largest tension",
-    };
+    let of_what = scene.measure.of_what();
     let causes = estimate.causes();
     let mut remedies: Vec<&str> = causes.iter().copied().map(remedy).collect();
     remedies.dedup();

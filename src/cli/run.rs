@@ -237,7 +237,7 @@ pub(super) fn solve(
     let patch = model.dynamics.patch();
     let linearity = Linearity::new(scene, model.theory, patch.as_ref());
     let warnings = notes::texts(notes::of_geometry(scene, model.measures.as_ref()));
-    let (described, reason) = (describe_model(&model), model.reason.clone());
+    let (described, reason) = (describe_model(&model, scene.measure), model.reason.clone());
     let of_measure = notes::note_of_measure(&model, scene);
     let is_factorised = model.dynamics.is_factorised_on_ranks();
     let details = model_details(&model);

@@ -182,10 +182,11 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
         let rough = Scene { tolerance: tolerance.max((ROUGHER * tolerance).min(ROUGHEST)), ..modal.clone() };
         let thin = reduce(&operators(&rough, Theory::Kirchhoff)?.body, &rough, watch)?;
         let difference = thick.reduced.force.0.difference(&thin.force.0);
-        let (differ, of_theory) = (difference.first_contact, part * difference);
-        let error = of_theory.of(scene.measure);
+        let of_theory = part * difference;
+        let (differ, error) = (difference.of(scene.measure), of_theory.of(scene.measure));
+        let of_what = scene.measure.of_what();
         let judged = format!(
-            "kirchhoff and mindlin differ by {differ:.1e} in the first contact; estimated error of mindlin relative to solid: {error:.1e}"
+            "kirchhoff and mindlin differ by {differ:.1e}{of_what} in the first contact; estimated error of mindlin relative to solid: {error:.1e}"
         );
         if watch.agreed(error / tolerance) > OF_THEORY {
             passed.push(format!("{judged}, above the tolerance of {tolerance:.0e}, so the solid is taken"));

@@ -40,6 +40,16 @@ pub enum Measure {
     Stress,
 }
 
+impl Measure {
+    /// What follows "error" or "difference" in a message; nothing for the acceleration, which is what errors are of if nothing is said.
+    pub fn of_what(self) -> &'static str {
+        match self {
+            Self::Acceleration => "",
+            Self::Stress => " of the largest tension",
+        }
+    }
+}
+
 /// A point of the body that is read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Probe {

@@ -51,7 +51,7 @@ fn print_scene(report: &Report) {
     }
     match model {
         Ok(model) => {
-            say(format_args!("model      {}", describe_model(model)));
+            say(format_args!("model      {}", describe_model(model, scene.measure)));
             if let Some(reason) = &model.reason {
                 say(format_args!("           {reason}"));
             }
