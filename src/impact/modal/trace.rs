@@ -3,6 +3,9 @@
 use crate::impact::Errors;
 use crate::scheme::modal::quadratic;
 
+/// Part of the largest tension from which a tension is near it: what two histories differ by before they rise does not change their peaks.
+const NEAR_PEAK: f64 = 0.9;
+
 /// F(t), N.
 #[derive(Debug, Clone, Default)]
 pub struct Trace {
@@ -40,6 +43,25 @@ impl Trace {
         end.map_or(f64::INFINITY, |(begin, step, _)| begin + step)
     }
 
+    /// Largest difference to another trace in tension up to a time, over the peak, at times at which one of them is near its own: at the
+    /// peak of one it is at least as large as the two peaks differ. NaN where a trace has no tension.
+    fn difference_of_tension(&self, other: &Self, end: f64) -> f64 {
+        let within = |trace: &Self| trace.tension.iter().filter(|(time, _)| *time <= end).copied().collect::<Vec<_>>();
+        let (own, others) = (within(self), within(other));
+        if own.is_empty() || others.is_empty() {
+            return f64::NAN;
+        }
+        let peak = |all: &[(f64, f64)]| all.iter().map(|(_, tension)| *tension).fold(f64::MIN_POSITIVE, f64::max);
+        let (most, others_most) = (peak(&own), peak(&others));
+        let is_near_peak = |one: f64, another: f64| one > NEAR_PEAK * most || another > NEAR_PEAK * others_most;
+        let (mut in_other, mut in_own) = (Cursor::default(), Cursor::default());
+        let of_own = own.iter().map(|(time, tension)| (*tension, in_other.tension(other, *time)));
+        let of_own: Vec<(f64, f64)> = of_own.collect();
+        let of_others = others.iter().map(|(time, tension)| (in_own.tension(self, *time), *tension));
+        let near_peak = of_own.into_iter().chain(of_others).filter(|(one, another)| is_near_peak(*one, *another));
+        near_peak.map(|(one, another)| (one - another).abs() / most).fold(0.0, f64::max)
+    }
+
     /// Largest difference to another trace over the peak: that in force and, up to a step's length, in time.
     pub fn difference(&self, other: &Self) -> Errors {
         let peak = self.peak().max(f64::MIN_POSITIVE);
@@ -55,16 +77,7 @@ impl Trace {
                 }
             }
         }
-        // Relative to the largest tension of the first contact.
-        let within = self.tension.iter().take_while(|(time, _)| *time <= end);
-        let most = within.clone().map(|(_, tension)| *tension).fold(0.0, f64::max);
-        let mut of_other = Cursor::default();
-        largest.stress = match within.clone().next().is_none() || other.tension.is_empty() {
-            true => f64::NAN,
-            false => within
-                .map(|(time, tension)| (tension - of_other.tension(other, *time)).abs() / most)
-                .fold(0.0, f64::max),
-        };
+        largest.stress = self.difference_of_tension(other, end);
         largest
     }
 }
