@@ -23,6 +23,7 @@ mod scene {
 }
 mod series;
 mod stack;
+mod static_plates;
 mod stress;
 mod surfaces;
 

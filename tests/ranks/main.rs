@@ -52,6 +52,7 @@ mod impact {
 }
 mod model {
     pub mod agreement;
+    pub mod beside_hit;
     pub mod climb;
     pub mod converged;
     pub mod independent;
@@ -119,6 +120,7 @@ fn main() -> ExitCode {
         impact::time_order,
         impact::unilateral,
         model::agreement,
+        model::beside_hit,
         model::climb,
         model::converged,
         model::independent,

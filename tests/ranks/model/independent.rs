@@ -11,7 +11,7 @@ use ricochet::model::name;
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![the_spline_is_of_fourth_order, default_answers_are_within_their_tolerance];
 
-const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/independent");
+pub const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/independent");
 
 /// An impact of the fixture.
 struct Case {
@@ -36,7 +36,7 @@ const CASES: [Case; 8] = [
 ];
 
 /// A history of the fixture, between its rows a natural cubic spline.
-struct History {
+pub struct History {
     times: Vec<f64>,
     accelerations: Vec<f64>,
     /// Second derivatives at the rows.
@@ -50,7 +50,7 @@ impl History {
     }
 
     /// Solves for the curvatures by elimination: the matrix has three diagonals and is diagonally dominant.
-    fn new(times: Vec<f64>, accelerations: Vec<f64>) -> Self {
+    pub fn new(times: Vec<f64>, accelerations: Vec<f64>) -> Self {
         let rows = times.len();
         let width = |row: usize| times[row + 1] - times[row];
         let slope = |row: usize| (accelerations[row + 1] - accelerations[row]) / width(row);
@@ -66,7 +66,7 @@ impl History {
         Self { times, accelerations, curvatures }
     }
 
-    fn at(&self, time: f64) -> f64 {
+    pub fn at(&self, time: f64) -> f64 {
         let next = self.times.partition_point(|row| *row <= time).clamp(1, self.times.len() - 1);
         let width = self.times[next] - self.times[next - 1];
         let after = (time - self.times[next - 1]) / width;
