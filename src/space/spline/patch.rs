@@ -30,8 +30,8 @@ pub(super) struct PatchModel {
     /// Whether the body bends alone: displacements along the face are odd across the thickness, those across it even. What else there is,
     /// squeezing, is then a constant of the contact law, as on an infinite layer at rest.
     pub bends: bool,
-    /// Whether the body is a layer about the hit.
-    pub is_plate: bool,
+    /// Whether stresses near the hit lack the local field of a layer. (Nearer than a thickness to an edge they have none.)
+    pub is_layer: bool,
 }
 
 impl PatchModel {
@@ -63,7 +63,8 @@ impl PatchModel {
             let message = format!("a patch of radius {radius:.3e} m has no room at {room:.3e} m from an edge");
             return Err(fault(message, far).into());
         }
-        let is_plate = is_plate(geometry, scene, room);
+        let is_layer = is_layer(geometry, scene);
+        let is_plate = is_layer && room >= OF_THICKNESS[0] * thickness;
         let bends = is_plate && is_bent(geometry, scene);
         let half_space = unit_compliance(body, impactor.direction[geometry.struck]);
         let compliance = |disc: f64| {
@@ -89,7 +90,7 @@ impl PatchModel {
         let patch =
             given.map(|radius| Patch { radius, reason: Reason::Scene, thickness, cell: 0.0, limit_radius: 0.0 });
         let spread = Spread::new((radius / disc).min(1.0));
-        Ok(Self { patch, spread, disc, compliance: compliance(disc), bends, is_plate })
+        Ok(Self { patch, spread, disc, compliance: compliance(disc), bends, is_layer })
     }
 
     /// a: the spread pressure on the disc of the struck face, with total 1, times the direction.
@@ -109,12 +110,11 @@ impl PatchModel {
     }
 }
 
-/// Whether the body is a layer around the point, for a force along its normal: free below, and wide.
-fn is_plate(geometry: &BoxGeometry, scene: &Scene, room: f64) -> bool {
+/// Whether the body is a layer around the point, for a force along its normal: free below. How wide it is there is not asked.
+fn is_layer(geometry: &BoxGeometry, scene: &Scene) -> bool {
     let is_free = |surface: &str| faces(surface).iter().all(|(axis, _)| *axis != geometry.struck);
-    let thickness = geometry.size[geometry.struck];
     let is_normal = (scene.impactor.direction[geometry.struck].abs() - 1.0).abs() < 1e-9;
-    is_normal && room >= OF_THICKNESS[0] * thickness && scene.supports.iter().all(|support| is_free(&support.surface))
+    is_normal && scene.supports.iter().all(|support| is_free(&support.surface))
 }
 
 /// [`crossing`] up to which squeezing is as good as at rest; up to 0.024 it was measured to be.

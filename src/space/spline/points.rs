@@ -42,7 +42,7 @@ pub struct Points {
     spread: Spread,
     disc: f64,
     /// Whether it is a layer about the hit.
-    is_plate: bool,
+    is_layer: bool,
     /// Where it is hit, m, and the axis across that face.
     hit: Vec3,
     struck: usize,
@@ -65,7 +65,7 @@ impl Points {
             disc: patch.disc,
             hit: geometry.hit,
             struck: geometry.struck,
-            is_plate: patch.is_plate,
+            is_layer: patch.is_layer,
             bends: patch.bends,
         }
     }
@@ -110,7 +110,7 @@ impl PointEvaluator for Points {
         let body = if self.bends { Sections::BentSolid } else { Sections::Solid };
         let pressure = Pressure::Spread { spread: self.spread, radius: self.disc };
         let cell = Hit::cell(&self.lines, self.struck, self.hit);
-        self.is_plate.then_some(Hit { pressure, body, cell })
+        self.is_layer.then_some(Hit { pressure, body, cell })
     }
 
     fn face_lines(&self) -> [Vec<f64>; 3] {
