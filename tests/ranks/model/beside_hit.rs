@@ -103,8 +103,8 @@ fn histories_beside_the_hit_are_those_of_solids(session: &Session) {
                     }
                 }
                 let errors = [most[0] / peaks[0], most[1] / peaks[1]];
-                println!("{case} {theory:?} {radius} h: {errors:.1e?}");
-                assert!(errors.iter().all(|error| *error < 2e-2), "{case} {theory:?} {radius} h: {errors:.1e?}");
+                println!("{case} {theory:?} {radius} h: {errors:.4?}");
+                assert!(errors.iter().all(|error| *error < 2e-2), "{case} {theory:?} {radius} h: {errors:.4?}");
             }
         }
     }
@@ -146,7 +146,9 @@ fn a_slow_force_has_the_series_of_a_thick_plate(session: &Session) {
     let supports: &'static str = supports.concat().leak();
     let impactor = "mass = 100.0\nspeed = 0.01\n[contact]\nlaw = \"power\"\nstiffness = 1e4\nexponent = 1";
     let plate = Plate { edge, thickness, supports, impactor, end: 0.2 };
-    for (theory, tolerance, bound) in [(Theory::Mindlin, 3e-4, 5e-3), (Theory::Solid, 1e-3, 2e-3)] {
+    for (theory, tolerance, bound) in
+        [(Theory::Mindlin, 1e-2, 5e-3), (Theory::Mindlin, 1e-3, 2e-3), (Theory::Solid, 1e-3, 2e-3)]
+    {
         let watch = plate.watched(&session.world(), theory, tolerance);
         let (_, force, stresses) = watch.0.iter().max_by(|one, other| one.1.total_cmp(&other.1)).expect("steps");
         for (found, radius) in stresses.iter().zip(RADII) {
