@@ -157,7 +157,7 @@ def tables(rows, document):
     for row in rows:
         if row["case"] in KEPT_APART and row["theory"] == "auto":
             case = CASES[row["case"] - 1]
-            edge = {"held": "held across", "clamped": "clamped", 0: "free"}.get(case.edge, f"k = {case.edge}")
+            edge = {"held": "held across", "clamped": "clamped", 0: "free"}.get(case.edge, f"k = {case.edge:g}" if isinstance(case.edge, float) else f"k = {case.edge}")
             place = "centre" if case.point == (0.0, 0.0) else f"{case.point[0]:g}, {case.point[1]:g} m"
             size = " × ".join(f"{x:g}" for x in case.size)
             lines.append([row["case"], f"{size} m, {edge}", f"{case.mass:g} kg, R = {case.radius:g} m, {case.speed:g} m/s, {place}", row["by"],

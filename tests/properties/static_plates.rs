@@ -36,8 +36,8 @@ fn thin_plate(r: f64) -> [f64; 2] {
     [3.0 * (sum + apart), 3.0 * (sum - apart)]
 }
 
-/// Under the load and up to 2.4 thicknesses from it, within 0.1% of axisymmetric finite elements, whose own error is less. What a thin plate
-/// has alone is off by a fifth under the load.
+/// Under the load and up to 2.4 thicknesses from it, within 0.01% of axisymmetric finite elements, whose own error is less. What a thin plate
+/// has alone is 8% low under the load.
 #[test]
 fn a_thick_circular_plate() {
     let pressure = Pressure::Spread { spread: Spread::new(0.0), radius: DISC };
@@ -53,11 +53,11 @@ fn a_thick_circular_plate() {
         for (plate, (local, of_solid)) in thin_plate(r).into_iter().zip([(local.rr, row[2]), (local.tt, row[3])]) {
             let (found, exact) = (plate + local, plate + of_solid);
             println!("{r} h: {found:.5}, {exact:.5}, thin plate {plate:.5}");
-            assert!((found / exact - 1.0).abs() < 1e-3, "{r} h: {found} {exact}");
+            assert!((found / exact - 1.0).abs() < 1e-4, "{r} h: {found} {exact}");
             lowest = lowest.min(plate / exact);
         }
     }
-    assert!(lowest < 0.85, "{lowest}");
+    assert!(lowest < 0.93, "{lowest}");
 }
 
 /// The radius of the disc on a thin plate that has the tension of the solid under a uniform pressure over a radius, in thicknesses:
