@@ -13,7 +13,7 @@ import numpy as np
 from markers import replace, table
 
 NAMES = {"one": "one rank", "strong": "strong", "weak": "weak", "million": "a million"}
-PHASES = {"mesh and matrices": "wall_time_model", "multigrid and w": "wall_time_setup", "a step": "wall_time_steps"}
+PHASES = {"mesh and matrices": "wall_time_model", "solver and w": "wall_time_setup", "a step": "wall_time_steps"}
 
 
 def read_rate(barrier, rates):
@@ -62,13 +62,13 @@ def short(seconds):
 
 
 def runs_table(runs):
-    head = ["", "unknowns", "ranks", *PHASES, "iterations a solve", "memory", "predicted"]
+    head = ["", "unknowns", "ranks", *PHASES, "iterations a solve", "an iteration", "memory", "predicted"]
     lines = []
     for run in runs:
         least, most = min(run.iterations), max(run.iterations)
         times = [short(run.times[phase]) for phase in PHASES]
         memory = [f"{value / 1e9:.1f} GB" for value in (run.memory, run.predicted)]
-        lines.append([NAMES[run.name], f"{run.unknowns:,}", run.ranks, *times, f"{least} to {most}", *memory])
+        lines.append([NAMES[run.name], f"{run.unknowns:,}", run.ranks, *times, f"{least} to {most}", short(run.times["a step"] / np.mean(run.iterations)), *memory])
     return table(head, lines)
 
 

@@ -6,9 +6,10 @@ use crate::Int;
 use crate::comm::Comm;
 use crate::error::{Diverged, Error, Result, check, require};
 use crate::layout::Layout;
-use crate::matrix::MatrixView;
+use crate::matrix::{MatrixView, is_aij};
 use crate::object::{Lent, Object, viewed};
 use crate::pc::Pc;
+use crate::shell::SHELL;
 use crate::text::{from_c, int, option_name, to_c};
 use crate::vector::VectorView;
 
@@ -153,10 +154,14 @@ impl KspView {
     /// # Errors
     /// Matrices that are not square and AIJ, or of another layout than each other or than those before; PETSc's.
     pub fn set_operators(&mut self, operator: &MatrixView, preconditioner: &MatrixView) -> Result<()> {
-        for matrix in [operator, preconditioner] {
-            matrix.require_aij()?;
-            matrix.require_square()?;
-        }
+        operator.require_aij()?;
+        preconditioner.require_aij()?;
+        self.set_both(operator, preconditioner)
+    }
+
+    pub(crate) fn set_both(&mut self, operator: &MatrixView, preconditioner: &MatrixView) -> Result<()> {
+        operator.require_square()?;
+        preconditioner.require_square()?;
         let layout = operator.row_layout();
         layout.require_same(preconditioner.row_layout())?;
         require(self.comm().is_congruent(operator.comm()), "the matrix lives on other ranks than the solver")?;
@@ -305,7 +310,13 @@ impl KspView {
             check(unsafe { sys::MatAssembled(matrix, &raw mut assembled) })?;
             require(assembled == sys::TRUE, "the matrix is not assembled")?;
         }
-        Ok(())
+        // SAFETY: the solver keeps its matrices.
+        if unsafe { is_aij(operators[1]) }? {
+            return Ok(());
+        }
+        // SAFETY: the solver is valid.
+        let kind = unsafe { Pc::of(self.raw()) }?.type_name()?;
+        require(kind == SHELL, "the preconditioner is not for matrices of this storage")
     }
 
     /// Iterations of the last solve.

@@ -27,6 +27,7 @@ mod pc;
 mod plex;
 mod refused;
 mod session;
+mod shell;
 mod snes;
 mod text;
 mod vector;

@@ -1,6 +1,8 @@
 //! Linear solvers, on one and two ranks.
 
+use std::cell::Cell;
 use std::process::ExitCode;
+use std::rc::Rc;
 
 #[path = "problems/chain.rs"]
 mod chain;
@@ -21,6 +23,7 @@ fn main() -> ExitCode {
         &[
             ("methods_solve_to_their_tolerance", methods_solve_to_their_tolerance),
             ("a_changed_matrix_is_set_up_again", a_changed_matrix_is_set_up_again),
+            ("a_closure_preconditions", a_closure_preconditions),
             ("each_rank_has_a_factor_of_all", each_rank_has_a_factor_of_all),
             ("a_guess_is_used_or_not", a_guess_is_used_or_not),
             ("options_choose_by_prefix_and_divergence_is_told", options_choose_by_prefix_and_divergence_is_told),
@@ -72,6 +75,41 @@ fn a_changed_matrix_is_set_up_again(session: &Session) {
     let other = matrix.duplicate().unwrap();
     matrix.axpy(1.0, &other).unwrap();
     assert!(error_of_solve(session, &mut ksp, &matrix) < 1e-12);
+}
+
+/// The closure's values are used and its memory goes with it; one triangle of the matrix serves as the operator; a panic is an error, and so is
+/// a preconditioner of PETSc's on the triangle.
+fn a_closure_preconditions(session: &Session) {
+    let world = session.world();
+    let matrix = laplacian(session, 2.0);
+    for operator in [matrix.duplicate().unwrap(), matrix.upper_triangle(1).unwrap()] {
+        let (counted, calls) = (Rc::new(Cell::new(0)), Rc::new(Cell::new(0)));
+        let mut ksp = Ksp::new(&world).unwrap();
+        ksp.set_type("cg").unwrap();
+        ksp.set_tolerances(Tolerances { relative: Some(1e-12), ..Default::default() }).unwrap();
+        let owned = calls.clone();
+        ksp.set_closure(&operator, move |_, _| owned.set(-1)).unwrap();
+        let owned = counted.clone();
+        ksp.set_closure(&operator, move |r, z| {
+            owned.set(owned.get() + 1);
+            z.iter_mut().zip(r).for_each(|(z, r)| *z = 0.5 * r);
+        })
+        .unwrap();
+        assert_eq!(Rc::strong_count(&calls), 1, "the first closure is released");
+        assert!(error_of_solve(session, &mut ksp, &matrix) < 1e-8);
+        assert!(counted.get() >= ksp.iterations().unwrap() && ksp.iterations().unwrap() > 1);
+        assert_eq!(calls.get(), 0);
+        let is_aij = operator.diagonal(&mut Vector::new(&world, LOCAL).unwrap()).is_ok();
+        ksp.pc().unwrap().set_type("jacobi").unwrap();
+        assert_eq!(Rc::strong_count(&counted), 1, "another type releases it");
+        let (b, mut x) = (Vector::new(&world, LOCAL).unwrap(), Vector::new(&world, LOCAL).unwrap());
+        assert_eq!(ksp.solve(&b, &mut x).is_ok(), is_aij);
+        ksp.set_closure(&operator, |_, _| panic!("of a test")).unwrap();
+        let mut b = b;
+        b.fill(1.0).unwrap();
+        assert!(matches!(ksp.solve(&b, &mut x), Err(Error::Petsc { code: 83, .. })));
+        ksp.destroy().unwrap();
+    }
 }
 
 fn each_rank_has_a_factor_of_all(session: &Session) {

@@ -81,6 +81,32 @@ impl Body {
         Ok(solver(self.comm(), "", operator, self.method)?)
     }
 
+    /// A solver of S = K + c1 C + c2 M for many steps, by the method that suits it ([`Self::step_method`]). Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn step_solver(&self, c1: f64, c2: f64) -> Result<Ksp> {
+        let operator = self.operator(c1, c2)?;
+        let ksp = solver(self.comm(), "", &operator, self.step_method(c2)?)?;
+        // The solver has what it needs of it.
+        operator.destroy()?;
+        Ok(ksp)
+    }
+
+    /// How the systems of a step are solved: as all, but by incomplete factors in the place of multigrid where the mass outweighs the
+    /// stiffness. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn step_method(&self, c2: f64) -> Result<Method> {
+        match self.method {
+            Method::Multigrid { .. } => {
+                Ok(self.method.for_stiffness(self.elastic.trace()? / (c2 * self.mass.trace()?)))
+            }
+            method => Ok(method),
+        }
+    }
+
     /// M with the held unknowns taken out, and its solver. Collective.
     ///
     /// # Errors
@@ -90,7 +116,7 @@ impl Body {
         mass.zero_rows_columns(&self.clamps.rows, 1.0)?;
         mass.declare_positive_definite()?;
         let method = match self.method {
-            Method::Multigrid { .. } => Method::Diagonal { tolerance: OF_MASS },
+            Method::Multigrid { .. } | Method::Incomplete { .. } => Method::Diagonal { tolerance: OF_MASS },
             method => method,
         };
         let solver = solver(self.comm(), "mass_", &mass, method)?;

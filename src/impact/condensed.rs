@@ -41,8 +41,7 @@ impl Condensed {
         mass: f64,
         (pushed, tolerance): (Vec<Int>, f64),
     ) -> Result<Self> {
-        let matrix = body.operator(stage.c1, stage.c2)?;
-        let mut ksp = body.solver(&matrix)?;
+        let mut ksp = body.step_solver(stage.c1, stage.c2)?;
         let mut force = body.load.duplicate()?;
         force.copy_from(&body.localization.vector)?;
         body.clamps.zero(&mut force)?;

@@ -1,6 +1,8 @@
 //! Linear systems of symmetric positive definite matrices.
 
-use petsc_wrap::{Comm, Factor, Ksp, KspView, MatrixView, ResidualNorm, Result, Session, Tolerances};
+use petsc_wrap::{Comm, Factor, Ksp, KspView, MatrixView, ResidualNorm, Result, Session, Tolerances, options};
+
+use super::incomplete::{self, IncompleteCholesky};
 
 /// Relative residual at which iterative methods stop: PETSc's 1e-5 would be an error of that size in every step.
 const ITERATIVE: f64 = 1e-12;
@@ -17,11 +19,33 @@ pub enum Method {
         /// That part.
         tolerance: f64,
     },
+    /// The same, preconditioned with an incomplete factor of each rank's rows in blocks of three ([`IncompleteCholesky`]), and a matrix that
+    /// stores one triangle: for operators in which the mass outweighs the stiffness. Options of PETSc's that name a method or a
+    /// preconditioner take [`Method::Multigrid`] as what they change.
+    Incomplete {
+        /// That part.
+        tolerance: f64,
+    },
     /// Conjugate gradients, preconditioned with the diagonal: for matrices like that of the mass.
     Diagonal {
         /// Relative residual.
         tolerance: f64,
     },
+}
+
+/// Largest ratio tr K / (c₂ tr M) for which an incomplete factor is quicker than multigrid. Measured on a quarter of a plate of 0.1 m in quadratic
+/// hexahedra: an iteration of multigrid costs 7.5 ones with the factor; multigrid takes 15 to 26 iterations, the factor 15, 58 and 230 at ratios
+/// of 70, 1,700 and 43,000. The two cost the same where the factor takes some 170.
+const STIFFEST: f64 = 2e4;
+
+impl Method {
+    /// The quicker iteration for an operator K + c₂ M with tr K so many times c₂ tr M; other methods stay as they are.
+    pub fn for_stiffness(self, ratio: f64) -> Self {
+        match self {
+            Self::Multigrid { tolerance } if ratio <= STIFFEST => Self::Incomplete { tolerance },
+            method => method,
+        }
+    }
 }
 
 /// A solver whose options begin with `prefix` (empty, or ending in an underscore), by a method, or by whatever PETSc's options say. An
@@ -33,7 +57,15 @@ pub enum Method {
 pub fn solver(comm: &Comm, prefix: &str, matrix: &MatrixView, method: Method) -> Result<Ksp> {
     let mut ksp = Ksp::new(comm)?;
     ksp.set_options_prefix(prefix)?;
-    ksp.set_operators(matrix, matrix)?;
+    let mut method = method;
+    if let Method::Incomplete { tolerance } = method {
+        if is_chosen(comm, prefix)? {
+            method = Method::Multigrid { tolerance };
+        }
+    }
+    if !matches!(method, Method::Incomplete { .. }) {
+        ksp.set_operators(matrix, matrix)?;
+    }
     let tolerance = match method {
         Method::Cholesky => {
             ksp.set_type("preonly")?;
@@ -42,8 +74,16 @@ pub fn solver(comm: &Comm, prefix: &str, matrix: &MatrixView, method: Method) ->
         }
         Method::Multigrid { tolerance } => {
             set_gradients(&mut ksp, "gamg")?;
-            ksp.set_residual_norm(ResidualNorm::Natural)?;
-            ksp.set_initial_guess_nonzero(true)?;
+            start_from_guess(&mut ksp)?;
+            tolerance
+        }
+        Method::Incomplete { tolerance } => {
+            ksp.set_type("cg")?;
+            // In this order, since the triangle takes twice its memory for as long as it is made.
+            let triangle = matrix.upper_triangle(incomplete::SIZE)?;
+            let factor = IncompleteCholesky::new(matrix)?;
+            ksp.set_closure(&triangle, move |b, x| factor.solve(b, x))?;
+            start_from_guess(&mut ksp)?;
             tolerance
         }
         Method::Diagonal { tolerance } => {
@@ -68,6 +108,18 @@ pub fn solver(comm: &Comm, prefix: &str, matrix: &MatrixView, method: Method) ->
 /// PETSc's.
 pub fn is_direct(ksp: &KspView) -> Result<bool> {
     Ok(ksp.type_name()? == "preonly")
+}
+
+/// Whether PETSc's options name a method or a preconditioner.
+fn is_chosen(comm: &Comm, prefix: &str) -> Result<bool> {
+    let is_set = |name: &str| options::is_set(comm.session(), &format!("-{prefix}{name}"));
+    Ok(is_set("ksp_type")? || is_set("pc_type")?)
+}
+
+/// From the given guess on, and in the norm of the preconditioner.
+fn start_from_guess(ksp: &mut KspView) -> Result<()> {
+    ksp.set_residual_norm(ResidualNorm::Natural)?;
+    ksp.set_initial_guess_nonzero(true)
 }
 
 /// Conjugate gradients with a preconditioner.

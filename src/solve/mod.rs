@@ -2,8 +2,10 @@
 //!
 //! PETSc's options override all of it.
 
+mod incomplete;
 pub mod linear;
 mod newton;
 
+pub use incomplete::IncompleteCholesky;
 pub use linear::Method;
 pub use newton::Newton;

@@ -64,6 +64,7 @@ mod model {
 }
 mod stability {
     pub mod chatter;
+    pub mod choice;
     pub mod contact;
     pub mod iterative;
     pub mod localisation;
@@ -130,6 +131,7 @@ fn main() -> ExitCode {
         model::theory_error,
         model::tolerances,
         stability::chatter,
+        stability::choice,
         stability::contact,
         stability::iterative,
         stability::localisation,

@@ -98,14 +98,9 @@ impl MatrixView {
 
     /// Refuses a matrix whose entries are not stored by rows: PETSc calls functions that other types do not have.
     pub(crate) fn require_aij(&self) -> Result<()> {
-        let mut name = std::ptr::null();
         // SAFETY: the matrix is valid.
-        check(unsafe { sys::MatGetType(self.raw(), &raw mut name) })?;
-        // SAFETY: the name is static or null.
-        let name = unsafe { from_c(name) };
-        // Variants of AIJ, chosen by an option, begin with its name.
-        let is_aij = ["seqaij", "mpiaij"].iter().any(|aij| name.starts_with(aij));
-        require(is_aij, &format!("not for matrices of type {name:?}, only for AIJ"))
+        let name = unsafe { type_name(self.raw()) }?;
+        require(is_name_of_aij(&name), &format!("not for matrices of type {name:?}, only for AIJ"))
     }
 
     pub(crate) fn require_assembled_aij(&self) -> Result<()> {
@@ -459,6 +454,32 @@ impl MatrixView {
         check(unsafe { sys::MatGetInfo(self.raw(), sys::MatInfoType::MAT_GLOBAL_SUM, &raw mut info) })?;
         Ok(info.nz_used as u64)
     }
+}
+
+/// PETSc's name of a matrix's type.
+///
+/// # Safety
+/// The matrix is valid.
+unsafe fn type_name(matrix: sys::Mat) -> Result<String> {
+    let mut name = std::ptr::null();
+    // SAFETY: by the caller.
+    check(unsafe { sys::MatGetType(matrix, &raw mut name) })?;
+    // SAFETY: the name is static or null.
+    Ok(unsafe { from_c(name) })
+}
+
+/// Variants of AIJ, chosen by an option, begin with its name.
+fn is_name_of_aij(name: &str) -> bool {
+    ["seqaij", "mpiaij"].iter().any(|aij| name.starts_with(aij))
+}
+
+/// Whether a matrix is stored by rows, every entry by itself.
+///
+/// # Safety
+/// The matrix is valid.
+pub(crate) unsafe fn is_aij(matrix: sys::Mat) -> Result<bool> {
+    // SAFETY: by the caller.
+    Ok(is_name_of_aij(&unsafe { type_name(matrix) }?))
 }
 
 /// A copy of a row of a matrix.

@@ -15,12 +15,17 @@ enum Linear {
     None,
     /// By a factor, of which MUMPS alone tells what it will take.
     Cholesky(Option<FactorEstimate>),
-    /// By iterations.
+    /// By iterations with multigrid.
     Multigrid,
+    /// By iterations with an incomplete factor.
+    Incomplete,
 }
 
 /// Memory of S with its multigrid while that is set up, over that of S, on one rank and on several; as measured on 3e5 and 1e6 unknowns.
 const OF_MULTIGRID: [f64; 2] = [1.8, 2.9];
+
+/// The same of S with one triangle of it and its incomplete factor.
+const OF_INCOMPLETE: f64 = 2.2;
 
 /// Memory for the fields of a whole body, a node of the modelled quarter, bytes: measured. Of it most is what recovers the stresses there.
 const OF_FIELDS: f64 = 4.5e3;
@@ -54,7 +59,10 @@ impl Cost {
         let method = Method::of(scene.solver.newton, body);
         let is_iterative = matches!(body.method, Solution::Multigrid { .. }) && method != Method::Full;
         let linear = match Implicit::new(scene.time.scheme) {
-            Some(_) if is_iterative => Linear::Multigrid,
+            Some(scheme) if is_iterative => match body.step_method(scheme.stage(plan.step()).c2)? {
+                Solution::Incomplete { .. } => Linear::Incomplete,
+                _ => Linear::Multigrid,
+            },
             Some(scheme) => {
                 let stage = scheme.stage(plan.step());
                 Linear::Cholesky(estimate_cholesky(&body.operator(stage.c1, stage.c2)?)?)
@@ -104,12 +112,16 @@ fn words(
                 format!("about {:.0} MB over all ranks", 1e-6 * matrices),
             );
         }
-        Linear::Multigrid => {
+        Linear::Multigrid | Linear::Incomplete => {
             let sizes = if matches!(plan, Plan::Equal { .. }) { 1.0 } else { 5.0 };
-            let operators = sizes * OF_MULTIGRID[usize::from(body.comm().size() > 1)] * entries;
+            let (of_solver, preconditioner) = match linear {
+                Linear::Incomplete => (OF_INCOMPLETE, "incomplete factors"),
+                _ => (OF_MULTIGRID[usize::from(body.comm().size() > 1)], "multigrid (GAMG)"),
+            };
+            let operators = sizes * of_solver * entries;
             let matrices = ENTRY * (2.0 * entries + products + boundary + operators) + sizes * dense + vectors;
             let solver = format!(
-                "{name}; conjugate gradients with multigrid (GAMG), since a factor would take more: {entries:.2e} entries in K"
+                "{name}; conjugate gradients with {preconditioner}, since a factor would take more: {entries:.2e} entries in K"
             );
             return (solver, format!("about {:.0} MB over all ranks", 1e-6 * matrices));
         }

@@ -1,0 +1,46 @@
+//! Which iteration solves the steps of a body that is too large for a factor.
+
+use mpi_test::{Test, tests};
+use petsc_wrap::Session;
+use ricochet::solve::linear::{Method, solver};
+
+use super::iterative::{COARSE, MULTIGRID, solid, with_options};
+
+pub const RANKS: &[usize] = &[1, 2, 3];
+pub const TESTS: &[Test<Session>] = tests![choice_for_steps];
+
+/// Steps choose by how far the stiffness outweighs the mass, which grows as the square of the step: an incomplete factor for short ones,
+/// multigrid for long ones. Both solve, with options in their place as well.
+fn choice_for_steps(session: &Session) {
+    let world = session.world();
+    let mut body = solid(&world, COARSE, "");
+    let tolerance = 1e-10;
+    body.method = Method::Multigrid { tolerance };
+    let mut exact = body.load.duplicate().unwrap();
+    for (step, method, most) in [
+        (2e-6, Method::Incomplete { tolerance }, 12),
+        (2e-5, Method::Incomplete { tolerance }, 30),
+        (2e-2, Method::Multigrid { tolerance }, 60),
+    ] {
+        let c2 = 4.0 / (step * step);
+        assert_eq!(body.step_method(c2).unwrap(), method, "{step:e}");
+        let b = &body.localization.vector;
+        let matrix = body.operator(0.0, c2).unwrap();
+        solver(&world, "", &matrix, Method::Cholesky).unwrap().solve(b, &mut exact).unwrap();
+        for chosen in [&[][..], MULTIGRID] {
+            let mut ksp = with_options(session, chosen, || body.step_solver(0.0, c2).unwrap());
+            let mut x = b.duplicate().unwrap();
+            ksp.solve(b, &mut x).unwrap();
+            x.axpy(-1.0, &exact).unwrap();
+            let error = x.norm().unwrap() / exact.norm().unwrap();
+            let iterations = ksp.iterations().unwrap();
+            if world.is_root() {
+                println!("step {step:e} s, {chosen:?}: {iterations} iterations, error {error:.1e}");
+            }
+            // The tolerance, times what the condition number (1e5 in the longest step) makes of it.
+            assert!(error < 1e-5 && (1..=most).contains(&iterations), "{step:e} {chosen:?}: {iterations}, {error:e}");
+        }
+    }
+    body.method = Method::Cholesky;
+    assert_eq!(body.step_method(1.0).unwrap(), Method::Cholesky, "a factor stays a factor");
+}
