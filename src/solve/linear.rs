@@ -58,10 +58,10 @@ pub fn solver(comm: &Comm, prefix: &str, matrix: &MatrixView, method: Method) ->
     let mut ksp = Ksp::new(comm)?;
     ksp.set_options_prefix(prefix)?;
     let mut method = method;
-    if let Method::Incomplete { tolerance } = method {
-        if is_chosen(comm, prefix)? {
-            method = Method::Multigrid { tolerance };
-        }
+    if let Method::Incomplete { tolerance } = method
+        && is_chosen(comm, prefix)?
+    {
+        method = Method::Multigrid { tolerance };
     }
     if !matches!(method, Method::Incomplete { .. }) {
         ksp.set_operators(matrix, matrix)?;
