@@ -9,14 +9,19 @@
 //! of the quadratic eigenvalue problem, SIAM J. Matrix Anal. Appl. 26, 2005; without dampers the shift-and-invert Lanczos method of
 //! load-dependent Ritz vectors, E. L. Wilson, M.-W. Yuan & J. M. Dickens, Earthq. Eng. Struct. Dyn. 10, 1982). Every vector is made
 //! orthogonal to all others twice, and K itself is projected.
+//!
+//! A contact that is short beside the body's slow motions makes bases that lack these: of a body that nothing holds the first vector is the
+//! translation, which K maps to nothing.
 
 use nalgebra::{DMatrix, DVector};
 use petsc_wrap::{Ksp, Matrix, Vector};
 
+use super::direct::Direct;
 use super::gram::gram;
 use super::{Body, Projection};
 use crate::error::Result;
 use crate::scene::Fault;
+use crate::solve::Method;
 
 /// A new vector shorter than this part of what it was before it was made orthogonal adds nothing but rounding.
 const EXHAUSTED: f64 = 1e-10;
@@ -25,7 +30,7 @@ const EXHAUSTED: f64 = 1e-10;
 pub struct Krylov {
     /// s, 1/s.
     shift: f64,
-    solver: Ksp,
+    solver: Solver,
     basis: Vec<Vector>,
     /// p, with dampers.
     auxiliary: Vec<Vector>,
@@ -38,6 +43,43 @@ pub struct Krylov {
     turn: usize,
     /// Whose it was last of those that do not begin with a.
     other: usize,
+    /// Whether the first vector is the translation of a body that nothing holds.
+    has_translation: bool,
+    /// As of [`Start`].
+    leaves_short_waves: bool,
+}
+
+/// How a basis begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Start {
+    /// s, 1/s.
+    pub shift: f64,
+    /// Whether the basis of a plate is to know its long waves alone, where that serves ([`InfinitePlate`](super::InfinitePlate)).
+    pub leaves_short_waves: bool,
+}
+
+/// Solves S x = b.
+enum Solver {
+    Small(Direct),
+    Distributed(Ksp),
+}
+
+impl Solver {
+    fn new(body: &Body, shift: f64) -> Result<Self> {
+        let (c1, c2) = (shift, shift * shift);
+        // Every rank has all of a body of numbers.
+        Ok(match (body.method, &body.nodes) {
+            (Method::Cholesky, None) => Self::Small(Direct::new(body, c1, c2)?),
+            _ => Self::Distributed(body.solver(&body.operator(c1, c2)?)?),
+        })
+    }
+
+    fn solve(&mut self, b: &Vector, x: &mut Vector) -> Result<()> {
+        match self {
+            Self::Small(factor) => factor.solve(b, x),
+            Self::Distributed(solver) => Ok(solver.solve(b, x)?),
+        }
+    }
 }
 
 /// Vectors from which on the first of the two passes that make a new vector orthogonal takes the last two vectors only, where the operator
@@ -58,12 +100,12 @@ struct Chain {
 }
 
 impl Krylov {
-    /// Factorises S at a rate s (1/s). Collective.
+    /// Factorises S. Collective.
     ///
     /// # Errors
     /// PETSc's.
-    pub fn new(body: &Body, shift: f64) -> Result<Self> {
-        let matrix = body.operator(shift, shift * shift)?;
+    pub fn new(body: &Body, start: Start) -> Result<Self> {
+        let Start { shift, leaves_short_waves } = start;
         let mut loads = body.load.duplicate()?;
         loads.copy_from(&body.load)?;
         loads.axpy(1.0, &body.support_load)?;
@@ -92,7 +134,9 @@ impl Krylov {
             return Err(Fault::new("impactor.point", message, "`model = \"half-space\"`, or another point").into());
         }
         let (mut basis, mut auxiliary) = (Vec::new(), Vec::new());
-        if let Some(rest) = rest {
+        let has_translation = rest.is_none() && body.damping.is_none() && body.is_free()?;
+        let first = if has_translation { Some(&body.translation) } else { rest };
+        if let Some(rest) = first {
             let (mut first, mut product) = (rest.duplicate()?, rest.duplicate()?);
             first.copy_from(rest)?;
             body.apply_mass(&first, &mut product)?;
@@ -105,9 +149,10 @@ impl Krylov {
                 basis.push(first);
             }
         }
+        let is_alone = chains.len() == 1;
         Ok(Self {
             shift,
-            solver: body.solver(&matrix)?,
+            solver: Solver::new(body, shift)?,
             basis,
             auxiliary,
             projected: std::array::from_fn(|_| DMatrix::zeros(0, 0)),
@@ -115,6 +160,9 @@ impl Krylov {
             chains,
             turn: 0,
             other: 0,
+            has_translation,
+            // Other forces reach the modes through other vectors.
+            leaves_short_waves: leaves_short_waves && is_alone,
         })
     }
 
@@ -145,9 +193,11 @@ impl Krylov {
     }
 
     fn add(&mut self, body: &Body) -> Result<()> {
-        let Self { shift, solver, basis, auxiliary, work: [known, product], chains, turn, other, .. } = self;
+        let Self {
+            shift, solver, basis, auxiliary, work: [known, product], chains, turn, other, has_translation, ..
+        } = self;
         // A recurrence of three terms knows no other vectors.
-        let is_alone = chains.len() == 1 && body.equilibrium.is_none();
+        let is_alone = chains.len() == 1 && body.equilibrium.is_none() && !*has_translation;
         while chains[*turn].exhausted {
             *turn = (*turn + 1) % chains.len();
         }
@@ -232,7 +282,7 @@ impl Krylov {
             Elastic,
             Of(&'a Matrix),
         }
-        let Self { basis, projected, .. } = self;
+        let Self { basis, projected, has_translation, .. } = self;
         let count = basis.len();
         let matrices =
             [Some(Operator::Elastic), body.support.as_ref().map(Operator::Of), body.damping.as_ref().map(Operator::Of)];
@@ -259,6 +309,11 @@ impl Krylov {
                         known[(j, i)] = column[i];
                     }
                 }
+            }
+            if *has_translation && count > 0 {
+                // K maps it to nothing, but for rounding that a large body would oscillate by.
+                known.row_mut(0).fill(0.0);
+                known.column_mut(0).fill(0.0);
             }
         }
         Ok(())
@@ -292,6 +347,7 @@ impl Krylov {
             copies: body.copies,
             patch: body.localization.patch,
             foundation: body.unilateral.as_ref().map(|foundation| foundation.on(&self.basis)).transpose()?,
+            infinite_plate: body.infinite_plate.clone().filter(|_| self.leaves_short_waves),
         };
         // Sums over ranks may differ in their last digits, and with them the decisions that follow from them.
         projection.numbers().for_each(|numbers| body.comm().broadcast_from_root(numbers));

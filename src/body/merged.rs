@@ -5,9 +5,10 @@
 //! here in the inner product of M). The supports' operators go with the parameter along a straight line, so that those of any of the
 //! bodies follow from two.
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 use petsc_wrap::Vector;
 
+use super::eigen::symmetric_eigen;
 use super::krylov::forms_on;
 use super::{Body, Krylov, Projection};
 use crate::error::Result;
@@ -21,10 +22,10 @@ const LARGER: f64 = 0.1;
 /// # Errors
 /// PETSc's.
 pub fn snapshots(body: &Body, krylov: &Krylov, projection: &Projection, frequency: f64) -> Result<Vec<Vector>> {
-    let eigen = SymmetricEigen::new(&projection.elastic + &projection.support);
+    let (squares, shapes) = symmetric_eigen(&projection.elastic + &projection.support);
     let basis = krylov.basis();
     let mut vectors = Vec::new();
-    for (square, shape) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+    for (square, shape) in squares.iter().zip(shapes.column_iter()) {
         let weight = 1.0 / (1.0 + square.max(0.0) / (frequency * frequency));
         let factors: Vec<f64> = shape.iter().map(|factor| weight * factor).collect();
         let mut vector = body.load.duplicate()?;
@@ -67,17 +68,17 @@ impl Merged {
             }
         }
         body.comm().broadcast_from_root(gram.as_mut_slice());
-        let eigen = SymmetricEigen::new(gram);
-        let mut order: Vec<usize> = (0..count).collect();
-        order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
-        let largest = order.first().map_or(0.0, |&i| eigen.eigenvalues[i]);
-        let deep = |depth: f64| order.iter().filter(|&&i| eigen.eigenvalues[i] > depth * depth * largest).count();
+        let (values, shapes) = symmetric_eigen(gram);
+        // The largest first.
+        let order: Vec<usize> = (0..count).rev().collect();
+        let largest = order.first().map_or(0.0, |&i| values[i]);
+        let deep = |depth: f64| order.iter().filter(|&&i| values[i] > depth * depth * largest).count();
         let [vectors, larger] = [depth, LARGER * depth].map(deep);
         let mut directions = Vec::with_capacity(larger);
         let mut basis: Vec<Vector> = Vec::with_capacity(larger);
         for &direction in &order[..larger] {
             let mut next = body.load.duplicate()?;
-            for (vector, factor) in all.iter().zip(eigen.eigenvectors.column(direction).iter()) {
+            for (vector, factor) in all.iter().zip(shapes.column(direction).iter()) {
                 next.axpy(*factor, vector)?;
             }
             let mut direction = next.duplicate()?;
@@ -154,6 +155,7 @@ fn project(body: &Body, basis: &[Vector]) -> Result<Projection> {
         copies: body.copies,
         patch: body.localization.patch,
         foundation: None,
+        infinite_plate: None,
     };
     projection.numbers().for_each(|numbers| body.comm().broadcast_from_root(numbers));
     Ok(projection)

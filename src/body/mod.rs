@@ -2,7 +2,10 @@
 
 mod clamps;
 pub(crate) mod deviates;
+mod direct;
+mod eigen;
 mod gram;
+mod infinite_plate;
 mod krylov;
 mod lumped;
 mod merged;
@@ -16,7 +19,8 @@ mod system;
 mod unilateral;
 
 pub use clamps::Clamps;
-pub use krylov::Krylov;
+pub use infinite_plate::InfinitePlate;
+pub use krylov::{Krylov, Start};
 pub use lumped::Lumped;
 pub use merged::{Merged, snapshots};
 pub use modal::ModalBody;

@@ -1,7 +1,9 @@
 //! A linear body in modal coordinates: what the contact's force does to the surface under the impactor.
 
-use nalgebra::{Complex, DMatrix, DVector, Schur, SymmetricEigen};
+use nalgebra::{Complex, DMatrix, DVector, Schur};
 
+use super::eigen::symmetric_eigen;
+use super::infinite_plate::weight;
 use super::{FoundationPoints, Projection};
 use crate::error::{Error, Result};
 use crate::scene::Fault;
@@ -11,7 +13,8 @@ use crate::scene::Fault;
 /// ż_i = λ_i z_i + b_i F + g_i,  Ẍ = F/m + g,  u_hit = Re Σ c_i z_i + X + r F.
 ///
 /// A free vibration of frequency ω is one z = v + iωx with λ = iω; with dampers the z are the coordinates along the eigenvectors
-/// of (x, v), of which one of each conjugate pair is kept. An infinite plate is one with λ = 0.
+/// of (x, v), of which one of each conjugate pair is kept. An infinite plate is one with λ = 0, and its short waves are some more
+/// ([`InfinitePlate`](super::InfinitePlate)), which come last.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Modes {
     /// The coordinates.
@@ -100,6 +103,8 @@ pub(crate) struct Forms {
     pub rest: f64,
     /// x and v from z, with dampers: Re(X z), Re(V z).
     pub damped: Option<[DMatrix<Complex<f64>>; 2]>,
+    /// Whether waves go off for good: their energy counts as dissipated.
+    pub is_open: bool,
 }
 
 /// A contact that is closed.
@@ -155,7 +160,7 @@ impl Modes {
         let [zero, one] = [Complex::new(0.0, 0.0), Complex::new(1.0, 0.0)];
         let mode = Mode { rate: zero, input: one / impedance, load: zero, output: one };
         // What goes off in its waves counts as dissipated.
-        let forms = Forms { damped: Some([DMatrix::zeros(0, 1), DMatrix::zeros(0, 1)]), ..Forms::none() };
+        let forms = Forms { is_open: true, ..Forms::none() };
         Self { modes: vec![mode], forms, ..Self::none() }
     }
 
@@ -176,7 +181,8 @@ impl Modes {
         if let Some([places, _]) = &self.forms.damped {
             return real_parts(places, z);
         }
-        DVector::from_iterator(z.len(), z.iter().zip(&self.forms.frequencies).map(|(z, frequency)| z.im / frequency))
+let frequencies = &self.forms.frequencies;
+        DVector::from_iterator(frequencies.len(), z.iter().zip(frequencies).map(|(z, frequency)| z.im / frequency))
     }
 
     /// The fastest of the rates |λ|, 1/s.
@@ -194,7 +200,7 @@ pub(crate) fn real_parts(matrix: &DMatrix<Complex<f64>>, z: &[Complex<f64>]) -> 
 pub struct Spectrum {
     /// ω², 1/s², ascending.
     squares: DVector<f64>,
-    /// Vᵀa, Vᵀf and Vᵀ∫kū along them.
+    /// Vᵀa, Vᵀf and Vᵀ∫kū along them; where short waves are kept apart, Vᵀa by the weights.
     force: DVector<f64>,
     load: DVector<f64>,
     support_load: DVector<f64>,
@@ -210,18 +216,32 @@ pub struct Spectrum {
     foundation: Option<FoundationPoints>,
     /// How many of the modes, the lowest first, have those that foundations stiffen.
     stiffened: usize,
+    /// The coordinates of waves that the modes leave out, and √g of the modes, where these are kept apart.
+    short_waves: Option<ShortWaves>,
+}
+
+/// What stands for a plate's short waves.
+struct ShortWaves {
+    coordinates: Vec<Mode>,
+    /// √g of the modes.
+    weights: DVector<f64>,
+    /// How many of the modes, the lowest first, have any.
+    kept: usize,
+    /// Vᵀa itself.
+    force: DVector<f64>,
 }
 
 impl Spectrum {
     /// Solves K y = ω² y on the basis.
     pub fn new(projection: &Projection) -> Self {
-        let eigen = SymmetricEigen::new(&projection.elastic + &projection.support);
-        let mut order: Vec<usize> = (0..projection.vectors()).collect();
-        order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
-        let vectors = eigen.eigenvectors.select_columns(&order);
+        let (squares, vectors) = symmetric_eigen(&projection.elastic + &projection.support);
         let along = |v: &DVector<f64>| vectors.tr_mul(v);
         let on = |m: &DMatrix<f64>| vectors.tr_mul(&(m * &vectors));
-        let squares = eigen.eigenvalues.select_rows(&order);
+        let mut force = along(&projection.force);
+        let short_waves = ShortWaves::new(projection, &squares, &force);
+        if let Some(ShortWaves { weights, .. }) = &short_waves {
+            force.component_mul_assign(weights);
+        }
         let foundation = projection.foundation.as_ref().map(|points| points.on(&vectors));
         let is_stiffened = |i: &usize| {
             let stiffness = foundation.as_ref().map_or(0.0, |points: &FoundationPoints| points.square(*i));
@@ -230,7 +250,7 @@ impl Spectrum {
         Self {
             stiffened: (0..squares.len()).rev().find(is_stiffened).map_or(0, |last| last + 1),
             squares,
-            force: along(&projection.force),
+            force,
             load: along(&projection.load),
             support_load: along(&projection.support_load),
             support: on(&projection.support),
@@ -240,6 +260,7 @@ impl Spectrum {
             vectors,
             hit_stress: projection.hit_stress.clone(),
             hit_local: projection.hit_local,
+            short_waves,
         }
     }
 
@@ -273,7 +294,8 @@ impl Spectrum {
     pub fn modes(&self, cutoff: f64, closed: &Closed) -> Result<Modes> {
         // What nothing holds has no static answer.
         let free = self.squares.iter().filter(|square| **square <= ROUNDING * self.squares.max()).count();
-        let count = self.slower_than(cutoff, closed).max(free).max(self.stiffened);
+        let kept = self.short_waves.as_ref().map_or(self.squares.len(), |waves| waves.kept);
+        let count = self.slower_than(cutoff, closed).min(kept).max(free).max(self.stiffened);
         let left = self.force.iter().zip(&self.squares).skip(count);
         let residual = left.map(|(force, square)| force * force / square).sum();
         let most_damped = self.damping.as_ref().map_or(0.0, |d| d.amax());
@@ -290,9 +312,14 @@ impl Spectrum {
             // Where the foundations are left in equilibrium, their springs pull less than they would.
             loads -= points.rows.tr_mul(&points.resting);
         }
+        // Short waves that the modes leave out do not take the modes' part of what is read.
+        let reach = self.short_waves.as_ref().map_or(&self.force, |waves| &waves.force);
+        if let Some(ShortWaves { weights, .. }) = &self.short_waves {
+            shapes.moving.column_iter_mut().zip(&moving).for_each(|(mut shape, &i)| shape.unscale_mut(weights[i]));
+        }
         let (mut rest, mut rest_energy) = (0.0, 0.0);
         for (i, e) in self.vectors.column_iter().enumerate().skip(count) {
-            shapes.residual.axpy(self.force[i] / self.squares[i], &e, 1.0);
+            shapes.residual.axpy(reach[i] / self.squares[i], &e, 1.0);
             shapes.rest.axpy(loads[i] / self.squares[i], &e, 1.0);
             rest += self.force[i] * loads[i] / self.squares[i];
             rest_energy += 0.5 * loads[i] * loads[i] / self.squares[i];
@@ -309,13 +336,19 @@ impl Spectrum {
         let block = |m: &DMatrix<f64>| m.select_rows(&moving).select_columns(&moving);
         let squares = of_moving(&self.squares).map(|square| square.max(0.0));
         let (force, load) = (of_moving(&self.force), of_moving(&loads));
-        let (modes, damped, inputs) = match &self.damping {
+        let (mut modes, mut damped, inputs) = match &self.damping {
             None => (vibrations(&squares, &force, &load), None, None),
             Some(damping) => {
                 let Damped { modes, shapes, inputs } = damped(&squares, &block(damping), &force, &load)?;
                 (modes, Some(shapes), Some(inputs))
             }
         };
+        if let Some(ShortWaves { coordinates, .. }) = &self.short_waves {
+            modes.extend(coordinates);
+            // They are no part of x and v.
+            damped =
+                damped.map(|shapes| shapes.map(|shape| shape.resize_horizontally(modes.len(), Complex::new(0.0, 0.0))));
+        }
         let foundation = self.foundation.as_ref().map(|all| {
             let mut points = all.select(&moving);
             if points.is_settled {
@@ -336,9 +369,21 @@ impl Spectrum {
             squares,
             rest: rest_energy,
             damped,
+            is_open: self.short_waves.is_some(),
         };
         let hit_stress = (self.hit_stress.nrows() > 0).then(|| (shapes.mapped(&self.hit_stress), self.hit_local));
         Ok(Modes { modes, free, residual, rest, forms, shapes, hit_stress, foundation })
+    }
+}
+
+impl ShortWaves {
+    /// Those that modes of these squares and this Vᵀa leave out, where a basis is to have it so.
+    fn new(projection: &Projection, squares: &DVector<f64>, force: &DVector<f64>) -> Option<Self> {
+        let plate = projection.infinite_plate.as_ref()?;
+        let cutoff = plate.known(projection.vectors());
+        let weights = squares.map(|square| weight(square.max(0.0).sqrt(), cutoff).sqrt());
+        let kept = weights.iter().filter(|weight| **weight > 0.0).count();
+        Some(Self { coordinates: plate.short_waves(cutoff), weights, kept, force: force.clone() })
     }
 }
 
@@ -378,6 +423,7 @@ impl Forms {
             load: empty,
             rest: 0.0,
             damped: None,
+            is_open: false,
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::contact::Localization;
 use crate::error::Result;
 use crate::solve::linear::{Method, solver};
 
-use super::{Clamps, Lumped, Pads, Unilateral};
+use super::{Clamps, InfinitePlate, Lumped, Pads, Unilateral};
 
 /// Relative residual of an iterative solution with M.
 const OF_MASS: f64 = 1e-12;
@@ -54,6 +54,8 @@ pub struct Body {
     pub hit_local: [f64; 3],
     /// The body moved as a whole by one in the impactor's direction.
     pub translation: Vector,
+    /// As of [`System::infinite_plate`](super::System::infinite_plate).
+    pub infinite_plate: Option<InfinitePlate>,
     /// Numbers that look like independent normal deviates, the same on any number of ranks: where iterations start.
     pub deviates: Vector,
     /// Where this rank's nodes lie (m), three unknowns each; `None` for a body of numbers, of which every rank has all.

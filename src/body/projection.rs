@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use nalgebra_sparse::CsrMatrix;
 
-use super::{FoundationPoints, System};
+use super::{FoundationPoints, InfinitePlate, System};
 use crate::contact::Patch;
 
 /// ÿ + C ẏ + (K_e + K_s) y = a F + f: a body's operators on a basis V with VᵀMV = 1, so that u = V y.
@@ -39,6 +39,8 @@ pub struct Projection {
     pub patch: Option<Patch>,
     /// Unilateral foundations, whose springs are among the supports.
     pub foundation: Option<FoundationPoints>,
+    /// What stands for the plate's shortest waves, where the basis is to know the longer ones alone.
+    pub infinite_plate: Option<InfinitePlate>,
 }
 
 impl Projection {
@@ -62,6 +64,7 @@ impl Projection {
             hit_stress: self.hit_stress.row_iter().map(|row| row.iter().copied().collect()).collect(),
             hit_local: self.hit_local,
             translation: self.translation.as_slice().to_vec(),
+            infinite_plate: None,
             copies: self.copies,
         }
     }
@@ -120,6 +123,7 @@ impl Projection {
             copies: self.copies,
             patch: self.patch,
             foundation: self.foundation.as_ref().map(|points| points.leading(count)),
+            infinite_plate: self.infinite_plate.clone(),
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::solve::Method;
 
 use super::deviates::normal;
-use super::{Body, Clamps, PadOnSurface, Pads};
+use super::{Body, Clamps, InfinitePlate, PadOnSurface, Pads};
 
 /// Entries of a matrix that a core's cache holds: half of them are multiplied no quicker, and take long to be picked.
 const CACHED: u64 = 100_000;
@@ -46,6 +46,8 @@ pub struct System {
     pub hit_local: [f64; 3],
     /// The unknowns of a unit translation along the impactor's direction.
     pub translation: Vec<f64>,
+    /// Of a plate, what an infinite one does.
+    pub infinite_plate: Option<InfinitePlate>,
     /// How many such bodies make the whole.
     pub copies: f64,
 }
@@ -102,6 +104,7 @@ impl Body {
             hit_stress: system.hit_stress.iter().map(|form| vector(form)).collect::<Result<_>>()?,
             hit_local: system.hit_local,
             translation: vector(&system.translation)?,
+            infinite_plate: system.infinite_plate.clone(),
             deviates: vector(&deviates)?,
             nodes: None,
             copies: system.copies,

@@ -1,8 +1,9 @@
 //! A basis as large as a scene needs, with its error.
 
+use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use crate::body::{Body, Krylov, ModalBody, Projection};
+use crate::body::{Body, Krylov, ModalBody, Projection, Start};
 use crate::error::{Error, Result};
 use crate::impact::{Errors, Impact, ModalImpact, Steps, Trace};
 use crate::scene::{Reduction, Scene};
@@ -35,6 +36,15 @@ const GROWTH: f64 = 1.225;
 /// what is left for small tolerances is of higher frequencies.
 const RATE: f64 = 15.0;
 
+/// The time in which the force on a plate rises times the frequency up to which a basis must know its waves, for an error of
+/// [`MEASURED`]; errors were measured to fall with the power [`ORDER`] of the frequency.
+const OF_RISE: f64 = 0.35;
+const MEASURED: f64 = 5e-3;
+const ORDER: f64 = 2.4;
+
+/// Vectors from which on a plate's short waves are kept apart: fewer are cheap.
+const SHORT_WAVES_APART: usize = 250;
+
 /// A body on a basis.
 pub struct Reduced {
     /// The body.
@@ -65,13 +75,14 @@ impl Reduced {
 /// [`crate::Error::Solve`] where the impact is not solved on any basis; PETSc's.
 pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> {
     watch.at(Stage::Factor)?;
-    let mut krylov = Krylov::new(body, rate(scene))?;
+    let Plan { start, first } = Plan::new(body, scene);
+    let mut krylov = Krylov::new(body, start)?;
     let given = match scene.body.reduction {
         Reduction::Vectors(vectors) => Some(vectors),
         _ => None,
     };
     // A given number, then half as many more; else in steps of √1.5, each basis judged by the one before the last.
-    let mut count = given.unwrap_or(FIRST);
+    let mut count = given.unwrap_or(first);
     // The bases so far, their force, and the steps that all are compared in.
     let mut tried: Vec<(usize, Trace)> = Vec::new();
     let mut steps = None;
@@ -120,7 +131,7 @@ pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> 
             Err(_) => {}
         }
         count = match last {
-            _ if given.is_some() || tried.len() < 2 && count <= FIRST => larger(count),
+            _ if given.is_some() || tried.len() < 2 && count <= first => larger(count),
             // A long basis is dear: it grows by as much as its error asks for, which falls with the square of the number.
             Some(Judged { error, wanted, .. }) if count >= LONG => {
                 let needed = count as f64 * (error / wanted).sqrt();
@@ -128,6 +139,35 @@ pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> 
             }
             _ => (GROWTH * count as f64).ceil() as usize,
         };
+    }
+}
+
+/// How a basis begins.
+pub(super) struct Plan {
+    /// Of its vectors.
+    pub start: Start,
+    /// How many the first one has that is tried.
+    first: usize,
+}
+
+impl Plan {
+    /// That of a scene's body: by the rule of thumb, or, where a plate's contact has many modes, by the number of these.
+    pub(super) fn new(body: &Body, scene: &Scene) -> Self {
+        let short = Self { start: Start { shift: rate(scene), leaves_short_waves: false }, first: FIRST };
+        let Some(plate) = &body.infinite_plate else { return short };
+        // (What foundations pull at, and schemes in the body's unknowns, know no waves that go off.)
+        if !scene.time.modal || body.unilateral.is_some() || scene.body.reduction != Reduction::Auto {
+            return short;
+        }
+        let of_error = (MEASURED / (OF_BASIS * scene.tolerance)).powf(1.0 / ORDER);
+        let frequency = TAU * OF_RISE * of_error / plate.rise(scene.impactor.stiffness, scene.impactor.speed);
+        let vectors = plate.vectors(frequency);
+        if !(SHORT_WAVES_APART..=MOST).contains(&vectors) || plate.is_near_edge(frequency) {
+            return short;
+        }
+        // The first one judges the second.
+        let start = Start { shift: frequency, leaves_short_waves: true };
+        Self { start, first: (vectors as f64 / 1.5).ceil() as usize }
     }
 }
 

@@ -74,11 +74,11 @@ impl Ledger {
             + of_weight;
         let total = kinetic + elastic + support + impactor + contact;
         let initial = *self.initial.get_or_insert(total - external);
-        // Without dampers what the integration made is what the balance is off by.
+        // Without dampers and waves that go off, what the integration made is what the balance is off by.
         let off = total - external - initial;
-        let (dissipated, numerical) = match forms.damped {
-            None => (self.of_contact, off + self.of_contact),
-            Some(_) => (self.numerical - off, self.numerical),
+        let (dissipated, numerical) = match forms.damped.is_some() || forms.is_open {
+            false => (self.of_contact, off + self.of_contact),
+            true => (self.numerical - off, self.numerical),
         };
         let n = setting.copies;
         Energy {

@@ -75,6 +75,7 @@ impl Body {
             support_offset,
             hit_stress: Vec::new(),
             hit_local: [0.0; 3],
+            infinite_plate: None,
             translation: translation(mesh, description.direction)?,
             localization,
             rigid_motions: Some(rigid_motions(mesh, &nodes)?),

@@ -9,6 +9,7 @@ pub mod layer;
 mod location;
 mod points;
 mod theory;
+mod waves;
 
 pub use cells::crossing;
 pub(super) use cells::{contact_time, wavelength};
@@ -163,6 +164,7 @@ impl Plate {
             patch: None,
             hit_stress: Vec::new(),
             hit_local: [0.0; 3],
+            infinite_plate: Some(waves::infinite_plate(&points, copies)),
             translation: points.tensor.one(DEFLECTION),
             copies,
         };

@@ -109,6 +109,7 @@ impl SplineSolid {
             patch: patch.patch,
             hit_stress: Vec::new(),
             hit_local: [0.0; 3],
+            infinite_plate: None,
             translation: translation(&points.tensor, description.direction),
             copies,
         };

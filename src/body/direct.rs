@@ -1,0 +1,79 @@
+//! The direct solver of a small symmetric positive definite matrix, of which every rank has all.
+
+use faer::linalg::solvers::Solve;
+use faer::sparse::linalg::solvers::Llt;
+use faer::sparse::{SparseColMat, SymbolicSparseColMat};
+use faer::{MatMut, Side};
+use petsc_wrap::{Int, Matrix, Row, Vector};
+
+use super::Body;
+use crate::error::{Error, Result};
+
+/// A Cholesky factor.
+pub struct Direct {
+    factor: Llt<usize, f64>,
+}
+
+impl Direct {
+    /// Factorises K + c1 C + c2 M of a body on one rank, pads left out, with the held unknowns taken out.
+    ///
+    /// # Errors
+    /// [`Error::Solve`] where the matrix is not positive definite; PETSc's.
+    pub fn new(body: &Body, c1: f64, c2: f64) -> Result<Self> {
+        let terms: Vec<(f64, &Matrix)> = [
+            Some((1.0, &body.elastic)),
+            Some((c2, &body.mass)),
+            body.support.as_ref().map(|support| (1.0, support)),
+            body.damping.as_ref().map(|damping| (c1, damping)),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        let count = body.unknowns();
+        let mut is_held = vec![false; count];
+        body.clamps.rows.iter().for_each(|row| is_held[*row as usize] = true);
+        // The lower triangle by columns, which are the rows of the upper one.
+        let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+        let (mut sums, mut is_in, mut found) = (vec![0.0; count], vec![false; count], Vec::new());
+        let mut entries = Row::default();
+        for i in 0..count {
+            for (factor, matrix) in &terms {
+                matrix.row_into(i as Int, &mut entries)?;
+                for (column, value) in entries.columns.iter().zip(&entries.values) {
+                    let j = *column as usize;
+                    if j < i || (j != i && (is_held[i] || is_held[j])) {
+                        continue;
+                    }
+                    if !std::mem::replace(&mut is_in[j], true) {
+                        found.push(j);
+                    }
+                    sums[j] += factor * value;
+                }
+            }
+            found.sort_unstable();
+            for j in found.drain(..) {
+                rows.push(j);
+                values.push(sums[j]);
+                (sums[j], is_in[j]) = (0.0, false);
+            }
+            starts.push(rows.len());
+        }
+        let matrix = SparseColMat::new(SymbolicSparseColMat::new_checked(count, count, starts, None, rows), values);
+        let factor = matrix.sp_cholesky(Side::Lower);
+        let factor =
+            factor.map_err(|error| Error::Solve(format!("a body's matrix has no Cholesky factor: {error:?}")))?;
+        Ok(Self { factor })
+    }
+
+    /// x of A x = b.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn solve(&self, b: &Vector, x: &mut Vector) -> Result<()> {
+        x.copy_from(b)?;
+        let mut x = x.write()?;
+        let count = x.len();
+        self.factor.solve_in_place(MatMut::from_column_major_slice_mut(&mut x, count, 1));
+        Ok(())
+    }
+}

@@ -1,0 +1,177 @@
+//! A plate before its first echo: what an infinite plate of its section does under the impactor, in the place of the plate's shortest waves.
+//!
+//! Short waves disperse on their way to the edges and back, so that little is lost where they never come back. A long basis therefore
+//! keeps the modes below a frequency ω_c alone. Each mode is weighted by √g on its input and on its output, with Butterworth's
+//! g(ω) = 1/(1 + (ω/ω_c)^{2n}), and the infinite plate's own continuum takes the part 1 − g.
+//!
+//! The mobility of an infinite plate is a sum over waves: Σ φ² over the modes within dω tends to ν(ω) dω, ν = (2/π) Re Y(iω). A thin plate's
+//! is constant, ν = 2/(π Z) with Zener's impedance Z. With B(s) = −(1/n) Σ λ/(s − λ) over the n poles λ of g with Re λ < 0, Re B(iω) = g(ω),
+//! and B(0) = 1. So the mobility (1 − B)/Z that is left has no pole at zero: the surface moves by
+//!
+//! u = Re Σ c z,  ż = λ z + F,  c = 2/(n Z)
+//!
+//! over the poles with Im λ > 0. Where ν falls with the frequency, as that of a plate that is hit on a disc, it is taken by bands:
+//! Σ_k Y_k (B_{k+1} − B_k), whose terms at each edge are again such coordinates. Bands have no negative density, so that
+//! these coordinates only take energy, which counts as dissipated.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use nalgebra::Complex;
+
+use super::Mode;
+
+/// n: poles of each g.
+const POLES: usize = 8;
+
+/// Edge of a band over the one before.
+const BAND: f64 = 1.25;
+
+/// Modes of this g or less are left out.
+const LEAST: f64 = 1e-3;
+
+/// Vectors of a basis for each mode below ω_c: 0.8 were measured to leave 1e-3 of the peak, 0.9 to leave 2e-4.
+pub const VECTORS_PER_MODE: f64 = 0.9;
+
+/// What the infinite plate under the impactor does, of the modelled part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InfinitePlate {
+    /// ω (rad/s), ascending, and ν there (s/kg); constant below the first, and zero beyond the last unless there is one alone.
+    pub density: Vec<(f64, f64)>,
+    /// Modes of the modelled part for each rad/s, s.
+    pub modes: f64,
+    /// Z of the whole plate by the thin plate's theory, N s/m.
+    pub impedance: f64,
+    /// √(ρh/D), s/m²: ξ² of a long wave over its frequency.
+    pub slowness: f64,
+    /// How far the hit is from the nearest edge, m.
+    pub room: f64,
+}
+
+impl InfinitePlate {
+    /// The frequency up to which a basis of so many vectors knows the modes, rad/s.
+    pub fn known(&self, vectors: usize) -> f64 {
+        vectors as f64 / (VECTORS_PER_MODE * self.modes)
+    }
+
+    /// Vectors of a basis that knows the modes up to a frequency (rad/s).
+    pub fn vectors(&self, frequency: f64) -> usize {
+        (VECTORS_PER_MODE * self.modes * frequency).ceil() as usize
+    }
+
+    /// The time in which the force of an impactor with a contact stiffness (N/m^1.5) and a speed (m/s) rises, s: that in which it would
+    /// reach, on a half-space, what the plate's impedance gives.
+    pub fn rise(&self, stiffness: f64, speed: f64) -> f64 {
+        (self.impedance / stiffness).powf(2.0 / 3.0) / speed.cbrt()
+    }
+
+    /// Whether an edge is nearer to the hit than a wave of a frequency (rad/s) is long.
+    pub fn is_near_edge(&self, frequency: f64) -> bool {
+        self.room < TAU / (self.slowness * frequency).sqrt()
+    }
+
+    /// ν at a frequency (rad/s), s/kg.
+    fn density_at(&self, frequency: f64) -> f64 {
+        let after = self.density.partition_point(|(at, _)| *at < frequency);
+        match (after.checked_sub(1).and_then(|before| self.density.get(before)), self.density.get(after)) {
+            (None, Some((_, value))) => *value,
+            (Some((a, from)), Some((b, to))) => from + (to - from) * (frequency - a) / (b - a),
+            (Some((_, value)), None) if self.density.len() == 1 => *value,
+            _ => 0.0,
+        }
+    }
+
+    /// Whether ν is the same at all frequencies.
+    fn is_thin(&self) -> bool {
+        self.density.len() == 1
+    }
+
+    /// The coordinates that take the part 1 − g above ω_c, rad/s.
+    pub fn short_waves(&self, cutoff: f64) -> Vec<Mode> {
+        let last = self.density.last().map_or(0.0, |(at, _)| *at);
+        let mut edges = vec![cutoff];
+        while !self.is_thin() && edges[edges.len() - 1] < last {
+            edges.push(BAND * edges[edges.len() - 1]);
+        }
+        // Y between an edge and the next one; beyond the last edge that of a thin plate, or nothing.
+        let within = |k: usize| FRAC_PI_2 * self.density_at(edges[k] * BAND.sqrt());
+        let mut modes = Vec::with_capacity(edges.len() * POLES / 2);
+        let mut below = 0.0;
+        for (k, edge) in edges.iter().enumerate() {
+            let above = if k + 1 < edges.len() || self.is_thin() { within(k) } else { 0.0 };
+            modes.extend(poles(*edge).map(|rate| Mode {
+                rate,
+                input: Complex::new(1.0, 0.0),
+                load: Complex::new(0.0, 0.0),
+                output: Complex::new(2.0 * (above - below) / POLES as f64, 0.0),
+            }));
+            below = above;
+        }
+        modes
+    }
+}
+
+/// g of a mode at a frequency; both in rad/s. Zero where it is as good as that.
+pub fn weight(frequency: f64, cutoff: f64) -> f64 {
+    let weight = 1.0 / (1.0 + (frequency / cutoff).powi(2 * POLES as i32));
+    if weight < LEAST { 0.0 } else { weight }
+}
+
+/// The poles λ of g with Re λ < 0 < Im λ, 1/s.
+fn poles(cutoff: f64) -> impl Iterator<Item = Complex<f64>> {
+    (0..POLES / 2).map(move |k| {
+        let angle = PI * (2 * k + 1) as f64 / (2 * POLES) as f64;
+        Complex::new(-cutoff * angle.sin(), cutoff * angle.cos())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(density: Vec<(f64, f64)>) -> InfinitePlate {
+        InfinitePlate { density, modes: 1e-3, impedance: 2000.0, slowness: 0.1, room: 1.0 }
+    }
+
+    /// Re Y(iω) of coordinates: Y = s Σ c/(s − λ), of each conjugate pair half.
+    fn mobility(modes: &[Mode], frequency: f64) -> f64 {
+        let s = Complex::new(0.0, frequency);
+        let of = |mode: &Mode| {
+            let pair = mode.output / (s - mode.rate) + mode.output.conj() / (s - mode.rate.conj());
+            (s * pair * 0.5).re
+        };
+        modes.iter().map(of).sum()
+    }
+
+    /// Of a thin plate they have (1 − g)/Z at any frequency, and do not yield to a force that rests more than they must.
+    #[test]
+    fn short_waves_of_a_thin_plate_are_what_g_leaves() {
+        let (impedance, cutoff) = (2000.0, 1e5);
+        let plate = of(vec![(0.0, 2.0 / (PI * impedance))]);
+        let modes = plate.short_waves(cutoff);
+        for frequency in [1e3, 5e4, 9e4, 1e5, 1.1e5, 3e5, 1e7] {
+            let exact = (1.0 - 1.0 / (1.0 + (frequency / cutoff as f64).powi(16))) / impedance;
+            // Rounding of eight terms, each of the size of the largest.
+            assert!((mobility(&modes, frequency) - exact).abs() < 1e-14 / impedance * (frequency / cutoff).max(1.0));
+        }
+    }
+
+    /// A density that falls is met within its change over a band, is nowhere negative, and is nothing where g is one.
+    #[test]
+    fn bands_follow_a_density() {
+        let falling = |frequency: f64| 1e-3 / (1.0 + (frequency / 4e5).powi(2));
+        let mut density: Vec<(f64, f64)> =
+            (0..400).map(|i| (1e4 * f64::from(i), falling(1e4 * f64::from(i)))).collect();
+        density.push((4.1e6, 0.0));
+        let plate = of(density);
+        let modes = plate.short_waves(1e5);
+        for frequency in [1.5e5, 2e5, 4e5, 8e5, 1.6e6] {
+            let exact = FRAC_PI_2 * falling(frequency);
+            let band = FRAC_PI_2 * (falling(frequency / BAND) - falling(frequency * BAND));
+            assert!((mobility(&modes, frequency) - exact).abs() < band, "{frequency:e}");
+        }
+        for frequency in [1e3, 1e4, 5e4, 9e4, 2e6, 1e7] {
+            assert!(mobility(&modes, frequency) > -1e-14, "{frequency:e}");
+        }
+        assert!(mobility(&modes, 4e4).abs() < 1e-6 * FRAC_PI_2 * 1e-3);
+    }
+}

@@ -1,0 +1,74 @@
+//! The waves of an infinite plate under the impactor, by which a finite one is known before its first echo.
+
+use std::f64::consts::PI;
+
+use crate::body::InfinitePlate;
+use crate::contact::zener;
+use crate::form::plate::Section;
+
+use super::{Local, Points};
+
+/// Wavenumbers of Mindlin's waves that are looked at, each over the one before.
+const STEP: f64 = 1.05;
+
+/// Such wavenumbers at most.
+const MOST: i32 = 400;
+
+/// The part of the density of long waves below which nothing is left.
+const LEAST: f64 = 1e-4;
+
+/// Of the modelled part of a plate, `copies` of which are the whole.
+pub(super) fn infinite_plate(points: &Points, copies: f64) -> InfinitePlate {
+    let (section, edges) = (&points.section, points.geometry.edges);
+    // ξ² = ω √(ρh/D) of long waves.
+    let slowness = (section.density * section.thickness / section.rigidity()).sqrt();
+    let thin = copies * slowness / (4.0 * PI * section.density * section.thickness);
+    let density = match &points.local {
+        None => vec![(0.0, thin)],
+        Some(local) => of_mindlin(section, local, (copies, thin)),
+    };
+    // A wave of the wavenumber ξ fits an area A into A ξ²/4π modes below it.
+    InfinitePlate {
+        density,
+        modes: edges[0] * edges[1] * slowness / (4.0 * PI * copies),
+        impedance: zener::impedance((section.young, section.poisson), section.density, section.thickness),
+        slowness,
+        room: points.geometry.room(),
+    }
+}
+
+/// ω and ν = (1/2π) ξ dξ/dω r² P² of the lower branch of Mindlin's waves, r² the square of what is read over the moving mass.
+///
+/// With w and θ = ∇ψ of a wave: M = diag(ρh, ρh³ξ²/12) and K = [[S, S], [S, Dξ⁴ + S]], S = κμhξ². What is read is w − s h² ξ² ψ.
+fn of_mindlin(section: &Section, local: &Local, (copies, thin): (f64, f64)) -> Vec<(f64, f64)> {
+    let mass = section.density * section.thickness;
+    let wave = |wavenumber: f64| {
+        let square = wavenumber * wavenumber;
+        let shear = local.shear_factor * section.shear() * square;
+        let (bending, rotary) = (section.rigidity() * square * square, section.density * section.inertia() * square);
+        let half = 0.5 * (shear / mass + (bending + shear) / rotary);
+        let product = shear * bending / (mass * rotary);
+        let of_branch = product / (half + (half * half - product).sqrt());
+        // (S − ω² ρh) w + S ψ = 0.
+        let turned = of_branch * mass / shear - 1.0;
+        let read = 1.0 - local.reading * section.thickness.powi(2) * square * turned;
+        let spread = local.spread.transform(wavenumber * local.radius);
+        (of_branch.sqrt(), (read * spread).powi(2) / (mass + rotary * turned * turned))
+    };
+    let first = 0.01 / section.thickness;
+    let mut density = vec![(wave(first).0, thin)];
+    let mut largest = thin;
+    for i in 1..MOST {
+        let wavenumber = first * STEP.powi(i);
+        let (frequency, of_force) = wave(wavenumber);
+        let ends = [1e-3, -1e-3].map(|part| wavenumber * (1.0 + part));
+        let slope = (ends[0] - ends[1]) / (wave(ends[0]).0 - wave(ends[1]).0);
+        let value = copies * wavenumber * slope * of_force / (2.0 * PI);
+        density.push((frequency, value));
+        largest = largest.max(value);
+        if value < LEAST * largest && wavenumber * local.radius > PI {
+            break;
+        }
+    }
+    density
+}
