@@ -58,6 +58,13 @@ pub struct Start {
     pub leaves_short_waves: bool,
 }
 
+impl From<f64> for Start {
+    /// At a rate (1/s), for waves of all lengths.
+    fn from(shift: f64) -> Self {
+        Self { shift, leaves_short_waves: false }
+    }
+}
+
 /// Solves S x = b.
 enum Solver {
     Small(Direct),
@@ -104,8 +111,8 @@ impl Krylov {
     ///
     /// # Errors
     /// PETSc's.
-    pub fn new(body: &Body, start: Start) -> Result<Self> {
-        let Start { shift, leaves_short_waves } = start;
+    pub fn new(body: &Body, start: impl Into<Start>) -> Result<Self> {
+        let Start { shift, leaves_short_waves } = start.into();
         let mut loads = body.load.duplicate()?;
         loads.copy_from(&body.load)?;
         loads.axpy(1.0, &body.support_load)?;

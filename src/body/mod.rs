@@ -19,7 +19,7 @@ mod system;
 mod unilateral;
 
 pub use clamps::Clamps;
-pub use infinite_plate::InfinitePlate;
+pub use infinite_plate::{InfinitePlate, OF_CUTOFF};
 pub use krylov::{Krylov, Start};
 pub use lumped::Lumped;
 pub use merged::{Merged, snapshots};

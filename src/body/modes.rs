@@ -181,7 +181,7 @@ impl Modes {
         if let Some([places, _]) = &self.forms.damped {
             return real_parts(places, z);
         }
-let frequencies = &self.forms.frequencies;
+        let frequencies = &self.forms.frequencies;
         DVector::from_iterator(frequencies.len(), z.iter().zip(frequencies).map(|(z, frequency)| z.im / frequency))
     }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use crate::body::{Body, Krylov, ModalBody, Projection, Start};
+use crate::body::{Body, Krylov, ModalBody, OF_CUTOFF, Projection, Start};
 use crate::error::{Error, Result};
 use crate::impact::{Errors, Impact, ModalImpact, Steps, Trace};
 use crate::scene::{Reduction, Scene};
@@ -100,9 +100,15 @@ pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> 
                 return Ok(Reduced { projection, judge, of_difference: 0.0, krylov, error: Errors::default(), force });
             }
             Ok(trace) => {
-                let judged = tried.iter().rev().find(|(smaller, _)| larger(*smaller) <= count);
+                // Where the number of modes is known, the last one judges.
+                let least = |smaller: usize| if start.leaves_short_waves { smaller + 1 } else { larger(smaller) };
+                let judged = tried.iter().rev().find(|(smaller, _)| least(*smaller) <= count);
                 if let Some((smaller, before)) = judged.or(tried.last().filter(|_| enough)) {
-                    let of_difference = if given.is_some() { OF_SMALLER } else { OF_LARGER };
+                    let of_difference = match given {
+                        Some(_) => OF_SMALLER,
+                        None if start.leaves_short_waves => of_larger(count, *smaller),
+                        None => OF_LARGER,
+                    };
                     let error = of_difference * before.difference(&trace);
                     let wanted = OF_BASIS * scene.tolerance;
                     let over = watch.agreed(error.of(scene.measure) / wanted);
@@ -166,7 +172,7 @@ impl Plan {
             return short;
         }
         // The first one judges the second.
-        let start = Start { shift: frequency, leaves_short_waves: true };
+        let start = Start { shift: OF_CUTOFF * frequency, leaves_short_waves: true };
         Self { start, first: (vectors as f64 / 1.5).ceil() as usize }
     }
 }
@@ -184,6 +190,11 @@ pub(super) fn grow(
         krylov.grow(body, krylov.vectors() + 1)?;
     }
     watch.at(Stage::Trial)
+}
+
+/// Error of the larger of two bases over their difference, where errors fall with the square of the number.
+fn of_larger(vectors: usize, smaller: usize) -> f64 {
+    ((vectors as f64 / smaller as f64).powi(2) - 1.0).recip()
 }
 
 /// Half as many vectors more.

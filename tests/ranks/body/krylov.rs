@@ -3,21 +3,37 @@
 use crate::glass;
 use mpi_test::{Test, tests};
 use petsc_wrap::{Session, Vector};
-use ricochet::body::{Body, Krylov};
+use ricochet::body::{Body, Closed, Krylov, ModalBody};
 use ricochet::scene::Scene;
 use ricochet::space::plate::{Plate, PlateTheory, Settings};
 
 pub const RANKS: &[usize] = &[1];
-pub const TESTS: &[Test<Session>] = tests![long_bases_are_orthonormal, projections_grow_with_their_bases];
+pub const TESTS: &[Test<Session>] = tests![
+    long_bases_are_orthonormal,
+    projections_grow_with_their_bases,
+    a_free_body_drifts_after_a_short_contact,
+    short_waves_have_the_density_of_modes,
+];
+
+fn parse(pane: &str, supports: &str) -> Scene {
+    let text = glass::scene(pane, "mass = 0.5\nspeed = 3", "end = 0.01", supports);
+    Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0
+}
 
 /// A thin pane by Mindlin's theory on springs, some two thousand unknowns, with dampers of c, N s/m³.
 fn body(session: &Session, damping: f64) -> Body {
-    let pane = "size = [0.5, 0.5, 0.004]\nmodel = \"mindlin\"";
-    let text = glass::scene(pane, "mass = 0.5\nspeed = 3", "end = 0.01", &glass::sides(1e9, damping));
-    let scene = Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0;
+    let scene = parse("size = [0.5, 0.5, 0.004]\nmodel = \"mindlin\"", &glass::sides(1e9, damping));
     let settings = Settings::new(1e-1, PlateTheory::Mindlin);
     let plate = Plate::new(&scene, PlateTheory::Mindlin, &settings).unwrap_or_else(|error| panic!("{error}"));
     Body::of(&session.alone(), &plate.system).unwrap()
+}
+
+/// The same pane on no springs, in cells for a contact of a tenth of a millisecond.
+fn free(session: &Session) -> Body {
+    let pane = "size = [1.5, 1.5, 0.01]\nmodel = \"mindlin\"";
+    let scene = parse(pane, "");
+    let plate = Plate::new(&scene, PlateTheory::Mindlin, &Settings { cell_size_factor: 2.4, ..Settings::default() });
+    Body::of(&session.alone(), &plate.unwrap_or_else(|error| panic!("{error}")).system).unwrap()
 }
 
 fn grown(body: &Body, vectors: usize) -> Krylov {
@@ -69,4 +85,40 @@ fn projections_grow_with_their_bases(session: &Session) {
         check(whole.damping.as_ref().unwrap(), &|v, out| body.damping.as_ref().unwrap().mult(v, out).unwrap());
     }
     assert!(whole.leading(20).elastic == first.elastic);
+}
+
+/// However short the contact is for which a basis is made, a force moves a free body as a whole by 1/m, to rounding.
+fn a_free_body_drifts_after_a_short_contact(session: &Session) {
+    let body = free(session);
+    let mut krylov = Krylov::new(&body, 3e6).unwrap();
+    krylov.grow(&body, 12).unwrap();
+    let modes = ModalBody::of(&krylov.projection(&body).unwrap());
+    let closed = Closed { tangent: 1e6, compliance: 0.0, mass: 0.033 };
+    let free = modes.modes(1e12, &closed).unwrap().free;
+    let mass = 2500.0 * 1.5 * 1.5 * 0.01;
+    let drift = free.mobility * mass / body.copies;
+    // Rounding of a mass of a thousand entries.
+    assert!((drift - 1.0).abs() < 1e-9, "{drift}");
+}
+
+/// The modes of a plate reach what is hit as the waves of an infinite one do: Σ φ² up to a frequency is that of the infinite plate's
+/// density, and the number of modes is the closed form's.
+fn short_waves_have_the_density_of_modes(session: &Session) {
+    let body = free(session);
+    let krylov = grown(&body, 160);
+    let projection = krylov.projection(&body).unwrap();
+    let closed = Closed { tangent: 1e6, compliance: 0.0, mass: 1.0 };
+    let modes = ModalBody::of(&projection).modes(1e12, &closed).unwrap();
+    let plate = body.infinite_plate.as_ref().unwrap();
+    let frequency = plate.known(100);
+    let below: Vec<f64> =
+        modes.modes.iter().filter(|mode| mode.rate.im < frequency).map(|mode| mode.input.re).collect();
+    let sum = modes.free.mobility + below.iter().map(|input| input * input).sum::<f64>();
+    let waves: f64 = (0..1000).map(|i| plate.density_at(frequency * (f64::from(i) + 0.5) / 1000.0)).sum::<f64>()
+        * frequency
+        / 1000.0;
+    println!("  {} modes of {:.0}, mobility {:.4} of the waves'", below.len(), plate.modes * frequency, sum / waves);
+    // A hundred modes more or less: the last ones may lie on either side, and free edges hold some more than the area asks for.
+    assert!((sum / waves - 1.0).abs() < 0.05, "{sum} {waves}");
+    assert!((below.len() as f64 / (plate.modes * frequency) - 1.0).abs() < 0.15);
 }
