@@ -153,11 +153,11 @@ mod tests {
     /// Of a thin plate they have (1 − g)/Z at any frequency, and do not yield to a force that rests more than they must.
     #[test]
     fn short_waves_of_a_thin_plate_are_what_g_leaves() {
-        let (impedance, cutoff) = (2000.0, 1e5);
+        let (impedance, cutoff): (f64, f64) = (2000.0, 1e5);
         let plate = of(vec![(0.0, 2.0 / (PI * impedance))]);
         let modes = plate.short_waves(cutoff);
         for frequency in [1e3, 5e4, 9e4, 1e5, 1.1e5, 3e5, 1e7] {
-            let exact = (1.0 - 1.0 / (1.0 + (frequency / cutoff as f64).powi(16))) / impedance;
+            let exact = (1.0 - 1.0 / (1.0 + (frequency / cutoff).powi(16))) / impedance;
             // Rounding of eight terms, each of the size of the largest.
             assert!((mobility(&modes, frequency) - exact).abs() < 1e-14 / impedance * (frequency / cutoff).max(1.0));
         }
