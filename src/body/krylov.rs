@@ -141,7 +141,9 @@ impl Krylov {
             return Err(Fault::new("impactor.point", message, "`model = \"half-space\"`, or another point").into());
         }
         let (mut basis, mut auxiliary) = (Vec::new(), Vec::new());
-        let has_translation = rest.is_none() && body.damping.is_none() && body.is_free()?;
+        // (An antisymmetric class of motions has none.)
+        let moves = body.translation.norm_max()? > 0.0;
+        let has_translation = moves && rest.is_none() && body.damping.is_none() && body.is_free()?;
         let first = if has_translation { Some(&body.translation) } else { rest };
         if let Some(rest) = first {
             let (mut first, mut product) = (rest.duplicate()?, rest.duplicate()?);

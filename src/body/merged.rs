@@ -10,7 +10,7 @@ use petsc_wrap::Vector;
 
 use super::eigen::symmetric_eigen;
 use super::krylov::forms_on;
-use super::{Body, Krylov, Projection};
+use super::{Body, Projection};
 use crate::error::Result;
 
 /// Of the depth of a basis, that of the larger one that judges it.
@@ -21,9 +21,8 @@ const LARGER: f64 = 0.1;
 ///
 /// # Errors
 /// PETSc's.
-pub fn snapshots(body: &Body, krylov: &Krylov, projection: &Projection, frequency: f64) -> Result<Vec<Vector>> {
+pub fn snapshots(body: &Body, basis: &[Vector], projection: &Projection, frequency: f64) -> Result<Vec<Vector>> {
     let (squares, shapes) = symmetric_eigen(&projection.elastic + &projection.support);
-    let basis = krylov.basis();
     let mut vectors = Vec::new();
     for (square, shape) in squares.iter().zip(shapes.column_iter()) {
         let weight = 1.0 / (1.0 + square.max(0.0) / (frequency * frequency));

@@ -3,6 +3,7 @@
 mod clamps;
 pub(crate) mod deviates;
 mod direct;
+mod direct_sum;
 mod eigen;
 mod gram;
 mod infinite_plate;
@@ -19,6 +20,7 @@ mod system;
 mod unilateral;
 
 pub use clamps::Clamps;
+pub use direct_sum::DirectSum;
 pub use infinite_plate::{InfinitePlate, OF_CUTOFF};
 pub use krylov::{Krylov, Start};
 pub use lumped::Lumped;

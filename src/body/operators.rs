@@ -62,6 +62,8 @@ pub struct Body {
     pub nodes: Option<Vec<[f64; 3]>>,
     /// How many such bodies make the whole: 1, or 4 for a quarter of a symmetric box.
     pub copies: f64,
+    /// The body's classes of motions, each by itself: blocks of its unknowns, one after the other. None where there is one.
+    pub classes: Vec<Body>,
 }
 
 impl Body {

@@ -66,6 +66,7 @@ impl Projection {
             translation: self.translation.as_slice().to_vec(),
             infinite_plate: None,
             copies: self.copies,
+            classes: 1,
         }
     }
 

@@ -50,6 +50,8 @@ pub struct System {
     pub infinite_plate: Option<InfinitePlate>,
     /// How many such bodies make the whole.
     pub copies: f64,
+    /// Classes of motions that do not couple: blocks of as many unknowns each, one after the other, along the diagonals of all matrices.
+    pub classes: usize,
 }
 
 impl Body {
@@ -108,7 +110,47 @@ impl Body {
             deviates: vector(&deviates)?,
             nodes: None,
             copies: system.copies,
+            classes: match system.classes {
+                0 | 1 => Vec::new(),
+                classes => (0..classes).map(|class| Self::of(alone, &system.class(class))).collect::<Result<_>>()?,
+            },
         })
+    }
+}
+
+impl System {
+    /// A class of motions by itself.
+    fn class(&self, number: usize) -> Self {
+        let size = self.load.len() / self.classes;
+        let range = number * size..(number + 1) * size;
+        let square = |matrix: &CsrMatrix<f64>| {
+            let rows = &matrix.row_offsets()[range.start..=range.end];
+            let entries = rows[0]..rows[size];
+            let offsets = rows.iter().map(|end| end - entries.start).collect();
+            let columns = matrix.col_indices()[entries.clone()].iter().map(|j| j - range.start).collect();
+            CsrMatrix::try_from_csr_data(size, size, offsets, columns, matrix.values()[entries].to_vec())
+                .expect("a block on the diagonal")
+        };
+        let part = |vector: &Vec<f64>| vector[range.clone()].to_vec();
+        let held = self.held.iter().filter(|(unknown, _)| range.contains(unknown));
+        Self {
+            mass: square(&self.mass),
+            elastic: square(&self.elastic),
+            support: self.support.as_ref().map(square),
+            damping: self.damping.as_ref().map(square),
+            pads: Vec::new(),
+            held: held.map(|(unknown, value)| (unknown - range.start, *value)).collect(),
+            load: part(&self.load),
+            support_load: part(&self.support_load),
+            // The displacement that is given is even, as the first class.
+            support_offset: if number == 0 { self.support_offset } else { 0.0 },
+            localization: part(&self.localization),
+            hit_stress: self.hit_stress.iter().map(part).collect(),
+            translation: part(&self.translation),
+            infinite_plate: self.infinite_plate.clone(),
+            classes: 1,
+            ..*self
+        }
     }
 }
 

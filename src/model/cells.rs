@@ -8,7 +8,7 @@ use petsc_wrap::Comm;
 use super::reduce::{Plan, Reduced, force, grow, reduce};
 use super::theory::{Built, Operators, build};
 use super::watch::{Stage, Watch};
-use crate::body::{Krylov, ModalBody};
+use crate::body::{DirectSum, ModalBody};
 use crate::error::{Error, Result};
 use crate::impact::{Errors, ModalImpact, Trace};
 use crate::mesh::Measures;
@@ -154,7 +154,7 @@ fn on_coarser_cells(
     }
     let body = built.body;
     watch.at(Stage::Factor)?;
-    let mut krylov = Krylov::new(&body, Plan::new(&body, scene).start)?;
+    let mut krylov = DirectSum::new(&body, Plan::new(&body, scene).start)?;
     grow(&mut krylov, &body, fine.reduced.projection.vectors().min(SHORT), None, watch)?;
     let mut steps = fine.reduced.force.1;
     let trace = watch.shared(force(scene, &body, &krylov.projection(&body)?, &mut steps))?;

@@ -118,8 +118,8 @@ impl Model {
     /// The model of a reduced body. Collective.
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
         let Fitted { reduced, unknowns, words, evaluator, measures, error: cells, .. } = fitted;
-        let Reduced { projection, judge, of_difference, krylov, error, .. } = reduced;
-        let basis = &krylov.basis()[..projection.vectors()];
+        let Reduced { projection, judge, of_difference, mut krylov, error, .. } = reduced;
+        let basis = &krylov.basis()?[..projection.vectors()];
         let gauges = match basis {
             [] => None,
             [like, ..] => gauges(comm, scene, evaluator, like, Some(basis))?,

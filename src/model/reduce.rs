@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use crate::body::{Body, Krylov, ModalBody, OF_CUTOFF, Projection, Start};
+use crate::body::{Body, DirectSum, ModalBody, OF_CUTOFF, Projection, Start};
 use crate::error::{Error, Result};
 use crate::impact::{Errors, Impact, ModalImpact, Steps, Trace};
 use crate::scene::{Reduction, Scene};
@@ -54,7 +54,7 @@ pub struct Reduced {
     /// Error over the difference of the two.
     pub of_difference: f64,
     /// The vectors of the larger one.
-    pub krylov: Krylov,
+    pub krylov: DirectSum,
     /// Its estimated error.
     pub error: Errors,
     /// The force on the basis, and its steps in modal coordinates.
@@ -76,7 +76,7 @@ impl Reduced {
 pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> {
     watch.at(Stage::Factor)?;
     let Plan { start, first } = Plan::new(body, scene);
-    let mut krylov = Krylov::new(body, start)?;
+    let mut krylov = DirectSum::new(body, start)?;
     let given = match scene.body.reduction {
         Reduction::Vectors(vectors) => Some(vectors),
         _ => None,
@@ -179,7 +179,7 @@ impl Plan {
 
 /// Grows a basis to a number of vectors before somebody who may break it off. Collective.
 pub(super) fn grow(
-    krylov: &mut Krylov,
+    krylov: &mut DirectSum,
     body: &Body,
     vectors: usize,
     judged: Option<Judged>,

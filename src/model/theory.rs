@@ -116,6 +116,7 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
         && (body.pads.is_none() || scene.is_reduced())
     {
         settle(scene, body)?;
+        body.classes.iter_mut().try_for_each(|class| settle(scene, class))?;
         body.take_pads_as_springs()?;
     }
     Ok(built)

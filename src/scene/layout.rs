@@ -34,7 +34,7 @@ pub(super) fn geometric(edge: f64, at: f64, cells: usize, ratio: f64) -> Vec<f64
 
 /// Cells of at most `smallest` at the plane through `at`, growing by `growth` from cell to cell up to `largest`: as few
 /// as fill the edge. An end that is nearer than half of the smallest cell takes the place of `at`.
-pub(crate) fn growing(edge: f64, at: f64, smallest: f64, growth: f64, largest: f64) -> Vec<f64> {
+pub(super) fn growing(edge: f64, at: f64, smallest: f64, growth: f64, largest: f64) -> Vec<f64> {
     let (at, sides) = sides(edge, at, smallest);
     let [below, above] = sides.map(|length| grown(length, smallest, growth, largest));
     join(edge, at, &below, &above)

@@ -32,7 +32,6 @@ pub use error::SceneError;
 pub(crate) use faces::faces;
 pub use fault::Fault;
 pub use impactor::Impactor;
-pub(crate) use layout::growing;
 pub use output::{Measure, Output, Probe};
 pub use source::Source;
 pub use strength::Strength;
@@ -248,6 +247,14 @@ pub enum Symmetry {
     Quarter {
         /// The axes normal to those planes, ascending.
         axes: [usize; 2],
+    },
+    /// The whole. The body, its supports and its loads are symmetric about planes that the impact is not symmetric about: of splines, the
+    /// motion is the sum of symmetric and antisymmetric ones, each of them that of a part.
+    Parts {
+        /// The axes normal to the planes, ascending: one or two.
+        axes: Vec<usize>,
+        /// Why the impact is not symmetric.
+        reason: String,
     },
 }
 

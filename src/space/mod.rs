@@ -7,7 +7,9 @@
 mod clip;
 pub mod evaluate;
 pub mod finite_element;
+mod grading;
 mod grid;
+mod parity;
 pub mod plate;
 pub mod spline;
 mod terms;

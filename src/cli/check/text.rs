@@ -60,7 +60,9 @@ fn print_scene(report: &Report) {
     }
     match &scene.body.symmetry {
         Symmetry::Quarter { .. } => say(format_args!("symmetry   quarter-symmetry model")),
-        Symmetry::None { reason: Some(reason) } => say(format_args!("symmetry   none: {reason}")),
+        Symmetry::None { reason: Some(reason) } | Symmetry::Parts { reason, .. } => {
+            say(format_args!("symmetry   none: {reason}"))
+        }
         Symmetry::None { reason: None } => {}
     }
     if scene.supports.is_empty() {

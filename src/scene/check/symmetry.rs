@@ -1,4 +1,5 @@
-//! Whether a scene has two planes of symmetry, so that a quarter of the body does for the whole.
+//! Whether a scene has two planes of symmetry, so that a quarter of the body does for the whole, or the body has planes that the impact
+//! does not share.
 
 use super::super::faces::{Face, along, faces, struck_axis};
 use super::super::{
@@ -23,7 +24,10 @@ pub(super) fn check(source: &Source, raw: &raw::Body, parts: &Parts) -> Result<S
     }
     match planes(parts) {
         Ok(axes) => Ok(Symmetry::Quarter { axes }),
-        Err(reason) if asked == "auto" => Ok(Symmetry::None { reason: Some(reason) }),
+        Err(reason) if asked == "auto" => match symmetric_axes(parts) {
+            axes if axes.is_empty() => Ok(Symmetry::None { reason: Some(reason) }),
+            axes => Ok(Symmetry::Parts { axes, reason }),
+        },
         Err(reason) => {
             let message = format!("the scene does not have two planes of symmetry: {reason}");
             Err(source.error(path, message, "\"auto\" or \"none\", or a scene that is its own mirror image"))
@@ -39,8 +43,7 @@ fn planes(parts: &Parts) -> Result<[usize; 2], String> {
     let Geometry::Box { size, planes, .. } = geometry else {
         return Err("the body is from a mesh file".into());
     };
-    let struck = struck_axis(*size, impactor.point, impactor.direction);
-    let axes = along(struck);
+    let axes = along(struck_axis(*size, impactor.point, impactor.direction));
     for axis in axes {
         let name = NAMES[axis];
         if impactor.point[axis] != 0.0 {
@@ -56,25 +59,45 @@ fn planes(parts: &Parts) -> Result<[usize; 2], String> {
         if cells % 2 == 1 {
             return Err(format!("the number of cells along {name}, {cells}, is odd"));
         }
-        let without = |number: usize| {
-            let surface = &supports[number].surface;
-            format!("support.{number} on {surface:?} has no mirror image across {name} = 0")
-        };
-        if let Some(number) = unmatched(&springs(supports), |spring| spring.mirrored(axis)) {
-            return Err(without(number));
-        }
-        if let Some(number) = uneven_clamp(supports, axis) {
-            return Err(without(number));
-        }
-        if load.body_force[axis] != 0.0 {
-            return Err(format!("load.body_force has a component along {name}"));
-        }
-        if let Some(number) = unmatched(&tractions(load), |traction| traction.mirrored(axis)) {
-            let surface = &load.traction[number].surface;
-            return Err(format!("load.traction.{number} on {surface:?} has no mirror image across {name} = 0"));
-        }
+        mirrored_body(supports, load, axis)?;
     }
     Ok(axes)
+}
+
+/// The axes across which the body with its supports and loads is its own mirror image, where the impactor moves along the normal of a
+/// face. On a foundation that lets go the motion is no sum of symmetric and antisymmetric ones.
+fn symmetric_axes(parts: &Parts) -> Vec<usize> {
+    let Parts { geometry, impactor, supports, load } = parts;
+    let Geometry::Box { size, .. } = geometry else { return Vec::new() };
+    let axes = along(struck_axis(*size, impactor.point, impactor.direction));
+    let is_on_pad = supports.iter().any(|support| matches!(support.kind, SupportKind::Pad { .. }));
+    if is_on_pad || axes.iter().any(|&axis| impactor.direction[axis] != 0.0) {
+        return Vec::new();
+    }
+    axes.into_iter().filter(|&axis| mirrored_body(supports, load, axis).is_ok()).collect()
+}
+
+/// Whether supports and loads have their mirror image across an axis, or which has not.
+fn mirrored_body(supports: &[Support], load: &Load, axis: usize) -> Result<(), String> {
+    let name = NAMES[axis];
+    let without = |number: usize| {
+        let surface = &supports[number].surface;
+        format!("support.{number} on {surface:?} has no mirror image across {name} = 0")
+    };
+    if let Some(number) = unmatched(&springs(supports), |spring| spring.mirrored(axis)) {
+        return Err(without(number));
+    }
+    if let Some(number) = uneven_clamp(supports, axis) {
+        return Err(without(number));
+    }
+    if load.body_force[axis] != 0.0 {
+        return Err(format!("load.body_force has a component along {name}"));
+    }
+    if let Some(number) = unmatched(&tractions(load), |traction| traction.mirrored(axis)) {
+        let surface = &load.traction[number].surface;
+        return Err(format!("load.traction.{number} on {surface:?} has no mirror image across {name} = 0"));
+    }
+    Ok(())
 }
 
 /// The first term that is not there as often as its mirror image.

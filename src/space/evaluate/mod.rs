@@ -207,7 +207,7 @@ impl Evaluator {
 fn mirrors(scene: &Scene) -> Vec<usize> {
     match scene.body.symmetry {
         Symmetry::Quarter { axes } => axes.to_vec(),
-        Symmetry::None { .. } => Vec::new(),
+        Symmetry::None { .. } | Symmetry::Parts { .. } => Vec::new(),
     }
 }
 

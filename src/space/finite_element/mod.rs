@@ -85,6 +85,7 @@ impl Body {
             clamps,
             equilibrium: None,
             copies: mesh.copies as f64,
+            classes: Vec::new(),
         })
     }
 }

@@ -3,15 +3,31 @@
 use super::PlateTheory;
 use super::geometry::PlateGeometry;
 use crate::description::Clamp;
+use crate::form::Parity;
 use crate::form::plate::DEFLECTION;
 use crate::form::tensor::Tensor;
 use crate::space::grid::Face;
+use crate::space::parity::ParityClass;
 
-/// Unknowns of clamped sides, the last clamp's value for each, and those of planes of symmetry; ascending.
+/// Unknowns of clamped sides, the last clamp's value for each, and those of planes of symmetry, of all classes; ascending.
 pub(super) fn held(
     tensor: &Tensor<2>,
     geometry: &PlateGeometry,
     theory: PlateTheory,
+    clamps: &[Clamp],
+) -> Vec<(usize, f64)> {
+    let of_class = |(number, class): (usize, &ParityClass)| {
+        let first = number * tensor.unknowns();
+        let held = held_in_class(tensor, geometry, (theory, *class), clamps);
+        held.into_iter().map(move |(unknown, value)| (first + unknown, value)).collect::<Vec<_>>()
+    };
+    geometry.classes.iter().enumerate().flat_map(of_class).collect()
+}
+
+fn held_in_class(
+    tensor: &Tensor<2>,
+    geometry: &PlateGeometry,
+    (theory, class): (PlateTheory, ParityClass),
     clamps: &[Clamp],
 ) -> Vec<(usize, f64)> {
     let one = tensor.one(DEFLECTION);
@@ -27,12 +43,14 @@ pub(super) fn held(
         }
     };
     let mirrors = geometry.mirrors();
+    // A displacement has its mirror image, and is even.
+    let given = if class == [Parity::Even; 2] { 1.0 } else { 0.0 };
     for clamp in clamps {
         for Face { axis, is_upper } in Face::of_surface(&clamp.surface, &mirrors) {
             // The check of the scene leaves no clamp to a face.
             let Some(side) = geometry.axes.iter().position(|other| *other == axis) else { continue };
             if clamp.components[geometry.normal] {
-                hold((DEFLECTION, 0), side, is_upper, geometry.across(clamp.displacement));
+                hold((DEFLECTION, 0), side, is_upper, given * geometry.across(clamp.displacement));
             }
             for rotation in (0..2).filter(|&i| clamp.components[geometry.axes[i]]) {
                 if let Some(place) = theory.rotation_at_end(rotation, side) {
@@ -41,12 +59,13 @@ pub(super) fn held(
             }
         }
     }
-    if geometry.is_quarter {
-        for axis in 0..2 {
-            if let Some(place) = theory.rotation_at_end(axis, axis) {
-                hold(place, axis, false, 0.0);
-            }
-        }
+    for axis in (0..2).filter(|&axis| geometry.halved[axis]) {
+        // An even deflection has no slope across the plane; an odd one is zero on it, and so is the slope along it.
+        let held = match class[axis] {
+            Parity::Even => [theory.rotation_at_end(axis, axis), None],
+            Parity::Odd => [Some((DEFLECTION, 0)), theory.rotation_at_end(1 - axis, axis)],
+        };
+        held.into_iter().flatten().for_each(|place| hold(place, axis, false, 0.0));
     }
     values.into_iter().enumerate().filter_map(|(unknown, value)| Some((unknown, value?))).collect()
 }

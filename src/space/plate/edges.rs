@@ -20,7 +20,7 @@ pub(super) fn forms(points: &Points, shear_factor: f64, clamps: &[Clamp]) -> Vec
         let [across, along] = [geometry.axes[side], geometry.axes[1 - side]];
         for (is_upper, strip) in [(false, [start, start + width]), (true, [end - width, end])] {
             let face = Face { axis: across, is_upper };
-            let is_symmetry_plane = geometry.is_quarter && !is_upper;
+            let is_symmetry_plane = geometry.halved[side] && !is_upper;
             let holds = |clamp: &Clamp| {
                 let is_here = Face::of_surface(&clamp.surface, &[]).any(|other| other == face);
                 is_here && clamp.components[along] && !clamp.components[across]

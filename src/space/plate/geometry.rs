@@ -1,6 +1,7 @@
 //! A box seen as a plate: its middle plane, its thickness, and where it is hit.
 
 use crate::scene::{Geometry, Scene, Symmetry, Vec3, faces};
+use crate::space::parity::{ParityClass, classes};
 
 pub(super) const NAMES: [&str; 3] = ["x", "y", "z"];
 
@@ -19,8 +20,12 @@ pub(super) struct PlateGeometry {
     pub edges: [f64; 2],
     /// Where it is hit, from its centre, m.
     pub hit: [f64; 2],
-    /// Whether only the part with positive coordinates is modelled.
+    /// Axes across planes of symmetry of the body, of which the part with positive coordinates is modelled.
+    pub halved: [bool; 2],
+    /// Whether these are planes of the impact too, across which points are reflected before they are read.
     pub is_quarter: bool,
+    /// The motions of that part which together are the plate's.
+    pub classes: Vec<ParityClass>,
 }
 
 impl PlateGeometry {
@@ -42,20 +47,52 @@ impl PlateGeometry {
                 return Err(format!("the body is not thin along {across}: its edge along {along} is shorter"));
             }
         }
+        let hit = axes.map(|axis| scene.impactor.point[axis]);
+        let (halved, is_quarter) = match &scene.body.symmetry {
+            Symmetry::None { .. } => ([false; 2], false),
+            Symmetry::Quarter { .. } => ([true; 2], true),
+            Symmetry::Parts { axes: planes, .. } => (axes.map(|axis| planes.contains(&axis)), false),
+        };
         Ok(Self {
             axes,
             normal,
             sign: direction[normal].signum(),
             thickness: size[normal],
             edges: axes.map(|axis| size[axis]),
-            hit: axes.map(|axis| scene.impactor.point[axis]),
-            is_quarter: matches!(scene.body.symmetry, Symmetry::Quarter { .. }),
+            hit,
+            halved,
+            is_quarter,
+            classes: classes(halved, hit.map(|x| x == 0.0)),
         })
     }
 
     /// Scene's axes across planes of symmetry.
     pub fn mirrors(&self) -> Vec<usize> {
-        if self.is_quarter { self.axes.to_vec() } else { Vec::new() }
+        (0..2).filter(|&i| self.halved[i]).map(|i| self.axes[i]).collect()
+    }
+
+    /// How many modelled parts make the whole.
+    pub fn copies(&self) -> f64 {
+        self.halved.iter().map(|&halved| if halved { 2.0 } else { 1.0 }).product()
+    }
+
+    /// The ends of the modelled part along an axis of the plane, m.
+    pub fn ends(&self, axis: usize) -> [f64; 2] {
+        let half = 0.5 * self.edges[axis];
+        [if self.halved[axis] { 0.0 } else { -half }, half]
+    }
+
+    /// The hit, or its mirror image in the modelled part, m.
+    pub fn hit_in_part(&self) -> [f64; 2] {
+        [0, 1].map(|i| if self.halved[i] { self.hit[i].abs() } else { self.hit[i] })
+    }
+
+    /// Lines of the modelled part along an axis of the plane, with their mirror images where these are another part of what is read.
+    pub fn lines_of_whole(&self, axis: usize, lines: &[f64]) -> Vec<f64> {
+        if self.is_quarter || !self.halved[axis] {
+            return lines.to_vec();
+        }
+        lines[1..].iter().rev().map(|x| -x).chain(lines.iter().copied()).collect()
     }
 
     /// A vector's component along the deflection.

@@ -20,8 +20,11 @@ use clamps::held;
 use geometry::PlateGeometry;
 use layer::Layer;
 
+use nalgebra_sparse::CsrMatrix;
+
 use super::SurfaceTerms;
 use super::grid::GridSpace;
+use super::parity::repeated;
 use crate::body::System;
 use crate::description::Description;
 use crate::error::Result;
@@ -50,7 +53,7 @@ impl Settings {
     /// Cells for an error of less than half of a tolerance, as measured on plates.
     pub fn new(tolerance: f64, theory: PlateTheory) -> Self {
         let parts = tolerance / 1e-2;
-        let of_mindlin = 1.2 * if parts > 1.0 { parts.cbrt() } else { parts.powf(0.25) };
+        let of_mindlin = 1.2 * if parts > 1.0 { parts.cbrt() } else { parts.powf(0.19) };
         // w alone is smoother than what presses it: no shear.
         let cell_size_factor = if theory == PlateTheory::Kirchhoff { 1.4 * of_mindlin } else { of_mindlin };
         Self { cell_size_factor: cell_size_factor.clamp(0.3, 2.4), ..Self::default() }
@@ -144,29 +147,36 @@ impl Plate {
         let points = Points { geometry, section, lines, tensor, theory, local };
         let mirrors = points.geometry.mirrors();
         let terms = SurfaceTerms::new(&GridSpace { field: &points, mirrors: &mirrors }, &description)?;
-        let copies = if points.geometry.is_quarter { 4.0 } else { 1.0 };
+        let (copies, classes) = (points.geometry.copies(), points.geometry.classes.len());
         let mut elastic = theory.elastic(&section, local.map_or(0.0, |local| local.shear_factor));
         if let Some(local) = &local {
             elastic.extend(edges::forms(&points, local.shear_factor, &description.clamps));
         }
+        // Loads, and a motion of the whole along the impact, are even.
+        let even = |mut vector: Vec<f64>| {
+            vector.resize(points.all_unknowns(), 0.0);
+            vector
+        };
+        let of_classes = |matrix: &CsrMatrix<f64>| repeated(matrix, classes);
         let system = System {
-            mass: points.tensor.matrix(&theory.mass(&section)),
-            elastic: points.tensor.matrix(&elastic),
-            support: terms.support,
-            damping: terms.damping,
+            mass: of_classes(&points.tensor.matrix(&theory.mass(&section))),
+            elastic: of_classes(&points.tensor.matrix(&elastic)),
+            support: terms.support.as_ref().map(of_classes),
+            damping: terms.damping.as_ref().map(of_classes),
             pads: terms.pads,
             held: held(&points.tensor, &points.geometry, theory, &description.clamps),
-            load: terms.load,
-            support_load: terms.support_load,
+            load: even(terms.load),
+            support_load: even(terms.support_load),
             support_offset: terms.support_offset,
-            localization: location::localization(&points, copies),
+            localization: location::localization(&points),
             compliance: local.map_or(0.0, |local| -local.compliance * copies),
             patch: None,
             hit_stress: Vec::new(),
             hit_local: [0.0; 3],
             infinite_plate: Some(waves::infinite_plate(&points, copies)),
-            translation: points.tensor.one(DEFLECTION),
+            translation: even(points.tensor.one(DEFLECTION)),
             copies,
+            classes,
         };
         Ok(Self { system, cells, local, points })
     }

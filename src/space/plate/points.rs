@@ -5,6 +5,7 @@
 
 use super::geometry::PlateGeometry;
 use super::{Local, PlateTheory};
+use crate::form::Parity;
 use crate::form::plate::{AREA, Section, deflection, rotation};
 use crate::form::stress::place;
 use crate::form::tensor::{Linear, Part, Tensor};
@@ -49,6 +50,86 @@ impl Points {
         }
     }
 
+    /// Unknowns of all classes; each has those of the tensor.
+    pub(super) fn all_unknowns(&self) -> usize {
+        self.geometry.classes.len() * self.tensor.unknowns()
+    }
+
+    /// The lines of all that is read, along the scene's axes, m.
+    pub(super) fn lines_of_whole(&self) -> [Vec<f64>; 3] {
+        let mut lines = self.lines.clone();
+        for (i, axis) in self.geometry.axes.into_iter().enumerate() {
+            lines[axis] = self.geometry.lines_of_whole(i, &lines[axis]);
+        }
+        lines
+    }
+
+    /// A part at a point of the plane in each class: the class' first unknown, the point's mirror image in the modelled part, and the
+    /// part's sign at the point over that there.
+    fn in_classes(&self, part: Part<2>, point: [f64; 2]) -> impl Iterator<Item = (usize, [f64; 2], f64)> + '_ {
+        let is_beyond = [0, 1].map(|i| self.geometry.halved[i] && point[i] < 0.0);
+        let image = [0, 1].map(|i| if is_beyond[i] { -point[i] } else { point[i] });
+        // A rotation is a slope: odd where the deflection is even.
+        let is_turned =
+            [0, 1].map(|i| (part.derivatives[i] + usize::from(part.field == rotation(i, [0, 0]).field)) % 2 == 1);
+        self.geometry.classes.iter().enumerate().map(move |(number, class)| {
+            let flips = |i: &usize| is_beyond[*i] && (class[*i] == Parity::Odd) != is_turned[*i];
+            let sign = if [0, 1].iter().filter(|i| flips(i)).count() == 1 { -1.0 } else { 1.0 };
+            (number * self.tensor.unknowns(), image, sign)
+        })
+    }
+
+    /// Hands runs of entries of weight · (part of v at a point) to a visitor, each with its first unknown.
+    fn each_at(&self, part: Part<2>, point: [f64; 2], weight: f64, mut visit: impl FnMut(usize, &[f64])) {
+        for (start, image, sign) in self.in_classes(part, point) {
+            self.tensor.each_at(part, image, sign * weight, |first, values| visit(start + first, values));
+        }
+    }
+
+    /// Adds weight · (part of v at a point) to a vector.
+    pub(super) fn add_point(&self, part: Part<2>, point: [f64; 2], weight: f64, sum: &mut [f64]) {
+        self.each_at(part, point, weight, |first, values| {
+            sum[first..].iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+        });
+    }
+
+    /// Adds factor · Σ weight · (part of v) of places and weights on a line along the second axis.
+    pub(super) fn add_line(&self, (part, factor): (Part<2>, f64), x: f64, line: &[(f64, f64)], sum: &mut [f64]) {
+        let [below, above]: [Vec<(f64, f64)>; 2] =
+            [true, false].map(|is_below| line.iter().copied().filter(|(y, _)| (*y < 0.0) == is_below).collect());
+        for side in [below, above].into_iter().filter(|side| !side.is_empty()) {
+            let n = self.tensor.unknowns();
+            let first = side[0].0;
+            for (start, [x, y], sign) in self.in_classes(part, [x, first]) {
+                let turn = if y == first { 1.0 } else { -1.0 };
+                let images: Vec<(f64, f64)> = side.iter().map(|(y, weight)| (turn * y, *weight)).collect();
+                self.tensor.add_line((part, sign * factor), ([x, 0.0], 1), &images, &mut sum[start..start + n]);
+            }
+        }
+    }
+
+    /// The displacement at a point, with parts at points of the plane as they are read.
+    fn displacement_by(&self, x: Vec3, read: impl Fn(Part<2>, [f64; 2], f64) -> Form) -> [Form; 3] {
+        let PlateGeometry { axes, normal, sign, .. } = self.geometry;
+        let (point, height) = self.seen(x);
+        let mut displacement: [Form; 3] = Default::default();
+        displacement[normal] = read(deflection([0, 0]), point, sign);
+        for (i, axis) in axes.into_iter().enumerate() {
+            let (factor, part) = self.turned(i, [0, 0], height);
+            displacement[axis] = read(part, point, factor);
+        }
+        displacement
+    }
+
+    /// A part at a point in all classes, as a form.
+    fn form(&self, part: Part<2>, point: [f64; 2], factor: f64) -> Form {
+        let mut form = Form::new();
+        self.each_at(part, point, factor, |first, values| {
+            form.extend(values.iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(n, v)| (first + n, *v)));
+        });
+        form
+    }
+
     /// Coordinates in the plane, and ζ.
     fn seen(&self, x: Vec3) -> ([f64; 2], f64) {
         let PlateGeometry { axes, normal, sign, .. } = self.geometry;
@@ -72,15 +153,7 @@ impl GridField for Points {
     }
 
     fn displacement(&self, x: Vec3) -> [Form; 3] {
-        let PlateGeometry { axes, normal, sign, .. } = self.geometry;
-        let (point, height) = self.seen(x);
-        let mut displacement: [Form; 3] = Default::default();
-        displacement[normal] = self.tensor.at_point(deflection([0, 0]), point, sign);
-        for (i, axis) in axes.into_iter().enumerate() {
-            let (factor, part) = self.turned(i, [0, 0], height);
-            displacement[axis] = self.tensor.at_point(part, point, factor);
-        }
-        displacement
+        self.displacement_by(x, |part, point, factor| self.tensor.at_point(part, point, factor))
     }
 
     fn body_force(&self, force: Vec3) -> Vec<f64> {
@@ -93,7 +166,7 @@ impl PointEvaluator for Points {
     fn at(&self, x: Vec3) -> Forms {
         let PlateGeometry { axes, normal, sign, .. } = self.geometry;
         let (point, height) = self.seen(x);
-        let form = |(factor, part): (f64, Part<2>)| self.tensor.at_point(part, point, factor);
+        let form = |(factor, part): (f64, Part<2>)| self.form(part, point, factor);
         let mut stress: [Form; 6] = Default::default();
         let Section { young, poisson, thickness, .. } = self.section;
         let (plane, shear) = (young / (1.0 - poisson * poisson), 0.5 * young / (1.0 + poisson));
@@ -112,7 +185,8 @@ impl PointEvaluator for Points {
                 add(to, factor, &form((1.0, rotation(i, [0, 0]))));
             }
         }
-        Forms { displacement: self.displacement(x), stress: stress.map(summed), local: None }
+        let displacement = self.displacement_by(x, |part, point, factor| self.form(part, point, factor));
+        Forms { displacement, stress: stress.map(summed), local: None }
     }
 
     fn hit(&self) -> Option<Hit> {
@@ -124,11 +198,15 @@ impl PointEvaluator for Points {
             Some(Local { spread, radius, reading, .. }) => (Pressure::Spread { spread, radius }, reading),
         };
         let reading = reading * self.section.thickness.powi(2);
-        Some(Hit { pressure, body: Sections::Plate { reading }, cell: Hit::cell(&self.lines, normal, point) })
+        Some(Hit {
+            pressure,
+            body: Sections::Plate { reading },
+            cell: Hit::cell(&self.lines_of_whole(), normal, point),
+        })
     }
 
     fn face_lines(&self) -> [Vec<f64>; 3] {
-        self.lines.each_ref().map(|lines| divided(lines, FACE_PIECES))
+        self.lines_of_whole().map(|lines| divided(&lines, FACE_PIECES))
     }
 
     fn bends_alone(&self) -> bool {
@@ -136,7 +214,7 @@ impl PointEvaluator for Points {
     }
 
     fn unknowns(&self) -> usize {
-        self.tensor.unknowns()
+        self.all_unknowns()
     }
 
     fn add_section_stress(&self, x: Vec3, add: &mut Add) {
@@ -145,7 +223,7 @@ impl PointEvaluator for Points {
         let Section { young, poisson, thickness, .. } = self.section;
         let (plane, shear) = (young / (1.0 - poisson * poisson), 0.5 * young / (1.0 + poisson));
         let mut put = |to: &[(usize, f64)], (factor, part): (f64, Part<2>)| {
-            self.tensor.each_at(part, point, factor, |first, values| {
+            self.each_at(part, point, factor, |first, values| {
                 for (n, value) in values.iter().enumerate().filter(|(_, value)| **value != 0.0) {
                     to.iter().for_each(|(component, factor)| add(*component, first + n, factor * value));
                 }
@@ -173,7 +251,7 @@ impl PointEvaluator for Points {
 
     fn field_lines(&self) -> [Vec<f64>; 3] {
         let half = 0.5 * self.section.thickness;
-        let mut lines = self.lines.each_ref().map(|lines| divided(lines, PIECES));
+        let mut lines = self.lines_of_whole().map(|lines| divided(&lines, PIECES));
         lines[self.geometry.normal] = vec![-half, 0.0, half];
         lines
     }

@@ -17,9 +17,10 @@ const MOST: i32 = 400;
 /// The part of the density of long waves below which nothing is left.
 const LEAST: f64 = 1e-4;
 
-/// Of the modelled part of a plate, `copies` of which are the whole.
+/// Of the modelled part of a plate, `copies` of which are the whole, with all of its classes of motions.
 pub(super) fn infinite_plate(points: &Points, copies: f64) -> InfinitePlate {
     let (section, edges) = (&points.section, points.geometry.edges);
+    let classes = points.geometry.classes.len() as f64;
     // ξ² = ω √(ρh/D) of long waves.
     let slowness = (section.density * section.thickness / section.rigidity()).sqrt();
     let thin = copies * slowness / (4.0 * PI * section.density * section.thickness);
@@ -30,7 +31,7 @@ pub(super) fn infinite_plate(points: &Points, copies: f64) -> InfinitePlate {
     // A wave of the wavenumber ξ fits an area A into A ξ²/4π modes below it.
     InfinitePlate {
         density,
-        modes: edges[0] * edges[1] * slowness / (4.0 * PI * copies),
+        modes: classes * edges[0] * edges[1] * slowness / (4.0 * PI * copies),
         impedance: zener::impedance((section.young, section.poisson), section.density, section.thickness),
         slowness,
         room: points.geometry.room(),

@@ -37,7 +37,7 @@ impl BoxGeometry {
         }
         let mirrors = match scene.body.symmetry {
             Symmetry::Quarter { axes } => axes.to_vec(),
-            Symmetry::None { .. } => Vec::new(),
+            Symmetry::None { .. } | Symmetry::Parts { .. } => Vec::new(),
         };
         Ok(Self { size: *size, hit: scene.impactor.point, struck, mirrors })
     }

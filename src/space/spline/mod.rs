@@ -112,6 +112,7 @@ impl SplineSolid {
             infinite_plate: None,
             translation: translation(&points.tensor, description.direction),
             copies,
+            classes: 1,
         };
         Ok(Self { system, cells, points })
     }

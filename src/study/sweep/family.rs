@@ -76,9 +76,10 @@ impl Family {
                 return Err(crate::Error::Solve("the theory has no supports".into()));
             };
             let body = built.body;
-            let reduced = reduce(&body, &scene, watch)?;
-            let snapshots = snapshots(&body, &reduced.krylov, reduced.larger(), rate(&scene))?;
-            Ok(Sample { body: *body, snapshots, own: reduced.larger().clone(), error: reduced.error.history, scene })
+            let mut reduced = reduce(&body, &scene, watch)?;
+            let own = reduced.larger().clone();
+            let snapshots = snapshots(&body, reduced.krylov.basis()?, &own, rate(&scene))?;
+            Ok(Sample { body: *body, snapshots, own, error: reduced.error.history, scene })
         };
         let mut ends = [make(0)?, make(last)?];
         let mut pool: Vec<Vector> = ends.iter_mut().flat_map(|end| std::mem::take(&mut end.snapshots)).collect();

@@ -203,7 +203,9 @@ fn other_scenes_are_whole_and_tell_why() -> Result<()> {
         ),
     ] {
         let scene = parse(QUARTER, &["body.symmetry=auto", given])?;
-        let Symmetry::None { reason: Some(reason) } = &scene.body.symmetry else { panic!("{given}: quartered") };
+        let (Symmetry::None { reason: Some(reason) } | Symmetry::Parts { reason, .. }) = &scene.body.symmetry else {
+            panic!("{given}: quartered")
+        };
         assert!(reason.contains(part), "{given}: {reason}");
         let none = parse(QUARTER, &["body.symmetry=none", given])?;
         assert_eq!(none.body.symmetry, Symmetry::None { reason: None });

@@ -85,7 +85,7 @@ fn vertices_are_those_of_the_grid(session: &Session) {
         let mesh = Mesh::new(&session.world(), &scene.body).unwrap();
         let axes = match scene.body.symmetry {
             Symmetry::Quarter { axes } => axes.to_vec(),
-            Symmetry::None { .. } => Vec::new(),
+            Symmetry::None { .. } | Symmetry::Parts { .. } => Vec::new(),
         };
         for x in (0..mesh.cells.len()).flat_map(|i| mesh.cells.x(i)) {
             for axis in 0..3 {

@@ -1,0 +1,150 @@
+//! A basis of a body whose motions fall into classes that do not couple: one of each class, which together are the body's.
+//!
+//! Each class is a smaller body with vectors of its own, so that its vectors are made orthogonal to each other alone. The classes' vectors
+//! take turns: bases stay nested ([`Projection::leading`]).
+
+use nalgebra::{DMatrix, DVector};
+use petsc_wrap::Vector;
+
+use super::{Body, Krylov, Projection};
+use crate::error::Result;
+
+/// A basis that grows, and the body on it.
+pub struct DirectSum {
+    /// A basis for each class.
+    parts: Vec<Krylov>,
+    /// The class of each vector.
+    class_of: Vec<usize>,
+    /// The class whose turn it is.
+    turn: usize,
+    /// The vectors as the whole body's, of several classes; as far as they were asked for.
+    whole: Vec<Vector>,
+    /// A vector of the whole body.
+    like: Vector,
+}
+
+impl DirectSum {
+    /// Factorises each class at a rate s (1/s). Collective.
+    ///
+    /// # Errors
+    /// Those of [`Krylov::new`].
+    pub fn new(body: &Body, shift: f64) -> Result<Self> {
+        let parts = classes(body).map(|class| Krylov::new(class, shift)).collect::<Result<Vec<_>>>()?;
+        let class_of = parts.iter().enumerate().flat_map(|(class, part)| vec![class; part.vectors()]).collect();
+        Ok(Self { parts, class_of, turn: 0, whole: Vec::new(), like: body.load.duplicate()? })
+    }
+
+    /// Vectors so far.
+    pub fn vectors(&self) -> usize {
+        self.class_of.len()
+    }
+
+    /// Whether the basis holds all that the force can reach, to rounding.
+    pub fn is_exhausted(&self) -> bool {
+        self.parts.iter().all(Krylov::is_exhausted)
+    }
+
+    /// Adds vectors up to a number. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn grow(&mut self, body: &Body, vectors: usize) -> Result<()> {
+        if self.parts.len() == 1 {
+            self.parts[0].grow(body, vectors)?;
+            self.class_of.resize(self.parts[0].vectors(), 0);
+            return Ok(());
+        }
+        while self.vectors() < vectors && !self.is_exhausted() {
+            let (class, part) = (self.turn, &mut self.parts[self.turn]);
+            let before = part.vectors();
+            part.grow(&body.classes[class], before + 1)?;
+            self.class_of.extend(vec![class; part.vectors() - before]);
+            self.turn = (self.turn + 1) % self.parts.len();
+        }
+        Ok(())
+    }
+
+    /// The body on the basis. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn projection(&mut self, body: &Body) -> Result<Projection> {
+        if let [part] = &mut self.parts[..] {
+            return part.projection(body);
+        }
+        let parts = self.parts.iter_mut().zip(classes(body));
+        let projections = parts.map(|(part, class)| part.projection(class)).collect::<Result<Vec<_>>>()?;
+        Ok(sum(&projections, &self.class_of))
+    }
+
+    /// The vectors, orthonormal in M. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn basis(&mut self) -> Result<&[Vector]> {
+        if let [part] = &self.parts[..] {
+            return Ok(part.basis());
+        }
+        let mut next = vec![0; self.parts.len()];
+        for (number, &class) in self.class_of.iter().enumerate() {
+            let own = &self.parts[class].basis()[next[class]];
+            next[class] += 1;
+            if number < self.whole.len() {
+                continue;
+            }
+            let (size, mut whole) = (own.len(), self.like.duplicate()?);
+            whole.fill(0.0)?;
+            whole.write()?[class * size..(class + 1) * size].copy_from_slice(&own.read()?);
+            self.whole.push(whole);
+        }
+        Ok(&self.whole)
+    }
+}
+
+/// The body's classes, or it alone.
+fn classes(body: &Body) -> impl Iterator<Item = &Body> {
+    let whole = body.classes.is_empty().then_some(body);
+    whole.into_iter().chain(&body.classes)
+}
+
+/// The body of which each class is a part; its vectors are the classes', in turns as given.
+fn sum(parts: &[Projection], class_of: &[usize]) -> Projection {
+    let mut numbers = vec![Vec::new(); parts.len()];
+    class_of.iter().enumerate().for_each(|(number, &class)| numbers[class].push(number));
+    let count = class_of.len();
+    let each = || parts.iter().zip(&numbers);
+    let square = |of: &dyn Fn(&Projection) -> Option<&DMatrix<f64>>| {
+        let mut sum = DMatrix::zeros(count, count);
+        for (matrix, numbers) in each().filter_map(|(part, numbers)| Some((of(part)?, numbers))) {
+            for (j, &column) in numbers.iter().enumerate() {
+                numbers.iter().enumerate().for_each(|(i, &row)| sum[(row, column)] = matrix[(i, j)]);
+            }
+        }
+        sum
+    };
+    let vector = |of: &dyn Fn(&Projection) -> &DVector<f64>| {
+        let mut sum = DVector::zeros(count);
+        for (part, numbers) in each() {
+            numbers.iter().zip(of(part).iter()).for_each(|(&number, value)| sum[number] = *value);
+        }
+        sum
+    };
+    let mut hit_stress = DMatrix::zeros(parts[0].hit_stress.nrows(), count);
+    for (part, numbers) in each() {
+        numbers.iter().enumerate().for_each(|(i, &number)| hit_stress.set_column(number, &part.hit_stress.column(i)));
+    }
+    let is_damped = parts.iter().any(|part| part.damping.is_some());
+    Projection {
+        elastic: square(&|part| Some(&part.elastic)),
+        support: square(&|part| Some(&part.support)),
+        damping: is_damped.then(|| square(&|part| part.damping.as_ref())),
+        force: vector(&|part| &part.force),
+        translation: vector(&|part| &part.translation),
+        hit_stress,
+        load: vector(&|part| &part.load),
+        support_load: vector(&|part| &part.support_load),
+        support_offset: parts.iter().map(|part| part.support_offset).sum(),
+        foundation: None,
+        ..parts[0].clone()
+    }
+}

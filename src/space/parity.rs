@@ -1,0 +1,32 @@
+//! Motions that are symmetric or antisymmetric about planes of symmetry of a body.
+//!
+//! Where a body with its supports and loads is its own mirror image across a plane, any motion of it is a symmetric one and an
+//! antisymmetric one, which do not couple: each is that of the part on one side, with its own conditions on the plane. A force at any
+//! place excites both, by half of its value there and half at the mirror image.
+
+use nalgebra_sparse::CsrMatrix;
+
+use crate::form::Parity;
+
+/// The parities of the displacement across the normal of a plate, along both axes.
+pub type ParityClass = [Parity; 2];
+
+/// All classes of parities about planes across the axes that have one, the most symmetric first. An axis whose plane the impact shares
+/// has even motions alone.
+pub fn classes(has_plane: [bool; 2], is_shared: [bool; 2]) -> Vec<ParityClass> {
+    let of = |axis: usize| -> &[Parity] {
+        if has_plane[axis] && !is_shared[axis] { &[Parity::Even, Parity::Odd] } else { &[Parity::Even] }
+    };
+    of(0).iter().flat_map(|first| of(1).iter().map(move |second| [*first, *second])).collect()
+}
+
+/// A matrix as often as there are classes, along the diagonal.
+pub fn repeated(matrix: &CsrMatrix<f64>, times: usize) -> CsrMatrix<f64> {
+    let (size, entries) = (matrix.nrows(), matrix.nnz());
+    let of_class = |class: usize| matrix.row_offsets()[1..].iter().map(move |end| class * entries + end);
+    let offsets = std::iter::once(0).chain((0..times).flat_map(of_class)).collect();
+    let columns = (0..times).flat_map(|class| matrix.col_indices().iter().map(move |j| class * size + j)).collect();
+    let total = times * size;
+    CsrMatrix::try_from_csr_data(total, total, offsets, columns, matrix.values().repeat(times))
+        .expect("rows in order, columns ascending")
+}
