@@ -13,7 +13,7 @@ use super::watch::{Judged, Stage, Watch};
 /// Vectors of the first basis that is tried.
 const FIRST: usize = 10;
 
-/// Most vectors of a basis that grows by itself.
+/// Most vectors of a basis that grows by itself, for each class of motions.
 const MOST: usize = 1500;
 
 /// Two bases, one of half as many vectors more, judge each other by the difference between them. Where errors fall with the square of the
@@ -91,7 +91,7 @@ pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> 
         grow(&mut krylov, body, count, last, watch)?;
         let projection = krylov.projection(body)?;
         count = projection.vectors();
-        let enough = count > MOST || (given.is_some() && !tried.is_empty());
+        let enough = count > MOST * body.classes.len().max(1) || (given.is_some() && !tried.is_empty());
         let is_exhausted = watch.decided(krylov.is_exhausted());
         match watch.shared(force(scene, body, &projection, &mut steps)) {
             // All that the forces reach, to rounding.

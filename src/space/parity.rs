@@ -30,3 +30,27 @@ pub fn repeated(matrix: &CsrMatrix<f64>, times: usize) -> CsrMatrix<f64> {
     CsrMatrix::try_from_csr_data(total, total, offsets, columns, matrix.values().repeat(times))
         .expect("rows in order, columns ascending")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn classes_are_those_that_the_impact_excites() {
+        use Parity::{Even, Odd};
+        let all = [[Even, Even], [Even, Odd], [Odd, Even], [Odd, Odd]];
+        assert_eq!(classes([true; 2], [false; 2]), all);
+        assert_eq!(classes([true; 2], [false, true]), [all[0], all[2]]);
+        assert_eq!(classes([false, true], [false; 2]), all[..2]);
+        assert_eq!(classes([true; 2], [true; 2]), all[..1]);
+        assert_eq!(classes([false; 2], [false; 2]), all[..1]);
+    }
+
+    #[test]
+    fn repeated_blocks_do_not_meet() {
+        let matrix = CsrMatrix::try_from_csr_data(2, 2, vec![0, 2, 3], vec![0, 1, 1], vec![1.0, 2.0, 3.0]);
+        let found = repeated(&matrix.expect("a matrix"), 2);
+        let entries: Vec<_> = found.triplet_iter().map(|(i, j, value)| (i, j, *value)).collect();
+        assert_eq!(entries, [(0, 0, 1.0), (0, 1, 2.0), (1, 1, 3.0), (2, 2, 1.0), (2, 3, 2.0), (3, 3, 3.0)]);
+    }
+}

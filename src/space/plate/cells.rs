@@ -51,7 +51,7 @@ pub(super) fn lines(
         let sizes = Sizes { hit: at_hit, largest, growth: cell_size_factor * GROWTH };
         let sides = [hit - low, high - hit].map(|length| Side { length, sizes });
         let cells = sides.iter().map(Side::cells).sum::<f64>();
-        if !(cells > 0.0 && cells <= MOST) {
+        if !(largest > 0.0 && cells <= MOST) {
             return Err(cells);
         }
         let [below, above] = sides.map(|side| side.lines());

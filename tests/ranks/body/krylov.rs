@@ -3,7 +3,7 @@
 use crate::glass;
 use mpi_test::{Test, tests};
 use petsc_wrap::{Session, Vector};
-use ricochet::body::{Body, Closed, Krylov, ModalBody};
+use ricochet::body::{Body, Closed, DirectSum, Krylov, ModalBody};
 use ricochet::scene::Scene;
 use ricochet::space::plate::{Plate, PlateTheory, Settings};
 
@@ -13,6 +13,7 @@ pub const TESTS: &[Test<Session>] = tests![
     projections_grow_with_their_bases,
     a_free_body_drifts_after_a_short_contact,
     short_waves_have_the_density_of_modes,
+    classes_have_bases_of_their_own,
 ];
 
 fn parse(pane: &str, supports: &str) -> Scene {
@@ -123,4 +124,47 @@ fn short_waves_have_the_density_of_modes(session: &Session) {
     assert!((sum / waves - 1.0).abs() < 0.05, "{sum} {waves}");
     // Edges add and take modes by the root of the number.
     assert!((below.len() as f64 / 100.0 - 1.0).abs() < 0.25, "{}", below.len());
+}
+
+/// A pane hit off its centre: four classes, whose bases are together one of the whole body, orthonormal in the mass, on which K is as
+/// projected; of each class there are as many vectors, and none is of two.
+fn classes_have_bases_of_their_own(session: &Session) {
+    let pane = "size = [0.5, 0.4, 0.01]\nmodel = \"mindlin\"";
+    let hit = "mass = 0.5\nspeed = 3\npoint = [0.1, 0.07, 0.005]";
+    let text = glass::scene(pane, hit, "end = 0.01", &glass::sides(1e9, 0.0));
+    let scene = Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0;
+    let settings = Settings::new(1e-1, PlateTheory::Mindlin);
+    let plate = Plate::new(&scene, PlateTheory::Mindlin, &settings).unwrap_or_else(|error| panic!("{error}"));
+    let body = Body::of(&session.alone(), &plate.system).unwrap();
+    assert_eq!((body.classes.len(), body.unknowns()), (4, 4 * body.classes[0].unknowns()));
+    let mut sum = DirectSum::new(&body, 1e5).unwrap();
+    sum.grow(&body, 30).unwrap();
+    let first = sum.projection(&body).unwrap();
+    sum.grow(&body, 60).unwrap();
+    let whole = sum.projection(&body).unwrap();
+    assert!(whole.leading(30).elastic == first.elastic && whole.leading(30).force == first.force);
+    let basis = sum.basis().unwrap();
+    assert_eq!(basis.len(), 60);
+    let mut image = body.load.duplicate().unwrap();
+    let size = body.unknowns() / 4;
+    for (j, vector) in basis.iter().enumerate() {
+        body.apply_mass(vector, &mut image).unwrap();
+        let masses = image.dots(basis).unwrap();
+        body.apply_elastic(vector, &mut image).unwrap();
+        let springs = image.dots(basis).unwrap();
+        for i in 0..60 {
+            // Rounding of sums of two thousand products.
+            assert!((masses[i] - f64::from(u8::from(i == j))).abs() < 1e-12, "{i} {j}: {}", masses[i]);
+            assert!((springs[i] - whole.elastic[(i, j)]).abs() < 1e-12 * whole.elastic.amax(), "{i} {j}");
+        }
+        let entries = vector.read().unwrap();
+        let met = (0..4).filter(|class| entries[class * size..(class + 1) * size].iter().any(|v| *v != 0.0));
+        assert_eq!(met.collect::<Vec<_>>(), [j % 4], "{j}");
+    }
+    // a of the whole on the basis, which the force excites in all classes.
+    let force = body.localization.vector.dots(basis).unwrap();
+    for (j, exact) in force.into_iter().enumerate() {
+        assert!((whole.force[j] - exact).abs() < 1e-12 * whole.force.amax(), "{j}");
+    }
+    assert!((0..4).all(|class| whole.force[class] != 0.0));
 }
