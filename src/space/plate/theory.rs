@@ -16,7 +16,8 @@ pub enum PlateTheory {
 }
 
 /// Degree of the deflection, with as many continuous derivatives but one. Of 3 to 5, C¹ cubics (bicubic Hermite elements) among
-/// them, the highest needs the fewest unknowns for an error of 0.1% of an impact's history.
+/// them, the highest needs the fewest unknowns for an error of 0.1% of an impact's history. At 1% degree 4 is as good; at 0.01% it has
+/// three to five times the error on as many cells.
 pub(super) const DEGREE: usize = 5;
 
 impl PlateTheory {
