@@ -53,7 +53,7 @@ impl Settings {
     /// Cells for an error of less than half of a tolerance, as measured on plates.
     pub fn new(tolerance: f64, theory: PlateTheory) -> Self {
         let parts = tolerance / 1e-2;
-        let of_mindlin = 1.2 * if parts > 1.0 { parts.cbrt() } else { parts.powf(0.19) };
+        let of_mindlin = 1.2 * if parts > 1.0 { parts.cbrt() } else { parts.powf(0.25) };
         // w alone is smoother than what presses it: no shear.
         let cell_size_factor = if theory == PlateTheory::Kirchhoff { 1.4 * of_mindlin } else { of_mindlin };
         Self { cell_size_factor: cell_size_factor.clamp(0.3, 2.4), ..Self::default() }
