@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 use petsc_wrap::Vector;
 
-use super::{Body, Krylov, Projection};
+use super::{Body, Krylov, Projection, Start};
 use crate::error::Result;
 
 /// A basis that grows, and the body on it.
@@ -24,12 +24,13 @@ pub struct DirectSum {
 }
 
 impl DirectSum {
-    /// Factorises each class at a rate s (1/s). Collective.
+    /// Factorises each class. Collective.
     ///
     /// # Errors
     /// Those of [`Krylov::new`].
-    pub fn new(body: &Body, shift: f64) -> Result<Self> {
-        let parts = classes(body).map(|class| Krylov::new(class, shift)).collect::<Result<Vec<_>>>()?;
+    pub fn new(body: &Body, start: impl Into<Start>) -> Result<Self> {
+        let start = start.into();
+        let parts = classes(body).map(|class| Krylov::new(class, start)).collect::<Result<Vec<_>>>()?;
         let class_of = parts.iter().enumerate().flat_map(|(class, part)| vec![class; part.vectors()]).collect();
         Ok(Self { parts, class_of, turn: 0, whole: Vec::new(), like: body.load.duplicate()? })
     }
