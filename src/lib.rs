@@ -13,6 +13,7 @@ pub mod error;
 pub mod figure;
 pub mod form;
 pub mod impact;
+pub mod material;
 pub mod mesh;
 pub mod model;
 pub mod record;

@@ -37,7 +37,7 @@ pub use environment::set_default_environment;
 pub use error::{Diverged, Error, Frame, Result};
 pub use factor::{Factor, FactorEstimate, estimate_cholesky};
 pub use gather::Gather;
-pub use gmsh::{GmshMesh, PhysicalSurface};
+pub use gmsh::{GmshMesh, PhysicalGroup};
 pub use ksp::{Ksp, KspView, ResidualNorm, Tolerances};
 pub use matrix::{Insert, Matrix, MatrixView, Row};
 pub use mpi;

@@ -6,7 +6,7 @@ use crate::contact::Localization;
 use crate::error::Result;
 use crate::solve::linear::{Method, solver};
 
-use super::{Clamps, InfinitePlate, Lumped, Pads, Unilateral};
+use super::{Clamps, InfinitePlate, Lumped, Pads, Relaxation, Unilateral};
 
 /// Relative residual of an iterative solution with M.
 const OF_MASS: f64 = 1e-12;
@@ -17,8 +17,10 @@ const OF_MASS: f64 = 1e-12;
 pub struct Body {
     /// M, kg.
     pub mass: Matrix,
-    /// K of the elastic body alone, N/m.
+    /// K of the elastic body alone, N/m: of relaxing parts what is left after all relaxation.
     pub elastic: Matrix,
+    /// What relaxes beside that.
+    pub relaxations: Vec<Relaxation>,
     /// M and K for products, with less memory traffic than the matrices themselves, which serve where there are none: entries by node,
     /// or an upper triangle.
     pub(crate) products: Option<[Matrix; 2]>,
@@ -85,12 +87,12 @@ impl Body {
         Ok(solver(self.comm(), "", operator, self.method)?)
     }
 
-    /// A solver of S = K + c1 C + c2 M for many steps, by the method that suits it ([`Self::step_method`]). Collective.
+    /// A solver of S ([`Self::operator_of_step`]) for many steps of a length (s), by the method that suits it ([`Self::step_method`]). Collective.
     ///
     /// # Errors
     /// PETSc's.
-    pub fn step_solver(&self, c1: f64, c2: f64) -> Result<Ksp> {
-        let operator = self.operator(c1, c2)?;
+    pub fn step_solver(&self, step: f64, c1: f64, c2: f64) -> Result<Ksp> {
+        let operator = self.operator_of_step(step, c1, c2)?;
         let ksp = solver(self.comm(), "", &operator, self.step_method(c2)?)?;
         // The solver has what it needs of it.
         operator.destroy()?;
@@ -208,6 +210,19 @@ impl Body {
     /// PETSc's.
     pub fn operator(&self, c1: f64, c2: f64) -> Result<Matrix> {
         self.without_held(self.combination(c1, c2)?)
+    }
+
+    /// [`Self::operator`] of a step of a length (s), in which relaxing parts are as stiff as strains that are linear over it find them.
+    /// Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn operator_of_step(&self, step: f64, c1: f64, c2: f64) -> Result<Matrix> {
+        let mut matrix = self.combination(c1, c2)?;
+        for relaxation in &self.relaxations {
+            matrix.axpy(relaxation.stiffness(step), &relaxation.distortion)?;
+        }
+        self.without_held(matrix)
     }
 
     /// K + c2 M with the pads' tangent at u, or that of pads pressed everywhere, and the held unknowns taken out. Collective.

@@ -51,6 +51,7 @@ impl Projection {
         System {
             mass: CsrMatrix::identity(count),
             elastic: of(&self.elastic),
+            relaxations: Vec::new(),
             support: (self.support.amax() > 0.0).then(|| of(&self.support)),
             damping: self.damping.as_ref().map(of),
             pads: Vec::new(),

@@ -5,10 +5,11 @@ use petsc_wrap::{Comm, Int, Matrix, Vector};
 
 use crate::contact::{Localization, Patch};
 use crate::error::Result;
+use crate::material::Maxwell;
 use crate::solve::Method;
 
 use super::deviates::normal;
-use super::{Body, Clamps, InfinitePlate, PadOnSurface, Pads};
+use super::{Body, Clamps, InfinitePlate, PadOnSurface, Pads, Relaxation};
 
 /// Entries of a matrix that a core's cache holds: half of them are multiplied no quicker, and take long to be picked.
 const CACHED: u64 = 100_000;
@@ -18,8 +19,10 @@ const CACHED: u64 = 100_000;
 pub struct System {
     /// M.
     pub mass: CsrMatrix<f64>,
-    /// K of the elastic body alone.
+    /// K of the elastic body alone, of relaxing parts what is left after all relaxation.
     pub elastic: CsrMatrix<f64>,
+    /// D of each relaxation, and its terms ([`Relaxation`]).
+    pub relaxations: Vec<(CsrMatrix<f64>, Maxwell)>,
     /// K of the elastic supports (11).
     pub support: Option<CsrMatrix<f64>>,
     /// C of the dampers (13).
@@ -79,12 +82,17 @@ impl Body {
         let entries = (0..).zip(&system.localization).filter(|(_, a)| **a != 0.0).map(|(i, a)| (i, *a)).collect();
         let deviates: Vec<f64> = (0..count as u64).map(normal).collect();
         let (mass, elastic) = (matrix_of(alone, &system.mass)?, matrix_of(alone, &system.elastic)?);
+        let relaxation = |(distortion, chain): &(CsrMatrix<f64>, Maxwell)| {
+            Ok::<_, crate::Error>(Relaxation { distortion: matrix_of(alone, distortion)?, chain: chain.clone() })
+        };
+        let relaxations = system.relaxations.iter().map(relaxation).collect::<Result<Vec<_>>>()?;
         let is_cached = elastic.entries()? <= CACHED;
         let triangles = || Ok::<_, crate::Error>([mass.upper_triangle(1)?, elastic.upper_triangle(1)?]);
         Ok(Self {
             products: if is_cached { None } else { Some(triangles()?) },
             mass,
             elastic,
+            relaxations,
             support: of_list(&system.support)?,
             damping: of_list(&system.damping)?,
             lumped: None,

@@ -108,7 +108,7 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
 /// The radial tension at the edge of the contact times α/F, 1/m²: (1 − 2ν)/(2πR).
 fn ring(scene: &Scene) -> Option<f64> {
     let radius = scene.impactor.radius.filter(|_| scene.output.stress)?;
-    Some((1.0 - 2.0 * scene.body.poisson) / (2.0 * PI * radius))
+    Some((1.0 - 2.0 * scene.body.struck().poisson) / (2.0 * PI * radius))
 }
 
 /// Refuses a strength of a face that the body does not have.

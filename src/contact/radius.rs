@@ -1,7 +1,8 @@
 //! The radius of a patch: what it should be, and below what the contact law fails.
 
 use super::{Hertz, hertz, zener};
-use crate::scene::{Body, Impactor};
+use crate::form::Material;
+use crate::scene::Impactor;
 
 /// Part of the thickness that a patch is made to cover: 0.16% of error by [`Patch::error`].
 const OF_THICKNESS: f64 = 0.25;
@@ -83,10 +84,10 @@ impl Patch {
 ///
 /// (3/5) (1 − ν²)/E for the part along the normal and (2 − ν)/(2 − 2ν) times that for the part along the surface,
 /// which do not couple in the mean (Johnson, Contact Mechanics, 1985, (3.41a) and (3.91a)).
-pub(crate) fn unit_compliance(body: &Body, cosine: f64) -> f64 {
-    let nu = body.poisson;
+pub(crate) fn unit_compliance(struck: &Material, cosine: f64) -> f64 {
+    let nu = struck.poisson;
     let normal = cosine * cosine;
-    0.6 * (1.0 - nu * nu) / body.young * (normal + (1.0 - normal) * (2.0 - nu) / (2.0 - 2.0 * nu))
+    0.6 * (1.0 - nu * nu) / struck.young * (normal + (1.0 - normal) * (2.0 - nu) / (2.0 - 2.0 * nu))
 }
 
 /// Radii at which the law has no stiffness left, 1 = c_l F′(α): at the indentation of an impact on a half-space, and
@@ -94,11 +95,17 @@ pub(crate) fn unit_compliance(body: &Body, cosine: f64) -> f64 {
 ///
 /// The least is that of Zener's plate of the local thickness, without echoes, hit by the reduced mass of impactor and
 /// body, since a light body flies off.
-pub(crate) fn limits(body: &Body, impactor: &Impactor, mass: f64, thickness: f64, unit_compliance: f64) -> (f64, f64) {
+pub(crate) fn limits(
+    struck: &Material,
+    impactor: &Impactor,
+    mass: f64,
+    thickness: f64,
+    unit_compliance: f64,
+) -> (f64, f64) {
     let Impactor { stiffness, speed, .. } = *impactor;
     let radius = |indentation| unit_compliance * Hertz { stiffness }.tangent(indentation);
     let reduced = impactor.mass / (1.0 + impactor.mass / mass);
-    let impedance = zener::impedance((body.young, body.poisson), body.density, thickness);
+    let impedance = zener::impedance(struck, thickness);
     (
         radius(hertz::peak_indentation(stiffness, impactor.mass, speed)),
         radius(zener::peak_indentation(stiffness, reduced, speed, impedance)),
@@ -108,28 +115,18 @@ pub(crate) fn limits(body: &Body, impactor: &Impactor, mass: f64, thickness: f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Geometry, Model, Reduction, Symmetry};
 
     /// The mean over all directions of a wave of what Cerruti's and Boussinesq's solutions give it, (1 − ν cos² φ) to
     /// 1 − ν, since the pressure's spectrum is round.
     #[test]
     fn compliance_along_the_surface() {
         for poisson in [-0.5, 0.0, 0.23, 0.49] {
-            let body = Body {
-                model: Model::Solid,
-                reduction: Reduction::None,
-                young: 70e9,
-                poisson,
-                density: 1.0,
-                order: 1,
-                geometry: Geometry::Gmsh("".into()),
-                symmetry: Symmetry::None { reason: None },
-            };
+            let glass = Material { young: 70e9, poisson, density: 1.0 };
             let waves = (0..12).map(|i| 1.0 - poisson * (f64::from(i) * std::f64::consts::PI / 12.0).cos().powi(2));
             let along = waves.sum::<f64>() / 12.0 / (1.0 - poisson);
             let normal = 0.6 * (1.0 - poisson * poisson) / 70e9;
             for (cosine, expected) in [(1.0, 1.0), (-1.0, 1.0), (0.0, along), (0.6, 0.36 + 0.64 * along)] {
-                let ratio = unit_compliance(&body, cosine) / normal;
+                let ratio = unit_compliance(&glass, cosine) / normal;
                 assert!((ratio / expected - 1.0).abs() < 1e-14, "{poisson} {cosine}: {ratio} {expected}");
             }
         }

@@ -8,13 +8,15 @@
 //! in units of T = (m0²/(k0² v))^{1/5} for time and v T for the indentation α.
 
 use super::Hertz;
+use crate::form::Material;
 
 /// Step of the integration up to the peak, in units of its time: errors of 1e-7, by the kink of ⟨σ⟩^{3/2} at the
 /// touch.
 const STEP: f64 = 1e-3;
 
-/// Z (N s/m) of a plate with Young's modulus (Pa) and Poisson's ratio, density (kg/m³) and thickness (m).
-pub fn impedance((young, poisson): (f64, f64), density: f64, thickness: f64) -> f64 {
+/// Z (N s/m) of a plate of a material and a thickness (m).
+pub fn impedance(material: &Material, thickness: f64) -> f64 {
+    let Material { young, poisson, density } = *material;
     let bending = young * thickness.powi(3) / (12. * (1. - poisson * poisson));
     8. * (density * thickness * bending).sqrt()
 }
@@ -128,7 +130,7 @@ mod tests {
     /// digits.
     #[test]
     fn impedance_by_hand() {
-        let found = impedance((70e9, 0.23), 2500., 0.1);
+        let found = impedance(&Material { young: 70e9, poisson: 0.23, density: 2500. }, 0.1);
         assert!((found / 313_921.07 - 1.).abs() < 3e-8, "{found}");
     }
 }

@@ -2,11 +2,15 @@
 //!
 //! A space ([`crate::space`]) integrates it.
 
+mod part;
 mod region;
 
+use part::parts;
+
+pub use part::{Part, Portion};
 pub use region::{Extent, Place, Region, region};
 
-use crate::form::{Foundation, Material};
+use crate::form::Foundation;
 use crate::scene::{Scene, SupportKind, Vec3};
 
 /// k of the springs that hold a clamped part of a surface, times its width over E. A rigid disc of the radius r on a half-space yields
@@ -16,8 +20,8 @@ const STIFF_AS_A_CLAMP: f64 = 1e4;
 /// All that a scene says of its body but for the geometry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Description {
-    /// The material of all of it.
-    pub material: Material,
+    /// What it is made of, and the force on the volume of each part.
+    pub parts: Vec<Part>,
     /// Elastic supports (11).
     pub springs: Vec<Spring>,
     /// Dampers (13).
@@ -28,8 +32,6 @@ pub struct Description {
     pub clamps: Vec<Clamp>,
     /// Tractions (3).
     pub tractions: Vec<Traction>,
-    /// Body force of (1), N/m³.
-    pub body_force: Vec3,
     /// Unit vector along which the impactor moves.
     pub direction: Vec3,
 }
@@ -88,13 +90,12 @@ impl Description {
     pub fn new(scene: &Scene) -> Self {
         let body = &scene.body;
         let mut description = Self {
-            material: Material { young: body.young, poisson: body.poisson, density: body.density },
+            parts: parts(scene),
             springs: Vec::new(),
             dampers: Vec::new(),
             pads: Vec::new(),
             clamps: Vec::new(),
             tractions: Vec::new(),
-            body_force: scene.load.body_force,
             direction: scene.impactor.direction,
         };
         for support in &scene.supports {
@@ -118,7 +119,7 @@ impl Description {
                     }
                     // The edge of a part cuts cells, whose unknowns cannot be held in part.
                     Some(within) => {
-                        let stiff = STIFF_AS_A_CLAMP * body.young / within.width(&body.geometry, &support.surface);
+                        let stiff = STIFF_AS_A_CLAMP * body.stiffest() / within.width(&body.geometry, &support.surface);
                         let stiffness = components.map(|held| if held { stiff } else { 0.0 });
                         description.springs.push(Spring { region, stiffness, displacement });
                     }

@@ -1,6 +1,6 @@
 //! Elasticity in three dimensions as forms on three fields, the components of the displacement.
 
-use super::Material;
+use super::Lame;
 use super::tensor::{Along, Part, Square};
 
 /// All of the body.
@@ -18,17 +18,16 @@ fn gradient(i: usize, j: usize) -> Part<3> {
     Part { field: i, derivatives }
 }
 
-/// Twice the elastic energy, ∫ λ (div u)² + 2 μ Σ ε_ii² + μ Σ_{i<j} (2 ε_ij)², by (4) and (5).
-pub fn elastic(material: &Material) -> Vec<Square<3>> {
-    let (lambda, mu) = material.lame();
-    let square = |factor: f64, parts: Vec<Part<3>>| Square { factor, parts, place: VOLUME };
+/// Twice the elastic energy at a place, ∫ λ (div u)² + 2 μ Σ ε_ii² + μ Σ_{i<j} (2 ε_ij)², by (4) and (5).
+pub fn elastic(Lame { lambda, mu }: Lame, place: [Along; 3]) -> Vec<Square<3>> {
+    let square = |factor: f64, parts: Vec<Part<3>>| Square { factor, parts, place };
     let stretches = (0..3).map(|i| square(2.0 * mu, vec![gradient(i, i)]));
     let shears = [(0, 1), (0, 2), (1, 2)].map(|(i, j)| square(mu, vec![gradient(i, j), gradient(j, i)]));
     let volume = square(lambda, (0..3).map(|i| gradient(i, i)).collect());
     stretches.chain(shears).chain([volume]).collect()
 }
 
-/// Twice the kinetic energy of a unit speed, ∫ ρ u².
-pub fn mass(material: &Material) -> Vec<Square<3>> {
-    (0..3).map(|i| Square { factor: material.density, parts: vec![displacement(i)], place: VOLUME }).collect()
+/// Twice the kinetic energy of a unit speed at a place, ∫ ρ u², for a density in kg/m³.
+pub fn mass(density: f64, place: [Along; 3]) -> Vec<Square<3>> {
+    (0..3).map(|i| Square { factor: density, parts: vec![displacement(i)], place }).collect()
 }

@@ -22,7 +22,7 @@ pub use disc::{hertz_terms, hertz_wave, pressure_rule};
 pub use lumping::lump;
 pub use pad::{Foundation, PadElement, PadPoint, pressed_depth};
 pub use pressure::PressureForms;
-pub use solid::{Material, SolidForms, Tangled};
+pub use solid::{Lame, Material, SolidForms, Tangled};
 pub use spline::{Parity, Spline};
 pub use spread::Spread;
 pub use surface::{SurfaceElement, SurfacePoint};

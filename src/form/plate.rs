@@ -31,6 +31,12 @@ impl Section {
         Self { thickness, young, poisson, density }
     }
 
+    /// What it is made of.
+    pub fn material(&self) -> Material {
+        let Self { young, poisson, density, .. } = *self;
+        Material { young, poisson, density }
+    }
+
     /// D = E h³ / (12 (1 − ν²)), N m.
     pub fn rigidity(&self) -> f64 {
         self.young * self.thickness.powi(3) / (12.0 * (1.0 - self.poisson * self.poisson))

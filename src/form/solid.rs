@@ -16,10 +16,34 @@ pub struct Material {
 }
 
 impl Material {
-    /// Lamé's λ and μ of (4), Pa.
-    pub fn lame(&self) -> (f64, f64) {
+    /// Lamé's constants of (4).
+    pub fn lame(&self) -> Lame {
         let Self { young, poisson, .. } = *self;
-        (young * poisson / ((1. + poisson) * (1. - 2. * poisson)), young / (2. * (1. + poisson)))
+        Lame { lambda: young * poisson / ((1. + poisson) * (1. - 2. * poisson)), mu: young / (2. * (1. + poisson)) }
+    }
+
+    /// Bulk modulus K, Pa.
+    pub fn bulk(&self) -> f64 {
+        self.young / (3. * (1. - 2. * self.poisson))
+    }
+}
+
+/// Lamé's constants of (4).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lame {
+    /// λ, Pa.
+    pub lambda: f64,
+    /// μ, Pa: the shear modulus.
+    pub mu: f64,
+}
+
+impl Lame {
+    /// The stress of distortion alone, without that of the change of volume, for a shear modulus of 1 Pa.
+    pub const DEVIATORIC: Self = Self { lambda: -2. / 3., mu: 1. };
+
+    /// Of a bulk modulus and a shear modulus, Pa.
+    pub fn of_moduli(bulk: f64, shear: f64) -> Self {
+        Self { lambda: bulk - 2. / 3. * shear, mu: shear }
     }
 }
 
@@ -37,7 +61,7 @@ type Pair = [f64; 2];
 /// Stiffness, mass and body force of one cell, with the space that they need.
 #[derive(Debug, Clone)]
 pub struct SolidForms {
-    lame: (f64, f64),
+    lame: Lame,
     density: f64,
     /// At the cell's middle alone.
     middle: Table,
@@ -57,6 +81,11 @@ impl SolidForms {
     /// Rules: tetrahedra, exact at degree 2(order−1) for the stiffness, 2·order for mass and load; hexahedra,
     /// (order+1)³ Gauss points.
     pub fn new(shape: Shape, order: usize, material: Material) -> Self {
+        Self::of_lame(shape, order, material.lame(), material.density)
+    }
+
+    /// The same for Lamé's constants and a density, kg/m³.
+    pub fn of_lame(shape: Shape, order: usize, lame: Lame, density: f64) -> Self {
         let element = Element::new(shape, order);
         let inertia = Table::new(&element, &Quadrature::exact(shape, 2 * order));
         let strain = match shape {
@@ -66,8 +95,8 @@ impl SolidForms {
         let n = element.nodes();
         Self {
             middle: Table::new(&element, &Quadrature::exact(shape, 1)),
-            lame: material.lame(),
-            density: material.density,
+            lame,
+            density,
             gradients: vec![[[0.; 2]; 3]; n.div_ceil(2) * strain.points()],
             scale: vec![0.; inertia.points()],
             block: vec![0.; n * n],
@@ -89,7 +118,7 @@ impl SolidForms {
     /// [`Tangled`], with `out` in an undefined state.
     pub fn stiffness(&mut self, x: &[[f64; 3]], out: &mut [f64]) -> Result<(), Tangled> {
         self.scale_gradients(x)?;
-        let (lambda, mu) = self.lame;
+        let Lame { lambda, mu } = self.lame;
         let (n, points) = (self.nodes(), self.strain.points());
         let size = 3 * n;
         for i in 0..n {

@@ -32,16 +32,16 @@ pub struct Condensed {
 }
 
 impl Condensed {
-    /// Assembles and factorises S for a stage; `pushed` are the unknowns that pads push ([`crate::body::Pads::pushed`]), whose
+    /// Assembles and factorises S for a stage of a step (s); `pushed` are the unknowns that pads push ([`crate::body::Pads::pushed`]), whose
     /// residual (N) counts as none below `tolerance`. Collective.
     pub(super) fn new(
         comm: &Comm,
         body: &Body,
-        stage: Affine,
+        (stage, step): (Affine, f64),
         mass: f64,
         (pushed, tolerance): (Vec<Int>, f64),
     ) -> Result<Self> {
-        let mut ksp = body.step_solver(stage.c1, stage.c2)?;
+        let mut ksp = body.step_solver(step, stage.c1, stage.c2)?;
         let mut force = body.load.duplicate()?;
         force.copy_from(&body.localization.vector)?;
         body.clamps.zero(&mut force)?;

@@ -9,6 +9,7 @@ use crate::scheme::{CentralDifference, Implicit, newmark};
 
 use super::ledger::{Exchange, Work, exchange};
 use super::limit::stable_step;
+use super::relaxation::Relaxed;
 use super::setting::Setting;
 use super::state::{Impactor, Moment};
 
@@ -83,7 +84,8 @@ impl ExplicitStepper {
         self.half.copy_from(&to.state.u)?;
         self.half.axpy(-1.0, &state.u)?;
         let (force, damping) = (contact.force, contact.force - contact.elastic);
-        let work = Work { increment: &self.half, force, damping, pads: self.pads.as_ref() };
+        let work =
+            Work { increment: &self.half, force, damping, relaxed: Relaxed::default(), pads: self.pads.as_ref() };
         let family = Implicit { beta: 0.0, ..newmark(0.25, 0.5) };
         exchange(body, setting, (&family, scheme.step), (from, to), work, &mut self.force)
     }

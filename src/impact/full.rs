@@ -44,8 +44,8 @@ pub struct Full {
 }
 
 impl Full {
-    /// Assembles Ŝ and the pattern of the Newton matrix. Collective.
-    pub(super) fn new(comm: &Comm, body: &Body, stage: Affine, mass: f64, tolerance: f64) -> Result<Self> {
+    /// Assembles Ŝ for a stage of a step (s), and the pattern of the Newton matrix. Collective.
+    pub(super) fn new(comm: &Comm, body: &Body, stage: (Affine, f64), mass: f64, tolerance: f64) -> Result<Self> {
         let (all, _): (Vec<Int>, Vec<f64>) = body.localization.entries.iter().copied().unzip();
         let free = Gather::new(&body.clamps.free, &all)?.fetch(&body.clamps.free)?.to_vec();
         // A held unknown takes no force; what it adds to δ is constant and part of δ_n.
@@ -153,8 +153,8 @@ impl Full {
 }
 
 /// Ŝ with room for ââᵀ, whose entries couple the impactor and all of `coupled` with one another.
-fn constant(comm: &Comm, body: &Body, stage: Affine, mass: f64, coupled: &[Int]) -> Result<Matrix> {
-    let operator = body.operator(stage.c1, stage.c2)?;
+fn constant(comm: &Comm, body: &Body, (stage, step): (Affine, f64), mass: f64, coupled: &[Int]) -> Result<Matrix> {
+    let operator = body.operator_of_step(step, stage.c1, stage.c2)?;
     let rows = operator.row_range();
     let last = body.unknowns() as Int;
     let is_last = comm.rank() + 1 == comm.size();

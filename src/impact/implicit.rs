@@ -12,6 +12,7 @@ use super::condensed::Condensed;
 use super::full::Full;
 use super::ledger::{Exchange, Work, exchange};
 use super::pad_condensed;
+use super::relaxation::{Relaxed, Relaxing};
 use super::setting::Setting;
 use super::state::{Impactor, Moment, State};
 
@@ -87,12 +88,14 @@ pub struct ImplicitStepper {
     work: Vector,
     /// p at the stage, where there are pads.
     pads: Option<Vector>,
+    /// The relaxing parts, where there are any.
+    relaxing: Option<Relaxing>,
     /// M D; before, C E.
     weighed: Vector,
     /// Whether products may follow from those of the last moment: in the condensed step without pads, of a direct solver, whose residual is
     /// rounding; where held unknowns, in whose equations there are other forces, stay at zero and are none of the translation's, so that
     /// those forces are in no energy; and not in the midpoint rule, in which an error of K u changes its sign from step to step and stays,
-    /// where other schemes damp it.
+    /// where other schemes damp it; and not where forces relax.
     may_follow: bool,
     /// Whether a step has no iterations over all unknowns, which start from a guess.
     is_direct: bool,
@@ -117,21 +120,22 @@ impl ImplicitStepper {
     ) -> Result<Self> {
         let stage = scheme.stage(step);
         let condensed = |pushed: Vec<Int>| {
-            let condensed = Condensed::new(comm, body, stage, setting.mass, (pushed, tolerance))?;
+            let condensed = Condensed::new(comm, body, (stage, step), setting.mass, (pushed, tolerance))?;
             Ok::<_, Error>(Solver::Condensed(Box::new(condensed)))
         };
         let solver = match Method::of(newton, body) {
             Method::Condensed => condensed(Vec::new())?,
             Method::CondensedOnPads(pushed) => condensed(pushed)?,
-            Method::Full => Solver::Full(Box::new(Full::new(comm, body, stage, setting.mass, tolerance)?)),
+            Method::Full => Solver::Full(Box::new(Full::new(comm, body, (stage, step), setting.mass, tolerance)?)),
         };
         let zeros = || body.load.duplicate();
         let pads = body.pads.as_ref().map(|_| zeros()).transpose()?;
         let is_quiet = body.clamps.displacement.norm_max()? == 0.0 && !body.is_translation_held()?;
         let is_direct = matches!(&solver, Solver::Condensed(condensed) if condensed.is_direct);
-        let may_follow = is_quiet && is_direct && pads.is_none() && !scheme.gradient;
+        let relaxing = Relaxing::new(body, step)?;
+        let may_follow = is_quiet && is_direct && pads.is_none() && !scheme.gradient && relaxing.is_none();
         let (known, work, weighed) = (zeros()?, zeros()?, zeros()?);
-        Ok(Self { scheme, step, solver, known, work, pads, weighed, may_follow, is_direct, followed: 0 })
+        Ok(Self { scheme, step, solver, known, work, pads, relaxing, weighed, may_follow, is_direct, followed: 0 })
     }
 
     /// What it remembers of the steps before, to a checkpoint or from it. (What the full Newton's method and
@@ -158,6 +162,9 @@ impl ImplicitStepper {
         known.axpy(-1.0, &products.elastic)?;
         if let Some(support) = &products.support {
             known.axpy(-1.0, support)?;
+        }
+        if let Some(relaxing) = &self.relaxing {
+            relaxing.add_lost(&from.lags, theta, known)?;
         }
         known.axpy(-stage.a[0], &products.momentum)?;
         known.axpy(-stage.a[1], &from.inertia)?;
@@ -222,6 +229,10 @@ impl ImplicitStepper {
         self.work.scale(1.0 / theta)?;
         let impactor = solved.increment / theta;
         self.end(from, &mut to.state, impactor)?;
+        let relaxed = match &mut self.relaxing {
+            Some(relaxing) => relaxing.advance(body, &self.work, &from.lags, &mut to.lags)?,
+            None => Relaxed::default(),
+        };
         if let (Some(pads), Some(force)) = (&mut body.pads, &mut self.pads) {
             force.fill(0.0)?;
             if scheme.gradient {
@@ -244,7 +255,7 @@ impl ImplicitStepper {
             0.0 => 0.0,
             _ => solved.force - force.elastic(from.approach + theta * (to.approach - from.approach)).0,
         };
-        let work = Work { increment: &self.work, force: solved.force, damping, pads: self.pads.as_ref() };
+        let work = Work { increment: &self.work, force: solved.force, damping, relaxed, pads: self.pads.as_ref() };
         let exchange = exchange(body, setting, (&scheme, step), (from, to), work, &mut self.known)?;
         Ok((exchange, solved.iterations))
     }

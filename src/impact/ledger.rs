@@ -6,7 +6,7 @@
 //!
 //! over body and impactor with their loads f, E the total energy, v̄ the mean velocity, V and ψ the potentials of contact and pads, F and p the forces
 //! that the step used, F_d the part of F that is damping. The left side is what came and went; the right side is what the scheme itself made or lost. It is zero
-//! for the midpoint rule with discrete gradients. (For the central difference: β = 0, with the lumped mass.)
+//! for the midpoint rule with discrete gradients but for what relaxing parts add ([`super::relaxation`]). (For the central difference: β = 0, with the lumped mass.)
 
 use petsc_wrap::Vector;
 
@@ -15,6 +15,7 @@ use crate::error::Result;
 use crate::scheme::Implicit;
 
 use super::checkpoint::Carrier;
+use super::relaxation::{Relaxed, stored_beyond};
 use super::setting::Setting;
 use super::state::Moment;
 use super::step::Energy;
@@ -38,6 +39,8 @@ pub struct Work<'a> {
     pub force: f64,
     /// The part of F that is the contact's damping, N.
     pub damping: f64,
+    /// What relaxing parts took.
+    pub relaxed: Relaxed,
     /// p, N.
     pub pads: Option<&'a Vector>,
 }
@@ -56,7 +59,8 @@ pub(super) fn exchange(
     let impactor = to.state.q.position - from.state.q.position;
     let (q0, q1) = (from.state.q, to.state.q);
     let external = body.load.dot(d)? + setting.weight * impactor;
-    let mut exchange = Exchange { external, ..Exchange::default() };
+    let Relaxed { dissipated, numerical } = done.relaxed;
+    let mut exchange = Exchange { external, dissipated, numerical };
     let potential = |approach| setting.law.potential(approach);
     let elastic = done.force - done.damping;
     exchange.numerical += potential(to.approach) - potential(from.approach) - elastic * (to.approach - from.approach);
@@ -124,7 +128,8 @@ impl Ledger {
         let kinetic = copies * 0.5 * products.momentum.dot(&state.v)?;
         // Of u less its translation, as K u is made.
         let bent = products.elastic.dot(&state.u)? - at.surface * products.elastic.dot(&body.translation)?;
-        let elastic = copies * 0.5 * bent;
+        let relaxing = stored_beyond(body, &at.lags, &state.u, at.surface)?;
+        let elastic = copies * (0.5 * bent + relaxing);
         let mut support = body.support_offset - body.support_load.dot(&state.u)? + at.pads;
         if let Some(product) = &products.support {
             support += 0.5 * product.dot(&state.u)?;

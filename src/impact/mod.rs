@@ -23,6 +23,7 @@ mod pair;
 mod plan;
 mod reading;
 mod reduced;
+mod relaxation;
 mod search;
 mod setting;
 mod state;
@@ -74,7 +75,11 @@ pub fn settle(scene: &Scene, body: &mut Body) -> Result<()> {
         Initial::Rest => None,
         Initial::Equilibrium => {
             let setting = Setting::new(&scene.impactor, body);
-            Some(equilibrium::find(&body.comm().clone(), body, &setting)?)
+            // At rest for long, all that relaxes has done so.
+            let relaxations = std::mem::take(&mut body.relaxations);
+            let rest = equilibrium::find(&body.comm().clone(), body, &setting);
+            body.relaxations = relaxations;
+            Some(rest?)
         }
     };
     Ok(())

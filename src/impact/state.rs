@@ -6,6 +6,7 @@ use crate::body::Body;
 use crate::error::Result;
 
 use super::checkpoint::Carrier;
+use super::relaxation::{Lag, add_force};
 
 /// Displacement, velocity and acceleration of body and impactor.
 pub struct State {
@@ -32,7 +33,7 @@ pub struct Impactor {
 
 /// The operators applied to a state, kept so that each is applied once a step.
 pub struct Products {
-    /// K u of the body alone, N.
+    /// K u of the body alone, with the forces of what relaxes, N.
     pub elastic: Vector,
     /// K u of the elastic supports, N.
     pub support: Option<Vector>,
@@ -108,6 +109,8 @@ pub struct Moment {
     pub state: State,
     /// K u, C u̇, M u̇.
     pub products: Products,
+    /// The terms of relaxing parts.
+    pub lags: Vec<Lag>,
     /// M ü of the free unknowns, N.
     pub inertia: Vector,
     /// aᵀu, m.
@@ -124,13 +127,15 @@ impl Moment {
     /// At rest at u = 0.
     pub(super) fn zero(body: &Body) -> Result<Self> {
         let (state, products) = (State::zero(body)?, Products::zero(body)?);
-        Ok(Self { state, products, inertia: body.load.duplicate()?, surface: 0.0, approach: 0.0, rate: 0.0, pads: 0.0 })
+        let (lags, inertia) = (Lag::all(body)?, body.load.duplicate()?);
+        Ok(Self { state, products, lags, inertia, surface: 0.0, approach: 0.0, rate: 0.0, pads: 0.0 })
     }
 
     /// All but the inertia anew, after u, u̇ and q have changed. Collective.
     pub(super) fn update(&mut self, body: &mut Body, gap: f64) -> Result<()> {
         self.place(body, gap)?;
         self.products.update(body, &self.state, self.surface)?;
+        add_force(body, &self.lags, &mut self.products.elastic)?;
         if let Some(pads) = &mut body.pads {
             self.pads = pads.potential(&self.state.u)?;
         }
@@ -157,7 +162,7 @@ impl Moment {
 
     /// To a checkpoint or from it.
     pub(super) fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
-        let Self { state, products, inertia, surface, approach, rate, pads } = self;
+        let Self { state, products, lags, inertia, surface, approach, rate, pads } = self;
         let vectors = [
             ("displacement", &mut state.u),
             ("velocity", &mut state.v),
@@ -174,6 +179,7 @@ impl Moment {
                 carrier.vector(name, vector)?;
             }
         }
+        Lag::carry(lags, carrier)?;
         let Impactor { position, velocity, acceleration } = &mut state.q;
         let numbers = [
             ("impactor.position", position),
@@ -209,6 +215,9 @@ impl Moment {
             if let (Some(to), Some(from)) = (to, from) {
                 to.copy_from(from)?;
             }
+        }
+        for (to, from) in self.lags.iter_mut().zip(&other.lags) {
+            to.copy_from(from)?;
         }
         self.inertia.copy_from(&other.inertia)?;
         (self.surface, self.approach, self.pads) = (other.surface, other.approach, other.pads);

@@ -29,6 +29,8 @@ pub struct Mesh {
     pub comm: Comm,
     /// This rank's cells.
     pub cells: Elements,
+    /// The number of the part of the body ([`crate::description::Description::parts`]) that each of this rank's cells is of.
+    pub parts_of_cells: Vec<usize>,
     /// This rank's facets on the boundary of the whole body, planes of symmetry left out, vertices in right-handed order about the outward normal.
     pub facets: Elements,
     /// Every named surface, the same names on all ranks: indices into `facets`.

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
-use petsc_wrap::{CellType, Comm, GmshMesh, Int, Numbering, PhysicalSurface, Plex};
+use petsc_wrap::{CellType, Comm, GmshMesh, Int, Numbering, PhysicalGroup, Plex};
 
 use crate::agree::agree;
 use crate::element::{Element, Shape};
 use crate::error::Result;
-use crate::scene::{Body, Fault, Geometry, Vec3};
+use crate::scene::{Body, Fault, Geometry, Parts, Vec3};
 
 use super::gmsh;
 use super::grid::Grid;
@@ -19,8 +19,9 @@ use super::{Elements, Mesh};
 /// Label of the facets on the boundary of the whole body.
 const BOUNDARY: &str = "ricochet boundary";
 
-/// DMPlex's label of the faces in physical groups, by number.
+/// DMPlex's labels of faces and of cells in physical groups, by number.
 const FACES: &str = "Face Sets";
+const CELLS: &str = "Cell Sets";
 
 impl Mesh {
     /// Makes or reads the mesh and spreads it over the ranks. Collective.
@@ -36,30 +37,36 @@ impl Mesh {
                 let (cells, facets, _) = part.elements(&[])?;
                 let (facets, mirror_nodes) = grid.cut(&facets);
                 let surfaces = grid.surfaces(&facets);
+                let parts_of_cells = of_layers(&body.composition.interfaces(), &cells);
                 let mesh = Self::collect(comm, part.numbering.owned, cells, facets, surfaces);
-                Ok(Self { mirror_nodes, copies: grid.copies(), ..mesh })
+                Ok(Self { mirror_nodes, parts_of_cells, copies: grid.copies(), ..mesh })
             }
             Geometry::Gmsh(path) => {
-                let GmshMesh { plex, surfaces: groups, volumes, parts } = gmsh::read(comm, path)?;
-                if volumes > 1 {
+                let GmshMesh { plex, surfaces: groups, named_volumes, volumes, parts } = gmsh::read(comm, path)?;
+                if volumes > 1 && !matches!(body.composition.parts, Parts::Volumes(_)) {
                     let message = format!(
                         "{}: it has {volumes} physical volumes, and the scene has one material",
                         path.display()
                     );
-                    let help = "one physical volume, or none: then all cells are of the scene's material";
+                    let help = "[material.NAME] for each of them, or one physical volume, or none";
                     return Err(Fault::new("body.mesh", message, help).into());
                 }
                 let plex = spread(plex)?;
                 let part = Part::new(&plex, body.order, |vertex| vertex)?;
+                let parts_of_cells = match &body.composition.parts {
+                    Parts::Volumes(materials) => of_volumes(&plex, materials.keys(), &named_volumes)?,
+                    _ => vec![0; plex.points(3)?.len()],
+                };
                 let (cells, facets, marks) = part.elements(&groups)?;
                 let mut surfaces = BTreeMap::new();
-                for (PhysicalSurface { name, .. }, mark) in groups.into_iter().zip(marks) {
+                for (PhysicalGroup { name, .. }, mark) in groups.into_iter().zip(marks) {
                     if check_surface(comm, &name, &mark)? {
                         surfaces.insert(name, mark.facets);
                     }
                 }
                 check_untangled(comm, &cells)?;
-                Ok(Self { parts, ..Self::collect(comm, part.numbering.owned, cells, facets, surfaces) })
+                let mesh = Self::collect(comm, part.numbering.owned, cells, facets, surfaces);
+                Ok(Self { parts, parts_of_cells, ..mesh })
             }
         }
     }
@@ -82,6 +89,7 @@ impl Mesh {
             total_cells: sum(cells.len()),
             owned_nodes,
             diameter: diameter(comm, &cells),
+            parts_of_cells: Vec::new(),
             copies: 1,
             parts: 1,
             comm: comm.clone(),
@@ -91,6 +99,54 @@ impl Mesh {
             mirror_nodes: Default::default(),
         }
     }
+}
+
+/// The number of the layer of each cell, from below, between the heights of their interfaces (m).
+fn of_layers(interfaces: &[f64], cells: &Elements) -> Vec<usize> {
+    let layer = |i: usize| {
+        let height = super::mean(cells.x(i).iter().copied())[2];
+        interfaces.iter().skip(1).take_while(|top| **top < height).count()
+    };
+    (0..cells.len()).map(layer).collect()
+}
+
+/// The number of the material of each of this rank's cells, by the names of physical volumes. Collective.
+fn of_volumes<'a>(
+    plex: &Plex,
+    materials: impl Iterator<Item = &'a String>,
+    volumes: &[PhysicalGroup],
+) -> Result<Vec<usize>> {
+    let mut numbers = Vec::new();
+    for name in materials {
+        let Some(volume) = volumes.iter().find(|volume| volume.name == *name) else {
+            let known: Vec<String> = volumes.iter().map(|volume| format!("{:?}", volume.name)).collect();
+            let help = match known.as_slice() {
+                [] => "the mesh names no volume: give it physical volumes in Gmsh".to_owned(),
+                known => format!("the mesh names {}", known.join(", ")),
+            };
+            let message = format!("the mesh has no physical volume {name:?}");
+            return Err(Fault::new(format!("material.{name}"), message, help).into());
+        };
+        numbers.push(volume.number);
+    }
+    let (mut parts, mut without) = (Vec::new(), 0_usize);
+    for cell in plex.points(3)? {
+        let mut part = None;
+        for (i, number) in numbers.iter().enumerate() {
+            if part.is_none() && plex.has_label_value(CELLS, *number, cell)? {
+                part = Some(i);
+            }
+        }
+        without += usize::from(part.is_none());
+        parts.push(part.unwrap_or_default());
+    }
+    let mut total = 0;
+    plex.comm().mpi().all_reduce_into(&without, &mut total, SystemOperation::sum());
+    if total > 0 {
+        let message = format!("{total} cells are in no physical volume that the scene has a material for");
+        return Err(Fault::new("body.mesh", message, "[material.NAME] for each physical volume of the mesh").into());
+    }
+    Ok(parts)
 }
 
 /// The mesh over all ranks, with its boundary labelled. Collective.
@@ -188,7 +244,7 @@ impl<'a> Part<'a> {
     }
 
     /// Cells, boundary facets, and what each group marks among the latter.
-    fn elements(&self, groups: &[PhysicalSurface]) -> Result<(Elements, Elements, Vec<Mark>)> {
+    fn elements(&self, groups: &[PhysicalGroup]) -> Result<(Elements, Elements, Vec<Mark>)> {
         let element = Element::new(self.shape, self.order);
         let facet_shape = self.shape.facet();
         let facet_element = Element::new(facet_shape, self.order);
@@ -202,7 +258,7 @@ impl<'a> Part<'a> {
             for local in self.shape.facets() {
                 let face = closure.point(local)?;
                 let boundary = self.plex.has_label(BOUNDARY, face)?;
-                for (PhysicalSurface { number, .. }, mark) in groups.iter().zip(&mut marks) {
+                for (PhysicalGroup { number, .. }, mark) in groups.iter().zip(&mut marks) {
                     if self.plex.has_label_value(FACES, *number, face)? {
                         if boundary {
                             mark.facets.push(facets.len());

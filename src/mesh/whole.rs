@@ -33,6 +33,8 @@ pub struct Whole {
     pub cells: Vec<usize>,
     /// Nodes of each cell.
     pub nodes_each: usize,
+    /// The number of the part of the body that each cell is of.
+    pub parts_of_cells: Vec<usize>,
     /// Nodes of each named surface, without images.
     pub surfaces: BTreeMap<String, Vec<usize>>,
 }
@@ -47,6 +49,8 @@ impl Mesh {
             places.extend(cells.node_positions(i).flatten());
         }
         let (numbers, places) = (self.comm.all_gather(&numbers), self.comm.all_gather(&places));
+        let of_parts: Vec<u64> = self.parts_of_cells.iter().map(|part| *part as u64).collect();
+        let of_parts = self.comm.all_gather(&of_parts);
         let on_surface = |facets: &Vec<usize>| {
             let here: Vec<Int> = facets.iter().flat_map(|&i| self.facets.nodes(i)).copied().collect();
             self.comm.all_gather(&here)
@@ -67,9 +71,13 @@ impl Mesh {
         order.iter().enumerate().for_each(|(at, &number)| position[number] = at);
         let nodes: Vec<Vec3> = order.iter().map(|&number| by_number[number]).collect();
         let nodes_each = cells.nodes_each();
-        let mut all: Vec<Vec<usize>> =
-            numbers.chunks_exact(nodes_each).map(|cell| cell.iter().map(|n| position[*n as usize]).collect()).collect();
-        all.sort_by_cached_key(|cell| key(super::mean(cell.iter().map(|&node| nodes[node]))));
+        let mut all: Vec<(Vec<usize>, u64)> = numbers
+            .chunks_exact(nodes_each)
+            .map(|cell| cell.iter().map(|n| position[*n as usize]).collect())
+            .zip(of_parts)
+            .collect();
+        all.sort_by_cached_key(|(cell, _)| key(super::mean(cell.iter().map(|&node| nodes[node]))));
+        let parts_of_cells = all.iter().map(|(_, part)| *part as usize).collect();
         let placed = |numbers: Vec<Int>| {
             let mut nodes: Vec<usize> = numbers.into_iter().map(|number| position[number as usize]).collect();
             nodes.sort_unstable();
@@ -84,7 +92,8 @@ impl Mesh {
             originals: (0..nodes.len()).collect(),
             nodes,
             numbers: order.into_iter().map(|number| number as Int).collect(),
-            cells: all.concat(),
+            cells: all.into_iter().flat_map(|(cell, _)| cell).collect(),
+            parts_of_cells,
             nodes_each,
         })
     }
@@ -104,6 +113,7 @@ impl Whole {
     /// With its mirror image across the plane where a coordinate is zero.
     #[must_use]
     pub fn with_image(mut self, axis: usize) -> Self {
+        self.parts_of_cells.extend_from_within(..);
         for node in add_image((self.shape, self.order), &mut self.nodes, &mut self.cells, axis) {
             let mut signs = self.signs[node];
             signs[axis] = -signs[axis];

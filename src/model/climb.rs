@@ -92,7 +92,7 @@ fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Mode
     if !scene.time.modal || is_patch_given || admits(scene, Theory::InfinitePlate).is_err() {
         return Ok(None);
     }
-    let (body, impactor) = (&scene.body, &scene.impactor);
+    let (struck, impactor) = (scene.body.struck(), &scene.impactor);
     // Nearer to an edge than its thickness the body is softer; and what else moves it, a half-space does not know.
     let is_near_edge = (0..3).any(|i| i != axis && 0.5 * size[i] - impactor.point[i].abs() < size[axis]);
     let is_moved =
@@ -100,12 +100,12 @@ fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Mode
     if is_near_edge || is_moved {
         return Ok(None);
     }
-    let impedance = zener::impedance((body.young, body.poisson), body.density, size[axis]);
+    let impedance = zener::impedance(&struck, size[axis]);
     let lambda = impactor.stiffness.powf(0.4) * impactor.speed.powf(0.2) * impactor.mass.powf(0.6) / impedance;
-    let ratio = impactor.mass / (body.density * size.iter().product::<f64>());
+    let ratio = impactor.mass / (struck.density * size.iter().product::<f64>());
     let peak = impactor.peak_force();
     let indentation = impactor.peak_indentation();
-    let local = peak / (body.young * size[axis] * indentation);
+    let local = peak / (struck.young * size[axis] * indentation);
     let error = OF_LAMBDA * lambda + ratio + local;
     // What is left is the steps'.
     if error > 0.7 * scene.tolerance {
@@ -144,7 +144,7 @@ fn pressing(scene: &Scene, support: &Support) -> f64 {
     };
     let Impactor { stiffness: of_contact, mass, speed, .. } = scene.impactor;
     let damping = support.damping[axis] * PI / hertz::contact_time(of_contact, mass, speed);
-    (stiffness + damping) * size[axis] / scene.body.young
+    (stiffness + damping) * size[axis] / scene.body.struck().young
 }
 
 /// Whether no support presses the thickness together by more than a part of the tolerance.

@@ -84,7 +84,7 @@ fn holds_along(support: &Support, direction: Vec3) -> bool {
 
 /// aᵀ(M⁻¹)a of a rigid box: 1/m + (r × d)·I⁻¹(r × d).
 fn mobility(scene: &Scene, size: [f64; 3]) -> Option<f64> {
-    let mass = scene.body.density * size.iter().product::<f64>();
+    let mass = scene.body.mass()?;
     let [a, b, c] = size.map(|edge| edge * edge);
     let inertia = Matrix3::from_diagonal(&(Vector3::new(b + c, a + c, a + b) * (mass / 12.0)));
     let moment = Vector3::from(scene.impactor.point).cross(&Vector3::from(scene.impactor.direction));

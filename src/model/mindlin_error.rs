@@ -35,7 +35,8 @@ const STIFF: f64 = 0.02;
 pub fn mindlin_error_over_difference(scene: &Scene) -> f64 {
     let are_held = scene.supports.iter().any(|support| holds_sections(support, scene));
     let sections = if are_held { HELD_SECTIONS } else { FREE_SECTIONS };
-    let across = scene.body.poisson / (1.0 - scene.body.poisson);
+    let poisson = scene.body.struck().poisson;
+    let across = poisson / (1.0 - poisson);
     sections + STRAINED_THICKNESS * across * across + SHORT_CONTACT * crossing(scene)
 }
 
@@ -44,7 +45,7 @@ fn holds_sections(support: &Support, scene: &Scene) -> bool {
     let (Geometry::Box { size, .. }, Some(struck)) = (&scene.body.geometry, scene.struck_axis()) else { return false };
     let held = match support.kind {
         SupportKind::Clamped { components } => components,
-        SupportKind::Elastic { stiffness } => stiffness.map(|k| k * size[struck] > STIFF * scene.body.young),
+        SupportKind::Elastic { stiffness } => stiffness.map(|k| k * size[struck] > STIFF * scene.body.struck().young),
         SupportKind::Pad { .. } => return false,
     };
     (0..3).any(|axis| held[axis] && axis != struck)

@@ -59,6 +59,11 @@ pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
     if scene.output.has_points() && matches!(theory, Model::HalfSpace | Model::InfinitePlate) {
         return Err("probes and fields are not available for closed-form models".into());
     }
+    if matches!(theory, Model::InfinitePlate | Model::Kirchhoff | Model::Mindlin)
+        && scene.body.composition.uniform().is_none()
+    {
+        return Err("its layers are of different materials, and plate theories have one".into());
+    }
     match theory {
         Model::HalfSpace => Ok(()),
         Model::InfinitePlate => thickness(scene).map(|_| ()),
@@ -86,7 +91,7 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
         Model::InfinitePlate => {
             let body = &scene.body;
             let thickness = thickness(scene).unwrap_or_default();
-            let impedance = zener::impedance((body.young, body.poisson), body.density, thickness);
+            let impedance = zener::impedance(&body.struck(), thickness);
             Built::Given(ModalBody::given(Modes::dashpot(impedance)))
         }
         Model::Kirchhoff => of_plate(comm, scene, PlateTheory::Kirchhoff, size)?,

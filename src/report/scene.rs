@@ -1,8 +1,10 @@
 //! The scene in words: body, supports, impactor, loads, time; and its text.
 
 use crate::contact::ForceLaw;
+use crate::form::Material;
 use crate::scene::{
-    Body, Geometry, Impactor, Initial, STANDARD_GRAVITY, Scene, Scheme, Support, SupportKind, Symmetry, Vec3, Within,
+    Body, Geometry, Impactor, Initial, Parts, STANDARD_GRAVITY, Scene, Scheme, Support, SupportKind, Symmetry, Vec3,
+    Within,
 };
 
 use super::data::Data;
@@ -50,17 +52,38 @@ pub fn shape(body: &Body) -> String {
 
 fn body(body: &Body) -> Vec<Fact> {
     let mut rows = vec![Fact::new("Body", shape(body))];
-    if let Geometry::Box { size, .. } = &body.geometry {
-        let mass = body.density * size.iter().product::<f64>();
+    if let Some(mass) = body.mass() {
         rows.push(Fact::new("Mass", computed(mass, MASS)));
     }
-    rows.push(Fact::new("Young’s modulus", given(body.young, MODULUS)));
-    rows.push(Fact::new("Poisson’s ratio", plain(body.poisson)));
-    rows.push(Fact::new("Density", with_unit(plain(body.density), "kg/m³")));
+    match &body.composition.parts {
+        Parts::Whole(material) => rows.extend(constants("", &material.instantaneous)),
+        Parts::Layers(layers) => {
+            for (number, layer) in layers.iter().enumerate() {
+                let prefix = format!("Layer {}: ", number + 1);
+                rows.push(Fact::new(format!("{prefix}thickness"), given(layer.thickness, LENGTH)));
+                rows.extend(constants(&prefix, &layer.material.instantaneous));
+            }
+        }
+        Parts::Volumes(volumes) => {
+            for (name, material) in volumes {
+                rows.extend(constants(&format!("{name}: "), &material.instantaneous));
+            }
+        }
+    }
     if let Symmetry::Quarter { .. } = body.symmetry {
         rows.push(Fact::new("Symmetry", "body, supports and impact are symmetric; a quarter may be solved"));
     }
     rows
+}
+
+/// The constants at t → 0 of a part of the body.
+fn constants(part: &str, material: &Material) -> [Fact; 3] {
+    let Material { young, poisson, density } = *material;
+    [
+        Fact::new(format!("{part}Young’s modulus"), given(young, MODULUS)),
+        Fact::new(format!("{part}Poisson’s ratio"), plain(poisson)),
+        Fact::new(format!("{part}Density"), with_unit(plain(density), "kg/m³")),
+    ]
 }
 
 fn supports(supports: &[Support]) -> Part {
@@ -161,6 +184,9 @@ fn loads(scene: &Scene) -> Part {
     let mut rows = Vec::new();
     if load.body_force != [0.0; 3] {
         rows.push(Fact::new("Whole body", vector(load.body_force, "N/m³")));
+    }
+    if load.gravity != [0.0; 3] {
+        rows.push(Fact::new("Gravity", vector(load.gravity, "m/s²")));
     }
     for traction in &load.traction {
         rows.push(Fact::new(place(&traction.surface, traction.within), vector(traction.value, "N/m²")));

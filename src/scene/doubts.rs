@@ -47,16 +47,23 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
         }
     };
     let of_young = || "Young's modulus is in Pa: 70 GPa are 70e9".to_owned();
-    for (key, young) in [("body.young", Some(raw.body.young)), ("impactor.young", raw.impactor.young)] {
+    let mut moduli = vec![("body.young".to_owned(), raw.body.young), ("impactor.young".to_owned(), raw.impactor.young)];
+    moduli.extend(raw.material.iter().map(|(name, material)| (format!("material.{name}.young"), material.young)));
+    for (key, young) in moduli {
         let Some(Number(young)) = young else { continue };
-        doubt(key, SOFT / young, format!("{} Pa is softer than rubber", show(young)), of_young());
+        doubt(&key, SOFT / young, format!("{} Pa is softer than rubber", show(young)), of_young());
+        if key != "impactor.young" {
+            doubt(&key, young / STIFF, format!("{} Pa is stiffer than diamond", show(young)), of_young());
+        }
     }
-    let Number(young) = raw.body.young;
-    doubt("body.young", young / STIFF, format!("{} Pa is stiffer than diamond", show(young)), of_young());
-    let density = scene.body.density;
     let of_density = || "the density is in kg/m3: 2.5 g/cm3 are 2500".to_owned();
-    doubt("body.density", LIGHT / density, format!("{} kg/m3 is lighter than foam", show(density)), of_density());
-    doubt("body.density", density / HEAVY, format!("{} kg/m3 is heavier than any metal", show(density)), of_density());
+    let mut densities = vec![("body.density".to_owned(), raw.body.density)];
+    densities.extend(raw.material.iter().map(|(name, of)| (format!("material.{name}.density"), Some(of.density))));
+    for (key, density) in densities {
+        let Some(Number(density)) = density else { continue };
+        doubt(&key, LIGHT / density, format!("{} kg/m3 is lighter than foam", show(density)), of_density());
+        doubt(&key, density / HEAVY, format!("{} kg/m3 is heavier than any metal", show(density)), of_density());
+    }
     if let Some(radius) = impactor.radius.filter(|radius| *radius > LARGE) {
         let of_ball = impactor.mass / (4.0 / 3.0 * PI * radius.powi(3));
         let what =
@@ -64,12 +71,13 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
         let help = format!("the radius is in m: {} mm are {}", show(radius), show(1e-3 * radius));
         doubt("impactor.radius", HOLLOW / of_ball, what, help);
     }
-    let force = largest(scene.load.body_force) / density;
+    let struck = scene.body.struck();
+    let force = largest(scene.load.force_on(struck.density)) / struck.density;
     let key = if raw.load.body_force.is_some() { "load.body_force" } else { "load.gravity" };
     let what = format!("the loads accelerate the body by {force:.1e} m/s2, ten thousand times its weight and more");
     doubt(key, force / FORCED, what, "body_force is in N/m3, and gravity in m/s2".to_owned());
     for (number, traction) in scene.load.traction.iter().enumerate() {
-        let pressure = largest(traction.value) / scene.body.young;
+        let pressure = largest(traction.value) / struck.young;
         let what = format!(
             "a traction of {pressure:.1e} of Young's modulus strains the body beyond what a linear model describes"
         );

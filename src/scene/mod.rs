@@ -3,6 +3,7 @@
 //! The text's way: [`Source`] (overrides applied) → `raw` (typed) → `check` (checked) → [`Scene`].
 
 mod check;
+mod composition;
 mod decode;
 mod differences;
 mod doubts;
@@ -25,7 +26,9 @@ mod values;
 use std::path::Path;
 
 use crate::contact::ForceLaw;
+use crate::form;
 
+pub use composition::{Composition, Layer, Parts};
 pub use differences::differences;
 pub use doubts::{Doubt, doubts};
 pub use error::SceneError;
@@ -170,8 +173,8 @@ impl Scene {
         Self::checked(Source::new(name, text, overrides)?)
     }
 
-    /// The scene of a source, which gets the points of the table of the contact's law in the place of their file: then it is all that
-    /// is needed to repeat the run.
+    /// The scene of a source, which gets the points of the table of the contact's law, and the terms of relaxation, in the place of their
+    /// files: then it is all that is needed to repeat the run.
     ///
     /// # Errors
     /// Everything that is wrong in it.
@@ -181,6 +184,7 @@ impl Scene {
             ForceLaw::Table(table) => source.with_table(&table.points()),
             _ => source,
         };
+        let source = check::with_series(source)?;
         Ok((scene, source))
     }
 }
@@ -192,18 +196,43 @@ pub struct Body {
     pub model: Model,
     /// What is made of a linear body before it is stepped.
     pub reduction: Reduction,
-    /// Young's modulus E1, Pa.
-    pub young: f64,
-    /// Poisson's ratio ν1, in (−1, 1/2).
-    pub poisson: f64,
-    /// Density ρ, kg/m³.
-    pub density: f64,
+    /// What it is made of, relaxation times being those at its temperature.
+    pub composition: Composition,
+    /// Its temperature, °C; `None` where relaxation times are taken as they are given.
+    pub temperature: Option<f64>,
     /// Where the mesh comes from.
     pub geometry: Geometry,
     /// Polynomial degree of the elements: 1 or 2.
     pub order: usize,
     /// What part of it is solved.
     pub symmetry: Symmetry,
+}
+
+impl Body {
+    /// The elastic constants at t → 0, and the density, of what is hit.
+    pub fn struck(&self) -> form::Material {
+        self.composition.struck
+    }
+
+    /// The largest Young's modulus of its materials, Pa.
+    pub fn stiffest(&self) -> f64 {
+        self.composition.materials().iter().map(|material| material.instantaneous.young).fold(0.0, f64::max)
+    }
+
+    /// Mass of a box, kg; `None` for a mesh file.
+    pub fn mass(&self) -> Option<f64> {
+        let Geometry::Box { size, .. } = &self.geometry else { return None };
+        Some(self.composition.density()? * size.iter().product::<f64>())
+    }
+
+    /// The thickness that a hit along z, or against it, meets first, m: that of the layer that is hit where the layers differ. `thickness` is
+    /// that of the whole.
+    pub fn struck_thickness(&self, thickness: f64) -> f64 {
+        match (&self.composition.parts, self.composition.uniform()) {
+            (Parts::Layers(layers), None) => layers[self.composition.struck_layer].thickness.min(thickness),
+            _ => thickness,
+        }
+    }
 }
 
 /// What a body's theory takes into account, the least first.
@@ -335,6 +364,18 @@ impl Within {
     }
 }
 
+impl Load {
+    /// What acts on a part of a density (kg/m³), N/m³.
+    pub fn force_on(&self, density: f64) -> Vec3 {
+        [0, 1, 2].map(|i| self.body_force[i] + density * self.gravity[i])
+    }
+
+    /// Whether a force acts on the body's volume along an axis.
+    pub fn acts_along(&self, axis: usize) -> bool {
+        self.body_force[axis] != 0.0 || self.gravity[axis] != 0.0
+    }
+}
+
 impl Support {
     /// Whether it acts on a part of a side that is not even across the thickness along an axis of a body, and in other directions than
     /// along that axis: then bending and stretching are coupled. A pad that acts in such directions lets go of one half of a bent side.
@@ -388,8 +429,10 @@ pub enum Contact {
 /// Forces other than the contact's, constant from t = 0 on.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Load {
-    /// b of (1), the body's weight included where it acts, N/m³.
+    /// b of (1) without the body's weight, N/m³.
     pub body_force: Vec3,
+    /// Acceleration of gravity, m/s²: of the density ρ of each part the force ρ g is added to b.
+    pub gravity: Vec3,
     /// f of (3) on named surfaces.
     pub traction: Vec<Traction>,
 }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::values::{ByComponent, FileOrPoints, List, Number, Three, Whole, WordOrWhole};
+use super::values::{ByComponent, Edges, FileOrPoints, FileOrTerms, List, Number, Three, Whole, WordOrWhole};
 
 /// Words of `body.model`.
 pub(super) const MODELS: [&str; 6] = ["auto", "half-space", "infinite-plate", "kirchhoff", "mindlin", "solid"];
@@ -35,6 +35,9 @@ pub(super) struct Scene {
     pub title: Option<String>,
     /// The body: material and geometry.
     pub body: Body,
+    /// Materials of layers, or of the physical volumes of a mesh, by name.
+    #[serde(default)]
+    pub material: BTreeMap<String, Material>,
     /// Supports; none means a free body.
     #[serde(default)]
     pub support: List<Support>,
@@ -71,14 +74,19 @@ pub(super) struct Body {
     pub model: Option<String>,
     /// "auto" (default), "none", or the number of vectors of a basis.
     pub reduction: Option<WordOrWhole>,
-    /// Young's modulus, Pa.
-    pub young: Number,
-    /// Poisson's ratio, between -1 and 0.5.
-    pub poisson: Number,
-    /// Density, kg/m3.
-    pub density: Number,
-    /// Edges of a box centred on the origin, m; or `mesh`.
-    pub size: Option<Three<Number>>,
+    /// Young's modulus, Pa; or materials.
+    pub young: Option<Number>,
+    /// Poisson's ratio, between -1 and 0.5; or materials.
+    pub poisson: Option<Number>,
+    /// Density, kg/m3; or materials.
+    pub density: Option<Number>,
+    /// Temperature, degrees Celsius, to which materials with `wlf` are shifted.
+    pub temperature: Option<Number>,
+    /// Edges of a box centred on the origin, m: three, or with layers the two along these; or `mesh`.
+    pub size: Option<Edges>,
+    /// Layers of a box from the top down.
+    #[serde(default)]
+    pub layer: List<Layer>,
     /// Hexahedra along each edge of the box; by default chosen for the accuracy.
     pub cells: Option<Three<Whole>>,
     /// Largest cell edge over the smallest along each axis of the box; default 1.
@@ -90,6 +98,58 @@ pub(super) struct Body {
     /// Quarter-symmetry model; default "auto".
     #[schemars(extend("enum" = SYMMETRIES))]
     pub symmetry: Option<String>,
+}
+
+/// One `[[body.layer]]`
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a table with the header [[body.layer]]")]
+pub(super) struct Layer {
+    /// m.
+    pub thickness: Number,
+    /// Name of its material.
+    pub material: String,
+}
+
+/// One `[material.NAME]`
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a table with a header like [material.glass]")]
+pub(super) struct Material {
+    /// Young's modulus, Pa; or `shear`.
+    pub young: Option<Number>,
+    /// Poisson's ratio, between -1 and 0.5, of the moduli at once; or `bulk`.
+    pub poisson: Option<Number>,
+    /// Density, kg/m3.
+    pub density: Number,
+    /// Bulk modulus, Pa, with `shear`.
+    pub bulk: Option<Number>,
+    /// Shear modulus, Pa: what is left of it after all relaxation.
+    pub shear: Option<Number>,
+    /// Terms G exp(-t/tau) of the relaxation of shear: a list of { modulus, time }, or a file with columns time (s) and modulus (Pa).
+    pub prony: Option<FileOrTerms>,
+    /// Williams, Landel and Ferry's shift of all times, by `body.temperature`.
+    pub wlf: Option<Wlf>,
+}
+
+/// One entry of `material.NAME.prony`
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a table, as { modulus = 1e6, time = 1e-3 }")]
+pub(super) struct Term {
+    /// Pa.
+    pub modulus: Number,
+    /// s.
+    pub time: Number,
+}
+
+/// `wlf` of a `[material.NAME]`
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a table, as { c1 = 17.44, c2 = 51.6, reference = 20.0 }")]
+pub(super) struct Wlf {
+    /// C1.
+    pub c1: Number,
+    /// C2, K.
+    pub c2: Number,
+    /// Temperature at which the relaxation times are given, degrees Celsius.
+    pub reference: Number,
 }
 
 /// One `[[support]]`
@@ -186,6 +246,8 @@ pub(super) struct Contact {
     pub table: Option<FileOrPoints>,
     /// Hunt and Crossley's factor 1 + damping * rate of indentation, s/m; default 0.
     pub damping: Option<Number>,
+    /// Name of the material that is hit, of a mesh file with several.
+    pub material: Option<String>,
 }
 
 /// `[load]`

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use miette::{LabeledSpan, NamedSource};
 use serde::{Deserialize, Serialize};
-use toml_edit::{Array, Document, DocumentMut, value};
+use toml_edit::{Array, Document, DocumentMut, InlineTable, Value, value};
 
 use super::error::{Excerpt, SceneError};
 use super::grammar::hint;
@@ -79,6 +79,24 @@ impl Source {
         self
     }
 
+    /// With the terms of a material's relaxation, pairs of time (s) and modulus (Pa), in the place of their file.
+    pub(super) fn with_terms(mut self, material: &str, pairs: &[[f64; 2]]) -> Self {
+        let document = Document::parse(self.text.as_str()).map(Document::into_mut);
+        if let Ok(mut document) = document
+            && let Some(prony) = document
+                .get_mut("material")
+                .and_then(|materials| materials.get_mut(material))
+                .and_then(|material| material.get_mut("prony"))
+        {
+            let term = |[time, modulus]: &[f64; 2]| {
+                InlineTable::from_iter([("modulus", Value::from(*modulus)), ("time", Value::from(*time))])
+            };
+            *prony = value(pairs.iter().map(term).collect::<Array>());
+            self.text = document.to_string();
+        }
+        self
+    }
+
     /// What a mesh file is relative to; empty for the current folder.
     pub fn folder(&self) -> &Path {
         &self.folder
@@ -99,6 +117,12 @@ impl Source {
     pub fn error(&self, path: &str, message: impl Into<String>, help: impl Into<String>) -> SceneError {
         let segments: Vec<&str> = path.split('.').collect();
         self.error_at(&segments, Mark::Value, message.into(), help.into())
+    }
+
+    /// A key that is required and not there.
+    pub(super) fn missing(&self, path: &str, help: String) -> SceneError {
+        let segments: Vec<&str> = path.split('.').collect();
+        self.error_at(&segments, Mark::Key, "this key is required".into(), help)
     }
 
     /// [`error`](Self::error) at a key that does not go with another one; it tells of an override of either.

@@ -3,12 +3,31 @@
 /// SI unit of the value of a key, by its dotted path; `1` for a number without one, and for text.
 pub fn unit(path: &str) -> &'static str {
     let names: Vec<&str> = path.split('.').filter(|name| name.parse::<usize>().is_err()).collect();
-    // Below `strength.face` are names that the user gives.
-    let known = if names.starts_with(&["strength", "face"]) { &names[..2] } else { &names[..] };
+    // Below `strength.face` and `material` are names that the user gives.
+    let named: Vec<&str>;
+    let known = match &names[..] {
+        ["strength", "face", ..] => &names[..2],
+        ["material", _, of @ ..] => {
+            named = [&["material", "NAME"], of].concat();
+            &named[..]
+        }
+        all => all,
+    };
     match known.join(".").as_str() {
-        "body.young" | "impactor.young" | "strength.tension" | "strength.face" => "Pa",
-        "body.density" => "kg/m3",
+        "body.young"
+        | "impactor.young"
+        | "material.NAME.young"
+        | "material.NAME.bulk"
+        | "material.NAME.shear"
+        | "material.NAME.prony.modulus"
+        | "strength.tension"
+        | "strength.face" => "Pa",
+        "material.NAME.prony" => "Pa, s",
+        "body.density" | "material.NAME.density" => "kg/m3",
+        "body.temperature" | "material.NAME.wlf.reference" => "°C",
+        "material.NAME.wlf.c2" => "K",
         "body.size"
+        | "body.layer.thickness"
         | "support.displacement"
         | "support.within.rim"
         | "support.within.box"
@@ -34,7 +53,7 @@ pub fn unit(path: &str) -> &'static str {
         "contact.damping" => "s/m",
         "contact.table" => "m, N",
         "load.traction.value" => "N/m2",
-        "time.end" | "time.step" => "s",
+        "time.end" | "time.step" | "material.NAME.prony.time" => "s",
         "output.checkpoint_minutes" => "min",
         _ => "1",
     }

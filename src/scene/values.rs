@@ -8,6 +8,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
 
 use super::Vec3;
+use super::raw::Term;
 
 /// A real number; a whole one will do.
 #[derive(Debug, Clone, Copy)]
@@ -29,6 +30,20 @@ pub(super) enum WordOrWhole {
 pub(super) enum FileOrPoints {
     File(String),
     Points(Vec<[f64; 2]>),
+}
+
+/// A file of terms of a relaxation, or the terms.
+#[derive(Debug)]
+pub(super) enum FileOrTerms {
+    File(String),
+    Terms(Vec<Term>),
+}
+
+/// Edges of a box: three, or the two along its layers.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Edges {
+    All(Vec3),
+    AlongLayers([f64; 2]),
 }
 
 /// Three entries, one a direction.
@@ -149,6 +164,55 @@ impl<'de> Visitor<'de> for FileOrPointsVisitor {
     }
 }
 
+impl<'de> Deserialize<'de> for FileOrTerms {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(FileOrTermsVisitor)
+    }
+}
+
+struct FileOrTermsVisitor;
+
+impl<'de> Visitor<'de> for FileOrTermsVisitor {
+    type Value = FileOrTerms;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("the name of a file, or terms [{ modulus = 1e6, time = 1e-3 }]")
+    }
+
+    fn visit_str<E: de::Error>(self, value: &str) -> Result<FileOrTerms, E> {
+        Ok(FileOrTerms::File(value.to_owned()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, entries: A) -> Result<FileOrTerms, A::Error> {
+        all(entries).map(FileOrTerms::Terms)
+    }
+}
+
+impl<'de> Deserialize<'de> for Edges {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(EdgesVisitor)
+    }
+}
+
+struct EdgesVisitor;
+
+impl<'de> Visitor<'de> for EdgesVisitor {
+    type Value = Edges;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("three numbers [x, y, z], or two of a box with layers")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, entries: A) -> Result<Edges, A::Error> {
+        let numbers: Vec<f64> = all::<_, Number>(entries)?.into_iter().map(|number| number.0).collect();
+        match numbers[..] {
+            [x, y, z] => Ok(Edges::All([x, y, z])),
+            [x, y] => Ok(Edges::AlongLayers([x, y])),
+            _ => Err(de::Error::invalid_length(numbers.len(), &self)),
+        }
+    }
+}
+
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Three<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(ThreeVisitor(PhantomData))
@@ -261,6 +325,13 @@ inline_schema!(FileOrPoints, _generator => json_schema!({
         { "type": "string" },
         { "type": "array", "items": { "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 } },
     ]
+}));
+inline_schema!(FileOrTerms, generator => {
+    let term = generator.subschema_for::<Term>();
+    json_schema!({ "anyOf": [{ "type": "string" }, { "type": "array", "items": term }] })
+});
+inline_schema!(Edges, _generator => json_schema!({
+    "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 3
 }));
 inline_schema!(@T Three<T>, generator => {
     json_schema!({ "type": "array", "items": generator.subschema_for::<T>(), "minItems": 3, "maxItems": 3 })

@@ -8,7 +8,7 @@ use petsc_wrap::Int;
 use super::clip::{AreaPoint, Clipped, clip};
 use super::evaluate::Form;
 use super::{Add, Space, Visit};
-use crate::description::{Extent, Place};
+use crate::description::{Extent, Part, Place};
 use crate::element::gauss_legendre;
 use crate::error::Result;
 use crate::form::{SurfaceElement, SurfacePoint};
@@ -32,8 +32,8 @@ pub trait GridField {
     /// The displacement at a point, m: entries by ascending unknown, none of them zero.
     fn displacement(&self, x: Vec3) -> [Form; 3];
 
-    /// The vector of a body force, N/m³.
-    fn body_force(&self, force: Vec3) -> Vec<f64>;
+    /// The vector of the forces on the parts' volumes.
+    fn body_force(&self, parts: &[Part]) -> Vec<f64>;
 }
 
 /// A field of which every rank has all, as a space.
@@ -164,9 +164,9 @@ impl<F: GridField> Space for GridSpace<'_, F> {
         faces.try_for_each(|face| self.visit_face(face, &place.extent, degrees, visit))
     }
 
-    fn body_force(&self, force: Vec3, add: &mut Add) -> Result<()> {
+    fn body_force(&self, parts: &[Part], add: &mut Add) -> Result<()> {
         let all: Vec<Int> = (0..self.field.unknowns() as Int).collect();
-        add(&all, &self.field.body_force(force))
+        add(&all, &self.field.body_force(parts))
     }
 
     fn vector(&self, fill: impl FnOnce(&mut Add) -> Result<()>) -> Result<Vec<f64>> {

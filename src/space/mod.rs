@@ -16,10 +16,9 @@ mod terms;
 
 use petsc_wrap::Int;
 
-use crate::description::Place;
+use crate::description::{Part, Place};
 use crate::error::Result;
 use crate::form::SurfaceElement;
-use crate::scene::Vec3;
 
 pub use terms::SurfaceTerms;
 
@@ -50,11 +49,11 @@ pub trait Space {
         self.visit(place, visit)
     }
 
-    /// Adds ∫ f·v dV of a body force, N/m³.
+    /// Adds ∫ f·v dV of the forces on the parts' volumes.
     ///
     /// # Errors
     /// Those of `add`; a tangled cell.
-    fn body_force(&self, force: Vec3, add: &mut Add) -> Result<()>;
+    fn body_force(&self, parts: &[Part], add: &mut Add) -> Result<()>;
 
     /// The sum of what `fill` adds. Collective.
     ///

@@ -2,7 +2,7 @@
 
 use super::Space;
 use crate::body::PadOnSurface;
-use crate::description::{Description, Place, Region};
+use crate::description::{Description, Part, Place, Region};
 use crate::error::Result;
 use crate::form::PadElement;
 use crate::scene::Vec3;
@@ -29,7 +29,7 @@ impl<S: Space> SurfaceTerms<S> {
     /// # Errors
     /// PETSc's; a tangled cell.
     pub fn new(space: &S, description: &Description) -> Result<Self> {
-        let Description { springs, dampers, tractions, body_force, .. } = description;
+        let Description { parts, springs, dampers, tractions, .. } = description;
         let tractions = tractions.iter().map(|term| (&term.region, term.value));
         let pulls = springs.iter().map(|term| {
             let traction = [0, 1, 2].map(|i| term.stiffness[i] * term.displacement[i]);
@@ -38,8 +38,8 @@ impl<S: Space> SurfaceTerms<S> {
         Ok(Self {
             support: matrix(space, springs.iter().map(|term| (&term.region, term.stiffness)))?,
             damping: matrix(space, dampers.iter().map(|term| (&term.region, term.coefficient)))?,
-            load: vector(space, *body_force, tractions)?,
-            support_load: vector(space, [0.0; 3], pulls)?,
+            load: vector(space, parts, tractions)?,
+            support_load: vector(space, &[], pulls)?,
             support_offset: support_offset(space, description)?,
             pads: pads(space, description)?,
         })
@@ -67,15 +67,15 @@ fn matrix<'a, S: Space>(space: &S, terms: impl Iterator<Item = (&'a Region, Vec3
     space.matrix(&places, fill).map(Some)
 }
 
-/// ∫ f·v dV of a body force, and ∫ f·v dS summed over regions, each with its f.
+/// ∫ f·v dV of the forces on parts, and ∫ f·v dS summed over regions, each with its f.
 fn vector<'a, S: Space>(
     space: &S,
-    body_force: Vec3,
+    parts: &[Part],
     terms: impl Iterator<Item = (&'a Region, Vec3)>,
 ) -> Result<S::Vector> {
     space.vector(|add| {
-        if body_force != [0.0; 3] {
-            space.body_force(body_force, add)?;
+        if parts.iter().any(|part| part.force != [0.0; 3]) {
+            space.body_force(parts, add)?;
         }
         let mut block = Vec::new();
         for (region, f) in terms.filter(|(_, f)| *f != [0.0; 3]) {

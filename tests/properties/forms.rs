@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
 use ricochet::element::{Element, Quadrature, Shape};
-use ricochet::form::{Material, SolidForms};
+use ricochet::form::{Lame, Material, SolidForms};
 
 const GLASS: Material = Material { young: 70e9, poisson: 0.23, density: 2500. };
 
@@ -141,7 +141,7 @@ proptest! {
     /// u = (xy, yz, zx) lies in the quadratic spaces of affine cells: its energies are exact.
     #[test]
     fn energies_of_a_quadratic_field_on_affine_cells((stretch, offset) in affine()) {
-        let (lambda, mu) = GLASS.lame();
+        let Lame { lambda, mu } = GLASS.lame();
         let field = |x: &Vector3<f64>| Vector3::new(x.x * x.y, x.y * x.z, x.z * x.x);
         let elastic = |x: Vector3<f64>| {
             let g = Matrix3::new(x.y, x.x, 0., 0., x.z, x.y, x.z, 0., x.x);

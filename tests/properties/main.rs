@@ -17,6 +17,7 @@ mod scene {
     mod boxes;
     mod doubts;
     mod errors;
+    mod layers;
     mod random;
     mod schema;
     mod values;

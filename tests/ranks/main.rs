@@ -32,6 +32,7 @@ mod body {
     pub mod convergence;
     pub mod evaluate;
     pub mod krylov;
+    pub mod layers;
     pub mod lumped;
     pub mod regions;
     pub mod spectrum;
@@ -46,6 +47,7 @@ mod impact {
     pub mod newton;
     pub mod pads_condensed;
     pub mod reference;
+    pub mod relaxing;
     pub mod schemes;
     pub mod time_order;
     pub mod unilateral;
@@ -106,6 +108,7 @@ fn main() -> ExitCode {
         body::convergence,
         body::evaluate,
         body::krylov,
+        body::layers,
         body::lumped,
         body::regions,
         body::spectrum,
@@ -117,6 +120,7 @@ fn main() -> ExitCode {
         impact::newton,
         impact::pads_condensed,
         impact::reference,
+        impact::relaxing,
         impact::schemes,
         impact::time_order,
         impact::unilateral,
@@ -141,6 +145,7 @@ fn main() -> ExitCode {
         stability::steps,
     )
     .group("body::lumped", &[1], body::lumped::ALONE)
+    .group("body::layers", &[1], body::layers::ALONE)
     // Three ranks on fewer cores wait for each other most of the time: meshes and the paper's plates are enough every day.
     .long_group("mesh::symmetry", &[3], mesh::symmetry::TESTS)
     .long_group("contact::laws", &[3], contact::laws::TESTS)
@@ -158,6 +163,8 @@ fn main() -> ExitCode {
     .long_group("stability::newton", &[2, 3], stability::newton::TESTS)
     .long_group("body::spline", &[1], body::spline::LONG)
     .long_group("impact::reference", &[2, 3], impact::reference::LONG)
+    .long_group("impact::relaxing", &[1], impact::relaxing::LONG)
+    .long_group("impact::relaxing", &[2], impact::relaxing::TESTS)
     .long_group("model::converged", &[1], model::converged::LONG)
     .long_group("model::reduction", &[1], model::reduction::LONG)
     .long_group("model::theory_error", &[1], model::theory_error::LONG)

@@ -20,17 +20,19 @@ pub struct GmshMesh {
     /// The mesh, all on rank 0 until [`Plex::distribute`].
     pub plex: Plex,
     /// The physical surfaces that the file names, on every rank.
-    pub surfaces: Vec<PhysicalSurface>,
+    pub surfaces: Vec<PhysicalGroup>,
+    /// The physical volumes that the file names, on every rank.
+    pub named_volumes: Vec<PhysicalGroup>,
     /// How many regions the cells are in that differ in their physical groups.
     pub volumes: usize,
     /// How many parts the cells make that share no node.
     pub parts: usize,
 }
 
-/// A physical group of dimension 2.
+/// A physical group of faces or of cells.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct PhysicalSurface {
-    /// The value of its faces in the label `Face Sets`.
+pub struct PhysicalGroup {
+    /// The value of its faces in the label `Face Sets`, or of its cells in the label `Cell Sets`.
     pub number: Int,
     /// Its name.
     pub name: String,
@@ -39,7 +41,8 @@ pub struct PhysicalSurface {
 /// What is taken of a file before PETSc reads it.
 #[derive(Debug, PartialEq)]
 struct Contents {
-    surfaces: Vec<PhysicalSurface>,
+    surfaces: Vec<PhysicalGroup>,
+    named_volumes: Vec<PhysicalGroup>,
     /// Whether all tags of an element are physical groups (4.1), or the first one only (2.2).
     all_tags: bool,
     /// Physical groups that its cells are in.
@@ -61,7 +64,7 @@ impl Plex {
     /// # Errors
     /// [`Error::MeshFile`], on all ranks, for a file that is not there or does not keep what its format promises; PETSc's, on rank 0 alone.
     pub fn gmsh(comm: &Comm, path: &Path) -> Result<GmshMesh> {
-        let Contents { surfaces, volumes, parts, all_tags } = read_contents(comm, path)?;
+        let Contents { surfaces, named_volumes, volumes, parts, all_tags } = read_contents(comm, path)?;
         // Rank 0 alone opens it.
         let path = if comm.is_root() { path_for_petsc(path).unwrap_or_default() } else { PathBuf::new() };
         /// What a mesh is made of here is not a matter of options: groups by number, and each surface for itself.
@@ -85,7 +88,7 @@ impl Plex {
         check(unsafe { sys::DMPlexCreateGmshFromFile(comm.raw(), name.as_ptr(), interpolate, &raw mut raw) })?;
         drop(scoped);
         // SAFETY: the new mesh is ours.
-        Ok(GmshMesh { plex: unsafe { Plex::from_raw(raw, comm) }, surfaces, volumes, parts })
+        Ok(GmshMesh { plex: unsafe { Plex::from_raw(raw, comm) }, surfaces, named_volumes, volumes, parts })
     }
 }
 
@@ -104,11 +107,12 @@ fn read_contents(comm: &Comm, path: &Path) -> Result<Contents> {
     }
     let (mut numbers, mut names, mut counts) = (Vec::new(), String::new(), Vec::new());
     if let Some(Ok(contents)) = &mine {
-        counts.extend([usize::from(contents.all_tags), contents.volumes, contents.parts].map(|count| count as u64));
-        for surface in &contents.surfaces {
-            numbers.push(surface.number);
+        let flags = [usize::from(contents.all_tags), contents.volumes, contents.parts, contents.surfaces.len()];
+        counts.extend(flags.map(|count| count as u64));
+        for group in contents.surfaces.iter().chain(&contents.named_volumes) {
+            numbers.push(group.number);
             // A name is a part of a line.
-            names += &surface.name;
+            names += &group.name;
             names.push('\n');
         }
     }
@@ -116,9 +120,12 @@ fn read_contents(comm: &Comm, path: &Path) -> Result<Contents> {
     let (numbers, counts) = (comm.all_gather(&numbers), comm.all_gather(&counts));
     let names = comm.all_gather(names.as_bytes());
     let names = String::from_utf8_lossy(&names).into_owned();
-    let surfaces = numbers.into_iter().zip(names.lines());
+    let groups = numbers.into_iter().zip(names.lines());
+    let mut surfaces: Vec<_> = groups.map(|(number, name)| PhysicalGroup { number, name: name.to_owned() }).collect();
+    let named_volumes = surfaces.split_off(counts[3] as usize);
     Ok(Contents {
-        surfaces: surfaces.map(|(number, name)| PhysicalSurface { number, name: name.to_owned() }).collect(),
+        surfaces,
+        named_volumes,
         all_tags: counts[0] == 1,
         volumes: counts[1] as usize,
         parts: counts[2] as usize,

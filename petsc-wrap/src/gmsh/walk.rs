@@ -10,7 +10,7 @@ use crate::Int;
 
 use super::nodes::Nodes;
 use super::words::Words;
-use super::{Contents, PhysicalSurface};
+use super::{Contents, PhysicalGroup};
 
 /// What PETSc's reader holds at most: tags of an element or entity, bytes of a physical name.
 const TAGS: usize = 16;
@@ -29,10 +29,10 @@ pub(super) fn validate(bytes: &[u8]) -> Result<Contents, String> {
         nodes: Nodes::default(),
     };
     let modern = walk.format()?;
-    let mut surfaces = Vec::new();
+    let (mut surfaces, mut named_volumes) = (Vec::new(), Vec::new());
     let mut section = walk.section()?;
     if section == "$PhysicalNames" {
-        surfaces = walk.surface_names()?;
+        [surfaces, named_volumes] = walk.group_names()?;
         section = walk.section()?;
     }
     if modern {
@@ -49,7 +49,7 @@ pub(super) fn validate(bytes: &[u8]) -> Result<Contents, String> {
     walk.words.expect("$EndElements")?;
     walk.nodes.check_use()?;
     let (volumes, parts) = (walk.volumes.len(), walk.nodes.parts());
-    Ok(Contents { surfaces, volumes, parts, all_tags: modern })
+    Ok(Contents { surfaces, named_volumes, volumes, parts, all_tags: modern })
 }
 
 struct Walk<'a> {
@@ -102,23 +102,24 @@ impl<'a> Walk<'a> {
         if found == wanted { Ok(()) } else { self.words.error(format!("expected {wanted}, found {found:?}")) }
     }
 
-    fn surface_names(&mut self) -> Result<Vec<PhysicalSurface>, String> {
-        let mut surfaces = Vec::new();
+    /// The named groups of faces, and those of cells.
+    fn group_names(&mut self) -> Result<[Vec<PhysicalGroup>; 2], String> {
+        let mut groups = [Vec::new(), Vec::new()];
         for _ in 0..self.words.written_count()? {
             let dimension = self.words.written_count()?;
             let number = self.words.written_count()? as Int;
             let quoted = self.words.line()?.trim();
             match quoted.strip_prefix('"').and_then(|name| name.strip_suffix('"')) {
                 Some(name) if (1..=NAME).contains(&name.len()) => {
-                    if dimension == 2 {
-                        surfaces.push(PhysicalSurface { number, name: name.to_owned() });
+                    if let 2 | 3 = dimension {
+                        groups[dimension - 2].push(PhysicalGroup { number, name: name.to_owned() });
                     }
                 }
                 _ => return self.words.error(format!("expected a name in quotes, found {quoted:?}")),
             }
         }
         self.words.expect("$EndPhysicalNames")?;
-        Ok(surfaces)
+        Ok(groups)
     }
 
     fn entities(&mut self) -> Result<(), String> {

@@ -96,7 +96,8 @@ fn report<'a>(comm: &Comm, (scene, source): (&'a Scene, &Source), deadline: Opti
             }
         }
     }
-    let of_volume = report.measures.as_ref().map(|measures| scene.body.density * measures.volume);
+    let of_volume =
+        report.measures.as_ref().and_then(|measures| Some(scene.body.composition.density()? * measures.volume));
     report.mass = report.mass.or(of_volume);
     let patch = report.model.as_ref().ok().and_then(|model| model.dynamics.patch());
     if let Ok(model) = &report.model {
@@ -163,7 +164,7 @@ fn too_large(scene: &Scene, bytes: Option<u64>) -> Option<String> {
 /// Mass of a box, kg.
 fn box_mass(scene: &Scene) -> Option<f64> {
     match &scene.body.geometry {
-        Geometry::Box { size, .. } => Some(scene.body.density * size.iter().product::<f64>()),
+        Geometry::Box { .. } => scene.body.mass(),
         Geometry::Gmsh(_) => None,
     }
 }

@@ -1,6 +1,7 @@
 //! A report as lines of text.
 
 use crate::contact::{ForceLaw, Patch, Reason};
+use crate::description::{Description, Part, Portion};
 use crate::impact::{Plan, steps};
 use crate::mesh::{Measures, Surface};
 use crate::model;
@@ -72,8 +73,13 @@ fn print_scene(report: &Report) {
         say(format_args!("support    {}", support_line(support)));
     }
     let load = &scene.load;
-    if load.body_force != [0.0; 3] {
-        say(format_args!("load       body force {:?} N/m³", load.body_force));
+    for line in relaxations(scene) {
+        say(format_args!("relaxation {line}"));
+    }
+    let struck = scene.body.struck();
+    let force = load.force_on(scene.body.composition.density().unwrap_or(struck.density));
+    if force != [0.0; 3] {
+        say(format_args!("load       body force {force:?} N/m³"));
     }
     for traction in &load.traction {
         let place = place(&traction.surface, traction.within);
@@ -221,4 +227,17 @@ pub(super) fn support_line(support: &Support) -> String {
 /// One number where all components are alike.
 fn by_component(values: Vec3) -> String {
     if values.iter().all(|value| *value == values[0]) { format!("{:e}", values[0]) } else { format!("{values:?}") }
+}
+
+/// What is followed of each relaxing part.
+fn relaxations(scene: &Scene) -> Vec<String> {
+    let words = |part: &Part| {
+        let place = match &part.portion {
+            Portion::All => "body".to_owned(),
+            Portion::Layer([low, high]) => format!("layer from z = {low:.6} to {high:.6} m"),
+            Portion::Volume(name) => format!("volume {name:?}"),
+        };
+        part.pruned.as_ref().map(|pruned| format!("{place}: {pruned}"))
+    };
+    Description::new(scene).parts.iter().filter_map(words).collect()
 }

@@ -1,19 +1,11 @@
-//! The elastic body: its material, and where its shape comes from.
+//! The elastic body: its theory, its elements, and where its shape comes from.
 
 use std::path::{Path, PathBuf};
 
-use super::super::values::Whole;
-use super::super::values::WordOrWhole;
+use super::super::values::{Edges, Whole, WordOrWhole};
 use super::super::{Model, Reduction, SceneError, Source, Vec3, raw};
-use super::word;
-
-/// The numbers of the body that stand alone.
-pub(super) struct Material {
-    pub young: f64,
-    pub poisson: f64,
-    pub density: f64,
-    pub order: usize,
-}
+use super::numbers::show;
+use super::{composition, word};
 
 /// A body's shape, before it is cut into cells.
 pub(super) enum Outline {
@@ -23,16 +15,10 @@ pub(super) enum Outline {
     Gmsh(PathBuf),
 }
 
-pub(super) fn material(source: &Source, raw: &raw::Body) -> Result<Material, SceneError> {
-    let young = source.positive("body.young", raw.young.0, "Young's modulus in Pa, as 70e9 for glass")?;
-    let density = source.positive("body.density", raw.density.0, "the density in kg/m3, as 2500 for glass")?;
+/// Polynomial degree of the elements.
+pub(super) fn order(source: &Source, raw: &raw::Body) -> Result<usize, SceneError> {
     let Whole(order) = raw.order.unwrap_or(Whole(2));
-    Ok(Material {
-        young,
-        poisson: poisson(source, raw.poisson.0)?,
-        density,
-        order: source.whole("body.order", order, 1..=2)?,
-    })
+    source.whole("body.order", order, 1..=2)
 }
 
 /// Most vectors of a basis that can be asked for.
@@ -70,14 +56,22 @@ pub(super) fn theory(source: &Source, raw: &raw::Body) -> Result<(Model, Reducti
     Ok((model, reduction))
 }
 
-fn poisson(source: &Source, value: f64) -> Result<f64, SceneError> {
-    let path = "body.poisson";
-    source.finite(path, &[value])?;
-    if value > -1.0 && value < 0.5 {
-        return Ok(value);
+/// The edges of a box, m: with layers the third is the sum of their thicknesses.
+fn edges(source: &Source, raw: &raw::Body, size: Edges) -> Result<Vec3, SceneError> {
+    match (size, composition::thickness(source, raw)?) {
+        (Edges::All(size), None) => Ok(size),
+        (Edges::AlongLayers([x, y]), Some(thickness)) => Ok([x, y, thickness]),
+        (Edges::All(_), Some(thickness)) => {
+            let help =
+                format!("two edge lengths [x, y] in m; the thickness is the sum of the layers', {}", show(thickness));
+            let message = "with layers, the thickness is theirs".to_owned();
+            Err(source.conflict("body.size", "body.layer", message, help))
+        }
+        (Edges::AlongLayers(_), None) => {
+            let help = "three edge lengths [x, y, z] in m, or [[body.layer]] with `thickness` and `material`";
+            Err(source.error("body.size", "two edges are those of a box with layers, and there is none", help))
+        }
     }
-    let help = "between -1 and 0.5, both excluded: at 0.5 the material is incompressible and λ of (5) infinite";
-    Err(source.error(path, format!("{value} is out of range"), help))
 }
 
 pub(super) fn outline(source: &Source, raw: &raw::Body, folder: &Path) -> Result<Outline, SceneError> {
@@ -94,7 +88,7 @@ pub(super) fn outline(source: &Source, raw: &raw::Body, folder: &Path) -> Result
             "`size = [x, y, z]` in m for a box, or `mesh = \"file.msh\"` for a Gmsh file",
         )),
         (Some(size), None) => {
-            let size = size.numbers();
+            let size = edges(source, raw, *size)?;
             for edge in size {
                 source.positive("body.size", edge, "three edge lengths [x, y, z] in m")?;
             }

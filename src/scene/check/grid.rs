@@ -1,7 +1,8 @@
 //! The grid planes of a box: its cells, graded towards the impact point.
 
 use super::super::values::{ByComponent, Three, Whole};
-use super::super::{Contact, Impactor, SceneError, Source, Vec3, faces, layout, raw};
+use super::super::{Composition, Contact, Impactor, Parts, SceneError, Source, Vec3, faces, layout, raw};
+use super::layers;
 use super::numbers::show;
 
 /// The most hexahedra in a box: quadratic ones have 24 unknowns each, which leaves room in 32-bit indices.
@@ -18,12 +19,26 @@ const LARGEST_RATIO: f64 = 1e4;
 pub(super) struct Hit<'a> {
     /// Edge lengths, m.
     pub size: Vec3,
+    /// What it is made of.
+    pub composition: &'a Composition,
     /// Where and how it is hit.
     pub impactor: &'a Impactor,
     /// The patch that the cells are to resolve.
     pub contact: Contact,
     /// Polynomial degree of the elements.
     pub order: usize,
+}
+
+impl Hit<'_> {
+    /// The thickness of the layer that is hit, or of the box, m.
+    pub fn thickness(&self) -> f64 {
+        match &self.composition.parts {
+            Parts::Layers(layers) if !self.composition.interfaces().is_empty() => {
+                layers[self.composition.struck_layer].thickness
+            }
+            _ => self.size[2],
+        }
+    }
 }
 
 /// The grid planes across each axis.
@@ -36,7 +51,11 @@ pub(super) fn check(source: &Source, raw: &raw::Body, hit: Hit) -> Result<[Vec<f
         (cells, ratios) => {
             let cells = cells.unwrap_or_else(|| default::planes(hit).map(|planes| planes.len() - 1));
             let ratios = ratios.unwrap_or([1.0; 3]);
-            std::array::from_fn(|i| layout::geometric(size[i], point[i], cells[i], ratios[i]))
+            let mut planes = std::array::from_fn(|i| layout::geometric(size[i], point[i], cells[i], ratios[i]));
+            if !hit.composition.interfaces().is_empty() {
+                planes[2] = layers::given(source, raw, (cells[2], ratios[2]), hit)?;
+            }
+            planes
         }
     };
     if planes.iter().any(|planes| planes.len() < 2 || planes.windows(2).any(|pair| pair[0] >= pair[1])) {
@@ -76,7 +95,7 @@ fn ratios(source: &Source, ByComponent(ratios): ByComponent) -> Result<Vec3, Sce
 
 /// Cells where none are given.
 mod default {
-    use super::{Contact, Hit, Vec3, faces, layout};
+    use super::{Contact, Hit, Vec3, faces, layers, layout};
 
     /// Cells along a long edge under a force at a point, which no mesh resolves.
     const UNIFORM: f64 = 20.0;
@@ -100,27 +119,39 @@ mod default {
 
     /// The grid planes across each axis.
     pub(super) fn planes(hit: Hit) -> [Vec<f64>; 3] {
-        let Hit { size, impactor, contact, order } = hit;
+        let Hit { size, composition, impactor, contact, order } = hit;
+        let interfaces = composition.interfaces();
         let Contact::Patch { radius } = contact else {
-            return uniform(size);
+            let mut planes = uniform(size);
+            if !interfaces.is_empty() {
+                planes[2] = layers::uniform(&interfaces, hit.thickness());
+            }
+            return planes;
         };
         let axis = faces::struck_axis(size, impactor.point, impactor.direction);
-        let [thinnest, longest] =
-            [f64::min, f64::max].map(|pick: fn(f64, f64) -> f64| size.into_iter().fold(size[0], pick));
+        let longest = size.into_iter().fold(size[0], f64::max);
+        let thinnest = size.into_iter().fold(hit.thickness(), f64::min);
+        // What is hit lies like a body of its own on softer layers.
+        let depth = if axis == 2 { hit.thickness() } else { size[axis] };
         // The disc has to fit on the face.
         let reach = (0..3).filter(|i| *i != axis).map(|i| 0.5 * size[i] - impactor.point[i].abs());
-        let fitting = || reach.fold(PATCH * size[axis], f64::min).max(LEAST_PATCH * thinnest);
+        let fitting = || reach.fold(PATCH * depth, f64::min).max(LEAST_PATCH * thinnest);
         // Not so small that coordinates would not differ.
         let smallest = (SMALLEST * radius.unwrap_or_else(fitting)).max(1e-12 * longest).max(f64::MIN_POSITIVE);
         let mut smallest = size.map(|edge| smallest.min(0.5 * edge));
-        smallest[axis] = smallest[axis].min(LAYER * size[axis]);
+        smallest[axis] = smallest[axis].min(LAYER * depth);
         let mut growth = [GROWTH[0]; 3];
         growth[axis] = GROWTH[1];
         // Smaller than that there would be too many in any case.
         let mut largest = (LARGEST[order - 1] * thinnest).max(longest / MOST as f64).max(f64::MIN_POSITIVE);
         loop {
-            let planes: [Vec<f64>; 3] =
-                std::array::from_fn(|i| layout::growing(size[i], impactor.point[i], smallest[i], growth[i], largest));
+            let planes: [Vec<f64>; 3] = std::array::from_fn(|i| match i {
+                2 if !interfaces.is_empty() && axis == 2 => {
+                    layers::growing(&interfaces, impactor.point[2], (smallest[2], growth[2], largest), depth)
+                }
+                2 if !interfaces.is_empty() => layers::uniform(&interfaces, depth.min(largest)),
+                _ => layout::growing(size[i], impactor.point[i], smallest[i], growth[i], largest),
+            });
             if planes.iter().map(|planes| planes.len() - 1).product::<usize>() <= MOST {
                 return planes;
             }
@@ -150,6 +181,8 @@ mod tests {
 
     fn hit(size: Vec3, point: Vec3, contact: Contact, order: usize) -> [Vec<f64>; 3] {
         let direction = [0.0, 0.0, -1.0];
+        let glass = crate::form::Material { young: 70e9, poisson: 0.23, density: 2500.0 };
+        let composition = Composition::whole(glass);
         let impactor = Impactor {
             mass: 52.0,
             radius: Some(0.05),
@@ -162,7 +195,7 @@ mod tests {
             gap: 0.0,
             gravity: 0.0,
         };
-        default::planes(Hit { size, impactor: &impactor, contact, order })
+        default::planes(Hit { size, composition: &composition, impactor: &impactor, contact, order })
     }
 
     fn top(size: Vec3) -> Vec3 {

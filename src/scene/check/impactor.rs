@@ -2,15 +2,16 @@
 
 use super::super::values::{Number, Three};
 use super::super::{Impactor, STANDARD_GRAVITY, SceneError, Source, Vec3, faces, raw};
-use super::body::{Material, Outline};
+use super::body::Outline;
 use super::contact;
 use super::numbers::show;
 use crate::contact::{ForceLaw, Hertz, hertz};
+use crate::form;
 
 pub(super) fn check(
     source: &Source,
     (raw, contact): (&raw::Impactor, &raw::Contact),
-    body: &Material,
+    struck: &form::Material,
     outline: &Outline,
 ) -> Result<Impactor, SceneError> {
     let mass = source.positive("impactor.mass", raw.mass.0, "the mass m0 in kg")?;
@@ -24,7 +25,7 @@ pub(super) fn check(
     elastic_constants(source, raw)?;
     let (stiffness, force_law) = match contact::law(source, contact, raw)? {
         None => {
-            let stiffness = stiffness(source, raw, body, radius)?;
+            let stiffness = stiffness(source, raw, struck, radius)?;
             (stiffness, ForceLaw::Hertz(Hertz { stiffness }))
         }
         Some(law) => (hertz::stiffness_of_contact_time(law.contact_time(mass, speed), mass, speed), law),
@@ -82,7 +83,12 @@ fn elastic_constants(source: &Source, raw: &raw::Impactor) -> Result<(), SceneEr
 }
 
 /// The given contact stiffness of Hertz's law, or (15).
-fn stiffness(source: &Source, raw: &raw::Impactor, body: &Material, radius: Option<f64>) -> Result<f64, SceneError> {
+fn stiffness(
+    source: &Source,
+    raw: &raw::Impactor,
+    struck: &form::Material,
+    radius: Option<f64>,
+) -> Result<f64, SceneError> {
     let Some(radius) = radius else {
         let help = "the radius R of the rounded end in m";
         return Err(source.error("impactor.radius", "this key is required", help));
@@ -97,7 +103,7 @@ fn stiffness(source: &Source, raw: &raw::Impactor, body: &Material, radius: Opti
     };
     let Number(young) = raw.young.ok_or_else(|| required("young"))?;
     let Number(poisson) = raw.poisson.ok_or_else(|| required("poisson"))?;
-    let value = hertz::stiffness(radius, (body.young, body.poisson), (young, poisson));
+    let value = hertz::stiffness(radius, (struck.young, struck.poisson), (young, poisson));
     if value.is_finite() && value > 0.0 {
         return Ok(value);
     }

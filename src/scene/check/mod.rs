@@ -1,13 +1,17 @@
 //! From typed values to a checked scene: ranges, defaults, and what keys mean together.
 
 mod body;
+mod composition;
 mod contact;
 mod grid;
 mod impactor;
+mod layers;
+mod material;
 mod modal;
 mod numbers;
 mod output;
 mod plausible;
+mod relaxation;
 mod strength;
 mod support;
 mod symmetry;
@@ -21,8 +25,10 @@ use super::decode::decode;
 use super::error::SceneError;
 use super::values::Number;
 use super::{Body, Geometry, Load, Newton, Scene, Solver, Source, Traction, Vec3, faces, raw, suggest};
-use body::{Material, Outline};
+use body::Outline;
+use composition::Struck;
 pub(super) use contact::table_in_file;
+pub(super) use material::with_series;
 pub(super) use numbers::show;
 
 /// The scene of a source, with mesh files relative to `folder`.
@@ -31,8 +37,10 @@ pub(super) use numbers::show;
 /// The first fault found.
 pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError> {
     let raw = decode(source)?;
-    let material = body::material(source, &raw.body)?;
+    let materials = composition::materials(source, &raw)?;
+    let order = body::order(source, &raw.body)?;
     let outline = body::outline(source, &raw.body, folder)?;
+    let Struck { composition, stiffness_key, density_key } = materials.struck(source, &raw, &outline)?;
     let supports = raw
         .support
         .0
@@ -40,16 +48,15 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
         .enumerate()
         .map(|(number, support)| support::check(source, number, support, &outline))
         .collect::<Result<Vec<_>, _>>()?;
-    let load = load(source, &raw.load, &outline, material.density)?;
-    let impactor = impactor::check(source, (&raw.impactor, &raw.contact), &material, &outline)?;
+    let load = load(source, &raw.load, &outline)?;
+    let impactor = impactor::check(source, (&raw.impactor, &raw.contact), &composition.struck, &outline)?;
     let contact = contact::localization(source, &raw.contact)?;
     let output = output::check(source, &raw, &outline)?;
     let strength = strength::check(source, &raw, &outline)?;
-    let Material { young, poisson, density, order } = material;
     let geometry = match outline {
         Outline::Gmsh(path) => Geometry::Gmsh(path),
         Outline::Box(size) => {
-            let hit = grid::Hit { size, impactor: &impactor, contact, order };
+            let hit = grid::Hit { size, composition: &composition, impactor: &impactor, contact, order };
             Geometry::Box {
                 size,
                 planes: grid::check(source, &raw.body, hit)?,
@@ -57,17 +64,28 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
             }
         }
     };
-    let parts = symmetry::Parts { geometry: &geometry, impactor: &impactor, supports: &supports, load: &load };
+    let parts = symmetry::Parts {
+        geometry: &geometry,
+        composition: &composition,
+        impactor: &impactor,
+        supports: &supports,
+        load: &load,
+    };
     let symmetry = symmetry::check(source, &raw.body, &parts)?;
     let (model, reduction) = body::theory(source, &raw.body)?;
-    let stiffest = modal::stiffest(&geometry, density, &impactor);
+    let stiffest = modal::stiffest(&geometry, composition.struck.density, &impactor);
     modal::basis(source, reduction, &supports, stiffest)?;
-    let against = modal::against(&raw, (model, reduction), &supports, stiffest);
+    let relaxing = relaxation::key(&raw);
+    relaxation::check(source, &raw, relaxing.as_deref())?;
+    let against = relaxation::against_modes(relaxing.as_deref())
+        .or_else(|| modal::against(&raw, (model, reduction), &supports, stiffest));
     let time = time::check(source, &raw.time, against)?;
     modal::only(source, &raw, (model, &supports), &time)?;
     time::equilibrium(source, &time, &load, &supports)?;
-    let body = Body { model, reduction, young, poisson, density, geometry, order, symmetry };
-    plausible::check(source, &body, (&impactor, raw.impactor.stiffness.is_some()), time.end)?;
+    let temperature = material::temperature(source, &raw)?;
+    let body = Body { model, reduction, composition, temperature, geometry, order, symmetry };
+    let keys = plausible::Keys { stiffness: &stiffness_key, density: &density_key };
+    plausible::check(source, (&body, keys), (&impactor, raw.impactor.stiffness.is_some()), time.end)?;
     Ok(Scene {
         title: raw.title.clone().unwrap_or_default(),
         body,
@@ -105,11 +123,10 @@ fn solver(source: &Source, raw: &raw::Solver) -> Result<Solver, SceneError> {
     Ok(Solver { newton, energy_gate: raw.energy_gate.map(gate).transpose()? })
 }
 
-fn load(source: &Source, raw: &raw::Load, outline: &Outline, density: f64) -> Result<Load, SceneError> {
-    let [force, gravity] = [raw.body_force, raw.gravity].map(|vector| vector.map_or([0.0; 3], |v| v.numbers()));
-    source.finite("load.body_force", &force)?;
+fn load(source: &Source, raw: &raw::Load, outline: &Outline) -> Result<Load, SceneError> {
+    let [body_force, gravity] = [raw.body_force, raw.gravity].map(|vector| vector.map_or([0.0; 3], |v| v.numbers()));
+    source.finite("load.body_force", &body_force)?;
     source.finite("load.gravity", &gravity)?;
-    let body_force = [0, 1, 2].map(|i| force[i] + density * gravity[i]);
     let mut traction = Vec::new();
     for (number, entry) in raw.traction.0.iter().enumerate() {
         surface(source, &format!("load.traction.{number}.surface"), &entry.surface, outline)?;
@@ -119,7 +136,7 @@ fn load(source: &Source, raw: &raw::Load, outline: &Outline, density: f64) -> Re
         source.finite(&format!("load.traction.{number}.value"), &value)?;
         traction.push(Traction { surface: entry.surface.clone(), within, value });
     }
-    Ok(Load { body_force, traction })
+    Ok(Load { body_force, gravity, traction })
 }
 
 /// The one of `words` that was given, or the first of them where nothing was.

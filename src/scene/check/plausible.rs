@@ -46,6 +46,13 @@ const OF_CONTACT: [&str; 9] = [
     "contact.table",
 ];
 
+/// The keys of the stiffness and the density of the material that is hit.
+#[derive(Clone, Copy)]
+pub(super) struct Keys<'a> {
+    pub stiffness: &'a str,
+    pub density: &'a str,
+}
+
 /// A speed, an extent and an end that an impact can have; of the impactor also whether its contact stiffness is given.
 ///
 /// # Errors
@@ -53,31 +60,32 @@ const OF_CONTACT: [&str; 9] = [
 /// next to none.
 pub(super) fn check(
     source: &Source,
-    body: &Body,
+    (body, keys): (&Body, Keys),
     (impactor, is_stiffness_given): (&Impactor, bool),
     end: f64,
 ) -> Result<(), SceneError> {
-    let wave = (body.young / body.density).sqrt();
+    let struck = body.struck();
+    let wave = (struck.young / struck.density).sqrt();
     if wave > LIGHT {
         let message = format!("waves in the body would be faster than light, {wave:.1e} m/s");
-        let help = "Young's modulus in Pa, as 70e9, and body.density in kg/m3, as 2500";
-        let key = if body.density < LIGHTEST { "body.density" } else { "body.young" };
-        return Err(source.error_with(key, &["body.young", "body.density"], message, help));
+        let help = "Young's modulus in Pa, as 70e9, and the density in kg/m3, as 2500";
+        let key = if struck.density < LIGHTEST { keys.density } else { keys.stiffness };
+        return Err(source.error_with(key, &[keys.stiffness, keys.density], message, help));
     }
     if impactor.speed > wave {
         let message =
             format!("the impactor's {:.3e} m/s are faster than waves in the body, {wave:.3e} m/s", impactor.speed);
         // In no solid are waves as slow as that.
         let (key, help) = match wave < SLOWEST {
-            true if body.density > HEAVIEST => ("body.density", "the density in kg/m3, as 2500 for glass"),
-            true => ("body.young", "Young's modulus in Pa, so that 70 GPa are 70e9, and body.density in kg/m3"),
+            true if struck.density > HEAVIEST => (keys.density, "the density in kg/m3, as 2500 for glass"),
+            true => (keys.stiffness, "Young's modulus in Pa, so that 70 GPa are 70e9, and the density in kg/m3"),
             false => {
                 ("impactor.speed", "a speed in m/s well below that: the body takes part in the impact by its waves")
             }
         };
-        return Err(source.error_with(key, &["body.density", "impactor.speed", "impactor.drop_height"], message, help));
+        return Err(source.error_with(key, &[keys.density, "impactor.speed", "impactor.drop_height"], message, help));
     }
-    let of_material = (body.young, body.poisson);
+    let of_material = (struck.young, struck.poisson);
     let natural = impactor.radius.map_or(f64::NAN, |radius| hertz::stiffness(radius, of_material, of_material));
     let is_strange = is_stiffness_given
         && Ball::of(impactor).is_some_and(|ball| !(natural / STRANGE..natural * STRANGE).contains(&ball.stiffness));
@@ -150,7 +158,7 @@ fn culprit(body: &Body, ball: &Ball, edge: f64, volume: f64) -> &'static str {
     if SPECK * edge < ball.radius && ball.radius < FLAT {
         return "body.size";
     }
-    let heavy = Ball { mass: ball.mass.min(body.density * volume), ..*ball };
+    let heavy = Ball { mass: ball.mass.min(body.struck().density * volume), ..*ball };
     if heavy.contact() <= LARGEST * edge {
         return "impactor.mass";
     }

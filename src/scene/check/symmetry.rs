@@ -3,12 +3,14 @@
 
 use super::super::faces::{Face, along, faces, struck_axis};
 use super::super::{
-    Geometry, Impactor, Load, SceneError, Source, Support, SupportKind, Symmetry, Traction, Vec3, Within, raw,
+    Composition, Geometry, Impactor, Load, SceneError, Source, Support, SupportKind, Symmetry, Traction, Vec3, Within,
+    raw,
 };
 use super::word;
 
 /// What of a scene has to be symmetric.
 pub(super) struct Parts<'a> {
+    pub composition: &'a Composition,
     pub geometry: &'a Geometry,
     pub impactor: &'a Impactor,
     pub supports: &'a [Support],
@@ -39,11 +41,15 @@ const NAMES: [&str; 3] = ["x", "y", "z"];
 
 /// The axes normal to the two planes of symmetry through the impact point, or what breaks the symmetry.
 fn planes(parts: &Parts) -> Result<[usize; 2], String> {
-    let Parts { geometry, impactor, supports, load } = parts;
+    let Parts { geometry, composition, impactor, supports, load } = parts;
     let Geometry::Box { size, planes, .. } = geometry else {
         return Err("the body is from a mesh file".into());
     };
-    let axes = along(struck_axis(*size, impactor.point, impactor.direction));
+    let struck = struck_axis(*size, impactor.point, impactor.direction);
+    let axes = along(struck);
+    if axes.contains(&2) && !composition.interfaces().is_empty() {
+        return Err("a side of its layers is hit".into());
+    }
     for axis in axes {
         let name = NAMES[axis];
         if impactor.point[axis] != 0.0 {
@@ -67,7 +73,7 @@ fn planes(parts: &Parts) -> Result<[usize; 2], String> {
 /// The axes across which the body with its supports and loads is its own mirror image, where the impactor moves along the normal of a
 /// face. On a foundation that lets go the motion is no sum of symmetric and antisymmetric ones.
 fn symmetric_axes(parts: &Parts) -> Vec<usize> {
-    let Parts { geometry, impactor, supports, load } = parts;
+    let Parts { geometry, impactor, supports, load, .. } = parts;
     let Geometry::Box { size, .. } = geometry else { return Vec::new() };
     let axes = along(struck_axis(*size, impactor.point, impactor.direction));
     let is_on_pad = supports.iter().any(|support| matches!(support.kind, SupportKind::Pad { .. }));
@@ -90,7 +96,7 @@ fn mirrored_body(supports: &[Support], load: &Load, axis: usize) -> Result<(), S
     if let Some(number) = uneven_clamp(supports, axis) {
         return Err(without(number));
     }
-    if load.body_force[axis] != 0.0 {
+    if load.acts_along(axis) {
         return Err(format!("load.body_force has a component along {name}"));
     }
     if let Some(number) = unmatched(&tractions(load), |traction| traction.mirrored(axis)) {

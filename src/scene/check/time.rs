@@ -40,8 +40,7 @@ pub(super) fn equilibrium(source: &Source, time: &Time, load: &Load, supports: &
         SupportKind::Pad { stiffness, normal } => stiffness[axis] > 0.0 && normal[axis] != 0.0,
         SupportKind::Clamped { components } => components[axis],
     };
-    let is_loaded =
-        |axis: usize| load.body_force[axis] != 0.0 || load.traction.iter().any(|entry| entry.value[axis] != 0.0);
+    let is_loaded = |axis: usize| load.acts_along(axis) || load.traction.iter().any(|entry| entry.value[axis] != 0.0);
     let unheld = |axis: &usize| is_loaded(*axis) && !supports.iter().any(|support| holds(support, *axis));
     let Some(axis) = (0..3).find(unheld) else { return Ok(()) };
     let message = format!("there is no equilibrium: loads act along {}, and no support does", ["x", "y", "z"][axis]);

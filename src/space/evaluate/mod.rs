@@ -21,6 +21,7 @@ pub use stress_map::StressMap;
 use std::rc::Rc;
 
 use crate::contact::Patch;
+use crate::description::Description;
 use crate::form::Material;
 use crate::form::stress::place;
 use crate::mesh::Whole;
@@ -90,12 +91,12 @@ enum Kind {
 impl Evaluator {
     /// Of a solid on a mesh; stresses are recovered at its nodes ([`super::finite_element::Recovery`]), and interpolated between them.
     pub fn of_mesh(scene: &Scene, mesh: Whole, patch: Option<&Patch>) -> Self {
-        let body = &scene.body;
-        let material = Material { young: body.young, poisson: body.poisson, density: body.density };
+        let parts: Vec<Material> =
+            Description::new(scene).parts.iter().map(|part| part.material.instantaneous).collect();
         // Images and all, so that patches on a plane of symmetry are whole.
         let mesh = mirrors(scene).into_iter().fold(mesh, Whole::with_image);
         let near = patch.and_then(|patch| NearHit::of_patch_on_mesh(scene, patch.radius)).map(Box::new);
-        Self { kind: Kind::Nodes(Rc::new(Nodes::new(mesh, &material))), near, mirrors: Vec::new() }
+        Self { kind: Kind::Nodes(Rc::new(Nodes::new(mesh, &parts))), near, mirrors: Vec::new() }
     }
 
     /// Of splines or a plate.

@@ -4,7 +4,7 @@ use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use crate::form::Spread;
+use crate::form::{Material, Spread};
 use crate::scene::{Contact, Geometry, Impactor, Scene, Vec3, faces};
 use crate::stack::{Carrier, Cylindrical, Layer, LocalField, PointField, Pressure, Sections, Stack};
 
@@ -124,11 +124,11 @@ impl ContactSize {
 }
 
 impl NearHit {
-    /// Of a box that is hit on a face, as on an infinite layer; `None` nearer than its thickness to an edge.
+    /// Of a box of one material that is hit on a face, as on an infinite layer; `None` nearer than its thickness to an edge.
     pub fn new(scene: &Scene, hit: Hit) -> Option<Self> {
         let struck = scene.struck_axis()?;
         let Geometry::Box { size, .. } = &scene.body.geometry else { return None };
-        let (young, poisson) = (scene.body.young, scene.body.poisson);
+        let Material { young, poisson, .. } = *scene.body.composition.uniform()?;
         let point = scene.impactor.point;
         let room = (0..3).filter(|axis| *axis != struck).map(|axis| 0.5 * size[axis] - point[axis].abs());
         let room = room.fold(f64::INFINITY, f64::min);

@@ -77,7 +77,7 @@ impl Recovered {
                 for (u, gradient) in moved.iter().zip(gradients) {
                     (0..9).for_each(|entry| slope[entry] += u[entry / 3] * gradient[entry % 3]);
                 }
-                sampled.push(self.nodes.stress(&slope));
+                sampled.push(self.nodes.stress(cell, &slope));
             }
         }
         let at_node = |weights: &Form| {

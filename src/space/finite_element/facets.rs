@@ -7,10 +7,10 @@ use petsc_wrap::{Insert, Matrix, Vector};
 
 use super::assembly::{assemble, unknowns, zeros};
 use super::volume::{everywhere, forms};
-use crate::description::{Extent, Place};
+use crate::description::{Extent, Part, Place};
 use crate::element::{Element, Inverse, Quadrature, Shape, Table};
 use crate::error::Result;
-use crate::form::{Material, SurfaceElement, SurfacePoint};
+use crate::form::{SurfaceElement, SurfacePoint};
 use crate::mesh::Mesh;
 use crate::scene::Vec3;
 use crate::space::clip::{AreaPoint, Clipped, clip, normal};
@@ -70,14 +70,13 @@ impl FacetRule {
 /// A mesh whose facets are integrated over.
 pub struct FiniteElements<'a> {
     mesh: &'a Mesh,
-    material: &'a Material,
     rule: FacetRule,
 }
 
 impl<'a> FiniteElements<'a> {
-    /// On a mesh of a material.
-    pub fn new(mesh: &'a Mesh, material: &'a Material) -> Self {
-        Self { mesh, material, rule: FacetRule::new(mesh.facets.shape, mesh.facets.order) }
+    /// On a mesh.
+    pub fn new(mesh: &'a Mesh) -> Self {
+        Self { mesh, rule: FacetRule::new(mesh.facets.shape, mesh.facets.order) }
     }
 }
 
@@ -133,10 +132,13 @@ impl Space for FiniteElements<'_> {
         Ok(())
     }
 
-    fn body_force(&self, force: Vec3, add: &mut Add) -> Result<()> {
-        let cells = &self.mesh.cells;
-        let forms = forms(self.material, self.mesh);
-        let kernel = |_: usize, x: &[Vec3], block: &mut [f64]| forms.load(x, |_| force, block);
+    fn body_force(&self, parts: &[Part], add: &mut Add) -> Result<()> {
+        let Mesh { cells, parts_of_cells, .. } = self.mesh;
+        let forms = forms(parts, self.mesh);
+        let kernel = |i: usize, x: &[Vec3], block: &mut [f64]| {
+            let part = parts_of_cells[i];
+            forms[part].load(x, |_| parts[part].force, block)
+        };
         everywhere(self.mesh, assemble(cells, 0..cells.len(), 3 * cells.nodes_each(), kernel, add))
     }
 

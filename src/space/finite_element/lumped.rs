@@ -6,9 +6,9 @@ use super::assembly::{assemble, into_vector};
 use super::facets::FiniteElements;
 use super::volume::{everywhere, forms};
 use crate::body::Lumped;
-use crate::description::Description;
+use crate::description::{Description, Part};
 use crate::error::Result;
-use crate::form::{Material, lump};
+use crate::form::lump;
 use crate::mesh::Mesh;
 use crate::scene::Vec3;
 use crate::space::{Add, Space};
@@ -22,18 +22,18 @@ impl Lumped {
     /// # Panics
     /// When the mesh has not the surfaces that the description names: building a [`Body`](crate::body::Body) finds that out.
     pub fn new(description: &Description, mesh: &Mesh) -> Result<Self> {
-        Ok(Self { mass: mass(&description.material, mesh)?, damping: damping(description, mesh)? })
+        Ok(Self { mass: mass(&description.parts, mesh)?, damping: damping(description, mesh)? })
     }
 }
 
-fn mass(material: &Material, mesh: &Mesh) -> Result<Vector> {
+fn mass(parts: &[Part], mesh: &Mesh) -> Result<Vector> {
     let cells = &mesh.cells;
     let mut mass = Vector::new(&mesh.comm, 3 * mesh.owned_nodes)?;
-    let mut forms = forms(material, mesh);
+    let mut forms = forms(parts, mesh);
     let size = 3 * cells.nodes_each();
     let mut consistent = vec![0.0; size * size];
-    let kernel = |_: usize, x: &[Vec3], block: &mut [f64]| {
-        forms.mass(x, &mut consistent)?;
+    let kernel = |i: usize, x: &[Vec3], block: &mut [f64]| {
+        forms[mesh.parts_of_cells[i]].mass(x, &mut consistent)?;
         lump(&consistent, block);
         Ok(())
     };
@@ -46,7 +46,7 @@ fn damping(description: &Description, mesh: &Mesh) -> Result<Option<Vector>> {
     if description.dampers.is_empty() {
         return Ok(None);
     }
-    let space = FiniteElements::new(mesh, &description.material);
+    let space = FiniteElements::new(mesh);
     let fill = |add: &mut Add| {
         let (mut consistent, mut lumped) = (Vec::new(), Vec::new());
         for damper in &description.dampers {

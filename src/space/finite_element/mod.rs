@@ -22,16 +22,17 @@ pub use recovery::Recovery;
 use petsc_wrap::{Insert, NullSpace, Vector};
 
 use super::{Space, SurfaceTerms};
-use crate::body::{Body, Lumped, Pads, deviates};
+use crate::body::{Body, Lumped, Pads, Relaxation, deviates};
 use crate::contact::Localization;
 use crate::description::{Description, region};
 use crate::error::Result;
+use crate::material::Maxwell;
 use crate::mesh::Mesh;
 use crate::scene::{Contact, Fault, Geometry, Scene, Scheme, Vec3};
 use crate::solve::Method;
 
 use assembly::{Components, node_graph};
-use volume::{mass_by_node, stiffness};
+use volume::{distortion, mass_by_node, stiffness};
 
 impl Body {
     /// Assembles a scene's body of solid elements, three unknowns a node. Collective.
@@ -47,13 +48,13 @@ impl Body {
         };
         let description = Description::new(scene);
         let graph = node_graph(&mesh.comm, mesh.owned_nodes, &mesh.cells, 0..mesh.cells.len())?;
-        let of_nodes = mass_by_node(&description.material, mesh, graph)?;
+        let of_nodes = mass_by_node(&description.parts, mesh, graph)?;
         let of_components = Components::new(&of_nodes)?;
-        let elastic = stiffness(&description.material, mesh, of_components.zeros()?)?;
+        let elastic = stiffness(&description.parts, mesh, of_components.zeros()?)?;
         let mass = of_components.like(&elastic)?;
         drop(of_components);
         let products = Some([of_nodes.by_component(3)?, elastic.upper_triangle(3)?]);
-        let space = FiniteElements::new(mesh, &description.material);
+        let space = FiniteElements::new(mesh);
         check_parts(scene, &space)?;
         let SurfaceTerms { support, damping, load, support_load, support_offset, pads } =
             SurfaceTerms::new(&space, &description)?;
@@ -61,9 +62,14 @@ impl Body {
         let clamps = held(mesh, &description.clamps, |clamp, _| clamp.displacement)?;
         let pads = (!description.pads.is_empty()).then(|| Pads::new(&mesh.comm, pads, &clamps)).transpose()?;
         let nodes = mesh.positions();
+        let relaxation = |(chain, of): (&Maxwell, Vec<usize>)| {
+            Ok(Relaxation { distortion: distortion(mesh, |part| of.contains(&part))?, chain: chain.clone() })
+        };
+        let relaxations = description.relaxations().into_iter().map(relaxation).collect::<Result<Vec<_>>>()?;
         Ok(Self {
             mass,
             elastic,
+            relaxations,
             products,
             support,
             damping,

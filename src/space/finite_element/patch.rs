@@ -34,14 +34,15 @@ impl Localization {
     /// A fault of the scene where the point is off the surface, the direction leads out of the body, the patch
     /// reaches past the surface, or the contact law would soften to nothing even on a thin plate; PETSc's.
     pub fn patch(mesh: &Mesh, scene: &Scene, radius: Option<f64>) -> Result<Self> {
-        let (body, impactor) = (&scene.body, &scene.impactor);
+        let (struck, impactor) = (scene.body.struck(), &scene.impactor);
         let site = site(mesh, impactor)?;
-        let thickness = mesh.thickness(&site);
+        let thickness = scene.body.struck_thickness(mesh.thickness(&site));
         let cosine = Vector3::from(site.normal).dot(&Vector3::from(impactor.direction));
-        let unit_compliance = unit_compliance(body, cosine);
+        let unit_compliance = unit_compliance(&struck, cosine);
         let copies = mesh.copies as f64;
-        let mass = copies * body.density * mesh.volume();
-        let (limit_radius, least) = limits(body, impactor, mass, thickness, unit_compliance);
+        let density = scene.body.composition.density().unwrap_or(struck.density);
+        let mass = copies * density * mesh.volume();
+        let (limit_radius, least) = limits(&struck, impactor, mass, thickness, unit_compliance);
         let chosen = Patch::choose(thickness, site.cell, limit_radius);
         let axes = Axes::new(&site);
         let (patch, weights) = match radius {

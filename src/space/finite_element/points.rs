@@ -13,14 +13,16 @@ pub struct Nodes {
     pub mesh: Whole,
     /// What recovers stresses at its nodes.
     pub recovery: Recovery,
-    /// Hooke's law: stresses over ∂u_i/∂x_j.
-    law: [[f64; 9]; 6],
+    /// Hooke's law of each part of the body: stresses over ∂u_i/∂x_j. Of a relaxing part it is that at t → 0.
+    laws: Vec<[[f64; 9]; 6]>,
 }
 
 impl Nodes {
-    /// Of a mesh of a material.
-    pub fn new(mesh: Whole, material: &Material) -> Self {
-        Self { recovery: Recovery::new(&mesh), mesh, law: material.stress_of_gradient() }
+    /// Of a mesh, with the elastic constants of each part of the body.
+    pub fn new(mesh: Whole, parts: &[Material]) -> Self {
+        let stiffness: Vec<f64> = parts.iter().map(|part| part.young).collect();
+        let laws = parts.iter().map(Material::stress_of_gradient).collect();
+        Self { recovery: Recovery::new(&mesh, &stiffness), mesh, laws }
     }
 
     /// The displacement along an axis at a node.
@@ -47,7 +49,7 @@ impl Nodes {
             let (cell, sample) = (sample / each, sample % each);
             let gradients = self.recovery.gradients(&self.mesh, cell, sample);
             for (&node, gradient) in self.mesh.cell(cell).iter().zip(&gradients) {
-                for (form, row) in stress.iter_mut().zip(&self.law) {
+                for (form, row) in stress.iter_mut().zip(&self.laws[self.mesh.parts_of_cells[cell]]) {
                     for i in 0..3 {
                         let factor: f64 = (0..3).map(|j| row[3 * i + j] * gradient[j]).sum();
                         add(form, weight * factor, &self.displacement(node, i));
@@ -59,8 +61,8 @@ impl Nodes {
         Some((forms, places))
     }
 
-    /// The stress of a gradient of the displacement, entry 3i + j being ∂u_i/∂x_j.
-    pub fn stress(&self, gradient: &[f64; 9]) -> [f64; 6] {
-        self.law.map(|row| row.iter().zip(gradient).map(|(a, b)| a * b).sum())
+    /// The stress of a gradient of the displacement in a cell, entry 3i + j being ∂u_i/∂x_j.
+    pub fn stress(&self, cell: usize, gradient: &[f64; 9]) -> [f64; 6] {
+        self.laws[self.mesh.parts_of_cells[cell]].map(|row| row.iter().zip(gradient).map(|(a, b)| a * b).sum())
     }
 }

@@ -33,8 +33,10 @@ pub struct Recovery {
 }
 
 impl Recovery {
-    /// Of a mesh: 2³ Gauss points in a hexahedron, in a tetrahedron its middle (order 1) or four points (order 2).
-    pub fn new(mesh: &Whole) -> Self {
+    /// Of a mesh: 2³ Gauss points in a hexahedron, in a tetrahedron its middle (order 1) or four points (order 2). Stresses jump between
+    /// materials: a patch has cells of one part of the body, about a vertex between two of them those of the stiffer part. `stiffness` is each
+    /// part's, Pa.
+    pub fn new(mesh: &Whole, stiffness: &[f64]) -> Self {
         let element = Element::new(mesh.shape, mesh.order);
         let degree = match mesh.shape {
             Shape::Tetrahedron => mesh.order,
@@ -53,6 +55,11 @@ impl Recovery {
                 }
             }
             cell[..x.len()].iter().for_each(|&vertex| about[vertex].push(i));
+        }
+        for cells in &mut about {
+            let at = |cell: &usize| stiffness[mesh.parts_of_cells[*cell]];
+            let stiffest = cells.iter().max_by(|a, b| at(a).total_cmp(&at(b))).map(|cell| mesh.parts_of_cells[*cell]);
+            cells.retain(|cell| Some(mesh.parts_of_cells[*cell]) == stiffest);
         }
         Self { table, places, about, vertices }
     }
@@ -100,7 +107,9 @@ impl Recovery {
         while cells.len() * self.samples_each() < ENOUGH * terms {
             let before = cells.len();
             let corners = self.vertices_of(mesh, &cells);
-            cells.extend(corners.into_iter().flat_map(|corner| self.about[corner].iter().copied()));
+            let part = cells.first().map(|cell| mesh.parts_of_cells[*cell]);
+            let about = corners.into_iter().flat_map(|corner| self.about[corner].iter().copied());
+            cells.extend(about.filter(|cell| Some(mesh.parts_of_cells[*cell]) == part));
             if cells.len() == before {
                 break;
             }

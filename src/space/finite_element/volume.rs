@@ -2,41 +2,60 @@
 
 use petsc_wrap::{Insert, Int, Matrix};
 
-use super::assembly::{Stopped, assemble, into_matrix};
+use super::assembly::{Stopped, assemble, into_matrix, zeros};
 use crate::agree::agree;
+use crate::description::Part;
 use crate::error::Result;
-use crate::form::{Material, SolidForms};
+use crate::form::{Lame, SolidForms};
 use crate::mesh::Mesh;
 use crate::scene::{Fault, Vec3};
 
-/// K summed over all cells into a matrix of zeros. Collective.
-pub(super) fn stiffness(material: &Material, mesh: &Mesh, mut matrix: Matrix) -> Result<Matrix> {
-    let mut forms = forms(material, mesh);
+/// K, of relaxing parts what is left after all relaxation, summed over all cells into a matrix of zeros. Collective.
+pub(super) fn stiffness(parts: &[Part], mesh: &Mesh, mut matrix: Matrix) -> Result<Matrix> {
+    let mut forms = forms(parts, mesh);
     let size = (3 * mesh.cells.nodes_each()).pow(2);
-    let kernel = |_: usize, x: &[Vec3], block: &mut [f64]| forms.stiffness(x, block);
+    let kernel = |i: usize, x: &[Vec3], block: &mut [f64]| forms[mesh.parts_of_cells[i]].stiffness(x, block);
     everywhere(mesh, assemble(&mesh.cells, 0..mesh.cells.len(), size, kernel, into_matrix(&mut matrix)))?;
     matrix.assemble()?;
     Ok(matrix)
 }
 
+/// D of the cells of some parts: the stiffness of their distortion for a shear modulus of 1 Pa. Collective.
+pub(super) fn distortion(mesh: &Mesh, is_of: impl Fn(usize) -> bool) -> Result<Matrix> {
+    let Mesh { comm, owned_nodes, cells, parts_of_cells, .. } = mesh;
+    let chosen: Vec<usize> = (0..cells.len()).filter(|i| is_of(parts_of_cells[*i])).collect();
+    let mut matrix = zeros(comm, *owned_nodes, cells, chosen.iter().copied())?;
+    let mut forms = SolidForms::of_lame(cells.shape, cells.order, Lame::DEVIATORIC, 0.0);
+    let size = (3 * cells.nodes_each()).pow(2);
+    let kernel = |_: usize, x: &[Vec3], block: &mut [f64]| forms.stiffness(x, block);
+    everywhere(mesh, assemble(cells, chosen, size, kernel, into_matrix(&mut matrix)))?;
+    matrix.assemble()?;
+    Ok(matrix)
+}
+
 /// M, alike in all three components, summed with one entry for a pair of nodes into a matrix of zeros. Collective.
-pub(super) fn mass_by_node(material: &Material, mesh: &Mesh, mut matrix: Matrix) -> Result<Matrix> {
+pub(super) fn mass_by_node(parts: &[Part], mesh: &Mesh, mut matrix: Matrix) -> Result<Matrix> {
     let cells = &mesh.cells;
-    let mut forms = forms(material, mesh);
+    let mut forms = forms(parts, mesh);
     let mut numbers = vec![0; cells.nodes_each()];
     let sink = |indices: &[Int], block: &[f64]| {
         numbers.iter_mut().zip(indices.iter().step_by(3)).for_each(|(node, unknown)| *node = unknown / 3);
         Ok(matrix.set_values(&numbers, &numbers, block, Insert::Add)?)
     };
     let size = cells.nodes_each().pow(2);
-    everywhere(mesh, assemble(cells, 0..cells.len(), size, |_, x, block| forms.mass_by_node(x, block), sink))?;
+    let kernel = |i: usize, x: &[Vec3], block: &mut [f64]| forms[mesh.parts_of_cells[i]].mass_by_node(x, block);
+    everywhere(mesh, assemble(cells, 0..cells.len(), size, kernel, sink))?;
     matrix.assemble()?;
     Ok(matrix)
 }
 
-/// The kernels of a material on the mesh's cells.
-pub(super) fn forms(material: &Material, mesh: &Mesh) -> SolidForms {
-    SolidForms::new(mesh.cells.shape, mesh.cells.order, *material)
+/// The kernels of each part's material on the mesh's cells.
+pub(super) fn forms(parts: &[Part], mesh: &Mesh) -> Vec<SolidForms> {
+    let of_part = |part: &Part| {
+        let (lame, density) = (part.material.relaxed(), part.material.instantaneous.density);
+        SolidForms::of_lame(mesh.cells.shape, mesh.cells.order, lame, density)
+    };
+    parts.iter().map(of_part).collect()
 }
 
 /// A tangled cell on one rank made a fault on all of them. Collective.

@@ -8,7 +8,7 @@ use super::geometry::{NAMES, PlateGeometry};
 /// Why a plate cannot take the scene's supports and loads: a clause. A plate bends, and is neither stretched in its plane nor pressed
 /// together across it.
 pub(super) fn check(scene: &Scene, geometry: &PlateGeometry, theory: PlateTheory) -> Result<(), String> {
-    if geometry.in_plane(scene.load.body_force) != [0.0; 2] {
+    if geometry.in_plane(scene.load.force_on(scene.body.struck().density)) != [0.0; 2] {
         return Err("load.body_force has a part in the plate's plane".into());
     }
     for (number, traction) in scene.load.traction.iter().enumerate() {

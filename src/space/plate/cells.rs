@@ -69,7 +69,7 @@ pub(super) fn lines(
 /// what the plate's impedance Z gives, k0 (v t)^{3/2} = Z v, within t.
 pub(in crate::space) fn contact_time(section: &Section, impactor: &Impactor) -> f64 {
     let Impactor { stiffness, speed, .. } = *impactor;
-    let impedance = zener::impedance((section.young, section.poisson), section.density, section.thickness);
+    let impedance = zener::impedance(&section.material(), section.thickness);
     let rise = (impedance / stiffness).powf(2.0 / 3.0) / speed.cbrt();
     impactor.contact_time().min(6.0 * rise)
 }
@@ -84,6 +84,7 @@ pub(in crate::space) fn wavelength(section: &Section, period: f64) -> f64 {
 pub fn crossing(scene: &Scene) -> f64 {
     let (body, impactor) = (&scene.body, &scene.impactor);
     let (Geometry::Box { size, .. }, Some(axis)) = (&body.geometry, scene.struck_axis()) else { return f64::INFINITY };
-    let speed = (0.5 * body.young / (1.0 + body.poisson) / body.density).sqrt();
+    let struck = body.struck();
+    let speed = (0.5 * struck.young / (1.0 + struck.poisson) / struck.density).sqrt();
     size[axis] / speed / impactor.contact_time()
 }

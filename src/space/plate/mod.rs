@@ -134,7 +134,7 @@ impl Plate {
         };
         let geometry = geometry(scene, theory).map_err(fault)?;
         let description = Description::new(scene);
-        let section = Section::new(geometry.thickness, &description.material);
+        let section = Section::new(geometry.thickness, &scene.body.struck());
         let local = (theory == PlateTheory::Mindlin).then(|| Local::new(&section, settings, geometry.room()));
         let disc = local.map(|local| local.radius);
         let in_plane = cells::lines(&geometry, &section, &scene.impactor, disc, settings.cell_size_factor)
@@ -161,6 +161,7 @@ impl Plate {
         let system = System {
             mass: of_classes(&points.tensor.matrix(&theory.mass(&section))),
             elastic: of_classes(&points.tensor.matrix(&elastic)),
+            relaxations: Vec::new(),
             support: terms.support.as_ref().map(of_classes),
             damping: terms.damping.as_ref().map(of_classes),
             pads: terms.pads,

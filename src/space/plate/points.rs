@@ -5,6 +5,7 @@
 
 use super::geometry::PlateGeometry;
 use super::{Local, PlateTheory};
+use crate::description::Part as BodyPart;
 use crate::form::Parity;
 use crate::form::plate::{AREA, Section, deflection, rotation};
 use crate::form::stress::place;
@@ -156,7 +157,9 @@ impl GridField for Points {
         self.displacement_by(x, |part, point, factor| self.tensor.at_point(part, point, factor))
     }
 
-    fn body_force(&self, force: Vec3) -> Vec<f64> {
+    fn body_force(&self, parts: &[BodyPart]) -> Vec<f64> {
+        // A plate theory has one material, and so the same force everywhere.
+        let force = parts.first().map_or([0.0; 3], |part| part.force);
         let factor = self.geometry.across(force) * self.section.thickness;
         self.tensor.vector(&[Linear { factor, part: deflection([0, 0]), place: AREA }])
     }

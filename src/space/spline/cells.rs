@@ -5,7 +5,7 @@ use super::geometry::BoxGeometry;
 use super::patch::PatchModel;
 use crate::form::plate::Section;
 use crate::form::spline::WIDTH;
-use crate::scene::Scene;
+use crate::scene::{Composition, Layer, Parts, Scene};
 use crate::space::grading::{Side, Sizes};
 use crate::space::plate::{contact_time, wavelength};
 
@@ -45,7 +45,9 @@ pub(super) fn lines(
     });
     let folds = |axis: usize| patch.bends && axis == geometry.struck;
     let functions = |axis: usize| {
-        let all = sides[axis].iter().map(Side::cells).sum::<f64>() + DEGREE as f64;
+        // Each layer adds a cell, and functions that end at its interfaces.
+        let of_layers = if axis == 2 { (DEGREE * geometry.interfaces.len().saturating_sub(2)) as f64 } else { 0.0 };
+        let all = sides[axis].iter().map(Side::cells).sum::<f64>() + DEGREE as f64 + of_layers;
         if folds(axis) { 0.5 * all } else { all }
     };
     let unknowns = 3.0 * (0..3).map(functions).product::<f64>();
@@ -58,6 +60,9 @@ pub(super) fn lines(
             // As many, alike above and below the middle.
             let (cells, [low, high]) = (folded(&sides[axis]), geometry.ends(axis));
             return (0..=cells).map(|i| low + (high - low) * i as f64 / cells as f64).collect();
+        }
+        if axis == 2 && !geometry.interfaces.is_empty() {
+            return in_layers(&geometry.interfaces, hit, &sides[axis]);
         }
         let [below, above] = sides[axis].each_ref().map(Side::lines);
         let times = if below.is_empty() || above.is_empty() { 1 } else { 2 };
@@ -76,6 +81,21 @@ pub(super) fn lines(
     Ok(lines)
 }
 
+/// Lines across layers, from a hit on the uppermost or the lowermost face: of each layer as many cells as the sizes ask for, and one at least.
+fn in_layers(interfaces: &[f64], hit: f64, sides: &[Side; 2]) -> Vec<f64> {
+    let (is_from_below, side) = if sides[0].length < sides[1].length { (true, sides[1]) } else { (false, sides[0]) };
+    let sign = if is_from_below { 1.0 } else { -1.0 };
+    let mut lines = vec![interfaces[0]];
+    for ends in interfaces.windows(2) {
+        let [from, to] = [ends[0], ends[1]].map(|end| side.count((sign * (end - hit)).max(0.0)));
+        // The cast is of a small number.
+        let cells = ((to - from).abs() * (1.0 - 1e-9)).ceil().max(1.0) as usize;
+        lines.extend((1..cells).map(|i| hit + sign * side.distance(from + (to - from) * i as f64 / cells as f64)));
+        lines.push(ends[1]);
+    }
+    lines
+}
+
 /// Cells across a thickness whose functions are folded: as many as without, and no more than there may be of such.
 fn folded(sides: &[Side; 2]) -> usize {
     let cells = sides.iter().map(Side::cells).sum::<f64>();
@@ -86,8 +106,22 @@ fn folded(sides: &[Side; 2]) -> usize {
 fn shortest_wave(geometry: &BoxGeometry, scene: &Scene) -> f64 {
     let body = &scene.body;
     let thickness = geometry.size.into_iter().fold(f64::INFINITY, f64::min);
-    let section = Section { thickness, young: body.young, poisson: body.poisson, density: body.density };
+    let section = match body.composition.uniform() {
+        Some(material) => Section::new(thickness, material),
+        None => sliding(&body.composition, thickness),
+    };
     let time = contact_time(&section, &scene.impactor);
     let shear = (section.shear() / (section.density * thickness)).sqrt();
     wavelength(&section, time).min(shear * time)
+}
+
+/// A plate with the mass of layers and the stiffness that they have while they slide on each other: its waves are the shortest.
+fn sliding(composition: &Composition, thickness: f64) -> Section {
+    let struck = composition.struck;
+    let density = composition.density().unwrap_or(struck.density);
+    let Parts::Layers(layers) = &composition.parts else { return Section::new(thickness, &struck) };
+    let of_layer = |layer: &Layer| Section::new(layer.thickness, &layer.material.instantaneous).rigidity();
+    let rigidity: f64 = layers.iter().map(of_layer).sum();
+    let young = struck.young * rigidity / Section::new(thickness, &struck).rigidity();
+    Section { thickness, young, poisson: struck.poisson, density }
 }

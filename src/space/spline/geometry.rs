@@ -14,6 +14,8 @@ pub(super) struct BoxGeometry {
     pub hit: Vec3,
     /// The axis across the face that is hit.
     pub struck: usize,
+    /// Heights along z between layers that differ, ends included, m; empty for one material.
+    pub interfaces: Vec<f64>,
     /// Axes across planes of symmetry: where their coordinates are positive is the modelled part.
     pub mirrors: Vec<usize>,
 }
@@ -39,7 +41,11 @@ impl BoxGeometry {
             Symmetry::Quarter { axes } => axes.to_vec(),
             Symmetry::None { .. } | Symmetry::Parts { .. } => Vec::new(),
         };
-        Ok(Self { size: *size, hit: scene.impactor.point, struck, mirrors })
+        let interfaces = scene.body.composition.interfaces();
+        if !interfaces.is_empty() && struck != 2 {
+            return Err("a side of its layers is hit".into());
+        }
+        Ok(Self { size: *size, hit: scene.impactor.point, struck, interfaces, mirrors })
     }
 
     /// How many of the modelled part make the whole.

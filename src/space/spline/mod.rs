@@ -15,11 +15,12 @@ mod points;
 use super::SurfaceTerms;
 use super::grid::GridSpace;
 use crate::body::System;
-use crate::description::Description;
+use crate::description::{Description, Part, Portion};
 use crate::error::Result;
-use crate::form::elastic::{elastic, mass};
-use crate::form::tensor::Tensor;
-use crate::form::{Parity, Spline};
+use crate::form::elastic::{VOLUME, elastic, mass};
+use crate::form::tensor::{Along, Square, Tensor};
+use crate::form::{Lame, Parity, Spline};
+use crate::material::Maxwell;
 use crate::scene::{Fault, Scene, Vec3};
 
 pub use points::Points;
@@ -88,15 +89,24 @@ impl SplineSolid {
         let lines = cells::lines(&geometry, scene, &patch, settings.cell_size_factor).map_err(fault)?;
         let cells = lines.each_ref().map(|lines| lines.windows(2).filter(|pair| pair[0] < pair[1]).count());
         let description = Description::new(scene);
-        let tensor = tensor(&lines, patch.bends.then_some(geometry.struck));
-        let (mass, elastic) =
-            (tensor.matrix(&mass(&description.material)), tensor.matrix(&elastic(&description.material)));
-        let points = Points::new(tensor, lines, &description.material, (&geometry, &patch));
+        let tensor = tensor(&lines, &inner(&geometry.interfaces), patch.bends.then_some(geometry.struck));
+        let parts = &description.parts;
+        let of_parts =
+            |forms: &dyn Fn(&Part) -> Vec<Square<3>>| tensor.matrix(&parts.iter().flat_map(forms).collect::<Vec<_>>());
+        let mass = of_parts(&|part| mass(part.material.instantaneous.density, place(part)));
+        let stiffness = of_parts(&|part| elastic(part.material.relaxed(), place(part)));
+        let relaxation = |(chain, of): (&Maxwell, Vec<usize>)| {
+            let forms: Vec<_> = of.iter().flat_map(|part| elastic(Lame::DEVIATORIC, place(&parts[*part]))).collect();
+            (tensor.matrix(&forms), chain.clone())
+        };
+        let relaxations = description.relaxations().into_iter().map(relaxation).collect();
+        let points = Points::new(tensor, lines, parts, (&geometry, &patch));
         let terms = SurfaceTerms::new(&GridSpace { field: &points, mirrors: &geometry.mirrors }, &description)?;
         let copies = geometry.copies();
         let system = System {
             mass,
-            elastic,
+            elastic: stiffness,
+            relaxations,
             support: terms.support,
             damping: terms.damping,
             pads: terms.pads,
@@ -127,11 +137,27 @@ fn translation(tensor: &Tensor<3>, direction: Vec3) -> Vec<f64> {
     sum
 }
 
-/// The three components between the lines; of a body that bends alone across an axis, those of its parities.
-fn tensor(lines: &[Vec<f64>; 3], bends: Option<usize>) -> Tensor<3> {
+/// Where a part is, for integrals along the axes.
+fn place(part: &Part) -> [Along; 3] {
+    match part.portion {
+        Portion::Layer(ends) => [Along::All, Along::All, Along::Within(ends)],
+        Portion::All | Portion::Volume(_) => VOLUME,
+    }
+}
+
+/// Interfaces without the ends of the box.
+fn inner(interfaces: &[f64]) -> Vec<f64> {
+    interfaces.iter().skip(1).take(interfaces.len().saturating_sub(2)).copied().collect()
+}
+
+/// The three components between the lines; of a body that bends alone across an axis, those of its parities. Across interfaces (heights
+/// along z that are lines) strains jump: their lines are repeated until the splines are continuous and no more.
+fn tensor(lines: &[Vec<f64>; 3], interfaces: &[f64], bends: Option<usize>) -> Tensor<3> {
     let spline = |component: usize, axis: usize| {
         let degree = if axis == component { DEGREE - 1 } else { DEGREE };
-        let spline = Spline::new(&lines[axis], degree, degree - 1);
+        let times = |x: &f64| if axis == 2 && interfaces.contains(x) { degree } else { 1 };
+        let lines: Vec<f64> = lines[axis].iter().flat_map(|x| std::iter::repeat_n(*x, times(x))).collect();
+        let spline = Spline::new(&lines, degree, degree - 1);
         match bends {
             Some(across) if across == axis => spline.folded(if axis == component { Parity::Even } else { Parity::Odd }),
             _ => spline,
@@ -155,7 +181,7 @@ mod tests {
     /// The lowest squared frequency of a box between walls on which it slides, with cells along two axes, by inverse iteration.
     fn square(cells: usize) -> f64 {
         let lines = |axis: usize, cells: usize| (0..=cells).map(|i| EDGES[axis] * i as f64 / cells as f64).collect();
-        let tensor = tensor(&[lines(0, cells), lines(1, cells), lines(2, 1)], None);
+        let tensor = tensor(&[lines(0, cells), lines(1, cells), lines(2, 1)], &[], None);
         let mut free = Vec::new();
         for component in 0..3 {
             let [x, y, z] = tensor.splines(component).each_ref().map(Spline::functions);
@@ -167,7 +193,7 @@ mod tests {
             }
         }
         let of_free = |forms: Vec<_>| DMatrix::from(&tensor.matrix(&forms)).select_rows(&free).select_columns(&free);
-        let (mass, elastic) = (of_free(mass(&MATERIAL)), of_free(elastic(&MATERIAL)));
+        let (mass, elastic) = (of_free(mass(MATERIAL.density, VOLUME)), of_free(elastic(MATERIAL.lame(), VOLUME)));
         let factor = elastic.clone().cholesky().expect("a box that is held");
         let mut u = DVector::from_fn(free.len(), |i, _| 1.0 + (i % 7) as f64);
         for _ in 0..30 {
@@ -181,7 +207,7 @@ mod tests {
     fn order_of_frequencies() {
         // A shear wave along the two longer axes.
         let wavenumber = (PI / EDGES[0]).powi(2) + (PI / EDGES[1]).powi(2);
-        let exact = MATERIAL.lame().1 / MATERIAL.density * wavenumber;
+        let exact = MATERIAL.lame().mu / MATERIAL.density * wavenumber;
         let errors = [3, 5].map(|cells| square(cells) / exact - 1.0);
         let order = (errors[0] / errors[1]).ln() / (5.0_f64 / 3.0).ln();
         assert!(order > 5.5 && errors[1] < 1e-5 && errors[1] > 0.0, "order {order}, {errors:?}");

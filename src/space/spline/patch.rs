@@ -40,8 +40,8 @@ impl PatchModel {
     /// # Errors
     /// A fault of the scene where there is none.
     pub fn new(geometry: &BoxGeometry, scene: &Scene) -> Result<Self> {
-        let (body, impactor) = (&scene.body, &scene.impactor);
-        let thickness = geometry.size[geometry.struck];
+        let (struck, impactor) = (scene.body.struck(), &scene.impactor);
+        let thickness = scene.body.struck_thickness(geometry.size[geometry.struck]);
         let room = geometry.plane().map(|axis| 0.5 * geometry.size[axis] - geometry.hit[axis].abs());
         let room = room[0].min(room[1]);
         let key = if matches!(scene.contact, Contact::Patch { radius: Some(_) }) {
@@ -63,19 +63,19 @@ impl PatchModel {
             let message = format!("a patch of radius {radius:.3e} m has no room at {room:.3e} m from an edge");
             return Err(fault(message, far).into());
         }
-        let is_layer = is_layer(geometry, scene);
+        let is_layer = geometry.interfaces.is_empty() && is_layer(geometry, scene);
         let is_plate = is_layer && room >= OF_THICKNESS[0] * thickness;
         let bends = is_plate && is_bent(geometry, scene);
-        let half_space = unit_compliance(body, impactor.direction[geometry.struck]);
+        let half_space = unit_compliance(&struck, impactor.direction[geometry.struck]);
         let compliance = |disc: f64| {
             let spread = Spread::new((radius / disc).min(1.0));
-            let of_layer = if is_plate { beyond_half_space(&spread, body.poisson, disc / thickness) } else { 0.0 };
-            let of_squeezing = if bends { squeezing(&spread, body.poisson, disc / thickness) } else { 0.0 };
-            half_space * spread.compliance() / disc + (of_layer - of_squeezing) / (body.young * thickness)
+            let of_layer = if is_plate { beyond_half_space(&spread, struck.poisson, disc / thickness) } else { 0.0 };
+            let of_squeezing = if bends { squeezing(&spread, struck.poisson, disc / thickness) } else { 0.0 };
+            half_space * spread.compliance() / disc + (of_layer - of_squeezing) / (struck.young * thickness)
         };
-        let mass = body.density * geometry.size.iter().product::<f64>();
+        let mass = scene.body.mass().unwrap_or_default();
         // Discs on which the contact law has no stiffness left: on a half-space, and at least.
-        let limits = |disc: f64| limits(body, impactor, mass, thickness, disc * compliance(disc));
+        let limits = |disc: f64| limits(&struck, impactor, mass, thickness, disc * compliance(disc));
         let mut disc = (OF_THICKNESS[usize::from(!is_plate)] * thickness).min(room).max(radius);
         for _ in 0..20 {
             disc = disc.max(MARGIN * limits(disc).0).min(room.max(radius));
@@ -127,6 +127,7 @@ fn is_bent(geometry: &BoxGeometry, scene: &Scene) -> bool {
     crossing(scene) <= SLOW
         && scene.load.traction.is_empty()
         && across(scene.load.body_force)
+        && across(scene.load.gravity)
         && scene.supports.iter().all(|support| {
             across(support.displacement) && !support.couples_stretching(geometry.struck, geometry.size[geometry.struck])
         })

@@ -1,18 +1,19 @@
 //! Displacement and stress at the points of a box of splines.
 
+use crate::description::Part as BodyPart;
 use crate::element::gauss_legendre;
-use crate::form::elastic::{VOLUME, displacement};
+use crate::form::Spread;
+use crate::form::elastic::displacement;
 use crate::form::stress::place;
 use crate::form::tensor::{Linear, Part, Tensor};
-use crate::form::{Material, Spread};
 use crate::scene::Vec3;
 use crate::space::evaluate::{Add, Form, Forms, Hit, PointEvaluator, add, divided, summed};
 use crate::space::grid::GridField;
 use crate::stack::{Pressure, Sections};
 
-use super::DEGREE;
 use super::geometry::BoxGeometry;
 use super::patch::PatchModel;
+use super::{DEGREE, inner, place as place_of};
 
 /// Hexahedra in a cell of splines along each axis, where fields are written.
 const PIECES: usize = 2;
@@ -36,8 +37,10 @@ fn across_face(component: usize, across: usize) -> usize {
 pub struct Points {
     pub(super) tensor: Tensor<3>,
     pub(super) lines: [Vec<f64>; 3],
-    /// Hooke's law: stresses over ∂u_i/∂x_j.
-    law: [[f64; 9]; 6],
+    /// Hooke's law of each part, from below: stresses over ∂u_i/∂x_j. Of a relaxing part it is that at t → 0.
+    laws: Vec<[[f64; 9]; 6]>,
+    /// Heights between the parts, m: there the upper one's law counts, as the upper cell's strains do.
+    interfaces: Vec<f64>,
     /// The pressure, and the radius of the disc that it is on, m.
     spread: Spread,
     disc: f64,
@@ -54,13 +57,14 @@ impl Points {
     pub(super) fn new(
         tensor: Tensor<3>,
         lines: [Vec<f64>; 3],
-        material: &Material,
+        parts: &[BodyPart],
         (geometry, patch): (&BoxGeometry, &PatchModel),
     ) -> Self {
         Self {
             tensor,
             lines,
-            law: material.stress_of_gradient(),
+            laws: parts.iter().map(|part| part.material.instantaneous.stress_of_gradient()).collect(),
+            interfaces: inner(&geometry.interfaces),
             spread: patch.spread,
             disc: patch.disc,
             hit: geometry.hit,
@@ -68,6 +72,11 @@ impl Points {
             is_layer: patch.is_layer,
             bends: patch.bends,
         }
+    }
+
+    /// Hooke's law at a point; on the top of the box, of its last part.
+    fn law(&self, x: Vec3) -> &[[f64; 9]; 6] {
+        &self.laws[self.interfaces.partition_point(|height| *height <= x[2])]
     }
 }
 
@@ -88,8 +97,12 @@ impl GridField for Points {
         [0, 1, 2].map(|axis| self.tensor.at_point(displacement(axis), x, 1.0))
     }
 
-    fn body_force(&self, force: Vec3) -> Vec<f64> {
-        let forms = (0..3).map(|i| Linear { factor: force[i], part: displacement(i), place: VOLUME });
+    fn body_force(&self, parts: &[BodyPart]) -> Vec<f64> {
+        let of_part = |part: &BodyPart| {
+            let (force, place) = (part.force, place_of(part));
+            (0..3).map(move |i| Linear { factor: force[i], part: displacement(i), place })
+        };
+        let forms = parts.iter().flat_map(of_part);
         self.tensor.vector(&forms.filter(|form| form.factor != 0.0).collect::<Vec<_>>())
     }
 }
@@ -101,7 +114,7 @@ impl PointEvaluator for Points {
             let mut derivatives = [0; 3];
             derivatives[j] = 1;
             let slope = self.tensor.at_point(Part { field: i, derivatives }, x, 1.0);
-            stress.iter_mut().zip(&self.law).for_each(|(form, row)| add(form, row[3 * i + j], &slope));
+            stress.iter_mut().zip(self.law(x)).for_each(|(form, row)| add(form, row[3 * i + j], &slope));
         }
         Forms { displacement: self.displacement(x), stress: stress.map(summed), local: None }
     }
@@ -131,7 +144,7 @@ impl PointEvaluator for Points {
             let mut derivatives = [0; 3];
             derivatives[j] = 1;
             self.tensor.each_at(Part { field: i, derivatives }, x, 1.0, |first, values| {
-                for (component, row) in self.law.iter().enumerate() {
+                for (component, row) in self.law(x).iter().enumerate() {
                     let factor = row[3 * i + j];
                     if factor != 0.0 && across_face(component, self.struck) == 0 {
                         let entries = values.iter().enumerate().filter(|(_, value)| **value != 0.0);
@@ -167,7 +180,7 @@ impl PointEvaluator for Points {
                     let mut derivatives = [0; 3];
                     derivatives[j] = 1;
                     self.tensor.each_at(Part { field: i, derivatives }, at, 1.0, |first, values| {
-                        for (component, row) in self.law.iter().enumerate() {
+                        for (component, row) in self.law(at).iter().enumerate() {
                             let factor = row[3 * i + j]
                                 * match across_face(component, across) {
                                     0 => along,

@@ -173,14 +173,14 @@ pub fn comparable(path: &Path, history: History) -> Result<History> {
 pub fn check_same_impact(path: &Path, scene: &Scene, text: &str) -> Result<()> {
     let Provenance { scene: there, folder, .. } = read::provenance(path)?;
     let (mut other, _) = Scene::within(&path.display().to_string(), Path::new(&folder), &there, &[])?;
-    let Body { young, poisson, density, geometry, .. } = other.body;
+    let Body { composition, temperature, geometry, .. } = other.body;
     let geometry = match (geometry, &scene.body.geometry) {
         (Geometry::Box { size, .. }, Geometry::Box { size: same, .. }) if size == *same => scene.body.geometry.clone(),
         // A mesh may be a finer one of the same body.
         (Geometry::Gmsh(_), Geometry::Gmsh(_)) => scene.body.geometry.clone(),
         (geometry, _) => geometry,
     };
-    other.body = Body { young, poisson, density, geometry, ..scene.body.clone() };
+    other.body = Body { composition, temperature, geometry, ..scene.body.clone() };
     let same = Scene {
         body: other.body,
         supports: other.supports,
@@ -195,6 +195,9 @@ pub fn check_same_impact(path: &Path, scene: &Scene, text: &str) -> Result<()> {
         "body.young",
         "body.poisson",
         "body.density",
+        "body.layer",
+        "body.temperature",
+        "material",
         "body.size",
         "body.mesh",
         "support",

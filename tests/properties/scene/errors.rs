@@ -1,6 +1,6 @@
 //! Every fault in a scene is refused with a message that names the key and the line and says what would be right.
 
-use crate::bad_scenes::{BadScene, GOOD, MESH, QUARTER, SMALL, table};
+use crate::bad_scenes::{BadScene, GOOD, MESH, QUARTER, SMALL, layers, table};
 use ricochet::scene::{Scene, SceneError};
 use ricochet::{Error, Result};
 
@@ -17,7 +17,7 @@ fn report(error: SceneError) -> String {
 
 #[test]
 fn the_scenes_that_the_table_edits_are_good() -> Result<()> {
-    for text in [GOOD, MESH, SMALL, QUARTER] {
+    for text in [GOOD, MESH, SMALL, QUARTER, layers::LAMINATE] {
         Scene::parse("good.toml", text, &[])?;
     }
     Ok(())

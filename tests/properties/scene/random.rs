@@ -3,6 +3,7 @@
 use crate::bad_scenes::{GOOD, MESH, QUARTER, SMALL};
 use proptest::prelude::*;
 use ricochet::Error;
+use ricochet::form::Material;
 use ricochet::scene::{Geometry, Scene, Scheme, SupportKind, Vec3};
 
 /// Positive numbers over the scales that scenes have.
@@ -130,7 +131,7 @@ proptest! {
         let (scene, _) = Scene::parse("scene.toml", &text, &[]).map_err(|e| TestCaseError::fail(e.to_string()))?;
         prop_assert_eq!(scene.title, "Plate \u{3b1}");
         let body = &scene.body;
-        prop_assert_eq!((body.young, body.poisson, body.density, body.order), (young, poisson, density, order));
+        prop_assert_eq!((body.struck(), body.order), (Material { young, poisson, density }, order));
         let Geometry::Box { size: found, planes, .. } = &body.geometry else {
             return Err(TestCaseError::fail("a size was given"));
         };
@@ -219,6 +220,11 @@ fn key() -> impl Strategy<Value = &'static str> {
         "body.poisson",
         "body.size",
         "body.size.2",
+        "body.layer",
+        "body.layer.1.thickness",
+        "body.temperature",
+        "material.interlayer.prony.0",
+        "material.interlayer.shear",
         "body.cells",
         "body.grading",
         "body.symmetry",

@@ -18,7 +18,10 @@ fn keys<'a>(root: &'a Value, table: &'a Value, path: &str, into: &mut Vec<(Strin
         // A table, those of an array, or one that may be left out.
         let candidates = [&value["items"], &value["anyOf"][0]];
         let entry = candidates.into_iter().find(|entry| entry["$ref"].is_string()).unwrap_or(value);
-        if resolved(entry)["properties"].is_object() {
+        let of_name = &value["additionalProperties"];
+        if of_name["$ref"].is_string() && resolved(of_name)["properties"].is_object() {
+            keys(root, of_name, &format!("{path}.NAME"), into);
+        } else if resolved(entry)["properties"].is_object() {
             keys(root, entry, &path, into);
             if !std::ptr::eq(entry, value) && path.contains('.') {
                 into.push((path, value));

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::bad_scenes::{GOOD, MESH, SMALL};
 use ricochet::Result;
+use ricochet::form::Material;
 use ricochet::scene::{
     Contact, Geometry, Model, Newton, Output, Probe, Reduction, Scene, Scheme, Solver, SupportKind, Symmetry,
 };
@@ -133,7 +134,8 @@ fn the_paper_s_scenes_have_the_paper_s_plates_and_impactor() -> Result<()> {
         assert_eq!((scene.contact, scene.solver.newton), (Contact::Point, Newton::Full));
         assert_eq!((scene.body.model, scene.body.reduction), (Model::Solid, Reduction::None));
         assert_eq!((scene.time.modal, scene.time.scheme), (false, Scheme::Newmark { beta: 0.25, gamma: 0.5 }));
-        assert_eq!((scene.body.young, scene.body.poisson, scene.body.density), (70e9, 0.23, 2500.0));
+        assert_eq!(scene.body.struck(), Material { young: 70e9, poisson: 0.23, density: 2500.0 });
+        assert_eq!(scene.body.composition.uniform(), Some(&scene.body.struck()));
         assert_eq!((scene.impactor.mass, scene.impactor.radius), (52.0, Some(0.05)));
         assert_eq!(scene.impactor.point, [0.0, 0.0, size[2] / 2.0]);
         assert_eq!((scene.time.end, scene.time.step), (end, Some(2e-5)));

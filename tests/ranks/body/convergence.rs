@@ -9,7 +9,7 @@ use petsc_wrap::{Comm, Gather, Int, Session, Vector, mpi};
 use ricochet::body::Body;
 use ricochet::description::{Description, Extent};
 use ricochet::element::{Element, Quadrature, Shape, Table};
-use ricochet::form::{Material, SolidForms};
+use ricochet::form::{Lame, Material, SolidForms};
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
 use ricochet::solve::linear::{Method, solver};
@@ -35,7 +35,7 @@ fn displacement(x: [f64; 3]) -> [f64; 3] {
 
 /// σ·n for n along the z axis: (4), (5).
 fn stress_on_z(x: [f64; 3]) -> [f64; 3] {
-    let (lambda, mu) = MATERIAL.lame();
+    let Lame { lambda, mu } = MATERIAL.lame();
     let slope = |i: usize, j: usize| WAVES[i][j] * angle(i, x).cos();
     let divergence = slope(0, 0) + slope(1, 1) + slope(2, 2);
     [0, 1, 2].map(|i| mu * (slope(i, 2) + slope(2, i)) + if i == 2 { lambda * divergence } else { 0.0 })
@@ -43,7 +43,7 @@ fn stress_on_z(x: [f64; 3]) -> [f64; 3] {
 
 /// −div σ = −(λ + μ) ∇ div u − μ Δu, the body force that the field needs.
 fn body_force(x: [f64; 3]) -> [f64; 3] {
-    let (lambda, mu) = MATERIAL.lame();
+    let Lame { lambda, mu } = MATERIAL.lame();
     let curvature = |i: usize, j: usize, l: usize| -WAVES[i][j] * WAVES[i][l] * angle(i, x).sin();
     [0, 1, 2].map(|i| {
         let gradient: f64 = (0..3).map(|j| curvature(j, j, i)).sum();

@@ -9,8 +9,8 @@ use crate::field::interpolate;
 use petsc_wrap::{Comm, Gather, Int, Session, Vector};
 use ricochet::body::{Body, System};
 use ricochet::element::Shape;
-use ricochet::form::Material;
 use ricochet::form::stress::{place, principal};
+use ricochet::form::{Lame, Material};
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
 use ricochet::solve::linear::{Method, solver};
@@ -70,7 +70,7 @@ fn read(forms: &Forms, u: &[f64]) -> ([f64; 3], [f64; 6]) {
 
 /// Stresses of a displacement's slopes.
 fn hooke(slope: impl Fn(usize, usize) -> f64) -> [f64; 6] {
-    let (lambda, mu) = material().lame();
+    let Lame { lambda, mu } = material().lame();
     let divergence: f64 = (0..3).map(|i| slope(i, i)).sum();
     let mut stress = [0.0; 6];
     for (i, j) in [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)] {

@@ -10,6 +10,7 @@ use crate::start::{run, start};
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
 use ricochet::contact::zener;
+use ricochet::form::Material;
 
 /// On one rank: other tests show that the series are the same on several.
 pub const RANKS: &[usize] = &[1];
@@ -84,7 +85,7 @@ fn error(comm: &Comm, impact: &Impact) -> f64 {
     let contact = length * THICKNESS / shear;
     // T = (m0²/(k0² v))^{1/5} and λ = k0^{2/5} v^{1/5} m0^{3/5}/Z at v = 1 m/s give m0 = λ Z T and k0 = m0/T^{5/2}.
     let unit = contact / (STEP * (forces.len() - 1) as f64);
-    let mass = lambda * zener::impedance((young, poisson), density, THICKNESS) * unit;
+    let mass = lambda * zener::impedance(&Material { young, poisson, density }, THICKNESS) * unit;
     let stiffness = mass / unit.powf(2.5);
     let rayleigh = (0.862 + 1.14 * poisson) / (1.0 + poisson) * shear;
     let edge = rayleigh * contact;

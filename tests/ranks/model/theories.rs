@@ -5,6 +5,7 @@ use crate::modelled::run;
 use mpi_test::{Test, tests};
 use petsc_wrap::Session;
 use ricochet::contact::zener;
+use ricochet::form::Material;
 
 pub const RANKS: &[usize] = &[1, 2];
 pub const TESTS: &[Test<Session>] =
@@ -44,7 +45,7 @@ fn infinite_plate(session: &Session) {
         (2.0, 0.02068, 0.36466, 8.48322),
     ];
     let (m, v) = (2.0_f64, 3.0_f64);
-    let impedance = zener::impedance((70e9, 0.23), 2500.0, 0.1);
+    let impedance = zener::impedance(&Material { young: 70e9, poisson: 0.23, density: 2500.0 }, 0.1);
     for (lambda, restitution, peak, time) in table {
         let k = (lambda * impedance / (v.powf(0.2) * m.powf(0.6))).powf(2.5);
         let unit = (m * m / (k * k * v)).powf(0.2);

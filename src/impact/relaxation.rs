@@ -1,0 +1,138 @@
+//! Relaxing parts of a body over a step, exactly for displacements that are linear over it.
+//!
+//! Each term keeps the stretch of its spring, w = u − z, and D w. Over a step w⁺ = E w + φ Δu ([`Decay`]), so that the body's force K u +
+//! Σ G_i D w_i changes by (K + Σ G_i φ_i D) Δu − Σ G_i (1 − E_i) D w_i. Stored are ½ Σ G_i wᵀD w; the dashpots take the rest of the work.
+//! A translation of all of the body is left out of Δu: D knows none, but its rounding does.
+
+use petsc_wrap::Vector;
+
+use crate::body::{Body, Relaxation};
+use crate::error::Result;
+use crate::material::Decay;
+
+use super::checkpoint::Carrier;
+
+/// The state of one term.
+pub struct Lag {
+    /// w, m.
+    stretch: Vector,
+    /// D w, m².
+    distortion: Vector,
+}
+
+/// What relaxing parts exchanged over a step, J.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Relaxed {
+    /// Taken by the dashpots.
+    pub dissipated: f64,
+    /// What is stored and dissipated, less the work of the mean of the forces at both ends, which a scheme counts.
+    pub numerical: f64,
+}
+
+/// All terms of a body with their factors for one step size.
+pub struct Relaxing {
+    /// By relaxation and term: G, Pa, and the factors.
+    terms: Vec<Vec<(f64, Decay)>>,
+    /// Δu without the translation, m.
+    bent: Vector,
+    /// D Δu.
+    moved: Vector,
+}
+
+impl Lag {
+    /// Of all terms of a body that has rested.
+    pub(super) fn all(body: &Body) -> Result<Vec<Self>> {
+        let count: usize = body.relaxations.iter().map(|relaxation| relaxation.chain.terms.len()).sum();
+        (0..count).map(|_| Ok(Self { stretch: body.load.duplicate()?, distortion: body.load.duplicate()? })).collect()
+    }
+
+    pub(super) fn copy_from(&mut self, other: &Self) -> Result<()> {
+        self.stretch.copy_from(&other.stretch)?;
+        Ok(self.distortion.copy_from(&other.distortion)?)
+    }
+
+    /// To a checkpoint or from it.
+    pub(super) fn carry(lags: &mut [Self], carrier: &mut Carrier) -> Result<()> {
+        for (number, lag) in lags.iter_mut().enumerate() {
+            carrier.vector(&format!("stretch.{number}"), &mut lag.stretch)?;
+            carrier.vector(&format!("distortion.{number}"), &mut lag.distortion)?;
+        }
+        Ok(())
+    }
+}
+
+/// The moduli of a body's terms, in the order of their lags.
+fn moduli(body: &Body) -> impl Iterator<Item = f64> {
+    body.relaxations.iter().flat_map(|relaxation: &Relaxation| relaxation.chain.terms.iter().map(|term| term.modulus))
+}
+
+/// out ← out + Σ G_i D w_i.
+pub(super) fn add_force(body: &Body, lags: &[Lag], out: &mut Vector) -> Result<()> {
+    moduli(body).zip(lags).try_for_each(|(modulus, lag)| Ok(out.axpy(modulus, &lag.distortion)?))
+}
+
+/// Σ G_i (½ wᵀD w − ½ uᵀD w), J: what the terms store beyond half of the product of u with their force. Collective.
+pub(super) fn stored_beyond(body: &Body, lags: &[Lag], u: &Vector, surface: f64) -> Result<f64> {
+    let mut sum = 0.0;
+    for (modulus, lag) in moduli(body).zip(lags) {
+        let Lag { stretch, distortion } = lag;
+        let bent = distortion.dot(u)? - surface * distortion.dot(&body.translation)?;
+        sum += 0.5 * modulus * (distortion.dot(stretch)? - bent);
+    }
+    Ok(sum)
+}
+
+impl Relaxing {
+    /// For a step size, s; `None` for a body without relaxation.
+    pub(super) fn new(body: &Body, step: f64) -> Result<Option<Self>> {
+        if body.relaxations.is_empty() {
+            return Ok(None);
+        }
+        let of = |relaxation: &Relaxation| -> Vec<(f64, Decay)> {
+            relaxation.chain.terms.iter().map(|term| (term.modulus, Decay::new(step, term.time))).collect()
+        };
+        let terms = body.relaxations.iter().map(of).collect();
+        Ok(Some(Self { terms, bent: body.load.duplicate()?, moved: body.load.duplicate()? }))
+    }
+
+    /// out ← out + factor Σ G_i (1 − E_i) D w_i: what the force loses over a step without motion.
+    pub(super) fn add_lost(&self, lags: &[Lag], factor: f64, out: &mut Vector) -> Result<()> {
+        let terms = self.terms.iter().flatten().zip(lags);
+        terms
+            .into_iter()
+            .try_for_each(|((modulus, decay), lag)| Ok(out.axpy(factor * modulus * decay.lost, &lag.distortion)?))
+    }
+
+    /// The lags after a step by an increment Δu (m). Collective.
+    pub(super) fn advance(&mut self, body: &Body, increment: &Vector, from: &[Lag], to: &mut [Lag]) -> Result<Relaxed> {
+        let Self { terms, bent, moved } = self;
+        bent.copy_from(increment)?;
+        bent.axpy(-body.localization.vector.dot(increment)?, &body.translation)?;
+        let mut relaxed = Relaxed::default();
+        let mut number = 0;
+        for (relaxation, terms) in body.relaxations.iter().zip(terms) {
+            relaxation.distortion.mult(bent, moved)?;
+            let square = moved.dot(bent)?;
+            for (modulus, decay) in terms.iter() {
+                let (before, after) = (&from[number], &mut to[number]);
+                let (stored, mixed) = (before.distortion.dot(&before.stretch)?, before.distortion.dot(bent)?);
+                let Decay { left: e, taken: phi, .. } = *decay;
+                for (out, old, change) in [
+                    (&mut after.stretch, &before.stretch, &*bent),
+                    (&mut after.distortion, &before.distortion, &*moved),
+                ] {
+                    out.copy_from(old)?;
+                    out.scale(e)?;
+                    out.axpy(phi, change)?;
+                }
+                let dissipated = decay.loss([stored, mixed, square]);
+                let end = e * e * stored + 2.0 * e * phi * mixed + phi * phi * square;
+                let mean = 0.5 * ((1.0 + e) * mixed + phi * square);
+                relaxed.dissipated += modulus * dissipated;
+                relaxed.numerical += modulus * (0.5 * (end - stored) + dissipated - mean);
+                number += 1;
+            }
+        }
+        Ok(relaxed)
+    }
+}

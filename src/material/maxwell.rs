@@ -1,0 +1,120 @@
+//! The generalised Maxwell chain.
+
+use std::f64::consts::LN_10;
+
+/// G(t) = G∞ + Σ G_i exp(−t/τ_i).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Maxwell {
+    /// G∞, Pa: what is left after all relaxation.
+    pub equilibrium: f64,
+    /// The terms, in any order.
+    pub terms: Vec<Term>,
+}
+
+/// A spring in series with a dashpot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Term {
+    /// G_i, Pa.
+    pub modulus: f64,
+    /// τ_i, s.
+    pub time: f64,
+}
+
+impl Maxwell {
+    /// G(0) = G∞ + Σ G_i, Pa.
+    pub fn instantaneous(&self) -> f64 {
+        self.equilibrium + self.terms.iter().map(|term| term.modulus).sum::<f64>()
+    }
+
+    /// G at a time (s) after a step of the strain, Pa.
+    pub fn at(&self, time: f64) -> f64 {
+        self.equilibrium + self.terms.iter().map(|term| term.modulus * (-time / term.time).exp()).sum::<f64>()
+    }
+
+    /// G̃(s) = G∞ + Σ G_i sτ_i/(1 + sτ_i) for a real s (1/s), Pa: s times the Laplace transform of G.
+    pub fn transformed(&self, s: f64) -> f64 {
+        // 1/(1 + 1/(sτ)) does not overflow.
+        let part = |term: &Term| term.modulus / (1.0 + 1.0 / (s * term.time));
+        self.equilibrium + self.terms.iter().map(part).sum::<f64>()
+    }
+
+    /// G′ at the angular frequency ω (1/s), Pa: the stress in phase with the strain.
+    pub fn storage(&self, frequency: f64) -> f64 {
+        let part = |term: &Term| term.modulus / (1.0 + (frequency * term.time).powi(-2));
+        self.equilibrium + self.terms.iter().map(part).sum::<f64>()
+    }
+
+    /// G″ at the angular frequency ω (1/s), Pa: the stress a quarter of a period ahead of the strain.
+    pub fn loss(&self, frequency: f64) -> f64 {
+        let part = |term: &Term| {
+            let x = frequency * term.time;
+            term.modulus / (x + 1.0 / x)
+        };
+        self.terms.iter().map(part).sum()
+    }
+
+    /// The chain with all times multiplied by a_T, which is given by its decimal logarithm.
+    pub fn shifted(&self, log_factor: f64) -> Self {
+        let factor = (LN_10 * log_factor).exp();
+        let terms = self.terms.iter().map(|term| Term { time: factor * term.time, ..*term }).collect();
+        Self { equilibrium: self.equilibrium, terms }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chain() -> Maxwell {
+        let terms = [(2.0, 1e-3), (5.0, 0.1), (0.5, 30.0)].map(|(modulus, time)| Term { modulus, time });
+        Maxwell { equilibrium: 0.3, terms: terms.to_vec() }
+    }
+
+    #[test]
+    fn limits_of_the_moduli() {
+        let chain = chain();
+        assert_eq!((chain.at(0.0), chain.instantaneous()), (7.8, 7.8));
+        for of in [Maxwell::transformed, Maxwell::storage] {
+            // A part sτ of the first term, and of 1/(sτ) of the last.
+            assert!((of(&chain, 1e-12) - 0.3).abs() < 1e-10 && (of(&chain, 1e12) - 7.8).abs() < 1e-8);
+        }
+        assert!(chain.loss(1e-12) < 1e-10 && chain.loss(1e12) < 1e-8);
+        assert_eq!(chain.at(1e9), 0.3);
+    }
+
+    /// G̃(s) = s ∫ G e^{−st} dt, by quadrature in u = st, and G′ + iG″ = G̃(iω).
+    #[test]
+    fn transforms_are_those_of_the_relaxation() {
+        let chain = chain();
+        for s in [0.01, 1.0, 70.0, 1e4] {
+            // Simpson's rule; times span five decades, which a logarithmic variable resolves.
+            let (from, to, steps) = (-30.0_f64, 4.0_f64, 40_000);
+            let width = (to - from) / f64::from(steps);
+            let value = |i: i32| {
+                let u = (from + f64::from(i) * width).exp();
+                chain.at(u / s) * (-u).exp() * u
+            };
+            let weight = |i: i32| if i == 0 || i == steps { 1.0 } else { [2.0, 4.0][i as usize % 2] };
+            let sum: f64 = (0..=steps).map(|i| weight(i) * value(i)).sum::<f64>() * width / 3.0;
+            // The part of u below e^{−30}.
+            assert!((sum / chain.transformed(s) - 1.0).abs() < 1e-11, "{s}");
+            let mut complex = nalgebra::Complex::new(chain.equilibrium, 0.0);
+            for term in &chain.terms {
+                let x = nalgebra::Complex::new(0.0, s * term.time);
+                complex += x / (x + 1.0) * term.modulus;
+            }
+            assert!((complex.re / chain.storage(s) - 1.0).abs() < 1e-14);
+            assert!((complex.im / chain.loss(s) - 1.0).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn a_shift_scales_all_times() {
+        let chain = chain();
+        let shifted = chain.shifted(2.0);
+        for time in [1e-4, 0.3, 20.0] {
+            // Rounding of the exponential of ln 100.
+            assert!((shifted.at(100.0 * time) / chain.at(time) - 1.0).abs() < 1e-12);
+        }
+    }
+}

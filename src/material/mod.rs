@@ -1,0 +1,80 @@
+//! What a body is made of: linear isotropic materials, elastic in volume, elastic or viscoelastic in shear.
+//!
+//! Viscoelastic shear is a generalised Maxwell chain ([`Maxwell`]): a spring beside springs in series with dashpots. A temperature scales
+//! all its times alike ([`Wlf`]). [`Decay`] is the chain's exact step, and [`Pruned`] the shorter chain that an impact needs.
+//!
+//! Nothing here knows a mesh.
+
+mod decay;
+mod maxwell;
+mod prune;
+mod wlf;
+
+pub use decay::Decay;
+pub use maxwell::{Maxwell, Term};
+pub use prune::{Pruned, Window};
+pub use wlf::Wlf;
+
+use crate::form;
+
+/// A linear isotropic material.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Its elastic constants at once, at t → 0, and its density. Of an elastic material they are those of all times.
+    pub instantaneous: form::Material,
+    /// G(t) at the body's temperature; `None` for an elastic material.
+    pub shear: Option<Maxwell>,
+}
+
+impl Material {
+    /// Elastic at all times.
+    pub fn elastic(constants: form::Material) -> Self {
+        Self { instantaneous: constants, shear: None }
+    }
+
+    /// Elastic in volume, with the bulk modulus K (Pa), and with G(t) in shear; density in kg/m³.
+    ///
+    /// E = 9KG/(3K + G) and ν = (3K − 2G)/(6K + 2G) are those of the instantaneous G. A chain without terms is an elastic material.
+    pub fn of_moduli(bulk: f64, shear: Maxwell, density: f64) -> Self {
+        let g = shear.instantaneous();
+        let instantaneous = form::Material {
+            young: 9.0 * bulk * g / (3.0 * bulk + g),
+            poisson: (3.0 * bulk - 2.0 * g) / (6.0 * bulk + 2.0 * g),
+            density,
+        };
+        Self { instantaneous, shear: Some(shear).filter(|shear| !shear.terms.is_empty()) }
+    }
+
+    /// K, Pa.
+    pub fn bulk(&self) -> f64 {
+        self.instantaneous.bulk()
+    }
+
+    /// Lamé's constants after all relaxation, with G∞: of an elastic material its own.
+    pub fn relaxed(&self) -> form::Lame {
+        match &self.shear {
+            None => self.instantaneous.lame(),
+            Some(shear) => form::Lame::of_moduli(self.bulk(), shear.equilibrium),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moduli_of_a_chain() {
+        let shear = Maxwell { equilibrium: 3e6, terms: vec![Term { modulus: 7e6, time: 1e-3 }] };
+        let material = Material::of_moduli(2e9, shear, 1100.0);
+        // Rounding of some operations; ν is near ½, where K = E/(3(1 − 2ν)) loses two digits.
+        assert!((material.bulk() / 2e9 - 1.0).abs() < 1e-12);
+        let form::Lame { lambda, mu } = material.instantaneous.lame();
+        assert!((mu / 10e6 - 1.0).abs() < 1e-12 && ((lambda + 2.0 * mu / 3.0) / 2e9 - 1.0).abs() < 1e-12);
+        let form::Lame { lambda, mu } = material.relaxed();
+        assert!(mu == 3e6 && ((lambda + 2e6) / 2e9 - 1.0).abs() < 1e-12);
+        // Without terms it is elastic.
+        let alone = Material::of_moduli(2e9, Maxwell { equilibrium: 3e6, terms: Vec::new() }, 1100.0);
+        assert_eq!(alone.shear, None);
+    }
+}

@@ -1,0 +1,210 @@
+//! Steps of a laminate whose interlayer relaxes.
+
+use crate::start::{run, start};
+use mpi_test::{Test, tests};
+use petsc_wrap::Session;
+use ricochet::impact::step::Step;
+
+pub const RANKS: &[usize] = &[1];
+pub const TESTS: &[Test<Session>] = tests![
+    energy_is_stored_or_lost,
+    both_newtons_agree,
+    order_in_time,
+    slow_and_fast_terms_are_elastic,
+    a_checkpoint_has_what_relaxes
+];
+/// Some seconds each.
+pub const LONG: &[Test<Session>] = tests![the_reference, elastic_limits];
+
+/// A coarse laminate with a shear modulus (Pa) of the interlayer, its `prony` and the keys of `[time]`.
+fn laminate(shear: f64, prony: &str, time: &str, rest: &str) -> String {
+    format!(
+        "[body]\nsize = [0.2, 0.2]\ncells = [4, 4, 3]\n\
+         [[body.layer]]\nthickness = 0.006\nmaterial = \"glass\"\n\
+         [[body.layer]]\nthickness = 0.00152\nmaterial = \"interlayer\"\n\
+         [[body.layer]]\nthickness = 0.006\nmaterial = \"glass\"\n\
+         [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+         [material.interlayer]\nbulk = 2e9\ndensity = 1100.0\nshear = {shear:e}\n{prony}\n\
+         [impactor]\nmass = 2.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n\
+         [contact]\npatch_radius = 0.02\n[accuracy]\ntolerance = 1e-6\n[time]\nend = 4e-4\n{time}\n{rest}"
+    )
+}
+
+const PRONY: &str =
+    "prony = [{ modulus = 5e7, time = 2e-5 }, { modulus = 3e7, time = 3e-4 }, { modulus = 1e7, time = 1e-2 }]";
+
+fn steps(session: &Session, text: &str) -> Vec<Step> {
+    run(&mut start(&session.world(), text).1)
+}
+
+fn difference(one: &[Step], other: &[Step]) -> f64 {
+    let peak = one.iter().fold(0.0_f64, |m, step| m.max(step.impactor.acceleration));
+    let pairs = one.iter().zip(other);
+    pairs.fold(0.0_f64, |m, (a, b)| m.max((a.impactor.acceleration - b.impactor.acceleration).abs())) / peak
+}
+
+/// What goes in is stored, lost in the dashpots or made by the scheme; dashpots only lose.
+fn energy_is_stored_or_lost(session: &Session) {
+    for scheme in ["newmark", "energy", "generalized-alpha"] {
+        let mut made = Vec::new();
+        for step in ["4e-6", "2e-6"] {
+            let steps = steps(session, &laminate(1e6, PRONY, &format!("scheme = \"{scheme}\"\nstep = {step}"), ""));
+            let initial = steps[0].energy.total;
+            let last = steps[steps.len() - 1].energy;
+            for step in &steps {
+                let energy = step.energy;
+                let left = energy.total + energy.dissipated - energy.external - energy.numerical - initial;
+                // Rounding of a few hundred steps of the terms' products.
+                assert!(left.abs() < 1e-10 * initial, "{scheme}: {left:e} at {}", step.time);
+            }
+            assert!(steps.windows(2).all(|pair| pair[1].energy.dissipated >= pair[0].energy.dissipated), "{scheme}");
+            assert!(last.dissipated > 1e-4 * initial, "{scheme}: {:e} lost", last.dissipated / initial);
+            made.push(last.numerical / initial);
+        }
+        println!("{scheme}: {made:e?}");
+        // What the average acceleration and the midpoint rule make of nothing goes with the square of the step.
+        if scheme != "generalized-alpha" {
+            assert!(made[1].abs() < 0.4 * made[0].abs() + 1e-12, "{scheme}: {made:e?}");
+        }
+    }
+}
+
+fn both_newtons_agree(session: &Session) {
+    let time = "scheme = \"newmark\"\nstep = 4e-6";
+    let [condensed, full] = ["condensed", "full"]
+        .map(|newton| steps(session, &laminate(1e6, PRONY, time, &format!("[solver]\nnewton = \"{newton}\"\n"))));
+    // Newton's residual is 1e-10 of the force.
+    assert!(difference(&condensed, &full) < 1e-8, "{:e}", difference(&condensed, &full));
+}
+
+/// Average acceleration with the exact chain stays of second order, for times shorter than the steps and longer ones.
+fn order_in_time(session: &Session) {
+    let at = |step: f64, every: usize| -> Vec<Step> {
+        let all = steps(session, &laminate(1e6, PRONY, &format!("scheme = \"newmark\"\nstep = {step:e}"), ""));
+        all.into_iter().step_by(every).collect()
+    };
+    let [coarse, middle, fine] = [(4e-6, 1), (2e-6, 2), (1e-6, 4)].map(|(step, every)| at(step, every));
+    let order = (difference(&fine, &coarse) / difference(&fine, &middle)).log2();
+    println!("order {order}");
+    // Against a reference of a quarter of the step an order of 2 shows as log₂ 5.
+    assert!((order - 5.0_f64.log2()).abs() < 0.35, "{order}");
+}
+
+/// Terms slower and faster than anything, followed all the same, are the elastic bodies of the modulus at once and of the one at last.
+fn slow_and_fast_terms_are_elastic(session: &Session) {
+    let time = "scheme = \"newmark\"\nstep = 4e-6";
+    for (times, shear) in [([1e3, 1e4], 8e6), ([1e-12, 2e-12], 1e6)] {
+        let [a, b] = times;
+        let prony = format!("prony = [{{ modulus = 3e6, time = {a:e} }}, {{ modulus = 4e6, time = {b:e} }}]");
+        let relaxing = steps(session, &laminate(1e6, &prony, time, ""));
+        let elastic = steps(session, &laminate(shear, "reduction = 1", time, "").replace("reduction = 1", ""));
+        // T/τ of 4e-7, or τ over the contact of 1e-8.
+        assert!(difference(&elastic, &relaxing) < 1e-6, "{:e}", difference(&elastic, &relaxing));
+    }
+}
+
+/// A run that goes on from a checkpoint is the run.
+fn a_checkpoint_has_what_relaxes(session: &Session) {
+    use ricochet::impact::TimeIntegration;
+    use std::ops::ControlFlow;
+    let text = laminate(1e6, PRONY, "scheme = \"newmark\"\nstep = 4e-6", "");
+    let whole = steps(session, &text);
+    /// Stops after so many steps, with a checkpoint.
+    struct Stopping {
+        left: usize,
+        steps: Vec<Step>,
+        kept: Option<ricochet::impact::checkpoint::Checkpoint>,
+    }
+    impl ricochet::impact::Observer for Stopping {
+        fn step(&mut self, step: &Step, _: &ricochet::impact::Reading) -> ricochet::Result<ControlFlow<()>> {
+            self.steps.push(*step);
+            self.left -= 1;
+            Ok(if self.left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+        }
+
+        fn settled(
+            &mut self,
+            last: bool,
+            checkpoint: &mut dyn FnMut() -> ricochet::Result<ricochet::impact::checkpoint::Checkpoint>,
+        ) -> ricochet::Result<()> {
+            if last {
+                self.kept = Some(checkpoint()?);
+            }
+            Ok(())
+        }
+    }
+    let mut stopping = Stopping { left: 40, steps: Vec::new(), kept: None };
+    let (_, mut impact) = start(&session.world(), &text);
+    assert!(impact.run_watched(&mut stopping).unwrap().is_break());
+    let (_, mut again) = start(&session.world(), &text);
+    again.resume(&stopping.kept.expect("a checkpoint")).unwrap();
+    let rest = run(&mut again);
+    let joined: Vec<Step> = stopping.steps.into_iter().chain(rest).collect();
+    assert_eq!(joined.len(), whole.len());
+    // To the last bit but for what another factor of the same matrix makes.
+    assert!(difference(&whole, &joined) < 1e-12, "{:e}", difference(&whole, &joined));
+}
+
+/// The pane of an independent program (tests/fixtures/laminated): 0.5 × 0.5 m, 10 / 0.76 / 10 mm.
+fn pane(interlayer: f64, material: &str, time: &str, rest: &str) -> String {
+    format!(
+        "[body]\nsize = [0.5, 0.5]\n\
+         [[body.layer]]\nthickness = 0.010\nmaterial = \"glass\"\n\
+         [[body.layer]]\nthickness = {interlayer:e}\nmaterial = \"interlayer\"\n\
+         [[body.layer]]\nthickness = 0.010\nmaterial = \"glass\"\n\
+         [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+         [material.interlayer]\nbulk = 2e9\ndensity = 1100.0\n{material}\n\
+         [impactor]\nmass = 52.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n\
+         [time]\n{time}\n{rest}"
+    )
+}
+
+/// The history of an independent program with elements of order 3: 0.5% of its peak is left there, and order 2 changes the peak by 1.5%.
+fn the_reference(session: &Session) {
+    let series = include_str!("../../fixtures/laminated/series.csv");
+    let rows: Vec<[f64; 2]> = series
+        .lines()
+        .skip(1)
+        .map(|line| {
+            let mut fields = line.split(',').map(|field| field.parse().unwrap());
+            [fields.next().unwrap(), fields.next().unwrap()]
+        })
+        .collect();
+    let terms = [
+        (6933.9e3, 1e-5),
+        (3898.6e3, 1e-4),
+        (2289.2e3, 1e-3),
+        (1672.7e3, 1e-2),
+        (761.6e3, 1e-1),
+        (2401.0e3, 1.0),
+        (65.2e3, 10.0),
+        (248.0e3, 100.0),
+        (575.6e3, 1000.0),
+    ];
+    let list: Vec<String> =
+        terms.iter().map(|(modulus, time)| format!("{{ modulus = {modulus:e}, time = {time:e} }}")).collect();
+    let material = format!("shear = 3.02196e6\nprony = [{}]", list.join(", "));
+    let steps = steps(session, &pane(0.00076, &material, "end = 3e-3\nstep = 1e-5\nscheme = \"newmark\"", ""));
+    let (mut peak, mut off) = (0.0_f64, 0.0_f64);
+    for [time, force] in &rows {
+        let Some(step) = steps.iter().find(|step| (step.time - time).abs() < 1e-9) else { continue };
+        peak = peak.max(*force);
+        off = off.max((step.contact.force - force).abs());
+    }
+    let largest = steps.iter().fold(0.0_f64, |m, step| m.max(step.impactor.acceleration));
+    println!("peak {largest} against {}, largest difference {:e}", peak / 52.0, off / peak);
+    assert!((largest / (peak / 52.0) - 1.0).abs() < 0.02, "{largest}");
+    assert!(off < 0.05 * peak, "{:e}", off / peak);
+}
+
+/// Interlayers that let the plies slide, and that hold them: peaks that an independent program found on coarse cells, on side supports.
+fn elastic_limits(session: &Session) {
+    let sides = "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\n";
+    for (shear, expected) in [(1e4, 202.0), (1e8, 453.0)] {
+        let time = "end = 3e-3\nstep = 1e-5\nscheme = \"newmark\"";
+        let steps = steps(session, &pane(0.00152, &format!("shear = {shear:e}"), time, sides));
+        let peak = steps.iter().fold(0.0_f64, |m, step| m.max(step.impactor.acceleration));
+        println!("G = {shear:e} Pa: {peak} m/s², expected {expected}");
+        assert!((peak / expected - 1.0).abs() < 0.03, "{peak} {expected}");
+    }
+}
