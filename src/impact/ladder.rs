@@ -21,7 +21,7 @@ pub struct Stepper {
 }
 
 enum Kind {
-    Implicit(ImplicitStepper),
+    Implicit(Box<ImplicitStepper>),
     Explicit(ExplicitStepper),
 }
 
@@ -100,7 +100,13 @@ impl Ladder {
             let kind = match Implicit::new(self.scheme) {
                 Some(scheme) => {
                     let newton = (self.newton, self.tolerance);
-                    Kind::Implicit(ImplicitStepper::new(&self.comm, body, &self.setting, (scheme, step), newton)?)
+                    Kind::Implicit(Box::new(ImplicitStepper::new(
+                        &self.comm,
+                        body,
+                        &self.setting,
+                        (scheme, step),
+                        newton,
+                    )?))
                 }
                 None => Kind::Explicit(ExplicitStepper::new(body, step)?),
             };

@@ -61,10 +61,10 @@ fn energy_is_stored_or_lost(session: &Session) {
             assert!(last.dissipated > 1e-4 * initial, "{scheme}: {:e} lost", last.dissipated / initial);
             made.push(last.numerical / initial);
         }
-        println!("{scheme}: {made:e?}");
+        println!("{scheme}: {made:?}");
         // What the average acceleration and the midpoint rule make of nothing goes with the square of the step.
         if scheme != "generalized-alpha" {
-            assert!(made[1].abs() < 0.4 * made[0].abs() + 1e-12, "{scheme}: {made:e?}");
+            assert!(made[1].abs() < 0.4 * made[0].abs() + 1e-12, "{scheme}: {made:?}");
         }
     }
 }
