@@ -74,9 +74,13 @@ fn every_word_of_the_schema_is_accepted() {
 #[test]
 fn required_keys_are_those_without_which_a_scene_is_refused() {
     let schema = schema().to_value();
-    for (table, required) in [("Body", vec!["young", "poisson", "density"]), ("Time", vec!["end"])] {
+    for (table, required) in [("Layer", vec!["thickness", "material"]), ("Time", vec!["end"])] {
         let listed = &schema["$defs"][table]["required"];
         assert_eq!(listed, &serde_json::json!(required));
+    }
+    // A body without materials has these keys, which a laminate has not.
+    assert_eq!(schema["$defs"]["Body"]["required"], Value::Null);
+    for required in [vec!["young", "poisson", "density"], vec!["end"]] {
         for key in required {
             let without: String = SMALL
                 .lines()
