@@ -1,5 +1,6 @@
 //! Steps of a laminate whose interlayer relaxes.
 
+use crate::modelled;
 use crate::start::{run, start};
 use mpi_test::{Test, tests};
 use petsc_wrap::Session;
@@ -197,13 +198,15 @@ fn the_reference(session: &Session) {
     assert!(off < 0.05 * peak, "{:e}", off / peak);
 }
 
-/// Interlayers that let the plies slide, and that hold them: peaks that an independent program found on coarse cells, on side supports.
+/// Interlayers that let the plies slide, and that hold them: peaks that an independent program found on coarse cells, on side supports. The
+/// stiffer one on splines, the softer one on given cells, since a basis of sliding plies is large.
 fn elastic_limits(session: &Session) {
-    let sides = "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\n";
-    for (shear, expected) in [(1e4, 202.0), (1e8, 453.0)] {
-        let time = "end = 3e-3\nstep = 1e-5\nscheme = \"newmark\"";
-        let steps = steps(session, &pane(0.00152, &format!("shear = {shear:e}"), time, sides));
-        let peak = steps.iter().fold(0.0_f64, |m, step| m.max(step.impactor.acceleration));
+    let sides = "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\n[accuracy]\ntolerance = 3e-2\n";
+    let cells = "[body]\ncells = [20, 20, 5]\ngrading = [3, 3, 1]\nreduction = \"none\"\n";
+    let steps = "end = 3e-3\nstep = 1e-5\nscheme = \"newmark\"";
+    for (shear, body, time, expected) in [(1e4, cells, steps, 202.0), (1e8, "[body]\n", "end = 3e-3", 453.0)] {
+        let text = pane(0.00152, &format!("shear = {shear:e}"), time, sides).replacen("[body]\n", body, 1);
+        let peak = modelled::run(&session.world(), &text).peak();
         println!("G = {shear:e} Pa: {peak} m/s², expected {expected}");
         assert!((peak / expected - 1.0).abs() < 0.03, "{peak} {expected}");
     }
