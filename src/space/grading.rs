@@ -23,7 +23,7 @@ pub struct Side {
 impl Side {
     /// ∫ dx over the size of the cell at x, up to a distance: the size is that at the hit, then the distance times the growth, then
     /// the largest.
-    fn count(&self, distance: f64) -> f64 {
+    pub fn count(&self, distance: f64) -> f64 {
         let [(near, at_near), (far, at_far)] = self.turns();
         if distance <= near {
             return distance / self.sizes.hit.min(self.sizes.largest);
@@ -33,7 +33,7 @@ impl Side {
     }
 
     /// The inverse.
-    fn distance(&self, count: f64) -> f64 {
+    pub fn distance(&self, count: f64) -> f64 {
         let [(near, at_near), (far, at_far)] = self.turns();
         if count <= at_near {
             count * self.sizes.hit.min(self.sizes.largest)

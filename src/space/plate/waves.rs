@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use crate::body::InfinitePlate;
 use crate::contact::zener;
+use crate::form::Material;
 use crate::form::plate::Section;
 
 use super::{Local, Points};
@@ -21,6 +22,7 @@ const LEAST: f64 = 1e-4;
 pub(super) fn infinite_plate(points: &Points, copies: f64) -> InfinitePlate {
     let (section, edges) = (&points.section, points.geometry.edges);
     let classes = points.geometry.classes.len() as f64;
+    let material = Material { young: section.young, poisson: section.poisson, density: section.density };
     // ξ² = ω √(ρh/D) of long waves.
     let slowness = (section.density * section.thickness / section.rigidity()).sqrt();
     let thin = copies * slowness / (4.0 * PI * section.density * section.thickness);
@@ -32,7 +34,7 @@ pub(super) fn infinite_plate(points: &Points, copies: f64) -> InfinitePlate {
     InfinitePlate {
         density,
         modes: classes * edges[0] * edges[1] * slowness / (4.0 * PI * copies),
-        impedance: zener::impedance((section.young, section.poisson), section.density, section.thickness),
+        impedance: zener::impedance(&material, section.thickness),
         slowness,
         room: points.geometry.room(),
     }

@@ -18,9 +18,9 @@ fn choice_for_steps(session: &Session) {
     body.method = Method::Multigrid { tolerance };
     let mut exact = body.load.duplicate().unwrap();
     for (step, method, most) in [
-        (2e-6, Method::Incomplete { tolerance }, 30),
-        (2e-5, Method::Incomplete { tolerance }, 30),
-        (2e-2, Method::Multigrid { tolerance }, 100),
+        (2e-6, Method::Incomplete { tolerance }, 20),
+        (2e-5, Method::Incomplete { tolerance }, 20),
+        (2e-2, Method::Multigrid { tolerance }, 70),
     ] {
         let c2 = 4.0 / (step * step);
         assert_eq!(body.step_method(c2).unwrap(), method, "{step:e}");
@@ -28,7 +28,7 @@ fn choice_for_steps(session: &Session) {
         let matrix = body.operator(0.0, c2).unwrap();
         solver(&world, "", &matrix, Method::Cholesky).unwrap().solve(b, &mut exact).unwrap();
         for chosen in [&[][..], MULTIGRID] {
-            let mut ksp = with_options(session, chosen, || body.step_solver(0.0, c2).unwrap());
+            let mut ksp = with_options(session, chosen, || body.step_solver(step, 0.0, c2).unwrap());
             let mut x = b.duplicate().unwrap();
             ksp.solve(b, &mut x).unwrap();
             x.axpy(-1.0, &exact).unwrap();
@@ -39,7 +39,7 @@ fn choice_for_steps(session: &Session) {
             }
             // Seen: 4, 7 and 13 iterations in the shortest step on one to three ranks (16 with multigrid), 7, 12 and 15 (10) in the next, 54 to
             // 58 in the longest. The error is the tolerance, times what the condition number makes of it.
-            assert!(error < 1e-5 && (1..=most).contains(&iterations), "{step:e} {chosen:?}: {iterations}, {error:e}");
+            assert!(error < 1e-8 && (1..=most).contains(&iterations), "{step:e} {chosen:?}: {iterations}, {error:e}");
         }
     }
     body.method = Method::Cholesky;
