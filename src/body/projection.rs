@@ -46,7 +46,7 @@ pub struct Projection {
 impl Projection {
     /// The body for schemes that know no modes: y are its unknowns.
     pub fn system(&self) -> System {
-        let of = |m: &DMatrix<f64>| CsrMatrix::from(m);
+        let of = with_zeros;
         let count = self.vectors();
         System {
             mass: CsrMatrix::identity(count),
@@ -128,4 +128,13 @@ impl Projection {
             infinite_plate: self.infinite_plate.clone(),
         }
     }
+}
+
+/// A matrix with all of its entries, zeros too: M adds to each of them.
+fn with_zeros(matrix: &DMatrix<f64>) -> CsrMatrix<f64> {
+    let (rows, columns) = matrix.shape();
+    let offsets = (0..=rows).map(|row| row * columns).collect();
+    let numbers = (0..rows).flat_map(|_| 0..columns).collect();
+    let entries = matrix.transpose().as_slice().to_vec();
+    CsrMatrix::try_from_csr_data(rows, columns, offsets, numbers, entries).expect("rows in order, columns ascending")
 }

@@ -168,7 +168,8 @@ impl Plan {
         let of_error = (MEASURED / (OF_BASIS * scene.tolerance)).powf(1.0 / ORDER);
         let frequency = TAU * OF_RISE * of_error / plate.rise(scene.impactor.stiffness, scene.impactor.speed);
         let vectors = plate.vectors(frequency);
-        if !(SHORT_WAVES_APART..=MOST).contains(&vectors) || plate.is_near_edge(frequency) {
+        let most = MOST * body.classes.len().max(1);
+        if !(SHORT_WAVES_APART..=most).contains(&vectors) || plate.is_near_edge(frequency) {
             return short;
         }
         // The first one judges the second.
