@@ -76,16 +76,16 @@ fn lifts_off_as_the_stepped_plate(session: &Session) {
     };
     let whole = "reduction = 2000";
     let fine = ran(whole, "step = 5e-7");
-    let stepped = [1e-5, 5e-6].map(|step| {
-        let time = format!("scheme = \"newmark\"\nstep = {step:e}");
-        off(&ran("reduction = \"none\"", &time), &fine)
-    });
-    let modal = [4e-5, 2e-5, 1e-5].map(|step| off(&ran(whole, &format!("step = {step:e}")), &fine));
-    let order = |coarse: f64, fine: f64| (coarse / fine).log2();
-    let orders = [order(stepped[0], stepped[1]), 0.5 * order(modal[0], modal[2])];
-    println!("  stepped {stepped:?}, modal {modal:?}, orders {orders:.2?}");
-    // Average acceleration is of order two, and so are λ's quadratics across its kinks.
-    assert!(orders.iter().all(|order| *order > 1.9) && stepped[1] < 1e-4 && modal[2] < 1e-5);
+    let newmark = |step: f64| ran("reduction = \"none\"", &format!("scheme = \"newmark\"\nstep = {step:e}"));
+    let finest = newmark(1e-6);
+    let apart = off(&finest, &fine);
+    let stepped = [1e-5, 5e-6].map(|step| off(&newmark(step), &finest));
+    let modal = [4e-5, 2e-5].map(|step| off(&ran(whole, &format!("step = {step:e}")), &fine));
+    let orders = [stepped, modal].map(|[coarse, fine]| (coarse / fine).log2());
+    println!("  {apart:.1e} apart, stepped {stepped:?}, modal {modal:?}, orders {orders:.2?}");
+    // Average acceleration is of order two, and so are λ's quadratics across its kinks. Strips that cut cells are integrated exactly in K and
+    // at points for what pads pull too much, which keeps the two apart: by 5e-5 on these cells, 2e-5 on the next finer ones.
+    assert!(orders.iter().all(|order| *order > 1.9) && apart < 1e-4 && modal[1] < 1e-5);
 }
 
 /// Without dampers and with them, at rest or in equilibrium before.
