@@ -68,6 +68,7 @@ fn under_petsc(options: &[String], work: impl FnOnce(&Session) -> Result<i32, Er
             let result = work(&session);
             conclude(Some(session), result);
         }
+        Some(Err(error @ petsc_wrap::Error::NotLoaded(_))) => conclude(None, Err(Error::from(error))),
         // Before a scene is read, all that PETSc can refuse is its options.
         Some(Err(error)) => conclude(None, Err(Error::Usage(format!("PETSc refuses its options: {error}")))),
         None => unreachable!("MPI is initialised here alone"),

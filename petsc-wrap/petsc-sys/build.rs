@@ -1,6 +1,11 @@
 //! Finds PETSc and MPI, refuses builds that cannot work, and generates the bindings.
+//!
+//! PETSc is not linked: its library and the hundred that this one needs are loaded when PETSc is first wanted. So a program starts without
+//! them where it does not want PETSc, and can set its environment before OpenBLAS, one of them, starts threads.
 
 use std::path::{Path, PathBuf};
+
+use quote::quote;
 
 /// The functions that petsc-wrap calls; everything else stays out of the bindings.
 const FUNCTIONS: &[&str] = &[
@@ -198,11 +203,15 @@ const FUNCTIONS: &[&str] = &[
 /// The oldest version that petsc-wrap is written for.
 const OLDEST: (u32, u32) = (3, 18);
 
+/// What bindgen calls the library with its functions.
+const LIBRARY: &str = "Library";
+
 /// Where PETSc is.
 struct Petsc {
     include: Vec<PathBuf>,
-    /// Folder and name of its library, where pkg-config has not told cargo of it.
-    library: Option<(PathBuf, &'static str)>,
+    /// Where its library is, and what that is called.
+    folder: PathBuf,
+    name: String,
 }
 
 fn main() {
@@ -217,33 +226,59 @@ fn main() {
     };
     let petsc = found.unwrap_or_else(|reason| fail(&reason));
     check_configuration(&petsc);
-    if let Some((folder, name)) = &petsc.library {
-        link(folder, name);
-    }
+    println!("cargo::rustc-env=PETSC_LIBRARY={}", library(&petsc).display());
     let mpi =
         build_probe_mpi::probe().unwrap_or_else(|reasons| fail(&format!("MPI was not found: {}", listed(&reasons))));
     generate(&petsc, &mpi.include_paths);
 }
 
-/// Links this library, and not one of its name that lies in another folder on the linker's way: by a name of its own.
-fn link(folder: &Path, name: &str) {
-    let library = folder.join(format!("lib{name}.so"));
-    if !library.exists() {
-        fail(&format!("there is no {}: PETSc must be built with shared libraries", library.display()));
-    }
-    let out = out_folder();
-    let own = out.join("libpetsc_of_petsc_dir.so");
-    let _ = std::fs::remove_file(&own);
-    std::os::unix::fs::symlink(&library, &own)
-        .unwrap_or_else(|error| fail(&format!("cannot link to {}: {error}", library.display())));
-    println!("cargo::rustc-link-search=native={}", out.display());
-    println!("cargo::rustc-link-lib=dylib=petsc_of_petsc_dir");
-    // Where it is but a linker's script, what that names is there.
-    println!("cargo::rustc-link-search=native={}", folder.display());
+/// PETSc's shared library, by the name that stays when it is updated.
+fn library(petsc: &Petsc) -> PathBuf {
+    let (major, minor) = version(petsc);
+    let names = [format!("lib{}.so.{major}.{minor}", petsc.name), format!("lib{}.so", petsc.name)];
+    let found = names.iter().map(|name| petsc.folder.join(name)).find(|library| library.exists());
+    found.unwrap_or_else(|| {
+        fail(&format!(
+            "there is no {} in {}: PETSc must be built with shared libraries",
+            names[1],
+            petsc.folder.display()
+        ))
+    })
 }
 
-fn out_folder() -> PathBuf {
-    PathBuf::from(std::env::var("OUT_DIR").expect("cargo sets OUT_DIR"))
+fn write(name: &str, text: &str) {
+    let path = PathBuf::from(std::env::var("OUT_DIR").expect("cargo sets OUT_DIR")).join(name);
+    std::fs::write(&path, text).unwrap_or_else(|error| fail(&format!("cannot write {}: {error}", path.display())));
+}
+
+/// A function for each method of the loaded library, by the same name.
+fn functions(bindings: &str) -> String {
+    let file = syn::parse_file(bindings).unwrap_or_else(|error| fail(&format!("the bindings are no Rust: {error}")));
+    let methods = file.items.iter().filter_map(|item| match item {
+        syn::Item::Impl(item) if item.self_ty == syn::parse_str(LIBRARY).expect("a type") => Some(&item.items),
+        _ => None,
+    });
+    let of_petsc = methods.flatten().filter_map(|item| match item {
+        // What makes the library has no library yet.
+        syn::ImplItem::Fn(method) if method.sig.receiver().is_some() => Some(&method.sig),
+        _ => None,
+    });
+    let function = |signature: &syn::Signature| {
+        let (name, output) = (&signature.ident, &signature.output);
+        let arguments: Vec<_> = signature.inputs.iter().skip(1).collect();
+        let names = arguments.iter().filter_map(|argument| match argument {
+            syn::FnArg::Typed(argument) => Some(&argument.pat),
+            syn::FnArg::Receiver(_) => None,
+        });
+        quote! {
+            #[inline]
+            pub unsafe fn #name(#(#arguments),*) #output {
+                unsafe { library().#name(#(#names),*) }
+            }
+        }
+        .to_string()
+    };
+    of_petsc.map(|signature| function(signature) + "\n").collect()
 }
 
 /// PETSc where the user says it is: `PETSC_DIR`, and `PETSC_ARCH` for a build inside its source tree.
@@ -263,14 +298,14 @@ fn in_folder(dir: &Path) -> Result<Petsc, String> {
     // Debian's names tell its builds apart.
     let names = ["petsc", "petsc_real", "petsc64_real"];
     let name = names.into_iter().find(|name| folder.join(format!("lib{name}.so")).exists()).unwrap_or(names[0]);
-    Ok(Petsc { include, library: Some((folder, name)) })
+    Ok(Petsc { include, folder, name: name.to_owned() })
 }
 
 fn from_pkg_config() -> Result<Petsc, String> {
     let mut reasons = vec!["PETSC_DIR is not set".to_owned()];
     for name in ["petsc", "PETSc"] {
-        match pkg_config::Config::new().probe(name) {
-            Ok(library) => return Ok(Petsc { include: library.include_paths, library: None }),
+        match pkg_config::Config::new().cargo_metadata(false).probe(name) {
+            Ok(library) => return of_package(library),
             Err(error) => {
                 let text = error.to_string();
                 let line = text.lines().find(|l| !l.trim().is_empty()).unwrap_or_default();
@@ -281,23 +316,23 @@ fn from_pkg_config() -> Result<Petsc, String> {
     Err(format!("PETSc was not found. On Debian: apt-get install petsc-dev. Tried: {}", listed(&reasons)))
 }
 
+/// The library among those that pkg-config names whose name begins as PETSc's does.
+fn of_package(package: pkg_config::Library) -> Result<Petsc, String> {
+    let name = package.libs.into_iter().find(|name| name.starts_with("petsc"));
+    let name = name.ok_or("pkg-config names no library of PETSc")?;
+    let mut folders = package.link_paths.into_iter();
+    let folder = folders.find(|folder| folder.join(format!("lib{name}.so")).exists());
+    let folder = folder.ok_or_else(|| format!("lib{name}.so is in none of the folders that pkg-config names"))?;
+    Ok(Petsc { include: package.include_paths, folder, name })
+}
+
 fn listed(reasons: &[impl ToString]) -> String {
     reasons.iter().map(|reason| format!("\n  - {}", reason.to_string())).collect()
 }
 
 /// Refuses versions and scalar types that the bindings do not describe.
 fn check_configuration(petsc: &Petsc) {
-    let read = |name: &str| {
-        let text = petsc.include.iter().find_map(|folder| std::fs::read_to_string(folder.join(name)).ok());
-        text.unwrap_or_else(|| fail(&format!("{name} is not in PETSc's include folders")))
-    };
-    let (version, configuration) = (read("petscversion.h"), read("petscconf.h"));
-    let number = |name: &str| {
-        defined(&version, name)
-            .and_then(|value| value.parse::<u32>().ok())
-            .unwrap_or_else(|| fail(&format!("petscversion.h does not define {name}")))
-    };
-    let found = (number("PETSC_VERSION_MAJOR"), number("PETSC_VERSION_MINOR"));
+    let (found, configuration) = (version(petsc), header(petsc, "petscconf.h"));
     if found < OLDEST {
         fail(&format!("this is PETSc {}.{}; {}.{} or newer is needed", found.0, found.1, OLDEST.0, OLDEST.1));
     }
@@ -310,6 +345,23 @@ fn check_configuration(petsc: &Petsc) {
     if defined(&configuration, "PETSC_USE_REAL_DOUBLE").is_none() {
         fail("this PETSc is not built in double precision; --with-precision=double is needed");
     }
+}
+
+/// The text of one of PETSc's headers.
+fn header(petsc: &Petsc, name: &str) -> String {
+    let text = petsc.include.iter().find_map(|folder| std::fs::read_to_string(folder.join(name)).ok());
+    text.unwrap_or_else(|| fail(&format!("{name} is not in PETSc's include folders")))
+}
+
+/// Major and minor version of PETSc.
+fn version(petsc: &Petsc) -> (u32, u32) {
+    let header = header(petsc, "petscversion.h");
+    let number = |name: &str| {
+        defined(&header, name)
+            .and_then(|value| value.parse().ok())
+            .unwrap_or_else(|| fail(&format!("petscversion.h does not define {name}")))
+    };
+    (number("PETSC_VERSION_MAJOR"), number("PETSC_VERSION_MINOR"))
 }
 
 /// The value of a macro of a header, empty where it has none.
@@ -336,13 +388,16 @@ fn generate(petsc: &Petsc, mpi: &[PathBuf]) {
         .raw_line("use mpi::ffi::*;")
         .default_enum_style(bindgen::EnumVariation::NewType { is_bitfield: false, is_global: false })
         .layout_tests(false)
+        .dynamic_library_name(LIBRARY)
+        .dynamic_link_require_all(true)
+        .wrap_unsafe_ops(true)
         .generate_comments(false)
         .generate()
         .unwrap_or_else(|error| fail(&format!("bindgen failed on PETSc's headers: {error}")));
-    tell_changes(&bindings.to_string());
-    bindings
-        .write_to_file(out_folder().join("bindings.rs"))
-        .unwrap_or_else(|error| fail(&format!("cannot write the bindings: {error}")));
+    let bindings = bindings.to_string();
+    tell_changes(&bindings);
+    write("bindings.rs", &bindings);
+    write("functions.rs", &functions(&bindings));
 }
 
 /// Which of the things that PETSc has changed are the new ones: `src/versions.rs`.

@@ -11,7 +11,7 @@ use petsc_sys as sys;
 use crate::error::{Result, check};
 use crate::session::Session;
 
-/// An MPI communicator that keeps PETSc alive; cheap to clone.
+/// An MPI communicator that keeps MPI and PETSc alive; cheap to clone.
 #[derive(Clone)]
 pub struct Comm {
     // Declared first, dropped first: the communicator goes before the session.
@@ -83,7 +83,10 @@ impl Comm {
     /// # Errors
     /// PETSc's.
     pub fn collect_garbage(&self) -> Result<()> {
-        // SAFETY: the communicator is valid while `self` lives.
+        if !self.session.has_petsc() {
+            return Ok(());
+        }
+        // SAFETY: PETSc is initialised, and the communicator is valid while `self` lives.
         check(unsafe { sys::PetscGarbageCleanup(self.raw()) })
     }
 
@@ -102,7 +105,16 @@ impl Comm {
             )
     }
 
-    pub(crate) fn raw(&self) -> mpi::ffi::MPI_Comm {
+    /// The raw communicator for an object of PETSc's, which is initialised for it if need be.
+    ///
+    /// # Errors
+    /// PETSc's, where it does not start.
+    pub(crate) fn petsc(&self) -> Result<mpi::ffi::MPI_Comm> {
+        self.session.petsc()?;
+        Ok(self.raw())
+    }
+
+    fn raw(&self) -> mpi::ffi::MPI_Comm {
         self.mpi.as_raw()
     }
 }

@@ -27,6 +27,9 @@ pub enum Error {
         /// Where in Rust the call was made.
         location: &'static Location<'static>,
     },
+    /// PETSc's library, or one that it needs, is not where it was when the program was built.
+    #[error("{0}")]
+    NotLoaded(String),
     /// An index beyond a vector's or matrix's size: checked here, since PETSc does so in debugging builds only.
     #[error("index {index} is out of range: the size is {size}")]
     OutOfRange {

@@ -44,7 +44,7 @@ impl Gather {
         let copy = sys::PetscCopyMode::PETSC_COPY_VALUES;
         let n = int(indices.len())?;
         // SAFETY: the slice holds `n` indices, which PETSc copies.
-        check(unsafe { sys::ISCreateGeneral(comm.raw(), n, indices.as_ptr(), copy, &raw mut set) })?;
+        check(unsafe { sys::ISCreateGeneral(comm.petsc()?, n, indices.as_ptr(), copy, &raw mut set) })?;
         // SAFETY: the new set is ours.
         let set: Object<sys::_p_IS> = unsafe { Object::new(set, comm) };
         let mut scatter = std::ptr::null_mut();

@@ -90,7 +90,7 @@ impl Ksp {
     pub fn new(comm: &Comm) -> Result<Self> {
         let mut raw = std::ptr::null_mut();
         // SAFETY: the communicator is valid and the out-pointer too.
-        check(unsafe { sys::KSPCreate(comm.raw(), &raw mut raw) })?;
+        check(unsafe { sys::KSPCreate(comm.petsc()?, &raw mut raw) })?;
         // SAFETY: the new solver is ours.
         Ok(unsafe { Self::from_raw(raw, comm) })
     }

@@ -10,11 +10,12 @@ use crate::text::{from_c, option_name, to_c};
 ///
 /// # Errors
 /// PETSc's.
-pub fn is_set(_session: &Session, name: &str) -> Result<bool> {
+pub fn is_set(session: &Session, name: &str) -> Result<bool> {
+    session.petsc()?;
     let name = option_name(name)?;
     let mut set = sys::FALSE;
     let (database, prefix) = (std::ptr::null_mut(), std::ptr::null());
-    // SAFETY: PETSc is initialised (a session exists); the string outlives the call.
+    // SAFETY: PETSc is initialised; the string outlives the call.
     check(unsafe { sys::PetscOptionsHasName(database, prefix, name.as_ptr(), &raw mut set) })?;
     Ok(set == sys::TRUE)
 }
@@ -23,7 +24,8 @@ pub fn is_set(_session: &Session, name: &str) -> Result<bool> {
 ///
 /// # Errors
 /// PETSc's.
-pub fn get(_session: &Session, name: &str) -> Result<Option<String>> {
+pub fn get(session: &Session, name: &str) -> Result<Option<String>> {
+    session.petsc()?;
     let (name, none) = (option_name(name)?, std::ptr::null());
     let (mut value, mut set) = (std::ptr::null(), sys::FALSE);
     let database = std::ptr::null_mut();
@@ -67,7 +69,8 @@ impl Drop for Scoped<'_> {
 ///
 /// # Errors
 /// PETSc's.
-pub fn set(_session: &Session, name: &str, value: &str) -> Result<()> {
+pub fn set(session: &Session, name: &str, value: &str) -> Result<()> {
+    session.petsc()?;
     let (name, value) = (option_name(name)?, to_c(value));
     // SAFETY: PETSc is initialised; the strings outlive the call, and PETSc copies them.
     check(unsafe { sys::PetscOptionsSetValue(std::ptr::null_mut(), name.as_ptr(), value.as_ptr()) })
@@ -77,7 +80,8 @@ pub fn set(_session: &Session, name: &str, value: &str) -> Result<()> {
 ///
 /// # Errors
 /// PETSc's.
-pub fn clear(_session: &Session, name: &str) -> Result<()> {
+pub fn clear(session: &Session, name: &str) -> Result<()> {
+    session.petsc()?;
     let name = option_name(name)?;
     // SAFETY: PETSc is initialised; the string outlives the call.
     check(unsafe { sys::PetscOptionsClearValue(std::ptr::null_mut(), name.as_ptr()) })
@@ -87,14 +91,17 @@ pub fn clear(_session: &Session, name: &str) -> Result<()> {
 ///
 /// # Errors
 /// PETSc's.
-pub fn all(_session: &Session) -> Result<String> {
+pub fn all(session: &Session) -> Result<String> {
+    if !session.has_petsc() {
+        return Ok(String::new());
+    }
     let mut raw = std::ptr::null_mut();
     // SAFETY: PETSc is initialised; the out-pointer receives an allocation of PETSc's.
     check(unsafe { sys::PetscOptionsGetAll(std::ptr::null_mut(), &raw mut raw) })?;
     // SAFETY: PETSc has made a C string.
     let value = unsafe { from_c(raw) };
     // SAFETY: PETSc's own free function for PETSc's own allocation, once.
-    if let Some(free) = unsafe { sys::PetscTrFree } {
+    if let Some(free) = unsafe { *sys::PetscTrFree() } {
         // SAFETY: as above.
         check(unsafe { free(raw.cast(), 0, c"all".as_ptr(), c"options.rs".as_ptr()) })?;
     }
@@ -105,7 +112,10 @@ pub fn all(_session: &Session) -> Result<String> {
 ///
 /// # Errors
 /// PETSc's.
-pub fn unused(_session: &Session) -> Result<Vec<String>> {
+pub fn unused(session: &Session) -> Result<Vec<String>> {
+    if !session.has_petsc() {
+        return Ok(Vec::new());
+    }
     let mut count = 0;
     let (mut names, mut values) = (std::ptr::null_mut(), std::ptr::null_mut());
     let database = std::ptr::null_mut();

@@ -79,7 +79,7 @@ impl Plex {
         let corners = (lower.as_ptr(), upper.as_ptr());
         // SAFETY: three entries each.
         check(unsafe {
-            sys::create_box_mesh(comm.raw(), 3, simplex, cells.as_ptr(), corners, interpolate, &raw mut raw)
+            sys::create_box_mesh(comm.petsc()?, 3, simplex, cells.as_ptr(), corners, interpolate, &raw mut raw)
         })?;
         // SAFETY: the new mesh is ours.
         Ok(unsafe { Self::from_raw(raw, comm) })
@@ -339,7 +339,7 @@ impl Plex {
         let Range { start: begin, end } = self.chart()?;
         let mut section = std::ptr::null_mut();
         // SAFETY: the communicator is valid.
-        check(unsafe { sys::PetscSectionCreate(self.comm().raw(), &raw mut section) })?;
+        check(unsafe { sys::PetscSectionCreate(self.comm().petsc()?, &raw mut section) })?;
         // SAFETY: the new section is ours.
         let section: Object<sys::_p_PetscSection> = unsafe { Object::new(section, self.comm()) };
         // SAFETY: a fresh section, here and below.

@@ -1,6 +1,6 @@
 //! MPI, then PETSc; finalised in reverse.
 
-use std::cell::Cell;
+use std::cell::{Cell, OnceCell};
 use std::ffi::{CString, c_char, c_int};
 use std::rc::Rc;
 
@@ -14,6 +14,9 @@ use crate::text::to_c;
 
 /// The running MPI and PETSc; at most one a process, ever.
 ///
+/// A process alone, without options for PETSc, loads and initialises PETSc when its first object is made: what needs none starts in a
+/// fraction of the time. Several ranks initialise it together when they start.
+///
 /// Clones share it. The last one to go (a handle's or this) destroys what is queued and finalises PETSc and MPI, which
 /// is collective; a rank that must leave alone calls [`Session::abort`].
 #[derive(Clone)]
@@ -21,44 +24,69 @@ pub struct Session(Rc<Inner>);
 
 pub(crate) struct Inner {
     finalized: Cell<bool>,
-    /// These are dropped after PETSc is finalised: MPI, and what PETSc takes for the command line.
+    /// Dropped after PETSc is finalised.
     universe: Universe,
+    /// Initialised at most once.
+    petsc: OnceCell<CommandLine>,
+}
+
+/// What PETSc takes for the program's command line, and keeps.
+struct CommandLine {
     _argv: Vec<*mut c_char>,
     _arguments: Vec<CString>,
 }
 
-/// What PETSc is told of the program's name.
-fn program_name() -> String {
-    std::env::args_os().next().map_or_else(|| "program".to_owned(), |path| path.to_string_lossy().into_owned())
-}
+/// The environment's options for PETSc.
+const OPTIONS: &str = "PETSC_OPTIONS";
 
 impl Session {
-    /// Initialises MPI, then PETSc with the given options (as on a command line) beside those of `PETSC_OPTIONS`.
+    /// Initialises MPI; and PETSc with the given options (as on a command line) beside those of `PETSC_OPTIONS`, if there are any of either or
+    /// several ranks.
     ///
     /// # Errors
-    /// PETSc refuses the options. `None` where MPI was initialised before in this process.
+    /// PETSc cannot be loaded, or refuses the options. `None` where MPI was initialised before in this process.
     pub fn start(options: &[String]) -> Option<Result<Self>> {
         let universe = mpi::initialize()?;
-        Some(Self::with_universe(universe, options))
+        let is_alone = universe.world().size() == 1;
+        let session = Self(Rc::new(Inner { finalized: Cell::new(false), universe, petsc: OnceCell::new() }));
+        let waits = is_alone && options.is_empty() && std::env::var_os(OPTIONS).is_none_or(|text| text.is_empty());
+        Some(if waits { Ok(session) } else { session.start_petsc(options).map(|()| session) })
     }
 
-    fn with_universe(universe: Universe, options: &[String]) -> Result<Self> {
+    /// Loads and initialises PETSc where this has not been done.
+    ///
+    /// # Errors
+    /// PETSc cannot be loaded, or does not start.
+    pub(crate) fn petsc(&self) -> Result<()> {
+        if self.has_petsc() { Ok(()) } else { self.start_petsc(&[]) }
+    }
+
+    /// Whether PETSc is initialised.
+    pub(crate) fn has_petsc(&self) -> bool {
+        self.0.petsc.get().is_some()
+    }
+
+    fn start_petsc(&self, options: &[String]) -> Result<()> {
+        let library = sys::load().map_err(Error::NotLoaded)?;
+        let program = std::env::args_os().next();
+        let program = program.map_or_else(|| "program".to_owned(), |path| path.to_string_lossy().into_owned());
         // MPI's and the program's own signal handling stay in charge.
-        let words = [program_name(), "-no_signal_handler".to_owned()];
+        let words = [program, "-no_signal_handler".to_owned()];
         let arguments: Vec<CString> = words.iter().chain(options).map(|word| to_c(word)).collect();
         let mut argv: Vec<*mut c_char> = arguments.iter().map(|word| word.as_ptr().cast_mut()).collect();
         let mut argc = c_int::try_from(argv.len()).map_err(|_| Error::TooLarge { number: argv.len() })?;
         argv.push(std::ptr::null_mut());
         let mut args = argv.as_mut_ptr();
-        // SAFETY: MPI is initialised; argc and the NULL-terminated argv are valid. PETSc keeps argv: so does the session, or, where there is
-        // none, nobody calls PETSc any more.
+        // SAFETY: MPI is initialised; argc and the NULL-terminated argv are valid. PETSc keeps argv: so does the session, or, where PETSc does
+        // not start, nobody calls it any more.
         check(unsafe { sys::PetscInitialize(&raw mut argc, &raw mut args, std::ptr::null(), std::ptr::null()) })?;
+        let _ = self.0.petsc.set(CommandLine { _argv: argv, _arguments: arguments });
         // SAFETY: the handler has the right type and needs no context.
         check(unsafe { sys::PetscPushErrorHandler(Some(crate::error::record), std::ptr::null_mut()) })?;
         // What packages print of an error beside the one that they return (CHOLMOD, say) is no text for a user.
         // SAFETY: PETSc reads this pointer in calls of its own, of which there is none on another thread.
-        unsafe { sys::PetscErrorPrintf = Some(sys::PetscErrorPrintfNone) };
-        Ok(Self(Rc::new(Inner { finalized: Cell::new(false), universe, _argv: argv, _arguments: arguments })))
+        unsafe { *sys::PetscErrorPrintf() = Some(library.PetscErrorPrintfNone) };
+        Ok(())
     }
 
     /// All ranks.
@@ -100,11 +128,11 @@ impl Session {
 
 impl Inner {
     fn finalize(&self) -> Result<()> {
-        if self.finalized.replace(true) {
+        if self.finalized.replace(true) || self.petsc.get().is_none() {
             return Ok(());
         }
         // SAFETY: every handle keeps this alive, so all of them are gone and only queued objects are left.
-        check(unsafe { sys::PetscGarbageCleanup(sys::PETSC_COMM_WORLD) })?;
+        check(unsafe { sys::PetscGarbageCleanup(*sys::PETSC_COMM_WORLD()) })?;
         // SAFETY: as above; MPI is still initialised.
         check(unsafe { sys::PetscFinalize() })
     }

@@ -52,7 +52,7 @@ impl Vector {
         let local = int(local)?;
         let mut raw = std::ptr::null_mut();
         // SAFETY: the communicator is valid and the out-pointer too.
-        check(unsafe { sys::VecCreate(comm.raw(), &raw mut raw) })?;
+        check(unsafe { sys::VecCreate(comm.petsc()?, &raw mut raw) })?;
         // SAFETY: the new vector is ours.
         let vector = unsafe { Self::from_raw(raw, comm) };
         // SAFETY: `raw` is a fresh vector.

@@ -1,9 +1,5 @@
 //! What MPI and BLAS are told by the environment, where the user has told them nothing.
 
-use std::ffi::OsString;
-use std::os::unix::process::CommandExt;
-use std::process::Command;
-
 use petsc_wrap::set_default_environment;
 
 /// Settings of Open MPI for a process that nobody launched: no daemon for processes that it might spawn, and no search for networks. They
@@ -22,10 +18,7 @@ const ONE_THREAD: (&str, &str) = ("OMP_NUM_THREADS", "1");
 /// Variables by which a user chooses threads.
 const THREADS: [&str; 3] = [ONE_THREAD.0, "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"];
 
-/// Set for a process that has begun again, so that it does so once.
-const AGAIN: &str = "RICOCHET_STARTED_AGAIN";
-
-/// Sets the variables above that are not set. It is called first of all.
+/// Sets the variables above that are not set, before MPI and, with PETSc, BLAS read them.
 pub fn set() {
     let is_set = |name: &&str| std::env::var_os(name).is_some();
     let mut wanted = Vec::new();
@@ -35,17 +28,9 @@ pub fn set() {
     if !THREADS.iter().any(is_set) {
         wanted.push(ONE_THREAD);
     }
-    if wanted.is_empty() || is_set(&AGAIN) || set_default_environment(&wanted) {
-        return;
+    if !wanted.is_empty() && !set_default_environment(&wanted) {
+        tracing::debug!(
+            "the environment of MPI and BLAS stays as it is: a library has started threads, which may read it"
+        );
     }
-    // A library has started threads as it was loaded, as OpenBLAS does, and they may read the environment: so the program begins again with
-    // another one. That takes a tenth of what it saves.
-    let Ok(program) = std::env::current_exe() else { return };
-    let arguments: Vec<OsString> = std::env::args_os().collect();
-    let mut command = Command::new(program);
-    if let Some((name, arguments)) = arguments.split_first() {
-        command.arg0(name).args(arguments);
-    }
-    let error = command.envs(wanted).env(AGAIN, "1").exec();
-    tracing::debug!("the program could not begin again in another environment: {error}");
 }

@@ -4,8 +4,12 @@
 
 #![allow(missing_docs, non_camel_case_types, non_snake_case, non_upper_case_globals, clippy::all)]
 
+mod load;
 mod versions;
 
+use load::library;
+pub use load::load;
 pub use versions::*;
 
 include!(concat!(env!("OUT_DIR"), "/bindings.rs"));
+include!(concat!(env!("OUT_DIR"), "/functions.rs"));

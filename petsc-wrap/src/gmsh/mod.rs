@@ -85,7 +85,7 @@ impl Plex {
         let mut raw = std::ptr::null_mut();
         let interpolate = sys::TRUE;
         // SAFETY: the path is a C string that outlives the call; the file keeps what PETSc takes on trust.
-        check(unsafe { sys::DMPlexCreateGmshFromFile(comm.raw(), name.as_ptr(), interpolate, &raw mut raw) })?;
+        check(unsafe { sys::DMPlexCreateGmshFromFile(comm.petsc()?, name.as_ptr(), interpolate, &raw mut raw) })?;
         drop(scoped);
         // SAFETY: the new mesh is ours.
         Ok(GmshMesh { plex: unsafe { Plex::from_raw(raw, comm) }, surfaces, named_volumes, volumes, parts })

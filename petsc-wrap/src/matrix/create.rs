@@ -53,7 +53,7 @@ impl Matrix {
             // SAFETY: the offsets are one more than the rows and lie within the columns and values, through which PETSc does not write
             // where the rows are full. It keeps the pointers: the matrix is only copied from, and is gone before the slices are.
             check(unsafe {
-                sys::MatCreateSeqAIJWithArrays(comm.raw(), n, n, i, j, values.as_ptr().cast_mut(), &raw mut raw)
+                sys::MatCreateSeqAIJWithArrays(comm.petsc()?, n, n, i, j, values.as_ptr().cast_mut(), &raw mut raw)
             })?;
             // (Entries set row by row take many times as long.)
             // SAFETY: the new matrix is ours.
@@ -98,7 +98,7 @@ impl Matrix {
         let (rows, columns, all) = (int(local.0)?, int(local.1)?, sys::PETSC_DETERMINE as Int);
         let mut raw = std::ptr::null_mut();
         // SAFETY: the communicator is valid and the out-pointer too.
-        check(unsafe { sys::MatCreate(comm.raw(), &raw mut raw) })?;
+        check(unsafe { sys::MatCreate(comm.petsc()?, &raw mut raw) })?;
         // SAFETY: the new matrix is ours.
         let matrix = unsafe { Self::from_raw(raw, comm) };
         // SAFETY: a fresh matrix.

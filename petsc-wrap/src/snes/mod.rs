@@ -102,7 +102,7 @@ impl Snes {
     pub fn new(comm: &Comm) -> Result<Self> {
         let mut raw = std::ptr::null_mut();
         // SAFETY: the communicator is valid and the out-pointer too.
-        check(unsafe { sys::SNESCreate(comm.raw(), &raw mut raw) })?;
+        check(unsafe { sys::SNESCreate(comm.petsc()?, &raw mut raw) })?;
         // SAFETY: the new solver is ours.
         Ok(Self { object: unsafe { Object::new(raw, comm) }, jacobian: None })
     }

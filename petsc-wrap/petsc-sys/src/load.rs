@@ -1,0 +1,42 @@
+//! PETSc's library, loaded when it is first wanted.
+
+use std::path::Path;
+use std::sync::OnceLock;
+
+use super::Library;
+
+/// PETSc's library as the build found it.
+const FILE: &str = env!("PETSC_LIBRARY");
+
+struct Loaded(Library);
+
+// SAFETY: these are addresses of functions and of variables of PETSc's, the same for all threads as long as the process lives. What may be
+// called and read when, and on which thread, is PETSc's matter, as it is where its library is linked.
+unsafe impl Send for Loaded {}
+// SAFETY: as above.
+unsafe impl Sync for Loaded {}
+
+static LOADED: OnceLock<Result<Loaded, String>> = OnceLock::new();
+
+/// Loads PETSc, where nobody has done so: from where it was when this was built, or else from where the loader finds one of that name.
+///
+/// # Errors
+/// The loader's.
+pub fn load() -> Result<&'static Library, String> {
+    let loaded = LOADED.get_or_init(|| {
+        let name = Path::new(FILE).file_name().expect("the name of a file");
+        // SAFETY: PETSc's library and those that it needs may be loaded at any time: what they do on the way is to set up themselves.
+        unsafe { Library::new(FILE).or_else(|_| Library::new(name)) }
+            .map(Loaded)
+            .map_err(|error| format!("PETSc cannot be loaded: {error}"))
+    });
+    loaded.as_ref().map(|loaded| &loaded.0).map_err(Clone::clone)
+}
+
+/// The library.
+///
+/// # Panics
+/// Where it cannot be loaded. Who calls [`load`] first is told of that.
+pub(crate) fn library() -> &'static Library {
+    load().unwrap_or_else(|error| panic!("{error}"))
+}
