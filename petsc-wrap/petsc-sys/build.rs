@@ -238,11 +238,8 @@ fn library(petsc: &Petsc) -> PathBuf {
     let names = [format!("lib{}.so.{major}.{minor}", petsc.name), format!("lib{}.so", petsc.name)];
     let found = names.iter().map(|name| petsc.folder.join(name)).find(|library| library.exists());
     found.unwrap_or_else(|| {
-        fail(&format!(
-            "there is no {} in {}: PETSc must be built with shared libraries",
-            names[1],
-            petsc.folder.display()
-        ))
+        let library = petsc.folder.join(&names[1]);
+        fail(&format!("there is no {}: PETSc must be built with shared libraries", library.display()))
     })
 }
 
