@@ -9,6 +9,8 @@ const EXAMPLE: &str = "PETSC_WRAP_EXAMPLE";
 
 #[path = "../examples/bratu.rs"]
 mod bratu;
+#[path = "../examples/lazy.rs"]
+mod lazy;
 #[path = "../examples/mesh.rs"]
 mod mesh;
 #[path = "../examples/options.rs"]
@@ -20,8 +22,9 @@ mod ranks;
 
 type Example = fn() -> Result<(), Box<dyn std::error::Error>>;
 
-const EXAMPLES: [(&str, Example); 5] = [
+const EXAMPLES: [(&str, Example); 6] = [
     ("bratu", bratu::main),
+    ("lazy", lazy::main),
     ("mesh", mesh::main),
     ("options", options::main),
     ("poisson", poisson::main),
@@ -30,6 +33,7 @@ const EXAMPLES: [(&str, Example); 5] = [
 
 const TESTS: &[PlainTest] = &[
     ("bratu", || on_ranks("bratu")),
+    ("lazy", || on_ranks("lazy")),
     ("mesh", || on_ranks("mesh")),
     ("options", || on_ranks("options")),
     ("poisson", || on_ranks("poisson")),
