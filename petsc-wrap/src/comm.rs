@@ -66,6 +66,28 @@ impl Comm {
         all
     }
 
+    /// The lists of all ranks, one after the other, on rank 0; nothing on the others. Collective.
+    ///
+    /// # Panics
+    /// As [`Self::all_gather`].
+    pub fn gather_to_root<T: Equivalence + Clone + Default>(&self, mine: &[T]) -> Vec<T> {
+        let mut counts = vec![0; self.size()];
+        self.mpi.all_gather_into(&(mine.len() as u64), &mut counts[..]);
+        let Parts { counts, starts, total } = Parts::new(&counts).expect("more items than MPI counts");
+        let root = self.mpi.process_at_rank(0);
+        if total == 0 {
+            // As of `all_gather`.
+            return Vec::new();
+        }
+        if !self.is_root() {
+            root.gather_varcount_into(mine);
+            return Vec::new();
+        }
+        let mut all = vec![T::default(); total];
+        root.gather_varcount_into_root(mine, &mut PartitionMut::new(&mut all[..], counts, starts));
+        all
+    }
+
     /// Replaces each rank's values by those of rank 0. Collective.
     ///
     /// # Panics

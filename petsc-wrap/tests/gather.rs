@@ -79,7 +79,9 @@ fn lists_of_all_ranks(session: &Session) {
     let mine: Vec<f64> = list(comm.rank()).collect();
     let all: Vec<f64> = (0..comm.size()).flat_map(list).collect();
     assert_eq!(comm.all_gather(&mine), all);
+    assert_eq!(comm.gather_to_root(&mine), if comm.is_root() { all } else { Vec::new() });
     for comm in [comm, session.alone()] {
         assert!(comm.all_gather::<Int>(&[]).is_empty() && comm.all_gather::<u8>(&[]).is_empty());
+        assert!(comm.gather_to_root::<Int>(&[]).is_empty());
     }
 }

@@ -13,7 +13,7 @@ use crate::record::folder::Folder;
 use crate::record::provenance::{Cost, Provenance};
 use crate::record::read::origin;
 use crate::record::series::{Points, SeriesWriter};
-use crate::record::tension::Faces;
+use crate::record::stress::Faces;
 use crate::scene::{Scene, Source};
 use crate::study::chart::{Attempt, Recording, Timed, history, spent, time};
 
@@ -127,7 +127,7 @@ impl<'a> Bench<'a> {
         let Some((path, _)) = &self.folder else { return Ok(()) };
         let Recording { faces, steps, readings } = recording;
         made.planned_rows = Some(steps.len());
-        let points = Points { faces: Faces { names: faces, ring: None }, ..Points::default() };
+        let points = Points { faces: Faces { names: faces, ..Faces::default() }, ..Points::default() };
         let mut writer = SeriesWriter::with_points(&path.join(name), &made, &points)?;
         steps.iter().zip(&readings).try_for_each(|(step, reading)| writer.push_read(step, reading))?;
         let cost = Cost {

@@ -22,7 +22,7 @@ pub fn gathered(comm: &Comm, values: &[f64]) -> Vec<f64> {
 /// What rank 0 has, to all ranks: of vectors over nodes each its part, so many values of those of all ranks in their order; of others
 /// everything. Collective.
 pub fn shared(comm: &Comm, whole: Option<Checkpoint>, part: Option<usize>) -> Checkpoint {
-    let Checkpoint { vectors, numbers } = whole.unwrap_or_default();
+    let Checkpoint { vectors, numbers, lists } = whole.unwrap_or_default();
     let names: Vec<String> = of_root(comm, Some(vectors.keys().cloned().collect()));
     let vector = |name: String| {
         let all = vectors.get(&name).map_or(&[][..], Vec::as_slice);
@@ -32,7 +32,7 @@ pub fn shared(comm: &Comm, whole: Option<Checkpoint>, part: Option<usize>) -> Ch
         };
         (name, mine)
     };
-    Checkpoint { vectors: names.into_iter().map(vector).collect(), numbers: of_root(comm, Some(numbers)) }
+    Checkpoint { vectors: names.into_iter().map(vector).collect(), numbers: of_root(comm, Some(numbers)), lists }
 }
 
 /// This rank's share of what rank 0 has, so many values. Collective.

@@ -13,6 +13,7 @@ use crate::record::checkpoint::Kept;
 use crate::record::episodes::Episodes;
 use crate::record::series::SeriesWriter;
 use crate::scene::{Scene, Vec3};
+use crate::space::evaluate::TensionMap;
 
 use super::collect::gathered;
 use super::recording::Recording;
@@ -75,7 +76,7 @@ impl Keeping {
             return Ok(());
         }
         self.last = Instant::now();
-        let Checkpoint { vectors, mut numbers } = checkpoint()?;
+        let Checkpoint { vectors, mut numbers, .. } = checkpoint()?;
         let mut all = Checkpoint::default();
         for (name, values) in vectors {
             let values = if self.nodes.is_some() { gathered(&self.comm, &values) } else { values };
@@ -89,10 +90,15 @@ impl Keeping {
         recording.map_or(Ok(()), Recording::sync)?;
         writer.sync()?;
         let mut of_record = Checkpoint::default();
-        let mut known = (writer.episodes().clone(), *summary);
-        carry(&mut writer.rows(), &mut known, &mut Carrier::to(&mut of_record))?;
+        let mut known = Known {
+            rows: writer.rows(),
+            episodes: writer.episodes().clone(),
+            summary: *summary,
+            map: writer.map().clone(),
+        };
+        known.carry(&mut Carrier::to(&mut of_record))?;
         numbers.append(&mut of_record.numbers);
-        all.numbers = numbers;
+        (all.numbers, all.lists) = (numbers, of_record.lists);
         let begin = Instant::now();
         let kept = Kept {
             scene: self.scene.clone(),
@@ -109,14 +115,34 @@ impl Keeping {
     }
 }
 
-/// What rank 0 knows of a run beside its state, to a checkpoint or from it.
-///
-/// # Errors
-/// Those of [`Carrier`].
-pub fn carry(rows: &mut usize, (episodes, summary): &mut (Episodes, Summary), carrier: &mut Carrier) -> Result<()> {
-    carrier.within("record", |carrier| {
-        carrier.count("rows", rows)?;
-        episodes.carry(carrier)?;
-        summary.carry(carrier, episodes.last())
-    })
+/// What rank 0 knows of a run beside its state.
+pub struct Known {
+    /// Rows of the series.
+    pub rows: usize,
+    /// The contacts.
+    pub episodes: Episodes,
+    /// What is printed at the end.
+    pub summary: Summary,
+    /// The largest tension at each point of the faces.
+    pub map: TensionMap,
+}
+
+impl Known {
+    /// To a checkpoint or from it.
+    ///
+    /// # Errors
+    /// Those of [`Carrier`].
+    pub fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+        let Self { rows, episodes, summary, map } = self;
+        carrier.within("record", |carrier| {
+            carrier.count("rows", rows)?;
+            episodes.carry(carrier)?;
+            summary.carry(carrier, episodes.last())?;
+            let mut tension: Vec<f64> = map.tension.iter().copied().map(f64::from).collect();
+            carrier.list("tension", &mut tension)?;
+            carrier.list("tension_time", &mut map.time)?;
+            map.tension = tension.into_iter().map(|tension| tension as f32).collect();
+            Ok(())
+        })
+    }
 }

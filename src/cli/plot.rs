@@ -1,14 +1,20 @@
 //! `ricochet plot`: results to a figure.
 
 use crate::error::{Error, Result};
+use crate::figure::face::draw as draw_face;
 use crate::figure::history::{Curve, History, Run, draw};
 use crate::figure::sweep as figure;
 use crate::record::quantity::{Part, Quantity, quantity};
+use crate::record::read;
+use crate::record::stress::{FaceMap, StressMaps};
 use crate::record::sweep::{self as record, Key, Status, Sweep, Values, is_sweep};
+use crate::report::face_figure;
 use std::path::{Path, PathBuf};
 
 /// What is drawn of runs where nothing else is asked for.
 const DEFAULT: &str = "acceleration";
+/// The maps of the largest tension over time, which are no curves.
+const MAP: &str = "stress_map";
 
 /// Draws a quantity of the results `files` over time to `out`, one curve a file and component; or a single sweep, which has a figure of its
 /// own. `asked` is the name of the quantity, by default the acceleration of the impactor.
@@ -29,6 +35,13 @@ pub fn plot(files: &[PathBuf], out: &Path, asked: Option<&str>) -> Result<()> {
         }
     }
     let name = asked.unwrap_or(DEFAULT);
+    if name == MAP || name.strip_prefix(MAP).is_some_and(|face| face.starts_with('/')) {
+        let face = name[MAP.len()..].trim_start_matches('/');
+        return match files {
+            [file] => plot_maps(file, out, face),
+            _ => Err(Error::Usage(format!("--quantity {name}: a map is of one result"))),
+        };
+    }
     let found = files.iter().map(|file| quantity(file, name)).collect::<Result<Vec<_>>>()?;
     let titles: Vec<&str> = found.iter().map(|found| found.title.trim()).collect();
     let labels = labels(files, &titles);
@@ -53,6 +66,36 @@ pub fn plot(files: &[PathBuf], out: &Path, asked: Option<&str>) -> Result<()> {
         history.runs.push(Run { time, curves: parts.into_iter().map(curve).collect(), contacts });
     }
     draw(&history, out)
+}
+
+/// Draws the map of a face, or those of all faces, each to a file with the face's name in it.
+fn plot_maps(file: &Path, out: &Path, face: &str) -> Result<()> {
+    let refuse = |what: String| Err(Error::Usage(format!("--quantity {MAP}: {} has {what}", file.display())));
+    let Some(maps) = StressMaps::read(file)? else { return refuse("no map of stresses".to_owned()) };
+    let title = read::history(file)?.title;
+    let is_wanted = |map: &&FaceMap| face.is_empty() || map.name == face;
+    let wanted: Vec<&FaceMap> = maps.faces.iter().filter(is_wanted).collect();
+    let names: Vec<&str> = maps.faces.iter().map(|map| map.name.as_str()).collect();
+    if wanted.is_empty() {
+        return refuse(format!("the faces {}", names.join(", ")));
+    }
+    for map in wanted {
+        let titled = [title.trim(), &map.name].join(if title.trim().is_empty() { "" } else { ": " });
+        let Some(figure) = face_figure(&maps, map, titled) else { continue };
+        let place = if face.is_empty() { with_name(out, &map.name) } else { out.to_owned() };
+        draw_face(&figure, &place)?;
+    }
+    Ok(())
+}
+
+/// A path with a name before its extension: `fig.svg` becomes `fig-lower.svg`.
+fn with_name(path: &Path, name: &str) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let name = format!("{stem}-{name}");
+    path.with_file_name(match path.extension() {
+        Some(extension) => format!("{name}.{}", extension.to_string_lossy()),
+        None => name,
+    })
 }
 
 /// A unit as results have it, with its powers written as such: m/s² for m/s2.

@@ -15,9 +15,10 @@ use crate::record::read;
 use crate::record::series::{Earlier, Points};
 use crate::record::target::is_same;
 use crate::scene::{self, Geometry, Output, Scene, Source};
+use crate::space::evaluate::TensionMap;
 
 use super::collect::{gathered, shared};
-use super::keeping::carry;
+use super::keeping::Known;
 use super::load::{changed, mesh_digest};
 use super::summary::Summary;
 use super::tell;
@@ -230,16 +231,16 @@ fn earlier(
     points: &Points,
     named: impl Fn(String) -> String,
 ) -> std::result::Result<(Earlier, Summary), String> {
-    let mut rows = 0;
     // The mass is not among what is carried: no impulse is computed of it before the next step.
-    let mut past = (Episodes::new(origin.impactor_mass), Summary::default());
+    let episodes = Episodes::new(origin.impactor_mass);
+    let mut known = Known { rows: 0, episodes, summary: Summary::default(), map: TensionMap::default() };
     let checkpoint: &Checkpoint = &kept.checkpoint;
-    carry(&mut rows, &mut past, &mut Carrier::from(checkpoint)).map_err(|error| named(error.to_string()))?;
-    let (episodes, summary) = past;
+    known.carry(&mut Carrier::from(checkpoint)).map_err(|error| named(error.to_string()))?;
+    let Known { rows, episodes, summary, map } = known;
     let read = || {
         let (columns, probes) = (read::rows(result, rows)?, read::probes(result, &points.probes, rows)?);
         let tensions = read::tensions(result, &points.faces.names, rows)?;
-        Ok(Earlier { result: result.to_owned(), run_id: origin.run_id, columns, probes, tensions, episodes })
+        Ok(Earlier { result: result.to_owned(), run_id: origin.run_id, columns, probes, tensions, map, episodes })
     };
     let earlier = read().map_err(|error: Error| error.to_string())?;
     Ok((earlier, summary))

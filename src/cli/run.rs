@@ -23,8 +23,8 @@ use crate::record::lock::Lock;
 use crate::record::provenance::Cost;
 use crate::record::read;
 use crate::record::series::{Points, SeriesWriter};
+use crate::record::stress::{Faces, LargestTension, MapPoints, strengths};
 use crate::record::target::{Kind, check_writable, is_same};
-use crate::record::tension::{Faces, LargestTension, strengths};
 use crate::scene::{Fault, Scene, Source};
 use crate::solve::linear::has_mumps;
 
@@ -274,7 +274,11 @@ pub(super) fn solve(
     check_strength(scene, &of_root(comm, Some(impact.faces().to_vec())))?;
     let points = Points {
         probes: scene.output.probes.iter().map(|probe| probe.name.clone()).collect(),
-        faces: Faces { names: impact.faces().to_vec(), ring: ring(scene) },
+        faces: Faces {
+            names: impact.faces().to_vec(),
+            map: MapPoints::new(scene, impact.face_points().to_vec()),
+            ring: ring(scene),
+        },
     };
     let strengths = strengths(&scene.strength, &points.faces.names);
     let earlier = match past {

@@ -9,7 +9,7 @@ use crate::model::{Linearity, STIFFENING};
 use crate::record::episodes::Episodes;
 use crate::record::extremes::{Extreme, Extremes, ProbeExtremes, TensionExtreme};
 use crate::record::provenance::Cost;
-use crate::record::tension::LargestTension;
+use crate::record::stress::LargestTension;
 use crate::space::evaluate::FaceTension;
 
 use super::notes::listed;

@@ -1,7 +1,9 @@
 //! Figures of results.
 
 mod axis;
+mod bar;
 mod canvas;
+pub mod face;
 mod frame;
 pub mod history;
 mod legend;

@@ -13,6 +13,8 @@ pub struct Checkpoint {
     pub vectors: BTreeMap<String, Vec<f64>>,
     /// Numbers that all ranks have alike.
     pub numbers: BTreeMap<String, f64>,
+    /// What rank 0 alone knows, beside the state of the body.
+    pub lists: BTreeMap<String, Vec<f64>>,
 }
 
 /// Takes values to a checkpoint or from it: whoever has a state walks through it once, for both directions.
@@ -85,6 +87,21 @@ impl<'a> Carrier<'a> {
             )));
         }
         *value = number as usize;
+        Ok(())
+    }
+
+    /// A list that rank 0 alone has.
+    ///
+    /// # Errors
+    /// As [`Self::number`].
+    pub fn list(&mut self, name: &str, list: &mut Vec<f64>) -> Result<()> {
+        let name = format!("{}{name}", self.prefix);
+        match &mut self.way {
+            Way::To(checkpoint) => {
+                checkpoint.lists.insert(name, list.clone());
+            }
+            Way::From(checkpoint) => list.clone_from(checkpoint.lists.get(&name).ok_or_else(|| missing(&name))?),
+        }
         Ok(())
     }
 

@@ -8,7 +8,7 @@ use crate::body::Body;
 use crate::error::Result;
 use crate::form::stress::principal;
 use crate::scene::Vec3;
-use crate::space::evaluate::{ContactNow, ContactSize, FaceStresses, FaceTension, LocalPoint, Map};
+use crate::space::evaluate::{ContactNow, ContactSize, FaceStresses, FaceTension, LocalPoint, Map, TensionMap};
 
 use super::state::State;
 use super::step::Step;
@@ -43,6 +43,11 @@ impl Readout {
         self.faces.iter().flat_map(|all| &all.faces).map(|face| face.name.clone()).collect()
     }
 
+    /// The points of these faces, m.
+    pub fn face_points(&self) -> Vec<Vec<Vec3>> {
+        self.faces.iter().flat_map(|all| &all.faces).map(|face| face.points.clone()).collect()
+    }
+
     /// Whether it is this rank that has it.
     pub(super) fn is_here(&self) -> bool {
         let probes = self.probes.as_ref().is_some_and(|probes| !probes.map.is_empty());
@@ -69,6 +74,9 @@ pub struct Reading {
     pub probes: Vec<Probe>,
     /// The largest tension on each face.
     pub faces: Vec<FaceTension>,
+    /// The tensions at all points of the faces, of this step or also of those since the last step that has some: a run in modal coordinates
+    /// tells the largest of all its steps with the last one.
+    pub map: TensionMap,
     /// All coordinates and their rates, where the step's fields are wanted.
     pub coordinates: Option<[Vec<f64>; 2]>,
 }
@@ -123,7 +131,7 @@ impl Reader {
         if let Some((gather, faces)) = &mut self.faces {
             let u = fetched(gather, &state.u)?;
             if !faces.faces.is_empty() {
-                reading.faces = faces.tensions(&faces.map.apply(&u), &contact);
+                (reading.faces, reading.map) = faces.tensions(&faces.map.apply(&u), &contact, step.time);
             }
         }
         if let Some((every, gather)) = &mut self.fields

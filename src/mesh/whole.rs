@@ -48,12 +48,12 @@ impl Mesh {
             numbers.extend_from_slice(cells.nodes(i));
             places.extend(cells.node_positions(i).flatten());
         }
-        let (numbers, places) = (self.comm.all_gather(&numbers), self.comm.all_gather(&places));
+        let (numbers, places) = (self.comm.gather_to_root(&numbers), self.comm.gather_to_root(&places));
         let of_parts: Vec<u64> = self.parts_of_cells.iter().map(|part| *part as u64).collect();
-        let of_parts = self.comm.all_gather(&of_parts);
+        let of_parts = self.comm.gather_to_root(&of_parts);
         let on_surface = |facets: &Vec<usize>| {
             let here: Vec<Int> = facets.iter().flat_map(|&i| self.facets.nodes(i)).copied().collect();
-            self.comm.all_gather(&here)
+            self.comm.gather_to_root(&here)
         };
         let surfaces: Vec<(String, Vec<Int>)> =
             self.surfaces.iter().map(|(name, facets)| (name.clone(), on_surface(facets))).collect();

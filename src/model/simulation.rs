@@ -21,6 +21,8 @@ pub struct Simulation {
     sampler: Option<FieldSampler>,
     /// Names of the faces whose largest tension is read; on rank 0.
     faces: Vec<String>,
+    /// Their points, m.
+    face_points: Vec<Vec<Vec3>>,
 }
 
 impl Simulation {
@@ -34,13 +36,13 @@ impl Simulation {
             Dynamics::Stepped(body) => Box::new(Impact::new(scene, *body)?),
             Dynamics::Modal(body) => Box::new(ModalImpact::new(scene, body)),
         };
-        let (mut sampler, mut faces) = (None, Vec::new());
+        let (mut sampler, mut faces, mut face_points) = (None, Vec::new(), Vec::new());
         if let Some(Gauges { readout, sampler: of_fields, .. }) = model.gauges {
-            faces = readout.face_names();
+            (faces, face_points) = (readout.face_names(), readout.face_points());
             integration.set_readout(readout)?;
             sampler = of_fields;
         }
-        Ok(Self { integration, of_model, patch, sampler, faces })
+        Ok(Self { integration, of_model, patch, sampler, faces, face_points })
     }
 
     /// What makes fields of readings; on rank 0, where the scene wants fields. It is handed out once.
@@ -51,6 +53,11 @@ impl Simulation {
     /// Names of the faces whose largest tension is read, in the order of [`crate::impact::Reading::faces`]; on rank 0.
     pub fn faces(&self) -> &[String] {
         &self.faces
+    }
+
+    /// Where tensions are read on each of them, m: the points of [`crate::impact::Reading::map`]; on rank 0.
+    pub fn face_points(&self) -> &[Vec<Vec3>] {
+        &self.face_points
     }
 
     /// Has the next run go on from a checkpoint of the same scene. One in modal coordinates has none: it is done anew. Collective.

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::record::read::open;
-use crate::record::tension::LargestTension;
+use crate::record::stress::LargestTension;
 
 /// A value of a series and its time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -15,4 +15,3 @@ pub mod series;
 pub mod stress;
 pub mod sweep;
 pub mod target;
-pub mod tension;

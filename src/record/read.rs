@@ -7,9 +7,9 @@ use crate::record::columns::{Column, SERIES};
 use crate::record::episodes::Episode;
 use crate::record::probes;
 use crate::record::provenance::{Cost, Provenance, text};
+use crate::record::stress::{self, EarlierTensions};
 use crate::record::sweep::is_one as is_sweep;
 use crate::record::target::is_locked;
-use crate::record::tension::{self, EarlierTensions};
 use hdf5_metno as hdf5;
 use std::path::Path;
 
@@ -86,7 +86,7 @@ pub fn tensions(path: &Path, names: &[String], rows: usize) -> Result<EarlierTen
         ring.resize(rows, f64::NAN);
         ring
     });
-    Ok(EarlierTensions { faces: tension::rows(&file, names, rows).map_err(wrong)?, ring })
+    Ok(EarlierTensions { faces: stress::rows(&file, names, rows).map_err(wrong)?, ring })
 }
 
 /// Reads the history of the result `path`. After a kill, datasets may differ in length by one flush: the rows are

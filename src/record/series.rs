@@ -17,8 +17,9 @@ use crate::record::episodes::Episodes;
 use crate::record::fields;
 use crate::record::probes::ProbeDatasets;
 use crate::record::provenance::{Cost, Provenance, write_scalar};
+use crate::record::stress::{EarlierTensions, Faces, LargestTension, MapDatasets, TensionDatasets, rings};
 use crate::record::target;
-use crate::record::tension::{EarlierTensions, Faces, LargestTension, TensionDatasets, rings};
+use crate::space::evaluate::TensionMap;
 use hdf5_metno as hdf5;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -46,6 +47,8 @@ pub struct Earlier {
     pub probes: Vec<Vec<Probe>>,
     /// Its stresses.
     pub tensions: EarlierTensions,
+    /// The map of them.
+    pub map: TensionMap,
     /// The contacts.
     pub episodes: Episodes,
 }
@@ -77,6 +80,10 @@ pub struct SeriesWriter {
     probes: ProbeDatasets,
     faces: Faces,
     tensions: TensionDatasets,
+    map_datasets: MapDatasets,
+    /// Of all steps so far, and whether it is not in the file yet.
+    map: TensionMap,
+    map_is_new: bool,
     /// Of the whole run, where stresses are read.
     largest: LargestTension,
     /// Whether an older result keeps its name until this one is whole.
@@ -117,7 +124,7 @@ impl SeriesWriter {
             // The error in hand says more than one of the removal would.
             let _ = fs::remove_file(&part);
         }
-        let Begun { file, series, contacts, probes, tensions } = begun.map_err(|e| not_written(path, &e))?;
+        let Begun { file, series, contacts, probes, tensions, map } = begun.map_err(|e| not_written(path, &e))?;
         Ok(Self {
             path: path.to_owned(),
             run_id: provenance.run_id,
@@ -128,6 +135,9 @@ impl SeriesWriter {
             probes,
             faces: points.faces.clone(),
             tensions,
+            map_datasets: map,
+            map: TensionMap::default(),
+            map_is_new: false,
             largest: LargestTension::default(),
             waits: false,
             goes_on: false,
@@ -161,6 +171,7 @@ impl SeriesWriter {
         };
         copy().map_err(|e| not_written(path, &e))?;
         (writer.rows_written, writer.episodes) = (rows, earlier.episodes);
+        (writer.map, writer.map_is_new) = (earlier.map, true);
         Ok(writer)
     }
 
@@ -180,6 +191,11 @@ impl SeriesWriter {
     /// Rows so far.
     pub fn rows(&self) -> usize {
         self.rows_written + self.buffer.len()
+    }
+
+    /// The largest tension so far at each point of the faces.
+    pub fn map(&self) -> &TensionMap {
+        &self.map
     }
 
     /// The episodes so far.
@@ -208,10 +224,14 @@ impl SeriesWriter {
     /// As [`Self::push`].
     pub fn push_read(&mut self, step: &Step, reading: &Reading) -> Result<()> {
         self.episodes.push(step);
+        if !reading.map.tension.is_empty() {
+            self.map.take(&reading.map);
+            self.map_is_new = true;
+        }
         if step.number.is_multiple_of(self.every) {
             self.buffer.push(*step);
             let Reading { probes, faces, .. } = reading;
-            self.read.push(Reading { probes: probes.clone(), faces: faces.clone(), coordinates: None });
+            self.read.push(Reading { probes: probes.clone(), faces: faces.clone(), ..Reading::default() });
         }
         let due = self.flushed.is_none_or(|t| t.elapsed() >= FLUSH_EVERY);
         if due || self.buffer.len() >= ROWS_BUFFERED {
@@ -300,6 +320,9 @@ impl SeriesWriter {
             self.read.iter_mut().map(|read| (std::mem::take(&mut read.probes), read.faces.clone())).unzip();
         self.probes.append(self.rows_written, &probes)?;
         self.tensions.append(self.rows_written, &tensions, &rings(&self.faces, &self.buffer))?;
+        if std::mem::take(&mut self.map_is_new) {
+            self.map_datasets.write(&self.map)?;
+        }
         append(&self.series, &SERIES, self.rows_written, &self.buffer)?;
         // An open episode grows, so the last one that was written may have changed.
         let first = self.episodes_written.saturating_sub(1);
@@ -332,6 +355,7 @@ struct Begun {
     contacts: Vec<hdf5::Dataset>,
     probes: ProbeDatasets,
     tensions: TensionDatasets,
+    map: MapDatasets,
 }
 
 /// The file at `path` with its attributes, and its datasets under `/series` and `/contacts`.
@@ -346,8 +370,9 @@ fn begin(path: &Path, provenance: &Provenance, points: &Points) -> hdf5::Result<
     // Before the series, whose time is to come last.
     let probes = ProbeDatasets::new(&file, &points.probes, chunk)?;
     let tensions = TensionDatasets::new(&file, &points.faces, chunk)?;
+    let map = MapDatasets::new(&file, &points.faces.names, &points.faces.map)?;
     let series = new_datasets(&file, &SERIES, chunk)?;
     let group = file.group("contacts")?;
     write_scalar(&group, "open_at_end", false)?;
-    Ok(Begun { file, series, contacts, probes, tensions })
+    Ok(Begun { file, series, contacts, probes, tensions, map })
 }

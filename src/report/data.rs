@@ -8,7 +8,7 @@ use crate::record::extremes::{Extremes, extremes};
 use crate::record::provenance::{Cost, Provenance};
 use crate::record::quantity::{Quantity, quantity};
 use crate::record::read::{Contacts, episodes, origin};
-use crate::record::stress::Stresses;
+use crate::record::stress::{StressMaps, Stresses};
 use crate::scene::{Scene, Strength};
 
 /// A result.
@@ -45,6 +45,8 @@ pub struct Data {
     pub energies: Quantity,
     /// The largest stresses on the faces; `None` where the run has none.
     pub stresses: Option<Stresses>,
+    /// The maps of them over time.
+    pub stress_maps: Option<StressMaps>,
 }
 
 /// A number in each row.
@@ -83,6 +85,7 @@ impl Data {
             position: series("position")?,
             energies: quantity(path, "energy")?,
             stresses: Stresses::read(path)?,
+            stress_maps: StressMaps::read(path)?,
             provenance,
             cost,
             is_complete,

@@ -5,6 +5,7 @@
 mod contacts;
 mod data;
 mod energy;
+mod faces;
 mod figures;
 mod history;
 mod model;
@@ -23,6 +24,7 @@ use askama::Template;
 use crate::error::{Error, Result};
 
 use data::Data;
+pub use faces::face_figure;
 use page::{Page, Section};
 
 /// The report on the result `path`: the text of an HTML file.

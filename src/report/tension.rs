@@ -1,13 +1,16 @@
 //! The largest tension on the faces of the body, and what the material stands.
 
 use crate::error::Result;
+use crate::figure::Sheet;
+use crate::figure::face::draw_inline;
 use crate::record::stress::{Face, Largest, Stresses};
 
 use super::data::Data;
+use super::faces::face_figure;
 use super::figures::Curves;
 use super::model::{Estimate, stress_error};
 use super::number::{STRESS, TIME, computed, digits, given, percent, place, unit_for};
-use super::page::{Column, Part, Section, Table};
+use super::page::{Column, Figure, Part, Section, Table};
 
 /// More faces than this are not drawn: those with the largest tension are.
 const DRAWN: usize = 6;
@@ -23,7 +26,7 @@ pub fn section(data: &Data) -> Result<Section> {
             parts.push(Part::Table(table(data, stresses)));
             parts.push(Part::Text(judgement(data, stresses)));
             parts.push(figure(data, stresses)?);
-            parts.extend(map(data));
+            parts.extend(maps(data, stresses)?);
         }
         _ => parts.push(Part::Text(
             "This result holds no stresses on the faces of the body. Probes, where the scene has any, read the stress at single points."
@@ -34,9 +37,33 @@ pub fn section(data: &Data) -> Result<Section> {
     Ok(Section { id: "tension", title: "Largest tension", parts })
 }
 
-/// The map of the largest tension over time on a face. It goes here once results hold one.
-fn map(_data: &Data) -> Option<Part> {
-    None
+/// Sheets of a map for wide pages and for narrow screens.
+const WIDE: Sheet = Sheet { width: 1600, height: 900 };
+const NARROW: Sheet = Sheet { width: 800, height: 760 };
+
+/// The maps of the largest tension over time on the faces that have one.
+fn maps(data: &Data, stresses: &Stresses) -> Result<Vec<Part>> {
+    let Some(maps) = &data.stress_maps else { return Ok(Vec::new()) };
+    let is_drawn = drawn(stresses);
+    let mut parts = Vec::new();
+    for map in maps.faces.iter().filter(|map| is_drawn.iter().any(|face| face.name == map.name)) {
+        let Some(figure) = face_figure(maps, map, String::new()) else { continue };
+        let name = face_name(&map.name);
+        let caption = format!(
+            "{}{}: the largest principal stress over the whole run at each place. The cross marks the largest of all.{}",
+            name[..1].to_uppercase(),
+            &name[1..],
+            if map.tension.iter().any(|tension| tension.is_nan()) {
+                " About the hit, up to 1.25 thicknesses from it, stresses are read at the hit alone; colours there are interpolated."
+            } else {
+                ""
+            }
+        );
+        let [wide, narrow] =
+            [WIDE, NARROW].map(|sheet| draw_inline(&figure, sheet, &format!("tension on {}", map.name)));
+        parts.push(Part::Figure(Figure { wide: wide?, narrow: narrow?, caption }));
+    }
+    Ok(parts)
 }
 
 /// A face as a reader knows it.
@@ -127,13 +154,19 @@ fn judgement(data: &Data, stresses: &Stresses) -> String {
     format!("{strength} Estimated error of the largest tension: {}.", format!("{value} {of}").trim_end())
 }
 
-fn figure(data: &Data, stresses: &Stresses) -> Result<Part> {
+/// The faces that are drawn.
+fn drawn(stresses: &Stresses) -> Vec<&Face> {
     let size = |face: &&Face| face.peak(&stresses.time).map_or(f64::NEG_INFINITY, |peak| peak.value);
     let mut drawn: Vec<&Face> = stresses.faces.iter().collect();
     if drawn.len() > DRAWN {
         drawn.sort_by(|one, other| size(other).total_cmp(&size(one)));
         drawn.truncate(DRAWN);
     }
+    drawn
+}
+
+fn figure(data: &Data, stresses: &Stresses) -> Result<Part> {
+    let drawn = drawn(stresses);
     let which = if drawn.len() < stresses.faces.len() { ", of the faces with the largest values" } else { "" };
     let curves = Curves {
         quantity: "largest principal stress",

@@ -6,6 +6,7 @@ use mpi_test::{PlainTest, tests};
 
 pub const TESTS: &[PlainTest] = tests![
     results_tell_the_largest_tension,
+    maps_have_the_largest_tension_at_each_point,
     strengths_are_of_faces_that_are_there,
     sweeps_have_a_column_for_it,
     what_has_no_estimate_is_told
@@ -48,6 +49,58 @@ fn results_tell_the_largest_tension() {
     let facts = good(&folder, 0, "info out.h5 --json").stdout;
     assert!(facts.contains("\"strength_passed_at\""), "{facts}");
     good(&folder, 0, "plot out.h5 --quantity stress -o stress.svg");
+}
+
+/// Of a plate in modal coordinates, of one stepped in its unknowns and of a mesh, where all steps can be folded by hand: the map's largest
+/// value and its time are those of the history, and rows that are left out count.
+fn maps_have_the_largest_tension_at_each_point() {
+    let folder = folder(PANE);
+    let stepped = "--set body.reduction=none --set time.step=1e-5 --set time.scheme=newmark";
+    let mesh = &format!("--set body.model=solid --set body.order=1 --set body.cells=[4,4,1] {stepped}");
+    for (settings, ranks) in [("", 0), ("", 2), (stepped, 0), (mesh, 0), (mesh, 2)] {
+        good(&folder, ranks, &format!("run scene.toml -o out.h5 --force {settings}"));
+        let path = folder.path().join("out.h5");
+        let time = column(&path, "time");
+        let file = open(&path);
+        for face in ["upper", "lower"] {
+            let of =
+                |name: &str| file.dataset(&format!("stress_map/{face}/{name}")).unwrap().read_raw::<f64>().unwrap();
+            let (points, tension, when) = (of("points"), of("tension"), of("time"));
+            assert!(points.len() == 3 * tension.len() && when.len() == tension.len());
+            let history = column(&path, &format!("stress/{face}/largest"));
+            let row = (0..history.len()).fold(0, |best, row| if history[row] > history[best] { row } else { best });
+            let best = (0..tension.len()).filter(|point| !tension[*point].is_nan());
+            let best = best.max_by(|one, other| tension[*one].total_cmp(&tension[*other])).unwrap();
+            // Single precision: 1e-4 is some times its bound for sums of a hundred products.
+            let apart = (tension[best] / history[row] - 1.0).abs();
+            assert!(apart < 1e-4, "{settings} {face}: {} {}", tension[best], history[row]);
+            assert!(
+                history
+                    .iter()
+                    .zip(&time)
+                    .any(|(value, time)| { *time == when[best] && (value / history[row] - 1.0).abs() < 1e-4 })
+            );
+            // Some points have their largest tension at another time.
+            assert!(when.iter().any(|time| !time.is_nan() && *time != when[best]), "{settings} {face}");
+        }
+        good(&folder, 0, "plot out.h5 --quantity stress_map/lower -o lower.svg");
+        good(&folder, 0, "plot out.h5 --quantity stress_map -o map.svg");
+        for figure in ["lower.svg", "map-lower.svg", "map-upper.svg"] {
+            let svg = std::fs::read_to_string(folder.path().join(figure)).unwrap();
+            assert!(svg.contains("largest:") && svg.matches("<rect").count() > 200, "{figure}");
+        }
+    }
+    let outcome = run(ricochet(folder.path(), 0).args(words("plot out.h5 --quantity stress_map/botom -o none.svg")));
+    assert_eq!(outcome.status, Some(2), "{outcome:?}");
+    assert!(outcome.stderr.contains("upper, lower"), "{outcome:?}");
+    // Rows that are not recorded count.
+    good(&folder, 0, "run scene.toml -o all.h5");
+    good(&folder, 0, "run scene.toml -o some.h5 --set output.every=1000");
+    let [all, some] = ["all.h5", "some.h5"].map(|name| open(folder.path().join(name)));
+    let of = |file: &hdf5_metno::File| file.dataset("stress_map/lower/tension").unwrap().read_raw::<f64>().unwrap();
+    assert!(of(&all).iter().zip(of(&some)).all(|(one, other)| *one == other || (one.is_nan() && other.is_nan())));
+    good(&folder, 0, "run scene.toml -o without.h5 --set output.stress=false");
+    assert!(open(folder.path().join("without.h5")).group("stress_map").is_err());
 }
 
 /// A strength for nothing is an error with the key, on one rank and on two, and no result is begun.

@@ -27,6 +27,8 @@ class Run:
     series      arrays by name with one row a recorded step: "time" (s), "contact/force" (N), "impactor/acceleration" (m/s2), ...; three
                 columns for vectors
     contacts    array of records, one a contact: "start" and "end" (s), "peak_force" (N), "peak_time" (s), "impulse" (N s)
+    stress_map  the largest tension over time, by face: arrays "points" (m, three columns), "tension" (Pa) and "time" (s) with one row a
+                point, NaN where stresses are not read; of a quarter in the part that is modelled. Empty where the run has none
     units       units by name of series and contacts; "1" for a number without unit
 
     docs/results.md lists the names.
@@ -35,6 +37,7 @@ class Run:
     attributes: dict[str, Any]
     series: dict[str, np.ndarray]
     contacts: np.ndarray
+    stress_map: dict[str, dict[str, np.ndarray]]
     units: dict[str, str]
 
     def __init__(self, path: Path):
@@ -46,6 +49,8 @@ class Run:
             self.series, self.units = _series(file["series"])
             self.contacts = _table(file["contacts"], CONTACT)
             self.units |= _units(file["contacts"])
+            faces = file["stress_map"].items() if "stress_map" in file else []
+            self.stress_map = {face: {name: values[()] for name, values in group.items()} for face, group in faces}
 
     @property
     def time(self) -> np.ndarray:

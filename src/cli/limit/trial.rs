@@ -11,7 +11,7 @@ use crate::impact::step::Step;
 use crate::impact::{Reading, Until};
 use crate::model::watch::{Stage, Watch as _};
 use crate::model::{self, Linearity, Model, Simulation};
-use crate::record::tension::strengths;
+use crate::record::stress::strengths;
 use crate::scene::{self, Scene, Source, Vec3};
 use crate::space::evaluate::FaceTension;
 

@@ -1,8 +1,8 @@
 //! Over one key: the peak acceleration, and below it when the bodies touch.
 
-use super::bar::draw_bar;
 use super::{Curve, Member, ascending};
 use crate::figure::axis::Axis;
+use crate::figure::bar::draw_bar;
 use crate::figure::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH};
 use crate::figure::frame::{Frame, LETTERS, SMALL};
 use crate::figure::scale::{Scale, cells};

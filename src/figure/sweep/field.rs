@@ -1,7 +1,7 @@
 //! Over two keys: the peak acceleration as a heat map.
 
-use super::bar::draw_bar;
 use super::{Field, ascending};
+use crate::figure::bar::draw_bar;
 use crate::figure::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH};
 use crate::figure::frame::{Frame, LETTERS, SMALL};
 use crate::figure::scale::{Scale, cells};

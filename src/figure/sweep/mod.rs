@@ -1,10 +1,10 @@
 //! A sweep: curves over one key, a map over two.
 
-mod bar;
 mod curve;
 mod field;
 
 use super::output::save;
+use super::scale::Scale;
 use crate::error::Result;
 use std::path::Path;
 
@@ -67,6 +67,16 @@ pub fn draw_curve(curve: &Curve, out: &Path) -> Result<()> {
 /// As of [`draw_curve`].
 pub fn draw_field(field: &Field, out: &Path) -> Result<()> {
     save(field, out)
+}
+
+impl Key {
+    /// The title of its axis.
+    fn title(&self, scale: &Scale) -> String {
+        match scale.unit(&self.unit).trim() {
+            "" => self.label.clone(),
+            unit => format!("{} ({unit})", self.label),
+        }
+    }
 }
 
 /// The values in ascending order, each once.

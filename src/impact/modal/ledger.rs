@@ -47,20 +47,19 @@ impl Ledger {
         self.numerical += potential + damped - (ends - inside) + taken.made;
     }
 
-    /// The energies, of the whole body, at a state, a force (N), a potential of the contact (J), and one of springs where there are
+    /// The energies, of the whole body, at a state with its vibration, a force (N), a potential of the contact (J), and one of springs where there are
     /// none (J).
     pub fn energy(
         &mut self,
-        modes: &Modes,
-        setting: &Setting,
+        (modes, setting): (&Modes, &Setting),
         state: &State,
+        (x, v): &Vibration,
         (force, contact, absent): (f64, f64, f64),
     ) -> Energy {
         let forms = &modes.forms;
-        let (x, v) = coordinates(modes, state);
-        let of_support = if forms.has_support { 0.5 * x.dot(&(&forms.support * &x)) } else { 0.0 };
-        let support = of_support - forms.support_load.dot(&x) + forms.support_offset - absent;
-        let bent = 0.5 * forms.squares.iter().zip(&x).map(|(square, x)| square * x * x).sum::<f64>();
+        let of_support = if forms.has_support { 0.5 * x.dot(&(&forms.support * x)) } else { 0.0 };
+        let support = of_support - forms.support_load.dot(x) + forms.support_offset - absent;
+        let bent = 0.5 * forms.squares.iter().zip(x).map(|(square, x)| square * x * x).sum::<f64>();
         let elastic = bent - of_support + 0.5 * modes.residual * force * force + state.settled * forms.rest;
         let free = modes.free;
         let (impulse, t) = (state.impulse, state.time);
@@ -68,7 +67,7 @@ impl Ledger {
         let kinetic = 0.5 * (v.norm_squared() + moving);
         let impactor = 0.5 * setting.mass * state.impactor[1] * state.impactor[1];
         let of_weight = setting.weight * state.impactor[0];
-        let external = forms.load.dot(&x) - *self.before.get_or_insert_with(|| forms.load.dot(&x))
+        let external = forms.load.dot(x) - *self.before.get_or_insert_with(|| forms.load.dot(x))
             + free.load * state.way
             + 0.5 * free.square * t * t
             + of_weight;
@@ -96,7 +95,10 @@ impl Ledger {
 }
 
 /// x and v of the vibrations.
-pub(super) fn coordinates(modes: &Modes, state: &State) -> (DVector<f64>, DVector<f64>) {
+pub(super) type Vibration = (DVector<f64>, DVector<f64>);
+
+/// The vibration at a state.
+pub(super) fn coordinates(modes: &Modes, state: &State) -> Vibration {
     let z = &state.modes;
     if let Some([places, speeds]) = &modes.forms.damped {
         return (real_parts(places, z), real_parts(speeds, z));

@@ -30,7 +30,7 @@ use super::trajectory::at;
 use super::{Count, Plan, Setting, TimeIntegration};
 use answer::{FreeBody, State};
 use hit::HitTension;
-use ledger::Ledger;
+use ledger::{Ledger, Vibration, coordinates};
 use motion::Motion;
 pub use motion::Steps;
 use reading::{FacesOfSteps, Reader};
@@ -240,8 +240,10 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let mut ledger = self.has_energies.then(Ledger::default);
         let mut reader = self.readout.as_ref().filter(|_| observed).map(|readout| Reader::new(readout, &modes));
         let mut see = |number: usize, motion: &Motion, ledger: Option<&mut Ledger>| {
-            let step = seen(number, motion, (&modes, &setting), ledger);
-            let reading = reader.as_mut().map_or_else(Reading::default, |reader| reader.read(&step, motion));
+            let vibration = coordinates(&modes, &motion.state);
+            let step = seen(number, motion, (&modes, &setting), ledger.map(|ledger| (ledger, &vibration)));
+            let reader = reader.as_mut();
+            let reading = reader.map_or_else(Reading::default, |reader| reader.read(&step, motion, &vibration));
             Observed { step, reading }
         };
         if observed {
@@ -264,7 +266,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
                 break;
             }
             done.trace.push(time - taken.step, taken.step, taken.force);
-            if let Some(tension) = &of_hit {
+            if let Some(tension) = of_hit.as_ref().filter(|_| time <= done.trace.needs_tension_until()) {
                 done.trace.push_tension(time, tension.at(&motion));
             }
             if observed {
@@ -319,7 +321,12 @@ fn setting(impactor: &Impactor, body: &ModalBody) -> Setting {
 }
 
 /// The moment as observers see it.
-fn seen(number: usize, motion: &Motion, (modes, setting): (&Modes, &Setting), ledger: Option<&mut Ledger>) -> Step {
+fn seen(
+    number: usize,
+    motion: &Motion,
+    (modes, setting): (&Modes, &Setting),
+    ledger: Option<(&mut Ledger, &Vibration)>,
+) -> Step {
     let (state, force) = (&motion.state, motion.force);
     let approach = motion.approach - modes.residual * force;
     // δ = δ_modes − r F.
@@ -339,9 +346,9 @@ fn seen(number: usize, motion: &Motion, (modes, setting): (&Modes, &Setting), le
             approach,
             rate: motion.rate() - modes.residual * motion.rise(),
         },
-        energy: ledger.map_or(Energy::default(), |ledger| {
+        energy: ledger.map_or(Energy::default(), |(ledger, vibration)| {
             let potential = law.potential(motion.approach) - 0.5 * modes.residual * force * force;
-            ledger.energy(modes, setting, state, (force, potential, motion.absent_energy()))
+            ledger.energy((modes, setting), state, vibration, (force, potential, motion.absent_energy()))
         }),
     }
 }

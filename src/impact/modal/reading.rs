@@ -6,9 +6,9 @@ use crate::body::{Modes, Shapes};
 use crate::impact::observer::Observed;
 use crate::impact::reading::{ProbeForms, Reading, Readout, contact};
 use crate::impact::step::Step;
-use crate::space::evaluate::{ContactNow, ContactSize, Map, TensionSearch};
+use crate::space::evaluate::{ContactNow, ContactSize, Map, TensionMap, TensionSearch};
 
-use super::ledger::coordinates;
+use super::ledger::{Vibration, coordinates};
 use super::motion::Motion;
 
 /// Reads the steps of one run.
@@ -65,14 +65,13 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reads a step.
-    pub fn read(&mut self, step: &Step, motion: &Motion) -> Reading {
+    /// Reads a step, of its motion and vibration.
+    pub fn read(&mut self, step: &Step, motion: &Motion, (x, _): &Vibration) -> Reading {
         let mut reading = Reading::default();
         if !self.is_here {
             return reading;
         }
         if let Some(faces) = &mut self.faces {
-            let (x, _) = coordinates(self.modes, &motion.state);
             let state = &motion.state;
             faces.weights.extend_from_slice(x.as_slice());
             faces.weights.extend([state.way, 0.5 * state.time * state.time, motion.force, state.settled]);
@@ -95,19 +94,27 @@ impl<'a> Reader<'a> {
 }
 
 impl FacesOfSteps {
-    /// Adds the largest tensions on the faces to the steps.
+    /// Adds the largest tensions on the faces to the steps, and to the last one the map of all.
     pub fn read(&self, readout: &Readout, steps: &mut [Observed]) {
         let Some(faces) = readout.faces.as_ref() else { return };
         let contacts: Vec<ContactNow> = steps.iter().map(|step| contact(&readout.contact, &step.step)).collect();
         let count = self.stresses.ncols();
+        let mut map = TensionMap::default();
         if let Some(search) = TensionSearch::new(faces, count, self.stresses.transpose().as_slice().to_vec()) {
             let found = search.tensions(&self.weights, &contacts);
-            steps.iter_mut().zip(found).for_each(|(step, found)| step.reading.faces = found);
-            return;
+            let times: Vec<f64> = steps.iter().map(|step| step.step.time).collect();
+            map = found.map(&times);
+            steps.iter_mut().zip(found.steps).for_each(|(step, found)| step.reading.faces = found);
+        } else {
+            for ((step, contact), weights) in steps.iter_mut().zip(&contacts).zip(self.weights.chunks_exact(count)) {
+                let at_points = &self.stresses * DVector::from_column_slice(weights);
+                let (found, of_step) = faces.tensions(at_points.as_slice(), contact, step.step.time);
+                map.take(&of_step);
+                step.reading.faces = found;
+            }
         }
-        for ((step, contact), weights) in steps.iter_mut().zip(&contacts).zip(self.weights.chunks_exact(count)) {
-            let at_points = &self.stresses * DVector::from_column_slice(weights);
-            step.reading.faces = faces.tensions(at_points.as_slice(), contact);
+        if let Some(last) = steps.last_mut() {
+            last.reading.map = map;
         }
     }
 }

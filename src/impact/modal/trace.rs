@@ -13,12 +13,25 @@ pub struct Trace {
     steps: Vec<(f64, f64, [f64; 3])>,
     /// The tension under the hit on the other face, where it is read: s, Pa.
     tension: Vec<(f64, f64)>,
+    /// Whether there was a force, and when the first contact ended, s.
+    has_touched: bool,
+    end: Option<f64>,
 }
 
 impl Trace {
     /// Adds a step.
     pub fn push(&mut self, begin: f64, step: f64, force: [f64; 3]) {
         self.steps.push((begin, step, force));
+        self.has_touched |= force[1] > 0.0;
+        if self.has_touched && self.end.is_none() && force[2] == 0.0 {
+            self.end = Some(begin + step);
+        }
+    }
+
+    /// Up to when tensions count, s: traces are compared up to the later one of their first contacts' ends, and ends that are twice as far
+    /// apart are of other motions.
+    pub fn needs_tension_until(&self) -> f64 {
+        2.0 * self.first_end()
     }
 
     /// Adds a tension (Pa) at a time, s.
@@ -38,9 +51,7 @@ impl Trace {
 
     /// End of the first contact, s; infinite while it lasts.
     pub fn first_end(&self) -> f64 {
-        let touched = self.steps.iter().position(|(_, _, force)| force[1] > 0.0).unwrap_or(self.steps.len());
-        let end = self.steps[touched..].iter().find(|(_, _, force)| force[2] == 0.0);
-        end.map_or(f64::INFINITY, |(begin, step, _)| begin + step)
+        self.end.unwrap_or(f64::INFINITY)
     }
 
     /// Largest difference to another trace in tension up to a time, over the peak, at times at which one of them is near its own: at the

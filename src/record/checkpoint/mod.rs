@@ -93,9 +93,11 @@ impl Kept {
         file.new_dataset_builder().with_data(&names).create("names")?;
         file.new_dataset_builder().with_data(&numbers).create("numbers")?;
         file.new_dataset_builder().with_data(self.nodes.as_flattened()).create("nodes")?;
-        let vectors = file.create_group("vectors")?;
-        for (name, values) in &self.checkpoint.vectors {
-            vectors.new_dataset_builder().with_data(values).create(name.as_str())?;
+        for (group, all) in [("vectors", &self.checkpoint.vectors), ("lists", &self.checkpoint.lists)] {
+            let group = file.create_group(group)?;
+            for (name, values) in all {
+                group.new_dataset_builder().with_data(values).create(name.as_str())?;
+            }
         }
         file.close()
     }
@@ -120,7 +122,7 @@ impl Kept {
             };
             nodes.iter().map(place).collect::<std::result::Result<_, _>>()?
         };
-        let Checkpoint { vectors, numbers } = self.checkpoint;
+        let Checkpoint { vectors, numbers, lists } = self.checkpoint;
         let sort = |(name, values): (String, Vec<f64>)| {
             if values.len() != 3 * self.nodes.len() {
                 return Err(format!("its {name} has {} values for {} nodes", values.len(), self.nodes.len()));
@@ -129,7 +131,7 @@ impl Kept {
             Ok((name, sorted))
         };
         let vectors = vectors.into_iter().map(sort).collect::<std::result::Result<_, _>>()?;
-        Ok(Checkpoint { vectors, numbers })
+        Ok(Checkpoint { vectors, numbers, lists })
     }
 
     /// Reads the checkpoint beside a result; `None` where there is none.
@@ -148,18 +150,18 @@ impl Kept {
             let file = hdf5::File::open(&path)?;
             let names = file.dataset("names")?.read_raw::<VarLenUnicode>()?.into_iter().map(|name| name.to_string());
             let numbers = names.zip(file.dataset("numbers")?.read_raw::<f64>()?).collect();
-            let group = file.group("vectors")?;
-            let vector = |name: String| Ok((name.clone(), group.dataset(&name)?.read_raw::<f64>()?));
+            let all = |group: &str| {
+                let group = file.group(group)?;
+                let values = |name: String| Ok((name.clone(), group.dataset(&name)?.read_raw::<f64>()?));
+                group.member_names()?.into_iter().map(values).collect::<hdf5::Result<_>>()
+            };
             let flat = file.dataset("nodes")?.read_raw::<f64>()?;
             Ok(Self {
                 scene: text(&file, "scene")?,
                 run_id: file.attr("run_id")?.read_scalar()?,
                 time: file.attr("time")?.read_scalar()?,
                 nodes: flat.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect(),
-                checkpoint: Checkpoint {
-                    numbers,
-                    vectors: group.member_names()?.into_iter().map(vector).collect::<hdf5::Result<_>>()?,
-                },
+                checkpoint: Checkpoint { numbers, vectors: all("vectors")?, lists: all("lists")? },
             })
         };
         read().map(Some).map_err(|error: hdf5::Error| {

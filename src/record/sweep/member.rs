@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::record::episodes::{Episode, Episodes};
 use crate::record::probes::{self, Whole};
-use crate::record::tension::LargestTension;
+use crate::record::stress::LargestTension;
 
 /// How far a member is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

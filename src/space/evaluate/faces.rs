@@ -11,7 +11,7 @@ use crate::scene::Vec3;
 use crate::scene::faces::{along, name as face_name};
 
 use super::stress_map::Recovered;
-use super::{ContactNow, Form, LocalPoint, Map, NearHit, StressMap};
+use super::{ContactNow, Form, LocalPoint, Map, NearHit, StressMap, TensionMap};
 
 /// Thicknesses about the hit within which a face of a box is read at the hit alone, by a mean: a contact's largest tension is there, and
 /// nearby the stresses of coarse cells are off.
@@ -114,8 +114,12 @@ impl Face {
     }
 
     /// The largest value of points, which are read and ascend, at the first of those that have it but for rounding, as points that mirror
-    /// each other do; on a grid lifted by its neighbours.
-    pub(super) fn largest(&self, points: impl Iterator<Item = usize>, value: impl Fn(usize) -> f64) -> FaceTension {
+    /// each other do, with its number; on a grid lifted by its neighbours.
+    pub(super) fn largest(
+        &self,
+        points: impl Iterator<Item = usize>,
+        value: impl Fn(usize) -> f64,
+    ) -> (usize, FaceTension) {
         let values: Vec<(usize, f64)> = points.map(|point| (point, value(point))).collect();
         let most = values.iter().map(|(_, value)| *value).fold(f64::NAN, f64::max);
         let first = values.into_iter().find(|(_, value)| *value >= most - ALIKE * most.abs());
@@ -124,7 +128,12 @@ impl Face {
         if let Some(grid) = &self.grid {
             grid.refine(point, largest, value, &mut found);
         }
-        found
+        (point, found)
+    }
+
+    /// The numbers of the points that are read.
+    pub(super) fn read_points(&self) -> impl Iterator<Item = usize> {
+        (0..self.points.len()).filter(|point| !self.left_out[*point])
     }
 }
 
@@ -134,6 +143,16 @@ impl FaceTension {
 }
 
 impl FaceGrid {
+    /// Of the faces of a box that is hit across an axis at a point: lines along the axes, m, with those through the hit.
+    pub(super) fn of_box((struck, hit): (usize, Vec3), lines: &[Vec<f64>; 3], mirrors: &[usize]) -> Self {
+        let axes = along(struck);
+        Self {
+            axes,
+            lines: axes.map(|axis| with_hit(&lines[axis], hit[axis])),
+            is_mirrored: axes.map(|axis| mirrors.contains(&axis)),
+        }
+    }
+
     /// The points on the face at a height along the axis across it, m.
     fn points(&self, across: usize, height: f64) -> Vec<Vec3> {
         let at = |a: f64, b: f64| {
@@ -148,19 +167,13 @@ impl FaceGrid {
 /// The two faces of a box across an axis, with the forms of the stresses in their planes, point by point.
 pub(super) fn of_box(
     (struck, hit): (usize, Vec3),
-    lines: [Vec<f64>; 3],
-    mirrors: &[usize],
+    (lines, grid): (&[Vec<f64>; 3], FaceGrid),
     bends_alone: bool,
     at: impl Fn(Vec3, bool) -> [Form; 6],
     near: Option<&NearHit>,
 ) -> (Vec<Face>, Vec<Form>) {
-    let axes = along(struck);
+    let axes = grid.axes;
     let half = lines[struck].last().copied().unwrap_or_default();
-    let grid = FaceGrid {
-        axes,
-        lines: axes.map(|axis| with_hit(&lines[axis], hit[axis])),
-        is_mirrored: axes.map(|axis| mirrors.contains(&axis)),
-    };
     let upper = half.copysign(hit[struck]);
     let size = lines.each_ref().map(|lines| lines.last().copied().unwrap_or_default());
     let is_hit = |x: Vec3| near.is_some_and(|near| near.distance(x) <= 1e-6 * near.thickness());
@@ -238,15 +251,24 @@ fn with_hit(lines: &[f64], hit: f64) -> Vec<f64> {
 }
 
 impl FaceStresses {
-    /// The largest tension on each face, of the stresses at the sampled points and the contact.
-    pub fn tensions(&self, stresses: &[f64], contact: &ContactNow) -> Vec<FaceTension> {
+    /// The largest tension on each face at a time (s), of the stresses at the sampled points and the contact; and the tensions at all
+    /// points, where at that of the largest this one counts.
+    pub fn tensions(&self, stresses: &[f64], contact: &ContactNow, time: f64) -> (Vec<FaceTension>, TensionMap) {
         let components = self.map.components();
         let sampled = |number: usize| &stresses[components * number..components * (number + 1)];
-        let of_face = |face: &Face| {
+        let (mut found, mut all) = (Vec::with_capacity(self.faces.len()), Vec::new());
+        for face in &self.faces {
             let value = |point: usize| face.value(point, sampled(face.first + point), contact);
-            face.largest((0..face.points.len()).filter(|point| !face.left_out[*point]), value)
-        };
-        self.faces.iter().map(of_face).collect()
+            let values: Vec<f64> = (0..face.points.len()).map(value).collect();
+            let (point, largest) = face.largest(face.read_points(), |point| values[point]);
+            let first = all.len();
+            all.extend(values.iter().map(|value| if value.is_nan() { f32::NEG_INFINITY } else { *value as f32 }));
+            if let Some(value) = all.get_mut(first + point) {
+                *value = value.max(largest.largest as f32);
+            }
+            found.push(largest);
+        }
+        (found, TensionMap::of_step(all, time))
     }
 
     /// The map as a dense matrix, where the body moves on a basis: how many coordinates there are, and the entries row by row.
@@ -311,10 +333,11 @@ mod tests {
                     grid: Some(grid.clone()),
                 };
                 let map = StressMap::Forms { map: Map::Dense(0, Vec::new()), components: 3 };
-                let [found] = FaceStresses { columns: Vec::new(), map, faces: vec![face] }
-                    .tensions(&stresses, &ContactNow::default())
-                    .try_into()
-                    .expect("one face");
+                let faces = FaceStresses { columns: Vec::new(), map, faces: vec![face] };
+                let (found, of_points) = faces.tensions(&stresses, &ContactNow::default(), 0.0);
+                let [found] = found.try_into().expect("one face");
+                // The map has the largest value too.
+                assert_eq!(of_points.tension.iter().copied().fold(0.0, f32::max), found.largest as f32);
                 worst = worst.max((found.largest - 1.0).abs());
                 assert!((found.point[0] - x).abs() < spacing.powi(2) && (found.point[1] - y).abs() < spacing.powi(2));
             }

@@ -8,15 +8,17 @@ mod sampler;
 mod search;
 mod smoothed;
 mod stress_map;
+mod tension_map;
 
 pub use faces::{Face, FaceGrid, FaceStresses, FaceTension};
 pub use grid::Grid;
 pub use map::Map;
 pub use near::{ContactNow, ContactSize, Hit, LocalPoint, NearHit};
 pub use sampler::{FieldSampler, Fields};
-pub use search::TensionSearch;
+pub use search::{Searched, TensionSearch};
 pub use smoothed::Add;
 pub use stress_map::StressMap;
+pub use tension_map::TensionMap;
 
 use std::rc::Rc;
 
@@ -59,6 +61,13 @@ pub trait PointEvaluator {
 
     /// The stresses along the face at one of its points, m; an unknown may come more than once.
     fn face_stress(&self, x: Vec3) -> [Form; 6];
+
+    /// The stresses σ_a, σ_b and σ_ab along the face at a height (m, along the axis across it) at the crossings of lines along its axes a and
+    /// b, ascending, the second's fastest, for 1 of each vector of a basis: crossing by crossing, component by component. `None` where
+    /// that is no cheaper than point by point.
+    fn face_stress_on_lines(&self, _lines: [&[f64]; 2], _height: f64, _basis: &[Vec<f64>]) -> Option<Vec<f64>> {
+        None
+    }
 
     /// Coordinates along the axes on whose crossings the largest tension is looked for, m.
     fn face_lines(&self) -> [Vec<f64>; 3];
@@ -111,17 +120,34 @@ impl Evaluator {
             (Kind::Grid(points), Some(struck)) => {
                 let hit = (struck, scene.impactor.point);
                 let lines = points.face_lines();
+                let grid = FaceGrid::of_box(hit, &lines, &self.mirrors);
+                let lower = -lines[struck].last().copied().unwrap_or_default().copysign(hit.1[struck]);
+                let at_lines = [0, 1].map(|i| &grid.lines[i][..]);
+                // Where both faces share their points.
+                let basis_of_lines = basis.filter(|_| points.bends_alone());
+                let rows = basis_of_lines.and_then(|basis| points.face_stress_on_lines(at_lines, lower, basis));
                 let (faces, forms) = faces::of_box(
                     hit,
-                    lines,
-                    &self.mirrors,
+                    (&lines, grid),
                     points.bends_alone(),
-                    |x, is_near| {
-                        if is_near { self.stress(points.as_ref(), x) } else { points.face_stress(x) }
+                    |x, is_near| match &rows {
+                        _ if is_near => self.stress(points.as_ref(), x),
+                        None => points.face_stress(x),
+                        Some(_) => Default::default(),
                     },
                     self.near.as_deref(),
                 );
-                (faces, StressMap::Forms { map: Map::new(forms.into_iter(), basis), components: 3 })
+                let is_set: Vec<bool> = forms.chunks(3).map(|forms| !forms[0].is_empty()).collect();
+                let mut map = Map::new(forms.into_iter(), basis);
+                if let (Some(rows), Map::Dense(count, entries)) = (&rows, &mut map) {
+                    let points = rows.chunks_exact(3 * *count).zip(entries.chunks_exact_mut(3 * *count)).zip(is_set);
+                    for (((row, entries), is_set), is_left_out) in points.zip(&faces[0].left_out) {
+                        if !is_set && !is_left_out {
+                            entries.copy_from_slice(row);
+                        }
+                    }
+                }
+                (faces, StressMap::Forms { map, components: 3 })
             }
             (Kind::Nodes(nodes), struck) => {
                 let (mut faces, all) = faces::of_mesh(&nodes.mesh, struck.map(|axis| (axis, scene.impactor.point)));

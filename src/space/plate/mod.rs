@@ -4,6 +4,7 @@ mod boundary;
 mod cells;
 mod clamps;
 mod edges;
+mod face;
 mod geometry;
 pub mod layer;
 mod location;

@@ -40,7 +40,7 @@ impl Points {
     }
 
     /// ζ times the rotation along an axis of the plane, differentiated.
-    fn turned(&self, axis: usize, derivatives: [usize; 2], height: f64) -> (f64, Part<2>) {
+    pub(super) fn turned(&self, axis: usize, derivatives: [usize; 2], height: f64) -> (f64, Part<2>) {
         match self.theory {
             PlateTheory::Mindlin => (height, rotation(axis, derivatives)),
             PlateTheory::Kirchhoff => {
@@ -250,6 +250,10 @@ impl PointEvaluator for Points {
         let mut stress: [Form; 6] = Default::default();
         self.add_section_stress(x, &mut |component, unknown, value| stress[component].push((unknown, value)));
         stress
+    }
+
+    fn face_stress_on_lines(&self, lines: [&[f64]; 2], height: f64, basis: &[Vec<f64>]) -> Option<Vec<f64>> {
+        Some(self.stress_on_lines(lines, height, basis))
     }
 
     fn field_lines(&self) -> [Vec<f64>; 3] {

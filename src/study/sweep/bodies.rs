@@ -14,7 +14,7 @@ use crate::impact::step::Step;
 use crate::impact::{self, Errors, ModalImpact, Reading, Readout, TimeIntegration as _};
 use crate::model::watch::{Until, Watch};
 use crate::model::{Dynamics, LARGE, Linearity, Model, OF_BASIS, OF_SMALLER};
-use crate::record::tension::{LargestTension, strengths};
+use crate::record::stress::{LargestTension, strengths};
 use crate::scene::{self, Scene, SupportKind};
 use crate::space::evaluate::ContactSize;
 

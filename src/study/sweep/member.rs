@@ -10,7 +10,7 @@ use crate::impact::step::Step;
 use crate::impact::{Probe, Reading, Until};
 use crate::model::watch;
 use crate::model::{Linearity, Model, Simulation};
-use crate::record::tension::{LargestTension, strengths};
+use crate::record::stress::{LargestTension, strengths};
 use crate::scene::Scene;
 
 /// What a simulation knows beside its steps.

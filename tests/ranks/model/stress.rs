@@ -12,7 +12,7 @@ use petsc_wrap::{Comm, Session};
 use ricochet::impact::step::Step;
 use ricochet::impact::{Observer, Reading};
 use ricochet::model::{Model, Simulation};
-use ricochet::record::tension::LargestTension;
+use ricochet::record::stress::LargestTension;
 use ricochet::scene::{Measure, Scene};
 
 use crate::modelled::parse;

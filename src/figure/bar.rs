@@ -1,9 +1,8 @@
-//! The bar that tells what colours mean, and the title of a key's axis.
+//! The bar that tells what colours mean.
 
-use super::Key;
-use crate::figure::canvas::{Anchor, Canvas, Drawn};
-use crate::figure::frame::{FRAME, SMALL, TICK, line};
-use crate::figure::scale::Scale;
+use super::canvas::{Anchor, Canvas, Drawn};
+use super::frame::{FRAME, SMALL, TICK, line};
+use super::scale::Scale;
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 
@@ -28,14 +27,4 @@ pub(super) fn draw_bar<DB: DrawingBackend>(
         }
     }
     canvas.text(title, (left + 136.0, 0.5 * (top + bottom)), SMALL, Anchor::Upwards)
-}
-
-impl Key {
-    /// The title of its axis.
-    pub(super) fn title(&self, scale: &Scale) -> String {
-        match scale.unit(&self.unit).trim() {
-            "" => self.label.clone(),
-            unit => format!("{} ({unit})", self.label),
-        }
-    }
 }

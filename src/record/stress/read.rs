@@ -1,4 +1,4 @@
-//! The largest principal stresses of a result, over the whole body: `/series/stress` and their attributes of the root.
+//! The largest principal stresses of a result, read back: `/series/stress` and their attributes of the root.
 
 use std::path::Path;
 
@@ -6,8 +6,9 @@ use hdf5_metno as hdf5;
 
 use crate::error::{Error, Result};
 use crate::record::read::{check_run, open};
-use crate::record::tension::LargestTension;
 use crate::scene::Vec3;
+
+use super::LargestTension;
 
 /// The largest principal stresses of a run, face by face.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,7 +71,7 @@ impl Stresses {
     /// flush: the rows are those that all have.
     ///
     /// # Errors
-    /// [`Error::Io`] as [`super::read::history`].
+    /// [`Error::Io`] as [`crate::record::read::history`].
     pub fn read(path: &Path) -> Result<Option<Self>> {
         let file = open(path)?;
         check_run(&file, path)?;
@@ -122,7 +123,7 @@ impl Stresses {
 }
 
 /// By what faces are sorted: their layer, from the hit down; the upper face before the lower; then the name.
-fn order(name: &str) -> (usize, usize, &str) {
+pub(super) fn order(name: &str) -> (usize, usize, &str) {
     let (layer, side) = name.split_once('-').and_then(|(n, side)| Some((n.parse().ok()?, side))).unwrap_or((0, name));
     let rank = ["upper", "lower"].iter().position(|known| *known == side).unwrap_or(2);
     (layer, rank, name)

@@ -1,0 +1,156 @@
+//! A face of the body with the largest tension over time as colours.
+
+mod surface;
+
+use std::path::Path;
+
+use plotters::backend::DrawingBackend;
+use plotters::style::RGBColor;
+
+use super::bar::draw_bar;
+use super::canvas::{Anchor, Canvas, Drawing, Drawn, Sheet};
+use super::frame::{Frame, LETTERS, SMALL, line};
+use super::legend::draw_title;
+use super::output::{inline, save};
+use super::scale::Scale;
+use super::shade::shade;
+use super::stroke::Stroke;
+use crate::error::{Error, Result};
+
+pub use surface::Surface;
+
+/// A map of one face.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FaceFigure {
+    /// Above all; may be empty.
+    pub title: String,
+    /// What the colours show.
+    pub quantity: String,
+    /// The unit of the colours.
+    pub unit: String,
+    /// What a value of the surface is divided by for that.
+    pub scale: f64,
+    /// The values.
+    pub surface: Surface,
+    /// The lowest and the highest value that colours show, in their unit.
+    pub range: (f64, f64),
+    /// The place that is marked, along the axes of the surface, m.
+    pub mark: [f64; 2],
+    /// What is told of it below the map.
+    pub note: String,
+}
+
+/// Rows of coloured cells, and bands of colour: neighbours of one colour are drawn at once.
+const ROWS: usize = 160;
+const BANDS: f64 = 20.0;
+
+const LEFT: f64 = 130.0;
+const BAR: f64 = 250.0;
+const BELOW: f64 = 150.0;
+const GAP: f64 = 40.0;
+const INK: RGBColor = RGBColor(30, 30, 30);
+const PAPER: RGBColor = RGBColor(255, 255, 255);
+
+/// Draws to `out`, an SVG or a PNG by its extension.
+///
+/// # Errors
+/// [`Error::Usage`] for another extension; [`Error::Io`] when the file cannot be written.
+pub fn draw(figure: &FaceFigure, out: &Path) -> Result<()> {
+    save(figure, out)
+}
+
+/// Draws to the text of an element `svg` for a page.
+///
+/// # Errors
+/// [`Error::Output`] where that fails.
+pub fn draw_inline(figure: &FaceFigure, sheet: Sheet, name: &str) -> Result<String> {
+    inline(figure, sheet, name).map_err(Error::Output)
+}
+
+impl FaceFigure {
+    fn draw_cells<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame, scale: &Scale) -> Drawn {
+        let (width, height) = (frame.right - frame.left, frame.bottom - frame.top);
+        let rows = ROWS;
+        let columns = ((ROWS as f64 * width / height) as usize).max(1);
+        let [across, up] = self.surface.ends;
+        let between = |(low, high): (f64, f64), part: f64| low + part * (high - low);
+        for row in 0..rows {
+            let y = |n: usize| frame.bottom - height * n as f64 / rows as f64;
+            let v = between(up, (row as f64 + 0.5) / rows as f64);
+            let colour = |column: usize| {
+                let u = between(across, (column as f64 + 0.5) / columns as f64);
+                self.surface.at([u, v]).map(|value| banded(scale.place(value / self.scale)))
+            };
+            let x = |n: usize| frame.left + width * n as f64 / columns as f64;
+            let (mut begin, mut of_run) = (0, colour(0));
+            for column in 1..=columns {
+                let next = (column < columns).then(|| colour(column));
+                if next != Some(of_run) {
+                    if let Some(of_run) = of_run {
+                        canvas.rectangle((x(begin), y(row + 1)), (x(column), y(row)), of_run)?;
+                    }
+                    (begin, of_run) = (column, next.flatten());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn draw_mark<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame) -> Drawn {
+        let (x, y) = (frame.at_x(self.mark[0]), frame.at_y(self.mark[1]));
+        for (colour, size, width) in [(PAPER, 17.0, 8.0), (INK, 15.0, 3.5)] {
+            let stroke = Stroke { colour, width, dashes: &[] };
+            line(canvas, (x - size, y), (x + size, y), &stroke)?;
+            line(canvas, (x, y - size), (x, y + size), &stroke)?;
+        }
+        Ok(())
+    }
+}
+
+/// The colour of the band that a place from 0 to 1 is in.
+fn banded(place: f64) -> RGBColor {
+    shade(((place * BANDS).floor().clamp(0.0, BANDS - 1.0) + 0.5) / BANDS)
+}
+
+impl Drawing for FaceFigure {
+    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
+        let top = draw_title(canvas, &self.title)? + 10.0;
+        let (left, right, bottom) = (LEFT, canvas.width - BAR, canvas.height - BELOW);
+        // As long as wide.
+        let [across, up] = self.surface.ends.map(|(low, high)| high - low);
+        let size = ((right - left) / across).min((bottom - top) / up);
+        let (left, top) = (0.5 * (left + right - size * across), 0.5 * (top + bottom - size * up));
+        let (right, bottom) = (left + size * across, top + size * up);
+        let [x, y] = self.surface.ends.map(|(low, high)| Scale::new(low, high, false));
+        let frame = Frame { left, right, top, bottom, x, y };
+        let scale = Scale::new(self.range.0, self.range.1, false);
+        self.draw_cells(canvas, &frame, &scale)?;
+        frame.draw_axes(canvas, true)?;
+        self.draw_mark(canvas, &frame)?;
+        let [across, up] = self.surface.axes.map(|axis| ["x", "y", "z"][axis]);
+        let below = bottom + 72.0;
+        canvas.text(
+            &format!("{across} ({})", frame.x.unit("m")),
+            (0.5 * (left + right), below),
+            LETTERS,
+            Anchor::Centre,
+        )?;
+        canvas.text(
+            &self.note,
+            (0.5 * canvas.width, (below + 44.0).min(canvas.height - 20.0)),
+            SMALL,
+            Anchor::Centre,
+        )?;
+        let ticks = frame.y.ticks();
+        let widths = ticks.iter().flat_map(|tick| &tick.1).map(|label| canvas.text_width(label, LETTERS));
+        let beside = left - 40.0 - widths.fold(0.0, f64::max);
+        canvas.text(
+            &format!("{up} ({})", frame.y.unit("m")),
+            (beside, 0.5 * (top + bottom)),
+            LETTERS,
+            Anchor::Upwards,
+        )?;
+        let title = format!("{} ({})", self.quantity, scale.unit(&self.unit));
+        draw_bar(canvas, (right + GAP, top, bottom), &scale, banded, &title)
+    }
+}

@@ -1,0 +1,162 @@
+//! The largest tension over time at each point of the faces: `/stress_map/<face>/{points, tension, time}`.
+//!
+//! The datasets have their size when the file begins, so that a kill costs nothing of it. They are written when their content has changed,
+//! with the rows.
+
+use std::path::Path;
+
+use hdf5_metno as hdf5;
+use hdf5_metno::plist::dataset_create::AllocTime;
+use ndarray::ArrayView2;
+
+use crate::error::{Error, Result};
+use crate::record::provenance::write_text;
+use crate::record::read::{check_run, open};
+use crate::scene::{Scene, Symmetry, Vec3};
+use crate::space::evaluate::TensionMap;
+
+use super::read::order;
+
+/// The group of all.
+const GROUP: &str = "stress_map";
+/// Its attributes: where the hit is, m, and across which axes the map has images.
+const HIT: &str = "hit";
+const MIRRORED: &str = "mirrored";
+
+/// Where tensions are mapped.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MapPoints {
+    /// The points of each face, m; none where there is no map.
+    pub faces: Vec<Vec<Vec3>>,
+    /// Where the body is hit, m.
+    pub hit: Vec3,
+    /// Whether a quarter is modelled, so that there are images across the plane where this coordinate is zero.
+    pub mirrored: [bool; 3],
+}
+
+impl MapPoints {
+    /// The points of the faces of a scene's body.
+    pub fn new(scene: &Scene, faces: Vec<Vec<Vec3>>) -> Self {
+        let mirrored = match scene.body.symmetry {
+            Symmetry::Quarter { axes } => [0, 1, 2].map(|axis| axes.contains(&axis)),
+            Symmetry::None { .. } | Symmetry::Parts { .. } => [false; 3],
+        };
+        Self { faces, hit: scene.impactor.point, mirrored }
+    }
+}
+
+/// The datasets of tension and time of each face.
+pub(in crate::record) struct MapDatasets {
+    faces: Vec<[hdf5::Dataset; 2]>,
+}
+
+impl MapDatasets {
+    /// New ones, without a number in them yet.
+    pub fn new(file: &hdf5::File, names: &[String], points: &MapPoints) -> hdf5::Result<Self> {
+        let mut faces = Vec::new();
+        for (name, points) in names.iter().zip(&points.faces) {
+            let path = |of: &str| format!("{GROUP}/{name}/{of}");
+            let place = file.new_dataset_builder().with_data(ArrayView2::from(&points[..]));
+            let place = place.create(path("points").as_str())?;
+            write_text(&place, "units", "m")?;
+            let dataset = |of: &str, units: &str| {
+                let builder = file.new_dataset::<f64>().shape(points.len()).fill_value(f64::NAN);
+                let dataset = builder.alloc_time(Some(AllocTime::Early)).create(path(of).as_str())?;
+                write_text(&dataset, "units", units)?;
+                Ok::<_, hdf5::Error>(dataset)
+            };
+            faces.push([dataset("tension", "Pa")?, dataset("time", "s")?]);
+        }
+        if !faces.is_empty() {
+            let group = file.group(GROUP)?;
+            group.new_attr::<f64>().shape(3).create(HIT)?.write(&points.hit)?;
+            group.new_attr::<bool>().shape(3).create(MIRRORED)?.write(&points.mirrored)?;
+        }
+        Ok(Self { faces })
+    }
+
+    /// Writes a map of the same points.
+    pub fn write(&self, map: &TensionMap) -> hdf5::Result<()> {
+        let mut first = 0;
+        for [tension, time] in &self.faces {
+            let points = first..first + tension.size();
+            first = points.end;
+            let Some(values) = map.tension.get(points.clone()) else { return Ok(()) };
+            // What is not read has neither.
+            let number = |point: usize, value: f64| if map.tension[point].is_finite() { value } else { f64::NAN };
+            let values = points.clone().zip(values).map(|(point, value)| number(point, f64::from(*value)));
+            tension.write_raw(&values.collect::<Vec<f64>>())?;
+            time.write_raw(&points.map(|point| number(point, map.time_at(point))).collect::<Vec<f64>>())?;
+        }
+        Ok(())
+    }
+}
+
+/// The largest tension over time at each point of the faces of a result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StressMaps {
+    /// The hit face first, as of [`super::Stresses`].
+    pub faces: Vec<FaceMap>,
+    /// Where the body is hit, m.
+    pub hit: Vec3,
+    /// Whether there are images across the plane where this coordinate is zero.
+    pub mirrored: [bool; 3],
+}
+
+/// The map of one face.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FaceMap {
+    /// The face's name.
+    pub name: String,
+    /// Where tensions are read, m; of a quarter in the part that is modelled.
+    pub points: Vec<Vec3>,
+    /// The largest principal stress of all steps at each point, Pa; tension is positive. NaN at points that are not read, and where the run
+    /// was killed before it had told.
+    pub tension: Vec<f64>,
+    /// When it was reached, s; NaN where there is no tension.
+    pub time: Vec<f64>,
+}
+
+impl FaceMap {
+    /// The point with the largest tension, by its number; `None` where no point has one.
+    pub fn largest(&self) -> Option<usize> {
+        let read = self.tension.iter().enumerate().filter(|(_, tension)| !tension.is_nan());
+        read.max_by(|one, other| one.1.total_cmp(other.1)).map(|(point, _)| point)
+    }
+}
+
+impl StressMaps {
+    /// Reads the maps of the result `path`; `None` where it has none.
+    ///
+    /// # Errors
+    /// [`Error::Io`] as [`crate::record::read::history`].
+    pub fn read(path: &Path) -> Result<Option<Self>> {
+        let file = open(path)?;
+        check_run(&file, path)?;
+        let Ok(group) = file.group(GROUP) else { return Ok(None) };
+        let wrong = |error: hdf5::Error| Error::io(path, format!("its map of stresses cannot be read: {error}"));
+        Self::of(&group).map(Some).map_err(wrong)
+    }
+
+    fn of(group: &hdf5::Group) -> hdf5::Result<Self> {
+        let mut faces = Vec::new();
+        for of_face in group.groups()? {
+            let name = of_face.name().rsplit('/').next().unwrap_or_default().to_owned();
+            let column = |of: &str| of_face.dataset(of)?.read_raw::<f64>();
+            let points: Vec<Vec3> = column("points")?.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect();
+            let face = FaceMap { name, points, tension: column("tension")?, time: column("time")? };
+            if face.tension.len() != face.points.len() || face.time.len() != face.points.len() {
+                return Err(format!("/{GROUP}/{} has columns of unlike lengths", face.name).into());
+            }
+            faces.push(face);
+        }
+        faces.sort_by(|one, other| order(&one.name).cmp(&order(&other.name)));
+        let (hit, mirrored) = (group.attr(HIT)?.read_raw::<f64>()?, group.attr(MIRRORED)?.read_raw::<bool>()?);
+        let three = |name: &str| format!("the attribute {name} of /{GROUP} has no three entries");
+        Ok(Self {
+            faces,
+            hit: hit.try_into().map_err(|_| three(HIT))?,
+            mirrored: mirrored.try_into().map_err(|_| three(MIRRORED))?,
+        })
+    }
+}

@@ -1,0 +1,98 @@
+//! The largest tension on each face, row by row: `/series/stress/<face>/{largest, point}` and `/series/stress/ring`.
+
+use hdf5_metno as hdf5;
+use hdf5_metno::plist::dataset_create::FillTime;
+use ndarray::ArrayView2;
+
+use crate::impact::step::Step;
+use crate::record::provenance::write_text;
+use crate::scene::Vec3;
+use crate::space::evaluate::FaceTension;
+
+use super::Faces;
+
+/// The group of all.
+const GROUP: &str = "series/stress";
+
+/// The datasets of all faces, in their order, and that of the ring.
+pub(in crate::record) struct TensionDatasets {
+    faces: Vec<[hdf5::Dataset; 2]>,
+    ring: Option<hdf5::Dataset>,
+}
+
+impl TensionDatasets {
+    /// Empty ones, which grow; a chunk holds so many rows.
+    pub fn new(file: &hdf5::File, of: &Faces, chunk: usize) -> hdf5::Result<Self> {
+        let dataset = |name: String, columns: usize, units: &str| {
+            let builder = file.new_dataset::<f64>();
+            let builder = match columns {
+                1 => builder.shape((0..,)).chunk((chunk,)),
+                _ => builder.shape((0.., columns)).chunk((chunk, columns)),
+            };
+            // As of the series: only new rows are written, the rest of a chunk stays a hole.
+            let dataset =
+                builder.chunk_cache(0, 0, 1.0).fill_time(FillTime::Never).create(format!("{GROUP}/{name}").as_str())?;
+            write_text(&dataset, "units", units)?;
+            Ok::<_, hdf5::Error>(dataset)
+        };
+        let face = |name: &String| {
+            Ok([dataset(format!("{name}/largest"), 1, "Pa")?, dataset(format!("{name}/point"), 3, "m")?])
+        };
+        Ok(Self {
+            faces: of.names.iter().map(face).collect::<hdf5::Result<_>>()?,
+            ring: of.ring.map(|_| dataset("ring".to_owned(), 1, "Pa")).transpose()?,
+        })
+    }
+
+    /// Writes rows, each with the tension of every face, from a row on, and cuts the datasets behind them.
+    pub fn append(&self, first: usize, rows: &[Vec<FaceTension>], ring: &[f64]) -> hdf5::Result<()> {
+        let end = first + rows.len();
+        for (number, [largest, point]) in self.faces.iter().enumerate() {
+            if largest.size() != end {
+                largest.resize((end,))?;
+                point.resize((end, 3))?;
+            }
+            let at = |row: &Vec<FaceTension>| row.get(number).copied().unwrap_or(FaceTension::UNKNOWN);
+            largest.write_slice(&rows.iter().map(|row| at(row).largest).collect::<Vec<f64>>(), first..end)?;
+            let points: Vec<Vec3> = rows.iter().map(|row| at(row).point).collect();
+            point.write_slice(ArrayView2::from(&points[..]), (first..end, ..))?;
+        }
+        if let Some(dataset) = &self.ring {
+            if dataset.size() != end {
+                dataset.resize((end,))?;
+            }
+            dataset.write_slice(ring, first..end)?;
+        }
+        Ok(())
+    }
+}
+
+/// The first rows of what a result holds of stresses.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct EarlierTensions {
+    /// Of each row the largest tension on every face.
+    pub faces: Vec<Vec<FaceTension>>,
+    /// Of each row the tension at the edge of the contact, where it is recorded.
+    pub ring: Option<Vec<f64>>,
+}
+
+/// The ring's tension at each step.
+pub(in crate::record) fn rings(of: &Faces, steps: &[Step]) -> Vec<f64> {
+    steps.iter().map(|step| of.ring(step)).collect()
+}
+
+/// The first rows of a result, each with the tension of every face.
+pub(in crate::record) fn rows(file: &hdf5::File, names: &[String], rows: usize) -> hdf5::Result<Vec<Vec<FaceTension>>> {
+    let mut all = vec![Vec::with_capacity(names.len()); rows];
+    for name in names {
+        let column = |of: &str| file.dataset(&format!("{GROUP}/{name}/{of}"))?.read_raw::<f64>();
+        let (largest, points) = (column("largest")?, column("point")?);
+        if largest.len() < rows {
+            return Err(format!("/{GROUP}/{name} has {} rows, and its checkpoint {rows}", largest.len()).into());
+        }
+        for ((row, largest), point) in all.iter_mut().zip(largest).zip(points.chunks_exact(3)) {
+            row.push(FaceTension { largest, point: [point[0], point[1], point[2]] });
+        }
+    }
+    Ok(all)
+}

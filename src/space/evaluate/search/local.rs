@@ -1,0 +1,58 @@
+//! What the local field adds on a face, as polynomials of the contact's radius.
+
+use crate::form::stress::place;
+use crate::space::evaluate::{ContactNow, Face, FaceGrid};
+use crate::stack::PointField;
+
+/// What the local field adds on a face.
+pub(super) struct LocalRows {
+    /// Contact radius up to which they hold, m.
+    largest: f64,
+    /// How many coefficients each has.
+    terms: usize,
+    /// By point the coefficients for 1 N of (a + b)/2, (a − b)/2 and ab, Pa.
+    points: Vec<(usize, Vec<[f64; 3]>)>,
+    /// The face's points that are not read.
+    pub left_out: Vec<usize>,
+}
+
+impl LocalRows {
+    /// `None` where fields are no such polynomials.
+    pub fn new(face: &Face) -> Option<Self> {
+        let FaceGrid { axes: [a, b], .. } = face.grid.as_ref()?;
+        let left_out = (0..face.points.len()).filter(|point| face.left_out[*point]).collect();
+        let mut rows = Self { largest: 1.0, terms: 0, points: Vec::new(), left_out };
+        for (point, local) in &face.local {
+            let (largest, coefficients) = local.polynomial()?;
+            if !rows.points.is_empty() && largest != rows.largest {
+                return None;
+            }
+            rows.largest = largest;
+            rows.terms = rows.terms.max(coefficients.len());
+            let parts = coefficients.iter().map(|all| parts([all[*a], all[*b], all[place(*a, *b)]]));
+            rows.points.push((*point, parts.collect()));
+        }
+        Some(rows)
+    }
+
+    /// What is added at its points under a contact, in their order.
+    pub fn under(&self, contact: &ContactNow) -> impl Iterator<Item = (usize, [f64; 3])> {
+        let t = PointField::variable(contact.radius, self.largest);
+        let mut polynomials = vec![contact.force, contact.force * t];
+        for k in 2..self.terms {
+            polynomials.push(2.0 * t * polynomials[k - 1] - polynomials[k - 2]);
+        }
+        self.points.iter().map(move |(point, coefficients)| {
+            let mut sum = [0.0; 3];
+            for (factor, of_degree) in polynomials.iter().zip(coefficients) {
+                (0..3).for_each(|i| sum[i] += factor * of_degree[i]);
+            }
+            (*point, sum)
+        })
+    }
+}
+
+/// (a + b)/2, (a − b)/2 and ab of a, b and ab.
+pub(super) fn parts([a, b, ab]: [f64; 3]) -> [f64; 3] {
+    [0.5 * (a + b), 0.5 * (a - b), ab]
+}

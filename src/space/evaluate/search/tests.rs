@@ -1,0 +1,185 @@
+//! The search against one of all points in double precision, and its bound.
+
+use super::*;
+use crate::form::Spread;
+use crate::space::evaluate::{Face, FaceGrid, LocalPoint, Map, StressMap};
+use crate::stack::{Carrier, Layer, LocalField, Pressure, Stack};
+
+/// Numbers between −1 and 1 without any order.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+        (self.0 >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
+    }
+}
+
+const COUNT: usize = 37;
+const LINES: usize = 19;
+
+/// A plate of bending stresses that vary over a face, hit at the corner of its quarter; stresses are symmetric in x and y, so that
+/// points that mirror each other have the same tension but for rounding.
+fn plate() -> (FaceStresses, Vec<f64>) {
+    let lines: Vec<f64> = (0..LINES).map(|i| 0.05 * i as f64).collect();
+    let points: Vec<[f64; 3]> = lines.iter().flat_map(|a| lines.iter().map(move |b| [*a, *b, 0.05])).collect();
+    let layer = Layer { thickness: 0.1, young: 70e9, poisson: 0.23 };
+    let pressure = Pressure::Spread { spread: Spread::new(0.0), radius: 0.1 };
+    let carrier = Carrier::Plate { pressure, reading: 0.0 };
+    let field = LocalField::new(Stack::new(&[layer]).expect("an elastic layer"), carrier, 0.04);
+    let near = |point: &[f64; 3], depth: f64| {
+        let radius = point[0].hypot(point[1]);
+        let radial = if radius > 0.0 { [point[0] / radius, point[1] / radius, 0.0] } else { [1.0, 0.0, 0.0] };
+        (radius < 0.2).then(|| LocalPoint::new(field.at(radius, depth), radial, [0.0, 0.0, -1.0]).without_ring())
+    };
+    let mut numbers = Numbers(7);
+    let waves: Vec<[f64; 3]> =
+        (0..COUNT).map(|_| [8.0 * numbers.next(), 8.0 * numbers.next(), 1e9 * numbers.next()]).collect();
+    let row = |x: &[f64; 3], component: usize| -> Vec<f64> {
+        let of_wave = |[p, q, size]: &[f64; 3]| {
+            let along = |a: f64, b: f64| (p * a).cos() * (q * b).cos();
+            let twist = (p * x[0]).sin() * (q * x[1]).sin() + (p * x[1]).sin() * (q * x[0]).sin();
+            match component {
+                0 => size * (along(x[0], x[1]) + 0.3 * along(x[1], x[0])),
+                1 => size * (along(x[1], x[0]) + 0.3 * along(x[0], x[1])),
+                _ => 0.4 * size * twist,
+            }
+        };
+        waves.iter().map(of_wave).collect()
+    };
+    let rows: Vec<f64> = points.iter().flat_map(|x| (0..3).flat_map(|c| row(x, c)).collect::<Vec<_>>()).collect();
+    let face = |name: &str, sign: f64, depth: f64| Face {
+        name: name.to_owned(),
+        first: 0,
+        local: points.iter().enumerate().filter_map(|(i, x)| Some((i, near(x, depth)?))).collect(),
+        left_out: points.iter().map(|x| (0.0..0.08).contains(&(x[0].hypot(x[1]) - 1e-9))).collect(),
+        sign,
+        grid: Some(FaceGrid { axes: [0, 1], lines: [lines.clone(), lines.clone()], is_mirrored: [true; 2] }),
+        points: points.clone(),
+    };
+    let faces = vec![face("upper", -1.0, 0.0), face("lower", 1.0, 0.1)];
+    let map = StressMap::Forms { map: Map::Dense(COUNT, rows.clone()), components: 3 };
+    (FaceStresses { columns: Vec::new(), map, faces }, rows)
+}
+
+/// Coordinates of steps: of all sizes, nothing at all, and one alone; under forces from nothing to most of the stress.
+fn steps() -> (Vec<f64>, Vec<ContactNow>) {
+    let mut numbers = Numbers(11);
+    let (mut coordinates, mut contacts) = (Vec::new(), Vec::new());
+    for step in 0..300 {
+        let size = match step % 7 {
+            0 => 0.0,
+            1 => 1e-60,
+            2 => 1e-9,
+            _ => 1.0,
+        };
+        for coordinate in 0..COUNT {
+            let is_there = step % 7 != 3 || coordinate == step % COUNT;
+            // (A coordinate's number is drawn whether it counts or not.)
+            let number = numbers.next() / (1.0 + coordinate as f64);
+            coordinates.push(if is_there { size * number } else { 0.0 });
+        }
+        let force = if step % 3 == 0 { 0.0 } else { 1e6 * (1.0 + numbers.next()) };
+        contacts.push(ContactNow { force, radius: 0.02 * (1.0 + 1.2 * numbers.next().abs()) });
+    }
+    (coordinates, contacts)
+}
+
+/// The search of all points in double precision finds the same.
+#[test]
+fn what_is_found_is_what_a_search_of_all_points_finds() {
+    let (faces, rows) = plate();
+    let (coordinates, contacts) = steps();
+    let search = TensionSearch::new(&faces, COUNT, rows).expect("faces of a box");
+    let found = search.tensions(&coordinates, &contacts).steps;
+    assert_eq!(found.len(), contacts.len());
+    let mut places = std::collections::BTreeSet::new();
+    for (step, (found, contact)) in found.iter().zip(&contacts).enumerate() {
+        let of_step = &coordinates[step * COUNT..(step + 1) * COUNT];
+        let (all, _) = faces.tensions(&faces.map.apply(of_step), contact, 0.0);
+        for (one, other) in found.iter().zip(&all) {
+            // Sums of some forty products in another order.
+            let rounding = 1e-13 * search.scales.iter().zip(of_step).map(|(s, w)| (s * w).abs()).sum::<f64>();
+            let rounding = rounding + 1e-13 * other.largest.abs();
+            assert!((one.largest - other.largest).abs() <= rounding, "{step}: {one:?} {other:?}");
+            let apart = (0..3).map(|i| (one.point[i] - other.point[i]).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-9, "{step}: {one:?} {other:?}");
+            places.insert(one.point.map(|x| (x * 20.0).round() as i64));
+        }
+    }
+    // Else the steps would show nothing.
+    assert!(places.len() > 30, "{}", places.len());
+}
+
+/// The map holds at each point what a fold over all steps in double precision gives, with its time; its largest value is that of the steps.
+#[test]
+fn the_map_is_that_of_all_points_and_steps() {
+    let (faces, rows) = plate();
+    let (coordinates, contacts) = steps();
+    let search = TensionSearch::new(&faces, COUNT, rows).expect("faces of a box");
+    let times: Vec<f64> = (0..contacts.len()).map(|step| step as f64).collect();
+    let searched = search.tensions(&coordinates, &contacts);
+    let map = searched.map(&times);
+    let (mut exhaustive, mut of_steps, mut room) = (TensionMap::default(), Vec::new(), 0.0_f32);
+    for (step, contact) in contacts.iter().enumerate() {
+        let of_step = &coordinates[step * COUNT..(step + 1) * COUNT];
+        let (_, of_step_alone) = faces.tensions(&faces.map.apply(of_step), contact, times[step]);
+        let size = search.scales.iter().zip(of_step).map(|(s, w)| (s * w).abs()).sum::<f64>() as f32;
+        if size > 0.0 {
+            let top = of_step_alone.tension.iter().copied().fold(f32::NEG_INFINITY, f32::max) / size;
+            room = room.max(search.bound(top) * size);
+        }
+        exhaustive.take(&of_step_alone);
+        of_steps.push(of_step_alone);
+    }
+    let mut near_hit = 0;
+    for (point, (found, exact)) in map.tension.iter().zip(&exhaustive.tension).enumerate() {
+        assert_eq!(found.is_finite(), exact.is_finite(), "{point}");
+        if exact.is_finite() {
+            assert!((found - exact).abs() <= room, "{point}: {found} {exact} {room}");
+            // At its time the tension was as large.
+            let then = of_steps[map.time_at(point) as usize].tension[point];
+            assert!((then - exact).abs() <= 2.0 * room, "{point}: {then} {exact}");
+            near_hit += usize::from(faces.faces.iter().any(|face| face.local.iter().any(|(of, _)| *of == point)));
+        }
+    }
+    assert!(near_hit > 4, "{near_hit}");
+    let largest = |values: &mut dyn Iterator<Item = f32>| values.fold(f32::NEG_INFINITY, f32::max);
+    let of_history = largest(&mut searched.steps.iter().flatten().map(|one| one.largest as f32));
+    let of_map = largest(&mut map.tension.iter().copied());
+    assert!((of_map - of_history).abs() <= room, "{of_map} {of_history}");
+    // Else the room would hide what is wrong.
+    assert!(room < 1e-4 * of_history, "{room} {of_history}");
+}
+
+/// Tensions in single precision are off by less than half of the bound, and not by so little that the bound would say nothing.
+#[test]
+fn single_precision_keeps_its_bound() {
+    let (faces, rows) = plate();
+    let (coordinates, contacts) = steps();
+    let search = TensionSearch::new(&faces, COUNT, rows).expect("faces of a box");
+    let (mut seen, mut worst) = (Seen::default(), 0.0_f64);
+    for (step, contact) in contacts.iter().enumerate() {
+        let of_step = &coordinates[step * COUNT..(step + 1) * COUNT];
+        let size: f64 = of_step.iter().zip(&search.scales).map(|(w, scale)| (w * scale).abs()).sum();
+        if size < 1e-30 {
+            continue;
+        }
+        let scaled = of_step.iter().zip(&search.scales).map(|(w, scale)| (w * scale / size) as f32);
+        let column = &search.scaled * nalgebra::DVector::from_iterator(COUNT, scaled);
+        seen.take(column.as_slice());
+        for (face, local) in faces.faces.iter().zip(&search.local) {
+            seen.look(face, local, (column.as_slice(), size), contact);
+            let bound = f64::from(search.bound(seen.top));
+            for point in (0..face.points.len()).filter(|point| !face.left_out[*point]) {
+                let exact = face.value(point, &search.sampled(point, of_step), contact) / size;
+                let off = (f64::from(seen.values[point]) - exact).abs();
+                // (Below the top there is no need for it: a value that is lower than it may not count.)
+                let room = 0.5 * bound * exact.abs().max(1.0) / f64::from(seen.top.abs()).max(1.0);
+                worst = worst.max(off / room.max(0.5 * bound));
+                assert!(off < room.max(0.5 * bound), "{step} {point}: {off:e} {bound:e}");
+            }
+        }
+    }
+    assert!(worst > 1e-3, "{worst:e}");
+}
