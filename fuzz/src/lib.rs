@@ -5,7 +5,7 @@ use std::fs;
 use std::ops::ControlFlow;
 
 use petsc_wrap::{Comm, Session};
-use ricochet::cli::keeping::carry;
+use ricochet::cli::keeping::Known;
 use ricochet::cli::summary::Summary;
 use ricochet::impact::checkpoint::{Carrier, Checkpoint};
 use ricochet::impact::step::Step;
@@ -15,6 +15,7 @@ use ricochet::model::{Model, Simulation};
 use ricochet::record::checkpoint::{Kept, beside};
 use ricochet::record::episodes::Episodes;
 use ricochet::scene::{Geometry, Scene};
+use ricochet::space::evaluate::TensionMap;
 
 /// A good scene.
 const SCENE: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500\nsize = [0.5, 0.5, 0.02]\n[[support]]\nsurface = \"side\"\n\
@@ -82,19 +83,18 @@ pub fn checkpoint(data: &[u8]) {
         let session = session.get_or_init(|| Session::start(&[]).expect("once a thread").expect("PETSc starts"));
         let comm = session.world();
         let mut impact = simulation(&comm).expect("a good simulation");
-        let mut keeper = Keeper(Episodes::new(scene.impactor.mass), Summary::default(), Checkpoint::default());
+        let mut keeper = Keeper(known(scene.impactor.mass), Checkpoint::default());
         assert!(impact.run_watched(&mut keeper).expect("it runs").is_continue());
         let nodes = impact.nodes().expect("a mesh").to_vec();
         let mut kept =
-            Kept { scene: SCENE.to_owned(), run_id: 1, time: 1e-4, nodes: nodes.clone(), checkpoint: keeper.2 };
+            Kept { scene: SCENE.to_owned(), run_id: 1, time: 1e-4, nodes: nodes.clone(), checkpoint: keeper.1 };
         let is_good = data.0.is_empty();
         for _ in 0..32 {
             change(&mut kept, &mut data);
         }
         let written = kept.write(&result).and_then(|()| Kept::read(&result));
         let resume = |kept: Kept| {
-            let (mut rows, mut past) = (0, (Episodes::new(1.0), Summary::default()));
-            let carried = carry(&mut rows, &mut past, &mut Carrier::from(&kept.checkpoint));
+            let carried = known(1.0).carry(&mut Carrier::from(&kept.checkpoint));
             let part = kept.at(Some(&nodes)).map_err(ricochet::Error::Output);
             carried.and(part.and_then(|part| simulation(&comm)?.resume(&part)))
         };
@@ -110,13 +110,20 @@ const BODY: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500\nsize =
                     cells = [2, 2, 1]\norder = 1\nsymmetry = \"none\"\n[impactor]\nmass = 52\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\n\
                     speed = 1\n[contact]\nlocalization = \"point\"\n[time]\nscheme = \"newmark\"\nend = 1e-4\nstep = 1e-5\n";
 
+/// What rank 0 knows before the first step, of an impactor's mass, kg.
+fn known(mass: f64) -> Known {
+    Known { rows: 0, episodes: Episodes::new(mass), summary: Summary::default(), map: TensionMap::default() }
+}
+
 /// Keeps a checkpoint of every step, as a run does.
-struct Keeper(Episodes, Summary, Checkpoint);
+struct Keeper(Known, Checkpoint);
 
 impl Observer for Keeper {
-    fn step(&mut self, step: &Step, _: &Reading) -> Result<ControlFlow<()>, ricochet::Error> {
-        self.0.push(step);
-        self.1.step(step);
+    fn step(&mut self, step: &Step, reading: &Reading) -> Result<ControlFlow<()>, ricochet::Error> {
+        self.0.rows += 1;
+        self.0.episodes.push(step);
+        self.0.summary.step(step);
+        self.0.map.take(&reading.map);
         Ok(ControlFlow::Continue(()))
     }
 
@@ -125,9 +132,8 @@ impl Observer for Keeper {
         _: bool,
         checkpoint: &mut dyn FnMut() -> Result<Checkpoint, ricochet::Error>,
     ) -> Result<(), ricochet::Error> {
-        self.2 = checkpoint()?;
-        let mut known = (self.0.clone(), self.1);
-        carry(&mut 11, &mut known, &mut Carrier::to(&mut self.2))
+        self.1 = checkpoint()?;
+        self.0.carry(&mut Carrier::to(&mut self.1))
     }
 }
 
@@ -151,8 +157,8 @@ fn change(kept: &mut Kept, data: &mut Bytes) {
     if data.0.is_empty() {
         return;
     }
-    let (what, which) = (data.next() % 8, usize::from(data.next()));
-    let Checkpoint { vectors, numbers } = &mut kept.checkpoint;
+    let (what, which) = (data.next() % 9, usize::from(data.next()));
+    let Checkpoint { vectors, numbers, lists } = &mut kept.checkpoint;
     let number = numbers.keys().nth(which % numbers.len().max(1)).cloned().unwrap_or_default();
     let vector = vectors.keys().nth(which % vectors.len().max(1)).cloned().unwrap_or_default();
     let length = 3 * kept.nodes.len();
@@ -164,6 +170,7 @@ fn change(kept: &mut Kept, data: &mut Bytes) {
         4 => drop(vectors.remove(&vector)),
         5 => drop(vectors.insert(vector, vec![data.number(); (length + which).saturating_sub(128)])),
         6 => drop(vectors.insert(vector, vec![data.number(); length])),
+        7 => drop(lists.insert("record.tension".to_owned(), vec![data.number(); which])),
         _ => match kept.nodes.get_mut(which) {
             Some(node) => node[which % 3] = data.number(),
             None => kept.nodes.truncate(which % 20),

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use petsc_wrap::Comm;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::impact::checkpoint::{Carrier, Checkpoint};
 use crate::impact::step::Step;
 use crate::model::Simulation;
@@ -141,6 +141,10 @@ impl Known {
             let mut tension: Vec<f64> = map.tension.iter().copied().map(f64::from).collect();
             carrier.list("tension", &mut tension)?;
             carrier.list("tension_time", &mut map.time)?;
+            if ![1, tension.len()].contains(&map.time.len()) {
+                let (points, times) = (tension.len(), map.time.len());
+                return Err(Error::Output(format!("the checkpoint has {points} tensions at {times} times")));
+            }
             map.tension = tension.into_iter().map(|tension| tension as f32).collect();
             Ok(())
         })

@@ -237,6 +237,10 @@ fn earlier(
     let checkpoint: &Checkpoint = &kept.checkpoint;
     known.carry(&mut Carrier::from(checkpoint)).map_err(|error| named(error.to_string()))?;
     let Known { rows, episodes, summary, map } = known;
+    let mapped: usize = points.faces.map.faces.iter().map(Vec::len).sum();
+    if !map.tension.is_empty() && map.tension.len() != mapped {
+        return Err(named(format!("has tensions at {} points, and the body is read at {mapped}", map.tension.len())));
+    }
     let read = || {
         let (columns, probes) = (read::rows(result, rows)?, read::probes(result, &points.probes, rows)?);
         let tensions = read::tensions(result, &points.faces.names, rows)?;

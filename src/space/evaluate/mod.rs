@@ -81,6 +81,11 @@ pub trait PointEvaluator {
     /// Hands over the stresses at a point as the section there carries them: those along the face by their mean and their moment over the
     /// thickness, those across it by their shear force on a parabola.
     fn add_section_stress(&self, x: Vec3, add: &mut smoothed::Add);
+
+    /// The same of the normal stresses; others may come too.
+    fn add_normal_section_stress(&self, x: Vec3, add: &mut smoothed::Add) {
+        self.add_section_stress(x, add);
+    }
 }
 
 /// A body whose points are read. Of a quarter it is the whole.

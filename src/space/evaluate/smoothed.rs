@@ -51,11 +51,15 @@ pub(super) fn smoothed(
             let turned = [1.0, 1.0, 1.0, signs[1] * signs[2], signs[0] * signs[2], signs[0] * signs[1]];
             // Of points in all quadrants shear stresses cancel.
             let (of_point, even) = if is_corner { (4.0 * of_point, 3) } else { (of_point, 6) };
-            points.add_section_stress(x, &mut |component, unknown, value| {
+            let mut add = |component: usize, unknown: usize, value: f64| {
                 if component < even {
                     sums[component][unknown] += of_point * turned[component] * value;
                 }
-            });
+            };
+            match even {
+                3 => points.add_normal_section_stress(x, &mut add),
+                _ => points.add_section_stress(x, &mut add),
+            }
         }
     }
     sums.map(|sum| sum.into_iter().enumerate().filter(|(_, value)| *value != 0.0).collect())

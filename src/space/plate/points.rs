@@ -131,6 +131,16 @@ impl Points {
         form
     }
 
+    /// Hands over a part times a factor at a point, to each of some components times another factor.
+    fn put(&self, x: Vec3, to: &[(usize, f64)], (factor, part): (f64, Part<2>), add: &mut Add) {
+        let (point, _) = self.seen(x);
+        self.each_at(part, point, factor, |first, values| {
+            for (n, value) in values.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+                to.iter().for_each(|(component, factor)| add(*component, first + n, factor * value));
+            }
+        });
+    }
+
     /// Coordinates in the plane, and ζ.
     fn seen(&self, x: Vec3) -> ([f64; 2], f64) {
         let PlateGeometry { axes, normal, sign, .. } = self.geometry;
@@ -221,28 +231,33 @@ impl PointEvaluator for Points {
     }
 
     fn add_section_stress(&self, x: Vec3, add: &mut Add) {
+        self.add_normal_section_stress(x, add);
         let PlateGeometry { axes, normal, sign, .. } = self.geometry;
-        let (point, height) = self.seen(x);
+        let (_, height) = self.seen(x);
         let Section { young, poisson, thickness, .. } = self.section;
-        let (plane, shear) = (young / (1.0 - poisson * poisson), 0.5 * young / (1.0 + poisson));
-        let mut put = |to: &[(usize, f64)], (factor, part): (f64, Part<2>)| {
-            self.each_at(part, point, factor, |first, values| {
-                for (n, value) in values.iter().enumerate().filter(|(_, value)| **value != 0.0) {
-                    to.iter().for_each(|(component, factor)| add(*component, first + n, factor * value));
-                }
-            });
-        };
+        let shear = 0.5 * young / (1.0 + poisson);
         for (i, axis) in axes.into_iter().enumerate() {
-            let mut along = [0, 0];
-            along[i] = 1;
-            put(&[(axis, plane), (axes[1 - i], plane * poisson)], self.turned(i, along, height));
-            put(&[(place(axes[0], axes[1]), shear)], self.turned(i, [along[1], along[0]], height));
+            let (mut along, mut across) = ([0, 0], [0, 0]);
+            (along[i], across[1 - i]) = (1, 1);
+            self.put(x, &[(place(axes[0], axes[1]), shear)], self.turned(i, across, height), add);
             let over_mean = 1.5 * (1.0 - (2.0 * height / thickness).powi(2));
             if let Some(local) = self.local.as_ref().filter(|_| over_mean > 1e-12) {
                 let to = [(place(axis, normal), sign * over_mean * local.shear_factor * shear)];
-                put(&to, (1.0, deflection(along)));
-                put(&to, (1.0, rotation(i, [0, 0])));
+                self.put(x, &to, (1.0, deflection(along)), add);
+                self.put(x, &to, (1.0, rotation(i, [0, 0])), add);
             }
+        }
+    }
+
+    fn add_normal_section_stress(&self, x: Vec3, add: &mut Add) {
+        let axes = self.geometry.axes;
+        let (_, height) = self.seen(x);
+        let Section { young, poisson, .. } = self.section;
+        let plane = young / (1.0 - poisson * poisson);
+        for (i, axis) in axes.into_iter().enumerate() {
+            let mut along = [0, 0];
+            along[i] = 1;
+            self.put(x, &[(axis, plane), (axes[1 - i], plane * poisson)], self.turned(i, along, height), add);
         }
     }
 

@@ -121,7 +121,10 @@ impl<'a> TensionSearch<'a> {
                 let faces = self.faces.faces.iter().zip(&self.local).zip(&mut peaks);
                 let each = faces.map(|((face, local), peaks)| {
                     seen.look(face, local, step, contact);
-                    let value = |point: usize| face.value(point, &self.sampled(face.first + point, of_step), contact);
+                    let value = |point: usize| match face.left_out[point] {
+                        true => f64::NAN,
+                        false => face.value(point, &self.sampled(face.first + point, of_step), contact),
+                    };
                     let size = step.1;
                     let (point, found) = if size > f64::MIN_POSITIVE && seen.top.is_finite() {
                         peaks.take(&seen.values, size as f32, number);
