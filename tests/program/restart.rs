@@ -99,7 +99,9 @@ fn maps_apart(path: &Path, other: &Path) -> f64 {
     let read = |file: &hdf5_metno::File, name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
     let both = |name: &str| [&file, &other].map(|file| read(file, &format!("stress_map/lower/{name}")));
     let [one, two] = both("time");
-    let same = one.iter().zip(&two).filter(|(one, two)| one == two).count();
+    // Chosen steps end at other times, but for rounding.
+    let end = one.iter().copied().fold(0.0, f64::max);
+    let same = one.iter().zip(&two).filter(|(one, two)| (*one - *two).abs() <= RANKS * end).count();
     assert!(10 * same >= 9 * one.len(), "{same} of {} points", one.len());
     let [one, two] = both("tension");
     assert!(one.iter().all(|tension| tension.is_finite()));
