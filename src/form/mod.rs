@@ -6,6 +6,7 @@
 
 mod disc;
 pub mod elastic;
+pub mod layerwise;
 mod lumping;
 mod pad;
 pub mod plate;

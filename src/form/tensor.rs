@@ -85,6 +85,11 @@ impl<const D: usize> Tensor<D> {
         self.first(self.fields.len())
     }
 
+    /// Number of fields.
+    pub fn fields(&self) -> usize {
+        self.fields.len()
+    }
+
     /// A field's splines along all axes.
     pub fn splines(&self, field: usize) -> &[Spline; D] {
         &self.fields[field]

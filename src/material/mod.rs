@@ -36,13 +36,14 @@ impl Material {
     ///
     /// E = 9KG/(3K + G) and ν = (3K − 2G)/(6K + 2G) are those of the instantaneous G. A chain without terms is an elastic material.
     pub fn of_moduli(bulk: f64, shear: Maxwell, density: f64) -> Self {
-        let g = shear.instantaneous();
-        let instantaneous = form::Material {
-            young: 9.0 * bulk * g / (3.0 * bulk + g),
-            poisson: (3.0 * bulk - 2.0 * g) / (6.0 * bulk + 2.0 * g),
-            density,
-        };
+        let instantaneous = constants([bulk, shear.instantaneous()], density);
         Self { instantaneous, shear: Some(shear).filter(|shear| !shear.terms.is_empty()) }
+    }
+
+    /// Its elastic constants a time (s) after a step of the strain.
+    pub fn at(&self, time: f64) -> form::Material {
+        let density = self.instantaneous.density;
+        self.shear.as_ref().map_or(self.instantaneous, |shear| constants([self.bulk(), shear.at(time)], density))
     }
 
     /// K, Pa.
@@ -56,6 +57,15 @@ impl Material {
             None => self.instantaneous.lame(),
             Some(shear) => form::Lame::of_moduli(self.bulk(), shear.equilibrium),
         }
+    }
+}
+
+/// E = 9KG/(3K + G) and ν = (3K − 2G)/(6K + 2G).
+fn constants([bulk, shear]: [f64; 2], density: f64) -> form::Material {
+    form::Material {
+        young: 9.0 * bulk * shear / (3.0 * bulk + shear),
+        poisson: (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear),
+        density,
     }
 }
 

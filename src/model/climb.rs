@@ -1,4 +1,4 @@
-//! The least theory that a scene's tolerance allows.
+//! The least theory that a scene's tolerance allows. Bodies of several layers climb in [`super::layers`].
 //!
 //! Theories are tried from the cheapest that the scene admits. The error of a half-space is estimated from the scene alone, that of
 //! Mindlin's theory from its difference to Kirchhoff's in the acceleration of the first contact ([`super::mindlin_error`]). The first
@@ -15,12 +15,13 @@ use crate::scene::{
     Contact, Geometry, Impactor, Load, Model as Theory, Newton, Scene, Scheme, Support, SupportKind, faces,
 };
 
+use super::layers::layered;
 use super::mindlin_error::mindlin_error_over_difference;
 use super::watch::Watch;
 use super::{Built, Model, admits, build, reduce, refine, unrefined};
 
 /// Part of the tolerance that the estimated error of Mindlin's theory may take.
-const OF_THEORY: f64 = 0.75;
+pub(super) const OF_THEORY: f64 = 0.75;
 
 /// The same where Kirchhoff's plate is not computed, and the difference taken to be the whole peak: that estimate is so high that a
 /// larger part would lift the sum of all estimates above the tolerance.
@@ -45,7 +46,9 @@ pub(super) fn climb(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Mod
     if let Some((model, reason)) = formula(comm, scene, watch)? {
         return Ok(Model { reason: Some(reason), ..model });
     }
-    let plates = slender(scene).and_then(|()| admits(scene, Theory::Kirchhoff)).and_then(|()| unpressed(scene));
+    let is_layered = scene.body.composition.uniform().is_none();
+    let least = if is_layered { Theory::Layerwise } else { Theory::Kirchhoff };
+    let plates = slender(scene).and_then(|()| admits(scene, least)).and_then(|()| unpressed(scene));
     match plates {
         Err(reason) => passed.push(format!("no plate theory stands for it: {reason}")),
         Ok(()) if !scene.time.modal && scene.solver.newton == Newton::Full => {
@@ -65,7 +68,7 @@ pub(super) fn climb(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Mod
         Ok(()) if matches!(scene.contact, Contact::Patch { radius: Some(_) }) => {
             passed.push("a patch is given, which is the solid's".to_owned());
         }
-        Ok(()) => match plate(comm, scene, &mut passed, watch) {
+        Ok(()) => match if is_layered { layered } else { plate }(comm, scene, &mut passed, watch) {
             Ok(Some(model)) => return Ok(Model { reason: Some(passed.join("; ")), ..model }),
             Ok(None) => {}
             // What a plate cannot, the solid may.
@@ -179,7 +182,7 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
         ));
         Errors::throughout(part)
     } else {
-        let rough = Scene { tolerance: tolerance.max((ROUGHER * tolerance).min(ROUGHEST)), ..modal.clone() };
+        let rough = rougher(&modal);
         let thin = reduce(&operators(&rough, Theory::Kirchhoff)?.body, &rough, watch)?;
         let difference = thick.reduced.force.0.difference(&thin.force.0);
         let of_theory = part * difference;
@@ -199,6 +202,16 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
         true => Model::on_basis(comm, scene, Theory::Mindlin, refine(comm, &modal, Theory::Mindlin, thick, watch)?)?,
         false => Model::of(comm, scene, Theory::Mindlin, watch)?,
     };
-    let pressed: f64 = scene.supports.iter().map(|support| pressing(scene, support)).sum();
-    Ok(Some(model.with_error(Cause::Theory, of_theory + Errors::throughout(pressed))))
+    Ok(Some(model.with_error(Cause::Theory, of_theory + pressed(scene))))
+}
+
+/// The same scene with the tolerance of what is computed for a difference alone.
+pub(super) fn rougher(scene: &Scene) -> Scene {
+    let tolerance = scene.tolerance.max((ROUGHER * scene.tolerance).min(ROUGHEST));
+    Scene { tolerance, ..scene.clone() }
+}
+
+/// What supports leave of error that press the thickness together.
+pub(super) fn pressed(scene: &Scene) -> Errors {
+    Errors::throughout(scene.supports.iter().map(|support| pressing(scene, support)).sum())
 }

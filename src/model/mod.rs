@@ -2,6 +2,7 @@
 
 mod cells;
 mod climb;
+mod layers;
 mod linearity;
 mod mindlin_error;
 mod readings;

@@ -22,6 +22,7 @@ pub fn name(model: Model) -> &'static str {
         Model::InfinitePlate => "infinite-plate",
         Model::Kirchhoff => "kirchhoff",
         Model::Mindlin => "mindlin",
+        Model::Layerwise => "layerwise",
         Model::Solid => "solid",
     }
 }
@@ -53,7 +54,9 @@ pub struct Operators {
 /// # Errors
 /// That clause.
 pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
-    if scene.contact == Contact::Point && matches!(theory, Model::HalfSpace | Model::InfinitePlate | Model::Mindlin) {
+    if scene.contact == Contact::Point
+        && matches!(theory, Model::HalfSpace | Model::InfinitePlate | Model::Mindlin | Model::Layerwise)
+    {
         return Err("a force at a point is for kirchhoff and solid: the others have the contact's own field".into());
     }
     if scene.output.has_points() && matches!(theory, Model::HalfSpace | Model::InfinitePlate) {
@@ -62,13 +65,14 @@ pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
     if matches!(theory, Model::InfinitePlate | Model::Kirchhoff | Model::Mindlin)
         && scene.body.composition.uniform().is_none()
     {
-        return Err("its layers are of different materials, and plate theories have one".into());
+        return Err("its layers are of different materials, and this theory has one".into());
     }
     match theory {
         Model::HalfSpace => Ok(()),
         Model::InfinitePlate => thickness(scene).map(|_| ()),
         Model::Kirchhoff => plate::admits(scene, PlateTheory::Kirchhoff),
         Model::Mindlin => plate::admits(scene, PlateTheory::Mindlin),
+        Model::Layerwise => plate::admits(scene, layerwise(scene)),
         Model::Auto | Model::Solid => Ok(()),
     }
 }
@@ -86,7 +90,7 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
             "\"solid\", or \"auto\"",
         )
     })?;
-    let mut built = match theory {
+    let built = match theory {
         Model::HalfSpace => Built::Given(ModalBody::given(Modes::none())),
         Model::InfinitePlate => {
             let body = &scene.body;
@@ -96,11 +100,13 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
         }
         Model::Kirchhoff => of_plate(comm, scene, PlateTheory::Kirchhoff, size)?,
         Model::Mindlin => of_plate(comm, scene, PlateTheory::Mindlin, size)?,
+        Model::Layerwise => of_plate(comm, scene, layerwise(scene), size)?,
         Model::Auto | Model::Solid if is_of_splines(scene) => {
             let mut settings = spline::Settings::new(scene.tolerance);
             settings.cell_size_factor *= size;
             let SplineSolid { system, cells: [x, y, z], points } = SplineSolid::new(scene, &settings)?;
-            of_grid(comm, scene, (system, points), format!("{x} × {y} × {z} cells of splines"))?
+            let words = format!("{x} × {y} × {z} cells of splines");
+            Built::Operators(of_grid(comm, scene, (system, points), words)?)
         }
         Model::Auto | Model::Solid => {
             let mesh = Mesh::new(comm, &scene.body)?;
@@ -115,16 +121,37 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
             Built::Operators(Operators { body: Box::new(body), words, is_of_splines: false, evaluator, measures })
         }
     };
-    // Bases are made of what the loads have done, and of pads as springs. (A body that keeps its pads is put into equilibrium before it
-    // moves.)
-    if let Built::Operators(Operators { body, .. }) = &mut built
-        && (body.pads.is_none() || scene.is_reduced())
-    {
+    match built {
+        Built::Operators(operators) => Ok(Built::Operators(loaded(scene, operators)?)),
+        given => Ok(given),
+    }
+}
+
+/// A layerwise plate whose layers neither shear nor have a local field, by which the theory is judged. Collective.
+///
+/// # Errors
+/// As [`build`].
+pub(super) fn build_thin(comm: &Comm, scene: &Scene) -> Result<Operators> {
+    let settings = plate::Settings { is_thin: true, ..plate::Settings::new(scene.tolerance, PlateTheory::Layerwise) };
+    let Plate { system, points, .. } = Plate::new(scene, PlateTheory::Layerwise, &settings)?;
+    loaded(scene, of_grid(comm, scene, (system, points), String::new())?)
+}
+
+/// Bases are made of what the loads have done, and of pads as springs. (A body that keeps its pads is put into equilibrium before it
+/// moves.)
+fn loaded(scene: &Scene, mut operators: Operators) -> Result<Operators> {
+    let body = &mut operators.body;
+    if body.pads.is_none() || scene.is_reduced() {
         settle(scene, body)?;
         body.classes.iter_mut().try_for_each(|class| settle(scene, class))?;
         body.take_pads_as_springs()?;
     }
-    Ok(built)
+    Ok(operators)
+}
+
+/// The layerwise theory of a scene's plate: of one layer that is Mindlin's.
+fn layerwise(scene: &Scene) -> PlateTheory {
+    if scene.body.composition.uniform().is_some() { PlateTheory::Mindlin } else { PlateTheory::Layerwise }
 }
 
 /// Thickness of a box under the impact point, m, where the hit is along its normal.
@@ -150,7 +177,7 @@ fn of_plate(comm: &Comm, scene: &Scene, theory: PlateTheory, size: f64) -> Resul
     let mut settings = plate::Settings::new(scene.tolerance, theory);
     settings.cell_size_factor *= size;
     let Plate { system, cells: [x, y], points, .. } = Plate::new(scene, theory, &settings)?;
-    of_grid(comm, scene, (system, points), format!("{x} × {y} cells of splines"))
+    Ok(Built::Operators(of_grid(comm, scene, (system, points), format!("{x} × {y} cells of splines"))?))
 }
 
 /// Every rank has all of it.
@@ -159,12 +186,12 @@ fn of_grid(
     scene: &Scene,
     (mut system, points): (System, impl PointEvaluator + 'static),
     words: String,
-) -> Result<Built> {
+) -> Result<Operators> {
     let evaluator = scene.output.is_read().then(|| Evaluator::of_grid(scene, points));
     let read = evaluator.as_ref().filter(|_| scene.output.stress).and_then(|evaluator| evaluator.hit_stress(scene));
     if let Some(read) = read {
         (system.hit_stress, system.hit_local) = read;
     }
     let body = Box::new(Body::of(&comm.session().alone(), &system)?);
-    Ok(Built::Operators(Operators { body, words, is_of_splines: true, evaluator, measures: None }))
+    Ok(Operators { body, words, is_of_splines: true, evaluator, measures: None })
 }

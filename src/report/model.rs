@@ -55,6 +55,7 @@ fn theory(name: &str) -> String {
         "half-space" => "Half-space: the local indentation alone",
         "infinite-plate" => "Infinite plate (Zener 1941): bending waves without reflections",
         "kirchhoff" => "Kirchhoff’s plate: bending of a thin plate",
+        "layerwise" => "a layerwise plate: Mindlin’s theory in each layer, bonded to the next",
         "mindlin" => "Mindlin’s plate (Reissner 1945, Mindlin 1951): bending with shear and rotary inertia",
         "solid" => "Three-dimensional elasticity",
         other => other,

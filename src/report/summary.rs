@@ -81,7 +81,8 @@ fn strength(data: &Data) -> Option<Verdict> {
 
 /// That the deflection is too large for the model.
 fn deflection(data: &Data) -> Option<Verdict> {
-    let theories = [Model::HalfSpace, Model::InfinitePlate, Model::Kirchhoff, Model::Mindlin, Model::Solid];
+    let theories =
+        [Model::HalfSpace, Model::InfinitePlate, Model::Kirchhoff, Model::Mindlin, Model::Layerwise, Model::Solid];
     let theory = theories.into_iter().find(|theory| model::name(*theory) == data.provenance.model)?;
     let linearity = Linearity::new(data.scene.as_ref().ok()?, theory, None)?;
     let energy = |name: &str| data.energies.parts.iter().find(|part| part.name == name).map(|part| &part.values);

@@ -62,6 +62,8 @@ pub enum Model {
     Kirchhoff,
     /// Bending with shear and rotary inertia (Reissner 1945, Mindlin 1951).
     Mindlin,
+    /// The same in each layer of its own, bonded to the next.
+    Layerwise,
     /// Elasticity in three dimensions.
     Solid,
 }

@@ -64,6 +64,23 @@ impl Composition {
         self.materials().iter().any(|material| material.shear.is_some())
     }
 
+    /// The same with the elastic constants that its materials have a time (s) after a step of the strain.
+    #[must_use]
+    pub fn elastic_at(&self, time: f64) -> Self {
+        let at = |material: &Material| Material::elastic(material.at(time));
+        let parts = match &self.parts {
+            Parts::Whole(material) => Parts::Whole(at(material)),
+            Parts::Layers(layers) => {
+                let of_layer = |layer: &Layer| Layer { thickness: layer.thickness, material: at(&layer.material) };
+                Parts::Layers(layers.iter().map(of_layer).collect())
+            }
+            Parts::Volumes(volumes) => {
+                Parts::Volumes(volumes.iter().map(|(name, material)| (name.clone(), at(material))).collect())
+            }
+        };
+        Self { parts, ..self.clone() }
+    }
+
     /// The density of a whole whose volume is that of its layers, kg/m³; `None` for a mesh of several densities.
     pub fn density(&self) -> Option<f64> {
         let densities: Vec<f64> = self.materials().iter().map(|material| material.instantaneous.density).collect();

@@ -42,7 +42,7 @@ pub use impactor::Impactor;
 pub use load::{Load, Traction};
 pub use output::{Measure, Output, Probe};
 pub use source::Source;
-pub use strength::Strength;
+pub use strength::{Strength, face_names};
 pub use support::{Support, SupportKind, Within};
 pub use time::{Initial, Newton, Scheme, Solver, Time};
 pub use units::unit;
@@ -150,6 +150,14 @@ impl Scene {
         match &self.body.geometry {
             Geometry::Box { size, .. } => Some(faces::struck_axis(*size, self.impactor.point, self.impactor.direction)),
             Geometry::Gmsh(_) => None,
+        }
+    }
+
+    /// Heights along z where the layers of a box end that is hit across them, ascending, m; empty where they do not differ, or are hit along.
+    pub fn hit_layers(&self) -> Vec<f64> {
+        match self.struck_axis() {
+            Some(2) => self.body.composition.interfaces(),
+            _ => Vec::new(),
         }
     }
 

@@ -9,7 +9,8 @@ use serde::Deserialize;
 use super::values::{ByComponent, Edges, FileOrPoints, FileOrTerms, List, Number, Three, Whole, WordOrWhole};
 
 /// Words of `body.model`.
-pub(super) const MODELS: [&str; 6] = ["auto", "half-space", "infinite-plate", "kirchhoff", "mindlin", "solid"];
+pub(super) const MODELS: [&str; 7] =
+    ["auto", "half-space", "infinite-plate", "kirchhoff", "mindlin", "layerwise", "solid"];
 /// Words of `body.symmetry`.
 pub(super) const SYMMETRIES: [&str; 3] = ["auto", "none", "quarter"];
 /// Words of `support.kind`.

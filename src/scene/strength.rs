@@ -2,6 +2,15 @@
 
 use std::collections::BTreeMap;
 
+/// Names of the faces of a box that is hit, from the hit down: of one layer its own two, of several both of each.
+pub fn face_names(layers: usize) -> Vec<String> {
+    let sides = ["upper", "lower"].map(str::to_owned);
+    if layers < 2 {
+        return sides.to_vec();
+    }
+    (1..=layers).flat_map(|layer| sides.each_ref().map(|side| format!("{layer}-{side}"))).collect()
+}
+
 /// By face, Pa.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Strength {

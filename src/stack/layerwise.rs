@@ -7,6 +7,9 @@
 //! Σ E′_i ∫ φ δφ dz + Σ h_i q_i δγ_i + δW/k² = 0,   γ_i = k q_i/(κ_i μ_i),
 //!
 //! for a unit pressure. As in [`super::layer`], all unknowns are of one order in long waves. One layer is Mindlin's plate.
+//!
+//! A plate may be loaded and read by w + β M instead, with the sum of its bending moments M = ∫ E′ z ∇·u dz. By equilibrium M is 1/ξ² for
+//! a unit pressure, whatever the layers do: so β adds 2β/ξ² to the response.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -17,6 +20,8 @@ use super::{Layer, Response, Stack};
 pub struct Layerwise {
     stack: Stack,
     shear_factors: Vec<f64>,
+    /// β, m/N.
+    reading: f64,
 }
 
 /// The theory's solution at one wavenumber for a unit transform of the pressure.
@@ -31,7 +36,41 @@ impl Layerwise {
     /// With κ of each layer; `None` unless there is a positive one for each.
     pub fn new(stack: &Stack, shear_factors: &[f64]) -> Option<Self> {
         let is_whole = shear_factors.len() == stack.layers().len() && shear_factors.iter().all(|kappa| *kappa > 0.0);
-        is_whole.then(|| Self { stack: stack.clone(), shear_factors: shear_factors.to_vec() })
+        is_whole.then(|| Self { stack: stack.clone(), shear_factors: shear_factors.to_vec(), reading: 0.0 })
+    }
+
+    /// Loaded and read by w + β M, with β in m/N.
+    #[must_use]
+    pub fn with_reading(self, reading: f64) -> Self {
+        Self { reading, ..self }
+    }
+
+    /// The layers.
+    pub fn stack(&self) -> &Stack {
+        &self.stack
+    }
+
+    /// β ∫ E′ z φ dz as weights of φ_0 … φ_N, scaled, with z from the stack's middle.
+    fn moments(&self) -> Vec<f64> {
+        let mut moments = vec![0.0; self.stack.scaled.len() + 1];
+        let reading = self.reading * self.stack.layers[0].young * self.stack.thickness;
+        let mut above = -0.5;
+        for (i, layer) in self.stack.scaled.iter().enumerate() {
+            let (h, below) = (layer.thickness, above + layer.thickness);
+            let sixth = reading * layer.young / (1.0 - layer.poisson.powi(2)) * h / 6.0;
+            moments[i] += sixth * (2.0 * above + below);
+            moments[i + 1] += sixth * (above + 2.0 * below);
+            above = below;
+        }
+        moments
+    }
+
+    /// Γ of the theory, m/Pa: what is read of a wave.
+    pub fn read(&self, wave: &LayerwiseWave) -> f64 {
+        let square = (wave.wavenumber * self.stack.thickness).powi(2);
+        let moment: f64 = self.moments().iter().zip(&wave.unknowns).map(|(weight, phi)| weight * phi).sum();
+        let deflection = wave.unknowns[wave.unknowns.len() - 1];
+        self.stack.thickness / self.stack.layers[0].young * (deflection + square * moment)
     }
 
     /// The solution at a positive wavenumber, 1/m.
@@ -55,6 +94,7 @@ impl Layerwise {
         }
         let mut load = DVector::zeros(2 * n + 2);
         load[deflection] = 1.0 / (square * square);
+        self.moments().into_iter().enumerate().for_each(|(i, moment)| load[i] = moment / square);
         // The energy is definite: the system is regular.
         let unknowns = system.lu().solve(&load).unwrap_or_else(|| DVector::zeros(2 * n + 2));
         LayerwiseWave { wavenumber, unknowns: unknowns.rows(0, n + 2).into_owned() }

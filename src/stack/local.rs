@@ -42,6 +42,8 @@ pub enum Carrier {
         pressure: Pressure,
         /// The theory.
         theory: Layerwise,
+        /// Of the disc over which its stresses are read as a mean; `None` where they are read as they are.
+        smoothing: Option<Pressure>,
     },
     /// A solid that resolves the thickness.
     Solid {
@@ -140,7 +142,8 @@ impl Carrier {
     /// The radius (m) within which the body's field is that of its own disc.
     fn reach(&self) -> f64 {
         match self {
-            Self::Sections { pressure, smoothing, .. } => pressure.radius() + smoothing.radius(),
+            Self::Sections { pressure, smoothing, .. }
+            | Self::Layerwise { pressure, smoothing: Some(smoothing), .. } => pressure.radius() + smoothing.radius(),
             _ => self.pressure().radius(),
         }
     }
@@ -170,7 +173,8 @@ impl LocalField {
                     },
                     carried: carrier.pressure().transform(wavenumber)
                         * match &carrier {
-                            Carrier::Sections { smoothing, .. } => smoothing.transform(wavenumber),
+                            Carrier::Sections { smoothing, .. }
+                            | Carrier::Layerwise { smoothing: Some(smoothing), .. } => smoothing.transform(wavenumber),
                             _ => 1.0,
                         },
                     smooth: smooth_transform(wavenumber * height),

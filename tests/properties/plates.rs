@@ -146,6 +146,36 @@ fn navier_mindlin() {
     }
 }
 
+/// The layerwise plate between Navier's edges: each wave is the infinite stack's in that theory, with the moments of load and reading; of symmetric and other
+/// stacks.
+#[test]
+fn navier_layerwise() {
+    for layers in [[0.012, 0.002, 0.012], [0.016, 0.002, 0.008]] {
+        let layer = |(thickness, material): (f64, &str)| {
+            format!("[[body.layer]]\nthickness = {thickness}\nmaterial = \"{material}\"\n")
+        };
+        let of_layers: String = layers.into_iter().zip(["glass", "soft", "glass"]).map(layer).collect();
+        let text = format!(
+            "[body]\nsize = [0.9, 0.7]\n{of_layers}[material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+             [material.soft]\nyoung = 1e8\npoisson = 0.45\ndensity = 1100.0\n\
+             [impactor]\nmass = 52.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n[time]\nend = 1e-3\n{}",
+            navier()
+        );
+        let scene = Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0;
+        let errors = [2.0, 1.0].map(|cell_size_factor| {
+            let plate = plate(&scene, PlateTheory::Layerwise, cell_size_factor);
+            let laminate = plate.laminate.as_ref().unwrap();
+            assert_eq!(plate.system.compliance, -4.0 * laminate.compliance);
+            let (theory, spread) = laminate.infinite();
+            let exact =
+                series([0.9, 0.7], 500, |xi| theory.read(&theory.wave(xi)) * spread.square(xi * laminate.radius));
+            1.0 - answer(&plate, 0.0) / exact
+        });
+        // As Mindlin's plate on like cells.
+        assert!(errors[0].abs() < 4e-3 && errors[1].abs() < 4e-4, "{layers:?}: {errors:?}");
+    }
+}
+
 /// Three motions without energy, of all that the splines can do.
 #[test]
 fn a_free_plate_has_three_rigid_motions() {

@@ -273,6 +273,51 @@ fn the_layerwise_theory_in_long_and_short_waves() {
     }
 }
 
+/// Two plies of ν = 0 that do not shear, with an interlayer of shear stiffness G/h alone: the beam with partial interaction of N. M. Newmark, C. P.
+/// Siess & I. M. Viest (Tests and analysis of composite beams with incomplete interaction, Proc. Soc. Exp. Stress Anal. 9, 1951), exact for a sine
+/// load: D = ΣD_i + γ A r², A = E h₁h₂/(h₁ + h₂), γ = 1/(1 + ξ² A h/G).
+#[test]
+fn beams_with_partial_interaction() {
+    let (young, [upper, h, lower]) = (70e9, [0.010, 0.00076, 0.006]);
+    for shear in [1e5, 1e6, 1e7, 1e8] {
+        let layers = [(upper, young, 0.0), (h, 2.0 * shear, 0.0), (lower, young, 0.0)];
+        let stack = stack(&layers);
+        let theory = Layerwise::new(&stack, &[1e6, 1.0, 1e6]).expect("factors");
+        for wavenumber in [0.5, 2.0, 6.0, 20.0, 60.0] {
+            let along = young * upper * lower / (upper + lower);
+            let partial = 1.0 / (1.0 + wavenumber * wavenumber * along * h / shear);
+            let arm = 0.5 * (upper + lower) + h;
+            let alone = young * (upper.powi(3) + lower.powi(3)) / 12.0;
+            let exact = 1.0 / ((alone + partial * along * arm * arm) * wavenumber.powi(4));
+            let found = theory.response(&theory.wave(wavenumber), 0.0).u_z;
+            // The interlayer's own stiffness along the beam, 2G h over E (h₁ + h₂) at most: 1.4e-4.
+            assert!((found / exact - 1.0).abs() < 2e-4, "{shear:e} {wavenumber}: {found:e} {exact:e}");
+        }
+    }
+}
+
+/// κ of layers: one layer and two plies about a thin one have Mindlin's 5/(6 − ν), a soft interlayer 1; cut layers have together the shear of
+/// the whole.
+#[test]
+fn shear_factors_of_layers() {
+    let factors = |layers: &[(f64, f64, f64)]| {
+        let stack = stack(layers);
+        Section::new(&stack).shear_factors(&stack)
+    };
+    let mindlin = 5.0 / (6.0 - 0.23);
+    assert!((factors(&[(0.02, 70e9, 0.23)])[0] - mindlin).abs() < 1e-12);
+    let laminate = factors(&[(0.01, 70e9, 0.23), (0.00076, 3e7, 0.49), (0.01, 70e9, 0.23)]);
+    // 3e7/70e9, and h/H of the interlayer.
+    assert!((laminate[0] - mindlin).abs() < 1e-3 && (laminate[1] - 1.0).abs() < 1e-3, "{laminate:?}");
+    // The static shear deflection goes with Σ (∫σ dz)²/(κ h): as of one layer.
+    let parts = [0.002, 0.007, 0.011];
+    let cut = stack(&parts.map(|h| (h, 70e9, 0.23)));
+    let section = Section::new(&cut);
+    let of_layer = |(i, kappa): (usize, f64)| section.mean_shear(&cut, i).powi(2) * parts[i] / kappa;
+    let sum: f64 = section.shear_factors(&cut).into_iter().enumerate().map(of_layer).sum();
+    assert!((sum * mindlin * 0.02 - 1.0).abs() < 1e-12, "{sum}");
+}
+
 #[test]
 fn what_is_no_stack() {
     assert_eq!(Stack::new(&[]), None);

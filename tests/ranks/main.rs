@@ -33,6 +33,7 @@ mod body {
     pub mod evaluate;
     pub mod krylov;
     pub mod layers;
+    pub mod layerwise;
     pub mod lumped;
     pub mod regions;
     pub mod spectrum;
@@ -146,6 +147,7 @@ fn main() -> ExitCode {
     )
     .group("body::lumped", &[1], body::lumped::ALONE)
     .group("body::layers", &[1], body::layers::ALONE)
+    .group("body::layerwise", &[1], body::layerwise::ALONE)
     // Three ranks on fewer cores wait for each other most of the time: meshes and the paper's plates are enough every day.
     .long_group("mesh::symmetry", &[3], mesh::symmetry::TESTS)
     .long_group("contact::laws", &[3], contact::laws::TESTS)

@@ -31,6 +31,7 @@ pub(super) fn theory(source: &Source, raw: &raw::Body) -> Result<(Model, Reducti
         "infinite-plate" => Model::InfinitePlate,
         "kirchhoff" => Model::Kirchhoff,
         "mindlin" => Model::Mindlin,
+        "layerwise" => Model::Layerwise,
         "solid" => Model::Solid,
         _ => Model::Auto,
     };

@@ -107,7 +107,7 @@ pub(super) fn only(
     let Some(scheme) = &raw.time.scheme else { return Ok(()) };
     if scheme == "central-difference" {
         let help = "another scheme, or `model = \"solid\"` with `reduction = \"none\"`".to_owned();
-        if matches!(model, Model::Kirchhoff | Model::Mindlin) {
+        if matches!(model, Model::Kirchhoff | Model::Mindlin | Model::Layerwise) {
             let message = format!("the theory \"{name}\" has no lumped mass, which the explicit scheme needs");
             return Err(source.conflict("time.scheme", "body.model", message, help));
         }

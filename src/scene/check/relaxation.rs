@@ -25,9 +25,9 @@ pub(super) fn against_modes(key: Option<&str>) -> Option<(String, String)> {
 pub(super) fn check(source: &Source, raw: &raw::Scene, key: Option<&str>) -> Result<(), SceneError> {
     let Some(key) = key else { return Ok(()) };
     let theory = raw.body.model.as_deref().unwrap_or("auto");
-    if !["auto", "solid"].contains(&theory) {
+    if !["auto", "layerwise", "solid"].contains(&theory) {
         let message = format!("the theory \"{theory}\" does not follow the relaxation of a material");
-        return Err(source.conflict("body.model", key, message, "\"solid\", or \"auto\"".to_owned()));
+        return Err(source.conflict("body.model", key, message, "\"layerwise\", \"solid\", or \"auto\"".to_owned()));
     }
     if let Some(WordOrWhole::Whole(_)) = raw.body.reduction {
         let help = "\"none\", or \"auto\", which is the same here".to_owned();

@@ -1,24 +1,34 @@
 //! The tension that the material bears, and what the accuracy is for.
 
-use super::super::strength::Strength;
+use super::super::strength::{Strength, face_names};
 use super::super::values::Number;
-use super::super::{Measure, SceneError, Source, raw, suggest};
+use super::super::{Composition, Impactor, Measure, SceneError, Source, faces, raw, suggest};
 use super::body::Outline;
 use super::word;
 
-/// Faces of a box.
-const FACES: [&str; 2] = ["upper", "lower"];
-
-pub(super) fn check(source: &Source, raw: &raw::Scene, outline: &Outline) -> Result<Strength, SceneError> {
+pub(super) fn check(
+    source: &Source,
+    raw: &raw::Scene,
+    outline: &Outline,
+    (composition, impactor): (&Composition, &Impactor),
+) -> Result<Strength, SceneError> {
+    // Those of layers where it is hit across them.
+    let names = match outline {
+        Outline::Box(size) if faces::struck_axis(*size, impactor.point, impactor.direction) == 2 => {
+            face_names(composition.interfaces().len().saturating_sub(1))
+        }
+        _ => face_names(1),
+    };
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let raw::Strength { tension, face } = &raw.strength;
     let help = "a tension in Pa: 45e6 for annealed float glass";
     let checked = |path: String, Number(tension): Number| source.positive(&path, tension, help);
     let mut by_face = std::collections::BTreeMap::new();
     for (name, given) in face {
         let path = format!("strength.face.{name}");
-        if matches!(outline, Outline::Box(_)) && !FACES.contains(&name.as_str()) {
+        if matches!(outline, Outline::Box(_)) && !names.contains(&name.as_str()) {
             let message = format!("a box that is hit has no face \"{name}\"");
-            return Err(source.error(&path, message, suggest::help(name, &FACES, '"')));
+            return Err(source.error(&path, message, suggest::help(name, &names, '"')));
         }
         by_face.insert(name.clone(), checked(path, *given)?);
     }

@@ -1,6 +1,7 @@
 //! The largest tension on the faces of a body, from stresses at points that are dense enough for it.
 //!
-//! On a box these are the face that is hit ("upper") and the one opposite ("lower"), on the points of a grid; between these a parabola
+//! On a box these are the face that is hit ("upper") and the one opposite ("lower"), or both faces of each layer ("1-upper", "1-lower" and so
+//! on from the hit down), on the points of a grid; between these a parabola
 //! along each axis tells how much higher the largest value lies. On a mesh from a file they are its named surfaces, at their nodes.
 
 use petsc_wrap::Int;
@@ -8,7 +9,8 @@ use petsc_wrap::Int;
 use crate::form::stress::{largest_in_plane, largest_principal, place};
 use crate::mesh::Whole;
 use crate::scene::Vec3;
-use crate::scene::faces::{along, name as face_name};
+use crate::scene::face_names;
+use crate::scene::faces::{along, name as surface_name};
 
 use super::stress_map::Recovered;
 use super::{ContactNow, Form, LocalPoint, Map, NearHit, StressMap, TensionMap};
@@ -164,9 +166,36 @@ impl FaceGrid {
     }
 }
 
-/// The two faces of a box across an axis, with the forms of the stresses in their planes, point by point.
+/// Part of a layer's thickness by which its faces are read within it, lest they be the next layer's.
+const WITHIN: f64 = 1e-9;
+
+/// A face of a layer: its name, where it is along the axis across it, and where it is read, m.
+struct Level {
+    name: String,
+    height: f64,
+    read_at: f64,
+}
+
+/// The faces of layers between ends (ascending, m), from the one that is farthest from the hit.
+fn levels(ends: &[f64], is_hit_from_above: bool) -> Vec<Level> {
+    let mut ends = ends.to_vec();
+    if is_hit_from_above {
+        ends.reverse();
+    }
+    let sides = ends.windows(2).flat_map(|layer| {
+        let within = if ends.len() > 2 { WITHIN * (layer[1] - layer[0]) } else { 0.0 };
+        [(layer[0], layer[0] + within), (layer[1], layer[1] - within)]
+    });
+    let named = face_names(ends.len() - 1).into_iter().zip(sides);
+    let mut levels: Vec<Level> = named.map(|(name, (height, read_at))| Level { name, height, read_at }).collect();
+    levels.reverse();
+    levels
+}
+
+/// The faces of a box across an axis, or of its layers between ends along it, with the forms of the stresses in their planes, point by point.
 pub(super) fn of_box(
     (struck, hit): (usize, Vec3),
+    layers: &[f64],
     (lines, grid): (&[Vec<f64>; 3], FaceGrid),
     bends_alone: bool,
     at: impl Fn(Vec3, bool) -> [Form; 6],
@@ -174,7 +203,8 @@ pub(super) fn of_box(
 ) -> (Vec<Face>, Vec<Form>) {
     let axes = grid.axes;
     let half = lines[struck].last().copied().unwrap_or_default();
-    let upper = half.copysign(hit[struck]);
+    let outer = [-half, half];
+    let layers = if layers.is_empty() { &outer[..] } else { layers };
     let size = lines.each_ref().map(|lines| lines.last().copied().unwrap_or_default());
     let is_hit = |x: Vec3| near.is_some_and(|near| near.distance(x) <= 1e-6 * near.thickness());
     let is_smoothed = |x: Vec3| is_hit(x) && near.is_some_and(|near| near.is_smoothed(x, size));
@@ -196,33 +226,40 @@ pub(super) fn of_box(
         let mut stress = at(*x, is_smoothed(*x));
         [axes[0], axes[1], place(axes[0], axes[1])].map(|component| std::mem::take(&mut stress[component]))
     };
-    let (mut faces, mut forms) = (Vec::new(), Vec::new());
-    for (name, height) in [("lower", -upper), ("upper", upper)] {
-        let points = grid.points(struck, height);
-        let is_opposite = bends_alone && name == "upper";
-        let (first, sign) = if is_opposite { (0, -1.0) } else { (forms.len() / 3, 1.0) };
-        if !is_opposite {
-            forms.extend(points.iter().flat_map(in_plane));
+    let (mut faces, mut forms): (Vec<Face>, Vec<Form>) = (Vec::new(), Vec::new());
+    let levels = levels(layers, hit[struck] > 0.0);
+    let count = levels.len();
+    for (number, Level { name, height, read_at }) in levels.into_iter().enumerate() {
+        let read = grid.points(struck, read_at);
+        // A body that bends alone has the opposite stresses on the other side of its middle.
+        let opposite = (bends_alone && number >= count / 2).then(|| faces[count - 1 - number].first);
+        let (first, sign) = opposite.map_or((forms.len() / 3, 1.0), |first| (first, -1.0));
+        if opposite.is_none() {
+            forms.extend(read.iter().flat_map(in_plane));
         }
-        let local = local(&points);
-        let left_out = points.iter().map(is_left_out).collect();
-        faces.push(Face { name: name.to_owned(), points, first, local, left_out, sign, grid: Some(grid.clone()) });
+        let local = local(&read);
+        let left_out = read.iter().map(is_left_out).collect();
+        let points = grid.points(struck, height);
+        faces.push(Face { name, points, first, local, left_out, sign, grid: Some(grid.clone()) });
     }
     faces.reverse();
     (faces, forms)
 }
 
-/// The named surfaces of a mesh, or of a box that is hit along an axis its two faces, and the nodes on them, face by face.
-pub(super) fn of_mesh(mesh: &Whole, hit: Option<(usize, Vec3)>) -> (Vec<Face>, Vec<usize>) {
+/// The named surfaces of a mesh, or of a box that is hit along an axis its two faces, named after so many layers, and the nodes on them, face by
+/// face.
+pub(super) fn of_mesh(mesh: &Whole, hit: Option<(usize, Vec3)>, layers: usize) -> (Vec<Face>, Vec<usize>) {
     let named: Vec<(String, &Vec<usize>)> = match hit {
         None => mesh.surfaces.iter().map(|(name, nodes)| (name.clone(), nodes)).collect(),
         Some((struck, point)) => {
             let is_positive = point[struck] > 0.0;
-            let of_face = |(name, is_upper): (&str, bool)| {
-                let nodes = mesh.surfaces.get(face_name((struck, is_upper)))?;
-                Some((name.to_owned(), nodes))
+            let of_face = |(name, is_upper): (Option<String>, bool)| {
+                let nodes = mesh.surfaces.get(surface_name((struck, is_upper)))?;
+                Some((name?, nodes))
             };
-            [("upper", is_positive), ("lower", !is_positive)].into_iter().filter_map(of_face).collect()
+            let mut names = face_names(layers).into_iter();
+            let (first, last) = (names.next(), names.next_back());
+            [(first, is_positive), (last, !is_positive)].into_iter().filter_map(of_face).collect()
         }
     };
     let (mut faces, mut all) = (Vec::new(), Vec::new());

@@ -13,7 +13,7 @@ mod tension_map;
 pub use faces::{Face, FaceGrid, FaceStresses, FaceTension};
 pub use grid::Grid;
 pub use map::Map;
-pub use near::{ContactNow, ContactSize, Hit, LocalPoint, NearHit};
+pub use near::{ContactNow, ContactSize, Hit, HitBody, LocalPoint, NearHit};
 pub use sampler::{FieldSampler, Fields};
 pub use search::{Searched, TensionSearch};
 pub use smoothed::Add;
@@ -128,11 +128,12 @@ impl Evaluator {
                 let grid = FaceGrid::of_box(hit, &lines, &self.mirrors);
                 let lower = -lines[struck].last().copied().unwrap_or_default().copysign(hit.1[struck]);
                 let at_lines = [0, 1].map(|i| &grid.lines[i][..]);
-                // Where both faces share their points.
+                // Where both faces share their points: the lower one, the last, has them.
                 let basis_of_lines = basis.filter(|_| points.bends_alone());
                 let rows = basis_of_lines.and_then(|basis| points.face_stress_on_lines(at_lines, lower, basis));
                 let (faces, forms) = faces::of_box(
                     hit,
+                    &scene.hit_layers(),
                     (&lines, grid),
                     points.bends_alone(),
                     |x, is_near| match &rows {
@@ -146,7 +147,7 @@ impl Evaluator {
                 let mut map = Map::new(forms.into_iter(), basis);
                 if let (Some(rows), Map::Dense(count, entries)) = (&rows, &mut map) {
                     let points = rows.chunks_exact(3 * *count).zip(entries.chunks_exact_mut(3 * *count)).zip(is_set);
-                    for (((row, entries), is_set), is_left_out) in points.zip(&faces[0].left_out) {
+                    for (((row, entries), is_set), is_left_out) in points.zip(&faces[faces.len() - 1].left_out) {
                         if !is_set && !is_left_out {
                             entries.copy_from_slice(row);
                         }
@@ -155,7 +156,9 @@ impl Evaluator {
                 (faces, StressMap::Forms { map, components: 3 })
             }
             (Kind::Nodes(nodes), struck) => {
-                let (mut faces, all) = faces::of_mesh(&nodes.mesh, struck.map(|axis| (axis, scene.impactor.point)));
+                let layers = scene.hit_layers().len().saturating_sub(1);
+                let hit = struck.map(|axis| (axis, scene.impactor.point));
+                let (mut faces, all) = faces::of_mesh(&nodes.mesh, hit, layers);
                 let recovered = Recovered::at(nodes, &all);
                 if let Some(near) = &self.near {
                     faces.iter_mut().for_each(|face| face.add_local(near, &recovered));

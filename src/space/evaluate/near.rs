@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use crate::form::{Material, Spread};
 use crate::scene::{Contact, Geometry, Impactor, Scene, Vec3, faces};
-use crate::stack::{Carrier, Cylindrical, Layer, LocalField, PointField, Pressure, Sections, Stack};
+use crate::stack::{Carrier, Cylindrical, Layer, Layerwise, LocalField, PointField, Pressure, Sections, Stack};
 
 /// Part of the thickness about the hit within which stresses are read as means over a disc.
 const SMOOTHED: f64 = 2.0;
@@ -27,15 +27,26 @@ const LEAST_TABLE: f64 = 0.4;
 /// Largest contact radius over that of the same impact on a half-space.
 const WIDEST: f64 = 1.2;
 
-/// How a body of one layer carries the contact's force.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// How a body carries the contact's force.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Hit {
     /// The pressure that the body is under.
     pub pressure: Pressure,
     /// What carries it.
-    pub body: Sections,
+    pub body: HitBody,
     /// The longest edge of the cells about the hit, m.
     pub cell: f64,
+}
+
+/// What carries the contact's force.
+#[derive(Debug, Clone, PartialEq)]
+pub enum HitBody {
+    /// A body of one layer.
+    OneLayer(Sections),
+    /// A layerwise plate.
+    Layerwise(Layerwise),
+    /// A solid of several layers, which resolves them.
+    Layers(Stack),
 }
 
 impl Hit {
@@ -124,11 +135,19 @@ impl ContactSize {
 }
 
 impl NearHit {
-    /// Of a box of one material that is hit on a face, as on an infinite layer; `None` nearer than its thickness to an edge.
+    /// Of a box of one material or of layers that is hit on a face, as on an infinite stack; `None` nearer than its thickness to
+    /// an edge.
     pub fn new(scene: &Scene, hit: Hit) -> Option<Self> {
         let struck = scene.struck_axis()?;
         let Geometry::Box { size, .. } = &scene.body.geometry else { return None };
-        let Material { young, poisson, .. } = *scene.body.composition.uniform()?;
+        let stack = match &hit.body {
+            HitBody::Layerwise(theory) => theory.stack().clone(),
+            HitBody::Layers(stack) => stack.clone(),
+            HitBody::OneLayer(_) => {
+                let Material { young, poisson, .. } = *scene.body.composition.uniform()?;
+                Stack::new(&[Layer { thickness: size[struck], young, poisson }])?
+            }
+        };
         let point = scene.impactor.point;
         let room = (0..3).filter(|axis| *axis != struck).map(|axis| 0.5 * size[axis] - point[axis].abs());
         let room = room.fold(f64::INFINITY, f64::min);
@@ -137,7 +156,7 @@ impl NearHit {
         }
         Some(Self {
             hit,
-            stack: Stack::new(&[Layer { thickness: size[struck], young, poisson }])?,
+            stack,
             struck,
             point,
             room,
@@ -151,7 +170,7 @@ impl NearHit {
 
     /// Of a mesh of a box under a patch of a radius, m: where the box is a layer about the hit, free below.
     pub fn of_patch_on_mesh(scene: &Scene, radius: f64) -> Option<Self> {
-        let body = Sections::Solid;
+        let body = HitBody::OneLayer(Sections::Solid);
         let near = Self::new(scene, Hit { pressure: Pressure::Hertz { radius }, body, cell: 0.0 })?;
         let is_free = |surface: &str| faces(surface).iter().all(|(axis, _)| *axis != near.struck);
         let is_normal = (scene.impactor.direction[near.struck].abs() - 1.0).abs() < 1e-9;
@@ -179,7 +198,8 @@ impl NearHit {
     pub fn is_smoothed(&self, x: Vec3, half: Vec3) -> bool {
         let disc = self.smoothing() * (1.0 - 1e-9);
         let fits = (0..3).filter(|&axis| axis != self.struck).all(|axis| x[axis].abs() + disc <= half[axis]);
-        fits && disc >= 0.45 * self.thickness() && self.distance(x) <= SMOOTHED * self.thickness()
+        let has_sections = !matches!(self.hit.body, HitBody::Layers(_));
+        has_sections && fits && disc >= 0.45 * self.thickness() && self.distance(x) <= SMOOTHED * self.thickness()
     }
 
     /// What a point (m) lacks whose stresses are read as means of the sections', or as they are; `None` far away.
@@ -188,7 +208,8 @@ impl NearHit {
         if radius > REACH * self.thickness() {
             return None;
         }
-        let Hit { pressure, body, .. } = self.hit;
+        let Hit { pressure, body, .. } = &self.hit;
+        let pressure = *pressure;
         // Under a point force the plate's moments have no limit.
         if pressure == Pressure::Point && !is_smoothed && radius < 0.5 * self.thickness() {
             return None;
@@ -196,15 +217,25 @@ impl NearHit {
         let field = if is_smoothed {
             self.by_sections.get_or_init(|| {
                 let smoothing = Pressure::Spread { spread: Spread::new(0.0), radius: self.smoothing() };
-                let carrier = Carrier::Sections { pressure, smoothing, body };
+                let carrier = match body {
+                    HitBody::OneLayer(body) => Carrier::Sections { pressure, smoothing, body: *body },
+                    HitBody::Layerwise(theory) => {
+                        Carrier::Layerwise { pressure, theory: theory.clone(), smoothing: Some(smoothing) }
+                    }
+                    // (Its stresses are read as they are.)
+                    HitBody::Layers(_) => Carrier::Solid { pressure },
+                };
                 LocalField::new(self.stack.clone(), carrier, self.largest)
             })
         } else {
             self.as_it_is.get_or_init(|| {
                 let carrier = match body {
-                    Sections::Plate { reading } => Carrier::Plate { pressure, reading },
-                    Sections::Solid => Carrier::Solid { pressure },
-                    Sections::BentSolid => Carrier::BentSolid { pressure },
+                    HitBody::OneLayer(Sections::Plate { reading }) => Carrier::Plate { pressure, reading: *reading },
+                    HitBody::OneLayer(Sections::Solid) | HitBody::Layers(_) => Carrier::Solid { pressure },
+                    HitBody::OneLayer(Sections::BentSolid) => Carrier::BentSolid { pressure },
+                    HitBody::Layerwise(theory) => {
+                        Carrier::Layerwise { pressure, theory: theory.clone(), smoothing: None }
+                    }
                 };
                 LocalField::new(self.stack.clone(), carrier, self.largest)
             })

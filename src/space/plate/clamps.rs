@@ -42,6 +42,12 @@ fn held_in_class(
             values[unknown] = Some(if value == 0.0 { 0.0 } else { value * one[unknown] });
         }
     };
+    // Of all layers that turn by themselves.
+    let rotations = |axis: usize, of_end: usize| {
+        let each = (0..(tensor.fields() / 2).max(1)).map(|k| 2 * k);
+        let first = theory.rotation_at_end(axis, of_end);
+        each.filter_map(move |beyond| first.map(|(field, depth)| (field + beyond, depth)))
+    };
     let mirrors = geometry.mirrors();
     // A displacement has its mirror image, and is even.
     let given = if class == [Parity::Even; 2] { 1.0 } else { 0.0 };
@@ -53,19 +59,19 @@ fn held_in_class(
                 hold((DEFLECTION, 0), side, is_upper, given * geometry.across(clamp.displacement));
             }
             for rotation in (0..2).filter(|&i| clamp.components[geometry.axes[i]]) {
-                if let Some(place) = theory.rotation_at_end(rotation, side) {
-                    hold(place, side, is_upper, 0.0);
-                }
+                rotations(rotation, side).for_each(|place| hold(place, side, is_upper, 0.0));
             }
         }
     }
     for axis in (0..2).filter(|&axis| geometry.halved[axis]) {
         // An even deflection has no slope across the plane; an odd one is zero on it, and so is the slope along it.
-        let held = match class[axis] {
-            Parity::Even => [theory.rotation_at_end(axis, axis), None],
-            Parity::Odd => [Some((DEFLECTION, 0)), theory.rotation_at_end(1 - axis, axis)],
-        };
-        held.into_iter().flatten().for_each(|place| hold(place, axis, false, 0.0));
+        match class[axis] {
+            Parity::Even => rotations(axis, axis).for_each(|place| hold(place, axis, false, 0.0)),
+            Parity::Odd => {
+                let along = rotations(1 - axis, axis);
+                std::iter::once((DEFLECTION, 0)).chain(along).for_each(|place| hold(place, axis, false, 0.0));
+            }
+        }
     }
     values.into_iter().enumerate().filter_map(|(unknown, value)| Some((unknown, value?))).collect()
 }

@@ -16,8 +16,9 @@ impl Points {
         let Section { young, poisson, .. } = self.section;
         let (plane, shear) = (young / (1.0 - poisson * poisson), 0.5 * young / (1.0 + poisson));
         let values = |axis: usize, derivatives: [usize; 2]| {
-            let (factor, part) = self.turned(axis, derivatives, height);
-            factor * self.on_lines(part, lines, basis)
+            let parts = self.turned(axis, derivatives, height).into_iter();
+            let values = parts.map(|(factor, part)| factor * self.on_lines(part, lines, basis));
+            values.reduce(|sum, part| sum + part).expect("a displacement along each axis")
         };
         let stretches = [values(0, [1, 0]), values(1, [0, 1])];
         let turn = values(0, [0, 1]) + values(1, [1, 0]);

@@ -95,6 +95,13 @@ impl PlateGeometry {
         lines[1..].iter().rev().map(|x| -x).chain(lines.iter().copied()).collect()
     }
 
+    /// Coordinates across the plate of heights along the deflection, ascending, m.
+    pub fn across_plate(&self, heights: &[f64]) -> Vec<f64> {
+        let mut places: Vec<f64> = heights.iter().map(|height| self.sign * height).collect();
+        places.sort_by(f64::total_cmp);
+        places
+    }
+
     /// A vector's component along the deflection.
     pub fn across(&self, vector: Vec3) -> f64 {
         self.sign * vector[self.normal]

@@ -1,24 +1,42 @@
 //! Where a plate is hit.
 
 use super::{Local, Points};
+use crate::form::Spread;
 use crate::form::plate::{deflection, rotation};
+use crate::form::tensor::Part;
 
-/// a of all classes: a point for Kirchhoff's theory, a disc for Mindlin's.
+/// a of all classes: a point for Kirchhoff's theory, a disc for the others, where moments are read beside the deflection.
 pub(super) fn localization(points: &Points) -> Vec<f64> {
-    let Points { geometry, section, local, .. } = points;
+    let Points { geometry, section, local, laminate, .. } = points;
+    match (laminate, local) {
+        (Some(laminate), _) => {
+            let mut parts = laminate.moments();
+            parts.push((1.0, deflection([0, 0])));
+            on_disc(points, (&laminate.spread, laminate.radius), &parts)
+        }
+        (None, Some(Local { spread, radius, reading, .. })) => {
+            let of_stretch = reading * section.thickness.powi(2);
+            let stretch = [rotation(0, [1, 0]), rotation(1, [0, 1])].map(|part| (of_stretch, part));
+            on_disc(points, (spread, *radius), &[(1.0, deflection([0, 0])), stretch[0], stretch[1]])
+        }
+        (None, None) => {
+            let mut a = vec![0.0; points.all_unknowns()];
+            points.add_point(deflection([0, 0]), geometry.hit, 1.0, &mut a);
+            a
+        }
+    }
+}
+
+/// A pressure on a disc of a radius (m), for parts with their factors.
+fn on_disc(points: &Points, (spread, radius): (&Spread, f64), parts: &[(f64, Part<2>)]) -> Vec<f64> {
+    let geometry = &points.geometry;
     let mut a = vec![0.0; points.all_unknowns()];
-    let Some(Local { spread, radius, reading, .. }) = local else {
-        points.add_point(deflection([0, 0]), geometry.hit, 1.0, &mut a);
-        return a;
-    };
     // What a quarter has of the disc, as often as there are quarters; else all of it.
     let copies = if geometry.is_quarter { geometry.copies() } else { 1.0 };
-    let of_stretch = reading * section.thickness.powi(2);
-    let parts = [(deflection([0, 0]), 1.0), (rotation(0, [1, 0]), of_stretch), (rotation(1, [0, 1]), of_stretch)];
     let lines = points.lines_of_whole();
-    for (x, line) in spread.strips(geometry.hit, *radius, [0, 1].map(|i| &lines[geometry.axes[i]][..])) {
-        for (part, factor) in parts {
-            points.add_line((part, copies * factor), x, &line, &mut a);
+    for (x, line) in spread.strips(geometry.hit, radius, [0, 1].map(|i| &lines[geometry.axes[i]][..])) {
+        for (factor, part) in parts {
+            points.add_line((*part, copies * factor), x, &line, &mut a);
         }
     }
     a

@@ -1,4 +1,5 @@
-//! A box hit on a face, as a thin plate: small linear systems of Kirchhoff's or of Reissner's and Mindlin's theory.
+//! A box hit on a face, as a thin plate: small linear systems of Kirchhoff's theory, of Reissner's and Mindlin's, or of the latter for
+//! each of its layers.
 
 mod boundary;
 mod cells;
@@ -6,6 +7,7 @@ mod clamps;
 mod edges;
 mod face;
 mod geometry;
+mod laminate;
 pub mod layer;
 mod location;
 mod points;
@@ -14,6 +16,7 @@ mod waves;
 
 pub use cells::crossing;
 pub(super) use cells::{contact_time, wavelength};
+pub use laminate::{Laminate, OF_CONTACT};
 pub use points::Points;
 pub use theory::PlateTheory;
 
@@ -31,6 +34,7 @@ use crate::description::Description;
 use crate::error::Result;
 use crate::form::Spread;
 use crate::form::plate::{DEFLECTION, Section};
+use crate::material::Maxwell;
 use crate::scene::{Fault, Scene};
 
 /// Choices that a scene does not make.
@@ -42,6 +46,9 @@ pub struct Settings {
     pub shear_factor: Option<f64>,
     /// Radius of Mindlin's disc over the thickness, where it has room.
     pub disc: f64,
+    /// Whether the layers of the layerwise theory that bend do not shear, and have no local field under the impactor: as Kirchhoff's
+    /// theory has one layer.
+    pub is_thin: bool,
 }
 
 /// κ = 5/(6 − ν), which gives the speed of long waves to one order more than Reissner's static 5/6 (Stephen, Mindlin plate theory: best
@@ -63,7 +70,7 @@ impl Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { cell_size_factor: 1.0, shear_factor: None, disc: 2.0 }
+        Self { cell_size_factor: 1.0, shear_factor: None, disc: 2.0, is_thin: false }
     }
 }
 
@@ -73,7 +80,7 @@ const LEAST_DISC: f64 = 0.5;
 /// A plate's system, and how it was made.
 ///
 /// The unknowns are coefficients of splines: of w along the impactor's direction (m), then of Mindlin's rotations θ along the two
-/// axes of the plane, ascending (rad). At its ends Kirchhoff's w has slopes among its coefficients. The compliance is −c_M times the
+/// axes of the plane, ascending (rad), of several layers one after the other. At its ends Kirchhoff's w has slopes among its coefficients. The compliance is −c_M times the
 /// copies, or 0 for Kirchhoff's theory.
 #[derive(Debug, Clone)]
 pub struct Plate {
@@ -83,6 +90,8 @@ pub struct Plate {
     pub cells: [usize; 2],
     /// How Mindlin's plate is hit.
     pub local: Option<Local>,
+    /// The layers of a plate that has several, and how it is hit.
+    pub laminate: Option<Laminate>,
     /// What its points do.
     pub points: Points,
 }
@@ -107,14 +116,40 @@ pub struct Local {
 /// # Errors
 /// That clause.
 pub fn admits(scene: &Scene, theory: PlateTheory) -> std::result::Result<(), String> {
-    geometry(scene, theory).map(|_| ())
+    let geometry = geometry(scene, theory)?;
+    if theory == PlateTheory::Layerwise {
+        Laminate::new(scene, &geometry, &Description::new(scene).parts, &Settings::default())?;
+    }
+    Ok(())
+}
+
+/// By what part the layerwise theory's static response is off at the length of the contact's waves ([`Laminate::mismatch`]).
+///
+/// # Errors
+/// A fault of `body.model` where the theory does not stand for the scene.
+pub fn mismatch(scene: &Scene) -> Result<f64> {
+    let theory = PlateTheory::Layerwise;
+    let laminate = geometry(scene, theory)
+        .and_then(|plate| Laminate::new(scene, &plate, &Description::new(scene).parts, &Settings::default()));
+    Ok(laminate.map_err(|reason| fault(theory, &reason))?.mismatch(scene))
+}
+
+/// That a theory does not stand for a scene.
+fn fault(theory: PlateTheory, reason: &str) -> Fault {
+    let message = format!("{} cannot model this scene: {reason}", theory.plate());
+    Fault::new("body.model", message, "model = \"solid\"")
 }
 
 fn geometry(scene: &Scene, theory: PlateTheory) -> std::result::Result<PlateGeometry, String> {
     let geometry = PlateGeometry::new(scene)?;
     boundary::check(scene, &geometry, theory)?;
-    let least = LEAST_DISC * geometry.thickness;
-    if theory == PlateTheory::Mindlin && least > geometry.room() * (1.0 + 1e-9) {
+    let layer = if theory == PlateTheory::Layerwise {
+        laminate::struck_thickness(scene, geometry.thickness)
+    } else {
+        geometry.thickness
+    };
+    let least = LEAST_DISC * layer;
+    if theory.shears() && least > geometry.room() * (1.0 + 1e-9) {
         return Err(format!(
             "the hit is {:.3e} m from an edge, and the disc that it spreads over has a radius of at least {least:.3e} m",
             geometry.room()
@@ -129,27 +164,41 @@ impl Plate {
     /// # Errors
     /// A fault of `body.model` where the theory does not stand for the scene, or where the plate would take very many cells.
     pub fn new(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<Self> {
-        let fault = |reason: String| {
-            let message = format!("{}'s plate cannot model this scene: {reason}", theory.name());
-            Fault::new("body.model", message, "model = \"solid\"")
-        };
+        let fault = |reason: String| fault(theory, &reason);
         let geometry = geometry(scene, theory).map_err(fault)?;
         let description = Description::new(scene);
-        let section = Section::new(geometry.thickness, &scene.body.struck());
+        let parts = &description.parts;
+        let laminate = (theory == PlateTheory::Layerwise)
+            .then(|| Laminate::new(scene, &geometry, parts, settings))
+            .transpose()
+            .map_err(fault)?;
+        let section = match &laminate {
+            None => Section::new(geometry.thickness, &scene.body.struck()),
+            Some(laminate) => laminate.section(scene),
+        };
         let local = (theory == PlateTheory::Mindlin).then(|| Local::new(&section, settings, geometry.room()));
-        let disc = local.map(|local| local.radius);
+        let disc = laminate.as_ref().map(|laminate| laminate.radius).or(local.map(|local| local.radius));
         let in_plane = cells::lines(&geometry, &section, &scene.impactor, disc, settings.cell_size_factor)
             .map_err(|cells| fault(format!("it would take {cells:.0} cells along an edge")))?;
         let cells = in_plane.each_ref().map(|lines| lines.len() - 1);
-        let tensor = theory.tensor(&in_plane);
+        let tensor = theory.tensor(&in_plane, laminate.as_ref().map_or(1, |laminate| laminate.profile.len()));
         let half = 0.5 * geometry.thickness;
         let mut lines: [Vec<f64>; 3] = std::array::from_fn(|_| vec![-half, half]);
+        if let Some(laminate) = &laminate {
+            lines[geometry.normal] = geometry.across_plate(&laminate.profile.heights);
+        }
         geometry.axes.into_iter().zip(in_plane).for_each(|(axis, of_axis)| lines[axis] = of_axis);
-        let points = Points { geometry, section, lines, tensor, theory, local };
+        let points = Points { geometry, section, lines, tensor, theory, local, laminate };
         let mirrors = points.geometry.mirrors();
         let terms = SurfaceTerms::new(&GridSpace { field: &points, mirrors: &mirrors }, &description)?;
         let (copies, classes) = (points.geometry.copies(), points.geometry.classes.len());
-        let mut elastic = theory.elastic(&section, local.map_or(0.0, |local| local.shear_factor));
+        let (mut elastic, mass) = match &points.laminate {
+            None => {
+                let shear_factor = local.map_or(0.0, |local| local.shear_factor);
+                (theory.elastic(&section, shear_factor), theory.mass(&section))
+            }
+            Some(laminate) => (laminate.elastic(), laminate.inertia()),
+        };
         if let Some(local) = &local {
             elastic.extend(edges::forms(&points, local.shear_factor, &description.clamps));
         }
@@ -159,10 +208,19 @@ impl Plate {
             vector
         };
         let of_classes = |matrix: &CsrMatrix<f64>| repeated(matrix, classes);
+        let relaxation = |(laminate, (chain, relaxing)): (&Laminate, (&Maxwell, Vec<usize>))| {
+            let distortion = points.tensor.matrix(&laminate.distortion(&points.geometry, &relaxing));
+            (of_classes(&distortion), chain.clone())
+        };
+        let relaxations = description.relaxations().into_iter();
+        let relaxations =
+            points.laminate.iter().flat_map(|laminate| relaxations.clone().map(move |one| (laminate, one)));
+        let compliance = points.laminate.as_ref().map(|laminate| laminate.compliance);
+        let compliance = compliance.or(local.map(|local| local.compliance)).unwrap_or_default();
         let system = System {
-            mass: of_classes(&points.tensor.matrix(&theory.mass(&section))),
+            mass: of_classes(&points.tensor.matrix(&mass)),
             elastic: of_classes(&points.tensor.matrix(&elastic)),
-            relaxations: Vec::new(),
+            relaxations: relaxations.map(relaxation).collect(),
             support: terms.support.as_ref().map(of_classes),
             damping: terms.damping.as_ref().map(of_classes),
             pads: terms.pads,
@@ -171,16 +229,17 @@ impl Plate {
             support_load: even(terms.support_load),
             support_offset: terms.support_offset,
             localization: location::localization(&points),
-            compliance: local.map_or(0.0, |local| -local.compliance * copies),
+            compliance: if compliance == 0.0 { 0.0 } else { -compliance * copies },
             patch: None,
             hit_stress: Vec::new(),
             hit_local: [0.0; 3],
-            infinite_plate: Some(waves::infinite_plate(&points, copies)),
+            // Waves of layers that slide are slower than those which the infinite plate's coordinates stand for.
+            infinite_plate: points.laminate.is_none().then(|| waves::infinite_plate(&points, copies)),
             translation: even(points.tensor.one(DEFLECTION)),
             copies,
             classes,
         };
-        Ok(Self { system, cells, local, points })
+        Ok(Self { system, cells, local, laminate: points.laminate.clone(), points })
     }
 }
 
@@ -200,6 +259,60 @@ impl Local {
 mod tests {
     use super::*;
     use crate::form::plate::rotation;
+
+    /// The same springs against a rotation of all layers, which is their sum; the mass, and the instantaneous stiffness of layers that relax.
+    #[test]
+    fn layers_have_the_sums_of_their_parts() {
+        let scene = |interlayer: &str, layers: [f64; 3]| {
+            let layer = |(thickness, material): (f64, &str)| {
+                format!("[[body.layer]]\nthickness = {thickness}\nmaterial = \"{material}\"\n")
+            };
+            let layers: String = layers.into_iter().zip(["glass", "soft", "glass"]).map(layer).collect();
+            let text = format!(
+                "[body]\nsize = [0.6, 0.4]\nsymmetry = \"none\"\n{layers}\
+                 [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n[material.soft]\ndensity = 1100.0\nbulk = 2e9\n{interlayer}\n\
+                 [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e10\nspeed = 1.0\n[time]\nend = 1e-3\n\
+                 [[support]]\nsurface = \"x-min\"\nkind = \"elastic\"\nstiffness = [2e9, 3e9, 0]\n"
+            );
+            Scene::parse("test", &text, &[]).expect("a scene").0
+        };
+        let settings = Settings { cell_size_factor: 2.4, ..Settings::default() };
+        let plate = |scene: &Scene| Plate::new(scene, PlateTheory::Layerwise, &settings).expect("a plate");
+        let energy = |matrix: &CsrMatrix<f64>, u: &[f64]| -> f64 {
+            matrix.triplet_iter().map(|(i, j, value)| u[i] * value * u[j]).sum()
+        };
+        for layers in [[0.013, 0.004, 0.013], [0.018, 0.004, 0.008]] {
+            let chain = "shear = 1e6\nprony = [{ modulus = 4e7, time = 1e-4 }, { modulus = 6e7, time = 2e-4 }]";
+            let relaxing = plate(&scene(chain, layers));
+            let [(distortion, chain)] = &relaxing.system.relaxations[..] else { panic!("one relaxation") };
+            let [stiff, soft] = [chain.instantaneous(), chain.equilibrium]
+                .map(|shear| plate(&scene(&format!("shear = {shear:e}"), layers)).system.elastic);
+            let profile = &relaxing.laminate.as_ref().expect("layers").profile;
+            let tensor = &relaxing.points.tensor;
+            for axis in 0..2 {
+                let mut turned = vec![0.0; tensor.unknowns()];
+                for layer in 0..3 {
+                    let field = crate::form::layerwise::rotation(profile.group_of(layer), axis, [0, 0]).field;
+                    turned.iter_mut().zip(tensor.one(field)).for_each(|(u, one)| *u = f64::max(*u, one));
+                }
+                let k = [2e9, 3e9][axis];
+                let sum = energy(relaxing.system.support.as_ref().expect("springs"), &turned);
+                let exact = k * 0.03_f64.powi(3) / 12.0 * 0.4;
+                // Rounding of some hundred points.
+                assert!((sum / exact - 1.0).abs() < 1e-12, "{layers:?} {axis}: {sum} {exact}");
+            }
+            let translation = &relaxing.system.translation;
+            let mass = energy(&relaxing.system.mass, translation);
+            let exact = 0.6 * 0.4 * (2500.0 * 0.026 + 1100.0 * 0.004);
+            assert!((mass / exact - 1.0).abs() < 1e-12 && energy(distortion, translation).abs() < 1e-12);
+            // The constants of a chain and those of an elastic material come by other roundings, 1/(1 − 2ν) of them.
+            let u: Vec<f64> = (0..translation.len()).map(|i| ((i * 7919) % 101) as f64 / 50.0 - 1.0).collect();
+            let relaxed = energy(&relaxing.system.elastic, &u);
+            assert!((relaxed / energy(&soft, &u) - 1.0).abs() < 1e-9);
+            let whole = relaxed + (chain.instantaneous() - chain.equilibrium) * energy(distortion, &u);
+            assert!((whole / energy(&stiff, &u) - 1.0).abs() < 1e-9, "{whole} {}", energy(&stiff, &u));
+        }
+    }
 
     /// Springs along the sides against a rotation of all of Mindlin's plate along one axis: k h³/12 a unit of length.
     #[test]

@@ -1,17 +1,18 @@
 //! A plate's displacement and stress at its points.
 //!
-//! A point at the height ζ along w moves by ζ θ in the plane, Kirchhoff's θ being −∇w. Stresses are plane, those of bending: across the
-//! plate there is none but Mindlin's shear, on the parabola that is zero on both faces.
+//! A point at the height ζ along w moves by ζ θ in the plane, Kirchhoff's θ being −∇w; of several layers as of their
+//! [`crate::form::layerwise`]. Stresses are plane, those of bending: across the plate there is none but shear, which of one layer is on the
+//! parabola that is zero on both faces, of several in each layer as long waves have it.
 
 use super::geometry::PlateGeometry;
-use super::{Local, PlateTheory};
+use super::{Laminate, Local, PlateTheory};
 use crate::description::Part as BodyPart;
-use crate::form::Parity;
 use crate::form::plate::{AREA, Section, deflection, rotation};
 use crate::form::stress::place;
 use crate::form::tensor::{Linear, Part, Tensor};
+use crate::form::{Material, Parity, layerwise};
 use crate::scene::Vec3;
-use crate::space::evaluate::{Add, Form, Forms, Hit, PointEvaluator, add, divided, summed};
+use crate::space::evaluate::{Add, Form, Forms, Hit, HitBody, PointEvaluator, add, divided, summed};
 use crate::space::grid::GridField;
 use crate::stack::{Pressure, Sections};
 
@@ -31,6 +32,19 @@ pub struct Points {
     pub(super) tensor: Tensor<2>,
     pub(super) theory: PlateTheory,
     pub(super) local: Option<Local>,
+    pub(super) laminate: Option<Laminate>,
+}
+
+/// The material at a height.
+struct Law {
+    /// E/(1 − ν²), Pa.
+    plane: f64,
+    poisson: f64,
+    /// μ, Pa.
+    shear: f64,
+    /// Shear stress along the normal over the shear strain of the theory, Pa, and the number of that strain's rotation; `None` for
+    /// Kirchhoff's theory.
+    across: Option<(f64, usize)>,
 }
 
 impl Points {
@@ -39,14 +53,40 @@ impl Points {
         self.geometry.axes.map(|axis| &self.lines[axis][..])
     }
 
-    /// ζ times the rotation along an axis of the plane, differentiated.
-    pub(super) fn turned(&self, axis: usize, derivatives: [usize; 2], height: f64) -> (f64, Part<2>) {
-        match self.theory {
-            PlateTheory::Mindlin => (height, rotation(axis, derivatives)),
-            PlateTheory::Kirchhoff => {
+    /// The displacement along an axis of the plane, differentiated: ζ times the rotation, or the sum over several.
+    pub(super) fn turned(&self, axis: usize, derivatives: [usize; 2], height: f64) -> Vec<(f64, Part<2>)> {
+        match (self.theory, &self.laminate) {
+            (_, Some(Laminate { profile, .. })) => {
+                let of = |k: usize| (profile.at(k, height), layerwise::rotation(k, axis, derivatives));
+                (0..profile.len()).map(of).filter(|(factor, _)| *factor != 0.0).collect()
+            }
+            (PlateTheory::Mindlin | PlateTheory::Layerwise, None) => vec![(height, rotation(axis, derivatives))],
+            (PlateTheory::Kirchhoff, None) => {
                 let mut all = derivatives;
                 all[axis] += 1;
-                (-height, deflection(all))
+                vec![(-height, deflection(all))]
+            }
+        }
+    }
+
+    /// The material at a height; an interface is that of the layer which is nearer to the hit.
+    fn law(&self, height: f64) -> Law {
+        let plane = |Material { young, poisson, .. }: Material| young / (1.0 - poisson * poisson);
+        let shear = |Material { young, poisson, .. }: Material| 0.5 * young / (1.0 + poisson);
+        match &self.laminate {
+            None => {
+                let Section { thickness, .. } = self.section;
+                let material = self.section.material();
+                let over_mean = 1.5 * (1.0 - (2.0 * height / thickness).powi(2));
+                let across = self.local.as_ref().map(|local| (over_mean * local.shear_factor * shear(material), 0));
+                Law { plane: plane(material), poisson: material.poisson, shear: shear(material), across }
+            }
+            Some(laminate) => {
+                let layer = laminate.profile.layer_at(height);
+                let (material, shear_factor) = laminate.law(layer);
+                let over_mean = laminate.shear_over_mean(height);
+                let across = Some((over_mean * shear_factor * shear(material), laminate.profile.group_of(layer)));
+                Law { plane: plane(material), poisson: material.poisson, shear: shear(material), across }
             }
         }
     }
@@ -72,7 +112,7 @@ impl Points {
         let image = [0, 1].map(|i| if is_beyond[i] { -point[i] } else { point[i] });
         // A rotation is a slope: odd where the deflection is even.
         let is_turned =
-            [0, 1].map(|i| (part.derivatives[i] + usize::from(part.field == rotation(i, [0, 0]).field)) % 2 == 1);
+            [0, 1].map(|i| (part.derivatives[i] + usize::from(layerwise::is_rotation(part.field, i))) % 2 == 1);
         self.geometry.classes.iter().enumerate().map(move |(number, class)| {
             let flips = |i: &usize| is_beyond[*i] && (class[*i] == Parity::Odd) != is_turned[*i];
             let sign = if [0, 1].iter().filter(|i| flips(i)).count() == 1 { -1.0 } else { 1.0 };
@@ -116,8 +156,8 @@ impl Points {
         let mut displacement: [Form; 3] = Default::default();
         displacement[normal] = read(deflection([0, 0]), point, sign);
         for (i, axis) in axes.into_iter().enumerate() {
-            let (factor, part) = self.turned(i, [0, 0], height);
-            displacement[axis] = read(part, point, factor);
+            let parts = self.turned(i, [0, 0], height).into_iter();
+            displacement[axis] = parts.flat_map(|(factor, part)| read(part, point, factor)).collect();
         }
         displacement
     }
@@ -168,9 +208,12 @@ impl GridField for Points {
     }
 
     fn body_force(&self, parts: &[BodyPart]) -> Vec<f64> {
-        // A plate theory has one material, and so the same force everywhere.
-        let force = parts.first().map_or([0.0; 3], |part| part.force);
-        let factor = self.geometry.across(force) * self.section.thickness;
+        let force = match &self.laminate {
+            // Of one material there is the same force everywhere.
+            None => parts.first().map_or([0.0; 3], |part| part.force).map(|force| force * self.section.thickness),
+            Some(laminate) => [0, 1, 2].map(|axis| laminate.force(axis)),
+        };
+        let factor = self.geometry.across(force);
         self.tensor.vector(&[Linear { factor, part: deflection([0, 0]), place: AREA }])
     }
 }
@@ -181,21 +224,19 @@ impl PointEvaluator for Points {
         let (point, height) = self.seen(x);
         let form = |(factor, part): (f64, Part<2>)| self.form(part, point, factor);
         let mut stress: [Form; 6] = Default::default();
-        let Section { young, poisson, thickness, .. } = self.section;
-        let (plane, shear) = (young / (1.0 - poisson * poisson), 0.5 * young / (1.0 + poisson));
+        let Law { plane, poisson, shear, across } = self.law(height);
         for (i, axis) in axes.into_iter().enumerate() {
             let mut along = [0, 0];
             along[i] = 1;
-            let stretch = form(self.turned(i, along, height));
+            let sum = |parts: Vec<(f64, Part<2>)>| -> Form { parts.into_iter().flat_map(&form).collect() };
+            let stretch = sum(self.turned(i, along, height));
             add(&mut stress[axis], plane, &stretch);
             add(&mut stress[axes[1 - i]], plane * poisson, &stretch);
-            add(&mut stress[place(axes[0], axes[1])], shear, &form(self.turned(i, [along[1], along[0]], height)));
-            if let Some(local) = &self.local {
-                let over_mean = 1.5 * (1.0 - (2.0 * height / thickness).powi(2));
-                let factor = sign * over_mean * local.shear_factor * shear;
+            add(&mut stress[place(axes[0], axes[1])], shear, &sum(self.turned(i, [along[1], along[0]], height)));
+            if let Some((across, turned)) = across {
                 let to = &mut stress[place(axis, normal)];
-                add(to, factor, &form((1.0, deflection(along))));
-                add(to, factor, &form((1.0, rotation(i, [0, 0]))));
+                add(to, sign * across, &form((1.0, deflection(along))));
+                add(to, sign * across, &form((1.0, layerwise::rotation(turned, i, [0, 0]))));
             }
         }
         let displacement = self.displacement_by(x, |part, point, factor| self.form(part, point, factor));
@@ -206,16 +247,17 @@ impl PointEvaluator for Points {
         let PlateGeometry { axes, normal, hit, .. } = self.geometry;
         let mut point = [0.0; 3];
         (point[axes[0]], point[axes[1]]) = (hit[0], hit[1]);
-        let (pressure, reading) = match self.local {
-            None => (Pressure::Point, 0.0),
-            Some(Local { spread, radius, reading, .. }) => (Pressure::Spread { spread, radius }, reading),
+        let (pressure, reading) = match (&self.laminate, self.local) {
+            (Some(Laminate { spread, radius, .. }), _) => (Pressure::Spread { spread: *spread, radius: *radius }, 0.0),
+            (None, None) => (Pressure::Point, 0.0),
+            (None, Some(Local { spread, radius, reading, .. })) => (Pressure::Spread { spread, radius }, reading),
         };
         let reading = reading * self.section.thickness.powi(2);
-        Some(Hit {
-            pressure,
-            body: Sections::Plate { reading },
-            cell: Hit::cell(&self.lines_of_whole(), normal, point),
-        })
+        let carrier = match &self.laminate {
+            Some(laminate) => HitBody::Layerwise(laminate.theory.clone()),
+            None => HitBody::OneLayer(Sections::Plate { reading }),
+        };
+        Some(Hit { pressure, body: carrier, cell: Hit::cell(&self.lines_of_whole(), normal, point) })
     }
 
     fn face_lines(&self) -> [Vec<f64>; 3] {
@@ -223,7 +265,7 @@ impl PointEvaluator for Points {
     }
 
     fn bends_alone(&self) -> bool {
-        true
+        self.laminate.as_ref().is_none_or(|laminate| laminate.profile.is_mirrored())
     }
 
     fn unknowns(&self) -> usize {
@@ -234,17 +276,17 @@ impl PointEvaluator for Points {
         self.add_normal_section_stress(x, add);
         let PlateGeometry { axes, normal, sign, .. } = self.geometry;
         let (_, height) = self.seen(x);
-        let Section { young, poisson, thickness, .. } = self.section;
-        let shear = 0.5 * young / (1.0 + poisson);
+        let Law { shear, across, .. } = self.law(height);
         for (i, axis) in axes.into_iter().enumerate() {
-            let (mut along, mut across) = ([0, 0], [0, 0]);
-            (along[i], across[1 - i]) = (1, 1);
-            self.put(x, &[(place(axes[0], axes[1]), shear)], self.turned(i, across, height), add);
-            let over_mean = 1.5 * (1.0 - (2.0 * height / thickness).powi(2));
-            if let Some(local) = self.local.as_ref().filter(|_| over_mean > 1e-12) {
-                let to = [(place(axis, normal), sign * over_mean * local.shear_factor * shear)];
+            let (mut along, mut turn) = ([0, 0], [0, 0]);
+            (along[i], turn[1 - i]) = (1, 1);
+            for part in self.turned(i, turn, height) {
+                self.put(x, &[(place(axes[0], axes[1]), shear)], part, add);
+            }
+            if let Some((across, turned)) = across.filter(|(across, _)| *across > 1e-12 * shear) {
+                let to = [(place(axis, normal), sign * across)];
                 self.put(x, &to, (1.0, deflection(along)), add);
-                self.put(x, &to, (1.0, rotation(i, [0, 0])), add);
+                self.put(x, &to, (1.0, layerwise::rotation(turned, i, [0, 0])), add);
             }
         }
     }
@@ -252,12 +294,13 @@ impl PointEvaluator for Points {
     fn add_normal_section_stress(&self, x: Vec3, add: &mut Add) {
         let axes = self.geometry.axes;
         let (_, height) = self.seen(x);
-        let Section { young, poisson, .. } = self.section;
-        let plane = young / (1.0 - poisson * poisson);
+        let Law { plane, poisson, .. } = self.law(height);
         for (i, axis) in axes.into_iter().enumerate() {
             let mut along = [0, 0];
             along[i] = 1;
-            self.put(x, &[(axis, plane), (axes[1 - i], plane * poisson)], self.turned(i, along, height), add);
+            for part in self.turned(i, along, height) {
+                self.put(x, &[(axis, plane), (axes[1 - i], plane * poisson)], part, add);
+            }
         }
     }
 
@@ -268,13 +311,17 @@ impl PointEvaluator for Points {
     }
 
     fn face_stress_on_lines(&self, lines: [&[f64]; 2], height: f64, basis: &[Vec<f64>]) -> Option<Vec<f64>> {
-        Some(self.stress_on_lines(lines, height, basis))
+        // Layers have more faces than the two.
+        self.laminate.is_none().then(|| self.stress_on_lines(lines, height, basis))
     }
 
     fn field_lines(&self) -> [Vec<f64>; 3] {
         let half = 0.5 * self.section.thickness;
         let mut lines = self.lines_of_whole().map(|lines| divided(&lines, PIECES));
-        lines[self.geometry.normal] = vec![-half, 0.0, half];
+        lines[self.geometry.normal] = match &self.laminate {
+            None => vec![-half, 0.0, half],
+            Some(laminate) => self.geometry.across_plate(&laminate.profile.heights),
+        };
         lines
     }
 }

@@ -1,4 +1,4 @@
-//! The two theories: their fields, and which coefficients are rotations at an edge.
+//! The theories: their fields, and which coefficients are rotations at an edge.
 
 use crate::form::Spline;
 use crate::form::plate::{
@@ -13,6 +13,8 @@ pub enum PlateTheory {
     Kirchhoff,
     /// Shear and rotary inertia; hit on a disc.
     Mindlin,
+    /// The same in each layer of its own ([`crate::form::layerwise`]).
+    Layerwise,
 }
 
 /// Degree of the deflection, with as many continuous derivatives but one. Of 3 to 5, C¹ cubics (bicubic Hermite elements) among
@@ -21,52 +23,60 @@ pub enum PlateTheory {
 pub(super) const DEGREE: usize = 5;
 
 impl PlateTheory {
-    /// The name behind it.
-    pub fn name(self) -> &'static str {
+    /// What its plate is called.
+    pub fn plate(self) -> &'static str {
         match self {
-            Self::Kirchhoff => "Kirchhoff",
-            Self::Mindlin => "Mindlin",
+            Self::Kirchhoff => "Kirchhoff's plate",
+            Self::Mindlin => "Mindlin's plate",
+            Self::Layerwise => "a layerwise plate",
         }
     }
 
-    /// The theory's fields between the lines of a grid.
+    /// Whether sections shear: then the plate is hit on a disc.
+    pub(super) fn shears(self) -> bool {
+        self != Self::Kirchhoff
+    }
+
+    /// The theory's fields between the lines of a grid, with so many rotations along each axis where it has several layers.
     ///
     /// Mindlin's w lies in splines of degree p, each rotation in those of one degree and one continuous derivative less along its
     /// own axis: then ∇w is among the rotations and nothing locks (Beirão da Veiga, Buffa, Lovadina, Martinelli & Sangalli, An
     /// isogeometric method for the Reissner–Mindlin plate bending problem, Comput. Methods Appl. Mech. Eng. 209–212, 2012).
-    pub(super) fn tensor(self, lines: &[Vec<f64>; 2]) -> Tensor<2> {
+    pub(super) fn tensor(self, lines: &[Vec<f64>; 2], rotations: usize) -> Tensor<2> {
         let splines = |degree: usize| lines.each_ref().map(|lines| Spline::new(lines, degree, degree - 1));
         Tensor::new(match self {
             Self::Kirchhoff => vec![lines.each_ref().map(|lines| Spline::with_slopes(lines, DEGREE, DEGREE - 1))],
-            Self::Mindlin => {
+            Self::Mindlin | Self::Layerwise => {
                 let ([x, y], [less_x, less_y]) = (splines(DEGREE), splines(DEGREE - 1));
-                vec![[x.clone(), y.clone()], [less_x, y], [x, less_y]]
+                let of_rotation = [[less_x, y.clone()], [x.clone(), less_y]];
+                let all = (0..rotations).flat_map(|_| of_rotation.iter().cloned());
+                std::iter::once([x, y]).chain(all).collect()
             }
         })
     }
 
-    /// Twice the elastic energy; κ is Mindlin's.
+    /// Twice the elastic energy of one layer; κ is Mindlin's.
     pub(super) fn elastic(self, section: &Section, shear_factor: f64) -> Vec<Square<2>> {
         match self {
             Self::Kirchhoff => kirchhoff_elastic(section),
-            Self::Mindlin => mindlin_elastic(section, shear_factor),
+            Self::Mindlin | Self::Layerwise => mindlin_elastic(section, shear_factor),
         }
     }
 
-    /// Twice the kinetic energy.
+    /// Twice the kinetic energy of one layer.
     pub(super) fn mass(self, section: &Section) -> Vec<Square<2>> {
         match self {
             Self::Kirchhoff => kirchhoff_mass(section),
-            Self::Mindlin => mindlin_mass(section),
+            Self::Mindlin | Self::Layerwise => mindlin_mass(section),
         }
     }
 
-    /// Where the rotation along an axis is a coefficient at an end of an axis: the field, and how many functions from the end.
-    /// `None` where it follows from the deflection's.
+    /// Where the rotation along an axis, the first of several, is a coefficient at an end of an axis: the field, and how many functions
+    /// from the end. `None` where it follows from the deflection's.
     pub(super) fn rotation_at_end(self, axis: usize, of_end: usize) -> Option<(usize, usize)> {
         match self {
             Self::Kirchhoff => (axis == of_end).then_some((DEFLECTION, 1)),
-            Self::Mindlin => Some((rotation(axis, [0, 0]).field, 0)),
+            Self::Mindlin | Self::Layerwise => Some((rotation(axis, [0, 0]).field, 0)),
         }
     }
 }
@@ -98,7 +108,7 @@ mod tests {
 
     /// The squares of the lowest circular frequencies, ascending; held are w and the slope along the edge, on all of them.
     fn frequencies(theory: PlateTheory, cells: usize, modes: usize) -> Vec<f64> {
-        let tensor = theory.tensor(&EDGES.map(|edge| uniform(edge, cells)));
+        let tensor = theory.tensor(&EDGES.map(|edge| uniform(edge, cells)), 1);
         let n = tensor.unknowns();
         let mut held = vec![false; n];
         for axis in 0..2 {
@@ -149,7 +159,7 @@ mod tests {
         let (width, kappa) = (1.0, 5.0 / (6.0 - poisson));
         // Cells of one size for all lengths: their error at the ends is the same.
         let lines = [uniform(length, (4.0 * length).round() as usize), uniform(width, 10)];
-        let tensor = PlateTheory::Mindlin.tensor(&lines);
+        let tensor = PlateTheory::Mindlin.tensor(&lines, 1);
         let mut forms = mindlin_elastic(&section, kappa);
         if edge {
             let strip = EDGE_STRIP * section.thickness;

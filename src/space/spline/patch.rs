@@ -32,6 +32,8 @@ pub(super) struct PatchModel {
     pub bends: bool,
     /// Whether stresses near the hit lack the local field of a layer. (Nearer than a thickness to an edge they have none.)
     pub is_layer: bool,
+    /// The same of several layers together.
+    pub is_stack: bool,
 }
 
 impl PatchModel {
@@ -63,7 +65,8 @@ impl PatchModel {
             let message = format!("a patch of radius {radius:.3e} m has no room at {room:.3e} m from an edge");
             return Err(fault(message, far).into());
         }
-        let is_layer = geometry.interfaces.is_empty() && is_layer(geometry, scene);
+        let is_stack = is_layer(geometry, scene);
+        let is_layer = geometry.interfaces.is_empty() && is_stack;
         let is_plate = is_layer && room >= OF_THICKNESS[0] * thickness;
         let bends = is_plate && is_bent(geometry, scene);
         let half_space = unit_compliance(&struck, impactor.direction[geometry.struck]);
@@ -90,7 +93,7 @@ impl PatchModel {
         let patch =
             given.map(|radius| Patch { radius, reason: Reason::Scene, thickness, cell: 0.0, limit_radius: 0.0 });
         let spread = Spread::new((radius / disc).min(1.0));
-        Ok(Self { patch, spread, disc, compliance: compliance(disc), bends, is_layer })
+        Ok(Self { patch, spread, disc, compliance: compliance(disc), bends, is_layer, is_stack })
     }
 
     /// a: the spread pressure on the disc of the struck face, with total 1, times the direction.

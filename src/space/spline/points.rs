@@ -2,14 +2,14 @@
 
 use crate::description::Part as BodyPart;
 use crate::element::gauss_legendre;
-use crate::form::Spread;
 use crate::form::elastic::displacement;
 use crate::form::stress::place;
 use crate::form::tensor::{Linear, Part, Tensor};
+use crate::form::{Material, Spread};
 use crate::scene::Vec3;
-use crate::space::evaluate::{Add, Form, Forms, Hit, PointEvaluator, add, divided, summed};
+use crate::space::evaluate::{Add, Form, Forms, Hit, HitBody, PointEvaluator, add, divided, summed};
 use crate::space::grid::GridField;
-use crate::stack::{Pressure, Sections};
+use crate::stack::{Layer, Pressure, Sections, Stack};
 
 use super::geometry::BoxGeometry;
 use super::patch::PatchModel;
@@ -44,8 +44,10 @@ pub struct Points {
     /// The pressure, and the radius of the disc that it is on, m.
     spread: Spread,
     disc: f64,
-    /// Whether it is a layer about the hit.
+    /// Whether it is a layer, or a stack of layers, about the hit.
     is_layer: bool,
+    /// Several layers, from the hit down.
+    stack: Option<Stack>,
     /// Where it is hit, m, and the axis across that face.
     hit: Vec3,
     struck: usize,
@@ -60,7 +62,12 @@ impl Points {
         parts: &[BodyPart],
         (geometry, patch): (&BoxGeometry, &PatchModel),
     ) -> Self {
+        let stack = match geometry.interfaces.len() {
+            0 => None,
+            _ => stack(parts, geometry),
+        };
         Self {
+            stack,
             tensor,
             lines,
             laws: parts.iter().map(|part| part.material.instantaneous.stress_of_gradient()).collect(),
@@ -69,7 +76,7 @@ impl Points {
             disc: patch.disc,
             hit: geometry.hit,
             struck: geometry.struck,
-            is_layer: patch.is_layer,
+            is_layer: patch.is_layer || (patch.is_stack && !geometry.interfaces.is_empty()),
             bends: patch.bends,
         }
     }
@@ -78,6 +85,19 @@ impl Points {
     fn law(&self, x: Vec3) -> &[[f64; 9]; 6] {
         &self.laws[self.interfaces.partition_point(|height| *height <= x[2])]
     }
+}
+
+/// The layers of a box from the hit down, as they are at t → 0.
+fn stack(parts: &[BodyPart], geometry: &BoxGeometry) -> Option<Stack> {
+    let layer = |(part, ends): (&BodyPart, &[f64])| {
+        let Material { young, poisson, .. } = part.material.instantaneous;
+        Layer { thickness: ends[1] - ends[0], young, poisson }
+    };
+    let mut layers: Vec<Layer> = parts.iter().zip(geometry.interfaces.windows(2)).map(layer).collect();
+    if geometry.hit[geometry.struck] > 0.0 {
+        layers.reverse();
+    }
+    Stack::new(&layers)
 }
 
 impl GridField for Points {
@@ -123,6 +143,10 @@ impl PointEvaluator for Points {
         let body = if self.bends { Sections::BentSolid } else { Sections::Solid };
         let pressure = Pressure::Spread { spread: self.spread, radius: self.disc };
         let cell = Hit::cell(&self.lines, self.struck, self.hit);
+        let body = match &self.stack {
+            Some(stack) => HitBody::Layers(stack.clone()),
+            None => HitBody::OneLayer(body),
+        };
         self.is_layer.then_some(Hit { pressure, body, cell })
     }
 

@@ -48,7 +48,7 @@ fn bodies(session: &Session, surface: &str, within: &str) -> Vec<(String, Body)>
         bodies.push((format!("splines, {symmetry}"), Body::of(&session.alone(), &splines).unwrap()));
         for theory in [PlateTheory::Kirchhoff, PlateTheory::Mindlin] {
             let plate = Plate::new(&scene, theory, &plate::Settings::default()).unwrap().system;
-            bodies.push((format!("{}, {symmetry}", theory.name()), Body::of(&session.alone(), &plate).unwrap()));
+            bodies.push((format!("{}, {symmetry}", theory.plate()), Body::of(&session.alone(), &plate).unwrap()));
         }
         let meshed = format!("symmetry = \"{symmetry}\"\ncells = [14, 10, 2]\norder = 2");
         let scene = self::scene(surface, within, &meshed);

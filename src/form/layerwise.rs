@@ -1,0 +1,270 @@
+//! The layerwise theory of plates as forms on fields: the deflection w, common to all layers, and rotations of the layers.
+//!
+//! Each layer is a plate of Reissner's and Mindlin's theory, bonded to the next. A point at the height ζ along w moves along the plate by
+//! u = Σ φ_k(ζ) θ_k. Each φ_k is continuous, of the slope 1 in the layers of one group and constant in the others, so that θ_k is the
+//! rotation of that group's layers. A stack that is its own mirror image, hit and held normal to it, has u odd in ζ: a layer and its
+//! image are one group, and φ_k is odd. Otherwise each layer is a group, and one more φ is constant: the plate also moves along itself.
+//! One layer has φ = ζ: Mindlin's plate.
+//!
+//! With plane stress in each layer twice the elastic energy is
+//!
+//! ∫ λ* (∇·u)² + 2μ (ε_x² + ε_y²) + μ (2ε_xy)² dV + Σ κ_i μ_i h_i ∫ |∇w + θ_i|² dA,   λ* = 2λμ/(λ + 2μ).
+//!
+//! Integrals across the thickness are exact.
+
+use super::plate::{AREA, DEFLECTION, deflection};
+use super::tensor::{Part, Square};
+use super::{Lame, Material};
+
+/// How displacements along a plate run through its layers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile {
+    /// Where layers end, ascending from −H/2 to H/2 along w, m.
+    pub heights: Vec<f64>,
+    /// Each φ_k at these heights, m.
+    shapes: Vec<Vec<f64>>,
+    /// The layers in which the slope of each φ_k is 1.
+    groups: Vec<Vec<usize>>,
+}
+
+/// What a layer resists with.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LayerModuli {
+    /// λ*, Pa.
+    pub volume: f64,
+    /// μ, Pa.
+    pub shear: f64,
+    /// κμ, Pa.
+    pub across: f64,
+}
+
+impl LayerModuli {
+    /// Of Lamé's constants, with κ.
+    pub fn new(constants: Lame, shear_factor: f64) -> Self {
+        let Lame { lambda, mu } = constants;
+        Self { volume: 2.0 * lambda * mu / (lambda + 2.0 * mu), shear: mu, across: shear_factor * mu }
+    }
+
+    /// Of a unit shear modulus of a material that is elastic in volume and relaxes from one shear modulus to another (Pa), with κ.
+    ///
+    /// λ* = 2G (3K − 2G)/(3K + 4G) is not linear in G. It is taken along its chord, exact at both ends. Between them it is too small by at
+    /// most (G₀ − G∞)²/K, in the middle a part (G₀ − G∞)/2K of the layer's own stiffness along the plate, which of a soft layer is a small
+    /// part of the stack's.
+    pub fn of_distortion(bulk: f64, [relaxed, instantaneous]: [f64; 2], shear_factor: f64) -> Self {
+        let volume = |shear: f64| Self::new(Lame::of_moduli(bulk, shear), 1.0).volume;
+        let chord = (volume(instantaneous) - volume(relaxed)) / (instantaneous - relaxed);
+        Self { volume: chord, shear: 1.0, across: shear_factor }
+    }
+
+    /// Of an elastic material, with κ.
+    pub fn of_material(material: &Material, shear_factor: f64) -> Self {
+        Self::new(material.lame(), shear_factor)
+    }
+}
+
+impl Profile {
+    /// Of layers from the face that is hit, of these thicknesses (m); `is_mirrored` where the stack is its own mirror image.
+    pub fn new(thicknesses: &[f64], is_mirrored: bool) -> Self {
+        let (count, total) = (thicknesses.len(), thicknesses.iter().sum::<f64>());
+        let groups: Vec<Vec<usize>> = if is_mirrored {
+            (0..count.div_ceil(2)).map(|i| if 2 * i + 1 == count { vec![i] } else { vec![i, count - 1 - i] }).collect()
+        } else {
+            (0..count).map(|i| vec![i]).collect()
+        };
+        let of_group = |group: &Vec<usize>| -> Vec<f64> {
+            let ramp = |i: usize| if group.contains(&i) { thicknesses[i] } else { 0.0 };
+            let half = 0.5 * (0..count).map(ramp).sum::<f64>();
+            (0..=count).map(|i| (0..i).map(ramp).sum::<f64>() - half).collect()
+        };
+        let mut shapes: Vec<Vec<f64>> = groups.iter().map(of_group).collect();
+        if !is_mirrored {
+            shapes.push(vec![total; count + 1]);
+        }
+        let mut heights: Vec<f64> = (0..=count).map(|i| thicknesses[..i].iter().sum::<f64>() - 0.5 * total).collect();
+        // The ends without the rounding of a sum.
+        (heights[0], heights[count]) = (-0.5 * total, 0.5 * total);
+        Self { heights, shapes, groups }
+    }
+
+    /// How many φ_k there are, each with a rotation along both axes.
+    pub fn len(&self) -> usize {
+        self.shapes.len()
+    }
+
+    /// Whether there is none: of no layers.
+    pub fn is_empty(&self) -> bool {
+        self.shapes.is_empty()
+    }
+
+    /// Whether it bends alone, all φ_k being odd.
+    pub fn is_mirrored(&self) -> bool {
+        self.shapes.len() == self.groups.len()
+    }
+
+    /// Thickness of a layer, m.
+    fn thickness(&self, layer: usize) -> f64 {
+        self.heights[layer + 1] - self.heights[layer]
+    }
+
+    /// How many layers there are.
+    pub fn layers(&self) -> usize {
+        self.heights.len() - 1
+    }
+
+    /// The layer at a height; an interface is that of the layer which is nearer to the hit.
+    pub fn layer_at(&self, height: f64) -> usize {
+        let inner = &self.heights[1..self.layers()];
+        inner.partition_point(|end| *end < height)
+    }
+
+    /// φ_k at a height, m.
+    pub fn at(&self, k: usize, height: f64) -> f64 {
+        let layer = self.layer_at(height);
+        let [from, to] = [self.shapes[k][layer], self.shapes[k][layer + 1]];
+        from + (to - from) * (height - self.heights[layer]) / self.thickness(layer)
+    }
+
+    /// The number of the rotation of a layer.
+    pub fn group_of(&self, layer: usize) -> usize {
+        self.groups.iter().position(|group| group.contains(&layer)).unwrap_or_default()
+    }
+
+    /// ∫ φ_k φ_l dζ over a layer, m³.
+    fn integral(&self, [k, l]: [usize; 2], layer: usize) -> f64 {
+        let [[a, b], [c, d]] = [k, l].map(|k| [self.shapes[k][layer], self.shapes[k][layer + 1]]);
+        self.thickness(layer) / 6.0 * (2.0 * a * c + a * d + b * c + 2.0 * b * d)
+    }
+
+    /// ∫ ζ φ_k dζ over a layer, m³.
+    pub fn moment(&self, k: usize, layer: usize) -> f64 {
+        let [[a, b], [c, d]] = [&self.heights, &self.shapes[k]].map(|values| [values[layer], values[layer + 1]]);
+        self.thickness(layer) / 6.0 * (2.0 * a * c + a * d + b * c + 2.0 * b * d)
+    }
+
+    /// Twice the elastic energy of layers with these moduli.
+    pub fn elastic(&self, moduli: &[LayerModuli]) -> Vec<Square<2>> {
+        let of = |value: fn(&LayerModuli) -> f64| {
+            move |pair: [usize; 2]| -> f64 {
+                moduli.iter().enumerate().map(|(layer, moduli)| value(moduli) * self.integral(pair, layer)).sum()
+            }
+        };
+        let (volume, twist) = (of(|moduli| moduli.volume), of(|moduli| moduli.shear));
+        let mut forms = self.products(volume, |k| vec![rotation(k, 0, [1, 0]), rotation(k, 1, [0, 1])]);
+        for (axis, along) in [[1, 0], [0, 1]].into_iter().enumerate() {
+            forms.extend(self.products(|pair| 2.0 * twist(pair), |k| vec![rotation(k, axis, along)]));
+        }
+        forms.extend(self.products(twist, |k| vec![rotation(k, 0, [0, 1]), rotation(k, 1, [1, 0])]));
+        for (k, group) in self.groups.iter().enumerate() {
+            let shear: f64 = group.iter().map(|&layer| moduli[layer].across * self.thickness(layer)).sum();
+            for (axis, along) in [[1, 0], [0, 1]].into_iter().enumerate().filter(|_| shear != 0.0) {
+                forms.push(square(shear, vec![deflection(along), rotation(k, axis, [0, 0])]));
+            }
+        }
+        forms
+    }
+
+    /// Twice the kinetic energy of layers with these densities, kg/m³.
+    pub fn mass(&self, densities: &[f64]) -> Vec<Square<2>> {
+        let all = densities.iter().enumerate();
+        let whole: f64 = all.clone().map(|(layer, density)| density * self.thickness(layer)).sum();
+        let of = |pair: [usize; 2]| -> f64 {
+            all.clone().map(|(layer, density)| density * self.integral(pair, layer)).sum()
+        };
+        let mut forms = vec![square(whole, vec![deflection([0, 0])])];
+        (0..2).for_each(|axis| forms.extend(self.products(of, |k| vec![rotation(k, axis, [0, 0])])));
+        forms
+    }
+
+    /// Σ A_kl f_k f_l as squares, by 2 f_k f_l = (f_k + f_l)² − f_k² − f_l².
+    fn products(&self, entry: impl Fn([usize; 2]) -> f64, parts: impl Fn(usize) -> Vec<Part<2>>) -> Vec<Square<2>> {
+        let mut forms = Vec::new();
+        for k in 0..self.len() {
+            let beside: f64 = (0..self.len()).filter(|&l| l != k).map(|l| entry([k, l])).sum();
+            forms.push(square(entry([k, k]) - beside, parts(k)));
+            for l in k + 1..self.len() {
+                forms.push(square(entry([k, l]), [parts(k), parts(l)].concat()));
+            }
+        }
+        forms.retain(|form| form.factor != 0.0);
+        forms
+    }
+}
+
+fn square(factor: f64, parts: Vec<Part<2>>) -> Square<2> {
+    Square { factor, parts, place: AREA }
+}
+
+/// Whether a field is a rotation along an axis.
+pub const fn is_rotation(field: usize, axis: usize) -> bool {
+    field > DEFLECTION && (field - DEFLECTION - 1) % 2 == axis
+}
+
+/// θ_k along an axis, differentiated.
+pub const fn rotation(k: usize, axis: usize, derivatives: [usize; 2]) -> Part<2> {
+    Part { field: DEFLECTION + 1 + 2 * k + axis, derivatives }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::form::Spline;
+    use crate::form::plate::{Section, mindlin_elastic, mindlin_mass};
+    use crate::form::tensor::Tensor;
+
+    const GLASS: Material = Material { young: 70e9, poisson: 0.23, density: 2500.0 };
+
+    /// One layer is Mindlin's plate, and so are three of one material whose rotations are equal.
+    #[test]
+    fn layers_that_turn_together_are_one() {
+        let lines: Vec<f64> = (0..=3).map(|i| 0.1 * f64::from(i)).collect();
+        let tensor = |count: usize| {
+            let spline = |degree: usize| Spline::new(&lines, degree, degree - 1);
+            let mut fields = vec![[spline(3), spline(3)]];
+            (0..count).for_each(|_| fields.extend([[spline(2), spline(3)], [spline(3), spline(2)]]));
+            Tensor::new(fields)
+        };
+        let (section, kappa) = (Section::new(0.02, &GLASS), 0.9);
+        let one = tensor(1);
+        let plate = [one.matrix(&mindlin_elastic(&section, kappa)), one.matrix(&mindlin_mass(&section))];
+        let u: Vec<f64> = (0..one.unknowns()).map(|i| ((i * 7919) % 101) as f64 / 50.0 - 1.0).collect();
+        let deflections = one.splines(DEFLECTION).each_ref().map(Spline::functions).iter().product::<usize>();
+        let energy = |matrix: &nalgebra_sparse::CsrMatrix<f64>, u: &[f64]| -> f64 {
+            matrix.triplet_iter().map(|(i, j, value)| u[i] * value * u[j]).sum()
+        };
+        for (thicknesses, is_mirrored) in
+            [(vec![0.02], true), (vec![0.008, 0.004, 0.008], true), (vec![0.008, 0.004, 0.008], false)]
+        {
+            let profile = Profile::new(&thicknesses, is_mirrored);
+            let layers = thicknesses.len();
+            let moduli = vec![LayerModuli::of_material(&GLASS, kappa); layers];
+            let tensor = tensor(profile.len());
+            let forms = [profile.elastic(&moduli), profile.mass(&vec![GLASS.density; layers])];
+            // All rotations the same; no displacement of the middle plane.
+            let mut together = u[..deflections].to_vec();
+            for k in 0..profile.len() {
+                let factor = if !is_mirrored && k == layers { 0.0 } else { 1.0 };
+                together.extend(u[deflections..].iter().map(|x| factor * x));
+            }
+            for (forms, plate) in forms.iter().zip(&plate) {
+                let [found, exact] = [energy(&tensor.matrix(forms), &together), energy(plate, &u)];
+                // Rounding of some hundred entries.
+                assert!((found / exact - 1.0).abs() < 1e-12, "{thicknesses:?}: {found:e} {exact:e}");
+            }
+        }
+    }
+
+    /// The chord is exact at both ends, and its error between them below the bound.
+    #[test]
+    fn distortion_along_the_chord() {
+        let (bulk, ends) = (2e9, [3e6, 4e8]);
+        let distortion = LayerModuli::of_distortion(bulk, ends, 1.0);
+        let exact = |shear: f64| LayerModuli::new(Lame::of_moduli(bulk, shear), 1.0);
+        let start = exact(ends[0]);
+        for part in [0.0, 0.3, 0.5, 0.8, 1.0] {
+            let shear = ends[0] + part * (ends[1] - ends[0]);
+            let off = exact(shear).volume - (start.volume + (shear - ends[0]) * distortion.volume);
+            let bound = if part == 0.0 || part == 1.0 { 1e-12 * shear } else { (ends[1] - ends[0]).powi(2) / bulk };
+            assert!(off >= -1e-12 * shear && off <= bound, "{part}: {off:e} {bound:e}");
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! Which theory stands for a plate of several layers: the layerwise one where its estimated error allows, otherwise the solid.
+//!
+//! The error is estimated as that of Mindlin's theory for one layer: a part of the difference from what each layer's own shear and the
+//! local field under the impactor change ([`super::mindlin_error`]), here between the layerwise plate and one whose layers have neither.
+//! To it comes what the static response of the infinite plate is off by at the length of the contact's waves. A body that relaxes is
+//! compared with the moduli of half the contact's time. It is an estimate, not a bound.
+
+use petsc_wrap::Comm;
+
+use super::climb::{OF_THEORY, pressed, rougher};
+use super::mindlin_error::mindlin_error_over_difference;
+use super::theory::build_thin;
+use super::watch::Watch;
+use super::{Built, Model, build, reduce, refine, unrefined};
+use crate::description::Description;
+use crate::error::{Error, Result};
+use crate::impact::{Cause, Errors};
+use crate::scene::{Body, Model as Theory, Scene, Time};
+use crate::space::plate::{self, OF_CONTACT};
+
+/// The layerwise plate; `None` where the solid is needed. Collective.
+pub(super) fn layered(
+    comm: &Comm,
+    scene: &Scene,
+    passed: &mut Vec<String>,
+    watch: &dyn Watch,
+) -> Result<Option<Model>> {
+    let composition = scene.body.composition.elastic_at(OF_CONTACT * scene.impactor.contact_time());
+    let elastic = Scene {
+        time: Time { modal: true, ..scene.time.clone() },
+        body: Body { composition, ..scene.body.clone() },
+        ..scene.clone()
+    };
+    let Built::Operators(operators) = build(comm, &elastic, Theory::Layerwise, 1.0, watch)? else {
+        return Err(Error::Solve("a plate has unknowns".into()));
+    };
+    // Cells and basis are not judged yet: their part of the difference is small, and so is what it changes in the estimate.
+    let thick = unrefined(comm, &elastic, operators, watch)?;
+    let rough = rougher(&elastic);
+    let thin = reduce(&build_thin(comm, &rough)?.body, &rough, watch)?;
+    let difference = thick.reduced.force.0.difference(&thin.force.0);
+    let mismatch = plate::mismatch(&elastic)?;
+    let of_theory = mindlin_error_over_difference(&elastic) * difference + Errors::throughout(mismatch);
+    let (differ, error) = (difference.of(scene.measure), of_theory.of(scene.measure));
+    let of_what = scene.measure.of_what();
+    let judged = format!(
+        "shear of the stiff layers and the local field change layerwise by {differ:.1e}{of_what} in the first contact; estimated error of layerwise relative to solid: {error:.1e}"
+    );
+    let tolerance = scene.tolerance;
+    if watch.agreed(error / tolerance) > OF_THEORY {
+        passed.push(format!("{judged}, above the tolerance of {tolerance:.0e}, so the solid is taken"));
+        return Ok(None);
+    }
+    passed.push(judged);
+    let is_elastic = Description::new(scene).relaxations().is_empty();
+    let model = match scene.time.modal && is_elastic {
+        true => {
+            Model::on_basis(comm, scene, Theory::Layerwise, refine(comm, &elastic, Theory::Layerwise, thick, watch)?)?
+        }
+        false => Model::of(comm, scene, Theory::Layerwise, watch)?,
+    };
+    Ok(Some(model.with_error(Cause::Theory, of_theory + pressed(scene))))
+}
