@@ -77,7 +77,7 @@ fn plain(stack: &Stack, carrier: &Carrier, (r, z): (f64, f64), contact: f64, end
         let exact = four(&wave.response(stack, z));
         let other = four(&wave.response(stack, stack.thickness() - z));
         let mut carried = carrier.pressure().transform(x);
-        if let Carrier::Sections { smoothing, .. } = carrier {
+        if let Carrier::Sections { smoothing, .. } | Carrier::Layerwise { smoothing: Some(smoothing), .. } = carrier {
             carried *= smoothing.transform(x);
         }
         let body = match carrier {

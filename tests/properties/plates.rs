@@ -176,6 +176,43 @@ fn navier_layerwise() {
     }
 }
 
+/// The softer the interlayer, the further two plies slide: at rest from one plate, which an interlayer of glass makes, to the sum of both plies'
+/// rigidities.
+#[test]
+fn softer_interlayers_let_plies_slide() {
+    let edges = "size = [0.9, 0.7]";
+    let yields = |young: f64| {
+        let layer = |(thickness, material): (f64, &str)| {
+            format!("[[body.layer]]\nthickness = {thickness}\nmaterial = \"{material}\"\n")
+        };
+        let layers: String = [(0.01, "glass"), (0.001, "soft"), (0.01, "glass")].map(layer).concat();
+        let text = format!(
+            "[body]\n{edges}\n{layers}[material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+             [material.soft]\nyoung = {young:e}\npoisson = 0.23\ndensity = 2500.0\n\
+             [impactor]\nmass = 52.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n[time]\nend = 1e-3\n{}",
+            navier()
+        );
+        let scene = Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0;
+        let plate = plate(&scene, PlateTheory::Layerwise, 1.0);
+        // Without what the interlayer is pressed together by.
+        let deflection = a(&plate).dot(&Operator::new(&plate, 0.0).solve(&plate, &plate.system.localization));
+        (deflection / plate.system.copies, plate.laminate.unwrap().compliance)
+    };
+    let one = plate(&scene("size = [0.9, 0.7, 0.021]", "", &navier()), PlateTheory::Mindlin, 1.0);
+    let whole = answer(&one, 0.0) + one.local.unwrap().compliance;
+    let (deflection, compliance) = yields(70.0001e9);
+    // Cells of both leave some 1e-4.
+    let off = (deflection + compliance) / whole - 1.0;
+    println!("an interlayer of glass: {off:e}");
+    assert!(off.abs() < 5e-4, "{off:e}");
+    let softer = [7e9, 7e8, 7e7, 7e6, 7e5, 7e4].map(|young| yields(young).0);
+    assert!(softer.is_sorted() && softer[0] > deflection, "{softer:?}");
+    let sliding = series([0.9, 0.7], 1000, |xi| 1.0 / (2.0 * rigidity(0.01) * xi.powi(4)));
+    println!("{softer:?} {sliding:e}");
+    // Shear of the plies, and the rest of the interlayer's hold: 7e4 over 70e9 times the square of the edges over 10 mm.
+    assert!((softer[5] / sliding - 1.0).abs() < 1e-2, "{softer:?} {sliding:e}");
+}
+
 /// Three motions without energy, of all that the splines can do.
 #[test]
 fn a_free_plate_has_three_rigid_motions() {

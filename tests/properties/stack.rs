@@ -307,8 +307,8 @@ fn shear_factors_of_layers() {
     let mindlin = 5.0 / (6.0 - 0.23);
     assert!((factors(&[(0.02, 70e9, 0.23)])[0] - mindlin).abs() < 1e-12);
     let laminate = factors(&[(0.01, 70e9, 0.23), (0.00076, 3e7, 0.49), (0.01, 70e9, 0.23)]);
-    // 3e7/70e9, and h/H of the interlayer.
-    assert!((laminate[0] - mindlin).abs() < 1e-3 && (laminate[1] - 1.0).abs() < 1e-3, "{laminate:?}");
+    // The interlayer takes some of the parabola's top, a part of h/H = 0.037 of the plies' shear; its own E is 4e-4 of theirs.
+    assert!((laminate[0] - mindlin).abs() < 5e-3 && (laminate[1] - 1.0).abs() < 1e-3, "{laminate:?}");
     // The static shear deflection goes with Σ (∫σ dz)²/(κ h): as of one layer.
     let parts = [0.002, 0.007, 0.011];
     let cut = stack(&parts.map(|h| (h, 70e9, 0.23)));
