@@ -9,6 +9,7 @@ mod stresses;
 
 mod elements;
 mod forms;
+mod layerwise_plates;
 mod local_bodies;
 mod local_field;
 mod plates;
