@@ -305,12 +305,12 @@ mod tests {
             let mass = energy(&relaxing.system.mass, translation);
             let exact = 0.6 * 0.4 * (2500.0 * 0.026 + 1100.0 * 0.004);
             assert!((mass / exact - 1.0).abs() < 1e-12 && energy(distortion, translation).abs() < 1e-12);
-            // The constants of a chain and those of an elastic material come by other roundings, 1/(1 − 2ν) of them.
+            // κ is that of the contact's modulus: it changes by ν/6 of the interlayer's E over that of glass, here up to 5e-4.
             let u: Vec<f64> = (0..translation.len()).map(|i| ((i * 7919) % 101) as f64 / 50.0 - 1.0).collect();
             let relaxed = energy(&relaxing.system.elastic, &u);
-            assert!((relaxed / energy(&soft, &u) - 1.0).abs() < 1e-9);
+            assert!((relaxed / energy(&soft, &u) - 1.0).abs() < 1e-3);
             let whole = relaxed + (chain.instantaneous() - chain.equilibrium) * energy(distortion, &u);
-            assert!((whole / energy(&stiff, &u) - 1.0).abs() < 1e-9, "{whole} {}", energy(&stiff, &u));
+            assert!((whole / energy(&stiff, &u) - 1.0).abs() < 1e-3, "{whole} {}", energy(&stiff, &u));
         }
     }
 
