@@ -15,19 +15,22 @@ pub struct Direct {
 }
 
 impl Direct {
-    /// Factorises K + c1 C + c2 M of a body on one rank, pads left out, with the held unknowns taken out.
+    /// Factorises S(s) of a rate (1/s) of a body on one rank ([`Body::operator_at_rate`]).
     ///
     /// # Errors
     /// [`Error::Solve`] where the matrix is not positive definite; PETSc's.
-    pub fn new(body: &Body, c1: f64, c2: f64) -> Result<Self> {
+    pub fn new(body: &Body, rate: f64) -> Result<Self> {
+        let relaxing = body.relaxations.iter();
+        let relaxing = relaxing.map(|part| (part.chain.transformed_terms(rate), &part.distortion));
         let terms: Vec<(f64, &Matrix)> = [
             Some((1.0, &body.elastic)),
-            Some((c2, &body.mass)),
+            Some((rate * rate, &body.mass)),
             body.support.as_ref().map(|support| (1.0, support)),
-            body.damping.as_ref().map(|damping| (c1, damping)),
+            body.damping.as_ref().map(|damping| (rate, damping)),
         ]
         .into_iter()
         .flatten()
+        .chain(relaxing)
         .collect();
         let count = body.unknowns();
         let mut is_held = vec![false; count];

@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 use petsc_wrap::Vector;
 
-use super::{Body, Krylov, Projection, Start};
+use super::{Body, Krylov, ProjectedRelaxation, Projection, Start};
 use crate::error::Result;
 
 /// A basis that grows, and the body on it.
@@ -134,9 +134,14 @@ fn sum(parts: &[Projection], class_of: &[usize]) -> Projection {
     for (part, numbers) in each() {
         numbers.iter().enumerate().for_each(|(i, &number)| hit_stress.set_column(number, &part.hit_stress.column(i)));
     }
+    let relaxations = (0..parts[0].relaxations.len()).map(|number| ProjectedRelaxation {
+        distortion: square(&|part| Some(&part.relaxations[number].distortion)),
+        chain: parts[0].relaxations[number].chain.clone(),
+    });
     let is_damped = parts.iter().any(|part| part.damping.is_some());
     Projection {
         elastic: square(&|part| Some(&part.elastic)),
+        relaxations: relaxations.collect(),
         support: square(&|part| Some(&part.support)),
         damping: is_damped.then(|| square(&|part| part.damping.as_ref())),
         force: vector(&|part| &part.force),

@@ -1,7 +1,11 @@
-//! Eigenvalues and vectors of dense symmetric matrices.
+//! Eigenvalues and vectors of dense matrices.
 
-use faer::{MatRef, Side};
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use faer::diag::Diag;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::evd::{ComputeEigenvectors, evd_real, evd_scratch};
+use faer::linalg::solvers::{PartialPivLu, Solve};
+use faer::{Mat, MatMut, MatRef, Par, Side};
+use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
 
 /// Rows from which on blocked methods are quicker.
 const BLOCKED: usize = 64;
@@ -48,6 +52,73 @@ fn of_block(matrix: DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
     (eigenvalues, eigenvectors)
 }
 
+/// Eigenvalues and vectors of a real matrix without symmetry. Of a conjugate pair the first has the positive imaginary part.
+pub struct GeneralEigen {
+    values: Vec<Complex<f64>>,
+    /// Unit vectors by columns; of a conjugate pair the real part, then the imaginary one.
+    vectors: Mat<f64>,
+}
+
+impl GeneralEigen {
+    /// `None` where they are not found.
+    pub fn new(matrix: &DMatrix<f64>) -> Option<Self> {
+        let count = matrix.nrows();
+        let view = MatRef::from_column_major_slice(matrix.as_slice(), count, count);
+        let (mut real, mut imaginary, mut vectors) = (Diag::zeros(count), Diag::zeros(count), Mat::zeros(count, count));
+        let (left, right) = (ComputeEigenvectors::No, ComputeEigenvectors::Yes);
+        let scratch = evd_scratch::<f64>(count, left, right, Par::Seq, Default::default());
+        let out = Some(vectors.as_mut());
+        let mut memory = MemBuffer::new(scratch);
+        let stack = MemStack::new(&mut memory);
+        evd_real(view, real.as_mut(), imaginary.as_mut(), None, out, Par::Seq, stack, Default::default()).ok()?;
+        let values: Vec<_> = (0..count).map(|k| Complex::new(real[k], imaginary[k])).collect();
+        let mut eigen = Self { values, vectors };
+        eigen.normalize();
+        Some(eigen)
+    }
+
+    /// λ_k.
+    pub fn value(&self, k: usize) -> Complex<f64> {
+        self.values[k]
+    }
+
+    /// An entry of the k-th vector, of a pair the first.
+    pub fn entry(&self, row: usize, k: usize) -> Complex<f64> {
+        let imaginary = if self.values[k].im == 0.0 { 0.0 } else { self.vectors[(row, k + 1)] };
+        Complex::new(self.vectors[(row, k)], imaginary)
+    }
+
+    /// What vectors, by columns, are in terms of the eigenvectors; of a conjugate pair the first one's part, the second's row is idle. `None`
+    /// where the eigenvectors are dependent.
+    pub fn coordinates(&self, of: &DMatrix<f64>) -> Option<DMatrix<Complex<f64>>> {
+        let (rows, columns) = of.shape();
+        let mut parts = of.clone();
+        PartialPivLu::new(self.vectors.as_ref()).solve_in_place(MatMut::from_column_major_slice_mut(
+            parts.as_mut_slice(),
+            rows,
+            columns,
+        ));
+        let is_finite = parts.iter().all(|part| part.is_finite());
+        // Of a pair a re + b im = 2 Re(z (re + i im)), z = (a − ib)/2.
+        let part = |k: usize, j: usize| match self.values[k].im {
+            0.0 => Complex::new(parts[(k, j)], 0.0),
+            im if im > 0.0 => Complex::new(0.5 * parts[(k, j)], -0.5 * parts[(k + 1, j)]),
+            _ => Complex::new(0.0, 0.0),
+        };
+        is_finite.then(|| DMatrix::from_fn(rows, columns, part))
+    }
+
+    fn normalize(&mut self) {
+        let count = self.values.len();
+        for k in (0..count).filter(|k| self.values[*k].im >= 0.0) {
+            let columns = if self.values[k].im > 0.0 { k..k + 2 } else { k..k + 1 };
+            let square = |k: usize| (0..count).map(|i| self.vectors[(i, k)].powi(2)).sum::<f64>();
+            let length = columns.clone().map(square).sum::<f64>().sqrt();
+            columns.for_each(|k| (0..count).for_each(|i| self.vectors[(i, k)] /= length));
+        }
+    }
+}
+
 /// Rows that are coupled by entries which are not zero, each block ascending.
 fn blocks(matrix: &DMatrix<f64>) -> Vec<Vec<usize>> {
     let mut open: Vec<usize> = (0..matrix.nrows()).collect();
@@ -91,6 +162,39 @@ mod tests {
             let off = &chain * &vectors - &vectors * DMatrix::from_diagonal(&values);
             assert!(off.amax() < 1e-13 && (vectors.tr_mul(&vectors) - DMatrix::identity(count, count)).amax() < 1e-13);
         }
+    }
+
+    /// A V = V Λ and V V⁻¹ = 1 of a matrix with real eigenvalues and conjugate pairs.
+    #[test]
+    fn general_matrices_are_diagonalised() {
+        let count = 12;
+        let matrix = DMatrix::from_fn(count, count, |i, j| {
+            let skew = if i < j { 1.0 } else { -1.0 } / (1.0 + i.abs_diff(j) as f64);
+            if i != j {
+                skew
+            } else if i < 6 {
+                0.0
+            } else {
+                -5.0 * i as f64
+            }
+        });
+        let eigen = GeneralEigen::new(&matrix).expect("eigenvalues");
+        let inverse = eigen.coordinates(&DMatrix::identity(count, count)).expect("independent vectors");
+        let mut sum: DMatrix<f64> = DMatrix::zeros(count, count);
+        let mut product = sum.clone();
+        let mut kinds = [0, 0];
+        for k in (0..count).filter(|k| eigen.value(*k).im >= 0.0) {
+            let counted = if eigen.value(k).im > 0.0 { 2.0 } else { 1.0 };
+            kinds[counted as usize - 1] += 1;
+            for (i, j) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
+                let part = eigen.entry(i, k) * inverse[(k, j)] * counted;
+                sum[(i, j)] += part.re;
+                product[(i, j)] += (part * eigen.value(k)).re;
+            }
+        }
+        assert!(kinds[0] > 1 && kinds[1] > 1, "{kinds:?}");
+        // Rounding of a matrix of norm fifty.
+        assert!((sum - DMatrix::identity(count, count)).amax() < 1e-13 && (product - matrix).amax() < 1e-12);
     }
 
     /// Two blocks with interlaced rows: V is orthogonal and AV = VΛ.

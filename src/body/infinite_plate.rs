@@ -188,6 +188,8 @@ mod tests {
         let (count, none) = (modes.len(), DVector::zeros(modes.len()));
         Projection {
             elastic: DMatrix::from_diagonal(&DVector::from_fn(count, |i, _| modes[i].0)),
+            relaxations: Vec::new(),
+            rate: 0.0,
             support: DMatrix::zeros(count, count),
             damping: None,
             force: DVector::from_fn(count, |i, _| modes[i].1),

@@ -10,6 +10,9 @@
 //! load-dependent Ritz vectors, E. L. Wilson, M.-W. Yuan & J. M. Dickens, Earthq. Eng. Struct. Dyn. 10, 1982). Every vector is made
 //! orthogonal to all others twice, and K itself is projected.
 //!
+//! Where a part of the body relaxes, S = K + G̃(s) D + sC + s²M has its modulus at the rate s, and D is projected beside K: a body that differs
+//! in its chain alone is one on the same basis.
+//!
 //! A contact that is short beside the body's slow motions makes bases that lack these: of a body that nothing holds the first vector is the
 //! translation, which K maps to nothing.
 
@@ -18,7 +21,7 @@ use petsc_wrap::{Ksp, Matrix, Vector};
 
 use super::direct::Direct;
 use super::gram::gram;
-use super::{Body, Projection};
+use super::{Body, ProjectedRelaxation, Projection};
 use crate::error::Result;
 use crate::scene::Fault;
 use crate::solve::Method;
@@ -36,6 +39,8 @@ pub struct Krylov {
     auxiliary: Vec<Vector>,
     /// The projected operators, of the first vectors: K of the body, K of the supports, C.
     projected: [DMatrix<f64>; 3],
+    /// D of each relaxation, likewise.
+    distortions: Vec<DMatrix<f64>>,
     work: [Vector; 2],
     /// All grow by turns.
     chains: Vec<Chain>,
@@ -73,11 +78,10 @@ enum Solver {
 
 impl Solver {
     fn new(body: &Body, shift: f64) -> Result<Self> {
-        let (c1, c2) = (shift, shift * shift);
         // Every rank has all of a body of numbers.
         Ok(match (body.method, &body.nodes) {
-            (Method::Cholesky, None) => Self::Small(Direct::new(body, c1, c2)?),
-            _ => Self::Distributed(body.solver(&body.operator(c1, c2)?)?),
+            (Method::Cholesky, None) => Self::Small(Direct::new(body, shift)?),
+            _ => Self::Distributed(body.solver(&body.operator_at_rate(shift)?)?),
         })
     }
 
@@ -165,6 +169,7 @@ impl Krylov {
             basis,
             auxiliary,
             projected: std::array::from_fn(|_| DMatrix::zeros(0, 0)),
+            distortions: vec![DMatrix::zeros(0, 0); body.relaxations.len()],
             work: [body.load.duplicate()?, body.load.duplicate()?],
             chains,
             turn: 0,
@@ -291,11 +296,13 @@ impl Krylov {
             Elastic,
             Of(&'a Matrix),
         }
-        let Self { basis, projected, has_translation, .. } = self;
+        let Self { basis, projected, distortions, has_translation, .. } = self;
         let count = basis.len();
         let matrices =
             [Some(Operator::Elastic), body.support.as_ref().map(Operator::Of), body.damping.as_ref().map(Operator::Of)];
-        for (known, operator) in projected.iter_mut().zip(matrices) {
+        let relaxing = body.relaxations.iter().map(|relaxation| Some(Operator::Of(&relaxation.distortion)));
+        let all = projected.iter_mut().zip(matrices).chain(distortions.iter_mut().zip(relaxing));
+        for (known, operator) in all {
             let first = known.nrows();
             *known = std::mem::replace(known, DMatrix::zeros(0, 0)).resize(count, count, 0.0);
             let Some(operator) = operator else { continue };
@@ -341,11 +348,18 @@ impl Krylov {
             body.apply_mass(&body.translation, &mut momentum)?;
         }
         let [elastic, support, damping] = &self.projected;
+        let relaxing = body.relaxations.iter().zip(&self.distortions);
+        let relaxing = relaxing.map(|(relaxation, distortion)| ProjectedRelaxation {
+            distortion: distortion.clone(),
+            chain: relaxation.chain.clone(),
+        });
         let mut projection = Projection {
             translation: along(&momentum)?,
             hit_stress: forms_on(&body.hit_stress, &self.basis)?,
             hit_local: body.hit_local,
             elastic: elastic.clone(),
+            relaxations: relaxing.collect(),
+            rate: self.shift,
             support: support.clone(),
             damping: body.damping.is_some().then(|| damping.clone()),
             force: along(&body.localization.vector)?,

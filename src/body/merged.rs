@@ -10,7 +10,7 @@ use petsc_wrap::Vector;
 
 use super::eigen::symmetric_eigen;
 use super::krylov::forms_on;
-use super::{Body, Projection};
+use super::{Body, ProjectedRelaxation, Projection, Relaxation};
 use crate::error::Result;
 
 /// Of the depth of a basis, that of the larger one that judges it.
@@ -22,7 +22,7 @@ const LARGER: f64 = 0.1;
 /// # Errors
 /// PETSc's.
 pub fn snapshots(body: &Body, basis: &[Vector], projection: &Projection, frequency: f64) -> Result<Vec<Vector>> {
-    let (squares, shapes) = symmetric_eigen(&projection.elastic + &projection.support);
+    let (squares, shapes) = symmetric_eigen(projection.stiffness_at_rate());
     let mut vectors = Vec::new();
     for (square, shape) in squares.iter().zip(shapes.column_iter()) {
         let weight = 1.0 / (1.0 + square.max(0.0) / (frequency * frequency));
@@ -50,11 +50,11 @@ pub struct Merged {
 
 impl Merged {
     /// Merges the vibrations of some bodies; `ends` are two of the bodies with their parameters. Directions are taken down to a weight of
-    /// `depth` over the largest. Collective.
+    /// `depth` over the largest. Relaxing parts have their moduli at a rate (1/s) in the modes. Collective.
     ///
     /// # Errors
     /// PETSc's.
-    pub fn new(ends: [(f64, &Body); 2], all: &[Vector], depth: f64) -> Result<Self> {
+    pub fn new(ends: [(f64, &Body); 2], all: &[Vector], depth: f64, rate: f64) -> Result<Self> {
         let [(from, body), (to, other)] = ends;
         let count = all.len();
         let mut momentum = body.load.duplicate()?;
@@ -86,7 +86,7 @@ impl Merged {
             orthonormalize(body, &mut next, &basis, &mut momentum)?;
             basis.push(next);
         }
-        let projections = [project(body, &basis)?, project(other, &basis)?];
+        let projections = [project(body, &basis, rate)?, project(other, &basis, rate)?];
         Ok(Self { ends: [from, to], projections, vectors, basis, directions })
     }
 
@@ -117,7 +117,7 @@ fn orthonormalize(body: &Body, next: &mut Vector, basis: &[Vector], momentum: &m
 }
 
 /// A body on any basis that is orthonormal in its mass. Collective.
-fn project(body: &Body, basis: &[Vector]) -> Result<Projection> {
+fn project(body: &Body, basis: &[Vector], rate: f64) -> Result<Projection> {
     let count = basis.len();
     let mut product = body.load.duplicate()?;
     let mut square = |apply: &dyn Fn(&Vector, &mut Vector) -> Result<()>| {
@@ -138,9 +138,16 @@ fn project(body: &Body, basis: &[Vector]) -> Result<Projection> {
         Some(damping) => Some(square(&|v, out| Ok(damping.mult(v, out)?))?),
         None => None,
     };
+    let relaxing = body.relaxations.iter().map(|Relaxation { distortion, chain }| {
+        let distortion = square(&|v, out| Ok(distortion.mult(v, out)?))?;
+        Ok::<_, crate::Error>(ProjectedRelaxation { distortion, chain: chain.clone() })
+    });
+    let relaxations = relaxing.collect::<Result<Vec<_>>>()?;
     let along = |v: &Vector| Ok::<_, crate::Error>(DVector::from_vec(v.dots(basis)?));
     let mut projection = Projection {
         elastic,
+        relaxations,
+        rate,
         support,
         damping,
         force: along(&body.localization.vector)?,

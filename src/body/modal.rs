@@ -4,10 +4,13 @@ use super::Projection;
 use super::modes::{Closed, Modes, Spectrum};
 use crate::contact::Patch;
 use crate::error::Result;
+use crate::material::Maxwell;
 
 /// Modes, with what the contact law needs of the body.
 pub struct ModalBody {
     source: Source,
+    /// What it was made of, where it relaxes.
+    relaxing: Option<Box<Projection>>,
     /// c_l of the contact law, m/N, of the modelled part.
     pub compliance: f64,
     /// How many such parts make the whole.
@@ -24,13 +27,24 @@ enum Source {
 impl ModalBody {
     /// A body of given modes, all of which take part.
     pub fn given(modes: Modes) -> Self {
-        Self { source: Source::Given(Box::new(modes)), compliance: 0.0, copies: 1.0, patch: None }
+        Self { source: Source::Given(Box::new(modes)), relaxing: None, compliance: 0.0, copies: 1.0, patch: None }
     }
 
     /// A body on a basis.
     pub fn of(projection: &Projection) -> Self {
         let Projection { compliance, copies, patch, .. } = *projection;
-        Self { source: Source::Spectrum(Box::new(Spectrum::new(projection))), compliance, copies, patch }
+        let source = Source::Spectrum(Box::new(Spectrum::new(projection)));
+        let relaxing = (!projection.relaxations.is_empty()).then(|| Box::new(projection.clone()));
+        Self { source, relaxing, compliance, copies, patch }
+    }
+
+    /// The body whose relaxing parts have other chains, in their order, on the same basis; `None` where it has them already, or other parts.
+    #[must_use]
+    pub fn with_chains(&self, chains: &[Maxwell]) -> Option<Self> {
+        let projection = self.relaxing.as_ref()?;
+        let own = projection.relaxations.iter().map(|part| &part.chain);
+        let is_another = own.len() == chains.len() && !own.eq(chains);
+        is_another.then(|| Self::of(&projection.with_chains(chains)))
     }
 
     /// The frequency up to which steps must resolve the motion, since unilateral foundations let go of it, rad/s.

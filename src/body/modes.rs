@@ -4,6 +4,7 @@ use nalgebra::{Complex, DMatrix, DVector, Schur};
 
 use super::eigen::symmetric_eigen;
 use super::infinite_plate::weight;
+use super::relaxing_modes::{ModalRelaxation, Relaxing, RelaxingForms, at_rest_beyond, relaxing};
 use super::{FoundationPoints, Projection};
 use crate::error::{Error, Result};
 use crate::scene::Fault;
@@ -101,8 +102,10 @@ pub(crate) struct Forms {
     pub load: DVector<f64>,
     /// Energy of what the loads do to the modes that are left out, J.
     pub rest: f64,
-    /// x and v from z, with dampers: Re(X z), Re(V z).
+    /// x and v from z, with dampers or relaxation: Re(X z), Re(V z).
     pub damped: Option<[DMatrix<Complex<f64>>; 2]>,
+    /// What takes the place of ω² in the energy of a body that relaxes.
+    pub relaxing: Option<RelaxingForms>,
     /// Whether waves go off for good: their energy counts as dissipated.
     pub is_open: bool,
 }
@@ -131,7 +134,7 @@ const DEEPEST: f64 = 1.0;
 const OF_FOUNDATION: f64 = 0.01;
 
 /// Condition number of the eigenvectors above which a damped body has no modal form to trust.
-const CONDITION: f64 = 1e9;
+pub(super) const CONDITION: f64 = 1e9;
 
 /// That loads move a body that nothing holds.
 pub(crate) fn no_equilibrium() -> Error {
@@ -206,6 +209,7 @@ pub struct Spectrum {
     support_load: DVector<f64>,
     support: DMatrix<f64>,
     damping: Option<DMatrix<f64>>,
+    relaxations: Vec<ModalRelaxation>,
     support_offset: f64,
     /// The vibrations on the basis, by columns.
     vectors: DMatrix<f64>,
@@ -232,11 +236,13 @@ struct ShortWaves {
 }
 
 impl Spectrum {
-    /// Solves K y = ω² y on the basis.
+    /// Solves K y = ω² y on the basis, where parts relax with their moduli at its rate.
     pub fn new(projection: &Projection) -> Self {
-        let (squares, vectors) = symmetric_eigen(&projection.elastic + &projection.support);
+        let (squares, vectors) = symmetric_eigen(projection.stiffness_at_rate());
         let along = |v: &DVector<f64>| vectors.tr_mul(v);
         let on = |m: &DMatrix<f64>| vectors.tr_mul(&(m * &vectors));
+        let of_relaxations = projection.relaxations.iter().filter(|part| !part.chain.terms.is_empty());
+        let of_relaxations = of_relaxations.map(|part| ModalRelaxation::new(part, &vectors, projection.rate));
         let mut force = along(&projection.force);
         let short_waves = ShortWaves::new(projection, &squares, &force);
         if let Some(ShortWaves { weights, .. }) = &short_waves {
@@ -255,6 +261,7 @@ impl Spectrum {
             support_load: along(&projection.support_load),
             support: on(&projection.support),
             damping: projection.damping.as_ref().map(on),
+            relaxations: of_relaxations.collect(),
             support_offset: projection.support_offset,
             foundation,
             vectors,
@@ -318,11 +325,19 @@ impl Spectrum {
             shapes.moving.column_iter_mut().zip(&moving).for_each(|(mut shape, &i)| shape.unscale_mut(weights[i]));
         }
         let (mut rest, mut rest_energy) = (0.0, 0.0);
+        let mut at_rest = DVector::zeros(loads.len());
         for (i, e) in self.vectors.column_iter().enumerate().skip(count) {
             shapes.residual.axpy(reach[i] / self.squares[i], &e, 1.0);
-            shapes.rest.axpy(loads[i] / self.squares[i], &e, 1.0);
-            rest += self.force[i] * loads[i] / self.squares[i];
-            rest_energy += 0.5 * loads[i] * loads[i] / self.squares[i];
+            at_rest[i] = loads[i] / self.squares[i];
+            shapes.rest.axpy(at_rest[i], &e, 1.0);
+            rest += self.force[i] * at_rest[i];
+            rest_energy += 0.5 * loads[i] * at_rest[i];
+        }
+        if !self.relaxations.is_empty() && loads.amax() > 0.0 {
+            // What relaxes couples the modes that are left out with the others.
+            (at_rest, rest_energy) = at_rest_beyond(&self.squares, &self.relaxations, &loads, &moving)?;
+            shapes.rest = &self.vectors * &at_rest;
+            rest = self.force.dot(&at_rest);
         }
         for i in rigid {
             let (force, load) = (self.force[i], loads[i]);
@@ -336,7 +351,15 @@ impl Spectrum {
         let block = |m: &DMatrix<f64>| m.select_rows(&moving).select_columns(&moving);
         let squares = of_moving(&self.squares).map(|square| square.max(0.0));
         let (force, load) = (of_moving(&self.force), of_moving(&loads));
+        let relaxations: Vec<_> = self.relaxations.iter().map(|part| part.select(&moving)).collect();
+        let mut of_relaxing = None;
         let (mut modes, mut damped, inputs) = match &self.damping {
+            damping if !relaxations.is_empty() => {
+                let damping = damping.as_ref().map(block);
+                let Relaxing { damped, forms } = relaxing(&squares, damping.as_ref(), &relaxations, [&force, &load])?;
+                of_relaxing = Some(forms);
+                (damped.modes, Some(damped.shapes), Some(damped.inputs))
+            }
             None => (vibrations(&squares, &force, &load), None, None),
             Some(damping) => {
                 let Damped { modes, shapes, inputs } = damped(&squares, &block(damping), &force, &load)?;
@@ -352,9 +375,7 @@ impl Spectrum {
         let foundation = self.foundation.as_ref().map(|all| {
             let mut points = all.select(&moving);
             if points.is_settled {
-                for i in count..loads.len() {
-                    points.offsets.axpy(-loads[i] / self.squares[i], &all.rows.column(i), 1.0);
-                }
+                points.offsets.gemv(-1.0, &all.rows, &at_rest, 1.0);
             }
             ModalFoundation { points, inputs }
         });
@@ -369,6 +390,7 @@ impl Spectrum {
             squares,
             rest: rest_energy,
             damped,
+            relaxing: of_relaxing,
             is_open: self.short_waves.is_some(),
         };
         let hit_stress = (self.hit_stress.nrows() > 0).then(|| (shapes.mapped(&self.hit_stress), self.hit_local));
@@ -423,6 +445,7 @@ impl Forms {
             load: empty,
             rest: 0.0,
             damped: None,
+            relaxing: None,
             is_open: false,
         }
     }
@@ -445,10 +468,10 @@ fn vibrations(squares: &DVector<f64>, force: &DVector<f64>, load: &DVector<f64>)
 }
 
 /// The coordinates of a damped body, x and v from them, and b of forces on x.
-struct Damped {
-    modes: Vec<Mode>,
-    shapes: [DMatrix<Complex<f64>>; 2],
-    inputs: DMatrix<Complex<f64>>,
+pub(super) struct Damped {
+    pub modes: Vec<Mode>,
+    pub shapes: [DMatrix<Complex<f64>>; 2],
+    pub inputs: DMatrix<Complex<f64>>,
 }
 
 /// The eigenvectors of (s x, v)˙ = [0 s; −ω²/s −C] (s x, v), s = ω where there is one.

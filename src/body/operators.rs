@@ -243,7 +243,7 @@ impl Body {
         self.without_held(matrix)
     }
 
-    fn without_held(&self, mut matrix: Matrix) -> Result<Matrix> {
+    pub(super) fn without_held(&self, mut matrix: Matrix) -> Result<Matrix> {
         let typical = matrix.trace()? / self.unknowns() as f64;
         matrix.zero_rows_columns(&self.clamps.rows, typical)?;
         matrix.declare_positive_definite()?;

@@ -3,16 +3,21 @@
 use nalgebra::{DMatrix, DVector};
 use nalgebra_sparse::CsrMatrix;
 
-use super::{FoundationPoints, InfinitePlate, System};
+use super::{FoundationPoints, InfinitePlate, ProjectedRelaxation, System};
 use crate::contact::Patch;
+use crate::material::Maxwell;
 
 /// ÿ + C ẏ + (K_e + K_s) y = a F + f: a body's operators on a basis V with VᵀMV = 1, so that u = V y.
 ///
 /// Bases are nested: the first vectors of one are a basis too ([`Projection::leading`]).
 #[derive(Debug, Clone)]
 pub struct Projection {
-    /// VᵀKV of the elastic body alone, 1/s².
+    /// VᵀKV of the elastic body alone, 1/s²: of relaxing parts what is left after all relaxation.
     pub elastic: DMatrix<f64>,
+    /// What relaxes beside that.
+    pub relaxations: Vec<ProjectedRelaxation>,
+    /// s, 1/s: the rate at which the basis was made.
+    pub rate: f64,
     /// VᵀKV of the elastic supports (11), 1/s².
     pub support: DMatrix<f64>,
     /// VᵀCV of the dampers (13), 1/s; `None` without dampers.
@@ -51,7 +56,7 @@ impl Projection {
         System {
             mass: CsrMatrix::identity(count),
             elastic: of(&self.elastic),
-            relaxations: Vec::new(),
+            relaxations: self.relaxations.iter().map(|part| (of(&part.distortion), part.chain.clone())).collect(),
             support: (self.support.amax() > 0.0).then(|| of(&self.support)),
             damping: self.damping.as_ref().map(of),
             pads: Vec::new(),
@@ -69,6 +74,25 @@ impl Projection {
             copies: self.copies,
             classes: 1,
         }
+    }
+
+    /// K + G̃(s) D at the rate of the basis, supports included, 1/s².
+    pub fn stiffness_at_rate(&self) -> DMatrix<f64> {
+        let elastic = &self.elastic + &self.support;
+        let relaxing = self.relaxations.iter();
+        relaxing.fold(elastic, |sum, part| sum + &part.distortion * part.chain.transformed_terms(self.rate))
+    }
+
+    /// The body whose relaxing parts have other chains, in their order, the same otherwise.
+    #[must_use]
+    pub fn with_chains(&self, chains: &[Maxwell]) -> Self {
+        let mut changed = self.clone();
+        for (part, chain) in changed.relaxations.iter_mut().zip(chains) {
+            let rise = chain.equilibrium - part.chain.equilibrium;
+            changed.elastic += &part.distortion * rise;
+            part.chain = chain.clone();
+        }
+        changed
     }
 
     /// Vectors of the basis.
@@ -98,10 +122,12 @@ impl Projection {
 
     /// All the numbers of the arrays.
     pub(super) fn numbers(&mut self) -> impl Iterator<Item = &mut [f64]> {
-        let Self { elastic, support, damping, force, translation, hit_stress, load, support_load, .. } = self;
+        let Self { elastic, relaxations, support, damping, force, translation, hit_stress, load, support_load, .. } =
+            self;
         [Some(elastic), Some(support), Some(hit_stress), damping.as_mut()]
             .into_iter()
             .flatten()
+            .chain(relaxations.iter_mut().map(|part| &mut part.distortion))
             .map(|m| m.as_mut_slice())
             .chain([force, translation, load, support_load].map(|v| v.as_mut_slice()))
     }
@@ -112,6 +138,8 @@ impl Projection {
         let head = |v: &DVector<f64>| v.rows(0, count).into_owned();
         Self {
             elastic: square(&self.elastic),
+            relaxations: self.relaxations.iter().map(|part| part.on(square)).collect(),
+            rate: self.rate,
             support: square(&self.support),
             damping: self.damping.as_ref().map(square),
             force: head(&self.force),

@@ -155,8 +155,7 @@ impl System {
             localization: part(&self.localization),
             hit_stress: self.hit_stress.iter().map(part).collect(),
             translation: part(&self.translation),
-            // Plates alone have classes, and do not relax.
-            relaxations: Vec::new(),
+            relaxations: self.relaxations.iter().map(|(d, chain)| (square(d), chain.clone())).collect(),
             infinite_plate: self.infinite_plate.clone(),
             classes: 1,
             ..*self

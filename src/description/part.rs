@@ -74,11 +74,12 @@ fn window(scene: &Scene) -> Window {
 }
 
 impl super::Description {
-    /// The relaxations that differ, each with the numbers of the parts that have it.
+    /// The relaxations that differ, each with the numbers of the parts that have it. None of their terms may be left to follow: what of a
+    /// body goes with a chain is known all the same.
     pub fn relaxations(&self) -> Vec<(&Maxwell, Vec<usize>)> {
         let mut found: Vec<(&Maxwell, Vec<usize>)> = Vec::new();
         for (number, part) in self.parts.iter().enumerate() {
-            let Some(chain) = &part.material.shear else { continue };
+            let Some(Pruned { chain, .. }) = &part.pruned else { continue };
             match found.iter_mut().find(|(other, _)| *other == chain) {
                 Some((_, numbers)) => numbers.push(number),
                 None => found.push((chain, vec![number])),

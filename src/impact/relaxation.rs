@@ -83,9 +83,9 @@ pub(super) fn stored_beyond(body: &Body, lags: &[Lag], u: &Vector, surface: f64)
 }
 
 impl Relaxing {
-    /// For a step size, s; `None` for a body without relaxation.
+    /// For a step size, s; `None` for a body without relaxing terms.
     pub(super) fn new(body: &Body, step: f64) -> Result<Option<Self>> {
-        if body.relaxations.is_empty() {
+        if moduli(body).next().is_none() {
             return Ok(None);
         }
         let of = |relaxation: &Relaxation| -> Vec<(f64, Decay)> {

@@ -33,9 +33,13 @@ impl Maxwell {
 
     /// G̃(s) = G∞ + Σ G_i sτ_i/(1 + sτ_i) for a real s (1/s), Pa: s times the Laplace transform of G.
     pub fn transformed(&self, s: f64) -> f64 {
+        self.equilibrium + self.transformed_terms(s)
+    }
+
+    /// The part of [`Self::transformed`] that the terms have, Σ G_i sτ_i/(1 + sτ_i), Pa.
+    pub fn transformed_terms(&self, s: f64) -> f64 {
         // 1/(1 + 1/(sτ)) does not overflow.
-        let part = |term: &Term| term.modulus / (1.0 + 1.0 / (s * term.time));
-        self.equilibrium + self.terms.iter().map(part).sum::<f64>()
+        self.terms.iter().map(|term| term.modulus / (1.0 + 1.0 / (s * term.time))).sum()
     }
 
     /// G′ at the angular frequency ω (1/s), Pa: the stress in phase with the strain.

@@ -52,12 +52,18 @@ pub(super) fn layered(
         return Ok(None);
     }
     passed.push(judged);
-    let is_elastic = Description::new(scene).relaxations().is_empty();
-    let model = match scene.time.modal && is_elastic {
-        true => {
-            Model::on_basis(comm, scene, Theory::Layerwise, refine(comm, &elastic, Theory::Layerwise, thick, watch)?)?
-        }
-        false => Model::of(comm, scene, Theory::Layerwise, watch)?,
+    let model = if !scene.time.modal {
+        Model::of(comm, scene, Theory::Layerwise, watch)?
+    } else {
+        let coarse = if Description::new(scene).relaxations().is_empty() {
+            thick
+        } else {
+            let Built::Operators(operators) = build(comm, scene, Theory::Layerwise, 1.0, watch)? else {
+                return Err(Error::Solve("a plate has unknowns".into()));
+            };
+            unrefined(comm, scene, operators, watch)?
+        };
+        Model::on_basis(comm, scene, Theory::Layerwise, refine(comm, scene, Theory::Layerwise, coarse, watch)?)?
     };
     Ok(Some(model.with_error(Cause::Theory, of_theory + pressed(scene))))
 }

@@ -161,8 +161,9 @@ impl Plan {
     pub(super) fn new(body: &Body, scene: &Scene) -> Self {
         let short = Self { start: Start { shift: rate(scene), leaves_short_waves: false }, first: FIRST };
         let Some(plate) = &body.infinite_plate else { return short };
-        // (What foundations pull at, and schemes in the body's unknowns, know no waves that go off.)
-        if !scene.time.modal || body.unilateral.is_some() || scene.body.reduction != Reduction::Auto {
+        // (What foundations pull at, what relaxes, and schemes in the body's unknowns, know no waves that go off.)
+        let is_bound = body.unilateral.is_some() || !body.relaxations.is_empty();
+        if !scene.time.modal || is_bound || scene.body.reduction != Reduction::Auto {
             return short;
         }
         let of_error = (MEASURED / (OF_BASIS * scene.tolerance)).powf(1.0 / ORDER);

@@ -51,6 +51,15 @@ impl Composition {
         }
     }
 
+    /// The same, to be changed.
+    pub fn materials_mut(&mut self) -> Vec<&mut Material> {
+        match &mut self.parts {
+            Parts::Whole(material) => vec![material],
+            Parts::Layers(layers) => layers.iter_mut().map(|layer| &mut layer.material).collect(),
+            Parts::Volumes(volumes) => volumes.values_mut().collect(),
+        }
+    }
+
     /// The one material of a body whose parts are all alike, and elastic.
     pub fn uniform(&self) -> Option<&form::Material> {
         let materials = self.materials();

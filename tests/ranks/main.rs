@@ -29,6 +29,7 @@ mod contact {
     pub mod zener;
 }
 mod body {
+    pub mod cantilever;
     pub mod convergence;
     pub mod evaluate;
     pub mod krylov;
@@ -49,6 +50,7 @@ mod impact {
     pub mod pads_condensed;
     pub mod reference;
     pub mod relaxing;
+    pub mod relaxing_modes;
     pub mod schemes;
     pub mod time_order;
     pub mod unilateral;
@@ -106,6 +108,7 @@ fn main() -> ExitCode {
         contact::patch_radius,
         contact::zener,
         body::spline,
+        body::cantilever,
         body::convergence,
         body::evaluate,
         body::krylov,
@@ -122,6 +125,7 @@ fn main() -> ExitCode {
         impact::pads_condensed,
         impact::reference,
         impact::relaxing,
+        impact::relaxing_modes,
         impact::schemes,
         impact::time_order,
         impact::unilateral,
@@ -167,6 +171,7 @@ fn main() -> ExitCode {
     .long_group("impact::reference", &[2, 3], impact::reference::LONG)
     .long_group("impact::relaxing", &[1], impact::relaxing::LONG)
     .long_group("impact::relaxing", &[2], impact::relaxing::TESTS)
+    .long_group("impact::relaxing_modes", &[1], impact::relaxing_modes::LONG)
     .long_group("model::converged", &[1], model::converged::LONG)
     .long_group("model::reduction", &[1], model::reduction::LONG)
     .long_group("model::theory_error", &[1], model::theory_error::LONG)

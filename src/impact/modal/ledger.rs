@@ -59,7 +59,10 @@ impl Ledger {
         let forms = &modes.forms;
         let of_support = if forms.has_support { 0.5 * x.dot(&(&forms.support * x)) } else { 0.0 };
         let support = of_support - forms.support_load.dot(x) + forms.support_offset - absent;
-        let bent = 0.5 * forms.squares.iter().zip(x).map(|(square, x)| square * x * x).sum::<f64>();
+        let bent = match &forms.relaxing {
+            None => 0.5 * forms.squares.iter().zip(x).map(|(square, x)| square * x * x).sum::<f64>(),
+            Some(relaxing) => relaxing.energy(x, &state.modes),
+        };
         let elastic = bent - of_support + 0.5 * modes.residual * force * force + state.settled * forms.rest;
         let free = modes.free;
         let (impulse, t) = (state.impulse, state.time);
@@ -73,7 +76,7 @@ impl Ledger {
             + of_weight;
         let total = kinetic + elastic + support + impactor + contact;
         let initial = *self.initial.get_or_insert(total - external);
-        // Without dampers and waves that go off, what the integration made is what the balance is off by.
+        // Without dampers, relaxation and waves that go off, what the integration made is what the balance is off by.
         let off = total - external - initial;
         let (dissipated, numerical) = match forms.damped.is_some() || forms.is_open {
             false => (self.of_contact, off + self.of_contact),

@@ -77,8 +77,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
     modal::basis(source, reduction, &supports, stiffest)?;
     let relaxing = relaxation::key(&raw);
     relaxation::check(source, &raw, relaxing.as_deref())?;
-    let against = relaxation::against_modes(relaxing.as_deref())
-        .or_else(|| modal::against(&raw, (model, reduction), &supports, stiffest));
+    let against = modal::against(&raw, (model, reduction), &supports, stiffest);
     let time = time::check(source, &raw.time, against)?;
     modal::only(source, &raw, (model, &supports), &time)?;
     time::equilibrium(source, &time, &load, &supports)?;

@@ -62,10 +62,11 @@ impl Body {
         let clamps = held(mesh, &description.clamps, |clamp, _| clamp.displacement)?;
         let pads = (!description.pads.is_empty()).then(|| Pads::new(&mesh.comm, pads, &clamps)).transpose()?;
         let nodes = mesh.positions();
+        let followed = description.relaxations().into_iter().filter(|(chain, _)| !chain.terms.is_empty());
         let relaxation = |(chain, of): (&Maxwell, Vec<usize>)| {
             Ok(Relaxation { distortion: distortion(mesh, |part| of.contains(&part))?, chain: chain.clone() })
         };
-        let relaxations = description.relaxations().into_iter().map(relaxation).collect::<Result<Vec<_>>>()?;
+        let relaxations = followed.map(relaxation).collect::<Result<Vec<_>>>()?;
         Ok(Self {
             mass,
             elastic,

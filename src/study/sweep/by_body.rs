@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
+use crate::form;
 use crate::scene::{self, Contact, Impactor, Initial, Load, Scene, Support, Vec3};
 
 /// All of a scene that its body depends on.
@@ -16,14 +17,26 @@ pub struct BodyOf {
     load: Load,
     initial: Initial,
     stress: bool,
+    /// Bulk moduli of the materials that relax, Pa, to some digits.
+    bulk: Vec<String>,
 }
 
 impl BodyOf {
-    /// Of a scene.
+    /// Of a scene. The shear moduli of relaxing materials, and the temperature, are left out: each member gives the body its own
+    /// ([`ModalBody::with_chains`](crate::body::ModalBody::with_chains)).
     pub fn new(scene: &Scene) -> Self {
-        let Scene { body, supports, impactor, contact, load, time, output, .. } = scene.clone();
+        let Scene { mut body, supports, impactor, contact, load, time, output, .. } = scene.clone();
         let Impactor { point, direction, .. } = impactor;
-        Self { body, supports, point, direction, contact, load, initial: time.initial, stress: output.stress }
+        let mut bulk = Vec::new();
+        for material in body.composition.materials_mut() {
+            if material.shear.take().is_some() {
+                // What a shear modulus leaves of its digits.
+                bulk.push(format!("{:.8e}", material.bulk()));
+                material.instantaneous = form::Material { young: 0.0, poisson: 0.0, ..material.instantaneous };
+            }
+        }
+        body.temperature = None;
+        Self { body, supports, point, direction, contact, load, initial: time.initial, stress: output.stress, bulk }
     }
 
     fn hash(&self) -> u64 {

@@ -85,7 +85,7 @@ impl Family {
         let mut pool: Vec<Vector> = ends.iter_mut().flat_map(|end| std::mem::take(&mut end.snapshots)).collect();
         let merge = |pool: &[Vector]| {
             let depth = DEPTH * ends[0].scene.tolerance;
-            Merged::new([(values[0], &ends[0].body), (values[last], &ends[1].body)], pool, depth)
+            Merged::new([(values[0], &ends[0].body), (values[last], &ends[1].body)], pool, depth, rate(&ends[0].scene))
         };
         let mut of_basis = ends[0].error.max(ends[1].error);
         let mut merged = merge(&pool)?;

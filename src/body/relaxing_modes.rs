@@ -1,0 +1,380 @@
+//! Free motions of a body with relaxing parts, in first-order coordinates.
+//!
+//! On the real coordinates x of a body's lower modes, in which M = 1,
+//!
+//! ẍ + C ẋ + K x + Σ G_i D w_i = φF + f,  ẇ_i = ẋ − w_i/τ_i,
+//!
+//! with the stretches w = x − z of the springs. D = Σ_j d_j u_j u_jᵀ, so that e_ij = √(G_i d_j) u_jᵀ w_i holds the energy ½ e² of each spring, and
+//!
+//! (s x)˙ = s v,  v̇ = −K x − C v − Σ √(G_i d_j) u_j e_ij + φF + f,  ė_ij = √(G_i d_j) u_jᵀ v − e_ij/τ_i
+//!
+//! with s = ω of the modes. The matrix is antisymmetric but for C, 1/τ and what K is off diag(s²), so that its eigenvectors are well
+//! conditioned. One chain without dampers has them at less cost ([`Rational`]). Its oscillating pairs are the vibrations, each with its own damping; its real eigenvalues are the motions by which the body creeps.
+//! The modes that are left out answer as springs, with the modulus that the modes were made with.
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::ProjectedRelaxation;
+use super::eigen::{GeneralEigen, symmetric_eigen};
+use super::modes::{CONDITION, Damped, Mode, real_parts};
+use super::rational_eigen::{Pair, Rational};
+use crate::error::{Error, Result};
+use crate::material::Maxwell;
+
+/// Eigenvalues of D below this part of the largest are rounding.
+const ROUNDING: f64 = 1e-14;
+
+/// A relaxation on the real coordinates of modes.
+#[derive(Debug, Clone)]
+pub struct ModalRelaxation {
+    /// D.
+    distortion: DMatrix<f64>,
+    chain: Maxwell,
+    /// Σ G_i sτ_i/(1 + sτ_i) of the modulus that the modes have, Pa.
+    modulus: f64,
+}
+
+/// Where the energy of a relaxing body is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RelaxingForms {
+    /// K of the modes after all relaxation, 1/s².
+    pub elastic: DMatrix<f64>,
+    /// e from the coordinates z, Re(E z), a row each: ½ e² is the energy of a spring.
+    pub stretches: DMatrix<Complex<f64>>,
+}
+
+/// The relaxing modes of a body.
+pub struct Relaxing {
+    /// The coordinates, and x and v from them.
+    pub damped: Damped,
+    /// Where their energy is.
+    pub forms: RelaxingForms,
+}
+
+impl RelaxingForms {
+    /// The energy of all springs, J, at x and z.
+    pub fn energy(&self, x: &DVector<f64>, z: &[Complex<f64>]) -> f64 {
+        0.5 * (x.dot(&(&self.elastic * x)) + real_parts(&self.stretches, z).norm_squared())
+    }
+}
+
+impl ModalRelaxation {
+    /// A relaxation on modes, by columns, which were made with the modulus at a rate (1/s).
+    pub fn new(part: &ProjectedRelaxation, vectors: &DMatrix<f64>, rate: f64) -> Self {
+        let part = part.on(|distortion| vectors.tr_mul(&(distortion * vectors)));
+        Self { modulus: part.chain.transformed_terms(rate), distortion: part.distortion, chain: part.chain }
+    }
+
+    /// The same on some of the modes.
+    pub fn select(&self, modes: &[usize]) -> Self {
+        let distortion = self.distortion.select_rows(modes).select_columns(modes);
+        Self { distortion, chain: self.chain.clone(), modulus: self.modulus }
+    }
+}
+
+/// K after all relaxation on modes of the given squares, 1/s².
+fn relaxed(squares: &DVector<f64>, relaxations: &[ModalRelaxation]) -> DMatrix<f64> {
+    let all = DMatrix::from_diagonal(squares);
+    relaxations.iter().fold(all, |sum, part| sum - &part.distortion * part.modulus)
+}
+
+/// The equilibrium of all modes under loads, after all relaxation, less that of the moving ones by themselves; with its energy, likewise, J.
+///
+/// # Errors
+/// [`Error::Solve`] where loads move the body without end.
+pub fn at_rest_beyond(
+    squares: &DVector<f64>,
+    relaxations: &[ModalRelaxation],
+    loads: &DVector<f64>,
+    moving: &[usize],
+) -> Result<(DVector<f64>, f64)> {
+    let all = relaxed(squares, relaxations);
+    let mut rest = DVector::zeros(loads.len());
+    let mut energy = 0.0;
+    // Free motions, which come first, have no equilibrium.
+    let left_out = moving.last().map_or(0, |last| last + 1)..loads.len();
+    let held: Vec<usize> = moving.iter().copied().chain(left_out).collect();
+    for (sign, of) in [(1.0, &held[..]), (-1.0, moving)] {
+        let load = loads.select_rows(of);
+        let factor = all.select_rows(of).select_columns(of).cholesky();
+        let creeps = || Error::Solve("the loads make the body creep without end".into());
+        let moved = factor.ok_or_else(creeps)?.solve(&load);
+        energy += 0.5 * sign * load.dot(&moved);
+        of.iter().zip(moved.iter()).for_each(|(&i, x)| rest[i] += sign * x);
+    }
+    Ok((rest, energy))
+}
+
+/// One spring in series with a dashpot: a direction of D with a term of the chain.
+struct Spring {
+    /// √(G d) u.
+    coupling: DVector<f64>,
+    /// 1/τ, 1/s.
+    rate: f64,
+}
+
+/// All springs of a body's relaxations.
+fn springs(relaxations: &[ModalRelaxation]) -> Vec<Spring> {
+    let mut springs = Vec::new();
+    for ModalRelaxation { distortion, chain, .. } in relaxations {
+        let (values, directions) = symmetric_eigen(distortion.clone());
+        let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(*value));
+        for term in &chain.terms {
+            let along = values.iter().zip(directions.column_iter()).filter(|(value, _)| **value > ROUNDING * largest);
+            let spring =
+                |(value, u): (&f64, _)| Spring { coupling: (value * term.modulus).sqrt() * u, rate: 1.0 / term.time };
+            springs.extend(along.map(spring));
+        }
+    }
+    springs
+}
+
+/// The coordinates of modes of the given squares, with dampers and relaxations, under forces along them.
+///
+/// # Errors
+/// [`Error::Solve`] where the body has no independent coordinates.
+pub fn relaxing(
+    squares: &DVector<f64>,
+    damping: Option<&DMatrix<f64>>,
+    relaxations: &[ModalRelaxation],
+    [force, load]: [&DVector<f64>; 2],
+) -> Result<Relaxing> {
+    let (elastic, springs) = (relaxed(squares, relaxations), springs(relaxations));
+    if let (None, [ModalRelaxation { distortion, chain, .. }]) = (damping, relaxations)
+        && let Some(pairs) = (Rational { stiffness: &elastic, distortion, chain }).pairs(squares)
+    {
+        return Ok(of_pairs(&pairs, elastic, &springs, [force, load]));
+    }
+    of_first_order(squares, damping, (elastic, &springs), [force, load])
+}
+
+/// Coordinates z with x = Re Σ φ z over all pairs.
+fn of_pairs(pairs: &[Pair], elastic: DMatrix<f64>, springs: &[Spring], [force, load]: [&DVector<f64>; 2]) -> Relaxing {
+    let n = elastic.nrows();
+    let shapes = |factor: &dyn Fn(&Pair) -> Complex<f64>| {
+        DMatrix::from_fn(n, pairs.len(), |i, c| pairs[c].shape[i] * factor(&pairs[c]) * pairs[c].count())
+    };
+    let (places, speeds) = (shapes(&|_| Complex::new(1.0, 0.0)), shapes(&|pair| pair.rate));
+    let inputs = DMatrix::from_fn(pairs.len(), n, |c, i| pairs[c].shape[i] / pairs[c].slope);
+    // ẇ = ẋ − w/τ.
+    let couplings = DMatrix::from_fn(springs.len(), n, |k, i| springs[k].coupling[i]);
+    let mut stretches = complex_product(&couplings, &places);
+    for (mut column, pair) in stretches.column_iter_mut().zip(pairs) {
+        let rows = column.iter_mut().zip(springs);
+        rows.for_each(|(entry, spring)| *entry *= pair.rate / (pair.rate + spring.rate));
+    }
+    let rates: Vec<_> = pairs.iter().map(|pair| pair.rate).collect();
+    let damped = coordinates(&rates, [places, speeds], inputs, [force, load]);
+    Relaxing { damped, forms: RelaxingForms { elastic, stretches } }
+}
+
+/// A B of a real A.
+fn complex_product(a: &DMatrix<f64>, b: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+    let (real, imaginary) = (a * b.map(|entry| entry.re), a * b.map(|entry| entry.im));
+    real.zip_map(&imaginary, Complex::new)
+}
+
+/// Coordinates of given rates, shapes and inputs under forces.
+fn coordinates(
+    rates: &[Complex<f64>],
+    shapes: [DMatrix<Complex<f64>>; 2],
+    inputs: DMatrix<Complex<f64>>,
+    forces: [&DVector<f64>; 2],
+) -> Damped {
+    let [input, load] = forces.map(|v| &inputs * v.map(|entry| Complex::new(entry, 0.0)));
+    let outputs = shapes[0].tr_mul(&forces[0].map(|entry| Complex::new(entry, 0.0)));
+    let mode =
+        |(c, rate): (usize, &Complex<f64>)| Mode { rate: *rate, input: input[c], load: load[c], output: outputs[c] };
+    Damped { modes: rates.iter().enumerate().map(mode).collect(), shapes, inputs }
+}
+
+/// The same by the eigenvectors of the first-order system.
+fn of_first_order(
+    squares: &DVector<f64>,
+    damping: Option<&DMatrix<f64>>,
+    (elastic, springs): (DMatrix<f64>, &[Spring]),
+    forces: [&DVector<f64>; 2],
+) -> Result<Relaxing> {
+    let n = squares.len();
+    let of_damping = |i: usize| damping.map_or(0.0, |damping| damping[(i, i)]);
+    let scales = DVector::from_fn(n, |i, _| squares[i].sqrt().max(of_damping(i)).max(f64::MIN_POSITIVE));
+    let size = 2 * n + springs.len();
+    let mut matrix = DMatrix::zeros(size, size);
+    for i in 0..n {
+        matrix[(i, n + i)] = scales[i];
+        for j in 0..n {
+            matrix[(n + i, j)] = -elastic[(i, j)] / scales[j];
+        }
+    }
+    if let Some(damping) = damping {
+        matrix.view_mut((n, n), (n, n)).copy_from(&-damping);
+    }
+    for (row, Spring { coupling, rate }) in (2 * n..).zip(springs) {
+        matrix.view_mut((n, row), (n, 1)).copy_from(&-coupling);
+        matrix.view_mut((row, n), (1, n)).copy_from(&coupling.transpose());
+        matrix[(row, row)] = -rate;
+    }
+    let dependent = || {
+        Error::Solve(
+            "the body's relaxation leaves it without independent modes: another time.scheme, or another temperature"
+                .into(),
+        )
+    };
+    let eigen = GeneralEigen::new(&matrix).ok_or_else(dependent)?;
+    // Of a conjugate pair one, counted twice; real ones once.
+    let chosen: Vec<(usize, f64)> = (0..size)
+        .filter_map(|k| match eigen.value(k).im {
+            0.0 => Some((k, 1.0)),
+            im if im > 0.0 => Some((k, 2.0)),
+            _ => None,
+        })
+        .collect();
+    // What forces on v drive each coordinate by.
+    let inputs = eigen.coordinates(&DMatrix::from_fn(size, n, |i, j| if i == n + j { 1.0 } else { 0.0 }));
+    let inputs = inputs.filter(|inputs| inputs.norm() < CONDITION).ok_or_else(dependent)?;
+    let inputs = DMatrix::from_fn(chosen.len(), n, |c, i| inputs[(chosen[c].0, i)]);
+    let rows = |begin: usize, count: usize| {
+        DMatrix::from_fn(count, chosen.len(), |i, c| eigen.entry(begin + i, chosen[c].0) * chosen[c].1)
+    };
+    let (mut places, speeds, stretches) = (rows(0, n), rows(n, n), rows(2 * n, springs.len()));
+    places.row_iter_mut().zip(scales.iter()).for_each(|(mut row, scale)| row.unscale_mut(*scale));
+    let rates: Vec<_> = chosen.iter().map(|&(k, _)| eigen.value(k)).collect();
+    let damped = coordinates(&rates, [places, speeds], inputs, forces);
+    Ok(Relaxing { damped, forms: RelaxingForms { elastic, stretches } })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::gauss_legendre;
+    use crate::material::Term;
+    use crate::scheme::modal::phi;
+
+    /// Four modes, of which two parts relax, with a damper and without.
+    struct Sample {
+        squares: DVector<f64>,
+        damping: Option<DMatrix<f64>>,
+        relaxations: Vec<ModalRelaxation>,
+        force: DVector<f64>,
+        load: DVector<f64>,
+    }
+
+    fn sample(damping: f64) -> Sample {
+        let part = |seed: usize, terms: &[(f64, f64)]| {
+            // Of rank three.
+            let rows = DMatrix::from_fn(3, 4, |i, j| ((seed + 3 * i + 5 * j) % 7) as f64 - 2.5);
+            let terms = terms.iter().map(|&(modulus, time)| Term { modulus, time }).collect();
+            let chain = Maxwell { equilibrium: 0.1, terms };
+            let modulus = chain.transformed_terms(2.0);
+            ModalRelaxation { distortion: rows.tr_mul(&rows) * 0.02, chain, modulus }
+        };
+        Sample {
+            squares: DVector::from_row_slice(&[4.0, 9.0, 16.0, 30.0]),
+            damping: (damping > 0.0).then(|| DMatrix::from_fn(4, 4, |i, j| damping / (1.0 + (i + j) as f64))),
+            relaxations: vec![part(1, &[(1.0, 0.05), (0.6, 0.7), (0.5, 20.0)]), part(4, &[(0.8, 0.3)])],
+            force: DVector::from_row_slice(&[1.0, -0.5, 0.7, 0.2]),
+            load: DVector::from_row_slice(&[0.3, 0.1, -0.2, 0.4]),
+        }
+    }
+
+    /// z after a time from nothing under a constant force of 1 and the loads.
+    fn pushed(modes: &[Mode], time: f64) -> Vec<Complex<f64>> {
+        modes.iter().map(|mode| phi(mode.rate * time)[0] * time * (mode.input + mode.load)).collect()
+    }
+
+    /// What forces do is kinetic, stored, or lost in dashpots and dampers: to rounding, since the motion is exact.
+    #[test]
+    fn work_is_stored_or_lost() {
+        for damping in [0.0, 0.4] {
+            let Sample { squares, damping, relaxations, force, load } = sample(damping);
+            let Relaxing { damped, forms } =
+                relaxing(&squares, damping.as_ref(), &relaxations, [&force, &load]).unwrap();
+            let [places, speeds] = &damped.shapes;
+            let rates: Vec<f64> = springs(&relaxations).iter().map(|spring| spring.rate).collect();
+            let power = |time: f64| {
+                let z = pushed(&damped.modes, time);
+                let stretches = real_parts(&forms.stretches, &z);
+                let v = real_parts(speeds, &z);
+                let of_dampers = damping.as_ref().map_or(0.0, |damping| v.dot(&(damping * &v)));
+                stretches.iter().zip(&rates).map(|(e, rate)| e * e * rate).sum::<f64>() + of_dampers
+            };
+            let (rule, panel) = (gauss_legendre(12), 0.05);
+            let mut lost = 0.0;
+            for k in 1..=100 {
+                let middle = (f64::from(k) - 0.5) * panel;
+                lost += rule.iter().map(|(x, p)| 0.5 * panel * p * power(middle + 0.5 * panel * x)).sum::<f64>();
+                let z = pushed(&damped.modes, f64::from(k) * panel);
+                let (x, v) = (real_parts(places, &z), real_parts(speeds, &z));
+                let work = x.dot(&(&force + &load));
+                let off = 0.5 * v.norm_squared() + forms.energy(&x, &z) + lost - work;
+                assert!(off.abs() < 1e-12, "{off:e} of {work} at {k}");
+            }
+            assert!(lost > 0.01, "{lost}");
+        }
+    }
+
+    /// The response at a rate s is that of the nonlinear operator, φᵀ(s² + sC + K + Σ G_i sτ_i/(1 + sτ_i) D)⁻¹φ.
+    #[test]
+    fn coordinates_have_the_transform_of_the_chain() {
+        for damping in [0.0, 0.4] {
+            let Sample { squares, damping, relaxations, force, load } = sample(damping);
+            let Relaxing { damped, .. } = relaxing(&squares, damping.as_ref(), &relaxations, [&force, &load]).unwrap();
+            for s in [1e-3, 0.1, 3.0, 40.0, 1e4] {
+                let mut operator = relaxed(&squares, &relaxations) + DMatrix::identity(4, 4) * (s * s);
+                for part in &relaxations {
+                    operator += &part.distortion * part.chain.transformed_terms(s);
+                }
+                if let Some(damping) = &damping {
+                    operator += damping * s;
+                }
+                let exact = force.dot(&operator.cholesky().unwrap().solve(&force));
+                let of = |mode: &Mode| (mode.output * mode.input / (Complex::new(s, 0.0) - mode.rate)).re;
+                let found: f64 = damped.modes.iter().map(of).sum();
+                // Terms of order one cancel at high rates, where s⁻² is left.
+                assert!((found - exact).abs() < 1e-13 + 1e-11 * exact.abs() / s.max(1.0), "{s}: {found} {exact}");
+            }
+        }
+    }
+
+    /// One chain without dampers, pair by pair, is what the first-order system has: also where terms are as fast as the vibrations, and
+    /// where they are much faster or slower.
+    #[test]
+    fn pairs_are_those_of_the_first_order_system() {
+        let Sample { squares, relaxations, force, load, .. } = sample(0.0);
+        let relaxations = &relaxations[..1];
+        for scale in [1e-3, 0.03, 1.0, 300.0] {
+            let mut part = relaxations[0].clone();
+            part.chain.terms.iter_mut().for_each(|term| term.time *= scale);
+            let (elastic, springs) = (relaxed(&squares, relaxations), springs(std::slice::from_ref(&part)));
+            let rational = Rational { stiffness: &elastic, distortion: &part.distortion, chain: &part.chain };
+            let pairs = rational.pairs(&squares).expect("all pairs");
+            // Four vibrations, and three directions for each of three terms.
+            assert_eq!(pairs.len(), 4 + 9, "{scale}");
+            let one = of_pairs(&pairs, elastic.clone(), &springs, [&force, &load]);
+            let other = of_first_order(&squares, None, (elastic, &springs), [&force, &load]).unwrap();
+            for time in [0.01, 0.3, 2.0, 20.0] {
+                let [(x, v, e), (y, w, f)] = [&one, &other].map(|Relaxing { damped, forms }| {
+                    let z = pushed(&damped.modes, time);
+                    let [places, speeds] = &damped.shapes;
+                    (real_parts(places, &z), real_parts(speeds, &z), real_parts(&forms.stretches, &z))
+                });
+                // Rounding of displacements and stretches of order one, and of the first-order system's rates, by the fastest of them.
+                let off = 1e-11 + 1e-14 * time / (0.05 * scale);
+                assert!((x - y).amax() < off && (v - w).amax() < off && (e - f).amax() < off, "{scale} {time}");
+            }
+        }
+    }
+
+    /// Rest after all relaxation, by all modes, is what the moving ones have of it and the rest.
+    #[test]
+    fn left_out_modes_share_the_equilibrium() {
+        let Sample { squares, relaxations, load, .. } = sample(0.0);
+        let whole = relaxed(&squares, &relaxations).cholesky().unwrap().solve(&load);
+        let (beyond, energy) = at_rest_beyond(&squares, &relaxations, &load, &[0, 1]).unwrap();
+        let moving: Vec<_> = relaxations.iter().map(|part| part.select(&[0, 1])).collect();
+        let own = relaxed(&squares.rows(0, 2).into_owned(), &moving).cholesky().unwrap().solve(&load.rows(0, 2));
+        let sum = &beyond + own.clone().resize_vertically(4, 0.0);
+        assert!((sum - &whole).amax() < 1e-14);
+        assert!((energy - 0.5 * (load.dot(&whole) - load.rows(0, 2).dot(&own))).abs() < 1e-14 && energy > 0.0);
+    }
+}

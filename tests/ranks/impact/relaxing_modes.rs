@@ -1,0 +1,232 @@
+//! A relaxing laminate on a basis: modal coordinates against steps, energies, bases at other temperatures and for other moduli.
+
+use std::ops::ControlFlow;
+
+use mpi_test::{Test, tests};
+use petsc_wrap::Session;
+use ricochet::body::{Body, DirectSum, ModalBody, Projection};
+use ricochet::description::Description;
+use ricochet::impact::step::Step;
+use ricochet::impact::{Impact, ModalImpact, Steps, Trace};
+use ricochet::material::Maxwell;
+use ricochet::model::watch::Unwatched;
+use ricochet::model::{Built, build, rate};
+use ricochet::scene::Scene;
+
+use crate::modelled::parse;
+
+pub const RANKS: &[usize] = &[1];
+pub const TESTS: &[Test<Session>] = tests![
+    steps_tend_to_modal_coordinates,
+    order_of_modal_steps,
+    energy_is_stored_or_lost,
+    another_chain_is_the_body_of_that_chain,
+    one_basis_serves_all_temperatures,
+    estimates_hold_of_the_smallest
+];
+/// A minute.
+pub const LONG: &[Test<Session>] = tests![estimates_hold];
+
+/// A small laminate on few cells, with an interlayer (Pa, °C) and the keys of `[time]`.
+fn laminate(layer: f64, temperature: f64, rest: &str) -> String {
+    format!(
+        "[body]\nsize = [0.15, 0.15]\nmodel = \"solid\"\ntemperature = {temperature:e}\n\
+         [[body.layer]]\nthickness = 0.006\nmaterial = \"glass\"\n\
+         [[body.layer]]\nthickness = {layer:e}\nmaterial = \"interlayer\"\n\
+         [[body.layer]]\nthickness = 0.006\nmaterial = \"glass\"\n\
+         [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+         [material.interlayer]\nbulk = 2e9\ndensity = 1100.0\nshear = 1e6\n\
+         wlf = {{ c1 = 8.6, c2 = 200.0, reference = 20.0 }}\n\
+         prony = [{{ modulus = 6e7, time = 5e-6 }}, {{ modulus = 5e7, time = 5e-5 }}, {{ modulus = 3e7, time = 5e-4 }},\n\
+         {{ modulus = 1e7, time = 5e-3 }}, {{ modulus = 3e6, time = 5e-2 }}]\n\
+         [impactor]\nmass = 0.5\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n\
+         [output]\nstress = false\n[accuracy]\ntolerance = 0.3\n[time]\nend = 4e-4\n{rest}"
+    )
+}
+
+/// A scene's body in all its unknowns.
+fn whole(session: &Session, scene: &Scene) -> Box<Body> {
+    let comm = session.world();
+    match build(&comm, scene, scene.body.model, 1.6, &Unwatched(&comm)).unwrap() {
+        Built::Operators(built) => built.body,
+        Built::Given(_) => panic!("a solid has operators"),
+    }
+}
+
+/// It on a basis of so many vectors.
+fn projected(body: &Body, scene: &Scene, vectors: usize) -> Projection {
+    let mut krylov = DirectSum::new(body, rate(scene)).unwrap();
+    krylov.grow(body, vectors).unwrap();
+    krylov.projection(body).unwrap()
+}
+
+fn on_basis(session: &Session, scene: &Scene, vectors: usize) -> Projection {
+    projected(&whole(session, scene), scene, vectors)
+}
+
+/// The force in modal coordinates in steps of one size, s.
+fn modal(scene: &Scene, projection: &Projection, step: f64) -> Trace {
+    let steps = Steps { largest: step, defect: None, peak: 5e4 };
+    ModalImpact::new(scene, &ModalBody::of(projection)).trace(Some(steps)).unwrap().0
+}
+
+/// The force (N of the modelled part) by Newmark's steps of a body.
+fn stepped(scene: &Scene, body: Body, step: f64) -> Vec<(f64, f64)> {
+    let mut scene = scene.clone();
+    (scene.time.modal, scene.time.step) = (false, Some(step));
+    let copies = body.copies;
+    let mut forces = Vec::new();
+    let flow = Impact::new(&scene, body).unwrap().run(|step: &Step| {
+        forces.push((step.time, step.contact.force / copies));
+        Ok(ControlFlow::Continue(()))
+    });
+    assert!(flow.unwrap().is_continue());
+    forces
+}
+
+/// Largest difference to a trace over its peak.
+fn off(forces: &[(f64, f64)], reference: &Trace) -> f64 {
+    forces.iter().map(|(time, force)| (force - reference.at(*time)).abs()).fold(0.0, f64::max) / reference.peak()
+}
+
+/// Newmark's steps of the reduced body, Maxwell terms among them, come to the modal solution with the square of their size.
+fn steps_tend_to_modal_coordinates(session: &Session) {
+    let mut scene = parse(&laminate(0.00152, 20.0, ""));
+    scene.time.end = 1e-4;
+    let projection = on_basis(session, &scene, 8);
+    assert!(projection.relaxations[0].chain.terms.len() >= 2, "terms to follow");
+    let reference = modal(&scene, &projection, 5e-8);
+    let alone = session.alone();
+    let errors = [1e-7, 5e-8, 2.5e-8]
+        .map(|step| off(&stepped(&scene, Body::of(&alone, &projection.system()).unwrap(), step), &reference));
+    println!("  {errors:?}");
+    let order = (errors[0] / errors[2]).log2() / 2.0;
+    // Steps that follow the fastest of the vibrations on the basis, which makes the force ring a little.
+    assert!((1.7..2.3).contains(&order) && errors[2] < 1e-3, "{order} {errors:?}");
+}
+
+/// The order of modal steps is what it is without relaxation: two or more.
+fn order_of_modal_steps(session: &Session) {
+    let scene = parse(&laminate(0.00152, 20.0, ""));
+    let projection = on_basis(session, &scene, 16);
+    let reference = modal(&scene, &projection, 1e-7);
+    let difference = |step: f64| reference.difference(&modal(&scene, &projection, step)).history;
+    let errors = [1.6e-5, 8e-6, 4e-6].map(difference);
+    let order = (errors[0] / errors[2]).log2() / 2.0;
+    println!("  {errors:?}, order {order}");
+    assert!(order >= 2.0, "{order} {errors:?}");
+}
+
+/// The balance of every step is closed, dashpots only take, and what the integration makes falls with the third power of the step or faster.
+fn energy_is_stored_or_lost(session: &Session) {
+    let mut scene = parse(&laminate(0.00152, 20.0, ""));
+    let body = ModalBody::of(&on_basis(session, &scene, 16));
+    let made = [8e-6, 2e-6].map(|step| {
+        scene.time.step = Some(step);
+        let mut steps: Vec<Step> = Vec::new();
+        let flow = ModalImpact::new(&scene, &body).run(|step| {
+            steps.push(*step);
+            Ok(ControlFlow::Continue(()))
+        });
+        assert!(flow.unwrap().is_continue());
+        let (initial, last) = (steps[0].energy.total, steps[steps.len() - 1].energy);
+        for step in &steps {
+            let energy = step.energy;
+            let left = energy.total + energy.dissipated - energy.external - energy.numerical - initial;
+            assert!(left.abs() < 1e-9 * initial, "{left:e} at {}", step.time);
+        }
+        // But for what the quadrature of the contact's work makes.
+        assert!(steps.windows(2).all(|pair| pair[1].energy.dissipated >= pair[0].energy.dissipated - 1e-6 * initial));
+        assert!(last.dissipated > 1e-3 * initial, "{:e}", last.dissipated / initial);
+        (last.numerical.abs() / initial, last.dissipated / initial)
+    });
+    println!("  {made:?}");
+    assert!(made[1].0 < made[0].0 / 16.0 && made[0].0 < 1e-3, "{made:?}");
+    // What is lost is the body's, not the step's.
+    assert!((made[1].1 / made[0].1 - 1.0).abs() < 0.02, "{made:?}");
+}
+
+/// The chains that a scene's run follows.
+fn chains(scene: &Scene) -> Vec<Maxwell> {
+    Description::new(scene).relaxations().into_iter().map(|(chain, _)| chain.clone()).collect()
+}
+
+/// K_e and D are projected one by one: on one basis, a body with another chain is the body that was made with it.
+fn another_chain_is_the_body_of_that_chain(session: &Session) {
+    let [cold, warm] = [5.0, 45.0].map(|temperature| parse(&laminate(0.00152, temperature, "")));
+    let (of_cold, of_warm) = (whole(session, &cold), whole(session, &warm));
+    let mut krylov = DirectSum::new(&of_cold, rate(&cold)).unwrap();
+    krylov.grow(&of_cold, 12).unwrap();
+    let changed = krylov.projection(&of_cold).unwrap().with_chains(&chains(&warm));
+    let basis = krylov.basis().unwrap();
+    let mut image = of_warm.load.duplicate().unwrap();
+    let mut exact = nalgebra::DMatrix::zeros(12, 12);
+    for (j, vector) in basis.iter().enumerate() {
+        of_warm.apply_elastic(vector, &mut image).unwrap();
+        image.dots(basis).unwrap().into_iter().enumerate().for_each(|(i, entry)| exact[(i, j)] = entry);
+    }
+    assert_ne!(changed.relaxations[0].chain, chains(&cold)[0]);
+    assert_eq!(changed.relaxations[0].chain, of_warm.relaxations[0].chain);
+    // A free body's first vector is its translation, of which K is set to zero; rounding of the rest.
+    assert!(
+        (&changed.elastic - &exact).amax() < 1e-10 * exact.amax(),
+        "{:e}",
+        (&changed.elastic - &exact).amax() / exact.amax()
+    );
+}
+
+/// A basis made at 20 °C at 0 to 50 °C: no worse than twice a basis made there, by the difference to one of twice as many vectors.
+fn one_basis_serves_all_temperatures(session: &Session) {
+    let at = |temperature: f64| parse(&laminate(0.00152, temperature, ""));
+    let shared = on_basis(session, &at(20.0), 40);
+    for temperature in [0.0, 10.0, 35.0, 50.0] {
+        let scene = at(temperature);
+        let own = on_basis(session, &scene, 64);
+        let reference = modal(&scene, &own, 1e-6);
+        let here = shared.with_chains(&chains(&scene));
+        let [small, large] = [20, 40].map(|vectors| modal(&scene, &here.leading(vectors), 1e-6));
+        let estimate = 2.2 * small.difference(&large).history;
+        let error = small.difference(&reference).history;
+        println!("  {temperature} °C: error {error:.1e}, estimate {estimate:.1e}");
+        assert!(error <= estimate && estimate <= 10.0 * error, "{temperature}: {error:e} {estimate:e}");
+    }
+}
+
+/// Thickness of the interlayer, m, and temperature, °C.
+const LAMINATES: [(f64, f64); 8] = [
+    (0.00038, 0.0),
+    (0.00038, 50.0),
+    (0.00076, 10.0),
+    (0.00076, 35.0),
+    (0.00152, 0.0),
+    (0.00152, 20.0),
+    (0.00152, 50.0),
+    (0.00304, 20.0),
+];
+
+fn estimates_hold_of_the_smallest(session: &Session) {
+    estimate_holds(session, &LAMINATES[..1]);
+}
+
+fn estimates_hold(session: &Session) {
+    estimate_holds(session, &LAMINATES[1..]);
+}
+
+/// The error of a basis, against all unknowns in the same steps, is below its estimate, and that is no more than ten times it.
+fn estimate_holds(session: &Session, laminates: &[(f64, f64)]) {
+    for &(layer, temperature) in laminates {
+        let scene = parse(&laminate(layer, temperature, ""));
+        let body = whole(session, &scene);
+        let projection = projected(&body, &scene, 24);
+        let alone = session.alone();
+        let [small, large] = [16, 24]
+            .map(|vectors| stepped(&scene, Body::of(&alone, &projection.leading(vectors).system()).unwrap(), 2e-6));
+        let full = stepped(&scene, *body, 2e-6);
+        let peak = full.iter().fold(0.0_f64, |peak, (_, force)| peak.max(*force));
+        let difference =
+            |other: &[(f64, f64)]| small.iter().zip(other).map(|(a, b)| (a.1 - b.1).abs()).fold(0.0, f64::max) / peak;
+        let (error, estimate) = (difference(&full), ricochet::model::OF_SMALLER * difference(&large));
+        println!("  {layer} m at {temperature} °C: error {error:.1e}, estimate {estimate:.1e}");
+        assert!(error <= estimate && estimate <= 10.0 * error, "{error:e} {estimate:e}");
+    }
+}
