@@ -39,7 +39,7 @@ pub fn section(data: &Data) -> Result<Section> {
 
 /// Sheets of a map for wide pages and for narrow screens.
 const WIDE: Sheet = Sheet { width: 1600, height: 900 };
-const NARROW: Sheet = Sheet { width: 800, height: 760 };
+const NARROW: Sheet = Sheet { width: 620, height: 640 };
 
 /// The maps of the largest tension over time on the faces that have one.
 fn maps(data: &Data, stresses: &Stresses) -> Result<Vec<Part>> {

@@ -70,8 +70,8 @@ fn a_plate_in_modal_coordinates() {
     says(&page, &[&format!("{:.2} kN", 1e-3 * peak)]);
     assert_eq!(select(&page, ".verdict").count(), 0);
     assert_eq!(select(&page, "details code").collect::<String>().trim(), PANE.trim());
-    // Force, deflection, tension on the faces, tension and displacement at the probe, energies.
-    assert_eq!(count(&page, "figure"), 6);
+    // Force, deflection, tension on the faces, its two maps, tension and displacement at the probe, energies.
+    assert_eq!(count(&page, "figure"), 8);
 }
 
 /// Whatever stands in a scene is text, in HTML and in SVG.
