@@ -3,7 +3,7 @@
 use super::Projection;
 use super::modes::{Closed, Modes, Spectrum};
 use crate::contact::Patch;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::material::Maxwell;
 
 /// Modes, with what the contact law needs of the body.
@@ -38,13 +38,19 @@ impl ModalBody {
         Self { source, relaxing, compliance, copies, patch }
     }
 
-    /// The body whose relaxing parts have other chains, in their order, on the same basis; `None` where it has them already, or other parts.
-    #[must_use]
-    pub fn with_chains(&self, chains: &[Maxwell]) -> Option<Self> {
-        let projection = self.relaxing.as_ref()?;
-        let own = projection.relaxations.iter().map(|part| &part.chain);
-        let is_another = own.len() == chains.len() && !own.eq(chains);
-        is_another.then(|| Self::of(&projection.with_chains(chains)))
+    /// The body whose relaxing parts have other chains, in their order, on the same basis; `None` where it has them already.
+    ///
+    /// # Errors
+    /// [`Error::Solve`] where there are as many relaxing parts as chains no more: two materials may relax alike at one temperature only.
+    pub fn with_chains(&self, chains: &[Maxwell]) -> Result<Option<Self>> {
+        let own = self.relaxing.iter().flat_map(|projection| projection.relaxations.iter().map(|part| &part.chain));
+        let count = own.clone().count();
+        if count != chains.len() {
+            let message = format!("a basis for {count} relaxing materials does not serve {}", chains.len());
+            return Err(Error::Solve(message));
+        }
+        let is_another = !own.eq(chains);
+        Ok(self.relaxing.iter().find(|_| is_another).map(|projection| Self::of(&projection.with_chains(chains))))
     }
 
     /// The frequency up to which steps must resolve the motion, since unilateral foundations let go of it, rad/s.

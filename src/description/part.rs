@@ -12,6 +12,8 @@ pub struct Part {
     pub portion: Portion,
     /// What it is made of.
     pub material: Material,
+    /// Its relaxation as the scene has it, at the body's temperature.
+    pub given: Option<Maxwell>,
     /// How its relaxation was shortened to what the run can tell, where it relaxes: `material` has what is followed.
     pub pruned: Option<Pruned>,
     /// Force on its volume, its weight included where that acts, N/m³.
@@ -41,6 +43,7 @@ pub(super) fn parts(scene: &Scene) -> Vec<Part> {
             portion,
             material: pruned.as_ref().map_or_else(|| material.clone(), followed),
             force: scene.load.force_on(density),
+            given: material.shear.clone(),
             pruned,
         }
     };
@@ -74,17 +77,16 @@ fn window(scene: &Scene) -> Window {
 }
 
 impl super::Description {
-    /// The relaxations that differ, each with the numbers of the parts that have it. None of their terms may be left to follow: what of a
-    /// body goes with a chain is known all the same.
+    /// The relaxations that differ as they are given, each as it is followed, with the numbers of the parts that have it. None of their terms
+    /// may be left to follow: what of a body goes with a chain is known all the same.
     pub fn relaxations(&self) -> Vec<(&Maxwell, Vec<usize>)> {
-        let mut found: Vec<(&Maxwell, Vec<usize>)> = Vec::new();
-        for (number, part) in self.parts.iter().enumerate() {
-            let Some(Pruned { chain, .. }) = &part.pruned else { continue };
-            match found.iter_mut().find(|(other, _)| *other == chain) {
+        let mut found: Vec<(&Part, Vec<usize>)> = Vec::new();
+        for (number, part) in self.parts.iter().enumerate().filter(|(_, part)| part.pruned.is_some()) {
+            match found.iter_mut().find(|(other, _)| other.given == part.given) {
                 Some((_, numbers)) => numbers.push(number),
-                None => found.push((chain, vec![number])),
+                None => found.push((part, vec![number])),
             }
         }
-        found
+        found.into_iter().filter_map(|(part, numbers)| Some((&part.pruned.as_ref()?.chain, numbers))).collect()
     }
 }

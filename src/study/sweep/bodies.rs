@@ -204,7 +204,7 @@ impl Kept {
         let mut steps = Vec::new();
         let relaxing = chains(scene);
         let with_chains = |body: &ModalBody| body.with_chains(&relaxing);
-        let own = with_chains(&self.body);
+        let own = with_chains(&self.body)?;
         let body = own.as_ref().unwrap_or(&self.body);
         let mut impact = ModalImpact::new(scene, body);
         if !has_energies {
@@ -235,7 +235,7 @@ impl Kept {
         let mut of_basis = Errors::default();
         if let Some((judge, of_difference)) = &self.judge {
             let Some((force, taken)) = impact.force() else { return Ok(None) };
-            let own = with_chains(judge);
+            let own = with_chains(judge)?;
             let judge = own.as_ref().unwrap_or(judge);
             of_basis = *of_difference * force.difference(&ModalImpact::new(scene, judge).trace(Some(*taken))?.0);
         }

@@ -125,7 +125,8 @@ impl Laminate {
         let count = self.parts.len();
         let is_relaxing =
             |layer: usize| relaxing.contains(&if geometry.sign < 0.0 { count - 1 - layer } else { layer });
-        let of = |(layer, (part, kappa)): (usize, (&Part, &f64))| match &part.material.shear {
+        // Between the ends of the whole chain, so that it is the same at all temperatures.
+        let of = |(layer, (part, kappa)): (usize, (&Part, &f64))| match &part.given {
             Some(chain) if is_relaxing(layer) => {
                 LayerModuli::of_distortion(part.material.bulk(), [chain.equilibrium, chain.instantaneous()], *kappa)
             }
