@@ -309,6 +309,7 @@ pub(super) fn solve(
     let stepped = impact.run_watched(&mut watch);
     let total = begin.elapsed().as_secs_f64();
     let (count, estimate) = (impact.count(), impact.error());
+    tracing::info!(?estimate, "estimated");
     let error = estimate.total().map(|errors| errors.history);
     let cost = Cost {
         model: modelled,

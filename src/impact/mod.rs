@@ -42,7 +42,7 @@ use crate::scheme::Implicit;
 
 use checkpoint::{Carrier, Checkpoint};
 use controlled::Controlled;
-pub use estimate::{Cause, ErrorEstimate, Errors};
+pub use estimate::{Cause, ErrorEstimate, Errors, joined};
 use gate::Gate;
 pub use implicit::Method;
 use ladder::Ladder;

@@ -202,7 +202,7 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
         true => Model::on_basis(comm, scene, Theory::Mindlin, refine(comm, &modal, Theory::Mindlin, thick, watch)?)?,
         false => Model::of(comm, scene, Theory::Mindlin, watch)?,
     };
-    Ok(Some(model.with_error(Cause::Theory, of_theory + pressed(scene))))
+    Ok(Some(model.with_error(Cause::Theory, of_theory.joined(pressed(scene)))))
 }
 
 /// The same scene with the tolerance of what is computed for a difference alone.

@@ -65,5 +65,5 @@ pub(super) fn layered(
         };
         Model::on_basis(comm, scene, Theory::Layerwise, refine(comm, scene, Theory::Layerwise, coarse, watch)?)?
     };
-    Ok(Some(model.with_error(Cause::Theory, of_theory + pressed(scene))))
+    Ok(Some(model.with_error(Cause::Theory, of_theory.joined(pressed(scene)))))
 }

@@ -41,8 +41,8 @@ pub struct Operators {
     pub body: Box<Body>,
     /// What its unknowns are of.
     pub words: String,
-    /// Whether these are splines, on cells that the program chooses.
-    pub is_of_splines: bool,
+    /// Cells along the axes, where these are of splines and the program chooses them; one across a plate.
+    pub cells: Option<[usize; 3]>,
     /// What reads the body at its points, where the scene wants that; of a distributed mesh rank 0 has it.
     pub evaluator: Option<Evaluator>,
     /// Measures of a mesh from a file.
@@ -106,7 +106,7 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
             settings.cell_size_factor *= size;
             let SplineSolid { system, cells: [x, y, z], points } = SplineSolid::new(scene, &settings)?;
             let words = format!("{x} × {y} × {z} cells of splines");
-            Built::Operators(of_grid(comm, scene, (system, points), words)?)
+            Built::Operators(of_grid(comm, scene, (system, points), [x, y, z], words)?)
         }
         Model::Auto | Model::Solid => {
             let mesh = Mesh::new(comm, &scene.body)?;
@@ -118,7 +118,7 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
             drop(mesh);
             comm.collect_garbage()?;
             let evaluator = whole.map(|whole| Evaluator::of_mesh(scene, whole, patch.as_ref()));
-            Built::Operators(Operators { body: Box::new(body), words, is_of_splines: false, evaluator, measures })
+            Built::Operators(Operators { body: Box::new(body), words, cells: None, evaluator, measures })
         }
     };
     match built {
@@ -133,8 +133,8 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
 /// As [`build`].
 pub(super) fn build_thin(comm: &Comm, scene: &Scene) -> Result<Operators> {
     let settings = plate::Settings { is_thin: true, ..plate::Settings::new(scene.tolerance, PlateTheory::Layerwise) };
-    let Plate { system, points, .. } = Plate::new(scene, PlateTheory::Layerwise, &settings)?;
-    loaded(scene, of_grid(comm, scene, (system, points), String::new())?)
+    let Plate { system, cells: [x, y], points, .. } = Plate::new(scene, PlateTheory::Layerwise, &settings)?;
+    loaded(scene, of_grid(comm, scene, (system, points), [x, y, 1], String::new())?)
 }
 
 /// Bases are made of what the loads have done, and of pads as springs. (A body that keeps its pads is put into equilibrium before it
@@ -177,7 +177,8 @@ fn of_plate(comm: &Comm, scene: &Scene, theory: PlateTheory, size: f64) -> Resul
     let mut settings = plate::Settings::new(scene.tolerance, theory);
     settings.cell_size_factor *= size;
     let Plate { system, cells: [x, y], points, .. } = Plate::new(scene, theory, &settings)?;
-    Ok(Built::Operators(of_grid(comm, scene, (system, points), format!("{x} × {y} cells of splines"))?))
+    let words = format!("{x} × {y} cells of splines");
+    Ok(Built::Operators(of_grid(comm, scene, (system, points), [x, y, 1], words)?))
 }
 
 /// Every rank has all of it.
@@ -185,6 +186,7 @@ fn of_grid(
     comm: &Comm,
     scene: &Scene,
     (mut system, points): (System, impl PointEvaluator + 'static),
+    cells: [usize; 3],
     words: String,
 ) -> Result<Operators> {
     let evaluator = scene.output.is_read().then(|| Evaluator::of_grid(scene, points));
@@ -193,5 +195,5 @@ fn of_grid(
         (system.hit_stress, system.hit_local) = read;
     }
     let body = Box::new(Body::of(&comm.session().alone(), &system)?);
-    Ok(Operators { body, words, is_of_splines: true, evaluator, measures: None })
+    Ok(Operators { body, words, cells: Some(cells), evaluator, measures: None })
 }

@@ -60,6 +60,7 @@ mod model {
     pub mod beside_hit;
     pub mod climb;
     pub mod converged;
+    pub mod estimates;
     pub mod independent;
     pub mod reduction;
     pub mod stress;
@@ -133,6 +134,7 @@ fn main() -> ExitCode {
         model::beside_hit,
         model::climb,
         model::converged,
+        model::estimates,
         model::independent,
         model::reduction,
         model::stress,

@@ -12,7 +12,7 @@ use crate::body::ModalBody;
 use crate::description::Description;
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
-use crate::impact::{self, Errors, ModalImpact, Reading, Readout, TimeIntegration as _};
+use crate::impact::{self, Errors, ModalImpact, Reading, Readout, TimeIntegration as _, joined};
 use crate::material::Maxwell;
 use crate::model::watch::{Until, Watch};
 use crate::model::{Dynamics, LARGE, Linearity, Model, OF_BASIS, OF_SMALLER};
@@ -162,7 +162,7 @@ impl<'a> Bodies<'a> {
                 judge: Some((larger, OF_SMALLER)),
                 unknowns: family.unknowns,
                 readout: family.readout.clone(),
-                of_model: of_theory + Errors { first_contact, history: of_merging, stress: f64::NAN },
+                of_model: of_theory.joined(Errors { first_contact, history: of_merging, stress: f64::NAN }),
             }
         }))
     }
@@ -240,12 +240,12 @@ impl Kept {
             of_basis = *of_difference * force.difference(&ModalImpact::new(scene, judge).trace(Some(*taken))?.0);
         }
         let of_patch = Errors::throughout(self.body.patch.map_or(0.0, |patch| patch.error()));
-        let all = of_basis + self.of_model + of_patch;
-        let (error_estimate, first_error) = (impact.count.error.unwrap_or(0.0) + all.history, all.first_contact);
+        let all = of_basis.joined(self.of_model).joined(of_patch);
+        let (error_estimate, first_error) = (joined(impact.count.error.unwrap_or(0.0), all.history), all.first_contact);
         // Of given steps there is no estimate, which counts for nothing; of chosen ones there has to be one.
         let of_steps = if impact.count.error.is_some() { f64::NAN } else { 0.0 };
         if !tension.value.is_nan() {
-            tension.error_estimate = impact.count.stress_error.unwrap_or(of_steps) + all.stress;
+            tension.error_estimate = joined(impact.count.stress_error.unwrap_or(of_steps), all.stress);
         }
         let unknowns = self.unknowns + 1;
         let outcome = Computed { error_estimate, first_error, deflection, unknowns, tension };

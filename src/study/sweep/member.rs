@@ -55,7 +55,8 @@ pub fn simulate(
         model => model?,
     };
     let unknowns = model.unknowns + 1;
-    let first_error = model.error_before_steps().total().map_or(f64::NAN, |errors| (errors + of_theory).first_contact);
+    let first_error =
+        model.error_before_steps().total().map_or(f64::NAN, |errors| errors.joined(of_theory).first_contact);
     let linearity = Linearity::new(scene, model.theory, model.dynamics.patch().as_ref());
     let mut deflection = f64::NAN;
     let mut simulation = Simulation::new(scene, model)?;
@@ -70,7 +71,7 @@ pub fn simulate(
             observe(step, &reading.probes);
         },
     })?;
-    let errors = simulation.error().total().map(|errors| errors + of_theory);
+    let errors = simulation.error().total().map(|errors| errors.joined(of_theory));
     let error_estimate = errors.map_or(f64::NAN, |errors| errors.history);
     tension.error_estimate = errors.map_or(f64::NAN, |errors| errors.stress);
     let outcome = Computed { error_estimate, first_error, deflection, unknowns, tension };

@@ -1,0 +1,101 @@
+"""The sixty impacts on which scripts/estimates compares estimated with true errors. Units are SI."""
+
+from dataclasses import dataclass
+
+MATERIALS = {
+    "glass": (70e9, 0.23, 2500),
+    "steel": (210e9, 0.3, 7800),
+    "aluminium": (70e9, 0.33, 2700),
+    "acrylic": (3.3e9, 0.37, 1190),
+    "concrete": (35e9, 0.2, 2400),
+}
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A square or oblong plate hit by a ball of steel; `edge` is k of springs on the sides (N/m3), "held" across, "clamped" or "free"."""
+
+    size: tuple
+    edge: object
+    mass: float
+    radius: float
+    speed: float
+    point: tuple
+    material: str
+
+    def text(self, end):
+        """As TOML."""
+        young, poisson, density = MATERIALS[self.material]
+        support = {"held": 'kind = "clamped"\ncomponents = ["z"]', "clamped": 'kind = "clamped"'}.get(
+            self.edge, f'kind = "elastic"\nstiffness = {self.edge}'
+        )
+        support = "" if self.edge == "free" else f'[[support]]\nsurface = "side"\n{support}\n'
+        point = [*self.point, self.size[2] / 2]
+        return (
+            f"[body]\nsize = {list(self.size)}\nyoung = {young}\npoisson = {poisson}\ndensity = {density}\n"
+            f"[impactor]\nmass = {self.mass}\nradius = {self.radius}\nyoung = 210e9\npoisson = 0.3\nspeed = {self.speed}\npoint = {point}\n"
+            f"[time]\nend = {end}\n[output]\nstress = true\n{support}"
+        )
+
+    def plate(self):
+        """Plate and edges in words."""
+        edge = {"held": "held across"}.get(self.edge, self.edge if isinstance(self.edge, str) else f"k = {self.edge:.0e}")
+        return f"{' × '.join(f'{x:g}' for x in self.size)} m, {self.material}, {edge}"
+
+    def impactor(self):
+        """Impactor and place in words."""
+        place = "centre" if self.point == (0.0, 0.0) else f"{self.point[0]:g}, {self.point[1]:g} m"
+        return f"{self.mass:g} kg, R = {self.radius:g} m, {self.speed:g} m/s, {place}"
+
+
+def halton(number, base):
+    """The number's digits to a base, mirrored at the point: between 0 and 1 (Halton, Numer. Math. 2, 1960)."""
+    place, value = 1.0, 0.0
+    while number > 0:
+        place /= base
+        value += place * (number % base)
+        number //= base
+    return value
+
+
+def drawn(number):
+    """A scene by Halton's sequence: plates of 4.5 to 16 thicknesses, hit by 3% to twice their mass; one in three off its middle."""
+
+    def between(base, low, high):
+        return float(f"{low * (high / low) ** halton(number, base):.1e}")
+
+    def one_of(base, of):
+        return of[int(halton(number, base) * len(of))]
+
+    edge = between(3, 0.12, 1.2)
+    thickness = float(f"{edge / (4.5 * (16 / 4.5) ** halton(number, 2)):.2g}")
+    size = (edge, float(f"{edge * one_of(17, (1.0, 1.0, 0.7)):.2g}"), thickness)
+    material = list(MATERIALS)[number % len(MATERIALS)]
+    weight = MATERIALS[material][2] * size[0] * size[1] * thickness
+    mass = float(f"{weight * 0.03 * (2 / 0.03) ** halton(number, 5):.1e}")
+    places = ((0.0, 0.0),) * 4 + ((0.2, 0.0), (0.15, 0.1))
+    point = tuple(float(f"{part * side:.2g}") for part, side in zip(one_of(19, places), size))
+    edges = ("free", 1e8, 1e10, "held", "clamped")
+    return Scene(size, one_of(13, edges), mass, between(7, 0.005, 0.1), between(11, 0.2, 10), point, material)
+
+
+def listed(size, edge, mass, radius, speed, point=(0.0, 0.0), material="glass"):
+    """A scene that is given."""
+    return Scene(size, edge, mass, radius, speed, point, material)
+
+
+LISTED = [
+    listed((1.5, 1.5, 0.1), "free", 52, 0.05, 1),
+    listed((1.0, 1.0, 0.04), 1e10, 100, 0.1, 0.5),
+    listed((0.8, 0.8, 0.1), "held", 20, 0.05, 2),
+    listed((0.4, 0.4, 0.03), 1e9, 0.5, 0.02, 10),
+    listed((0.6, 0.6, 0.02), "free", 4, 0.04, 2, material="steel"),
+    listed((0.4, 0.4, 0.02), 1e7, 1, 0.05, 1, material="acrylic"),
+    listed((0.5, 0.5, 0.02), 1e9, 5, 0.05, 1),
+    listed((0.2, 0.2, 0.008), 1e10, 0.05, 0.005, 10),
+]
+# Numbers of Halton's sequence whose references take more than a minute.
+SLOW = {32, 33, 34, 67, 36, 37, 13, 15, 18, 51, 52, 53, 54, 55, 56, 63}
+SCENES = LISTED + [drawn(number) for number in range(1, 69) if number not in SLOW]
+# Scenes whose references are coarser, for the same reason.
+COARSER = {32, 4, 48, 19, 22}

@@ -1,0 +1,161 @@
+"""estimates.py PROGRAM OUT DOCUMENT [SCENE…]: estimated against true errors of acceleration and tension; see scripts/estimates."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from estimate_scenes import COARSER, SCENES
+from markers import replace, table
+
+TOLERANCE = 1e-2
+# Tolerances of the references, of which a scene has the last two or the first two: the finer is the reference, and its difference from the
+# other says how good that is.
+REFERENCES = ("1e-3", "3e-4", "1e-4")
+# A theory that is named has no estimate of its own error: its reference is of the same theory. That of `auto` is the solid.
+THEORIES = {"mindlin": "mindlin", "solid": "solid", "auto": "solid"}
+# The ratios of estimate and error that are counted as too large.
+QUANTITIES = {"acceleration": 6.0, "tension": 5.0}
+# The part of the first contact that is compared: its end itself is another one in each run.
+COMPARED = 0.99
+
+
+class Result:
+    """One run: its histories up to the end of the first contact, and what the program says of their errors."""
+
+    def __init__(self, path):
+        with h5py.File(path) as file:
+            ends, is_open = file["contacts/end"][:], bool(file["contacts"].attrs["open_at_end"])
+            self.first_end = np.inf if len(ends) == 0 or (is_open and len(ends) == 1) else float(ends[0])
+            self.time = file["series/time"][:]
+            self.acceleration = file["series/impactor/acceleration"][:]
+            self.tension = np.fmax(*(file[f"series/stress/{face}/largest"][:] for face in ("upper", "lower")))
+            facts = file.attrs
+            self.estimates = {"acceleration": float(facts["error_estimate"]), "tension": float(facts["stress_error_estimate"])}
+            self.theory, self.seconds = facts["model"], float(facts["wall_time_total"])
+
+    def errors(self, reference):
+        """Largest difference of the acceleration and difference of the largest tensions, over those of the reference."""
+        difference = np.abs(self.acceleration - cubic(self.time, reference.time, reference.acceleration))
+        return {
+            "acceleration": difference.max() / reference.acceleration.max(),
+            "tension": abs(self.tension.max() / reference.tension.max() - 1),
+        }
+
+
+def cubic(at, x, y):
+    """The piecewise cubic with the slopes of parabolas through three points."""
+    step = np.diff(x)
+    slope = np.diff(y) / step
+    inner = (slope[:-1] * step[1:] + slope[1:] * step[:-1]) / (step[1:] + step[:-1])
+    slopes = np.concatenate([[slope[0]], inner, [slope[-1]]])
+    i = np.clip(np.searchsorted(x, at) - 1, 0, len(step) - 1)
+    h, t = step[i], np.clip((at - x[i]) / step[i], 0, 1)
+    value = y[i] * (1 + 2 * t) * (1 - t) ** 2 + y[i + 1] * t**2 * (3 - 2 * t)
+    return value + h * (slopes[i] * t * (1 - t) ** 2 - slopes[i + 1] * t**2 * (1 - t))
+
+
+class Runs:
+    """Runs of one scene; references are kept."""
+
+    def __init__(self, program, out, number):
+        self.program, self.folder, self.scene = program, out / str(number), SCENES[number - 1]
+        self.folder.mkdir(parents=True, exist_ok=True)
+
+    def run(self, name, end, model, tolerance, keep=False):
+        """A result; one that is kept is made once."""
+        scene, result = self.folder / f"{name}.toml", self.folder / f"{name}.h5"
+        text = self.scene.text(end)
+        if not (keep and result.exists() and scene.exists() and scene.read_text() == text):
+            scene.write_text(text)
+            result.unlink(missing_ok=True)
+            overrides = ["--set", f"body.model={model}", "--set", f"accuracy.tolerance={tolerance}"]
+            subprocess.run([self.program, "-q", "run", scene, "-o", result, "--force", *overrides], check=True, capture_output=True)
+        return Result(result)
+
+    def end(self):
+        """Somewhat less than the first contact, s."""
+        end = 5e-4
+        while not np.isfinite(first := self.run("end", end, "mindlin", "1e-2", keep=True).first_end):
+            end *= 4
+        return float(f"{COMPARED * first:.4e}")
+
+
+def judge(program, out, number):
+    """Rows of one scene, a theory each."""
+    runs = Runs(program, out, number)
+    end_file = runs.folder / "end"
+    if not end_file.exists():
+        end_file.write_text(str(runs.end()))
+    end = float(end_file.read_text())
+    rows = []
+    for model, theory in THEORIES.items():
+        tolerances = REFERENCES[:2] if number in COARSER and theory == "solid" else REFERENCES[1:]
+        coarse, reference = (runs.run(f"reference-{theory}-{t}", end, theory, t, keep=True) for t in tolerances)
+        result, own = runs.run(model, end, model, TOLERANCE), coarse.errors(reference)
+        errors = result.errors(reference)
+        row = {"scene": number, "model": model, "theory": result.theory, "seconds": result.seconds}
+        for quantity in QUANTITIES:
+            row[quantity] = {"error": errors[quantity], "estimate": result.estimates[quantity], "own": own[quantity]}
+        rows.append(row)
+        words = [f"{q} {r['error']:.1e} (reference {r['own']:.0e}) estimated {r['estimate']:.1e}" for q, r in ((q, row[q]) for q in QUANTITIES)]
+        print(number, model, result.theory, *words, f"{result.seconds:.2f} s", flush=True)
+    return rows
+
+
+def percent(x):
+    """Two digits, as a part of a hundred."""
+    return f"{100 * x:.2g}%"
+
+
+def ratios(rows, quantity, floor=0.0):
+    """Estimated over true errors, not below the floor."""
+    return np.array([row[quantity]["estimate"] / max(row[quantity]["error"], floor) for row in rows])
+
+
+def counted(rows, quantity, models):
+    """Rows of a quantity: stresses have no limit at clamped edges, and the estimate is for those under the hit."""
+    is_counted = {"acceleration": lambda scene: True, "tension": lambda scene: scene.edge != "clamped"}[quantity]
+    return [row for row in rows if row["model"] in models and is_counted(SCENES[row["scene"] - 1])]
+
+
+def summary(rows, quantity, model, name):
+    """A line of the first table."""
+    errors, raw, floored = [r[quantity]["error"] for r in rows], ratios(rows, quantity), ratios(rows, quantity, TOLERANCE / 20)
+    return [quantity, f"`{model}`", name, len(rows), f"{percent(np.median(errors))}; {percent(max(errors))}",
+            f"{raw.min():.1f}; {np.median(raw):.1f}; {np.quantile(raw, 0.9):.1f}; {raw.max():.1f}",
+            f"{floored.min():.1f}; {np.median(floored):.1f}; {np.quantile(floored, 0.9):.1f}; {floored.max():.1f}",
+            int((raw < 1).sum()), int((raw > QUANTITIES[quantity]).sum())]  # fmt: skip
+
+
+def tables(rows, document):
+    """Each quantity and theory in two lines, and the three smallest and five largest ratios."""
+    halves = {"odd": lambda row: row["scene"] % 2 == 1, "even": lambda row: row["scene"] % 2 == 0}
+    lines = [summary([row for row in counted(rows, quantity, [model]) if is_in(row)], quantity, model, name)
+             for quantity in QUANTITIES for model in THEORIES for name, is_in in halves.items()]  # fmt: skip
+    head = ["quantity", "theory", "numbers", "scenes", "error: median; largest", "estimate/error: least; median; 9 of 10; largest",
+            "with errors of 0.05% at least", "below 1", "above 6 (5)"]  # fmt: skip
+    replace(document, "estimates", table(head, lines))
+    lines = []
+    for quantity in QUANTITIES:
+        of_named = counted(rows, quantity, ["mindlin", "solid"])
+        order = np.argsort(ratios(of_named, quantity))
+        for row in (of_named[i] for i in (*order[:3], *order[-5:])):
+            scene, of = SCENES[row["scene"] - 1], row[quantity]
+            lines.append([quantity, row["scene"], scene.plate(), scene.impactor(), f"`{row['model']}`", percent(of["error"]), percent(of["own"]),
+                          percent(of["estimate"]), f"{of['estimate'] / of['error']:.1f}"])  # fmt: skip
+    head = ["quantity", "scene", "plate", "impactor, hit at", "theory", "error", "the references' difference", "estimate", "ratio"]
+    replace(document, "estimates-extremes", table(head, lines))
+
+
+def main(program, out, document):
+    wanted = [int(number) for number in sys.argv[4:]] or range(1, len(SCENES) + 1)
+    rows = [row for number in wanted for row in judge(program, out, number)]
+    if not sys.argv[4:]:
+        tables(rows, document)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], Path(sys.argv[2]), Path(sys.argv[3]))
