@@ -74,9 +74,13 @@ impl Direct {
     /// PETSc's.
     pub fn solve(&self, b: &Vector, x: &mut Vector) -> Result<()> {
         x.copy_from(b)?;
-        let mut x = x.write()?;
-        let count = x.len();
-        self.factor.solve_in_place(MatMut::from_column_major_slice_mut(&mut x, count, 1));
+        self.solve_in_place(&mut x.write()?);
         Ok(())
+    }
+
+    /// x ← A⁻¹ x.
+    pub fn solve_in_place(&self, x: &mut [f64]) {
+        let count = x.len();
+        self.factor.solve_in_place(MatMut::from_column_major_slice_mut(x, count, 1));
     }
 }

@@ -55,14 +55,22 @@ impl DirectSum {
             self.class_of.resize(self.parts[0].vectors(), 0);
             return Ok(());
         }
-        while self.vectors() < vectors && !self.is_exhausted() {
-            let (class, part) = (self.turn, &mut self.parts[self.turn]);
-            let before = part.vectors();
-            part.grow(&body.classes[class], before + 1)?;
-            self.class_of.extend(vec![class; part.vectors() - before]);
-            self.turn = (self.turn + 1) % self.parts.len();
+        // Each class takes what comes to it, at once.
+        let (classes, missing) = (self.parts.len(), vectors.saturating_sub(self.vectors()));
+        let mut made: Vec<usize> = self.parts.iter().map(Krylov::vectors).collect();
+        for (class, part) in self.parts.iter_mut().enumerate() {
+            let turns = (classes + class - self.turn) % classes;
+            part.grow(&body.classes[class], made[class] + (missing + classes - 1 - turns) / classes)?;
         }
-        Ok(())
+        while self.parts.iter().zip(&made).any(|(part, made)| part.vectors() > *made) {
+            if self.parts[self.turn].vectors() > made[self.turn] {
+                self.class_of.push(self.turn);
+                made[self.turn] += 1;
+            }
+            self.turn = (self.turn + 1) % classes;
+        }
+        // What exhausted classes have left to the others.
+        if self.vectors() < vectors && !self.is_exhausted() { self.grow(body, vectors) } else { Ok(()) }
     }
 
     /// The body on the basis. Collective.

@@ -30,6 +30,32 @@ pub fn symmetric_eigen(matrix: DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
     ascending((values, vectors))
 }
 
+/// F of a positive semidefinite matrix A = FᵀF, with as many rows as A has independent ones: Cholesky's factor with the largest diagonal
+/// first, to rounding (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2002, 10.3).
+pub fn semidefinite_factor(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let count = matrix.nrows();
+    let mut left = matrix.diagonal();
+    let least = count as f64 * f64::EPSILON * left.amax();
+    // A row of F is a column here.
+    let mut rows: Vec<DVector<f64>> = Vec::new();
+    while rows.len() < count {
+        let (pivot, largest) = left.argmax();
+        if largest <= least {
+            break;
+        }
+        let mut row = matrix.column(pivot).into_owned();
+        for known in &rows {
+            row.axpy(-known[pivot], known, 1.0);
+        }
+        row /= largest.sqrt();
+        left.zip_apply(&row, |left, entry| *left -= entry * entry);
+        // What has been taken is nothing any more.
+        left[pivot] = 0.0;
+        rows.push(row);
+    }
+    if rows.is_empty() { DMatrix::zeros(0, count) } else { DMatrix::from_columns(&rows).transpose() }
+}
+
 /// The same by ascending eigenvalues.
 fn ascending((values, vectors): (DVector<f64>, DMatrix<f64>)) -> (DVector<f64>, DMatrix<f64>) {
     let mut order: Vec<usize> = (0..values.len()).collect();
@@ -195,6 +221,18 @@ mod tests {
         assert!(kinds[0] > 1 && kinds[1] > 1, "{kinds:?}");
         // Rounding of a matrix of norm fifty.
         assert!((sum - DMatrix::identity(count, count)).amax() < 1e-13 && (product - matrix).amax() < 1e-12);
+    }
+
+    /// FᵀF is the matrix again, with as many rows as it has rank; of nothing there are none.
+    #[test]
+    fn factors_of_a_semidefinite_matrix() {
+        let rows = DMatrix::from_fn(3, 8, |i, j| ((i + 1) as f64 * (j + 2) as f64).sin());
+        let matrix = rows.tr_mul(&rows);
+        let factor = semidefinite_factor(&matrix);
+        assert_eq!(factor.shape(), (3, 8));
+        // Rounding of three terms of size one.
+        assert!((factor.tr_mul(&factor) - matrix).amax() < 1e-14);
+        assert_eq!(semidefinite_factor(&DMatrix::zeros(8, 8)).shape(), (0, 8));
     }
 
     /// Two blocks with interlaced rows: V is orthogonal and AV = VΛ.

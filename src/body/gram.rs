@@ -2,7 +2,7 @@
 
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use petsc_wrap::{Comm, Vector};
 
 use crate::error::Result;
@@ -31,4 +31,16 @@ pub fn gram(comm: &Comm, left: &[Vector], right: &[Vector]) -> Result<DMatrix<f6
     let mut all = DMatrix::zeros(left.len(), right.len());
     comm.mpi().all_reduce_into(here.as_slice(), all.as_mut_slice(), SystemOperation::sum());
     Ok(all)
+}
+
+/// Linear forms on a basis, a row each. Collective.
+///
+/// # Errors
+/// PETSc's.
+pub fn forms_on(forms: &[Vector], basis: &[Vector]) -> Result<DMatrix<f64>> {
+    let mut rows = DMatrix::zeros(forms.len(), basis.len());
+    for (i, form) in forms.iter().enumerate() {
+        rows.set_row(i, &DVector::from_vec(form.dots(basis)?).transpose());
+    }
+    Ok(rows)
 }

@@ -20,7 +20,8 @@ use nalgebra::{DMatrix, DVector};
 use petsc_wrap::{Ksp, Matrix, Vector};
 
 use super::direct::Direct;
-use super::gram::gram;
+use super::gram::{forms_on, gram};
+use super::lanczos::{self, Lanczos};
 use super::{Body, ProjectedRelaxation, Projection};
 use crate::error::Result;
 use crate::scene::Fault;
@@ -34,6 +35,8 @@ pub struct Krylov {
     /// s, 1/s.
     shift: f64,
     solver: Solver,
+    /// The same vectors as dense matrices, where Lanczos' recurrence makes them.
+    lanczos: Option<Lanczos>,
     basis: Vec<Vector>,
     /// p, with dampers.
     auxiliary: Vec<Vector>,
@@ -163,9 +166,15 @@ impl Krylov {
             }
         }
         let is_alone = chains.len() == 1;
+        let solver = Solver::new(body, shift)?;
+        let is_undamped = body.damping.is_none() && body.relaxations.is_empty();
+        let is_recurrent = matches!(solver, Solver::Small(_)) && is_undamped && is_alone && rest.is_none();
+        let recurrence = || Lanczos::new(body, &chains[0].start, basis.first());
+        let lanczos = is_recurrent.then(recurrence).transpose()?;
         Ok(Self {
             shift,
-            solver: Solver::new(body, shift)?,
+            solver,
+            lanczos,
             basis,
             auxiliary,
             projected: std::array::from_fn(|_| DMatrix::zeros(0, 0)),
@@ -192,7 +201,7 @@ impl Krylov {
 
     /// Whether the basis holds all that the force can reach, to rounding.
     pub fn is_exhausted(&self) -> bool {
-        self.chains.iter().all(|chain| chain.exhausted)
+        self.lanczos.as_ref().map_or_else(|| self.chains.iter().all(|chain| chain.exhausted), Lanczos::is_exhausted)
     }
 
     /// Adds vectors up to a number. Collective.
@@ -200,6 +209,15 @@ impl Krylov {
     /// # Errors
     /// PETSc's.
     pub fn grow(&mut self, body: &Body, vectors: usize) -> Result<()> {
+        if let (Some(lanczos), Solver::Small(factor)) = (&mut self.lanczos, &self.solver) {
+            lanczos.grow(body, &lanczos::Solver { factor, exhausted: EXHAUSTED }, vectors)?;
+            for number in self.basis.len()..lanczos.vectors().count() {
+                let mut vector = body.load.duplicate()?;
+                vector.write()?.copy_from_slice(lanczos.vectors().get(number));
+                self.basis.push(vector);
+            }
+            return Ok(());
+        }
         while self.basis.len() < vectors && !self.is_exhausted() {
             self.add(body)?;
         }
@@ -296,7 +314,15 @@ impl Krylov {
             Elastic,
             Of(&'a Matrix),
         }
-        let Self { basis, projected, distortions, has_translation, .. } = self;
+        let Self { basis, projected, distortions, has_translation, lanczos, .. } = self;
+        if let Some(lanczos) = lanczos {
+            *projected = lanczos.project(body, projected)?;
+            let [elastic, ..] = projected;
+            if *has_translation {
+                free_of_rounding(elastic);
+            }
+            return Ok(());
+        }
         let count = basis.len();
         let matrices =
             [Some(Operator::Elastic), body.support.as_ref().map(Operator::Of), body.damping.as_ref().map(Operator::Of)];
@@ -327,9 +353,7 @@ impl Krylov {
                 }
             }
             if *has_translation && count > 0 {
-                // K maps it to nothing, but for rounding that a large body would oscillate by.
-                known.row_mut(0).fill(0.0);
-                known.column_mut(0).fill(0.0);
+                free_of_rounding(known);
             }
         }
         Ok(())
@@ -341,7 +365,10 @@ impl Krylov {
     /// PETSc's.
     pub fn projection(&mut self, body: &Body) -> Result<Projection> {
         self.project(body)?;
-        let along = |v: &Vector| Ok::<_, crate::Error>(DVector::from_vec(v.dots(&self.basis)?));
+        let along = |v: &Vector| match &self.lanczos {
+            Some(lanczos) => Ok::<_, crate::Error>(lanczos.vectors().along(&v.read()?).column(0).into_owned()),
+            None => Ok(DVector::from_vec(v.dots(&self.basis)?)),
+        };
         let mut momentum = body.translation.duplicate()?;
         // Of a body that is held the basis has no translation, which K would map to nothing.
         if body.is_free()? {
@@ -378,11 +405,8 @@ impl Krylov {
     }
 }
 
-/// Linear forms on a basis, a row each. Collective.
-pub(super) fn forms_on(forms: &[Vector], basis: &[Vector]) -> Result<DMatrix<f64>> {
-    let mut rows = DMatrix::zeros(forms.len(), basis.len());
-    for (i, form) in forms.iter().enumerate() {
-        rows.set_row(i, &DVector::from_vec(form.dots(basis)?).transpose());
-    }
-    Ok(rows)
+/// K maps the first vector, the translation, to nothing, but for rounding that a large body would oscillate by.
+fn free_of_rounding(stiffness: &mut DMatrix<f64>) {
+    stiffness.row_mut(0).fill(0.0);
+    stiffness.column_mut(0).fill(0.0);
 }

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use petsc_wrap::Vector;
 
 use super::eigen::symmetric_eigen;
-use super::krylov::forms_on;
+use super::gram::forms_on;
 use super::{Body, ProjectedRelaxation, Projection, Relaxation};
 use crate::error::Result;
 

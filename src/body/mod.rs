@@ -1,6 +1,7 @@
 //! What an impact needs of a body: operators, loads, and where it is hit.
 
 mod clamps;
+mod damped;
 pub(crate) mod deviates;
 mod direct;
 mod direct_sum;
@@ -8,6 +9,7 @@ mod eigen;
 mod gram;
 mod infinite_plate;
 mod krylov;
+mod lanczos;
 mod lumped;
 mod merged;
 mod modal;
@@ -18,6 +20,8 @@ mod projection;
 mod rational_eigen;
 mod relaxation;
 mod relaxing_modes;
+mod shapes;
+mod short_waves;
 mod spectrum;
 mod system;
 mod unilateral;
@@ -31,11 +35,12 @@ pub use merged::{Merged, snapshots};
 pub use modal::ModalBody;
 pub(crate) use modes::no_equilibrium;
 pub use modes::{Closed, Free, Mode, Modes, Spectrum};
-pub(crate) use modes::{ModalFoundation, Shapes, real_parts};
+pub(crate) use modes::{ModalFoundation, real_parts};
 pub use operators::Body;
 pub use pads::{PadOnSurface, PadPoints, Pads};
 pub use projection::Projection;
 pub use relaxation::{ProjectedRelaxation, Relaxation};
+pub(crate) use shapes::Shapes;
 pub use spectrum::{Inertia, LargestFrequency, LinearContact, largest_frequency};
 pub use system::System;
 pub use unilateral::{FoundationPoints, Unilateral};

@@ -1,10 +1,12 @@
 //! A linear body in modal coordinates: what the contact's force does to the surface under the impactor.
 
-use nalgebra::{Complex, DMatrix, DVector, Schur};
+use nalgebra::{Complex, DMatrix, DVector};
 
-use super::eigen::symmetric_eigen;
-use super::infinite_plate::weight;
-use super::relaxing_modes::{ModalRelaxation, Relaxing, RelaxingForms, at_rest_beyond, relaxing};
+use super::damped::{Damped, damped};
+use super::eigen::{semidefinite_factor, symmetric_eigen};
+use super::relaxing_modes::{ModalRelaxation, Relaxing, at_rest_beyond, relaxing};
+use super::shapes::{Forms, Shapes};
+use super::short_waves::ShortWaves;
 use super::{FoundationPoints, Projection};
 use crate::error::{Error, Result};
 use crate::scene::Fault;
@@ -45,21 +47,6 @@ pub(crate) struct ModalFoundation {
     pub inputs: Option<DMatrix<Complex<f64>>>,
 }
 
-/// A body's coordinates y on its basis, from those of its modes: with x of the vibrations, ∫∫F of the free motions, and F,
-///
-/// y = moving x + free₀ ∫∫F dt dt + free₁ t²/2 + residual F.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Shapes {
-    /// A column for each vibration.
-    pub moving: DMatrix<f64>,
-    /// Σ φ e and Σ f e over the free motions e.
-    pub free: [DVector<f64>; 2],
-    /// Σ φ e/ω² over what is left out: its static answer to the force.
-    pub residual: DVector<f64>,
-    /// Σ f e/ω² over what is left out: its static answer to the loads.
-    pub rest: DVector<f64>,
-}
-
 /// One first-order coordinate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mode {
@@ -84,32 +71,6 @@ pub struct Free {
     pub square: f64,
 }
 
-/// Quadratic forms of the energies, with what they need of the real coordinates x, in which M = 1 and K is diagonal.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Forms {
-    /// ω², 1/s².
-    pub squares: DVector<f64>,
-    /// ω, rad/s; not zero, so that one may divide by it.
-    pub frequencies: DVector<f64>,
-    /// K of the supports, and whether it is anything but zero.
-    pub support: DMatrix<f64>,
-    pub has_support: bool,
-    /// ∫ k ū of the supports.
-    pub support_load: DVector<f64>,
-    /// ½ ∫ k ū·ū, J.
-    pub support_offset: f64,
-    /// f.
-    pub load: DVector<f64>,
-    /// Energy of what the loads do to the modes that are left out, J.
-    pub rest: f64,
-    /// x and v from z, with dampers or relaxation: Re(X z), Re(V z).
-    pub damped: Option<[DMatrix<Complex<f64>>; 2]>,
-    /// What takes the place of ω² in the energy of a body that relaxes.
-    pub relaxing: Option<RelaxingForms>,
-    /// Whether waves go off for good: their energy counts as dissipated.
-    pub is_open: bool,
-}
-
 /// A contact that is closed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Closed {
@@ -132,9 +93,6 @@ const DEEPEST: f64 = 1.0;
 
 /// The part of a mode's stiffness that unilateral foundations may have where it is left out: where these let go, it is slower.
 const OF_FOUNDATION: f64 = 0.01;
-
-/// Condition number of the eigenvectors above which a damped body has no modal form to trust.
-pub(super) const CONDITION: f64 = 1e9;
 
 /// That loads move a body that nothing holds.
 pub(crate) fn no_equilibrium() -> Error {
@@ -207,6 +165,7 @@ pub struct Spectrum {
     force: DVector<f64>,
     load: DVector<f64>,
     support_load: DVector<f64>,
+    /// F of the supports' K = FᵀF along them.
     support: DMatrix<f64>,
     damping: Option<DMatrix<f64>>,
     relaxations: Vec<ModalRelaxation>,
@@ -224,23 +183,12 @@ pub struct Spectrum {
     short_waves: Option<ShortWaves>,
 }
 
-/// What stands for a plate's short waves.
-struct ShortWaves {
-    coordinates: Vec<Mode>,
-    /// √g of the modes.
-    weights: DVector<f64>,
-    /// How many of the modes, the lowest first, have any.
-    kept: usize,
-    /// Vᵀa itself.
-    force: DVector<f64>,
-}
-
 impl Spectrum {
     /// Solves K y = ω² y on the basis, where parts relax with their moduli at its rate.
     pub fn new(projection: &Projection) -> Self {
         let (squares, vectors) = symmetric_eigen(projection.stiffness_at_rate());
         let along = |v: &DVector<f64>| vectors.tr_mul(v);
-        let on = |m: &DMatrix<f64>| vectors.tr_mul(&(m * &vectors));
+        let on = |m: &DMatrix<f64>| vectors.transpose() * (m * &vectors);
         let of_relaxations = projection.relaxations.iter().filter(|part| !part.chain.terms.is_empty());
         let of_relaxations = of_relaxations.map(|part| ModalRelaxation::new(part, &vectors, projection.rate));
         let mut force = along(&projection.force);
@@ -259,7 +207,7 @@ impl Spectrum {
             force,
             load: along(&projection.load),
             support_load: along(&projection.support_load),
-            support: on(&projection.support),
+            support: semidefinite_factor(&projection.support) * &vectors,
             damping: projection.damping.as_ref().map(on),
             relaxations: of_relaxations.collect(),
             support_offset: projection.support_offset,
@@ -379,10 +327,8 @@ impl Spectrum {
             }
             ModalFoundation { points, inputs }
         });
-        let support = block(&self.support);
         let forms = Forms {
-            has_support: support.iter().any(|entry| *entry != 0.0),
-            support,
+            support: self.support.select_columns(&moving),
             support_load: of_moving(&self.support_load),
             support_offset: self.support_offset,
             load: of_moving(&self.load),
@@ -395,59 +341,6 @@ impl Spectrum {
         };
         let hit_stress = (self.hit_stress.nrows() > 0).then(|| (shapes.mapped(&self.hit_stress), self.hit_local));
         Ok(Modes { modes, free, residual, rest, forms, shapes, hit_stress, foundation })
-    }
-}
-
-impl ShortWaves {
-    /// Those that modes of these squares and this Vᵀa leave out, where a basis is to have it so.
-    fn new(projection: &Projection, squares: &DVector<f64>, force: &DVector<f64>) -> Option<Self> {
-        let plate = projection.infinite_plate.as_ref()?;
-        let cutoff = plate.known(projection.vectors());
-        let weights = squares.map(|square| weight(square.max(0.0).sqrt(), cutoff).sqrt());
-        let kept = weights.iter().filter(|weight| **weight > 0.0).count();
-        Some(Self { coordinates: plate.short_waves(cutoff), weights, kept, force: force.clone() })
-    }
-}
-
-impl Shapes {
-    /// The same of linear forms on y, a row each.
-    pub fn mapped(&self, forms: &DMatrix<f64>) -> Self {
-        Self {
-            moving: forms * &self.moving,
-            free: self.free.each_ref().map(|free| forms * free),
-            residual: forms * &self.residual,
-            rest: forms * &self.rest,
-        }
-    }
-
-    /// Of a body without a basis.
-    fn none() -> Self {
-        Self::zero(0)
-    }
-
-    fn zero(coordinates: usize) -> Self {
-        let zero = DVector::zeros(coordinates);
-        let free = [zero.clone(), zero.clone()];
-        Self { moving: DMatrix::zeros(coordinates, 0), free, residual: zero.clone(), rest: zero }
-    }
-}
-
-impl Forms {
-    fn none() -> Self {
-        let empty = DVector::zeros(0);
-        Self {
-            squares: empty.clone(),
-            frequencies: empty.clone(),
-            support: DMatrix::zeros(0, 0),
-            has_support: false,
-            support_load: empty.clone(),
-            support_offset: 0.0,
-            load: empty,
-            rest: 0.0,
-            damped: None,
-            relaxing: None,
-            is_open: false,
-        }
     }
 }
 
@@ -465,75 +358,4 @@ fn vibrations(squares: &DVector<f64>, force: &DVector<f64>, load: &DVector<f64>)
         }
     };
     (0..squares.len()).map(mode).collect()
-}
-
-/// The coordinates of a damped body, x and v from them, and b of forces on x.
-pub(super) struct Damped {
-    pub modes: Vec<Mode>,
-    pub shapes: [DMatrix<Complex<f64>>; 2],
-    pub inputs: DMatrix<Complex<f64>>,
-}
-
-/// The eigenvectors of (s x, v)˙ = [0 s; −ω²/s −C] (s x, v), s = ω where there is one.
-fn damped(squares: &DVector<f64>, damping: &DMatrix<f64>, force: &DVector<f64>, load: &DVector<f64>) -> Result<Damped> {
-    let n = squares.len();
-    let scales: Vec<f64> = (0..n).map(|i| squares[i].sqrt().max(damping[(i, i)]).max(f64::MIN_POSITIVE)).collect();
-    let real = |x: f64| Complex::new(x, 0.0);
-    let mut matrix = DMatrix::zeros(2 * n, 2 * n);
-    for i in 0..n {
-        matrix[(i, n + i)] = real(scales[i]);
-        matrix[(n + i, i)] = real(-squares[i] / scales[i]);
-        for j in 0..n {
-            matrix[(n + i, n + j)] = real(-damping[(i, j)]);
-        }
-    }
-    let (unitary, triangle) = Schur::new(matrix).unpack();
-    let vectors = &unitary * triangular_eigenvectors(&triangle);
-    let inverse = vectors.clone().try_inverse().filter(|inverse| inverse.norm() * vectors.norm() < CONDITION);
-    let Some(inverse) = inverse else {
-        return Err(Error::Solve(
-            "the dampers leave the body without independent modes (critical damping): another damping, or another time.scheme".into(),
-        ));
-    };
-    let size = triangle.diagonal().iter().map(|z| z.norm()).fold(0.0, f64::max);
-    // Of a conjugate pair one, counted twice; real ones once.
-    let chosen: Vec<(usize, f64)> = (0..2 * n)
-        .filter_map(|k| match triangle[(k, k)].im {
-            im if im.abs() <= 1e-12 * size => Some((k, 1.0)),
-            im if im > 0.0 => Some((k, 2.0)),
-            _ => None,
-        })
-        .collect();
-    let along = |k: usize, v: &DVector<f64>| (0..n).map(|i| inverse[(k, n + i)] * v[i]).sum::<Complex<f64>>();
-    let places = DMatrix::from_fn(n, chosen.len(), |i, c| vectors[(i, chosen[c].0)] * (chosen[c].1 / scales[i]));
-    let speeds = DMatrix::from_fn(n, chosen.len(), |i, c| vectors[(n + i, chosen[c].0)] * chosen[c].1);
-    let mode = |(c, &(k, _)): (usize, &(usize, f64))| Mode {
-        rate: triangle[(k, k)],
-        input: along(k, force),
-        load: along(k, load),
-        output: (0..n).map(|i| places[(i, c)] * force[i]).sum(),
-    };
-    let inputs = DMatrix::from_fn(chosen.len(), n, |c, i| inverse[(chosen[c].0, n + i)]);
-    Ok(Damped { modes: chosen.iter().enumerate().map(mode).collect(), shapes: [places, speeds], inputs })
-}
-
-/// Unit eigenvectors of an upper triangle, by columns.
-fn triangular_eigenvectors(triangle: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-    let n = triangle.nrows();
-    let size = triangle.camax();
-    let mut vectors = DMatrix::zeros(n, n);
-    for k in 0..n {
-        let value = triangle[(k, k)];
-        vectors[(k, k)] = Complex::new(1.0, 0.0);
-        for i in (0..k).rev() {
-            let sum: Complex<f64> = (i + 1..=k).map(|j| triangle[(i, j)] * vectors[(j, k)]).sum();
-            let gap = value - triangle[(i, i)];
-            // Equal eigenvalues: a vector at the rounding's size, which the condition number shows.
-            let gap = if gap.norm() < f64::EPSILON * size { Complex::new(f64::EPSILON * size, 0.0) } else { gap };
-            vectors[(i, k)] = sum / gap;
-        }
-        let length = vectors.column(k).norm();
-        vectors.column_mut(k).unscale_mut(length);
-    }
-    vectors
 }

@@ -14,10 +14,10 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::ProjectedRelaxation;
+use super::damped::{CONDITION, Damped};
 use super::eigen::{GeneralEigen, symmetric_eigen};
-use super::modes::{CONDITION, Damped, Mode, real_parts};
 use super::rational_eigen::{Pair, Rational};
+use super::{Mode, ProjectedRelaxation, real_parts};
 use crate::error::{Error, Result};
 use crate::material::Maxwell;
 

@@ -65,6 +65,10 @@ impl Watch for Follower {
         if signalled || late { Err(Error::Interrupted) } else { Ok(()) }
     }
 
+    fn is_raised_here(&self) -> bool {
+        self.interrupt.is_raised_here()
+    }
+
     fn agreed(&self, mine: f64) -> f64 {
         of_first(&self.comm, mine)
     }

@@ -6,7 +6,7 @@
 use petsc_wrap::Comm;
 
 use super::mindlin_error::is_clamp_of_sections;
-use super::reduce::{Plan, Reduced, force, grow, reduce};
+use super::reduce::{Plan, Reduced, grow, reduce, shared_force};
 use super::theory::{Built, Operators, build};
 use super::watch::{Stage, Watch};
 use crate::body::{DirectSum, ModalBody};
@@ -212,7 +212,7 @@ fn on_coarser_cells(
     let mut krylov = DirectSum::new(&body, Plan::new(&body, scene).start)?;
     grow(&mut krylov, &body, fine.reduced.projection.vectors().min(SHORT), None, watch)?;
     let mut steps = fine.reduced.force.1;
-    let trace = watch.shared(force(scene, &body, &krylov.projection(&body)?, &mut steps))?;
+    let trace = shared_force(scene, &body, &krylov.projection(&body)?, &mut steps, watch)?;
     drop((krylov, body));
     comm.collect_garbage()?;
     Ok(cells.map(|cells| Judge { force: trace, cells }))

@@ -5,7 +5,8 @@ use std::ops::ControlFlow;
 
 use crate::body::{Body, DirectSum, ModalBody, OF_CUTOFF, Projection, Start};
 use crate::error::{Error, Result};
-use crate::impact::{Errors, Impact, ModalImpact, Steps, Trace};
+use crate::impact::step::Step;
+use crate::impact::{Errors, Impact, ModalImpact, Reading, Steps, Trace, Until};
 use crate::scene::{Reduction, Scene};
 
 use super::watch::{Judged, Stage, Watch};
@@ -38,13 +39,17 @@ const GROWTH: f64 = 1.225;
 const RATE: f64 = 15.0;
 
 /// The time in which the force on a plate rises times the frequency up to which a basis must know its waves, for an error of
-/// [`MEASURED`]; errors were measured to fall with the power [`ORDER`] of the frequency.
-const OF_RISE: f64 = 0.35;
+/// [`MEASURED`], by the difference to a basis of two thirds of the vectors; errors were measured to fall with the power [`ORDER`] of the
+/// frequency.
+const OF_RISE: f64 = 0.385;
 const MEASURED: f64 = 5e-3;
 const ORDER: f64 = 2.4;
 
-/// Vectors from which on a plate's short waves are kept apart: fewer are cheap.
-const SHORT_WAVES_APART: usize = 250;
+/// Vectors from which on a plate's short waves are kept apart. With all waves a pane's basis takes three times as many.
+const SHORT_WAVES_APART: usize = 100;
+
+/// Vectors of a small body between two questions whether to go on, for each class of motions.
+const AT_ONCE: usize = 32;
 
 /// A body on a basis.
 pub struct Reduced {
@@ -94,16 +99,14 @@ pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> 
         count = projection.vectors();
         let enough = count > MOST * body.classes.len().max(1) || (given.is_some() && !tried.is_empty());
         let is_exhausted = watch.decided(krylov.is_exhausted());
-        match watch.shared(force(scene, body, &projection, &mut steps)) {
+        match shared_force(scene, body, &projection, &mut steps, watch) {
             // All that the forces reach, to rounding.
             Ok(trace) if is_exhausted && (given.is_none() || tried.is_empty()) => {
                 let (judge, force) = (projection.clone(), (trace, steps));
                 return Ok(Reduced { projection, judge, of_difference: 0.0, krylov, error: Errors::default(), force });
             }
             Ok(trace) => {
-                // Where the number of modes is known, the last one judges.
-                let least = |smaller: usize| if start.leaves_short_waves { smaller + 1 } else { larger(smaller) };
-                let judged = tried.iter().rev().find(|(smaller, _)| least(*smaller) <= count);
+                let judged = tried.iter().rev().find(|(smaller, _)| larger(*smaller) <= count);
                 if let Some((smaller, before)) = judged.or(tried.last().filter(|_| enough)) {
                     let of_difference = match given {
                         Some(_) => OF_SMALLER,
@@ -141,7 +144,8 @@ pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> 
             _ if given.is_some() || tried.len() < 2 && count <= first => larger(count),
             // A long basis is dear: it grows by as much as its error asks for, which falls with the square of the number.
             Some(Judged { error, wanted, .. }) if count >= LONG => {
-                let needed = count as f64 * (error / wanted).sqrt();
+                let order = if start.leaves_short_waves { ORDER } else { 2.0 };
+                let needed = count as f64 * (error / wanted).powf(1.0 / order);
                 (needed.ceil() as usize).clamp((GROWTH * count as f64).ceil() as usize, larger(count))
             }
             _ => (GROWTH * count as f64).ceil() as usize,
@@ -188,16 +192,18 @@ pub(super) fn grow(
     judged: Option<Judged>,
     watch: &dyn Watch,
 ) -> Result<()> {
+    // Vectors of a mesh take long each, those of a small body come in blocks.
+    let at_once = if body.nodes.is_some() { 1 } else { AT_ONCE * body.classes.len().max(1) };
     while watch.decided(krylov.vectors() < vectors && !krylov.is_exhausted()) {
         watch.at(Stage::Basis { vectors: krylov.vectors(), judged })?;
-        krylov.grow(body, krylov.vectors() + 1)?;
+        krylov.grow(body, vectors.min(krylov.vectors() + at_once))?;
     }
     watch.at(Stage::Trial)
 }
 
-/// Error of the larger of two bases over their difference, where errors fall with the square of the number.
+/// Error of the larger of two bases over their difference, where short waves are kept apart.
 fn of_larger(vectors: usize, smaller: usize) -> f64 {
-    ((vectors as f64 / smaller as f64).powi(2) - 1.0).recip()
+    ((vectors as f64 / smaller as f64).powf(ORDER) - 1.0).recip()
 }
 
 /// Half as many vectors more.
@@ -207,9 +213,18 @@ fn larger(vectors: usize) -> usize {
 
 /// The force on a basis, by the scene's own scheme, whose steps pass the body's vibrations differently; in modal coordinates by the same
 /// steps on each basis.
-pub(super) fn force(scene: &Scene, body: &Body, projection: &Projection, steps: &mut Option<Steps>) -> Result<Trace> {
+fn force(
+    scene: &Scene,
+    body: &Body,
+    projection: &Projection,
+    steps: &mut Option<Steps>,
+    watch: &dyn Watch,
+) -> Result<Trace> {
+    let take = |_: &Step, _: &Reading| {};
     if scene.time.modal {
-        let (trace, taken) = ModalImpact::new(scene, &ModalBody::of(projection)).trace(*steps)?;
+        let mut impact = ModalImpact::new(scene, ModalBody::of(projection)).without_energies();
+        let (trace, taken) =
+            impact.trace_watched(*steps, &mut Until { interrupted: &|| watch.is_raised_here(), take })?;
         *steps = Some(taken);
         return Ok(trace);
     }
@@ -221,9 +236,23 @@ pub(super) fn force(scene: &Scene, body: &Body, projection: &Projection, steps: 
         if let Some((before, was)) = last.replace((time, force)) {
             trace.push(before, time - before, [was, 0.5 * (was + force), force]);
         }
-        Ok(ControlFlow::Continue(()))
+        Ok(if watch.is_raised_here() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     })?;
     Ok(trace)
+}
+
+/// [`force`] as the first rank has it, before somebody who may break it off. Collective.
+pub(super) fn shared_force(
+    scene: &Scene,
+    body: &Body,
+    projection: &Projection,
+    steps: &mut Option<Steps>,
+    watch: &dyn Watch,
+) -> Result<Trace> {
+    let trace = watch.shared(force(scene, body, projection, steps, watch));
+    // A rank that has broken off has a part of the force: all of them end here.
+    watch.at(Stage::Trial)?;
+    trace
 }
 
 /// The rate at which the scene's impact excites a body, 1/s.

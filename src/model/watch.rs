@@ -45,6 +45,11 @@ pub trait Watch {
     /// [`Error::Interrupted`] where it is not to be done.
     fn at(&self, stage: Stage) -> Result<()>;
 
+    /// Whether this rank knows already that the next stage breaks off: what a rank computes by itself need not go on.
+    fn is_raised_here(&self) -> bool {
+        false
+    }
+
     /// The first rank's number. Every rank computes plates for itself, and ranks on unlike processors round differently: what is decided by
     /// such a number is to be the same on all, since all must come to the same stages. Collective.
     fn agreed(&self, mine: f64) -> f64;

@@ -57,7 +57,7 @@ impl Ledger {
         (force, contact, absent): (f64, f64, f64),
     ) -> Energy {
         let forms = &modes.forms;
-        let of_support = if forms.has_support { 0.5 * x.dot(&(&forms.support * x)) } else { 0.0 };
+        let of_support = 0.5 * (&forms.support * x).norm_squared();
         let support = of_support - forms.support_load.dot(x) + forms.support_offset - absent;
         let bent = match &forms.relaxing {
             None => 0.5 * forms.squares.iter().zip(x).map(|(square, x)| square * x * x).sum::<f64>(),

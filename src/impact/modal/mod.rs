@@ -157,10 +157,17 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
     /// # Errors
     /// As [`ModalImpact::run`].
     pub fn trace(&mut self, steps: Option<Steps>) -> Result<(Trace, Steps)> {
-        let nobody = &mut |_: &Step| Ok(ControlFlow::Continue(()));
+        self.trace_watched(steps, &mut |_: &Step| Ok(ControlFlow::Continue(())))
+    }
+
+    /// The same before somebody who may break it off: then the force is that up to there.
+    ///
+    /// # Errors
+    /// As [`ModalImpact::run`].
+    pub fn trace_watched(&mut self, steps: Option<Steps>, observer: &mut dyn Observer) -> Result<(Trace, Steps)> {
         let done = match steps {
-            Some(steps) => self.once(steps, false, nobody)?,
-            None => self.done(false, nobody)?,
+            Some(steps) => self.once(steps, false, observer)?,
+            None => self.done(false, observer)?,
         };
         Ok((done.trace, done.sizes))
     }
