@@ -22,7 +22,7 @@ use petsc_wrap::{Ksp, Matrix, Vector};
 use super::direct::Direct;
 use super::gram::{forms_on, gram};
 use super::lanczos::{self, Lanczos};
-use super::{Body, ProjectedRelaxation, Projection};
+use super::{Body, ProjectedRelaxation, Projection, Start};
 use crate::error::Result;
 use crate::scene::Fault;
 use crate::solve::Method;
@@ -55,22 +55,6 @@ pub struct Krylov {
     has_translation: bool,
     /// As of [`Start`].
     leaves_short_waves: bool,
-}
-
-/// How a basis begins.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Start {
-    /// s, 1/s.
-    pub shift: f64,
-    /// Whether the basis of a plate is to know its long waves alone, where that serves ([`InfinitePlate`](super::InfinitePlate)).
-    pub leaves_short_waves: bool,
-}
-
-impl From<f64> for Start {
-    /// At a rate (1/s), for waves of all lengths.
-    fn from(shift: f64) -> Self {
-        Self { shift, leaves_short_waves: false }
-    }
 }
 
 /// Solves S x = b.
@@ -119,7 +103,7 @@ impl Krylov {
     /// # Errors
     /// PETSc's.
     pub fn new(body: &Body, start: impl Into<Start>) -> Result<Self> {
-        let Start { shift, leaves_short_waves } = start.into();
+        let Start { shift, leaves_short_waves, in_blocks } = start.into();
         let mut loads = body.load.duplicate()?;
         loads.copy_from(&body.load)?;
         loads.axpy(1.0, &body.support_load)?;
@@ -168,7 +152,7 @@ impl Krylov {
         let is_alone = chains.len() == 1;
         let solver = Solver::new(body, shift)?;
         let is_undamped = body.damping.is_none() && body.relaxations.is_empty();
-        let is_recurrent = matches!(solver, Solver::Small(_)) && is_undamped && is_alone && rest.is_none();
+        let is_recurrent = in_blocks && matches!(solver, Solver::Small(_)) && is_undamped && is_alone && rest.is_none();
         let recurrence = || Lanczos::new(body, &chains[0].start, basis.first());
         let lanczos = is_recurrent.then(recurrence).transpose()?;
         Ok(Self {
