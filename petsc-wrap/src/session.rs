@@ -53,11 +53,11 @@ impl Session {
         Some(if waits { Ok(session) } else { session.start_petsc(options).map(|()| session) })
     }
 
-    /// Loads and initialises PETSc where this has not been done.
+    /// Loads and initialises PETSc where this has not been done, as the first object would.
     ///
     /// # Errors
     /// PETSc cannot be loaded, or does not start.
-    pub(crate) fn petsc(&self) -> Result<()> {
+    pub fn petsc(&self) -> Result<()> {
         if self.has_petsc() { Ok(()) } else { self.start_petsc(&[]) }
     }
 

@@ -214,6 +214,10 @@ pub(super) fn solve(
     (past, from): (Option<Option<Box<Moment>>>, &Path),
     &Written { output, force, has_summary }: &Written<'_>,
 ) -> Result<i32> {
+    if !matches!(scene.body.model, scene::Model::HalfSpace | scene::Model::InfinitePlate) {
+        // Part of the program's start, not of the run.
+        comm.session().petsc()?;
+    }
     let begin = Instant::now();
     if comm.is_root() {
         // Before the model, which may take long for such values.
