@@ -25,7 +25,7 @@ use crate::record::read;
 use crate::record::series::{Points, SeriesWriter};
 use crate::record::stress::{Faces, LargestTension, MapPoints, strengths};
 use crate::record::target::{Kind, check_writable, is_same};
-use crate::scene::{Fault, Scene, Source};
+use crate::scene::{self, Fault, Scene, Source};
 use crate::solve::linear::has_mumps;
 
 use super::Run;
