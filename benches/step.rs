@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use petsc_wrap::Session;
 use ricochet::body::{Body, Krylov};
-use ricochet::impact::Impact;
+use ricochet::impact::SteppedImpact;
 use ricochet::mesh::Mesh;
 use ricochet::scene::{Newton, Scene};
 use ricochet::scheme::newmark;
@@ -42,7 +42,7 @@ fn step(mesh: &Mesh, newton: Newton, steps: usize) -> f64 {
     let mut scene = scene(steps + 1);
     scene.solver.newton = newton;
     let body = Body::solid(&scene, mesh).expect("a body");
-    let mut impact = Impact::new(&scene, body).expect("an impact");
+    let mut impact = SteppedImpact::new(&scene, body).expect("an impact");
     let mut begin = Instant::now();
     let flow = impact.run(|step| {
         if step.number == 1 {

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use petsc_wrap::{Comm, Session};
 use ricochet::cli::keeping::Known;
 use ricochet::cli::summary::Summary;
-use ricochet::impact::checkpoint::{Carrier, Checkpoint};
+use ricochet::impact::checkpoint::{Checkpoint, Visitor};
 use ricochet::impact::step::Step;
 use ricochet::impact::{Observer, Reading};
 use ricochet::mesh::Mesh;
@@ -94,7 +94,7 @@ pub fn checkpoint(data: &[u8]) {
         }
         let written = kept.write(&result).and_then(|()| Kept::read(&result));
         let resume = |kept: Kept| {
-            let carried = known(1.0).carry(&mut Carrier::from(&kept.checkpoint));
+            let carried = known(1.0).visit(&mut Visitor::restore(&kept.checkpoint));
             let part = kept.at(Some(&nodes)).map_err(ricochet::Error::Output);
             carried.and(part.and_then(|part| simulation(&comm)?.resume(&part)))
         };
@@ -133,7 +133,7 @@ impl Observer for Keeper {
         checkpoint: &mut dyn FnMut() -> Result<Checkpoint, ricochet::Error>,
     ) -> Result<(), ricochet::Error> {
         self.1 = checkpoint()?;
-        self.0.carry(&mut Carrier::to(&mut self.1))
+        self.0.visit(&mut Visitor::save(&mut self.1))
     }
 }
 

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use petsc_wrap::Comm;
 
 use crate::error::{Error, Result};
-use crate::impact::checkpoint::{Carrier, Checkpoint};
+use crate::impact::checkpoint::{Checkpoint, Visitor};
 use crate::impact::step::Step;
 use crate::model::Simulation;
 use crate::record::checkpoint::Kept;
@@ -96,7 +96,7 @@ impl Keeping {
             summary: *summary,
             map: writer.map().clone(),
         };
-        known.carry(&mut Carrier::to(&mut of_record))?;
+        known.visit(&mut Visitor::save(&mut of_record))?;
         numbers.append(&mut of_record.numbers);
         (all.numbers, all.lists) = (numbers, of_record.lists);
         let begin = Instant::now();
@@ -131,16 +131,16 @@ impl Known {
     /// To a checkpoint or from it.
     ///
     /// # Errors
-    /// Those of [`Carrier`].
-    pub fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+    /// Those of [`Visitor`].
+    pub fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         let Self { rows, episodes, summary, map } = self;
-        carrier.within("record", |carrier| {
-            carrier.count("rows", rows)?;
-            episodes.carry(carrier)?;
-            summary.carry(carrier, episodes.last())?;
+        visitor.within("record", |visitor| {
+            visitor.count("rows", rows)?;
+            episodes.visit(visitor)?;
+            summary.visit(visitor, episodes.last())?;
             let mut tension: Vec<f64> = map.tension.iter().copied().map(f64::from).collect();
-            carrier.list("tension", &mut tension)?;
-            carrier.list("tension_time", &mut map.time)?;
+            visitor.list("tension", &mut tension)?;
+            visitor.list("tension_time", &mut map.time)?;
             if ![1, tension.len()].contains(&map.time.len()) {
                 let (points, times) = (tension.len(), map.time.len());
                 return Err(Error::Output(format!("the checkpoint has {points} tensions at {times} times")));

@@ -6,7 +6,7 @@ use petsc_wrap::Comm;
 
 use crate::agree::agree;
 use crate::error::{Error, Result};
-use crate::impact::checkpoint::{Carrier, Checkpoint};
+use crate::impact::checkpoint::{Checkpoint, Visitor};
 use crate::model::Simulation;
 use crate::record::checkpoint::{Kept, beside};
 use crate::record::episodes::Episodes;
@@ -235,7 +235,7 @@ fn earlier(
     let episodes = Episodes::new(origin.impactor_mass);
     let mut known = Known { rows: 0, episodes, summary: Summary::default(), map: TensionMap::default() };
     let checkpoint: &Checkpoint = &kept.checkpoint;
-    known.carry(&mut Carrier::from(checkpoint)).map_err(|error| named(error.to_string()))?;
+    known.visit(&mut Visitor::restore(checkpoint)).map_err(|error| named(error.to_string()))?;
     let Known { rows, episodes, summary, map } = known;
     let mapped: usize = points.faces.map.faces.iter().map(Vec::len).sum();
     if !map.tension.is_empty() && map.tension.len() != mapped {

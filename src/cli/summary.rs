@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::error::Result;
-use crate::impact::checkpoint::Carrier;
+use crate::impact::checkpoint::Visitor;
 use crate::impact::step::Step;
 use crate::model::{Linearity, STIFFENING};
 use crate::record::episodes::Episodes;
@@ -67,14 +67,14 @@ impl Summary {
     /// To a checkpoint or from it, beside the episodes, which have the last step.
     ///
     /// # Errors
-    /// Those of [`Carrier`].
-    pub fn carry(&mut self, carrier: &mut Carrier, last: Option<&Step>) -> Result<()> {
+    /// Those of [`Visitor`].
+    pub fn visit(&mut self, visitor: &mut Visitor, last: Option<&Step>) -> Result<()> {
         self.last = last.copied().unwrap_or_default();
-        carrier.number("peak", &mut self.peak.0)?;
-        carrier.number("peak_time", &mut self.peak.1)?;
-        carrier.number("initial", &mut self.initial)?;
-        carrier.number("largest_deflection", &mut self.largest_deflection)?;
-        self.tension.carry(carrier)
+        visitor.number("peak", &mut self.peak.0)?;
+        visitor.number("peak_time", &mut self.peak.1)?;
+        visitor.number("initial", &mut self.initial)?;
+        visitor.number("largest_deflection", &mut self.largest_deflection)?;
+        self.tension.visit(visitor)
     }
 
     /// Prints it.

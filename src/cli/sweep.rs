@@ -12,7 +12,7 @@ use crate::error::{Error, INTERRUPTED, Result};
 use crate::model;
 use crate::record::sweep::{Header, Member, Quantity, Status, Sweep as Part, SweepWriter};
 use crate::scene::{Model, Scene, Source};
-use crate::study::sweep::{Bodies, Census, Grid, Property, Task, Variation, digest, parts, spread};
+use crate::study::sweep::{Bodies, Grid, Grouping, Property, Task, Variation, digest, parts, schedule};
 
 use super::follow::Follower;
 use super::interrupt::Interrupt;
@@ -39,11 +39,11 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     })?;
     grid.set_contents(TABLE, tables);
     let grid = grid;
-    let (mut census, mut remarks, mut tolerances) = (Census::default(), Remarks::default(), Vec::new());
+    let (mut grouping, mut remarks, mut tolerances) = (Grouping::default(), Remarks::default(), Vec::new());
     for index in 0..grid.len() {
         let on_line = grid.line().and_then(|key| Some((property_of(key)?, grid.number(index, key)?)));
         let member = task(arguments, &source, &grid, index)?;
-        census.count(index, &member.scene, on_line);
+        grouping.count(index, &member.scene, on_line);
         if comm.is_root() {
             remarks.of_scene(index, &member.scene, &member.source);
             tolerances.push(member.scene.tolerance);
@@ -63,7 +63,7 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     let theory = match (scene.body.model, is_something_missing) {
         (Model::Auto, true) if !grid.varies("body.model") => {
             let follower = Follower::new(comm, interrupt.clone());
-            let found = census.theory(comm, |index| Ok(task(arguments, &source, &grid, index)?.scene), &follower);
+            let found = grouping.theory(comm, |index| Ok(task(arguments, &source, &grid, index)?.scene), &follower);
             if matches!(found, Err(Error::Interrupted)) {
                 if comm.is_root() {
                     tell(format_args!("interrupted: members are missing; the same command computes them"));
@@ -79,9 +79,9 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
         _ => None,
     };
     let scene_of = |index: usize| Ok(task(arguments, &source, &grid, index)?.scene);
-    let mut bodies = Bodies::new(&alone, &census, &scene_of, theory, arguments.series);
+    let mut bodies = Bodies::new(&alone, &grouping, &scene_of, theory, arguments.series);
     let keeper = desk.clone();
-    let flow = spread(
+    let flow = schedule(
         comm,
         todo,
         move || interrupt.is_raised_here(),

@@ -17,8 +17,8 @@ pub struct Checkpoint {
     pub lists: BTreeMap<String, Vec<f64>>,
 }
 
-/// Takes values to a checkpoint or from it: whoever has a state walks through it once, for both directions.
-pub struct Carrier<'a> {
+/// Visits the values of a state in one order: to save them in a checkpoint, or to restore them from it.
+pub struct Visitor<'a> {
     way: Way<'a>,
     /// Before all names.
     prefix: String,
@@ -29,31 +29,31 @@ enum Way<'a> {
     From(&'a Checkpoint),
 }
 
-impl<'a> Carrier<'a> {
+impl<'a> Visitor<'a> {
     /// Takes values to a checkpoint.
-    pub fn to(checkpoint: &'a mut Checkpoint) -> Self {
+    pub fn save(checkpoint: &'a mut Checkpoint) -> Self {
         Self { way: Way::To(checkpoint), prefix: String::new() }
     }
 
     /// Takes values from a checkpoint.
-    pub fn from(checkpoint: &'a Checkpoint) -> Self {
+    pub fn restore(checkpoint: &'a Checkpoint) -> Self {
         Self { way: Way::From(checkpoint), prefix: String::new() }
     }
 
     /// Whether it takes values from a checkpoint.
-    pub fn is_loading(&self) -> bool {
+    pub fn is_restoring(&self) -> bool {
         matches!(self.way, Way::From(_))
     }
 
-    /// What `carry` carries, its names after one that tells it from others.
+    /// Visits values whose names follow the name of their owner.
     ///
     /// # Errors
-    /// Those of `carry`.
-    pub fn within(&mut self, name: &str, carry: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
+    /// Those of `visit`.
+    pub fn within(&mut self, name: &str, visit: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         let outer = self.prefix.len();
         self.prefix += name;
         self.prefix.push('.');
-        let carried = carry(self);
+        let carried = visit(self);
         self.prefix.truncate(outer);
         carried
     }

@@ -5,10 +5,10 @@ use std::ops::ControlFlow;
 use crate::error::{Error, Result};
 use crate::scene::{Scene, Scheme};
 
-use super::checkpoint::Carrier;
+use super::checkpoint::Visitor;
 use super::observer::{Observed, Observer};
 use super::step::Step;
-use super::trajectory::at;
+use crate::impact::step::at;
 
 /// What may be made from nothing where the scene sets no gate, as a part of the energy that there is: a scheme at its
 /// worst makes a small part of that, an unstable one a thousandfold within some tens of steps.
@@ -48,8 +48,8 @@ impl Gate {
     }
 
     /// To a checkpoint or from it.
-    pub(super) fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
-        carrier.number("initial_energy", &mut self.initial)
+    pub(super) fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
+        visitor.number("initial_energy", &mut self.initial)
     }
 
     /// Refuses a step whose balance is off, or which is not a number.

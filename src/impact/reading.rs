@@ -10,8 +10,8 @@ use crate::form::stress::principal;
 use crate::scene::Vec3;
 use crate::space::evaluate::{ContactNow, ContactSize, FaceStresses, FaceTension, LocalPoint, Map, TensionMap};
 
-use super::state::State;
 use super::step::Step;
+use super::stepped::State;
 
 /// What is to be read, in the coordinates in which a body moves. One rank has all of it, the others nothing.
 #[derive(Clone, Default)]

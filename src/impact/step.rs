@@ -1,7 +1,7 @@
 //! One accepted step, as observers see it.
 
-use super::checkpoint::Carrier;
-use crate::error::Result;
+use super::checkpoint::Visitor;
+use crate::error::{Error, Result};
 
 /// One accepted step: everything that a series holds of it. SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -22,10 +22,10 @@ impl Step {
     /// To a checkpoint or from it.
     ///
     /// # Errors
-    /// Those of [`Carrier`].
-    pub fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+    /// Those of [`Visitor`].
+    pub fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         let Self { number, time, impactor, contact, energy } = self;
-        carrier.count("number", number)?;
+        visitor.count("number", number)?;
         let numbers = [
             ("time", time),
             ("position", &mut impactor.position),
@@ -46,7 +46,7 @@ impl Step {
             ("numerical", &mut energy.numerical),
             ("total", &mut energy.total),
         ];
-        numbers.into_iter().try_for_each(|(name, value)| carrier.number(name, value))
+        numbers.into_iter().try_for_each(|(name, value)| visitor.number(name, value))
     }
 }
 
@@ -98,4 +98,16 @@ pub struct Energy {
     pub numerical: f64,
     /// kinetic + elastic + support + impactor + contact.
     pub total: f64,
+}
+
+/// An error with the step and the time that it happened at.
+pub(super) fn at(error: Error, number: usize, time: f64) -> Error {
+    let place = format!("step {number}, t = {time:.6e} s");
+    match error {
+        Error::Solve(message) => Error::Solve(format!("{place}: {message}")),
+        Error::Unstable(message) => Error::Unstable(format!("{place}: {message}")),
+        // Whether other ranks have it too is not known.
+        Error::Petsc(error) => Error::Alone(Box::new(Error::Solve(format!("{place}: {error}")))),
+        other => other,
+    }
 }

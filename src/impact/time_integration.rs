@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use crate::error::Result;
 use crate::scene::Vec3;
 
-use super::checkpoint::{Carrier, Checkpoint};
+use super::checkpoint::{Checkpoint, Visitor};
 use super::{Observer, Plan, Readout};
 
 /// A body and an impactor that are ready to move.
@@ -58,11 +58,11 @@ pub struct Count {
 
 impl Count {
     /// To a checkpoint or from it.
-    pub(super) fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
-        carrier.count("solves", &mut self.solves)?;
-        carrier.count("iterations", &mut self.iterations)?;
+    pub(super) fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
+        visitor.count("solves", &mut self.solves)?;
+        visitor.count("iterations", &mut self.iterations)?;
         let mut error = self.error.unwrap_or(f64::NAN);
-        carrier.number("error", &mut error)?;
+        visitor.number("error", &mut error)?;
         self.error = (!error.is_nan()).then_some(error);
         Ok(())
     }

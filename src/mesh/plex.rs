@@ -32,7 +32,7 @@ impl Mesh {
         match &body.geometry {
             Geometry::Box { planes, .. } => {
                 let grid = Grid::new(planes, &body.symmetry);
-                let plex = spread(grid.cubes(comm)?)?;
+                let plex = distribute(grid.cubes(comm)?)?;
                 let part = Part::new(&plex, body.order, |vertex| grid.place(vertex))?;
                 let (cells, facets, _) = part.elements(&[])?;
                 let (facets, mirror_nodes) = grid.cut(&facets);
@@ -51,7 +51,7 @@ impl Mesh {
                     let help = "[material.NAME] for each of them, or one physical volume, or none";
                     return Err(Fault::new("body.mesh", message, help).into());
                 }
-                let plex = spread(plex)?;
+                let plex = distribute(plex)?;
                 let part = Part::new(&plex, body.order, |vertex| vertex)?;
                 let parts_of_cells = match &body.composition.parts {
                     Parts::Volumes(materials) => of_volumes(&plex, materials.keys(), &named_volumes)?,
@@ -150,7 +150,7 @@ fn of_volumes<'a>(
 }
 
 /// The mesh over all ranks, with its boundary labelled. Collective.
-fn spread(plex: Plex) -> Result<Plex> {
+fn distribute(plex: Plex) -> Result<Plex> {
     plex.label_boundary(BOUNDARY)?;
     Ok(plex.distribute()?)
 }

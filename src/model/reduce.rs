@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use crate::body::{Body, DirectSum, ModalBody, OF_CUTOFF, Projection, Start};
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
-use crate::impact::{Errors, Impact, ModalImpact, Reading, Steps, Trace, Until};
+use crate::impact::{Errors, ModalImpact, Reading, SteppedImpact, Steps, Trace, Until};
 use crate::scene::{Reduction, Scene};
 
 use super::watch::{Judged, Stage, Watch};
@@ -236,7 +236,7 @@ fn force(
     let mut trace = Trace::default();
     let mut last: Option<(f64, f64)> = None;
     let reduced = Body::of(&body.comm().session().alone(), &projection.system())?;
-    let _ = Impact::new(scene, reduced)?.run(|step| {
+    let _ = SteppedImpact::new(scene, reduced)?.run(|step| {
         let (time, force) = (step.time, step.contact.force);
         if let Some((before, was)) = last.replace((time, force)) {
             trace.push(before, time - before, [was, 0.5 * (was + force), force]);

@@ -6,7 +6,7 @@ use crate::contact::Patch;
 use crate::error::Result;
 use crate::impact::checkpoint::Checkpoint;
 use crate::impact::step::Step;
-use crate::impact::{Cause, Count, ErrorEstimate, Errors, Impact, ModalImpact, Observer, Plan, TimeIntegration};
+use crate::impact::{Cause, Count, ErrorEstimate, Errors, ModalImpact, Observer, Plan, SteppedImpact, TimeIntegration};
 use crate::scene::{Scene, Vec3};
 use crate::space::evaluate::FieldSampler;
 
@@ -33,7 +33,7 @@ impl Simulation {
     pub fn new(scene: &Scene, model: Model) -> Result<Self> {
         let (of_model, patch) = (model.error, model.dynamics.patch());
         let mut integration: Box<dyn TimeIntegration> = match model.dynamics {
-            Dynamics::Stepped(body) => Box::new(Impact::new(scene, *body)?),
+            Dynamics::Stepped(body) => Box::new(SteppedImpact::new(scene, *body)?),
             Dynamics::Modal(body) => Box::new(ModalImpact::new(scene, body)),
         };
         let (mut sampler, mut faces, mut face_points) = (None, Vec::new(), Vec::new());

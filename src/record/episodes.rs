@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::Result;
-use crate::impact::checkpoint::Carrier;
+use crate::impact::checkpoint::Visitor;
 use crate::impact::step::Step;
 
 /// One uninterrupted contact: a maximal run of consecutive steps with F > 0.
@@ -72,17 +72,17 @@ impl Episodes {
     /// To a checkpoint or from it.
     ///
     /// # Errors
-    /// Those of [`Carrier`].
-    pub fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+    /// Those of [`Visitor`].
+    pub fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         let mut count = self.all.len();
-        carrier.count("episodes", &mut count)?;
-        if carrier.is_loading() {
+        visitor.count("episodes", &mut count)?;
+        if visitor.is_restoring() {
             // One by one, for a wrong count must not take all memory.
             self.all.clear();
         }
         for number in 0..count {
             let mut episode = self.all.get(number).copied().unwrap_or_default();
-            carrier.within(&format!("episode.{number}"), |carrier| {
+            visitor.within(&format!("episode.{number}"), |visitor| {
                 let Episode { start, end, peak_force, peak_time, impulse } = &mut episode;
                 let numbers = [
                     ("start", start),
@@ -91,14 +91,14 @@ impl Episodes {
                     ("peak_time", peak_time),
                     ("impulse", impulse),
                 ];
-                numbers.into_iter().try_for_each(|(name, value)| carrier.number(name, value))
+                numbers.into_iter().try_for_each(|(name, value)| visitor.number(name, value))
             })?;
-            if carrier.is_loading() {
+            if visitor.is_restoring() {
                 self.all.push(episode);
             }
         }
         let mut last = self.last.unwrap_or_default();
-        carrier.within("last", |carrier| last.carry(carrier))?;
+        visitor.within("last", |visitor| last.visit(visitor))?;
         self.last = Some(last);
         Ok(())
     }

@@ -13,7 +13,7 @@ use crate::body::{Body, Lumped};
 use crate::description::Description;
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
-use crate::impact::{Impact, Setting, stable_step};
+use crate::impact::{ImpactParameters, SteppedImpact, stable_step};
 use crate::mesh::Mesh;
 use crate::scene::{Newton, Scene, Scheme, Solver, Time};
 
@@ -302,7 +302,7 @@ impl<'a> Bench<'a> {
         let mesh = self.mesh;
         let impactor = self.scene.impactor.clone();
         let body = self.body(scheme);
-        let setting = Setting::new(&impactor, body);
+        let setting = ImpactParameters::new(&impactor, body);
         let limit = stable_step(body, &setting, scheme);
         mesh.comm.collect_garbage()?;
         limit
@@ -333,7 +333,7 @@ impl<'a> Bench<'a> {
         self.body(scheme);
         self.scene.time = Time { step: Some(step), scheme, ..self.scene.time };
         let body = self.body.take().expect("it has just been made ready");
-        let mut impact = Impact::new(&self.scene, body)?;
+        let mut impact = SteppedImpact::new(&self.scene, body)?;
         let ended = impact.run(|step| {
             observe(step);
             Ok(if (self.interrupted)() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })

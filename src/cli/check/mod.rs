@@ -12,7 +12,7 @@ use petsc_wrap::Comm;
 
 use crate::body::Body;
 use crate::error::{Error, Result};
-use crate::impact::{Plan, Setting};
+use crate::impact::{ImpactParameters, Plan};
 use crate::mesh::{Measures, Mesh};
 use crate::model::{Dynamics, Model};
 use crate::scene::{Geometry, Scene, Source};
@@ -81,7 +81,7 @@ fn report<'a>(comm: &Comm, (scene, source): (&'a Scene, &Source), deadline: Opti
             match &mut model.dynamics {
                 Dynamics::Modal(_) => report.cost = Some(Cost::modal()),
                 Dynamics::Stepped(body) => {
-                    let plan = Plan::new(scene, body, &Setting::new(&scene.impactor, body))?;
+                    let plan = Plan::new(scene, body, &ImpactParameters::new(&scene.impactor, body))?;
                     report.cost = Some(Cost::of_steps(scene, body, &plan)?);
                     report.plan = Some(plan);
                     if report.mass.is_none() {

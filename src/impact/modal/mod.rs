@@ -5,8 +5,8 @@
 //! largest is half of the other's, and the difference is the estimate of the error, by the steps and by the modes left out.
 
 mod answer;
+mod energy_balance;
 mod hit;
-mod ledger;
 mod lift;
 mod motion;
 mod reading;
@@ -26,11 +26,11 @@ use super::gate::Gate;
 use super::observer::{Observed, Observer};
 use super::reading::{Reading, Readout};
 use super::step::{Contact, Energy, Motion as ImpactorMotion, Step};
-use super::trajectory::at;
-use super::{Count, Errors, Plan, Setting, TimeIntegration};
+use super::{Count, Errors, ImpactParameters, Plan, TimeIntegration};
+use crate::impact::step::at;
 use answer::{FreeBody, State};
+use energy_balance::{EnergyBalance, Vibration, coordinates};
 use hit::HitTension;
-use ledger::{Ledger, Vibration, coordinates};
 use motion::Motion;
 pub use motion::Steps;
 use reading::{FacesOfSteps, Reader};
@@ -65,7 +65,7 @@ const MOST_STEPS: usize = 10_000_000;
 /// An impact on a modal body, which it owns or borrows.
 pub struct ModalImpact<B> {
     body: B,
-    setting: Setting,
+    parameters: ImpactParameters,
     end: f64,
     /// Given step, s.
     step: Option<f64>,
@@ -96,7 +96,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
     pub fn new(scene: &Scene, body: B) -> Self {
         let impactor = &scene.impactor;
         Self {
-            setting: setting(impactor, body.borrow()),
+            parameters: parameters(impactor, body.borrow()),
             body,
             end: scene.time.end,
             step: scene.time.step,
@@ -113,8 +113,8 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
     }
 
     /// Impactor and contact.
-    pub fn setting(&self) -> &Setting {
-        &self.setting
+    pub fn parameters(&self) -> &ImpactParameters {
+        &self.parameters
     }
 
     /// Runs before a closure, as [`TimeIntegration::run_watched`].
@@ -192,7 +192,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
 
     /// A force that a contact may reach, N.
     fn guess(&self) -> f64 {
-        OF_HALF_SPACE * self.setting.hardest()
+        OF_HALF_SPACE * self.parameters.hardest()
     }
 
     /// Halves the steps until the tolerance is met in the first contact.
@@ -228,14 +228,14 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
 
     /// One run; with the steps as observers see them, or with the force alone.
     fn once(&mut self, steps: Steps, observed: bool, observer: &mut dyn Observer) -> Result<Done> {
-        let setting = self.setting.clone();
-        let Law { force_law, compliance, .. } = &setting.law;
+        let parameters = self.parameters.clone();
+        let Law { force_law, compliance, .. } = &parameters.law;
         let tangent = force_law.steepest(force_law.indentation(steps.peak));
-        let closed = Closed { tangent, compliance: *compliance, mass: setting.mass };
+        let closed = Closed { tangent, compliance: *compliance, mass: parameters.mass };
         let modes = self.body.borrow().modes(RESOLVED / steps.largest, &closed)?;
         // The springs of the modes left out are in the law.
-        let law = Law { compliance: compliance - modes.residual, ..setting.law.clone() };
-        let Setting { mass, speed, gap, weight, .. } = setting;
+        let law = Law { compliance: compliance - modes.residual, ..parameters.law.clone() };
+        let ImpactParameters { mass, speed, gap, weight, .. } = parameters;
         let state = match self.initial {
             Initial::Rest => State::start(&modes, speed),
             Initial::Equilibrium => {
@@ -247,19 +247,24 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let gap = gap - state.surface(&modes);
         let impactor = FreeBody { mass, gravity: weight / mass, speed, gap };
         let mut motion = Motion::new(&modes, law.clone(), impactor, steps, state);
-        let of_hit = HitTension::new(&modes, setting.copies);
+        let of_hit = HitTension::new(&modes, parameters.copies);
         let mut done = Done { trace: Trace::default(), steps: Vec::new(), sizes: steps, faces: None };
-        let mut ledger = self.has_energies.then(Ledger::default);
+        let mut energy_balance = self.has_energies.then(EnergyBalance::default);
         let mut reader = self.readout.as_ref().filter(|_| observed).map(|readout| Reader::new(readout, &modes));
-        let mut see = |number: usize, motion: &Motion, ledger: Option<&mut Ledger>| {
+        let mut see = |number: usize, motion: &Motion, energy_balance: Option<&mut EnergyBalance>| {
             let vibration = coordinates(&modes, &motion.state);
-            let step = seen(number, motion, (&modes, &setting), ledger.map(|ledger| (ledger, &vibration)));
+            let step = seen(
+                number,
+                motion,
+                (&modes, &parameters),
+                energy_balance.map(|energy_balance| (energy_balance, &vibration)),
+            );
             let reader = reader.as_mut();
             let reading = reader.map_or_else(Reading::default, |reader| reader.read(&step, motion, &vibration));
             Observed { step, reading }
         };
         if observed {
-            done.steps.push(see(0, &motion, ledger.as_mut()));
+            done.steps.push(see(0, &motion, energy_balance.as_mut()));
         }
         let mut number = 0;
         // What is left but for rounding is nothing.
@@ -270,7 +275,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             let time = motion.state.time;
             let shown = motion.approach - modes.residual * motion.force;
             let rate = motion.rate() - modes.residual * motion.rise();
-            setting.admit(shown, rate).map_err(|error| at(error, number, time))?;
+            parameters.admit(shown, rate).map_err(|error| at(error, number, time))?;
             if number > MOST_STEPS {
                 return Err(Error::Solve(format!("more than {MOST_STEPS} steps up to t = {time:.6e} s")));
             }
@@ -282,10 +287,10 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
                 done.trace.push_tension(time, tension.at(&motion));
             }
             if observed {
-                if let Some(ledger) = &mut ledger {
-                    ledger.account(&taken, &law, law.potential(motion.approach) - before);
+                if let Some(energy_balance) = &mut energy_balance {
+                    energy_balance.account(&taken, &law, law.potential(motion.approach) - before);
                 }
-                done.steps.push(see(number, &motion, ledger.as_mut()));
+                done.steps.push(see(number, &motion, energy_balance.as_mut()));
             }
         }
         self.count.solves += motion.solves;
@@ -328,16 +333,16 @@ impl<B: Borrow<ModalBody>> TimeIntegration for ModalImpact<B> {
     }
 }
 
-fn setting(impactor: &Impactor, body: &ModalBody) -> Setting {
-    Setting::of(impactor, body.copies, body.compliance)
+fn parameters(impactor: &Impactor, body: &ModalBody) -> ImpactParameters {
+    ImpactParameters::of(impactor, body.copies, body.compliance)
 }
 
 /// The moment as observers see it.
 fn seen(
     number: usize,
     motion: &Motion,
-    (modes, setting): (&Modes, &Setting),
-    ledger: Option<(&mut Ledger, &Vibration)>,
+    (modes, parameters): (&Modes, &ImpactParameters),
+    energy_balance: Option<(&mut EnergyBalance, &Vibration)>,
 ) -> Step {
     let (state, force) = (&motion.state, motion.force);
     let approach = motion.approach - modes.residual * force;
@@ -349,18 +354,18 @@ fn seen(
         impactor: ImpactorMotion {
             position: state.impactor[0],
             velocity: state.impactor[1],
-            acceleration: force / setting.mass,
+            acceleration: force / parameters.mass,
         },
         contact: Contact {
-            force: setting.copies * force,
+            force: parameters.copies * force,
             indentation: law.indentation(motion.approach, force),
             surface_displacement: state.surface(modes) + modes.residual * force + state.settled * modes.rest,
             approach,
             rate: motion.rate() - modes.residual * motion.rise(),
         },
-        energy: ledger.map_or(Energy::default(), |(ledger, vibration)| {
+        energy: energy_balance.map_or(Energy::default(), |(energy_balance, vibration)| {
             let potential = law.potential(motion.approach) - 0.5 * modes.residual * force * force;
-            ledger.energy((modes, setting), state, vibration, (force, potential, motion.absent_energy()))
+            energy_balance.energy((modes, parameters), state, vibration, (force, potential, motion.absent_energy()))
         }),
     }
 }

@@ -8,7 +8,7 @@ use crate::impact::reading::{ProbeForms, Reading, Readout, contact};
 use crate::impact::step::Step;
 use crate::space::evaluate::{ContactNow, ContactSize, Map, TensionMap, TensionSearch};
 
-use super::ledger::{Vibration, coordinates};
+use super::energy_balance::{Vibration, coordinates};
 use super::motion::Motion;
 
 /// Reads the steps of one run.

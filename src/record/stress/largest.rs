@@ -5,7 +5,7 @@ use hdf5_metno::types::VarLenUnicode;
 use serde::Serialize;
 
 use crate::error::Result;
-use crate::impact::checkpoint::Carrier;
+use crate::impact::checkpoint::Visitor;
 use crate::record::provenance::{text, write_scalar, write_text};
 use crate::scene::Vec3;
 use crate::space::evaluate::FaceTension;
@@ -52,15 +52,15 @@ impl LargestTension {
     /// To a checkpoint or from it.
     ///
     /// # Errors
-    /// Those of [`Carrier`].
-    pub fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
-        carrier.number("largest_stress", &mut self.value)?;
-        carrier.count("largest_stress_face", &mut self.face)?;
-        carrier.number("largest_stress_time", &mut self.time)?;
+    /// Those of [`Visitor`].
+    pub fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
+        visitor.number("largest_stress", &mut self.value)?;
+        visitor.count("largest_stress_face", &mut self.face)?;
+        visitor.number("largest_stress_time", &mut self.time)?;
         for (name, x) in ["x", "y", "z"].into_iter().zip(&mut self.point) {
-            carrier.number(&format!("largest_stress_{name}"), x)?;
+            visitor.number(&format!("largest_stress_{name}"), x)?;
         }
-        carrier.number("strength_passed_at", &mut self.strength_passed_at)
+        visitor.number("strength_passed_at", &mut self.strength_passed_at)
     }
 
     /// Makes the attributes of the root, with nothing in them yet.

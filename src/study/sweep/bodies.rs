@@ -5,8 +5,8 @@ use std::rc::Rc;
 use petsc_wrap::Comm;
 
 use super::by_body::{BodyOf, ByBody};
-use super::census::{Census, Line};
 use super::family::{self, Family};
+use super::grouping::{Grouping, Line};
 use super::member::Computed;
 use crate::body::ModalBody;
 use crate::description::Description;
@@ -32,7 +32,7 @@ const OF_RELAXING: f64 = 0.6;
 /// What members share.
 pub struct Bodies<'a> {
     comm: Comm,
-    census: &'a Census,
+    grouping: &'a Grouping,
     scene_of: &'a dyn Fn(usize) -> Result<Scene>,
     /// What auto is for all members, with the errors that it found, where it was asked.
     theory: Option<(scene::Model, Errors)>,
@@ -59,14 +59,14 @@ impl<'a> Bodies<'a> {
     /// None yet, for members on these ranks; `scene_of` a member's scene by its number, `theory` what auto is for all.
     pub fn new(
         comm: &Comm,
-        census: &'a Census,
+        grouping: &'a Grouping,
         scene_of: &'a dyn Fn(usize) -> Result<Scene>,
         theory: Option<(scene::Model, Errors)>,
         has_energies: bool,
     ) -> Self {
         Self {
             comm: comm.clone(),
-            census,
+            grouping,
             scene_of,
             theory,
             has_energies,
@@ -111,7 +111,7 @@ impl<'a> Bodies<'a> {
         if let Some(kept) = self.kept.get(&body) {
             return Ok(kept.simulate(scene, self.has_energies, interrupted));
         }
-        let made = match self.census.representative(scene) {
+        let made = match self.grouping.representative(scene) {
             Some(index) => self.make(&shared((self.scene_of)(index)?), watch),
             None => self.make(scene, watch),
         };
@@ -126,7 +126,7 @@ impl<'a> Bodies<'a> {
 
     /// On the basis of all that differ in one support alone, where they are many.
     fn of_family(&mut self, index: usize, scene: &Scene, watch: &dyn Watch) -> Result<Option<Kept>> {
-        let Some(Line { body, value, count }) = self.census.line_of(index, scene) else { return Ok(None) };
+        let Some(Line { body, value, count }) = self.grouping.line_of(index, scene) else { return Ok(None) };
         let is_open = scene.body.model == scene::Model::Auto && self.theory.is_none();
         if count < family::LEAST || is_open || scene.is_on_pads() {
             return Ok(None);
@@ -135,7 +135,7 @@ impl<'a> Bodies<'a> {
             if self.families.len() >= MOST {
                 self.families.clear();
             }
-            let all = self.census.members_on(&body);
+            let all = self.grouping.members_on(&body);
             let values: Vec<f64> = all.iter().map(|(value, _)| *value).collect();
             let scene_of = |value: f64| {
                 let at = values.partition_point(|other| *other < value).min(values.len() - 1);

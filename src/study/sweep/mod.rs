@@ -2,20 +2,20 @@
 
 mod bodies;
 mod by_body;
-mod census;
 mod digest;
 mod family;
 mod grid;
+mod grouping;
 mod member;
+mod scheduler;
 mod shard;
-mod spread;
 mod vary;
 
 pub use bodies::Bodies;
-pub use census::{Census, Property};
 pub use digest::{Task, digest};
 pub use grid::Grid;
+pub use grouping::{Grouping, Property};
 pub use member::{Computed, simulate};
+pub use scheduler::{Compute, Kept, schedule};
 pub use shard::{Shard, parts};
-pub use spread::{Compute, Kept, spread};
 pub use vary::{Variation, written};

@@ -11,7 +11,7 @@ use ricochet::body::Body;
 use ricochet::contact::Hertz;
 use ricochet::element::Shape;
 use ricochet::error::Error;
-use ricochet::impact::Impact;
+use ricochet::impact::SteppedImpact;
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
 
@@ -282,7 +282,7 @@ fn newton_matrix(session: &Session) {
 }
 
 /// δ with u and q moved on for a step at constant acceleration: where Newton's method starts. Collective.
-fn guessed_approach(impact: &Impact, gap: f64, step: f64) -> f64 {
+fn guessed_approach(impact: &SteppedImpact, gap: f64, step: f64) -> f64 {
     let state = impact.state();
     let a = &impact.body().localization.vector;
     let half = 0.5 * step * step;
@@ -292,7 +292,7 @@ fn guessed_approach(impact: &Impact, gap: f64, step: f64) -> f64 {
 }
 
 /// a as a whole on rank 0, nothing on the others. Collective.
-fn whole(impact: &Impact) -> Vec<f64> {
+fn whole(impact: &SteppedImpact) -> Vec<f64> {
     let a = &impact.body().localization.vector;
     let indices: Vec<Int> = if a.comm().is_root() { (0..a.len() as Int).collect() } else { Vec::new() };
     Gather::new(a, &indices).unwrap().fetch(a).unwrap().to_vec()

@@ -63,7 +63,7 @@ fn the_equation_is_that_of_the_table(_: &Session) {
 }
 
 /// A plate with a contact of `length` h/c_s until the separation, quadratic cells graded from r_p/2 to the edge.
-struct Impact {
+struct SteppedImpact {
     lambda: f64,
     length: f64,
     /// Cells of half an edge.
@@ -77,8 +77,8 @@ struct Impact {
 /// Largest error of the force up to the separation, over its peak.
 ///
 /// The plate's half edge is what a Rayleigh wave, the fastest that bends it, goes there and back in the contact; so no echo comes.
-fn error(comm: &Comm, impact: &Impact) -> f64 {
-    let Impact { lambda, length, cells, grading, steps } = *impact;
+fn error(comm: &Comm, impact: &SteppedImpact) -> f64 {
+    let SteppedImpact { lambda, length, cells, grading, steps } = *impact;
     let (young, poisson, density) = GLASS;
     let shear = (young / (2.0 * (1.0 + poisson)) / density).sqrt();
     let (forces, _) = equation(lambda);
@@ -130,12 +130,12 @@ fn error(comm: &Comm, impact: &Impact) -> f64 {
 fn force_histories(session: &Session) {
     let world = session.world();
     let long = [
-        Impact { lambda: 0.1, length: 80.0, cells: 14, grading: 62.0, steps: 60.0 },
-        Impact { lambda: 0.3, length: 120.0, cells: 16, grading: 90.0, steps: 60.0 },
-        Impact { lambda: 1.0, length: 200.0, cells: 22, grading: 120.0, steps: 60.0 },
+        SteppedImpact { lambda: 0.1, length: 80.0, cells: 14, grading: 62.0, steps: 60.0 },
+        SteppedImpact { lambda: 0.3, length: 120.0, cells: 16, grading: 90.0, steps: 60.0 },
+        SteppedImpact { lambda: 1.0, length: 200.0, cells: 22, grading: 120.0, steps: 60.0 },
     ]
     .map(|impact| error(&world, &impact));
     assert!(long.iter().all(|error| *error < 1e-2), "{long:?}");
-    let short = error(&world, &Impact { lambda: 0.3, length: 40.0, cells: 14, grading: 26.0, steps: 60.0 });
+    let short = error(&world, &SteppedImpact { lambda: 0.3, length: 40.0, cells: 14, grading: 26.0, steps: 60.0 });
     assert!(short > 2.0 * long[1], "{short:e} in a short contact, {:e} in a long one", long[1]);
 }

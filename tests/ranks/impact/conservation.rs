@@ -8,7 +8,7 @@ use crate::start::{run, start};
 use nalgebra::Vector3;
 use petsc_wrap::{Session, Vector};
 use ricochet::element::Shape;
-use ricochet::impact::Impact;
+use ricochet::impact::SteppedImpact;
 use ricochet::impact::step::Step;
 
 pub const RANKS: &[usize] = &[1, 2];
@@ -25,7 +25,7 @@ fn scene(body: &str, rest: &str, impactor: &str, time: &str) -> String {
 
 /// Linear and angular momentum of body and impactor, along and about the axes: `rigid` are the six rigid motions, and `along` those
 /// of the impactor, d and x × d.
-fn momenta(impact: &Impact, rigid: &[Vector], mass: f64, along: [f64; 6]) -> [f64; 6] {
+fn momenta(impact: &SteppedImpact, rigid: &[Vector], mass: f64, along: [f64; 6]) -> [f64; 6] {
     let state = impact.state();
     let mut product = state.v.duplicate().unwrap();
     impact.body().mass.mult(&state.v, &mut product).unwrap();

@@ -7,7 +7,7 @@ use petsc_wrap::Session;
 use ricochet::body::Body;
 use ricochet::contact::hertz;
 use ricochet::error::{Error, Result};
-use ricochet::impact::Impact;
+use ricochet::impact::SteppedImpact;
 use ricochet::impact::step::Step;
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
@@ -23,7 +23,7 @@ fn series(session: &Session, overrides: &[&str]) -> Result<(Scene, Vec<Step>)> {
     let (scene, _) = Scene::parse("extreme", SCENE, &overrides)?;
     let mesh = Mesh::new(&session.world(), &scene.body)?;
     let body = Body::solid(&scene, &mesh)?;
-    let mut impact = Impact::new(&scene, body)?;
+    let mut impact = SteppedImpact::new(&scene, body)?;
     let mut steps = Vec::new();
     let ended = impact.run(|step| {
         steps.push(*step);

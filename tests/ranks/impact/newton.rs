@@ -5,7 +5,7 @@ use mpi_test::{Test, tests};
 use petsc_wrap::{Matrix, Session, Vector, options};
 use ricochet::contact::hertz;
 use ricochet::error::Error;
-use ricochet::impact::Impact;
+use ricochet::impact::SteppedImpact;
 use ricochet::scene::Scene;
 
 pub const RANKS: &[usize] = &[1];
@@ -126,7 +126,7 @@ fn hard_cases(session: &Session) {
 }
 
 /// |M ü + C u̇ + K u − a F − f|, N, over the free unknowns of a body without pads.
-fn residual(impact: &Impact, force: f64) -> f64 {
+fn residual(impact: &SteppedImpact, force: f64) -> f64 {
     let (body, state) = (impact.body(), impact.state());
     let (mut sum, mut product) = (state.u.duplicate().unwrap(), state.u.duplicate().unwrap());
     let terms: [(Option<&Matrix>, &Vector); 4] = [

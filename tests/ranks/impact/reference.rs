@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use crate::field::interpolate;
 use petsc_wrap::Session;
 use ricochet::body::Body;
-use ricochet::impact::Impact;
+use ricochet::impact::SteppedImpact;
 use ricochet::impact::step::Step;
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
@@ -236,7 +236,7 @@ fn check_series(session: &Session, name: &'static str, most: usize) {
     let case = Case::new(name);
     let begin = std::time::Instant::now();
     let (_, solid, scene) = case.solid(session, None);
-    let mut impact = Impact::new(&scene, solid).unwrap();
+    let mut impact = SteppedImpact::new(&scene, solid).unwrap();
     let mut steps: Vec<Step> = Vec::new();
     let flow = impact.run(|step| {
         steps.push(*step);

@@ -7,7 +7,7 @@ use petsc_wrap::Session;
 use ricochet::body::{Body, DirectSum, ModalBody, Projection};
 use ricochet::description::Description;
 use ricochet::impact::step::Step;
-use ricochet::impact::{Impact, ModalImpact, Steps, Trace};
+use ricochet::impact::{ModalImpact, SteppedImpact, Steps, Trace};
 use ricochet::material::Maxwell;
 use ricochet::model::watch::Unwatched;
 use ricochet::model::{Built, build, rate};
@@ -76,7 +76,7 @@ fn stepped(scene: &Scene, body: Body, step: f64) -> Vec<(f64, f64)> {
     (scene.time.modal, scene.time.step) = (false, Some(step));
     let copies = body.copies;
     let mut forces = Vec::new();
-    let flow = Impact::new(&scene, body).unwrap().run(|step: &Step| {
+    let flow = SteppedImpact::new(&scene, body).unwrap().run(|step: &Step| {
         forces.push((step.time, step.contact.force / copies));
         Ok(ControlFlow::Continue(()))
     });

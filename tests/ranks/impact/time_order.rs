@@ -5,7 +5,7 @@ use mpi_test::{Test, tests};
 use nalgebra::{DMatrix, DVector};
 use petsc_wrap::{Matrix, Session, Vector};
 use ricochet::impact::step::Step;
-use ricochet::impact::{Impact, State, TimeIntegration as _};
+use ricochet::impact::{State, SteppedImpact, TimeIntegration as _};
 
 /// On one rank: the first test wants its matrices whole, and other tests show that the series are the same on several.
 pub const RANKS: &[usize] = &[1];
@@ -33,7 +33,7 @@ fn dense(matrix: &Matrix) -> DMatrix<f64> {
 }
 
 /// Shape (uᵀMu = 1) and angular frequency of the free body's lowest elastic mode.
-fn first_elastic_mode(impact: &Impact) -> (DVector<f64>, f64) {
+fn first_elastic_mode(impact: &SteppedImpact) -> (DVector<f64>, f64) {
     let (mass, stiffness) = (dense(&impact.body().mass), dense(&impact.body().elastic));
     let factor = mass.cholesky().expect("M is positive definite");
     let half = factor.l().solve_lower_triangular(&stiffness).unwrap();

@@ -8,7 +8,7 @@ use petsc_wrap::{Comm, Matrix, Session};
 use ricochet::body::Body;
 use ricochet::element::Shape;
 use ricochet::error::Error;
-use ricochet::impact::Impact;
+use ricochet::impact::SteppedImpact;
 use ricochet::mesh::Mesh;
 use ricochet::scene::{Fault, Scene};
 
@@ -88,7 +88,7 @@ fn formats_2_and_4_give_the_same(session: &Session) {
             .iter()
             .flat_map(|matrix| [matrix.trace().unwrap(), matrix.norm_frobenius().unwrap()])
             .collect();
-        let mut impact = Impact::new(&scene, body).unwrap();
+        let mut impact = SteppedImpact::new(&scene, body).unwrap();
         let flow = impact.run(|step| {
             values.push(step.contact.force);
             Ok(std::ops::ControlFlow::Continue(()))

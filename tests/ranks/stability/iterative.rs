@@ -4,7 +4,7 @@ use crate::start::{run, start};
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Matrix, Session, options};
 use ricochet::body::Body;
-use ricochet::impact::Impact;
+use ricochet::impact::SteppedImpact;
 use ricochet::impact::step::Step;
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
@@ -180,7 +180,7 @@ fn large_bodies(session: &Session) {
                 println!("  {method:?}: {} iterations", solver.iterations().unwrap());
                 assert!(solver.iterations().unwrap() <= 20 && !is_direct(&solver).unwrap());
             }
-            run(&mut Impact::new(&scene, body).unwrap())
+            run(&mut SteppedImpact::new(&scene, body).unwrap())
         };
         let exact = history(Method::Cholesky);
         let multigrid = by_iterations(&scene);

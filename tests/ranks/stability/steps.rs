@@ -11,7 +11,7 @@ use ricochet::description::Description;
 use ricochet::element::Shape;
 use ricochet::error::Error;
 use ricochet::impact::step::Step;
-use ricochet::impact::{Impact, State};
+use ricochet::impact::{State, SteppedImpact};
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
 use ricochet::scheme::critical_frequency;
@@ -98,7 +98,7 @@ impl Block {
     /// A run of the block that vibrates in all its modes: how many steps it made, and whether it was stopped.
     fn vibrate(&self, comm: &Comm, step: f64, scheme: &str) -> (Vec<Step>, Result<(), Error>) {
         let (scene, _, body) = self.build(comm, step, scheme);
-        let mut impact = Impact::new(&scene, body).unwrap();
+        let mut impact = SteppedImpact::new(&scene, body).unwrap();
         let zeros = || impact.body().load.duplicate().unwrap();
         let (mut u, v, mut a) = (zeros(), zeros(), zeros());
         shake(&mut u);
@@ -135,7 +135,7 @@ fn shake(u: &mut Vector) {
     });
 }
 
-fn finish(mut impact: Impact) -> (Vec<Step>, Result<(), Error>) {
+fn finish(mut impact: SteppedImpact) -> (Vec<Step>, Result<(), Error>) {
     let mut steps = vec![];
     let flow = impact.run(|step| {
         steps.push(*step);
@@ -163,7 +163,7 @@ fn limit_of_the_central_difference(session: &Session) {
         }
         // Unless it is forced, a step above the limit is refused.
         let (scene, _, body) = block.build(&world, 1.02 * limit, "scheme = \"central-difference\"");
-        let Err(Error::Fault(fault)) = Impact::new(&scene, body) else { panic!("accepted") };
+        let Err(Error::Fault(fault)) = SteppedImpact::new(&scene, body) else { panic!("accepted") };
         assert!(fault.key == "time.step" && fault.message.contains("2/ω_max"), "{fault}");
         world.collect_garbage().unwrap();
     }
@@ -186,7 +186,7 @@ fn contact_lowers_the_limit(session: &Session) {
     println!("2/ω_max: {apart:.4e} s apart, {touching:.4e} s in contact");
     assert!(touching < 0.9 * apart);
     let (scene, _, body) = block.build(&world, 0.98 * apart, "scheme = \"central-difference\"");
-    assert!(matches!(Impact::new(&scene, body), Err(Error::Fault(_))), "the limit in contact is the one told");
+    assert!(matches!(SteppedImpact::new(&scene, body), Err(Error::Fault(_))), "the limit in contact is the one told");
     // The total without the scheme's own term of Δt² swings by some 1e-3 in a stable run; the energy scheme leaves rounding.
     for (step, scheme, range) in [
         (0.98 * apart, EXPLICIT, 0.5..f64::INFINITY),
@@ -194,7 +194,7 @@ fn contact_lowers_the_limit(session: &Session) {
         (0.98 * apart, "scheme = \"energy\"", 0.0..1e-9),
     ] {
         let (scene, _, body) = block.build(&world, step, scheme);
-        let (steps, ended) = finish(Impact::new(&scene, body).unwrap());
+        let (steps, ended) = finish(SteppedImpact::new(&scene, body).unwrap());
         ended.unwrap();
         let touched = steps.iter().filter(|step| step.contact.force > 0.0).count();
         let off = largest_change(&steps);
@@ -268,7 +268,7 @@ fn row_sums_of_quadratic_tetrahedra(session: &Session) {
         println!("{part}: {negative} of {} row sums are negative", sums.len());
         assert_eq!(negative, 3 * vertices);
         lumped.mass.copy_from(&sums).unwrap();
-        let mut impact = Impact::new(&scene, body).unwrap();
+        let mut impact = SteppedImpact::new(&scene, body).unwrap();
         let zeros = || impact.body().load.duplicate().unwrap();
         let (mut u, v, a) = (zeros(), zeros(), zeros());
         shake(&mut u);

@@ -20,7 +20,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use crate::form::pressed_depth;
 use crate::scheme::StageForce;
 
-use super::search::step_length;
+use super::line_search::step_length;
 
 /// A bound for what cannot converge.
 const MAX_ITERATIONS: usize = 1000;

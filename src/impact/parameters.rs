@@ -10,7 +10,7 @@ use crate::scene;
 /// Of a body with n-fold symmetry one part is modelled, hit by that part of the impactor: mass and force are divided by
 /// n, and the compliance c_l of the patch is multiplied, so that the indentation is the same.
 #[derive(Debug, Clone)]
-pub struct Setting {
+pub struct ImpactParameters {
     /// m0 of the part, kg.
     pub mass: f64,
     /// Speed at t = 0, m/s.
@@ -25,13 +25,13 @@ pub struct Setting {
     pub copies: f64,
 }
 
-impl Setting {
-    /// The setting of a scene with its body.
+impl ImpactParameters {
+    /// The parameters of a scene with its body.
     pub fn new(impactor: &scene::Impactor, body: &Body) -> Self {
         Self::of(impactor, body.copies, body.localization.compliance)
     }
 
-    /// The setting of an impactor with one of `copies` parts of a body, whose contact law has the compliance (m/N).
+    /// The parameters of an impactor with one of `copies` parts of a body, whose contact law has the compliance (m/N).
     pub fn of(impactor: &scene::Impactor, copies: f64, compliance: f64) -> Self {
         Self {
             mass: impactor.mass / copies,

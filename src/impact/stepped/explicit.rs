@@ -7,11 +7,11 @@ use crate::error::Result;
 use crate::scene::{Fault, Scheme};
 use crate::scheme::{CentralDifference, Implicit, newmark};
 
-use super::ledger::{Exchange, Work, exchange};
-use super::limit::stable_step;
+use super::energy_balance::{Exchange, Work, exchange};
 use super::relaxation::Relaxed;
-use super::setting::Setting;
+use super::stable_step::stable_step;
 use super::state::{Impactor, Moment};
+use crate::impact::parameters::ImpactParameters;
 
 /// Of the estimated limit, the step that is taken where none is given: room for what the estimate leaves open.
 const OF_LIMIT: f64 = 0.95;
@@ -39,7 +39,7 @@ impl ExplicitStepper {
     pub(super) fn advance(
         &mut self,
         body: &mut Body,
-        setting: &Setting,
+        parameters: &ImpactParameters,
         from: &Moment,
         to: &mut Moment,
     ) -> Result<Exchange> {
@@ -48,13 +48,13 @@ impl ExplicitStepper {
         let (position, q_half) = scheme.predict(state.q.position, state.q.velocity, state.q.acceleration);
         to.state.q.position = position;
         to.state.v.copy_from(&self.half)?;
-        to.update(body, setting.gap)?;
+        to.update(body, parameters.gap)?;
         // Only the velocity at the middle of the step is known: it is extrapolated with the old acceleration.
-        let rate = match setting.law.damping {
+        let rate = match parameters.law.damping {
             0.0 => 0.0,
             _ => q_half - to.surface_rate(body)? + 0.5 * scheme.step * from.acceleration(body)?,
         };
-        let contact = setting.law.damped(to.approach, rate);
+        let contact = parameters.law.damped(to.approach, rate);
         // f + a F − K u − p at the new place; the dampers' force is part of the correction.
         let force = &mut self.force;
         force.copy_from(&body.load)?;
@@ -72,7 +72,7 @@ impl ExplicitStepper {
         body.clamps.zero(force)?;
         let lumped = body.lumped.as_ref().expect("an explicit scheme's body has a lumped mass");
         correct(scheme, lumped, (&self.half, &self.force), to)?;
-        let (velocity, acceleration) = scheme.correct(q_half, setting.weight - contact.force, setting.mass, 0.0);
+        let (velocity, acceleration) = scheme.correct(q_half, parameters.weight - contact.force, parameters.mass, 0.0);
         to.state.q = Impactor { position, velocity, acceleration };
         to.rate = velocity - to.surface_rate(body)?;
         body.apply_mass(&to.state.v, &mut to.products.momentum)?;
@@ -80,14 +80,14 @@ impl ExplicitStepper {
         if let Some(product) = &mut to.products.damping {
             body.apply_damping(&to.state.v, product)?;
         }
-        // The ledger's D.
+        // The energy balance's D.
         self.half.copy_from(&to.state.u)?;
         self.half.axpy(-1.0, &state.u)?;
         let (force, damping) = (contact.force, contact.force - contact.elastic);
         let work =
             Work { increment: &self.half, force, damping, relaxed: Relaxed::default(), pads: self.pads.as_ref() };
         let family = Implicit { beta: 0.0, ..newmark(0.25, 0.5) };
-        exchange(body, setting, (&family, scheme.step), (from, to), work, &mut self.force)
+        exchange(body, parameters, (&family, scheme.step), (from, to), work, &mut self.force)
     }
 }
 
@@ -122,11 +122,15 @@ fn correct(
 ///
 /// # Errors
 /// A fault of `time.step`; PETSc's.
-pub(super) fn step(body: &mut Body, setting: &Setting, (given, allow_unstable): (Option<f64>, bool)) -> Result<f64> {
+pub(super) fn step(
+    body: &mut Body,
+    parameters: &ImpactParameters,
+    (given, allow_unstable): (Option<f64>, bool),
+) -> Result<f64> {
     if let (Some(step), true) = (given, allow_unstable) {
         return Ok(step);
     }
-    let limit = stable_step(body, setting, Scheme::CentralDifference { allow_unstable })?;
+    let limit = stable_step(body, parameters, Scheme::CentralDifference { allow_unstable })?;
     let Some(step) = given else { return Ok(OF_LIMIT * limit) };
     if step <= limit {
         return Ok(step);

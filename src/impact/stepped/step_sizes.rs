@@ -7,12 +7,12 @@ use crate::error::Result;
 use crate::scene;
 use crate::scheme::Implicit;
 
-use super::checkpoint::Carrier;
+use super::energy_balance::Exchange;
 use super::explicit::ExplicitStepper;
 use super::implicit::ImplicitStepper;
-use super::ledger::Exchange;
-use super::setting::Setting;
 use super::state::Moment;
+use crate::impact::checkpoint::Visitor;
+use crate::impact::parameters::ImpactParameters;
 
 /// A scheme at one step size.
 pub struct Stepper {
@@ -32,9 +32,9 @@ impl Stepper {
     }
 
     /// What it remembers of the steps before, to a checkpoint or from it.
-    fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+    fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         match &mut self.kind {
-            Kind::Implicit(stepper) => stepper.carry(carrier),
+            Kind::Implicit(stepper) => stepper.visit(visitor),
             Kind::Explicit(_) => Ok(()),
         }
     }
@@ -46,21 +46,21 @@ impl Stepper {
     pub(super) fn advance(
         &mut self,
         body: &mut Body,
-        setting: &Setting,
+        parameters: &ImpactParameters,
         from: &Moment,
         to: &mut Moment,
     ) -> Result<(Exchange, usize)> {
         match &mut self.kind {
-            Kind::Implicit(stepper) => stepper.advance(body, setting, from, to),
-            Kind::Explicit(stepper) => Ok((stepper.advance(body, setting, from, to)?, 0)),
+            Kind::Implicit(stepper) => stepper.advance(body, parameters, from, to),
+            Kind::Explicit(stepper) => Ok((stepper.advance(body, parameters, from, to)?, 0)),
         }
     }
 }
 
 /// Steps of 2^level times a base.
-pub struct Ladder {
+pub struct StepSizes {
     comm: Comm,
-    setting: Setting,
+    parameters: ImpactParameters,
     scheme: scene::Scheme,
     newton: scene::Newton,
     /// What counts as zero in the full Newton's method, N.
@@ -70,15 +70,15 @@ pub struct Ladder {
     steppers: Vec<Option<Stepper>>,
 }
 
-impl Ladder {
+impl StepSizes {
     pub(super) fn new(
         comm: &Comm,
-        setting: Setting,
+        parameters: ImpactParameters,
         (scheme, newton): (scene::Scheme, scene::Newton),
         tolerance: f64,
         base: f64,
     ) -> Self {
-        Self { comm: comm.clone(), setting, scheme, newton, tolerance, base, steppers: Vec::new() }
+        Self { comm: comm.clone(), parameters, scheme, newton, tolerance, base, steppers: Vec::new() }
     }
 
     /// The step of a level, s.
@@ -103,7 +103,7 @@ impl Ladder {
                     Kind::Implicit(Box::new(ImplicitStepper::new(
                         &self.comm,
                         body,
-                        &self.setting,
+                        &self.parameters,
                         (scheme, step),
                         newton,
                     )?))
@@ -118,20 +118,20 @@ impl Ladder {
     /// The base and what the steppers remember, to a checkpoint or from it; those that are not set up are. Collective.
     ///
     /// # Errors
-    /// Those of [`Carrier`]; PETSc's.
-    pub(super) fn carry(&mut self, carrier: &mut Carrier, body: &Body) -> Result<()> {
+    /// Those of [`Visitor`]; PETSc's.
+    pub(super) fn visit(&mut self, visitor: &mut Visitor, body: &Body) -> Result<()> {
         let mut base = self.base;
-        carrier.number("base", &mut base)?;
+        visitor.number("base", &mut base)?;
         if base != self.base {
             self.rebase(base)?;
         }
         let mut levels = self.steppers.len();
-        carrier.count("levels", &mut levels)?;
+        visitor.count("levels", &mut levels)?;
         for level in 0..levels.min(64) {
             let mut is_set_up = usize::from(self.steppers.get(level).is_some_and(Option::is_some));
-            carrier.count(&format!("{level}"), &mut is_set_up)?;
+            visitor.count(&format!("{level}"), &mut is_set_up)?;
             if is_set_up != 0 {
-                carrier.within(&format!("{level}"), |carrier| self.at(level, body)?.carry(carrier))?;
+                visitor.within(&format!("{level}"), |visitor| self.at(level, body)?.visit(visitor))?;
             }
         }
         Ok(())

@@ -5,8 +5,8 @@ use crate::error::Result;
 use crate::scene::{Fault, Scene, Scheme};
 use crate::scheme::critical_frequency;
 
-use super::setting::Setting;
 use super::{controlled, explicit};
+use crate::impact::parameters::ImpactParameters;
 
 /// Which steps a run takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,17 +30,17 @@ impl Plan {
     ///
     /// # Errors
     /// A fault of `time.step` where an explicit step is not stable; PETSc's.
-    pub fn new(scene: &Scene, body: &mut Body, setting: &Setting) -> Result<Self> {
+    pub fn new(scene: &Scene, body: &mut Body, parameters: &ImpactParameters) -> Result<Self> {
         Ok(match (scene.time.scheme, scene.time.step) {
             (Scheme::CentralDifference { allow_unstable }, given) => {
-                let step = explicit::step(body, setting, (given, allow_unstable))?;
+                let step = explicit::step(body, parameters, (given, allow_unstable))?;
                 Self::Equal { step: step.min(scene.time.end) }
             }
             (_, Some(step)) => Self::Equal { step },
             (scheme, None) => {
                 check_stable(scheme)?;
                 let tolerance = scene.tolerance;
-                Self::Controlled { first: controlled::first_step(setting, tolerance, scene.time.end)?, tolerance }
+                Self::Controlled { first: controlled::first_step(parameters, tolerance, scene.time.end)?, tolerance }
             }
         })
     }

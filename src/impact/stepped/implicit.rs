@@ -7,14 +7,14 @@ use crate::error::{Error, Result};
 use crate::scene;
 use crate::scheme::{Implicit, StageForce};
 
-use super::checkpoint::Carrier;
 use super::condensed::Condensed;
+use super::energy_balance::{Exchange, Work, exchange};
 use super::full::Full;
-use super::ledger::{Exchange, Work, exchange};
 use super::pad_condensed;
 use super::relaxation::{Relaxed, Relaxing};
-use super::setting::Setting;
 use super::state::{Impactor, Moment, State};
+use crate::impact::checkpoint::Visitor;
+use crate::impact::parameters::ImpactParameters;
 
 /// What rounding leaves of the residual, as a part of its largest term: more than the tolerance where a slow impactor
 /// meets a body that is bent or moves for other reasons.
@@ -114,19 +114,19 @@ impl ImplicitStepper {
     pub(super) fn new(
         comm: &Comm,
         body: &Body,
-        setting: &Setting,
+        parameters: &ImpactParameters,
         (scheme, step): (Implicit, f64),
         (newton, tolerance): (scene::Newton, f64),
     ) -> Result<Self> {
         let stage = scheme.stage(step);
         let condensed = |pushed: Vec<Int>| {
-            let condensed = Condensed::new(comm, body, (stage, step), setting.mass, (pushed, tolerance))?;
+            let condensed = Condensed::new(comm, body, (stage, step), parameters.mass, (pushed, tolerance))?;
             Ok::<_, Error>(Solver::Condensed(Box::new(condensed)))
         };
         let solver = match Method::of(newton, body) {
             Method::Condensed => condensed(Vec::new())?,
             Method::CondensedOnPads(pushed) => condensed(pushed)?,
-            Method::Full => Solver::Full(Box::new(Full::new(comm, body, (stage, step), setting.mass, tolerance)?)),
+            Method::Full => Solver::Full(Box::new(Full::new(comm, body, (stage, step), parameters.mass, tolerance)?)),
         };
         let zeros = || body.load.duplicate();
         let pads = body.pads.as_ref().map(|_| zeros()).transpose()?;
@@ -140,15 +140,15 @@ impl ImplicitStepper {
 
     /// What it remembers of the steps before, to a checkpoint or from it. (What the full Newton's method and
     /// that of pads keep of their factors is not carried: they go on within their tolerance.)
-    pub(super) fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
-        carrier.count("followed", &mut self.followed)
+    pub(super) fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
+        visitor.count("followed", &mut self.followed)
     }
 
     /// Takes a step: writes the state at its end, and what was exchanged over it. Returns the Newton iterations. Collective.
     pub(super) fn advance(
         &mut self,
         body: &mut Body,
-        setting: &Setting,
+        parameters: &ImpactParameters,
         from: &Moment,
         to: &mut Moment,
     ) -> Result<(Exchange, usize)> {
@@ -177,13 +177,13 @@ impl ImplicitStepper {
         }
         body.clamps.zero(known)?;
         let q = state.q;
-        let known_impactor = setting.weight - setting.mass * stage.apply(0.0, q.velocity, q.acceleration).1;
-        let rate = match setting.law.damping {
+        let known_impactor = parameters.weight - parameters.mass * stage.apply(0.0, q.velocity, q.acceleration).1;
+        let rate = match parameters.law.damping {
             0.0 => [0.0; 2],
             _ => [stage.v[0] * from.rate + stage.v[1] * from.acceleration(body)?, stage.c1],
         };
         let force =
-            StageForce { law: setting.law.clone(), from: from.approach, theta, gradient: scheme.gradient, rate };
+            StageForce { law: parameters.law.clone(), from: from.approach, theta, gradient: scheme.gradient, rate };
         let Body { localization, pads, .. } = &mut *body;
         let increment = &mut self.work;
         let mut largest = 0.0_f64;
@@ -245,24 +245,24 @@ impl ImplicitStepper {
             }
         }
         if follows {
-            self.follow(body, setting, (from, to))?;
+            self.follow(body, parameters, (from, to))?;
         } else {
-            to.update(body, setting.gap)?;
+            to.update(body, parameters.gap)?;
             body.apply_mass(&to.state.a, &mut to.inertia)?;
             body.clamps.zero(&mut to.inertia)?;
         }
-        let damping = match setting.law.damping {
+        let damping = match parameters.law.damping {
             0.0 => 0.0,
             _ => solved.force - force.elastic(from.approach + theta * (to.approach - from.approach)).0,
         };
         let work = Work { increment: &self.work, force: solved.force, damping, relaxed, pads: self.pads.as_ref() };
-        let exchange = exchange(body, setting, (&scheme, step), (from, to), work, &mut self.known)?;
+        let exchange = exchange(body, parameters, (&scheme, step), (from, to), work, &mut self.known)?;
         Ok((exchange, solved.iterations))
     }
 
     /// The products at the end of a step from those at its start, K D + c2 M D in `known`: M alone, which couples no components, is applied.
     /// To ü, since M ü carried on from step to step would have a life of its own, which grows.
-    fn follow(&mut self, body: &Body, setting: &Setting, (from, to): (&Moment, &mut Moment)) -> Result<()> {
+    fn follow(&mut self, body: &Body, parameters: &ImpactParameters, (from, to): (&Moment, &mut Moment)) -> Result<()> {
         let (stage, end) = (self.scheme.stage(self.step), self.scheme.end(self.step));
         let (momentum, [of_v, of_a]) = (&from.products.momentum, end.a);
         body.apply_mass(&to.state.a, &mut to.inertia)?;
@@ -274,7 +274,7 @@ impl ImplicitStepper {
         self.known.axpy(-stage.c2, &self.weighed)?;
         body.clamps.zero(&mut self.known)?;
         body.clamps.zero(&mut to.inertia)?;
-        to.place(body, setting.gap)?;
+        to.place(body, parameters.gap)?;
         to.products.follow(body, &from.products, &to.state, &self.known)?;
         let out = &mut to.products.momentum;
         out.copy_from(momentum)?;

@@ -17,7 +17,7 @@ use crate::scheme::Affine;
 use crate::solve::Newton;
 
 use super::implicit::{Problem, Solved};
-use super::search::step_length;
+use super::line_search::step_length;
 
 /// A bound for what cannot converge. Contact takes three to six; a pad takes more the more of its points change sides in
 /// a step, some hundred when it is as stiff as the body and the step is large.

@@ -5,8 +5,8 @@ use petsc_wrap::{Matrix, Vector};
 use crate::body::Body;
 use crate::error::Result;
 
-use super::checkpoint::Carrier;
 use super::relaxation::{Lag, add_force};
+use crate::impact::checkpoint::Visitor;
 
 /// Displacement, velocity and acceleration of body and impactor.
 pub struct State {
@@ -161,7 +161,7 @@ impl Moment {
     }
 
     /// To a checkpoint or from it.
-    pub(super) fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+    pub(super) fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         let Self { state, products, lags, inertia, surface, approach, rate, pads } = self;
         let vectors = [
             ("displacement", &mut state.u),
@@ -172,14 +172,14 @@ impl Moment {
             ("inertia", inertia),
         ];
         for (name, vector) in vectors {
-            carrier.vector(name, vector)?;
+            visitor.vector(name, vector)?;
         }
         for (name, vector) in [("support", &mut products.support), ("damping", &mut products.damping)] {
             if let Some(vector) = vector {
-                carrier.vector(name, vector)?;
+                visitor.vector(name, vector)?;
             }
         }
-        Lag::carry(lags, carrier)?;
+        Lag::visit(lags, visitor)?;
         let Impactor { position, velocity, acceleration } = &mut state.q;
         let numbers = [
             ("impactor.position", position),
@@ -190,7 +190,7 @@ impl Moment {
             ("rate", rate),
             ("pads", pads),
         ];
-        numbers.into_iter().try_for_each(|(name, number)| carrier.number(name, number))
+        numbers.into_iter().try_for_each(|(name, number)| visitor.number(name, number))
     }
 
     /// How far aᵀu on a body that every rank has all of is from the one that is kept, over the size of its terms.

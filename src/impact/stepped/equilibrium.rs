@@ -15,9 +15,9 @@ use crate::scheme::newmark;
 
 use super::implicit::ImplicitStepper;
 use super::initial::{self, unbalanced};
-use super::search::step_length;
-use super::setting::Setting;
+use super::line_search::step_length;
 use super::state::{Impactor, Moment};
+use crate::impact::parameters::ImpactParameters;
 
 /// The steps, s: ε = 4/Δt². Long ones first, in which slow vibrations come to rest. On pads the body falls by about g Δt²/4 and is
 /// pushed back in each: shorter ones then take out what that leaves of rounding.
@@ -45,14 +45,14 @@ const DEEPEST: f64 = 1.0;
 ///
 /// # Errors
 /// A fault of `time.initial` where there is no equilibrium; PETSc's.
-pub(super) fn find(comm: &Comm, body: &mut Body, setting: &Setting) -> Result<Vector> {
+pub(super) fn find(comm: &Comm, body: &mut Body, parameters: &ImpactParameters) -> Result<Vector> {
     if body.pads.is_some() {
         return find_on_pads(body);
     }
-    let setting = Setting { speed: 0.0, gap: FAR, weight: 0.0, ..setting.clone() };
+    let parameters = ImpactParameters { speed: 0.0, gap: FAR, weight: 0.0, ..parameters.clone() };
     body.equilibrium = None;
     let (mut now, mut next) = (Moment::zero(body)?, Moment::zero(body)?);
-    initial::start(body, &setting, &mut now)?;
+    initial::start(body, &parameters, &mut now)?;
     let loads = now.inertia.norm()?;
     let tolerance = TOLERANCE * loads;
     let mut left = loads;
@@ -61,16 +61,16 @@ pub(super) fn find(comm: &Comm, body: &mut Body, setting: &Setting) -> Result<Ve
             break;
         }
         let scheme = (newmark(0.25, 0.5), step);
-        let mut stepper = ImplicitStepper::new(comm, body, &setting, scheme, (Newton::Condensed, tolerance))?;
+        let mut stepper = ImplicitStepper::new(comm, body, &parameters, scheme, (Newton::Condensed, tolerance))?;
         for _ in 0..MOST {
             if left <= tolerance {
                 break;
             }
             stop(&mut now)?;
-            now.update(body, setting.gap)?;
-            stepper.advance(body, &setting, &now, &mut next)?;
+            now.update(body, parameters.gap)?;
+            stepper.advance(body, &parameters, &now, &mut next)?;
             stop(&mut next)?;
-            next.update(body, setting.gap)?;
+            next.update(body, parameters.gap)?;
             unbalanced(body, 0.0, &mut next)?;
             let before = std::mem::replace(&mut left, next.inertia.norm()?);
             std::mem::swap(&mut now, &mut next);

@@ -7,7 +7,7 @@ use nalgebra::DVector;
 
 use crate::body::{Modes, real_parts};
 use crate::contact::Law;
-use crate::impact::Setting;
+use crate::impact::ImpactParameters;
 use crate::impact::step::Energy;
 use crate::scheme::modal::{quadratic, slopes};
 
@@ -16,7 +16,7 @@ use super::motion::Taken;
 
 /// What was exchanged since t = 0, J of the modelled part.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Ledger {
+pub struct EnergyBalance {
     numerical: f64,
     /// Lost in the contact's damping.
     of_contact: f64,
@@ -25,7 +25,7 @@ pub struct Ledger {
     before: Option<f64>,
 }
 
-impl Ledger {
+impl EnergyBalance {
     /// Counts a step; `potential` is what that of the contact's law has risen by, J.
     pub fn account(&mut self, taken: &Taken, law: &Law, potential: f64) {
         // ∫F δ̇ dt = [F δ] − ∫Ḟ δ dt; δ is a quartic through its five values, Ḟ is linear: Boole's rule is exact for it.
@@ -51,7 +51,7 @@ impl Ledger {
     /// none (J).
     pub fn energy(
         &mut self,
-        (modes, setting): (&Modes, &Setting),
+        (modes, parameters): (&Modes, &ImpactParameters),
         state: &State,
         (x, v): &Vibration,
         (force, contact, absent): (f64, f64, f64),
@@ -68,8 +68,8 @@ impl Ledger {
         let (impulse, t) = (state.impulse, state.time);
         let moving = free.mobility * impulse * impulse + 2.0 * free.load * impulse * t + free.square * t * t;
         let kinetic = 0.5 * (v.norm_squared() + moving);
-        let impactor = 0.5 * setting.mass * state.impactor[1] * state.impactor[1];
-        let of_weight = setting.weight * state.impactor[0];
+        let impactor = 0.5 * parameters.mass * state.impactor[1] * state.impactor[1];
+        let of_weight = parameters.weight * state.impactor[0];
         let external = forms.load.dot(x) - *self.before.get_or_insert_with(|| forms.load.dot(x))
             + free.load * state.way
             + 0.5 * free.square * t * t
@@ -82,7 +82,7 @@ impl Ledger {
             false => (self.of_contact, off + self.of_contact),
             true => (self.numerical - off, self.numerical),
         };
-        let n = setting.copies;
+        let n = parameters.copies;
         Energy {
             kinetic: n * kinetic,
             elastic: n * elastic,

@@ -16,7 +16,7 @@ use super::by_body::{BodyOf, ByBody};
 /// member that asks most, by its tolerance and then by its contact, for which the family's basis is made: so that no result depends on
 /// the order of members.
 #[derive(Debug, Default)]
-pub struct Census {
+pub struct Grouping {
     families: ByBody<Member>,
     ends: Vec<usize>,
     /// What is varied of a support, where it is one thing, with each member's value.
@@ -58,7 +58,7 @@ impl Member {
     }
 }
 
-impl Census {
+impl Grouping {
     /// Counts a member, with its value on the line of [`Grid::line`](super::Grid::line), which is not negative.
     pub fn count(&mut self, index: usize, scene: &Scene, on_line: Option<(Property, f64)>) {
         // Damping makes a contact harder from its first moment on.

@@ -58,7 +58,7 @@ const TAG: i32 = 1;
 ///
 /// # Errors
 /// Those of `compute` and of `kept`, on the rank that has them.
-pub fn spread(
+pub fn schedule(
     comm: &Comm,
     todo: Vec<usize>,
     signalled: impl Fn() -> bool + 'static,

@@ -18,17 +18,18 @@ use crate::error::{Error, Result};
 use crate::scene::Fault;
 
 use super::Count;
-use super::checkpoint::{Carrier, Checkpoint};
-use super::gate::Gate;
-use super::ladder::Ladder;
-use super::observer::{Observed, Observer};
-use super::pair::Pair;
-use super::reading::Reader;
-use super::setting::Setting;
 use super::state::Moment;
-use super::trajectory::{Trajectory, at};
+use super::step_doubling::StepDoubling;
+use super::step_sizes::StepSizes;
+use super::trajectory::Trajectory;
+use crate::impact::checkpoint::{Checkpoint, Visitor};
+use crate::impact::gate::Gate;
+use crate::impact::observer::{Observed, Observer};
+use crate::impact::parameters::ImpactParameters;
+use crate::impact::reading::Reader;
+use crate::impact::step::at;
 
-/// Levels of the ladder's steps in contact, out of it, and the largest, well away from the body.
+/// Levels of the levels' steps in contact, out of it, and the largest, well away from the body.
 const LEVELS: [usize; 3] = [0, 1, 3];
 
 /// First guess: the step in contact times times a half-space's contact time and the root of the tolerance.
@@ -56,8 +57,8 @@ const MOST_STEPS: f64 = 1e7;
 /// What a controlled run is made of beside the body.
 pub struct Controlled<'a> {
     pub comm: &'a Comm,
-    pub setting: &'a Setting,
-    pub ladder: &'a mut Ladder,
+    pub parameters: &'a ImpactParameters,
+    pub step_sizes: &'a mut StepSizes,
     pub gate: &'a mut Gate,
     pub count: &'a mut Count,
     pub reader: &'a mut Option<Reader>,
@@ -71,7 +72,7 @@ pub struct Controlled<'a> {
 
 /// A moment that a run goes on from.
 pub struct Resumed {
-    pair: Pair,
+    doubling: StepDoubling,
     /// Until when (s) the smallest steps are taken.
     careful: f64,
 }
@@ -79,7 +80,7 @@ pub struct Resumed {
 impl Resumed {
     /// The moment.
     pub(super) fn moment(&self) -> &Moment {
-        &self.pair.fine.now
+        &self.doubling.fine.now
     }
 }
 
@@ -87,8 +88,8 @@ impl Resumed {
 ///
 /// # Errors
 /// A fault of `time.end` where the run would take too many of them.
-pub(super) fn first_step(setting: &Setting, tolerance: f64, end: f64) -> Result<f64> {
-    let contact = setting.law.force_law.contact_time(setting.mass, setting.speed);
+pub(super) fn first_step(parameters: &ImpactParameters, tolerance: f64, end: f64) -> Result<f64> {
+    let contact = parameters.law.force_law.contact_time(parameters.mass, parameters.speed);
     let step = (FIRST * tolerance.sqrt() * contact).min(end / LEAST);
     if end / step <= MOST_STEPS {
         return Ok(step);
@@ -103,9 +104,9 @@ pub(super) fn first_step(setting: &Setting, tolerance: f64, end: f64) -> Result<
 impl Controlled<'_> {
     /// The moment of a checkpoint. Collective.
     pub(super) fn resumed(&mut self, body: &mut Body, checkpoint: &Checkpoint) -> Result<Resumed> {
-        let (mut pair, mut careful) = (Pair::new(body, self.setting)?, 0.0);
-        self.carry(&mut pair, &mut careful, body, &mut Carrier::from(checkpoint))?;
-        Ok(Resumed { pair, careful })
+        let (mut doubling, mut careful) = (StepDoubling::new(body, self.parameters)?, 0.0);
+        self.visit(&mut doubling, &mut careful, body, &mut Visitor::restore(checkpoint))?;
+        Ok(Resumed { doubling, careful })
     }
 
     /// Runs to the end or until the observer breaks off, from a moment of an earlier run where there is one; returns which, and the fine
@@ -116,77 +117,83 @@ impl Controlled<'_> {
         resumed: Option<Resumed>,
         observer: &mut dyn Observer,
     ) -> Result<(ControlFlow<()>, Trajectory)> {
-        if let Some(Resumed { mut pair, careful }) = resumed {
-            let flow = self.advance_to_end(&mut pair, careful, body, &mut None, observer)?;
-            return Ok((flow, pair.fine));
+        if let Some(Resumed { mut doubling, careful }) = resumed {
+            let flow = self.advance_to_end(&mut doubling, careful, body, &mut None, observer)?;
+            return Ok((flow, doubling.fine));
         }
-        let mut pair = Pair::new(body, self.setting)?;
-        let start = pair.fine.observed(body, self.setting, self.reader)?;
+        let mut doubling = StepDoubling::new(body, self.parameters)?;
+        let start = doubling.fine.observed(body, self.parameters, self.reader)?;
         if self.gate.tell(&start, observer)?.is_break() {
-            return Ok((ControlFlow::Break(()), pair.fine));
+            return Ok((ControlFlow::Break(()), doubling.fine));
         }
         // Steps that are not told yet, while the first episode may still be taken back.
         let mut held = Some(Vec::new());
-        let ended = self.advance_to_end(&mut pair, 0.0, body, &mut held, observer);
+        let ended = self.advance_to_end(&mut doubling, 0.0, body, &mut held, observer);
         // What was computed is kept, whatever has ended the run.
         for step in held.into_iter().flatten() {
             let _ = self.gate.tell(&step, observer)?;
         }
-        Ok((ended?, pair.fine))
+        Ok((ended?, doubling.fine))
     }
 
     /// To a checkpoint or from it, when the first contact stands.
-    fn carry(&mut self, pair: &mut Pair, careful: &mut f64, body: &Body, carrier: &mut Carrier) -> Result<()> {
-        pair.carry(carrier)?;
-        carrier.number("careful", careful)?;
-        carrier.within("ladder", |carrier| self.ladder.carry(carrier, body))?;
-        self.gate.carry(carrier)?;
-        self.count.carry(carrier)
+    fn visit(
+        &mut self,
+        doubling: &mut StepDoubling,
+        careful: &mut f64,
+        body: &Body,
+        visitor: &mut Visitor,
+    ) -> Result<()> {
+        doubling.visit(visitor)?;
+        visitor.number("careful", careful)?;
+        visitor.within("ladder", |visitor| self.step_sizes.visit(visitor, body))?;
+        self.gate.visit(visitor)?;
+        self.count.visit(visitor)
     }
 
     /// `careful` is until when (s) the smallest steps are taken, after a larger one led into contact.
     fn advance_to_end(
         &mut self,
-        pair: &mut Pair,
+        doubling: &mut StepDoubling,
         mut careful: f64,
         body: &mut Body,
         held: &mut Option<Vec<Observed>>,
         observer: &mut dyn Observer,
     ) -> Result<ControlFlow<()>> {
-        let mut saved = Pair::new(body, self.setting)?;
+        let mut saved = StepDoubling::new(body, self.parameters)?;
         let (part, seen) = SEEN[self.order - 1];
         let mut restarts = 0;
-        while !self.is_over(pair) {
+        while !self.is_over(doubling) {
             if held.is_some() && observer.is_interrupted() {
                 return Ok(ControlFlow::Break(()));
             }
-            let level = if pair.fine.time < careful { LEVELS[0] } else { self.level(pair) };
+            let level = if doubling.fine.time < careful { LEVELS[0] } else { self.level(doubling) };
             if level > LEVELS[0] {
-                saved.copy_from(pair)?;
+                saved.copy_from(doubling)?;
             }
-            let before = pair.fine.time;
-            let advanced = self.advance(pair, level, body);
+            let before = doubling.fine.time;
+            let advanced = self.advance(doubling, level, body);
             let failed = matches!(&advanced, Err(Error::Solve(_) | Error::Unstable(_)));
-            if level > LEVELS[0] && (failed || pair.is_touching() || pair.has_touched) {
-                careful = before + 2.0 * self.ladder.step(level);
-                pair.copy_from(&saved)?;
+            if level > LEVELS[0] && (failed || doubling.is_touching() || doubling.has_touched) {
+                careful = before + 2.0 * self.step_sizes.step(level);
+                doubling.copy_from(&saved)?;
                 continue;
             }
             if let (true, Some(steps)) = (failed && restarts < MOST_RESTARTS, held.as_mut()) {
                 restarts += 1;
                 steps.clear();
                 careful = 0.0;
-                *pair = self.again(body, 0.5)?;
+                *doubling = self.again(body, 0.5)?;
                 continue;
             }
             let mut told = advanced?;
-            pair.compare(self.setting, &told)?;
-            let error = pair.difference().map(|difference| part * difference);
+            doubling.compare(self.parameters, &told)?;
+            let error = doubling.difference().map(|difference| part * difference);
             self.count.error = error;
             if let Some(steps) = held {
                 // Relative to a peak that is still to come the error means nothing.
-                let past_peak = pair.fine.acceleration(self.setting) < PAST * pair.peak;
-                let complete = self.is_over(pair) || (past_peak && !pair.is_touching());
+                let past_peak = doubling.fine.acceleration(self.parameters) < PAST * doubling.peak;
+                let complete = self.is_over(doubling) || (past_peak && !doubling.is_touching());
                 if let Some(error) = error.filter(|error| (past_peak || complete) && *error > self.tolerance) {
                     restarts += 1;
                     if restarts > MOST_RESTARTS {
@@ -194,13 +201,13 @@ impl Controlled<'_> {
                             "the error of the first contact stays at {error:.1e} of its peak, above accuracy.tolerance = {:e}, \
                              down to steps of {:.1e} s",
                             self.tolerance,
-                            self.ladder.step(LEVELS[0])
+                            self.step_sizes.step(LEVELS[0])
                         );
-                        return Err(at(Error::Solve(message), pair.fine.steps, pair.fine.time));
+                        return Err(at(Error::Solve(message), doubling.fine.steps, doubling.fine.time));
                     }
                     steps.clear();
                     careful = 0.0;
-                    *pair = self.again(body, (AIM * self.tolerance / error).powf(1.0 / seen).clamp(0.1, 0.8))?;
+                    *doubling = self.again(body, (AIM * self.tolerance / error).powf(1.0 / seen).clamp(0.1, 0.8))?;
                     continue;
                 }
                 steps.append(&mut told);
@@ -216,7 +223,7 @@ impl Controlled<'_> {
                 }
             }
             if held.is_none() {
-                self.settle(pair, careful, body, (flow.is_break(), observer))?;
+                self.settle(doubling, careful, body, (flow.is_break(), observer))?;
             }
             if flow.is_break() {
                 return Ok(flow);
@@ -228,21 +235,21 @@ impl Controlled<'_> {
     /// Lets the observer have a checkpoint, and know whether the run ends with it.
     fn settle(
         &mut self,
-        pair: &mut Pair,
+        doubling: &mut StepDoubling,
         mut careful: f64,
         body: &Body,
         (interrupted, observer): (bool, &mut dyn Observer),
     ) -> Result<()> {
         observer.settled(interrupted, &mut || {
             let mut checkpoint = Checkpoint::default();
-            self.carry(pair, &mut careful, body, &mut Carrier::to(&mut checkpoint))?;
+            self.visit(doubling, &mut careful, body, &mut Visitor::save(&mut checkpoint))?;
             Ok(checkpoint)
         })
     }
 
     /// The beginning again, in steps smaller by a factor. Collective.
-    fn again(&mut self, body: &mut Body, factor: f64) -> Result<Pair> {
-        let base = factor * self.ladder.step(LEVELS[0]);
+    fn again(&mut self, body: &mut Body, factor: f64) -> Result<StepDoubling> {
+        let base = factor * self.step_sizes.step(LEVELS[0]);
         tracing::info!(base, "the first contact again, in smaller steps");
         if self.end / base > MOST_STEPS {
             return Err(Error::Solve(format!(
@@ -250,52 +257,52 @@ impl Controlled<'_> {
                 self.tolerance
             )));
         }
-        self.ladder.rebase(base)?;
-        let pair = Pair::new(body, self.setting)?;
+        self.step_sizes.rebase(base)?;
+        let doubling = StepDoubling::new(body, self.parameters)?;
         self.comm.collect_garbage()?;
-        Ok(pair)
+        Ok(doubling)
     }
 
-    fn is_over(&self, pair: &Pair) -> bool {
+    fn is_over(&self, doubling: &StepDoubling) -> bool {
         // A part of a step that rounding leaves is none.
-        pair.fine.time >= self.end - 1e-9 * self.ladder.step(LEVELS[0])
+        doubling.fine.time >= self.end - 1e-9 * self.step_sizes.step(LEVELS[0])
     }
 
     /// The level of the next steps: the larger ones where the impactor is off and will be after them.
-    fn level(&self, pair: &Pair) -> usize {
-        if pair.is_touching() {
+    fn level(&self, doubling: &StepDoubling) -> usize {
+        if doubling.is_touching() {
             return LEVELS[0];
         }
-        let clearance = -pair.fine.now.approach.max(pair.coarse.now.approach);
-        let rate = pair.fine.now.rate;
+        let clearance = -doubling.fine.now.approach.max(doubling.coarse.now.approach);
+        let rate = doubling.fine.now.rate;
         // Farther away than twice what the surface has moved to and fro, contact is not near.
-        let far = clearance > 2.0 * (pair.surface[1] - pair.surface[0]);
+        let far = clearance > 2.0 * (doubling.surface[1] - doubling.surface[0]);
         let stays_off = |level: usize| {
-            let way = rate * 2.0 * self.ladder.step(level);
-            way < 0.5 * clearance && pair.fine.time + 2.0 * self.ladder.step(level) <= self.end
+            let way = rate * 2.0 * self.step_sizes.step(level);
+            way < 0.5 * clearance && doubling.fine.time + 2.0 * self.step_sizes.step(level) <= self.end
         };
         let candidates = if far { &LEVELS[..] } else { &LEVELS[..2] };
         candidates.iter().rev().copied().find(|level| stays_off(*level)).unwrap_or(LEVELS[0])
     }
 
     /// Two steps of the fine trajectory, which are returned, and one of the coarse.
-    fn advance(&mut self, pair: &mut Pair, level: usize, body: &mut Body) -> Result<Vec<Observed>> {
+    fn advance(&mut self, doubling: &mut StepDoubling, level: usize, body: &mut Body) -> Result<Vec<Observed>> {
         let mut told = Vec::with_capacity(2);
-        pair.has_touched = false;
+        doubling.has_touched = false;
         for _ in 0..2 {
-            self.step(&mut pair.fine, level, body)?;
-            told.push(pair.fine.observed(body, self.setting, self.reader)?);
-            pair.has_touched |= pair.fine.now.approach > 0.0;
+            self.step(&mut doubling.fine, level, body)?;
+            told.push(doubling.fine.observed(body, self.parameters, self.reader)?);
+            doubling.has_touched |= doubling.fine.now.approach > 0.0;
         }
-        self.step(&mut pair.coarse, level + 1, body)?;
+        self.step(&mut doubling.coarse, level + 1, body)?;
         Ok(told)
     }
 
     /// A step of a trajectory at a level.
     fn step(&mut self, trajectory: &mut Trajectory, level: usize, body: &mut Body) -> Result<()> {
-        let stepper = self.ladder.at(level, body)?;
+        let stepper = self.step_sizes.at(level, body)?;
         let time = trajectory.time + stepper.step();
-        self.count.iterations += trajectory.advance(stepper, time, body, self.setting)?;
+        self.count.iterations += trajectory.advance(stepper, time, body, self.parameters)?;
         self.count.solves += 1;
         Ok(())
     }

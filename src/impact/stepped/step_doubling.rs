@@ -5,13 +5,13 @@ use petsc_wrap::Vector;
 use crate::body::Body;
 use crate::error::Result;
 
-use super::checkpoint::Carrier;
-use super::observer::Observed;
-use super::setting::Setting;
 use super::trajectory::Trajectory;
+use crate::impact::checkpoint::Visitor;
+use crate::impact::observer::Observed;
+use crate::impact::parameters::ImpactParameters;
 
 /// The fine and the coarse trajectory, and how they differ.
-pub struct Pair {
+pub struct StepDoubling {
     /// The one that is told.
     pub fine: Trajectory,
     /// Its twin.
@@ -27,9 +27,9 @@ pub struct Pair {
     mean: Option<Vector>,
 }
 
-impl Pair {
-    pub(super) fn new(body: &mut Body, setting: &Setting) -> Result<Self> {
-        let [fine, coarse] = [Trajectory::new(body, setting)?, Trajectory::new(body, setting)?];
+impl StepDoubling {
+    pub(super) fn new(body: &mut Body, parameters: &ImpactParameters) -> Result<Self> {
+        let [fine, coarse] = [Trajectory::new(body, parameters)?, Trajectory::new(body, parameters)?];
         let mean = if body.is_free()? { Some(mean_displacement(body)?) } else { None };
         Ok(Self { fine, coarse, has_touched: false, peak: 0.0, difference: 0.0, surface: [0.0; 2], mean })
     }
@@ -40,13 +40,13 @@ impl Pair {
     }
 
     /// To a checkpoint or from it.
-    pub(super) fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
-        carrier.within("fine", |carrier| self.fine.carry(carrier))?;
-        carrier.within("coarse", |carrier| self.coarse.carry(carrier))?;
+    pub(super) fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
+        visitor.within("fine", |visitor| self.fine.visit(visitor))?;
+        visitor.within("coarse", |visitor| self.coarse.visit(visitor))?;
         let [low, high] = &mut self.surface;
         let numbers =
             [("peak", &mut self.peak), ("difference", &mut self.difference), ("lowest", low), ("highest", high)];
-        numbers.into_iter().try_for_each(|(name, number)| carrier.number(name, number))
+        numbers.into_iter().try_for_each(|(name, number)| visitor.number(name, number))
     }
 
     pub(super) fn is_touching(&self) -> bool {
@@ -54,7 +54,7 @@ impl Pair {
     }
 
     /// Takes what the steps told and how the two differ after them. Collective.
-    pub(super) fn compare(&mut self, setting: &Setting, told: &[Observed]) -> Result<()> {
+    pub(super) fn compare(&mut self, parameters: &ImpactParameters, told: &[Observed]) -> Result<()> {
         for Observed { step, .. } in told {
             self.peak = self.peak.max(step.impactor.acceleration);
         }
@@ -62,7 +62,7 @@ impl Pair {
         let whole = self.mean.as_ref().map_or(Ok(0.0), |mean| mean.dot(&now.state.u))?;
         let surface = now.surface - whole;
         self.surface = [self.surface[0].min(surface), self.surface[1].max(surface)];
-        let difference = self.fine.acceleration(setting) - self.coarse.acceleration(setting);
+        let difference = self.fine.acceleration(parameters) - self.coarse.acceleration(parameters);
         self.difference = self.difference.max(difference.abs());
         Ok(())
     }

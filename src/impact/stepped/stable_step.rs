@@ -5,14 +5,14 @@ use crate::error::Result;
 use crate::scene::Scheme;
 use crate::scheme::critical_frequency;
 
-use super::setting::Setting;
+use crate::impact::parameters::ImpactParameters;
 
 /// Ω_crit/ω_max (s) of the body with the impactor on it, at the stiffness that an impact on a half-space would reach; infinite
 /// for schemes that are stable at every step, 0 for those that are at none. M is the lumped one where the body has it. Collective.
 ///
 /// # Errors
 /// PETSc's.
-pub fn stable_step(body: &mut Body, setting: &Setting, scheme: Scheme) -> Result<f64> {
+pub fn stable_step(body: &mut Body, parameters: &ImpactParameters, scheme: Scheme) -> Result<f64> {
     let critical = match scheme {
         Scheme::Newmark { beta, gamma } => critical_frequency(beta, gamma),
         Scheme::GeneralizedAlpha { .. } | Scheme::Energy => f64::INFINITY,
@@ -21,7 +21,7 @@ pub fn stable_step(body: &mut Body, setting: &Setting, scheme: Scheme) -> Result
     if critical == 0.0 || critical.is_infinite() {
         return Ok(critical);
     }
-    let Setting { law, mass, speed, .. } = setting;
+    let ImpactParameters { law, mass, speed, .. } = parameters;
     let peak = law.force_law.peak_indentation(*mass, *speed);
     let lumped = body.lumped.take();
     let inertia = || lumped.as_ref().map_or(Inertia::Consistent, |lumped| Inertia::Lumped(&lumped.mass));

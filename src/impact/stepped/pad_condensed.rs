@@ -1,7 +1,7 @@
 //! The condensed step of a body on pads: what is not linear stays on the unknowns that the pads push.
 //!
 //! E = E* + w F − S⁻¹P p with P the columns of those unknowns. Rank 0 gathers PᵀE*, solves the small dense equations
-//! ([`super::reduced`]) and sends what it found, so that all ranks have the same; one more solve with S gives E. Then the
+//! ([`super::foundation`]) and sends what it found, so that all ranks have the same; one more solve with S gives E. Then the
 //! pads are asked at that E: pads far stiffer than the body see the rounding of a solve, and take another pass.
 
 use mpi::traits::{Communicator, Root};
@@ -12,8 +12,8 @@ use crate::agree::agree;
 use crate::body::{PadPoints, Pads};
 use crate::error::{Error, Result};
 
+use super::foundation::{Points, Reduced, Step};
 use super::implicit::{Problem, Solved};
-use super::reduced::{Points, Reduced, Step};
 
 /// Unknowns up to which the dense matrices are small beside a factor of S, and a product with them beside a solve.
 pub(super) const MOST_UNKNOWNS: usize = 1200;

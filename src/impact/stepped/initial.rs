@@ -3,21 +3,21 @@
 use crate::body::Body;
 use crate::error::Result;
 
-use super::setting::Setting;
 use super::state::{Impactor, Moment};
+use crate::impact::parameters::ImpactParameters;
 
 /// In equilibrium where the body knows of one, without acceleration; otherwise undeformed and at rest, held unknowns at ū, with the
 /// acceleration of the forces, M ü = a F + f − K u − p(u). Collective.
 ///
 /// # Errors
 /// PETSc's.
-pub(super) fn start(body: &mut Body, setting: &Setting, moment: &mut Moment) -> Result<()> {
+pub(super) fn start(body: &mut Body, parameters: &ImpactParameters, moment: &mut Moment) -> Result<()> {
     moment.state.u.copy_from(body.equilibrium.as_ref().unwrap_or(&body.clamps.displacement))?;
-    moment.state.q = Impactor { position: 0.0, velocity: setting.speed, acceleration: 0.0 };
-    moment.update(body, setting.gap)?;
+    moment.state.q = Impactor { position: 0.0, velocity: parameters.speed, acceleration: 0.0 };
+    moment.update(body, parameters.gap)?;
     // Nothing, unless a held surface is pushed towards the impactor from the start.
-    let contact = setting.force(moment.approach, moment.rate);
-    moment.state.q.acceleration = (setting.weight - contact) / setting.mass;
+    let contact = parameters.force(moment.approach, moment.rate);
+    moment.state.q.acceleration = (parameters.weight - contact) / parameters.mass;
     if body.equilibrium.is_some() {
         return Ok(());
     }

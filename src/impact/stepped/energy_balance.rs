@@ -14,11 +14,11 @@ use crate::body::Body;
 use crate::error::Result;
 use crate::scheme::Implicit;
 
-use super::checkpoint::Carrier;
 use super::relaxation::{Relaxed, stored_beyond};
-use super::setting::Setting;
 use super::state::Moment;
-use super::step::Energy;
+use crate::impact::checkpoint::Visitor;
+use crate::impact::parameters::ImpactParameters;
+use crate::impact::step::Energy;
 
 /// What a step exchanged, J.
 #[derive(Debug, Clone, Copy, Default)]
@@ -48,7 +48,7 @@ pub struct Work<'a> {
 /// The exchange of one step. `work` is overwritten. Collective.
 pub(super) fn exchange(
     body: &Body,
-    setting: &Setting,
+    parameters: &ImpactParameters,
     (scheme, step): (&Implicit, f64),
     (from, to): (&Moment, &Moment),
     done: Work,
@@ -58,10 +58,10 @@ pub(super) fn exchange(
     let d = done.increment;
     let impactor = to.state.q.position - from.state.q.position;
     let (q0, q1) = (from.state.q, to.state.q);
-    let external = body.load.dot(d)? + setting.weight * impactor;
+    let external = body.load.dot(d)? + parameters.weight * impactor;
     let Relaxed { dissipated, numerical } = done.relaxed;
     let mut exchange = Exchange { external, dissipated, numerical };
-    let potential = |approach| setting.law.potential(approach);
+    let potential = |approach| parameters.law.potential(approach);
     let elastic = done.force - done.damping;
     exchange.numerical += potential(to.approach) - potential(from.approach) - elastic * (to.approach - from.approach);
     exchange.dissipated += done.damping * (to.approach - from.approach);
@@ -85,7 +85,7 @@ pub(super) fn exchange(
     let (of_mass, of_square) = (1.0 - gamma - alpha_m, step * step * (beta - 0.5 * gamma));
     if of_mass != 0.0 {
         let body = to.inertia.dot(d)? - from.inertia.dot(d)?;
-        let impactor = setting.mass * impactor * (q1.acceleration - q0.acceleration);
+        let impactor = parameters.mass * impactor * (q1.acceleration - q0.acceleration);
         exchange.numerical -= of_mass * (body + impactor);
     }
     if of_square != 0.0 {
@@ -93,7 +93,7 @@ pub(super) fn exchange(
         work.axpy(-1.0, &from.state.a)?;
         let body = (1.0 - gamma) * from.inertia.dot(work)? + gamma * to.inertia.dot(work)?;
         let mean = (1.0 - gamma) * q0.acceleration + gamma * q1.acceleration;
-        let impactor = setting.mass * mean * (q1.acceleration - q0.acceleration);
+        let impactor = parameters.mass * mean * (q1.acceleration - q0.acceleration);
         exchange.numerical -= of_square * (body + impactor);
     }
     Ok(exchange)
@@ -101,11 +101,11 @@ pub(super) fn exchange(
 
 /// The sums since t = 0.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Ledger {
+pub struct EnergyBalance {
     sum: Exchange,
 }
 
-impl Ledger {
+impl EnergyBalance {
     /// Counts a step.
     pub(super) fn account(&mut self, step: Exchange) {
         self.sum.dissipated += step.dissipated;
@@ -114,17 +114,17 @@ impl Ledger {
     }
 
     /// To a checkpoint or from it.
-    pub(super) fn carry(&mut self, carrier: &mut Carrier) -> Result<()> {
+    pub(super) fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         let Exchange { dissipated, external, numerical } = &mut self.sum;
-        carrier.number("dissipated", dissipated)?;
-        carrier.number("external", external)?;
-        carrier.number("numerical", numerical)
+        visitor.number("dissipated", dissipated)?;
+        visitor.number("external", external)?;
+        visitor.number("numerical", numerical)
     }
 
     /// The energies of a moment of the whole body. Collective.
-    pub(super) fn energy(&self, body: &Body, setting: &Setting, at: &Moment) -> Result<Energy> {
+    pub(super) fn energy(&self, body: &Body, parameters: &ImpactParameters, at: &Moment) -> Result<Energy> {
         let Moment { state, products, .. } = at;
-        let copies = setting.copies;
+        let copies = parameters.copies;
         let kinetic = copies * 0.5 * products.momentum.dot(&state.v)?;
         // Of u less its translation, as K u is made.
         let bent = products.elastic.dot(&state.u)? - at.surface * products.elastic.dot(&body.translation)?;
@@ -135,8 +135,8 @@ impl Ledger {
             support += 0.5 * product.dot(&state.u)?;
         }
         let support = copies * support;
-        let impactor = copies * 0.5 * setting.mass * state.q.velocity * state.q.velocity;
-        let contact = copies * setting.law.potential(at.approach);
+        let impactor = copies * 0.5 * parameters.mass * state.q.velocity * state.q.velocity;
+        let contact = copies * parameters.law.potential(at.approach);
         Ok(Energy {
             kinetic,
             elastic,

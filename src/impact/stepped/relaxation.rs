@@ -10,7 +10,7 @@ use crate::body::{Body, Relaxation};
 use crate::error::Result;
 use crate::material::Decay;
 
-use super::checkpoint::Carrier;
+use crate::impact::checkpoint::Visitor;
 
 /// The state of one term.
 pub struct Lag {
@@ -52,10 +52,10 @@ impl Lag {
     }
 
     /// To a checkpoint or from it.
-    pub(super) fn carry(lags: &mut [Self], carrier: &mut Carrier) -> Result<()> {
+    pub(super) fn visit(lags: &mut [Self], visitor: &mut Visitor) -> Result<()> {
         for (number, lag) in lags.iter_mut().enumerate() {
-            carrier.vector(&format!("stretch.{number}"), &mut lag.stretch)?;
-            carrier.vector(&format!("distortion.{number}"), &mut lag.distortion)?;
+            visitor.vector(&format!("stretch.{number}"), &mut lag.stretch)?;
+            visitor.vector(&format!("distortion.{number}"), &mut lag.distortion)?;
         }
         Ok(())
     }

@@ -1,0 +1,272 @@
+//! An impact on a body's unknowns, in steps of one size or of chosen sizes.
+
+mod condensed;
+mod controlled;
+mod energy_balance;
+mod equilibrium;
+mod explicit;
+mod foundation;
+mod full;
+mod implicit;
+mod initial;
+mod line_search;
+mod pad_condensed;
+mod plan;
+mod relaxation;
+mod stable_step;
+mod state;
+mod step_doubling;
+mod step_sizes;
+mod trajectory;
+
+use std::ops::ControlFlow;
+
+use petsc_wrap::Comm;
+
+use crate::body::Body;
+use crate::error::{Error, Result};
+use crate::scene::{Initial, Scene, Vec3};
+use crate::scheme::Implicit;
+
+use crate::impact::checkpoint::{Checkpoint, Visitor};
+use crate::impact::gate::Gate;
+use crate::impact::observer::Observer;
+use crate::impact::parameters::ImpactParameters;
+use crate::impact::reading::{Reader, Readout};
+use crate::impact::step::Step;
+use crate::impact::time_integration::{Count, TimeIntegration};
+
+use controlled::Controlled;
+pub use implicit::Method;
+pub use plan::{Plan, steps};
+pub use stable_step::stable_step;
+pub use state::{Impactor, State};
+use step_sizes::StepSizes;
+use trajectory::Trajectory;
+
+/// Newton's residual, as a part of the largest force that a half-space would see.
+const FORCE_TOLERANCE: f64 = 1e-10;
+
+/// aᵀu on the same basis is off by less of the size of its terms: the rounding of a sum of two thousand of them. On bases of 20 and 40
+/// vectors made on other ranks it was 5e-9 and 1e-7, and the acceleration after it 1e-4 of its peak; on one of 10, which is the same but
+/// for rounding, 4e-15 and 1e-13.
+const SAME_BASIS: f64 = 1e-12;
+
+/// Puts a body into equilibrium where the scene wants it to start there. Collective.
+///
+/// # Errors
+/// A fault of `time.initial` where there is none; PETSc's.
+pub fn settle(scene: &Scene, body: &mut Body) -> Result<()> {
+    body.equilibrium = match scene.time.initial {
+        Initial::Rest => None,
+        Initial::Equilibrium => {
+            let parameters = ImpactParameters::new(&scene.impactor, body);
+            // At rest for long, all that relaxes has done so.
+            let relaxations = std::mem::take(&mut body.relaxations);
+            let rest = equilibrium::find(&body.comm().clone(), body, &parameters);
+            body.relaxations = relaxations;
+            Some(rest?)
+        }
+    };
+    Ok(())
+}
+
+/// A body under an impactor, ready to run.
+pub struct SteppedImpact {
+    comm: Comm,
+    body: Body,
+    parameters: ImpactParameters,
+    step_sizes: StepSizes,
+    gate: Gate,
+    end: f64,
+    plan: Plan,
+    trajectory: Trajectory,
+    /// Order of the scheme.
+    order: usize,
+    resumed: Resumed,
+    reader: Option<Reader>,
+    /// What the runs have cost so far.
+    pub count: Count,
+}
+
+/// What the next run goes on from.
+enum Resumed {
+    /// Rest.
+    No,
+    /// The state that the impact is in.
+    Equal,
+    /// A moment of chosen steps.
+    Chosen(Box<controlled::Resumed>),
+}
+
+impl SteppedImpact {
+    /// An impact of the scene on its body: sets up the initial state. Collective.
+    ///
+    /// # Errors
+    /// A fault of the scene where an explicit step is not stable, or where there is no equilibrium; PETSc's.
+    pub fn new(scene: &Scene, mut body: Body) -> Result<Self> {
+        let (comm, end) = (&body.comm().clone(), scene.time.end);
+        settle(scene, &mut body)?;
+        let mut parameters = ImpactParameters::new(&scene.impactor, &body);
+        if let Some(rest) = &body.equilibrium {
+            // The gap is that to the surface as the loads leave it.
+            parameters.gap -= body.localization.vector.dot(rest)?;
+        }
+        let plan = Plan::new(scene, &mut body, &parameters)?;
+        let newton_tolerance = FORCE_TOLERANCE * parameters.hardest();
+        let (methods, base) = ((scene.time.scheme, scene.solver.newton), plan.step());
+        let mut step_sizes = StepSizes::new(comm, parameters.clone(), methods, newton_tolerance, base);
+        // Here, so that wrong options for PETSc are found before anything is written.
+        step_sizes.at(0, &body)?;
+        Ok(Self {
+            step_sizes,
+            gate: Gate::new(scene),
+            end,
+            plan,
+            trajectory: Trajectory::new(&mut body, &parameters)?,
+            comm: comm.clone(),
+            body,
+            parameters,
+            order: Implicit::new(scene.time.scheme).map_or(2, |scheme| scheme.order()),
+            resumed: Resumed::No,
+            reader: None,
+            count: Count::default(),
+        })
+    }
+
+    /// Which steps it takes.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The body.
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// The body, for another impact on it.
+    pub fn into_body(self) -> Body {
+        self.body
+    }
+
+    /// The state reached.
+    pub fn state(&self) -> &State {
+        &self.trajectory.now.state
+    }
+
+    /// Takes another state for the initial one of steps of one size. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn set_state(&mut self, state: State) -> Result<()> {
+        self.trajectory.set_state(state, &mut self.body, &self.parameters)
+    }
+
+    /// What takes chosen steps of it, and the body; `None` for steps of one size.
+    fn controlled(&mut self) -> Option<(Controlled<'_>, &mut Body)> {
+        let Plan::Controlled { tolerance, .. } = self.plan else { return None };
+        let Self { comm, body, parameters, step_sizes, gate, count, reader, end, order, .. } = self;
+        let (end, order) = (*end, *order);
+        let controlled = Controlled { comm, parameters, step_sizes, gate, count, reader, end, tolerance, order };
+        Some((controlled, body))
+    }
+
+    /// Runs before a closure, as [`TimeIntegration::run_watched`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn run(&mut self, mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
+        self.run_watched(&mut observe)
+    }
+
+    fn run_in_equal_steps(&mut self, resumed: Resumed, observer: &mut dyn Observer) -> Result<ControlFlow<()>> {
+        let mut flow = ControlFlow::Continue(());
+        if matches!(resumed, Resumed::No) {
+            (self.trajectory.time, self.trajectory.steps) = (0.0, 0);
+            let start = self.trajectory.observed(&self.body, &self.parameters, &mut self.reader)?;
+            flow = self.gate.tell(&start, observer)?;
+        }
+        let size = self.step_sizes.step(0);
+        for number in self.trajectory.steps + 1..=steps(self.end, size) {
+            if flow.is_break() {
+                break;
+            }
+            let Self { body, parameters, trajectory, gate, count, step_sizes, reader, .. } = self;
+            let time = number as f64 * size;
+            count.iterations += trajectory.advance(step_sizes.at(0, body)?, time, body, parameters)?;
+            count.solves += 1;
+            flow = gate.tell(&trajectory.observed(body, parameters, reader)?, observer)?;
+            observer.settled(flow.is_break(), &mut || {
+                let mut checkpoint = Checkpoint::default();
+                self.visit(&mut Visitor::save(&mut checkpoint))?;
+                Ok(checkpoint)
+            })?;
+        }
+        Ok(flow)
+    }
+
+    /// A run in equal steps, to a checkpoint or from it.
+    fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
+        let Self { body, trajectory, step_sizes, gate, count, .. } = self;
+        trajectory.visit(visitor)?;
+        visitor.within("ladder", |visitor| step_sizes.visit(visitor, body))?;
+        gate.visit(visitor)?;
+        count.visit(visitor)
+    }
+}
+
+impl TimeIntegration for SteppedImpact {
+    fn plan(&self) -> Option<Plan> {
+        Some(self.plan)
+    }
+
+    fn steps(&self) -> Option<usize> {
+        match self.plan {
+            Plan::Equal { step } => Some(steps(self.end, step)),
+            Plan::Controlled { .. } => None,
+        }
+    }
+
+    fn count(&self) -> Count {
+        self.count
+    }
+
+    fn nodes(&self) -> Option<&[Vec3]> {
+        self.body.nodes.as_deref()
+    }
+
+    fn set_readout(&mut self, readout: Readout) -> Result<()> {
+        self.reader = Some(Reader::new(&self.body, &readout)?);
+        Ok(())
+    }
+
+    /// Refuses, with [`Error::Output`], a checkpoint that is of another kind of run, or on another basis.
+    fn resume(&mut self, checkpoint: &Checkpoint) -> Result<()> {
+        self.resumed = match self.controlled() {
+            Some((mut controlled, body)) => Resumed::Chosen(Box::new(controlled.resumed(body, checkpoint)?)),
+            None => {
+                self.visit(&mut Visitor::restore(checkpoint))?;
+                Resumed::Equal
+            }
+        };
+        let moment = match &self.resumed {
+            Resumed::Chosen(resumed) => resumed.moment(),
+            _ => &self.trajectory.now,
+        };
+        // The last vectors of a basis are made of rounding in part, which is another one on other ranks.
+        if self.body.nodes.is_none() && moment.misfit(&self.body)? > SAME_BASIS {
+            let message = "the recomputed basis differs from the checkpoint's (was it written on another number of ranks?): run without --restart to begin anew";
+            return Err(Error::Output(message.to_owned()));
+        }
+        Ok(())
+    }
+
+    fn run_watched(&mut self, observer: &mut dyn Observer) -> Result<ControlFlow<()>> {
+        let resumed = std::mem::replace(&mut self.resumed, Resumed::No);
+        let Some((controlled, body)) = self.controlled() else { return self.run_in_equal_steps(resumed, observer) };
+        let resumed = if let Resumed::Chosen(moment) = resumed { Some(*moment) } else { None };
+        let (flow, trajectory) = controlled.run(body, resumed, observer)?;
+        self.trajectory = trajectory;
+        Ok(flow)
+    }
+}
