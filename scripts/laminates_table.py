@@ -42,7 +42,7 @@ def moduli(folder):
             face = int(members["largest_stress_face"][k])
             of_layer = names[face] if names else f"{face // 2 + 1}-{('upper', 'lower')[face % 2]}"
             rows.append([
-                f"{shear:.0e}",
+                f"{shear:.1e}",
                 f"{1e-3 * members['peak_force'][k]:.2f}",
                 f"{1e-6 * members['largest_stress'][k]:.1f}",
                 of_layer,
