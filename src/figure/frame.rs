@@ -7,6 +7,8 @@ use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 
 pub(super) const LETTERS: f64 = 30.0;
+/// Between labels side by side.
+const APART: f64 = 8.0;
 pub(super) const SMALL: f64 = 24.0;
 const GRID: Stroke = Stroke { colour: RGBColor(222, 222, 222), width: 1.5, dashes: &[] };
 pub(super) const FRAME: Stroke = Stroke { colour: RGBColor(60, 60, 60), width: 2.0, dashes: &[] };
@@ -48,12 +50,17 @@ impl Frame {
 
     /// The frame and the ticks of both axes; labels at the horizontal one where `is_last`.
     pub fn draw_axes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, is_last: bool) -> Drawn {
+        // Where the next label may begin: on narrow figures some are left out.
+        let mut free = f64::NEG_INFINITY;
         for (place, label) in self.x.ticks() {
             let x = self.left + place * (self.right - self.left);
             let length = if label.is_some() { TICK } else { 0.5 * TICK };
             line(canvas, (x, self.bottom), (x, self.bottom + length), &FRAME)?;
-            if let Some(label) = label.filter(|_| is_last) {
+            let Some(label) = label.filter(|_| is_last) else { continue };
+            let half = 0.5 * canvas.text_width(&label, LETTERS);
+            if x - half >= free {
                 canvas.text(&label, (x, self.bottom + 30.0), LETTERS, Anchor::Centre)?;
+                free = x + half + APART;
             }
         }
         for (place, label) in self.y.ticks() {

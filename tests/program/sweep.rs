@@ -14,6 +14,7 @@ pub const TESTS: &[PlainTest] = tests![
     any_number_of_ranks_writes_the_same,
     a_family_answers_as_its_members,
     families_are_of_one_property,
+    temperatures_have_the_relaxation_of_their_own,
     members_with_controlled_steps,
     shards_put_together_are_the_whole,
     a_member_that_fails_is_a_result,
@@ -178,6 +179,54 @@ fn families_are_of_one_property() {
 }
 
 /// The same with error-controlled steps, which tell their steps late.
+/// Temperatures of a laminate share a basis, also where the one that it is made for follows no term of the chain. Each member's force is that
+/// of its own run within the tolerances of both.
+fn temperatures_have_the_relaxation_of_their_own() {
+    let laminate = r#"
+        title = "Laminate"
+        [body]
+        size = [0.3, 0.3]
+        model = "layerwise"
+        temperature = 20.0
+        [[body.layer]]
+        thickness = 0.005
+        material = "glass"
+        [[body.layer]]
+        thickness = 0.00152
+        material = "interlayer"
+        [[body.layer]]
+        thickness = 0.005
+        material = "glass"
+        [material.glass]
+        young = 70e9
+        poisson = 0.23
+        density = 2500.0
+        [material.interlayer]
+        bulk = 2e9
+        density = 1100.0
+        shear = 1e6
+        prony = [{ modulus = 300e6, time = 1e-3 }]
+        wlf = { c1 = 20.0, c2 = 90.0, reference = 20.0 }
+        [impactor]
+        mass = 2.0
+        radius = 0.05
+        young = 210e9
+        poisson = 0.3
+        speed = 1.0
+        [time]
+        end = 1e-3
+    "#;
+    let folder = folder(laminate);
+    good(&folder, 0, "sweep scene.toml --vary body.temperature=-10,20,40 -o s.h5");
+    let peaks = members(&file(&folder, "s.h5"), "peak_force");
+    for (temperature, peak) in ["-10", "20", "40"].into_iter().zip(&peaks) {
+        good(&folder, 0, &format!("run scene.toml --set body.temperature={temperature} -o run.h5"));
+        let own = column(&file(&folder, "run.h5"), "contact/force").into_iter().fold(0.0, f64::max);
+        assert!((peak / own - 1.0).abs() < 2e-2, "{temperature} °C: {peak} {own}");
+    }
+    assert!(peaks[0] > 1.1 * peaks[2], "a cold interlayer is stiffer: {peaks:?}");
+}
+
 fn members_with_controlled_steps() {
     let scene = supported().replace("step = 2e-5\n", "");
     let folder = folder(&scene);
