@@ -27,7 +27,7 @@ const APART: f64 = 3.0;
 
 /// β (m/N) and c (m/N) of a stack under a spread pressure on a disc of a radius (m), on a plate whose longer edge is given, m.
 ///
-/// Longer waves than the plate are left out.
+/// In longer waves than the plate Γ is Γ_L: what is left there is H.
 pub(super) fn constants(theory: &Layerwise, (spread, radius): (&Spread, f64), edge: f64) -> (f64, f64) {
     let stack = theory.stack();
     let longest = (PI / edge).min(LONG / stack.thickness());
@@ -43,7 +43,8 @@ pub(super) fn constants(theory: &Layerwise, (spread, radius): (&Spread, f64), ed
     };
     let panel = (FRAC_PI_2 / radius).min(1.0 / struck.thickness);
     let apart = (APART / radius).max(longest);
-    let (mut sum, mut from) = (0.0, longest);
+    // H ξ is a constant.
+    let (mut sum, mut from) = (-half_space(longest) * longest * longest, longest);
     // Panels grow with the wavenumber: a soft layer begins to slide far below 1/H.
     while from < apart {
         let to = (2.0 * from).min(from + 10.0 * panel).min(apart);
@@ -76,7 +77,7 @@ mod tests {
         Layerwise::new(&stack, &Section::new(&stack).shear_factors(&stack)).expect("factors")
     }
 
-    /// One layer has the constants of Mindlin's plate, but for waves longer than the plate.
+    /// One layer has the constants of Mindlin's plate, but for the wave at which they are matched.
     #[test]
     fn one_layer_is_mindlins() {
         let (h, young, poisson, disc) = (0.02, 70e9, 0.23, 2.0);
@@ -93,7 +94,7 @@ mod tests {
     }
 
     /// Of a laminate with a soft or a stiff interlayer what the plate reads is the exact response, from the longest waves on; what is left
-    /// is a constant, of a part of (ξH)⁴.
+    /// is a constant, of a part of (ξH)⁴: sixteen times as much at twice the wavenumber.
     #[test]
     fn long_waves_are_exact() {
         for shear in [1e5, 1e6, 1e7, 1e8] {
@@ -103,7 +104,7 @@ mod tests {
             let theory = theory(&[(0.01, 70e9, 0.23), interlayer, (0.01, 70e9, 0.23)]);
             let (reading, _) = constants(&theory, (&Spread::new(0.0), 0.02), 0.5);
             let read = theory.clone().with_reading(reading);
-            for (wavenumber, tolerance) in [(6.3, 2e-4), (10.0, 3e-4), (20.0, 1e-3), (40.0, 8e-3)] {
+            for (wavenumber, tolerance) in [(6.3, 2e-4), (10.0, 3e-4), (20.0, 1e-3), (40.0, 1.6e-2)] {
                 let found = read.read(&read.wave(wavenumber));
                 let exact = loaded_face(theory.stack(), wavenumber);
                 assert!((found / exact - 1.0).abs() < tolerance, "{shear:e} {wavenumber}: {found:e} {exact:e}");

@@ -204,6 +204,12 @@ impl Laminate {
         section
     }
 
+    /// The same, with the shear factors of another.
+    #[cfg(test)]
+    pub(super) fn with_shear_factors_of(self, other: &Self) -> Self {
+        Self { shear_factors: other.shear_factors.clone(), ..self }
+    }
+
     fn with_factors(&self) -> impl Iterator<Item = (&Part, &f64)> {
         self.parts.iter().zip(&self.shear_factors)
     }
