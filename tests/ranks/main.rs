@@ -8,6 +8,8 @@ mod bricks;
 mod field;
 #[path = "../common/glass.rs"]
 mod glass;
+#[path = "../common/laminated.rs"]
+mod laminated;
 #[path = "../common/modelled.rs"]
 mod modelled;
 #[path = "../common/parts.rs"]

@@ -1,5 +1,6 @@
 //! Layerwise plates: against one plate, an independent program's laminate, and solids.
 
+use crate::laminated::{Reference, reference};
 use crate::modelled::{parse, run};
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
@@ -99,23 +100,9 @@ fn tensions(comm: &Comm, text: &str) -> (Vec<String>, Largest) {
 /// A relaxing interlayer, computed by an independent program (tests/fixtures/laminated): peak and largest tensions on the lowest face and on
 /// the lower face of the upper ply. That program is good to 0.5% of its peak, 1% of the stress, and 5% beside the interlayer.
 fn the_reference(session: &Session) {
-    let series = include_str!("../../fixtures/laminated/series.csv");
-    let force = |line: &str| line.split(',').nth(1).and_then(|field| field.parse::<f64>().ok());
-    let peak = series.lines().filter_map(force).fold(0.0, f64::max);
-    let terms = [
-        (6933.9e3, 1e-5),
-        (3898.6e3, 1e-4),
-        (2289.2e3, 1e-3),
-        (1672.7e3, 1e-2),
-        (761.6e3, 1e-1),
-        (2401.0e3, 1.0),
-        (65.2e3, 10.0),
-        (248.0e3, 100.0),
-        (575.6e3, 1000.0),
-    ];
-    let list: Vec<String> =
-        terms.iter().map(|(modulus, time)| format!("{{ modulus = {modulus:e}, time = {time:e} }}")).collect();
-    let interlayer = format!("{}\nprony = [{}]", soft(3.02196e6), list.join(", "));
+    let Reference { force, chain } = reference();
+    let peak = force.iter().map(|[_, force]| *force).fold(0.0, f64::max);
+    let interlayer = format!("bulk = 2e9\ndensity = 1100.0\n{chain}");
     let text = pane(&PLIES, &interlayer, LAYERWISE, "end = 3e-3\nstep = 5e-6\nscheme = \"newmark\"", "");
     let (names, found) = tensions(&session.world(), &text);
     assert_eq!(names, ["1-upper", "1-lower", "2-upper", "2-lower", "3-upper", "3-lower"]);

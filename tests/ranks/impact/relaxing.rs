@@ -1,5 +1,6 @@
 //! Steps of a laminate whose interlayer relaxes.
 
+use crate::laminated::{Reference, reference};
 use crate::modelled;
 use crate::start::{run, start};
 use mpi_test::{Test, tests};
@@ -160,37 +161,9 @@ fn pane(interlayer: f64, material: &str, time: &str, rest: &str) -> String {
     )
 }
 
-/// t (s) and force (N) of that program, and its interlayer.
-fn reference() -> (Vec<[f64; 2]>, String) {
-    let series = include_str!("../../fixtures/laminated/series.csv");
-    let rows: Vec<[f64; 2]> = series
-        .lines()
-        .skip(1)
-        .map(|line| {
-            let mut fields = line.split(',').map(|field| field.parse().unwrap());
-            [fields.next().unwrap(), fields.next().unwrap()]
-        })
-        .collect();
-    let terms = [
-        (6933.9e3, 1e-5),
-        (3898.6e3, 1e-4),
-        (2289.2e3, 1e-3),
-        (1672.7e3, 1e-2),
-        (761.6e3, 1e-1),
-        (2401.0e3, 1.0),
-        (65.2e3, 10.0),
-        (248.0e3, 100.0),
-        (575.6e3, 1000.0),
-    ];
-    let list: Vec<String> =
-        terms.iter().map(|(modulus, time)| format!("{{ modulus = {modulus:e}, time = {time:e} }}")).collect();
-    let material = format!("shear = 3.02196e6\nprony = [{}]", list.join(", "));
-    (rows, material)
-}
-
 /// The same on a basis, in modal coordinates: both programs' own errors, 0.5% and less than 1%.
 fn the_reference_on_a_basis(session: &Session) {
-    let (rows, material) = reference();
+    let Reference { force: rows, chain: material } = reference();
     let ran = modelled::run(&session.world(), &pane(0.00076, &material, "end = 3e-3", "[output]\nstress = false\n"));
     let peak = rows.iter().fold(0.0_f64, |peak, [_, force]| peak.max(*force)) / 52.0;
     let off = rows.iter().map(|[time, force]| (ran.at(*time) - force / 52.0).abs()).fold(0.0, f64::max) / peak;
@@ -200,7 +173,7 @@ fn the_reference_on_a_basis(session: &Session) {
 
 /// The history of an independent program with elements of order 3: 0.5% of its peak is left there, and order 2 changes the peak by 1.5%.
 fn the_reference(session: &Session) {
-    let (rows, material) = reference();
+    let Reference { force: rows, chain: material } = reference();
     let steps = steps(session, &pane(0.00076, &material, "end = 3e-3\nstep = 1e-5\nscheme = \"newmark\"", ""));
     let (mut peak, mut off) = (0.0_f64, 0.0_f64);
     for [time, force] in &rows {

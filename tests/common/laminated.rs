@@ -1,0 +1,37 @@
+//! A relaxing laminate that an independent program computed (tests/fixtures/laminated).
+
+/// Its force, and the shear of its interlayer.
+pub struct Reference {
+    /// t, s, and F, N.
+    pub force: Vec<[f64; 2]>,
+    /// `shear` and `prony` of the interlayer, as a scene has them.
+    pub chain: String,
+}
+
+/// What is to be met, and with which interlayer.
+pub fn reference() -> Reference {
+    let series = include_str!("../fixtures/laminated/series.csv");
+    let force = series
+        .lines()
+        .skip(1)
+        .map(|line| {
+            let mut fields = line.split(',').map(|field| field.parse().unwrap());
+            [fields.next().unwrap(), fields.next().unwrap()]
+        })
+        .collect();
+    let terms = [
+        (6933.9e3, 1e-5),
+        (3898.6e3, 1e-4),
+        (2289.2e3, 1e-3),
+        (1672.7e3, 1e-2),
+        (761.6e3, 1e-1),
+        (2401.0e3, 1.0),
+        (65.2e3, 10.0),
+        (248.0e3, 100.0),
+        (575.6e3, 1000.0),
+    ];
+    let list: Vec<String> =
+        terms.iter().map(|(modulus, time)| format!("{{ modulus = {modulus:e}, time = {time:e} }}")).collect();
+    let chain = format!("shear = 3.02196e6\nprony = [{}]", list.join(", "));
+    Reference { force, chain }
+}
