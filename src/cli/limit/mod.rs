@@ -17,7 +17,7 @@ use crate::study::sweep::written;
 
 use super::interrupt::Interrupt;
 use super::load::{Loaded, load};
-use super::run::{Replaced, Written, check_output, solve};
+use super::run::{Beginning, Replaced, Written, check_output, solve};
 use super::sweep::of_base;
 use super::{Limit, note, notes, tell, warn_of_unused_options};
 use report::Report;
@@ -74,7 +74,7 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
         (Some(root), Some(output)) => {
             let (scene, source) = at_with_output(&source, &range, root.at.value)?;
             let written = Written { output, force: false, has_summary: false };
-            solve(comm, (&scene, &source), (None, output), &written).map_err(|error| error.in_scene(&source))?
+            solve(comm, (&scene, &source), Beginning::Anew, &written).map_err(|error| error.in_scene(&source))?
         }
         (None, Some(output)) => {
             if comm.is_root() {

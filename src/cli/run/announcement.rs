@@ -1,0 +1,78 @@
+//! What is told of a model before the first step.
+
+use petsc_wrap::Comm;
+
+use crate::contact::Patch;
+use crate::error::{Error, Result};
+use crate::model::{Model, Simulation};
+use crate::scene::Scene;
+use crate::solve::linear::has_mumps;
+
+use super::super::notes::{self, Verdict, describe_model, verdict};
+use super::super::{note, tell};
+
+/// The texts, made while the model is there.
+pub(super) struct Announcement {
+    /// Why the result is poor.
+    pub poor: Option<String>,
+    described: String,
+    reason: Option<String>,
+    /// Warnings of the scene's geometry.
+    warnings: Vec<String>,
+    of_measure: Option<String>,
+    patch: Option<Patch>,
+    is_factorised: bool,
+}
+
+impl Announcement {
+    /// Of a model.
+    ///
+    /// # Errors
+    /// [`Error::Solve`] where the result would be of no use, unless that is what is asked for (`force`).
+    pub fn new(model: &Model, scene: &Scene, force: bool) -> Result<Self> {
+        let poor = match verdict(model, scene) {
+            Some(Verdict { message, is_useless: true }) if !force => {
+                return Err(Error::Solve(format!(
+                    "{message}. The result would be of no use; --force computes it all the same"
+                )));
+            }
+            verdict => verdict.map(|verdict| verdict.message),
+        };
+        Ok(Self {
+            poor,
+            described: describe_model(model, scene.measure),
+            reason: model.reason.clone(),
+            warnings: notes::texts(notes::of_geometry(scene, model.measures.as_ref())),
+            of_measure: notes::note_of_measure(model, scene),
+            patch: model.dynamics.patch(),
+            is_factorised: model.dynamics.is_factorised_on_ranks(),
+        })
+    }
+
+    /// Prints them.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn print(&self, comm: &Comm, scene: &Scene, impact: &Simulation) -> Result<()> {
+        if let Some(message) = &self.poor {
+            tell(format_args!("warning: {message}"));
+        }
+        note(format_args!("{}", self.described));
+        if let Some(reason) = &self.reason {
+            note(format_args!("{reason}"));
+        }
+        for warning in &self.warnings {
+            tell(format_args!("warning: {warning}"));
+        }
+        let of_scene = notes::texts(notes::notes(scene, self.patch.as_ref(), impact.plan().as_ref()));
+        for line in of_scene.iter().chain(&self.of_measure) {
+            note(format_args!("note: {line}"));
+        }
+        if self.is_factorised && !has_mumps(comm.session())? {
+            note(format_args!(
+                "note: this PETSc is without MUMPS: each rank factorises all of a matrix for itself, so that more ranks save nothing there"
+            ));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,104 @@
+//! `ricochet run`: a scene to a result.
+
+mod announcement;
+mod output;
+mod recorder;
+mod solve;
+
+use std::path::{Path, PathBuf};
+
+use petsc_wrap::Comm;
+use serde::{Deserialize, Serialize};
+
+use crate::agree::decided;
+use crate::error::{Error, Result};
+use crate::record::checkpoint;
+use crate::record::lock::Lock;
+use crate::record::target::is_same;
+
+use super::Run;
+use super::load::{Loaded, STANDARD_INPUT, load};
+use super::restart::Past;
+use super::{note, tell};
+use output::check_own;
+pub(super) use output::{Replaced, check_output};
+pub(super) use solve::{Beginning, Written, solve};
+
+/// Runs a scene; returns the exit status. Collective.
+///
+/// # Errors
+/// All that [`Error`] names.
+pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
+    let Loaded { scene, source, is_of_result } = load(comm, &arguments.scene, &arguments.overrides)?;
+    let given = arguments.output.as_ref().or(arguments.restart.as_ref());
+    // A pipe is there for one reader, and its name tells nothing.
+    let is_file_by_name = arguments.scene.metadata().map_or(true, |there| there.is_file());
+    let unnamed = match given {
+        None if is_of_result => Some("the scene of a result"),
+        None if arguments.scene == Path::new(STANDARD_INPUT) => Some("a scene from standard input"),
+        None if !is_file_by_name => Some("a scene from a pipe"),
+        _ => None,
+    };
+    if let Some(what) = unnamed {
+        return Err(Error::Usage(format!("{what} needs a name for its result: -o OUT.h5")));
+    }
+    let output = given.cloned().unwrap_or_else(|| default_output(&arguments.scene));
+    let from = arguments.restart.as_deref().unwrap_or(&output);
+    // Of rank 0: held to the end, and what it goes on from.
+    let (mut lock, mut moment) = (None, None);
+    // Before minutes of work whose result could not be written.
+    let start = decided(comm, || {
+        let is_continued = arguments.restart.as_ref().is_some_and(|result| is_same(result, &output));
+        let replaced = match (is_continued, arguments.force) {
+            (true, _) => Replaced::ByItself,
+            (_, true) => Replaced::Anyway,
+            _ => Replaced::UnlessInterrupted,
+        };
+        check_output(&scene, &output, replaced)?;
+        if given.is_none() && !arguments.force {
+            check_own(&output, source.folder())?;
+        }
+        lock = Some(Lock::take(&output)?);
+        let Some(result) = &arguments.restart else { return Ok(Start::Anew) };
+        Ok(match Past::read((result, &output), (&scene, &source))? {
+            Past::Complete => {
+                tell(format_args!("{} is complete: there is nothing to continue", from.display()));
+                // Of a run that was killed between its last row and this.
+                checkpoint::remove(from)?;
+                Start::Nothing
+            }
+            Past::Beginning => {
+                note(format_args!("note: {} has no checkpoint beside it: from the beginning", from.display()));
+                Start::Anew
+            }
+            Past::Moment(there) => {
+                moment = Some(there);
+                Start::GoOn
+            }
+        })
+    })?;
+    let beginning = match start {
+        Start::Nothing => return Ok(0),
+        Start::Anew => Beginning::Anew,
+        Start::GoOn => Beginning::Checkpoint { result: from, moment },
+    };
+    let written = Written { output: &output, force: arguments.force, has_summary: true };
+    let solved = solve(comm, (&scene, &source), beginning, &written);
+    drop(lock);
+    solved.map_err(|error| error.in_scene(&source))
+}
+
+/// What is to be done of a scene.
+#[derive(Debug, Serialize, Deserialize)]
+enum Start {
+    /// Its result is complete.
+    Nothing,
+    /// All of it.
+    Anew,
+    /// What is behind a checkpoint.
+    GoOn,
+}
+
+fn default_output(scene: &Path) -> PathBuf {
+    PathBuf::from(scene.with_extension("h5").file_name().unwrap_or("ricochet.h5".as_ref()))
+}

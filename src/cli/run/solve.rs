@@ -1,0 +1,203 @@
+//! A run from its scene to its closed result.
+
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::rc::Rc;
+use std::time::Instant;
+
+use petsc_wrap::Comm;
+
+use crate::agree::{agree, of_root};
+use crate::error::{Error, INTERRUPTED, Result};
+use crate::model::watch::{Stage, Watch as _};
+use crate::model::{self, Linearity, Model, Simulation};
+use crate::record::provenance::{Cost, Provenance};
+use crate::record::series::{Points, SeriesWriter};
+use crate::record::stress::{Faces, MapPoints, strengths};
+use crate::scene::{self, Fault, Scene, Source};
+
+use super::super::follow::Follower;
+use super::super::interrupt::Interrupt;
+use super::super::keeping::Keeping;
+use super::super::notes;
+use super::super::progress::Progress;
+use super::super::provenance::{model_details, provenance};
+use super::super::recording::Recording;
+use super::super::restart::{Moment, go_on};
+use super::super::summary::Summary;
+use super::super::{note, tell, warn_of_unused_options};
+use super::announcement::Announcement;
+use super::recorder::{End, Recorder, Watch};
+
+/// Where a run begins.
+pub(in crate::cli) enum Beginning<'a> {
+    /// At time 0.
+    Anew,
+    /// Behind a checkpoint.
+    Checkpoint {
+        /// The result that it is beside.
+        result: &'a Path,
+        /// What it holds, on rank 0.
+        moment: Option<Box<Moment>>,
+    },
+}
+
+/// How a run is written.
+pub(in crate::cli) struct Written<'a> {
+    /// The result.
+    pub output: &'a Path,
+    /// Whether it is computed even if its estimated error makes it useless.
+    pub force: bool,
+    /// Whether its summary is printed.
+    pub has_summary: bool,
+}
+
+/// Computes a run, or what is missing of it, and writes it; returns the exit status. Collective.
+///
+/// # Errors
+/// All that [`Error`] names.
+pub(in crate::cli) fn solve(
+    comm: &Comm,
+    (scene, source): (&Scene, &Source),
+    beginning: Beginning<'_>,
+    &Written { output, force, has_summary }: &Written<'_>,
+) -> Result<i32> {
+    if !matches!(scene.body.model, scene::Model::HalfSpace | scene::Model::InfinitePlate) {
+        // Part of the program's start, not of the run.
+        comm.session().petsc()?;
+    }
+    let begin = Instant::now();
+    if comm.is_root() {
+        // Before the model, which may take long for such values.
+        let odd = notes::texts(notes::of_values(scene, source));
+        odd.iter().for_each(|warning| tell(format_args!("warning: {warning}")));
+    }
+    let interrupt = Rc::new(Interrupt::on_signals());
+    let follower = Follower::new(comm, interrupt.clone());
+    let model = Model::watched(comm, scene, &follower)?;
+    let modelled = begin.elapsed().as_secs_f64();
+    let announcement = Announcement::new(&model, scene, force)?;
+    let linearity = Linearity::new(scene, model.theory, model.dynamics.patch().as_ref());
+    let details = model_details(&model);
+    let of_model = (model::name(model.theory), model.reduction(), model.unknowns);
+    let mut provenance = provenance(comm, scene, source, of_model)?;
+    provenance.model_details = Some(details);
+    follower.at(Stage::Steps)?;
+    let mut impact = Simulation::new(scene, model)?;
+    drop(follower);
+    provenance.planned_rows = impact.steps().map(|steps| steps / scene.output.every + 1);
+    let assembled = begin.elapsed().as_secs_f64();
+    tracing::info!(modelled, assembled, "ready");
+    if comm.is_root() {
+        announcement.print(comm, scene, &impact)?;
+    }
+    check_strength(scene, &of_root(comm, Some(impact.faces().to_vec())))?;
+    let recorder = record(comm, scene, (output, &provenance), beginning, linearity, &mut impact)?;
+    let keeping = Keeping::new(comm, (scene, source.text()), output, &impact);
+    let mut watch = Watch { comm: comm.clone(), interrupt, keeping, recorder };
+    let stepped = impact.run_watched(&mut watch);
+    let total = begin.elapsed().as_secs_f64();
+    let (count, estimate) = (impact.count(), impact.error());
+    tracing::info!(?estimate, "estimated");
+    let cost = Cost {
+        model: modelled,
+        setup: assembled - modelled,
+        steps: total - assembled,
+        total,
+        newton_iterations: count.iterations,
+        solves: count.solves,
+        error_estimate: estimate.total().map_or(f64::NAN, |errors| errors.history),
+    };
+    let flow = stepped.as_ref().ok().copied();
+    let end = End { cost: &cost, estimate: &estimate, output, has_summary, was_warned: announcement.poor.is_some() };
+    let mut ended = Ok(());
+    if let Some(recorder) = watch.recorder {
+        ended = recorder.finish(scene, flow, &end);
+        if flow.is_some() && ended.is_ok() {
+            warn_of_unused_options(comm)?;
+        }
+    }
+    // First of all: an error of one rank alone must not wait for the others in a collective call.
+    let is_alone = |error: &Error| !error.is_everywhere() || matches!(error, Error::Unwritten(_));
+    if stepped.as_ref().err().is_some_and(is_alone) {
+        return stepped.map(|_| 0);
+    }
+    let why = stepped.as_ref().err().map_or(String::new(), |error| format!(" (before that: {error})"));
+    let ended = ended.map_err(|error| Error::Output(format!("{error}{why}")));
+    agree(comm, ended.map_err(|error| error.to_string())).map_err(Error::Unwritten)?;
+    let flow = stepped?;
+    drop(impact);
+    comm.collect_garbage()?;
+    Ok(match flow {
+        ControlFlow::Continue(()) => 0,
+        ControlFlow::Break(()) => INTERRUPTED,
+    })
+}
+
+/// Opens the result on rank 0, and sets the simulation to where it begins. Collective.
+fn record(
+    comm: &Comm,
+    scene: &Scene,
+    (output, provenance): (&Path, &Provenance),
+    beginning: Beginning<'_>,
+    linearity: Option<Linearity>,
+    impact: &mut Simulation,
+) -> Result<Option<Recorder>> {
+    let points = Points {
+        probes: scene.output.probes.iter().map(|probe| probe.name.clone()).collect(),
+        faces: Faces {
+            names: impact.faces().to_vec(),
+            map: MapPoints::new(scene, impact.face_points().to_vec()),
+            ring: ring(scene),
+        },
+    };
+    let (earlier, from) = match beginning {
+        Beginning::Anew => (None, output),
+        Beginning::Checkpoint { result, moment } => {
+            (go_on(comm, moment, (result, provenance, &points), impact)?, result)
+        }
+    };
+    let steps = impact.steps();
+    let recording = impact.take_sampler().map(|sampler| Recording::new(sampler, output, scene.output.fields, steps));
+    if !comm.is_root() {
+        return Ok(None);
+    }
+    let (writer, recording, summary) = match earlier {
+        None => (SeriesWriter::with_points(output, provenance, &points)?, recording, Summary::default()),
+        Some((earlier, summary)) => {
+            note(format_args!("continuing from t = {:.6e} s", summary.end()));
+            let writer = SeriesWriter::continued(output, provenance, &points, earlier)?;
+            let recording = recording.map(|recording| recording.behind(from, summary.end(), &writer)).transpose()?;
+            (writer, recording, summary)
+        }
+    };
+    Ok(Some(Recorder {
+        writer: if scene.time.modal { writer.all_at_once() } else { writer }.every(scene.output.every),
+        recording,
+        progress: Progress::new([summary.end(), scene.time.end]),
+        summary: summary.following(linearity),
+        strengths: strengths(&scene.strength, &points.faces.names),
+    }))
+}
+
+/// The radial tension at the edge of the contact times α/F, 1/m²: (1 − 2ν)/(2πR).
+fn ring(scene: &Scene) -> Option<f64> {
+    let radius = scene.impactor.radius.filter(|_| scene.output.stress)?;
+    Some((1.0 - 2.0 * scene.body.struck().poisson) / (2.0 * PI * radius))
+}
+
+/// Refuses a strength of a face that the body does not have.
+fn check_strength(scene: &Scene, faces: &[String]) -> Result<()> {
+    let wrong = scene.strength.by_face.keys().find(|name| !faces.contains(name));
+    let key = match wrong {
+        Some(name) => format!("strength.face.{name}"),
+        None if scene.strength.is_given() && faces.is_empty() => "strength".to_owned(),
+        None => return Ok(()),
+    };
+    let help = match faces {
+        [] => "a theory whose stresses are read: \"mindlin\" or \"solid\"; on a mesh, named surfaces".to_owned(),
+        faces => format!("one of {}", faces.join(", ")),
+    };
+    Err(Fault::new(key, "the model has no such face", help).into())
+}
