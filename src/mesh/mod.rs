@@ -7,6 +7,7 @@ mod grid;
 mod locate;
 mod measure;
 mod mirror;
+mod part;
 mod plex;
 mod sound;
 mod whole;
