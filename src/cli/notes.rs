@@ -4,7 +4,9 @@ use crate::contact::{ForceLaw, Patch};
 use crate::impact::{Errors, Plan};
 use crate::mesh::Measures;
 use crate::model::{self, Model};
-use crate::scene::{Contact, Doubt, Geometry, Measure, Model as Theory, Scene, Scheme, Source, doubts};
+use crate::scene::{
+    Contact, Doubt, Geometry, Measure, Model as Theory, Reduction, Scene, Scheme, Source, doubts, face_names,
+};
 use crate::scheme::critical_frequency;
 
 /// What a user should know of a scene, or of what came of it.
@@ -70,7 +72,8 @@ pub fn verdict(model: &Model, scene: &Scene) -> Option<Verdict> {
     let error = estimate.total().map(|errors| errors.of(scene.measure)).filter(|error| !is_good(error))?;
     let of_what = scene.measure.of_what();
     let causes = estimate.causes();
-    let mut remedies: Vec<&str> = causes.iter().copied().map(remedy).collect();
+    let mut remedies: Vec<&str> = causes.iter().map(|cause| remedy(cause, scene)).collect();
+    remedies.sort_unstable();
     remedies.dedup();
     let of = listed(&causes);
     let message = format!(
@@ -119,12 +122,29 @@ pub fn missed(errors: &Errors, (measure, tolerance): (Measure, f64), was_warned:
 }
 
 /// What makes the error by a part of a model smaller.
-fn remedy(part: &str) -> &'static str {
+fn remedy(part: &str, scene: &Scene) -> &'static str {
     match part {
-        "basis" => "body.reduction = \"auto\" in place of a number",
+        "basis" if matches!(scene.body.reduction, Reduction::Vectors(_)) => {
+            "body.reduction = \"auto\" in place of a number"
+        }
         "patch" => "finer cells at the impact point",
-        _ => "body.model = \"solid\"",
+        "theory" if scene.body.model != Theory::Solid => "body.model = \"solid\"",
+        _ => "a smaller accuracy.tolerance",
     }
+}
+
+/// That a body of layers is read on its outer faces alone, though the largest tension may be on others.
+pub fn missing_faces(scene: &Scene, faces: &[String]) -> Option<Remark> {
+    let layers = scene.hit_layers().len().saturating_sub(1);
+    let (read, all) = (faces.len(), face_names(layers).len());
+    (layers > 1 && read > 0 && read < all).then(|| {
+        let text = format!(
+            "stresses are read on the faces {} alone, since the model is a mesh of finite elements: the largest tension may be on a face \
+             between layers; body.model = \"layerwise\" reads all faces",
+            faces.join(" and ")
+        );
+        Remark::new("faces", all as f64, text)
+    })
 }
 
 /// That a history is not as good as it was to be.

@@ -16,8 +16,8 @@ const DEFAULT: &str = "acceleration";
 /// The maps of the largest tension over time, which are no curves.
 const MAP: &str = "stress_map";
 
-/// Draws a quantity of the results `files` over time to `out`, one curve a file and component; or a single sweep, which has a figure of its
-/// own. `asked` is the name of the quantity, by default the acceleration of the impactor.
+/// Draws a quantity of the results `files` over time to `out`, one curve a file and component; or a quantity of a single sweep over its
+/// keys. `asked` is the name of the quantity, by default the acceleration of the impactor.
 ///
 /// # Errors
 /// As of [`quantity`] and [`draw`]; [`Error::Usage`] for a sweep among other files, or one that no figure shows.
@@ -29,8 +29,7 @@ pub fn plot(files: &[PathBuf], out: &Path, asked: Option<&str>) -> Result<()> {
         let refuse = |why: &str| Err(Error::Usage(format!("{}: {why}", file.display())));
         match is_sweep(file)? {
             true if files.len() > 1 => return refuse("a sweep has a figure of its own"),
-            true if asked.is_some() => return refuse("--quantity is for runs; of a sweep the peaks are drawn"),
-            true => return plot_sweep(file, out),
+            true => return plot_sweep(file, out, asked.unwrap_or(DEFAULT)),
             false => {}
         }
     }
@@ -103,7 +102,26 @@ fn with_powers(units: &str) -> String {
     units.replace('2', "\u{b2}").replace('3', "\u{b3}").trim_matches('1').to_owned()
 }
 
-fn plot_sweep(file: &Path, out: &Path) -> Result<()> {
+/// What is drawn of a sweep, by its name: that of a dataset of `/members`, or that of a run's quantity for its largest value.
+fn of_members(name: &str) -> Result<(record::Quantity, figure::Quantity)> {
+    let (dataset, label) = match name {
+        DEFAULT | "peak_acceleration" => ("peak_acceleration", "peak acceleration".to_owned()),
+        "force" => ("peak_force", "peak force".to_owned()),
+        "stress" | "largest_stress" => ("largest_stress", "largest tension".to_owned()),
+        other => (other, other.replace('_', " ")),
+    };
+    let Some((quantity, unit)) = record::Quantity::named(dataset) else {
+        let names: Vec<&str> = record::Quantity::names().collect();
+        return Err(Error::Usage(format!(
+            "--quantity {name}: a sweep has acceleration, force, stress, {}",
+            names.join(", ")
+        )));
+    };
+    Ok((quantity, figure::Quantity { label, unit: with_powers(unit) }))
+}
+
+fn plot_sweep(file: &Path, out: &Path, name: &str) -> Result<()> {
+    let (quantity, drawn) = of_members(name)?;
     let sweep = Sweep::read(file)?;
     let refuse = |why: String| Err(Error::Usage(format!("{}: {why}", file.display())));
     let Sweep { header, status, .. } = &sweep;
@@ -111,7 +129,10 @@ fn plot_sweep(file: &Path, out: &Path) -> Result<()> {
     if !(0..status.len()).any(|member| is_done(&member)) {
         return refuse("no member of the sweep is done".into());
     }
-    let (title, peaks) = (header.title.clone(), sweep.quantity(record::Quantity::PeakAcceleration));
+    let (title, results) = (header.title.clone(), sweep.quantity(quantity));
+    if !results.iter().any(|result| result.is_finite()) {
+        return refuse(format!("no member of the sweep has a {}", drawn.label));
+    }
     let axis = |key: &Key| figure::Key { label: key.path.clone(), unit: with_powers(&key.units), is_log: key.is_log };
     let numbers = |key: &Key| match &key.values {
         Values::Numbers(numbers) => Some(numbers.clone()),
@@ -125,13 +146,14 @@ fn plot_sweep(file: &Path, out: &Path) -> Result<()> {
                 let own = sweep.contacts[from..].iter().take_while(move |(member, _)| *member == index);
                 own.map(|(_, contact)| (contact.start, contact.end, contact.peak_force)).collect()
             };
-            let member = |n: usize| figure::Member { value: values[n], peak: peaks[n], contacts: contacts(n) };
+            let member = |n: usize| figure::Member { value: values[n], result: results[n], contacts: contacts(n) };
             let members = (0..status.len()).filter(is_done).map(member).collect();
-            figure::draw_curve(&figure::Curve { title, key: axis(key), members }, out)
+            figure::draw_curve(&figure::Curve { title, key: axis(key), quantity: drawn, members }, out)
         }
         ([slow, fast], Some([down, along])) => {
-            let members = (0..status.len()).map(|n| ([along[n], down[n]], peaks[n])).collect();
-            figure::draw_field(&figure::Field { title, keys: [axis(fast), axis(slow)], members }, out)
+            let members = (0..status.len()).map(|n| ([along[n], down[n]], results[n])).collect();
+            let keys = [axis(fast), axis(slow)];
+            figure::draw_field(&figure::Field { title, keys, quantity: drawn, members }, out)
         }
         (keys, _) => {
             let paths: Vec<&str> = keys.iter().map(|key| key.path.as_str()).collect();

@@ -374,7 +374,10 @@ fn what_no_figure_shows_is_said() {
         ("plot words.h5 -o f.png", "over the numbers of one or two keys, not over time.scheme"),
         ("plot three.h5 -o f.png", "not over impactor.speed, impactor.mass, impactor.gap"),
         ("plot words.h5 three.h5 -o f.png", "words.h5: a sweep has a figure of its own"),
-        ("plot three.h5 -o f.png --quantity force", "three.h5: --quantity is for runs"),
+        (
+            "plot three.h5 -o f.png --quantity velocity",
+            "--quantity velocity: a sweep has acceleration, force, stress, peak_force",
+        ),
     ] {
         let outcome = run(ricochet(folder.path(), 0).args(words(line)));
         assert_eq!(outcome.status, Some(2), "{outcome:?}");

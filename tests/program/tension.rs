@@ -133,6 +133,9 @@ fn sweeps_have_a_column_for_it() {
     let (tensions, faces, passed) = (of("largest_stress"), of("largest_stress_face"), of("strength_passed_at"));
     assert!(faces == [1.0, 1.0] && passed[0].is_nan() && passed[1] > 0.0, "{faces:?} {passed:?}");
     assert!(of("stress_error_estimate").iter().all(|error| *error > 0.0 && *error < 0.1));
+    good(&folder, 0, "plot sweep.h5 --quantity stress -o sweep.svg");
+    let figure = std::fs::read_to_string(folder.path().join("sweep.svg")).unwrap();
+    assert!(figure.contains("largest tension") && !figure.contains("peak acceleration"));
     for (speed, tension) in ["0.5", "1"].iter().zip(tensions) {
         good(&folder, 0, &format!("run scene.toml -o run.h5 --force --set impactor.speed={speed}"));
         let alone: f64 = number(&open(folder.path().join("run.h5")), "largest_stress");

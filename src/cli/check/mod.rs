@@ -103,6 +103,8 @@ fn report<'a>(comm: &Comm, (scene, source): (&'a Scene, &Source), deadline: Opti
     if let Ok(model) = &report.model {
         report.notes.extend(notes::note_of_measure(model, scene));
         report.warnings.extend(verdict(model, scene).map(|Verdict { message, .. }| message));
+        let faces = model.gauges.as_ref().map_or_else(Vec::new, |gauges| gauges.readout.face_names());
+        report.warnings.extend(notes::missing_faces(scene, &faces).map(|remark| remark.text));
     }
     report.warnings.extend(notes::texts(notes::of_values(scene, source)));
     report.warnings.extend(notes::texts(notes::of_geometry(scene, report.measures.as_ref())));

@@ -33,8 +33,13 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
     let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides).map_err(of_base)?;
     check(&scene, &range)?;
     // Before the first run: a value that makes no scene.
+    let has_output = arguments.output.is_some();
     for value in range.values() {
-        at(&source, &range, value)?;
+        if has_output {
+            at_with_output(&source, &range, value)?
+        } else {
+            at(&source, &range, value)?
+        };
     }
     // Of rank 0: held to the end.
     let mut lock = None;
@@ -103,19 +108,23 @@ fn check(scene: &Scene, range: &Range) -> Result<()> {
 
 /// The scene at a value, with its own output.
 fn at_with_output(source: &Source, range: &Range, value: f64) -> Result<(Scene, Source)> {
+    varied(source, range, value, None)
+}
+
+/// The scene at a value; what a run of the search would not keep is taken out: a probe may lie outside of a thinner plate.
+fn at(source: &Source, range: &Range, value: f64) -> Result<(Scene, Source)> {
+    let (mut scene, source) = varied(source, range, value, Some("output.probes=[]"))?;
+    scene.output.fields = None;
+    Ok((scene, source))
+}
+
+fn varied(source: &Source, range: &Range, value: f64, more: Option<&str>) -> Result<(Scene, Source)> {
     let given = format!("{}={}", range.key, written(value));
-    Ok(Scene::varied(source, std::slice::from_ref(&given)).map_err(|error| {
+    let all: Vec<String> = more.map(str::to_owned).into_iter().chain([given.clone()]).collect();
+    Ok(Scene::varied(source, &all).map_err(|error| {
         // Of the key itself the message has the value already.
         if error.message().contains(&given) { error } else { error.remarked(&of_value(range, value)) }
     })?)
-}
-
-/// The scene at a value; what a run of the search would not keep is taken out.
-fn at(source: &Source, range: &Range, value: f64) -> Result<(Scene, Source)> {
-    let (mut scene, source) = at_with_output(source, range, value)?;
-    scene.output.fields = None;
-    scene.output.probes.clear();
-    Ok((scene, source))
 }
 
 /// What a message calls a run.

@@ -142,7 +142,7 @@ impl<'a> Report<'a> {
         match (&self.limit, self.outcome) {
             (Some(limit), _) => self.print_limit(limit),
             (None, Outcome::PassedEverywhere) => say(format_args!(
-                "the strength is passed at the lower end already, and everywhere from {from} to {to}: the ratio of tension to strength is \
+                "the strength is exceeded at the lower end already, and everywhere from {from} to {to}: the ratio of tension to strength is \
                  at most {}, and at least {}",
                 of(&self.largest),
                 of(&self.smallest)
@@ -175,7 +175,7 @@ impl<'a> Report<'a> {
         let from = self.shown(self.range[0]);
         let below = match self.outcome {
             Outcome::PassedUpToValue => {
-                format!("the strength is passed at the lower end already, {from}, and up to the limit")
+                format!("the strength is exceeded at the lower end already, {from}, and up to the limit")
             }
             _ => format!("no lower value from {from} on reaches the strength"),
         };

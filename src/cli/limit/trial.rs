@@ -17,7 +17,7 @@ use crate::space::evaluate::FaceTension;
 
 use super::super::follow::Follower;
 use super::super::interrupt::Interrupt;
-use super::super::notes::{Verdict, verdict};
+use super::super::notes::{Verdict, missing_faces, verdict};
 use super::super::summary::Summary;
 
 /// A value of the key and what came of it.
@@ -114,6 +114,7 @@ pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: 
         let faces = faces.join(", ");
         return Err(Error::Usage(format!("no face of the body has a strength: its faces are {faces}")));
     }
+    warnings.extend(missing_faces(scene, &faces).map(|remark| remark.text));
     let (mut summary, mut most) = (Summary::default().following(linearity), Utilisation::new());
     let flow = impact.run_watched(&mut Until {
         interrupted: &|| interrupt.is_raised(comm),

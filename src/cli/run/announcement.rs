@@ -61,7 +61,8 @@ impl Announcement {
         if let Some(reason) = &self.reason {
             note(format_args!("{reason}"));
         }
-        for warning in &self.warnings {
+        let missing_faces = notes::texts(notes::missing_faces(scene, impact.faces()).into_iter().collect());
+        for warning in self.warnings.iter().chain(&missing_faces) {
             tell(format_args!("warning: {warning}"));
         }
         let of_scene = notes::texts(notes::notes(scene, self.patch.as_ref(), impact.plan().as_ref()));

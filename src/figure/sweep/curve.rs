@@ -1,4 +1,4 @@
-//! Over one key: the peak acceleration, and below it when the bodies touch.
+//! Over one key: a quantity, and below it when the bodies touch.
 
 use super::{Curve, Member, ascending};
 use crate::figure::axis::Axis;
@@ -28,14 +28,15 @@ impl Drawing for Curve {
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         let values = ascending(self.members.iter().map(|member| member.value));
         let cells = cells(&values, self.key.is_log);
-        let peak = self.members.iter().map(|member| member.peak).fold(0.0, f64::max);
+        let results = || self.members.iter().map(|member| member.result);
+        let (least, largest) = (results().fold(0.0, f64::min), results().fold(0.0, f64::max));
         let contacts = || self.members.iter().flat_map(|member| &member.contacts);
         let end = 1e3 * contacts().map(|contact| contact.1).fold(0.0, f64::max);
         let forces = Scale::of_colours(contacts().map(|contact| contact.2), true);
-        let (peaks, times) = (Axis::spanning(0.0, 1.02 * peak), Axis::spanning(0.0, end));
+        let (values_axis, times) = (Axis::spanning(1.02 * least, 1.02 * largest), Axis::spanning(0.0, end));
         let widest =
             |axis: &Axis| axis.ticks().iter().map(|(_, label)| canvas.text_width(label, LETTERS)).fold(0.0, f64::max);
-        let left = LEFT + widest(&peaks).max(widest(&times));
+        let left = LEFT + widest(&values_axis).max(widest(&times));
         let x = || Scale::new(cells[0].0, cells[cells.len() - 1].1, self.key.is_log);
         let frame = |top: f64, bottom: f64, y: &Axis| Frame {
             left,
@@ -45,13 +46,13 @@ impl Drawing for Curve {
             x: x(),
             y: Scale::new(y.low, y.high, false),
         };
-        let upper = frame(TOP, MIDDLE, &peaks);
+        let upper = frame(TOP, MIDDLE, &values_axis);
         let lower = frame(MIDDLE + GAP, BOTTOM, &times);
 
         canvas.text(&self.title, (0.5 * (left + RIGHT), TITLE), LETTERS, Anchor::Centre)?;
         upper.draw_grid(canvas)?;
         lower.draw_grid(canvas)?;
-        self.draw_peaks(canvas, &upper)?;
+        self.draw_results(canvas, &upper)?;
         for member in &self.members {
             if let Some(cell) = values.iter().position(|value| *value == member.value).map(|n| cells[n]) {
                 member.draw_contacts(canvas, &lower, cell, &forces)?;
@@ -65,15 +66,16 @@ impl Drawing for Curve {
             let at = (MARGIN, 0.5 * (frame.top + frame.bottom));
             canvas.text(&title, at, SMALL, Anchor::Upwards)
         };
-        upwards(format!("peak acceleration ({})", peaks.unit("m/s\u{b2}")), &upper)?;
+        upwards(self.quantity.title(&values_axis.unit(&self.quantity.unit)), &upper)?;
         upwards(format!("in contact, time ({})", times.unit("ms")), &lower)?;
         canvas.text(&self.key.title(&lower.x), (0.5 * (left + RIGHT), HEIGHT - 36.0), LETTERS, Anchor::Centre)
     }
 }
 
 impl Curve {
-    fn draw_peaks<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame) -> Drawn {
-        let mut points: Vec<(f64, f64)> = self.members.iter().map(|member| (member.value, member.peak)).collect();
+    fn draw_results<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame) -> Drawn {
+        let mut points: Vec<(f64, f64)> = self.members.iter().map(|member| (member.value, member.result)).collect();
+        points.retain(|point| point.1.is_finite());
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let at = |point: &(f64, f64)| (frame.at_x(point.0), frame.at_y(point.1));
         let pixels: Vec<_> = points.iter().map(at).collect();

@@ -1,4 +1,4 @@
-//! Over two keys: the peak acceleration as a heat map.
+//! Over two keys: a quantity as a heat map.
 
 use super::{Field, ascending};
 use crate::figure::bar::draw_bar;
@@ -43,7 +43,7 @@ impl Drawing for Field {
             canvas.rectangle(corners.0, corners.1, colour)?;
         }
         frame.draw_axes(canvas, true)?;
-        let title = format!("peak acceleration ({})", colours.unit("m/s\u{b2}"));
+        let title = self.quantity.title(&colours.unit(&self.quantity.unit));
         draw_bar(canvas, (RIGHT + 40.0, TOP, BOTTOM), &colours, shade, &title)?;
         if numbers().count() < self.members.len() {
             let y = HEIGHT - 36.0;

@@ -19,6 +19,15 @@ pub struct Key {
     pub is_log: bool,
 }
 
+/// A number of each member, and its unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quantity {
+    /// What its axis is called.
+    pub label: String,
+    /// Its unit; empty for a number without one.
+    pub unit: String,
+}
+
 /// A sweep over one key.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
@@ -26,6 +35,8 @@ pub struct Curve {
     pub title: String,
     /// What is varied.
     pub key: Key,
+    /// What is drawn over it.
+    pub quantity: Quantity,
     /// The members that are done, at least one.
     pub members: Vec<Member>,
 }
@@ -35,8 +46,8 @@ pub struct Curve {
 pub struct Member {
     /// The key's value.
     pub value: f64,
-    /// Peak acceleration, m/s².
-    pub peak: f64,
+    /// The quantity; NaN where the member has none.
+    pub result: f64,
     /// Start and end of each contact, s, and its peak force, N.
     pub contacts: Vec<(f64, f64, f64)>,
 }
@@ -48,11 +59,13 @@ pub struct Field {
     pub title: String,
     /// What is varied along the horizontal and the vertical axis.
     pub keys: [Key; 2],
-    /// The keys' values and the peak acceleration, m/s², which is NaN for members without one; one member at least has one.
+    /// What is drawn over them.
+    pub quantity: Quantity,
+    /// The keys' values and the quantity, which is NaN for members without one; one member at least has one.
     pub members: Vec<([f64; 2], f64)>,
 }
 
-/// Draws the peak acceleration, and below it when the bodies touch, to `out`: an SVG or a PNG of 1600 × 1000 pixels by its
+/// Draws a quantity, and below it when the bodies touch, to `out`: an SVG or a PNG of 1600 × 1000 pixels by its
 /// extension.
 ///
 /// # Errors
@@ -61,7 +74,7 @@ pub fn draw_curve(curve: &Curve, out: &Path) -> Result<()> {
     save(curve, out)
 }
 
-/// Draws the peak acceleration as a heat map, likewise.
+/// Draws a quantity as a heat map, likewise.
 ///
 /// # Errors
 /// As of [`draw_curve`].
@@ -72,10 +85,21 @@ pub fn draw_field(field: &Field, out: &Path) -> Result<()> {
 impl Key {
     /// The title of its axis.
     fn title(&self, scale: &Scale) -> String {
-        match scale.unit(&self.unit).trim() {
-            "" => self.label.clone(),
-            unit => format!("{} ({unit})", self.label),
-        }
+        titled(&self.label, &scale.unit(&self.unit))
+    }
+}
+
+impl Quantity {
+    /// The title of its axis, whose labels are in this unit.
+    fn title(&self, unit: &str) -> String {
+        titled(&self.label, unit)
+    }
+}
+
+fn titled(label: &str, unit: &str) -> String {
+    match unit.trim() {
+        "" => label.to_owned(),
+        unit => format!("{label} ({unit})"),
     }
 }
 

@@ -89,6 +89,16 @@ impl Quantity {
         (Self::Unknowns, "unknowns", "1"),
         (Self::WallTime, "wall_time", "s"),
     ];
+
+    /// That of a dataset of `/members`, with its unit.
+    pub fn named(name: &str) -> Option<(Self, &'static str)> {
+        Self::ALL.into_iter().find(|(_, of, _)| *of == name).map(|(quantity, _, units)| (quantity, units))
+    }
+
+    /// The names of all datasets.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        Self::ALL.into_iter().map(|(_, name, _)| name)
+    }
 }
 
 /// One member.
