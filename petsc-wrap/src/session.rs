@@ -4,8 +4,9 @@ use std::cell::{Cell, OnceCell};
 use std::ffi::{CString, c_char, c_int};
 use std::rc::Rc;
 
+use mpi::collective::SystemOperation;
 use mpi::environment::Universe;
-use mpi::traits::Communicator;
+use mpi::traits::{Communicator, CommunicatorCollectives, Root};
 use petsc_sys as sys;
 
 use crate::comm::Comm;
@@ -50,7 +51,10 @@ impl Session {
         let is_alone = universe.world().size() == 1;
         let session = Self(Rc::new(Inner { finalized: Cell::new(false), universe, petsc: OnceCell::new() }));
         let waits = is_alone && options.is_empty() && std::env::var_os(OPTIONS).is_none_or(|text| text.is_empty());
-        Some(if waits { Ok(session) } else { session.start_petsc(options).map(|()| session) })
+        if waits {
+            return Some(Ok(session));
+        }
+        Some(session.load_together().and_then(|()| session.start_petsc(options)).map(|()| session))
     }
 
     /// Loads and initialises PETSc where this has not been done, as the first object would.
@@ -64,6 +68,30 @@ impl Session {
     /// Whether PETSc is initialised.
     pub(crate) fn has_petsc(&self) -> bool {
         self.0.petsc.get().is_some()
+    }
+
+    /// Loads PETSc on all ranks: where one cannot, none goes on to start it, which is collective, and all have the error of the first that
+    /// could not. Collective.
+    fn load_together(&self) -> Result<()> {
+        let world = self.0.universe.world();
+        let why = sys::load().err();
+        let failing = if why.is_some() { world.rank() } else { world.size() };
+        let mut first = failing;
+        world.all_reduce_into(&failing, &mut first, SystemOperation::min());
+        if first == world.size() {
+            return Ok(());
+        }
+        let mut text = why.unwrap_or_default().into_bytes();
+        let mut length = text.len();
+        let from = world.process_at_rank(first);
+        from.broadcast_into(&mut length);
+        text.resize(length, 0);
+        from.broadcast_into(&mut text);
+        let mut text = String::from_utf8_lossy(&text).into_owned();
+        if world.size() > 1 {
+            text += &format!(" (rank {first} of {})", world.size());
+        }
+        Err(Error::NotLoaded(text))
     }
 
     fn start_petsc(&self, options: &[String]) -> Result<()> {

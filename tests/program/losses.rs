@@ -24,6 +24,7 @@ pub const TESTS: &[PlainTest] = tests![
     a_scene_that_cannot_be_read_is_an_error_of_input,
     a_name_that_is_no_text_is_told_at_once,
     what_cannot_be_said_is_an_error_of_output,
+    a_rank_without_petsc_ends_all,
 ];
 
 /// Runs a line of bash in a folder, in which `ricochet` is the program.
@@ -193,4 +194,33 @@ fn what_cannot_be_said_is_an_error_of_output() {
     let outcome = bash(folder.path(), "set -o pipefail; ricochet info out.h5 | head -n 1");
     assert_eq!(outcome.status, Some(0), "{outcome:#?}");
     assert_eq!(words(&outcome.stdout).next(), Some("title"));
+}
+
+/// A library that PETSc needs is spoilt on one rank of two: one message with the cause and the rank, and no rank waits for the other.
+fn a_rank_without_petsc_ends_all() {
+    let folder = folder(BOX);
+    let find = "LD_DEBUG=files ricochet check scene.toml 2>&1 | sed -n 's/.*file=\\(lib[^ ]*\\) \\[0\\]; *needed by [^ ]*libpetsc.*/\\1/p' | head -1";
+    let library = bash(folder.path(), find).stdout;
+    let library = library.trim();
+    assert!(!library.is_empty());
+    fs::create_dir(folder.path().join("spoilt")).unwrap();
+    fs::write(folder.path().join("spoilt").join(library), "no library").unwrap();
+    let (sound, program) = ("run scene.toml -o out.h5", env!("CARGO_BIN_EXE_ricochet"));
+    for spoilt_rank in [0, 1] {
+        let mut command = mpi_test::mpirun(1);
+        for rank in [0, 1] {
+            if rank == 1 {
+                command.args([":", "-n", "1"]);
+            }
+            if rank == spoilt_rank {
+                command.args(["env", "LD_LIBRARY_PATH=spoilt"]);
+            }
+            command.arg(program).args(words(sound));
+        }
+        let outcome = run(command.current_dir(folder.path()));
+        assert_ne!(outcome.status, Some(0), "{outcome:?}");
+        assert_eq!(outcome.stderr.matches("PETSc cannot be loaded").count(), 1, "{outcome:?}");
+        assert!(outcome.stderr.contains(&format!("(rank {spoilt_rank} of 2)")), "{outcome:?}");
+        assert!(!folder.path().join("out.h5").exists());
+    }
 }

@@ -18,17 +18,22 @@ unsafe impl Sync for Loaded {}
 
 static LOADED: OnceLock<Result<Loaded, String>> = OnceLock::new();
 
-/// Loads PETSc, where nobody has done so: from where it was when this was built, or else from where the loader finds one of that name.
+/// Loads PETSc, where nobody has done so: from where it was when this was built; or, if it has gone from there, from where the loader finds
+/// one of that name, which has the version in it.
 ///
 /// # Errors
 /// The loader's.
 pub fn load() -> Result<&'static Library, String> {
     let loaded = LOADED.get_or_init(|| {
-        let name = Path::new(FILE).file_name().expect("the name of a file");
-        // SAFETY: PETSc's library and those that it needs may be loaded at any time: what they do on the way is to set up themselves.
-        unsafe { Library::new(FILE).or_else(|_| Library::new(name)) }
-            .map(Loaded)
-            .map_err(|error| format!("PETSc cannot be loaded: {error}"))
+        let built_with = Path::new(FILE);
+        let has_gone = !built_with.exists();
+        let file = if has_gone { Path::new(built_with.file_name().expect("the name of a file")) } else { built_with };
+        // SAFETY: the library that the bindings were made for, or one of the same name and version, as the linker would take; it and those
+        // that it needs may be loaded at any time: what they do on the way is to set up themselves.
+        unsafe { Library::new(file) }.map(Loaded).map_err(|error| {
+            let gone = if has_gone { format!(" (it has gone from {FILE})") } else { String::new() };
+            format!("PETSc cannot be loaded: {error}{gone}")
+        })
     });
     loaded.as_ref().map(|loaded| &loaded.0).map_err(Clone::clone)
 }
