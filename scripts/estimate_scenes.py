@@ -37,6 +37,12 @@ class Scene:
             f"[time]\nend = {end}\n[output]\nstress = true\n{support}"
         )
 
+    def disc(self):
+        """Radius of the disc on which a spline solid spreads the force, m."""
+        thickness = self.size[2]
+        room = min(0.5 * edge - abs(at) for edge, at in zip(self.size, self.point))
+        return 2 * thickness if room >= 2 * thickness else min(thickness, room)
+
     def plate(self):
         """Plate and edges in words."""
         edge = {"held": "held across"}.get(self.edge, self.edge if isinstance(self.edge, str) else f"k = {self.edge:.0e}")

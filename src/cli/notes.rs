@@ -321,7 +321,7 @@ fn unused(scene: &Scene) -> Option<&'static str> {
         (Geometry::Box { is_given: true, .. }, _) => {
             Some("what is given of cells (body.cells, body.grading or body.order)")
         }
-        (_, Contact::Patch { radius: Some(_) }) => Some("contact.patch_radius"),
+        (_, Contact::Patch { radius: Some(_), .. }) => Some("contact.patch_radius"),
         _ => None,
     }
 }

@@ -65,7 +65,7 @@ pub(super) fn climb(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Mod
         Ok(()) if matches!(scene.body.geometry, Geometry::Box { is_given: true, .. }) => {
             passed.push("cells or their order are given, which are the solid's".to_owned());
         }
-        Ok(()) if matches!(scene.contact, Contact::Patch { radius: Some(_) }) => {
+        Ok(()) if matches!(scene.contact, Contact::Patch { radius: Some(_), .. }) => {
             passed.push("a patch is given, which is the solid's".to_owned());
         }
         Ok(()) => match if is_layered { layered } else { plate }(comm, scene, &mut passed, watch) {
@@ -91,7 +91,7 @@ fn is_held_away(support: &Support) -> bool {
 /// dent that differs by about F/(E h): exact is 0.84 to 1.1 of that, and half of it is seen in the force.
 fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Model, String)>> {
     let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return Ok(None) };
-    let is_patch_given = matches!(scene.contact, Contact::Patch { radius: Some(_) });
+    let is_patch_given = matches!(scene.contact, Contact::Patch { radius: Some(_), .. });
     if !scene.time.modal || is_patch_given || admits(scene, Theory::InfinitePlate).is_err() {
         return Ok(None);
     }

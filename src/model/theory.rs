@@ -43,6 +43,8 @@ pub struct Operators {
     pub words: String,
     /// Cells along the axes, where these are of splines and the program chooses them; one across a plate.
     pub cells: Option<[usize; 3]>,
+    /// Of Mindlin's plate, the longest cell at the hit over the radius of the disc that is pressed ([`Plate::cell_over_disc`]).
+    pub cell_over_disc: Option<f64>,
     /// What reads the body at its points, where the scene wants that; of a distributed mesh rank 0 has it.
     pub evaluator: Option<Evaluator>,
     /// Measures of a mesh from a file.
@@ -118,7 +120,14 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
             drop(mesh);
             comm.collect_garbage()?;
             let evaluator = whole.map(|whole| Evaluator::of_mesh(scene, whole, patch.as_ref()));
-            Built::Operators(Operators { body: Box::new(body), words, cells: None, evaluator, measures })
+            Built::Operators(Operators {
+                body: Box::new(body),
+                words,
+                cells: None,
+                cell_over_disc: None,
+                evaluator,
+                measures,
+            })
         }
     };
     match built {
@@ -176,9 +185,15 @@ fn is_of_splines(scene: &Scene) -> bool {
 fn of_plate(comm: &Comm, scene: &Scene, theory: PlateTheory, size: f64) -> Result<Built> {
     let mut settings = plate::Settings::new(scene.tolerance, theory);
     settings.cell_size_factor *= size;
-    let Plate { system, cells: [x, y], points, .. } = Plate::new(scene, theory, &settings)?;
+    if let Contact::Patch { disc: Some(disc), .. } = scene.contact {
+        settings.disc_radius = Some(disc);
+    }
+    let plate = Plate::new(scene, theory, &settings)?;
+    let cell_over_disc = plate.cell_over_disc();
+    let Plate { system, cells: [x, y], points, .. } = plate;
     let words = format!("{x} × {y} cells of splines");
-    Ok(Built::Operators(of_grid(comm, scene, (system, points), [x, y, 1], words)?))
+    let operators = of_grid(comm, scene, (system, points), [x, y, 1], words)?;
+    Ok(Built::Operators(Operators { cell_over_disc, ..operators }))
 }
 
 /// Every rank has all of it.
@@ -195,5 +210,5 @@ fn of_grid(
         (system.hit_stress, system.hit_local) = read;
     }
     let body = Box::new(Body::of(&comm.session().alone(), &system)?);
-    Ok(Operators { body, words, cells: Some(cells), evaluator, measures: None })
+    Ok(Operators { body, words, cells: Some(cells), cell_over_disc: None, evaluator, measures: None })
 }

@@ -211,6 +211,8 @@ pub enum Contact {
     Patch {
         /// r_p, m; chosen on the mesh where it is left out.
         radius: Option<f64>,
+        /// Radius of the wider disc on which plates and spline solids carry it, m; by their rule where it is left out.
+        disc: Option<f64>,
     },
     /// A force at one point, the paper's.
     Point,

@@ -236,6 +236,8 @@ pub(super) struct Contact {
     pub localization: Option<String>,
     /// Radius of the patch, m; by default chosen.
     pub patch_radius: Option<Number>,
+    /// Radius of the disc on which plates and spline solids spread the force, m; by default about two thicknesses.
+    pub disc_radius: Option<Number>,
     /// "hertz" (default), "power" or "table".
     #[schemars(extend("enum" = LAWS))]
     pub law: Option<String>,

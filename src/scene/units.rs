@@ -42,7 +42,8 @@ pub fn unit(path: &str) -> &'static str {
         | "impactor.gap"
         | "impactor.drop_height"
         | "output.probes.point"
-        | "contact.patch_radius" => "m",
+        | "contact.patch_radius"
+        | "contact.disc_radius" => "m",
         "support.stiffness" | "load.body_force" => "N/m3",
         "support.damping" => "N s/m3",
         "impactor.mass" => "kg",

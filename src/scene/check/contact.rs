@@ -24,19 +24,21 @@ const LARGEST_EXPONENT: f64 = 10.0;
 /// A radius that is no radius, or that a point has not.
 pub(super) fn localization(source: &Source, raw: &raw::Contact) -> Result<Contact, SceneError> {
     let kind = word(source, "contact.localization", &raw.localization, &raw::LOCALIZATIONS)?;
-    let path = "contact.patch_radius";
-    match (kind, raw.patch_radius) {
-        ("patch", None) => Ok(Contact::Patch { radius: None }),
-        ("patch", Some(Number(radius))) => {
-            let radius = source.positive(path, radius, "the radius of the patch in m; left out, it is chosen")?;
-            Ok(Contact::Patch { radius: Some(radius) })
-        }
-        (_, None) => Ok(Contact::Point),
-        (_, Some(_)) => {
-            let help = "take it out, or `localization = \"patch\"`".into();
-            Err(source.conflict(path, "contact.localization", "a point has no radius".into(), help))
-        }
+    let radii = [
+        ("contact.patch_radius", raw.patch_radius, "the radius of the patch in m; left out, it is chosen"),
+        ("contact.disc_radius", raw.disc_radius, "the radius of the disc in m; left out, it is chosen"),
+    ];
+    if kind != "patch" {
+        let Some((path, ..)) = radii.iter().find(|(_, radius, _)| radius.is_some()) else { return Ok(Contact::Point) };
+        let help = "take it out, or `localization = \"patch\"`".into();
+        return Err(source.conflict(path, "contact.localization", "a point has no radius".into(), help));
     }
+    let mut given = [None; 2];
+    for (given, (path, radius, help)) in given.iter_mut().zip(radii) {
+        *given = radius.map(|Number(radius)| source.positive(path, radius, help)).transpose()?;
+    }
+    let [radius, disc] = given;
+    Ok(Contact::Patch { radius, disc })
 }
 
 /// The law in terms of the indentation where it is not Hertz's; `None` where it is.

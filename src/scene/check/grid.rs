@@ -121,7 +121,7 @@ mod default {
     pub(super) fn planes(hit: Hit) -> [Vec<f64>; 3] {
         let Hit { size, composition, impactor, contact, order } = hit;
         let interfaces = composition.interfaces();
-        let Contact::Patch { radius } = contact else {
+        let Contact::Patch { radius, .. } = contact else {
             let mut planes = uniform(size);
             if !interfaces.is_empty() {
                 planes[2] = layers::uniform(&interfaces, hit.thickness());
@@ -220,18 +220,18 @@ mod tests {
     /// Of all sizes: at the point cells of half the radius, growing within bounds, the waves carried where the number allows.
     #[test]
     fn under_a_patch_the_cells_resolve_it() {
-        let chosen = Contact::Patch { radius: None };
+        let chosen = Contact::Patch { radius: None, disc: None };
         for (size, point, contact, order) in [
             ([1.5, 1.5, 0.1], [0.0, 0.0, 0.05], chosen, 2),
             ([1.5, 1.5, 0.1], [0.31, -0.62, 0.05], chosen, 2),
             ([1.5, 1.5, 0.04], [0.0, 0.0, 0.02], chosen, 1),
-            ([0.5, 0.5, 0.02], [0.0, 0.0, 0.01], Contact::Patch { radius: Some(0.02) }, 2),
+            ([0.5, 0.5, 0.02], [0.0, 0.0, 0.01], Contact::Patch { radius: Some(0.02), disc: None }, 2),
             ([0.15, 0.01, 0.01], [0.01, 0.0, 0.005], chosen, 2),
             ([1.0, 1.0, 1.0], [0.0, 0.0, 0.5], chosen, 2),
         ] {
             let planes = hit(size, point, contact, order);
             let patch = match contact {
-                Contact::Patch { radius: Some(radius) } => radius,
+                Contact::Patch { radius: Some(radius), .. } => radius,
                 _ => 0.25 * size[2],
             };
             let thinnest = size.into_iter().fold(f64::INFINITY, f64::min);
@@ -267,7 +267,7 @@ mod tests {
             [1.0, 1.0, 1e-9],
         ] {
             for radius in [None, Some(1e-300), Some(1e-6), Some(1e300)] {
-                let planes = hit(size, top(size), Contact::Patch { radius }, 2);
+                let planes = hit(size, top(size), Contact::Patch { radius, disc: None }, 2);
                 let cells = planes.each_ref().map(|planes| planes.len() - 1);
                 assert!(cells.iter().product::<usize>() <= 30_000, "{size:?}, {radius:?}: {cells:?}");
             }

@@ -13,7 +13,7 @@ mod tension_map;
 pub use faces::{Face, FaceGrid, FaceStresses, FaceTension};
 pub use grid::Grid;
 pub use map::Map;
-pub use near::{ContactNow, ContactSize, Hit, HitBody, LocalPoint, NearHit};
+pub use near::{ContactNow, ContactSize, ErrorOfMean, Hit, HitBody, LocalPoint, NearHit};
 pub use sampler::{FieldSampler, Fields};
 pub use search::{Searched, TensionSearch};
 pub use smoothed::Add;
@@ -172,6 +172,14 @@ impl Evaluator {
             (Kind::Grid(_), None) => return FaceStresses::default(),
         };
         FaceStresses { columns: Vec::new(), map, faces }
+    }
+
+    /// Estimated error of the tension under the hit by how it is read; none where it is not read near the hit.
+    pub fn error_of_mean(&self) -> ErrorOfMean {
+        match (&self.kind, &self.near) {
+            (Kind::Grid(_), Some(near)) => near.error_of_mean(),
+            _ => ErrorOfMean::default(),
+        }
     }
 
     /// The stresses σ_a, σ_b and σ_ab under the hit on the other face of a box, along its axes, as forms on all unknowns, and what they lack

@@ -43,7 +43,16 @@ impl Body {
     pub fn solid(scene: &Scene, mesh: &Mesh) -> Result<Self> {
         check_surfaces(scene, mesh)?;
         let localization = match scene.contact {
-            Contact::Patch { radius } => Localization::patch(mesh, scene, radius)?,
+            Contact::Patch { disc: Some(_), .. } => {
+                let message = "meshes carry the patch itself, on no wider disc".to_owned();
+                return Err(Fault::new(
+                    "contact.disc_radius",
+                    message,
+                    "take it out; `contact.patch_radius` is the patch",
+                )
+                .into());
+            }
+            Contact::Patch { radius, disc: None } => Localization::patch(mesh, scene, radius)?,
             Contact::Point => Localization::point(mesh, &scene.impactor)?,
         };
         let description = Description::new(scene);

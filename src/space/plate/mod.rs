@@ -46,6 +46,8 @@ pub struct Settings {
     pub shear_factor: Option<f64>,
     /// Radius of Mindlin's disc over the thickness, where it has room.
     pub disc: f64,
+    /// The same in m, in the place of that: what a scene gives.
+    pub disc_radius: Option<f64>,
     /// Whether the layers of the layerwise theory that bend do not shear, and have no local field under the impactor: as Kirchhoff's
     /// theory has one layer.
     pub is_thin: bool,
@@ -66,11 +68,16 @@ impl Settings {
         let cell_size_factor = if theory == PlateTheory::Kirchhoff { 1.4 * of_mindlin } else { of_mindlin };
         Self { cell_size_factor: cell_size_factor.clamp(0.3, 2.4), ..Self::default() }
     }
+
+    /// Radius of the disc over a thickness (m) where it has room.
+    pub(super) fn disc_over(&self, thickness: f64) -> f64 {
+        self.disc_radius.map_or(self.disc, |radius| radius / thickness)
+    }
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { cell_size_factor: 1.0, shear_factor: None, disc: 2.0, is_thin: false }
+        Self { cell_size_factor: 1.0, shear_factor: None, disc: 2.0, disc_radius: None, is_thin: false }
     }
 }
 
@@ -243,10 +250,25 @@ impl Plate {
     }
 }
 
+impl Plate {
+    /// The longest cell at the hit over the radius of Mindlin's disc; twice that where splines are smooth across the hit, which resolve it
+    /// half as well as those that end there.
+    pub fn cell_over_disc(&self) -> Option<f64> {
+        let (radius, geometry) = (self.local?.radius, &self.points.geometry);
+        let hit = geometry.hit_in_part();
+        let longest = |i: usize| {
+            let holds = |ends: &&[f64]| ends[0] <= hit[i] && hit[i] <= ends[1];
+            let cells = self.points.lines[geometry.axes[i]].windows(2).filter(holds).map(|ends| ends[1] - ends[0]);
+            cells.fold(0.0, f64::max) * if hit[i] == geometry.ends(i)[0] { 1.0 } else { 2.0 }
+        };
+        Some(longest(0).max(longest(1)) / radius)
+    }
+}
+
 impl Local {
     fn new(section: &Section, settings: &Settings, room: f64) -> Self {
         let h = section.thickness;
-        let disc = settings.disc.min(room / h);
+        let disc = settings.disc_over(h).min(room / h);
         let spread = Spread::new(0.0);
         let shear_factor = settings.shear_factor.unwrap_or(shear_factor(section.poisson));
         let layer = Layer { poisson: section.poisson, shear_factor, spread, disc };

@@ -46,7 +46,7 @@ impl PatchModel {
         let thickness = scene.body.struck_thickness(geometry.size[geometry.struck]);
         let room = geometry.plane().map(|axis| 0.5 * geometry.size[axis] - geometry.hit[axis].abs());
         let room = room[0].min(room[1]);
-        let key = if matches!(scene.contact, Contact::Patch { radius: Some(_) }) {
+        let key = if matches!(scene.contact, Contact::Patch { radius: Some(_), .. }) {
             "contact.patch_radius"
         } else {
             "impactor.point"
@@ -56,9 +56,9 @@ impl PatchModel {
         if room <= 1e-6 * thickness {
             return Err(fault("the edge of the surface leaves no room for a patch".into(), far).into());
         }
-        let given = match scene.contact {
-            Contact::Patch { radius } => radius,
-            Contact::Point => None,
+        let (given, given_disc) = match scene.contact {
+            Contact::Patch { radius, disc } => (radius, disc),
+            Contact::Point => (None, None),
         };
         let radius = given.unwrap_or(0.0);
         if radius > room * (1.0 + 1e-9) {
@@ -79,7 +79,8 @@ impl PatchModel {
         let mass = scene.body.mass().unwrap_or_default();
         // Discs on which the contact law has no stiffness left: on a half-space, and at least.
         let limits = |disc: f64| limits(&struck, impactor, mass, thickness, disc * compliance(disc));
-        let mut disc = (OF_THICKNESS[usize::from(!is_plate)] * thickness).min(room).max(radius);
+        let by_rule = OF_THICKNESS[usize::from(!is_plate)] * thickness;
+        let mut disc = given_disc.unwrap_or(by_rule).min(room).max(radius);
         for _ in 0..20 {
             disc = disc.max(MARGIN * limits(disc).0).min(room.max(radius));
         }

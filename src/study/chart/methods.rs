@@ -79,7 +79,7 @@ impl Ladder {
     pub fn new(scene: &Scene) -> Self {
         let impactor = &scene.impactor;
         let thickness = match (&scene.body.geometry, scene.struck_axis(), scene.contact) {
-            (Geometry::Box { size, .. }, Some(axis), Contact::Patch { radius: None }) => Some(size[axis]),
+            (Geometry::Box { size, .. }, Some(axis), Contact::Patch { radius: None, .. }) => Some(size[axis]),
             _ => None,
         };
         Self {

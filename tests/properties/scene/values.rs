@@ -23,7 +23,7 @@ fn defaults_are_those_of_the_reference() -> Result<()> {
     assert_eq!((scene.body.model, scene.body.reduction), (Model::Auto, Reduction::Auto));
     assert_eq!(scene.body.order, 2);
     assert_eq!(scene.body.symmetry, Symmetry::Quarter { axes: [0, 1] });
-    assert_eq!(scene.contact, Contact::Patch { radius: None });
+    assert_eq!(scene.contact, Contact::Patch { radius: None, disc: None });
     assert_eq!(scene.tolerance, 1e-2);
     assert_eq!(scene.solver, Solver { newton: Newton::Condensed, energy_gate: None });
     assert_eq!(scene.impactor.point, [0.0, 0.0, 0.05]);

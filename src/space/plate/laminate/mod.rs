@@ -219,7 +219,7 @@ impl Laminate {
 /// there is room.
 fn disc(thicknesses: &[f64], geometry: &PlateGeometry, settings: &Settings) -> f64 {
     let layer = thicknesses[0].max(LEAST_LAYER * geometry.thickness);
-    (settings.disc * layer).min(geometry.room())
+    (settings.disc_over(layer) * layer).min(geometry.room())
 }
 
 /// The thickness (m) by which the room about the hit is judged: a layer's that is hit.
