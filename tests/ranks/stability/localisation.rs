@@ -77,6 +77,12 @@ fn patch_below_the_contact(session: &Session) {
     assert!(matches!(&error, Error::Fault(fault) if fault.key == "contact.patch_radius"), "{error}");
     println!("patch of {:.2} mm: {error}", 300.0 * limit);
 
+    // A mesh has no wider disc.
+    let text = held(0.02).replace("patch_radius", "disc_radius");
+    let (scene, _) = Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}"));
+    let Err(error) = Body::solid(&scene, &Mesh::new(&world, &scene.body).unwrap()) else { panic!("a disc on a mesh") };
+    assert!(matches!(&error, Error::Fault(fault) if fault.key == "contact.disc_radius"), "{error}");
+
     let (_, mut impact) = start(&world, &held(0.7 * limit));
     let mut last = None;
     let error = impact
