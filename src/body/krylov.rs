@@ -20,7 +20,7 @@ use nalgebra::{DMatrix, DVector};
 use petsc_wrap::{Ksp, Matrix, Vector};
 
 use super::direct::Direct;
-use super::gram::{forms_on, gram};
+use super::gram::{forms, forms_on};
 use super::lanczos::{self, Lanczos};
 use super::{Body, ProjectedRelaxation, Projection, Start};
 use crate::error::Result;
@@ -292,13 +292,11 @@ impl Krylov {
 
     /// Projects the operators onto the vectors that are new since the last time.
     fn project(&mut self, body: &Body) -> Result<()> {
-        /// Columns that are multiplied at a time.
-        const BLOCK: usize = 32;
         enum Operator<'a> {
             Elastic,
             Of(&'a Matrix),
         }
-        let Self { basis, projected, distortions, has_translation, lanczos, .. } = self;
+        let Self { solver, basis, projected, distortions, has_translation, lanczos, .. } = self;
         if let Some(lanczos) = lanczos {
             *projected = lanczos.project(body, projected)?;
             let [elastic, ..] = projected;
@@ -316,24 +314,20 @@ impl Krylov {
             let first = known.nrows();
             *known = std::mem::replace(known, DMatrix::zeros(0, 0)).resize(count, count, 0.0);
             let Some(operator) = operator else { continue };
-            for begin in (first..count).step_by(BLOCK) {
-                let end = count.min(begin + BLOCK);
-                let mut images = Vec::with_capacity(BLOCK);
-                for vector in &basis[begin..end] {
-                    let mut image = vector.duplicate()?;
-                    match operator {
-                        Operator::Of(matrix) => matrix.mult(vector, &mut image)?,
-                        Operator::Elastic => body.apply_elastic(vector, &mut image)?,
-                    }
-                    images.push(image);
-                }
-                let products = gram(body.comm(), &basis[..end], &images)?;
-                for (j, column) in (begin..end).zip(products.column_iter()) {
-                    // The lower triangle is that of the later vectors.
-                    for i in 0..=j {
-                        known[(i, j)] = column[i];
-                        known[(j, i)] = column[i];
-                    }
+            let at_once = match (&operator, &*solver) {
+                (Operator::Elastic, Solver::Small(factor)) => factor.elastic_forms(basis, first)?,
+                _ => None,
+            };
+            let apply = |vector: &Vector, image: &mut Vector| match operator {
+                Operator::Of(matrix) => Ok(matrix.mult(vector, image)?),
+                Operator::Elastic => body.apply_elastic(vector, image),
+            };
+            let columns = at_once.map_or_else(|| forms(body.comm(), basis, first, apply), Ok)?;
+            for (j, column) in (first..count).zip(columns.column_iter()) {
+                // The lower triangle is that of the later vectors.
+                for i in 0..=j {
+                    known[(i, j)] = column[i];
+                    known[(j, i)] = column[i];
                 }
             }
             if *has_translation && count > 0 {

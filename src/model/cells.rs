@@ -6,8 +6,8 @@
 use petsc_wrap::Comm;
 
 use super::mindlin_error::is_clamp_of_sections;
-use super::reduce::{Plan, Reduced, grow, reduce, shared_force};
-use super::theory::{Built, Operators, build};
+use super::reduce::{Plan, Reduced, grow, reduce_from, shared_force};
+use super::theory::{Built, Operators, build, cells_of_plate};
 use super::watch::{Stage, Watch};
 use crate::body::{DirectSum, ModalBody};
 use crate::error::{Error, Result};
@@ -153,7 +153,7 @@ pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators, watch: &
 /// # Errors
 /// Those of [`reduce`].
 pub fn unrefined(comm: &Comm, scene: &Scene, built: Operators, watch: &dyn Watch) -> Result<Fitted> {
-    fitted(comm, scene, built, 1.0, watch)
+    fitted(comm, scene, built, (1.0, None), watch)
 }
 
 /// Reduces a body of splines, in modal coordinates, on finer cells where its own leave too much. Collective.
@@ -189,6 +189,10 @@ pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch
             }
         }
         let mut size = finer * fine.size;
+        // Cells are whole numbers: sizes that give the same ones are passed over.
+        while size >= FINEST && cells_of_plate(scene, theory, size) == Some(cells) {
+            size *= FINER[1];
+        }
         let built = loop {
             let built = match build(comm, scene, theory, size, watch) {
                 Ok(Built::Operators(built)) => built,
@@ -204,13 +208,21 @@ pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch
         let force = watch.shared(fine.on_short_basis(scene))?;
         coarse = Some(Judge { force, cells, cell_over_disc: fine.cell_over_disc });
         cells = built.cells.unwrap_or(cells);
-        fine = fitted(comm, scene, built, size, watch)?;
+        let vectors = fine.reduced.counts();
+        fine = fitted(comm, scene, built, (size, Some(vectors)), watch)?;
     }
 }
 
-fn fitted(comm: &Comm, scene: &Scene, built: Operators, size: f64, watch: &dyn Watch) -> Result<Fitted> {
+/// The body on a basis; `size` is that of its cells, with what numbers of vectors served on others.
+fn fitted(
+    comm: &Comm,
+    scene: &Scene,
+    built: Operators,
+    (size, vectors): (f64, Option<[usize; 2]>),
+    watch: &dyn Watch,
+) -> Result<Fitted> {
     let Operators { body, words, evaluator, cells, cell_over_disc, measures } = built;
-    let (reduced, unknowns) = (reduce(&body, scene, watch)?, body.unknowns());
+    let (reduced, unknowns) = (reduce_from(&body, scene, vectors, watch)?, body.unknowns());
     let fitted = Fitted { reduced, unknowns, cells, cell_over_disc, words, size, error: None, evaluator, measures };
     drop(body);
     comm.collect_garbage()?;

@@ -72,6 +72,12 @@ pub struct Reduced {
 }
 
 impl Reduced {
+    /// Vectors of the smaller and of the larger basis.
+    pub fn counts(&self) -> [usize; 2] {
+        let (one, other) = (self.projection.vectors(), self.judge.vectors());
+        [one.min(other), one.max(other)]
+    }
+
     /// The body on the larger basis.
     pub fn larger(&self) -> &Projection {
         [&self.projection, &self.judge].into_iter().max_by_key(|projection| projection.vectors()).unwrap_or(&self.judge)
@@ -84,6 +90,20 @@ impl Reduced {
 /// # Errors
 /// [`crate::Error::Solve`] where the impact is not solved on any basis; PETSc's.
 pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> {
+    reduce_from(body, scene, None, watch)
+}
+
+/// [`reduce`], where a basis that grows begins with numbers of vectors that served for a like body: of the smaller and the larger one.
+/// Collective.
+///
+/// # Errors
+/// As [`reduce`].
+pub(super) fn reduce_from(
+    body: &Body,
+    scene: &Scene,
+    served: Option<[usize; 2]>,
+    watch: &dyn Watch,
+) -> Result<Reduced> {
     watch.at(Stage::Factor)?;
     let Plan { start, first } = Plan::new(body, scene);
     let mut krylov = DirectSum::new(body, start)?;
@@ -92,6 +112,9 @@ pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> 
         _ => None,
     };
     // A given number, then half as many more; else in steps of √1.5, each basis judged by the one before the last.
+    let served = served.filter(|_| given.is_none());
+    let first = served.map_or(first, |[smaller, _]| smaller);
+    let second = served.map_or(larger(first), |[_, more]| more.max(larger(first)));
     let mut count = given.unwrap_or(first);
     // The bases so far, their force, and the steps that all are compared in.
     let mut tried: Vec<(usize, Trace)> = Vec::new();
@@ -145,7 +168,8 @@ pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> 
             Err(_) => {}
         }
         count = match last {
-            _ if given.is_some() || tried.len() < 2 && count <= first => larger(count),
+            _ if given.is_some() => larger(count),
+            _ if tried.len() < 2 && count <= first => second,
             // A long basis is dear: it grows by as much as its error asks for, which falls with the square of the number.
             Some(Judged { error, wanted, .. }) if count >= LONG => {
                 let order = if start.leaves_short_waves { ORDER } else { 2.0 };

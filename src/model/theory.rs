@@ -183,17 +183,33 @@ fn is_of_splines(scene: &Scene) -> bool {
 }
 
 fn of_plate(comm: &Comm, scene: &Scene, theory: PlateTheory, size: f64) -> Result<Built> {
-    let mut settings = plate::Settings::new(scene.tolerance, theory);
-    settings.cell_size_factor *= size;
-    if let Contact::Patch { disc: Some(disc), .. } = scene.contact {
-        settings.disc_radius = Some(disc);
-    }
-    let plate = Plate::new(scene, theory, &settings)?;
+    let plate = Plate::new(scene, theory, &plate_settings(scene, theory, size))?;
     let cell_over_disc = plate.cell_over_disc();
     let Plate { system, cells: [x, y], points, .. } = plate;
     let words = format!("{x} × {y} cells of splines");
     let operators = of_grid(comm, scene, (system, points), [x, y, 1], words)?;
     Ok(Built::Operators(Operators { cell_over_disc, ..operators }))
+}
+
+fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> plate::Settings {
+    let mut settings = plate::Settings::new(scene.tolerance, theory);
+    settings.cell_size_factor *= size;
+    if let Contact::Patch { disc: Some(disc), .. } = scene.contact {
+        settings.disc_radius = Some(disc);
+    }
+    settings
+}
+
+/// The cells that [`build`] would give a plate, as [`Operators::cells`]; `None` of other theories, and where it would refuse.
+pub(super) fn cells_of_plate(scene: &Scene, theory: Model, size: f64) -> Option<[usize; 3]> {
+    let theory = match theory {
+        Model::Kirchhoff => PlateTheory::Kirchhoff,
+        Model::Mindlin => PlateTheory::Mindlin,
+        Model::Layerwise => layerwise(scene),
+        Model::Auto | Model::Solid | Model::HalfSpace | Model::InfinitePlate => return None,
+    };
+    let [x, y] = Plate::cells(scene, theory, &plate_settings(scene, theory, size)).ok()?;
+    Some([x, y, 1])
 }
 
 /// Every rank has all of it.

@@ -22,6 +22,9 @@ pub fn classes(has_plane: [bool; 2], is_shared: [bool; 2]) -> Vec<ParityClass> {
 
 /// A matrix as often as there are classes, along the diagonal.
 pub fn repeated(matrix: &CsrMatrix<f64>, times: usize) -> CsrMatrix<f64> {
+    if times == 1 {
+        return matrix.clone();
+    }
     let (size, entries) = (matrix.nrows(), matrix.nnz());
     let of_class = |class: usize| matrix.row_offsets()[1..].iter().map(move |end| class * entries + end);
     let offsets = std::iter::once(0).chain((0..times).flat_map(of_class)).collect();

@@ -83,7 +83,7 @@ pub enum Sections {
 }
 
 /// Thicknesses outside of the body's disc up to which waves are summed.
-pub(super) const REACH: f64 = 4.0;
+const REACH: f64 = 4.0;
 
 /// Depth over the loaded layer's thickness down to which the half-space's part is taken out.
 pub(super) const SHALLOW: f64 = 0.9;
@@ -91,9 +91,16 @@ pub(super) const SHALLOW: f64 = 0.9;
 /// Exponents in e^{−ξz} from which on nothing is left: 1e-7 of a stress of 1/z².
 pub(super) const END: f64 = 22.0;
 
-/// Points of Gauss's rule on one panel, and the angle by which J₀ turns on it at the largest radius: 1e-10.
-const POINTS: usize = 16;
-const PANEL: f64 = 20.0;
+/// Points of Gauss's rule on one panel, and the angle by which its waves turn at most: (e·PANEL/8·POINTS)^{2·POINTS}, 1e-12. Long panels
+/// take the fewest points for an angle.
+const POINTS: usize = 32;
+const PANEL: f64 = 60.0;
+
+/// Points of it where nothing turns.
+const FEW_POINTS: usize = 16;
+
+/// Most terms of Chebyshev's series.
+const MOST_TERMS: usize = 24;
 
 /// One wavenumber of the quadrature.
 #[derive(Debug, Clone)]
@@ -123,6 +130,8 @@ pub struct LocalField {
     pub(super) nodes: Vec<Node>,
     /// Gauss's, on \[−1, 1\].
     pub(super) rule: Vec<(f64, f64)>,
+    /// Outside of the body's disc, m.
+    reach: f64,
 }
 
 impl Carrier {
@@ -152,16 +161,31 @@ impl Carrier {
 impl LocalField {
     /// Prepares the field for contact radii up to a positive largest one, m.
     pub fn new(stack: Stack, carrier: Carrier, largest: f64) -> Self {
-        let (height, first) = (stack.thickness(), stack.layers()[0].thickness);
+        Self::within(REACH * stack.thickness(), stack, carrier, largest)
+    }
+
+    /// The same where no point is farther from the line of the force than a radius, m.
+    pub fn within(reach: f64, stack: Stack, carrier: Carrier, largest: f64) -> Self {
         // The rest has its singularities at r_c² = −z² and beyond: Bernstein's ellipse, for 1e-9.
-        let centre = 1.0 + 2.0 * (SHALLOW * first / largest).powi(2);
+        let centre = 1.0 + 2.0 * (SHALLOW * stack.layers()[0].thickness / largest).powi(2);
         let decay = (centre + (centre * centre - 1.0).sqrt()).ln();
-        let terms = ((20.7 / decay).ceil() + 1.0).clamp(4.0, 24.0) as usize;
-        let (rule, chebyshev) = (gauss_legendre(POINTS), Chebyshev::new(terms));
+        let terms = ((20.7 / decay).ceil() + 1.0).clamp(4.0, MOST_TERMS as f64) as usize;
+        Self::with_contacts(reach, stack, carrier, (largest, Chebyshev::new(terms)))
+    }
+
+    /// The same on the line of the force, at one contact radius alone, m.
+    pub fn on_axis(stack: Stack, carrier: Carrier, contact_radius: f64) -> Self {
+        Self::with_contacts(0.0, stack, carrier, (contact_radius.max(f64::MIN_POSITIVE), Chebyshev::at_end()))
+    }
+
+    fn with_contacts(reach: f64, stack: Stack, carrier: Carrier, (largest, chebyshev): (f64, Chebyshev)) -> Self {
+        let height = stack.thickness();
+        let (rule, few) = (gauss_legendre(POINTS), gauss_legendre(FEW_POINTS));
+        let (fine, panels) = panels(&stack, reach + carrier.reach() + largest);
         let mut nodes = Vec::new();
-        for ends in panels(&stack, carrier.reach()).windows(2) {
+        for (number, ends) in panels.windows(2).enumerate() {
             let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
-            nodes.extend(rule.iter().map(|(at, weight)| {
+            nodes.extend(if number < fine { &few } else { &rule }.iter().map(|(at, weight)| {
                 let wavenumber = middle + half * at;
                 Node {
                     wavenumber,
@@ -183,7 +207,7 @@ impl LocalField {
             }));
         }
         let section = Section::new(&stack);
-        Self { stack, section, carrier, largest, nodes, rule }
+        Self { stack, section, carrier, largest, nodes, rule: few, reach }
     }
 
     /// The radius (m) beyond which the field is taken as σ_rr = −σ_θθ ∝ r⁻²: the stretch by the mean of σ_zz, and the warping that goes with
@@ -191,7 +215,7 @@ impl LocalField {
     ///
     /// On one layer under a plate theory it is there 0.3% of the largest tension on the lower face, and the rest of the field 1e-4.
     pub fn reach(&self) -> f64 {
-        REACH * self.stack.thickness() + self.carrier.reach()
+        self.reach + self.carrier.reach()
     }
 
     /// The field at a radius from the line of the force and a depth below the loaded face, m, between the faces.
@@ -205,16 +229,20 @@ impl LocalField {
     }
 }
 
-/// The ends of the panels, 1/m: finer towards 0, where the layers of a stack with a soft one begin to slide.
-fn panels(stack: &Stack, disc: f64) -> Vec<f64> {
+/// The ends of the panels, 1/m, for waves that turn by no more than over a length, m: finer towards 0, where the layers of a stack with a
+/// soft one begin to slide; with the number of these.
+fn panels(stack: &Stack, length: f64) -> (usize, Vec<f64>) {
     let moduli = stack.layers().iter().map(|layer| layer.young);
     let (least, most) = moduli.fold((f64::INFINITY, 0.0_f64), |(least, most), e| (least.min(e), most.max(e)));
-    let quarterings = (most / least).log(16.0).ceil() as i32;
+    // (Panels are wide: one more where there is any.)
+    let quarterings = (1.0 + (most / least).log(16.0)).ceil() as i32;
+    let quarterings = if quarterings > 1 { quarterings } else { 0 };
     let end = END / (SHALLOW * stack.layers()[0].thickness);
-    let count = (end * (REACH * stack.thickness() + disc) / PANEL).ceil().max(1.0);
+    let count = (end * length / PANEL).ceil().max(1.0);
     let width = end / count;
     let fine = (1..=quarterings).rev().map(|i| width * 0.25_f64.powi(i));
-    std::iter::once(0.0).chain(fine).chain((1..=count as usize).map(|i| width * i as f64)).collect()
+    let ends = std::iter::once(0.0).chain(fine).chain((1..=count as usize).map(|i| width * i as f64)).collect();
+    (quarterings as usize, ends)
 }
 
 /// What makes coefficients of Chebyshev's polynomials of 2q − 1 for functions of q in [0, 1], by interpolation at their roots.
@@ -237,9 +265,15 @@ impl Chebyshev {
         }
     }
 
+    /// The value at q = 1 alone, as a constant.
+    fn at_end() -> Self {
+        Self { roots: vec![1.0], weights: vec![vec![1.0]] }
+    }
+
     fn coefficients(&self, f: impl Fn(f64) -> f64) -> Vec<f64> {
-        let values: Vec<f64> = self.roots.iter().map(|q| f(*q)).collect();
-        let coefficient = |weights: &Vec<f64>| weights.iter().zip(&values).map(|(weight, value)| weight * value).sum();
+        let mut values = [0.0; MOST_TERMS];
+        values.iter_mut().zip(&self.roots).for_each(|(value, q)| *value = f(*q));
+        let coefficient = |weights: &Vec<f64>| weights.iter().zip(values).map(|(weight, value)| weight * value).sum();
         self.weights.iter().map(coefficient).collect()
     }
 }

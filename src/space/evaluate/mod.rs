@@ -20,6 +20,7 @@ pub use smoothed::Add;
 pub use stress_map::StressMap;
 pub use tension_map::TensionMap;
 
+use std::cell::OnceCell;
 use std::rc::Rc;
 
 use crate::contact::Patch;
@@ -95,6 +96,8 @@ pub struct Evaluator {
     near: Option<Box<NearHit>>,
     /// Axes across planes of symmetry beyond which there are images.
     mirrors: Vec<usize>,
+    /// The mean stresses under the hit on the other face, which the error of stresses and the search for the largest tension want.
+    under_hit: OnceCell<[Form; 6]>,
 }
 
 enum Kind {
@@ -110,13 +113,18 @@ impl Evaluator {
         // Images and all, so that patches on a plane of symmetry are whole.
         let mesh = mirrors(scene).into_iter().fold(mesh, Whole::with_image);
         let near = patch.and_then(|patch| NearHit::of_patch_on_mesh(scene, patch.radius)).map(Box::new);
-        Self { kind: Kind::Nodes(Rc::new(Nodes::new(mesh, &parts))), near, mirrors: Vec::new() }
+        Self {
+            kind: Kind::Nodes(Rc::new(Nodes::new(mesh, &parts))),
+            near,
+            mirrors: Vec::new(),
+            under_hit: OnceCell::new(),
+        }
     }
 
     /// Of splines or a plate.
     pub fn of_grid(scene: &Scene, points: impl PointEvaluator + 'static) -> Self {
         let near = points.hit().and_then(|hit| NearHit::new(scene, hit)).map(Box::new);
-        Self { kind: Kind::Grid(Box::new(points)), near, mirrors: mirrors(scene) }
+        Self { kind: Kind::Grid(Box::new(points)), near, mirrors: mirrors(scene), under_hit: OnceCell::new() }
     }
 
     /// What reads the largest tension on each face, in the body's unknowns or on a basis: vector by vector the values of all unknowns.
@@ -186,13 +194,12 @@ impl Evaluator {
     /// for 1 N: by them the error of stresses is estimated. `None` where they are not read so.
     pub fn hit_stress(&self, scene: &Scene) -> Option<(Vec<Vec<f64>>, [f64; 3])> {
         let (Kind::Grid(points), Some(near)) = (&self.kind, &self.near) else { return None };
-        let mut x = scene.impactor.point;
-        x[near.struck] = -x[near.struck];
+        let x = near.under_hit();
         if !self.is_smoothed(points.as_ref(), x) {
             return None;
         }
         let radius = ContactSize::new(scene).radius(scene.impactor.peak_indentation());
-        let local = near.at(x, true)?.stress(&ContactNow { force: 1.0, radius });
+        let local = near.lack_under_hit(radius);
         let stress = self.stress(points.as_ref(), x);
         let [a, b] = along(near.struck);
         let dense = |component: usize| {
@@ -239,7 +246,8 @@ impl Evaluator {
     fn stress(&self, points: &dyn PointEvaluator, x: Vec3) -> [Form; 6] {
         match &self.near {
             Some(near) if self.is_smoothed(points, x) => {
-                smoothed(points, &self.mirrors, x, (along(near.struck), near.smoothing()))
+                let mean = || smoothed(points, &self.mirrors, x, (along(near.struck), near.smoothing()));
+                if x == near.under_hit() { self.under_hit.get_or_init(mean).clone() } else { mean() }
             }
             _ => points.at(x).stress,
         }

@@ -101,7 +101,9 @@ pub struct NearHit {
     as_it_is: OnceCell<LocalField>,
     /// What a mesh has of the field of its patch beyond a wide disc's on a plate: what recovery loses of it.
     patch: OnceCell<LocalField>,
-    /// That by distance and depth: samples of a mesh are read from several nodes, and have images.
+    /// The fields by distance and depth, read as means or not: points on both sides of a diagonal have the same.
+    fields: RefCell<HashMap<([u64; 2], bool), Rc<PointField>>>,
+    /// That of the patch by distance and depth: samples of a mesh are read from several nodes, and have images.
     of_patch: RefCell<HashMap<[u64; 2], Cylindrical>>,
 }
 
@@ -182,6 +184,7 @@ impl NearHit {
             by_sections: OnceCell::new(),
             as_it_is: OnceCell::new(),
             patch: OnceCell::new(),
+            fields: RefCell::default(),
             of_patch: RefCell::default(),
         })
     }
@@ -220,6 +223,13 @@ impl NearHit {
         }
     }
 
+    /// The point under the hit on the other face, m.
+    pub fn under_hit(&self) -> Vec3 {
+        let mut x = self.point;
+        x[self.struck] = -x[self.struck];
+        x
+    }
+
     /// Distance of a point from the line of the force, m.
     pub fn distance(&self, x: Vec3) -> f64 {
         (0..3).filter(|&axis| axis != self.struck).map(|axis| (x[axis] - self.point[axis]).powi(2)).sum::<f64>().sqrt()
@@ -246,18 +256,9 @@ impl NearHit {
             return None;
         }
         let field = if is_smoothed {
-            self.by_sections.get_or_init(|| {
-                let smoothing = Pressure::Spread { spread: Spread::new(0.0), radius: self.smoothing() };
-                let carrier = match body {
-                    HitBody::OneLayer(body) => Carrier::Sections { pressure, smoothing, body: *body },
-                    HitBody::Layerwise(theory) => {
-                        Carrier::Layerwise { pressure, theory: theory.clone(), smoothing: Some(smoothing) }
-                    }
-                    // (Its stresses are read as they are.)
-                    HitBody::Layers(_) => Carrier::Solid { pressure },
-                };
-                LocalField::new(self.stack.clone(), carrier, self.largest)
-            })
+            let reach = SMOOTHED * self.thickness();
+            let made = || LocalField::within(reach, self.stack.clone(), self.carrier_of_means(), self.largest);
+            self.by_sections.get_or_init(made)
         } else {
             self.as_it_is.get_or_init(|| {
                 let carrier = match body {
@@ -271,8 +272,32 @@ impl NearHit {
                 LocalField::new(self.stack.clone(), carrier, self.largest)
             })
         };
+        let depth = self.depth(x);
+        let place = ([radius, depth].map(f64::to_bits), is_smoothed);
+        let field = self.fields.borrow_mut().entry(place).or_insert_with(|| Rc::new(field.at(radius, depth))).clone();
         let [radial, inward] = self.directions(x);
-        Some(LocalPoint::new(field.at(radius, self.depth(x)), radial, inward))
+        Some(LocalPoint { field, radial, inward, has_ring: true, lost: [0.0; 6] })
+    }
+
+    /// What the point under the hit on the other face lacks for 1 N at a contact's radius (m) whose stresses are read as means, Pa.
+    pub fn lack_under_hit(&self, contact_radius: f64) -> [f64; 6] {
+        let field = LocalField::on_axis(self.stack.clone(), self.carrier_of_means(), contact_radius);
+        let [radial, inward] = self.directions(self.under_hit());
+        field.at(0.0, self.thickness()).stress(contact_radius).cartesian(radial, inward)
+    }
+
+    /// How the body carries the force whose stresses are read as means.
+    fn carrier_of_means(&self) -> Carrier {
+        let pressure = self.hit.pressure;
+        let smoothing = Pressure::Spread { spread: Spread::new(0.0), radius: self.smoothing() };
+        match &self.hit.body {
+            HitBody::OneLayer(body) => Carrier::Sections { pressure, smoothing, body: *body },
+            HitBody::Layerwise(theory) => {
+                Carrier::Layerwise { pressure, theory: theory.clone(), smoothing: Some(smoothing) }
+            }
+            // (Its stresses are read as they are.)
+            HitBody::Layers(_) => Carrier::Solid { pressure },
+        }
     }
 
     /// What a point of a mesh lacks whose stresses are recovered from samples at some places, with their weights: polynomials do not follow

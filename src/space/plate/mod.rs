@@ -103,6 +103,16 @@ pub struct Plate {
     pub points: Points,
 }
 
+/// What a plate is before its matrices.
+struct Outline {
+    geometry: PlateGeometry,
+    laminate: Option<Laminate>,
+    section: Section,
+    local: Option<Local>,
+    /// The ends of the cells along both axes, m.
+    in_plane: [Vec<f64>; 2],
+}
+
 /// What stands for the local field on a Reissner–Mindlin plate; see [`layer`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Local {
@@ -165,15 +175,11 @@ fn geometry(scene: &Scene, theory: PlateTheory) -> std::result::Result<PlateGeom
     Ok(geometry)
 }
 
-impl Plate {
-    /// Builds a scene's plate.
-    ///
-    /// # Errors
-    /// A fault of `body.model` where the theory does not stand for the scene, or where the plate would take very many cells.
-    pub fn new(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<Self> {
+impl Outline {
+    /// Of a scene and its description.
+    fn new(scene: &Scene, description: &Description, theory: PlateTheory, settings: &Settings) -> Result<Self> {
         let fault = |reason: String| fault(theory, &reason);
         let geometry = geometry(scene, theory).map_err(fault)?;
-        let description = Description::new(scene);
         let parts = &description.parts;
         let laminate = (theory == PlateTheory::Layerwise)
             .then(|| Laminate::new(scene, &geometry, parts, settings))
@@ -187,6 +193,28 @@ impl Plate {
         let disc = laminate.as_ref().map(|laminate| laminate.radius).or(local.map(|local| local.radius));
         let in_plane = cells::lines(&geometry, &section, &scene.impactor, disc, settings.cell_size_factor)
             .map_err(|cells| fault(format!("it would take {cells:.0} cells along an edge")))?;
+        Ok(Self { geometry, laminate, section, local, in_plane })
+    }
+}
+
+impl Plate {
+    /// How many cells a scene's plate would have along both axes of the modelled part.
+    ///
+    /// # Errors
+    /// As [`Plate::new`].
+    pub fn cells(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<[usize; 2]> {
+        let outline = Outline::new(scene, &Description::new(scene), theory, settings)?;
+        Ok(outline.in_plane.each_ref().map(|lines| lines.len() - 1))
+    }
+
+    /// Builds a scene's plate.
+    ///
+    /// # Errors
+    /// A fault of `body.model` where the theory does not stand for the scene, or where the plate would take very many cells.
+    pub fn new(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<Self> {
+        let description = Description::new(scene);
+        let Outline { geometry, laminate, section, local, in_plane } =
+            Outline::new(scene, &description, theory, settings)?;
         let cells = in_plane.each_ref().map(|lines| lines.len() - 1);
         let tensor = theory.tensor(&in_plane, laminate.as_ref().map_or(1, |laminate| laminate.profile.len()));
         let half = 0.5 * geometry.thickness;

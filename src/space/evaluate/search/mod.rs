@@ -130,7 +130,7 @@ impl<'a> TensionSearch<'a> {
                         peaks.take(&seen.values, size as f32, number);
                         let bound = self.bound(seen.top);
                         // (Points that are left out have no tension.)
-                        face.largest(seen.from(seen.top - bound), value)
+                        face.largest(seen.from(seen.top - bound).into_iter(), value)
                     } else {
                         // Without a size, as at rest, single precision tells nothing.
                         let values: Vec<f64> = (0..face.points.len()).map(value).collect();
@@ -157,22 +157,24 @@ impl<'a> TensionSearch<'a> {
 
     /// Stresses at a sampled point in double precision.
     fn sampled(&self, number: usize, coordinates: &[f64]) -> [f64; 3] {
-        [0, 1, 2].map(|component| {
-            let start = (3 * number + component) * self.count;
-            product(&self.rows[start..start + self.count], coordinates)
-        })
+        let rows = &self.rows[3 * number * self.count..3 * (number + 1) * self.count];
+        let [a, rest] = [&rows[..self.count], &rows[self.count..]];
+        products([a, &rest[..self.count], &rest[self.count..]], coordinates)
     }
 }
 
-/// Σ a_i b_i, four sums at a time for the processor's vectors.
-fn product(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    let ends = a.chunks_exact(4).remainder().iter().zip(b.chunks_exact(4).remainder());
-    let rest: f64 = ends.map(|(a, b)| a * b).sum();
-    for (a, b) in a.chunks_exact(4).zip(b.chunks_exact(4)) {
-        (0..4).for_each(|i| sums[i] += a[i] * b[i]);
-    }
-    sums[0] + sums[1] + (sums[2] + sums[3]) + rest
+/// Σ a_i b_i of three rows, two sums each for the processor's vectors.
+fn products(rows: [&[f64]; 3], b: &[f64]) -> [f64; 3] {
+    rows.map(|row| {
+        let (pairs, ends) = row.as_chunks::<2>();
+        let (pairs_of_b, ends_of_b) = b.as_chunks::<2>();
+        let mut sums = [0.0; 2];
+        for (a, b) in pairs.iter().zip(pairs_of_b) {
+            (0..2).for_each(|k| sums[k] += a[k] * b[k]);
+        }
+        let end: f64 = ends.iter().zip(ends_of_b).map(|(a, b)| a * b).sum();
+        sums[0] + sums[1] + end
+    })
 }
 
 #[cfg(test)]

@@ -12,9 +12,14 @@ pub(super) struct Seen {
     roots: Vec<f32>,
     /// Filled up with −∞ to a multiple of [`LANES`].
     pub values: Vec<f32>,
+    /// The largest of each [`SIFTED`] of them.
+    tops: Vec<f32>,
     /// The largest of all.
     pub top: f32,
 }
+
+/// Values that are looked through together where one of them may be high, a multiple of [`LANES`].
+const SIFTED: usize = 8 * LANES;
 
 /// The larger one; the first where the second is NaN.
 fn larger(a: f32, b: f32) -> f32 {
@@ -49,23 +54,31 @@ impl Seen {
         }
         local.left_out.iter().for_each(|point| self.values[*point] = f32::NEG_INFINITY);
         self.values.resize(count.next_multiple_of(LANES), f32::NEG_INFINITY);
-        // Side by side, for the processor's vectors.
-        let mut tops = [f32::NEG_INFINITY; LANES];
-        for some in self.values.chunks_exact(LANES) {
-            tops.iter_mut().zip(some).for_each(|(top, value)| *top = larger(*top, *value));
-        }
-        self.top = tops.into_iter().fold(f32::NEG_INFINITY, larger);
+        self.tops.clear();
+        self.tops.extend(self.values.chunks(SIFTED).map(top));
+        self.top = self.tops.iter().copied().fold(f32::NEG_INFINITY, larger);
     }
 
-    /// The points whose values are no lower than some value.
-    pub fn from(&self, least: f32) -> impl Iterator<Item = usize> {
-        let has_one = move |some: &[f32]| some.iter().fold(false, |found, value| found | (*value >= least));
-        let chunks = self.values.chunks_exact(LANES).enumerate().filter(move |(_, some)| has_one(some));
-        chunks.flat_map(move |(chunk, some)| {
-            let those = some.iter().enumerate().filter(move |(_, value)| **value >= least);
-            those.map(move |(i, _)| LANES * chunk + i)
-        })
+    /// The points whose values are no lower than some value: few, where most are far below.
+    pub fn from(&self, least: f32) -> Vec<usize> {
+        let mut points = Vec::new();
+        for (sift, many) in self.values.chunks(SIFTED).enumerate().filter(|(sift, _)| self.tops[*sift] >= least) {
+            for (chunk, some) in many.chunks_exact(LANES).enumerate().filter(|(_, some)| top(some) >= least) {
+                let those = some.iter().enumerate().filter(|(_, value)| **value >= least);
+                points.extend(those.map(|(i, _)| SIFTED * sift + LANES * chunk + i));
+            }
+        }
+        points
     }
+}
+
+/// The largest of values that are filled up to a multiple of [`LANES`]: side by side, for the processor's vectors.
+fn top(values: &[f32]) -> f32 {
+    let mut tops = [f32::NEG_INFINITY; LANES];
+    for some in values.chunks_exact(LANES) {
+        tops.iter_mut().zip(some).for_each(|(top, value)| *top = larger(*top, *value));
+    }
+    tops.into_iter().fold(f32::NEG_INFINITY, larger)
 }
 
 /// The largest tension at each point of a face over the steps so far, in single precision.
