@@ -254,6 +254,24 @@ fn tables_for_any_largest_contact() {
     }
 }
 
+/// On the line of the force one contact radius alone has the stresses that the table has for it, cut at 1e-9 of the field; without a radius too.
+#[test]
+fn one_contact_radius_on_the_axis() {
+    let smoothing = Pressure::Spread { spread: Spread::new(0.0), radius: 3.0 };
+    let pressure = Pressure::Spread { spread: Spread::new(0.0), radius: 2.0 };
+    let body = Sections::Plate { reading: 0.1 };
+    let carriers = [Carrier::Sections { pressure, smoothing, body }, Carrier::Plate { pressure, reading: 0.1 }];
+    for (carrier, radius) in carriers.into_iter().flat_map(|carrier| [0.0, 0.09, 0.3].map(|r| (carrier.clone(), r))) {
+        let table = LocalField::new(one_layer(1.0, 0.23), carrier.clone(), 0.4);
+        let alone = LocalField::on_axis(one_layer(1.0, 0.23), carrier.clone(), radius);
+        for z in [0.5, 1.0] {
+            let [found, exact] = [&alone, &table].map(|field| values(field.at(0.0, z).stress(radius)));
+            let apart = found.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-7, "{carrier:?} {radius} {z}: {found:?} {exact:?}");
+        }
+    }
+}
+
 /// Without Hertz's field the loaded face has no jump at the contact's edge, and no pressure but the layer's own.
 #[test]
 fn the_smooth_part_on_the_loaded_face() {

@@ -4,7 +4,10 @@ use std::f64::consts::PI;
 
 use ricochet::element::adaptive;
 use ricochet::form::Spread;
+use ricochet::space::plate::{Plate, PlateTheory, Settings};
 use ricochet::stack::{Carrier, Layer, LocalField, Pressure, Stack};
+
+use crate::plates::{plate, scene};
 
 const POISSON: f64 = 0.23;
 
@@ -86,4 +89,20 @@ fn roark_s_equivalent_radius() {
         assert!((fit / exact - 1.0).abs() < 1.3e-2 && off.abs() < 4e-3, "{radius}: {exact} {fit}");
     }
     assert!((equivalent_radius(0.0) - 0.3253).abs() < 5e-5, "{}", equivalent_radius(0.0));
+}
+
+/// Cells are known before a plate is made, for all sizes.
+#[test]
+fn cells_are_known_beforehand() {
+    let scene = scene("size = [0.5, 0.7, 0.02]", "", "");
+    let mut counts = std::collections::BTreeSet::new();
+    for theory in [PlateTheory::Kirchhoff, PlateTheory::Mindlin] {
+        for cell_size_factor in [0.7, 1.0, 1.3, 2.0] {
+            let settings = Settings { cell_size_factor, ..Settings::default() };
+            let cells = Plate::cells(&scene, theory, &settings).expect("a plate");
+            assert_eq!(cells, plate(&scene, theory, cell_size_factor).cells);
+            counts.insert(cells);
+        }
+    }
+    assert!(counts.len() > 3, "{counts:?}");
 }

@@ -15,6 +15,7 @@ pub const TESTS: &[Test<Session>] = tests![
     a_free_body_drifts_after_a_short_contact,
     short_waves_have_the_density_of_modes,
     classes_have_bases_of_their_own,
+    nearly_full_matrices_are_solved_with_and_projected,
 ];
 
 fn parse(pane: &str, supports: &str) -> Scene {
@@ -42,6 +43,42 @@ fn grown(body: &Body, vectors: usize) -> Krylov {
     let mut krylov = Krylov::new(body, 1e5).unwrap();
     krylov.grow(body, vectors).unwrap();
     krylov
+}
+
+/// Splines on few cells couple nearly all unknowns: their matrices are taken as full ones. The first vector is what a force does at the rate,
+/// and the projection is that by the body's own products.
+fn nearly_full_matrices_are_solved_with_and_projected(session: &Session) {
+    let rate = 1e4;
+    for pane in ["size = [1.5, 1.5, 0.1]\nmodel = \"mindlin\"", "size = [1.5, 1.5, 0.1]\nmodel = \"kirchhoff\""] {
+        let scene = parse(pane, &glass::sides(1e9, 0.0));
+        let theory = if pane.contains("kirchhoff") { PlateTheory::Kirchhoff } else { PlateTheory::Mindlin };
+        let plate = Plate::new(&scene, theory, &Settings::default()).unwrap_or_else(|error| panic!("{error}"));
+        let body = Body::of(&session.alone(), &plate.system).unwrap();
+        let full = (body.unknowns() * body.unknowns()) as f64;
+        assert!(body.elastic.entries().unwrap() as f64 > 0.2 * full, "{} {full}", body.unknowns());
+        let mut krylov = Krylov::new(&body, rate).unwrap();
+        krylov.grow(&body, 5).unwrap();
+        krylov.projection(&body).unwrap();
+        krylov.grow(&body, 12).unwrap();
+        let projection = krylov.projection(&body).unwrap();
+        let basis = krylov.basis();
+        let mut image = body.load.duplicate().unwrap();
+        let largest = projection.elastic.amax();
+        for (j, vector) in basis.iter().enumerate() {
+            body.apply_elastic(vector, &mut image).unwrap();
+            for (i, product) in image.dots(basis).unwrap().into_iter().enumerate() {
+                // Rounding of sums of some hundred products.
+                assert!((product - projection.elastic[(i, j)]).abs() < 1e-12 * largest, "{i} {j}");
+            }
+        }
+        // S q₁ is along a, to the rounding of K's largest entries.
+        body.operator(0.0, rate * rate).unwrap().mult(&basis[0], &mut image).unwrap();
+        let force = &body.localization.vector;
+        let factor = image.dot(force).unwrap() / force.dot(force).unwrap();
+        image.axpy(-factor, force).unwrap();
+        let off = image.norm_max().unwrap() / (factor * force.norm_max().unwrap()).abs();
+        assert!(off < 1e-6, "{off:e}");
+    }
 }
 
 /// Beyond 256 vectors one pass of two takes the last two vectors only.
