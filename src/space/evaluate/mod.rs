@@ -97,7 +97,7 @@ pub struct Evaluator {
     /// Axes across planes of symmetry beyond which there are images.
     mirrors: Vec<usize>,
     /// The mean stresses under the hit on the other face, which the error of stresses and the search for the largest tension want.
-    under_hit: OnceCell<[Form; 6]>,
+    under_hit: OnceCell<Box<[Form; 6]>>,
 }
 
 enum Kind {
@@ -247,7 +247,7 @@ impl Evaluator {
         match &self.near {
             Some(near) if self.is_smoothed(points, x) => {
                 let mean = || smoothed(points, &self.mirrors, x, (along(near.struck), near.smoothing()));
-                if x == near.under_hit() { self.under_hit.get_or_init(mean).clone() } else { mean() }
+                if x == near.under_hit() { *self.under_hit.get_or_init(|| Box::new(mean())).clone() } else { mean() }
             }
             _ => points.at(x).stress,
         }

@@ -87,6 +87,9 @@ pub struct ContactNow {
     pub radius: f64,
 }
 
+/// Distance from the line of the force and depth, by their bits, and whether stresses are read as means.
+type Reading = ([u64; 2], bool);
+
 /// The neighbourhood of the hit on a layer.
 pub struct NearHit {
     hit: Hit,
@@ -101,8 +104,8 @@ pub struct NearHit {
     as_it_is: OnceCell<LocalField>,
     /// What a mesh has of the field of its patch beyond a wide disc's on a plate: what recovery loses of it.
     patch: OnceCell<LocalField>,
-    /// The fields by distance and depth, read as means or not: points on both sides of a diagonal have the same.
-    fields: RefCell<HashMap<([u64; 2], bool), Rc<PointField>>>,
+    /// The fields so far: points on both sides of a diagonal have the same.
+    fields: RefCell<HashMap<Reading, Rc<PointField>>>,
     /// That of the patch by distance and depth: samples of a mesh are read from several nodes, and have images.
     of_patch: RefCell<HashMap<[u64; 2], Cylindrical>>,
 }
