@@ -143,7 +143,7 @@ impl Fitted {
 /// Reduces a body on its cells, then a body of splines in modal coordinates on finer ones where these leave too much. Collective.
 ///
 /// # Errors
-/// Those of [`reduce`] and [`build`].
+/// Those of [`reduce`](super::reduce::reduce) and [`build`].
 pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators, watch: &dyn Watch) -> Result<Fitted> {
     refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, watch)
 }
@@ -151,7 +151,7 @@ pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators, watch: &
 /// Reduces a body on the cells that it has. Collective.
 ///
 /// # Errors
-/// Those of [`reduce`].
+/// Those of [`reduce`](super::reduce::reduce).
 pub fn unrefined(comm: &Comm, scene: &Scene, built: Operators, watch: &dyn Watch) -> Result<Fitted> {
     fitted(comm, scene, built, (1.0, None), watch)
 }
@@ -159,7 +159,7 @@ pub fn unrefined(comm: &Comm, scene: &Scene, built: Operators, watch: &dyn Watch
 /// Reduces a body of splines, in modal coordinates, on finer cells where its own leave too much. Collective.
 ///
 /// # Errors
-/// Those of [`reduce`] and [`build`].
+/// Those of [`reduce`](super::reduce::reduce) and [`build`].
 pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch: &dyn Watch) -> Result<Fitted> {
     let Some(mut cells) = fine.cells.filter(|_| scene.time.modal) else { return Ok(fine) };
     let mut coarse = match on_coarser_cells(comm, scene, theory, &fine, watch) {
