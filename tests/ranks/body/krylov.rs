@@ -49,9 +49,9 @@ fn grown(body: &Body, vectors: usize) -> Krylov {
 /// and the projection is that by the body's own products.
 fn nearly_full_matrices_are_solved_with_and_projected(session: &Session) {
     let rate = 1e4;
-    for pane in ["size = [1.5, 1.5, 0.1]\nmodel = \"mindlin\"", "size = [1.5, 1.5, 0.1]\nmodel = \"kirchhoff\""] {
-        let scene = parse(pane, &glass::sides(1e9, 0.0));
-        let theory = if pane.contains("kirchhoff") { PlateTheory::Kirchhoff } else { PlateTheory::Mindlin };
+    for support in [1e9, 1e6] {
+        let scene = parse("size = [1.5, 1.5, 0.1]\nmodel = \"mindlin\"", &glass::sides(support, 0.0));
+        let theory = PlateTheory::Mindlin;
         let plate = Plate::new(&scene, theory, &Settings::default()).unwrap_or_else(|error| panic!("{error}"));
         let body = Body::of(&session.alone(), &plate.system).unwrap();
         let full = (body.unknowns() * body.unknowns()) as f64;
