@@ -18,6 +18,7 @@ use crate::modelled::parse;
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![
     steps_tend_to_modal_coordinates,
+    order_is_that_of_elastic_bodies,
     energy_is_stored_or_lost,
     another_chain_is_the_body_of_that_chain,
     one_basis_serves_all_temperatures,
@@ -103,6 +104,30 @@ fn steps_tend_to_modal_coordinates(session: &Session) {
     let order = (errors[0] / errors[2]).log2() / 2.0;
     // Steps that follow the fastest of the vibrations on the basis, which makes the force ring a little.
     assert!((1.7..2.3).contains(&order) && errors[2] < 1e-3, "{order} {errors:?}");
+}
+
+/// Steps in modal coordinates have the order that they have without Maxwell terms, and errors no larger: the same body with the elastic
+/// moduli of the contact's time. Steps resolve all vibrations of this basis; where they do not, as at 4e-6 s, both have lower orders.
+fn order_is_that_of_elastic_bodies(session: &Session) {
+    let relaxing = parse(&laminate(0.00152, 20.0, ""));
+    let mut elastic = relaxing.clone();
+    elastic.body.composition = relaxing.body.composition.elastic_at(1e-4);
+    let [without, with] = [elastic, relaxing].map(|scene| {
+        let projection = on_basis(session, &scene, 8);
+        let reference = modal(&scene, &projection, 1.25e-7);
+        let times = (1..50).map(|i| 8e-6 * f64::from(i));
+        let forces = |trace: &Trace| times.clone().map(|time| (time, trace.at(time))).collect::<Vec<_>>();
+        let errors = [4e-6, 2e-6, 1e-6, 5e-7].map(|step| off(&forces(&modal(&scene, &projection, step)), &reference));
+        println!("  {errors:?}, order {}", (errors[1] / errors[3]).log2() / 2.0);
+        errors
+    });
+    for errors in [&without, &with] {
+        // Four, as of Simpson's rule; the start of the contact, where F goes with t^{3/2}, does not lower it at these times.
+        let order = (errors[1] / errors[3]).log2() / 2.0;
+        assert!((3.6..4.4).contains(&order), "{order} {errors:?}");
+    }
+    // Vibrations that dashpots damp are followed no worse.
+    assert!(with.iter().zip(&without).all(|(with, without)| *with < 1.2 * without), "{with:?} {without:?}");
 }
 
 /// The balance of every step is closed, dashpots only take, and what the integration makes falls with the third power of the step or faster.
