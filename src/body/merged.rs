@@ -1,9 +1,9 @@
-//! One basis for bodies that differ in the stiffness or the damping of one support.
+//! One basis for bodies that differ in the stiffness or the damping of one support, or in the chain of what relaxes.
 //!
 //! Vibrations of a few such bodies, weighted by how far the impact reaches them, are put together and made orthonormal in the mass,
 //! the directions that hold the most of them first (proper orthogonal decomposition of snapshots: L. Sirovich, Q. Appl. Math. 45, 1987,
 //! here in the inner product of M). The supports' operators go with the parameter along a straight line, so that those of any of the
-//! bodies follow from two.
+//! bodies follow from two. What relaxes has one D, of which a chain is a factor ([`Projection::with_chains`]).
 
 use nalgebra::{DMatrix, DVector};
 use petsc_wrap::Vector;

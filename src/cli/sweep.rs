@@ -115,10 +115,14 @@ pub(super) fn of_base(error: Error) -> Error {
     }
 }
 
-/// What a key like `support.NUMBER.stiffness` is of.
+/// What a key like `support.NUMBER.stiffness` or `body.temperature` is of.
 fn property_of(key: &str) -> Option<Property> {
-    let mut words = key.split('.').skip(1);
-    Some(Property { support: words.next()?.parse().ok()?, is_damping: words.next()? == "damping" })
+    let mut words = key.split('.');
+    if words.next()? != "support" {
+        return Some(Property::Relaxation);
+    }
+    let support = words.next()?.parse().ok()?;
+    Some(if words.next()? == "damping" { Property::Damping(support) } else { Property::Stiffness(support) })
 }
 
 /// A member, its scene checked.

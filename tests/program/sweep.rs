@@ -178,7 +178,6 @@ fn families_are_of_one_property() {
     assert_eq!(members(&file(&folder, "h.h5"), "status"), [1.0; 20]);
 }
 
-/// The same with error-controlled steps, which tell their steps late.
 /// Temperatures of a laminate share a basis, also where the one that it is made for follows no term of the chain. Each member's force is that
 /// of its own run within the tolerances of both.
 fn temperatures_have_the_relaxation_of_their_own() {
@@ -227,6 +226,7 @@ fn temperatures_have_the_relaxation_of_their_own() {
     assert!(peaks[0] > 1.1 * peaks[2], "a cold interlayer is stiffer: {peaks:?}");
 }
 
+/// The same with error-controlled steps, which tell their steps late.
 fn members_with_controlled_steps() {
     let scene = supported().replace("step = 2e-5\n", "");
     let folder = folder(&scene);

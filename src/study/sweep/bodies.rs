@@ -124,7 +124,7 @@ impl<'a> Bodies<'a> {
         Ok(kept.simulate(scene, self.has_energies, interrupted))
     }
 
-    /// On the basis of all that differ in one support alone, where they are many.
+    /// On the basis of all that differ in one support, or in their relaxation, alone, where they are many.
     fn of_family(&mut self, index: usize, scene: &Scene, watch: &dyn Watch) -> Result<Option<Kept>> {
         let Some(Line { body, value, count }) = self.grouping.line_of(index, scene) else { return Ok(None) };
         let is_open = scene.body.model == scene::Model::Auto && self.theory.is_none();
@@ -153,7 +153,7 @@ impl<'a> Bodies<'a> {
         let theory = self.named(scene.clone()).body.model;
         let family = self.families.get(&body).and_then(Option::as_ref);
         Ok(family.map(|family| {
-            let ([body, larger], of_merging) = family.at(value);
+            let ([body, larger], of_merging) = family.at(value, &chains(scene));
             // In the first contact it was tested to be no more than that.
             let first_contact = of_merging.min(OF_BASIS * scene.tolerance);
             Kept {

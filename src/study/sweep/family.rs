@@ -1,10 +1,12 @@
-//! Members that differ in the stiffness or the damping of one support: one basis, made at a few values, for all of them.
+//! Members that differ in the stiffness or the damping of one support, or in the relaxation of interlayers: one basis, made at a few values,
+//! for all of them.
 
 use petsc_wrap::{Comm, Vector};
 
 use crate::body::{Body, Merged, ModalBody, Projection, snapshots};
 use crate::error::Result;
 use crate::impact::{Errors, ModalImpact, Readout};
+use crate::material::Maxwell;
 use crate::model::watch::Watch;
 use crate::model::{Built, Fitted, Gauges, OF_BASIS, Operators, build, fit, rate, reduce};
 use crate::scene::Scene;
@@ -127,16 +129,17 @@ impl Family {
         Ok(Some(Self { merged, errors, unknowns, readout }))
     }
 
-    /// The body at a value, on the basis and on the larger one, with the error found near that value.
-    pub fn at(&self, value: f64) -> ([ModalBody; 2], f64) {
+    /// The body at a value and with the chains there, on the basis and on the larger one, with the error found near that value.
+    pub fn at(&self, value: f64, chains: &[Maxwell]) -> ([ModalBody; 2], f64) {
         let near = self.errors.iter().find(|(to, _)| value <= *to).map_or(0.0, |(_, error)| *error);
-        (self.merged.at(value).each_ref().map(ModalBody::of), near)
+        (self.merged.at(value).map(|body| ModalBody::of(&body.with_chains(chains))), near)
     }
 }
 
 /// How far the merged basis is off a body's own one, which was not among those it was made of.
 fn off(merged: &Merged, value: f64, sample: &Sample) -> Result<Errors> {
-    let [basis, _] = merged.at(value);
+    let chains: Vec<Maxwell> = sample.body.relaxations.iter().map(|relaxation| relaxation.chain.clone()).collect();
+    let [basis, _] = merged.at(value).map(|body| body.with_chains(&chains));
     let (own, steps) = ModalImpact::new(&sample.scene, &ModalBody::of(&sample.own)).trace(None)?;
     match ModalImpact::new(&sample.scene, &ModalBody::of(&basis)).trace(Some(steps)) {
         Ok((merged, _)) => Ok(own.difference(&merged)),

@@ -34,13 +34,19 @@ impl Grid {
         self.members
     }
 
-    /// The key of one support's stiffness or damping, given as numbers, where there is just one such key and its values differ.
+    /// The key of one support's stiffness or damping, of the temperature, or of a material's shear modulus, given as numbers, where there is
+    /// just one such key and its values differ.
     pub fn line(&self) -> Option<&str> {
         let on_line = |variation: &&Variation| {
             let mut words = variation.key.split('.');
-            let is_support = words.next() == Some("support") && words.next().is_some();
-            let of_it = matches!(words.next(), Some("stiffness" | "damping")) && words.next().is_none();
-            is_support && of_it && variation.numbers.is_some()
+            let words = [words.next(), words.next(), words.next(), words.next()];
+            let is_on_line = matches!(
+                words,
+                [Some("support"), Some(_), Some("stiffness" | "damping"), None]
+                    | [Some("body"), Some("temperature"), None, None]
+                    | [Some("material"), Some(_), Some("shear"), None]
+            );
+            is_on_line && variation.numbers.is_some()
         };
         let mut on = self.variations.iter().filter(on_line);
         let first = on.next()?;

@@ -1,5 +1,6 @@
 //! Which members of a sweep share a body, and which of them asks most of it.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use petsc_wrap::Comm;
@@ -21,11 +22,11 @@ pub struct Grouping {
     ends: Vec<usize>,
     /// What is varied of a support, where it is one thing, with each member's value.
     line: Option<(Property, Vec<f64>)>,
-    /// Members by all that their bodies depend on but for that value: the hardest of each value, by its bits, which ascend with it.
-    lines: ByBody<BTreeMap<u64, Member>>,
+    /// Members by all that their bodies depend on but for that value: the hardest of each value, by the value.
+    lines: ByBody<BTreeMap<Ordered, Member>>,
 }
 
-/// Members that differ in one support's stiffness or in its damping alone.
+/// Members that differ in one support's stiffness or damping, or in what a relaxing interlayer's shear depends on, alone.
 pub struct Line {
     /// What they share.
     pub body: BodyOf,
@@ -35,13 +36,15 @@ pub struct Line {
     pub count: usize,
 }
 
-/// A property of one support.
+/// What bodies on a line differ in.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Property {
-    /// The support.
-    pub support: usize,
-    /// Whether its damping, not its stiffness.
-    pub is_damping: bool,
+pub enum Property {
+    /// The stiffness of the support of this number.
+    Stiffness(usize),
+    /// Its damping.
+    Damping(usize),
+    /// The relaxation of interlayers: the temperature, or a modulus after all relaxation.
+    Relaxation,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -59,7 +62,7 @@ impl Member {
 }
 
 impl Grouping {
-    /// Counts a member, with its value on the line of [`Grid::line`](super::Grid::line), which is not negative.
+    /// Counts a member, with its value on the line of [`Grid::line`](super::Grid::line).
     pub fn count(&mut self, index: usize, scene: &Scene, on_line: Option<(Property, f64)>) {
         // Damping makes a contact harder from its first moment on.
         let contact = scene.impactor.contact_time() / (1.0 + scene.impactor.damping * scene.impactor.speed);
@@ -69,10 +72,16 @@ impl Grouping {
                 *most = member;
             }
         };
+        // Bodies that do not relax are the same at all temperatures.
+        let differ = |(property, _): &(Property, f64)| {
+            *property != Property::Relaxation || scene.body.composition.is_viscoelastic()
+        };
         if let Some((property, value)) = on_line {
             self.line.get_or_insert((property, Vec::new())).1.push(value);
+        }
+        if let Some((property, value)) = on_line.filter(differ) {
             let line = self.lines.get_or_insert_with(BodyOf::new(&without(scene, property)), BTreeMap::new);
-            harder(line.entry(value.to_bits()).or_insert(member));
+            harder(line.entry(Ordered(value)).or_insert(member));
         }
         harder(self.families.get_or_insert_with(BodyOf::new(scene), || member));
         self.ends.truncate(1);
@@ -95,7 +104,7 @@ impl Grouping {
     /// The values of a line, ascending, each with the hardest member.
     pub fn members_on(&self, line: &BodyOf) -> Vec<(f64, usize)> {
         let all = self.lines.get(line).into_iter().flatten();
-        all.map(|(bits, member)| (f64::from_bits(*bits), member.index)).collect()
+        all.map(|(value, member)| (value.0, member.index)).collect()
     }
 
     /// The theory that auto finds for all members, the highest that the first, the last and the hardest of them ask for, with the
@@ -127,13 +136,46 @@ impl Grouping {
     }
 }
 
-/// A scene without a property of a support.
-fn without(scene: &Scene, Property { support, is_damping }: Property) -> Scene {
+/// A scene without a property. What relaxes, no body is told apart by ([`BodyOf`]).
+fn without(scene: &Scene, property: Property) -> Scene {
     let mut scene = scene.clone();
-    match scene.supports.get_mut(support) {
-        Some(support) if is_damping => support.damping = [0.0; 3],
-        Some(Support { kind: SupportKind::Elastic { stiffness }, .. }) => *stiffness = [0.0; 3],
-        _ => {}
+    match property {
+        Property::Relaxation => {}
+        Property::Damping(support) => {
+            if let Some(support) = scene.supports.get_mut(support) {
+                support.damping = [0.0; 3];
+            }
+        }
+        Property::Stiffness(support) => {
+            let support = scene.supports.get_mut(support);
+            if let Some(Support { kind: SupportKind::Elastic { stiffness }, .. }) = support {
+                *stiffness = [0.0; 3];
+            }
+        }
     }
     scene
 }
+
+/// A finite value in its order.
+#[derive(Debug, Clone, Copy)]
+struct Ordered(f64);
+
+impl Ord for Ordered {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+impl PartialOrd for Ordered {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Ordered {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Ordered {}
