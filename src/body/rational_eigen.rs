@@ -3,7 +3,7 @@
 //! Each pair is found by itself, by inverse iteration with the Rayleigh functional (Ruhe, SIAM J. Numer. Anal. 10, 1973, for T(λ) = Tᵀ): from each mode of a given modulus a vibration, and in each interval between
 //! two poles −1/τ_i, over which g falls from ∞ to −∞, a real one for each direction of D. From there on λ² changes them little. A pair that
 //! is found twice means another one that is missing: whether all are there, the sums Σ λ φφᵀ/(φᵀT′φ) = 1 and −Σ λ⁻¹ φφᵀ/(φᵀT′φ) = K⁻¹
-//! tell. The cost of a pair is the cube of the number of modes, where that of the first-order system is the cube of that times the number of terms.
+//! tell; and what the first of them lacks is the missing pair's, which is sought from there. The cost of a pair is the cube of the number of modes, where that of the first-order system is the cube of that times the number of terms.
 
 use faer::MatRef;
 use faer::linalg::solvers::Solve as _;
@@ -24,6 +24,12 @@ const IDLE: f64 = 1e-10;
 /// What the sums of all pairs may be off by.
 const COMPLETE: f64 = 1e-8;
 
+/// Rates and shapes that differ by less are of one pair found twice.
+const ALIKE: f64 = 1e-6;
+
+/// Pairs found twice that are replaced by the missing ones, at most: each takes sums over all pairs.
+const MISSING: usize = 12;
+
 /// An eigenpair; one of two that are conjugate, the one with Im λ > 0.
 pub struct Pair {
     /// λ, 1/s.
@@ -32,6 +38,14 @@ pub struct Pair {
     pub shape: DVector<Complex<f64>>,
     /// φᵀT′(λ)φ.
     pub slope: Complex<f64>,
+}
+
+/// Where a pair was sought.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    Vibration,
+    /// Between these rates, 1/s, the first of which is a pole.
+    Between(f64, f64),
 }
 
 /// T(λ).
@@ -49,6 +63,13 @@ impl Pair {
     pub fn count(&self) -> f64 {
         if self.rate.im == 0.0 { 1.0 } else { 2.0 }
     }
+
+    /// Whether it is another one found again.
+    fn is(&self, other: &Self) -> bool {
+        let close = (self.rate - other.rate).norm() <= ALIKE * self.rate.norm();
+        // Shapes are of unit length, and equal but for a factor of modulus 1.
+        close && self.shape.dotc(&other.shape).norm() >= 1.0 - ALIKE
+    }
 }
 
 impl Rational<'_> {
@@ -56,29 +77,84 @@ impl Rational<'_> {
     pub fn pairs(&self, squares: &DVector<f64>) -> Option<Vec<Pair>> {
         let count = squares.len();
         let factor = self.stiffness.clone().cholesky()?;
-        let mut pairs = Vec::new();
+        let mut found = Vec::new();
         for (j, square) in squares.iter().enumerate() {
             let shape = DVector::from_fn(count, |i, _| Complex::new(f64::from(u8::from(i == j)), 0.0));
-            let pair = self.refined(Complex::new(0.0, square.sqrt()), shape)?;
-            if pair.rate.im <= 0.0 {
-                return None;
-            }
-            pairs.push(pair);
+            found.push((self.vibration(square.sqrt(), shape)?, Place::Vibration));
         }
         let mut times: Vec<f64> = self.chain.terms.iter().map(|term| term.time).collect();
         times.sort_by(|a, b| b.total_cmp(a));
         let mut slower = 0.0;
         for pole in times.into_iter().map(|time| -1.0 / time) {
             for (rate, shape) in self.creeping(pole, slower)? {
-                let Pair { rate, shape, slope } = self.refined(rate, shape)?;
-                if rate.re <= pole || rate.re >= slower {
-                    return None;
-                }
-                pairs.push(Pair { rate, shape, slope });
+                found.push((self.creep(rate, shape, (pole, slower))?, Place::Between(pole, slower)));
             }
             slower = pole;
         }
+        let pairs = self.without_repetition(found, squares)?;
         self.are_complete(&pairs, &factor).then_some(pairs)
+    }
+
+    /// The vibration near a frequency, rad/s; `None` where it is none.
+    fn vibration(&self, frequency: f64, shape: DVector<Complex<f64>>) -> Option<Pair> {
+        self.refined(Complex::new(0.0, frequency), shape).filter(|pair| pair.rate.im > 0.0)
+    }
+
+    /// The real pair near a rate, between two.
+    fn creep(&self, rate: f64, shape: DVector<f64>, (pole, slower): (f64, f64)) -> Option<Pair> {
+        self.refined(rate, shape).filter(|pair| pair.rate.re > pole && pair.rate.re < slower)
+    }
+
+    /// Each pair once, the missing ones in the place of those found twice; `None` where these are not found.
+    fn without_repetition(&self, found: Vec<(Pair, Place)>, squares: &DVector<f64>) -> Option<Vec<Pair>> {
+        let mut pairs: Vec<Pair> = Vec::with_capacity(found.len());
+        let mut begin = 0;
+        let (mut last, mut missing) = (Place::Vibration, Vec::new());
+        for (pair, place) in found {
+            if place != last {
+                (last, begin) = (place, pairs.len());
+            }
+            if pairs[begin..].iter().any(|other| pair.is(other)) { missing.push(place) } else { pairs.push(pair) }
+        }
+        if missing.len() > MISSING {
+            return None;
+        }
+        // Vibrations, which weigh most, come first.
+        for place in missing {
+            let (weights, shapes) =
+                symmetric_eigen(sum(&pairs, |pair| pair.rate) - DMatrix::identity(squares.len(), squares.len()));
+            let heaviest = weights.iamax();
+            let shape = shapes.column(heaviest).into_owned();
+            let pair = match place {
+                Place::Vibration => {
+                    let square = shape.component_mul(&shape).dot(squares);
+                    self.vibration(square.sqrt(), shape.map(|entry| Complex::new(entry, 0.0)))?
+                }
+                Place::Between(pole, slower) => {
+                    let [stiff, stretched] =
+                        [self.stiffness, self.distortion].map(|matrix| shape.dot(&(matrix * &shape)));
+                    let rate = self.balanced((pole, slower), |rate, g| rate * rate + stiff + g * stretched);
+                    self.creep(rate, shape, (pole, slower))?
+                }
+            };
+            if pairs.iter().any(|other| pair.is(other)) {
+                return None;
+            }
+            pairs.push(pair);
+        }
+        Some(pairs)
+    }
+
+    /// The rate between a pole and a slower one at which a function of the rate and g, which rises from −∞ at the pole, is zero.
+    fn balanced(&self, (pole, slower): (f64, f64), value: impl Fn(f64, f64) -> f64) -> f64 {
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            let rate = pole + middle * (slower - pole);
+            let [g, _] = self.modulus(rate);
+            if value(rate, g) < 0.0 { low = middle } else { high = middle }
+        }
+        pole + 0.5 * (low + high) * (slower - pole)
     }
 
     /// Real pairs between two poles, with λ² as at the faster one.
@@ -93,15 +169,9 @@ impl Rational<'_> {
         let mut found = Vec::new();
         for (value, direction) in values.iter().zip(directions.column_iter()).filter(|(value, _)| **value * all > IDLE)
         {
-            // 1 + g d = 0: g rises from −∞ at the faster pole.
-            let (mut low, mut high) = (0.0, 1.0);
-            for _ in 0..50 {
-                let middle = 0.5 * (low + high);
-                let [g, _] = self.modulus(pole + middle * (slower - pole));
-                if 1.0 + g * value < 0.0 { low = middle } else { high = middle }
-            }
+            let rate = self.balanced((pole, slower), |_, g| 1.0 + g * value);
             let shape = lower.tr_solve_lower_triangular(&direction.into_owned())?;
-            found.push((pole + 0.5 * (low + high) * (slower - pole), shape.normalize()));
+            found.push((rate, shape.normalize()));
         }
         Some(found)
     }
@@ -158,20 +228,10 @@ impl Rational<'_> {
     /// Whether the sums of all pairs are what they are to be.
     fn are_complete(&self, pairs: &[Pair], factor: &Cholesky<f64, Dyn>) -> bool {
         let count = self.stiffness.nrows();
-        let mut of_rates = -DMatrix::<f64>::identity(count, count);
-        let mut at_rest = -factor.inverse();
+        let of_rates = sum(pairs, |pair| pair.rate) - DMatrix::identity(count, count);
+        let at_rest = factor.inverse();
         let size = at_rest.amax();
-        for pair in pairs {
-            let factor = Complex::new(pair.count(), 0.0) / pair.slope;
-            for (j, right) in pair.shape.iter().enumerate() {
-                let part = factor * right;
-                for (i, left) in pair.shape.iter().enumerate() {
-                    let product = part * left;
-                    of_rates[(i, j)] += (product * pair.rate).re;
-                    at_rest[(i, j)] -= (product / pair.rate).re;
-                }
-            }
-        }
+        let at_rest = at_rest + sum(pairs, |pair| pair.rate.inv());
         of_rates.amax() <= COMPLETE && at_rest.amax() <= COMPLETE * size
     }
 }
@@ -182,4 +242,57 @@ fn solved<T: nalgebra::Scalar + faer::traits::ComplexField>(matrix: &DMatrix<T>,
     let matrix = MatRef::from_column_major_slice(matrix.as_slice(), count, count);
     let solution = matrix.partial_piv_lu().solve(MatRef::from_column_major_slice(right.as_slice(), count, 1));
     DVector::from_fn(count, |i, _| solution[(i, 0)].clone())
+}
+
+/// Re Σ f φφᵀ/(φᵀT′φ) over all pairs, conjugate ones counted.
+fn sum(pairs: &[Pair], factor: impl Fn(&Pair) -> Complex<f64>) -> DMatrix<f64> {
+    let count = pairs.first().map_or(0, |pair| pair.shape.len());
+    // Re f φφᵀ = Re(f φ) Re φᵀ − Im(f φ) Im φᵀ, as two products of matrices.
+    let scaled: Vec<_> = pairs.iter().map(|pair| &pair.shape * (factor(pair) * pair.count() / pair.slope)).collect();
+    let part = |of: &dyn Fn(usize, usize) -> f64| DMatrix::from_fn(count, pairs.len(), |i, k| of(k, i));
+    part(&|k, i| scaled[k][i].re) * part(&|k, i| pairs[k].shape[i].re).transpose()
+        - part(&|k, i| scaled[k][i].im) * part(&|k, i| pairs[k].shape[i].im).transpose()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::Term;
+
+    /// A vibration and a creeping pair found twice are replaced by the pairs that they stood in the place of.
+    #[test]
+    fn missing_pairs_are_found() {
+        let count = 6;
+        let squares = DVector::from_fn(count, |i, _| [1.0, 2.0, 2.2, 5.0, 9.0, 9.5][i]);
+        // Of full rank, and a good part of the stiffness.
+        let distortion = DMatrix::from_fn(count, count, |i, j| {
+            let together = 0.1 / (1.0 + (i as f64 - j as f64).powi(2));
+            together * (squares[i] * squares[j]).sqrt()
+        });
+        let terms = [(0.8, 0.3), (0.5, 20.0)].map(|(modulus, time)| Term { modulus, time });
+        let chain = Maxwell { equilibrium: 0.0, terms: terms.to_vec() };
+        let stiffness = DMatrix::from_diagonal(&squares) - &distortion * chain.transformed_terms(3.0);
+        let rational = Rational { stiffness: &stiffness, distortion: &distortion, chain: &chain };
+        let all = rational.pairs(&squares).expect("all pairs");
+        assert_eq!(all.len(), count + 2 * count);
+        let place = |number: usize| match number / count {
+            0 => Place::Vibration,
+            1 => Place::Between(-1.0 / 20.0, 0.0),
+            _ => Place::Between(-1.0 / 0.3, -1.0 / 20.0),
+        };
+        let again = |number: usize| {
+            let Pair { rate, shape, slope } = &all[number];
+            Pair { rate: *rate, shape: shape.clone(), slope: *slope }
+        };
+        let place_of_creep = 2 * count;
+        for lost in [vec![1], vec![place_of_creep + 3], vec![4, place_of_creep]] {
+            // Each that is lost was found as the one after it.
+            let found = (0..all.len()).map(|k| (again(if lost.contains(&k) { k + 1 } else { k }), place(k)));
+            let pairs = rational.without_repetition(found.collect(), &squares).expect("the missing pairs");
+            assert_eq!(pairs.len(), all.len());
+            for number in lost {
+                assert!(pairs.iter().any(|pair| pair.is(&all[number])), "{number}");
+            }
+        }
+    }
 }
