@@ -84,6 +84,11 @@ impl Family {
             Ok(Sample { body: *body, snapshots, own, error: reduced.error.history, scene })
         };
         let mut ends = [make(0)?, make(last)?];
+        // A layer's modulus may ask for other cells, whose vectors have no common basis.
+        let unknowns = ends[0].body.unknowns();
+        if ends[1].body.unknowns() != unknowns {
+            return Ok(None);
+        }
         let mut pool: Vec<Vector> = ends.iter_mut().flat_map(|end| std::mem::take(&mut end.snapshots)).collect();
         let merge = |pool: &[Vector]| {
             let depth = DEPTH * ends[0].scene.tolerance;
@@ -102,6 +107,9 @@ impl Family {
             }
             let middle = from.midpoint(to);
             let sample = make(middle)?;
+            if sample.body.unknowns() != unknowns {
+                return Ok(None);
+            }
             let tolerance = OF_BASIS * sample.scene.tolerance;
             let found = off(&merged, values[middle], &sample)?;
             let (first, all) = (found.of(sample.scene.measure), found.history);
@@ -119,7 +127,6 @@ impl Family {
         }
         errors.sort_by(|a, b| a.0.total_cmp(&b.0));
         errors.iter_mut().for_each(|(_, error)| *error += of_cells + of_basis);
-        let unknowns = ends[0].body.unknowns();
         let readout = match (operators(0, size)?, merged.basis()) {
             (Some((Operators { evaluator, .. }, scene)), basis @ [like, ..]) if scene.output.is_read() => {
                 Some(Gauges::new(comm, &scene, evaluator, like, Some(basis))?.readout)
