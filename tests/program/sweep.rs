@@ -224,17 +224,6 @@ fn temperatures_have_the_relaxation_of_their_own() {
         assert!((peak / own - 1.0).abs() < 2e-2, "{temperature} °C: {peak} {own}");
     }
     assert!(peaks[0] > 1.1 * peaks[2], "a cold interlayer is stiffer: {peaks:?}");
-    // Many of them share a basis that is made at a few: each is within the tolerance by its own estimate, and near its own run.
-    let tolerance = "--set accuracy.tolerance=5e-2 --set time.end=5e-4";
-    good(&folder, 0, &format!("sweep scene.toml --vary body.temperature=-10..40:21 {tolerance} -o many.h5"));
-    let (peaks, errors) =
-        ["peak_force", "first_contact_error"].map(|name| members(&file(&folder, "many.h5"), name)).into();
-    assert!(errors.iter().all(|error| *error < 5e-2), "{errors:?}");
-    for (number, temperature) in [(1, "-7.5"), (11, "17.5"), (18, "35")] {
-        good(&folder, 0, &format!("run scene.toml --set body.temperature={temperature} {tolerance} -o one.h5"));
-        let own = column(&file(&folder, "one.h5"), "contact/force").into_iter().fold(0.0, f64::max);
-        assert!((peaks[number] / own - 1.0).abs() < 5e-2, "{temperature} °C: {} {own}", peaks[number]);
-    }
 }
 
 /// The same with error-controlled steps, which tell their steps late.
