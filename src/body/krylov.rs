@@ -194,7 +194,7 @@ impl Krylov {
     /// PETSc's.
     pub fn grow(&mut self, body: &Body, vectors: usize) -> Result<()> {
         if let (Some(lanczos), Solver::Small(factor)) = (&mut self.lanczos, &self.solver) {
-            lanczos.grow(body, &lanczos::Solver { factor, exhausted: EXHAUSTED }, vectors)?;
+            lanczos.grow(&lanczos::Solver { factor, exhausted: EXHAUSTED }, vectors);
             for number in self.basis.len()..lanczos.vectors().count() {
                 let mut vector = body.load.duplicate()?;
                 vector.write()?.copy_from_slice(lanczos.vectors().get(number));
@@ -298,7 +298,7 @@ impl Krylov {
         }
         let Self { solver, basis, projected, distortions, has_translation, lanczos, .. } = self;
         if let Some(lanczos) = lanczos {
-            *projected = lanczos.project(body, projected)?;
+            *projected = lanczos.project(projected);
             let [elastic, ..] = projected;
             if *has_translation {
                 free_of_rounding(elastic);

@@ -1,6 +1,7 @@
 //! What an impact needs of a body: operators, loads, and where it is hit.
 
 mod clamps;
+mod columns;
 mod damped;
 pub(crate) mod deviates;
 mod direct;

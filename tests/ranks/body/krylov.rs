@@ -116,8 +116,8 @@ fn blocks_make_orthonormal_bases(session: &Session) {
     let whole = blocks.projection(&body).unwrap();
     assert!(whole.leading(100).elastic == first.elastic && whole.vectors() == 330);
     let worst = off_orthonormal(&body, blocks.basis());
-    // The largest part along earlier vectors that a block may have. (In a block vectors are made orthogonal once.)
-    assert!(worst < 1e-10, "{worst:e}");
+    // Rounding of sums of two thousand products.
+    assert!(worst < 1e-12, "{worst:e}");
 }
 
 /// Block by block as product by product, and in several steps as in one.
