@@ -98,7 +98,7 @@ impl Summary {
         say(format_args!("contacts: {contacts}"));
         let energy = &self.last.energy;
         say(format_args!(
-            "energy: {:+.1e} of the initial {} J made by the time integration{}",
+            "energy: change by the time integration {:+.1e} of the initial {} J{}",
             energy.numerical / self.initial,
             short(self.initial),
             if cost.error_estimate.is_nan() {

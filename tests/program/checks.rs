@@ -165,5 +165,5 @@ fn a_slow_scene_is_answered_soon() {
     let folder = folder(&pane);
     let outcome = good(&folder, 2, "check scene.toml");
     assert!(outcome.stdout.contains("take more than a few seconds: --full makes them"), "{outcome:#?}");
-    assert!(outcome.stdout.contains("contact    on a half-space it would last"), "{outcome:#?}");
+    assert!(outcome.stdout.contains("contact    for comparison, on a half-space: "), "{outcome:#?}");
 }

@@ -46,7 +46,7 @@ pub(super) struct Cost {
 impl Cost {
     /// Of modal coordinates.
     pub fn modal() -> Self {
-        let solver = "modal coordinates: no equations to solve but two for the force, a step".to_owned();
+        let solver = "modal coordinates: two scalar equations per step".to_owned();
         Self { solver, memory: None, fields: None }
     }
 

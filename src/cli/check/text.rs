@@ -116,16 +116,16 @@ fn print_contact(scene: &Scene, patch: Option<&Patch>) {
     let impactor = &scene.impactor;
     let [x, y, z] = impactor.direction.map(|d| (1e6 * d).round() / 1e6);
     say(format_args!(
-        "impactor   {} kg at {} m/s, {} m away{}, {}, at {:?} along [{x}, {y}, {z}]",
+        "impactor   {} kg at {} m/s{}{}, {}, at [{}] along [{x}, {y}, {z}]",
         impactor.mass,
         short(impactor.speed),
-        impactor.gap,
+        if impactor.gap == 0.0 { String::new() } else { format!(", {} m away", plain(impactor.gap)) },
         if impactor.gravity == 0.0 { "" } else { ", with its weight" },
         law(impactor),
-        impactor.point
+        impactor.point.map(plain).join(", ")
     ));
     say(format_args!(
-        "contact    on a half-space it would last {:.4} ms and peak at {:.0} N; a body that bends has a lower peak",
+        "contact    for comparison, on a half-space: {:.4} ms, peak {:.0} N; a body that bends has a lower peak",
         1e3 * contact_time(scene),
         impactor.peak_force()
     ));
@@ -186,6 +186,16 @@ fn described(scheme: Scheme) -> String {
     }
 }
 
+/// A number of the scene without what rounding adds to it.
+fn plain(value: f64) -> String {
+    let rounded = format!("{value:.9e}").parse().unwrap_or(value);
+    if rounded != 0.0 && !(1e-4..1e6).contains(&f64::abs(rounded)) {
+        format!("{rounded:e}")
+    } else {
+        rounded.to_string()
+    }
+}
+
 /// Contact time on a half-space, s.
 pub(super) fn contact_time(scene: &Scene) -> f64 {
     scene.impactor.contact_time()
@@ -226,7 +236,11 @@ pub(super) fn support_line(support: &Support) -> String {
 
 /// One number where all components are alike.
 fn by_component(values: Vec3) -> String {
-    if values.iter().all(|value| *value == values[0]) { format!("{:e}", values[0]) } else { format!("{values:?}") }
+    if values.iter().all(|value| *value == values[0]) {
+        format!("{:e}", values[0])
+    } else {
+        format!("[{}]", values.map(plain).join(", "))
+    }
 }
 
 /// What is followed of each relaxing part.
