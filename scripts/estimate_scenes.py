@@ -45,7 +45,7 @@ class Scene:
 
     def plate(self):
         """Plate and edges in words."""
-        edge = {"held": "held across"}.get(self.edge, self.edge if isinstance(self.edge, str) else f"k = {self.edge:.0e}")
+        edge = {"held": "simply supported"}.get(self.edge, self.edge if isinstance(self.edge, str) else f"k = {self.edge:.0e}")
         return f"{' × '.join(f'{x:g}' for x in self.size)} m, {self.material}, {edge}"
 
     def impactor(self):

@@ -87,7 +87,7 @@ impl Face {
     /// Adds what points of a mesh near the hit lack.
     pub(super) fn add_local(&mut self, near: &NearHit, recovered: &Recovered) {
         for (number, x) in self.points.iter().enumerate() {
-            if near.distance(*x) > REACH * near.thickness() {
+            if near.distance(*x) > REACH * near.width() {
                 continue;
             }
             let local = near.recovered(*x, recovered.samples(self.first + number));
@@ -213,7 +213,7 @@ pub(super) fn of_box(
         |x: &Vec3| has_hit && !is_hit(*x) && near.is_some_and(|near| near.distance(*x) < NEAR * near.thickness());
     let local = |points: &[Vec3]| -> Vec<(usize, LocalPoint)> {
         let reached = points.iter().enumerate().filter_map(|(number, x)| {
-            let near = near.filter(|near| near.distance(*x) <= REACH * near.thickness() && !is_left_out(x))?;
+            let near = near.filter(|near| near.distance(*x) <= REACH * near.width() && !is_left_out(x))?;
             // (The ring of tension at the contact's edge is told by itself.)
             Some((number, near.at(*x, is_smoothed(*x))?.without_ring()))
         });

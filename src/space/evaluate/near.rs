@@ -11,7 +11,7 @@ use crate::stack::{Carrier, Cylindrical, Layer, Layerwise, LocalField, PointFiel
 /// Part of the thickness about the hit within which stresses are read as means over a disc.
 const SMOOTHED: f64 = 2.0;
 
-/// Part of the thickness about the hit within which the local field is added.
+/// Thicknesses about the hit within which the local field is added, or contact radii where the contact is wider than the body is thick.
 const REACH: f64 = 4.0;
 
 /// Thicknesses between the hit and the nearest edge from which a box is a layer about it.
@@ -206,6 +206,11 @@ impl NearHit {
         self.stack.thickness()
     }
 
+    /// What the extent of the local field goes with: the thickness or, if that is larger, the largest contact radius, m.
+    pub fn width(&self) -> f64 {
+        self.thickness().max(self.largest)
+    }
+
     /// Radius of the disc of means, m: that of the body's own disc or more where cells are coarse, as far as there is room about the hit.
     pub fn smoothing(&self) -> f64 {
         let disc = self.hit.pressure.radius();
@@ -249,7 +254,7 @@ impl NearHit {
     /// What a point (m) lacks whose stresses are read as means of the sections', or as they are; `None` far away.
     pub fn at(&self, x: Vec3, is_smoothed: bool) -> Option<LocalPoint> {
         let radius = self.distance(x);
-        if radius > REACH * self.thickness() {
+        if radius > REACH * self.width() {
             return None;
         }
         let Hit { pressure, body, .. } = &self.hit;
@@ -272,7 +277,7 @@ impl NearHit {
                         Carrier::Layerwise { pressure, theory: theory.clone(), smoothing: None }
                     }
                 };
-                LocalField::new(self.stack.clone(), carrier, self.largest)
+                LocalField::within(REACH * self.width(), self.stack.clone(), carrier, self.largest)
             })
         };
         let depth = self.depth(x);

@@ -44,7 +44,7 @@ const SUPPORTS: [Support; 5] = [
     Support { name: "free", lines: "" },
     Support { name: "k = 1e8", lines: "kind = \"elastic\"\nstiffness = 1e8" },
     Support { name: "k = 1e9", lines: "kind = \"elastic\"\nstiffness = 1e9" },
-    Support { name: "sides held across", lines: "kind = \"clamped\"\ncomponents = [\"z\"]" },
+    Support { name: "sides simply supported", lines: "kind = \"clamped\"\ncomponents = [\"z\"]" },
     Support { name: "sides clamped", lines: "kind = \"clamped\"" },
 ];
 
