@@ -48,6 +48,14 @@ pub struct Outcome {
     pub stderr: String,
 }
 
+impl Outcome {
+    /// Standard error without the lines of progress, which come where a machine is slow.
+    pub fn told(&self) -> String {
+        let is_progress = |line: &&str| line.starts_with("step ") || line.ends_with(" so far)");
+        self.stderr.lines().filter(|line| !is_progress(line)).map(|line| format!("{line}\n")).collect()
+    }
+}
+
 /// The program in `folder`, on so many ranks under mpirun, or alone where `ranks` is 0.
 pub fn ricochet(folder: &Path, ranks: usize) -> Command {
     let program = env!("CARGO_BIN_EXE_ricochet");

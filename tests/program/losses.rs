@@ -131,7 +131,7 @@ fn a_figure_is_whole_or_not_there() {
     for name in ["new.png", "new.svg"] {
         let outcome = bash(folder.path(), &format!("trap '' XFSZ; ulimit -f 1; ricochet plot out.h5 -o {name}"));
         assert_eq!(outcome.status, Some(4), "{outcome:#?}");
-        assert_eq!(outcome.stderr.trim_end(), format!("error: {name}: File too large (os error 27)"), "{outcome:#?}");
+        assert_eq!(outcome.told().trim_end(), format!("error: {name}: File too large (os error 27)"), "{outcome:#?}");
     }
     let mut left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     left.sort();

@@ -172,7 +172,7 @@ fn a_terminal_shows_a_bar() {
     assert!(on_terminal.stdout.contains(" %, ") && on_terminal.stdout.contains('█'), "{on_terminal:#?}");
     assert!(is_complete(&folder.path().join("scene.h5")));
     let elsewhere = good(&folder, 0, "run scene.toml");
-    assert_eq!(elsewhere.stderr, "solid: 64 cells of order 1, 486 unknowns\n");
+    assert_eq!(elsewhere.told(), "solid: 64 cells of order 1, 486 unknowns\n");
 }
 
 fn a_reader_who_leaves_early_is_no_error() {
@@ -186,6 +186,6 @@ fn a_reader_who_leaves_early_is_no_error() {
         let outcome = run(Command::new("bash").args(["-c", &line]).current_dir(folder.path()));
         let expected = if arguments.contains("missing") { 4 } else { 0 };
         assert_eq!(outcome.status, Some(expected), "{outcome:#?}");
-        assert_eq!(outcome.stderr, told);
+        assert_eq!(outcome.told(), told);
     }
 }

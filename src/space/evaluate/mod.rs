@@ -70,8 +70,8 @@ pub trait PointEvaluator {
         None
     }
 
-    /// Coordinates along the axes on whose crossings the largest tension is looked for, m.
-    fn face_lines(&self) -> [Vec<f64>; 3];
+    /// Ends of the cells along the axes, ascending, m.
+    fn cell_lines(&self) -> [Vec<f64>; 3];
 
     /// Whether stresses on both faces are opposite.
     fn bends_alone(&self) -> bool;
@@ -132,7 +132,7 @@ impl Evaluator {
         let (faces, map) = match (&self.kind, scene.struck_axis()) {
             (Kind::Grid(points), Some(struck)) => {
                 let hit = (struck, scene.impactor.point);
-                let lines = points.face_lines();
+                let lines = points.cell_lines().map(|lines| divided(&lines, FACE_PIECES));
                 let grid = FaceGrid::of_box(hit, &lines, &self.mirrors);
                 let lower = -lines[struck].last().copied().unwrap_or_default().copysign(hit.1[struck]);
                 let at_lines = [0, 1].map(|i| &grid.lines[i][..]);
@@ -238,7 +238,7 @@ impl Evaluator {
     }
 
     fn is_smoothed(&self, points: &dyn PointEvaluator, x: Vec3) -> bool {
-        let half = points.face_lines().map(|lines| lines.last().copied().unwrap_or_default());
+        let half = points.cell_lines().map(|lines| lines.last().copied().unwrap_or_default());
         self.near.as_ref().is_some_and(|near| near.is_smoothed(x, half))
     }
 
@@ -282,6 +282,9 @@ pub(super) fn summed(mut form: Form) -> Form {
     form.retain(|(_, value)| *value != 0.0);
     form
 }
+
+/// Pieces of a cell's edge at whose ends the largest tension is looked for.
+const FACE_PIECES: usize = 2;
 
 /// Ends of cells, each once, and of so many equal pieces of each.
 pub(super) fn divided(breaks: &[f64], pieces: usize) -> Vec<f64> {

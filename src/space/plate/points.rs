@@ -19,9 +19,6 @@ use crate::stack::{Pressure, Sections};
 /// Hexahedra in a cell of splines along each axis, where fields are written: splines of degree 5 bend within a cell.
 const PIECES: usize = 3;
 
-/// Points in a cell along each axis at which the largest tension is looked for.
-const FACE_PIECES: usize = 2;
-
 /// A plate's discretisation, to be read anywhere in the modelled part.
 #[derive(Debug, Clone)]
 pub struct Points {
@@ -260,8 +257,8 @@ impl PointEvaluator for Points {
         Some(Hit { pressure, body: carrier, cell: Hit::cell(&self.lines_of_whole(), normal, point) })
     }
 
-    fn face_lines(&self) -> [Vec<f64>; 3] {
-        self.lines_of_whole().map(|lines| divided(&lines, FACE_PIECES))
+    fn cell_lines(&self) -> [Vec<f64>; 3] {
+        self.lines_of_whole()
     }
 
     fn bends_alone(&self) -> bool {

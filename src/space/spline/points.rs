@@ -18,9 +18,6 @@ use super::{DEGREE, inner, place as place_of};
 /// Hexahedra in a cell of splines along each axis, where fields are written.
 const PIECES: usize = 2;
 
-/// Points in a cell along each axis at which the largest tension is looked for.
-const FACE_PIECES: usize = 2;
-
 /// Points of fields at most, but for one at each crossing of lines.
 const MOST_POINTS: usize = 20_000;
 
@@ -150,8 +147,8 @@ impl PointEvaluator for Points {
         self.is_layer.then_some(Hit { pressure, body, cell })
     }
 
-    fn face_lines(&self) -> [Vec<f64>; 3] {
-        self.lines.each_ref().map(|lines| divided(lines, FACE_PIECES))
+    fn cell_lines(&self) -> [Vec<f64>; 3] {
+        self.lines.clone()
     }
 
     fn bends_alone(&self) -> bool {

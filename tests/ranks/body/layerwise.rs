@@ -67,7 +67,10 @@ fn solids_of_splines_agree(session: &Session) {
     println!("{first:e}, peaks {} {}", plate.peak(), solid.peak());
     assert!(plate.unknowns < solid.unknowns / 4);
     // Each is computed to 2e-2; finer ones differ by 4e-3.
-    assert!(first < 2.5e-2 && (plate.peak() / solid.peak() - 1.0).abs() < 1e-2, "{first:e}");
+    assert!(first < 2.5e-2 && (plate.peak() / solid.peak() - 1.0).abs() < 2e-2, "{first:e}");
+    // A solid of 25,636 unknowns, at a tolerance of 5e-3, which takes half a minute: the plate is at a tenth of its tolerance.
+    const FINE_SOLID: f64 = 231.62;
+    assert!((plate.peak() / FINE_SOLID - 1.0).abs() < 2e-3, "{}", plate.peak());
 }
 
 /// The largest tensions on all faces, Pa, and the steps.
