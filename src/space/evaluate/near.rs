@@ -17,14 +17,14 @@ const REACH: f64 = 4.0;
 /// Thicknesses between the hit and the nearest edge from which a box is a layer about it.
 const LEAST_ROOM: f64 = 1.0;
 
-/// Cells in the radius of the disc of means at least: with as many the mean under a force at rest is good to 0.3%, on the coarsest plates of
-/// a tolerance of 1e-2; with two it is 1.1% low. With four and more the disc is so wide that the plate's own motion within it counts.
+/// Cells in the radius of the disc of means at least: with as many the mean under a force at rest is good to 0.1%, on the coarsest plates of
+/// a tolerance of 1e-2. With four and more the disc is so wide that the plate's own motion within it counts.
 const CELLS: f64 = 3.0;
 
-/// Estimated error of a tension under the hit by such a mean. With [`CELLS`] cells in the radius this was measured under a force at rest, and
-/// with fewer the power of their size that gives 1.1% with two.
-const OF_MEAN: f64 = 3e-3;
-const ORDER_OF_MEAN: f64 = 3.2;
+/// Estimated error of a tension under the hit by such a mean. With [`CELLS`] cells in the radius this was measured under a force at rest. With
+/// fewer, where there is no room for more, it is taken to grow to 1.1% with two, which was measured with a coarser quadrature.
+const OF_MEAN: f64 = 1e-3;
+const ORDER_OF_MEAN: f64 = 5.9;
 
 /// The same over the square of the disc's radius over that of the body's own disc: the plate's own motion within it. Fitted to plates of
 /// which the disc of means is 2 to 2.7 times as wide as their own.
