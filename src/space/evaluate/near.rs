@@ -22,9 +22,10 @@ const LEAST_ROOM: f64 = 1.0;
 const CELLS: f64 = 3.0;
 
 /// Estimated error of a tension under the hit by such a mean. With [`CELLS`] cells in the radius this was measured under a force at rest. With
-/// fewer, where there is no room for more, it is taken to grow to 1.1% with two, which was measured with a coarser quadrature.
+/// fewer, where there is no room for more, it grows by the power of their size that was measured there with a coarser quadrature (0.3% with three
+/// cells, 1.1% with two).
 const OF_MEAN: f64 = 1e-3;
-const ORDER_OF_MEAN: f64 = 5.9;
+const ORDER_OF_MEAN: f64 = 3.2;
 
 /// The same over the square of the disc's radius over that of the body's own disc: the plate's own motion within it. Fitted to plates of
 /// which the disc of means is 2 to 2.7 times as wide as their own.
