@@ -11,34 +11,34 @@
 //! orthogonal to all others twice, and K itself is projected.
 //!
 //! Where a part of the body relaxes, S = K + G̃(s) D + sC + s²M has its modulus at the rate s, and D is projected beside K: a body that differs
-//! in its chain alone is one on the same basis.
+//! in its chain alone is one on the same basis. What it does at once and after it has relaxed differs in shape. So vectors are made by turns
+//! at a few rates, each with its own modulus: a rational Krylov space (A. Ruhe, Linear Algebra Appl. 58, 1984; multi-point moment matching,
+//! E. Grimme, Ph.D. thesis, Univ. of Illinois, 1997), in which the transform of the motion is exact at each of the rates.
 //!
 //! A contact that is short beside the body's slow motions makes bases that lack these: of a body that nothing holds the first vector is the
 //! translation, which K maps to nothing.
 
 use nalgebra::{DMatrix, DVector};
-use petsc_wrap::{Ksp, Matrix, Vector};
+use petsc_wrap::{Matrix, Vector};
 
-use super::direct::Direct;
 use super::gram::{forms, forms_on};
 use super::lanczos::{self, Lanczos};
+use super::shift::{Shift, Solver, Source};
 use super::{Body, ProjectedRelaxation, Projection, Start};
 use crate::error::Result;
 use crate::scene::Fault;
-use crate::solve::Method;
 
 /// A new vector shorter than this part of what it was before it was made orthogonal adds nothing but rounding.
 const EXHAUSTED: f64 = 1e-10;
 
 /// A basis that grows, and the body on it.
 pub struct Krylov {
-    /// s, 1/s.
-    shift: f64,
-    solver: Solver,
+    /// The rates at which vectors are made, each with its solver: the first is the body's own; of a body that relaxes there are more.
+    shifts: Vec<Shift>,
     /// The same vectors as dense matrices, where Lanczos' recurrence makes them.
     lanczos: Option<Lanczos>,
     basis: Vec<Vector>,
-    /// p, with dampers.
+    /// p, with dampers, for the first shift.
     auxiliary: Vec<Vector>,
     /// The projected operators, of the first vectors: K of the body, K of the supports, C.
     projected: [DMatrix<f64>; 3],
@@ -46,10 +46,10 @@ pub struct Krylov {
     distortions: Vec<DMatrix<f64>>,
     work: [Vector; 2],
     /// All grow by turns.
-    chains: Vec<Chain>,
+    sources: Vec<Source>,
     /// Whose turn it is.
     turn: usize,
-    /// Whose it was last of those that do not begin with a.
+    /// Whose it was last of those that are not a.
     other: usize,
     /// Whether the first vector is the translation of a body that nothing holds.
     has_translation: bool,
@@ -57,45 +57,10 @@ pub struct Krylov {
     leaves_short_waves: bool,
 }
 
-/// Solves S x = b.
-enum Solver {
-    Small(Direct),
-    Distributed(Ksp),
-}
-
-impl Solver {
-    fn new(body: &Body, shift: f64) -> Result<Self> {
-        // Every rank has all of a body of numbers.
-        Ok(match (body.method, &body.nodes) {
-            (Method::Cholesky, None) => Self::Small(Direct::new(body, shift)?),
-            _ => Self::Distributed(body.solver(&body.operator_at_rate(shift)?)?),
-        })
-    }
-
-    fn solve(&mut self, b: &Vector, x: &mut Vector) -> Result<()> {
-        match self {
-            Self::Small(factor) => factor.solve(b, x),
-            Self::Distributed(solver) => Ok(solver.solve(b, x)?),
-        }
-    }
-}
-
 /// Vectors from which on the first of the two passes that make a new vector orthogonal takes the last two vectors only, where the operator
 /// is symmetric: its three-term recurrence ties the new vector to these two, and the second pass, to all, corrects what rounding leaves
 /// (B. N. Parlett, The Symmetric Eigenvalue Problem, 1980, 13.7). Short bases keep all digits at no cost.
 const LONG: usize = 256;
-
-/// What grows from one vector.
-struct Chain {
-    /// What it begins with: a, or the loads.
-    start: Vector,
-    /// Its last vector's number, where it has one.
-    last: Option<usize>,
-    /// M times that vector.
-    image: Vector,
-    /// Whether nothing new comes of it.
-    exhausted: bool,
-}
 
 impl Krylov {
     /// Factorises S. Collective.
@@ -121,13 +86,13 @@ impl Krylov {
             start.copy_from(pushed)?;
             starts.push(start);
         }
-        let mut chains = Vec::new();
+        let shifts = Shift::all(body, shift)?;
+        let mut sources = Vec::new();
         for mut start in starts {
             body.clamps.zero(&mut start)?;
-            let exhausted = start.norm_max()? == 0.0;
-            chains.push(Chain { image: start.duplicate()?, start, last: None, exhausted });
+            sources.push(Source::new(start, shifts.len())?);
         }
-        if chains[0].exhausted {
+        if sources[0].is_exhausted() {
             let message = "the body is held where it is hit, along the impact: it does not move there".to_owned();
             return Err(Fault::new("impactor.point", message, "`model = \"half-space\"`, or another point").into());
         }
@@ -149,22 +114,21 @@ impl Krylov {
                 basis.push(first);
             }
         }
-        let is_alone = chains.len() == 1;
-        let solver = Solver::new(body, shift)?;
+        let is_alone = sources.len() == 1;
         let is_undamped = body.damping.is_none() && body.relaxations.is_empty();
-        let is_recurrent = in_blocks && matches!(solver, Solver::Small(_)) && is_undamped && is_alone && rest.is_none();
-        let recurrence = || Lanczos::new(body, &chains[0].start, basis.first());
+        let is_recurrent =
+            in_blocks && matches!(shifts[0].solver, Solver::Small(_)) && is_undamped && is_alone && rest.is_none();
+        let recurrence = || Lanczos::new(body, &sources[0].start, basis.first());
         let lanczos = is_recurrent.then(recurrence).transpose()?;
         Ok(Self {
-            shift,
-            solver,
+            shifts,
             lanczos,
             basis,
             auxiliary,
             projected: std::array::from_fn(|_| DMatrix::zeros(0, 0)),
             distortions: vec![DMatrix::zeros(0, 0); body.relaxations.len()],
             work: [body.load.duplicate()?, body.load.duplicate()?],
-            chains,
+            sources,
             turn: 0,
             other: 0,
             has_translation,
@@ -185,7 +149,7 @@ impl Krylov {
 
     /// Whether the basis holds all that the force can reach, to rounding.
     pub fn is_exhausted(&self) -> bool {
-        self.lanczos.as_ref().map_or_else(|| self.chains.iter().all(|chain| chain.exhausted), Lanczos::is_exhausted)
+        self.lanczos.as_ref().map_or_else(|| self.sources.iter().all(Source::is_exhausted), Lanczos::is_exhausted)
     }
 
     /// Adds vectors up to a number. Collective.
@@ -193,7 +157,7 @@ impl Krylov {
     /// # Errors
     /// PETSc's.
     pub fn grow(&mut self, body: &Body, vectors: usize) -> Result<()> {
-        if let (Some(lanczos), Solver::Small(factor)) = (&mut self.lanczos, &self.solver) {
+        if let (Some(lanczos), Solver::Small(factor)) = (&mut self.lanczos, &self.shifts[0].solver) {
             lanczos.grow(&lanczos::Solver { factor, exhausted: EXHAUSTED }, vectors);
             for number in self.basis.len()..lanczos.vectors().count() {
                 let mut vector = body.load.duplicate()?;
@@ -209,15 +173,20 @@ impl Krylov {
     }
 
     fn add(&mut self, body: &Body) -> Result<()> {
-        let Self {
-            shift, solver, basis, auxiliary, work: [known, product], chains, turn, other, has_translation, ..
-        } = self;
+        let Self { shifts, basis, auxiliary, work: [known, product], sources, turn, other, has_translation, .. } = self;
         // A recurrence of three terms knows no other vectors.
-        let is_alone = chains.len() == 1 && body.equilibrium.is_none() && !*has_translation;
-        while chains[*turn].exhausted {
-            *turn = (*turn + 1) % chains.len();
+        let is_alone = sources.len() == 1 && shifts.len() == 1 && body.equilibrium.is_none() && !*has_translation;
+        while sources[*turn].is_exhausted() {
+            *turn = (*turn + 1) % sources.len();
         }
-        let chain = &mut chains[*turn];
+        let count = sources.len();
+        let Source { start, chains, turn: own } = &mut sources[*turn];
+        while chains[*own].exhausted {
+            *own = (*own + 1) % chains.len();
+        }
+        let (first, Shift { rate, solver }) = (shifts[0].rate, &mut shifts[*own]);
+        let rate = *rate;
+        let chain = &mut chains[*own];
         let is_first = chain.last.is_none();
         let mut next = body.load.duplicate()?;
         let mut companion = body.damping.is_some().then(|| body.load.duplicate()).transpose()?;
@@ -225,7 +194,8 @@ impl Krylov {
             let last = &basis[number];
             known.copy_from(&chain.image)?;
             if let Some(damping) = &body.damping {
-                known.scale(2.0 * *shift)?;
+                // p of a vector at this shift is that at the first one and the difference of both times q.
+                known.scale(rate + first)?;
                 damping.mult(last, product)?;
                 known.axpy(1.0, product)?;
                 body.apply_mass(&auxiliary[number], product)?;
@@ -239,10 +209,13 @@ impl Krylov {
             }
         }
         if is_first {
-            solver.solve(&chain.start, &mut next)?;
+            solver.solve(start, &mut next)?;
             if let Some(companion) = &mut companion {
                 companion.fill(0.0)?;
             }
+        }
+        if let Some(companion) = companion.as_mut().filter(|_| rate != first) {
+            companion.axpy(rate - first, &next)?;
         }
         let is_tied = body.damping.is_none() && is_alone && basis.len() >= LONG;
         // M-norms before and after, the latter by Pythagoras' theorem from that before the second, small correction.
@@ -276,8 +249,9 @@ impl Krylov {
         }
         chain.last = Some(basis.len());
         // Every second vector is a's; the other chains share the rest.
-        *turn = if *turn == 0 && chains.len() > 1 {
-            *other = 1 + *other % (chains.len() - 1);
+        *own = (*own + 1) % chains.len();
+        *turn = if *turn == 0 && count > 1 {
+            *other = 1 + *other % (count - 1);
             *other
         } else {
             0
@@ -296,7 +270,7 @@ impl Krylov {
             Elastic,
             Of(&'a Matrix),
         }
-        let Self { solver, basis, projected, distortions, has_translation, lanczos, .. } = self;
+        let Self { shifts, basis, projected, distortions, has_translation, lanczos, .. } = self;
         if let Some(lanczos) = lanczos {
             *projected = lanczos.project(projected);
             let [elastic, ..] = projected;
@@ -314,7 +288,7 @@ impl Krylov {
             let first = known.nrows();
             *known = std::mem::replace(known, DMatrix::zeros(0, 0)).resize(count, count, 0.0);
             let Some(operator) = operator else { continue };
-            let at_once = match (&operator, &*solver) {
+            let at_once = match (&operator, &shifts[0].solver) {
                 (Operator::Elastic, Solver::Small(factor)) => factor.elastic_forms(basis, first)?,
                 _ => None,
             };
@@ -364,7 +338,7 @@ impl Krylov {
             hit_local: body.hit_local,
             elastic: elastic.clone(),
             relaxations: relaxing.collect(),
-            rate: self.shift,
+            rate: self.shifts[0].rate,
             support: support.clone(),
             damping: body.damping.is_some().then(|| damping.clone()),
             force: along(&body.localization.vector)?,

@@ -22,6 +22,7 @@ mod rational_eigen;
 mod relaxation;
 mod relaxing_modes;
 mod shapes;
+mod shift;
 mod short_waves;
 mod spectrum;
 mod start;

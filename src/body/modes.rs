@@ -94,6 +94,10 @@ const DEEPEST: f64 = 1.0;
 /// The part of a mode's stiffness that unilateral foundations may have where it is left out: where these let go, it is slower.
 const OF_FOUNDATION: f64 = 0.01;
 
+/// The part of a layer's modulus in the modes that may relax where modes are left out. (A laminate whose interlayer falls to a thousandth was
+/// off by 2% of the peak with the modes left out that the steps do not resolve, and by 0.2% with all.)
+const RELAXING: f64 = 0.1;
+
 /// That loads move a body that nothing holds.
 pub(crate) fn no_equilibrium() -> Error {
     let message = "there is no equilibrium: the loads move the body in a direction in which nothing holds it";
@@ -169,6 +173,8 @@ pub struct Spectrum {
     support: DMatrix<f64>,
     damping: Option<DMatrix<f64>>,
     relaxations: Vec<ModalRelaxation>,
+    /// Whether a modulus falls by so much that modes which are left out would be other springs later.
+    relaxes: bool,
     support_offset: f64,
     /// The vibrations on the basis, by columns.
     vectors: DMatrix<f64>,
@@ -210,6 +216,10 @@ impl Spectrum {
             support: semidefinite_factor(&projection.support) * &vectors,
             damping: projection.damping.as_ref().map(on),
             relaxations: of_relaxations.collect(),
+            relaxes: projection.relaxations.iter().any(|part| {
+                let chain = &part.chain;
+                chain.transformed_terms(projection.rate) > RELAXING * chain.transformed(projection.rate)
+            }),
             support_offset: projection.support_offset,
             foundation,
             vectors,
@@ -250,7 +260,9 @@ impl Spectrum {
         // What nothing holds has no static answer.
         let free = self.squares.iter().filter(|square| **square <= ROUNDING * self.squares.max()).count();
         let kept = self.short_waves.as_ref().map_or(self.squares.len(), |waves| waves.kept);
-        let count = self.slower_than(cutoff, closed).min(kept).max(free).max(self.stiffened);
+        // A mode that is left out as a spring has its modulus for good: of what relaxes none is left out.
+        let slower = if self.relaxes { self.squares.len() } else { self.slower_than(cutoff, closed) };
+        let count = slower.min(kept).max(free).max(self.stiffened);
         let left = self.force.iter().zip(&self.squares).skip(count);
         let residual = left.map(|(force, square)| force * force / square).sum();
         let most_damped = self.damping.as_ref().map_or(0.0, |d| d.amax());

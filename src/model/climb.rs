@@ -10,7 +10,9 @@ use petsc_wrap::Comm;
 
 use crate::contact::{hertz, zener};
 use crate::error::{Error, Result};
+use crate::form::Lame;
 use crate::impact::{Cause, Errors};
+use crate::material::Material;
 use crate::scene::{
     Contact, Geometry, Impactor, Load, Model as Theory, Newton, Scene, Scheme, Support, SupportKind, faces,
 };
@@ -134,7 +136,7 @@ fn slender(scene: &Scene) -> std::result::Result<(), String> {
 }
 
 /// How much supports of the face that is hit, or of the one opposite, press the thickness together: by the part p h/E of what a support
-/// yields by, p/k, or k h/E, at most. Both plate theories leave that out, so that their difference does not tell. Of a damper k is
+/// yields by, p/k, or k h/E, at most; of layers by the sum of what each gives way. Both plate theories leave that out, so that their difference does not tell. Of a damper k is
 /// c π/T, T the contact time on a half-space.
 fn pressing(scene: &Scene, support: &Support) -> f64 {
     let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return 0.0 };
@@ -147,7 +149,18 @@ fn pressing(scene: &Scene, support: &Support) -> f64 {
     };
     let Impactor { stiffness: of_contact, mass, speed, .. } = scene.impactor;
     let damping = support.damping[axis] * PI / hertz::contact_time(of_contact, mass, speed);
-    (stiffness + damping) * size[axis] / scene.body.struck().young
+    let composition = &scene.body.composition;
+    let compliance = match composition.uniform() {
+        Some(material) => size[axis] / material.young,
+        None => composition.across(axis, size[axis]).into_iter().map(confined).sum(),
+    };
+    (stiffness + damping) * compliance
+}
+
+/// What a layer that is held along its faces gives way across them, h/(K + 4G/3), G after all relaxation, m³/N.
+fn confined((thickness, material): (f64, Material)) -> f64 {
+    let Lame { lambda, mu } = material.relaxed();
+    thickness / (lambda + 2.0 * mu)
 }
 
 /// Whether no support presses the thickness together by more than a part of the tolerance.

@@ -73,6 +73,16 @@ impl Composition {
         self.materials().iter().any(|material| material.shear.is_some())
     }
 
+    /// What lies across the body along an axis, over a length (m), each with its own length: the layers across z, else what is hit.
+    pub fn across(&self, axis: usize, length: f64) -> Vec<(f64, Material)> {
+        match &self.parts {
+            Parts::Layers(layers) if axis == 2 => {
+                layers.iter().map(|layer| (layer.thickness, layer.material.clone())).collect()
+            }
+            _ => vec![(length, Material::elastic(self.struck))],
+        }
+    }
+
     /// The same with the elastic constants that its materials have a time (s) after a step of the strain.
     #[must_use]
     pub fn elastic_at(&self, time: f64) -> Self {

@@ -20,6 +20,7 @@ use crate::description::{Part, Place};
 use crate::error::Result;
 use crate::form::SurfaceElement;
 
+pub use plate::OF_CONTACT;
 pub use terms::SurfaceTerms;
 
 /// Takes the values of an element with the global numbers of its unknowns: n values of a vector, or n² of a matrix by rows.

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::contact::zener;
 use crate::form::plate::Section;
+use crate::material::Material;
 use crate::scene::{Geometry, Impactor, Scene};
 
 use super::geometry::PlateGeometry;
@@ -80,11 +81,15 @@ pub(in crate::space) fn wavelength(section: &Section, period: f64) -> f64 {
     TAU / wavenumber.sqrt()
 }
 
-/// The time in which a shear wave crosses the thickness of a box, over that of a contact on a half-space; infinite for a mesh file.
+/// The time in which a shear wave crosses the thickness of a box, all its layers with their moduli at t → 0, over that of a contact on a half-space; infinite for a mesh file.
 pub fn crossing(scene: &Scene) -> f64 {
     let (body, impactor) = (&scene.body, &scene.impactor);
     let (Geometry::Box { size, .. }, Some(axis)) = (&body.geometry, scene.struck_axis()) else { return f64::INFINITY };
-    let struck = body.struck();
-    let speed = (0.5 * struck.young / (1.0 + struck.poisson) / struck.density).sqrt();
-    size[axis] / speed / impactor.contact_time()
+    let through = |(thickness, material): (f64, Material)| {
+        let constants = material.instantaneous;
+        let speed = (0.5 * constants.young / (1.0 + constants.poisson) / constants.density).sqrt();
+        thickness / speed
+    };
+    let all: f64 = body.composition.across(axis, size[axis]).into_iter().map(through).sum();
+    all / impactor.contact_time()
 }

@@ -12,8 +12,8 @@ mod layer;
 mod patch;
 mod points;
 
-use super::SurfaceTerms;
 use super::grid::GridSpace;
+use super::{OF_CONTACT, SurfaceTerms};
 use crate::body::System;
 use crate::description::{Description, Part, Portion};
 use crate::error::Result;
@@ -100,7 +100,7 @@ impl SplineSolid {
             (tensor.matrix(&forms), chain.clone())
         };
         let relaxations = description.relaxations().into_iter().map(relaxation).collect();
-        let points = Points::new(tensor, lines, parts, (&geometry, &patch));
+        let points = Points::new(tensor, lines, parts, (&geometry, &patch), OF_CONTACT * scene.impactor.contact_time());
         let terms = SurfaceTerms::new(&GridSpace { field: &points, mirrors: &geometry.mirrors }, &description)?;
         let copies = geometry.copies();
         let system = System {

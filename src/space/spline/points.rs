@@ -53,15 +53,17 @@ pub struct Points {
 }
 
 impl Points {
+    /// Layers that relax have the modulus of a time (s) in the local field of the contact.
     pub(super) fn new(
         tensor: Tensor<3>,
         lines: [Vec<f64>; 3],
         parts: &[BodyPart],
         (geometry, patch): (&BoxGeometry, &PatchModel),
+        time: f64,
     ) -> Self {
         let stack = match geometry.interfaces.len() {
             0 => None,
-            _ => stack(parts, geometry),
+            _ => stack(parts, geometry, time),
         };
         Self {
             stack,
@@ -84,10 +86,10 @@ impl Points {
     }
 }
 
-/// The layers of a box from the hit down, as they are at t → 0.
-fn stack(parts: &[BodyPart], geometry: &BoxGeometry) -> Option<Stack> {
+/// The layers of a box from the hit down, as they are a time (s) after a step of the strain.
+fn stack(parts: &[BodyPart], geometry: &BoxGeometry, time: f64) -> Option<Stack> {
     let layer = |(part, ends): (&BodyPart, &[f64])| {
-        let Material { young, poisson, .. } = part.material.instantaneous;
+        let Material { young, poisson, .. } = part.material.at(time);
         Layer { thickness: ends[1] - ends[0], young, poisson }
     };
     let mut layers: Vec<Layer> = parts.iter().zip(geometry.interfaces.windows(2)).map(layer).collect();

@@ -96,6 +96,11 @@ impl Family {
         };
         let mut of_basis = ends[0].error.max(ends[1].error);
         let mut merged = merge(&pool)?;
+        // Local constants are those of the first end: where the other one asks for others, each body has its own.
+        let of_last = off(&merged, values[last], &ends[1])?;
+        if of_last.of(ends[1].scene.measure) > OF_BASIS * ends[1].scene.tolerance {
+            return Ok(None);
+        }
         let (mut open, mut errors, mut made) = (vec![(0, last)], Vec::new(), 2);
         while let Some((from, to)) = open.pop() {
             if to - from < 2 {

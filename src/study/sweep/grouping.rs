@@ -80,7 +80,7 @@ impl Grouping {
             self.line.get_or_insert((property, Vec::new())).1.push(value);
         }
         if let Some((property, value)) = on_line.filter(differ) {
-            let line = self.lines.get_or_insert_with(BodyOf::new(&without(scene, property)), BTreeMap::new);
+            let line = self.lines.get_or_insert_with(without(scene, property), BTreeMap::new);
             harder(line.entry(Ordered(value)).or_insert(member));
         }
         harder(self.families.get_or_insert_with(BodyOf::new(scene), || member));
@@ -96,7 +96,7 @@ impl Grouping {
     /// The line that a member is on, and where.
     pub fn line_of(&self, index: usize, scene: &Scene) -> Option<Line> {
         let (property, values) = self.line.as_ref()?;
-        let body = BodyOf::new(&without(scene, *property));
+        let body = without(scene, *property);
         let count = self.lines.get(&body)?.len();
         Some(Line { body, value: values[index], count })
     }
@@ -136,11 +136,11 @@ impl Grouping {
     }
 }
 
-/// A scene without a property. What relaxes, no body is told apart by ([`BodyOf`]).
-fn without(scene: &Scene, property: Property) -> Scene {
+/// A scene's body without a property.
+fn without(scene: &Scene, property: Property) -> BodyOf {
     let mut scene = scene.clone();
     match property {
-        Property::Relaxation => {}
+        Property::Relaxation => return BodyOf::of_relaxations(&scene),
         Property::Damping(support) => {
             if let Some(support) = scene.supports.get_mut(support) {
                 support.damping = [0.0; 3];
@@ -153,7 +153,7 @@ fn without(scene: &Scene, property: Property) -> Scene {
             }
         }
     }
-    scene
+    BodyOf::new(&scene)
 }
 
 /// A finite value in its order.
