@@ -10,19 +10,21 @@ use petsc_wrap::Vector;
 
 use super::eigen::symmetric_eigen;
 use super::gram::forms_on;
+use super::shift::SLOWEST;
 use super::{Body, ProjectedRelaxation, Projection, Relaxation};
 use crate::error::Result;
 
 /// Of the depth of a basis, that of the larger one that judges it.
 const LARGER: f64 = 0.1;
 
-/// The vibrations on a basis of a body, each scaled by its weight: 1 well below a frequency (rad/s), falling with its square above.
+/// The vibrations on a basis of a body, each scaled by its weight: 1 well below a frequency (rad/s), falling with its square above. What
+/// relaxes has its modulus at the lowest rate of the basis, by which no vibration is too fast to count that is slow later.
 /// Collective.
 ///
 /// # Errors
 /// PETSc's.
 pub fn snapshots(body: &Body, basis: &[Vector], projection: &Projection, frequency: f64) -> Result<Vec<Vector>> {
-    let (squares, shapes) = symmetric_eigen(projection.stiffness_at_rate());
+    let (squares, shapes) = symmetric_eigen(projection.stiffness_at(SLOWEST * projection.rate));
     let mut vectors = Vec::new();
     for (square, shape) in squares.iter().zip(shapes.column_iter()) {
         let weight = 1.0 / (1.0 + square.max(0.0) / (frequency * frequency));

@@ -78,9 +78,14 @@ impl Projection {
 
     /// K + G̃(s) D at the rate of the basis, supports included, 1/s².
     pub fn stiffness_at_rate(&self) -> DMatrix<f64> {
+        self.stiffness_at(self.rate)
+    }
+
+    /// The same at any rate, 1/s.
+    pub fn stiffness_at(&self, rate: f64) -> DMatrix<f64> {
         let elastic = &self.elastic + &self.support;
         let relaxing = self.relaxations.iter();
-        relaxing.fold(elastic, |sum, part| sum + &part.distortion * part.chain.transformed_terms(self.rate))
+        relaxing.fold(elastic, |sum, part| sum + &part.distortion * part.chain.transformed_terms(rate))
     }
 
     /// The body whose relaxing parts have other chains, in their order, the same otherwise.
