@@ -29,7 +29,7 @@ const ORDER_OF_MEAN: f64 = 3.2;
 
 /// The same over the square of the disc's radius over that of the body's own disc: the plate's own motion within it. Fitted to plates of
 /// which the disc of means is 2 to 2.7 times as wide as their own.
-const OF_WIDE_MEAN: f64 = 7e-4;
+const OF_WIDE_MEAN: f64 = 8e-4;
 
 /// Contact radii over the thickness for which tables are made at least: members of a sweep share them.
 const LEAST_TABLE: f64 = 0.4;
