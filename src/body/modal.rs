@@ -61,6 +61,14 @@ impl ModalBody {
         }
     }
 
+    /// The frequency up to which modes move in chosen steps over that which these resolve.
+    pub fn faster(&self) -> f64 {
+        match &self.source {
+            Source::Given(_) => 1.0,
+            Source::Spectrum(spectrum) => spectrum.faster(),
+        }
+    }
+
     /// The modes up to a frequency (rad/s) in contact, the others by their static answer.
     ///
     /// # Errors

@@ -232,7 +232,9 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let Law { force_law, compliance, .. } = &parameters.law;
         let tangent = force_law.steepest(force_law.indentation(steps.peak));
         let closed = Closed { tangent, compliance: *compliance, mass: parameters.mass };
-        let modes = self.body.borrow().modes(RESOLVED / steps.largest, &closed)?;
+        let body: &ModalBody = self.body.borrow();
+        let faster = if steps.defect.is_some() { body.faster() } else { 1.0 };
+        let modes = body.modes(faster * RESOLVED / steps.largest, &closed)?;
         // The springs of the modes left out are in the law.
         let law = Law { compliance: compliance - modes.residual, ..parameters.law.clone() };
         let ImpactParameters { mass, speed, gap, weight, .. } = parameters;
