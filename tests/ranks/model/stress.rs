@@ -61,8 +61,10 @@ fn largest(comm: &Comm, scene: &Scene) -> LargestTension {
 }
 
 /// Within half of a per cent at a tolerance of 1e-3; at 1e-2, where the force is off by up to 0.8%, within 1.4%. Without the local field it is
-/// −11% to −21% by plates and +14% by splines. The estimate is no less than what it is off by.
+/// −11% to −21% by plates and +14% by splines. The estimate is no less than what it is off by, but for what the references leave: under the
+/// pressure over h/4, solids of orders 3 and 4, on meshes made apart, have 73.4 and 73.2 MPa on the second plate.
 fn plates_and_splines_have_the_tension_of_solids(session: &Session) {
+    const OF_REFERENCES: f64 = 2e-3;
     let comm = session.world();
     for (plate, [_, exact]) in PLATES {
         for (theory, tolerance) in [("mindlin", 1e-2), ("mindlin", 1e-3), ("solid", 1e-2)] {
@@ -77,7 +79,7 @@ fn plates_and_splines_have_the_tension_of_solids(session: &Session) {
                 found.value, found.error_estimate
             );
             assert!(error.abs() < if tolerance < 5e-3 { 5e-3 } else { 1.4e-2 }, "{theory} {tolerance:e}: {error:+.2e}");
-            assert!(error.abs() < found.error_estimate, "{theory} {tolerance:e}: {found:?}");
+            assert!(error.abs() < found.error_estimate + OF_REFERENCES, "{theory} {tolerance:e}: {found:?}");
         }
     }
     // A radius that is given is that of the pressure.
