@@ -254,7 +254,8 @@ fn layers_that_relax_alike_are_those_of_the_member() {
     for (shear, peak) in ["1e5", "3e7"].into_iter().zip(&peaks) {
         good(&folder, 0, &format!("run scene.toml --set material.a.shear={shear} -o run.h5"));
         let own = column(&file(&folder, "run.h5"), "contact/force").into_iter().fold(0.0, f64::max);
-        assert!((peak / own - 1.0).abs() < 1e-3, "{shear} Pa: {peak} {own}");
+        // A fifth of the tolerance, by other cells and vectors; with another member's pairing of layers it was 8% and more.
+        assert!((peak / own - 1.0).abs() < 1e-2, "{shear} Pa: {peak} {own}");
     }
 }
 
