@@ -15,7 +15,13 @@ fn main() {
         Ok(cli) => cli,
         // Every rank gets the same words: one of them answers.
         Err(error) if cli::is_root_by_environment() => error.exit(),
-        Err(error) => exit(error.exit_code()),
+        Err(error) => {
+            // Help, too, comes as an error, for which nobody waits.
+            if error.exit_code() != 0 {
+                let_root_tell();
+            }
+            exit(error.exit_code())
+        }
     };
     terminal::set_verbosity(match (cli.quiet, cli.verbose) {
         (true, _) => Verbosity::Quiet,
@@ -75,6 +81,12 @@ fn under_petsc(options: &[String], work: impl FnOnce(&Session) -> Result<i32, Er
     }
 }
 
+/// Waits for rank 0, which tells the error: mpirun ends all ranks when the first has gone, on a busy machine before the others have said
+/// anything.
+fn let_root_tell() {
+    std::thread::sleep(Duration::from_secs(2));
+}
+
 /// Leaves the program. An error that all ranks share is told by one of them, and all end in order; an error of one rank
 /// is told by it, and it ends the others.
 fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
@@ -97,8 +109,7 @@ fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
                 session.leave(status);
             }
             if !root {
-                // Where rank 0 has the error as well, its message is the one, also on a busy machine.
-                std::thread::sleep(Duration::from_secs(2));
+                let_root_tell();
             }
             tell(format_args!("{}", report.trim_end()));
             session.abort(status);
@@ -106,11 +117,12 @@ fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
         session => {
             if root {
                 tell(format_args!("{}", report.trim_end()));
+            } else if session.is_none() {
+                let_root_tell();
             }
             if let (Some(session), Error::Unwritten(_)) = (&session, &error) {
                 if !root {
-                    // mpirun ends all when the first has gone, which is to be the one that tells why.
-                    std::thread::sleep(Duration::from_secs(2));
+                    let_root_tell();
                 }
                 // After a failed write HDF5 crashes in its handler at exit, and so in MPI's end.
                 session.leave(status);

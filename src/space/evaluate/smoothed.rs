@@ -37,7 +37,7 @@ pub(super) fn smoothed(
         }
         // Of a corner one quadrant stands for all.
         let from = if is_corner { 0.0 } else { centre[axis] - radius };
-        pressed_cells(&lines, (from, centre[axis] + radius))
+        rule_by_cells(&lines, (from, centre[axis] + radius))
     });
     let mut sums: [Vec<f64>; 6] = std::array::from_fn(|_| vec![0.0; points.unknowns()]);
     for ((x, along_x), (y, along_y)) in first.iter().flat_map(|x| second.iter().map(move |y| (x, y))) {
@@ -77,7 +77,7 @@ fn density(spread: &Spread, square: f64) -> f64 {
 }
 
 /// Points with weights between two ends, by Gauss's rule on each cell between lines in any order, m.
-fn pressed_cells(lines: &[f64], (from, to): (f64, f64)) -> Vec<(f64, f64)> {
+fn rule_by_cells(lines: &[f64], (from, to): (f64, f64)) -> Vec<(f64, f64)> {
     let mut ends: Vec<f64> = lines.iter().copied().filter(|x| from < *x && *x < to).collect();
     ends.extend([from, to]);
     ends.sort_by(f64::total_cmp);
@@ -95,13 +95,13 @@ mod tests {
     use super::*;
 
     /// The rule's weights sum to one, and the moments of r² and r⁴ vanish, as those of a point force do, on cells that the disc's edge cuts
-    /// anywhere: to what the weight's third derivative, which jumps there, leaves.
+    /// anywhere: to what the weight's second derivative, which jumps there, leaves.
     #[test]
     fn moments_of_the_weight() {
         let spread = Spread::new(0.0);
         let moment = |cells: f64, k: i32| -> f64 {
             let lines: Vec<f64> = (-8..=8).map(|i| f64::from(i) / cells).collect();
-            let rule = pressed_cells(&lines, (-1.0, 1.0));
+            let rule = rule_by_cells(&lines, (-1.0, 1.0));
             let each = rule.iter().flat_map(|(x, one)| rule.iter().map(move |(y, other)| (x * x + y * y, one * other)));
             each.filter(|(square, _)| *square < 1.0)
                 .map(|(square, weight)| weight * density(&spread, square) * square.powi(k))
