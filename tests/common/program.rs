@@ -35,8 +35,8 @@ localization = "point"
 newton = "full"
 "#;
 
-/// Longer than anything takes on a busy machine.
-pub const LIMIT: Duration = Duration::from_secs(60);
+/// Longer than anything takes on a machine with many times its load: only what hangs reaches it.
+pub const LIMIT: Duration = Duration::from_secs(300);
 
 /// How the program ended, and what it said.
 #[derive(Debug)]
