@@ -42,7 +42,11 @@ fn print_scene(report: &Report) {
         say(format_args!("{}", scene.title));
     }
     let geometry = match &scene.body.geometry {
-        Geometry::Box { size: [x, y, z], .. } => format!("box {x} × {y} × {z} m"),
+        Geometry::Box { size, .. } => {
+            // To the nanometre: a thickness may be a sum, with its rounding.
+            let [x, y, z] = size.map(|edge| (1e9 * edge).round() / 1e9);
+            format!("box {x} × {y} × {z} m")
+        }
         Geometry::Gmsh(path) => path.display().to_string(),
     };
     let mass = mass.map_or(String::new(), |mass| format!(", {mass:.4} kg"));
