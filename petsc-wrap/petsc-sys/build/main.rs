@@ -5,7 +5,6 @@
 
 mod bindings;
 mod functions;
-mod needed;
 mod petsc;
 
 use petsc::Petsc;
@@ -17,10 +16,7 @@ fn main() {
     }
     let petsc = Petsc::find().unwrap_or_else(|reason| fail(&reason));
     petsc.check_configuration();
-    let library = petsc.library();
-    let needed = std::env::join_paths(needed::in_order(&library)).unwrap_or_default();
-    println!("cargo::rustc-env=PETSC_LIBRARY={}", library.display());
-    println!("cargo::rustc-env=PETSC_NEEDED={}", needed.to_string_lossy());
+    println!("cargo::rustc-env=PETSC_LIBRARY={}", petsc.library().display());
     let mpi =
         build_probe_mpi::probe().unwrap_or_else(|reasons| fail(&format!("MPI was not found: {}", listed(&reasons))));
     bindings::generate(&petsc, &mpi.include_paths);

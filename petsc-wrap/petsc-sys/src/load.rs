@@ -3,27 +3,12 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
-use libloading::os::unix;
-
 use super::Library;
 
 /// PETSc's library as the build found it.
 const FILE: &str = env!("PETSC_LIBRARY");
 
-/// The libraries that it needs, each after those that it needs itself: a list as of PATH.
-const NEEDED: &str = env!("PETSC_NEEDED");
-
-/// The loader's flag for a library whose names are looked for in what it needs first, where the loader has one.
-#[cfg(target_env = "gnu")]
-const OWN_FIRST: i32 = libc::RTLD_DEEPBIND;
-#[cfg(not(target_env = "gnu"))]
-const OWN_FIRST: i32 = 0;
-
-struct Loaded {
-    petsc: Library,
-    /// Never read: dropped, they would be unloaded.
-    _needed: Vec<libloading::Library>,
-}
+struct Loaded(Library);
 
 // SAFETY: these are addresses of functions and of variables of PETSc's, the same for all threads as long as the process lives. What may be
 // called and read when, and on which thread, is PETSc's matter, as it is where its library is linked.
@@ -43,31 +28,16 @@ pub fn load() -> Result<&'static Library, String> {
         let built_with = Path::new(FILE);
         let has_gone = !built_with.exists();
         let file = if has_gone { Path::new(built_with.file_name().expect("the name of a file")) } else { built_with };
-        // One by one, each is bound among the few that it needs; together, each name of each is looked for in all of them. What has gone, or
-        // cannot stand alone, comes with PETSc.
-        let needed = std::env::split_paths(NEEDED).filter(|_| !has_gone);
-        // SAFETY: PETSc's library needs them: the loader would load them with it.
-        let needed = needed.filter_map(|needed| unsafe { open(&needed) }.ok()).collect();
-        // SAFETY: the library that the bindings were made for, or one of the same name and version, as the linker would take.
-        let petsc = unsafe { open(file).and_then(|library| Library::from_library(library)) };
-        petsc.map(|petsc| Loaded { petsc, _needed: needed }).map_err(|error| {
+        // (With all that it needs at once, in one scope: Fortran's MPI tells MPI_IN_PLACE by the address of a common block, of which each library has
+        // one, and the loader must take the same for all. Loaded one by one, or with RTLD_DEEPBIND, they start in half the time, and MUMPS crashes.)
+        // SAFETY: the library that the bindings were made for, or one of the same name and version, as the linker would take; it and those
+        // that it needs may be loaded at any time: what they do on the way is to set up themselves.
+        unsafe { Library::new(file) }.map(Loaded).map_err(|error| {
             let gone = if has_gone { format!(" (it has gone from {FILE})") } else { String::new() };
             format!("PETSc cannot be loaded: {error}{gone}")
         })
     });
-    loaded.as_ref().map(|loaded| &loaded.petsc).map_err(Clone::clone)
-}
-
-/// Opens a library.
-///
-/// # Safety
-/// As the library's own: what it does when it is loaded. (PETSc's, and those that it needs, set up themselves, which they may at any time.)
-unsafe fn open(file: &Path) -> Result<libloading::Library, libloading::Error> {
-    // Names are looked for in what the library needs before the program and its libraries. But whoever preloads a library, as a profiler of
-    // MPI, wants to be found first.
-    let own_first = if std::env::var_os("LD_PRELOAD").is_none() { OWN_FIRST } else { 0 };
-    // SAFETY: the caller's.
-    unsafe { unix::Library::open(Some(file), unix::RTLD_LAZY | unix::RTLD_LOCAL | own_first) }.map(Into::into)
+    loaded.as_ref().map(|loaded| &loaded.0).map_err(Clone::clone)
 }
 
 /// The library.
