@@ -69,7 +69,7 @@ fn solid(scene: &Scene, cell_size_factor: f64) -> (SplineSolid, Vec<f64>) {
 }
 
 /// Where one cell spans each layer, the tension is that of cells of two thirds of the size to 0.5%, and the layerwise plate's to 1%: by means of
-/// each layer's own sections. At a point of these cells it is far too high on the face beside the soft layer.
+/// each layer's own sections. At a point of these cells it is 11% too high on the face beside the soft layer.
 #[test]
 fn faces_beside_a_soft_layer_are_read_as_means() {
     let scene = scene("");
@@ -91,7 +91,7 @@ fn faces_beside_a_soft_layer_are_read_as_means() {
         assert!((tension / finer[i] - 1.0).abs() < 5e-3, "{found:?} {finer:?}");
         assert!((tension / plate[i] - 1.0).abs() < 1e-2, "{found:?} {plate:?}");
     }
-    assert!(at_point / finer[0] > 1.03, "{at_point} {finer:?}");
+    assert!(at_point / finer[0] > 1.08, "{at_point} {finer:?}");
 }
 
 /// A pane that is its own mirror image has the same tensions where it is hit from below, on points between layers too.

@@ -22,10 +22,8 @@ const OF_WAVE: f64 = 0.085;
 /// which larger cells, of which there is one too, do not show.
 const ONE_ACROSS: f64 = 1.5;
 
-/// Unknowns at most: each has about a thousand entries in the matrix. Layers may take more, since a mesh in the place of splines has no
-/// stresses on faces between them.
+/// Unknowns at most: each has about a thousand entries in the matrix.
 const MOST: f64 = 4e4;
-const MOST_OF_LAYERS: f64 = 5e4;
 
 /// The lines across each axis of the modelled part, for a place that is hit. Where splines would be smooth across the hit, its
 /// line stands twice: with one continuous derivative less they resolve it as those of a quarter, which end there.
@@ -59,8 +57,7 @@ pub(super) fn lines(
         if folds(axis) { 0.5 * all } else { all }
     };
     let unknowns = 3.0 * (0..3).map(functions).product::<f64>();
-    let most = if geometry.interfaces.is_empty() { MOST } else { MOST_OF_LAYERS };
-    if !(1.0..=most).contains(&unknowns) {
+    if !(1.0..=MOST).contains(&unknowns) {
         return Err(format!("it would take {unknowns:.0} unknowns"));
     }
     let lines: [Vec<f64>; 3] = std::array::from_fn(|axis| {
