@@ -47,6 +47,11 @@ pub fn joined(one: f64, other: f64) -> f64 {
     }
 }
 
+/// What a part leaves of a whole: joined, both are the whole. None where the part is larger.
+pub fn rest(whole: f64, part: f64) -> f64 {
+    (whole.powf(EXPONENT) - part.powf(EXPONENT)).max(0.0).powf(EXPONENT.recip())
+}
+
 /// Estimated errors, each over the peak of its quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Errors {

@@ -14,7 +14,7 @@ pub mod step;
 mod stepped;
 mod time_integration;
 
-pub use estimate::{Cause, ErrorEstimate, Errors, joined};
+pub use estimate::{Cause, ErrorEstimate, Errors, joined, rest};
 pub use modal::{ModalImpact, Steps, Trace};
 pub use observer::{Observer, Until};
 pub use parameters::ImpactParameters;

@@ -50,7 +50,7 @@ const OF_TENSION_ACROSS: f64 = 0.8;
 const OF_CROSSING: f64 = 2.5;
 
 /// Part of the tolerance that the estimate may take.
-const OF_CELLS: f64 = 0.6;
+pub(super) const OF_CELLS: f64 = 0.6;
 
 /// An error over a difference at most: grids that are more alike than this do not judge each other.
 const LARGEST_FACTOR: f64 = 3.0;

@@ -4,19 +4,28 @@
 //! local field under the impactor change ([`super::mindlin_error`]), here between the layerwise plate and one whose layers have neither.
 //! To it comes what the static response of the infinite plate is off by at the length of the contact's waves. A body that relaxes is
 //! compared with the moduli of half the contact's time. It is an estimate, not a bound.
+//!
+//! A solid that is too large for splines would be a mesh, which is read on its outer faces alone, while the largest tension of a laminate
+//! is often on a face between layers. There the layerwise plate stays, with its estimate.
 
 use petsc_wrap::Comm;
 
+use super::cells::OF_CELLS;
 use super::climb::{OF_THEORY, pressed, rougher};
 use super::mindlin_error::mindlin_error_over_difference;
+use super::reduce::OF_BASIS;
 use super::theory::build_thin;
 use super::watch::Watch;
 use super::{Built, Model, build, reduce, refine, unrefined};
 use crate::description::Description;
 use crate::error::{Error, Result};
-use crate::impact::{Cause, Errors};
+use crate::impact::{Cause, Errors, joined, rest};
 use crate::scene::{Body, Model as Theory, Scene, Time};
 use crate::space::plate::{self, OF_CONTACT};
+use crate::space::spline;
+
+/// Estimated error up to which the layerwise plate stands for a solid that would be a mesh.
+const IN_PLACE_OF_MESH: f64 = 0.1;
 
 /// The layerwise plate; `None` where the solid is needed. Collective.
 pub(super) fn layered(
@@ -47,23 +56,40 @@ pub(super) fn layered(
         "shear of the stiff layers and the local field change layerwise by {differ:.1e}{of_what} in the first contact; estimated error of layerwise relative to solid: {error:.1e}"
     );
     let tolerance = scene.tolerance;
-    if watch.agreed(error / tolerance) > OF_THEORY {
-        passed.push(format!("{judged}, above the tolerance of {tolerance:.0e}, so the solid is taken"));
-        return Ok(None);
-    }
-    passed.push(judged);
-    let model = if !scene.time.modal {
-        Model::of(comm, scene, Theory::Layerwise, watch)?
+    let over = watch.agreed(error / tolerance);
+    // Cells and basis get what the theory leaves of the tolerance, where it leaves a part.
+    let mut left =
+        Scene { tolerance: (rest(1.0, over) / joined(OF_CELLS, OF_BASIS)).min(1.0) * tolerance, ..scene.clone() };
+    if over > OF_THEORY {
+        let splines = if scene.is_reduced() { spline::admits(scene) } else { Err("it is not reduced".to_owned()) };
+        match splines {
+            Err(reason) if over * tolerance <= IN_PLACE_OF_MESH => {
+                left.tolerance = tolerance;
+                passed.push(format!(
+                    "{judged}, above the tolerance of {tolerance:.0e}, and yet taken: splines do not stand for its solid ({reason}), and a mesh has no stresses on faces between layers"
+                ));
+            }
+            _ => {
+                passed.push(format!("{judged}, above the tolerance of {tolerance:.0e}, so the solid is taken"));
+                return Ok(None);
+            }
+        }
     } else {
-        let coarse = if Description::new(scene).relaxations().is_empty() {
+        passed.push(judged);
+    }
+    let model = if scene.time.modal {
+        let is_whole = left.tolerance == tolerance && Description::new(scene).relaxations().is_empty();
+        let coarse = if is_whole {
             thick
         } else {
-            let Built::Operators(operators) = build(comm, scene, Theory::Layerwise, 1.0, watch)? else {
+            let Built::Operators(operators) = build(comm, &left, Theory::Layerwise, 1.0, watch)? else {
                 return Err(Error::Solve("a plate has unknowns".into()));
             };
-            unrefined(comm, scene, operators, watch)?
+            unrefined(comm, &left, operators, watch)?
         };
-        Model::on_basis(comm, scene, Theory::Layerwise, refine(comm, scene, Theory::Layerwise, coarse, watch)?)?
+        Model::on_basis(comm, scene, Theory::Layerwise, refine(comm, &left, Theory::Layerwise, coarse, watch)?)?
+    } else {
+        Model::of(comm, &left, Theory::Layerwise, watch)?
     };
     Ok(Some(model.with_error(Cause::Theory, of_theory.joined(pressed(scene)))))
 }

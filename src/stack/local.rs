@@ -55,9 +55,9 @@ pub enum Carrier {
         /// Of the force.
         pressure: Pressure,
     },
-    /// A body of one layer that is read by the resultants of its sections, as means over a disc: stresses along the face by their mean and
-    /// moment over the thickness, those across it by the shear force on a parabola. Both pressures are spread ones over half the thickness
-    /// or more, for which the sum over waves converges.
+    /// A body that is read by the resultants of its sections, as means over a disc: stresses along the face by their mean and
+    /// moment over the thickness, those across it by the shear force on a parabola; of several layers each by its own mean and moments. Both
+    /// pressures are spread ones over half the thickness of the loaded layer or more, for which the sum over waves converges.
     Sections {
         /// Of the force.
         pressure: Pressure,
@@ -76,7 +76,7 @@ pub enum Sections {
         /// s h².
         reading: f64,
     },
-    /// A solid that resolves the thickness.
+    /// A solid that resolves the thickness, of one layer or several.
     Solid,
     /// A solid that bends alone, whose sections have no mean.
     BentSolid,

@@ -30,6 +30,7 @@ pub use level::Level;
 pub use local::{Carrier, LocalField, Sections};
 pub use point::{Cylindrical, PointField};
 pub use pressure::Pressure;
+pub use resultants::on_parabola;
 pub use section::Section;
 pub use wave::Wave;
 

@@ -1,36 +1,67 @@
-//! The stresses that sections carry: along the face by mean and moment, across it by shear force on a parabola.
+//! The stresses that sections carry: along the face by mean and moment, across it by shear force on a parabola. Of several layers each has
+//! its own.
 
 use super::level::components;
 use super::local::{LocalField, Node, Sections};
 
-/// Points of the sum over the thickness: pressures that are as wide as the thickness have no waves that are shorter than its half.
+/// Points of the sum over a layer: pressures that are as wide as it is thick have no waves that are shorter than its half.
 const POINTS: usize = 12;
 
-/// The response of one wavenumber at a depth (m), as the sections of a body of one layer have it: σ_rr + σ_θθ, σ_rr − σ_θθ, σ_zz, σ_rz.
+/// The weight w(z, z′) of the parabola ∫ w(z, z′) σ(z′) dz′ that has the mean, the first and the second moment of σ over a layer; heights
+/// from its middle over its thickness.
+pub fn on_parabola(z: f64, from: f64) -> f64 {
+    1.0 + 12.0 * z * from + 180.0 * (z * z - 1.0 / 12.0) * (from * from - 1.0 / 12.0)
+}
+
+/// The response of one wavenumber at a depth (m), as the sections of a body have it: σ_rr + σ_θθ, σ_rr − σ_θθ, σ_zz, σ_rz. Several layers
+/// are those of a solid.
 pub(super) fn along_section(local: &LocalField, node: &Node, depth: f64, body: Sections) -> [f64; 4] {
-    let (stack, height) = (&local.stack, local.stack.thickness());
+    let stack = &local.stack;
     if let Sections::Plate { reading } = body {
         let bending = local.section.bending(stack, depth);
         let square = node.wavenumber * node.wavenumber;
         let moment = (1.0 + reading * square) / square;
         return [bending.sum * moment, bending.difference * moment, 0.0, bending.shear / node.wavenumber];
     }
+    let (layer, within) = stack.layer_at(depth);
+    let height = stack.layers()[layer].thickness;
+    let place = within / height - 0.5;
+    let is_one = stack.layers().len() == 1;
     // Of σ along the face, and of the shear: ∫σ dz/h and ∫σ ζ dz/h², with ζ from the middle.
     let (mut mean, mut moment, mut shear) = ([0.0; 2], [0.0; 2], 0.0);
     let rule = crate::element::gauss_legendre(POINTS);
     for (at, weight) in &rule {
         let part = 0.5 * weight;
-        let response = components(&node.wave.response(stack, 0.5 * height * (1.0 + at)));
+        let response = components(&node.wave.response_in(stack, layer, 0.5 * height * (1.0 + at)));
         for i in 0..2 {
             mean[i] += part * response[i];
             moment[i] += part * 0.5 * at * response[i];
         }
-        shear += part * response[3];
+        shear += part * response[3] * if is_one { 1.0 } else { on_parabola(place, 0.5 * at) };
     }
     if body == Sections::BentSolid {
         mean = [0.0; 2];
     }
-    let place = depth / height - 0.5;
     let along = |i: usize| mean[i] + 12.0 * place * moment[i];
-    [along(0), along(1), 0.0, 1.5 * (1.0 - 4.0 * place * place) * shear]
+    let over_mean = if is_one { 1.5 * (1.0 - 4.0 * place * place) } else { 1.0 };
+    [along(0), along(1), 0.0, over_mean * shear]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Parabolas are their own.
+    #[test]
+    fn parabolas_stay() {
+        for f in [|_: f64| 1.0, |z: f64| z - 0.3, |z: f64| 2.0 * z * z + z] {
+            for z in [-0.5, 0.2, 0.5] {
+                let sum: f64 = crate::element::gauss_legendre(3)
+                    .iter()
+                    .map(|(at, weight)| 0.5 * weight * on_parabola(z, 0.5 * at) * f(0.5 * at))
+                    .sum();
+                assert!((sum - f(z)).abs() < 1e-13, "{z}: {sum} {}", f(z));
+            }
+        }
+    }
 }

@@ -12,6 +12,7 @@ mod forms;
 mod layerwise_plates;
 mod local_bodies;
 mod local_field;
+mod local_layers;
 mod plate_symmetry;
 mod plates;
 mod plot;

@@ -172,6 +172,7 @@ fn main() -> ExitCode {
     .long_group("impact::pads_condensed", &[3], impact::pads_condensed::TESTS)
     .long_group("stability::newton", &[2, 3], stability::newton::TESTS)
     .long_group("body::spline", &[1], body::spline::LONG)
+    .long_group("body::layerwise", &[1], body::layerwise::LONG)
     .long_group("impact::reference", &[2, 3], impact::reference::LONG)
     .long_group("impact::relaxing", &[1], impact::relaxing::LONG)
     .long_group("impact::relaxing", &[2], impact::relaxing::TESTS)

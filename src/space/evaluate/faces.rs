@@ -167,7 +167,7 @@ impl FaceGrid {
 }
 
 /// Part of a layer's thickness by which its faces are read within it, lest they be the next layer's.
-const WITHIN: f64 = 1e-9;
+pub(super) const WITHIN: f64 = 1e-9;
 
 /// A face of a layer: its name, where it is along the axis across it, and where it is read, m.
 struct Level {

@@ -32,6 +32,7 @@ use crate::scene::faces::along;
 use crate::scene::{Scene, Symmetry, Vec3};
 
 use super::finite_element::Nodes;
+use faces::WITHIN;
 use smoothed::smoothed;
 use stress_map::Recovered;
 
@@ -96,6 +97,8 @@ pub struct Evaluator {
     near: Option<Box<NearHit>>,
     /// Axes across planes of symmetry beyond which there are images.
     mirrors: Vec<usize>,
+    /// Heights along z between layers of a box, and there those at which the layer that is nearer to the hit is read, m.
+    interfaces: Vec<[f64; 2]>,
     /// The mean stresses under the hit on the other face, which the error of stresses and the search for the largest tension want.
     under_hit: OnceCell<Box<[Form; 6]>>,
 }
@@ -117,6 +120,7 @@ impl Evaluator {
             kind: Kind::Nodes(Rc::new(Nodes::new(mesh, &parts))),
             near,
             mirrors: Vec::new(),
+            interfaces: Vec::new(),
             under_hit: OnceCell::new(),
         }
     }
@@ -124,7 +128,16 @@ impl Evaluator {
     /// Of splines or a plate.
     pub fn of_grid(scene: &Scene, points: impl PointEvaluator + 'static) -> Self {
         let near = points.hit().and_then(|hit| NearHit::new(scene, hit)).map(Box::new);
-        Self { kind: Kind::Grid(Box::new(points)), near, mirrors: mirrors(scene), under_hit: OnceCell::new() }
+        let layers = scene.hit_layers();
+        let inner = layers.iter().skip(1).take(layers.len().saturating_sub(2));
+        let nearer = |height: &f64| height + WITHIN * (layers[1] - layers[0]).copysign(scene.impactor.point[2]);
+        Self {
+            kind: Kind::Grid(Box::new(points)),
+            near,
+            mirrors: mirrors(scene),
+            interfaces: inner.map(|height| [*height, nearer(height)]).collect(),
+            under_hit: OnceCell::new(),
+        }
     }
 
     /// What reads the largest tension on each face, in the body's unknowns or on a basis: vector by vector the values of all unknowns.
@@ -211,8 +224,14 @@ impl Evaluator {
         Some((components.map(dense).to_vec(), components.map(|component| local[component])))
     }
 
-    /// The forms at a point (m); `None` outside of a mesh. Splines go on beyond their ends.
-    pub fn at(&self, point: Vec3) -> Option<Forms> {
+    /// The forms at a point (m); `None` outside of a mesh. Splines go on beyond their ends. A point between layers of a box is of the one that
+    /// is nearer to the hit.
+    pub fn at(&self, mut point: Vec3) -> Option<Forms> {
+        for [height, nearer] in &self.interfaces {
+            if (point[2] - height).abs() < (nearer - height).abs() {
+                point[2] = *nearer;
+            }
+        }
         let (mut image, mut signs) = (point, [1.0; 3]);
         for &axis in self.mirrors.iter().filter(|&&axis| point[axis] < 0.0) {
             (image[axis], signs[axis]) = (-point[axis], -1.0);

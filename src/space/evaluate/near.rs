@@ -219,12 +219,8 @@ impl NearHit {
         disc.max(CELLS * self.hit.cell).min(self.room)
     }
 
-    /// Estimated error of the tension under the hit by how it is read. (Solids of several layers, which have no disc of means, have that of
-    /// the usual cells.)
+    /// Estimated error of the tension under the hit by how it is read.
     pub fn error_of_mean(&self) -> ErrorOfMean {
-        if matches!(self.hit.body, HitBody::Layers(_)) {
-            return ErrorOfMean { of_cells: OF_MEAN, of_width: 0.0 };
-        }
         let (own, disc) = (self.hit.pressure.radius(), self.smoothing());
         ErrorOfMean {
             of_cells: OF_MEAN * (CELLS * self.hit.cell / disc).powf(ORDER_OF_MEAN),
@@ -248,8 +244,9 @@ impl NearHit {
     pub fn is_smoothed(&self, x: Vec3, half: Vec3) -> bool {
         let disc = self.smoothing() * (1.0 - 1e-9);
         let fits = (0..3).filter(|&axis| axis != self.struck).all(|axis| x[axis].abs() + disc <= half[axis]);
-        let has_sections = !matches!(self.hit.body, HitBody::Layers(_));
-        has_sections && fits && disc >= 0.45 * self.thickness() && self.distance(x) <= SMOOTHED * self.thickness()
+        // (The sum over waves goes as far as those of the loaded layer.)
+        let is_wide = disc >= 0.45 * self.stack.layers()[0].thickness;
+        fits && is_wide && self.distance(x) <= SMOOTHED * self.thickness()
     }
 
     /// What a point (m) lacks whose stresses are read as means of the sections', or as they are; `None` far away.
@@ -304,8 +301,7 @@ impl NearHit {
             HitBody::Layerwise(theory) => {
                 Carrier::Layerwise { pressure, theory: theory.clone(), smoothing: Some(smoothing) }
             }
-            // (Its stresses are read as they are.)
-            HitBody::Layers(_) => Carrier::Solid { pressure },
+            HitBody::Layers(_) => Carrier::Sections { pressure, smoothing, body: Sections::Solid },
         }
     }
 

@@ -9,7 +9,7 @@ use crate::form::{Material, Spread};
 use crate::scene::Vec3;
 use crate::space::evaluate::{Add, Form, Forms, Hit, HitBody, PointEvaluator, add, divided, summed};
 use crate::space::grid::GridField;
-use crate::stack::{Layer, Pressure, Sections, Stack};
+use crate::stack::{Layer, Pressure, Sections, Stack, on_parabola};
 
 use super::geometry::BoxGeometry;
 use super::patch::PatchModel;
@@ -78,6 +78,14 @@ impl Points {
             is_layer: patch.is_layer || (patch.is_stack && !geometry.interfaces.is_empty()),
             bends: patch.bends,
         }
+    }
+
+    /// The ends of the part at a height across the face that is hit, m: of one part those of the box.
+    fn layer_at(&self, height: f64) -> [f64; 2] {
+        let half = self.lines[self.struck].last().copied().unwrap_or_default();
+        let number = self.interfaces.partition_point(|end| *end <= height);
+        let below = if number == 0 { -half } else { self.interfaces[number - 1] };
+        [below, self.interfaces.get(number).copied().unwrap_or(half)]
     }
 
     /// Hooke's law at a point; on the top of the box, of its last part.
@@ -181,15 +189,16 @@ impl PointEvaluator for Points {
 
     fn add_section_stress(&self, x: Vec3, add: &mut Add) {
         let (across, lines) = (self.struck, &self.lines[self.struck]);
-        let half = lines.last().copied().unwrap_or_default();
-        let thickness = 2.0 * half;
-        let height = x[across];
-        // Stresses times z are of degree DEGREE + 1.
-        let rule = gauss_legendre(DEGREE / 2 + 1);
+        let [low, high] = self.layer_at(x[across]);
+        let (middle, thickness) = (0.5 * (low + high), high - low);
+        let height = x[across] - middle;
+        // Stresses times z² are of degree DEGREE + 2.
+        let rule = gauss_legendre(if self.interfaces.is_empty() { DEGREE / 2 + 1 } else { DEGREE / 2 + 2 });
         // A body that bends alone has the opposite stresses in its other half.
-        let from = if self.bends { 0.0 } else { -half };
+        let from = if self.bends { 0.0 } else { low };
         let both = if self.bends { 2.0 } else { 1.0 };
-        let breaks: Vec<f64> = std::iter::once(from).chain(lines.iter().copied().filter(|z| *z > from)).collect();
+        let inside = lines.iter().copied().filter(|z| from < *z && *z <= high);
+        let breaks: Vec<f64> = std::iter::once(from).chain(inside).collect();
         for ends in breaks.windows(2).filter(|ends| ends[0] < ends[1]) {
             for (node, weight) in &rule {
                 let mut at = x;
@@ -197,8 +206,13 @@ impl PointEvaluator for Points {
                 let part = 0.5 * (ends[1] - ends[0]) * weight / thickness;
                 let mean = if self.bends { 0.0 } else { part };
                 // σ(z) = ∫σ dz/h + 12 z ∫σ z dz/h³ along the face, and across it 3/2 (1 − (2z/h)²) ∫σ dz/h.
-                let along = mean + both * part * 12.0 * height * at[across] / (thickness * thickness);
-                let shear = both * part * 1.5 * (1.0 - (height / half).powi(2));
+                let along = mean + both * part * 12.0 * height * (at[across] - middle) / (thickness * thickness);
+                let shear = if self.interfaces.is_empty() {
+                    both * part * 1.5 * (1.0 - (height / (0.5 * thickness)).powi(2))
+                } else {
+                    // At the faces of a layer there is shear: the parabola of the same three moments.
+                    part * on_parabola(height / thickness, (at[across] - middle) / thickness)
+                };
                 for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
                     let mut derivatives = [0; 3];
                     derivatives[j] = 1;

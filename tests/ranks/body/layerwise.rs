@@ -18,6 +18,8 @@ pub const ALONE: &[Test<Session>] = tests![
     auto_climbs
 ];
 
+pub const LONG: &[Test<Session>] = tests![a_solid_has_the_reference_too];
+
 /// A free pane with layers (m) of glass and, every other one, of an interlayer.
 fn pane(layers: &[f64], interlayer: &str, body: &str, time: &str, rest: &str) -> String {
     let layer = |(i, thickness): (usize, &f64)| {
@@ -103,11 +105,19 @@ fn tensions(comm: &Comm, text: &str) -> (Vec<String>, Largest) {
 /// A relaxing interlayer, computed by an independent program (tests/fixtures/laminated): peak and largest tensions on the lowest face and on
 /// the lower face of the upper ply. That program is good to 0.5% of its peak, 1% of the stress, and 5% beside the interlayer.
 fn the_reference(session: &Session) {
+    is_reference(session, LAYERWISE, "end = 3e-3\nstep = 5e-6\nscheme = \"newmark\"", "");
+}
+
+/// The same by a solid of splines on its default cells, one in each layer, under the reference's patch.
+fn a_solid_has_the_reference_too(session: &Session) {
+    is_reference(session, "model = \"solid\"", "end = 3e-3", "[contact]\npatch_radius = 0.0025\n");
+}
+
+fn is_reference(session: &Session, body: &str, time: &str, rest: &str) {
     let Reference { force, chain } = reference();
     let peak = force.iter().map(|[_, force]| *force).fold(0.0, f64::max);
     let interlayer = format!("bulk = 2e9\ndensity = 1100.0\n{chain}");
-    let text = pane(&PLIES, &interlayer, LAYERWISE, "end = 3e-3\nstep = 5e-6\nscheme = \"newmark\"", "");
-    let (names, found) = tensions(&session.world(), &text);
+    let (names, found) = tensions(&session.world(), &pane(&PLIES, &interlayer, body, time, rest));
     assert_eq!(names, ["1-upper", "1-lower", "2-upper", "2-lower", "3-upper", "3-lower"]);
     let largest = found.steps.iter().map(|step| step.contact.force).fold(0.0, f64::max);
     println!("peak {largest} against {peak}; tensions {:?}", found.tensions);
@@ -126,9 +136,11 @@ fn layers_that_differ_above_and_below(session: &Session) {
     assert_eq!(names, others);
     let peak = |of: &Largest| of.steps.iter().map(|step| step.contact.force).fold(0.0, f64::max);
     println!("peaks {} {}; {:?} {:?}", peak(&plate), peak(&solid), plate.tensions, solid.tensions);
-    // Both to 3e-2; stresses of solids of splines are as they are on their cells, far too coarse for those beside the soft layer.
+    // Both to 3e-2, which is the force's; stresses beside the soft layer are the layerwise theory's within its own 2%.
     assert!((peak(&plate) / peak(&solid) - 1.0).abs() < 2e-2);
-    assert!((plate.tensions[5] / solid.tensions[5] - 1.0).abs() < 0.06, "{}", names[5]);
+    for face in [1, 5] {
+        assert!((plate.tensions[face] / solid.tensions[face] - 1.0).abs() < 0.02, "{}", names[face]);
+    }
 }
 
 /// `auto` takes the layerwise plate where its estimate allows, and the solid for what is no plate; a relaxing interlayer too.
