@@ -231,7 +231,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let parameters = self.parameters.clone();
         let Law { force_law, compliance, .. } = &parameters.law;
         let tangent = force_law.steepest(force_law.indentation(steps.peak));
-        let closed = Closed { tangent, compliance: *compliance, mass: parameters.mass };
+        let closed = Closed { tangent, compliance: *compliance, mass: parameters.mass, accuracy: self.tolerance };
         let body: &ModalBody = self.body.borrow();
         let faster = if steps.defect.is_some() { body.faster() } else { 1.0 };
         let modes = body.modes(faster * RESOLVED / steps.largest, &closed)?;
