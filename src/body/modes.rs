@@ -166,7 +166,12 @@ impl Modes {
 
 /// Re(A z).
 pub(crate) fn real_parts(matrix: &DMatrix<Complex<f64>>, z: &[Complex<f64>]) -> DVector<f64> {
-    DVector::from_fn(matrix.nrows(), |i, _| (0..matrix.ncols()).map(|k| (matrix[(i, k)] * z[k]).re).sum())
+    let mut parts = DVector::zeros(matrix.nrows());
+    for (column, z) in matrix.column_iter().zip(z) {
+        let rows = parts.iter_mut().zip(column.iter());
+        rows.for_each(|(part, entry)| *part += entry.re * z.re - entry.im * z.im);
+    }
+    parts
 }
 
 /// The free vibrations of a body on a basis.

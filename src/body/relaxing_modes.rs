@@ -15,15 +15,12 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::damped::{CONDITION, Damped};
-use super::eigen::{GeneralEigen, symmetric_eigen};
+use super::eigen::GeneralEigen;
 use super::rational_eigen::{Pair, Rational};
-use super::relaxing_directions::directions;
+use super::relaxing_directions::{all_directions, directions};
 use super::{Mode, ProjectedRelaxation, real_parts};
 use crate::error::{Error, Result};
 use crate::material::Maxwell;
-
-/// Eigenvalues of D below this part of the largest are rounding.
-const ROUNDING: f64 = 1e-14;
 
 /// A relaxation on the real coordinates of modes.
 #[derive(Debug, Clone)]
@@ -132,20 +129,10 @@ struct Spring {
 fn springs(relaxations: &[ModalRelaxation]) -> Vec<Spring> {
     let mut springs = Vec::new();
     for ModalRelaxation { distortion, factor, chain, .. } in relaxations {
-        if let Some(factor) = factor {
-            for term in &chain.terms {
-                let along = factor.column_iter();
-                springs.extend(along.map(|b| Spring { coupling: b * term.modulus.sqrt(), rate: 1.0 / term.time }));
-            }
-            continue;
-        }
-        let (values, directions) = symmetric_eigen(distortion.clone());
-        let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(*value));
+        let factor = factor.clone().unwrap_or_else(|| all_directions(distortion));
         for term in &chain.terms {
-            let along = values.iter().zip(directions.column_iter()).filter(|(value, _)| **value > ROUNDING * largest);
-            let spring =
-                |(value, u): (&f64, _)| Spring { coupling: (value * term.modulus).sqrt() * u, rate: 1.0 / term.time };
-            springs.extend(along.map(spring));
+            let spring = |b| Spring { coupling: b * term.modulus.sqrt(), rate: 1.0 / term.time };
+            springs.extend(factor.column_iter().map(spring));
         }
     }
     springs
@@ -222,6 +209,7 @@ fn of_first_order(
     let of_damping = |i: usize| damping.map_or(0.0, |damping| damping[(i, i)]);
     let scales = DVector::from_fn(n, |i, _| squares[i].sqrt().max(of_damping(i)).max(f64::MIN_POSITIVE));
     let size = 2 * n + springs.len();
+    tracing::debug!(size, "relaxing modes by the first-order system");
     let mut matrix = DMatrix::zeros(size, size);
     for i in 0..n {
         matrix[(i, n + i)] = scales[i];

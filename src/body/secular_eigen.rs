@@ -13,6 +13,9 @@ use nalgebra::{Complex, ComplexField, DMatrix, DVector};
 use super::eigen::symmetric_eigen;
 use super::rational_eigen::{CLOSE, IDLE, MOST, Pair, Rational, solved};
 
+/// A change of λ over λ after which φ is as good as it is to be: no sum over pairs tells the difference.
+const EXACT: f64 = 1e-10;
+
 /// The directions by which modes are coupled.
 pub struct Secular<'a> {
     /// ω² of the modes, 1/s².
@@ -49,10 +52,14 @@ impl<'a> Secular<'a> {
             slope = rate * 2.0 * shape.dot(&shape) + of_g * y.dot(&y);
             let change = (rate * rate + square + g * own.dot(&y)) / slope;
             rate -= change;
-            if is_found || !change.is_finite() {
+            let part = change.modulus() / rate.modulus();
+            if is_found || part.is_nan() {
                 break;
             }
-            is_found = change.modulus() <= CLOSE * rate.modulus();
+            is_found = part <= CLOSE;
+            if part <= EXACT {
+                break;
+            }
         }
         let length = shape.norm();
         let pair = Pair { rate, shape: shape / Complex::new(length, 0.0), slope: slope / (length * length) };
@@ -93,10 +100,14 @@ impl<'a> Secular<'a> {
             y = next / length;
             let change = y.dot(&(&system * &y)) / y.dot(&turned(&y));
             rate -= change;
+            let part = change.abs() / rate.abs();
             if is_found {
                 break;
             }
-            is_found = change.abs() <= CLOSE * rate.abs();
+            is_found = part <= CLOSE;
+            if part <= EXACT {
+                break;
+            }
         }
         let shape = self.spread(&y).component_mul(&self.answers(rate)).normalize();
         let [_, of_g] = self.excess(of, rate);
