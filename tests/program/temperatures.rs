@@ -8,7 +8,7 @@ use crate::sweeps::members;
 pub const TESTS: &[PlainTest] =
     tests![temperatures_have_the_relaxation_of_their_own, temperatures_on_a_shared_basis_are_within_their_estimates];
 
-/// Temperatures so close that one basis serves all: no peak is further from that of a run of its own, of a tenth of the tolerance, than its
+/// Temperatures so close that one basis serves all: no peak is further from that of a run of its own, of a quarter of the tolerance, than its
 /// estimate says.
 fn temperatures_on_a_shared_basis_are_within_their_estimates() {
     let folder = folder(&pane(&[6.9e6, 3.9e6, 2.3e6]));
@@ -21,12 +21,12 @@ fn temperatures_on_a_shared_basis_are_within_their_estimates() {
             &folder,
             0,
             &format!(
-                "run scene.toml --set body.temperature={temperature} --set accuracy.tolerance=1e-3 -o run.h5 --force"
+                "run scene.toml --set body.temperature={temperature} --set accuracy.tolerance=5e-3 -o run.h5 --force"
             ),
         );
         let own = column(&folder.path().join("run.h5"), "contact/force").into_iter().fold(0.0, f64::max);
         let error = (peak / own - 1.0).abs();
-        assert!(error <= estimates[n] && estimates[n] < 2e-2, "{temperature} °C: {error:e} {estimates:?}");
+        assert!(error <= estimates[n] && estimates[n] < 3e-2, "{temperature} °C: {error:e} {estimates:?}");
     }
 }
 
@@ -42,7 +42,7 @@ fn pane(moduli: &[f64]) -> String {
          [material.interlayer]\nbulk = 2e9\ndensity = 1100.0\nshear = 3e6\nprony = [{}]\n\
          wlf = {{ c1 = 20.7, c2 = 91.1, reference = 20.0 }}\n\
          [impactor]\nmass = 2.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n\
-         [time]\nend = 1.5e-3\n",
+         [time]\nend = 6e-4\n[accuracy]\ntolerance = 2e-2\n",
         terms.join(", ")
     )
 }
