@@ -8,15 +8,15 @@ use crate::sweeps::members;
 pub const TESTS: &[PlainTest] =
     tests![temperatures_have_the_relaxation_of_their_own, temperatures_on_a_shared_basis_are_within_their_estimates];
 
-/// Temperatures so close that one basis serves all: no peak is further from that of a run of its own, of a quarter of the tolerance, than its
+/// Temperatures so close that one basis serves both: no peak is further from that of a run of its own, of a quarter of the tolerance, than its
 /// estimate says.
 fn temperatures_on_a_shared_basis_are_within_their_estimates() {
     let folder = folder(&pane(&[6.9e6, 3.9e6, 2.3e6]));
-    good(&folder, 0, "sweep scene.toml --vary body.temperature=19.9,20,20.1,20.2 -o s.h5");
+    good(&folder, 0, "sweep scene.toml --vary body.temperature=20,20.1 -o s.h5");
     let sweep = folder.path().join("s.h5");
     let estimates = members(&sweep, "error_estimate");
     for (n, peak) in members(&sweep, "peak_force").into_iter().enumerate() {
-        let temperature = 19.9 + 0.1 * n as f64;
+        let temperature = 20.0 + 0.1 * n as f64;
         good(
             &folder,
             0,
