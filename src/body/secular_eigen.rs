@@ -13,9 +13,6 @@ use nalgebra::{Complex, ComplexField, DMatrix, DVector};
 use super::eigen::symmetric_eigen;
 use super::rational_eigen::{CLOSE, IDLE, MOST, Pair, Rational, solved};
 
-/// A change of λ over λ after which φ is as good as it is to be: no sum over pairs tells the difference.
-const EXACT: f64 = 1e-10;
-
 /// The directions by which modes are coupled.
 pub struct Secular<'a> {
     /// ω² of the modes, 1/s².
@@ -57,9 +54,6 @@ impl<'a> Secular<'a> {
                 break;
             }
             is_found = part <= CLOSE;
-            if part <= EXACT {
-                break;
-            }
         }
         let length = shape.norm();
         let pair = Pair { rate, shape: shape / Complex::new(length, 0.0), slope: slope / (length * length) };
@@ -105,9 +99,6 @@ impl<'a> Secular<'a> {
                 break;
             }
             is_found = part <= CLOSE;
-            if part <= EXACT {
-                break;
-            }
         }
         let shape = self.spread(&y).component_mul(&self.answers(rate)).normalize();
         let [_, of_g] = self.excess(of, rate);
