@@ -4,6 +4,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::damped::{Damped, damped};
 use super::eigen::{semidefinite_factor, symmetric_eigen};
+use super::relaxing_directions::amplitudes;
 use super::relaxing_modes::{ModalRelaxation, Relaxing, at_rest_beyond, relaxing};
 use super::shapes::{Forms, Shapes};
 use super::short_waves::ShortWaves;
@@ -80,6 +81,8 @@ pub struct Closed {
     pub compliance: f64,
     /// Mass of the impactor, kg.
     pub mass: f64,
+    /// What the modes' relaxation may change of the force, over its peak.
+    pub accuracy: f64,
 }
 
 /// ω² below this part of the largest one is rounding.
@@ -163,7 +166,12 @@ impl Modes {
 
 /// Re(A z).
 pub(crate) fn real_parts(matrix: &DMatrix<Complex<f64>>, z: &[Complex<f64>]) -> DVector<f64> {
-    DVector::from_fn(matrix.nrows(), |i, _| (0..matrix.ncols()).map(|k| (matrix[(i, k)] * z[k]).re).sum())
+    let mut parts = DVector::zeros(matrix.nrows());
+    for (column, z) in matrix.column_iter().zip(z) {
+        let rows = parts.iter_mut().zip(column.iter());
+        rows.for_each(|(part, entry)| *part += entry.re * z.re - entry.im * z.im);
+    }
+    parts
 }
 
 /// The free vibrations of a body on a basis.
@@ -178,6 +186,8 @@ pub struct Spectrum {
     support: DMatrix<f64>,
     damping: Option<DMatrix<f64>>,
     relaxations: Vec<ModalRelaxation>,
+    /// The rate at which the basis was made, 1/s.
+    rate: f64,
     /// Whether a modulus falls by so much that modes which are left out would be other springs later.
     relaxes: bool,
     support_offset: f64,
@@ -221,6 +231,7 @@ impl Spectrum {
             support: semidefinite_factor(&projection.support) * &vectors,
             damping: projection.damping.as_ref().map(on),
             relaxations: of_relaxations.collect(),
+            rate: projection.rate,
             relaxes: projection.relaxations.iter().any(|part| {
                 let chain = &part.chain;
                 chain.transformed_terms(projection.rate) > RELAXING * chain.transformed(projection.rate)
@@ -320,7 +331,13 @@ impl Spectrum {
         let block = |m: &DMatrix<f64>| m.select_rows(&moving).select_columns(&moving);
         let squares = of_moving(&self.squares).map(|square| square.max(0.0));
         let (force, load) = (of_moving(&self.force), of_moving(&loads));
-        let relaxations: Vec<_> = self.relaxations.iter().map(|part| part.select(&moving)).collect();
+        let mut relaxations: Vec<_> = self.relaxations.iter().map(|part| part.select(&moving)).collect();
+        // (Under loads the body creeps to the equilibrium of all directions.)
+        if loads.amax() == 0.0 {
+            let amplitudes = amplitudes(&squares, &force, self.rate);
+            relaxations =
+                relaxations.into_iter().map(|part| part.in_few_directions(&amplitudes, closed.accuracy)).collect();
+        }
         let mut of_relaxing = None;
         let (mut modes, mut damped, inputs) = match &self.damping {
             damping if !relaxations.is_empty() => {

@@ -10,16 +10,17 @@ use faer::linalg::solvers::Solve as _;
 use nalgebra::{Cholesky, Complex, ComplexField, DMatrix, DVector, Dyn};
 
 use super::eigen::symmetric_eigen;
+use super::secular_eigen::Secular;
 use crate::material::Maxwell;
 
 /// Iterations for one pair: convergence is cubic.
-const MOST: usize = 12;
+pub(super) const MOST: usize = 12;
 
 /// A change of λ over λ after which one iteration more leaves rounding.
-const CLOSE: f64 = 1e-6;
+pub(super) const CLOSE: f64 = 1e-6;
 
 /// Directions on which the chain has less than this part of the stiffness creep by nothing.
-const IDLE: f64 = 1e-10;
+pub(super) const IDLE: f64 = 1e-10;
 
 /// What the sums of all pairs may be off by.
 const COMPLETE: f64 = 1e-8;
@@ -54,6 +55,8 @@ pub struct Rational<'a> {
     pub stiffness: &'a DMatrix<f64>,
     /// D.
     pub distortion: &'a DMatrix<f64>,
+    /// B with D = B Bᵀ, where it has few columns, and ḡ: the unit vectors are modes of K + ḡ D.
+    pub factor: Option<(&'a DMatrix<f64>, f64)>,
     /// The terms.
     pub chain: &'a Maxwell,
 }
@@ -77,8 +80,13 @@ impl Rational<'_> {
     pub fn pairs(&self, squares: &DVector<f64>) -> Option<Vec<Pair>> {
         let count = squares.len();
         let factor = self.stiffness.clone().cholesky()?;
+        let secular = self.factor.map(|(factor, modulus)| Secular::new(squares, factor, modulus));
         let mut found = Vec::new();
         for (j, square) in squares.iter().enumerate() {
+            if let Some(pair) = secular.as_ref().and_then(|secular| secular.vibration(j, self)) {
+                found.push((pair, Place::Vibration));
+                continue;
+            }
             let shape = DVector::from_fn(count, |i, _| Complex::new(f64::from(u8::from(i == j)), 0.0));
             found.push((self.vibration(square.sqrt(), shape)?, Place::Vibration));
         }
@@ -86,8 +94,13 @@ impl Rational<'_> {
         times.sort_by(|a, b| b.total_cmp(a));
         let mut slower = 0.0;
         for pole in times.into_iter().map(|time| -1.0 / time) {
-            for (rate, shape) in self.creeping(pole, slower)? {
-                found.push((self.creep(rate, shape, (pole, slower))?, Place::Between(pole, slower)));
+            let place = Place::Between(pole, slower);
+            if let Some(pairs) = secular.as_ref().and_then(|secular| secular.creeping((pole, slower), self)) {
+                found.extend(pairs.into_iter().map(|pair| (pair, place)));
+            } else {
+                for (rate, shape) in self.creeping(pole, slower)? {
+                    found.push((self.creep(rate, shape, (pole, slower))?, place));
+                }
             }
             slower = pole;
         }
@@ -146,7 +159,7 @@ impl Rational<'_> {
     }
 
     /// The rate between a pole and a slower one at which a function of the rate and g, which rises from −∞ at the pole, is zero.
-    fn balanced(&self, (pole, slower): (f64, f64), value: impl Fn(f64, f64) -> f64) -> f64 {
+    pub(super) fn balanced(&self, (pole, slower): (f64, f64), value: impl Fn(f64, f64) -> f64) -> f64 {
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..50 {
             let middle = 0.5 * (low + high);
@@ -177,7 +190,7 @@ impl Rational<'_> {
     }
 
     /// g and g′.
-    fn modulus<T: ComplexField<RealField = f64> + Copy>(&self, rate: T) -> [T; 2] {
+    pub(super) fn modulus<T: ComplexField<RealField = f64> + Copy>(&self, rate: T) -> [T; 2] {
         let one = T::one();
         self.chain.terms.iter().fold([T::zero(); 2], |[value, slope], term| {
             let [modulus, time] = [term.modulus, term.time].map(T::from_real);
@@ -237,7 +250,10 @@ impl Rational<'_> {
 }
 
 /// The solution of a system of linear equations; not finite where the matrix is singular.
-fn solved<T: nalgebra::Scalar + faer::traits::ComplexField>(matrix: &DMatrix<T>, right: &DVector<T>) -> DVector<T> {
+pub(super) fn solved<T: nalgebra::Scalar + faer::traits::ComplexField>(
+    matrix: &DMatrix<T>,
+    right: &DVector<T>,
+) -> DVector<T> {
     let count = right.len();
     let matrix = MatRef::from_column_major_slice(matrix.as_slice(), count, count);
     let solution = matrix.partial_piv_lu().solve(MatRef::from_column_major_slice(right.as_slice(), count, 1));
@@ -272,7 +288,7 @@ mod tests {
         let terms = [(0.8, 0.3), (0.5, 20.0)].map(|(modulus, time)| Term { modulus, time });
         let chain = Maxwell { equilibrium: 0.0, terms: terms.to_vec() };
         let stiffness = DMatrix::from_diagonal(&squares) - &distortion * chain.transformed_terms(3.0);
-        let rational = Rational { stiffness: &stiffness, distortion: &distortion, chain: &chain };
+        let rational = Rational { stiffness: &stiffness, distortion: &distortion, factor: None, chain: &chain };
         let all = rational.pairs(&squares).expect("all pairs");
         assert_eq!(all.len(), count + 2 * count);
         let place = |number: usize| match number / count {

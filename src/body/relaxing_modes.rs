@@ -15,20 +15,20 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::damped::{CONDITION, Damped};
-use super::eigen::{GeneralEigen, symmetric_eigen};
+use super::eigen::GeneralEigen;
 use super::rational_eigen::{Pair, Rational};
+use super::relaxing_directions::{all_directions, directions};
 use super::{Mode, ProjectedRelaxation, real_parts};
 use crate::error::{Error, Result};
 use crate::material::Maxwell;
-
-/// Eigenvalues of D below this part of the largest are rounding.
-const ROUNDING: f64 = 1e-14;
 
 /// A relaxation on the real coordinates of modes.
 #[derive(Debug, Clone)]
 pub struct ModalRelaxation {
     /// D.
     distortion: DMatrix<f64>,
+    /// B with D = B Bᵀ, where few directions relax.
+    factor: Option<DMatrix<f64>>,
     chain: Maxwell,
     /// Σ G_i sτ_i/(1 + sτ_i) of the modulus that the modes have, Pa.
     modulus: f64,
@@ -62,13 +62,25 @@ impl ModalRelaxation {
     /// A relaxation on modes, by columns, which were made with the modulus at a rate (1/s).
     pub fn new(part: &ProjectedRelaxation, vectors: &DMatrix<f64>, rate: f64) -> Self {
         let part = part.on(|distortion| vectors.tr_mul(&(distortion * vectors)));
-        Self { modulus: part.chain.transformed_terms(rate), distortion: part.distortion, chain: part.chain }
+        Self {
+            modulus: part.chain.transformed_terms(rate),
+            distortion: part.distortion,
+            factor: None,
+            chain: part.chain,
+        }
     }
 
     /// The same on some of the modes.
     pub fn select(&self, modes: &[usize]) -> Self {
         let distortion = self.distortion.select_rows(modes).select_columns(modes);
-        Self { distortion, chain: self.chain.clone(), modulus: self.modulus }
+        Self { distortion, factor: None, chain: self.chain.clone(), modulus: self.modulus }
+    }
+
+    /// The same relaxing in no more directions than an accuracy asks for, with modes of the given amplitudes. In the others it keeps the
+    /// modulus of the modes.
+    pub fn in_few_directions(self, amplitudes: &DVector<f64>, accuracy: f64) -> Self {
+        let Some(factor) = directions(&self.distortion, amplitudes, accuracy) else { return self };
+        Self { distortion: &factor * factor.transpose(), factor: Some(factor), ..self }
     }
 }
 
@@ -116,14 +128,11 @@ struct Spring {
 /// All springs of a body's relaxations.
 fn springs(relaxations: &[ModalRelaxation]) -> Vec<Spring> {
     let mut springs = Vec::new();
-    for ModalRelaxation { distortion, chain, .. } in relaxations {
-        let (values, directions) = symmetric_eigen(distortion.clone());
-        let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(*value));
+    for ModalRelaxation { distortion, factor, chain, .. } in relaxations {
+        let factor = factor.clone().unwrap_or_else(|| all_directions(distortion));
         for term in &chain.terms {
-            let along = values.iter().zip(directions.column_iter()).filter(|(value, _)| **value > ROUNDING * largest);
-            let spring =
-                |(value, u): (&f64, _)| Spring { coupling: (value * term.modulus).sqrt() * u, rate: 1.0 / term.time };
-            springs.extend(along.map(spring));
+            let spring = |b| Spring { coupling: b * term.modulus.sqrt(), rate: 1.0 / term.time };
+            springs.extend(factor.column_iter().map(spring));
         }
     }
     springs
@@ -140,8 +149,9 @@ pub fn relaxing(
     [force, load]: [&DVector<f64>; 2],
 ) -> Result<Relaxing> {
     let (elastic, springs) = (relaxed(squares, relaxations), springs(relaxations));
-    if let (None, [ModalRelaxation { distortion, chain, .. }]) = (damping, relaxations)
-        && let Some(pairs) = (Rational { stiffness: &elastic, distortion, chain }).pairs(squares)
+    if let (None, [ModalRelaxation { distortion, factor, chain, modulus }]) = (damping, relaxations)
+        && let factor = factor.as_ref().map(|factor| (factor, *modulus))
+        && let Some(pairs) = (Rational { stiffness: &elastic, distortion, factor, chain }).pairs(squares)
     {
         return Ok(of_pairs(&pairs, elastic, &springs, [force, load]));
     }
@@ -199,6 +209,7 @@ fn of_first_order(
     let of_damping = |i: usize| damping.map_or(0.0, |damping| damping[(i, i)]);
     let scales = DVector::from_fn(n, |i, _| squares[i].sqrt().max(of_damping(i)).max(f64::MIN_POSITIVE));
     let size = 2 * n + springs.len();
+    tracing::debug!(size, "relaxing modes by the first-order system");
     let mut matrix = DMatrix::zeros(size, size);
     for i in 0..n {
         matrix[(i, n + i)] = scales[i];
@@ -246,6 +257,7 @@ fn of_first_order(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::body::eigen::semidefinite_factor;
     use crate::element::gauss_legendre;
     use crate::material::Term;
     use crate::scheme::modal::phi;
@@ -266,7 +278,7 @@ mod tests {
             let terms = terms.iter().map(|&(modulus, time)| Term { modulus, time }).collect();
             let chain = Maxwell { equilibrium: 0.1, terms };
             let modulus = chain.transformed_terms(2.0);
-            ModalRelaxation { distortion: rows.tr_mul(&rows) * 0.02, chain, modulus }
+            ModalRelaxation { distortion: rows.tr_mul(&rows) * 0.02, factor: None, chain, modulus }
         };
         Sample {
             squares: DVector::from_row_slice(&[4.0, 9.0, 16.0, 30.0]),
@@ -342,11 +354,15 @@ mod tests {
     fn pairs_are_those_of_the_first_order_system() {
         let Sample { squares, relaxations, force, load, .. } = sample(0.0);
         let relaxations = &relaxations[..1];
-        for scale in [1e-3, 0.03, 1.0, 300.0] {
+        for (scale, is_factored) in
+            [1e-3, 0.03, 1.0, 300.0].into_iter().flat_map(|scale| [(scale, false), (scale, true)])
+        {
             let mut part = relaxations[0].clone();
             part.chain.terms.iter_mut().for_each(|term| term.time *= scale);
+            part.factor = is_factored.then(|| semidefinite_factor(&part.distortion).transpose());
             let (elastic, springs) = (relaxed(&squares, relaxations), springs(std::slice::from_ref(&part)));
-            let rational = Rational { stiffness: &elastic, distortion: &part.distortion, chain: &part.chain };
+            let factor = part.factor.as_ref().map(|factor| (factor, part.modulus));
+            let rational = Rational { stiffness: &elastic, distortion: &part.distortion, factor, chain: &part.chain };
             let pairs = rational.pairs(&squares).expect("all pairs");
             // Four vibrations, and three directions for each of three terms.
             assert_eq!(pairs.len(), 4 + 9, "{scale}");

@@ -47,6 +47,7 @@ mod stability_study;
 mod summaries;
 mod sweep;
 mod sweep_resume;
+mod temperatures;
 mod tension;
 mod tools;
 
@@ -88,6 +89,7 @@ fn main() -> ExitCode {
         .group("summaries", summaries::TESTS)
         .group("sweep", sweep::TESTS)
         .group("sweep_resume", sweep_resume::TESTS)
+        .group("temperatures", temperatures::TESTS)
         .group("tension", tension::TESTS)
         .run()
 }

@@ -14,7 +14,6 @@ pub const TESTS: &[PlainTest] = tests![
     any_number_of_ranks_writes_the_same,
     a_family_answers_as_its_members,
     families_are_of_one_property,
-    temperatures_have_the_relaxation_of_their_own,
     layers_that_relax_alike_are_those_of_the_member,
     members_with_controlled_steps,
     shards_put_together_are_the_whole,
@@ -177,54 +176,6 @@ fn families_are_of_one_property() {
     assert!((peaks[38] / peaks[39] - 1.0).abs() > 2e-2, "{peaks:?}");
     good(&folder, 0, "sweep scene.toml --vary support.0.stiffness=5e8..6e8:20 --set body.model=half-space -o h.h5");
     assert_eq!(members(&file(&folder, "h.h5"), "status"), [1.0; 20]);
-}
-
-/// Temperatures of a laminate, also where one follows no term of the chain. Each member's force is that
-/// of its own run within the tolerances of both.
-fn temperatures_have_the_relaxation_of_their_own() {
-    let laminate = r#"
-        title = "Laminate"
-        [body]
-        size = [0.3, 0.3]
-        model = "layerwise"
-        temperature = 20.0
-        [[body.layer]]
-        thickness = 0.005
-        material = "glass"
-        [[body.layer]]
-        thickness = 0.00152
-        material = "interlayer"
-        [[body.layer]]
-        thickness = 0.005
-        material = "glass"
-        [material.glass]
-        young = 70e9
-        poisson = 0.23
-        density = 2500.0
-        [material.interlayer]
-        bulk = 2e9
-        density = 1100.0
-        shear = 1e6
-        prony = [{ modulus = 300e6, time = 1e-3 }]
-        wlf = { c1 = 20.0, c2 = 90.0, reference = 20.0 }
-        [impactor]
-        mass = 2.0
-        radius = 0.05
-        young = 210e9
-        poisson = 0.3
-        speed = 1.0
-        [time]
-        end = 1e-3
-    "#;
-    let folder = folder(laminate);
-    good(&folder, 0, "sweep scene.toml --vary body.temperature=-10,20,35,40 -o s.h5");
-    let peaks = members(&file(&folder, "s.h5"), "peak_force");
-    for (temperature, peak) in ["-10", "20", "35", "40"].into_iter().zip(&peaks) {
-        good(&folder, 0, &format!("run scene.toml --set body.temperature={temperature} -o run.h5"));
-        let own = column(&file(&folder, "run.h5"), "contact/force").into_iter().fold(0.0, f64::max);
-        assert!((peak / own - 1.0).abs() < 2e-2, "{temperature} °C: {peak} {own}");
-    }
-    assert!(peaks[0] > 1.1 * peaks[3], "a cold interlayer is stiffer: {peaks:?}");
 }
 
 /// Members in which other layers relax alike: a with b, or a with c. Each is its own run, but for a part of the tolerance.

@@ -231,7 +231,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let parameters = self.parameters.clone();
         let Law { force_law, compliance, .. } = &parameters.law;
         let tangent = force_law.steepest(force_law.indentation(steps.peak));
-        let closed = Closed { tangent, compliance: *compliance, mass: parameters.mass };
+        let closed = Closed { tangent, compliance: *compliance, mass: parameters.mass, accuracy: self.tolerance };
         let body: &ModalBody = self.body.borrow();
         let faster = if steps.defect.is_some() { body.faster() } else { 1.0 };
         let modes = body.modes(faster * RESOLVED / steps.largest, &closed)?;
@@ -254,15 +254,9 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let mut energy_balance = self.has_energies.then(EnergyBalance::default);
         let mut reader = self.readout.as_ref().filter(|_| observed).map(|readout| Reader::new(readout, &modes));
         let mut see = |number: usize, motion: &Motion, energy_balance: Option<&mut EnergyBalance>| {
-            let vibration = coordinates(&modes, &motion.state);
-            let step = seen(
-                number,
-                motion,
-                (&modes, &parameters),
-                energy_balance.map(|energy_balance| (energy_balance, &vibration)),
-            );
-            let reader = reader.as_mut();
-            let reading = reader.map_or_else(Reading::default, |reader| reader.read(&step, motion, &vibration));
+            let with_energy = energy_balance.map(|balance| (balance, coordinates(&modes, &motion.state)));
+            let step = seen(number, motion, (&modes, &parameters), with_energy);
+            let reading = reader.as_mut().map_or_else(Reading::default, |reader| reader.read(&step, motion));
             Observed { step, reading }
         };
         if observed {
@@ -344,7 +338,7 @@ fn seen(
     number: usize,
     motion: &Motion,
     (modes, parameters): (&Modes, &ImpactParameters),
-    energy_balance: Option<(&mut EnergyBalance, &Vibration)>,
+    energy_balance: Option<(&mut EnergyBalance, Vibration)>,
 ) -> Step {
     let (state, force) = (&motion.state, motion.force);
     let approach = motion.approach - modes.residual * force;
@@ -367,7 +361,7 @@ fn seen(
         },
         energy: energy_balance.map_or(Energy::default(), |(energy_balance, vibration)| {
             let potential = law.potential(motion.approach) - 0.5 * modes.residual * force * force;
-            energy_balance.energy((modes, parameters), state, vibration, (force, potential, motion.absent_energy()))
+            energy_balance.energy((modes, parameters), state, &vibration, (force, potential, motion.absent_energy()))
         }),
     }
 }

@@ -8,7 +8,7 @@ use crate::impact::reading::{ProbeForms, Reading, Readout, contact};
 use crate::impact::step::Step;
 use crate::space::evaluate::{ContactNow, ContactSize, Map, TensionMap, TensionSearch};
 
-use super::energy_balance::{Vibration, coordinates};
+use super::energy_balance::coordinates;
 use super::motion::Motion;
 
 /// Reads the steps of one run.
@@ -65,15 +65,15 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reads a step, of its motion and vibration.
-    pub fn read(&mut self, step: &Step, motion: &Motion, (x, _): &Vibration) -> Reading {
+    /// Reads a step, of its motion.
+    pub fn read(&mut self, step: &Step, motion: &Motion) -> Reading {
         let mut reading = Reading::default();
         if !self.is_here {
             return reading;
         }
         if let Some(faces) = &mut self.faces {
             let state = &motion.state;
-            faces.weights.extend_from_slice(x.as_slice());
+            faces.weights.extend_from_slice(self.modes.places(&state.modes).as_slice());
             faces.weights.extend([state.way, 0.5 * state.time * state.time, motion.force, state.settled]);
         }
         if let Some((shapes, forms)) = &self.probes {

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use petsc_wrap::Comm;
 
-use super::by_body::{BodyOf, ByBody};
+use super::by_body::{BodyOf, ByBody, has_local_field};
 use super::family::{self, Family};
 use super::grouping::{Grouping, Line};
 use super::member::Computed;
@@ -26,7 +26,8 @@ const MOST: usize = 64;
 /// Of the part of the tolerance that a basis may take, how much more before another one is made for a member.
 const SLACK: f64 = 2.0;
 
-/// The tolerance of a basis for members of different chains over theirs: estimates were seen to differ by a factor of two from 0 to 50 °C.
+/// The tolerance of a basis for members of different chains over theirs: estimates were seen to differ by a factor of two from 0 to 50 °C. (Chains
+/// that share a local field hardly differ.)
 const OF_RELAXING: f64 = 0.6;
 
 /// What members share.
@@ -255,7 +256,8 @@ impl Kept {
 
 /// The scene that a basis is made for which all its family shares: where members relax differently, with a margin for these.
 fn shared(scene: Scene) -> Scene {
-    let margin = if scene.body.composition.is_viscoelastic() { OF_RELAXING } else { 1.0 };
+    let differ = scene.body.composition.is_viscoelastic() && !has_local_field(&scene);
+    let margin = if differ { OF_RELAXING } else { 1.0 };
     Scene { tolerance: margin * scene.tolerance, ..scene }
 }
 

@@ -35,9 +35,7 @@ impl BodyOf {
     /// contact is made: each member gives the body its own chains ([`ModalBody::with_chains`](crate::body::ModalBody::with_chains)).
     pub fn new(scene: &Scene) -> Self {
         let time = OF_CONTACT * scene.impactor.contact_time();
-        // A solid's field under the hit is its own, but for stresses.
-        let is_resolved = scene.body.model == scene::Model::Solid && !scene.output.stress;
-        let materials = scene.body.composition.materials().into_iter().filter(|_| !is_resolved);
+        let materials = scene.body.composition.materials().into_iter().filter(|_| has_local_field(scene));
         let moduli = materials.filter_map(|material| Some(rounded(material.shear.as_ref()?.at(time), scene.tolerance)));
         Self { local: moduli.collect(), ..Self::relaxing_anyhow(scene) }
     }
@@ -74,6 +72,11 @@ impl BodyOf {
         format!("{self:?}").hash(&mut hasher);
         hasher.finish()
     }
+}
+
+/// Whether a body is made with moduli of the contact's time: a solid's field under the hit is its own, but for stresses.
+pub(super) fn has_local_field(scene: &Scene) -> bool {
+    scene.body.model != scene::Model::Solid || scene.output.stress
 }
 
 /// A value, as far as [`OF_TOLERANCE`] asks for it.

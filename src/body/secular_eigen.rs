@@ -1,0 +1,172 @@
+//! Eigenpairs of (λ² + Ω + γ(λ) B Bᵀ) φ = 0, Ω diagonal, γ = g − ḡ: a body whose modes, of the modulus ḡ, relax in few directions.
+//!
+//! The vibration that begins as the mode k has φ_k = 1, and what the other modes do follows from systems as large as B has columns:
+//!
+//! ω_k² + λ² + γ b_kᵀ y = 0,  (1 + γ Σ_{j≠k} b_j b_jᵀ/(ω_j² + λ²)) y = b_k,  φ_j = −γ b_jᵀy/(ω_j² + λ²),
+//!
+//! b_k the rows of B (the secular equation of G. H. Golub, SIAM Rev. 15, 1973, for more than one column). Newton's method solves it for λ. Real pairs have
+//! (1 + γ Σ b_j b_jᵀ/(ω_j² + λ²)) y = 0, φ_j ∝ b_jᵀy/(ω_j² + λ²), and are found by inverse iteration with the Rayleigh functional, as those of a D of all directions
+//! ([`super::rational_eigen`]).
+
+use nalgebra::{Complex, ComplexField, DMatrix, DVector};
+
+use super::eigen::symmetric_eigen;
+use super::rational_eigen::{CLOSE, IDLE, MOST, Pair, Rational, solved};
+
+/// The directions by which modes are coupled.
+pub struct Secular<'a> {
+    /// ω² of the modes, 1/s².
+    squares: &'a DVector<f64>,
+    /// B, and its transpose.
+    factor: &'a DMatrix<f64>,
+    transposed: DMatrix<f64>,
+    /// ḡ.
+    modulus: f64,
+}
+
+impl<'a> Secular<'a> {
+    /// Modes of some squares (1/s²) with a modulus, and B.
+    pub fn new(squares: &'a DVector<f64>, factor: &'a DMatrix<f64>, modulus: f64) -> Self {
+        Self { squares, factor, transposed: factor.transpose(), modulus }
+    }
+
+    /// The vibration that begins as a mode.
+    pub fn vibration(&self, mode: usize, of: &Rational<'_>) -> Option<Pair> {
+        let own: DVector<Complex<f64>> = self.transposed.column(mode).map(|entry| Complex::new(entry, 0.0));
+        let square = self.squares[mode];
+        let [g, _] = self.excess(of, Complex::new(0.0, square.sqrt()));
+        // It decays.
+        let mut rate = -(-(own.dot(&own) * g + square)).sqrt();
+        let mut is_found = false;
+        let (mut shape, mut slope) = (DVector::zeros(self.squares.len()), Complex::new(0.0, 0.0));
+        for _ in 0..MOST {
+            let [g, of_g] = self.excess(of, rate);
+            let mut answers = self.answers(rate);
+            answers[mode] = Complex::new(0.0, 0.0);
+            let y = solved(&self.system(&answers, g), &own);
+            shape = self.spread(&y).component_mul(&answers) * -g;
+            shape[mode] = Complex::new(1.0, 0.0);
+            slope = rate * 2.0 * shape.dot(&shape) + of_g * y.dot(&y);
+            let change = (rate * rate + square + g * own.dot(&y)) / slope;
+            rate -= change;
+            let part = change.modulus() / rate.modulus();
+            if is_found || part.is_nan() {
+                break;
+            }
+            is_found = part <= CLOSE;
+        }
+        let length = shape.norm();
+        let pair = Pair { rate, shape: shape / Complex::new(length, 0.0), slope: slope / (length * length) };
+        Some(pair).filter(|pair| is_found && pair.rate.is_finite() && pair.rate.im > 0.0)
+    }
+
+    /// The real pairs between two poles. `None` where some are not found.
+    pub fn creeping(&self, (pole, slower): (f64, f64), of: &Rational<'_>) -> Option<Vec<Pair>> {
+        let together = self.sum(&self.answers(pole));
+        let (values, directions) = symmetric_eigen(together);
+        let all: f64 = of.chain.terms.iter().map(|term| term.modulus).sum();
+        let found = values.iter().zip(directions.column_iter()).filter(|(value, _)| **value * all > IDLE);
+        let pair = |(value, direction): (&f64, nalgebra::DVectorView<'_, f64>)| {
+            let rate = of.balanced((pole, slower), |_, g| 1.0 + (g - self.modulus) * value);
+            self.creep(rate, direction.into_owned(), of).filter(|pair| pair.rate.re > pole && pair.rate.re < slower)
+        };
+        found.map(pair).collect()
+    }
+
+    /// The real pair near an approximate one.
+    fn creep(&self, mut rate: f64, mut y: DVector<f64>, of: &Rational<'_>) -> Option<Pair> {
+        let mut is_found = false;
+        for _ in 0..MOST {
+            let [g, of_g] = self.excess(of, rate);
+            let answers = self.answers(rate);
+            let system = self.system(&answers, g);
+            let turned = |y: &DVector<f64>| {
+                let spread = self.spread(y).component_mul(&answers);
+                let bent = &self.transposed * spread.component_mul(&answers);
+                (&self.transposed * spread) * of_g - bent * (2.0 * rate * g)
+            };
+            let next = solved(&system, &turned(&y));
+            let length = next.norm();
+            if !length.is_finite() {
+                // λ is exact.
+                break;
+            }
+            y = next / length;
+            let change = y.dot(&(&system * &y)) / y.dot(&turned(&y));
+            rate -= change;
+            let part = change.abs() / rate.abs();
+            if is_found {
+                break;
+            }
+            is_found = part <= CLOSE;
+        }
+        let shape = self.spread(&y).component_mul(&self.answers(rate)).normalize();
+        let [_, of_g] = self.excess(of, rate);
+        let slope = 2.0 * rate * shape.dot(&shape) + of_g * (&self.transposed * &shape).norm_squared();
+        let [rate, slope] = [rate, slope].map(|value| Complex::new(value, 0.0));
+        is_found.then(|| Pair { rate, shape: shape.map(|entry| Complex::new(entry, 0.0)), slope })
+    }
+
+    /// γ and g′.
+    fn excess<T: ComplexField<RealField = f64> + Copy>(&self, of: &Rational<'_>, rate: T) -> [T; 2] {
+        let [g, slope] = of.modulus(rate);
+        [g - T::from_real(self.modulus), slope]
+    }
+
+    /// 1/(ω² + λ²) of all modes.
+    fn answers<T: ComplexField<RealField = f64> + Copy>(&self, rate: T) -> DVector<T> {
+        self.squares.map(|square| T::one() / (rate * rate + T::from_real(square)))
+    }
+
+    /// B y.
+    fn spread<T: ComplexField<RealField = f64> + Copy>(&self, y: &DVector<T>) -> DVector<T> {
+        let [real, imaginary] = parts(y);
+        joined(&(self.factor * real), &(self.factor * imaginary))
+    }
+
+    /// 1 + γ Bᵀ diag(answers) B.
+    fn system<T: ComplexField<RealField = f64> + Copy>(&self, answers: &DVector<T>, g: T) -> DMatrix<T> {
+        let mut system = self.sum(answers) * g;
+        (0..system.nrows()).for_each(|i| system[(i, i)] += T::one());
+        system
+    }
+
+    /// Bᵀ diag(answers) B.
+    fn sum<T: ComplexField<RealField = f64> + Copy>(&self, answers: &DVector<T>) -> DMatrix<T> {
+        let scaled = |by: &DVector<f64>| {
+            let mut scaled = self.transposed.clone();
+            scaled.column_iter_mut().zip(by.iter()).for_each(|(mut column, by)| column *= *by);
+            scaled * self.factor
+        };
+        let [real, imaginary] = parts(answers);
+        // Real answers have no other part.
+        let imaginary = if imaginary.amax() > 0.0 { scaled(&imaginary) } else { DMatrix::zeros(0, 0) };
+        let real = scaled(&real);
+        if imaginary.is_empty() { real.map(T::from_real) } else { joined(&real, &imaginary) }
+    }
+}
+
+/// Real and imaginary parts.
+fn parts<T: ComplexField<RealField = f64> + Copy>(of: &DVector<T>) -> [DVector<f64>; 2] {
+    [of.map(T::real), of.map(T::imaginary)]
+}
+
+/// Of real and imaginary parts; the latter are nothing where T is real.
+fn joined<T, R, C, S>(
+    real: &nalgebra::Matrix<f64, R, C, S>,
+    imaginary: &nalgebra::Matrix<f64, R, C, S>,
+) -> nalgebra::OMatrix<T, R, C>
+where
+    T: ComplexField<RealField = f64> + Copy,
+    R: nalgebra::Dim,
+    C: nalgebra::Dim,
+    S: nalgebra::storage::Storage<f64, R, C>,
+    nalgebra::DefaultAllocator: nalgebra::allocator::Allocator<R, C>,
+{
+    // √−1 is not a number of the reals.
+    let unit = T::from_real(-1.0).try_sqrt();
+    real.zip_map(imaginary, |real, imaginary| match unit {
+        Some(unit) => T::from_real(real) + unit * T::from_real(imaginary),
+        None => T::from_real(real),
+    })
+}

@@ -1,0 +1,96 @@
+//! Sweeps over the temperature of a laminate.
+
+use mpi_test::{PlainTest, tests};
+
+use crate::results::{column, folder, good};
+use crate::sweeps::members;
+
+pub const TESTS: &[PlainTest] =
+    tests![temperatures_have_the_relaxation_of_their_own, temperatures_on_a_shared_basis_are_within_their_estimates];
+
+/// Temperatures so close that one basis serves both: no peak is further from that of a run of its own, of a quarter of the tolerance, than its
+/// estimate says.
+fn temperatures_on_a_shared_basis_are_within_their_estimates() {
+    let folder = folder(&pane(&[6.9e6, 3.9e6, 2.3e6]));
+    good(&folder, 0, "sweep scene.toml --vary body.temperature=20,20.1 -o s.h5");
+    let sweep = folder.path().join("s.h5");
+    let estimates = members(&sweep, "error_estimate");
+    for (n, peak) in members(&sweep, "peak_force").into_iter().enumerate() {
+        let temperature = 20.0 + 0.1 * n as f64;
+        good(
+            &folder,
+            0,
+            &format!(
+                "run scene.toml --set body.temperature={temperature} --set accuracy.tolerance=5e-3 -o run.h5 --force"
+            ),
+        );
+        let own = column(&folder.path().join("run.h5"), "contact/force").into_iter().fold(0.0, f64::max);
+        let error = (peak / own - 1.0).abs();
+        assert!(error <= estimates[n] && estimates[n] < 3e-2, "{temperature} °C: {error:e} {estimates:?}");
+    }
+}
+
+/// A layerwise pane whose interlayer has terms of some moduli (Pa), a decade apart from 10 µs on.
+fn pane(moduli: &[f64]) -> String {
+    let glass = "[[body.layer]]\nthickness = 0.005\nmaterial = \"glass\"\n";
+    let term = |(n, modulus): (usize, &f64)| format!("{{ modulus = {modulus:e}, time = 1e{} }}", n as i32 - 5);
+    let terms: Vec<String> = moduli.iter().enumerate().map(term).collect();
+    format!(
+        "title = \"Laminate\"\n[body]\nsize = [0.3, 0.3]\nmodel = \"layerwise\"\ntemperature = 20.0\n{glass}\
+         [[body.layer]]\nthickness = 0.00076\nmaterial = \"interlayer\"\n{glass}\
+         [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+         [material.interlayer]\nbulk = 2e9\ndensity = 1100.0\nshear = 3e6\nprony = [{}]\n\
+         wlf = {{ c1 = 20.7, c2 = 91.1, reference = 20.0 }}\n\
+         [impactor]\nmass = 2.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n\
+         [time]\nend = 6e-4\n[accuracy]\ntolerance = 2e-2\n",
+        terms.join(", ")
+    )
+}
+
+/// Temperatures of a laminate, also where one follows no term of the chain. Each member's force is that
+/// of its own run within the tolerances of both.
+fn temperatures_have_the_relaxation_of_their_own() {
+    let laminate = r#"
+        title = "Laminate"
+        [body]
+        size = [0.3, 0.3]
+        model = "layerwise"
+        temperature = 20.0
+        [[body.layer]]
+        thickness = 0.005
+        material = "glass"
+        [[body.layer]]
+        thickness = 0.00152
+        material = "interlayer"
+        [[body.layer]]
+        thickness = 0.005
+        material = "glass"
+        [material.glass]
+        young = 70e9
+        poisson = 0.23
+        density = 2500.0
+        [material.interlayer]
+        bulk = 2e9
+        density = 1100.0
+        shear = 1e6
+        prony = [{ modulus = 300e6, time = 1e-3 }]
+        wlf = { c1 = 20.0, c2 = 90.0, reference = 20.0 }
+        [impactor]
+        mass = 2.0
+        radius = 0.05
+        young = 210e9
+        poisson = 0.3
+        speed = 1.0
+        [time]
+        end = 1e-3
+    "#;
+    let folder = folder(laminate);
+    good(&folder, 0, "sweep scene.toml --vary body.temperature=-10,20,35,40 -o s.h5");
+    let peaks = members(&folder.path().join("s.h5"), "peak_force");
+    for (temperature, peak) in ["-10", "20", "35", "40"].into_iter().zip(&peaks) {
+        good(&folder, 0, &format!("run scene.toml --set body.temperature={temperature} -o run.h5"));
+        let own = column(&folder.path().join("run.h5"), "contact/force").into_iter().fold(0.0, f64::max);
+        assert!((peak / own - 1.0).abs() < 2e-2, "{temperature} °C: {peak} {own}");
+    }
+    assert!(peaks[0] > 1.1 * peaks[3], "a cold interlayer is stiffer: {peaks:?}");
+}
