@@ -90,7 +90,7 @@ mod tests {
             let all = points.lines_of_whole();
             let lines = [0, 1].map(|i| {
                 let mut lines = all[i].clone();
-                lines.insert(3, 0.5 * (lines[2] + lines[3]));
+                lines.insert(1, 0.5 * (lines[0] + lines[1]));
                 lines
             });
             let height = -0.015;
