@@ -136,6 +136,22 @@ impl Columns {
     }
 }
 
+/// A product with several columns: compiled for the vectors of each kind of processor.
+struct Multiplying<'a> {
+    matrix: &'a SparseRows,
+    columns: &'a Columns,
+    product: &'a mut Columns,
+}
+
+impl pulp::NullaryFnOnce for Multiplying<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.matrix.multiply_into(self.columns, self.product);
+    }
+}
+
 /// A sparse matrix by rows.
 pub struct SparseRows {
     starts: Vec<usize>,
@@ -170,6 +186,13 @@ impl SparseRows {
             return Columns::of(self.multiply_one(columns.get(0)));
         }
         let mut product = Columns::zeros(rows, count);
+        pulp::Arch::new().dispatch(Multiplying { matrix: self, columns, product: &mut product });
+        product
+    }
+
+    #[inline(always)]
+    fn multiply_into(&self, columns: &Columns, product: &mut Columns) {
+        let (rows, count) = (columns.rows, columns.count());
         // Numbers of one row side by side, so that each entry of the matrix is read once for all columns of a panel.
         let mut panel = vec![[0.0; PANEL]; rows];
         for begin in (0..count).step_by(PANEL) {
@@ -182,9 +205,9 @@ impl SparseRows {
                 (begin..end).for_each(|number| product.entries[number * rows + i] = sums[number - begin]);
             }
         }
-        product
     }
 
+    #[inline(always)]
     fn row_times(&self, range: Range<usize>, panel: &[[f64; PANEL]]) -> [f64; PANEL] {
         let mut sums = [0.0; PANEL];
         for (column, value) in self.columns[range.clone()].iter().zip(&self.values[range]) {

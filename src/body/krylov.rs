@@ -21,6 +21,7 @@
 use nalgebra::{DMatrix, DVector};
 use petsc_wrap::{Matrix, Vector};
 
+use super::direct::Precision;
 use super::gram::{forms, forms_on};
 use super::lanczos::{self, Lanczos};
 use super::shift::{Shift, Solver, Source};
@@ -30,6 +31,9 @@ use crate::scene::Fault;
 
 /// A new vector shorter than this part of what it was before it was made orthogonal adds nothing but rounding.
 const EXHAUSTED: f64 = 1e-10;
+
+/// The same of vectors by a factor in single precision.
+const EXHAUSTED_OF_SINGLE: f64 = 1e-5;
 
 /// A basis that grows, and the body on it.
 pub struct Krylov {
@@ -86,7 +90,12 @@ impl Krylov {
             start.copy_from(pushed)?;
             starts.push(start);
         }
-        let shifts = Shift::all(body, shift)?;
+        let is_alone = starts.len() == 1;
+        let is_undamped = body.damping.is_none() && body.relaxations.is_empty();
+        let may_recur = in_blocks && is_undamped && is_alone && rest.is_none();
+        // What single precision leaves of rounding is orthogonal to all vectors in the end, and small against a tolerance that allows blocks.
+        let precision = if may_recur { Precision::Single } else { Precision::Double };
+        let shifts = Shift::all(body, shift, precision)?;
         let mut sources = Vec::new();
         for mut start in starts {
             body.clamps.zero(&mut start)?;
@@ -114,10 +123,7 @@ impl Krylov {
                 basis.push(first);
             }
         }
-        let is_alone = sources.len() == 1;
-        let is_undamped = body.damping.is_none() && body.relaxations.is_empty();
-        let is_recurrent =
-            in_blocks && matches!(shifts[0].solver, Solver::Small(_)) && is_undamped && is_alone && rest.is_none();
+        let is_recurrent = may_recur && matches!(shifts[0].solver, Solver::Small(_));
         let recurrence = || Lanczos::new(body, &sources[0].start, basis.first());
         let lanczos = is_recurrent.then(recurrence).transpose()?;
         Ok(Self {
@@ -158,7 +164,8 @@ impl Krylov {
     /// PETSc's.
     pub fn grow(&mut self, body: &Body, vectors: usize) -> Result<()> {
         if let (Some(lanczos), Solver::Small(factor)) = (&mut self.lanczos, &self.shifts[0].solver) {
-            lanczos.grow(&lanczos::Solver { factor, exhausted: EXHAUSTED }, vectors);
+            let exhausted = if factor.is_single() { EXHAUSTED_OF_SINGLE } else { EXHAUSTED };
+            lanczos.grow(&lanczos::Solver { factor, exhausted }, vectors);
             for number in self.basis.len()..lanczos.vectors().count() {
                 let mut vector = body.load.duplicate()?;
                 vector.write()?.copy_from_slice(lanczos.vectors().get(number));

@@ -5,7 +5,7 @@
 
 use petsc_wrap::{Ksp, Vector};
 
-use super::direct::Direct;
+use super::direct::{Direct, Precision};
 use super::{Body, Relaxation};
 use crate::error::Result;
 use crate::solve::Method;
@@ -29,12 +29,13 @@ pub(super) struct Shift {
 }
 
 impl Shift {
-    /// Those of a body, the given one (1/s) first. Factorises S at each. Collective.
+    /// Those of a body, the given one (1/s) first. Factorises S at each, that of a small body with so many digits. Collective.
     ///
     /// # Errors
     /// PETSc's.
-    pub fn all(body: &Body, first: f64) -> Result<Vec<Self>> {
-        rates(body, first).into_iter().map(|rate| Ok(Self { rate, solver: Solver::new(body, rate)? })).collect()
+    pub fn all(body: &Body, first: f64, precision: Precision) -> Result<Vec<Self>> {
+        let at = |rate| Ok(Self { rate, solver: Solver::new(body, rate, precision)? });
+        rates(body, first).into_iter().map(at).collect()
     }
 }
 
@@ -45,10 +46,10 @@ pub(super) enum Solver {
 }
 
 impl Solver {
-    fn new(body: &Body, shift: f64) -> Result<Self> {
+    fn new(body: &Body, shift: f64, precision: Precision) -> Result<Self> {
         // Every rank has all of a body of numbers.
         Ok(match (body.method, &body.nodes) {
-            (Method::Cholesky, None) => Self::Small(Direct::new(body, shift)?),
+            (Method::Cholesky, None) => Self::Small(Direct::new(body, shift, precision)?),
             _ => Self::Distributed(body.solver(&body.operator_at_rate(shift)?)?),
         })
     }

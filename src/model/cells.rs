@@ -9,7 +9,7 @@ use super::mindlin_error::is_clamp_of_sections;
 use super::reduce::{Plan, Reduced, grow, reduce_from, shared_force};
 use super::theory::{Built, Operators, build, cells_of_plate};
 use super::watch::{Stage, Watch};
-use crate::body::{DirectSum, ModalBody};
+use crate::body::{DirectSum, ModalBody, Projection};
 use crate::error::{Error, Result};
 use crate::impact::{Errors, ModalImpact, Trace, joined};
 use crate::mesh::Measures;
@@ -80,7 +80,9 @@ pub struct Fitted {
     pub measures: Option<Measures>,
 }
 
-/// Vectors of a basis on which cells are compared, at most: on bases of as many vectors the errors of these are alike, and cancel.
+/// Vectors of a basis on which cells are compared, at most: on bases of as many vectors the errors of these are alike, and cancel. Where short
+/// waves are kept apart these are the vectors of the smaller basis: coarser cells carry no more waves, and their difference with all of
+/// them was ten times the error.
 const SHORT: usize = 800;
 
 /// Unknowns times the square of the vectors above which no basis is made anew on finer cells, which takes as long again and longer: some
@@ -90,6 +92,8 @@ const DEAREST: f64 = 4e9;
 /// The force on other cells.
 struct Judge {
     force: Trace,
+    /// Vectors of its basis.
+    vectors: usize,
     cells: [usize; 3],
     cell_over_disc: Option<f64>,
 }
@@ -130,13 +134,20 @@ impl Judge {
 }
 
 impl Fitted {
+    /// Vectors on which cells are compared.
+    fn compared(&self) -> usize {
+        let [smaller, _] = self.reduced.counts();
+        let Projection { infinite_plate, .. } = &self.reduced.projection;
+        if infinite_plate.is_some() { smaller } else { self.reduced.projection.vectors().min(SHORT) }
+    }
+
     /// The force on the basis, or on the first vectors of a long one.
-    fn on_short_basis(&self, scene: &Scene) -> Result<Trace> {
+    fn on_short_basis(&self, scene: &Scene, vectors: usize) -> Result<Trace> {
         let Reduced { projection, force: (trace, steps), .. } = &self.reduced;
-        if projection.vectors() <= SHORT {
+        if projection.vectors() <= vectors {
             return Ok(trace.clone());
         }
-        Ok(ModalImpact::new(scene, &ModalBody::of(&projection.leading(SHORT))).trace(*steps)?.0)
+        Ok(ModalImpact::new(scene, &ModalBody::of(&projection.leading(vectors))).trace(*steps)?.0)
     }
 }
 
@@ -171,7 +182,7 @@ pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch
     loop {
         let mut finer = FINER[0];
         if let Some(coarse) = &coarse {
-            let difference = watch.shared(fine.on_short_basis(scene))?.difference(&coarse.force);
+            let difference = watch.shared(fine.on_short_basis(scene, coarse.vectors))?.difference(&coarse.force);
             let error = coarse.errors(cells, scene, theory, difference);
             let Errors { first_contact, history, stress } = error;
             tracing::info!(size = fine.size, unknowns = fine.unknowns, first_contact, history, stress, "cells");
@@ -205,8 +216,9 @@ pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch
             }
             size *= FINER[1];
         };
-        let force = watch.shared(fine.on_short_basis(scene))?;
-        coarse = Some(Judge { force, cells, cell_over_disc: fine.cell_over_disc });
+        let vectors = fine.compared();
+        let force = watch.shared(fine.on_short_basis(scene, vectors))?;
+        coarse = Some(Judge { force, vectors, cells, cell_over_disc: fine.cell_over_disc });
         cells = built.cells.unwrap_or(cells);
         let vectors = fine.reduced.counts();
         fine = fitted(comm, scene, built, (size, Some(vectors)), watch)?;
@@ -244,10 +256,11 @@ fn on_coarser_cells(
     let Operators { body, cells, cell_over_disc, .. } = built;
     watch.at(Stage::Factor)?;
     let mut krylov = DirectSum::new(&body, Plan::new(&body, scene).start)?;
-    grow(&mut krylov, &body, fine.reduced.projection.vectors().min(SHORT), None, watch)?;
+    let vectors = fine.compared();
+    grow(&mut krylov, &body, vectors, None, watch)?;
     let mut steps = fine.reduced.force.1;
     let trace = shared_force(scene, &body, &krylov.projection(&body)?, &mut steps, watch)?;
     drop((krylov, body));
     comm.collect_garbage()?;
-    Ok(cells.map(|cells| Judge { force: trace, cells, cell_over_disc }))
+    Ok(cells.map(|cells| Judge { force: trace, vectors, cells, cell_over_disc }))
 }

@@ -4,6 +4,7 @@ mod cells;
 mod climb;
 mod layers;
 mod linearity;
+mod long_waves;
 mod mindlin_error;
 mod readings;
 mod reduce;

@@ -1,6 +1,5 @@
 //! A basis as large as a scene needs, with its error.
 
-use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use crate::body::{Body, DirectSum, ModalBody, OF_CUTOFF, Projection, Start};
@@ -9,13 +8,14 @@ use crate::impact::step::Step;
 use crate::impact::{Errors, ModalImpact, Reading, SteppedImpact, Steps, Trace, Until};
 use crate::scene::{Reduction, Scene};
 
+use super::long_waves::{LongWaves, ORDER};
 use super::watch::{Judged, Stage, Watch};
 
 /// Vectors of the first basis that is tried.
 const FIRST: usize = 10;
 
 /// Most vectors of a basis that grows by itself, for each class of motions.
-const MOST: usize = 1500;
+pub(super) const MOST: usize = 1500;
 
 /// Two bases, one of half as many vectors more, judge each other by the difference between them. Where errors fall with the square of the
 /// number, that of the smaller one is (1 − 1.5⁻²)⁻¹ = 1.8 of it, and where they fall slower at times, more.
@@ -41,15 +41,11 @@ const GROWTH: f64 = 1.225;
 /// what is left for small tolerances is of higher frequencies.
 const RATE: f64 = 15.0;
 
-/// The time in which the force on a plate rises times the frequency up to which a basis must know its waves, for an error of
-/// [`MEASURED`], by the difference to a basis of two thirds of the vectors; errors were measured to fall with the power [`ORDER`] of the
-/// frequency.
-const OF_RISE: f64 = 0.385;
-const MEASURED: f64 = 5e-3;
-const ORDER: f64 = 2.4;
+/// Differences of histories over the peak from which on they are no measure of errors: a contact of one is none of the other.
+const OTHER_CONTACTS: f64 = 0.3;
 
-/// Vectors from which on a plate's short waves are kept apart. With all waves a pane's basis takes three times as many.
-const SHORT_WAVES_APART: usize = 100;
+/// Vectors of a nearer basis by which the whole history is judged then, over those of the basis.
+const NEARER: f64 = 0.875;
 
 /// The tolerance from which on long bases are made in blocks. Below it the rounding that blocks leave counts: for 1e-4 a pane took 363 vectors
 /// in the place of 296.
@@ -144,11 +140,16 @@ pub(super) fn reduce_from(
                         None if !body.relaxations.is_empty() => OF_RELAXING,
                         None => OF_LARGER,
                     };
-                    let error = of_difference * before.difference(&trace);
+                    let mut error = of_difference * before.difference(&trace);
                     let wanted = OF_BASIS * scene.tolerance;
                     let over = watch.agreed(error.of(scene.measure) / wanted);
                     last = Some(Judged { vectors: count, error: over * wanted, wanted });
                     if enough || over <= 1.0 {
+                        if start.leaves_short_waves && watch.decided(error.history > OTHER_CONTACTS * of_difference) {
+                            let nearer = (NEARER * count as f64) as usize;
+                            let near = shared_force(scene, body, &projection.leading(nearer), &mut steps, watch)?;
+                            error.history = of_larger(count, nearer) * near.difference(&trace).history;
+                        }
                         tracing::info!(
                             vectors = count,
                             smaller,
@@ -197,19 +198,13 @@ impl Plan {
     /// That of a scene's body: by the rule of thumb, or, where a plate's contact has many modes, by the number of these.
     pub(super) fn new(body: &Body, scene: &Scene) -> Self {
         let short = Self { start: Start::from(rate(scene)), first: FIRST };
-        let Some(plate) = &body.infinite_plate else { return short };
-        // (What foundations pull at, what relaxes, and schemes in the body's unknowns, know no waves that go off.)
+        // (What relaxes knows no waves that go off either.)
         let is_bound = body.unilateral.is_some() || !body.relaxations.is_empty();
-        if !scene.time.modal || is_bound || scene.body.reduction != Reduction::Auto {
-            return short;
-        }
-        let of_error = (MEASURED / (OF_BASIS * scene.tolerance)).powf(1.0 / ORDER);
-        let frequency = TAU * OF_RISE * of_error / plate.rise(scene.impactor.stiffness, scene.impactor.speed);
-        let vectors = plate.vectors(frequency);
+        let plate = body.infinite_plate.as_ref().filter(|_| !is_bound);
         let most = MOST * body.classes.len().max(1);
-        if !(SHORT_WAVES_APART..=most).contains(&vectors) || plate.is_near_edge(frequency) {
+        let Some(LongWaves { frequency, vectors }) = plate.and_then(|plate| LongWaves::of(scene, plate, most)) else {
             return short;
-        }
+        };
         // The first one judges the second.
         let in_blocks = scene.tolerance >= IN_BLOCKS;
         let start = Start { shift: OF_CUTOFF * frequency, leaves_short_waves: true, in_blocks };

@@ -12,7 +12,13 @@ use crate::space::evaluate::{Evaluator, PointEvaluator};
 use crate::space::plate::{self, Plate, PlateTheory};
 use crate::space::spline::{self, SplineSolid};
 
+use super::long_waves::LongWaves;
+use super::reduce::MOST;
 use super::watch::{Stage, Watch};
+
+/// Size of the largest cells of a plate whose basis knows its long waves alone, over that for all waves: such cells carry these. On a pane of
+/// 8 mm the force was off by 0.2% with 1.3, as much as its difference from cells 0.77 of these, and by 0.4% with 1.45.
+const OF_LONG_WAVES: f64 = 1.3;
 
 /// What the scene calls the theory.
 pub fn name(model: Model) -> &'static str {
@@ -183,7 +189,7 @@ fn is_of_splines(scene: &Scene) -> bool {
 }
 
 fn of_plate(comm: &Comm, scene: &Scene, theory: PlateTheory, size: f64) -> Result<Built> {
-    let plate = Plate::new(scene, theory, &plate_settings(scene, theory, size))?;
+    let plate = Plate::new(scene, theory, &plate_settings(scene, theory, size)?)?;
     let cell_over_disc = plate.cell_over_disc();
     let Plate { system, cells: [x, y], points, .. } = plate;
     let words = format!("{x} × {y} cells of splines");
@@ -191,13 +197,20 @@ fn of_plate(comm: &Comm, scene: &Scene, theory: PlateTheory, size: f64) -> Resul
     Ok(Built::Operators(Operators { cell_over_disc, ..operators }))
 }
 
-fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> plate::Settings {
+fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> Result<plate::Settings> {
     let mut settings = plate::Settings::new(scene.tolerance, theory);
     settings.cell_size_factor *= size;
     if let Contact::Patch { disc: Some(disc), .. } = scene.contact {
         settings.disc_radius = Some(disc);
     }
-    settings
+    if theory == PlateTheory::Mindlin {
+        let plate = plate::infinite_plate(scene, theory, &settings)?;
+        let most = MOST * plate::classes_of_motions(scene, theory)?;
+        if LongWaves::of(scene, &plate, most).is_some() {
+            settings.largest_cell_factor = OF_LONG_WAVES;
+        }
+    }
+    Ok(settings)
 }
 
 /// The cells that [`build`] would give a plate, as [`Operators::cells`]; `None` of other theories, and where it would refuse.
@@ -208,7 +221,7 @@ pub(super) fn cells_of_plate(scene: &Scene, theory: Model, size: f64) -> Option<
         Model::Layerwise => layerwise(scene),
         Model::Auto | Model::Solid | Model::HalfSpace | Model::InfinitePlate => return None,
     };
-    let [x, y] = Plate::cells(scene, theory, &plate_settings(scene, theory, size)).ok()?;
+    let [x, y] = Plate::cells(scene, theory, &plate_settings(scene, theory, size).ok()?).ok()?;
     Some([x, y, 1])
 }
 

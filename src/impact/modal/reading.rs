@@ -6,7 +6,7 @@ use crate::body::{Modes, Shapes};
 use crate::impact::observer::Observed;
 use crate::impact::reading::{ProbeForms, Reading, Readout, contact};
 use crate::impact::step::Step;
-use crate::space::evaluate::{ContactNow, ContactSize, Map, TensionMap, TensionSearch};
+use crate::space::evaluate::{ContactNow, ContactSize, FaceStresses, LineStresses, Map, TensionMap, TensionSearch};
 
 use super::energy_balance::coordinates;
 use super::motion::Motion;
@@ -26,10 +26,57 @@ pub struct Reader<'a> {
 
 /// What is to be known of each step for the faces: they are read when it is known that the run counts.
 pub struct FacesOfSteps {
-    /// Stresses at the sampled points, a column for each of `weights`.
-    stresses: DMatrix<f64>,
+    stresses: StressesOfSteps,
     /// Of the steps so far, one after the other.
     weights: Vec<f64>,
+}
+
+/// Stresses at the sampled points for 1 of each of a step's weights.
+enum StressesOfSteps {
+    /// A column for each weight.
+    All(DMatrix<f64>),
+    OnLines(LineStresses),
+}
+
+impl StressesOfSteps {
+    /// `None` where another rank reads.
+    fn new(faces: &FaceStresses, modes: &Modes) -> Option<Self> {
+        let Shapes { moving, free: [way, of_load], residual, rest } = &modes.shapes;
+        let others = [way, of_load, residual, rest];
+        let mut shapes = moving.clone().resize_horizontally(moving.ncols() + others.len(), 0.0);
+        others.into_iter().enumerate().for_each(|(i, column)| shapes.set_column(moving.ncols() + i, column));
+        if let Some(lines) = faces.on_lines() {
+            return Some(Self::OnLines(lines.mapped(&shapes)));
+        }
+        let (count, entries) = faces.dense()?;
+        Some(Self::All(DMatrix::from_row_slice(entries.len() / count.max(1), count, entries) * shapes))
+    }
+
+    /// How many weights there are.
+    fn weights(&self) -> usize {
+        match self {
+            Self::All(stresses) => stresses.ncols(),
+            Self::OnLines(lines) => lines.coordinates(),
+        }
+    }
+
+    /// A search of all steps, where there is one.
+    fn search<'a>(&self, faces: &'a FaceStresses) -> Option<TensionSearch<'a>> {
+        match self {
+            Self::All(stresses) => {
+                TensionSearch::new(faces, stresses.ncols(), stresses.transpose().as_slice().to_vec())
+            }
+            Self::OnLines(lines) => TensionSearch::on_lines(faces, lines),
+        }
+    }
+
+    /// The stresses of one step.
+    fn apply(&self, weights: &[f64]) -> Vec<f64> {
+        match self {
+            Self::All(stresses) => (stresses * DVector::from_column_slice(weights)).as_slice().to_vec(),
+            Self::OnLines(lines) => lines.apply(weights),
+        }
+    }
 }
 
 impl<'a> Reader<'a> {
@@ -45,14 +92,7 @@ impl<'a> Reader<'a> {
         let probes = readout.probes.as_ref().and_then(of_modes);
         let fields = readout.fields.as_ref().filter(|(_, columns)| !columns.is_empty());
         let faces = readout.faces.as_ref().and_then(|faces| {
-            let (count, entries) = faces.dense()?;
-            let rows = entries.len() / count.max(1);
-            let shapes = modes.shapes.mapped(&DMatrix::from_row_slice(rows, count, entries));
-            let [way, of_load] = &shapes.free;
-            let mut stresses = shapes.moving.resize_horizontally(modes.forms.squares.len() + 4, 0.0);
-            let others = [way, of_load, &shapes.residual, &shapes.rest];
-            let first = stresses.ncols() - others.len();
-            others.into_iter().enumerate().for_each(|(i, column)| stresses.set_column(first + i, column));
+            let stresses = StressesOfSteps::new(faces, modes)?;
             Some(FacesOfSteps { stresses, weights: Vec::new() })
         });
         Self {
@@ -98,17 +138,16 @@ impl FacesOfSteps {
     pub fn read(&self, readout: &Readout, steps: &mut [Observed]) {
         let Some(faces) = readout.faces.as_ref() else { return };
         let contacts: Vec<ContactNow> = steps.iter().map(|step| contact(&readout.contact, &step.step)).collect();
-        let count = self.stresses.ncols();
         let mut map = TensionMap::default();
-        if let Some(search) = TensionSearch::new(faces, count, self.stresses.transpose().as_slice().to_vec()) {
+        if let Some(search) = self.stresses.search(faces) {
             let found = search.tensions(&self.weights, &contacts);
             let times: Vec<f64> = steps.iter().map(|step| step.step.time).collect();
             map = found.map(&times);
             steps.iter_mut().zip(found.steps).for_each(|(step, found)| step.reading.faces = found);
         } else {
-            for ((step, contact), weights) in steps.iter_mut().zip(&contacts).zip(self.weights.chunks_exact(count)) {
-                let at_points = &self.stresses * DVector::from_column_slice(weights);
-                let (found, of_step) = faces.tensions(at_points.as_slice(), contact, step.step.time);
+            let weights = self.weights.chunks_exact(self.stresses.weights().max(1));
+            for ((step, contact), weights) in steps.iter_mut().zip(&contacts).zip(weights) {
+                let (found, of_step) = faces.tensions(&self.stresses.apply(weights), contact, step.step.time);
                 map.take(&of_step);
                 step.reading.faces = found;
             }

@@ -13,7 +13,7 @@ use crate::scene::face_names;
 use crate::scene::faces::{along, name as surface_name};
 
 use super::stress_map::Recovered;
-use super::{ContactNow, Form, LocalPoint, Map, NearHit, StressMap, TensionMap};
+use super::{ContactNow, Form, LineStresses, LocalPoint, Map, NearHit, StressMap, TensionMap};
 
 /// Thicknesses about the hit within which a face of a box is read at the hit alone, by a mean: a contact's largest tension is there, and
 /// nearby the stresses of coarse cells are off.
@@ -306,6 +306,14 @@ impl FaceStresses {
             found.push(largest);
         }
         (found, TensionMap::of_step(all, time))
+    }
+
+    /// The stresses on lines, where the body moves on a basis and has them.
+    pub fn on_lines(&self) -> Option<&LineStresses> {
+        match &self.map {
+            StressMap::Lines(lines) => Some(lines),
+            _ => None,
+        }
     }
 
     /// The map as a dense matrix, where the body moves on a basis: how many coordinates there are, and the entries row by row.

@@ -2,6 +2,7 @@
 
 mod faces;
 mod grid;
+mod line_stress;
 mod map;
 mod near;
 mod sampler;
@@ -12,6 +13,7 @@ mod tension_map;
 
 pub use faces::{Face, FaceGrid, FaceStresses, FaceTension};
 pub use grid::Grid;
+pub use line_stress::{AtPlace, FaceLines, LinePart, LineStresses, Lines};
 pub use map::Map;
 pub use near::{ContactNow, ContactSize, ErrorOfMean, Hit, HitBody, LocalPoint, NearHit};
 pub use sampler::{FieldSampler, Fields};
@@ -64,10 +66,9 @@ pub trait PointEvaluator {
     /// The stresses along the face at one of its points, m; an unknown may come more than once.
     fn face_stress(&self, x: Vec3) -> [Form; 6];
 
-    /// The stresses σ_a, σ_b and σ_ab along the face at a height (m, along the axis across it) at the crossings of lines along its axes a and
-    /// b, ascending, the second's fastest, for 1 of each vector of a basis: crossing by crossing, component by component. `None` where
-    /// that is no cheaper than point by point.
-    fn face_stress_on_lines(&self, _lines: [&[f64]; 2], _height: f64, _basis: &[Vec<f64>]) -> Option<Vec<f64>> {
+    /// The stresses along the face at a height (m, along the axis across it) at the crossings of lines along its axes, ascending. `None` where
+    /// they are read point by point.
+    fn face_lines(&self, _lines: [&[f64]; 2], _height: f64) -> Option<FaceLines> {
         None
     }
 
@@ -150,31 +151,42 @@ impl Evaluator {
                 let lower = -lines[struck].last().copied().unwrap_or_default().copysign(hit.1[struck]);
                 let at_lines = [0, 1].map(|i| &grid.lines[i][..]);
                 // Where both faces share their points: the lower one, the last, has them.
-                let basis_of_lines = basis.filter(|_| points.bends_alone());
-                let rows = basis_of_lines.and_then(|basis| points.face_stress_on_lines(at_lines, lower, basis));
+                let on_lines = basis.filter(|_| points.bends_alone());
+                let on_lines = on_lines.and_then(|basis| Some((points.face_lines(at_lines, lower)?, basis)));
                 let (faces, forms) = faces::of_box(
                     hit,
                     &scene.hit_layers(),
                     (&lines, grid),
                     points.bends_alone(),
-                    |x, is_near| match &rows {
+                    |x, is_near| match &on_lines {
                         _ if is_near => self.stress(points.as_ref(), x),
                         None => points.face_stress(x),
                         Some(_) => Default::default(),
                     },
                     self.near.as_deref(),
                 );
-                let is_set: Vec<bool> = forms.chunks(3).map(|forms| !forms[0].is_empty()).collect();
-                let mut map = Map::new(forms.into_iter(), basis);
-                if let (Some(rows), Map::Dense(count, entries)) = (&rows, &mut map) {
-                    let points = rows.chunks_exact(3 * *count).zip(entries.chunks_exact_mut(3 * *count)).zip(is_set);
-                    for (((row, entries), is_set), is_left_out) in points.zip(&faces[faces.len() - 1].left_out) {
-                        if !is_set && !is_left_out {
-                            entries.copy_from_slice(row);
+                let map = match on_lines {
+                    Some((lines, basis)) => {
+                        let mut apart = Vec::new();
+                        let mut forms = forms.into_iter();
+                        for crossing in 0..forms.len() / 3 {
+                            let of_point: Vec<Form> = forms.by_ref().take(3).collect();
+                            if !of_point[0].is_empty() {
+                                apart.push((crossing, Map::new(of_point.into_iter(), Some(basis))));
+                            }
+                        }
+                        let lines = LineStresses::new(lines, apart, basis);
+                        if basis.len() < LONG {
+                            // (Where both faces share their points they leave out the same.)
+                            let map = lines.dense(&faces[faces.len() - 1].left_out);
+                            StressMap::Forms { map, components: 3 }
+                        } else {
+                            StressMap::Lines(lines)
                         }
                     }
-                }
-                (faces, StressMap::Forms { map, components: 3 })
+                    None => StressMap::Forms { map: Map::new(forms.into_iter(), basis), components: 3 },
+                };
+                (faces, map)
             }
             (Kind::Nodes(nodes), struck) => {
                 let layers = scene.hit_layers().len().saturating_sub(1);
@@ -301,6 +313,9 @@ pub(super) fn summed(mut form: Form) -> Form {
     form.retain(|(_, value)| *value != 0.0);
     form
 }
+
+/// Vectors of a basis from which on the stresses on lines are computed from coefficients at each step: below, all stresses at once are cheaper.
+const LONG: usize = 256;
 
 /// Pieces of a cell's edge at whose ends the largest tension is looked for.
 const FACE_PIECES: usize = 2;

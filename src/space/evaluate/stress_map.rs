@@ -5,7 +5,7 @@ use std::rc::Rc;
 use crate::scene::Vec3;
 use crate::space::finite_element::Nodes;
 
-use super::{Form, Map};
+use super::{Form, LineStresses, Map};
 
 /// Stresses at points, some components each, linear in a body's coordinates.
 #[derive(Clone)]
@@ -17,6 +17,8 @@ pub enum StressMap {
         /// How many a point has.
         components: usize,
     },
+    /// Three components along a face at the crossings of lines on it.
+    Lines(LineStresses),
     /// Six components at nodes of a mesh whose unknowns are the coordinates.
     Recovered(Rc<Recovered>),
 }
@@ -105,6 +107,7 @@ impl StressMap {
     pub fn components(&self) -> usize {
         match self {
             Self::Forms { components, .. } => *components,
+            Self::Lines(_) => 3,
             Self::Recovered(_) => 6,
         }
     }
@@ -113,6 +116,7 @@ impl StressMap {
     pub fn apply(&self, coordinates: &[f64]) -> Vec<f64> {
         match self {
             Self::Forms { map, .. } => map.apply(coordinates),
+            Self::Lines(lines) => lines.apply(coordinates),
             Self::Recovered(recovered) => {
                 let mesh = &recovered.nodes.mesh;
                 recovered.stresses(|node, axis| mesh.displacement(coordinates, node, axis)).into_flattened()

@@ -7,6 +7,7 @@ use crate::form::plate::Section;
 use crate::material::Material;
 use crate::scene::{Geometry, Impactor, Scene};
 
+use super::Settings;
 use super::geometry::PlateGeometry;
 use crate::space::grading::{Side, Sizes};
 
@@ -38,13 +39,14 @@ pub(super) fn lines(
     section: &Section,
     impactor: &Impactor,
     disc: Option<f64>,
-    cell_size_factor: f64,
+    settings: &Settings,
 ) -> Result<[Vec<f64>; 2], f64> {
     let wave = wavelength(section, contact_time(section, impactor));
+    let Settings { cell_size_factor, largest_cell_factor, .. } = *settings;
     let hit_in_part = geometry.hit_in_part();
     let along = |axis: usize| {
         let (edge, hit, [low, high]) = (geometry.edges[axis], hit_in_part[axis], geometry.ends(axis));
-        let largest = cell_size_factor * (OF_WAVE * wave).min(edge / LEAST);
+        let largest = cell_size_factor * (largest_cell_factor * OF_WAVE * wave).min(edge / LEAST);
         // A point's deflection is off by a part of F c²/D with its cells c: a small part of the waves' length will do.
         let at_hit = disc.map_or(section.thickness.max(largest / cell_size_factor / 8.0), |radius| OF_DISC * radius);
         // Splines that are smooth across the hit resolve it half as well as those that end there.

@@ -19,6 +19,7 @@ pub(super) use cells::{contact_time, wavelength};
 pub use laminate::{Laminate, OF_CONTACT};
 pub use points::Points;
 pub use theory::PlateTheory;
+pub use waves::{classes_of_motions, infinite_plate};
 
 use clamps::held;
 use geometry::PlateGeometry;
@@ -42,6 +43,8 @@ use crate::scene::{Fault, Scene};
 pub struct Settings {
     /// Size of all cells over the default's.
     pub cell_size_factor: f64,
+    /// Size of the largest cells over that.
+    pub largest_cell_factor: f64,
     /// κ of Mindlin's theory; left out, 5/(6 − ν).
     pub shear_factor: Option<f64>,
     /// Radius of Mindlin's disc over the thickness, where it has room.
@@ -77,7 +80,14 @@ impl Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { cell_size_factor: 1.0, shear_factor: None, disc: 2.0, disc_radius: None, is_thin: false }
+        Self {
+            cell_size_factor: 1.0,
+            largest_cell_factor: 1.0,
+            shear_factor: None,
+            disc: 2.0,
+            disc_radius: None,
+            is_thin: false,
+        }
     }
 }
 
@@ -191,7 +201,7 @@ impl Outline {
         };
         let local = (theory == PlateTheory::Mindlin).then(|| Local::new(&section, settings, geometry.room()));
         let disc = laminate.as_ref().map(|laminate| laminate.radius).or(local.map(|local| local.radius));
-        let in_plane = cells::lines(&geometry, &section, &scene.impactor, disc, settings.cell_size_factor)
+        let in_plane = cells::lines(&geometry, &section, &scene.impactor, disc, settings)
             .map_err(|cells| fault(format!("it would take {cells:.0} cells along an edge")))?;
         Ok(Self { geometry, laminate, section, local, in_plane })
     }
@@ -268,8 +278,7 @@ impl Plate {
             patch: None,
             hit_stress: Vec::new(),
             hit_local: [0.0; 3],
-            // Waves of layers that slide are slower than those which the infinite plate's coordinates stand for.
-            infinite_plate: points.laminate.is_none().then(|| waves::infinite_plate(&points, copies)),
+            infinite_plate: waves::of_points(&points),
             translation: even(points.tensor.one(DEFLECTION)),
             copies,
             classes,

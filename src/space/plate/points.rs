@@ -12,7 +12,7 @@ use crate::form::stress::place;
 use crate::form::tensor::{Linear, Part, Tensor};
 use crate::form::{Material, Parity, layerwise};
 use crate::scene::Vec3;
-use crate::space::evaluate::{Add, Form, Forms, Hit, HitBody, PointEvaluator, add, divided, summed};
+use crate::space::evaluate::{Add, FaceLines, Form, Forms, Hit, HitBody, PointEvaluator, add, divided, summed};
 use crate::space::grid::GridField;
 use crate::stack::{Pressure, Sections};
 
@@ -307,9 +307,9 @@ impl PointEvaluator for Points {
         stress
     }
 
-    fn face_stress_on_lines(&self, lines: [&[f64]; 2], height: f64, basis: &[Vec<f64>]) -> Option<Vec<f64>> {
+    fn face_lines(&self, lines: [&[f64]; 2], height: f64) -> Option<FaceLines> {
         // Layers have more faces than the two.
-        self.laminate.is_none().then(|| self.stress_on_lines(lines, height, basis))
+        self.laminate.is_none().then(|| self.stress_on_lines(lines, height))
     }
 
     fn field_lines(&self) -> [Vec<f64>; 3] {

@@ -4,10 +4,14 @@ use std::f64::consts::PI;
 
 use crate::body::InfinitePlate;
 use crate::contact::zener;
+use crate::description::Description;
+use crate::error::Result;
 use crate::form::Material;
 use crate::form::plate::Section;
+use crate::scene::Scene;
 
-use super::{Local, Points};
+use super::geometry::PlateGeometry;
+use super::{Local, Outline, PlateTheory, Points, Settings};
 
 /// Wavenumbers of Mindlin's waves that are looked at, each over the one before.
 const STEP: f64 = 1.05;
@@ -18,15 +22,38 @@ const MOST: i32 = 400;
 /// The part of the density of long waves below which nothing is left.
 const LEAST: f64 = 1e-4;
 
-/// Of the modelled part of a plate, `copies` of which are the whole, with all of its classes of motions.
-pub(super) fn infinite_plate(points: &Points, copies: f64) -> InfinitePlate {
-    let (section, edges) = (&points.section, points.geometry.edges);
-    let classes = points.geometry.classes.len() as f64;
+/// What the infinite plate of a scene's section does under the impactor.
+///
+/// # Errors
+/// As [`Plate::new`](super::Plate::new).
+pub fn infinite_plate(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<InfinitePlate> {
+    let Outline { geometry, section, local, .. } = Outline::new(scene, &Description::new(scene), theory, settings)?;
+    Ok(of_section(&geometry, &section, local.as_ref()))
+}
+
+/// How many classes of motions a scene's plate has that do not couple.
+///
+/// # Errors
+/// A fault of `body.model` where the theory does not stand for the scene.
+pub fn classes_of_motions(scene: &Scene, theory: PlateTheory) -> Result<usize> {
+    Ok(super::geometry(scene, theory).map_err(|reason| super::fault(theory, &reason))?.classes.len())
+}
+
+/// That of a plate. Waves of layers that slide are slower than those which its coordinates stand for.
+pub(super) fn of_points(points: &Points) -> Option<InfinitePlate> {
+    let is_known = points.laminate.is_none();
+    is_known.then(|| of_section(&points.geometry, &points.section, points.local.as_ref()))
+}
+
+/// Of the modelled part of a plate, with all of its classes of motions.
+fn of_section(geometry: &PlateGeometry, section: &Section, local: Option<&Local>) -> InfinitePlate {
+    let (edges, copies) = (geometry.edges, geometry.copies());
+    let classes = geometry.classes.len() as f64;
     let material = Material { young: section.young, poisson: section.poisson, density: section.density };
     // ξ² = ω √(ρh/D) of long waves.
     let slowness = (section.density * section.thickness / section.rigidity()).sqrt();
     let thin = copies * slowness / (4.0 * PI * section.density * section.thickness);
-    let density = match &points.local {
+    let density = match local {
         None => vec![(0.0, thin)],
         Some(local) => of_mindlin(section, local, (copies, thin)),
     };
@@ -36,7 +63,7 @@ pub(super) fn infinite_plate(points: &Points, copies: f64) -> InfinitePlate {
         modes: classes * edges[0] * edges[1] * slowness / (4.0 * PI * copies),
         impedance: zener::impedance(&material, section.thickness),
         slowness,
-        room: points.geometry.room(),
+        room: geometry.room(),
     }
 }
 

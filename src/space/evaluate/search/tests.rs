@@ -15,6 +15,14 @@ impl Numbers {
     }
 }
 
+/// The rows that a search is made of.
+fn of_rows<'a>(search: &'a TensionSearch) -> &'a StressRows {
+    match &search.stresses {
+        Stresses::Rows(rows) => rows,
+        Stresses::Lines(_) => panic!("rows"),
+    }
+}
+
 const COUNT: usize = 37;
 const LINES: usize = 19;
 
@@ -99,7 +107,7 @@ fn what_is_found_is_what_a_search_of_all_points_finds() {
         let (all, _) = faces.tensions(&faces.map.apply(of_step), contact, 0.0);
         for (one, other) in found.iter().zip(&all) {
             // Sums of some forty products in another order.
-            let rounding = 1e-13 * search.scales.iter().zip(of_step).map(|(s, w)| (s * w).abs()).sum::<f64>();
+            let rounding = 1e-13 * of_rows(&search).scales.iter().zip(of_step).map(|(s, w)| (s * w).abs()).sum::<f64>();
             let rounding = rounding + 1e-13 * other.largest.abs();
             assert!((one.largest - other.largest).abs() <= rounding, "{step}: {one:?} {other:?}");
             let apart = (0..3).map(|i| (one.point[i] - other.point[i]).abs()).fold(0.0, f64::max);
@@ -124,7 +132,7 @@ fn the_map_is_that_of_all_points_and_steps() {
     for (step, contact) in contacts.iter().enumerate() {
         let of_step = &coordinates[step * COUNT..(step + 1) * COUNT];
         let (_, of_step_alone) = faces.tensions(&faces.map.apply(of_step), contact, times[step]);
-        let size = search.scales.iter().zip(of_step).map(|(s, w)| (s * w).abs()).sum::<f64>() as f32;
+        let size = of_rows(&search).scales.iter().zip(of_step).map(|(s, w)| (s * w).abs()).sum::<f64>() as f32;
         if size > 0.0 {
             let top = of_step_alone.tension.iter().copied().fold(f32::NEG_INFINITY, f32::max) / size;
             room = room.max(search.bound(top) * size);
@@ -161,18 +169,17 @@ fn single_precision_keeps_its_bound() {
     let (mut seen, mut worst) = (Seen::default(), 0.0_f64);
     for (step, contact) in contacts.iter().enumerate() {
         let of_step = &coordinates[step * COUNT..(step + 1) * COUNT];
-        let size: f64 = of_step.iter().zip(&search.scales).map(|(w, scale)| (w * scale).abs()).sum();
+        let (columns, sizes) = of_rows(&search).of_steps(of_step);
+        let (column, size) = (columns.column(0), sizes[0]);
         if size < 1e-30 {
             continue;
         }
-        let scaled = of_step.iter().zip(&search.scales).map(|(w, scale)| (w * scale / size) as f32);
-        let column = &search.scaled * nalgebra::DVector::from_iterator(COUNT, scaled);
         seen.take(column.as_slice());
         for (face, local) in faces.faces.iter().zip(&search.local) {
             seen.look(face, local, (column.as_slice(), size), contact);
             let bound = f64::from(search.bound(seen.top));
             for point in (0..face.points.len()).filter(|point| !face.left_out[*point]) {
-                let exact = face.value(point, &search.sampled(point, of_step), contact) / size;
+                let exact = face.value(point, &of_rows(&search).at(point, of_step), contact) / size;
                 let off = (f64::from(seen.values[point]) - exact).abs();
                 // (Below the top there is no need for it: a value that is lower than it may not count.)
                 let room = 0.5 * bound * exact.abs().max(1.0) / f64::from(seen.top.abs()).max(1.0);

@@ -1,0 +1,79 @@
+//! Stresses of many steps from rows of all of them, in single precision, and in double where that is asked for.
+//!
+//! *The bound.* Coordinates w_i are scaled by ρ_i, the largest stress at any point for w_i = 1, and by S = Σ ρ_i |w_i|. Then each stress
+//! over S is a sum of n products whose absolute values sum to 1 at most; in arithmetic of unit roundoff u it is off by (n + 4) u at most,
+//! roundings of the factors included (Higham, Accuracy and Stability of Numerical Algorithms, §3.1).
+
+use nalgebra::{DMatrix, Dyn, MatrixView};
+
+use super::local::parts;
+
+/// Stresses at the sampled points for 1 of each coordinate.
+pub(super) struct StressRows {
+    /// How many coordinates there are.
+    pub count: usize,
+    /// Stresses a, b and ab, a row each.
+    rows: Vec<f64>,
+    /// ρ.
+    pub scales: Vec<f64>,
+    /// For 1/ρ of each coordinate, a column each: (a + b)/2 of all sampled points, then (a − b)/2, then ab.
+    scaled: DMatrix<f32>,
+}
+
+impl StressRows {
+    /// A row for each component a, b and ab.
+    pub fn new(count: usize, rows: Vec<f64>) -> Self {
+        let sampled = rows.len() / (3 * count);
+        let of_point = |point: usize, coordinate: usize| {
+            parts([0, 1, 2].map(|component| rows[(3 * point + component) * count + coordinate]))
+        };
+        let scale = |coordinate: usize| {
+            let largest = (0..sampled).flat_map(|point| of_point(point, coordinate)).map(f64::abs);
+            largest.fold(0.0, f64::max)
+        };
+        let scales: Vec<f64> = (0..count).map(scale).collect();
+        let mut scaled = DMatrix::zeros(3 * sampled, count);
+        for (coordinate, scale) in scales.iter().enumerate().filter(|(_, scale)| **scale > 0.0) {
+            for point in 0..sampled {
+                for (part, stress) in of_point(point, coordinate).into_iter().enumerate() {
+                    scaled[(part * sampled + point, coordinate)] = (stress / scale) as f32;
+                }
+            }
+        }
+        Self { count, rows, scales, scaled }
+    }
+
+    /// Stresses over S at some steps, a column each, and S.
+    pub fn of_steps(&self, coordinates: &[f64]) -> (DMatrix<f32>, Vec<f64>) {
+        let (mut sizes, mut scaled) = (Vec::new(), Vec::with_capacity(coordinates.len()));
+        for of_step in coordinates.chunks(self.count) {
+            let size: f64 = of_step.iter().zip(&self.scales).map(|(w, scale)| (w * scale).abs()).sum();
+            let over = if size > 0.0 { size } else { 1.0 };
+            scaled.extend(of_step.iter().zip(&self.scales).map(|(w, scale)| (w * scale / over) as f32));
+            sizes.push(size);
+        }
+        let all = &self.scaled * MatrixView::<f32, Dyn, Dyn>::from_slice(&scaled, self.count, sizes.len());
+        (all, sizes)
+    }
+
+    /// Stresses at a sampled point in double precision.
+    pub fn at(&self, number: usize, coordinates: &[f64]) -> [f64; 3] {
+        let rows = &self.rows[3 * number * self.count..3 * (number + 1) * self.count];
+        let [a, rest] = [&rows[..self.count], &rows[self.count..]];
+        products([a, &rest[..self.count], &rest[self.count..]], coordinates)
+    }
+}
+
+/// Σ a_i b_i of three rows, two sums each for the processor's vectors.
+fn products(rows: [&[f64]; 3], b: &[f64]) -> [f64; 3] {
+    rows.map(|row| {
+        let (pairs, ends) = row.as_chunks::<2>();
+        let (pairs_of_b, ends_of_b) = b.as_chunks::<2>();
+        let mut sums = [0.0; 2];
+        for (a, b) in pairs.iter().zip(pairs_of_b) {
+            (0..2).for_each(|k| sums[k] += a[k] * b[k]);
+        }
+        let end: f64 = ends.iter().zip(ends_of_b).map(|(a, b)| a * b).sum();
+        sums[0] + sums[1] + end
+    })
+}
