@@ -11,7 +11,7 @@
 //! - **Short contacts.** The local field under the impactor is that of a layer at rest. Waves across the thickness make its error
 //!   grow with h/(c_s T), c_s the speed of shear waves and T the contact time on a half-space, and with its square.
 //!
-//! The factors were measured; docs/theories.md compares the estimate with true errors. It is an estimate, not a bound.
+//! The factors were measured; docs/costs.md compares the estimate with true errors. It is an estimate, not a bound.
 
 use crate::scene::{Geometry, Scene, Support, SupportKind};
 use crate::space::plate::crossing;

@@ -129,7 +129,7 @@ fn default_answer(comm: &Comm, case: &Case, end: f64, tolerance: f64) -> Ran {
     run(comm, &scene(&format!("size = {}", case.size), &impactor, &format!("end = {end:e}"), &rest))
 }
 
-/// Prints the table of docs/theories.md.
+/// Prints the table of docs/costs.md.
 fn default_answers_are_within_their_tolerance(session: &Session) {
     let comm = session.world();
     println!("| case | fixture's own error | tolerance | theory | estimated error | difference |");

@@ -147,7 +147,7 @@ fn the_estimate_is_above_the_error(session: &Session) {
     check_scenes(session, &QUICK);
 }
 
-/// The table of docs/theories.md: minutes.
+/// The table of docs/costs.md: minutes.
 fn the_estimate_is_above_the_error_on_more_scenes(session: &Session) {
     check_scenes(session, &ALL.collect::<Vec<_>>());
 }

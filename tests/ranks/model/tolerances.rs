@@ -25,7 +25,7 @@ fn first_contacts_on_more_supports(session: &Session) {
     check_tolerances(session, &[0.0, 1e8, 1e10]);
 }
 
-/// The reference is a solid that is itself within 2e-3 (docs/theories.md), a part of what is found here.
+/// The reference is a solid that is itself within 2e-3 (docs/costs.md), a part of what is found here.
 fn check_tolerances(session: &Session, stiffnesses: &[f64]) {
     let comm = session.world();
     for (size, end) in [("[1.5, 1.5, 0.1]", 2e-3), ("[1.5, 1.5, 0.04]", 3.2e-3), ("[0.5, 0.5, 0.02]", 6e-3)] {
