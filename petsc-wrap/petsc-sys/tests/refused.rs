@@ -4,12 +4,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The build script as it was compiled last, beside this test: `release/build/petsc-sys-*/build-script-build`.
+/// The build script as it was compiled last, beside this test: `release/build/petsc-sys-*/build-script-main`.
 fn build_script() -> PathBuf {
     let profile = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("build");
     let folders = fs::read_dir(profile).unwrap().map(|entry| entry.unwrap().path());
     let ours = folders.filter(|path| path.file_name().unwrap().to_string_lossy().starts_with("petsc-sys-"));
-    let scripts = ours.map(|path| path.join("build-script-build")).filter(|path| path.exists());
+    let scripts = ours.map(|path| path.join("build-script-main")).filter(|path| path.exists());
     scripts.max_by_key(|path| path.metadata().unwrap().modified().unwrap()).expect("cargo has built the script")
 }
 
