@@ -259,7 +259,7 @@ impl LineStresses {
         }
     }
 
-    /// Hands over the stresses of some steps, of their coordinates one step after the other: [`TOGETHER`] steps at a time, of which
+    /// Hands over the stresses of some steps, of their coordinates one step after the other: eight steps at a time, of which
     /// the last ones may be fewer.
     pub fn each(&self, coordinates: &[f64], mut visit: impl FnMut(usize, &[[Together; 3]])) {
         let steps = coordinates.len() / self.count.max(1);
