@@ -23,9 +23,8 @@ SETTINGS = [  # cells, vectors, step (s)
 FREQUENCY = 1000.0  # Hz: shift of the vectors, which also holds the rigid-body modes of a free plate
 
 
-def ritz_modes(solid, count):
-    """omega^2 (1/s2), phi (kg^-0.5) and stresses of the modes on `count` vectors (K + s M)^-1 a, (K + s M)^-1 M (K + s M)^-1 a, …"""
-    factor = solid.factor((2 * math.pi * FREQUENCY) ** 2)
+def ritz_vectors(solid, factor, count):
+    """S^-1 a, S^-1 M S^-1 a, …, orthonormal in M; factor(b) gives S^-1 b."""
     basis = np.empty((len(solid.load), count), order="F")
     vector = factor(solid.load)
     for number in range(count):
@@ -37,6 +36,12 @@ def ritz_modes(solid, count):
         norm = math.sqrt(vector @ weighted)
         basis[:, number] = vector / norm
         vector = factor(weighted / norm)
+    return basis
+
+
+def ritz_modes(solid, count):
+    """omega^2 (1/s2), phi (kg^-0.5) and stresses of the modes on `count` vectors with S = K + s M."""
+    basis = ritz_vectors(solid, solid.factor((2 * math.pi * FREQUENCY) ** 2), count)
     squares, modes = dense.eigh(basis.T @ (solid.stiffness @ basis))
     return squares, modes.T @ (basis.T @ solid.load), (solid.stresses @ basis) @ modes
 

@@ -12,10 +12,15 @@ from pathlib import Path
 
 import numpy as np
 
+from layers import Layer, read_layers
+
 
 @dataclass(frozen=True)
 class Scene:
-    """A box centred on the origin, hit in the centre of its top along -z; its four sides may stand on springs."""
+    """A box centred on the origin, hit in the centre of its top along -z; its four sides may stand on springs.
+
+    It is of one elastic material, or of layers from the top down, whose uppermost and lowest one are of that material.
+    """
 
     size: tuple  # m
     stiffness: float  # of the support of the sides, N/m3, the same for all three components
@@ -28,6 +33,17 @@ class Scene:
     impactor_young: float = 210e9
     impactor_poisson: float = 0.3
     speed: float = 1.0
+    plies: tuple = ()
+
+    @property
+    def layers(self):
+        """From the top down."""
+        return self.plies or (Layer(self.size[2], self.density, *self.lame),)
+
+    @property
+    def chain(self):
+        """The Maxwell chain of its relaxing layers, which all have the same; None where nothing relaxes."""
+        return next((layer.chain for layer in self.plies if layer.chain), None)
 
     @property
     def lame(self):
@@ -96,6 +112,9 @@ def arguments(doc):
     parser.add_argument("--size", required=True, help="LX,LY,LZ of the plate, m")
     parser.add_argument("--stiffness", type=float, required=True, help="of the support of the sides, N/m3")
     parser.add_argument("--end", type=float, default=0.01, help="s")
+    parser.add_argument("--layers", type=Path, metavar="SCENE.toml", help="layers of a scene in the place of one material")
     parser.add_argument("--budget", type=float, default=math.inf, help="begin no point after so many seconds")
     args = parser.parse_args()
-    return Scene(tuple(float(x) for x in args.size.split(",")), args.stiffness, args.end), args.folder, args.budget
+    size = tuple(float(x) for x in args.size.split(","))
+    plies = read_layers(args.layers, size[2]) if args.layers else ()
+    return Scene(size, args.stiffness, args.end, plies=plies), args.folder, args.budget

@@ -15,10 +15,13 @@ from contact import quarter_disc
 class Solid:
     """K, M and the vector a of a quarter model: a is both the load by a force of one and what reads the displacement.
 
-    `stresses` has two rows, which read the normal stresses along the plate (Pa) under the hit on the other face.
+    `stresses` has two rows for each elastic layer, which read the normal stresses along the plate (Pa) under the hit on its lower face.
+    Of a body with layers that relax, `stiffness` is what is left after all relaxation, and `distortion` the stiffness of these layers
+    for a shear modulus of one.
     """
 
     stiffness: sparse.csc_matrix
+    distortion: sparse.csc_matrix | None
     mass: sparse.csc_matrix
     load: np.ndarray
     stresses: np.ndarray
@@ -34,38 +37,74 @@ class Solid:
             free[np.array(space.GetDofs(mesh.Boundaries(plane))), component] = False
         free = np.flatnonzero(free)
         # Symmetric: columns are rows.
-        stiffness, mass = (matrix.tocsr()[free][:, free].T for matrix in blocks(space, scene))
+        take = lambda matrix: matrix.tocsr()[free][:, free].T
+        stiffness, mass, distortion = take(elastic(space, scene)), take(inertia(space, scene)), None
+        if scene.chain:
+            distortion = take(shear(space, scene))
+            stiffness = stiffness + scene.chain.relaxed * distortion
         load = np.zeros((space.ndof, 3))
         load[:, 2] = pressure(space, scene, cells.patch * scene.size[2])
-        return cls(stiffness, mass, load.ravel()[free], under_the_hit(space, scene)[:, free])
+        heights = [scene.size[2] / 2 - depth for depth in np.cumsum([layer.thickness for layer in scene.layers])]
+        feet = [height for height, layer in zip(heights, scene.layers, strict=True) if not layer.chain]
+        stresses = np.concatenate([under_the_hit(space, scene, height) for height in feet])
+        return cls(stiffness, distortion, mass, load.ravel()[free], stresses[:, free])
 
-    def factor(self, shift):
-        """Solves with K + shift M, shift in 1/s2."""
-        return cholesky((self.stiffness + shift * self.mass).tocsc(), mode="supernodal")
+    def factor(self, shift, modulus=0.0):
+        """Solves with K + modulus D + shift M, shift in 1/s2, modulus in Pa."""
+        matrix = self.stiffness + shift * self.mass
+        if self.distortion is not None:
+            matrix = matrix + modulus * self.distortion
+        return cholesky(matrix.tocsc(), mode="supernodal")
 
 
-def blocks(space, scene):
-    """K with its elastic support, and M, in blocks of 3 x 3, by scalar forms: a fourth of the time of vectorial ones."""
-    lam, mu = scene.lame
+def by_layer(scene, values):
+    """A coefficient with one of these numbers in each layer, from the top down."""
+    *upper, coefficient = zip(scene.layers, values, strict=True)
+    coefficient, height = coefficient[1], -scene.size[2] / 2 + scene.layers[-1].thickness
+    for layer, value in reversed(upper):
+        coefficient = ng.IfPos(ng.z - height, value, coefficient)
+        height += layer.thickness
+    return coefficient
+
+
+def inertia(space, scene):
+    """M."""
+    u, v = space.TnT()
+    form = ng.BilinearForm(by_layer(scene, [layer.density for layer in scene.layers]) * u * v * ng.dx).Assemble()
+    density, columns, starts = (np.array(part) for part in form.mat.CSR())
+    return sparse.kron(sparse.csr_matrix((density, columns, starts)), sparse.eye(3))
+
+
+def elastic(space, scene):
+    """K with its elastic support."""
+    lam, mu = (by_layer(scene, values) for values in zip(*((layer.lam, layer.mu) for layer in scene.layers), strict=True))
+    return stiffness(space, lam, mu, scene.stiffness)
+
+
+def shear(space, scene):
+    """D: the layers that relax, for a shear modulus of one, and no other."""
+    is_in = by_layer(scene, [1.0 if layer.chain else 0.0 for layer in scene.layers])
+    return stiffness(space, -2 / 3 * is_in, is_in, 0.0)
+
+
+def stiffness(space, lam, mu, support):
+    """The stiffness for Lamé's numbers, in blocks of 3 x 3, by scalar forms: a fourth of the time of vectorial ones."""
     u, v = space.TnT()
     du, dv = ng.grad(u), ng.grad(v)
-    form = ng.BilinearForm(scene.density * u * v * ng.dx).Assemble()
-    density, columns, starts = (np.array(part) for part in form.mat.CSR())
-    mass = sparse.csr_matrix((density, columns, starts))
-    stiffness = np.empty((len(columns), 3, 3))
+    values = [[None] * 3 for _ in range(3)]
     for i in range(3):
         for j in range(3):
             form = ng.BilinearForm((lam * du[j] * dv[i] + mu * du[i] * dv[j]) * ng.dx)
             if i == j:
-                form += mu * du * dv * ng.dx + scene.stiffness * u * v * ng.ds("front|right")
-            stiffness[:, i, j] = form.Assemble().mat.CSR()[0]
-    return sparse.bsr_matrix((stiffness, columns, starts)), sparse.kron(mass, sparse.eye(3))
+                form += mu * du * dv * ng.dx + support * u * v * ng.ds("front|right")
+            values[i][j], columns, starts = (np.array(part) for part in form.Assemble().mat.CSR())
+    return sparse.bsr_matrix((np.moveaxis(np.array(values), 2, 0), columns, starts))
 
 
-def under_the_hit(space, scene):
-    """sigma_x and sigma_y at the foot of the axis, by the gradient in the cell there: two rows of all unknowns."""
+def under_the_hit(space, scene, height):
+    """sigma_x and sigma_y on the axis just above a height, by the gradient in the cell there: two rows of all unknowns."""
     lam, mu = scene.lame
-    point = space.mesh(1e-9, 1e-9, -scene.size[2] / 2 * (1 - 1e-9))
+    point = space.mesh(1e-9, 1e-9, height + 1e-9 * scene.size[2])
     cell = ng.ElementId(ng.VOL, point.nr)
     # (NGSolve's objects refer to one another: each has a name, so that it lives.)
     rule, geometry = ng.IntegrationRule([tuple(point.pnt)], [1.0]), space.mesh.GetTrafo(cell)
