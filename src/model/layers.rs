@@ -40,12 +40,15 @@ pub(super) fn layered(
         body: Body { composition, ..scene.body.clone() },
         ..scene.clone()
     };
+    let rough = rougher(&elastic);
+    // That of a body that relaxes is made for the difference alone.
+    let relaxes = !Description::new(scene).relaxations().is_empty();
+    let elastic = if relaxes { rough.clone() } else { elastic };
     let Built::Operators(operators) = build(comm, &elastic, Theory::Layerwise, 1.0, watch)? else {
         return Err(Error::Solve("a plate has unknowns".into()));
     };
     // Cells and basis are not judged yet: their part of the difference is small, and so is what it changes in the estimate.
     let thick = unrefined(comm, &elastic, operators, watch)?;
-    let rough = rougher(&elastic);
     let thin = reduce(&build_thin(comm, &rough)?.body, &rough, watch)?;
     let difference = thick.reduced.force.0.difference(&thin.force.0);
     let mismatch = plate::mismatch(&elastic)?;
@@ -78,7 +81,7 @@ pub(super) fn layered(
         passed.push(judged);
     }
     let model = if scene.time.modal {
-        let is_whole = left.tolerance == tolerance && Description::new(scene).relaxations().is_empty();
+        let is_whole = left.tolerance == tolerance && !relaxes;
         let coarse = if is_whole {
             thick
         } else {
