@@ -1,5 +1,6 @@
 """scaling_table.py OUT DOC: what scripts/scaling measured into OUT as tables of DOC."""
 
+import csv
 import glob
 import multiprocessing
 import os
@@ -88,9 +89,24 @@ def model(runs):
     return table(["", "σ, µs", "q, µs", "off by at most", "q/σ: ranks on which half of the time is not shared"], lines)
 
 
+def peer_table(path):
+    """NGSolve's conjugate gradients on the first body."""
+    head = ["preconditioner", "unknowns", "threads", "before the steps", "a step", "iterations a solve", "force at the end"]
+    with open(path, encoding="utf-8") as file:
+        rows = [
+            [
+                f"`{row['preconditioner']}`", f"{int(row['unknowns']):,}", row["threads"], short(float(row["before"])), short(float(row["step"])),
+                f"{row['least']} to {row['most']}", f"{float(row['force']):.0f} N",
+            ]
+            for row in csv.DictReader(file)
+        ]
+    return table(head, rows)
+
+
 def main(folder, doc):
     runs = [Run(path) for path in sorted(glob.glob(f"{folder}/*.h5"), key=lambda p: "oswm".index(os.path.basename(p)[0]))]
     replace(doc, "scaling", runs_table(runs))
+    replace(doc, "scaling-peer", peer_table(f"{folder}/peer.csv"))
     one, two = bandwidth(1), bandwidth(2)
     rates = f"Read bandwidth of one core {one / 1e9:.1f} GB/s, of two at once {two / 1e9:.1f} GB/s: {two / one:.2f} times."
     replace(doc, "scaling-model", model([run for run in runs if run.name != "million"]) + "\n\n" + rates)
