@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
-use petsc_wrap::{CellType, Error, Plex, Session, options};
+use petsc_wrap::{CellType, Error, Int, Plex, Session, options};
 
 fn start() -> Session {
     Session::start(&[]).expect("the first session").expect("PETSc starts")
@@ -20,6 +20,8 @@ fn main() -> ExitCode {
             ("coordinates_stay_with_their_vertices", coordinates_stay_with_their_vertices),
             ("the_boundary_is_that_of_the_whole", the_boundary_is_that_of_the_whole),
             ("unknowns_are_numbered_once", unknowns_are_numbered_once),
+            ("cells_stay_where_they_are_given", cells_stay_where_they_are_given),
+            ("cells_that_petsc_takes_on_trust_are_refused", cells_that_petsc_takes_on_trust_are_refused),
             ("a_file_that_is_no_mesh_is_an_error", a_file_that_is_no_mesh_is_an_error),
             ("physical_groups_are_found_by_number", physical_groups_are_found_by_number),
             ("a_file_that_breaks_its_promise_is_refused", a_file_that_breaks_its_promise_is_refused),
@@ -110,6 +112,70 @@ fn unknowns_are_numbered_once(session: &Session) {
     assert_eq!(owned, numbering.owned);
     // Every number from 0 to total − 1 is owned exactly once.
     assert_eq!(sum(session, sum_owned), total * (total - 1) / 2);
+}
+
+/// Cubes in a row along x, some ranks of which may have none; vertex 4i + j is at x = i.
+fn row(session: &Session, cubes: std::ops::Range<usize>, shape: CellType) -> Result<Plex, Error> {
+    let world = session.world();
+    let vertices: Vec<Int> = cubes.flat_map(|i| [0, 1, 2, 3, 4, 5, 6, 7].map(|j| (4 * i + j) as Int)).collect();
+    // All coordinates are rank 0's.
+    let corner = |n: usize| [(n / 4) as f64, [0.0, 1.0, 1.0, 0.0][n % 4], [0.0, 0.0, 1.0, 1.0][n % 4]];
+    let places: Vec<[f64; 3]> = (0..4 * CUBES + 4).filter(|_| world.is_root()).map(corner).collect();
+    Plex::from_cells(&world, shape, &vertices, &places)
+}
+
+const CUBES: usize = 7;
+
+/// Also where one rank has none of them.
+fn cells_stay_where_they_are_given(session: &Session) {
+    let world = session.world();
+    for makers in 1..=world.size() {
+        let share = |rank: usize| (CUBES * rank / makers).min(CUBES);
+        let mine = share(world.rank())..share(world.rank() + 1);
+        let plex = row(session, mine.clone(), CellType::Hexahedron).unwrap();
+        plex.label_boundary("skin").unwrap();
+        let here = [0, 1, 2, 3].map(|dimension| plex.points(dimension).unwrap().count());
+        let n = mine.len();
+        assert_eq!(here, if n == 0 { [0; 4] } else { [4 * n + 4, 8 * n + 4, 5 * n + 1, n] });
+        // In the order of the numbers.
+        let x = plex.vertex_coordinates().unwrap().expect("straight cells");
+        assert!(x.iter().enumerate().all(|(i, x)| x[0] == (mine.start + i / 4) as f64));
+        let skin = plex.points(2).unwrap().filter(|&face| plex.has_label("skin", face).unwrap()).count();
+        assert_eq!(sum(session, skin), 4 * CUBES + 2);
+        assert_eq!(
+            sum(session, plex.number(|_| 1).unwrap().owned),
+            4 * CUBES + 4 + 8 * CUBES + 4 + 5 * CUBES + 1 + CUBES
+        );
+        for (i, cell) in plex.points(3).unwrap().enumerate() {
+            let vertices = plex.points(0).unwrap();
+            let corners = plex.closure(cell).unwrap().into_iter().filter(|point| vertices.contains(point));
+            let middle = corners.map(|vertex| x[(vertex - vertices.start) as usize][0] / 8.0).sum::<f64>();
+            assert_eq!(middle, (mine.start + i) as f64 + 0.5);
+        }
+    }
+}
+
+/// What is wrong on one rank is told on all.
+fn cells_that_petsc_takes_on_trust_are_refused(session: &Session) {
+    let world = session.world();
+    let all = 0..if world.rank() + 1 == world.size() { CUBES } else { 0 };
+    assert!(row(session, all.clone(), CellType::Hexahedron).is_ok());
+    // Beyond the last vertex, and none at all.
+    for cubes in [0..if all.is_empty() { 0 } else { CUBES + 1 }, 0..0] {
+        assert!(matches!(row(session, cubes, CellType::Hexahedron), Err(Error::Invalid { .. })));
+    }
+    assert!(matches!(row(session, all, CellType::Quadrilateral), Err(Error::Invalid { .. })));
+    let places = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let share = if world.is_root() { &places[..] } else { &[] };
+    for (corners, is_good) in
+        [([0, 1, 2, 3], true), ([0, 1, 2, 4], false), ([-1, 1, 2, 3], false), ([0, 1, 1, 3], false)]
+    {
+        let mine = if world.rank() + 1 == world.size() { &corners[..] } else { &[] };
+        let made = Plex::from_cells(&world, CellType::Tetrahedron, mine, share);
+        assert_eq!(made.is_ok(), is_good);
+        let part = Plex::from_cells(&world, CellType::Tetrahedron, &mine[..mine.len().min(3)], share);
+        assert!(matches!(part, Err(Error::Invalid { .. })));
+    }
 }
 
 fn a_file_that_is_no_mesh_is_an_error(session: &Session) {

@@ -8,6 +8,8 @@ use crate::error::Result;
 use crate::scene::{Symmetry, Vec3};
 
 use super::Elements;
+use super::lattice::{BoxPart, box_part};
+use super::part::{BOUNDARY, Part};
 
 /// The grid of a box, or of a part of one.
 pub struct Grid {
@@ -36,17 +38,33 @@ impl Grid {
         1 << self.mirrors.iter().filter(|mirror| **mirror).count()
     }
 
+    /// This rank's cells, and its facets on the boundary, planes of symmetry included. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn part(&self, comm: &Comm, order: usize) -> Result<BoxPart> {
+        if comm.size() > 1 {
+            return box_part(comm, &self.planes, order);
+        }
+        // On one rank nodes are numbered as PETSc numbers its own box, by which the paper's results were computed.
+        let plex = self.cubes(comm)?;
+        plex.label_boundary(BOUNDARY)?;
+        let part = Part::new(&plex, order, |vertex| self.place(vertex))?;
+        let (cells, facets, _) = part.elements(&[])?;
+        Ok(BoxPart { cells, facets, owned_nodes: part.numbering.owned })
+    }
+
     /// Its cells as unit cubes: [`Grid::place`] moves the vertices to the planes. Collective.
     ///
     /// # Errors
     /// PETSc's.
-    pub fn cubes(&self, comm: &Comm) -> Result<Plex> {
+    fn cubes(&self, comm: &Comm) -> Result<Plex> {
         let cells = self.planes.each_ref().map(|planes| planes.len() - 1);
         Ok(Plex::hexahedral_box(comm, cells, [0.0; 3], cells.map(|n| n as f64))?)
     }
 
     /// Where a vertex of the unit cubes belongs, m.
-    pub fn place(&self, vertex: Vec3) -> Vec3 {
+    fn place(&self, vertex: Vec3) -> Vec3 {
         [0, 1, 2].map(|axis| self.planes[axis][vertex[axis].round() as usize])
     }
 

@@ -2,8 +2,10 @@
 //!
 //! DMPlex makes, reads and distributes the mesh (`plex`); the rest of the program sees plain arrays.
 
+mod block;
 mod gmsh;
 mod grid;
+mod lattice;
 mod locate;
 mod measure;
 mod mirror;

@@ -11,6 +11,7 @@ use crate::scene::{Body, Fault, Geometry, Parts};
 
 use super::gmsh;
 use super::grid::Grid;
+use super::lattice::BoxPart;
 use super::part::{BOUNDARY, Mark, Part};
 use super::sound::check_untangled;
 use super::{Elements, Mesh};
@@ -27,13 +28,11 @@ impl Mesh {
         match &body.geometry {
             Geometry::Box { planes, .. } => {
                 let grid = Grid::new(planes, &body.symmetry);
-                let plex = distribute(grid.cubes(comm)?)?;
-                let part = Part::new(&plex, body.order, |vertex| grid.place(vertex))?;
-                let (cells, facets, _) = part.elements(&[])?;
+                let BoxPart { cells, facets, owned_nodes } = grid.part(comm, body.order)?;
                 let (facets, mirror_nodes) = grid.cut(&facets);
                 let surfaces = grid.surfaces(&facets);
                 let parts_of_cells = of_layers(&body.composition.interfaces(), &cells);
-                let mesh = Self::collect(comm, part.numbering.owned, cells, facets, surfaces);
+                let mesh = Self::collect(comm, owned_nodes, cells, facets, surfaces);
                 Ok(Self { mirror_nodes, parts_of_cells, copies: grid.copies(), ..mesh })
             }
             Geometry::Gmsh(path) => {

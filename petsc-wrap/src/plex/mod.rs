@@ -1,4 +1,7 @@
-//! Unstructured meshes: topology, labels, distribution, numbering of unknowns.
+//! Unstructured meshes: how they are made, topology, labels, numbering of unknowns.
+
+mod create;
+mod labels;
 
 use std::ops::Range;
 
@@ -10,7 +13,7 @@ use crate::Int;
 use crate::comm::Comm;
 use crate::error::{Error, Result, check, require};
 use crate::object::Object;
-use crate::text::{int, to_c};
+use crate::text::int;
 
 /// A distributed mesh of points: cells, faces, edges and vertices share one numbering on each rank.
 pub struct Plex(Object<sys::_p_DM>);
@@ -49,69 +52,7 @@ impl Numbering {
     }
 }
 
-/// Whether PT-Scotch, with which PETSc partitions, counts in integers of another size than PETSc: where Debian's has indices of 64 bits it
-/// does, and would spoil the memory.
-fn is_scotch_of_another_size() -> bool {
-    // SAFETY: a C string; no library is loaded.
-    let found = unsafe { libc::dlsym(libc::RTLD_DEFAULT, c"SCOTCH_numSizeof".as_ptr()) };
-    if found.is_null() {
-        return false;
-    }
-    // SAFETY: this is what Scotch declares: `int SCOTCH_numSizeof (void)`.
-    let size = unsafe { std::mem::transmute::<*mut libc::c_void, unsafe extern "C" fn() -> libc::c_int>(found) };
-    // SAFETY: it returns a constant.
-    usize::try_from(unsafe { size() }).is_ok_and(|size| size != size_of::<Int>())
-}
-
 impl Plex {
-    /// A box cut into hexahedra, all on rank 0 until [`Plex::distribute`]. Collective.
-    ///
-    /// # Errors
-    /// No cell along an edge; more points than PETSc's integers number; PETSc's.
-    pub fn hexahedral_box(comm: &Comm, cells: [usize; 3], lower: [f64; 3], upper: [f64; 3]) -> Result<Self> {
-        require(cells.iter().all(|n| *n > 0), "a box without cells")?;
-        // Cells, faces, edges and vertices; PETSc multiplies unchecked. Entries of the cones are twelve a cell at most, and closures longer.
-        let points = cells.iter().try_fold(1_usize, |all, n| all.checked_mul(n.checked_mul(2)?.checked_add(1)?));
-        int(points.and_then(|points| points.checked_mul(4)).unwrap_or(usize::MAX))?;
-        let cells = [int(cells[0])?, int(cells[1])?, int(cells[2])?];
-        let (simplex, interpolate) = (sys::FALSE, sys::TRUE);
-        let mut raw = std::ptr::null_mut();
-        let corners = (lower.as_ptr(), upper.as_ptr());
-        // SAFETY: three entries each.
-        check(unsafe {
-            sys::create_box_mesh(comm.petsc()?, 3, simplex, cells.as_ptr(), corners, interpolate, &raw mut raw)
-        })?;
-        // SAFETY: the new mesh is ours.
-        Ok(unsafe { Self::from_raw(raw, comm) })
-    }
-
-    /// The same mesh spread over the ranks by PETSc's partitioner (`-petscpartitioner_type`). Collective.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn distribute(self) -> Result<Self> {
-        let mut partitioner = std::ptr::null_mut();
-        // SAFETY: the mesh is valid; the partitioner belongs to it.
-        check(unsafe { sys::DMPlexGetPartitioner(self.raw(), &raw mut partitioner) })?;
-        if is_scotch_of_another_size() {
-            // SAFETY: as above; the type is a C string.
-            check(unsafe { sys::PetscPartitionerSetType(partitioner, c"simple".as_ptr()) })?;
-        }
-        // SAFETY: as above.
-        check(unsafe { sys::PetscPartitionerSetFromOptions(partitioner) })?;
-        let mut raw = std::ptr::null_mut();
-        // SAFETY: the mesh is valid; no overlap, and the migration is not asked for.
-        check(unsafe { sys::DMPlexDistribute(self.raw(), 0, std::ptr::null_mut(), &raw mut raw) })?;
-        // PETSc makes no second mesh on a single rank.
-        if raw.is_null() {
-            return Ok(self);
-        }
-        let comm = self.0.comm().clone();
-        self.0.destroy()?;
-        // SAFETY: the new mesh is ours.
-        Ok(unsafe { Self::from_raw(raw, &comm) })
-    }
-
     fn raw(&self) -> sys::DM {
         self.0.raw()
     }
@@ -163,6 +104,31 @@ impl Plex {
         // SAFETY: the mesh is valid.
         check(unsafe { sys::DMPlexGetChart(self.raw(), &raw mut begin, &raw mut end) })?;
         Ok(begin..end)
+    }
+
+    /// This rank's points that other ranks have too. Collective.
+    fn shared_points(&self) -> Result<Vec<Int>> {
+        let (mut owners, mut roots, mut leaves) = (std::ptr::null_mut(), 0, 0);
+        let (mut local, mut degrees) = (std::ptr::null(), std::ptr::null());
+        // SAFETY: the mesh is valid; what tells the owners of points belongs to it.
+        check(unsafe { sys::DMGetPointSF(self.raw(), &raw mut owners) })?;
+        let (roots_out, leaves_out, remote) = (&raw mut roots, &raw mut leaves, std::ptr::null_mut());
+        // SAFETY: as above; where the other ranks' points are is not asked for.
+        check(unsafe { sys::PetscSFGetGraph(owners, roots_out, leaves_out, &raw mut local, remote) })?;
+        // A mesh on one rank has no such graph.
+        if roots < 0 {
+            return Ok(Vec::new());
+        }
+        // SAFETY: as above, and the graph is set, here and below.
+        check(unsafe { sys::PetscSFComputeDegreeBegin(owners, &raw mut degrees) })?;
+        // SAFETY: as above.
+        check(unsafe { sys::PetscSFComputeDegreeEnd(owners, &raw mut degrees) })?;
+        // SAFETY: a number for each point that could be another rank's too, in an array of PETSc's.
+        let owned = (0..roots).filter(|&point| unsafe { *degrees.add(point as usize) } > 0);
+        // Without a list they are the first points.
+        // SAFETY: as many points as there are, in an array of PETSc's.
+        let others = (0..leaves).map(|i| if local.is_null() { i } else { unsafe { *local.add(i as usize) } });
+        Ok(owned.chain(others).collect())
     }
 
     /// Refuses a point that this rank does not have: PETSc checks that in debugging builds only.
@@ -266,58 +232,6 @@ impl Plex {
         // SAFETY: gives back what was got.
         check(unsafe { sys::VecRestoreArrayRead(coordinates, &raw mut data) })?;
         Ok(Some(list))
-    }
-
-    /// Puts all faces on the boundary of the whole mesh into a label. Call before [`Plex::distribute`]. Collective.
-    ///
-    /// # Errors
-    /// A label by which PETSc itself finds its way in the mesh; PETSc's.
-    pub fn label_boundary(&self, name: &str) -> Result<()> {
-        require(
-            !["depth", "celltype"].contains(&name.replace('\0', "").as_str()),
-            "PETSc needs this label for itself",
-        )?;
-        let name = to_c(name);
-        let mut label = std::ptr::null_mut();
-        // SAFETY: the mesh is valid; the name outlives the calls.
-        check(unsafe { sys::DMCreateLabel(self.raw(), name.as_ptr()) })?;
-        // SAFETY: as above; the label belongs to the mesh.
-        check(unsafe { sys::DMGetLabel(self.raw(), name.as_ptr(), &raw mut label) })?;
-        // SAFETY: as above.
-        check(unsafe { sys::DMPlexMarkBoundaryFaces(self.raw(), 1, label) })
-    }
-
-    /// Whether a point carries a label, whatever its value.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn has_label(&self, name: &str, point: Int) -> Result<bool> {
-        self.check_point(point)?;
-        let name = to_c(name);
-        let mut value = -1;
-        // SAFETY: the mesh is valid and has the point; the name outlives the call.
-        check(unsafe { sys::DMGetLabelValue(self.raw(), name.as_ptr(), point, &raw mut value) })?;
-        // A point without the label has the label's default value, −1.
-        Ok(value != -1)
-    }
-
-    /// Whether a label gives a point this value, maybe among others; none does where there is no such label.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn has_label_value(&self, name: &str, value: Int, point: Int) -> Result<bool> {
-        self.check_point(point)?;
-        let name = to_c(name);
-        let mut label = std::ptr::null_mut();
-        // SAFETY: the mesh is valid; the name outlives the call, and the label belongs to the mesh.
-        check(unsafe { sys::DMGetLabel(self.raw(), name.as_ptr(), &raw mut label) })?;
-        if label.is_null() {
-            return Ok(false);
-        }
-        let mut found = sys::FALSE;
-        // SAFETY: the label is valid.
-        check(unsafe { sys::DMLabelStratumHasPoint(label, value, point, &raw mut found) })?;
-        Ok(found == sys::TRUE)
     }
 
     /// Numbers `per_point(dimension)` unknowns on each point, contiguous on each rank; a point shared by ranks is numbered
