@@ -18,7 +18,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // A unit cube of six tetrahedra, whose bottom is the physical surface 1.
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cube.msh");
-    let plex = Plex::gmsh(&world, path.as_ref())?.plex.distribute()?;
+    let plex = Plex::gmsh(&world, path.as_ref())?.plex;
     let vertices = plex.points(0)?;
     let places = plex.vertex_coordinates()?.ok_or("the cells are curved")?;
     let corners = |point: Int| -> petsc_wrap::Result<Vec<[f64; 3]>> {

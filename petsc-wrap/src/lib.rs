@@ -32,7 +32,7 @@ mod snes;
 mod text;
 mod vector;
 
-pub use comm::Comm;
+pub use comm::{Comm, Exchanged};
 pub use environment::set_default_environment;
 pub use error::{Diverged, Error, Frame, Result};
 pub use factor::{Factor, FactorEstimate, estimate_cholesky};
@@ -45,7 +45,7 @@ pub use null_space::NullSpace;
 pub use object::Lent;
 pub use pc::Pc;
 pub use petsc_sys as sys;
-pub use plex::{CellType, Numbering, Plex};
+pub use plex::{CellType, LabelledPoint, Numbering, Plex};
 pub use session::{Session, petsc_version};
 pub use snes::{CallbackResult, Lag, Progress, Snes, SnesTolerances, Trial};
 pub use vector::{ReadGuard, Vector, VectorView, WriteGuard};

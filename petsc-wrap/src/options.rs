@@ -35,36 +35,6 @@ pub fn get(session: &Session, name: &str) -> Result<Option<String>> {
     Ok((set == sys::TRUE).then(|| unsafe { from_c(value) }))
 }
 
-/// Sets options, and gives them back when it goes, also after an error or a panic, what the user had set.
-pub(crate) struct Scoped<'a> {
-    session: &'a Session,
-    before: Vec<(&'a str, Option<String>)>,
-}
-
-impl<'a> Scoped<'a> {
-    pub(crate) fn new(session: &'a Session, options: &[(&'a str, &str)]) -> Result<Self> {
-        let mut scoped = Self { session, before: Vec::new() };
-        for (name, value) in options {
-            let before = get(session, name)?;
-            scoped.before.push((name, before));
-            set(session, name, value)?;
-        }
-        Ok(scoped)
-    }
-}
-
-impl Drop for Scoped<'_> {
-    fn drop(&mut self) {
-        for (name, before) in self.before.drain(..).rev() {
-            // An error has nobody to go to.
-            let _ = match before {
-                Some(value) => set(self.session, name, &value),
-                None => clear(self.session, name),
-            };
-        }
-    }
-}
-
 /// Sets an option, also where it is set already.
 ///
 /// # Errors

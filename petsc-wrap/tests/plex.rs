@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
-use petsc_wrap::{CellType, Error, Int, Plex, Session, options};
+use petsc_wrap::{CellType, Error, Int, LabelledPoint, Plex, Session};
 
 fn start() -> Session {
     Session::start(&[]).expect("the first session").expect("PETSc starts")
@@ -25,9 +25,10 @@ fn main() -> ExitCode {
             ("a_file_that_is_no_mesh_is_an_error", a_file_that_is_no_mesh_is_an_error),
             ("physical_groups_are_found_by_number", physical_groups_are_found_by_number),
             ("a_file_that_breaks_its_promise_is_refused", a_file_that_breaks_its_promise_is_refused),
-            ("paths_lead_to_the_file_that_was_checked", paths_lead_to_the_file_that_was_checked),
-            ("options_of_the_user_come_back", options_of_the_user_come_back),
-            ("options_cannot_lead_out_of_the_nodes", options_cannot_lead_out_of_the_nodes),
+            ("any_name_is_one_of_a_file", any_name_is_one_of_a_file),
+            ("all_ranks_see_one_file", all_ranks_see_one_file),
+            ("hexahedra_that_do_not_fit_are_an_error", hexahedra_that_do_not_fit_are_an_error),
+            ("values_are_given_to_points_that_are_there", values_are_given_to_points_that_are_there),
             ("shapes_that_petsc_takes_on_trust_are_refused", shapes_that_petsc_takes_on_trust_are_refused),
         ],
     )
@@ -189,14 +190,16 @@ fn physical_groups_are_found_by_number(session: &Session) {
     let plex = Plex::gmsh(&session.world(), path.as_ref()).unwrap();
     let names = plex.surfaces.iter().map(|surface| (surface.number, surface.name.as_str()));
     assert!(names.eq([(1, "bottom"), (2, "top of it")]));
-    let plex = plex.plex.distribute().unwrap();
+    assert_eq!((plex.shape, plex.volumes, plex.parts), (CellType::Tetrahedron, 1, 1));
+    let plex = plex.plex;
     // Bottom and top, a number without faces, and a label that is not there.
     for (label, number, faces) in [("Face Sets", 1, 2), ("Face Sets", 2, 2), ("Face Sets", 77, 0), ("no label", 1, 0)] {
         let here = plex.points(2).unwrap().filter(|&face| plex.has_label_value(label, number, face).unwrap()).count();
         assert_eq!(sum(session, here), faces, "{label} {number}");
     }
     let cells = plex.points(3).unwrap();
-    assert_eq!(sum(session, cells.clone().count()), 6);
+    // Each rank has as many.
+    assert_eq!(cells.clone().count() * session.world().size(), 6);
     assert!(cells.into_iter().all(|cell| plex.cell_type(cell).unwrap() == CellType::Tetrahedron));
 }
 
@@ -218,54 +221,63 @@ fn a_file_that_breaks_its_promise_is_refused(session: &Session) {
     std::fs::remove_file(path).unwrap();
 }
 
-/// PETSc would read a hundred coordinates of each node.
-fn options_cannot_lead_out_of_the_nodes(session: &Session) {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cube.msh");
-    let read = || {
-        let mesh = Plex::gmsh(&session.alone(), path.as_ref()).unwrap();
-        mesh.plex.vertex_coordinates().unwrap()
-    };
-    let plain = read();
-    options::set(session, "-dm_plex_gmsh_spacedim", "100").unwrap();
-    assert_eq!(read(), plain);
-    options::clear(session, "-dm_plex_gmsh_spacedim").unwrap();
-}
-
-/// Reading a mesh sets options for all of PETSc; a guard gives them back however that ends.
-fn options_of_the_user_come_back(session: &Session) {
-    let [given, other] = ["-dm_plex_gmsh_use_regions", "-dm_plex_gmsh_multiple_tags"];
-    options::set(session, given, "1").unwrap();
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cube.msh");
-    Plex::gmsh(&session.alone(), path.as_ref()).unwrap();
-    assert_eq!(options::get(session, given).unwrap().as_deref(), Some("1"));
-    assert_eq!(options::get(session, other).unwrap(), None);
-    options::clear(session, given).unwrap();
-}
-
-/// PETSc takes a name `stdin` for a stream, a backslash for a slash, and options from a file `.info`.
-fn paths_lead_to_the_file_that_was_checked(session: &Session) {
+/// PETSc's own reader takes a name `stdin` for a stream, a backslash for a slash, and options from a file `.info`.
+fn any_name_is_one_of_a_file(session: &Session) {
     let alone = session.alone();
     let folder = std::env::temp_dir().join(format!("petsc-wrap-paths-{}", std::process::id()));
     std::fs::create_dir_all(folder.join("a")).unwrap();
-    let put = |name: &str| {
+    std::fs::write(folder.join("a/b.msh"), "no mesh").unwrap();
+    std::fs::write(folder.join("c.msh.info"), "-malloc_dump").unwrap();
+    for name in ["stdin", "stdout", "a\\b.msh", "c.msh"] {
         let path = folder.join(name);
         std::fs::copy(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cube.msh"), &path).unwrap();
-        path
-    };
-    let refusal = |path: &std::path::Path| match Plex::gmsh(&alone, path).err() {
-        Some(Error::MeshFile { message, .. }) => message,
-        other => panic!("{other:?}"),
-    };
-    for name in ["stdin", "stdout"] {
-        assert_eq!(Plex::gmsh(&alone, &put(name)).unwrap().surfaces.len(), 2);
+        assert_eq!(Plex::gmsh(&alone, &path).unwrap().surfaces.len(), 2);
     }
-    // Where the slash leads, another file lies.
-    std::fs::write(folder.join("a/b.msh"), "no mesh").unwrap();
-    assert!(refusal(&put("a\\b.msh")).contains("backslash"));
-    let path = put("c.msh");
-    std::fs::write(folder.join("c.msh.info"), "-malloc_dump").unwrap();
-    assert!(refusal(&path).contains("c.msh.info"));
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// A file that a rank does not have, or that is another there, is refused on all.
+fn all_ranks_see_one_file(session: &Session) {
+    let world = session.world();
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cube.msh")).unwrap();
+    let path = std::env::temp_dir().join(format!("petsc-wrap-one-{}-{}.msh", std::process::id(), world.rank()));
+    let is_last = world.size() > 1 && world.rank() + 1 == world.size();
+    for (theirs, fragment) in
+        [(None, "cannot be read"), (Some(text.replacen("top of it", "top of  it", 1)), "different files")]
+    {
+        std::fs::write(&path, &text).unwrap();
+        if is_last {
+            match &theirs {
+                Some(other) => std::fs::write(&path, other).unwrap(),
+                None => std::fs::remove_file(&path).unwrap(),
+            }
+        }
+        match Plex::gmsh(&world, &path) {
+            Ok(_) => assert_eq!(world.size(), 1),
+            Err(error) => assert!(error.to_string().contains(fragment), "{error}"),
+        }
+    }
+    std::fs::remove_file(&path).unwrap();
+}
+
+/// Two cubes that go round the face between them in different orders: PETSc tells the rank that sees it, where others would wait for it.
+fn hexahedra_that_do_not_fit_are_an_error(session: &Session) {
+    let places: Vec<[f64; 3]> = (0..12).map(|n| [f64::from(n % 2), f64::from(n / 2 % 2), f64::from(n / 4)]).collect();
+    let cells = [[0, 1, 3, 2, 4, 5, 7, 6], [4, 7, 5, 6, 8, 11, 9, 10]].concat();
+    assert!(Plex::from_cells(&session.alone(), CellType::Hexahedron, &cells, &places).is_err());
+}
+
+fn values_are_given_to_points_that_are_there(session: &Session) {
+    let plex = block(session);
+    let cells = plex.points(3).unwrap();
+    let first = cells.start;
+    let both = [7, 9].map(|value| LabelledPoint { point: first, value });
+    plex.label("two values", both).unwrap();
+    assert!(both.iter().all(|of| plex.has_label_value("two values", of.value, first).unwrap()));
+    assert!(!plex.has_label("two values", first + 1).unwrap());
+    let beyond = LabelledPoint { point: -1, value: 1 };
+    assert!(matches!(plex.label("two values", [beyond]), Err(Error::OutOfRange { .. })));
+    assert!(matches!(plex.label("celltype", both), Err(Error::Invalid { .. })));
 }
 
 fn shapes_that_petsc_takes_on_trust_are_refused(session: &Session) {

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::agree::decided;
 use crate::error::{Error, Result};
-use crate::record::provenance::digest;
+use crate::record::provenance::digest_of_file;
 use crate::record::read;
 use crate::scene::{Geometry, Scene, Source};
 
@@ -106,7 +106,7 @@ pub fn changed(path: &Path, scene: &Scene) -> String {
 /// Digest of a scene's mesh file, as far as there is one that can be read.
 pub fn mesh_digest(scene: &Scene) -> Option<String> {
     let Geometry::Gmsh(path) = &scene.body.geometry else { return None };
-    Some(format!("{:016x}", digest(&std::fs::read(path).ok()?)))
+    Some(format!("{:016x}", digest_of_file(path).ok()?))
 }
 
 /// The words of options in one line, as PETSc lists them, but for the one that every session has.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use petsc_wrap::{Comm, Int, Plex};
 
+use crate::element::Shape;
 use crate::error::Result;
 use crate::scene::{Symmetry, Vec3};
 
@@ -49,7 +50,7 @@ impl Grid {
         // On one rank nodes are numbered as PETSc numbers its own box, by which the paper's results were computed.
         let plex = self.cubes(comm)?;
         plex.label_boundary(BOUNDARY)?;
-        let part = Part::new(&plex, order, |vertex| self.place(vertex))?;
+        let part = Part::new(&plex, Shape::Hexahedron, order, |vertex| self.place(vertex))?;
         let (cells, facets, _) = part.elements(&[])?;
         Ok(BoxPart { cells, facets, owned_nodes: part.numbering.owned })
     }

@@ -1,6 +1,7 @@
 //! A scene's geometry as cells, boundary facets by name, and numbered nodes, distributed over the ranks.
 //!
-//! DMPlex makes, reads and distributes the mesh (`plex`); the rest of the program sees plain arrays.
+//! DMPlex numbers what bounds the cells of a file, and of a box on one rank (`plex`); on several ranks a box is numbered by its grid (`lattice`).
+//! The rest of the program sees plain arrays.
 
 mod block;
 mod gmsh;

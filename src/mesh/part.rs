@@ -1,10 +1,7 @@
 //! What DMPlex holds of a mesh on one rank, as arrays of cells and boundary facets.
 
-use mpi::collective::SystemOperation;
-use mpi::traits::CommunicatorCollectives;
-use petsc_wrap::{CellType, Int, Numbering, PhysicalGroup, Plex};
+use petsc_wrap::{Int, Numbering, PhysicalGroup, Plex};
 
-use crate::agree::agree;
 use crate::element::{Element, Shape};
 use crate::error::Result;
 use crate::scene::{Fault, Vec3};
@@ -17,36 +14,6 @@ pub(super) const BOUNDARY: &str = "ricochet boundary";
 
 /// DMPlex's label of faces in physical groups, by number.
 const FACES: &str = "Face Sets";
-
-/// The one shape of all cells. Collective.
-fn shape(plex: &Plex) -> Result<Shape> {
-    let fault = |message: String| {
-        Fault::new("body.mesh", message, "mesh the volume with tetrahedra, or with hexahedra, and save all elements")
-    };
-    let dimension = plex.dimension()?;
-    if dimension != 3 {
-        return Err(fault(format!("the mesh is of dimension {dimension}, a solid needs 3")).into());
-    }
-    let (mut counts, mut totals) = ([0usize; 3], [0usize; 3]);
-    for cell in plex.points(3)? {
-        counts[match plex.cell_type(cell)? {
-            CellType::Tetrahedron => 0,
-            CellType::Hexahedron => 1,
-            _ => 2,
-        }] += 1;
-    }
-    plex.comm().mpi().all_reduce_into(&counts, &mut totals, SystemOperation::sum());
-    match totals {
-        [0, 0, 0] => Err(fault("the mesh has no cells".to_owned()).into()),
-        [_, 0, 0] => Ok(Shape::Tetrahedron),
-        [0, _, 0] => Ok(Shape::Hexahedron),
-        [tetrahedra, hexahedra, others] => {
-            let message =
-                format!("the mesh mixes shapes: {tetrahedra} tetrahedra, {hexahedra} hexahedra, {others} others");
-            Err(fault(message).into())
-        }
-    }
-}
 
 /// What a physical surface marks on this rank.
 #[derive(Default)]
@@ -75,19 +42,15 @@ pub(super) struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    /// `place` moves a vertex to where it belongs. Collective.
-    pub fn new(plex: &'a Plex, order: usize, place: impl Fn(Vec3) -> Vec3) -> Result<Self> {
-        let shape = shape(plex)?;
+    /// A mesh whose cells are all of one shape; `place` moves a vertex to where it belongs. Collective.
+    pub fn new(plex: &'a Plex, shape: Shape, order: usize, place: impl Fn(Vec3) -> Vec3) -> Result<Self> {
         // Which points carry a node of the element: P1 and Q1 vertices, P2 also edges, Q2 every point.
         let numbering = plex.number(|dimension| match (shape, order) {
             (_, 1) => usize::from(dimension == 0),
             (Shape::Tetrahedron, _) => usize::from(dimension <= 1),
             _ => 1,
         })?;
-        let coordinates = plex.vertex_coordinates()?;
-        let known = coordinates.ok_or("the mesh has curved cells (elements of higher order)".to_owned());
-        let coordinates = agree(plex.comm(), known)
-            .map_err(|message| Fault::new("body.mesh", message, "save it from Gmsh with Mesh.ElementOrder = 1"))?;
+        let coordinates = plex.vertex_coordinates()?.expect("PETSc's boxes and lists of cells have straight edges");
         let coordinates: Vec<Vec3> = coordinates.into_iter().map(place).collect();
         check_extent(plex.comm(), &coordinates)?;
         let edges = plex.points(1)?.map(|edge| Ok(plex.cone(edge)?.to_vec())).collect::<Result<Vec<_>>>()?;

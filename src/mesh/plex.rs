@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
-use petsc_wrap::{Comm, GmshMesh, PhysicalGroup, Plex};
+use petsc_wrap::{CellType, Comm, GmshMesh, PhysicalGroup, Plex};
 
+use crate::element::Shape;
 use crate::error::Result;
 use crate::scene::{Body, Fault, Geometry, Parts};
 
@@ -36,7 +37,7 @@ impl Mesh {
                 Ok(Self { mirror_nodes, parts_of_cells, copies: grid.copies(), ..mesh })
             }
             Geometry::Gmsh(path) => {
-                let GmshMesh { plex, surfaces: groups, named_volumes, volumes, parts } = gmsh::read(comm, path)?;
+                let GmshMesh { plex, shape, surfaces: groups, named_volumes, volumes, parts } = gmsh::read(comm, path)?;
                 if volumes > 1 && !matches!(body.composition.parts, Parts::Volumes(_)) {
                     let message = format!(
                         "{}: it has {volumes} physical volumes, and the scene has one material",
@@ -45,8 +46,9 @@ impl Mesh {
                     let help = "[material.NAME] for each of them, or one physical volume, or none";
                     return Err(Fault::new("body.mesh", message, help).into());
                 }
-                let plex = distribute(plex)?;
-                let part = Part::new(&plex, body.order, |vertex| vertex)?;
+                plex.label_boundary(BOUNDARY)?;
+                let shape = if shape == CellType::Tetrahedron { Shape::Tetrahedron } else { Shape::Hexahedron };
+                let part = Part::new(&plex, shape, body.order, |vertex| vertex)?;
                 let parts_of_cells = match &body.composition.parts {
                     Parts::Volumes(materials) => of_volumes(&plex, materials.keys(), &named_volumes)?,
                     _ => vec![0; plex.points(3)?.len()],
@@ -141,12 +143,6 @@ fn of_volumes<'a>(
         return Err(Fault::new("body.mesh", message, "[material.NAME] for each physical volume of the mesh").into());
     }
     Ok(parts)
-}
-
-/// The mesh over all ranks, with its boundary labelled. Collective.
-fn distribute(plex: Plex) -> Result<Plex> {
-    plex.label_boundary(BOUNDARY)?;
-    Ok(plex.distribute()?)
 }
 
 /// Whether a name marks anything; one with faces inside the body is refused.

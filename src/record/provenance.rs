@@ -1,6 +1,9 @@
 //! Where a result comes from: the attributes of the root of a result file.
 
+use std::fs::File;
 use std::hash::{BuildHasher, Hasher, RandomState};
+use std::io::{BufRead, BufReader};
+use std::path::Path;
 
 use hdf5_metno::types::VarLenUnicode;
 use hdf5_metno::{H5Type, Location, Result};
@@ -225,9 +228,34 @@ impl Provenance {
     }
 }
 
+/// FNV-1a of no bytes.
+const OF_NOTHING: u64 = 0xcbf2_9ce4_8422_2325;
+
 /// FNV-1a of bytes, the same in all versions of the program.
 pub fn digest(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
+    digested(OF_NOTHING, bytes)
+}
+
+/// The same of a file, which is read piece by piece.
+///
+/// # Errors
+/// Of a file that cannot be read.
+pub fn digest_of_file(path: &Path) -> std::io::Result<u64> {
+    let (mut file, mut hash) = (BufReader::new(File::open(path)?), OF_NOTHING);
+    loop {
+        let piece = file.fill_buf()?;
+        if piece.is_empty() {
+            return Ok(hash);
+        }
+        hash = digested(hash, piece);
+        let read = piece.len();
+        file.consume(read);
+    }
+}
+
+/// FNV-1a of more bytes behind those of a hash.
+fn digested(hash: u64, bytes: &[u8]) -> u64 {
+    bytes.iter().fold(hash, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
 /// A new text attribute. A variable-length string, since fixed ones end at 64 KiB.

@@ -1,24 +1,34 @@
-//! Meshes from Gmsh files: DMPlex reads them, after a look at what it would take on trust.
+//! Meshes from Gmsh files, of which each rank keeps its part.
 
+mod facets;
 mod nodes;
+mod share;
+mod spread;
 mod walk;
 mod words;
 
-use std::ffi::CString;
-use std::path::{Path, PathBuf};
+use std::fs::File;
+use std::path::Path;
 
-use petsc_sys as sys;
+use mpi::collective::SystemOperation;
+use mpi::traits::CommunicatorCollectives;
 
 use crate::Int;
 use crate::comm::Comm;
-use crate::error::{Error, Result, check};
-use crate::options::Scoped;
-use crate::plex::Plex;
+use crate::error::{Error, Result};
+use crate::plex::{CellType, LabelledPoint, Plex};
+
+use facets::Facets;
+use share::{Cells, Share};
+use spread::spread;
+use walk::Walk;
 
 /// A mesh from a Gmsh file.
 pub struct GmshMesh {
-    /// The mesh, all on rank 0 until [`Plex::distribute`].
+    /// The mesh, spread over the ranks.
     pub plex: Plex,
+    /// Shape of all its cells.
+    pub shape: CellType,
     /// The physical surfaces that the file names, on every rank.
     pub surfaces: Vec<PhysicalGroup>,
     /// The physical volumes that the file names, on every rank.
@@ -38,111 +48,79 @@ pub struct PhysicalGroup {
     pub name: String,
 }
 
-/// What is taken of a file before PETSc reads it.
-#[derive(Debug, PartialEq)]
-struct Contents {
-    surfaces: Vec<PhysicalGroup>,
-    named_volumes: Vec<PhysicalGroup>,
-    /// Whether all tags of an element are physical groups (4.1), or the first one only (2.2).
-    all_tags: bool,
-    /// Physical groups that its cells are in.
-    volumes: usize,
-    /// Parts of the cells that share no node.
-    parts: usize,
-}
-
 impl Plex {
-    /// A mesh of tetrahedra or of hexahedra, of first order, from a Gmsh file (2.2 or 4.1, text or binary), all on rank 0 until
-    /// [`Plex::distribute`].
+    /// A mesh of tetrahedra or of hexahedra, of first order, from a Gmsh file (2.2 or 4.1, text or binary), spread over the ranks: each has
+    /// equally many cells that lie near each other, and on one rank they are in the file's order.
     ///
     /// The faces of physical group n have the value n of the label `Face Sets`, in files of version 4.1 for every group that they are in, in
-    /// those of 2.2 for the first.
+    /// those of 2.2 for the first. So have cells in the label `Cell Sets`.
     ///
-    /// Rank 0 alone reads. It walks through the file first, since PETSc uses the counts and references in it unchecked; nobody may write to
-    /// the file meanwhile. Collective.
+    /// Every rank reads the file, piece by piece, checks it and keeps its own part. Nobody may write to the file meanwhile. Collective.
     ///
     /// # Errors
-    /// [`Error::MeshFile`], on all ranks, for a file that is not there or does not keep what its format promises; PETSc's, on rank 0 alone.
+    /// [`Error::MeshFile`], on all ranks, for a file that is not there or does not keep what its format promises. PETSc's, on one rank alone, where
+    /// hexahedra do not fit together.
     pub fn gmsh(comm: &Comm, path: &Path) -> Result<GmshMesh> {
-        let Contents { surfaces, named_volumes, volumes, parts, all_tags } = read_contents(comm, path)?;
-        // Rank 0 alone opens it.
-        let path = if comm.is_root() { path_for_petsc(path).unwrap_or_default() } else { PathBuf::new() };
-        /// What a mesh is made of here is not a matter of options: groups by number, and each surface for itself.
-        const FIXED: [(&str, &str); 7] = [
-            ("-dm_plex_gmsh_use_regions", "0"),
-            ("-dm_plex_gmsh_periodic", "0"),
-            ("-dm_plex_gmsh_highorder", "0"),
-            ("-dm_plex_gmsh_project", "0"),
-            ("-dm_plex_gmsh_hybrid", "0"),
-            ("-dm_plex_gmsh_mark_vertices", "0"),
-            // PETSc reads as many coordinates of a node, of which there are three.
-            ("-dm_plex_gmsh_spacedim", "3"),
-        ];
-        let tags = ("-dm_plex_gmsh_multiple_tags", if all_tags { "1" } else { "0" });
-        let fixed: Vec<(&str, &str)> = FIXED.into_iter().chain([tags]).collect();
-        let scoped = Scoped::new(comm.session(), &fixed)?;
-        let name = CString::new(path.as_os_str().as_encoded_bytes()).unwrap_or_default();
-        let mut raw = std::ptr::null_mut();
-        let interpolate = sys::TRUE;
-        // SAFETY: the path is a C string that outlives the call; the file keeps what PETSc takes on trust.
-        check(unsafe { sys::DMPlexCreateGmshFromFile(comm.petsc()?, name.as_ptr(), interpolate, &raw mut raw) })?;
-        drop(scoped);
-        // SAFETY: the new mesh is ours.
-        Ok(GmshMesh { plex: unsafe { Plex::from_raw(raw, comm) }, surfaces, named_volumes, volumes, parts })
+        let refused = |message: String| Error::MeshFile { path: path.to_owned(), message };
+        let (ranks, rank) = (comm.size(), comm.rank());
+        let file = File::open(path).map_err(|error| format!("cannot be read: {error}"));
+        let read = file.and_then(|file| Walk::begin(file, comm.is_root())).and_then(|mut walk| {
+            let share = Share::take(&mut walk, ranks, rank)?;
+            Ok((walk, share))
+        });
+        let (mut walk, mut share) = agree(comm, read).map_err(refused)?;
+        let digests = comm.all_gather(&[walk.words.digest()]);
+        let is_same = digests.iter().all(|digest| *digest == digests[0]);
+        agree(comm, is_same.then_some(()).ok_or_else(|| "ranks read different files of this name".to_owned()))
+            .map_err(refused)?;
+        let shape = share.shape();
+        let mut cells = std::mem::take(&mut share.cells);
+        if ranks > 1 {
+            let corners = if shape == CellType::Tetrahedron { 4 } else { 8 };
+            cells = spread(comm, &cells, corners, share.nodes, &share.places);
+        }
+        let plex = Self::from_cells(comm, shape, &cells.vertices, &share.places)?;
+        drop(share.places);
+        plex.label_groups(&mut walk, cells).map_err(refused)?;
+        let (mut parts, [surfaces, named_volumes]) = (0, walk.named);
+        comm.mpi().all_reduce_into(&share.parts, &mut parts, SystemOperation::max());
+        Ok(GmshMesh { plex, shape, surfaces, named_volumes, volumes: share.volumes, parts })
     }
-}
 
-/// Validates a file on rank 0; its contents, or what is wrong with it, on every rank. Collective.
-fn read_contents(comm: &Comm, path: &Path) -> Result<Contents> {
-    let mine = if comm.is_root() {
-        let read = |path: PathBuf| std::fs::read(path).map_err(|error| format!("cannot be read: {error}"));
-        Some(path_for_petsc(path).and_then(read).and_then(|bytes| walk::validate(&bytes)))
-    } else {
-        None
-    };
-    let message = mine.as_ref().and_then(|contents| contents.as_ref().err()).map_or("", String::as_str);
-    let message = String::from_utf8_lossy(&comm.all_gather(message.as_bytes())).into_owned();
-    if !message.is_empty() {
-        return Err(Error::MeshFile { path: path.to_owned(), message });
-    }
-    let (mut numbers, mut names, mut counts) = (Vec::new(), String::new(), Vec::new());
-    if let Some(Ok(contents)) = &mine {
-        let flags = [usize::from(contents.all_tags), contents.volumes, contents.parts, contents.surfaces.len()];
-        counts.extend(flags.map(|count| count as u64));
-        for group in contents.surfaces.iter().chain(&contents.named_volumes) {
-            numbers.push(group.number);
-            // A name is a part of a line.
-            names += &group.name;
-            names.push('\n');
+    /// Labels cells, which are the mesh's in their order, and faces by their physical groups. Collective.
+    fn label_groups(&self, walk: &mut Walk<File>, cells: Cells) -> std::result::Result<(), String> {
+        let Cells { mut vertices, regions } = cells;
+        vertices.sort_unstable();
+        vertices.dedup();
+        let told = |error: Error| error.to_string();
+        let first_vertex = self.points(0).map_err(told)?.start;
+        let facets = agree(self.comm(), Facets::read(walk, &vertices, first_vertex))?;
+        let labelled = |dimension: usize, point: Int, region: &i32| -> Vec<LabelledPoint> {
+            let groups = walk.groups(dimension, region).iter();
+            groups.map(|group| LabelledPoint { point, value: Int::from(*group) }).collect()
+        };
+        let cell_points = self.points(3).map_err(told)?;
+        let cells = cell_points.zip(&regions).flat_map(|(cell, region)| labelled(3, cell, region));
+        let mut faces = Vec::new();
+        let found = facets.find(self, |face, region| faces.extend(labelled(2, face, &region)));
+        let labels = self.label("Cell Sets", cells).and_then(|()| self.label("Face Sets", faces)).map_err(told);
+        agree(self.comm(), labels)?;
+        match found.map_err(told)? {
+            true => Ok(()),
+            false => Err("a surface has a face that is none of any cell".to_owned()),
         }
     }
-    // Rank 0 alone has any.
-    let (numbers, counts) = (comm.all_gather(&numbers), comm.all_gather(&counts));
-    let names = comm.all_gather(names.as_bytes());
-    let names = String::from_utf8_lossy(&names).into_owned();
-    let groups = numbers.into_iter().zip(names.lines());
-    let mut surfaces: Vec<_> = groups.map(|(number, name)| PhysicalGroup { number, name: name.to_owned() }).collect();
-    let named_volumes = surfaces.split_off(counts[3] as usize);
-    Ok(Contents {
-        surfaces,
-        named_volumes,
-        all_tags: counts[0] == 1,
-        volumes: counts[1] as usize,
-        parts: counts[2] as usize,
-    })
 }
 
-/// The path by which PETSc opens this file and no other: it takes some names for streams, exchanges one kind of separator for the
-/// other, and takes options from a file `.info` beside.
-fn path_for_petsc(path: &Path) -> std::result::Result<PathBuf, String> {
-    let whole = path.canonicalize().map_err(|error| format!("cannot be read: {error}"))?;
-    if whole.as_os_str().as_encoded_bytes().contains(&b'\\') {
-        return Err("PETSc cannot open a mesh file with a backslash in its path".to_owned());
+/// The value where no rank has an error; otherwise the error of the lowest rank that has one, on every rank. Collective.
+fn agree<T>(comm: &Comm, mine: std::result::Result<T, String>) -> std::result::Result<T, String> {
+    let (rank, mut first) = (if mine.is_err() { comm.rank() } else { comm.size() }, 0);
+    comm.mpi().all_reduce_into(&rank, &mut first, SystemOperation::min());
+    if first == comm.size() {
+        return mine;
     }
-    let mut beside = whole.clone().into_os_string();
-    beside.push(".info");
-    if Path::new(&beside).exists() {
-        return Err(format!("PETSc would take options from the file beside it: {}", Path::new(&beside).display()));
-    }
-    Ok(whole)
+    let message = mine.err().filter(|_| rank == first).unwrap_or_default();
+    let message = String::from_utf8_lossy(&comm.all_gather(message.as_bytes())).into_owned();
+    // Of what all ranks see rank 0 tells.
+    Err(if first == 0 { message } else { format!("{message} (on rank {first})") })
 }

@@ -1,98 +1,129 @@
-//! Whether a Gmsh file keeps what it promises, before PETSc reads it.
+//! A way through a Gmsh file, on which everything in it is checked: a file that does not keep what its format promises is refused.
 //!
-//! PETSc takes counts, and references to nodes and entities, from the file and uses them unchecked: where a line is
-//! missing, the process may end by a signal. So the sections are walked through first, in the order in which PETSc
-//! wants them. Formats: Gmsh's manual, "MSH file format", 2.2 and 4.1, text and binary.
+//! The sections come in the order in which Gmsh writes them. Formats: Gmsh's manual, "MSH file format", 2.2 and 4.1, text and binary.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
+use std::io::{Read, Seek};
 
 use crate::Int;
 
+use super::PhysicalGroup;
 use super::nodes::Nodes;
-use super::words::Words;
-use super::{Contents, PhysicalGroup};
+use super::words::{Place, Words};
 
-/// What PETSc's reader holds at most: tags of an element or entity, bytes of a physical name.
+/// Physical groups of an entity, and tags of an element, at most; bytes of a physical name.
 const TAGS: usize = 16;
 const NAME: usize = 127;
 
-/// Walks through a whole file.
-///
-/// # Errors
-/// What is wrong, with the line of a text file or the byte of a binary one.
-pub(super) fn validate(bytes: &[u8]) -> Result<Contents, String> {
-    let mut walk = Walk {
-        words: Words::new(bytes),
-        entities: Default::default(),
-        groups: HashMap::new(),
-        volumes: BTreeSet::new(),
-        nodes: Nodes::default(),
-    };
-    let modern = walk.format()?;
-    let (mut surfaces, mut named_volumes) = (Vec::new(), Vec::new());
-    let mut section = walk.section()?;
-    if section == "$PhysicalNames" {
-        [surfaces, named_volumes] = walk.group_names()?;
-        section = walk.section()?;
-    }
-    if modern {
-        walk.begins(section, "$Entities")?;
-        walk.entities()?;
-        section = walk.section()?;
-    }
-    walk.begins(section, "$Nodes")?;
-    if modern { walk.nodes_41() } else { walk.nodes_22() }?;
-    walk.words.expect("$EndNodes")?;
-    section = walk.section()?;
-    walk.begins(section, "$Elements")?;
-    if modern { walk.elements_41() } else { walk.elements_22() }?;
-    walk.words.expect("$EndElements")?;
-    walk.nodes.check_use()?;
-    let (volumes, parts) = (walk.volumes.len(), walk.nodes.parts());
-    Ok(Contents { surfaces, named_volumes, volumes, parts, all_tags: modern })
-}
-
-struct Walk<'a> {
-    words: Words<'a>,
+/// A position in a file, and what was learnt on the way there.
+pub(super) struct Walk<R> {
+    pub words: Words<R>,
+    /// Whether the format is 4.1.
+    pub is_modern: bool,
+    /// The named groups of faces, and those of cells.
+    pub named: [Vec<PhysicalGroup>; 2],
+    pub nodes: Nodes,
     /// Numbers of the geometric entities (4.1), by dimension.
     entities: [HashSet<i32>; 4],
-    /// Physical groups of the geometric volumes (4.1), by the volumes' numbers.
-    groups: HashMap<i32, Vec<i32>>,
-    /// The physical groups that cells are in, by region: a region may be in several.
-    volumes: BTreeSet<Vec<i32>>,
-    nodes: Nodes,
+    /// Physical groups of the geometric surfaces and volumes (4.1), by their numbers.
+    groups: [HashMap<i32, Vec<i32>>; 2],
+    /// Where the elements begin.
+    elements: Place,
 }
 
-impl<'a> Walk<'a> {
-    /// The section $MeshFormat; whether it says 4.1.
-    fn format(&mut self) -> Result<bool, String> {
-        if self.words.word() != Ok("$MeshFormat") {
+/// A point, line, facet or cell.
+pub(super) struct Element<'a> {
+    /// How many elements the file announces, and which of them this is.
+    pub total: usize,
+    pub number: usize,
+    pub dimension: usize,
+    /// Indices of its nodes.
+    pub corners: &'a [u32],
+    /// Its geometric entity (4.1), or its physical group (2.2): [`Walk::groups`] tells what that means.
+    pub region: i32,
+}
+
+impl<R: Read + Seek> Walk<R> {
+    /// Walks up to the nodes. `is_judge`: whether it is to find out how the elements use them.
+    pub fn begin(source: R, is_judge: bool) -> Result<Self, String> {
+        let mut walk = Self {
+            words: Words::new(source),
+            is_modern: false,
+            named: Default::default(),
+            nodes: Nodes::new(is_judge),
+            entities: Default::default(),
+            groups: Default::default(),
+            elements: Place::default(),
+        };
+        walk.format()?;
+        let mut section = walk.section()?;
+        if section == "$PhysicalNames" {
+            walk.group_names()?;
+            section = walk.section()?;
+        }
+        if walk.is_modern {
+            walk.begins(&section, "$Entities")?;
+            walk.entities()?;
+            section = walk.section()?;
+        }
+        walk.begins(&section, "$Nodes")?;
+        Ok(walk)
+    }
+
+    /// Walks through the nodes, to the elements. `visit` gets how many there are, the index of each and its place.
+    pub fn nodes(&mut self, visit: impl FnMut(usize, usize, [f64; 3])) -> Result<(), String> {
+        if self.is_modern { self.nodes_41(visit) } else { self.nodes_22(visit) }?;
+        self.words.expect("$EndNodes")?;
+        let section = self.section()?;
+        self.begins(&section, "$Elements")?;
+        self.elements = self.words.here();
+        Ok(())
+    }
+
+    /// Walks through the elements, once more if this was done before. What `visit` objects to is an error there.
+    pub fn elements(&mut self, visit: impl FnMut(&Element) -> Result<(), String>) -> Result<(), String> {
+        self.words.go_to(self.elements)?;
+        if self.is_modern { self.elements_41(visit) } else { self.elements_22(visit) }?;
+        self.words.expect("$EndElements")
+    }
+
+    /// The physical groups of an element of dimension 2 or 3 in a region.
+    pub fn groups<'a>(&'a self, dimension: usize, region: &'a i32) -> &'a [i32] {
+        match (self.is_modern, *region) {
+            (true, _) => self.groups[dimension - 2].get(region).map_or(&[], Vec::as_slice),
+            (false, 0) => &[],
+            (false, _) => std::slice::from_ref(region),
+        }
+    }
+
+    /// The section $MeshFormat.
+    fn format(&mut self) -> Result<(), String> {
+        if self.words.word().as_deref() != Ok("$MeshFormat") {
             return Err("it is not a Gmsh mesh: it does not begin with $MeshFormat".to_owned());
         }
-        let modern = match self.words.word()? {
+        self.is_modern = match self.words.word()?.as_str() {
             "2.2" => false,
             "4.1" => true,
             other => return self.words.error(format!("Gmsh's format {other:?} is not read, only 2.2 and 4.1")),
         };
-        let binary = match self.words.word()? {
+        let is_binary = match self.words.word()?.as_str() {
             "0" => false,
             "1" => true,
             other => return self.words.error(format!("expected 0 (text) or 1 (binary), found {other:?}")),
         };
         self.words.expect("8")?;
-        self.words.binary = binary;
-        if binary && self.words.int()? != 1 {
+        self.words.binary = is_binary;
+        if is_binary && self.words.int()? != 1 {
             return self.words.error("the file is binary with the bytes of a number in the other order");
         }
-        self.words.expect("$EndMeshFormat")?;
-        Ok(modern)
+        self.words.expect("$EndMeshFormat")
     }
 
     /// The next section's mark, comments passed over.
-    fn section(&mut self) -> Result<&'a str, String> {
+    fn section(&mut self) -> Result<String, String> {
         loop {
             match self.words.word()? {
-                "$Comments" => while self.words.word()? != "$EndComments" {},
+                mark if mark == "$Comments" => while self.words.word()? != "$EndComments" {},
                 mark => return Ok(mark),
             }
         }
@@ -102,24 +133,22 @@ impl<'a> Walk<'a> {
         if found == wanted { Ok(()) } else { self.words.error(format!("expected {wanted}, found {found:?}")) }
     }
 
-    /// The named groups of faces, and those of cells.
-    fn group_names(&mut self) -> Result<[Vec<PhysicalGroup>; 2], String> {
-        let mut groups = [Vec::new(), Vec::new()];
+    fn group_names(&mut self) -> Result<(), String> {
         for _ in 0..self.words.written_count()? {
             let dimension = self.words.written_count()?;
             let number = self.words.written_count()? as Int;
-            let quoted = self.words.line()?.trim();
+            let line = self.words.line()?;
+            let quoted = line.trim();
             match quoted.strip_prefix('"').and_then(|name| name.strip_suffix('"')) {
                 Some(name) if (1..=NAME).contains(&name.len()) => {
                     if let 2 | 3 = dimension {
-                        groups[dimension - 2].push(PhysicalGroup { number, name: name.to_owned() });
+                        self.named[dimension - 2].push(PhysicalGroup { number, name: name.to_owned() });
                     }
                 }
                 _ => return self.words.error(format!("expected a name in quotes, found {quoted:?}")),
             }
         }
-        self.words.expect("$EndPhysicalNames")?;
-        Ok(groups)
+        self.words.expect("$EndPhysicalNames")
     }
 
     fn entities(&mut self) -> Result<(), String> {
@@ -136,11 +165,11 @@ impl<'a> Walk<'a> {
                 if tags > TAGS {
                     return words.error(format!("{tags} physical groups of one entity are more than {TAGS}"));
                 }
-                let groups = (0..tags).map(|_| words.int()).collect::<Result<Vec<_>, _>>()?;
-                if dimension == 3 {
-                    // In any order.
-                    let groups = BTreeSet::from_iter(groups).into_iter().collect();
-                    self.groups.insert(number, groups);
+                let mut groups = (0..tags).map(|_| words.int()).collect::<Result<Vec<_>, _>>()?;
+                if dimension >= 2 {
+                    groups.sort_unstable();
+                    groups.dedup();
+                    self.groups[dimension - 2].insert(number, groups);
                 }
                 let bounds = if dimension == 0 { 0 } else { words.size()? };
                 for _ in 0..bounds {
@@ -151,28 +180,31 @@ impl<'a> Walk<'a> {
         words.expect("$EndEntities")
     }
 
-    fn coordinates(&mut self) -> Result<(), String> {
-        for _ in 0..3 {
-            if !self.words.real()?.is_finite() {
+    fn place(&mut self) -> Result<[f64; 3], String> {
+        let mut place = [0.0; 3];
+        for x in &mut place {
+            *x = self.words.real()?;
+            if !x.is_finite() {
                 return self.words.error("a node has a coordinate that is not finite");
             }
         }
-        Ok(())
+        Ok(place)
     }
 
-    fn nodes_22(&mut self) -> Result<(), String> {
-        for _ in 0..self.words.written_count()? {
+    fn nodes_22(&mut self, mut visit: impl FnMut(usize, usize, [f64; 3])) -> Result<(), String> {
+        let total = self.words.written_count()?;
+        for index in 0..total {
             let number = self.words.int()?;
             match usize::try_from(number) {
                 Ok(number) => self.nodes.add(number),
                 Err(_) => return self.words.error(format!("{number} cannot be the number of a node")),
             }
-            self.coordinates()?;
+            visit(total, index, self.place()?);
         }
         self.nodes.close(None)
     }
 
-    fn nodes_41(&mut self) -> Result<(), String> {
+    fn nodes_41(&mut self, mut visit: impl FnMut(usize, usize, [f64; 3])) -> Result<(), String> {
         let (blocks, total) = (self.words.size()?, self.words.size()?);
         let span = (self.words.size()?, self.words.size()?);
         let mut sum = 0;
@@ -182,15 +214,15 @@ impl<'a> Walk<'a> {
                 return self.words.error("parametric coordinates are not read: save with Mesh.SaveParametric = 0");
             }
             let count = self.words.size()?;
-            sum += count;
-            self.check_sum(sum, total, false)?;
+            self.check_sum(sum + count, total, false)?;
             for _ in 0..count {
                 let number = self.words.size()?;
                 self.nodes.add(number);
             }
-            for _ in 0..count {
-                self.coordinates()?;
+            for index in sum..sum + count {
+                visit(total, index, self.place()?);
             }
+            sum += count;
         }
         self.check_sum(sum, total, true)?;
         self.nodes.close(Some(span))
@@ -213,7 +245,7 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    fn elements_22(&mut self) -> Result<(), String> {
+    fn elements_22(&mut self, mut visit: impl FnMut(&Element) -> Result<(), String>) -> Result<(), String> {
         let total = self.words.written_count()?;
         let mut sum = 0;
         while sum < total {
@@ -224,47 +256,49 @@ impl<'a> Walk<'a> {
                 Ok(tags) if tags <= TAGS => tags,
                 _ => return self.words.error(format!("{} is not a count of tags", head[2])),
             };
-            let (dimension, nodes) = self.kind(kind)?;
+            let (dimension, corners) = self.kind(kind)?;
             if count < 1 {
                 return self.words.error("a block without elements");
             }
+            let first = sum;
             sum += count as usize;
             self.check_sum(sum, total, false)?;
-            for _ in 0..count {
+            for number in first..sum {
                 // The first tag is the physical group, 0 for none; a block's elements begin with their number.
+                let mut region = 0;
                 for tag in 0..tags + usize::from(self.words.binary) {
                     let group = self.words.int()?;
-                    if dimension == 3 && tag == usize::from(self.words.binary) && group != 0 {
-                        self.volumes.insert(vec![group]);
+                    if tag == usize::from(self.words.binary) {
+                        region = group;
                     }
                 }
-                self.element(dimension, nodes, |words| Ok(words.int()?.try_into().unwrap_or(usize::MAX)))?;
+                let next = |words: &mut Words<R>| Ok(words.int()?.try_into().unwrap_or(usize::MAX));
+                let element = Element { total, number, dimension, corners: &[], region };
+                self.element(element, corners, next, &mut visit)?;
             }
         }
         Ok(())
     }
 
-    fn elements_41(&mut self) -> Result<(), String> {
+    fn elements_41(&mut self, mut visit: impl FnMut(&Element) -> Result<(), String>) -> Result<(), String> {
         let (blocks, total) = (self.words.size()?, self.words.size()?);
         self.words.size()?;
         self.words.size()?;
         let mut sum = 0;
         for _ in 0..blocks {
-            let (entity, number) = self.entity()?;
+            let (entity, region) = self.entity()?;
             let kind = self.words.int()?;
-            let (dimension, nodes) = self.kind(kind)?;
+            let (dimension, corners) = self.kind(kind)?;
             if entity != dimension {
                 return self.words.error(format!("elements of dimension {dimension} on an entity of {entity}"));
             }
-            let count = self.words.size()?;
-            sum += count;
+            let first = sum;
+            sum += self.words.size()?;
             self.check_sum(sum, total, false)?;
-            if dimension == 3 && count > 0 {
-                self.volumes.extend(self.groups.get(&number).filter(|groups| !groups.is_empty()).cloned());
-            }
-            for _ in 0..count {
+            for number in first..sum {
                 self.words.size()?;
-                self.element(dimension, nodes, Words::size)?;
+                let element = Element { total, number, dimension, corners: &[], region };
+                self.element(element, corners, Words::size, &mut visit)?;
             }
         }
         self.check_sum(sum, total, true)
@@ -286,25 +320,26 @@ impl<'a> Walk<'a> {
         }
     }
 
+    /// Reads the nodes of an element, of which the rest is known.
     fn element(
         &mut self,
-        dimension: usize,
+        known: Element,
         count: usize,
-        next: impl Fn(&mut Words<'a>) -> Result<usize, String>,
+        next: impl Fn(&mut Words<R>) -> Result<usize, String>,
+        visit: &mut impl FnMut(&Element) -> Result<(), String>,
     ) -> Result<(), String> {
         let mut corners = [0; 8];
         for i in 0..count {
-            corners[i] = next(&mut self.words)?;
-            if corners[..i].contains(&corners[i]) {
-                return self.words.error(format!("an element has node {} twice", corners[i]));
+            let number = next(&mut self.words)?;
+            let Some(index) = self.nodes.find(number) else {
+                return self.words.error(format!("an element has a node {number} that is not there"));
+            };
+            if corners[..i].contains(&index) {
+                return self.words.error(format!("an element has node {number} twice"));
             }
-            if !self.nodes.touch(corners[i], dimension == 3) {
-                return self.words.error(format!("an element has a node {} that is not there", corners[i]));
-            }
+            corners[i] = index;
         }
-        if dimension == 3 {
-            self.nodes.join(&corners[..count]);
-        }
-        Ok(())
+        self.nodes.use_in(&corners[..count], known.dimension == 3);
+        visit(&Element { corners: &corners[..count], ..known }).or_else(|what| self.words.error(what))
     }
 }

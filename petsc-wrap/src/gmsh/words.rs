@@ -1,55 +1,139 @@
-//! The words and numbers of a Gmsh file, as PETSc reads them: text, or binary between words.
+//! The words and numbers of a Gmsh file, in text, or binary between words, read piece by piece.
 
-/// No word of a Gmsh file is near as long; PETSc reads words into buffers of fixed size.
+use std::hash::{DefaultHasher, Hasher};
+use std::io::{Read, Seek, SeekFrom};
+use std::ops::Range;
+
+/// No word and no line of a Gmsh file that is read as text is near as long.
 const LONGEST: usize = 1000;
 
+/// Bytes that are held of the file at a time.
+const PIECE: usize = 1 << 18;
+
+const CUT_OFF: &str = "the file ends too early: it is cut off";
+
 /// A position in a file. Errors are messages that begin with the line, or the byte of a binary file.
-pub(super) struct Words<'a> {
-    bytes: &'a [u8],
+pub(super) struct Words<R> {
+    source: R,
+    piece: Vec<u8>,
+    /// How much of the piece is filled.
+    end: usize,
     at: usize,
     /// Where the last item began.
     start: usize,
+    /// What lies before the piece.
+    before: Place,
+    hasher: DefaultHasher,
     /// Whether numbers are binary, of this machine's (little-endian) byte order.
     pub binary: bool,
 }
 
-impl<'a> Words<'a> {
-    pub fn new(bytes: &'a [u8]) -> Self {
-        Self { bytes, at: 0, start: 0, binary: false }
+/// A place in a file.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Place {
+    bytes: usize,
+    lines: usize,
+}
+
+impl<R: Read + Seek> Words<R> {
+    pub fn new(source: R) -> Self {
+        let (piece, hasher) = (vec![0; PIECE], DefaultHasher::new());
+        Self { source, piece, end: 0, at: 0, start: 0, before: Place::default(), hasher, binary: false }
     }
 
     /// `what` is wrong with the last item.
     pub fn error<T>(&self, what: impl std::fmt::Display) -> Result<T, String> {
-        let line = 1 + self.bytes[..self.start].iter().filter(|byte| **byte == b'\n').count();
-        let place = if self.binary { format!("byte {}", self.start) } else { format!("line {line}") };
+        let Place { bytes, lines } = self.place(self.start);
+        let place = if self.binary { format!("byte {bytes}") } else { format!("line {}", 1 + lines) };
         Err(format!("{place}: {what}"))
     }
 
-    /// The next word, which is text in a binary file too; with the blank behind it, where binary numbers may begin.
-    pub fn word(&mut self) -> Result<&'a str, String> {
-        let rest = &self.bytes[self.at..];
-        let blanks = rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
-        let length = rest[blanks..].iter().take_while(|byte| !byte.is_ascii_whitespace()).count();
-        self.start = self.at + blanks;
-        if length == 0 {
-            return self.error("the file ends too early: it is cut off");
+    /// Where the next item begins, or the blanks before it.
+    pub fn here(&self) -> Place {
+        self.place(self.at)
+    }
+
+    fn place(&self, at: usize) -> Place {
+        let lines = self.piece[..at].iter().filter(|byte| **byte == b'\n').count();
+        Place { bytes: self.before.bytes + at, lines: self.before.lines + lines }
+    }
+
+    /// Goes back to a place.
+    pub fn go_to(&mut self, place: Place) -> Result<(), String> {
+        self.source.seek(SeekFrom::Start(place.bytes as u64)).map_err(unreadable)?;
+        (self.before, self.end, self.at, self.start) = (place, 0, 0, 0);
+        Ok(())
+    }
+
+    /// A number that differs, in all likelihood, where files differ in what was read so far.
+    pub fn digest(&self) -> u64 {
+        self.hasher.finish()
+    }
+
+    /// Reads on, and forgets what lies before the last item; whether there was any more.
+    fn read_on(&mut self) -> Result<bool, String> {
+        let Place { bytes, lines } = self.place(self.start);
+        self.before = Place { bytes, lines };
+        self.piece.copy_within(self.start..self.end, 0);
+        (self.at, self.end, self.start) = (self.at - self.start, self.end - self.start, 0);
+        let begin = self.end;
+        // All that has room, so that the digest does not depend on the source's pieces.
+        while self.end < self.piece.len() {
+            match self.source.read(&mut self.piece[self.end..]) {
+                Ok(0) => break,
+                Ok(count) => self.end += count,
+                Err(error) if error.kind() == std::io::ErrorKind::Interrupted => (),
+                Err(error) => return Err(unreadable(error)),
+            }
         }
-        self.at = self.bytes.len().min(self.start + length + 1);
-        match std::str::from_utf8(&self.bytes[self.start..self.start + length]) {
-            Ok(word) if length <= LONGEST => Ok(word),
-            _ => self.error("this is no text of a Gmsh file"),
+        self.hasher.write(&self.piece[begin..self.end]);
+        Ok(self.end > begin)
+    }
+
+    /// The next word in the piece; what follows begins behind the blank at its end, where binary numbers may begin.
+    fn find_word(&mut self) -> Result<Range<usize>, String> {
+        loop {
+            let blanks = self.piece[self.at..self.end].iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+            self.at += blanks;
+            self.start = self.at;
+            if self.at < self.end {
+                break;
+            }
+            if !self.read_on()? {
+                return self.error(CUT_OFF);
+            }
         }
+        self.find_end(|byte| byte.is_ascii_whitespace())
+    }
+
+    /// From the last item's start to before the next byte that ends it, or to the end of the file, or to where it is too long.
+    fn find_end(&mut self, ends: impl Fn(&u8) -> bool) -> Result<Range<usize>, String> {
+        let mut length = 0;
+        loop {
+            length += self.piece[self.start + length..self.end].iter().take_while(|byte| !ends(byte)).count();
+            if self.start + length < self.end || length > LONGEST || !self.read_on()? {
+                break;
+            }
+        }
+        self.at = self.end.min(self.start + length + 1);
+        Ok(self.start..self.start + length)
+    }
+
+    fn text(&self, place: Range<usize>) -> Option<&str> {
+        std::str::from_utf8(&self.piece[place.clone()]).ok().filter(|_| place.len() <= LONGEST)
+    }
+
+    /// The next word, which is text in a binary file too.
+    pub fn word(&mut self) -> Result<String, String> {
+        let place = self.find_word()?;
+        self.text(place).map(str::to_owned).map_or_else(|| self.error("this is no text of a Gmsh file"), Ok)
     }
 
     /// The rest of the line.
-    pub fn line(&mut self) -> Result<&'a str, String> {
-        let length = self.bytes[self.at..].iter().take_while(|byte| **byte != b'\n').count();
+    pub fn line(&mut self) -> Result<String, String> {
         self.start = self.at;
-        self.at = self.bytes.len().min(self.at + length + 1);
-        match std::str::from_utf8(&self.bytes[self.start..self.start + length]) {
-            Ok(line) if length <= LONGEST => Ok(line),
-            _ => self.error("this is no text in UTF-8"),
-        }
+        let place = self.find_end(|byte| *byte == b'\n')?;
+        self.text(place).map(str::to_owned).map_or_else(|| self.error("this is no text in UTF-8"), Ok)
     }
 
     /// Exactly this word.
@@ -61,19 +145,22 @@ impl<'a> Words<'a> {
     }
 
     fn parsed<T: std::str::FromStr>(&mut self, kind: &str) -> Result<T, String> {
-        let word = self.word()?;
-        word.parse().or_else(|_| self.error(format!("expected {kind}, found {word:?}")))
+        let place = self.find_word()?;
+        match self.text(place) {
+            Some(word) => word.parse().or_else(|_| self.error(format!("expected {kind}, found {word:?}"))),
+            None => self.error("this is no text of a Gmsh file"),
+        }
     }
 
     fn raw<const N: usize>(&mut self) -> Result<[u8; N], String> {
         self.start = self.at;
-        match self.bytes[self.at..].first_chunk() {
-            Some(chunk) => {
-                self.at += N;
-                Ok(*chunk)
+        while self.end - self.at < N {
+            if !self.read_on()? {
+                return self.error(CUT_OFF);
             }
-            None => self.error("the file ends too early: it is cut off"),
         }
+        self.at += N;
+        Ok(std::array::from_fn(|i| self.piece[self.start + i]))
     }
 
     /// A whole number of 32 bits.
@@ -99,5 +186,65 @@ impl<'a> Words<'a> {
     /// A real number; it may be infinite or no number.
     pub fn real(&mut self) -> Result<f64, String> {
         if self.binary { self.raw().map(f64::from_le_bytes) } else { self.parsed("a number") }
+    }
+}
+
+fn unreadable(error: std::io::Error) -> String {
+    format!("cannot be read: {error}")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{Cursor, Read, Seek, SeekFrom};
+
+    use super::{PIECE, Words};
+
+    /// Gives one byte at a time.
+    struct Slow(Cursor<Vec<u8>>);
+
+    impl Read for Slow {
+        fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+            let one = buffer.len().min(1);
+            self.0.read(&mut buffer[..one])
+        }
+    }
+
+    impl Seek for Slow {
+        fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+            self.0.seek(to)
+        }
+    }
+
+    /// Words lie across the ends of pieces, and lines are counted over them.
+    #[test]
+    fn words_are_whole_across_pieces() {
+        let lines: Vec<String> = (0..PIECE / 5).map(|i| format!("{i}  {}.5\n", i * i)).collect();
+        let mut words = Words::new(Slow(Cursor::new(lines.concat().into_bytes())));
+        let mut middle = words.here();
+        for i in 0..lines.len() {
+            if i == lines.len() / 2 {
+                middle = words.here();
+            }
+            assert_eq!(words.int(), Ok(i as i32));
+            assert_eq!(words.real(), Ok((i * i) as f64 + 0.5));
+        }
+        assert!(words.word().unwrap_err().contains(&format!("line {}: the file ends", lines.len() + 1)));
+        words.go_to(middle).unwrap();
+        assert_eq!(words.int(), Ok(lines.len() as i32 / 2));
+        let place = format!("line {}: ", lines.len() / 2 + 1);
+        assert_eq!(
+            words.int(),
+            Err(format!("{place}expected a whole number, found \"{}.5\"", (lines.len() / 2).pow(2)))
+        );
+    }
+
+    #[test]
+    fn what_is_longer_than_any_word_is_refused() {
+        let long = vec![b'a'; 3 * PIECE];
+        let mut words = Words::new(Cursor::new(long.clone()));
+        assert!(words.word().unwrap_err().contains("no text of a Gmsh file"));
+        assert!(Words::new(Cursor::new(long)).line().is_err());
+        let mut blank = Words::new(Cursor::new([vec![b' '; 2 * PIECE], b"end".to_vec()].concat()));
+        assert_eq!(blank.word().as_deref(), Ok("end"));
     }
 }

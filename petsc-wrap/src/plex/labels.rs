@@ -7,23 +7,56 @@ use crate::Int;
 use crate::error::{Result, check, require};
 use crate::text::to_c;
 
+/// A point of this rank, and a value that a label is to give it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LabelledPoint {
+    /// The point.
+    pub point: Int,
+    /// The value.
+    pub value: Int,
+}
+
+/// Labels by which PETSc finds its way in a mesh.
+fn check_free(name: &str) -> Result<()> {
+    require(!["depth", "celltype"].contains(&name.replace('\0', "").as_str()), "PETSc needs this label for itself")
+}
+
 impl Plex {
+    /// Adds values to a label, which is made where the mesh has none of that name. Each rank labels its own points: one that several have is
+    /// labelled where they do.
+    ///
+    /// # Errors
+    /// A point that this rank does not have; a label by which PETSc itself finds its way in the mesh; PETSc's.
+    pub fn label(&self, name: &str, points: impl IntoIterator<Item = LabelledPoint>) -> Result<()> {
+        check_free(name)?;
+        let label = self.make_label(name)?;
+        for LabelledPoint { point, value } in points {
+            self.check_point(point)?;
+            // SAFETY: the label is valid, and the mesh has the point.
+            check(unsafe { sys::DMLabelSetValue(label, point, value) })?;
+        }
+        Ok(())
+    }
+
+    /// The label of that name, new if need be; it belongs to the mesh.
+    fn make_label(&self, name: &str) -> Result<sys::DMLabel> {
+        let name = to_c(name);
+        let mut label = std::ptr::null_mut();
+        // SAFETY: the mesh is valid; the name outlives the calls.
+        check(unsafe { sys::DMCreateLabel(self.raw(), name.as_ptr()) })?;
+        // SAFETY: as above.
+        check(unsafe { sys::DMGetLabel(self.raw(), name.as_ptr(), &raw mut label) })?;
+        Ok(label)
+    }
+
     /// Puts all faces on the boundary of the whole mesh into a label. Collective.
     ///
     /// # Errors
     /// A label by which PETSc itself finds its way in the mesh; PETSc's.
     pub fn label_boundary(&self, name: &str) -> Result<()> {
-        require(
-            !["depth", "celltype"].contains(&name.replace('\0', "").as_str()),
-            "PETSc needs this label for itself",
-        )?;
-        let name = to_c(name);
-        let mut label = std::ptr::null_mut();
-        // SAFETY: the mesh is valid; the name outlives the calls.
-        check(unsafe { sys::DMCreateLabel(self.raw(), name.as_ptr()) })?;
-        // SAFETY: as above; the label belongs to the mesh.
-        check(unsafe { sys::DMGetLabel(self.raw(), name.as_ptr(), &raw mut label) })?;
-        // SAFETY: as above.
+        check_free(name)?;
+        let label = self.make_label(name)?;
+        // SAFETY: mesh and label are valid.
         check(unsafe { sys::DMPlexMarkBoundaryFaces(self.raw(), 1, label) })?;
         // A face between ranks has one cell on either.
         let faces = self.points(2)?;

@@ -18,6 +18,8 @@ use crate::text::int;
 /// A distributed mesh of points: cells, faces, edges and vertices share one numbering on each rank.
 pub struct Plex(Object<sys::_p_DM>);
 
+pub use labels::LabelledPoint;
+
 /// Shapes of cells and faces that are told apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CellType {

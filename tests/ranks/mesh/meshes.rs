@@ -106,7 +106,7 @@ fn formats_2_and_4_give_the_same(session: &Session) {
     }
 }
 
-/// Writes a mesh into a folder of this rank's own; only rank 0's is read.
+/// Writes a mesh into a folder of this rank's own.
 fn write(folder: &tempfile::TempDir, text: &str) -> PathBuf {
     let path = folder.path().join("mesh.msh");
     std::fs::write(&path, text).unwrap();
