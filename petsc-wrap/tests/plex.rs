@@ -182,6 +182,8 @@ fn cells_that_petsc_takes_on_trust_are_refused(session: &Session) {
 fn a_file_that_is_no_mesh_is_an_error(session: &Session) {
     let error = Plex::gmsh(&session.world(), "no-such-mesh.msh".as_ref()).err().expect("an error");
     assert!(error.to_string().contains("no-such-mesh.msh"), "{error}");
+    let error = Plex::gmsh(&session.world(), &std::env::temp_dir()).err().expect("an error");
+    assert!(error.to_string().contains("cannot be read"), "{error}");
 }
 
 /// A unit cube of 6 tetrahedra with two triangles a side: group 1 is the bottom, 2 the top.

@@ -47,7 +47,7 @@ impl<R: Read + Seek> Walk<R> {
     /// Walks up to the nodes. `is_judge`: whether it is to find out how the elements use them.
     pub fn begin(source: R, is_judge: bool) -> Result<Self, String> {
         let mut walk = Self {
-            words: Words::new(source),
+            words: Words::new(source)?,
             is_modern: false,
             named: Default::default(),
             nodes: Nodes::new(is_judge),

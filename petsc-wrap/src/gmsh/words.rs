@@ -36,9 +36,13 @@ pub(super) struct Place {
 }
 
 impl<R: Read + Seek> Words<R> {
-    pub fn new(source: R) -> Self {
+    /// At the beginning of a file that can be read.
+    pub fn new(source: R) -> Result<Self, String> {
         let (piece, hasher) = (vec![0; PIECE], DefaultHasher::new());
-        Self { source, piece, end: 0, at: 0, start: 0, before: Place::default(), hasher, binary: false }
+        let mut words =
+            Self { source, piece, end: 0, at: 0, start: 0, before: Place::default(), hasher, binary: false };
+        words.read_on()?;
+        Ok(words)
     }
 
     /// `what` is wrong with the last item.
@@ -219,7 +223,7 @@ mod tests {
     #[test]
     fn words_are_whole_across_pieces() {
         let lines: Vec<String> = (0..PIECE / 5).map(|i| format!("{i}  {}.5\n", i * i)).collect();
-        let mut words = Words::new(Slow(Cursor::new(lines.concat().into_bytes())));
+        let mut words = Words::new(Slow(Cursor::new(lines.concat().into_bytes()))).unwrap();
         let mut middle = words.here();
         for i in 0..lines.len() {
             if i == lines.len() / 2 {
@@ -241,10 +245,10 @@ mod tests {
     #[test]
     fn what_is_longer_than_any_word_is_refused() {
         let long = vec![b'a'; 3 * PIECE];
-        let mut words = Words::new(Cursor::new(long.clone()));
+        let mut words = Words::new(Cursor::new(long.clone())).unwrap();
         assert!(words.word().unwrap_err().contains("no text of a Gmsh file"));
-        assert!(Words::new(Cursor::new(long)).line().is_err());
-        let mut blank = Words::new(Cursor::new([vec![b' '; 2 * PIECE], b"end".to_vec()].concat()));
+        assert!(Words::new(Cursor::new(long)).unwrap().line().is_err());
+        let mut blank = Words::new(Cursor::new([vec![b' '; 2 * PIECE], b"end".to_vec()].concat())).unwrap();
         assert_eq!(blank.word().as_deref(), Ok("end"));
     }
 }
