@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use mpi::collective::SystemOperation;
-use mpi::datatype::{Partition, PartitionMut};
+use mpi::datatype::PartitionMut;
 use mpi::topology::{CommunicatorRelation, SimpleCommunicator};
 use mpi::traits::{AsRaw, Communicator, CommunicatorCollectives, Equivalence, Root};
 use petsc_sys as sys;
@@ -88,28 +88,6 @@ impl Comm {
         all
     }
 
-    /// Sends to each rank its part of a list, in which the first `counts[0]` items are for rank 0, and so on. Collective.
-    ///
-    /// # Panics
-    /// When a rank gives counts that are not of all ranks or not of all items, or there are more items than MPI counts (2³¹ − 1): on that rank.
-    pub fn exchange<T: Equivalence + Clone + Default>(&self, items: &[T], counts: &[usize]) -> Exchanged<T> {
-        assert_eq!(counts.len(), self.size(), "a count for each rank");
-        assert_eq!(counts.iter().sum::<usize>(), items.len(), "counts of all items");
-        let sent: Vec<u64> = counts.iter().map(|count| *count as u64).collect();
-        let mut got = vec![0_u64; self.size()];
-        self.mpi.all_to_all_into(&sent[..], &mut got[..]);
-        let parts = |counts: &[u64]| Parts::new(counts).expect("more items than MPI counts");
-        let (from, to) = (parts(&sent), parts(&got));
-        // Open MPI takes the addresses of two empty lists for one buffer given twice.
-        let mut received = vec![T::default(); to.total.max(1)];
-        self.mpi.all_to_all_varcount_into(
-            &Partition::new(items, from.counts, from.starts),
-            &mut PartitionMut::new(&mut received[..], to.counts, to.starts),
-        );
-        received.truncate(to.total);
-        Exchanged { items: received, counts: got.into_iter().map(|count| count as usize).collect() }
-    }
-
     /// Replaces each rank's values by those of rank 0. Collective.
     ///
     /// # Panics
@@ -161,15 +139,6 @@ impl Comm {
     fn raw(&self) -> mpi::ffi::MPI_Comm {
         self.mpi.as_raw()
     }
-}
-
-/// What the other ranks have sent.
-#[derive(Debug, PartialEq)]
-pub struct Exchanged<T> {
-    /// Rank 0's items, then rank 1's, and so on.
-    pub items: Vec<T>,
-    /// How many are of each rank.
-    pub counts: Vec<usize>,
 }
 
 /// Where the parts of ranks lie in a list of all, in MPI's integers.

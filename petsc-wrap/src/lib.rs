@@ -32,7 +32,7 @@ mod snes;
 mod text;
 mod vector;
 
-pub use comm::{Comm, Exchanged};
+pub use comm::Comm;
 pub use environment::set_default_environment;
 pub use error::{Diverged, Error, Frame, Result};
 pub use factor::{Factor, FactorEstimate, estimate_cholesky};

@@ -3,7 +3,6 @@
 mod facets;
 mod nodes;
 mod share;
-mod spread;
 mod walk;
 mod words;
 
@@ -20,7 +19,6 @@ use crate::plex::{CellType, LabelledPoint, Plex};
 
 use facets::Facets;
 use share::{Cells, Share};
-use spread::spread;
 use walk::Walk;
 
 /// A mesh from a Gmsh file.
@@ -49,13 +47,14 @@ pub struct PhysicalGroup {
 }
 
 impl Plex {
-    /// A mesh of tetrahedra or of hexahedra, of first order, from a Gmsh file (2.2 or 4.1, text or binary), spread over the ranks: each has
-    /// equally many cells that lie near each other, and on one rank they are in the file's order.
+    /// A mesh of tetrahedra or of hexahedra, of first order, from a Gmsh file (2.2 or 4.1, text or binary), spread over the ranks as by
+    /// [`Self::distribute`]; on one rank its cells are in the file's order.
     ///
     /// The faces of physical group n have the value n of the label `Face Sets`, in files of version 4.1 for every group that they are in, in
     /// those of 2.2 for the first. So have cells in the label `Cell Sets`.
     ///
-    /// Every rank reads the file, piece by piece, checks it and keeps its own part. Nobody may write to the file meanwhile. Collective.
+    /// Every rank reads the file, piece by piece, checks it and keeps a part of as many cells as the others'; these parts are the mesh that is
+    /// distributed. Nobody may write to the file meanwhile. Collective.
     ///
     /// # Errors
     /// [`Error::MeshFile`], on all ranks, for a file that is not there or does not keep what its format promises. PETSc's, on one rank alone, where
@@ -74,14 +73,11 @@ impl Plex {
         agree(comm, is_same.then_some(()).ok_or_else(|| "ranks read different files of this name".to_owned()))
             .map_err(refused)?;
         let shape = share.shape();
-        let mut cells = std::mem::take(&mut share.cells);
-        if ranks > 1 {
-            let corners = if shape == CellType::Tetrahedron { 4 } else { 8 };
-            cells = spread(comm, &cells, corners, share.nodes, &share.places);
-        }
+        let cells = std::mem::take(&mut share.cells);
         let plex = Self::from_cells(comm, shape, &cells.vertices, &share.places)?;
         drop(share.places);
         plex.label_groups(&mut walk, cells).map_err(refused)?;
+        let plex = plex.distribute()?;
         let (mut parts, [surfaces, named_volumes]) = (0, walk.named);
         comm.mpi().all_reduce_into(&share.parts, &mut parts, SystemOperation::max());
         Ok(GmshMesh { plex, shape, surfaces, named_volumes, volumes: share.volumes, parts })

@@ -18,8 +18,6 @@ pub(super) fn share(total: usize, ranks: usize, rank: usize) -> Range<usize> {
 /// What a rank keeps, and what it has seen of the whole.
 #[derive(Default)]
 pub(super) struct Share {
-    /// Nodes of the whole mesh.
-    pub nodes: usize,
     /// Coordinates of this rank's share of them.
     pub places: Vec<[f64; 3]>,
     /// Facets of the whole mesh that the file lists.
@@ -53,7 +51,6 @@ impl Share {
                 taken.places.push(place);
             }
         })?;
-        taken.nodes = walk.nodes.count();
         let (mut regions, mut own_elements) = (BTreeSet::new(), None);
         walk.elements(|element| {
             match element.dimension {
