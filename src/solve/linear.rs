@@ -35,9 +35,9 @@ pub enum Method {
 }
 
 /// Largest ratio tr K / (c₂ tr M) for which an incomplete factor is quicker than multigrid. Measured on a quarter of a plate of 0.1 m in quadratic
-/// hexahedra: an iteration of multigrid costs 7.5 ones with the factor; multigrid takes 15 to 26 iterations, the factor 15, 58 and 230 at ratios
-/// of 70, 1,700 and 43,000. The two cost the same where the factor takes some 170.
-const STIFFEST: f64 = 2e4;
+/// hexahedra: an iteration of multigrid costs more than 7.5 ones with the factor; multigrid takes 20, 26 and 32 iterations, the factor 23, 76 and
+/// 90 at ratios of 1,700, 43,000 and 174,000. It is not known where it ends to be quicker.
+const STIFFEST: f64 = 2e5;
 
 impl Method {
     /// The quicker iteration for an operator K + c₂ M with tr K so many times c₂ tr M; other methods stay as they are.
