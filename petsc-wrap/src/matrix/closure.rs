@@ -29,6 +29,10 @@ impl Matrix {
     ///
     /// # Errors
     /// PETSc's.
+    #[allow(
+        clippy::missing_transmute_annotations,
+        reason = "the type of any operation's function differs between PETSc's versions"
+    )]
     pub fn closure(
         comm: &Comm,
         local: usize,
