@@ -17,7 +17,8 @@ const USER_ERROR: sys::PetscErrorCode = 83;
 
 impl KspView {
     /// Sets the operator of the system, and a closure as its preconditioner: `apply(r, z)` writes z = B r of this rank's entries. The operator
-    /// may be of [`MatrixView::upper_triangle`], which no preconditioner of PETSc's gets to see here; a solve with another one is refused.
+    /// may be of [`MatrixView::upper_triangle`] or [`Matrix::closure`](crate::Matrix::closure), which no preconditioner of PETSc's gets to see
+    /// here; a solve with another one is refused.
     /// The solver keeps the operator, and the closure until another preconditioner takes its place. A panic in the closure ends the solve with an
     /// error. Collective.
     ///

@@ -24,6 +24,7 @@ fn main() -> ExitCode {
             ("methods_solve_to_their_tolerance", methods_solve_to_their_tolerance),
             ("a_changed_matrix_is_set_up_again", a_changed_matrix_is_set_up_again),
             ("a_closure_preconditions", a_closure_preconditions),
+            ("a_closure_multiplies", a_closure_multiplies),
             ("each_rank_has_a_factor_of_all", each_rank_has_a_factor_of_all),
             ("a_guess_is_used_or_not", a_guess_is_used_or_not),
             ("options_choose_by_prefix_and_divergence_is_told", options_choose_by_prefix_and_divergence_is_told),
@@ -109,6 +110,38 @@ fn a_closure_preconditions(session: &Session) {
         b.fill(1.0).unwrap();
         assert!(matches!(ksp.solve(&b, &mut x), Err(Error::Petsc { code: 83, .. })));
         ksp.destroy().unwrap();
+    }
+}
+
+/// A closure is an operator: its products are used, its errors and panics end a solve, and its memory goes with the last that keeps it.
+fn a_closure_multiplies(session: &Session) {
+    let world = session.world();
+    let (matrix, kept) = (laplacian(session, 2.0), Rc::new(()));
+    let (inner, held) = (laplacian(session, 2.0), kept.clone());
+    let operator = Matrix::closure(&world, LOCAL, move |x, y| {
+        let _ = &held;
+        inner.mult(x, y)
+    })
+    .unwrap();
+    let mut ksp = Ksp::new(&world).unwrap();
+    ksp.set_type("cg").unwrap();
+    ksp.set_tolerances(Tolerances { relative: Some(1e-12), ..Default::default() }).unwrap();
+    ksp.set_closure(&operator, |r, z| z.copy_from_slice(r)).unwrap();
+    operator.destroy().unwrap();
+    assert!(error_of_solve(session, &mut ksp, &matrix) < 1e-8);
+    assert_eq!(Rc::strong_count(&kept), 2, "the solver keeps it");
+    // PETSc's preconditioners have nothing to look at.
+    ksp.pc().unwrap().set_type("jacobi").unwrap();
+    let (mut b, mut x) = (Vector::new(&world, LOCAL).unwrap(), Vector::new(&world, LOCAL).unwrap());
+    assert!(is_invalid(ksp.solve(&b, &mut x)));
+    ksp.destroy().unwrap();
+    assert_eq!(Rc::strong_count(&kept), 1);
+    let longer = Vector::new(&world, LOCAL + 1).unwrap();
+    let failing = Matrix::closure(&world, LOCAL, move |_, y| y.copy_from(&longer)).unwrap();
+    let panicking = Matrix::closure(&world, LOCAL, |_, _| panic!("of a test")).unwrap();
+    b.fill(1.0).unwrap();
+    for operator in [failing, panicking] {
+        assert!(matches!(operator.mult(&b, &mut x), Err(Error::Petsc { code: 83, .. })));
     }
 }
 

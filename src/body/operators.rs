@@ -4,7 +4,7 @@ use petsc_wrap::{Comm, Ksp, Matrix, NullSpace, Vector};
 
 use crate::contact::Localization;
 use crate::error::Result;
-use crate::solve::linear::{Method, solver};
+use crate::solve::linear::{Method, solver, solver_of_nodes};
 
 use super::{Clamps, InfinitePlate, Lumped, Pads, Relaxation, Unilateral};
 
@@ -93,7 +93,8 @@ impl Body {
     /// PETSc's.
     pub fn step_solver(&self, step: f64, c1: f64, c2: f64) -> Result<Ksp> {
         let operator = self.operator_of_step(step, c1, c2)?;
-        let ksp = solver(self.comm(), "", &operator, self.step_method(c2)?)?;
+        let (method, places) = (self.step_method(c2)?, self.nodes.as_deref());
+        let ksp = solver_of_nodes(self.comm(), "", &operator, method, places)?;
         // The solver has what it needs of it.
         operator.destroy()?;
         Ok(ksp)

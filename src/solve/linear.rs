@@ -2,7 +2,8 @@
 
 use petsc_wrap::{Comm, Factor, Ksp, KspView, MatrixView, ResidualNorm, Result, Session, Tolerances, options};
 
-use super::incomplete::{self, IncompleteCholesky};
+use super::blocks::Triangle;
+use super::incomplete::IncompleteCholesky;
 
 /// Relative residual at which iterative methods stop: PETSc's 1e-5 would be an error of that size in every step.
 const ITERATIVE: f64 = 1e-12;
@@ -19,9 +20,9 @@ pub enum Method {
         /// That part.
         tolerance: f64,
     },
-    /// The same, preconditioned with an incomplete factor of each rank's rows in blocks of three ([`IncompleteCholesky`]), and a matrix that
-    /// stores one triangle: for operators in which the mass outweighs the stiffness. Options of PETSc's that name a method or a
-    /// preconditioner take [`Method::Multigrid`] as what they change.
+    /// The same, preconditioned with an incomplete Cholesky factor of each rank's rows in blocks of three, and products with one triangle: for
+    /// operators in which the mass outweighs the stiffness. Options of PETSc's that name a method or a preconditioner take
+    /// [`Method::Multigrid`] as what they change.
     Incomplete {
         /// That part.
         tolerance: f64,
@@ -34,9 +35,9 @@ pub enum Method {
 }
 
 /// Largest ratio tr K / (c₂ tr M) for which an incomplete factor is quicker than multigrid. Measured on a quarter of a plate of 0.1 m in quadratic
-/// hexahedra: an iteration of multigrid costs 7.5 ones with the factor; multigrid takes 15 to 26 iterations, the factor 15, 58 and 230 at ratios
-/// of 70, 1,700 and 43,000. The two cost the same where the factor takes some 170.
-const STIFFEST: f64 = 2e4;
+/// hexahedra: an iteration of multigrid costs more than 7.5 ones with the factor; multigrid takes 20, 26 and 32 iterations, the factor 23, 76 and
+/// 90 at ratios of 1,700, 43,000 and 174,000. It is not known where it ends to be quicker.
+const STIFFEST: f64 = 2e5;
 
 impl Method {
     /// The quicker iteration for an operator K + c₂ M with tr K so many times c₂ tr M; other methods stay as they are.
@@ -55,6 +56,21 @@ impl Method {
 /// # Errors
 /// PETSc's, e.g. for unknown types among the options.
 pub fn solver(comm: &Comm, prefix: &str, matrix: &MatrixView, method: Method) -> Result<Ksp> {
+    solver_of_nodes(comm, prefix, matrix, method, None)
+}
+
+/// [`solver`] of a matrix whose rows are by nodes, three unknowns each, where it is known where this rank's nodes lie (m): an incomplete factor
+/// is better for it. Collective.
+///
+/// # Errors
+/// As of [`solver`].
+pub fn solver_of_nodes(
+    comm: &Comm,
+    prefix: &str,
+    matrix: &MatrixView,
+    method: Method,
+    places: Option<&[[f64; 3]]>,
+) -> Result<Ksp> {
     let mut ksp = Ksp::new(comm)?;
     ksp.set_options_prefix(prefix)?;
     let mut method = method;
@@ -79,10 +95,10 @@ pub fn solver(comm: &Comm, prefix: &str, matrix: &MatrixView, method: Method) ->
         }
         Method::Incomplete { tolerance } => {
             ksp.set_type("cg")?;
-            // In this order, since the triangle takes twice its memory for as long as it is made.
-            let triangle = matrix.upper_triangle(incomplete::SIZE)?;
-            let factor = IncompleteCholesky::new(matrix)?;
-            ksp.set_closure(&triangle, move |b, x| factor.solve(b, x))?;
+            let triangle = Triangle::new(matrix, places)?;
+            let mut factor = IncompleteCholesky::new(&triangle);
+            let operator = triangle.into_operator(matrix)?;
+            ksp.set_closure(&operator, move |b, x| factor.solve(b, x))?;
             start_from_guess(&mut ksp)?;
             tolerance
         }

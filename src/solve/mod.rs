@@ -2,10 +2,12 @@
 //!
 //! PETSc's options override all of it.
 
+mod blocks;
 mod incomplete;
+mod lanes;
 pub mod linear;
 mod newton;
+mod ordering;
 
-pub use incomplete::IncompleteCholesky;
 pub use linear::Method;
 pub use newton::Newton;

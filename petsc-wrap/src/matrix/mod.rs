@@ -1,5 +1,6 @@
 //! Distributed sparse matrices (AIJ: compressed rows).
 
+mod closure;
 mod create;
 mod pattern;
 mod read;
