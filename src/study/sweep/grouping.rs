@@ -121,12 +121,7 @@ impl Grouping {
     ///
     /// # Errors
     /// Those of a model.
-    pub fn theory(
-        &self,
-        comm: &Comm,
-        scene_of: impl Fn(usize) -> Result<Scene>,
-        watch: &dyn Watch,
-    ) -> Result<Found> {
+    pub fn theory(&self, comm: &Comm, scene_of: impl Fn(usize) -> Result<Scene>, watch: &dyn Watch) -> Result<Found> {
         let hardest = self.families.values().copied().reduce(|a, b| if b.is_harder(&a) { b } else { a });
         let mut asked = self.ends.clone();
         asked.extend(hardest.map(|member| member.index));

@@ -4,7 +4,7 @@ use crate::glass;
 use mpi_test::{Test, tests};
 use nalgebra::DMatrix;
 use petsc_wrap::Session;
-use ricochet::body::{Columns, Closed, DirectSum, Krylov, LinearBody, LocalBody, ModalBody, Operator, Start};
+use ricochet::body::{Closed, Columns, DirectSum, Krylov, LinearBody, LocalBody, ModalBody, Operator, Start};
 use ricochet::scene::Scene;
 use ricochet::space::plate::{Plate, PlateTheory, Settings};
 
