@@ -161,9 +161,9 @@ impl Columns {
         }
     }
 
-    /// All rows of each vector on the first rank; on the others, what is their own alone. Collective.
-    pub fn whole(&self) -> Vec<Vec<f64>> {
-        let all = self.iter().map(|column| match &self.ranks {
+    /// All rows of the first vectors on the first rank; on the others, none of distributed ones. Collective.
+    pub fn whole(&self, count: usize) -> Vec<Vec<f64>> {
+        let all = self.iter().take(count).map(|column| match &self.ranks {
             Some(ranks) => ranks.gather_to_root(column),
             None => column.to_vec(),
         });

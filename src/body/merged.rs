@@ -67,9 +67,9 @@ impl Merged {
         Ok(Self { ends: [from, to], projections, vectors, basis, directions })
     }
 
-    /// The vectors of the basis.
-    pub fn basis(&self) -> Columns {
-        self.basis.range(0..self.vectors)
+    /// The vectors of the basis, all rows of them.
+    pub fn basis(&self) -> Vec<Vec<f64>> {
+        self.basis.whole(self.vectors)
     }
 
     /// The body at a parameter: on the basis, and on the larger one.

@@ -24,14 +24,13 @@ use cells::{refine, unrefined};
 
 use petsc_wrap::Comm;
 
-use crate::body::{Body, Columns, ModalBody};
+use crate::body::{Body, ModalBody};
 use crate::contact::Patch;
 use crate::error::Result;
 use crate::impact::{Cause, ErrorEstimate, Errors};
 use crate::mesh::Measures;
 use crate::scene::{self, Scene};
 use crate::solve::Method;
-use crate::space::evaluate::Evaluator;
 
 use watch::{Unwatched, Watch};
 
@@ -111,7 +110,8 @@ impl Model {
             Built::Operators(Operators { body, words, evaluator, measures, .. }) if !scene.is_reduced() => {
                 let body = body.in_petsc(&comm.session().alone())?;
                 let unknowns = body.unknowns();
-                let gauges = gauges(comm, scene, evaluator, unknowns, None)?;
+                let gauges = || Gauges::new(comm, scene, evaluator, unknowns, None);
+                let gauges = scene.output.is_read().then(gauges).transpose()?;
                 Ok(Self { gauges, measures, ..Self::bare(theory, Dynamics::Stepped(body), unknowns, words) })
             }
             Built::Operators(built) => Self::on_basis(comm, scene, theory, fit(comm, scene, theory, built, watch)?),
@@ -123,9 +123,9 @@ impl Model {
         let Fitted { reduced, unknowns, words, evaluator, measures, error: cells, .. } = fitted;
         let Reduced { projection, judge, of_difference, mut krylov, error, .. } = reduced;
         let vectors = projection.vectors();
-        let gauges = match vectors {
-            0 => None,
-            _ => gauges(comm, scene, evaluator, unknowns, Some(&krylov.basis().range(0..vectors)))?,
+        let gauges = match (vectors, scene.output.is_read()) {
+            (0, _) | (_, false) => None,
+            _ => Some(Gauges::new(comm, scene, evaluator, unknowns, Some(krylov.basis().whole(vectors)))?),
         };
         let dynamics = if scene.time.modal {
             Dynamics::Modal(ModalBody::of(&projection))
@@ -176,15 +176,4 @@ impl Model {
     pub fn reduction(&self) -> String {
         self.vectors.map_or("none".to_owned(), |vectors| format!("{vectors} Krylov vectors"))
     }
-}
-
-/// [`Gauges::new`] where the scene wants any. Collective.
-fn gauges(
-    comm: &Comm,
-    scene: &Scene,
-    evaluator: Option<Evaluator>,
-    unknowns: usize,
-    basis: Option<&Columns>,
-) -> Result<Option<Gauges>> {
-    scene.output.is_read().then(|| Gauges::new(comm, scene, evaluator, unknowns, basis)).transpose()
 }

@@ -5,7 +5,6 @@ use std::rc::Rc;
 use petsc_wrap::{Comm, Int};
 
 use crate::agree::agree;
-use crate::body::Columns;
 use crate::error::Result;
 use crate::impact::{ProbeForms, Readout};
 use crate::scene::{Fault, Scene};
@@ -20,7 +19,7 @@ pub struct Gauges {
 }
 
 impl Gauges {
-    /// Of a body in its unknowns or on a basis of such vectors; rank 0 has its evaluator. Collective.
+    /// Of a body in its unknowns or on a basis of such vectors; rank 0 has them and the evaluator. Collective.
     ///
     /// # Errors
     /// A fault of `output.probes` where a point is outside of the body; PETSc's.
@@ -29,11 +28,10 @@ impl Gauges {
         scene: &Scene,
         evaluator: Option<Evaluator>,
         unknowns: usize,
-        basis: Option<&Columns>,
+        basis: Option<Vec<Vec<f64>>>,
     ) -> Result<Self> {
         let evaluator = evaluator.filter(|_| comm.is_root());
         let all: Vec<Int> = if evaluator.is_some() { (0..unknowns as Int).collect() } else { Vec::new() };
-        let basis = basis.map(Columns::whole);
         let (forms, local) = agree(comm, forms(scene, evaluator.as_ref()))?;
         // On a basis the coordinates are as many as its vectors, wherever they are.
         let all = match &basis {

@@ -136,8 +136,8 @@ impl Family {
         errors.iter_mut().for_each(|(_, error)| *error += of_cells + of_basis);
         let basis = merged.basis();
         let readout = match operators(0, size)? {
-            Some((Operators { evaluator, .. }, scene)) if scene.output.is_read() && basis.count() > 0 => {
-                Some(Gauges::new(comm, &scene, evaluator, unknowns, Some(&basis))?.readout)
+            Some((Operators { evaluator, .. }, scene)) if scene.output.is_read() && !basis.is_empty() => {
+                Some(Gauges::new(comm, &scene, evaluator, unknowns, Some(basis))?.readout)
             }
             _ => None,
         };
