@@ -1,52 +1,56 @@
-//! Vectors of one length as the columns of a dense matrix, and products of a sparse matrix with some of them at a time.
-
-use std::ops::Range;
+//! Vectors of one length as the columns of a dense matrix, in one process or with their rows spread over ranks.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
+use mpi::collective::SystemOperation;
+use mpi::traits::CommunicatorCollectives;
 use nalgebra::DMatrix;
-use petsc_wrap::{Int, Matrix, Row};
+use petsc_wrap::Comm;
+use std::ops::Range;
 
-use crate::error::Result;
-
-/// Columns that a sparse matrix is multiplied with at a time: the numbers of a row of them fill a line of a cache.
-const PANEL: usize = 8;
-
-/// Sums of a product with one column that are made side by side, so that no addition waits for the last one.
-const SUMS: usize = 4;
-
-/// Columns that are projected at a time.
-const PROJECTED: usize = 64;
-
-/// Vectors of a length, one after the other.
-#[derive(Debug, Clone, Default)]
+/// Vectors of a length, one after the other. Of distributed ones each rank has some rows; what sums over rows is collective then.
+#[derive(Clone)]
 pub struct Columns {
+    /// Of this rank.
     rows: usize,
+    count: usize,
     entries: Vec<f64>,
+    /// Those that share the rows; `None` where this process has all.
+    ranks: Option<Comm>,
 }
 
 impl Columns {
-    /// None yet, of a length.
-    pub fn new(rows: usize) -> Self {
-        Self { rows, entries: Vec::new() }
+    /// None yet, with so many rows here.
+    pub fn new(rows: usize, ranks: Option<&Comm>) -> Self {
+        Self { rows, count: 0, entries: Vec::new(), ranks: ranks.cloned() }
     }
 
-    /// One.
-    pub fn of(entries: Vec<f64>) -> Self {
-        Self { rows: entries.len(), entries }
+    /// One, laid out as these.
+    pub fn one(&self, entries: Vec<f64>) -> Self {
+        debug_assert_eq!(entries.len(), self.rows);
+        self.with(1, entries)
     }
 
-    /// Some that are zero.
-    pub fn zeros(rows: usize, count: usize) -> Self {
-        Self { rows, entries: vec![0.0; rows * count] }
+    /// Some that are zero, laid out as these.
+    pub fn zeros(&self, count: usize) -> Self {
+        self.with(count, vec![0.0; self.rows * count])
+    }
+
+    fn with(&self, count: usize, entries: Vec<f64>) -> Self {
+        Self { rows: self.rows, count, entries, ranks: self.ranks.clone() }
+    }
+
+    /// Rows of this rank.
+    pub fn rows(&self) -> usize {
+        self.rows
     }
 
     /// How many there are.
     pub fn count(&self) -> usize {
-        self.entries.len() / self.rows.max(1)
+        self.count
     }
 
-    /// One of them.
+    /// One of them, this rank's rows.
     pub fn get(&self, number: usize) -> &[f64] {
         &self.entries[number * self.rows..(number + 1) * self.rows]
     }
@@ -56,210 +60,162 @@ impl Columns {
         &mut self.entries[number * self.rows..(number + 1) * self.rows]
     }
 
+    /// All of them.
+    pub fn iter(&self) -> impl Iterator<Item = &[f64]> {
+        (0..self.count).map(|number| self.get(number))
+    }
+
     /// Adds one.
     pub fn push(&mut self, column: &[f64]) {
+        debug_assert_eq!(column.len(), self.rows);
         self.entries.extend_from_slice(column);
+        self.count += 1;
     }
 
     /// Adds all of others.
     pub fn append(&mut self, mut other: Self) {
         self.entries.append(&mut other.entries);
+        self.count += other.count;
     }
 
-    /// Some of them, from one to before another.
-    pub fn range(&self, begin: usize, end: usize) -> Self {
-        Self { rows: self.rows, entries: self.entries[begin * self.rows..end * self.rows].to_vec() }
+    /// Some of them.
+    pub fn range(&self, range: Range<usize>) -> Self {
+        self.with(range.len(), self.entries[range.start * self.rows..range.end * self.rows].to_vec())
     }
 
-    /// As a dense matrix.
-    pub fn matrix(&self) -> MatRef<'_, f64> {
-        self.leading(self.count())
+    /// The rows of some of them that are named.
+    fn few_rows(&self, range: Range<usize>, rows: &[usize]) -> Self {
+        let columns = range.clone().map(|number| self.get(number));
+        let entries = columns.flat_map(|column| rows.iter().map(move |&row| column[row])).collect();
+        Self { rows: rows.len(), count: range.len(), entries, ranks: self.ranks.clone() }
     }
 
-    /// As a dense matrix, to be changed.
-    pub fn matrix_mut(&mut self) -> MatMut<'_, f64> {
-        let count = self.count();
-        MatMut::from_column_major_slice_mut(&mut self.entries, self.rows, count)
+    fn matrix(&self, range: Range<usize>) -> MatRef<'_, f64> {
+        let entries = &self.entries[range.start * self.rows..range.end * self.rows];
+        MatRef::from_column_major_slice(entries, self.rows, range.len())
     }
 
-    fn leading(&self, count: usize) -> MatRef<'_, f64> {
-        MatRef::from_column_major_slice(&self.entries[..count * self.rows], self.rows, count)
+    fn matrix_mut(&mut self) -> MatMut<'_, f64> {
+        MatMut::from_column_major_slice_mut(&mut self.entries, self.rows, self.count)
     }
 
-    /// firstᵀ other, of the first ones.
-    pub fn leading_products(&self, count: usize, other: &Self) -> DMatrix<f64> {
-        let mut products = DMatrix::zeros(count, other.count());
-        let into = MatMut::from_column_major_slice_mut(products.as_mut_slice(), count, other.count());
-        matmul(into, Accum::Replace, self.leading(count).transpose(), other.matrix(), 1.0, Par::Seq);
+    /// selfᵀ other, of some of these. Collective.
+    pub fn products_of(&self, range: Range<usize>, other: &Self) -> DMatrix<f64> {
+        let mut products = DMatrix::zeros(range.len(), other.count);
+        let into = MatMut::from_column_major_slice_mut(products.as_mut_slice(), range.len(), other.count);
+        let (left, right) = (self.matrix(range), other.matrix(0..other.count));
+        matmul(into, Accum::Replace, left.transpose(), right, 1.0, Par::Seq);
+        self.sum(&mut products);
         products
     }
 
-    /// selfᵀ other.
+    /// selfᵀ other. Collective.
     pub fn products(&self, other: &Self) -> DMatrix<f64> {
-        self.leading_products(self.count(), other)
+        self.products_of(0..self.count, other)
+    }
+
+    /// selfᵀ other, of the first of these, where others have few rows that are not zero, as what supports do to vectors. Collective.
+    pub fn products_with_few_rows(&self, count: usize, other: &Self) -> DMatrix<f64> {
+        let is_met = |row: &usize| other.iter().any(|column| column[*row] != 0.0);
+        let rows: Vec<usize> = (0..self.rows).filter(is_met).collect();
+        if 2 * rows.len() > self.rows {
+            return self.products_of(0..count, other);
+        }
+        self.few_rows(0..count, &rows).products(&other.few_rows(0..other.count, &rows))
+    }
+
+    /// Inner products with a vector. Collective.
+    pub fn along(&self, vector: &[f64]) -> nalgebra::DVector<f64> {
+        self.products(&self.one(vector.to_vec())).column(0).into_owned()
+    }
+
+    /// Inner product of the first one and another first one. Collective.
+    pub fn dot(&self, other: &Self) -> f64 {
+        self.products_of(0..1, other)[(0, 0)]
+    }
+
+    /// Sums over all ranks' rows. Collective.
+    fn sum(&self, here: &mut DMatrix<f64>) {
+        if let Some(ranks) = self.ranks.as_ref().filter(|ranks| ranks.size() > 1) {
+            let mut all = DMatrix::zeros(here.nrows(), here.ncols());
+            ranks.mpi().all_reduce_into(here.as_slice(), all.as_mut_slice(), SystemOperation::sum());
+            *here = all;
+        }
+    }
+
+    /// The largest entry's size. Collective.
+    pub fn largest(&self) -> f64 {
+        let here = self.entries.iter().fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
+        self.ranks.as_ref().map_or(here, |ranks| {
+            let mut all = here;
+            ranks.mpi().all_reduce_into(&here, &mut all, SystemOperation::max());
+            all
+        })
+    }
+
+    /// Makes numbers those of the first rank: sums over ranks may differ in their last digits, and with them the decisions that follow from
+    /// them. Collective.
+    pub fn agree(&self, numbers: &mut [f64]) {
+        if let Some(ranks) = &self.ranks {
+            ranks.broadcast_from_root(numbers);
+        }
+    }
+
+    /// All rows of the first vectors on the first rank; on the others, none of distributed ones. Collective.
+    pub fn whole(&self, count: usize) -> Vec<Vec<f64>> {
+        let all = self.iter().take(count).map(|column| match &self.ranks {
+            Some(ranks) => ranks.gather_to_root(column),
+            None => column.to_vec(),
+        });
+        all.collect()
+    }
+
+    /// self ← self − others · parts, of some of the others.
+    pub fn subtract_of(&mut self, others: &Self, range: Range<usize>, parts: &DMatrix<f64>) {
+        let parts = MatRef::from_column_major_slice(parts.as_slice(), parts.nrows(), parts.ncols());
+        matmul(self.matrix_mut(), Accum::Add, others.matrix(range), parts, -1.0, Par::Seq);
     }
 
     /// self ← self − others · parts.
     pub fn subtract(&mut self, others: &Self, parts: &DMatrix<f64>) {
-        let parts = MatRef::from_column_major_slice(parts.as_slice(), parts.nrows(), parts.ncols());
-        matmul(self.matrix_mut(), Accum::Add, others.matrix(), parts, -1.0, Par::Seq);
+        self.subtract_of(others, 0..others.count, parts);
     }
 
-    /// Inner products with a vector, a row each.
-    pub fn along(&self, vector: &[f64]) -> DMatrix<f64> {
-        self.products(&Self::of(vector.to_vec()))
+    /// self · parts, of the first of these.
+    pub fn combined(&self, parts: &DMatrix<f64>) -> Self {
+        let mut sums = self.zeros(parts.ncols());
+        sums.subtract_of(self, 0..parts.nrows(), &-parts);
+        sums
     }
 
-    /// Divides all by a number.
-    pub fn divide(&mut self, divisor: f64) {
-        self.entries.iter_mut().for_each(|entry| *entry /= divisor);
+    /// self ← self + factor · others.
+    pub fn add(&mut self, factor: f64, others: &Self) {
+        self.entries.iter_mut().zip(&others.entries).for_each(|(entry, other)| *entry += factor * other);
+    }
+
+    /// Multiplies all by a number.
+    pub fn scale(&mut self, factor: f64) {
+        self.entries.iter_mut().for_each(|entry| *entry *= factor);
     }
 
     /// Makes some rows zero.
     pub fn zero_rows(&mut self, rows: &[usize]) {
-        for column in self.entries.chunks_exact_mut(self.rows.max(1)) {
+        for number in 0..self.count {
+            let column = self.get_mut(number);
             rows.iter().for_each(|row| column[*row] = 0.0);
         }
     }
 
     /// The columns times L⁻ᵀ of a lower triangle L.
     pub fn divide_by_triangle(&mut self, lower: &DMatrix<f64>) {
-        for k in 0..self.count() {
+        for k in 0..self.count {
             let (earlier, others) = self.entries.split_at_mut(k * self.rows);
             let column = &mut others[..self.rows];
-            for (i, other) in earlier.chunks_exact(self.rows).enumerate() {
+            for (i, other) in earlier.chunks_exact(self.rows.max(1)).enumerate() {
                 let part = lower[(k, i)];
                 column.iter_mut().zip(other).for_each(|(entry, other)| *entry -= part * other);
             }
             column.iter_mut().for_each(|entry| *entry /= lower[(k, k)]);
         }
-    }
-}
-
-/// A product with several columns: compiled for the vectors of each kind of processor.
-struct Multiplying<'a> {
-    matrix: &'a SparseRows,
-    columns: &'a Columns,
-    product: &'a mut Columns,
-}
-
-impl pulp::NullaryFnOnce for Multiplying<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.matrix.multiply_into(self.columns, self.product);
-    }
-}
-
-/// A sparse matrix by rows.
-pub struct SparseRows {
-    starts: Vec<usize>,
-    columns: Vec<u32>,
-    values: Vec<f64>,
-}
-
-impl SparseRows {
-    /// A matrix of one rank.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn new(matrix: &Matrix, rows: usize) -> Result<Self> {
-        let mut all = Self { starts: vec![0], columns: Vec::new(), values: Vec::new() };
-        let mut row = Row::default();
-        for i in 0..rows {
-            matrix.row_into(i as Int, &mut row)?;
-            let entries = row.columns.iter().zip(&row.values).filter(|(_, value)| **value != 0.0);
-            for (column, value) in entries {
-                all.columns.push(*column as u32);
-                all.values.push(*value);
-            }
-            all.starts.push(all.values.len());
-        }
-        Ok(all)
-    }
-
-    /// A X.
-    pub fn multiply(&self, columns: &Columns) -> Columns {
-        let (rows, count) = (columns.rows, columns.count());
-        if count == 1 {
-            return Columns::of(self.multiply_one(columns.get(0)));
-        }
-        let mut product = Columns::zeros(rows, count);
-        pulp::Arch::new().dispatch(Multiplying { matrix: self, columns, product: &mut product });
-        product
-    }
-
-    #[inline(always)]
-    fn multiply_into(&self, columns: &Columns, product: &mut Columns) {
-        let (rows, count) = (columns.rows, columns.count());
-        // Numbers of one row side by side, so that each entry of the matrix is read once for all columns of a panel.
-        let mut panel = vec![[0.0; PANEL]; rows];
-        for begin in (0..count).step_by(PANEL) {
-            let end = count.min(begin + PANEL);
-            for (k, number) in (begin..end).enumerate() {
-                panel.iter_mut().zip(columns.get(number)).for_each(|(row, entry)| row[k] = *entry);
-            }
-            for (i, ends) in self.starts.windows(2).enumerate().filter(|(_, ends)| ends[0] < ends[1]) {
-                let sums = self.row_times(ends[0]..ends[1], &panel);
-                (begin..end).for_each(|number| product.entries[number * rows + i] = sums[number - begin]);
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn row_times(&self, range: Range<usize>, panel: &[[f64; PANEL]]) -> [f64; PANEL] {
-        let mut sums = [0.0; PANEL];
-        for (column, value) in self.columns[range.clone()].iter().zip(&self.values[range]) {
-            let row = &panel[*column as usize];
-            (0..PANEL).for_each(|k| sums[k] += value * row[k]);
-        }
-        sums
-    }
-
-    fn multiply_one(&self, vector: &[f64]) -> Vec<f64> {
-        let product = |ends: &[usize]| {
-            let (columns, values) = (&self.columns[ends[0]..ends[1]], &self.values[ends[0]..ends[1]]);
-            let (columns, values) = (columns.chunks_exact(SUMS), values.chunks_exact(SUMS));
-            let rest = columns.remainder().iter().zip(values.remainder());
-            let rest: f64 = rest.map(|(column, value)| value * vector[*column as usize]).sum();
-            let mut sums = [0.0; SUMS];
-            for (columns, values) in columns.zip(values) {
-                (0..SUMS).for_each(|k| sums[k] += values[k] * vector[columns[k] as usize]);
-            }
-            sums.iter().sum::<f64>() + rest
-        };
-        self.starts.windows(2).map(product).collect()
-    }
-
-    /// Vᵀ A V of a symmetric A; the first rows and columns are known.
-    pub fn project(&self, vectors: &Columns, known: &DMatrix<f64>) -> DMatrix<f64> {
-        let count = vectors.count();
-        let mut gram = known.clone().resize(count, count, 0.0);
-        // Of supports few rows have entries: the others are passed over.
-        let is_filled = |row: &usize| self.starts[*row] < self.starts[row + 1];
-        let rows: Vec<usize> = (0..vectors.rows).filter(is_filled).collect();
-        let is_sparse = 2 * rows.len() < vectors.rows;
-        let of_rows = |columns: &Columns, count: usize| Columns {
-            rows: rows.len(),
-            entries: (0..count).flat_map(|n| rows.iter().map(move |&i| columns.get(n)[i])).collect(),
-        };
-        let few = if is_sparse { of_rows(vectors, count) } else { Columns::default() };
-        for begin in (known.nrows()..count).step_by(PROJECTED) {
-            let end = count.min(begin + PROJECTED);
-            let images = self.multiply(&vectors.range(begin, end));
-            let products = if is_sparse {
-                few.leading_products(end, &of_rows(&images, end - begin))
-            } else {
-                vectors.leading_products(end, &images)
-            };
-            for (j, column) in (begin..end).zip(products.column_iter()) {
-                for i in 0..=j {
-                    gram[(i, j)] = column[i];
-                    gram[(j, i)] = column[i];
-                }
-            }
-        }
-        gram
     }
 }

@@ -4,9 +4,9 @@
 //! take turns: bases stay nested ([`Projection::leading`]).
 
 use nalgebra::{DMatrix, DVector};
-use petsc_wrap::Vector;
 
-use super::{Body, Krylov, ProjectedRelaxation, Projection, Start};
+use super::columns::Columns;
+use super::{Krylov, LinearBody, ProjectedRelaxation, Projection, Start};
 use crate::error::Result;
 
 /// A basis that grows, and the body on it.
@@ -18,9 +18,7 @@ pub struct DirectSum {
     /// The class whose turn it is.
     turn: usize,
     /// The vectors as the whole body's, of several classes; as far as they were asked for.
-    whole: Vec<Vector>,
-    /// A vector of the whole body.
-    like: Vector,
+    whole: Columns,
 }
 
 impl DirectSum {
@@ -28,11 +26,12 @@ impl DirectSum {
     ///
     /// # Errors
     /// Those of [`Krylov::new`].
-    pub fn new(body: &Body, start: impl Into<Start>) -> Result<Self> {
+    pub fn new(body: &dyn LinearBody, start: impl Into<Start>) -> Result<Self> {
         let start = start.into();
-        let parts = classes(body).map(|class| Krylov::new(class, start)).collect::<Result<Vec<_>>>()?;
+        let parts = body.classes().into_iter().map(|class| Krylov::new(class, start)).collect::<Result<Vec<_>>>()?;
         let class_of = parts.iter().enumerate().flat_map(|(class, part)| vec![class; part.vectors()]).collect();
-        Ok(Self { parts, class_of, turn: 0, whole: Vec::new(), like: body.load.duplicate()? })
+        let rows = parts.iter().map(|part| part.basis().rows()).sum();
+        Ok(Self { parts, class_of, turn: 0, whole: Columns::new(rows, None) })
     }
 
     /// Vectors so far.
@@ -49,7 +48,7 @@ impl DirectSum {
     ///
     /// # Errors
     /// PETSc's.
-    pub fn grow(&mut self, body: &Body, vectors: usize) -> Result<()> {
+    pub fn grow(&mut self, body: &dyn LinearBody, vectors: usize) -> Result<()> {
         if self.parts.len() == 1 {
             self.parts[0].grow(body, vectors)?;
             self.class_of.resize(self.parts[0].vectors(), 0);
@@ -57,10 +56,11 @@ impl DirectSum {
         }
         // Each class takes what comes to it, at once.
         let (classes, missing) = (self.parts.len(), vectors.saturating_sub(self.vectors()));
+        let of_class = body.classes();
         let mut made: Vec<usize> = self.parts.iter().map(Krylov::vectors).collect();
         for (class, part) in self.parts.iter_mut().enumerate() {
             let turns = (classes + class - self.turn) % classes;
-            part.grow(&body.classes[class], made[class] + (missing + classes - 1 - turns) / classes)?;
+            part.grow(of_class[class], made[class] + (missing + classes - 1 - turns) / classes)?;
         }
         while self.parts.iter().zip(&made).any(|(part, made)| part.vectors() > *made) {
             if self.parts[self.turn].vectors() > made[self.turn] {
@@ -77,43 +77,32 @@ impl DirectSum {
     ///
     /// # Errors
     /// PETSc's.
-    pub fn projection(&mut self, body: &Body) -> Result<Projection> {
+    pub fn projection(&mut self, body: &dyn LinearBody) -> Result<Projection> {
         if let [part] = &mut self.parts[..] {
             return part.projection(body);
         }
-        let parts = self.parts.iter_mut().zip(classes(body));
+        let parts = self.parts.iter_mut().zip(body.classes());
         let projections = parts.map(|(part, class)| part.projection(class)).collect::<Result<Vec<_>>>()?;
         Ok(sum(&projections, &self.class_of))
     }
 
-    /// The vectors, orthonormal in M. Collective.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn basis(&mut self) -> Result<&[Vector]> {
+    /// The vectors, orthonormal in M.
+    pub fn basis(&mut self) -> &Columns {
         if let [part] = &self.parts[..] {
-            return Ok(part.basis());
+            return part.basis();
         }
         let mut next = vec![0; self.parts.len()];
         for (number, &class) in self.class_of.iter().enumerate() {
-            let own = &self.parts[class].basis()[next[class]];
+            let own = self.parts[class].basis().get(next[class]);
             next[class] += 1;
-            if number < self.whole.len() {
-                continue;
+            if number >= self.whole.count() {
+                let mut whole = self.whole.zeros(1);
+                whole.get_mut(0)[class * own.len()..(class + 1) * own.len()].copy_from_slice(own);
+                self.whole.append(whole);
             }
-            let (size, mut whole) = (own.len(), self.like.duplicate()?);
-            whole.fill(0.0)?;
-            whole.write()?[class * size..(class + 1) * size].copy_from_slice(&own.read()?);
-            self.whole.push(whole);
         }
-        Ok(&self.whole)
+        &self.whole
     }
-}
-
-/// The body's classes, or it alone.
-fn classes(body: &Body) -> impl Iterator<Item = &Body> {
-    let whole = body.classes.is_empty().then_some(body);
-    whole.into_iter().chain(&body.classes)
 }
 
 /// The body of which each class is a part; its vectors are the classes', in turns as given.

@@ -1,22 +1,26 @@
 //! What an impact needs of a body: operators, loads, and where it is hit.
 
+mod assembled;
 mod clamps;
 mod columns;
 mod damped;
 pub(crate) mod deviates;
 mod direct;
 mod direct_sum;
+mod distributed;
 mod eigen;
-mod gram;
 mod infinite_plate;
 mod krylov;
 mod lanczos;
+mod linear;
+mod local;
 mod lumped;
 mod merged;
 mod modal;
 mod modes;
 mod operators;
 mod pads;
+mod projected;
 mod projection;
 mod rational_eigen;
 mod relaxation;
@@ -26,15 +30,20 @@ mod secular_eigen;
 mod shapes;
 mod shift;
 mod short_waves;
+mod sparse;
 mod spectrum;
 mod start;
 mod system;
 mod unilateral;
 
+pub use assembled::Assembled;
 pub use clamps::Clamps;
+pub use columns::Columns;
 pub use direct_sum::DirectSum;
 pub use infinite_plate::{InfinitePlate, OF_CUTOFF};
 pub use krylov::Krylov;
+pub use linear::{LinearBody, Operator, Properties};
+pub use local::LocalBody;
 pub use lumped::Lumped;
 pub use merged::{Merged, snapshots};
 pub use modal::ModalBody;

@@ -5,10 +5,11 @@
 
 use petsc_wrap::{Ksp, Vector};
 
+use super::columns::Columns;
 use super::direct::{Direct, Precision};
-use super::{Body, Relaxation};
+use super::linear::LinearBody;
 use crate::error::Result;
-use crate::solve::Method;
+use crate::material::Maxwell;
 
 /// Rates over the first one at which more vectors of a body that relaxes are made. With the first alone, a laminate whose interlayer falls
 /// from 400 to 0.3 MPa was off by 16% of the peak for any number of vectors up to 80; with these, by 0.2%.
@@ -32,43 +33,52 @@ impl Shift {
     /// Those of a body, the given one (1/s) first. Factorises S at each, that of a small body with so many digits. Collective.
     ///
     /// # Errors
-    /// PETSc's.
-    pub fn all(body: &Body, first: f64, precision: Precision) -> Result<Vec<Self>> {
-        let at = |rate| Ok(Self { rate, solver: Solver::new(body, rate, precision)? });
-        rates(body, first).into_iter().map(at).collect()
+    /// Those of [`LinearBody::solver`].
+    pub fn all(body: &dyn LinearBody, first: f64, precision: Precision) -> Result<Vec<Self>> {
+        let at = |rate| Ok(Self { rate, solver: body.solver(rate, precision)? });
+        rates(&body.chains(), first).into_iter().map(at).collect()
     }
 }
 
 /// Solves S x = b.
-pub(super) enum Solver {
-    Small(Direct),
-    Distributed(Ksp),
+pub enum Solver {
+    /// Of a body that one process has all of.
+    Direct(Direct),
+    /// Of one whose rows are spread over ranks, with vectors to solve in.
+    Distributed(Box<(Ksp, [Vector; 2])>),
 }
 
 impl Solver {
-    fn new(body: &Body, shift: f64, precision: Precision) -> Result<Self> {
-        // Every rank has all of a body of numbers.
-        Ok(match (body.method, &body.nodes) {
-            (Method::Cholesky, None) => Self::Small(Direct::new(body, shift, precision)?),
-            _ => Self::Distributed(body.solver(&body.operator_at_rate(shift)?)?),
-        })
+    /// Whether its digits are those of single precision.
+    pub fn is_single(&self) -> bool {
+        matches!(self, Self::Direct(factor) if factor.is_single())
     }
 
-    pub fn solve(&mut self, b: &Vector, x: &mut Vector) -> Result<()> {
+    /// x ← S⁻¹ x, of this rank's rows. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    pub fn solve_in_place(&mut self, x: &mut [f64]) -> Result<()> {
         match self {
-            Self::Small(factor) => factor.solve(b, x),
-            Self::Distributed(solver) => Ok(solver.solve(b, x)?),
+            Self::Direct(factor) => factor.solve_in_place(x),
+            Self::Distributed(solver) => {
+                let (solver, [b, found]) = &mut **solver;
+                b.write()?.copy_from_slice(x);
+                solver.solve(b, found)?;
+                x.copy_from_slice(&found.read()?);
+            }
         }
+        Ok(())
     }
 }
 
 /// The rates at which the vectors of a body are made, 1/s: where its parts relax, lower ones beside the given one, each of which has moduli of its own.
-fn rates(body: &Body, shift: f64) -> Vec<f64> {
+fn rates(chains: &[&Maxwell], shift: f64) -> Vec<f64> {
     let mut rates = vec![shift];
     for rate in SLOWER.map(|part| part * shift) {
         let last = rates[rates.len() - 1];
-        let has_relaxed = |part: &Relaxation| part.chain.transformed(rate) < RELAXED * part.chain.transformed(last);
-        if body.relaxations.iter().any(has_relaxed) {
+        let has_relaxed = |chain: &&Maxwell| chain.transformed(rate) < RELAXED * chain.transformed(last);
+        if chains.iter().any(has_relaxed) {
             rates.push(rate);
         }
     }
@@ -78,7 +88,7 @@ fn rates(body: &Body, shift: f64) -> Vec<f64> {
 /// What vectors grow from.
 pub(super) struct Source {
     /// What they begin with: a, or the loads.
-    pub start: Vector,
+    pub start: Columns,
     /// What grows from it, at each shift. All take turns.
     pub chains: Vec<Chain>,
     /// Whose turn it is.
@@ -87,20 +97,17 @@ pub(super) struct Source {
 
 /// What grows at one shift.
 pub(super) struct Chain {
-    /// Its last vector's number, where it has one.
-    pub last: Option<usize>,
-    /// M times that vector.
-    pub image: Vector,
+    /// Its last vector's number, where it has one, and M times that vector.
+    pub last: Option<(usize, Columns)>,
     /// Whether nothing new comes of it.
     pub exhausted: bool,
 }
 
 impl Source {
-    pub fn new(start: Vector, shifts: usize) -> Result<Self> {
-        let exhausted = start.norm_max()? == 0.0;
-        let chain = |_| Ok::<_, crate::Error>(Chain { image: start.duplicate()?, last: None, exhausted });
-        let chains = (0..shifts).map(chain).collect::<Result<_>>()?;
-        Ok(Self { start, chains, turn: 0 })
+    pub fn new(start: Columns, shifts: usize) -> Self {
+        let exhausted = start.largest() == 0.0;
+        let chains = (0..shifts).map(|_| Chain { last: None, exhausted }).collect();
+        Self { start, chains, turn: 0 }
     }
 
     /// Whether nothing new comes of it at any shift.

@@ -128,7 +128,7 @@ impl Body {
 
 impl System {
     /// A class of motions by itself.
-    fn class(&self, number: usize) -> Self {
+    pub(super) fn class(&self, number: usize) -> Self {
         let size = self.load.len() / self.classes;
         let range = number * size..(number + 1) * size;
         let square = |matrix: &CsrMatrix<f64>| {

@@ -72,22 +72,23 @@ impl Body {
 }
 
 impl Unilateral {
-    /// The points on a basis. Collective.
+    /// s·u of all points, m. Collective.
     ///
     /// # Errors
     /// PETSc's.
-    pub fn on(&self, basis: &[Vector]) -> Result<FoundationPoints> {
-        let mut rows = DMatrix::zeros(self.stiffness.len(), basis.len());
-        for (mut column, vector) in rows.column_iter_mut().zip(basis) {
-            column.copy_from_slice(&self.pads.borrow_mut().moved(vector)?);
-        }
-        Ok(FoundationPoints {
+    pub(super) fn moved(&self, u: &Vector) -> Result<Vec<f64>> {
+        Ok(self.pads.borrow_mut().moved(u)?)
+    }
+
+    /// The points on a basis, with a column of [`Self::moved`] for each vector.
+    pub(super) fn on(&self, rows: DMatrix<f64>) -> FoundationPoints {
+        FoundationPoints {
             stiffness: self.stiffness.clone(),
             offsets: self.offsets.clone(),
             rows,
             resting: self.resting.clone().unwrap_or_else(|| DVector::zeros(self.stiffness.len())),
             is_settled: self.resting.is_some(),
-        })
+        }
     }
 }
 

@@ -72,7 +72,7 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
             }
             let theory = found?;
             if comm.is_root() {
-                note(format_args!("{} for all members", model::name(theory.0)));
+                note(format_args!("{} for all members", model::name(theory.theory)));
             }
             Some(theory)
         }

@@ -234,7 +234,8 @@ fn fitted(
     watch: &dyn Watch,
 ) -> Result<Fitted> {
     let Operators { body, words, evaluator, cells, cell_over_disc, measures } = built;
-    let (reduced, unknowns) = (reduce_from(&body, scene, vectors, watch)?, body.unknowns());
+    let linear = body.linear();
+    let (reduced, unknowns) = (reduce_from(comm, linear, scene, vectors, watch)?, linear.unknowns());
     let fitted = Fitted { reduced, unknowns, cells, cell_over_disc, words, size, error: None, evaluator, measures };
     drop(body);
     comm.collect_garbage()?;
@@ -250,16 +251,17 @@ fn on_coarser_cells(
     watch: &dyn Watch,
 ) -> Result<Option<Judge>> {
     let Built::Operators(built) = build(comm, scene, theory, COARSER * fine.size, watch)? else { return Ok(None) };
-    if built.body.unknowns() == fine.unknowns {
+    if built.body.linear().unknowns() == fine.unknowns {
         return Ok(None);
     }
     let Operators { body, cells, cell_over_disc, .. } = built;
     watch.at(Stage::Factor)?;
-    let mut krylov = DirectSum::new(&body, Plan::new(&body, scene).start)?;
+    let linear = body.linear();
+    let mut krylov = DirectSum::new(linear, Plan::new(linear, scene).start)?;
     let vectors = fine.compared();
-    grow(&mut krylov, &body, vectors, None, watch)?;
+    grow(&mut krylov, linear, vectors, None, watch)?;
     let mut steps = fine.reduced.force.1;
-    let trace = shared_force(scene, &body, &krylov.projection(&body)?, &mut steps, watch)?;
+    let trace = shared_force(comm, scene, &krylov.projection(linear)?, &mut steps, watch)?;
     drop((krylov, body));
     comm.collect_garbage()?;
     Ok(cells.map(|cells| Judge { force: trace, vectors, cells, cell_over_disc }))

@@ -196,7 +196,7 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
         Errors::throughout(part)
     } else {
         let rough = rougher(&modal);
-        let thin = reduce(&operators(&rough, Theory::Kirchhoff)?.body, &rough, watch)?;
+        let thin = reduce(comm, operators(&rough, Theory::Kirchhoff)?.body.linear(), &rough, watch)?;
         let difference = thick.reduced.force.0.difference(&thin.force.0);
         let of_theory = part * difference;
         let (differ, error) = (difference.of(scene.measure), of_theory.of(scene.measure));

@@ -49,7 +49,7 @@ pub(super) fn layered(
     };
     // Cells and basis are not judged yet: their part of the difference is small, and so is what it changes in the estimate.
     let thick = unrefined(comm, &elastic, operators, watch)?;
-    let thin = reduce(&build_thin(comm, &rough)?.body, &rough, watch)?;
+    let thin = reduce(comm, build_thin(comm, &rough)?.body.linear(), &rough, watch)?;
     let difference = thick.reduced.force.0.difference(&thin.force.0);
     let mismatch = plate::mismatch(&elastic)?;
     let of_theory = mindlin_error_over_difference(&elastic) * difference + Errors::throughout(mismatch);

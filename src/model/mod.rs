@@ -22,7 +22,7 @@ pub use theory::{Built, Operators, admits, build, name};
 pub use cells::{Fitted, fit};
 use cells::{refine, unrefined};
 
-use petsc_wrap::{Comm, Vector};
+use petsc_wrap::Comm;
 
 use crate::body::{Body, ModalBody};
 use crate::contact::Patch;
@@ -31,7 +31,6 @@ use crate::impact::{Cause, ErrorEstimate, Errors};
 use crate::mesh::Measures;
 use crate::scene::{self, Scene};
 use crate::solve::Method;
-use crate::space::evaluate::Evaluator;
 
 use watch::{Unwatched, Watch};
 
@@ -109,8 +108,10 @@ impl Model {
         match build(comm, scene, theory, 1.0, watch)? {
             Built::Given(body) => Ok(Self::bare(theory, Dynamics::Modal(body), 0, "a formula".to_owned())),
             Built::Operators(Operators { body, words, evaluator, measures, .. }) if !scene.is_reduced() => {
+                let body = body.in_petsc(&comm.session().alone())?;
                 let unknowns = body.unknowns();
-                let gauges = gauges(comm, scene, evaluator, &body.load, None)?;
+                let gauges = || Gauges::new(comm, scene, evaluator, unknowns, None);
+                let gauges = scene.output.is_read().then(gauges).transpose()?;
                 Ok(Self { gauges, measures, ..Self::bare(theory, Dynamics::Stepped(body), unknowns, words) })
             }
             Built::Operators(built) => Self::on_basis(comm, scene, theory, fit(comm, scene, theory, built, watch)?),
@@ -121,17 +122,17 @@ impl Model {
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
         let Fitted { reduced, unknowns, words, evaluator, measures, error: cells, .. } = fitted;
         let Reduced { projection, judge, of_difference, mut krylov, error, .. } = reduced;
-        let basis = &krylov.basis()?[..projection.vectors()];
-        let gauges = match basis {
-            [] => None,
-            [like, ..] => gauges(comm, scene, evaluator, like, Some(basis))?,
+        let vectors = projection.vectors();
+        let gauges = match (vectors, scene.output.is_read()) {
+            (0, _) | (_, false) => None,
+            _ => Some(Gauges::new(comm, scene, evaluator, unknowns, Some(krylov.basis().whole(vectors)))?),
         };
         let dynamics = if scene.time.modal {
             Dynamics::Modal(ModalBody::of(&projection))
         } else {
             Dynamics::Stepped(Box::new(Body::of(&comm.session().alone(), &projection.system())?))
         };
-        let (vectors, judge) = (Some(projection.vectors()), Some((ModalBody::of(&judge), of_difference)));
+        let (vectors, judge) = (Some(vectors), Some((ModalBody::of(&judge), of_difference)));
         let model = Self { vectors, judge, gauges, measures, ..Self::bare(theory, dynamics, unknowns, words) };
         let model = model.with_error(Cause::Basis, error);
         Ok(match cells {
@@ -175,15 +176,4 @@ impl Model {
     pub fn reduction(&self) -> String {
         self.vectors.map_or("none".to_owned(), |vectors| format!("{vectors} Krylov vectors"))
     }
-}
-
-/// [`Gauges::new`] where the scene wants any. Collective.
-fn gauges(
-    comm: &Comm,
-    scene: &Scene,
-    evaluator: Option<Evaluator>,
-    like: &Vector,
-    basis: Option<&[Vector]>,
-) -> Result<Option<Gauges>> {
-    scene.output.is_read().then(|| Gauges::new(comm, scene, evaluator, like, basis)).transpose()
 }

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use petsc_wrap::{Comm, Gather, Int, Vector};
+use petsc_wrap::{Comm, Int};
 
 use crate::agree::agree;
 use crate::error::Result;
@@ -19,7 +19,7 @@ pub struct Gauges {
 }
 
 impl Gauges {
-    /// Of a body in its unknowns (`like` is laid out as they are) or on a basis of such vectors; rank 0 has its evaluator. Collective.
+    /// Of a body in its unknowns or on a basis of such vectors; rank 0 has them and the evaluator. Collective.
     ///
     /// # Errors
     /// A fault of `output.probes` where a point is outside of the body; PETSc's.
@@ -27,19 +27,11 @@ impl Gauges {
         comm: &Comm,
         scene: &Scene,
         evaluator: Option<Evaluator>,
-        like: &Vector,
-        basis: Option<&[Vector]>,
+        unknowns: usize,
+        basis: Option<Vec<Vec<f64>>>,
     ) -> Result<Self> {
         let evaluator = evaluator.filter(|_| comm.is_root());
-        let all: Vec<Int> = if evaluator.is_some() { (0..like.len() as Int).collect() } else { Vec::new() };
-        let basis = match basis {
-            None => None,
-            Some(vectors) => {
-                let mut gather = Gather::new(like, &all)?;
-                let mut fetched = |vector: &Vector| Ok::<_, crate::Error>(gather.fetch(vector)?.to_vec());
-                Some(vectors.iter().map(&mut fetched).collect::<Result<Vec<Vec<f64>>>>()?)
-            }
-        };
+        let all: Vec<Int> = if evaluator.is_some() { (0..unknowns as Int).collect() } else { Vec::new() };
         let (forms, local) = agree(comm, forms(scene, evaluator.as_ref()))?;
         // On a basis the coordinates are as many as its vectors, wherever they are.
         let all = match &basis {

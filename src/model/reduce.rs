@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use crate::body::{Body, DirectSum, ModalBody, OF_CUTOFF, Projection, Start};
+use petsc_wrap::Comm;
+
+use crate::body::{Body, DirectSum, LinearBody, ModalBody, OF_CUTOFF, Projection, Start};
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
 use crate::impact::{Errors, ModalImpact, Reading, SteppedImpact, Steps, Trace, Until};
@@ -88,8 +90,8 @@ impl Reduced {
 ///
 /// # Errors
 /// [`crate::Error::Solve`] where the impact is not solved on any basis; PETSc's.
-pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> {
-    reduce_from(body, scene, None, watch)
+pub fn reduce(comm: &Comm, body: &dyn LinearBody, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> {
+    reduce_from(comm, body, scene, None, watch)
 }
 
 /// [`reduce`], where a basis that grows begins with numbers of vectors that served for a like body: of the smaller and the larger one.
@@ -98,7 +100,8 @@ pub fn reduce(body: &Body, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> 
 /// # Errors
 /// As [`reduce`].
 pub(super) fn reduce_from(
-    body: &Body,
+    comm: &Comm,
+    body: &dyn LinearBody,
     scene: &Scene,
     served: Option<[usize; 2]>,
     watch: &dyn Watch,
@@ -123,9 +126,9 @@ pub(super) fn reduce_from(
         grow(&mut krylov, body, count, last, watch)?;
         let projection = krylov.projection(body)?;
         count = projection.vectors();
-        let enough = count > MOST * body.classes.len().max(1) || (given.is_some() && !tried.is_empty());
+        let enough = count > MOST * body.classes().len() || (given.is_some() && !tried.is_empty());
         let is_exhausted = watch.decided(krylov.is_exhausted());
-        match shared_force(scene, body, &projection, &mut steps, watch) {
+        match shared_force(comm, scene, &projection, &mut steps, watch) {
             // All that the forces reach, to rounding.
             Ok(trace) if is_exhausted && (given.is_none() || tried.is_empty()) => {
                 let (judge, force) = (projection.clone(), (trace, steps));
@@ -137,7 +140,7 @@ pub(super) fn reduce_from(
                     let of_difference = match given {
                         Some(_) => OF_SMALLER,
                         None if start.leaves_short_waves => of_larger(count, *smaller),
-                        None if !body.relaxations.is_empty() => OF_RELAXING,
+                        None if !body.chains().is_empty() => OF_RELAXING,
                         None => OF_LARGER,
                     };
                     let mut error = of_difference * before.difference(&trace);
@@ -147,7 +150,7 @@ pub(super) fn reduce_from(
                     if enough || over <= 1.0 {
                         if start.leaves_short_waves && watch.decided(error.history > OTHER_CONTACTS * of_difference) {
                             let nearer = (NEARER * count as f64) as usize;
-                            let near = shared_force(scene, body, &projection.leading(nearer), &mut steps, watch)?;
+                            let near = shared_force(comm, scene, &projection.leading(nearer), &mut steps, watch)?;
                             error.history = of_larger(count, nearer) * near.difference(&trace).history;
                         }
                         tracing::info!(
@@ -196,12 +199,12 @@ pub(super) struct Plan {
 
 impl Plan {
     /// That of a scene's body: by the rule of thumb, or, where a plate's contact has many modes, by the number of these.
-    pub(super) fn new(body: &Body, scene: &Scene) -> Self {
+    pub(super) fn new(body: &dyn LinearBody, scene: &Scene) -> Self {
         let short = Self { start: Start::from(rate(scene)), first: FIRST };
         // (What relaxes knows no waves that go off either.)
-        let is_bound = body.unilateral.is_some() || !body.relaxations.is_empty();
-        let plate = body.infinite_plate.as_ref().filter(|_| !is_bound);
-        let most = MOST * body.classes.len().max(1);
+        let is_bound = body.is_on_foundations() || !body.chains().is_empty();
+        let plate = body.infinite_plate().filter(|_| !is_bound);
+        let most = MOST * body.classes().len();
         let Some(LongWaves { frequency, vectors }) = plate.and_then(|plate| LongWaves::of(scene, plate, most)) else {
             return short;
         };
@@ -215,13 +218,13 @@ impl Plan {
 /// Grows a basis to a number of vectors before somebody who may break it off. Collective.
 pub(super) fn grow(
     krylov: &mut DirectSum,
-    body: &Body,
+    body: &dyn LinearBody,
     vectors: usize,
     judged: Option<Judged>,
     watch: &dyn Watch,
 ) -> Result<()> {
     // Vectors of a mesh take long each, those of a small body come in blocks.
-    let at_once = if body.nodes.is_some() { 1 } else { AT_ONCE * body.classes.len().max(1) };
+    let at_once = if body.is_meshed() { 1 } else { AT_ONCE * body.classes().len() };
     while watch.decided(krylov.vectors() < vectors && !krylov.is_exhausted()) {
         watch.at(Stage::Basis { vectors: krylov.vectors(), judged })?;
         krylov.grow(body, vectors.min(krylov.vectors() + at_once))?;
@@ -242,8 +245,8 @@ fn larger(vectors: usize) -> usize {
 /// The force on a basis, by the scene's own scheme, whose steps pass the body's vibrations differently; in modal coordinates by the same
 /// steps on each basis.
 fn force(
+    comm: &Comm,
     scene: &Scene,
-    body: &Body,
     projection: &Projection,
     steps: &mut Option<Steps>,
     watch: &dyn Watch,
@@ -258,7 +261,7 @@ fn force(
     }
     let mut trace = Trace::default();
     let mut last: Option<(f64, f64)> = None;
-    let reduced = Body::of(&body.comm().session().alone(), &projection.system())?;
+    let reduced = Body::of(&comm.session().alone(), &projection.system())?;
     let _ = SteppedImpact::new(scene, reduced)?.run(|step| {
         let (time, force) = (step.time, step.contact.force);
         if let Some((before, was)) = last.replace((time, force)) {
@@ -271,13 +274,13 @@ fn force(
 
 /// [`force`] as the first rank has it, before somebody who may break it off. Collective.
 pub(super) fn shared_force(
+    comm: &Comm,
     scene: &Scene,
-    body: &Body,
     projection: &Projection,
     steps: &mut Option<Steps>,
     watch: &dyn Watch,
 ) -> Result<Trace> {
-    let trace = watch.shared(force(scene, body, projection, steps, watch));
+    let trace = watch.shared(force(comm, scene, projection, steps, watch));
     // A rank that has broken off has a part of the force: all of them end here.
     watch.at(Stage::Trial)?;
     trace

@@ -2,12 +2,12 @@
 
 use petsc_wrap::Comm;
 
-use crate::body::{Body, ModalBody, Modes, System};
+use crate::body::{Assembled, Body, LocalBody, ModalBody, Modes, System};
 use crate::contact::zener;
 use crate::error::Result;
 use crate::impact::settle;
 use crate::mesh::{Measures, Mesh};
-use crate::scene::{Contact, Fault, Geometry, Model, Scene};
+use crate::scene::{Contact, Fault, Geometry, Initial, Model, Scene};
 use crate::space::evaluate::{Evaluator, PointEvaluator};
 use crate::space::plate::{self, Plate, PlateTheory};
 use crate::space::spline::{self, SplineSolid};
@@ -44,7 +44,7 @@ pub enum Built {
 /// A body's operators, with what they were made of.
 pub struct Operators {
     /// The body.
-    pub body: Box<Body>,
+    pub body: Assembled,
     /// What its unknowns are of.
     pub words: String,
     /// Cells along the axes, where these are of splines and the program chooses them; one across a plate.
@@ -127,7 +127,7 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
             comm.collect_garbage()?;
             let evaluator = whole.map(|whole| Evaluator::of_mesh(scene, whole, patch.as_ref()));
             Built::Operators(Operators {
-                body: Box::new(body),
+                body: Assembled::InPetsc(Box::new(body)),
                 words,
                 cells: None,
                 cell_over_disc: None,
@@ -155,7 +155,7 @@ pub(super) fn build_thin(comm: &Comm, scene: &Scene) -> Result<Operators> {
 /// Bases are made of what the loads have done, and of pads as springs. (A body that keeps its pads is put into equilibrium before it
 /// moves.)
 fn loaded(scene: &Scene, mut operators: Operators) -> Result<Operators> {
-    let body = &mut operators.body;
+    let Assembled::InPetsc(body) = &mut operators.body else { return Ok(operators) };
     if body.pads.is_none() || scene.is_reduced() {
         settle(scene, body)?;
         body.classes.iter_mut().try_for_each(|class| settle(scene, class))?;
@@ -238,6 +238,12 @@ fn of_grid(
     if let Some(read) = read {
         (system.hit_stress, system.hit_local) = read;
     }
-    let body = Box::new(Body::of(&comm.session().alone(), &system)?);
+    // What is not linear, and finding an equilibrium, is PETSc's.
+    let is_linear = system.pads.is_empty() && scene.time.initial == Initial::Rest;
+    let body = if scene.is_reduced() && is_linear {
+        Assembled::Local(Box::new(LocalBody::new(system)))
+    } else {
+        Assembled::InPetsc(Box::new(Body::of(&comm.session().alone(), &system)?))
+    };
     Ok(Operators { body, words, cells: Some(cells), cell_over_disc: None, evaluator, measures: None })
 }

@@ -7,8 +7,10 @@ use std::process::Command;
 
 use hdf5_metno as hdf5;
 use mpi_test::{PlainTest, tests};
+use tempfile::TempDir;
 
-use crate::program::{BOX, Outcome, run};
+use crate::glass;
+use crate::program::{BOX, Outcome, ricochet, run};
 use crate::restarts::{interrupted, refused, scene};
 use crate::results::{folder, good, is_complete, words};
 use crate::sweeps::supported;
@@ -25,6 +27,7 @@ pub const TESTS: &[PlainTest] = tests![
     a_name_that_is_no_text_is_told_at_once,
     what_cannot_be_said_is_an_error_of_output,
     a_rank_without_petsc_ends_all,
+    plates_need_no_petsc,
 ];
 
 /// Runs a line of bash in a folder, in which `ricochet` is the program.
@@ -223,4 +226,51 @@ fn a_rank_without_petsc_ends_all() {
         assert!(outcome.stderr.contains(&format!("(rank {spoilt_rank} of 2)")), "{outcome:?}");
         assert!(!folder.path().join("out.h5").exists());
     }
+}
+
+/// What one process reduces and steps in modal coordinates loads no PETSc: a plate with probes and fields, one hit off its centre, a laminate, a
+/// solid of splines; and their checks, limits and sweeps, with bases of their own and with one for all.
+fn plates_need_no_petsc() {
+    let springs = glass::sides(1e9, 0.0);
+    let read = "[output]\nfields = 50\nprobes = [{ name = \"middle\", point = [0.0, 0.0, 0.0] }]\n";
+    let plate = |size: &str, hit: &str| {
+        let body = format!("size = {size}\nmodel = \"auto\"");
+        glass::scene(&body, &format!("mass = 5.0\nspeed = 1.0\n{hit}"), "end = 2e-3", &springs)
+    };
+    let glass = "young = 70e9\npoisson = 0.23\ndensity = 2500.0\n";
+    let laminate = format!(
+        "[body]\nsize = [0.5, 0.5]\nmodel = \"layerwise\"\n[[body.layer]]\nthickness = 0.006\nmaterial = \"glass\"\n\
+         [[body.layer]]\nthickness = 0.00152\nmaterial = \"film\"\n[[body.layer]]\nthickness = 0.006\nmaterial = \"glass\"\n\
+         [material.glass]\n{glass}[material.film]\nbulk = 2e9\ndensity = 1100.0\nshear = 1e6\n\
+         prony = [{{ modulus = 6e7, time = 1e-4 }}]\n\
+         [impactor]\nmass = 1.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n[time]\nend = 5e-4\n"
+    );
+    let thick = "size = [0.3, 0.3, 0.1]\nmodel = \"solid\"";
+    let solid = glass::scene(thick, "mass = 5.0\nspeed = 1.0", "end = 5e-4", &springs);
+    let middle = plate("[1.0, 1.0, 0.05]", "");
+    let run = "run scene.toml -o out.h5 --force";
+    let sweep = |values: &str| format!("sweep scene.toml -o sweep.h5 --vary support.0.stiffness={values}");
+    for (scene, line) in [
+        (format!("{middle}{read}"), run.to_owned()),
+        (plate("[1.0, 1.0, 0.05]", "point = [0.1, 0.07, 0.025]"), run.to_owned()),
+        (laminate, run.to_owned()),
+        (solid, run.to_owned()),
+        (middle.clone(), "check scene.toml".to_owned()),
+        (middle.clone(), sweep("0,1e9")),
+        (middle.clone(), sweep("1e8..1e9:20")),
+        (format!("{middle}[strength]\ntension = 1e7\n"), "limit scene.toml --vary impactor.speed=0.01..10".to_owned()),
+    ] {
+        let folder = folder(&scene);
+        let outcome = run_under_loader(&folder, &line);
+        assert!(!outcome.stderr.contains("libpetsc"), "{line}\n{scene}");
+    }
+    assert!(run_under_loader(&folder(BOX), run).stderr.contains("libpetsc"), "what is stepped needs it");
+}
+
+/// Runs a line that succeeds; the loader tells of each library.
+fn run_under_loader(folder: &TempDir, line: &str) -> Outcome {
+    let outcome = run(ricochet(folder.path(), 0).env("LD_DEBUG", "files").args(words(line)));
+    let said = outcome.stderr.lines().filter(|line| !line.contains("file=") && !line.contains("calling"));
+    assert_eq!(outcome.status, Some(0), "{line}: {}", said.collect::<Vec<_>>().join("\n"));
+    outcome
 }

@@ -15,7 +15,7 @@ use crate::model::{self, Linearity, Model, Simulation};
 use crate::record::provenance::{Cost, Provenance};
 use crate::record::series::{Points, SeriesWriter};
 use crate::record::stress::{Faces, MapPoints, strengths};
-use crate::scene::{self, Fault, Scene, Source};
+use crate::scene::{Fault, Scene, Source};
 
 use super::super::follow::Follower;
 use super::super::interrupt::Interrupt;
@@ -63,8 +63,8 @@ pub(in crate::cli) fn solve(
     beginning: Beginning<'_>,
     &Written { output, force, has_summary }: &Written<'_>,
 ) -> Result<i32> {
-    if !matches!(scene.body.model, scene::Model::HalfSpace | scene::Model::InfinitePlate) {
-        // Part of the program's start, not of the run.
+    if !scene.time.modal {
+        // Part of the program's start, not of the run. (In modal coordinates most bodies need no PETSc.)
         comm.session().petsc()?;
     }
     let begin = Instant::now();

@@ -81,10 +81,15 @@ impl PatchModel {
         let limits = |disc: f64| limits(&struck, impactor, mass, thickness, disc * compliance(disc));
         let by_rule = OF_THICKNESS[usize::from(!is_plate)] * thickness;
         let mut disc = given_disc.unwrap_or(by_rule).min(room).max(radius);
+        let (mut wanted, mut least) = limits(disc);
         for _ in 0..20 {
-            disc = disc.max(MARGIN * limits(disc).0).min(room.max(radius));
+            let next = disc.max(MARGIN * wanted).min(room.max(radius));
+            if next == disc {
+                break;
+            }
+            disc = next;
+            (wanted, least) = limits(disc);
         }
-        let (_, least) = limits(disc);
         if disc < least {
             let message = format!(
                 "the contact has negative stiffness on {disc:.3e} m around the impact point: for this impact it takes about {least:.3e} m"

@@ -6,7 +6,7 @@ use petsc_wrap::Comm;
 
 use super::by_body::{BodyOf, ByBody, has_local_field};
 use super::family::{self, Family};
-use super::grouping::{Grouping, Line};
+use super::grouping::{Found, Grouping, Line};
 use super::member::Computed;
 use crate::body::ModalBody;
 use crate::description::Description;
@@ -57,23 +57,32 @@ struct Kept {
 }
 
 impl<'a> Bodies<'a> {
-    /// None yet, for members on these ranks; `scene_of` a member's scene by its number, `theory` what auto is for all.
+    /// For members on these ranks, those that were made to find `theory`, which auto is for all; `scene_of` is a member's scene by its number.
     pub fn new(
         comm: &Comm,
         grouping: &'a Grouping,
         scene_of: &'a dyn Fn(usize) -> Result<Scene>,
-        theory: Option<(scene::Model, Errors)>,
+        theory: Option<Found>,
         has_energies: bool,
     ) -> Self {
-        Self {
+        let errors = theory.as_ref().map(|found| (found.theory, found.errors));
+        let mut bodies = Self {
             comm: comm.clone(),
             grouping,
             scene_of,
-            theory,
+            theory: errors,
             has_energies,
             kept: ByBody::default(),
             families: ByBody::default(),
+        };
+        for (scene, model) in theory.into_iter().flat_map(|found| found.made) {
+            let of_theory = bodies.error_of_theory(&scene);
+            // (Members that relax differently share a basis that is made with a margin.)
+            if let (false, Ok(kept)) = (scene.body.composition.is_viscoelastic(), Kept::of(model, of_theory)) {
+                bodies.kept.get_or_insert_with(BodyOf::new(&scene), || kept);
+            }
         }
+        bodies
     }
 
     /// Computes a member in modal coordinates, on a kept basis if it is good enough. Collective.
@@ -189,17 +198,22 @@ impl<'a> Bodies<'a> {
 
     fn make(&self, scene: &Scene, watch: &dyn Watch) -> Result<Kept> {
         let model = Model::watched(&self.comm, &self.named(scene.clone()), watch)?;
-        let of_model = self.error_of_theory(scene).max(model.error_beside_basis());
-        let Model { theory, dynamics, judge, unknowns, gauges, .. } = model;
-        let readout = gauges.map(|gauges| gauges.readout);
-        match dynamics {
-            Dynamics::Modal(body) => Ok(Kept { body, theory, judge, unknowns, readout, of_model }),
-            Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),
-        }
+        Kept::of(model, self.error_of_theory(scene))
     }
 }
 
 impl Kept {
+    /// Of a model in modal coordinates, with the errors of the theory for all members.
+    fn of(model: Model, of_theory: Errors) -> Result<Self> {
+        let of_model = of_theory.max(model.error_beside_basis());
+        let Model { theory, dynamics, judge, unknowns, gauges, .. } = model;
+        let readout = gauges.map(|gauges| gauges.readout);
+        match dynamics {
+            Dynamics::Modal(body) => Ok(Self { body, theory, judge, unknowns, readout, of_model }),
+            Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),
+        }
+    }
+
     /// `None` where it was interrupted.
     fn simulate(&self, scene: &Scene, has_energies: bool, interrupted: &Rc<dyn Fn() -> bool>) -> Result<Option<Tried>> {
         let mut steps = Vec::new();

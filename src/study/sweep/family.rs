@@ -1,9 +1,9 @@
 //! Members that differ in the stiffness or the damping of one support, or in the relaxation of interlayers: one basis, made at a few values,
 //! for all of them.
 
-use petsc_wrap::{Comm, Vector};
+use petsc_wrap::Comm;
 
-use crate::body::{Body, Merged, ModalBody, Projection, snapshots};
+use crate::body::{Assembled, Columns, Merged, ModalBody, Projection, snapshots};
 use crate::error::Result;
 use crate::impact::{Errors, ModalImpact, Readout};
 use crate::material::Maxwell;
@@ -37,8 +37,8 @@ pub struct Family {
 
 /// A body made at one value.
 struct Sample {
-    body: Body,
-    snapshots: Vec<Vector>,
+    body: Assembled,
+    snapshots: Columns,
     own: Projection,
     /// Of that, over the whole history.
     error: f64,
@@ -78,21 +78,23 @@ impl Family {
                 return Err(crate::Error::Solve("the theory has no supports".into()));
             };
             let body = built.body;
-            let mut reduced = reduce(&body, &scene, watch)?;
+            let mut reduced = reduce(comm, body.linear(), &scene, watch)?;
             let own = reduced.larger().clone();
-            let snapshots = snapshots(&body, reduced.krylov.basis()?, &own, rate(&scene))?;
-            Ok(Sample { body: *body, snapshots, own, error: reduced.error.history, scene })
+            let snapshots = snapshots(reduced.krylov.basis(), &own, rate(&scene));
+            Ok(Sample { body, snapshots, own, error: reduced.error.history, scene })
         };
-        let mut ends = [make(0)?, make(last)?];
+        let ends = [make(0)?, make(last)?];
         // A layer's modulus may ask for other cells, whose vectors have no common basis.
-        let unknowns = ends[0].body.unknowns();
-        if ends[1].body.unknowns() != unknowns {
+        let unknowns = ends[0].body.linear().unknowns();
+        if ends[1].body.linear().unknowns() != unknowns {
             return Ok(None);
         }
-        let mut pool: Vec<Vector> = ends.iter_mut().flat_map(|end| std::mem::take(&mut end.snapshots)).collect();
-        let merge = |pool: &[Vector]| {
+        let mut pool = ends[0].snapshots.clone();
+        pool.append(ends[1].snapshots.clone());
+        let merge = |pool: &Columns| {
             let depth = DEPTH * ends[0].scene.tolerance;
-            Merged::new([(values[0], &ends[0].body), (values[last], &ends[1].body)], pool, depth, rate(&ends[0].scene))
+            let bodies = [(values[0], ends[0].body.linear()), (values[last], ends[1].body.linear())];
+            Merged::new(bodies, pool, depth, rate(&ends[0].scene))
         };
         let mut of_basis = ends[0].error.max(ends[1].error);
         let mut merged = merge(&pool)?;
@@ -112,7 +114,7 @@ impl Family {
             }
             let middle = from.midpoint(to);
             let sample = make(middle)?;
-            if sample.body.unknowns() != unknowns {
+            if sample.body.linear().unknowns() != unknowns {
                 return Ok(None);
             }
             let tolerance = OF_BASIS * sample.scene.tolerance;
@@ -121,7 +123,7 @@ impl Family {
             of_basis = of_basis.max(sample.error);
             tracing::info!(value = values[middle], first, all, "merged basis tested");
             pool = merged.directions;
-            pool.extend(sample.snapshots);
+            pool.append(sample.snapshots);
             made += 1;
             merged = merge(&pool)?;
             if first <= tolerance {
@@ -132,9 +134,10 @@ impl Family {
         }
         errors.sort_by(|a, b| a.0.total_cmp(&b.0));
         errors.iter_mut().for_each(|(_, error)| *error += of_cells + of_basis);
-        let readout = match (operators(0, size)?, merged.basis()) {
-            (Some((Operators { evaluator, .. }, scene)), basis @ [like, ..]) if scene.output.is_read() => {
-                Some(Gauges::new(comm, &scene, evaluator, like, Some(basis))?.readout)
+        let basis = merged.basis();
+        let readout = match operators(0, size)? {
+            Some((Operators { evaluator, .. }, scene)) if scene.output.is_read() && !basis.is_empty() => {
+                Some(Gauges::new(comm, &scene, evaluator, unknowns, Some(basis))?.readout)
             }
             _ => None,
         };
@@ -150,7 +153,7 @@ impl Family {
 
 /// How far the merged basis is off a body's own one, which was not among those it was made of.
 fn off(merged: &Merged, value: f64, sample: &Sample) -> Result<Errors> {
-    let chains: Vec<Maxwell> = sample.body.relaxations.iter().map(|relaxation| relaxation.chain.clone()).collect();
+    let chains: Vec<Maxwell> = sample.body.linear().chains().into_iter().cloned().collect();
     let [basis, _] = merged.at(value).map(|body| body.with_chains(&chains));
     let (own, steps) = ModalImpact::new(&sample.scene, &ModalBody::of(&sample.own)).trace(None)?;
     match ModalImpact::new(&sample.scene, &ModalBody::of(&basis)).trace(Some(steps)) {

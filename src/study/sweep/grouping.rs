@@ -26,6 +26,16 @@ pub struct Grouping {
     lines: ByBody<BTreeMap<Ordered, Member>>,
 }
 
+/// The theory for all members.
+pub struct Found {
+    /// The theory.
+    pub theory: scene::Model,
+    /// The largest errors that `auto` found for it.
+    pub errors: Errors,
+    /// The models of it that were made on the way, each for its own body's basis, with the scenes.
+    pub(super) made: Vec<(Scene, Model)>,
+}
+
 /// Members that differ in one support's stiffness or damping, or in what a relaxing interlayer's shear depends on, alone.
 pub struct Line {
     /// What they share.
@@ -107,32 +117,34 @@ impl Grouping {
         all.map(|(value, member)| (value.0, member.index)).collect()
     }
 
-    /// The theory that auto finds for all members, the highest that the first, the last and the hardest of them ask for, with the
-    /// largest errors that it found for that. Collective.
+    /// The theory that auto finds for all members, the highest that the first, the last and the hardest of them ask for. Collective.
     ///
     /// # Errors
     /// Those of a model.
-    pub fn theory(
-        &self,
-        comm: &Comm,
-        scene_of: impl Fn(usize) -> Result<Scene>,
-        watch: &dyn Watch,
-    ) -> Result<(scene::Model, Errors)> {
+    pub fn theory(&self, comm: &Comm, scene_of: impl Fn(usize) -> Result<Scene>, watch: &dyn Watch) -> Result<Found> {
         let hardest = self.families.values().copied().reduce(|a, b| if b.is_harder(&a) { b } else { a });
         let mut asked = self.ends.clone();
         asked.extend(hardest.map(|member| member.index));
         asked.sort_unstable();
         asked.dedup();
-        let mut found = Vec::new();
+        let mut found = Found { theory: scene::Model::HalfSpace, errors: Errors::default(), made: Vec::new() };
         for index in asked {
-            let model = Model::watched(comm, &scene_of(index)?, watch)?;
-            found.push((model.theory, model.error_beside_basis()));
-            drop(model);
+            let scene = scene_of(index)?;
+            let model = Model::watched(comm, &scene, watch)?;
+            if model.theory > found.theory {
+                found = Found { theory: model.theory, errors: Errors::default(), made: Vec::new() };
+            }
+            if model.theory == found.theory {
+                found.errors = found.errors.max(model.error_beside_basis());
+                // What several ranks have made together is read by one of them; of layers `auto` asks more than the theory by its name.
+                let is_alike = comm.size() == 1 && model.theory != scene::Model::Layerwise;
+                if is_alike && self.representative(&scene) == Some(index) {
+                    found.made.push((scene, model));
+                }
+            }
             comm.collect_garbage()?;
         }
-        let highest = found.iter().map(|(theory, _)| *theory).max().unwrap_or(scene::Model::HalfSpace);
-        let errors = found.iter().filter(|(theory, _)| *theory == highest);
-        Ok((highest, errors.fold(Errors::default(), |largest, (_, errors)| largest.max(*errors))))
+        Ok(found)
     }
 }
 

@@ -14,7 +14,7 @@ mod vary;
 pub use bodies::Bodies;
 pub use digest::{Task, digest};
 pub use grid::Grid;
-pub use grouping::{Grouping, Property};
+pub use grouping::{Found, Grouping, Property};
 pub use member::{Computed, simulate};
 pub use scheduler::{Compute, Kept, schedule};
 pub use shard::{Shard, parts};

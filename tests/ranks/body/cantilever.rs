@@ -45,11 +45,11 @@ fn frequencies_and_damping_of_a_strip(session: &Session) {
     let Built::Operators(built) = build(&comm, &scene, scene.body.model, 1.0, &Unwatched(&comm)).unwrap() else {
         panic!("a solid has operators")
     };
-    assert_eq!(built.body.relaxations[0].chain.terms.len(), 9, "all terms are followed");
+    assert_eq!(built.body.linear().chains()[0].terms.len(), 9, "all terms are followed");
     // Vectors at the rate of the second vibration, and at lower ones, where the elastomer has other moduli.
-    let mut krylov = DirectSum::new(&built.body, 1300.0).unwrap();
-    krylov.grow(&built.body, 40).unwrap();
-    let body = ModalBody::of(&krylov.projection(&built.body).unwrap());
+    let mut krylov = DirectSum::new(built.body.linear(), 1300.0).unwrap();
+    krylov.grow(built.body.linear(), 40).unwrap();
+    let body = ModalBody::of(&krylov.projection(built.body.linear()).unwrap());
     let closed = Closed { tangent: 1e6, compliance: 0.0, mass: 0.01, accuracy: 1e-9 };
     let modes = body.modes(1e12, &closed).unwrap().modes;
     // Across the strip it vibrates too: those nearest to the closed form are its bending.

@@ -157,7 +157,7 @@ fn weight_of_layers(session: &Session) {
         )
         .unwrap()
         {
-            ricochet::model::Built::Operators(built) => built.body,
+            ricochet::model::Built::Operators(built) => built.body.in_petsc(&session.alone()).unwrap(),
             ricochet::model::Built::Given(_) => panic!("operators"),
         };
         let found = loaded.copies * loaded.load.dot(&loaded.translation).unwrap();

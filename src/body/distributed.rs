@@ -1,0 +1,158 @@
+//! A body that PETSc holds, as bases grow in it.
+
+use nalgebra::DMatrix;
+use nalgebra_sparse::CsrMatrix;
+use petsc_wrap::{Int, Matrix, Row, Vector};
+
+use crate::error::Result;
+use crate::material::Maxwell;
+use crate::solve::Method;
+
+use super::columns::Columns;
+use super::direct::{Direct, Precision};
+use super::linear::{LinearBody, Operator, Properties};
+use super::shift::Solver;
+use super::{Body, FoundationPoints, InfinitePlate};
+
+impl Body {
+    /// Its products are those of the matrices that serve them best.
+    fn matrix(&self, operator: Operator) -> Option<&Matrix> {
+        let products = self.products.as_ref();
+        match operator {
+            Operator::Mass => Some(products.map_or(&self.mass, |[mass, _]| mass)),
+            Operator::Elastic => Some(products.map_or(&self.elastic, |[_, elastic]| elastic)),
+            Operator::Support => self.support.as_ref(),
+            Operator::Damping => self.damping.as_ref(),
+            Operator::Distortion(number) => self.relaxations.get(number).map(|relaxation| &relaxation.distortion),
+        }
+    }
+
+    /// Hands each column, as PETSc's vector, to a function.
+    fn each(&self, columns: &Columns, mut take: impl FnMut(&Vector) -> Result<()>) -> Result<()> {
+        let mut vector = self.load.duplicate()?;
+        columns.iter().try_for_each(|column| {
+            vector.write()?.copy_from_slice(column);
+            take(&vector)
+        })
+    }
+
+    /// S of a rate by numbers, where one process has all of the body.
+    fn factor(&self, rate: f64, held: &[usize], precision: Precision) -> Result<Direct> {
+        let relaxing = self.relaxations.iter();
+        let relaxing = relaxing.map(|part| (part.chain.transformed_terms(rate), &part.distortion));
+        let terms = [Some((1.0, &self.elastic)), Some((rate * rate, &self.mass))].into_iter().flatten();
+        let supports = self.support.iter().map(|support| (1.0, support));
+        let terms = terms.chain(supports).chain(self.damping.iter().map(|damping| (rate, damping))).chain(relaxing);
+        let numbers = |(factor, matrix)| Ok::<_, crate::Error>((factor, numbers_of(matrix, self.unknowns())?));
+        let terms = terms.map(numbers).collect::<Result<Vec<_>>>()?;
+        let terms: Vec<_> = terms.iter().map(|(factor, matrix)| (*factor, matrix)).collect();
+        Direct::new(&terms, held, precision)
+    }
+
+    /// Rows of this rank that are held.
+    fn held_here(&self) -> Vec<usize> {
+        let first = self.load.range().start;
+        self.clamps.rows.iter().map(|row| (row - first) as usize).collect()
+    }
+}
+
+/// A matrix that one process has all of.
+fn numbers_of(matrix: &Matrix, rows: usize) -> Result<CsrMatrix<f64>> {
+    let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+    let mut row = Row::default();
+    for i in 0..rows {
+        matrix.row_into(i as Int, &mut row)?;
+        columns.extend(row.columns.iter().map(|column| *column as usize));
+        values.extend_from_slice(&row.values);
+        offsets.push(values.len());
+    }
+    Ok(CsrMatrix::try_from_csr_data(rows, rows, offsets, columns, values).expect("rows of PETSc's, in order"))
+}
+
+impl LinearBody for Body {
+    fn unknowns(&self) -> usize {
+        Self::unknowns(self)
+    }
+
+    fn properties(&self) -> Result<Properties> {
+        let entries = |vector: &Vector| Ok::<_, crate::Error>(vector.read()?.to_vec());
+        let load = entries(&self.load)?;
+        let pushed = self.unilateral.iter().flat_map(|foundation| &foundation.loads);
+        Ok(Properties {
+            layout: Columns::new(load.len(), Some(self.comm())),
+            held: self.held_here(),
+            equilibrium: self.equilibrium.as_ref().map(entries).transpose()?,
+            pushed: pushed.map(entries).collect::<Result<_>>()?,
+            load,
+            support_load: entries(&self.support_load)?,
+            support_offset: self.support_offset,
+            force: entries(&self.localization.vector)?,
+            compliance: self.localization.compliance,
+            patch: self.localization.patch,
+            translation: entries(&self.translation)?,
+            is_free: self.is_free()?,
+            hit_stress: self.hit_stress.iter().map(entries).collect::<Result<_>>()?,
+            hit_local: self.hit_local,
+            copies: self.copies,
+        })
+    }
+
+    fn has(&self, operator: Operator) -> bool {
+        self.matrix(operator).is_some()
+    }
+
+    fn apply(&self, operator: Operator, vectors: &Columns) -> Result<Columns> {
+        let mut products = vectors.zeros(0);
+        let mut product = self.load.duplicate()?;
+        self.each(vectors, |vector| {
+            match (operator, self.matrix(operator)) {
+                (Operator::Mass, _) => self.apply_mass(vector, &mut product)?,
+                (_, Some(matrix)) => matrix.mult(vector, &mut product)?,
+                (_, None) => product.fill(0.0)?,
+            }
+            products.push(&product.read()?);
+            Ok(())
+        })?;
+        Ok(products)
+    }
+
+    fn solver(&self, rate: f64, precision: Precision) -> Result<Solver> {
+        // Every rank has all of a body of numbers.
+        if let (Method::Cholesky, None) = (self.method, &self.nodes) {
+            return Ok(Solver::Direct(self.factor(rate, &self.held_here(), precision)?));
+        }
+        let vectors = [self.load.duplicate()?, self.load.duplicate()?];
+        Ok(Solver::Distributed(Box::new((Self::solver(self, &self.operator_at_rate(rate)?)?, vectors))))
+    }
+
+    fn chains(&self) -> Vec<&Maxwell> {
+        self.relaxations.iter().map(|relaxation| &relaxation.chain).collect()
+    }
+
+    fn infinite_plate(&self) -> Option<&InfinitePlate> {
+        self.infinite_plate.as_ref()
+    }
+
+    fn is_on_foundations(&self) -> bool {
+        self.unilateral.is_some()
+    }
+
+    fn foundation(&self, basis: &Columns) -> Result<Option<FoundationPoints>> {
+        let Some(foundation) = &self.unilateral else { return Ok(None) };
+        let mut moved = Vec::new();
+        self.each(basis, |vector| {
+            moved.extend(foundation.moved(vector)?);
+            Ok(())
+        })?;
+        let rows = moved.len() / basis.count().max(1);
+        Ok(Some(foundation.on(DMatrix::from_vec(rows, basis.count(), moved))))
+    }
+
+    fn is_meshed(&self) -> bool {
+        self.nodes.is_some()
+    }
+
+    fn classes(&self) -> Vec<&dyn LinearBody> {
+        if self.classes.is_empty() { vec![self] } else { self.classes.iter().map(|class| class as _).collect() }
+    }
+}

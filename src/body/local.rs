@@ -1,0 +1,124 @@
+//! A body that one process has all of, as numbers: it needs no PETSc.
+
+use nalgebra_sparse::CsrMatrix;
+
+use crate::error::Result;
+use crate::material::Maxwell;
+
+use super::columns::Columns;
+use super::direct::{Direct, Precision};
+use super::linear::{LinearBody, Operator, Properties};
+use super::shift::Solver;
+use super::sparse::multiply;
+use super::{FoundationPoints, InfinitePlate, System};
+
+/// A linear body of a [`System`]. On several ranks each has one.
+pub struct LocalBody {
+    system: System,
+    /// Its classes of motions; none where there is one.
+    classes: Vec<Self>,
+}
+
+impl LocalBody {
+    /// Of a system. Its pads, which are not linear, are left out.
+    pub fn new(system: System) -> Self {
+        let count = if system.classes > 1 { system.classes } else { 0 };
+        let classes = (0..count).map(|class| Self { system: system.class(class), classes: Vec::new() }).collect();
+        Self { system, classes }
+    }
+
+    /// Its numbers.
+    pub fn system(&self) -> &System {
+        &self.system
+    }
+
+    fn matrix(&self, operator: Operator) -> Option<&CsrMatrix<f64>> {
+        let System { mass, elastic, relaxations, support, damping, .. } = &self.system;
+        match operator {
+            Operator::Mass => Some(mass),
+            Operator::Elastic => Some(elastic),
+            Operator::Support => support.as_ref(),
+            Operator::Damping => damping.as_ref(),
+            Operator::Distortion(number) => relaxations.get(number).map(|(distortion, _)| distortion),
+        }
+    }
+
+    fn held(&self) -> Vec<usize> {
+        self.system.held.iter().map(|(unknown, _)| *unknown).collect()
+    }
+}
+
+impl LinearBody for LocalBody {
+    fn unknowns(&self) -> usize {
+        self.system.load.len()
+    }
+
+    fn properties(&self) -> Result<Properties> {
+        let system = &self.system;
+        let held = self.held();
+        let is_held = held.iter().any(|unknown| system.translation[*unknown] != 0.0);
+        Ok(Properties {
+            layout: Columns::new(self.unknowns(), None),
+            held,
+            equilibrium: None,
+            pushed: Vec::new(),
+            load: system.load.clone(),
+            support_load: system.support_load.clone(),
+            support_offset: system.support_offset,
+            force: system.localization.clone(),
+            compliance: system.compliance,
+            patch: system.patch,
+            translation: system.translation.clone(),
+            is_free: system.support.is_none() && !is_held,
+            hit_stress: system.hit_stress.clone(),
+            hit_local: system.hit_local,
+            copies: system.copies,
+        })
+    }
+
+    fn has(&self, operator: Operator) -> bool {
+        self.matrix(operator).is_some()
+    }
+
+    fn apply(&self, operator: Operator, vectors: &Columns) -> Result<Columns> {
+        Ok(self.matrix(operator).map_or_else(|| vectors.zeros(vectors.count()), |matrix| multiply(matrix, vectors)))
+    }
+
+    fn solver(&self, rate: f64, precision: Precision) -> Result<Solver> {
+        let relaxing = self.system.relaxations.iter();
+        let relaxing = relaxing.map(|(distortion, chain)| (chain.transformed_terms(rate), distortion));
+        let factor = |operator: Operator, factor: f64| self.matrix(operator).map(|matrix| (factor, matrix));
+        let terms = [
+            factor(Operator::Elastic, 1.0),
+            factor(Operator::Mass, rate * rate),
+            factor(Operator::Support, 1.0),
+            factor(Operator::Damping, rate),
+        ];
+        let terms: Vec<_> = terms.into_iter().flatten().chain(relaxing).collect();
+        Ok(Solver::Direct(Direct::new(&terms, &self.held(), precision)?))
+    }
+
+    fn chains(&self) -> Vec<&Maxwell> {
+        self.system.relaxations.iter().map(|(_, chain)| chain).collect()
+    }
+
+    fn infinite_plate(&self) -> Option<&InfinitePlate> {
+        self.system.infinite_plate.as_ref()
+    }
+
+    fn is_on_foundations(&self) -> bool {
+        false
+    }
+
+    fn foundation(&self, _: &Columns) -> Result<Option<FoundationPoints>> {
+        Ok(None)
+    }
+
+    fn is_meshed(&self) -> bool {
+        false
+    }
+
+    fn classes(&self) -> Vec<&dyn LinearBody> {
+        if self.classes.is_empty() { vec![self] } else { self.classes.iter().map(|class| class as _).collect() }
+    }
+}
