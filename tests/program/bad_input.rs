@@ -123,7 +123,12 @@ fn check(case: &Case, ranks: usize) -> Result<(), String> {
     }
     let banner = ranks == 0 && ["MPI_ABORT", "ORTE"].iter().any(|word| outcome.stderr.contains(word));
     must(!banner, "MPI speaks where nobody has asked for it".to_owned());
-    must(files(folder.path()) == before, "files have changed".to_owned());
+    let mut after = files(folder.path());
+    if ranks > 1 {
+        // Where another rank has ended the first one, the file of its lock stays, which locks nothing then.
+        after.remove(".out.h5.lock");
+    }
+    must(after == before, "files have changed".to_owned());
     if faults.is_empty() {
         return Ok(());
     }
