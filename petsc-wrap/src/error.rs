@@ -113,6 +113,9 @@ thread_local! {
     static TRACE: RefCell<Trace> = RefCell::default();
 }
 
+/// PETSC_ERR_USER: what PETSc gets to see of an error in a closure.
+pub(crate) const USER_ERROR: sys::PetscErrorCode = 83;
+
 /// Turns a return code into a result that takes the recorded message and frames with it.
 #[track_caller]
 pub(crate) fn check(code: sys::PetscErrorCode) -> Result<()> {

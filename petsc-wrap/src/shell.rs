@@ -5,15 +5,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use petsc_sys as sys;
 
-use crate::error::{Result, check, require};
+use crate::error::{Result, USER_ERROR, check, require};
 use crate::ksp::KspView;
 use crate::matrix::MatrixView;
 
 /// z ← B r on this rank's entries; the arguments are r and z.
 type Apply = Box<dyn FnMut(&[f64], &mut [f64])>;
-
-/// PETSC_ERR_USER.
-const USER_ERROR: sys::PetscErrorCode = 83;
 
 impl KspView {
     /// Sets the operator of the system, and a closure as its preconditioner: `apply(r, z)` writes z = B r of this rank's entries. The operator

@@ -117,4 +117,9 @@ def arguments(doc):
     args = parser.parse_args()
     size = tuple(float(x) for x in args.size.split(","))
     plies = read_layers(args.layers, size[2]) if args.layers else ()
+    lame = Scene(size, args.stiffness).lame
+    if any((layer.lam, layer.mu) != lame for layer in plies if not layer.chain):
+        parser.error("--layers: elastic layers must be of the plate's own glass")
+    if len({id(layer.chain.times) for layer in plies if layer.chain}) > 1:
+        parser.error("--layers: one layer may relax")
     return Scene(size, args.stiffness, args.end, plies=plies), args.folder, args.budget

@@ -144,8 +144,7 @@ impl LinearBody for Body {
             moved.extend(foundation.moved(vector)?);
             Ok(())
         })?;
-        let rows = moved.len() / basis.count().max(1);
-        Ok(Some(foundation.on(DMatrix::from_vec(rows, basis.count(), moved))))
+        Ok(Some(foundation.on(DMatrix::from_vec(foundation.points(), basis.count(), moved))))
     }
 
     fn is_meshed(&self) -> bool {

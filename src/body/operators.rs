@@ -100,8 +100,8 @@ impl Body {
         Ok(ksp)
     }
 
-    /// How the systems of a step are solved: as all, but by incomplete factors in the place of multigrid where the mass outweighs the
-    /// stiffness. Collective.
+    /// How the systems of a step are solved: as all, but by incomplete factors in the place of multigrid where the stiffness does
+    /// not outweigh the mass by far. Collective.
     ///
     /// # Errors
     /// PETSc's.

@@ -80,6 +80,11 @@ impl Unilateral {
         Ok(self.pads.borrow_mut().moved(u)?)
     }
 
+    /// How many points there are.
+    pub(super) fn points(&self) -> usize {
+        self.stiffness.len()
+    }
+
     /// The points on a basis, with a column of [`Self::moved`] for each vector.
     pub(super) fn on(&self, rows: DMatrix<f64>) -> FoundationPoints {
         FoundationPoints {

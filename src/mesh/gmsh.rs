@@ -15,6 +15,7 @@ pub(super) fn read(comm: &Comm, path: &Path) -> Result<GmshMesh> {
     };
     Ok(Plex::gmsh(comm, path).map_err(|error| match error {
         petsc_wrap::Error::MeshFile { message, .. } => fault(message),
+        petsc_wrap::Error::TooLarge { .. } | petsc_wrap::Error::Invalid { .. } => fault(error.to_string()),
         // What is still wrong stops one rank alone, inside the collective call: only then are the others aborted.
         petsc_wrap::Error::Petsc { message, .. } => fault(plain(&message)).on_one_rank(),
         other => fault(other.to_string()).on_one_rank(),

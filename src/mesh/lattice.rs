@@ -70,7 +70,7 @@ pub(super) fn box_part(comm: &Comm, planes: &[Vec<f64>; 3], order: usize) -> Res
     let counts = planes.each_ref().map(|planes| planes.len() - 1);
     let total = counts.iter().try_fold(3_usize, |total, n| total.checked_mul(order * n + 1)).unwrap_or(usize::MAX);
     if Int::try_from(total).is_err() {
-        return Err(Error::TooLarge { number: total }.into());
+        return Err(crate::Error::from(Error::TooLarge { number: total }).of_all_ranks());
     }
     let mine = block(counts, comm.size(), comm.rank());
     let (mut first, mut owners, mut owned_nodes) = (0, Vec::new(), 0);

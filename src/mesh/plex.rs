@@ -1,4 +1,4 @@
-//! From a scene's geometry to a [`Mesh`], through DMPlex.
+//! From a scene's geometry to a [`Mesh`]: files, and a box on one rank, through DMPlex.
 
 use std::collections::BTreeMap;
 

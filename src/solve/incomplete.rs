@@ -33,7 +33,7 @@ const ATTEMPTS: [Attempt; 8] = [
 ];
 
 /// The factor of this rank's part of a symmetric positive definite matrix.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct IncompleteCholesky {
     pattern: Rc<Pattern>,
     /// V beyond its diagonal, by rows, and one number more ([`Rows::read`]); empty where the factor is its diagonal.

@@ -21,7 +21,7 @@ pub enum Method {
         tolerance: f64,
     },
     /// The same, preconditioned with an incomplete Cholesky factor of each rank's rows in blocks of three, and products with one triangle: for
-    /// operators in which the mass outweighs the stiffness. Options of PETSc's that name a method or a preconditioner take
+    /// operators that are not much stiffer than the mass in them ([`Method::for_stiffness`]). Options of PETSc's that name a method or a preconditioner take
     /// [`Method::Multigrid`] as what they change.
     Incomplete {
         /// That part.

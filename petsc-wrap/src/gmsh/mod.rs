@@ -53,8 +53,8 @@ impl Plex {
     /// The faces of physical group n have the value n of the label `Face Sets`, in files of version 4.1 for every group that they are in, in
     /// those of 2.2 for the first. So have cells in the label `Cell Sets`.
     ///
-    /// Every rank reads the file, piece by piece, checks it and keeps a part of as many cells as the others'; these parts are the mesh that is
-    /// distributed. Nobody may write to the file meanwhile. Collective.
+    /// Every rank reads the file, piece by piece, checks it and keeps a part of as many elements as the others', facets among them; the cells
+    /// of these parts are the mesh that is distributed. Nobody may write to the file meanwhile. Collective.
     ///
     /// # Errors
     /// [`Error::MeshFile`], on all ranks, for a file that is not there or does not keep what its format promises. PETSc's, on one rank alone, where
@@ -89,19 +89,19 @@ impl Plex {
         vertices.sort_unstable();
         vertices.dedup();
         let told = |error: Error| error.to_string();
-        let first_vertex = self.points(0).map_err(told)?.start;
+        let first_vertex = agree(self.comm(), self.points(0).map_err(told))?.start;
         let facets = agree(self.comm(), Facets::read(walk, &vertices, first_vertex))?;
         let labelled = |dimension: usize, point: Int, region: &i32| -> Vec<LabelledPoint> {
             let groups = walk.groups(dimension, region).iter();
             groups.map(|group| LabelledPoint { point, value: Int::from(*group) }).collect()
         };
-        let cell_points = self.points(3).map_err(told)?;
+        let cell_points = agree(self.comm(), self.points(3).map_err(told))?;
         let cells = cell_points.zip(&regions).flat_map(|(cell, region)| labelled(3, cell, region));
         let mut faces = Vec::new();
         let found = facets.find(self, |face, region| faces.extend(labelled(2, face, &region)));
         let labels = self.label("Cell Sets", cells).and_then(|()| self.label("Face Sets", faces)).map_err(told);
         agree(self.comm(), labels)?;
-        match found.map_err(told)? {
+        match agree(self.comm(), found.map_err(told))? {
             true => Ok(()),
             false => Err("a surface has a face that is none of any cell".to_owned()),
         }

@@ -10,7 +10,7 @@ use crate::plex::CellType;
 use super::walk::Walk;
 
 /// Those of `total` things in a row that one of some ranks has.
-pub(super) fn share(total: usize, ranks: usize, rank: usize) -> Range<usize> {
+fn share(total: usize, ranks: usize, rank: usize) -> Range<usize> {
     let begin = |rank: usize| (total as u128 * rank as u128 / ranks as u128) as usize;
     begin(rank)..begin(rank + 1)
 }
@@ -20,8 +20,6 @@ pub(super) fn share(total: usize, ranks: usize, rank: usize) -> Range<usize> {
 pub(super) struct Share {
     /// Coordinates of this rank's share of them.
     pub places: Vec<[f64; 3]>,
-    /// Facets of the whole mesh that the file lists.
-    pub facets: usize,
     /// Tetrahedra and hexahedra of the whole mesh.
     pub counts: [usize; 2],
     /// This rank's cells.
@@ -54,7 +52,6 @@ impl Share {
         let (mut regions, mut own_elements) = (BTreeSet::new(), None);
         walk.elements(|element| {
             match element.dimension {
-                2 => taken.facets += 1,
                 3 => {
                     taken.counts[usize::from(element.corners.len() == 8)] += 1;
                     regions.insert(element.region);

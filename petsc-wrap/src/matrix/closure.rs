@@ -1,5 +1,6 @@
 //! Operators that are Rust closures.
 
+use std::cell::RefCell;
 use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -7,7 +8,7 @@ use petsc_sys as sys;
 
 use super::Matrix;
 use crate::comm::Comm;
-use crate::error::{Result, check};
+use crate::error::{Result, USER_ERROR, check};
 use crate::vector::{Vector, VectorView};
 
 /// y ← A x; the arguments are x and y.
@@ -16,16 +17,15 @@ type Multiply = Box<dyn FnMut(&VectorView, &mut VectorView) -> Result<()>>;
 /// A closure, and the ranks of its vectors.
 struct Context {
     comm: Comm,
-    multiply: Multiply,
+    /// Borrowed while it runs: it may hold its own operator.
+    multiply: RefCell<Multiply>,
 }
-
-/// PETSC_ERR_USER.
-const USER_ERROR: sys::PetscErrorCode = 83;
 
 impl Matrix {
     /// A square operator with `local` rows and columns of this rank, known by its products: `multiply(x, y)` writes y = A x, collectively. It is
     /// for [`MatrixView::mult`](super::MatrixView::mult) and [`KspView::set_closure`](crate::KspView::set_closure), and keeps the closure as
-    /// long as something keeps it. An error or a panic in the closure ends the product with an error. Collective.
+    /// long as something keeps it. An error or a panic in the closure ends the product with an error, and so does a product by the same operator
+    /// within it. Collective.
     ///
     /// # Errors
     /// PETSc's.
@@ -52,7 +52,7 @@ impl Matrix {
         let end = Some(unsafe { std::mem::transmute(end) });
         // SAFETY: as above; there is no context yet, which `release` knows.
         check(unsafe { sys::MatShellSetOperation(raw, sys::MatOperation::MATOP_DESTROY, end) })?;
-        let context = Box::new(Context { comm: comm.clone(), multiply: Box::new(multiply) });
+        let context = Box::new(Context { comm: comm.clone(), multiply: RefCell::new(Box::new(multiply)) });
         // SAFETY: the box is PETSc's until `release`.
         check(unsafe { sys::MatShellSetContext(raw, Box::into_raw(context).cast::<c_void>()) })?;
         Ok(matrix)
@@ -90,8 +90,10 @@ unsafe extern "C" fn call(matrix: sys::Mat, x: sys::Vec, y: sys::Vec) -> sys::Pe
     if context.is_null() || x == y {
         return USER_ERROR;
     }
-    // SAFETY: the box lives until `release`, and PETSc multiplies by one operator at a time.
-    let Context { comm, multiply } = unsafe { &mut *context };
+    // SAFETY: the box lives until `release`, and nobody has it but by shared references.
+    let Context { comm, multiply } = unsafe { &*context };
+    // A product within its own product is an error.
+    let Ok(mut multiply) = multiply.try_borrow_mut() else { return USER_ERROR };
     // SAFETY: PETSc's vectors are valid for the call.
     let from = unsafe { Vector::lent(x, comm) };
     // SAFETY: as above; it is not the other one.

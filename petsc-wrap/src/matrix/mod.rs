@@ -125,8 +125,12 @@ impl MatrixView {
     /// A matrix of the same layout and entries, values copied. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// For a [`Matrix::closure`], which has no entries; PETSc's.
     pub fn duplicate(&self) -> Result<Matrix> {
+        // SAFETY: the matrix is valid.
+        let name = unsafe { type_name(self.raw()) }?;
+        // PETSc would give the copy the same closure.
+        require(name != "shell", "an operator without entries has no copy")?;
         let mut raw = std::ptr::null_mut();
         // SAFETY: the matrix is valid; PETSc refuses one that is not assembled.
         check(unsafe { sys::MatDuplicate(self.raw(), sys::MatDuplicateOption::MAT_COPY_VALUES, &raw mut raw) })?;

@@ -9,7 +9,7 @@ use petsc_sys as sys;
 
 use super::{CallbackResult, Progress, Snes, Trial};
 use crate::comm::Comm;
-use crate::error::{Result, check, require};
+use crate::error::{Result, USER_ERROR, check, require};
 use crate::matrix::{Matrix, MatrixView};
 use crate::vector::{Vector, VectorView};
 
@@ -18,9 +18,6 @@ pub(super) enum Stop {
     Error(Box<dyn StdError>),
     Panic(Box<dyn Any + Send>),
 }
-
-/// PETSC_ERR_USER: what PETSc gets to see of a [`Stop`].
-const USER_ERROR: sys::PetscErrorCode = 83;
 
 /// Runs a closure without letting a panic through to C.
 fn guard<T>(closure: impl FnOnce() -> CallbackResult<T>) -> std::result::Result<T, Stop> {

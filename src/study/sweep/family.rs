@@ -83,14 +83,17 @@ impl Family {
             let snapshots = snapshots(reduced.krylov.basis(), &own, rate(&scene));
             Ok(Sample { body, snapshots, own, error: reduced.error.history, scene })
         };
-        let ends = [make(0)?, make(last)?];
+        let mut ends = [make(0)?, make(last)?];
         // A layer's modulus may ask for other cells, whose vectors have no common basis.
         let unknowns = ends[0].body.linear().unknowns();
         if ends[1].body.linear().unknowns() != unknowns {
             return Ok(None);
         }
-        let mut pool = ends[0].snapshots.clone();
-        pool.append(ends[1].snapshots.clone());
+        let [mut pool, others] = ends.each_mut().map(|end| {
+            let none = end.snapshots.zeros(0);
+            std::mem::replace(&mut end.snapshots, none)
+        });
+        pool.append(others);
         let merge = |pool: &Columns| {
             let depth = DEPTH * ends[0].scene.tolerance;
             let bodies = [(values[0], ends[0].body.linear()), (values[last], ends[1].body.linear())];
