@@ -25,7 +25,8 @@ impl Matrix {
     /// A square operator with `local` rows and columns of this rank, known by its products: `multiply(x, y)` writes y = A x, collectively. It is
     /// for [`MatrixView::mult`](super::MatrixView::mult) and [`KspView::set_closure`](crate::KspView::set_closure), and keeps the closure as
     /// long as something keeps it. An error or a panic in the closure ends the product with an error, and so does a product by the same operator
-    /// within it. Collective.
+    /// within it. On several ranks destroy it, and what keeps it, before the session ends: what is only dropped waits for PETSc to collect it, and the
+    /// closure's ranks keep the session meanwhile. Collective.
     ///
     /// # Errors
     /// PETSc's.
