@@ -51,17 +51,14 @@ impl Share {
         })?;
         let (mut regions, mut own_elements) = (BTreeSet::new(), None);
         walk.elements(|element| {
-            match element.dimension {
-                3 => {
-                    taken.counts[usize::from(element.corners.len() == 8)] += 1;
-                    regions.insert(element.region);
-                    let own = own_elements.get_or_insert_with(|| share(element.total, ranks, rank));
-                    if own.contains(&element.number) {
-                        taken.cells.vertices.extend(element.corners.iter().map(|&index| index as Int));
-                        taken.cells.regions.push(element.region);
-                    }
+            if element.dimension == 3 {
+                taken.counts[usize::from(element.corners.len() == 8)] += 1;
+                regions.insert(element.region);
+                let own = own_elements.get_or_insert_with(|| share(element.total, ranks, rank));
+                if own.contains(&element.number) {
+                    taken.cells.vertices.extend(element.corners.iter().map(|&index| index as Int));
+                    taken.cells.regions.push(element.region);
                 }
-                _ => (),
             }
             Ok(())
         })?;
