@@ -1,4 +1,4 @@
-"""Peer: NGSolve on a large body, a step by conjugate gradients with those of its preconditioners that serve; prints a table of comma-separated values.
+"""Peer: NGSolve on a large body, a step by conjugate gradients; prints a table of comma-separated values.
 
 A quarter of the paper's 0.1 m plate in quadratic hexahedra, elastic support on its sides, Newmark's average acceleration: as scripts/scaling.
 The system of a step is solved from the increment at constant acceleration on, down to a part of the right-hand side in the
