@@ -40,7 +40,7 @@ impl Body {
     fn factor(&self, rate: f64, held: &[usize], precision: Precision) -> Result<Direct> {
         let relaxing = self.relaxations.iter();
         let relaxing = relaxing.map(|part| (part.chain.transformed_terms(rate), &part.distortion));
-        let terms = [Some((1.0, &self.elastic)), Some((rate * rate, &self.mass))].into_iter().flatten();
+        let terms = [(1.0, &self.elastic), (rate * rate, &self.mass)].into_iter();
         let supports = self.support.iter().map(|support| (1.0, support));
         let terms = terms.chain(supports).chain(self.damping.iter().map(|damping| (rate, damping))).chain(relaxing);
         let numbers = |(factor, matrix)| Ok::<_, crate::Error>((factor, numbers_of(matrix, self.unknowns())?));

@@ -13,7 +13,7 @@ use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
 const BLOCKED: usize = 64;
 
 /// Rows from which on divide and conquer takes the place of QR's method. It is quicker, but the lowest eigenvalues lose digits to the largest
-/// one: a body's deflection at rest was off by 1e-7 of itself with it, and is by 1e-10 without.
+/// one: an impact from equilibrium on a basis of 160 vectors was off by 7e-7 of its peak with it, and is by 5e-10 without.
 const DIVIDED: usize = 256;
 
 /// Eigenvalues, ascending, and unit eigenvectors by columns. Rows that no entry couples, such as those of a body's classes of motions, are

@@ -19,7 +19,7 @@ const NAME: usize = 127;
 pub(super) struct Walk<R> {
     pub words: Words<R>,
     /// Whether the format is 4.1.
-    pub is_modern: bool,
+    is_modern: bool,
     /// The named groups of faces, and those of cells.
     pub named: [Vec<PhysicalGroup>; 2],
     pub nodes: Nodes,
