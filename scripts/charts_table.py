@@ -40,17 +40,17 @@ def ratio(value):
     return f"{value:.1f}" if value < 10 else f"{value:,.0f}"
 
 
-def chart(rows, levels):
-    """By error: our best, auto's, and the peers' over ours."""
-    peers, auto = [row for row in rows if row[0] in PEERS], [row for row in rows if row[0] == "auto"]
-    own = [row for row in rows if row[0] not in PEERS and row[0] != "auto"]
+def chart(rows, levels, columns):
+    """By error: our best, auto's, and over ours those of the peers, each with the head of its column."""
+    peers, auto = [row for row in rows if row[0] in columns], [row for row in rows if row[0] == "auto"]
+    own = [row for row in rows if row[0] not in columns and row[0] != "auto"]
     lines = []
     # Errors that the reference cannot tell are below this.
     floor = max((row[3] for row in rows if not row[4]), default=0.0)
     for level in levels:
         first = best(own, level)
         if first is None or level < floor:
-            lines.append([per_cent(level), *["–"] * 6])
+            lines.append([per_cent(level), *["–"] * (2 + len(columns))])
             continue
         asked = [row for row in auto if row[1] == f"accuracy.tolerance={level:.0e}".replace("e-0", "e-")]
         of_auto = "–"
@@ -58,24 +58,25 @@ def chart(rows, levels):
             met = "" if asked[0][3] <= level else ", **missed**"
             of_auto = f"{seconds(asked[0][2])}, {ratio(asked[0][2] / first[2])} times; error {100 * asked[0][3]:.2g}%{met}"
         cells = []
-        for name in PEERS:
+        for name in columns:
             point = best([row for row in peers if row[0] == name], level)
             cells.append(f"{ratio(point[2] / first[2])} ({seconds(point[2])})" if point else "–")
         lines.append([per_cent(level), f"{first[0]} {first[1]}, {seconds(first[2])}", of_auto, *cells])
-    return table(["error", "quickest", "`auto`, over it", *PEERS.values()], lines)
+    return table(["error", "quickest", "`auto`, over it", *columns.values()], lines)
 
 
 def tension(rows):
     """The same by the error of the largest tension, whatever the acceleration's is."""
-    return chart([(method, setting, time, error, True) for method, setting, time, error, _ in rows], TENSION_LEVELS)
+    return chart([(method, setting, time, error, True) for method, setting, time, error, _ in rows], TENSION_LEVELS, PEERS)
 
 
 def main(folder, doc):
     for plate in PLATES:
         for k in STIFFNESSES:
             of_chart = f"{folder}/{plate}-k{k}/work-precision.csv"
-            replace(doc, f"chart-{plate}-k{k}", chart(list(points(of_chart, "error_first")), LEVELS))
+            replace(doc, f"chart-{plate}-k{k}", chart(list(points(of_chart, "error_first")), LEVELS, PEERS))
             replace(doc, f"tension-{plate}-k{k}", tension(list(points(of_chart, "error_tension"))))
 
 
-main(*sys.argv[1:])
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,7 +1,7 @@
 """laminates_table.py OUT DOC: what scripts/laminates computed into OUT as tables of DOC.
 
 OUT holds moduli.h5 (a sweep over the interlayer's modulus), plate.h5, and layerwise.h5, solid.h5 and laminate5.h5, each with the
-processor's seconds in NAME.seconds.
+processor's seconds in NAME.seconds; chart/work-precision.csv is of `ricochet chart`.
 """
 
 import json
@@ -9,8 +9,11 @@ import sys
 
 import h5py
 
+from charts_table import chart, points
 from markers import replace, table
 
+LEVELS = [1e-1, 5e-2, 2e-2, 1e-2, 5e-3]
+PEERS = {"NGSolve + Newmark": "NGSolve, Newmark", "NGSolve + Ritz vectors, relaxing": "NGSolve, Ritz"}
 
 def largest(file, face):
     """The largest tension on a face, MPa."""
@@ -75,3 +78,4 @@ if __name__ == "__main__":
     folder, document = sys.argv[1:]
     replace(document, "moduli", moduli(folder))
     replace(document, "theories", theories(folder))
+    replace(document, "peers", chart(list(points(f"{folder}/chart/work-precision.csv", "error_first")), LEVELS, PEERS))

@@ -72,6 +72,8 @@ pub struct Ladder {
     /// Whether the body has modes.
     is_linear: bool,
     is_box: bool,
+    /// Whether it is of one elastic material.
+    is_uniform: bool,
 }
 
 impl Ladder {
@@ -87,7 +89,13 @@ impl Ladder {
             thickness,
             is_linear: scene.time.modal && !scene.is_on_pads(),
             is_box: matches!(scene.body.geometry, Geometry::Box { .. }),
+            is_uniform: scene.body.composition.uniform().is_some(),
         }
+    }
+
+    /// The plate theory whose cells and basis are refined, which is Mindlin's in each layer.
+    fn plate(&self) -> &'static str {
+        if self.is_uniform { "mindlin" } else { "layerwise" }
     }
 
     /// Whether the body has modes.
@@ -103,17 +111,19 @@ impl Ladder {
     /// All methods that may stand for the scene.
     pub fn methods(&self) -> Vec<Method> {
         let mut methods = vec![self.by("auto", &["body.model=auto"], &DECADES.map(tolerance))];
+        let plate = self.plate();
         if self.is_box && self.is_linear {
             // A formula has one answer, and a plate that neglects shear is soon off by that alone.
             let by_theory =
                 [("half-space", &DECADES[1..2]), ("infinite-plate", &DECADES[1..2]), ("kirchhoff", &TOLERANCES[..4])];
-            for (theory, tolerances) in by_theory {
+            for (theory, tolerances) in &by_theory[..if self.is_uniform { 3 } else { 1 }] {
                 let rungs: Vec<String> = tolerances.iter().copied().map(tolerance).collect();
                 methods.push(self.by(theory, &[&format!("body.model={theory}")], &rungs));
             }
-            methods.push(self.by("mindlin", &["body.model=mindlin"], &TOLERANCES.map(tolerance)));
-            let vectors = ["body.model=mindlin", "accuracy.tolerance=1e-3"];
-            methods.push(self.by("mindlin/vectors", &vectors, &VECTORS.map(reduction)));
+            let model = format!("body.model={plate}");
+            methods.push(self.by(plate, &[&model], &TOLERANCES.map(tolerance)));
+            let vectors = [&model, "accuracy.tolerance=1e-3"];
+            methods.push(self.by(&format!("{plate}/vectors"), &vectors, &VECTORS.map(reduction)));
         }
         if self.is_linear {
             methods.push(self.by("solid", &["body.model=solid"], &TOLERANCES.map(tolerance)));
@@ -121,7 +131,8 @@ impl Ladder {
             methods.push(self.by("solid/vectors", &vectors, &VECTORS.map(reduction)));
         }
         let steps = STEPS.map(|a_contact| self.step(a_contact));
-        for theory in if self.is_box && self.is_linear { &["mindlin", "solid"][..] } else { &[] } {
+        let reduced = [plate, "solid"];
+        for theory in &reduced[..if self.is_box && self.is_linear { 2 } else { 0 }] {
             let basis = [format!("body.model={theory}"), reduction(STEPPED)];
             let name = format!("{theory}/vectors/newmark");
             methods.push(self.by(&name, &[&basis[0], &basis[1], "time.scheme=newmark"], &steps));
@@ -129,8 +140,8 @@ impl Ladder {
         for scheme in ["newmark", "generalized-alpha", "energy"] {
             let scheme_key = format!("time.scheme={scheme}");
             if self.is_box && self.is_linear {
-                let whole = ["body.model=mindlin", "body.reduction=none", &scheme_key];
-                methods.push(self.by(&format!("mindlin/{scheme}"), &whole, &steps));
+                let whole = [&format!("body.model={plate}"), "body.reduction=none", &scheme_key];
+                methods.push(self.by(&format!("{plate}/{scheme}"), &whole, &steps));
             }
             methods.push(self.refined(&format!("solid/{scheme}"), &[&scheme_key]));
         }
@@ -237,6 +248,22 @@ mod tests {
         );
         let asked = format!("{asked}step = 1e-5\nscheme = \"generalized-alpha\"\nrho_inf = 0.5\n");
         assert_eq!(names(&asked), all);
+    }
+
+    /// Layers take the plate theory that has layers, and no formula but that of the layer that is hit.
+    #[test]
+    fn layers_have_a_theory_of_their_own() {
+        let layers = PLATE
+            .replace("young = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.5, 0.5, 0.02]", "size = [0.5, 0.5]");
+        let layers = layers.replace(
+            "[impactor]",
+            "[[body.layer]]\nthickness = 0.01\nmaterial = \"glass\"\n[[body.layer]]\nthickness = 0.002\nmaterial = \"polymer\"\n\
+             [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+             [material.polymer]\nyoung = 3e9\npoisson = 0.4\ndensity = 1100.0\n[impactor]",
+        );
+        let found = names(&layers);
+        assert!(found.starts_with("auto half-space layerwise layerwise/vectors solid"), "{found}");
+        assert!(!found.contains("mindlin"), "{found}");
     }
 
     /// Cells under a point, and bodies without modes, stay what they are.
