@@ -1,7 +1,9 @@
 //! Distributed vectors.
 
+mod entries;
+
 use std::cell::Cell;
-use std::ops::{Deref, DerefMut, Range};
+use std::ops::Range;
 
 use petsc_sys as sys;
 
@@ -12,6 +14,8 @@ use crate::layout::Layout;
 use crate::matrix::Insert;
 use crate::object::{Lent, Object, viewed};
 use crate::text::int;
+
+pub use entries::{ReadGuard, WriteGuard};
 
 /// A vector distributed by contiguous ranges over the ranks of its communicator; its methods are those of [`VectorView`].
 ///
@@ -323,97 +327,8 @@ impl VectorView {
         check(unsafe { sys::VecAssemblyEnd(self.raw()) })
     }
 
-    /// This rank's entries, read-only, until the guard goes.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn read(&self) -> Result<ReadGuard<'_>> {
-        let mut data = std::ptr::null();
-        // SAFETY: the vector is valid; the guard restores.
-        check(unsafe { sys::VecGetArrayRead(self.raw(), &raw mut data) })?;
-        let readers = &self.inner().readers;
-        readers.set(readers.get() + 1);
-        Ok(ReadGuard { vector: self, data, len: self.local_len() })
-    }
-
-    /// This rank's entries, writable, until the guard goes.
-    ///
-    /// # Errors
-    /// PETSc's.
-    pub fn write(&mut self) -> Result<WriteGuard<'_>> {
-        let mut data = std::ptr::null_mut();
-        // SAFETY: the vector is valid; the guard restores.
-        check(unsafe { sys::VecGetArray(self.raw(), &raw mut data) })?;
-        let len = self.local_len();
-        Ok(WriteGuard { vector: self, data, len })
-    }
-
     fn local_len(&self) -> usize {
         let range = self.range();
         (range.end - range.start) as usize
-    }
-}
-
-/// Read-only view of a rank's entries.
-pub struct ReadGuard<'a> {
-    vector: &'a VectorView,
-    data: *const f64,
-    len: usize,
-}
-
-impl Deref for ReadGuard<'_> {
-    type Target = [f64];
-
-    fn deref(&self) -> &[f64] {
-        if self.len == 0 {
-            return &[];
-        }
-        // SAFETY: PETSc's array has `len` entries and stays until it is restored in `drop`.
-        unsafe { std::slice::from_raw_parts(self.data, self.len) }
-    }
-}
-
-impl Drop for ReadGuard<'_> {
-    fn drop(&mut self) {
-        // SAFETY: gives back what `read` got.
-        unsafe { sys::VecRestoreArrayRead(self.vector.raw(), &raw mut self.data) };
-        let readers = &self.vector.inner().readers;
-        readers.set(readers.get() - 1);
-    }
-}
-
-/// Writable view of a rank's entries.
-pub struct WriteGuard<'a> {
-    vector: &'a mut VectorView,
-    data: *mut f64,
-    len: usize,
-}
-
-impl Deref for WriteGuard<'_> {
-    type Target = [f64];
-
-    fn deref(&self) -> &[f64] {
-        if self.len == 0 {
-            return &[];
-        }
-        // SAFETY: PETSc's array has `len` entries and stays until it is restored in `drop`.
-        unsafe { std::slice::from_raw_parts(self.data, self.len) }
-    }
-}
-
-impl DerefMut for WriteGuard<'_> {
-    fn deref_mut(&mut self) -> &mut [f64] {
-        if self.len == 0 {
-            return &mut [];
-        }
-        // SAFETY: as in `deref`; the vector is borrowed mutably.
-        unsafe { std::slice::from_raw_parts_mut(self.data, self.len) }
-    }
-}
-
-impl Drop for WriteGuard<'_> {
-    fn drop(&mut self) {
-        // SAFETY: gives back what `write` got.
-        unsafe { sys::VecRestoreArray(self.vector.raw(), &raw mut self.data) };
     }
 }
