@@ -11,7 +11,7 @@ from estimate_scenes import COARSER, HALVED, SCENES
 from markers import replace, table
 
 TOLERANCE = 1e-2
-# A theory that is named has no estimate of its own error: its reference is of the same theory. That of `auto` is the solid.
+# A theory that is named has no estimate of its own error: the reference of its acceleration is of the same theory. That of `auto` is the solid.
 THEORIES = {"mindlin": "mindlin", "solid": "solid", "auto": "solid"}
 # Part of the largest tension from which a tension is near it, as the program has it.
 NEAR_PEAK = 0.9
@@ -81,20 +81,20 @@ class Runs:
         return Result(result)
 
     def references(self, end, theory, number):
-        """For each quantity the reference and another one, whose difference says how good it is. Of solids, the tension's has the force on
-        a disc half as wide, where that takes no hours."""
+        """For each quantity the reference and another one, whose difference says how good it is. Those of the tension are solids for every
+        theory, the first with the force on a disc half as wide, where that takes no hours."""
 
-        def run(tolerance, disc="wide", more=()):
+        def run(theory, tolerance, disc="wide", more=()):
             return self.run(f"reference-{theory}-{tolerance}-{disc}", end, theory, tolerance, keep=True, more=more)
 
-        is_coarser = theory == "solid" and number in COARSER
-        finest, rougher = (run(tolerance) for tolerance in (("3e-4", "1e-3") if is_coarser else ("1e-4", "3e-4")))
-        if theory == "mindlin":
-            return {quantity: (finest, rougher) for quantity in QUANTITIES}
-        references = {"acceleration": (finest, rougher)}
+        def two(theory):
+            is_coarser = theory == "solid" and number in COARSER
+            return [run(theory, tolerance) for tolerance in (("3e-4", "1e-3") if is_coarser else ("1e-4", "3e-4"))]
+
+        references = {"acceleration": two(theory)}
         if number in HALVED:
             disc = [f"contact.disc_radius={0.5 * self.scene.disc():.6g}"]
-            references["tension"] = run(HALVED[number], "half", disc), finest
+            references["tension"] = run("solid", HALVED[number], "half", disc), two("solid")[0]
         return references
 
     def end(self):
