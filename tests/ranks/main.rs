@@ -179,6 +179,7 @@ fn main() -> ExitCode {
     .long_group("impact::relaxing_modes", &[1], impact::relaxing_modes::LONG)
     .long_group("model::converged", &[1], model::converged::LONG)
     .long_group("model::reduction", &[1], model::reduction::LONG)
+    .long_group("model::stress", &[1], model::stress::LONG)
     .long_group("model::theory_error", &[1], model::theory_error::LONG)
     .long_group("model::tolerances", &[1], model::tolerances::LONG)
     .run()
