@@ -11,6 +11,7 @@ use ricochet::cli::{self, Cli, Command, tell};
 use ricochet::error::Error;
 
 fn main() {
+    petsc_wrap::keep_freed_memory();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         // Every rank gets the same words: one of them answers.
