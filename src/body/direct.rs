@@ -1,11 +1,12 @@
 //! The direct solver of a small symmetric positive definite matrix, of which every rank has all.
 
-use faer::linalg::solvers::{Llt as DenseLlt, Solve};
+use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::Llt;
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use faer::{MatMut, MatRef, Side};
 use nalgebra_sparse::CsrMatrix;
 
+use super::triangle::Triangle;
 use crate::error::{Error, Result};
 
 /// Part of its entries that a matrix has from which on it is factorised as a full one: splines of a high degree on few cells couple nearly all
@@ -19,7 +20,7 @@ const MOST_OF_FULL: usize = 2000;
 pub struct Direct(Factor);
 
 enum Factor {
-    Full(DenseLlt<f64>),
+    Full(Triangle),
     Sparse(Llt<usize, f64>),
     Single(Llt<usize, f32>),
 }
@@ -53,7 +54,8 @@ impl Direct {
         if count <= MOST_OF_FULL && entries as f64 > FULL * (count * count) as f64 {
             let matrix = sum.full();
             let factor = MatRef::from_column_major_slice(&matrix, count, count).llt(Side::Lower);
-            return Ok(Self(Factor::Full(factor.map_err(|error| none(format!("{error:?}")))?)));
+            let factor = factor.map_err(|error| none(format!("{error:?}")))?;
+            return Ok(Self(Factor::Full(Triangle::new(factor.L()))));
         }
         let matrix = sum.sparse();
         // (What single precision cannot factorise, double precision may.)
@@ -72,10 +74,9 @@ impl Direct {
     /// x ← A⁻¹ x.
     pub fn solve_in_place(&self, x: &mut [f64]) {
         let count = x.len();
-        let column = MatMut::from_column_major_slice_mut(x, count, 1);
         match &self.0 {
-            Factor::Full(factor) => factor.solve_in_place(column),
-            Factor::Sparse(factor) => factor.solve_in_place(column),
+            Factor::Full(factor) => factor.solve_in_place(x),
+            Factor::Sparse(factor) => factor.solve_in_place(MatMut::from_column_major_slice_mut(x, count, 1)),
             Factor::Single(factor) => {
                 // Numbers about 1 are within the range.
                 let largest = x.iter().fold(f64::MIN_POSITIVE, |largest, entry| entry.abs().max(largest));

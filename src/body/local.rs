@@ -1,5 +1,8 @@
 //! A body that one process has all of, as numbers: it needs no PETSc.
 
+use std::cell::RefCell;
+use std::rc::Rc;
+
 use nalgebra_sparse::CsrMatrix;
 
 use crate::error::Result;
@@ -8,13 +11,15 @@ use crate::material::Maxwell;
 use super::columns::Columns;
 use super::direct::{Direct, Precision};
 use super::linear::{LinearBody, Operator, Properties};
+use super::runs::Runs;
 use super::shift::Solver;
-use super::sparse::multiply;
 use super::{FoundationPoints, InfinitePlate, System};
 
 /// A linear body of a [`System`]. On several ranks each has one.
 pub struct LocalBody {
     system: System,
+    /// Its matrices as they are multiplied with, once they have been.
+    products: RefCell<Vec<(Operator, Rc<Runs>)>>,
     /// Its classes of motions; none where there is one.
     classes: Vec<Self>,
 }
@@ -23,8 +28,12 @@ impl LocalBody {
     /// Of a system. Its pads, which are not linear, are left out.
     pub fn new(system: System) -> Self {
         let count = if system.classes > 1 { system.classes } else { 0 };
-        let classes = (0..count).map(|class| Self { system: system.class(class), classes: Vec::new() }).collect();
-        Self { system, classes }
+        let classes = (0..count).map(|class| Self::of(system.class(class), Vec::new())).collect();
+        Self::of(system, classes)
+    }
+
+    fn of(system: System, classes: Vec<Self>) -> Self {
+        Self { system, products: RefCell::default(), classes }
     }
 
     /// Its numbers.
@@ -41,6 +50,17 @@ impl LocalBody {
             Operator::Damping => damping.as_ref(),
             Operator::Distortion(number) => relaxations.get(number).map(|(distortion, _)| distortion),
         }
+    }
+
+    /// An operator as it is multiplied with.
+    fn runs(&self, operator: Operator) -> Option<Rc<Runs>> {
+        let mut products = self.products.borrow_mut();
+        if let Some((_, known)) = products.iter().find(|(known, _)| *known == operator) {
+            return Some(known.clone());
+        }
+        let runs = Rc::new(Runs::new(self.matrix(operator)?));
+        products.push((operator, runs.clone()));
+        Some(runs)
     }
 
     fn held(&self) -> Vec<usize> {
@@ -81,7 +101,8 @@ impl LinearBody for LocalBody {
     }
 
     fn apply(&self, operator: Operator, vectors: &Columns) -> Result<Columns> {
-        Ok(self.matrix(operator).map_or_else(|| vectors.zeros(vectors.count()), |matrix| multiply(matrix, vectors)))
+        let none = || vectors.zeros(vectors.count());
+        Ok(self.runs(operator).map_or_else(none, |runs| vectors.mapped(|entries| runs.multiply(entries))))
     }
 
     fn solver(&self, rate: f64, precision: Precision) -> Result<Solver> {

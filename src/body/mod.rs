@@ -26,14 +26,15 @@ mod rational_eigen;
 mod relaxation;
 mod relaxing_directions;
 mod relaxing_modes;
+mod runs;
 mod secular_eigen;
 mod shapes;
 mod shift;
 mod short_waves;
-mod sparse;
 mod spectrum;
 mod start;
 mod system;
+mod triangle;
 mod unilateral;
 
 pub use assembled::Assembled;

@@ -21,9 +21,9 @@ pub fn classes(has_plane: [bool; 2], is_shared: [bool; 2]) -> Vec<ParityClass> {
 }
 
 /// A matrix as often as there are classes, along the diagonal.
-pub fn repeated(matrix: &CsrMatrix<f64>, times: usize) -> CsrMatrix<f64> {
+pub fn repeated(matrix: CsrMatrix<f64>, times: usize) -> CsrMatrix<f64> {
     if times == 1 {
-        return matrix.clone();
+        return matrix;
     }
     let (size, entries) = (matrix.nrows(), matrix.nnz());
     let of_class = |class: usize| matrix.row_offsets()[1..].iter().map(move |end| class * entries + end);
@@ -52,7 +52,7 @@ mod tests {
     #[test]
     fn repeated_blocks_do_not_meet() {
         let matrix = CsrMatrix::try_from_csr_data(2, 2, vec![0, 2, 3], vec![0, 1, 1], vec![1.0, 2.0, 3.0]);
-        let found = repeated(&matrix.expect("a matrix"), 2);
+        let found = repeated(matrix.expect("a matrix"), 2);
         let entries: Vec<_> = found.triplet_iter().map(|(i, j, value)| (i, j, *value)).collect();
         assert_eq!(entries, [(0, 0, 1.0), (0, 1, 2.0), (1, 1, 3.0), (2, 2, 1.0), (2, 3, 2.0), (3, 3, 3.0)]);
     }

@@ -252,10 +252,10 @@ impl Plate {
             vector.resize(points.all_unknowns(), 0.0);
             vector
         };
-        let of_classes = |matrix: &CsrMatrix<f64>| repeated(matrix, classes);
+        let of_classes = |matrix: CsrMatrix<f64>| repeated(matrix, classes);
         let relaxation = |(laminate, (chain, relaxing)): (&Laminate, (&Maxwell, Vec<usize>))| {
             let distortion = points.tensor.matrix(&laminate.distortion(&points.geometry, &relaxing));
-            (of_classes(&distortion), chain.clone())
+            (of_classes(distortion), chain.clone())
         };
         let relaxations = description.relaxations().into_iter();
         let relaxations =
@@ -263,11 +263,11 @@ impl Plate {
         let compliance = points.laminate.as_ref().map(|laminate| laminate.compliance);
         let compliance = compliance.or(local.map(|local| local.compliance)).unwrap_or_default();
         let system = System {
-            mass: of_classes(&points.tensor.matrix(&mass)),
-            elastic: of_classes(&points.tensor.matrix(&elastic)),
+            mass: of_classes(points.tensor.matrix(&mass)),
+            elastic: of_classes(points.tensor.matrix(&elastic)),
             relaxations: relaxations.map(relaxation).collect(),
-            support: terms.support.as_ref().map(of_classes),
-            damping: terms.damping.as_ref().map(of_classes),
+            support: terms.support.map(of_classes),
+            damping: terms.damping.map(of_classes),
             pads: terms.pads,
             held: held(&points.tensor, &points.geometry, theory, &description.clamps),
             load: even(terms.load),
