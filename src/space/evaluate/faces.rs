@@ -122,9 +122,16 @@ impl Face {
         points: impl Iterator<Item = usize>,
         value: impl Fn(usize) -> f64,
     ) -> (usize, FaceTension) {
-        let values: Vec<(usize, f64)> = points.map(|point| (point, value(point))).collect();
-        let most = values.iter().map(|(_, value)| *value).fold(f64::NAN, f64::max);
-        let first = values.into_iter().find(|(_, value)| *value >= most - ALIKE * most.abs());
+        let mut points = points.map(|point| (point, value(point))).peekable();
+        // (Most often there is but one.)
+        let first = match (points.next(), points.peek()) {
+            (Some(one), Some(_)) => {
+                let values: Vec<(usize, f64)> = std::iter::once(one).chain(points).collect();
+                let most = values.iter().map(|(_, value)| *value).fold(f64::NAN, f64::max);
+                values.into_iter().find(|(_, value)| *value >= most - ALIKE * most.abs())
+            }
+            (one, _) => one.filter(|(_, value)| !value.is_nan()),
+        };
         let (point, largest) = first.unwrap_or((0, f64::NAN));
         let mut found = FaceTension { largest, point: self.points.get(point).copied().unwrap_or_default() };
         if let Some(grid) = &self.grid {

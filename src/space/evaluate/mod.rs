@@ -89,6 +89,17 @@ pub trait PointEvaluator {
     fn add_normal_section_stress(&self, x: Vec3, add: &mut smoothed::Add) {
         self.add_section_stress(x, add);
     }
+
+    /// The sum of these over places with weights on a line through a point along an axis.
+    fn add_normal_section_stress_along(&self, x: Vec3, axis: usize, line: &[(f64, f64)], add: &mut smoothed::Add) {
+        for (at, weight) in line {
+            let mut place = x;
+            place[axis] = *at;
+            self.add_normal_section_stress(place, &mut |component, unknown, value| {
+                add(component, unknown, weight * value);
+            });
+        }
+    }
 }
 
 /// A body whose points are read. Of a quarter it is the whole.

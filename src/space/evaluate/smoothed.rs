@@ -40,12 +40,31 @@ pub(super) fn smoothed(
         rule_by_cells(&lines, (from, centre[axis] + radius))
     });
     let mut sums: [Vec<f64>; 6] = std::array::from_fn(|_| vec![0.0; points.unknowns()]);
+    let at_distance = |square: f64| density(&spread, square) / (radius * radius);
+    if is_corner {
+        for (x, along_x) in &first {
+            let of_place = |(y, along_y): &(f64, f64)| {
+                let square = (x * x + y * y) / (radius * radius);
+                (square < 1.0).then(|| (*y, 4.0 * along_x * along_y * at_distance(square)))
+            };
+            let line: Vec<(f64, f64)> = second.iter().filter_map(of_place).collect();
+            let mut place = centre;
+            place[axes[0]] = *x;
+            // Of points in all quadrants shear stresses cancel.
+            points.add_normal_section_stress_along(place, axes[1], &line, &mut |component, unknown, value| {
+                if component < 3 {
+                    sums[component][unknown] += value;
+                }
+            });
+        }
+        return entries(sums);
+    }
     for ((x, along_x), (y, along_y)) in first.iter().flat_map(|x| second.iter().map(move |y| (x, y))) {
         let square = ((x - centre[axes[0]]).powi(2) + (y - centre[axes[1]]).powi(2)) / (radius * radius);
         if square >= 1.0 {
             continue;
         }
-        let of_point = along_x * along_y * density(&spread, square) / (radius * radius);
+        let of_point = along_x * along_y * at_distance(square);
         let mut place = centre;
         (place[axes[0]], place[axes[1]]) = (*x, *y);
         let mut signs = [1.0; 3];
@@ -56,18 +75,15 @@ pub(super) fn smoothed(
         }
         // xx, yy, zz, yz, xz, xy
         let turned = [1.0, 1.0, 1.0, signs[1] * signs[2], signs[0] * signs[2], signs[0] * signs[1]];
-        // Of points in all quadrants shear stresses cancel.
-        let (of_point, even) = if is_corner { (4.0 * of_point, 3) } else { (of_point, 6) };
-        let mut add = |component: usize, unknown: usize, value: f64| {
-            if component < even {
-                sums[component][unknown] += of_point * turned[component] * value;
-            }
-        };
-        match even {
-            3 => points.add_normal_section_stress(place, &mut add),
-            _ => points.add_section_stress(place, &mut add),
-        }
+        points.add_section_stress(place, &mut |component, unknown, value| {
+            sums[component][unknown] += of_point * turned[component] * value;
+        });
     }
+    entries(sums)
+}
+
+/// The entries that are not zero.
+fn entries(sums: [Vec<f64>; 6]) -> [Form; 6] {
     sums.map(|sum| sum.into_iter().enumerate().filter(|(_, value)| *value != 0.0).collect())
 }
 

@@ -301,6 +301,26 @@ impl PointEvaluator for Points {
         }
     }
 
+    /// Line by line: of each there is one product of functions along both axes.
+    fn add_normal_section_stress_along(&self, x: Vec3, axis: usize, line: &[(f64, f64)], add: &mut Add) {
+        let axes = self.geometry.axes;
+        debug_assert_eq!(axis, axes[1]);
+        let (point, height) = self.seen(x);
+        let Law { plane, poisson, .. } = self.law(height);
+        for (i, axis) in axes.into_iter().enumerate() {
+            let mut along = [0, 0];
+            along[i] = 1;
+            for (factor, part) in self.turned(i, along, height) {
+                let mut form = vec![0.0; self.all_unknowns()];
+                self.add_line((part, factor), point[0], line, &mut form);
+                for (unknown, value) in form.into_iter().enumerate().filter(|(_, value)| *value != 0.0) {
+                    add(axis, unknown, plane * value);
+                    add(axes[1 - i], unknown, plane * poisson * value);
+                }
+            }
+        }
+    }
+
     fn face_stress(&self, x: Vec3) -> [Form; 6] {
         let mut stress: [Form; 6] = Default::default();
         self.add_section_stress(x, &mut |component, unknown, value| stress[component].push((unknown, value)));

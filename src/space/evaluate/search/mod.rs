@@ -199,7 +199,7 @@ impl<'a> Finding<'a> {
                 peaks.take(&seen.values, *size as f32, number);
                 let bound = search.bound(seen.top);
                 // (Points that are left out have no tension.)
-                face.largest(seen.from(seen.top - bound).into_iter(), value)
+                face.largest(seen.from(seen.top - bound), value)
             } else {
                 // Without a size, as at rest, single precision tells nothing.
                 let values: Vec<f64> = (0..face.points.len()).map(value).collect();

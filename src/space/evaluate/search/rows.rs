@@ -64,16 +64,13 @@ impl StressRows {
     }
 }
 
-/// Σ a_i b_i of three rows, two sums each for the processor's vectors.
-fn products(rows: [&[f64]; 3], b: &[f64]) -> [f64; 3] {
-    rows.map(|row| {
-        let (pairs, ends) = row.as_chunks::<2>();
-        let (pairs_of_b, ends_of_b) = b.as_chunks::<2>();
-        let mut sums = [0.0; 2];
-        for (a, b) in pairs.iter().zip(pairs_of_b) {
-            (0..2).for_each(|k| sums[k] += a[k] * b[k]);
-        }
-        let end: f64 = ends.iter().zip(ends_of_b).map(|(a, b)| a * b).sum();
-        sums[0] + sums[1] + end
-    })
+/// Σ a_i b_i of three rows.
+fn products([a, b, c]: [&[f64]; 3], factors: &[f64]) -> [f64; 3] {
+    let mut sums = [0.0; 3];
+    for (((a, b), c), factor) in a.iter().zip(b).zip(c).zip(factors) {
+        sums[0] += a * factor;
+        sums[1] += b * factor;
+        sums[2] += c * factor;
+    }
+    sums
 }

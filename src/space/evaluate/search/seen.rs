@@ -12,16 +12,14 @@ pub(super) struct Seen {
     roots: Vec<f32>,
     /// Filled up with −∞ to a multiple of [`LANES`].
     pub values: Vec<f32>,
-    /// The largest of each [`SIFTED`] of them.
+    /// The largest of each [`LANES`] of them.
     tops: Vec<f32>,
     /// The largest of all.
     pub top: f32,
 }
 
-/// Values that are looked through together where one of them may be high, a multiple of [`LANES`].
-const SIFTED: usize = 8 * LANES;
-
 /// The larger one; the first where the second is NaN.
+#[inline(always)]
 fn larger(a: f32, b: f32) -> f32 {
     if b > a { b } else { a }
 }
@@ -30,9 +28,12 @@ impl Seen {
     /// Takes the stresses of a step.
     pub fn take(&mut self, column: &[f32]) {
         let sampled = column.len() / 3;
-        let parts = column[sampled..2 * sampled].iter().zip(&column[2 * sampled..]);
-        self.roots.clear();
-        self.roots.extend(parts.map(|(d, s)| (d * d + s * s).sqrt()));
+        self.roots.resize(sampled, 0.0);
+        pulp::Arch::new().dispatch(Rooting {
+            half: &column[sampled..2 * sampled],
+            shear: &column[2 * sampled..3 * sampled],
+            roots: &mut self.roots,
+        });
     }
 
     /// Looks at a face, whose stresses over the size S are parts of a column.
@@ -40,45 +41,95 @@ impl Seen {
         let (sampled, count) = (column.len() / 3, face.points.len());
         let [mean, half, shear] = [0, 1, 2].map(|part| &column[part * sampled + face.first..][..count]);
         let sign = face.sign as f32;
-        self.values.clear();
-        let roots = &self.roots[face.first..][..count];
-        self.values.extend(mean.iter().zip(roots).map(|(m, root)| sign * m + root));
+        // (What is beyond the points of this face may be those of another one.)
+        self.values.resize(count.next_multiple_of(LANES), f32::NEG_INFINITY);
+        let (values, beyond) = self.values.split_at_mut(count);
+        beyond.fill(f32::NEG_INFINITY);
+        pulp::Arch::new().dispatch(Adding { sign, mean, roots: &self.roots[face.first..][..count], values });
         if contact.force > 0.0 {
             for (point, more) in local.under(contact) {
                 let of = |part: usize, stress: f32| f64::from(sign * stress) + more[part] / size;
                 let [m, d, s] = [of(0, mean[point]), of(1, half[point]), of(2, shear[point])];
                 let value = (m + (d * d + s * s).sqrt()) as f32;
                 // What a small size takes out of range has all points looked at.
-                self.values[point] = if value.is_nan() { f32::INFINITY } else { value };
+                values[point] = if value.is_nan() { f32::INFINITY } else { value };
             }
         }
-        local.left_out.iter().for_each(|point| self.values[*point] = f32::NEG_INFINITY);
-        self.values.resize(count.next_multiple_of(LANES), f32::NEG_INFINITY);
-        self.tops.clear();
-        self.tops.extend(self.values.chunks(SIFTED).map(top));
+        local.left_out.iter().for_each(|point| values[*point] = f32::NEG_INFINITY);
+        self.tops.resize(self.values.len() / LANES, f32::NEG_INFINITY);
+        pulp::Arch::new().dispatch(Topping { values: &self.values, tops: &mut self.tops });
         self.top = self.tops.iter().copied().fold(f32::NEG_INFINITY, larger);
     }
 
     /// The points whose values are no lower than some value: few, where most are far below.
-    pub fn from(&self, least: f32) -> Vec<usize> {
-        let mut points = Vec::new();
-        for (sift, many) in self.values.chunks(SIFTED).enumerate().filter(|(sift, _)| self.tops[*sift] >= least) {
-            for (chunk, some) in many.chunks_exact(LANES).enumerate().filter(|(_, some)| top(some) >= least) {
-                let those = some.iter().enumerate().filter(|(_, value)| **value >= least);
-                points.extend(those.map(|(i, _)| SIFTED * sift + LANES * chunk + i));
-            }
-        }
-        points
+    pub fn from(&self, least: f32) -> impl Iterator<Item = usize> {
+        let high = self.tops.iter().enumerate().filter(move |(_, top)| **top >= least);
+        high.flat_map(move |(chunk, _)| {
+            let some = self.values[LANES * chunk..LANES * (chunk + 1)].iter().enumerate();
+            some.filter(move |(_, value)| **value >= least).map(move |(i, _)| LANES * chunk + i)
+        })
     }
 }
 
-/// The largest of values that are filled up to a multiple of [`LANES`]: side by side, for the processor's vectors.
-fn top(values: &[f32]) -> f32 {
-    let mut tops = [f32::NEG_INFINITY; LANES];
-    for some in values.chunks_exact(LANES) {
-        tops.iter_mut().zip(some).for_each(|(top, value)| *top = larger(*top, *value));
+/// √(d² + s²): compiled for the vectors of each kind of processor, as the others here.
+struct Rooting<'a> {
+    half: &'a [f32],
+    shear: &'a [f32],
+    roots: &'a mut [f32],
+}
+
+impl pulp::NullaryFnOnce for Rooting<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let parts = self.half.iter().zip(self.shear);
+        self.roots.iter_mut().zip(parts).for_each(|(root, (d, s))| *root = (d * d + s * s).sqrt());
     }
-    tops.into_iter().fold(f32::NEG_INFINITY, larger)
+}
+
+/// Values from the means, times a sign, and the roots.
+struct Adding<'a> {
+    sign: f32,
+    mean: &'a [f32],
+    roots: &'a [f32],
+    values: &'a mut [f32],
+}
+
+impl pulp::NullaryFnOnce for Adding<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let parts = self.mean.iter().zip(self.roots);
+        self.values.iter_mut().zip(parts).for_each(|(value, (mean, root))| *value = self.sign * mean + root);
+    }
+}
+
+/// The largest of each [`LANES`] values.
+struct Topping<'a> {
+    values: &'a [f32],
+    tops: &'a mut [f32],
+}
+
+impl pulp::NullaryFnOnce for Topping<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (top, values) in self.tops.iter_mut().zip(self.values.as_chunks::<LANES>().0) {
+            // Halves are compared side by side.
+            let mut most = *values;
+            let mut width = LANES / 2;
+            while width > 0 {
+                for i in 0..width {
+                    most[i] = larger(most[i], most[i + width]);
+                }
+                width /= 2;
+            }
+            *top = most[0];
+        }
+    }
 }
 
 /// The largest tension at each point of a face over the steps so far, in single precision.
@@ -98,19 +149,39 @@ impl Peaks {
 
     /// Takes a step's tensions over a size, Pa.
     pub fn take(&mut self, values: &[f32], size: f32, step: u32) {
-        for ((top, when), value) in self.tension.iter_mut().zip(&mut self.steps).zip(values) {
-            let tension = value * size;
-            // Both are written each time, so that the processor's vectors can.
-            let is_larger = tension > *top;
-            *when = if is_larger { step } else { *when };
-            *top = if is_larger { tension } else { *top };
-        }
+        let Self { tension, steps } = self;
+        pulp::Arch::new().dispatch(Raising { tension, steps, values, size, step });
     }
 
     /// Takes the tension at one point, Pa.
     pub fn raise(&mut self, point: usize, tension: f32, step: u32) {
         if tension > self.tension[point] {
             (self.tension[point], self.steps[point]) = (tension, step);
+        }
+    }
+}
+
+/// What [`Peaks::take`] does.
+struct Raising<'a> {
+    tension: &'a mut [f32],
+    steps: &'a mut [u32],
+    values: &'a [f32],
+    size: f32,
+    step: u32,
+}
+
+impl pulp::NullaryFnOnce for Raising<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { tension, steps, values, size, step } = self;
+        for ((top, when), value) in tension.iter_mut().zip(steps).zip(values) {
+            let tension = value * size;
+            // Both are written each time, so that the processor's vectors can.
+            let is_larger = tension > *top;
+            *when = if is_larger { step } else { *when };
+            *top = if is_larger { tension } else { *top };
         }
     }
 }
