@@ -19,8 +19,12 @@ use crate::space::plate::crossing;
 /// The constant where sections are free to warp: 0.004 of the difference was measured at ν = 0, and with k h/E up to 0.016.
 const FREE_SECTIONS: f64 = 0.005;
 
-/// The constant where supports hold them: 0.042 of the difference was measured.
+/// The constant where clamps hold them: 0.042 of the difference was measured.
 const HELD_SECTIONS: f64 = 0.045;
+
+/// The same where springs do that are no stiffer than the sections: up to 0.01 was measured of plates from ten to 75
+/// times as wide as thick with k h/E from 0.03 to 0.9, and 0.017 of one that is five times as wide.
+const SPRUNG_SECTIONS: f64 = 0.02;
 
 /// Factor of (ν/(1 − ν))²: 0.0134 of the difference was measured at ν = 0.45 in a long contact.
 const STRAINED_THICKNESS: f64 = 0.016;
@@ -32,10 +36,12 @@ const SHORT_CONTACT: [f64; 2] = [0.2, 1.2];
 /// k h/E from which springs count as holding the sections; at 0.003 they were measured not to.
 const STIFF: f64 = 0.02;
 
+/// k h/E from which they are as good as clamps.
+const RIGID: f64 = 1.0;
+
 /// Estimated error of the acceleration by Mindlin's theory, over its difference from that by Kirchhoff's.
 pub fn mindlin_error_over_difference(scene: &Scene) -> f64 {
-    let are_held = scene.supports.iter().any(|support| holds_sections(support, scene));
-    let sections = if are_held { HELD_SECTIONS } else { FREE_SECTIONS };
+    let sections = scene.supports.iter().map(|support| sections(support, scene)).fold(FREE_SECTIONS, f64::max);
     let poisson = scene.body.struck().poisson;
     let across = poisson / (1.0 - poisson);
     let [linear, square] = SHORT_CONTACT;
@@ -43,11 +49,20 @@ pub fn mindlin_error_over_difference(scene: &Scene) -> f64 {
     sections + STRAINED_THICKNESS * across * across + (linear + square * crossing) * crossing
 }
 
-/// Whether a support holds displacements along the plate: a clamp, or springs that are not much softer than the plate's sections.
-fn holds_sections(support: &Support, scene: &Scene) -> bool {
-    let (Geometry::Box { size, .. }, Some(struck)) = (&scene.body.geometry, scene.struck_axis()) else { return false };
-    let SupportKind::Elastic { stiffness } = support.kind else { return is_clamp_of_sections(support, scene) };
-    (0..3).any(|axis| axis != struck && stiffness[axis] * size[struck] > STIFF * scene.body.struck().young)
+/// The constant of a support that holds displacements along the plate: a clamp, or springs that are not much softer than the plate's sections.
+fn sections(support: &Support, scene: &Scene) -> f64 {
+    let (Geometry::Box { size, .. }, Some(struck)) = (&scene.body.geometry, scene.struck_axis()) else {
+        return FREE_SECTIONS;
+    };
+    let SupportKind::Elastic { stiffness } = support.kind else {
+        return if is_clamp_of_sections(support, scene) { HELD_SECTIONS } else { FREE_SECTIONS };
+    };
+    let along = (0..3).filter(|axis| *axis != struck).map(|axis| stiffness[axis]).fold(0.0, f64::max);
+    match along * size[struck] / scene.body.struck().young {
+        stiff if stiff > RIGID => HELD_SECTIONS,
+        stiff if stiff > STIFF => SPRUNG_SECTIONS,
+        _ => FREE_SECTIONS,
+    }
 }
 
 /// Whether a support clamps displacements along the plate.
