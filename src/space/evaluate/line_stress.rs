@@ -272,10 +272,12 @@ impl LineStresses {
         for begin in (0..steps).step_by(TOGETHER) {
             let some = TOGETHER.min(steps - begin);
             together.clear();
-            together.extend(products.iter().flat_map(|products| products.chunks_exact(steps)).map(|of_row| {
-                let mut row = [0.0; TOGETHER];
-                row[..some].copy_from_slice(&of_row[begin..begin + some]);
-                row
+            let of_rows = products.iter().flat_map(|products| products.chunks_exact(steps));
+            together.extend(of_rows.map(|of_row| {
+                let rest = &of_row[begin..];
+                // (Whole ones are copied without a call.)
+                let few = || std::array::from_fn(|i| rest.get(i).copied().unwrap_or_default());
+                rest.first_chunk().copied().unwrap_or_else(few)
             }));
             self.face.stresses(&together, &mut at_places, &mut stresses);
             for (crossing, rows) in &self.apart {

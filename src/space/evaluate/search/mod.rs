@@ -25,6 +25,9 @@ use seen::{Peaks, Seen};
 /// Steps whose stresses are computed at once: they stay in the cache.
 const BLOCK: usize = 64;
 
+/// The same on lines, where the matrix that makes coefficients of coordinates is read once for them: it is larger than the cache.
+const BLOCK_ON_LINES: usize = 256;
+
 /// Values of which the largest is kept together, a power of two for the processor's vectors.
 const LANES: usize = 16;
 
@@ -107,7 +110,11 @@ impl<'a> TensionSearch<'a> {
             Stresses::Lines(lines) => lines.coordinates(),
         };
         let mut found = Finding::new(self, contacts);
-        for coordinates in coordinates.chunks(BLOCK * count) {
+        let block = match &self.stresses {
+            Stresses::Rows(_) => BLOCK,
+            Stresses::Lines(_) => BLOCK_ON_LINES,
+        };
+        for coordinates in coordinates.chunks(block * count) {
             match &self.stresses {
                 Stresses::Rows(rows) => {
                     let (all, sizes) = rows.of_steps(coordinates);
