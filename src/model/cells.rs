@@ -143,9 +143,12 @@ impl Fitted {
 
     /// The force on the basis, or on the first vectors of a long one.
     fn on_short_basis(&self, scene: &Scene, vectors: usize) -> Result<Trace> {
-        let Reduced { projection, force: (trace, steps), .. } = &self.reduced;
+        let Reduced { projection, judge, force_of_judge, force: (trace, steps), .. } = &self.reduced;
         if projection.vectors() <= vectors {
             return Ok(trace.clone());
+        }
+        if judge.vectors() == vectors {
+            return Ok(force_of_judge.clone());
         }
         Ok(ModalImpact::new(scene, &ModalBody::of(&projection.leading(vectors))).trace(*steps)?.0)
     }

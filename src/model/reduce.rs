@@ -62,6 +62,8 @@ pub struct Reduced {
     pub projection: Projection,
     /// It on the other basis by which the error was found.
     pub judge: Projection,
+    /// The force on that, in the same steps.
+    pub force_of_judge: Trace,
     /// Error over the difference of the two.
     pub of_difference: f64,
     /// The vectors of the larger one.
@@ -131,8 +133,9 @@ pub(super) fn reduce_from(
         match shared_force(comm, scene, &projection, &mut steps, watch) {
             // All that the forces reach, to rounding.
             Ok(trace) if is_exhausted && (given.is_none() || tried.is_empty()) => {
-                let (judge, force) = (projection.clone(), (trace, steps));
-                return Ok(Reduced { projection, judge, of_difference: 0.0, krylov, error: Errors::default(), force });
+                let (judge, force_of_judge) = (projection.clone(), trace.clone());
+                let (of_difference, error, force) = (0.0, Errors::default(), (trace, steps));
+                return Ok(Reduced { projection, judge, force_of_judge, of_difference, krylov, error, force });
             }
             Ok(trace) => {
                 let judged = tried.iter().rev().find(|(smaller, _)| larger(*smaller) <= count);
@@ -164,8 +167,9 @@ pub(super) fn reduce_from(
                         if given.is_none() {
                             pair.reverse();
                         }
-                        let [(projection, trace), (judge, _)] = pair;
-                        return Ok(Reduced { projection, judge, of_difference, krylov, error, force: (trace, steps) });
+                        let [(projection, trace), (judge, force_of_judge)] = pair;
+                        let force = (trace, steps);
+                        return Ok(Reduced { projection, judge, force_of_judge, of_difference, krylov, error, force });
                     }
                 }
                 tried.push((count, trace));
