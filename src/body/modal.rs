@@ -1,22 +1,38 @@
 //! A body for steps in modal coordinates.
 
+use std::cell::RefCell;
+use std::rc::Rc;
+
 use super::Projection;
 use super::modes::{Closed, Modes, Spectrum};
 use crate::contact::Patch;
 use crate::error::{Error, Result};
 use crate::material::Maxwell;
 
+/// Numbers of modes that are known and serve, over that which is asked for. (What relaxes has modes up to six times as fast as its steps
+/// resolve, of which the last ones are no matter.)
+const ENOUGH: [f64; 2] = [0.95, 1.25];
+
 /// Modes, with what the contact law needs of the body.
 pub struct ModalBody {
     source: Source,
     /// What it was made of, where it relaxes.
     relaxing: Option<Box<Projection>>,
+    /// The modes that were asked for, where it relaxes.
+    made: RefCell<Vec<Made>>,
     /// c_l of the contact law, m/N, of the modelled part.
     pub compliance: f64,
     /// How many such parts make the whole.
     pub copies: f64,
     /// The patch, where there is one.
     pub patch: Option<Patch>,
+}
+
+/// Modes of a body that relaxes, which take long: steps of different sizes often ask for the same.
+struct Made {
+    count: usize,
+    accuracy: f64,
+    modes: Rc<Modes>,
 }
 
 enum Source {
@@ -27,7 +43,8 @@ enum Source {
 impl ModalBody {
     /// A body of given modes, all of which take part.
     pub fn given(modes: Modes) -> Self {
-        Self { source: Source::Given(Box::new(modes)), relaxing: None, compliance: 0.0, copies: 1.0, patch: None }
+        let source = Source::Given(Box::new(modes));
+        Self { source, relaxing: None, made: RefCell::default(), compliance: 0.0, copies: 1.0, patch: None }
     }
 
     /// A body on a basis.
@@ -35,7 +52,7 @@ impl ModalBody {
         let Projection { compliance, copies, patch, .. } = *projection;
         let source = Source::Spectrum(Box::new(Spectrum::new(projection)));
         let relaxing = (!projection.relaxations.is_empty()).then(|| Box::new(projection.clone()));
-        Self { source, relaxing, compliance, copies, patch }
+        Self { source, relaxing, made: RefCell::default(), compliance, copies, patch }
     }
 
     /// The body whose relaxing parts have other chains, in their order, on the same basis; `None` where it has them already.
@@ -73,10 +90,33 @@ impl ModalBody {
     ///
     /// # Errors
     /// [`crate::Error::Solve`] where dampers leave the body without independent modes.
-    pub fn modes(&self, cutoff: f64, closed: &Closed) -> Result<Modes> {
-        match &self.source {
-            Source::Given(modes) => Ok((**modes).clone()),
-            Source::Spectrum(spectrum) => spectrum.modes(cutoff, closed),
+    pub fn modes(&self, cutoff: f64, closed: &Closed) -> Result<Rc<Modes>> {
+        self.modes_within(cutoff, closed, [1.0; 2])
+    }
+
+    /// The same, or about as many where these are known and what relaxes makes them dear: for steps that are chosen, and stable with faster modes.
+    ///
+    /// # Errors
+    /// As [`ModalBody::modes`].
+    pub fn modes_or_more(&self, cutoff: f64, closed: &Closed) -> Result<Rc<Modes>> {
+        self.modes_within(cutoff, closed, if self.faster() > 1.0 { ENOUGH } else { [1.0; 2] })
+    }
+
+    fn modes_within(&self, cutoff: f64, closed: &Closed, enough: [f64; 2]) -> Result<Rc<Modes>> {
+        let spectrum = match &self.source {
+            Source::Given(modes) => return Ok(Rc::new((**modes).clone())),
+            Source::Spectrum(spectrum) => spectrum,
+        };
+        let (count, accuracy) = (spectrum.count(cutoff, closed), closed.accuracy);
+        let [least, most] = enough.map(|part| part * count as f64);
+        let serves = |made: &&Made| (least..=most).contains(&(made.count as f64)) && made.accuracy <= accuracy;
+        if let Some(made) = self.made.borrow().iter().find(serves) {
+            return Ok(Rc::clone(&made.modes));
         }
+        let modes = Rc::new(spectrum.modes(count, accuracy)?);
+        if self.relaxing.is_some() {
+            self.made.borrow_mut().push(Made { count, accuracy, modes: Rc::clone(&modes) });
+        }
+        Ok(modes)
     }
 }

@@ -4,6 +4,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::damped::{Damped, damped};
 use super::eigen::{semidefinite_factor, symmetric_eigen};
+use super::real_parts::real_parts;
 use super::relaxing_directions::amplitudes;
 use super::relaxing_modes::{ModalRelaxation, Relaxing, at_rest_beyond, relaxing};
 use super::shapes::{Forms, Shapes};
@@ -164,16 +165,6 @@ impl Modes {
     }
 }
 
-/// Re(A z).
-pub(crate) fn real_parts(matrix: &DMatrix<Complex<f64>>, z: &[Complex<f64>]) -> DVector<f64> {
-    let mut parts = DVector::zeros(matrix.nrows());
-    for (column, z) in matrix.column_iter().zip(z) {
-        let rows = parts.iter_mut().zip(column.iter());
-        rows.for_each(|(part, entry)| *part += entry.re * z.re - entry.im * z.im);
-    }
-    parts
-}
-
 /// The free vibrations of a body on a basis.
 pub struct Spectrum {
     /// ω², 1/s², ascending.
@@ -274,15 +265,20 @@ impl Spectrum {
         0
     }
 
-    /// The modes up to a frequency (rad/s) in contact; those above are left out but for their static answer.
-    ///
-    /// # Errors
-    /// [`Error::Solve`] where dampers leave the body without independent modes.
-    pub fn modes(&self, cutoff: f64, closed: &Closed) -> Result<Modes> {
+    /// How many of the modes, the lowest first, take part where those up to a frequency (rad/s) in contact do.
+    pub fn count(&self, cutoff: f64, closed: &Closed) -> usize {
         // What nothing holds has no static answer.
         let free = self.squares.iter().filter(|square| **square <= ROUNDING * self.squares.max()).count();
         let kept = self.short_waves.as_ref().map_or(self.squares.len(), |waves| waves.kept);
-        let count = self.slower_than(cutoff, closed).min(kept).max(free).max(self.stiffened);
+        self.slower_than(cutoff, closed).min(kept).max(free).max(self.stiffened)
+    }
+
+    /// The first modes; the others are left out but for their static answer. The modes' relaxation may change the force by an accuracy, over
+    /// its peak.
+    ///
+    /// # Errors
+    /// [`Error::Solve`] where dampers leave the body without independent modes.
+    pub fn modes(&self, count: usize, accuracy: f64) -> Result<Modes> {
         let left = self.force.iter().zip(&self.squares).skip(count);
         let residual = left.map(|(force, square)| force * force / square).sum();
         let most_damped = self.damping.as_ref().map_or(0.0, |d| d.amax());
@@ -335,8 +331,7 @@ impl Spectrum {
         // (Under loads the body creeps to the equilibrium of all directions.)
         if loads.amax() == 0.0 {
             let amplitudes = amplitudes(&squares, &force, self.rate);
-            relaxations =
-                relaxations.into_iter().map(|part| part.in_few_directions(&amplitudes, closed.accuracy)).collect();
+            relaxations = relaxations.into_iter().map(|part| part.in_few_directions(&amplitudes, accuracy)).collect();
         }
         let mut of_relaxing = None;
         let (mut modes, mut damped, inputs) = match &self.damping {

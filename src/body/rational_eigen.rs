@@ -19,11 +19,20 @@ pub(super) const MOST: usize = 12;
 /// A change of λ over λ after which one iteration more leaves rounding.
 pub(super) const CLOSE: f64 = 1e-6;
 
+/// The last change of λ over λ: a larger one, as of pairs that lie close together, asks for more iterations.
+pub(super) const SETTLED: f64 = 1e-10;
+
 /// Directions on which the chain has less than this part of the stiffness creep by nothing.
 pub(super) const IDLE: f64 = 1e-10;
 
 /// What the sums of all pairs may be off by.
 const COMPLETE: f64 = 1e-8;
+
+/// Vectors by whose products with the sums these are checked.
+const PROBES: usize = 4;
+
+/// The golden ratio, whose multiples are spread evenly.
+const GOLDEN: f64 = 1.618_033_988_749_895;
 
 /// Rates and shapes that differ by less are of one pair found twice.
 const ALIKE: f64 = 1e-6;
@@ -227,25 +236,30 @@ impl Rational<'_> {
             let change = next.dot(&(&matrix * &next)) / slope(rate, &next, &stretched);
             shape = next;
             rate -= change;
-            if is_found {
+            if is_found && change.modulus() <= SETTLED * rate.modulus() {
                 break;
             }
             // One more turn makes φ as good as λ.
-            is_found = change.modulus() <= CLOSE * rate.modulus();
+            is_found |= change.modulus() <= CLOSE * rate.modulus();
         }
         let stretched = &distortion * &shape;
         let slope = slope(rate, &shape, &stretched);
         is_found.then(|| Pair { rate: rate.into(), shape: shape.map(Into::into), slope: slope.into() })
     }
 
-    /// Whether the sums of all pairs are what they are to be.
+    /// Whether the sums of all pairs are what they are to be, by their products with some vectors: what a missing pair leaves is nothing along
+    /// none of them.
     fn are_complete(&self, pairs: &[Pair], factor: &Cholesky<f64, Dyn>) -> bool {
         let count = self.stiffness.nrows();
-        let of_rates = sum(pairs, |pair| pair.rate) - DMatrix::identity(count, count);
-        let at_rest = factor.inverse();
-        let size = at_rest.amax();
-        let at_rest = at_rest + sum(pairs, |pair| pair.rate.inv());
-        of_rates.amax() <= COMPLETE && at_rest.amax() <= COMPLETE * size
+        // Signs without a period, which no shape has.
+        let probes = DMatrix::from_fn(count, PROBES, |i, j| {
+            let turn = (((i + 1) * (j + 2)) as f64 * GOLDEN).fract();
+            if turn < 0.5 { 1.0 } else { -1.0 }
+        });
+        let of_rates = sum_times(pairs, |pair| pair.rate, &probes) - &probes;
+        let at_rest = factor.solve(&probes);
+        let off = &at_rest + sum_times(pairs, |pair| pair.rate.inv(), &probes);
+        of_rates.amax() <= COMPLETE && off.amax() <= COMPLETE * at_rest.amax()
     }
 }
 
@@ -263,11 +277,17 @@ pub(super) fn solved<T: nalgebra::Scalar + faer::traits::ComplexField>(
 /// Re Σ f φφᵀ/(φᵀT′φ) over all pairs, conjugate ones counted.
 fn sum(pairs: &[Pair], factor: impl Fn(&Pair) -> Complex<f64>) -> DMatrix<f64> {
     let count = pairs.first().map_or(0, |pair| pair.shape.len());
-    // Re f φφᵀ = Re(f φ) Re φᵀ − Im(f φ) Im φᵀ, as two products of matrices.
+    sum_times(pairs, factor, &DMatrix::identity(count, count))
+}
+
+/// The same times vectors, by columns.
+fn sum_times(pairs: &[Pair], factor: impl Fn(&Pair) -> Complex<f64>, vectors: &DMatrix<f64>) -> DMatrix<f64> {
+    let count = vectors.nrows();
+    // Re f φφᵀ = Re(f φ) Re φᵀ − Im(f φ) Im φᵀ, as products of matrices.
     let scaled: Vec<_> = pairs.iter().map(|pair| &pair.shape * (factor(pair) * pair.count() / pair.slope)).collect();
     let part = |of: &dyn Fn(usize, usize) -> f64| DMatrix::from_fn(count, pairs.len(), |i, k| of(k, i));
-    part(&|k, i| scaled[k][i].re) * part(&|k, i| pairs[k].shape[i].re).transpose()
-        - part(&|k, i| scaled[k][i].im) * part(&|k, i| pairs[k].shape[i].im).transpose()
+    part(&|k, i| scaled[k][i].re) * part(&|k, i| pairs[k].shape[i].re).tr_mul(vectors)
+        - part(&|k, i| scaled[k][i].im) * part(&|k, i| pairs[k].shape[i].im).tr_mul(vectors)
 }
 
 #[cfg(test)]
@@ -309,6 +329,31 @@ mod tests {
             for number in lost {
                 assert!(pairs.iter().any(|pair| pair.is(&all[number])), "{number}");
             }
+        }
+    }
+
+    /// Each pair of modes that lie close together, and relax in few directions, solves its equation, by a product with the whole matrix.
+    #[test]
+    fn close_pairs_settle() {
+        let count = 24;
+        let squares = DVector::from_fn(count, |i, _| (1.0 + (i / 2) as f64).powi(2) * (1.0 + 0.01 * (i % 2) as f64));
+        let factor = DMatrix::from_fn(count, 4, |i, j| 0.05 * squares[i].sqrt() * ((3 * i * (j + 1) + j) as f64).sin());
+        let terms = [(0.8, 0.03), (0.6, 0.4), (0.5, 20.0)].map(|(modulus, time)| Term { modulus, time });
+        let chain = Maxwell { equilibrium: 0.0, terms: terms.to_vec() };
+        let (distortion, modulus) = (&factor * factor.transpose(), chain.transformed_terms(3.0));
+        let stiffness = DMatrix::from_diagonal(&squares) - &distortion * modulus;
+        let factor = Some((&factor, modulus));
+        let rational = Rational { stiffness: &stiffness, distortion: &distortion, factor, chain: &chain };
+        let pairs = rational.pairs(&squares).expect("all pairs");
+        assert_eq!(pairs.len(), count + 3 * 4);
+        for Pair { rate, shape, .. } in &pairs {
+            let [g, _] = rational.modulus(*rate);
+            let real = |matrix: &DMatrix<f64>| matrix.map(|entry| Complex::new(entry, 0.0)) * shape;
+            let (held, stretched) = (real(&stiffness), real(&distortion) * g);
+            let off = &held + &stretched + shape * (rate * rate);
+            // Rounding of sums in which the largest terms cancel: 1e-13 was found.
+            let size = held.norm() + stretched.norm() + rate.norm_sqr();
+            assert!(off.norm() < 1e-11 * size, "{rate}: {:e}", off.norm() / size);
         }
     }
 }

@@ -11,7 +11,7 @@
 use nalgebra::{Complex, ComplexField, DMatrix, DVector};
 
 use super::eigen::symmetric_eigen;
-use super::rational_eigen::{CLOSE, IDLE, MOST, Pair, Rational, solved};
+use super::rational_eigen::{CLOSE, IDLE, MOST, Pair, Rational, SETTLED, solved};
 
 /// The directions by which modes are coupled.
 pub struct Secular<'a> {
@@ -50,10 +50,10 @@ impl<'a> Secular<'a> {
             let change = (rate * rate + square + g * own.dot(&y)) / slope;
             rate -= change;
             let part = change.modulus() / rate.modulus();
-            if is_found || part.is_nan() {
+            if (is_found && part <= SETTLED) || part.is_nan() {
                 break;
             }
-            is_found = part <= CLOSE;
+            is_found |= part <= CLOSE;
         }
         let length = shape.norm();
         let pair = Pair { rate, shape: shape / Complex::new(length, 0.0), slope: slope / (length * length) };
@@ -95,10 +95,10 @@ impl<'a> Secular<'a> {
             let change = y.dot(&(&system * &y)) / y.dot(&turned(&y));
             rate -= change;
             let part = change.abs() / rate.abs();
-            if is_found {
+            if is_found && part <= SETTLED {
                 break;
             }
-            is_found = part <= CLOSE;
+            is_found |= part <= CLOSE;
         }
         let shape = self.spread(&y).component_mul(&self.answers(rate)).normalize();
         let [_, of_g] = self.excess(of, rate);
@@ -131,18 +131,25 @@ impl<'a> Secular<'a> {
         system
     }
 
-    /// Bᵀ diag(answers) B.
+    /// Bᵀ diag(answers) B: real and imaginary parts below each other are one product.
     fn sum<T: ComplexField<RealField = f64> + Copy>(&self, answers: &DVector<T>) -> DMatrix<T> {
-        let scaled = |by: &DVector<f64>| {
-            let mut scaled = self.transposed.clone();
-            scaled.column_iter_mut().zip(by.iter()).for_each(|(mut column, by)| column *= *by);
-            scaled * self.factor
-        };
+        let (directions, modes) = self.transposed.shape();
         let [real, imaginary] = parts(answers);
         // Real answers have no other part.
-        let imaginary = if imaginary.amax() > 0.0 { scaled(&imaginary) } else { DMatrix::zeros(0, 0) };
-        let real = scaled(&real);
-        if imaginary.is_empty() { real.map(T::from_real) } else { joined(&real, &imaginary) }
+        let rows = if imaginary.amax() > 0.0 { 2 * directions } else { directions };
+        let mut scaled = DMatrix::zeros(rows, modes);
+        let columns =
+            scaled.as_mut_slice().chunks_exact_mut(rows).zip(self.transposed.as_slice().chunks_exact(directions));
+        for ((scaled, column), (real, imaginary)) in columns.zip(real.iter().zip(&imaginary)) {
+            for (part, by) in scaled.chunks_exact_mut(directions).zip([real, imaginary]) {
+                part.iter_mut().zip(column).for_each(|(entry, of)| *entry = of * by);
+            }
+        }
+        let product = scaled * self.factor;
+        if rows == directions {
+            return product.map(T::from_real);
+        }
+        joined(&product.rows(0, directions), &product.rows(directions, directions))
     }
 }
 

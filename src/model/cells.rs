@@ -264,7 +264,7 @@ fn on_coarser_cells(
     let vectors = fine.compared();
     grow(&mut krylov, linear, vectors, None, watch)?;
     let mut steps = fine.reduced.force.1;
-    let trace = shared_force(comm, scene, &krylov.projection(linear)?, &mut steps, watch)?;
+    let (trace, _) = shared_force(comm, scene, &krylov.projection(linear)?, &mut steps, watch)?;
     drop((krylov, body));
     comm.collect_garbage()?;
     Ok(cells.map(|cells| Judge { force: trace, vectors, cells, cell_over_disc }))

@@ -121,14 +121,14 @@ impl Model {
     /// The model of a reduced body. Collective.
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
         let Fitted { reduced, unknowns, words, evaluator, measures, error: cells, .. } = fitted;
-        let Reduced { projection, judge, of_difference, mut krylov, error, .. } = reduced;
+        let Reduced { projection, judge, of_difference, mut krylov, error, modal, .. } = reduced;
         let vectors = projection.vectors();
         let gauges = match (vectors, scene.output.is_read()) {
             (0, _) | (_, false) => None,
             _ => Some(Gauges::new(comm, scene, evaluator, unknowns, Some(krylov.basis().whole(vectors)))?),
         };
         let dynamics = if scene.time.modal {
-            Dynamics::Modal(ModalBody::of(&projection))
+            Dynamics::Modal(modal.unwrap_or_else(|| ModalBody::of(&projection)))
         } else {
             Dynamics::Stepped(Box::new(Body::of(&comm.session().alone(), &projection.system())?))
         };

@@ -72,6 +72,8 @@ pub struct Reduced {
     pub error: Errors,
     /// The force on the basis, and its steps in modal coordinates.
     pub force: (Trace, Option<Steps>),
+    /// The body in these coordinates, where the force was computed so last.
+    pub modal: Option<ModalBody>,
 }
 
 impl Reduced {
@@ -132,12 +134,12 @@ pub(super) fn reduce_from(
         let is_exhausted = watch.decided(krylov.is_exhausted());
         match shared_force(comm, scene, &projection, &mut steps, watch) {
             // All that the forces reach, to rounding.
-            Ok(trace) if is_exhausted && (given.is_none() || tried.is_empty()) => {
+            Ok((trace, modal)) if is_exhausted && (given.is_none() || tried.is_empty()) => {
                 let (judge, force_of_judge) = (projection.clone(), trace.clone());
                 let (of_difference, error, force) = (0.0, Errors::default(), (trace, steps));
-                return Ok(Reduced { projection, judge, force_of_judge, of_difference, krylov, error, force });
+                return Ok(Reduced { projection, judge, force_of_judge, of_difference, krylov, error, force, modal });
             }
-            Ok(trace) => {
+            Ok((trace, modal)) => {
                 let judged = tried.iter().rev().find(|(smaller, _)| larger(*smaller) <= count);
                 if let Some((smaller, before)) = judged.or(tried.last().filter(|_| enough)) {
                     let of_difference = match given {
@@ -153,7 +155,7 @@ pub(super) fn reduce_from(
                     if enough || over <= 1.0 {
                         if start.leaves_short_waves && watch.decided(error.history > OTHER_CONTACTS * of_difference) {
                             let nearer = (NEARER * count as f64) as usize;
-                            let near = shared_force(comm, scene, &projection.leading(nearer), &mut steps, watch)?;
+                            let (near, _) = shared_force(comm, scene, &projection.leading(nearer), &mut steps, watch)?;
                             error.history = of_larger(count, nearer) * near.difference(&trace).history;
                         }
                         tracing::info!(
@@ -168,8 +170,17 @@ pub(super) fn reduce_from(
                             pair.reverse();
                         }
                         let [(projection, trace), (judge, force_of_judge)] = pair;
-                        let force = (trace, steps);
-                        return Ok(Reduced { projection, judge, force_of_judge, of_difference, krylov, error, force });
+                        let (force, modal) = ((trace, steps), modal.filter(|_| given.is_none()));
+                        return Ok(Reduced {
+                            projection,
+                            judge,
+                            force_of_judge,
+                            of_difference,
+                            krylov,
+                            error,
+                            force,
+                            modal,
+                        });
                     }
                 }
                 tried.push((count, trace));
@@ -247,21 +258,23 @@ fn larger(vectors: usize) -> usize {
 }
 
 /// The force on a basis, by the scene's own scheme, whose steps pass the body's vibrations differently; in modal coordinates by the same
-/// steps on each basis.
+/// steps on each basis, with the body in these.
 fn force(
     comm: &Comm,
     scene: &Scene,
     projection: &Projection,
     steps: &mut Option<Steps>,
     watch: &dyn Watch,
-) -> Result<Trace> {
+) -> Result<(Trace, Option<ModalBody>)> {
     let take = |_: &Step, _: &Reading| {};
     if scene.time.modal {
-        let mut impact = ModalImpact::new(scene, ModalBody::of(projection)).without_energies();
+        let body = ModalBody::of(projection);
+        let mut impact = ModalImpact::new(scene, &body).without_energies();
         let (trace, taken) =
             impact.trace_watched(*steps, &mut Until { interrupted: &|| watch.is_raised_here(), take })?;
         *steps = Some(taken);
-        return Ok(trace);
+        drop(impact);
+        return Ok((trace, Some(body)));
     }
     let mut trace = Trace::default();
     let mut last: Option<(f64, f64)> = None;
@@ -273,21 +286,26 @@ fn force(
         }
         Ok(if watch.is_raised_here() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     })?;
-    Ok(trace)
+    Ok((trace, None))
 }
 
-/// [`force`] as the first rank has it, before somebody who may break it off. Collective.
+/// [`force`] as the first rank has it, with this rank's body, before somebody who may break it off. Collective.
 pub(super) fn shared_force(
     comm: &Comm,
     scene: &Scene,
     projection: &Projection,
     steps: &mut Option<Steps>,
     watch: &dyn Watch,
-) -> Result<Trace> {
-    let trace = watch.shared(force(comm, scene, projection, steps, watch));
+) -> Result<(Trace, Option<ModalBody>)> {
+    let mut modal = None;
+    let trace = force(comm, scene, projection, steps, watch).map(|(trace, body)| {
+        modal = body;
+        trace
+    });
+    let trace = watch.shared(trace);
     // A rank that has broken off has a part of the force: all of them end here.
     watch.at(Stage::Trial)?;
-    trace
+    Ok((trace?, modal))
 }
 
 /// The rate at which the scene's impact excites a body, 1/s.

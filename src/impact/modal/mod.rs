@@ -15,6 +15,7 @@ mod trace;
 
 use std::borrow::Borrow;
 use std::ops::ControlFlow;
+use std::rc::Rc;
 
 use crate::body::{Closed, ModalBody, Modes};
 use crate::contact::Law;
@@ -204,6 +205,10 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let defect = |largest: f64, peak: f64| peak * (largest / (FIRST * contact)).powi(3).min(0.1);
         let guess = self.guess();
         let coarse = Steps { largest, defect: Some(defect(largest, guess)), peak: guess };
+        if self.body.borrow().faster() > 1.0 {
+            // What relaxes has dear modes: the first run takes those that the second one needs.
+            self.modes(&Steps { largest: 0.5 * largest, ..coarse })?;
+        }
         let mut coarse = self.once(coarse, false, observer)?;
         for _ in 0..REFINEMENTS {
             largest *= 0.5;
@@ -226,17 +231,23 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         )))
     }
 
+    /// The modes that move in some steps.
+    fn modes(&self, steps: &Steps) -> Result<Rc<Modes>> {
+        let Law { force_law, compliance, .. } = &self.parameters.law;
+        let tangent = force_law.steepest(force_law.indentation(steps.peak));
+        let closed = Closed { tangent, compliance: *compliance, mass: self.parameters.mass, accuracy: self.tolerance };
+        let (body, resolved) = (self.body.borrow(), RESOLVED / steps.largest);
+        match steps.defect {
+            Some(_) => body.modes_or_more(body.faster() * resolved, &closed),
+            None => body.modes(resolved, &closed),
+        }
+    }
+
     /// One run; with the steps as observers see them, or with the force alone.
     fn once(&mut self, steps: Steps, observed: bool, observer: &mut dyn Observer) -> Result<Done> {
-        let parameters = self.parameters.clone();
-        let Law { force_law, compliance, .. } = &parameters.law;
-        let tangent = force_law.steepest(force_law.indentation(steps.peak));
-        let closed = Closed { tangent, compliance: *compliance, mass: parameters.mass, accuracy: self.tolerance };
-        let body: &ModalBody = self.body.borrow();
-        let faster = if steps.defect.is_some() { body.faster() } else { 1.0 };
-        let modes = body.modes(faster * RESOLVED / steps.largest, &closed)?;
+        let (parameters, modes) = (self.parameters.clone(), self.modes(&steps)?);
         // The springs of the modes left out are in the law.
-        let law = Law { compliance: compliance - modes.residual, ..parameters.law.clone() };
+        let law = Law { compliance: parameters.law.compliance - modes.residual, ..parameters.law.clone() };
         let ImpactParameters { mass, speed, gap, weight, .. } = parameters;
         let state = match self.initial {
             Initial::Rest => State::start(&modes, speed),

@@ -51,7 +51,7 @@ fn frequencies_and_damping_of_a_strip(session: &Session) {
     krylov.grow(built.body.linear(), 40).unwrap();
     let body = ModalBody::of(&krylov.projection(built.body.linear()).unwrap());
     let closed = Closed { tangent: 1e6, compliance: 0.0, mass: 0.01, accuracy: 1e-9 };
-    let modes = body.modes(1e12, &closed).unwrap().modes;
+    let modes = body.modes(1e12, &closed).unwrap().modes.clone();
     // Across the strip it vibrates too: those nearest to the closed form are its bending.
     let frequency = |rate: &nalgebra::Complex<f64>| rate.norm() / std::f64::consts::TAU;
     let rates = modes.iter().map(|mode| mode.rate).filter(|rate| rate.im > 0.0);

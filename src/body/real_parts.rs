@@ -1,0 +1,49 @@
+//! The real part of a complex matrix's product with a vector.
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+/// Columns of which the products are added at a time.
+const SIDE_BY_SIDE: usize = 4;
+
+/// Re(A z), of as many columns of A as z has numbers.
+pub(crate) fn real_parts(matrix: &DMatrix<Complex<f64>>, z: &[Complex<f64>]) -> DVector<f64> {
+    let rows = matrix.nrows();
+    let mut parts = DVector::zeros(rows);
+    if rows == 0 {
+        return parts;
+    }
+    let product = |entry: &Complex<f64>, z: &Complex<f64>| entry.re * z.re - entry.im * z.im;
+    let columns = matrix.as_slice().chunks(SIDE_BY_SIDE * rows);
+    for (columns, z) in columns.zip(z.chunks(SIDE_BY_SIDE)) {
+        if let [first, second, third, fourth] = z {
+            let (head, tail) = columns.split_at(2 * rows);
+            let [(a, b), (c, d)] = [head, tail].map(|two| two.split_at(rows));
+            for (i, part) in parts.as_mut_slice().iter_mut().enumerate() {
+                *part +=
+                    product(&a[i], first) + product(&b[i], second) + product(&c[i], third) + product(&d[i], fourth);
+            }
+        } else {
+            for (column, z) in columns.chunks(rows).zip(z) {
+                parts.as_mut_slice().iter_mut().zip(column).for_each(|(part, entry)| *part += product(entry, z));
+            }
+        }
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// It is the real part of the complex product, to rounding of sums in another order.
+    #[test]
+    fn real_parts_of_products() {
+        for columns in 0..10 {
+            let matrix =
+                DMatrix::from_fn(5, columns, |i, j| Complex::new((i + 2 * j) as f64, (3 * i) as f64 - j as f64));
+            let z = DVector::from_fn(columns, |j, _| Complex::new(0.3 * j as f64 - 1.0, 0.7 + j as f64));
+            let exact = (&matrix * &z).map(|entry| entry.re);
+            assert!((real_parts(&matrix, z.as_slice()) - exact).amax() < 1e-12, "{columns}");
+        }
+    }
+}
