@@ -12,17 +12,18 @@ const KEPT: libc::c_int = 256 << 20;
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const GROWTH: libc::c_int = 4 << 20;
 
-/// Has the C library keep what is freed, up to some hundred megabytes, in the place of giving blocks of more than 128 kB back to the system
-/// at once: the next block of that size would be cleared by the system page by page again, which takes longer than to fill it. (It learns so by itself,
-/// from the first blocks that are freed.)
+/// Has the C library keep what is freed, some hundred megabytes, in the place of giving blocks of more than 128 kB back to the system
+/// at once: the next block of that size would be cleared by the system page by page again, which takes longer than to fill it.
 ///
-/// Elsewhere than in the GNU C library this does nothing.
+/// This is for the start of a program: where the process has other threads, and elsewhere than with the GNU C library on Linux, it does nothing.
 pub fn keep_freed_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    // SAFETY: `mallopt` sets numbers of the allocator under its lock, and has no other requirements.
-    unsafe {
-        libc::mallopt(libc::M_MMAP_THRESHOLD, LARGEST_KEPT);
-        libc::mallopt(libc::M_TRIM_THRESHOLD, KEPT);
-        libc::mallopt(libc::M_TOP_PAD, GROWTH);
+    if std::fs::read_dir("/proc/self/task").is_ok_and(|threads| threads.count() == 1) {
+        // SAFETY: `mallopt` sets numbers of the allocator, which no other thread reads meanwhile: there is none.
+        unsafe {
+            libc::mallopt(libc::M_MMAP_THRESHOLD, LARGEST_KEPT);
+            libc::mallopt(libc::M_TRIM_THRESHOLD, KEPT);
+            libc::mallopt(libc::M_TOP_PAD, GROWTH);
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! A body for steps in modal coordinates.
 
 use std::cell::RefCell;
+use std::collections::VecDeque;
 use std::rc::Rc;
 
 use super::Projection;
@@ -9,17 +10,16 @@ use crate::contact::Patch;
 use crate::error::{Error, Result};
 use crate::material::Maxwell;
 
-/// Numbers of modes that are known and serve, over that which is asked for. (What relaxes has modes up to six times as fast as its steps
-/// resolve, of which the last ones are no matter.)
-const ENOUGH: [f64; 2] = [0.95, 1.25];
+/// Sets of modes that are kept: those that runs of one scene ask for again.
+const KEPT: usize = 4;
 
 /// Modes, with what the contact law needs of the body.
 pub struct ModalBody {
     source: Source,
     /// What it was made of, where it relaxes.
     relaxing: Option<Box<Projection>>,
-    /// The modes that were asked for, where it relaxes.
-    made: RefCell<Vec<Made>>,
+    /// The modes that were asked for last, where it relaxes.
+    known: RefCell<VecDeque<Known>>,
     /// c_l of the contact law, m/N, of the modelled part.
     pub compliance: f64,
     /// How many such parts make the whole.
@@ -28,23 +28,23 @@ pub struct ModalBody {
     pub patch: Option<Patch>,
 }
 
-/// Modes of a body that relaxes, which take long: steps of different sizes often ask for the same.
-struct Made {
+/// Modes of a body that relaxes, which take long: runs of one scene often ask for the same.
+struct Known {
     count: usize,
     accuracy: f64,
     modes: Rc<Modes>,
 }
 
 enum Source {
-    Given(Box<Modes>),
+    Given(Rc<Modes>),
     Spectrum(Box<Spectrum>),
 }
 
 impl ModalBody {
     /// A body of given modes, all of which take part.
     pub fn given(modes: Modes) -> Self {
-        let source = Source::Given(Box::new(modes));
-        Self { source, relaxing: None, made: RefCell::default(), compliance: 0.0, copies: 1.0, patch: None }
+        let source = Source::Given(Rc::new(modes));
+        Self { source, relaxing: None, known: RefCell::default(), compliance: 0.0, copies: 1.0, patch: None }
     }
 
     /// A body on a basis.
@@ -52,7 +52,7 @@ impl ModalBody {
         let Projection { compliance, copies, patch, .. } = *projection;
         let source = Source::Spectrum(Box::new(Spectrum::new(projection)));
         let relaxing = (!projection.relaxations.is_empty()).then(|| Box::new(projection.clone()));
-        Self { source, relaxing, made: RefCell::default(), compliance, copies, patch }
+        Self { source, relaxing, known: RefCell::default(), compliance, copies, patch }
     }
 
     /// The body whose relaxing parts have other chains, in their order, on the same basis; `None` where it has them already.
@@ -91,31 +91,20 @@ impl ModalBody {
     /// # Errors
     /// [`crate::Error::Solve`] where dampers leave the body without independent modes.
     pub fn modes(&self, cutoff: f64, closed: &Closed) -> Result<Rc<Modes>> {
-        self.modes_within(cutoff, closed, [1.0; 2])
-    }
-
-    /// The same, or about as many where these are known and what relaxes makes them dear: for steps that are chosen, and stable with faster modes.
-    ///
-    /// # Errors
-    /// As [`ModalBody::modes`].
-    pub fn modes_or_more(&self, cutoff: f64, closed: &Closed) -> Result<Rc<Modes>> {
-        self.modes_within(cutoff, closed, if self.faster() > 1.0 { ENOUGH } else { [1.0; 2] })
-    }
-
-    fn modes_within(&self, cutoff: f64, closed: &Closed, enough: [f64; 2]) -> Result<Rc<Modes>> {
         let spectrum = match &self.source {
-            Source::Given(modes) => return Ok(Rc::new((**modes).clone())),
+            Source::Given(modes) => return Ok(Rc::clone(modes)),
             Source::Spectrum(spectrum) => spectrum,
         };
         let (count, accuracy) = (spectrum.count(cutoff, closed), closed.accuracy);
-        let [least, most] = enough.map(|part| part * count as f64);
-        let serves = |made: &&Made| (least..=most).contains(&(made.count as f64)) && made.accuracy <= accuracy;
-        if let Some(made) = self.made.borrow().iter().find(serves) {
-            return Ok(Rc::clone(&made.modes));
+        let mut known = self.known.borrow_mut();
+        // (Others that would serve do not: an answer must not depend on what was asked before.)
+        if let Some(same) = known.iter().find(|known| known.count == count && known.accuracy == accuracy) {
+            return Ok(Rc::clone(&same.modes));
         }
         let modes = Rc::new(spectrum.modes(count, accuracy)?);
         if self.relaxing.is_some() {
-            self.made.borrow_mut().push(Made { count, accuracy, modes: Rc::clone(&modes) });
+            known.truncate(KEPT - 1);
+            known.push_front(Known { count, accuracy, modes: Rc::clone(&modes) });
         }
         Ok(modes)
     }

@@ -17,10 +17,33 @@ use crate::material::Maxwell;
 pub(super) const MOST: usize = 12;
 
 /// A change of λ over λ after which one iteration more leaves rounding.
-pub(super) const CLOSE: f64 = 1e-6;
+const CLOSE: f64 = 1e-6;
 
-/// The last change of λ over λ: a larger one, as of pairs that lie close together, asks for more iterations.
-pub(super) const SETTLED: f64 = 1e-10;
+/// Iterations end when the relative change of λ is below this. Pairs that lie close together take more of them.
+const SETTLED: f64 = 1e-10;
+
+/// How the iterations for a pair go.
+#[derive(Debug)]
+pub(super) struct Settling {
+    /// Whether λ is near enough for one turn more, which makes φ as good as λ.
+    pub is_found: bool,
+    /// The last change of λ over λ.
+    last: f64,
+}
+
+impl Settling {
+    pub fn new() -> Self {
+        Self { is_found: false, last: f64::INFINITY }
+    }
+
+    /// Takes the next change of λ over λ: whether it is the last one, for it is small, or rounding keeps it from falling.
+    pub fn ends(&mut self, part: f64) -> bool {
+        let ends = part.is_nan() || self.is_found && (part <= SETTLED || part >= self.last);
+        self.is_found |= part <= CLOSE;
+        self.last = part;
+        ends
+    }
+}
 
 /// Directions on which the chain has less than this part of the stiffness creep by nothing.
 pub(super) const IDLE: f64 = 1e-10;
@@ -28,11 +51,8 @@ pub(super) const IDLE: f64 = 1e-10;
 /// What the sums of all pairs may be off by.
 const COMPLETE: f64 = 1e-8;
 
-/// Vectors by whose products with the sums these are checked.
-const PROBES: usize = 4;
-
-/// The golden ratio, whose multiples are spread evenly.
-const GOLDEN: f64 = 1.618_033_988_749_895;
+/// Vectors by whose products with the sums these are checked: the fractions of the multiples of these numbers' roots.
+const PROBES: [f64; 4] = [2.0, 3.0, 5.0, 7.0];
 
 /// Rates and shapes that differ by less are of one pair found twice.
 const ALIKE: f64 = 1e-6;
@@ -218,7 +238,7 @@ impl Rational<'_> {
             let [_, slope] = self.modulus(rate);
             (rate + rate) * shape.dot(shape) + slope * shape.dot(stretched)
         };
-        let mut is_found = false;
+        let mut settling = Settling::new();
         for _ in 0..MOST {
             let [g, of_g] = self.modulus(rate);
             let stretched = &distortion * &shape;
@@ -236,26 +256,21 @@ impl Rational<'_> {
             let change = next.dot(&(&matrix * &next)) / slope(rate, &next, &stretched);
             shape = next;
             rate -= change;
-            if is_found && change.modulus() <= SETTLED * rate.modulus() {
+            if settling.ends(change.modulus() / rate.modulus()) {
                 break;
             }
-            // One more turn makes φ as good as λ.
-            is_found |= change.modulus() <= CLOSE * rate.modulus();
         }
         let stretched = &distortion * &shape;
         let slope = slope(rate, &shape, &stretched);
-        is_found.then(|| Pair { rate: rate.into(), shape: shape.map(Into::into), slope: slope.into() })
+        settling.is_found.then(|| Pair { rate: rate.into(), shape: shape.map(Into::into), slope: slope.into() })
     }
 
-    /// Whether the sums of all pairs are what they are to be, by their products with some vectors: what a missing pair leaves is nothing along
-    /// none of them.
+    /// Whether no pair is missing, and none is unsettled: the sums over all pairs, multiplied by some vectors, have to be what is known of them.
+    /// What a missing pair leaves of a sum is practically never orthogonal to all of these vectors.
     fn are_complete(&self, pairs: &[Pair], factor: &Cholesky<f64, Dyn>) -> bool {
         let count = self.stiffness.nrows();
-        // Signs without a period, which no shape has.
-        let probes = DMatrix::from_fn(count, PROBES, |i, j| {
-            let turn = (((i + 1) * (j + 2)) as f64 * GOLDEN).fract();
-            if turn < 0.5 { 1.0 } else { -1.0 }
-        });
+        // No two entries of all of these are alike, but for the sign: modes that are found twice for another one are seen too.
+        let probes = DMatrix::from_fn(count, PROBES.len(), |i, j| ((i + 1) as f64 * PROBES[j].sqrt()).fract() - 0.5);
         let of_rates = sum_times(pairs, |pair| pair.rate, &probes) - &probes;
         let at_rest = factor.solve(&probes);
         let off = &at_rest + sum_times(pairs, |pair| pair.rate.inv(), &probes);

@@ -7,6 +7,7 @@ const SIDE_BY_SIDE: usize = 4;
 
 /// Re(A z), of as many columns of A as z has numbers.
 pub(crate) fn real_parts(matrix: &DMatrix<Complex<f64>>, z: &[Complex<f64>]) -> DVector<f64> {
+    debug_assert_eq!(matrix.ncols(), z.len());
     let rows = matrix.nrows();
     let mut parts = DVector::zeros(rows);
     if rows == 0 {

@@ -9,7 +9,7 @@ use pulp::{Simd, WithSimd};
 /// Entries that are multiplied at once: of the widest vectors of processors that this is compiled for.
 const LANES: usize = 4;
 
-/// Columns that lack between two runs up to which they are one, with zeros.
+/// Entries whose columns differ by at most this are of one run, with zeros between them.
 const GAP: usize = LANES;
 
 /// Columns that a matrix is multiplied with at a time, at most: its entries are read once for them.
@@ -85,6 +85,7 @@ impl Runs {
 
     #[inline(always)]
     fn multiply_some<S: Simd, const N: usize>(&self, simd: S, columns: &[f64], product: &mut [f64]) {
+        const { assert!(LANES.is_multiple_of(S::F64_LANES), "wider vectors would leave out ends of runs") };
         let rows = self.ends.len();
         let columns: [&[f64]; N] = std::array::from_fn(|k| &columns[k * (rows + LANES)..(k + 1) * (rows + LANES)]);
         let (mut first_run, mut values) = (0, &self.values[..]);

@@ -11,7 +11,7 @@
 use nalgebra::{Complex, ComplexField, DMatrix, DVector};
 
 use super::eigen::symmetric_eigen;
-use super::rational_eigen::{CLOSE, IDLE, MOST, Pair, Rational, SETTLED, solved};
+use super::rational_eigen::{IDLE, MOST, Pair, Rational, Settling, solved};
 
 /// The directions by which modes are coupled.
 pub struct Secular<'a> {
@@ -37,7 +37,7 @@ impl<'a> Secular<'a> {
         let [g, _] = self.excess(of, Complex::new(0.0, square.sqrt()));
         // It decays.
         let mut rate = -(-(own.dot(&own) * g + square)).sqrt();
-        let mut is_found = false;
+        let mut settling = Settling::new();
         let (mut shape, mut slope) = (DVector::zeros(self.squares.len()), Complex::new(0.0, 0.0));
         for _ in 0..MOST {
             let [g, of_g] = self.excess(of, rate);
@@ -49,15 +49,13 @@ impl<'a> Secular<'a> {
             slope = rate * 2.0 * shape.dot(&shape) + of_g * y.dot(&y);
             let change = (rate * rate + square + g * own.dot(&y)) / slope;
             rate -= change;
-            let part = change.modulus() / rate.modulus();
-            if (is_found && part <= SETTLED) || part.is_nan() {
+            if settling.ends(change.modulus() / rate.modulus()) {
                 break;
             }
-            is_found |= part <= CLOSE;
         }
         let length = shape.norm();
         let pair = Pair { rate, shape: shape / Complex::new(length, 0.0), slope: slope / (length * length) };
-        Some(pair).filter(|pair| is_found && pair.rate.is_finite() && pair.rate.im > 0.0)
+        Some(pair).filter(|pair| settling.is_found && pair.rate.is_finite() && pair.rate.im > 0.0)
     }
 
     /// The real pairs between two poles. `None` where some are not found.
@@ -75,7 +73,7 @@ impl<'a> Secular<'a> {
 
     /// The real pair near an approximate one.
     fn creep(&self, mut rate: f64, mut y: DVector<f64>, of: &Rational<'_>) -> Option<Pair> {
-        let mut is_found = false;
+        let mut settling = Settling::new();
         for _ in 0..MOST {
             let [g, of_g] = self.excess(of, rate);
             let answers = self.answers(rate);
@@ -94,17 +92,15 @@ impl<'a> Secular<'a> {
             y = next / length;
             let change = y.dot(&(&system * &y)) / y.dot(&turned(&y));
             rate -= change;
-            let part = change.abs() / rate.abs();
-            if is_found && part <= SETTLED {
+            if settling.ends(change.abs() / rate.abs()) {
                 break;
             }
-            is_found |= part <= CLOSE;
         }
         let shape = self.spread(&y).component_mul(&self.answers(rate)).normalize();
         let [_, of_g] = self.excess(of, rate);
         let slope = 2.0 * rate * shape.dot(&shape) + of_g * (&self.transposed * &shape).norm_squared();
         let [rate, slope] = [rate, slope].map(|value| Complex::new(value, 0.0));
-        is_found.then(|| Pair { rate, shape: shape.map(|entry| Complex::new(entry, 0.0)), slope })
+        settling.is_found.then(|| Pair { rate, shape: shape.map(|entry| Complex::new(entry, 0.0)), slope })
     }
 
     /// γ and g′.

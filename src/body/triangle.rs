@@ -39,7 +39,7 @@ impl Triangle {
         &self.entries[start..start + self.count - j]
     }
 
-    /// L x ← x.
+    /// x ← L⁻¹ x.
     #[inline(always)]
     fn forward<S: Simd>(&self, simd: S, x: &mut [f64]) {
         let whole = self.count - self.count % TOGETHER;
@@ -60,7 +60,7 @@ impl Triangle {
         }
     }
 
-    /// Lᵀ x ← x.
+    /// x ← L⁻ᵀ x.
     #[inline(always)]
     fn backward<S: Simd>(&self, simd: S, x: &mut [f64]) {
         let whole = self.count - self.count % TOGETHER;

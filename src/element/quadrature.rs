@@ -1,5 +1,8 @@
 //! Quadrature on the reference cells: points inside, weights positive.
 
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
 use super::Shape;
 
 /// Points and weights; the weights sum to the reference cell's measure.
@@ -134,20 +137,26 @@ fn collapsed(shape: Shape, degree: usize) -> Quadrature {
     rule
 }
 
+thread_local! {
+    /// Rules that were made, by their points: making one takes longer than what many fields are read by it.
+    static MADE: RefCell<BTreeMap<usize, Vec<(f64, f64)>>> = const { RefCell::new(BTreeMap::new()) };
+}
+
 /// Nodes and weights of the `n`-point Gauss–Legendre rule on \[−1, 1\].
 pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
-    (0..n)
-        .map(|i| {
-            let mut x = -(std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
-            // Newton from this start gains all digits in at most five steps for any n.
-            for _ in 0..6 {
-                let (p, slope) = legendre(n, x);
-                x -= p / slope;
-            }
-            let (_, slope) = legendre(n, x);
-            (x, 2. / ((1. - x * x) * slope * slope))
-        })
-        .collect()
+    MADE.with_borrow_mut(|made| made.entry(n).or_insert_with(|| (0..n).map(|i| gauss_point(n, i)).collect()).clone())
+}
+
+/// Node and weight `i` of that rule.
+fn gauss_point(n: usize, i: usize) -> (f64, f64) {
+    let mut x = -(std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
+    // Newton from this start gains all digits in at most five steps for any n.
+    for _ in 0..6 {
+        let (p, slope) = legendre(n, x);
+        x -= p / slope;
+    }
+    let (_, slope) = legendre(n, x);
+    (x, 2. / ((1. - x * x) * slope * slope))
 }
 
 /// The Legendre polynomial of degree `n` ≥ 1 and its slope, for |x| < 1.

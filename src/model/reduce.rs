@@ -60,9 +60,9 @@ const AT_ONCE: usize = 32;
 pub struct Reduced {
     /// The body.
     pub projection: Projection,
-    /// It on the other basis by which the error was found.
+    /// The body on the other basis, by which the error was estimated.
     pub judge: Projection,
-    /// The force on that, in the same steps.
+    /// The contact force on that basis, in the same steps.
     pub force_of_judge: Trace,
     /// Error over the difference of the two.
     pub of_difference: f64,
@@ -72,7 +72,7 @@ pub struct Reduced {
     pub error: Errors,
     /// The force on the basis, and its steps in modal coordinates.
     pub force: (Trace, Option<Steps>),
-    /// The body in these coordinates, where the force was computed so last.
+    /// The body in modal coordinates, where the force was last computed in them.
     pub modal: Option<ModalBody>,
 }
 

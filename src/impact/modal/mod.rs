@@ -205,10 +205,6 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let defect = |largest: f64, peak: f64| peak * (largest / (FIRST * contact)).powi(3).min(0.1);
         let guess = self.guess();
         let coarse = Steps { largest, defect: Some(defect(largest, guess)), peak: guess };
-        if self.body.borrow().faster() > 1.0 {
-            // What relaxes has dear modes: the first run takes those that the second one needs.
-            self.modes(&Steps { largest: 0.5 * largest, ..coarse })?;
-        }
         let mut coarse = self.once(coarse, false, observer)?;
         for _ in 0..REFINEMENTS {
             largest *= 0.5;
@@ -236,11 +232,9 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let Law { force_law, compliance, .. } = &self.parameters.law;
         let tangent = force_law.steepest(force_law.indentation(steps.peak));
         let closed = Closed { tangent, compliance: *compliance, mass: self.parameters.mass, accuracy: self.tolerance };
-        let (body, resolved) = (self.body.borrow(), RESOLVED / steps.largest);
-        match steps.defect {
-            Some(_) => body.modes_or_more(body.faster() * resolved, &closed),
-            None => body.modes(resolved, &closed),
-        }
+        let body: &ModalBody = self.body.borrow();
+        let faster = if steps.defect.is_some() { body.faster() } else { 1.0 };
+        body.modes(faster * RESOLVED / steps.largest, &closed)
     }
 
     /// One run; with the steps as observers see them, or with the force alone.

@@ -90,7 +90,7 @@ pub trait PointEvaluator {
         self.add_section_stress(x, add);
     }
 
-    /// The sum of these over places with weights on a line through a point along an axis.
+    /// The weighted sum of these over points on the line through `x` along an axis: their coordinates (m) and weights.
     fn add_normal_section_stress_along(&self, x: Vec3, axis: usize, line: &[(f64, f64)], add: &mut smoothed::Add) {
         for (at, weight) in line {
             let mut place = x;

@@ -124,7 +124,8 @@ fn tolerances_can_be_for_stress(session: &Session) {
     assert!(by_stress.error_estimate < 1.6e-2 + 5e-3 && (by_stress.value / exact - 1.0).abs() < 1e-2);
 }
 
-/// Plates against solids of a smaller tolerance with the force on half the disc, whose own estimates are what they may be off by.
+/// The largest tension of Mindlin's plates against that of spline solids of a smaller tolerance, with the force on a disc half as wide: the difference is
+/// below the sum of both estimates.
 fn hits_off_the_centre_and_near_edges_are_within_their_estimates(session: &Session) {
     const SIDE: &str = "[[support]]\nsurface = \"side\"\n";
     let comm = session.world();

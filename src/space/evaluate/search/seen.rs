@@ -119,7 +119,8 @@ impl pulp::NullaryFnOnce for Topping<'_> {
     fn call(self) {
         for (top, values) in self.tops.iter_mut().zip(self.values.as_chunks::<LANES>().0) {
             // Halves are compared side by side.
-            let mut most = *values;
+            // (What is not a number is larger than nothing.)
+            let mut most = values.map(|value| larger(f32::NEG_INFINITY, value));
             let mut width = LANES / 2;
             while width > 0 {
                 for i in 0..width {
