@@ -205,7 +205,10 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
             "kirchhoff and mindlin differ by {differ:.1e}{of_what} in the first contact; estimated error of mindlin relative to solid: {error:.1e}"
         );
         if watch.agreed(error / tolerance) > OF_THEORY {
-            passed.push(format!("{judged}, above the tolerance of {tolerance:.0e}, so the solid is taken"));
+            let share = OF_THEORY * tolerance;
+            passed.push(format!(
+                "{judged}, above {share:.1e}, the theory's part of the tolerance, so the solid is taken"
+            ));
             return Ok(None);
         }
         passed.push(judged);

@@ -59,7 +59,7 @@ pub(super) fn layered(
         "shear of the stiff layers and the local field change layerwise by {differ:.1e}{of_what} in the first contact; estimated error of layerwise relative to solid: {error:.1e}"
     );
     let tolerance = scene.tolerance;
-    let over = watch.agreed(error / tolerance);
+    let (over, share) = (watch.agreed(error / tolerance), OF_THEORY * tolerance);
     // Cells and basis get what the theory leaves of the tolerance, where it leaves a part.
     let mut left =
         Scene { tolerance: (rest(1.0, over) / joined(OF_CELLS, OF_BASIS)).min(1.0) * tolerance, ..scene.clone() };
@@ -69,11 +69,13 @@ pub(super) fn layered(
             Err(reason) if over * tolerance <= IN_PLACE_OF_MESH => {
                 left.tolerance = tolerance;
                 passed.push(format!(
-                    "{judged}, above the tolerance of {tolerance:.0e}, and yet taken: splines do not stand for its solid ({reason}), and a mesh has no stresses on faces between layers"
+                    "{judged}, above {share:.1e}, the theory's part of the tolerance, and yet taken: splines do not stand for its solid ({reason}), and a mesh has no stresses on faces between layers"
                 ));
             }
             _ => {
-                passed.push(format!("{judged}, above the tolerance of {tolerance:.0e}, so the solid is taken"));
+                passed.push(format!(
+                    "{judged}, above {share:.1e}, the theory's part of the tolerance, so the solid is taken"
+                ));
                 return Ok(None);
             }
         }

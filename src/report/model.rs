@@ -41,7 +41,7 @@ pub fn section(data: &Data) -> Section {
                 .to_owned(),
         ),
         Part::Text(
-            "Assumptions: small deflections (the model is geometrically linear), one linear elastic material that does not fail, \
+            "Assumptions: small deflections (the model is geometrically linear), linear materials, elastic or viscoelastic in shear, that do not fail, \
              an impactor that is rigid except for its contact, and a contact force by the law given above."
                 .to_owned(),
         ),

@@ -97,12 +97,13 @@ impl Member {
         cell: (f64, f64),
         forces: &Scale,
     ) -> Drawn {
-        let (left, right) = (frame.at_x(cell.0), frame.at_x(cell.1));
-        // Space between wide bars; thin ones would vanish in it.
-        let space = if right - left > 6.0 { 0.12 * (right - left) } else { 0.0 };
+        let [left, at, right] = [cell.0, self.value, cell.1].map(|x| frame.at_x(x));
+        // Space between wide bars, which hold their member's value; thin ones would vanish in it.
+        let part = if right - left > 6.0 { 0.76 } else { 1.0 };
+        let (left, right) = (at - part * (at - left), at + part * (right - at));
         for (start, end, force) in &self.contacts {
             let (bottom, top) = (frame.at_y(1e3 * start), frame.at_y(1e3 * end));
-            let corners = ((left + space, top.min(bottom - 1.5)), ((right - space).max(left + space + 1.0), bottom));
+            let corners = ((left, top.min(bottom - 1.5)), (right.max(left + 1.0), bottom));
             canvas.rectangle(corners.0, corners.1, colour(forces.place(*force)))?;
         }
         Ok(())
