@@ -6,6 +6,9 @@ use crate::error::{Result, check};
 use crate::session::Session;
 use crate::text::{from_c, option_name, to_c};
 
+/// What a session sets itself: MPI's and the program's own signal handling stay in charge.
+pub(crate) const OF_SESSION: &str = "-no_signal_handler";
+
 /// Whether an option (`name` with its leading dash) is set.
 ///
 /// # Errors
@@ -57,7 +60,7 @@ pub fn clear(session: &Session, name: &str) -> Result<()> {
     check(unsafe { sys::PetscOptionsClearValue(std::ptr::null_mut(), name.as_ptr()) })
 }
 
-/// All options that are set, in one line.
+/// All options that are set, in one line; without the one that a [`Session`] sets itself.
 ///
 /// # Errors
 /// PETSc's.
@@ -75,7 +78,7 @@ pub fn all(session: &Session) -> Result<String> {
         // SAFETY: as above.
         check(unsafe { free(raw.cast(), 0, c"all".as_ptr(), c"options.rs".as_ptr()) })?;
     }
-    Ok(value.trim().to_owned())
+    Ok(value.split_whitespace().filter(|word| *word != OF_SESSION).collect::<Vec<_>>().join(" "))
 }
 
 /// Names of options that nothing has asked for so far: most often misspelt.

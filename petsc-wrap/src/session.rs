@@ -11,6 +11,7 @@ use petsc_sys as sys;
 
 use crate::comm::Comm;
 use crate::error::{Error, Result, check};
+use crate::options;
 use crate::text::to_c;
 
 /// The running MPI and PETSc; at most one a process, ever.
@@ -98,8 +99,7 @@ impl Session {
         let library = sys::load().map_err(Error::NotLoaded)?;
         let program = std::env::args_os().next();
         let program = program.map_or_else(|| "program".to_owned(), |path| path.to_string_lossy().into_owned());
-        // MPI's and the program's own signal handling stay in charge.
-        let words = [program, "-no_signal_handler".to_owned()];
+        let words = [program, options::OF_SESSION.to_owned()];
         let arguments: Vec<CString> = words.iter().chain(options).map(|word| to_c(word)).collect();
         let mut argv: Vec<*mut c_char> = arguments.iter().map(|word| word.as_ptr().cast_mut()).collect();
         let mut argc = c_int::try_from(argv.len()).map_err(|_| Error::TooLarge { number: argv.len() })?;

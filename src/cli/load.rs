@@ -43,7 +43,7 @@ struct Given {
 pub fn load(comm: &Comm, path: &Path, overrides: &[String]) -> Result<Loaded> {
     let Given { source, is_of_result, petsc_options } = decided(comm, || given(path, overrides))?;
     if let Some(given) = petsc_options
-        && words(&options::all(comm.session())?).next().is_none()
+        && options::all(comm.session())?.is_empty()
     {
         set_options(comm, &given)?;
     }
@@ -109,14 +109,9 @@ pub fn mesh_digest(scene: &Scene) -> Option<String> {
     Some(format!("{:016x}", digest_of_file(path).ok()?))
 }
 
-/// The words of options in one line, as PETSc lists them, but for the one that every session has.
-fn words(line: &str) -> impl Iterator<Item = &str> {
-    line.split_whitespace().filter(|word| *word != "-no_signal_handler")
-}
-
-/// Sets options in one line.
+/// Sets options in one line, as PETSc lists them.
 fn set_options(comm: &Comm, line: &str) -> Result<()> {
-    let mut words = words(line).peekable();
+    let mut words = line.split_whitespace().peekable();
     while let Some(name) = words.next() {
         // A number may begin with a minus sign.
         let value = words.next_if(|word| !word.starts_with('-') || word.parse::<f64>().is_ok());

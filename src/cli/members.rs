@@ -8,7 +8,7 @@ use crate::record::sweep::{Quantity, Status, SweepWriter};
 use crate::scene::{Scene, Source};
 use crate::study::sweep::Grid;
 
-use super::notes::{self, Remark, USELESS};
+use super::notes::{self, Remark, USELESS, above};
 use super::summary::beyond;
 use super::{note, tell};
 
@@ -67,7 +67,8 @@ impl Remarks {
             let deflection = of(Quantity::DeflectionOverThickness);
             let remark = |kind: &str, size: f64, text: String| Remark { kind: kind.to_owned(), size, text };
             let of_first = format!(
-                "the estimated error in the first contact is {first:.1e} of the peak, above accuracy.tolerance = {tolerance:e}"
+                "the estimated error in the first contact is {} of the peak, above accuracy.tolerance = {tolerance:e}",
+                above(first, *tolerance)
             );
             if first > USELESS {
                 let text = format!("{of_first}, and its results are of no use: `ricochet check` of its scene says why");
@@ -77,8 +78,9 @@ impl Remarks {
                 all.warnings.add(member, remark("first contact", first, text));
             } else if whole > *tolerance {
                 let text = format!(
-                    "the estimated error of the whole history is {whole:.1e} of the peak, above accuracy.tolerance = {tolerance:e}, which is for the first \
-                     contact: later contacts are sensitive; tighten the tolerance to check them"
+                    "the estimated error of the whole history is {} of the peak, above accuracy.tolerance = {tolerance:e}, which is for the first \
+                     contact: later contacts are sensitive; tighten the tolerance to check them",
+                    above(whole, *tolerance)
                 );
                 all.notes.add(member, remark("whole history", whole, text));
             }

@@ -77,8 +77,9 @@ pub fn verdict(model: &Model, scene: &Scene) -> Option<Verdict> {
     remedies.dedup();
     let of = listed(&causes);
     let message = format!(
-        "the estimated error{of_what} in the first contact is {error:.1e} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of}); \
+        "the estimated error{of_what} in the first contact is {} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of}); \
          what may lower it: {}",
+        above(error, tolerance),
         remedies.join(", or ")
     );
     Some(Verdict { message, is_useless: error.is_nan() || error > USELESS })
@@ -101,24 +102,32 @@ pub fn missed(errors: &Errors, (measure, tolerance): (Measure, f64), was_warned:
     let of_stress = measure == Measure::Stress && !was_warned;
     if of_stress && errors.stress > tolerance {
         missed.push(format!(
-            "the estimated error of the largest tension in the first contact is {:.1e} with that of the steps, above accuracy.tolerance = {tolerance:e}: \
+            "the estimated error of the largest tension in the first contact is {} with that of the steps, above accuracy.tolerance = {tolerance:e}: \
              tighten the tolerance",
-            errors.stress
+            above(errors.stress, tolerance)
         ));
     }
     if errors.history > tolerance {
+        let error = above(errors.history, tolerance);
         missed.push(match measure {
             Measure::Acceleration => format!(
-                "the estimated error of the whole history is above accuracy.tolerance = {tolerance:e}, which is for the first contact: later contacts are \
+                "the estimated error of the whole history is {error} of the peak, above accuracy.tolerance = {tolerance:e}, which is for the first contact: later contacts are \
                  sensitive; tighten the tolerance to check them"
             ),
             Measure::Stress => format!(
-                "the estimated error of the acceleration over the whole history is above accuracy.tolerance = {tolerance:e}; stresses are estimated in \
+                "the estimated error of the acceleration over the whole history is {error} of the peak, above accuracy.tolerance = {tolerance:e}; stresses are estimated in \
                  the first contact alone: later contacts are sensitive; tighten the tolerance to check them"
             ),
         });
     }
     missed
+}
+
+/// A number above a limit, with two digits, or with as many as show that it is above.
+pub fn above(number: f64, limit: f64) -> String {
+    let text = |digits: usize| format!("{number:.digits$e}");
+    let is_seen = |text: &String| text.parse::<f64>().is_ok_and(|shown| shown > limit);
+    (1..4).map(text).find(is_seen).unwrap_or_else(|| text(4))
 }
 
 /// What makes the error by a part of a model smaller.
@@ -329,6 +338,12 @@ fn unused(scene: &Scene) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_above_a_limit_is_seen_to_be() {
+        let shown = [(1.6e-2, "1.6e-2"), (1.004e-2, "1.004e-2"), (1.03e-2, "1.03e-2"), (1.000001e-2, "1.0000e-2")];
+        shown.into_iter().for_each(|(number, text)| assert_eq!(above(number, 1e-2), text));
+    }
 
     #[test]
     fn a_tolerance_for_stresses_is_held_against_stresses() {

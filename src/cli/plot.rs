@@ -6,15 +6,13 @@ use crate::figure::history::{Curve, History, Run, draw};
 use crate::figure::sweep as figure;
 use crate::record::quantity::{Part, Quantity, quantity};
 use crate::record::read;
-use crate::record::stress::{FaceMap, StressMaps};
+use crate::record::stress::{FaceMap, STRESS_MAP, StressMaps};
 use crate::record::sweep::{self as record, Key, Status, Sweep, Values, is_sweep};
 use crate::report::face_figure;
 use std::path::{Path, PathBuf};
 
 /// What is drawn of runs where nothing else is asked for.
 const DEFAULT: &str = "acceleration";
-/// The maps of the largest tension over time, which are no curves.
-const MAP: &str = "stress_map";
 
 /// Draws a quantity of the results `files` over time to `out`, one curve a file and component; or a quantity of a single sweep over its
 /// keys. `asked` is the name of the quantity, by default the acceleration of the impactor.
@@ -34,8 +32,8 @@ pub fn plot(files: &[PathBuf], out: &Path, asked: Option<&str>) -> Result<()> {
         }
     }
     let name = asked.unwrap_or(DEFAULT);
-    if name == MAP || name.strip_prefix(MAP).is_some_and(|face| face.starts_with('/')) {
-        let face = name[MAP.len()..].trim_start_matches('/');
+    if name == STRESS_MAP || name.strip_prefix(STRESS_MAP).is_some_and(|face| face.starts_with('/')) {
+        let face = name[STRESS_MAP.len()..].trim_start_matches('/');
         return match files {
             [file] => plot_maps(file, out, face),
             _ => Err(Error::Usage(format!("--quantity {name}: a map is of one result"))),
@@ -69,7 +67,7 @@ pub fn plot(files: &[PathBuf], out: &Path, asked: Option<&str>) -> Result<()> {
 
 /// Draws the map of a face, or those of all faces, each to a file with the face's name in it.
 fn plot_maps(file: &Path, out: &Path, face: &str) -> Result<()> {
-    let refuse = |what: String| Err(Error::Usage(format!("--quantity {MAP}: {} has {what}", file.display())));
+    let refuse = |what: String| Err(Error::Usage(format!("--quantity {STRESS_MAP}: {} has {what}", file.display())));
     let Some(maps) = StressMaps::read(file)? else { return refuse("no map of stresses".to_owned()) };
     let title = read::history(file)?.title;
     let is_wanted = |map: &&FaceMap| face.is_empty() || map.name == face;

@@ -240,15 +240,18 @@ impl Desk {
         let (low, high) =
             (of(Quantity::PeakAcceleration).min_by(by_value), of(Quantity::PeakAcceleration).max_by(by_value));
         if let (Some((low, _)), Some((high, at))) = (low, high) {
-            let contacts =
+            let count =
                 |pick: fn(f64, f64) -> f64| of(Quantity::Contacts).map(|(count, _)| count).reduce(pick).unwrap_or(0.0);
+            let contacts = match (count(f64::min), count(f64::max)) {
+                (1.0, 1.0) => "1 contact each".to_owned(),
+                (few, many) if few == many => format!("{few} contacts each"),
+                (few, many) => format!("{few} to {many} contacts"),
+            };
             say(format_args!(
-                "peak acceleration {} to {} m/s², the largest of {}; {} to {} contacts",
+                "peak acceleration {} to {} m/s², the largest of {}; {contacts}",
                 short(low),
                 short(high),
-                grid.name(at),
-                contacts(f64::min),
-                contacts(f64::max)
+                grid.name(at)
             ));
         }
         let failed = self.count(Status::Failed) + self.count(Status::Refused);

@@ -216,7 +216,8 @@ impl Provenance {
             version: words("version")?,
             commit: words("commit")?,
             petsc_version: words("petsc_version")?,
-            petsc_options: words("petsc_options")?,
+            // Earlier versions recorded the option that every session sets itself.
+            petsc_options: words("petsc_options")?.replace("-no_signal_handler", "").trim().to_owned(),
             ranks: count("ranks")?,
             model: words("model")?,
             model_details: ModelDetails::read(root).ok(),

@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::record::columns::SERIES;
 use crate::record::provenance::text;
 use crate::record::read::{check_run, column, contacts, not_result, open};
+use crate::record::stress::STRESS_MAP;
 use hdf5_metno as hdf5;
 use std::path::Path;
 
@@ -152,6 +153,7 @@ fn there(file: &hdf5::File) -> Vec<String> {
     }
     let of_face = |face: &String| if face == "ring" { face.clone() } else { format!("{face}/largest") };
     there.extend(faces.iter().map(|face| format!("{STRESS}/{}", of_face(face))));
+    there.extend(file.group(STRESS_MAP).is_ok().then(|| STRESS_MAP.to_owned()));
     let probes = file.group("series/probe").and_then(|group| group.member_names()).unwrap_or_default();
     for probe in probes {
         let group = file.group(&format!("series/probe/{probe}"));

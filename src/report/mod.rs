@@ -13,6 +13,7 @@ mod number;
 mod origin;
 mod page;
 mod probes;
+mod relaxation;
 mod scene;
 mod summary;
 mod tension;

@@ -7,10 +7,7 @@ use super::page::{Fact, Facts, Part, Section};
 /// The section.
 pub fn section(data: &Data) -> Section {
     let (origin, cost) = (&data.provenance, &data.cost);
-    // But for the one that every session has.
-    let options: Vec<&str> =
-        origin.petsc_options.split_whitespace().filter(|word| *word != "-no_signal_handler").collect();
-    let options = if options.is_empty() { "none".to_owned() } else { options.join(" ") };
+    let options = if origin.petsc_options.is_empty() { "none" } else { &origin.petsc_options };
     let mut rows = vec![
         Fact::new("Result", &data.file),
         Fact::new("Last written", data.written.map_or("not known".to_owned(), date)),

@@ -1,7 +1,8 @@
 //! The scene in words: body, supports, impactor, loads, time; and its text.
 
 use crate::contact::ForceLaw;
-use crate::form::Material;
+use crate::form;
+use crate::material::Material;
 use crate::scene::{
     Body, Geometry, Impactor, Initial, Parts, STANDARD_GRAVITY, Scene, Scheme, Support, SupportKind, Symmetry, Vec3,
     Within,
@@ -12,6 +13,7 @@ use super::number::{
     FORCE, LENGTH, MASS, MODULUS, SPEED, TIME, by_component, computed, digits, given, percent, plain, vector, with_unit,
 };
 use super::page::{Column, Fact, Facts, Fold, Part, Section, Table};
+use super::relaxation;
 
 /// The section.
 pub fn section(data: &Data) -> Section {
@@ -19,6 +21,7 @@ pub fn section(data: &Data) -> Section {
     match &data.scene {
         Ok(scene) => {
             parts.push(facts("Body and material", body(&scene.body)));
+            parts.extend(relaxation::tables(&scene.body));
             parts.push(supports(&scene.supports));
             parts.push(facts("Impactor and contact", impactor(&scene.impactor)));
             parts.push(loads(scene));
@@ -56,17 +59,17 @@ fn body(body: &Body) -> Vec<Fact> {
         rows.push(Fact::new("Mass", computed(mass, MASS)));
     }
     match &body.composition.parts {
-        Parts::Whole(material) => rows.extend(constants("", &material.instantaneous)),
+        Parts::Whole(material) => rows.extend(constants("", material)),
         Parts::Layers(layers) => {
             for (number, layer) in layers.iter().enumerate() {
                 let prefix = format!("Layer {}: ", number + 1);
                 rows.push(Fact::new(format!("{prefix}thickness"), given(layer.thickness, LENGTH)));
-                rows.extend(constants(&prefix, &layer.material.instantaneous));
+                rows.extend(constants(&prefix, &layer.material));
             }
         }
         Parts::Volumes(volumes) => {
             for (name, material) in volumes {
-                rows.extend(constants(&format!("{name}: "), &material.instantaneous));
+                rows.extend(constants(&format!("{name}: "), material));
             }
         }
     }
@@ -76,12 +79,17 @@ fn body(body: &Body) -> Vec<Fact> {
     rows
 }
 
-/// The constants at t → 0 of a part of the body.
+/// The constants of a part of the body; those at t → 0 where it relaxes.
 fn constants(part: &str, material: &Material) -> [Fact; 3] {
-    let Material { young, poisson, density } = *material;
+    let form::Material { young, poisson, density } = material.instantaneous;
+    // Computed from the moduli of a chain, they would have all digits.
+    let (when, young, poisson) = match material.shear {
+        None => ("", given(young, MODULUS), plain(poisson)),
+        Some(_) => (" at t → 0", computed(young, MODULUS), digits(poisson, 4)),
+    };
     [
-        Fact::new(format!("{part}Young’s modulus"), given(young, MODULUS)),
-        Fact::new(format!("{part}Poisson’s ratio"), plain(poisson)),
+        Fact::new(format!("{part}Young’s modulus{when}"), young),
+        Fact::new(format!("{part}Poisson’s ratio{when}"), poisson),
         Fact::new(format!("{part}Density"), with_unit(plain(density), "kg/m³")),
     ]
 }

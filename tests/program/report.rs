@@ -21,6 +21,7 @@ pub const TESTS: &[PlainTest] = tests![
     an_interrupted_run_is_called_so,
     a_half_space_has_no_faces,
     tension_is_held_against_the_strength,
+    layers_that_relax_have_their_chains,
     earlier_results_have_a_report,
     one_result_has_one_page,
     what_is_no_result_of_a_run_is_refused,
@@ -167,6 +168,31 @@ fn tension_is_held_against_the_strength() {
     }
     let folder = with_strength("", f64::NAN);
     assert_eq!(select(&report(&folder), ".verdict").count(), 0);
+}
+
+/// Two interlayers of one material, at a temperature that makes its times a hundredth; and the constants at t → 0.
+fn layers_that_relax_have_their_chains() {
+    let layer = |thickness: f64, material: &str| {
+        format!("[[body.layer]]\nthickness = {thickness}\nmaterial = \"{material}\"\n")
+    };
+    let glass = layer(0.006, "glass");
+    let film = layer(0.00152, "film");
+    let scene = format!(
+        "[body]\nsize = [0.3, 0.3]\nmodel = \"layerwise\"\nreduction = 20\ntemperature = 71.6\n{glass}{film}{glass}{film}{glass}\
+         [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+         [material.film]\nbulk = 2e9\ndensity = 1100.0\nshear = 0.4e6\n\
+         prony = [{{ modulus = 7.5e6, time = 0.3 }}, {{ modulus = 12e6, time = 2e-3 }}]\n\
+         wlf = {{ c1 = 4.0, c2 = 51.6, reference = 20.0 }}\n\
+         [impactor]\nmass = 2.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n[time]\nend = 1e-4\n"
+    );
+    let folder = folder(&scene);
+    good(&folder, 0, "run scene.toml -o out.h5 --set output.stress=false");
+    let page = report(&folder);
+    let relaxing = "Shear modulus of layer 2, layer 4 at 71.6 °C: G(t) = G∞ + Σ Gᵢ exp(−t/τᵢ), 19.90 MPa at t → 0 and G∞ = 0.4 MPa";
+    says(&page, &[relaxing, "Layer 2: Young’s modulus at t → 0", "Layer 3: Young’s modulus"]);
+    // The shorter time first.
+    let cells: Vec<String> = select(&page, "td").collect();
+    assert!(cells.windows(2).any(|moduli| moduli == ["12.00", "7.500"]), "{cells:?}");
 }
 
 /// Without what later versions have added, and with a scene that this one does not know.

@@ -17,8 +17,8 @@ use crate::space::evaluate::TensionMap;
 
 use super::read::order;
 
-/// The group of all.
-const GROUP: &str = "stress_map";
+/// Where maps are in a result, and what `plot` calls them.
+pub const STRESS_MAP: &str = "stress_map";
 /// Its attributes: where the hit is, m, and across which axes the map has images.
 const HIT: &str = "hit";
 const MIRRORED: &str = "mirrored";
@@ -55,7 +55,7 @@ impl MapDatasets {
     pub fn new(file: &hdf5::File, names: &[String], points: &MapPoints) -> hdf5::Result<Self> {
         let mut faces = Vec::new();
         for (name, points) in names.iter().zip(&points.faces) {
-            let path = |of: &str| format!("{GROUP}/{name}/{of}");
+            let path = |of: &str| format!("{STRESS_MAP}/{name}/{of}");
             let place = file.new_dataset_builder().with_data(ArrayView2::from(&points[..]));
             let place = place.create(path("points").as_str())?;
             write_text(&place, "units", "m")?;
@@ -68,7 +68,7 @@ impl MapDatasets {
             faces.push([dataset("tension", "Pa")?, dataset("time", "s")?]);
         }
         if !faces.is_empty() {
-            let group = file.group(GROUP)?;
+            let group = file.group(STRESS_MAP)?;
             group.new_attr::<f64>().shape(3).create(HIT)?.write(&points.hit)?;
             group.new_attr::<bool>().shape(3).create(MIRRORED)?.write(&points.mirrored)?;
         }
@@ -133,7 +133,7 @@ impl StressMaps {
     pub fn read(path: &Path) -> Result<Option<Self>> {
         let file = open(path)?;
         check_run(&file, path)?;
-        let Ok(group) = file.group(GROUP) else { return Ok(None) };
+        let Ok(group) = file.group(STRESS_MAP) else { return Ok(None) };
         let wrong = |error: hdf5::Error| Error::io(path, format!("its map of stresses cannot be read: {error}"));
         Self::of(&group).map(Some).map_err(wrong)
     }
@@ -146,13 +146,13 @@ impl StressMaps {
             let points: Vec<Vec3> = column("points")?.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect();
             let face = FaceMap { name, points, tension: column("tension")?, time: column("time")? };
             if face.tension.len() != face.points.len() || face.time.len() != face.points.len() {
-                return Err(format!("/{GROUP}/{} has columns of unlike lengths", face.name).into());
+                return Err(format!("/{STRESS_MAP}/{} has columns of unlike lengths", face.name).into());
             }
             faces.push(face);
         }
         faces.sort_by(|one, other| order(&one.name).cmp(&order(&other.name)));
         let (hit, mirrored) = (group.attr(HIT)?.read_raw::<f64>()?, group.attr(MIRRORED)?.read_raw::<bool>()?);
-        let three = |name: &str| format!("the attribute {name} of /{GROUP} has no three entries");
+        let three = |name: &str| format!("the attribute {name} of /{STRESS_MAP} has no three entries");
         Ok(Self {
             faces,
             hit: hit.try_into().map_err(|_| three(HIT))?,

@@ -9,7 +9,7 @@ mod read;
 mod write;
 
 pub use largest::LargestTension;
-pub use map::{FaceMap, MapPoints, StressMaps};
+pub use map::{FaceMap, MapPoints, STRESS_MAP, StressMaps};
 pub use read::{Face, Largest, Stresses};
 pub use write::EarlierTensions;
 
