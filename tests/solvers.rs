@@ -21,10 +21,11 @@ fn start() -> Session {
 
 fn main() -> ExitCode {
     mpi_test::run(
-        &[1, 2],
+        &[1, 2, 3],
         start,
         &[
             ("the_default_is_direct", the_default_is_direct),
+            ("ranks_share_a_factor", ranks_share_a_factor),
             ("a_changed_matrix_is_factorised_again", a_changed_matrix_is_factorised_again),
             ("a_singular_matrix_is_told", a_singular_matrix_is_told),
             ("methods_and_options_in_their_place", methods_and_options_in_their_place),
@@ -39,6 +40,48 @@ fn the_default_is_direct(session: &Session) {
     let mut ksp = solver(&session.world(), "", &matrix, Method::Cholesky).unwrap();
     // Condition number about n² = 6400: 1e-12 leaves room for rounding, none for an iterative tolerance.
     assert!(error_of_solve(session, &mut ksp, &matrix) < 1e-12);
+    ksp.destroy().unwrap();
+}
+
+/// A membrane of eight points to a line, twelve lines on each rank: lines between the ranks are an interface of which each rank has a factor. Rows that
+/// are coupled to nothing, as those of clamped unknowns, are among those inside and on the interface.
+fn ranks_share_a_factor(session: &Session) {
+    const WIDTH: Int = 8;
+    const LINES: usize = 12;
+    let (world, rows) = (session.world(), LINES * WIDTH as usize);
+    let count = (rows * world.size()) as Int;
+    let mut matrix = Matrix::aij(&world, (rows, rows), &vec![5; rows], &vec![2; rows]).unwrap();
+    let is_alone = |row: Int| row % 13 == 5;
+    for row in matrix.row_range() {
+        let beside =
+            [(row % WIDTH > 0, -1), (row % WIDTH < WIDTH - 1, 1), (row >= WIDTH, -WIDTH), (row < count - WIDTH, WIDTH)];
+        let others = beside.into_iter().filter(|(is_there, by)| *is_there && !is_alone(row) && !is_alone(row + by));
+        // Couplings that differ, and some more on the diagonal.
+        let others = others.map(|(_, by)| (row + by, -1.0 - f64::from((2 * row + by) % 7) / 10.0));
+        let mut entries: Vec<(Int, f64)> = others.collect();
+        let diagonal = 0.01 - entries.iter().map(|(_, value)| value).sum::<f64>();
+        entries.push((row, diagonal));
+        for (column, value) in entries {
+            matrix.set_values(&[row], &[column], &[value], Insert::Replace).unwrap();
+        }
+    }
+    matrix.assemble().unwrap();
+    matrix.declare_positive_definite().unwrap();
+    let mut ksp = solver(&world, "", &matrix, Method::Cholesky).unwrap();
+    let kind = ksp.pc().unwrap().type_name().unwrap();
+    assert_eq!(kind, if world.size() > 1 { "shell" } else { "cholesky" });
+    let mut exact = Vector::new(&world, rows).unwrap();
+    let begin = exact.range().start;
+    let write = |(i, value): (usize, &mut f64)| *value = (begin as f64 + i as f64).sin();
+    exact.write().unwrap().iter_mut().enumerate().for_each(write);
+    let (mut b, mut x) = (exact.duplicate().unwrap(), exact.duplicate().unwrap());
+    matrix.mult(&exact, &mut b).unwrap();
+    ksp.solve(&b, &mut x).unwrap();
+    x.axpy(-1.0, &exact).unwrap();
+    // A condition number of at most 2 · 8 · 1.6/0.01.
+    let error = x.norm_max().unwrap();
+    assert!(error < 1e-12, "{error:e}");
+    ksp.destroy().unwrap();
 }
 
 fn a_changed_matrix_is_factorised_again(session: &Session) {
@@ -48,6 +91,7 @@ fn a_changed_matrix_is_factorised_again(session: &Session) {
     let other = matrix.duplicate().unwrap();
     matrix.axpy(1.0, &other).unwrap();
     assert!(error_of_solve(session, &mut ksp, &matrix) < 1e-12);
+    ksp.destroy().unwrap();
 }
 
 fn a_singular_matrix_is_told(session: &Session) {
@@ -65,6 +109,7 @@ fn a_singular_matrix_is_told(session: &Session) {
         Ok(()) => assert!(x.norm().unwrap() > 1e6),
         Err(error) => panic!("{error}"),
     }
+    ksp.destroy().unwrap();
 }
 
 /// Each method solves to its tolerance, from a bad guess too, and whatever options put in the place of conjugate gradients.

@@ -24,6 +24,7 @@ fn main() -> ExitCode {
             ("methods_solve_to_their_tolerance", methods_solve_to_their_tolerance),
             ("a_changed_matrix_is_set_up_again", a_changed_matrix_is_set_up_again),
             ("a_closure_preconditions", a_closure_preconditions),
+            ("a_factorisation_follows_its_matrix", a_factorisation_follows_its_matrix),
             ("a_closure_multiplies", a_closure_multiplies),
             ("each_rank_has_a_factor_of_all", each_rank_has_a_factor_of_all),
             ("a_guess_is_used_or_not", a_guess_is_used_or_not),
@@ -111,6 +112,50 @@ fn a_closure_preconditions(session: &Session) {
         assert!(matches!(ksp.solve(&b, &mut x), Err(Error::Petsc { code: 83, .. })));
         ksp.destroy().unwrap();
     }
+}
+
+/// What makes a closure of the matrix is called before the first solve and after each change, and gone with the solver; where it makes none, the
+/// solve fails as with a factor of PETSc's, and where it fails or panics, with an error.
+fn a_factorisation_follows_its_matrix(session: &Session) {
+    let mut matrix = laplacian(session, 2.0);
+    let made = Rc::new(Cell::new(0));
+    let mut ksp = Ksp::new(&session.world()).unwrap();
+    ksp.set_type("cg").unwrap();
+    ksp.set_tolerances(Tolerances { relative: Some(1e-12), ..Default::default() }).unwrap();
+    let counted = made.clone();
+    // The diagonal as the solver's matrix has it.
+    ksp.set_factorisation(&matrix, move |matrix| {
+        counted.set(counted.get() + 1);
+        let first = matrix.row_range().start;
+        let row = matrix.row(first)?;
+        let at = row.columns.iter().position(|column| *column == first).unwrap();
+        let diagonal = row.values[at];
+        Ok((diagonal < 5.0).then(|| -> Box<dyn FnMut(&[f64], &mut [f64])> {
+            Box::new(move |r, z| z.iter_mut().zip(r).for_each(|(z, r)| *z = r / diagonal))
+        }))
+    })
+    .unwrap();
+    for _ in 0..2 {
+        assert!(error_of_solve(session, &mut ksp, &matrix) < 1e-8);
+        assert_eq!(made.get(), 1, "an unchanged matrix is not factorised again");
+    }
+    let one = matrix.duplicate().unwrap();
+    matrix.axpy(1.0, &one).unwrap();
+    assert!(error_of_solve(session, &mut ksp, &matrix) < 1e-8);
+    assert_eq!(made.get(), 2);
+    matrix.axpy(1.0, &one).unwrap();
+    let (mut b, mut x) = (Vector::new(&session.world(), LOCAL).unwrap(), Vector::new(&session.world(), LOCAL).unwrap());
+    b.fill(1.0).unwrap();
+    let Err(Error::Diverged(failure)) = ksp.solve(&b, &mut x) else { panic!("solved without a factor") };
+    assert!(failure.reason.contains("PC_FAILED"), "{failure}");
+    ksp.destroy().unwrap();
+    assert_eq!(Rc::strong_count(&made), 1, "it goes with the solver");
+
+    let mut ksp = Ksp::new(&session.world()).unwrap();
+    ksp.set_type("preonly").unwrap();
+    ksp.set_factorisation(&one, |_| panic!("of a test")).unwrap();
+    assert!(matches!(ksp.solve(&b, &mut x), Err(Error::Petsc { code: 83, .. })));
+    ksp.destroy().unwrap();
 }
 
 /// A closure is an operator: its products are used, its errors and panics end a solve, and its memory goes with the last that keeps it.

@@ -6,8 +6,8 @@ use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use faer::{MatMut, MatRef, Side};
 use nalgebra_sparse::CsrMatrix;
 
-use super::triangle::Triangle;
 use crate::error::{Error, Result};
+use crate::solve::triangle::Triangle;
 
 /// Part of its entries that a matrix has from which on it is factorised as a full one: splines of a high degree on few cells couple nearly all
 /// unknowns. Of solids of 700 to 1,700 unknowns that takes two thirds of the instructions, and solving a quarter more.

@@ -35,7 +35,6 @@ mod short_waves;
 mod spectrum;
 mod start;
 mod system;
-mod triangle;
 mod unilateral;
 
 pub use assembled::Assembled;

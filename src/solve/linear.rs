@@ -4,6 +4,7 @@ use petsc_wrap::{Comm, Factor, Ksp, KspView, MatrixView, ResidualNorm, Result, S
 
 use super::blocks::Triangle;
 use super::incomplete::IncompleteCholesky;
+use super::substructure::Substructures;
 
 /// Relative residual at which iterative methods stop: PETSc's 1e-5 would be an error of that size in every step.
 const ITERATIVE: f64 = 1e-12;
@@ -11,8 +12,9 @@ const ITERATIVE: f64 = 1e-12;
 /// How a system is solved, where PETSc's options say nothing else.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
-    /// One factorisation, by CHOLMOD on one rank, where its solves are the fastest, else by MUMPS. Without MUMPS each of several ranks has
-    /// a factor of all by CHOLMOD, and without both by PETSc itself.
+    /// One factorisation: by CHOLMOD on one rank. Several ranks have factors of their parts and of the interface between them
+    /// (`solve/substructure`), where that is small; else they share one by MUMPS. Without MUMPS each of them has a factor of all by CHOLMOD, and without
+    /// both by PETSc itself.
     Cholesky,
     /// Conjugate gradients from the given guess on, preconditioned with multigrid of smoothed aggregates (GAMG), which knows the matrix's
     /// near null space, down to a part of the right-hand side in the norm of the preconditioner, which is nearly that of the energy.
@@ -85,7 +87,16 @@ pub fn solver_of_nodes(
     let tolerance = match method {
         Method::Cholesky => {
             ksp.set_type("preonly")?;
-            precondition_by_cholesky(&mut ksp, matrix, [CHOLMOD, MUMPS])?;
+            if comm.size() > 1 && !is_chosen(comm, prefix)? && Substructures::suit(matrix)? {
+                ksp.set_factorisation(matrix, |matrix| {
+                    let factors = Substructures::new(matrix)?;
+                    Ok(factors.map(|mut factors| -> Box<dyn FnMut(&[f64], &mut [f64])> {
+                        Box::new(move |b, x| factors.solve(b, x))
+                    }))
+                })?;
+            } else {
+                precondition_by_cholesky(&mut ksp, matrix, [CHOLMOD, MUMPS])?;
+            }
             ITERATIVE
         }
         Method::Multigrid { tolerance } => {
@@ -129,7 +140,7 @@ pub fn is_direct(ksp: &KspView) -> Result<bool> {
 /// Whether PETSc's options name a method or a preconditioner.
 fn is_chosen(comm: &Comm, prefix: &str) -> Result<bool> {
     let is_set = |name: &str| options::is_set(comm.session(), &format!("-{prefix}{name}"));
-    Ok(is_set("ksp_type")? || is_set("pc_type")?)
+    Ok(is_set("ksp_type")? || is_set("pc_type")? || is_set("pc_factor_mat_solver_type")?)
 }
 
 /// From the given guess on, and in the norm of the preconditioner.

@@ -8,6 +8,8 @@ mod lanes;
 pub mod linear;
 mod newton;
 mod ordering;
+mod substructure;
+pub mod triangle;
 
 pub use linear::Method;
 pub use newton::Newton;

@@ -7,7 +7,7 @@ use faer::MatRef;
 use pulp::{Simd, WithSimd};
 
 /// Columns that are taken at a time.
-const TOGETHER: usize = 4;
+pub(super) const TOGETHER: usize = 4;
 
 /// L of A = L Lᵀ: each column from its diagonal on, one after the other.
 pub struct Triangle {
@@ -84,7 +84,7 @@ impl Triangle {
 
 /// Subtracts columns times numbers from a vector.
 #[inline(always)]
-fn subtract<S: Simd>(simd: S, x: &mut [f64], columns: [&[f64]; TOGETHER], numbers: [f64; TOGETHER]) {
+pub(super) fn subtract<S: Simd>(simd: S, x: &mut [f64], columns: [&[f64]; TOGETHER], numbers: [f64; TOGETHER]) {
     let columns = columns.map(|column| &column[..x.len()]);
     let factors = numbers.map(|number| simd.splat_f64s(-number));
     let (lots, rest) = S::as_mut_simd_f64s(x);
@@ -102,7 +102,7 @@ fn subtract<S: Simd>(simd: S, x: &mut [f64], columns: [&[f64]; TOGETHER], number
 
 /// Inner products of columns with a vector.
 #[inline(always)]
-fn products<S: Simd>(simd: S, columns: [&[f64]; TOGETHER], x: &[f64]) -> [f64; TOGETHER] {
+pub(super) fn products<S: Simd>(simd: S, columns: [&[f64]; TOGETHER], x: &[f64]) -> [f64; TOGETHER] {
     let columns = columns.map(|column| &column[..x.len()]);
     let (lots, rest) = S::as_simd_f64s(x);
     let of_lots = columns.map(|column| &S::as_simd_f64s(column).0[..lots.len()]);

@@ -1,0 +1,116 @@
+//! Which unknowns are inside a rank's part of a matrix, and which on the interface between the parts.
+
+use petsc_wrap::{Int, MatrixView, Result, Row};
+
+/// A rank's rows of a symmetric matrix, by where their unknowns are.
+pub(super) struct Split {
+    /// The unknowns of the interface, ascending; the same on every rank.
+    pub interface: Vec<Int>,
+    /// Those of them that are this rank's.
+    pub own: Vec<OwnUnknown>,
+    /// This rank's other unknowns, by their place among its rows.
+    pub inside: Vec<usize>,
+    /// The rows of those inside: of each, its entries from the diagonal on, ascending. Columns are counted in the order of `inside`, then of `reached`.
+    pub rows: Vec<Vec<Entry>>,
+    /// The places in the interface that the unknowns inside are coupled to, ascending.
+    pub reached: Vec<usize>,
+    /// Sum of the magnitudes of the row's entries on the interface, of each of `reached`: no less than what elimination takes off the diagonal.
+    pub bounds: Vec<f64>,
+}
+
+/// An unknown of the interface that this rank has.
+pub(super) struct OwnUnknown {
+    /// Among this rank's rows.
+    pub row: usize,
+    /// In the interface.
+    pub place: usize,
+    /// Entries of its row on the interface, by their places there.
+    entries: Vec<Entry>,
+}
+
+/// An entry of a row.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Entry {
+    pub column: usize,
+    pub value: f64,
+}
+
+impl Split {
+    /// Of an assembled symmetric matrix: those unknowns of a rank are on the interface that are coupled to a later rank's. Collective.
+    ///
+    /// # Errors
+    /// PETSc's, e.g. for a matrix that is not AIJ.
+    pub fn new(matrix: &MatrixView) -> Result<Self> {
+        let comm = matrix.comm();
+        let range = matrix.row_range();
+        let (mut row, mut outer, mut inside) = (Row::default(), Vec::new(), Vec::new());
+        for number in range.clone() {
+            matrix.row_into(number, &mut row)?;
+            let local = (number - range.start) as usize;
+            // Columns ascend.
+            let is_coupled = row.columns.last().is_some_and(|last| *last >= range.end);
+            if is_coupled {
+                outer.push(number)
+            } else {
+                inside.push(local)
+            };
+        }
+        // Ascending, since later ranks have later rows.
+        let interface = comm.all_gather(&outer);
+        let place_of = |number: Int| interface.binary_search(&number).ok();
+        let own = outer.iter().map(|number| {
+            matrix.row_into(*number, &mut row)?;
+            let entries = row.columns.iter().zip(&row.values);
+            let entries = entries
+                .filter_map(|(column, value)| Some(Entry { column: place_of(*column)?, value: *value }))
+                .collect();
+            let place = place_of(*number).expect("the interface has this rank's part of it");
+            Ok(OwnUnknown { row: (*number - range.start) as usize, place, entries })
+        });
+        let own = own.collect::<Result<Vec<_>>>()?;
+        let magnitudes: Vec<f64> =
+            own.iter().map(|own| own.entries.iter().map(|entry| entry.value.abs()).sum()).collect();
+        let magnitudes = comm.all_gather(&magnitudes);
+
+        let mut place_inside = vec![usize::MAX; range.len()];
+        inside.iter().enumerate().for_each(|(place, local)| place_inside[*local] = place);
+        // The columns on the interface come last, once it is known which are reached.
+        let (mut rows, mut reached) = (Vec::with_capacity(inside.len()), Vec::new());
+        for (place, local) in inside.iter().enumerate() {
+            matrix.row_into(range.start + *local as Int, &mut row)?;
+            let mut entries = Vec::with_capacity(row.columns.len());
+            for (number, value) in row.columns.iter().zip(&row.values) {
+                let within = range.contains(number).then(|| place_inside[(*number - range.start) as usize]);
+                match within.filter(|place| *place != usize::MAX) {
+                    Some(column) if column >= place => entries.push(Entry { column, value: *value }),
+                    Some(_) => {}
+                    None => {
+                        let at = place_of(*number).expect("what is not inside is on the interface");
+                        reached.push(at);
+                        entries.push(Entry { column: inside.len() + at, value: *value });
+                    }
+                }
+            }
+            rows.push(entries);
+        }
+        reached.sort_unstable();
+        reached.dedup();
+        for row in &mut rows {
+            for entry in row.iter_mut().filter(|entry| entry.column >= inside.len()) {
+                let at = reached.binary_search(&(entry.column - inside.len())).expect("it was noted");
+                entry.column = inside.len() + at;
+            }
+            row.sort_unstable_by_key(|entry| entry.column);
+        }
+        let bounds = reached.iter().map(|place| magnitudes[*place]).collect();
+        Ok(Self { interface, own, inside, rows, reached, bounds })
+    }
+
+    /// Adds this rank's rows of A_bb to a full matrix, row by row.
+    pub fn add_own(&self, to: &mut [f64]) {
+        let count = self.interface.len();
+        for own in &self.own {
+            own.entries.iter().for_each(|entry| to[own.place * count + entry.column] += entry.value);
+        }
+    }
+}
