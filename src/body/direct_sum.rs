@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::columns::Columns;
-use super::{Krylov, LinearBody, ProjectedRelaxation, Projection, Start};
+use super::{Exchange, Krylov, LinearBody, ProjectedRelaxation, Projection, Start};
 use crate::error::Result;
 
 /// A basis that grows, and the body on it.
@@ -17,7 +17,9 @@ pub struct DirectSum {
     class_of: Vec<usize>,
     /// The class whose turn it is.
     turn: usize,
-    /// The vectors as the whole body's, of several classes; as far as they were asked for.
+    /// How the one class is part of the body, where it is not all of it.
+    exchange: Option<Exchange>,
+    /// The vectors as the whole body's, where these are others than the classes'; as far as they were asked for.
     whole: Columns,
 }
 
@@ -30,8 +32,10 @@ impl DirectSum {
         let start = start.into();
         let parts = body.classes().into_iter().map(|class| Krylov::new(class, start)).collect::<Result<Vec<_>>>()?;
         let class_of = parts.iter().enumerate().flat_map(|(class, part)| vec![class; part.vectors()]).collect();
-        let rows = parts.iter().map(|part| part.basis().rows()).sum();
-        Ok(Self { parts, class_of, turn: 0, whole: Columns::new(rows, None) })
+        let exchange = body.exchange().cloned();
+        let of_parts = || parts.iter().map(|part| part.basis().rows()).sum();
+        let rows = exchange.as_ref().map_or_else(of_parts, Exchange::unknowns);
+        Ok(Self { parts, class_of, turn: 0, exchange, whole: Columns::new(rows, None) })
     }
 
     /// Vectors so far.
@@ -49,14 +53,14 @@ impl DirectSum {
     /// # Errors
     /// PETSc's.
     pub fn grow(&mut self, body: &dyn LinearBody, vectors: usize) -> Result<()> {
-        if self.parts.len() == 1 {
-            self.parts[0].grow(body, vectors)?;
-            self.class_of.resize(self.parts[0].vectors(), 0);
+        let of_class = body.classes();
+        if let [part] = &mut self.parts[..] {
+            part.grow(of_class[0], vectors)?;
+            self.class_of.resize(part.vectors(), 0);
             return Ok(());
         }
         // Each class takes what comes to it, at once.
         let (classes, missing) = (self.parts.len(), vectors.saturating_sub(self.vectors()));
-        let of_class = body.classes();
         let mut made: Vec<usize> = self.parts.iter().map(Krylov::vectors).collect();
         for (class, part) in self.parts.iter_mut().enumerate() {
             let turns = (classes + class - self.turn) % classes;
@@ -79,7 +83,7 @@ impl DirectSum {
     /// PETSc's.
     pub fn projection(&mut self, body: &dyn LinearBody) -> Result<Projection> {
         if let [part] = &mut self.parts[..] {
-            return part.projection(body);
+            return part.projection(body.classes()[0]);
         }
         let parts = self.parts.iter_mut().zip(body.classes());
         let projections = parts.map(|(part, class)| part.projection(class)).collect::<Result<Vec<_>>>()?;
@@ -89,7 +93,9 @@ impl DirectSum {
     /// The vectors, orthonormal in M.
     pub fn basis(&mut self) -> &Columns {
         if let [part] = &self.parts[..] {
-            return part.basis();
+            let Some(exchange) = &self.exchange else { return part.basis() };
+            part.basis().iter().skip(self.whole.count()).for_each(|own| self.whole.push(&exchange.whole(own)));
+            return &self.whole;
         }
         let mut next = vec![0; self.parts.len()];
         for (number, &class) in self.class_of.iter().enumerate() {

@@ -7,7 +7,7 @@ use crate::material::Maxwell;
 use super::columns::Columns;
 use super::direct::Precision;
 use super::shift::Solver;
-use super::{FoundationPoints, InfinitePlate};
+use super::{Exchange, FoundationPoints, InfinitePlate};
 
 /// One of a body's symmetric operators.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,6 +102,12 @@ pub trait LinearBody {
     /// Whether a mesh has its unknowns: vectors take long each then.
     fn is_meshed(&self) -> bool;
 
-    /// Its classes of motions that do not couple, each by itself: blocks of its unknowns, one after the other; itself where there is one.
+    /// Its classes of motions that do not couple and that its force and loads reach, each by itself: blocks of its unknowns, one after the other,
+    /// or one as [`LinearBody::exchange`] has it; itself where there is one of all.
     fn classes(&self) -> Vec<&dyn LinearBody>;
+
+    /// How its one class is part of it, where that is of the motions that stay as they are with its axes exchanged.
+    fn exchange(&self) -> Option<&Exchange> {
+        None
+    }
 }

@@ -13,27 +13,32 @@ use super::direct::{Direct, Precision};
 use super::linear::{LinearBody, Operator, Properties};
 use super::runs::Runs;
 use super::shift::Solver;
-use super::{FoundationPoints, InfinitePlate, System};
+use super::{Exchange, FoundationPoints, InfinitePlate, System};
 
 /// A linear body of a [`System`]. On several ranks each has one.
 pub struct LocalBody {
     system: System,
     /// Its matrices as they are multiplied with, once they have been.
     products: RefCell<Vec<(Operator, Rc<Runs>)>>,
-    /// Its classes of motions; none where there is one.
+    /// Its classes of motions that the force reaches; none where that is all of it.
     classes: Vec<Self>,
+    /// Where that is one, how it is part of the body.
+    exchange: Option<Exchange>,
 }
 
 impl LocalBody {
     /// Of a system. Its pads, which are not linear, are left out.
     pub fn new(system: System) -> Self {
+        if let Some((exchange, symmetric)) = Exchange::of(&system) {
+            return Self { exchange: Some(exchange), ..Self::of(system, vec![Self::of(symmetric, Vec::new())]) };
+        }
         let count = if system.classes > 1 { system.classes } else { 0 };
         let classes = (0..count).map(|class| Self::of(system.class(class), Vec::new())).collect();
         Self::of(system, classes)
     }
 
     fn of(system: System, classes: Vec<Self>) -> Self {
-        Self { system, products: RefCell::default(), classes }
+        Self { system, products: RefCell::default(), classes, exchange: None }
     }
 
     /// Its numbers.
@@ -141,5 +146,9 @@ impl LinearBody for LocalBody {
 
     fn classes(&self) -> Vec<&dyn LinearBody> {
         if self.classes.is_empty() { vec![self] } else { self.classes.iter().map(|class| class as _).collect() }
+    }
+
+    fn exchange(&self) -> Option<&Exchange> {
+        self.exchange.as_ref()
     }
 }

@@ -71,6 +71,7 @@ impl Projection {
             hit_local: self.hit_local,
             translation: self.translation.as_slice().to_vec(),
             infinite_plate: None,
+            exchange: None,
             copies: self.copies,
             classes: 1,
         }

@@ -51,6 +51,8 @@ pub struct System {
     pub translation: Vec<f64>,
     /// Of a plate, what an infinite one does.
     pub infinite_plate: Option<InfinitePlate>,
+    /// Where the axes of a square may be exchanged, the number that each unknown has then.
+    pub exchange: Option<Vec<usize>>,
     /// How many such bodies make the whole.
     pub copies: f64,
     /// Classes of motions that do not couple: blocks of as many unknowns each, one after the other, along the diagonals of all matrices.
@@ -157,6 +159,7 @@ impl System {
             translation: part(&self.translation),
             relaxations: self.relaxations.iter().map(|(d, chain)| (square(d), chain.clone())).collect(),
             infinite_plate: self.infinite_plate.clone(),
+            exchange: None,
             classes: 1,
             ..*self
         }

@@ -129,6 +129,9 @@ impl Law {
 
     /// The law without damping whose force is the damped one's at an approach (m) and its rate (m/s).
     pub fn at_rate(&self, approach: f64, rate: f64) -> Self {
+        if self.damping == 0.0 {
+            return self.clone();
+        }
         self.multiplied(self.factor(self.state(approach).growth, rate))
     }
 

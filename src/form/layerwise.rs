@@ -199,6 +199,11 @@ pub const fn is_rotation(field: usize, axis: usize) -> bool {
     field > DEFLECTION && (field - DEFLECTION - 1) % 2 == axis
 }
 
+/// The number that a field has where the two axes are exchanged: w's own, or that of the other axis' θ_k.
+pub const fn exchanged_field(field: usize) -> usize {
+    if field == DEFLECTION { field } else { DEFLECTION + 1 + ((field - DEFLECTION - 1) ^ 1) }
+}
+
 /// θ_k along an axis, differentiated.
 pub const fn rotation(k: usize, axis: usize, derivatives: [usize; 2]) -> Part<2> {
     Part { field: DEFLECTION + 1 + 2 * k + axis, derivatives }

@@ -102,30 +102,45 @@ impl Spline {
     /// A derivative of the functions at a place of the line: the first one that is not zero in its cell, and the values of
     /// that and the next ones. At a break the cell above counts.
     pub fn at(&self, x: f64, derivative: usize) -> (usize, [f64; WIDTH]) {
-        let (p, t) = (self.degree, &self.knots);
-        let span = t.partition_point(|t| *t <= x).clamp(p + 1, self.unfolded()) - 1;
-        let mut values = [0.0; WIDTH];
-        values[0] = if derivative > p { 0.0 } else { 1.0 };
-        // From each degree q − 1 to q, of the value first, then of the derivatives.
-        for q in 1..=p {
-            let mut next = [0.0; WIDTH];
-            for j in 0..q {
-                let i = span + 1 + j - q;
-                let part = values[j] / (t[i + q] - t[i]);
-                let (rises, falls) =
-                    if q + derivative <= p { (x - t[i], t[i + q] - x) } else { (q as f64, -(q as f64)) };
-                next[j + 1] += rises * part;
-                next[j] += falls * part;
-            }
-            values = next;
-        }
+        let span = self.knots.partition_point(|t| *t <= x).clamp(self.degree + 1, self.unfolded()) - 1;
+        let mut values = match self.degree {
+            5 => self.recurred::<5>(span, x, derivative),
+            4 => self.recurred::<4>(span, x, derivative),
+            3 => self.recurred::<3>(span, x, derivative),
+            2 => self.recurred::<2>(span, x, derivative),
+            _ => self.recurred::<1>(span, x, derivative),
+        };
+        let first = span - self.degree;
         if self.slopes {
-            self.to_slopes(span - p, &mut values);
+            self.to_slopes(first, &mut values);
         }
         match self.parity {
-            None => (span - p, values),
-            Some(parity) => (0, self.fold(parity, span - p, &values)),
+            None => (first, values),
+            Some(parity) => (0, self.fold(parity, first, &values)),
         }
+    }
+
+    /// A derivative of the B-splines of degree P at a place after the knot of a number, and before the next one.
+    fn recurred<const P: usize>(&self, span: usize, x: f64, derivative: usize) -> [f64; WIDTH] {
+        let mut values = [0.0; WIDTH];
+        values[0] = if derivative > P { 0.0 } else { 1.0 };
+        // The knots below x and those above it that functions of the cell begin and end at.
+        let below: [f64; P] = std::array::from_fn(|i| self.knots[span + 1 - P + i]);
+        let above: [f64; P] = std::array::from_fn(|i| self.knots[span + 1 + i]);
+        // From each degree q − 1 to q, of the value first, then of the derivatives.
+        for q in 1..=P {
+            // What the function before leaves to the next one.
+            let mut left = 0.0;
+            for j in 0..q {
+                let (from, to) = (below[P - q + j], above[j]);
+                let part = values[j] / (to - from);
+                let (rises, falls) = if q + derivative <= P { (x - from, to - x) } else { (q as f64, -(q as f64)) };
+                values[j] = left + falls * part;
+                left = rises * part;
+            }
+            values[q] = left;
+        }
+        values
     }
 
     /// B-splines, the first of which has a number, to their sums or differences with their reflections.

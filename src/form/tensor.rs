@@ -1,7 +1,9 @@
 //! Fields of tensor-product splines on a rectangle or a box. Every integral of constant coefficients over it, or over a face, is a
 //! sum of products of integrals along the axes, so that no quadrature in several dimensions is needed.
 
-use std::collections::HashMap;
+mod rows;
+
+use std::cmp::Ordering;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
@@ -9,6 +11,7 @@ use nalgebra_sparse::CsrMatrix;
 
 use super::Spline;
 use super::spline::WIDTH;
+use rows::Rows;
 
 /// A derivative of a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,8 +63,13 @@ pub struct Tensor<const D: usize> {
     fields: Vec<[Spline; D]>,
 }
 
-/// One product of two parts in a form, by axis; the factor stands in the first.
-type Term<const D: usize> = [Products; D];
+/// One product of two parts in a form.
+struct Term<const D: usize> {
+    /// In front of it.
+    factor: f64,
+    /// The numbers of its integrals along the axes among those that are known.
+    axes: [usize; D],
+}
 
 /// Integrals along one axis of products of the functions of two fields.
 struct Products {
@@ -71,8 +79,18 @@ struct Products {
     met: Vec<Range<usize>>,
 }
 
-/// Integrals of products along an axis, by two fields and how often each is differentiated: forms share many.
-type Known = HashMap<(usize, [usize; 2], [usize; 2]), DMatrix<f64>>;
+/// Integrals of products along an axis by what they are of: forms share many.
+type Known = Vec<(Factors, Products)>;
+
+/// Two fields' functions along an axis.
+#[derive(PartialEq)]
+struct Factors {
+    axis: usize,
+    place: Along,
+    fields: [usize; 2],
+    /// How often each is differentiated.
+    derivatives: [usize; 2],
+}
 
 impl<const D: usize> Tensor<D> {
     /// The fields by number.
@@ -119,7 +137,7 @@ impl<const D: usize> Tensor<D> {
             for functions in indices(self.fields[f].each_ref().map(|spline| 0..spline.functions())) {
                 let row = self.unknown(f, functions);
                 for (g, terms) in &blocks {
-                    self.add_row((row, functions), *g, terms, &mut upper);
+                    self.add_row((row, functions), (*g, terms), &known, &mut upper);
                 }
                 upper.ends.push(upper.columns.len());
             }
@@ -127,51 +145,64 @@ impl<const D: usize> Tensor<D> {
         upper.mirrored()
     }
 
-    /// The terms of two fields in a sum of forms.
+    /// The terms of two fields in a sum of forms; those with the same integrals along the last axis one after the other.
     fn terms(&self, [f, g]: [usize; 2], forms: &[Square<D>], known: &mut Known) -> Vec<Term<D>> {
-        let mut terms = Vec::new();
+        let mut terms: Vec<Term<D>> = Vec::new();
         for form in forms {
             for (a, b) in form.parts.iter().flat_map(|a| form.parts.iter().map(move |b| (a, b))) {
-                if (a.field, b.field) == (f, g) {
-                    let mut term: Term<D> =
-                        std::array::from_fn(|axis| self.along(axis, form.place[axis], [*a, *b], known));
-                    term[0].values *= form.factor;
-                    terms.push(term);
+                if (a.field, b.field) != (f, g) {
+                    continue;
+                }
+                let axes = std::array::from_fn(|axis| self.along(axis, form.place[axis], [*a, *b], known));
+                match terms.iter_mut().find(|term| term.axes == axes) {
+                    Some(term) => term.factor += form.factor,
+                    None => terms.push(Term { factor: form.factor, axes }),
                 }
             }
         }
+        terms.sort_by_key(|term| term.axes[D - 1]);
         terms
     }
 
-    /// Products of two parts along one axis.
-    fn along(&self, axis: usize, place: Along, parts: [Part<D>; 2], known: &mut Known) -> Products {
-        let [(s, d), (t, e)] = parts.map(|part| (&self.fields[part.field][axis], part.derivatives[axis]));
-        let fields = parts.map(|part| part.field);
-        let mut products = |d: usize, e: usize| -> DMatrix<f64> {
-            known.entry((axis, fields, [d, e])).or_insert_with(|| t.products(e, s, d)).clone()
+    /// The number of the products of two parts along one axis.
+    fn along(&self, axis: usize, place: Along, parts: [Part<D>; 2], known: &mut Known) -> usize {
+        let derivatives = parts.map(|part| part.derivatives[axis]);
+        let factors = Factors { axis, place, fields: parts.map(|part| part.field), derivatives };
+        if let Some(number) = known.iter().position(|(of, _)| *of == factors) {
+            return number;
+        }
+        let [s, t] = parts.map(|part| &self.fields[part.field][axis]);
+        let [d, e] = derivatives;
+        let values = match place {
+            Along::All => t.products(e, s, d),
+            Along::Within(ends) => t.products_within(ends, e, s, d),
+            Along::At(x) => t.values(x, e) * s.values(x, d).transpose(),
         };
-        // No function changes its sign, so that their product's integral tells whether they meet; those of a parity all do.
-        let (values, shared) = match place {
-            Along::All if s.is_folded() => (products(d, e), DMatrix::from_element(t.functions(), s.functions(), 1.0)),
-            Along::All => (products(d, e), products(0, 0)),
-            // No function is negative, so that those meet whose product has an integral.
-            Along::Within(ends) => (t.products_within(ends, e, s, d), t.products_within(ends, 0, s, 0)),
-            Along::At(x) => {
-                let values = t.values(x, e) * s.values(x, d).transpose();
-                (values.clone(), values)
+        let met = match place {
+            // Those of a parity all meet.
+            Along::All if s.is_folded() => vec![0..t.functions(); s.functions()],
+            // No function changes its sign, so that their product's integral tells whether they meet.
+            Along::All | Along::Within(_) if derivatives != [0, 0] => {
+                let values = parts.map(|part| Part { derivatives: [0; D], ..part });
+                let number = self.along(axis, place, values, known);
+                known[number].1.met.clone()
             }
+            _ => values.column_iter().map(|column| within_ends(column.as_slice())).collect(),
         };
-        let met = shared.column_iter().map(|column| {
-            let first = column.iter().position(|v| *v != 0.0);
-            first.map_or(0..0, |first| first..column.iter().rposition(|v| *v != 0.0).unwrap_or(first) + 1)
-        });
-        Products { values, met: met.collect() }
+        known.push((factors, Products { values, met }));
+        known.len() - 1
     }
 
     /// Adds the entries of a row, given with its functions, in the columns of one field, from the diagonal on.
-    fn add_row(&self, (row, functions): (usize, [usize; D]), field: usize, terms: &[Term<D>], rows: &mut Rows) {
+    fn add_row(
+        &self,
+        (row, functions): (usize, [usize; D]),
+        (field, terms): (usize, &[Term<D>]),
+        known: &Known,
+        rows: &mut Rows,
+    ) {
         let met = |term: &Term<D>| -> [Range<usize>; D] {
-            std::array::from_fn(|axis| term[axis].met[functions[axis]].clone())
+            std::array::from_fn(|axis| known[term.axes[axis]].1.met[functions[axis]].clone())
         };
         let present: Vec<&Term<D>> =
             terms.iter().filter(|term| met(term).iter().all(|range| !range.is_empty())).collect();
@@ -191,16 +222,22 @@ impl<const D: usize> Tensor<D> {
                 continue;
             }
             line.fill(0.0);
-            for term in &present {
-                let factor: f64 = (0..D - 1).map(|axis| term[axis].values[(start[axis], functions[axis])]).product();
+            for same in present.chunk_by(|one, other| one.axes[D - 1] == other.axes[D - 1]) {
+                let before = |term: &&Term<D>| -> f64 {
+                    let along = (0..D - 1).map(|axis| known[term.axes[axis]].1.values[(start[axis], functions[axis])]);
+                    along.fold(term.factor, |product, value| product * value)
+                };
+                let factor: f64 = same.iter().map(before).sum();
                 if factor != 0.0 {
-                    let values = term[D - 1].values.column(functions[D - 1]);
-                    line.iter_mut().zip(&values.as_slice()[last.clone()]).for_each(|(sum, v)| *sum += factor * v);
+                    let values = &known[same[0].axes[D - 1]].1.values;
+                    let first = functions[D - 1] * values.nrows();
+                    let values = &values.as_slice()[first + last.start..first + last.end];
+                    line.iter_mut().zip(values).for_each(|(sum, v)| *sum += factor * v);
                 }
             }
             let skipped = row.saturating_sub(column);
             rows.columns.extend(column + skipped..column + line.len());
-            rows.values.extend(&line[skipped..]);
+            rows.values.extend_from_slice(&line[skipped..]);
         }
     }
 
@@ -308,59 +345,25 @@ impl<const D: usize> Tensor<D> {
 
 /// All indices within ranges, the last running fastest.
 fn indices<const D: usize>(ranges: [Range<usize>; D]) -> impl Iterator<Item = [usize; D]> {
-    let total: usize = ranges.iter().map(Range::len).product();
-    (0..total).map(move |mut number| {
-        let mut index = [0; D];
-        for axis in (0..D).rev() {
-            let length = ranges[axis].len();
-            index[axis] = ranges[axis].start + number % length;
-            number /= length;
-        }
-        index
+    let first = ranges.each_ref().map(|range| range.start);
+    let mut next = ranges.iter().all(|range| !range.is_empty()).then_some(first);
+    std::iter::from_fn(move || {
+        let index = next?;
+        next = (0..D).rev().find(|axis| index[*axis] + 1 < ranges[*axis].end).map(|raised| {
+            std::array::from_fn(|axis| match axis.cmp(&raised) {
+                Ordering::Less => index[axis],
+                Ordering::Equal => index[axis] + 1,
+                Ordering::Greater => first[axis],
+            })
+        });
+        Some(index)
     })
 }
 
-/// The upper triangle of a symmetric matrix, row by row, columns ascending.
-#[derive(Default)]
-struct Rows {
-    ends: Vec<usize>,
-    columns: Vec<usize>,
-    values: Vec<f64>,
-}
-
-impl Rows {
-    /// With the lower triangle.
-    fn mirrored(self) -> CsrMatrix<f64> {
-        let Self { ends, columns, values } = self;
-        let count = ends.len();
-        let row = |i: usize| if i == 0 { 0..ends[0] } else { ends[i - 1]..ends[i] };
-        let mut offsets = vec![0; count + 1];
-        for i in 0..count {
-            offsets[i + 1] += row(i).len();
-            columns[row(i)].iter().filter(|j| **j != i).for_each(|j| offsets[j + 1] += 1);
-        }
-        for i in 0..count {
-            offsets[i + 1] += offsets[i];
-        }
-        let mut next = offsets[..count].to_vec();
-        let total = offsets[count];
-        let (mut all_columns, mut all_values) = (vec![0; total], vec![0.0; total]);
-        // A row has its lower part from the rows before, in their order, when its own turn comes.
-        for i in 0..count {
-            for (&j, &value) in columns[row(i)].iter().zip(&values[row(i)]) {
-                let mut put = |row: usize, column: usize| {
-                    (all_columns[next[row]], all_values[next[row]]) = (column, value);
-                    next[row] += 1;
-                };
-                put(i, j);
-                if i != j {
-                    put(j, i);
-                }
-            }
-        }
-        CsrMatrix::try_from_csr_data(count, count, offsets, all_columns, all_values)
-            .expect("rows in order, columns ascending")
-    }
+/// From the first to the last value that is not zero.
+fn within_ends(values: &[f64]) -> Range<usize> {
+    let first = values.iter().position(|v| *v != 0.0);
+    first.map_or(0..0, |first| first..values.iter().rposition(|v| *v != 0.0).unwrap_or(first) + 1)
 }
 
 #[cfg(test)]

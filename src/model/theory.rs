@@ -204,7 +204,7 @@ fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> Result<plate
         settings.disc_radius = Some(disc);
     }
     if theory == PlateTheory::Mindlin {
-        let plate = plate::infinite_plate(scene, theory, &settings)?;
+        let plate = plate::infinite_plate(scene, theory)?;
         let most = MOST * plate::classes_of_motions(scene, theory)?;
         if LongWaves::of(scene, &plate, most).is_some() {
             settings.largest_cell_factor = OF_LONG_WAVES;

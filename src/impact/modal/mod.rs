@@ -256,7 +256,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let mut motion = Motion::new(&modes, law.clone(), impactor, steps, state);
         let of_hit = HitTension::new(&modes, parameters.copies);
         let mut done = Done { trace: Trace::default(), steps: Vec::new(), sizes: steps, faces: None };
-        let mut energy_balance = self.has_energies.then(EnergyBalance::default);
+        let mut energy_balance = (self.has_energies && observed).then(EnergyBalance::default);
         let mut reader = self.readout.as_ref().filter(|_| observed).map(|readout| Reader::new(readout, &modes));
         let mut see = |number: usize, motion: &Motion, energy_balance: Option<&mut EnergyBalance>| {
             let with_energy = energy_balance.map(|balance| (balance, coordinates(&modes, &motion.state)));
@@ -271,12 +271,15 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         // What is left but for rounding is nothing.
         while self.end - motion.state.time > 1e-12 * self.end {
             number += 1;
-            let before = law.potential(motion.approach);
+            let before = energy_balance.as_ref().map(|_| law.potential(motion.approach));
             let taken = motion.advance(self.end).map_err(|error| at(error, number, motion.state.time))?;
             let time = motion.state.time;
             let shown = motion.approach - modes.residual * motion.force;
-            let rate = motion.rate() - modes.residual * motion.rise();
-            parameters.admit(shown, rate).map_err(|error| at(error, number, time))?;
+            // Bodies that are apart are within any law.
+            if shown > 0.0 {
+                let rate = motion.rate() - modes.residual * motion.rise();
+                parameters.admit(shown, rate).map_err(|error| at(error, number, time))?;
+            }
             if number > MOST_STEPS {
                 return Err(Error::Solve(format!("more than {MOST_STEPS} steps up to t = {time:.6e} s")));
             }
@@ -288,7 +291,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
                 done.trace.push_tension(time, tension.at(&motion));
             }
             if observed {
-                if let Some(energy_balance) = &mut energy_balance {
+                if let (Some(energy_balance), Some(before)) = (&mut energy_balance, before) {
                     energy_balance.account(&taken, &law, law.potential(motion.approach) - before);
                 }
                 done.steps.push(see(number, &motion, energy_balance.as_mut()));

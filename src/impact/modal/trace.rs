@@ -78,10 +78,14 @@ impl Trace {
         let peak = self.peak().max(f64::MIN_POSITIVE);
         let end = self.first_end().max(other.first_end());
         let mut largest = Errors::default();
-        for trace in [self, other] {
-            let (mut of_self, mut of_other) = (Cursor::default(), Cursor::default());
-            for time in trace.steps.iter().flat_map(|(begin, step, _)| [begin + 0.5 * step, begin + step]) {
-                let off = (of_self.force(self, time) - of_other.force(other, time)).abs() / peak;
+        for (one, another) in [(self, other), (other, self)] {
+            let mut there = Cursor::default();
+            let of_steps = one
+                .steps
+                .iter()
+                .flat_map(|(begin, step, [_, middle, last])| [(begin + 0.5 * step, *middle), (begin + step, *last)]);
+            for (time, force) in of_steps {
+                let off = (force - there.force(another, time)).abs() / peak;
                 largest.history = largest.history.max(off);
                 if time <= end {
                     largest.first_contact = largest.first_contact.max(off);

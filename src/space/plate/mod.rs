@@ -11,6 +11,7 @@ mod laminate;
 pub mod layer;
 mod location;
 mod points;
+mod square;
 mod theory;
 mod waves;
 
@@ -279,6 +280,7 @@ impl Plate {
             hit_stress: Vec::new(),
             hit_local: [0.0; 3],
             infinite_plate: waves::of_points(&points),
+            exchange: square::exchange(&points),
             translation: even(points.tensor.one(DEFLECTION)),
             copies,
             classes,

@@ -4,14 +4,13 @@ use std::f64::consts::PI;
 
 use crate::body::InfinitePlate;
 use crate::contact::zener;
-use crate::description::Description;
 use crate::error::Result;
 use crate::form::Material;
 use crate::form::plate::Section;
 use crate::scene::Scene;
 
 use super::geometry::PlateGeometry;
-use super::{Local, Outline, PlateTheory, Points, Settings};
+use super::{Local, PlateTheory, Points};
 
 /// Wavenumbers of Mindlin's waves that are looked at, each over the one before.
 const STEP: f64 = 1.05;
@@ -22,13 +21,13 @@ const MOST: i32 = 400;
 /// The part of the density of long waves below which nothing is left.
 const LEAST: f64 = 1e-4;
 
-/// What the infinite plate of a scene's section does under the impactor.
+/// What the infinite plate of a scene's section, one layer, does under a force at a point.
 ///
 /// # Errors
-/// As [`Plate::new`](super::Plate::new).
-pub fn infinite_plate(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<InfinitePlate> {
-    let Outline { geometry, section, local, .. } = Outline::new(scene, &Description::new(scene), theory, settings)?;
-    Ok(of_section(&geometry, &section, local.as_ref()))
+/// A fault of `body.model` where the theory does not stand for the scene.
+pub fn infinite_plate(scene: &Scene, theory: PlateTheory) -> Result<InfinitePlate> {
+    let geometry = super::geometry(scene, theory).map_err(|reason| super::fault(theory, &reason))?;
+    Ok(of_section(&geometry, &Section::new(geometry.thickness, &scene.body.struck()), None))
 }
 
 /// How many classes of motions a scene's plate has that do not couple.

@@ -120,6 +120,7 @@ impl SplineSolid {
             hit_stress: Vec::new(),
             hit_local: [0.0; 3],
             infinite_plate: None,
+            exchange: None,
             translation: translation(&points.tensor, description.direction),
             copies,
             classes: 1,

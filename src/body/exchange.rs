@@ -1,0 +1,193 @@
+//! Bodies that stay as they are where the two axes of a square are exchanged.
+//!
+//! A force that stays as it is, too, reaches those motions alone that do: half of the unknowns, u_i and its partner being equal. With
+//! z = (u_i + u_j)/√2 of each pair, u = P z and PᵀP = 1, these motions are a body of the operators PᵀAP and the vectors Pᵀf.
+
+use nalgebra_sparse::CsrMatrix;
+
+use super::System;
+use super::deviates::normal;
+
+/// What rounding may leave between numbers of a body and those on exchanged axes, over the largest of them or what they are sums of.
+const ROUNDING: f64 = 1e-12;
+
+/// The motions of a body that stay as they are where its axes are exchanged.
+#[derive(Debug, Clone)]
+pub struct Exchange {
+    /// Of each unknown of the body, the number of the one that stands for it and its partner, and its weight in it.
+    places: Vec<(usize, f64)>,
+    /// The first of each pair, with its partner, which may be itself.
+    pairs: Vec<[usize; 2]>,
+}
+
+impl Exchange {
+    /// Of an order of the unknowns on exchanged axes, by the number of each there.
+    fn new(partners: &[usize]) -> Self {
+        let mut places = vec![(0, 1.0); partners.len()];
+        let mut pairs = Vec::new();
+        for (first, &partner) in partners.iter().enumerate().filter(|(first, partner)| first <= *partner) {
+            let weight = if first == partner { 1.0 } else { 0.5_f64.sqrt() };
+            (places[first], places[partner]) = ((pairs.len(), weight), (pairs.len(), weight));
+            pairs.push([first, partner]);
+        }
+        Self { places, pairs }
+    }
+
+    /// The motions that a system's force and loads reach by themselves, and their system; none where the exchange changes the body.
+    pub fn of(system: &System) -> Option<(Self, System)> {
+        let exchange = Self::new(system.exchange.as_ref()?);
+        let is_plain =
+            system.classes == 1 && system.pads.is_empty() && system.held.iter().all(|(_, value)| *value == 0.0);
+        if !is_plain {
+            return None;
+        }
+        let option = |matrix: &Option<CsrMatrix<f64>>| match matrix {
+            Some(matrix) => exchange.matrix(matrix).map(Some),
+            None => Some(None),
+        };
+        let relaxations =
+            system.relaxations.iter().map(|(matrix, chain)| Some((exchange.matrix(matrix)?, chain.clone())));
+        let symmetric = System {
+            mass: exchange.matrix(&system.mass)?,
+            elastic: exchange.matrix(&system.elastic)?,
+            relaxations: relaxations.collect::<Option<_>>()?,
+            support: option(&system.support)?,
+            damping: option(&system.damping)?,
+            pads: Vec::new(),
+            held: exchange.held(&system.held)?,
+            load: exchange.vector(&system.load)?,
+            support_load: exchange.vector(&system.support_load)?,
+            localization: exchange.vector(&system.localization)?,
+            translation: exchange.vector(&system.translation)?,
+            // These only read.
+            hit_stress: system.hit_stress.iter().map(|form| exchange.form(form)).collect(),
+            infinite_plate: system.infinite_plate.clone(),
+            exchange: None,
+            ..*system
+        };
+        Some((exchange, symmetric))
+    }
+
+    /// Unknowns of the body.
+    pub fn unknowns(&self) -> usize {
+        self.places.len()
+    }
+
+    /// P z.
+    pub fn whole(&self, symmetric: &[f64]) -> Vec<f64> {
+        self.places.iter().map(|(place, weight)| weight * symmetric[*place]).collect()
+    }
+
+    /// Pᵀ f.
+    fn form(&self, form: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; self.pairs.len()];
+        self.places.iter().zip(form).for_each(|((place, weight), value)| sums[*place] += weight * value);
+        sums
+    }
+
+    /// The same of a vector that the exchange does not change.
+    fn vector(&self, vector: &[f64]) -> Option<Vec<f64>> {
+        let allowed = ROUNDING * vector.iter().fold(0.0_f64, |largest, value| value.abs().max(largest));
+        let is_kept = |[first, partner]: &[usize; 2]| (vector[*first] - vector[*partner]).abs() <= allowed;
+        self.pairs.iter().all(is_kept).then(|| self.form(vector))
+    }
+
+    /// Held unknowns, all at zero, where those of each pair are held together.
+    fn held(&self, held: &[(usize, f64)]) -> Option<Vec<(usize, f64)>> {
+        let mut is_held = vec![false; self.places.len()];
+        held.iter().for_each(|(unknown, _)| is_held[*unknown] = true);
+        let is_kept = |[first, partner]: &[usize; 2]| is_held[*first] == is_held[*partner];
+        let of_pairs = self.pairs.iter().enumerate().filter(|(_, [first, _])| is_held[*first]);
+        self.pairs.iter().all(is_kept).then(|| of_pairs.map(|(place, _)| (place, 0.0)).collect())
+    }
+
+    /// PᵀAP, where A maps these motions to such, as one of them with a random shape tells.
+    fn matrix(&self, matrix: &CsrMatrix<f64>) -> Option<CsrMatrix<f64>> {
+        if !self.is_kept_by(matrix) {
+            return None;
+        }
+        let count = self.pairs.len();
+        let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+        columns.reserve(matrix.nnz() / 2);
+        values.reserve(matrix.nnz() / 2);
+        // A row of A P, and a bit for each of its entries that there is.
+        let (mut sums, mut found) = (vec![0.0; count], vec![0_u64; count.div_ceil(64)]);
+        for [first, partner] in &self.pairs {
+            let row = matrix.row(*first);
+            for (&j, value) in row.col_indices().iter().zip(row.values()) {
+                let (place, weight) = self.places[j];
+                found[place / 64] |= 1 << (place % 64);
+                sums[place] += weight * value;
+            }
+            let scale = if first == partner { 1.0 } else { 2.0_f64.sqrt() };
+            for (word, bits) in found.iter_mut().enumerate() {
+                let mut left = std::mem::take(bits);
+                while left != 0 {
+                    let place = 64 * word + left.trailing_zeros() as usize;
+                    left &= left - 1;
+                    columns.push(place);
+                    values.push(scale * std::mem::take(&mut sums[place]));
+                }
+            }
+            offsets.push(columns.len());
+        }
+        let matrix = CsrMatrix::try_from_csr_data(count, count, offsets, columns, values);
+        Some(matrix.expect("rows in order, columns ascending"))
+    }
+
+    fn is_kept_by(&self, matrix: &CsrMatrix<f64>) -> bool {
+        let motion: Vec<f64> = (0..self.pairs.len() as u64).map(normal).collect();
+        let motion = self.whole(&motion);
+        // Each row's product, and what it is a sum of.
+        let product = |row: usize| {
+            let row = matrix.row(row);
+            let (mut sum, mut size) = (0.0, 0.0);
+            for (&j, value) in row.col_indices().iter().zip(row.values()) {
+                let term = value * motion[j];
+                sum += term;
+                size += term.abs();
+            }
+            (sum, size)
+        };
+        self.pairs.iter().filter(|[first, partner]| first != partner).all(|pair| {
+            let [(one, size), (other, _)] = pair.map(product);
+            (one - other).abs() <= ROUNDING * size
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+
+    use super::*;
+
+    fn sparse(matrix: &DMatrix<f64>) -> CsrMatrix<f64> {
+        CsrMatrix::from(matrix)
+    }
+
+    /// Energies and work of motions that stay as they are, and what reads them, are those of the whole.
+    #[test]
+    fn symmetric_motions_have_the_energy_of_the_whole() {
+        let partners = [1, 0, 2, 4, 3];
+        let any = DMatrix::from_fn(5, 5, |i, j| normal((5 * i + j) as u64));
+        let symmetric = &any + any.transpose();
+        let exchanged = DMatrix::from_fn(5, 5, |i, j| symmetric[(partners[i], partners[j])]);
+        let (exchange, kept) = (Exchange::new(&partners), symmetric.clone() + exchanged);
+        let own = exchange.matrix(&sparse(&kept)).expect("a matrix that the exchange keeps");
+        let own = DMatrix::from(&own);
+        let motion = DVector::from_vec(vec![0.3, -1.1, 0.7]);
+        let whole = DVector::from_vec(exchange.whole(motion.as_slice()));
+        // Rounding of some ten terms of the size of ten.
+        assert!((motion.dot(&(&own * &motion)) - whole.dot(&(&kept * &whole))).abs() < 1e-13);
+        assert!((motion.norm() - whole.norm()).abs() < 1e-15);
+        let form = [0.2, 0.9, 0.5, -0.4, 0.1];
+        let read = DVector::from_vec(exchange.form(&form));
+        assert!((read.dot(&motion) - DVector::from_row_slice(&form).dot(&whole)).abs() < 1e-15);
+        // What does not stay as it is, is none of them.
+        assert!(exchange.matrix(&sparse(&symmetric)).is_none());
+        assert!(exchange.vector(&form).is_none() && exchange.vector(whole.as_slice()).is_some());
+        assert!(exchange.held(&[(0, 0.0)]).is_none());
+        assert_eq!(exchange.held(&[(3, 0.0), (4, 0.0)]), Some(vec![(2, 0.0)]));
+    }
+}
