@@ -2,13 +2,13 @@
 
 use petsc_wrap::Comm;
 
-use crate::body::{Assembled, Body, LocalBody, ModalBody, Modes, System};
+use crate::body::{Assembled, Body, Diagonal, LocalBody, ModalBody, Modes, System};
 use crate::contact::zener;
 use crate::error::Result;
 use crate::impact::settle;
 use crate::mesh::{Measures, Mesh};
 use crate::scene::{Contact, Fault, Geometry, Initial, Model, Scene};
-use crate::space::evaluate::{Evaluator, PointEvaluator};
+use crate::space::evaluate::{Evaluator, HalvedPoints, PointEvaluator};
 use crate::space::plate::{self, Plate, PlateTheory};
 use crate::space::spline::{self, SplineSolid};
 
@@ -112,9 +112,17 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
         Model::Auto | Model::Solid if is_of_splines(scene) => {
             let mut settings = spline::Settings::new(scene.tolerance);
             settings.cell_size_factor *= size;
-            let SplineSolid { system, cells: [x, y, z], points } = SplineSolid::new(scene, &settings)?;
+            let SplineSolid { system, cells, points, image } = SplineSolid::new(scene, &settings)?;
+            let [x, y, z] = cells;
             let words = format!("{x} × {y} × {z} cells of splines");
-            Built::Operators(of_grid(comm, scene, (system, points), [x, y, z], words)?)
+            let diagonal = image.and_then(|image| Diagonal::new(&system, &image));
+            Built::Operators(match diagonal {
+                Some(diagonal) => {
+                    let half = (diagonal.halved(&system), HalvedPoints::new(points, diagonal));
+                    of_grid(comm, scene, half, cells, words)?
+                }
+                None => of_grid(comm, scene, (system, points), cells, words)?,
+            })
         }
         Model::Auto | Model::Solid => {
             let mesh = Mesh::new(comm, &scene.body)?;

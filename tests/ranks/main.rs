@@ -33,6 +33,7 @@ mod contact {
 mod body {
     pub mod cantilever;
     pub mod convergence;
+    pub mod diagonal;
     pub mod evaluate;
     pub mod krylov;
     pub mod layers;
@@ -113,6 +114,7 @@ fn main() -> ExitCode {
         body::spline,
         body::cantilever,
         body::convergence,
+        body::diagonal,
         body::evaluate,
         body::krylov,
         body::layers,

@@ -2,6 +2,7 @@
 
 mod faces;
 mod grid;
+mod halved;
 mod line_stress;
 mod map;
 mod near;
@@ -13,6 +14,7 @@ mod tension_map;
 
 pub use faces::{Face, FaceGrid, FaceStresses, FaceTension};
 pub use grid::Grid;
+pub use halved::HalvedPoints;
 pub use line_stress::{AtPlace, FaceLines, LinePart, LineStresses, Lines};
 pub use map::Map;
 pub use near::{ContactNow, ContactSize, ErrorOfMean, Hit, HitBody, LocalPoint, NearHit};

@@ -12,7 +12,7 @@ mod layer;
 mod patch;
 mod points;
 
-use super::grid::GridSpace;
+use super::grid::{GridField, GridSpace};
 use super::{OF_CONTACT, SurfaceTerms};
 use crate::body::System;
 use crate::description::{Description, Part, Portion};
@@ -57,6 +57,9 @@ pub struct SplineSolid {
     pub cells: [usize; 3],
     /// What its points do.
     pub points: Points,
+    /// Of a box with planes of symmetry whose cells are alike along both axes of the struck face, the mirror image of each unknown across
+    /// the diagonal.
+    pub image: Option<Vec<usize>>,
 }
 
 /// Why splines on a box do not stand for a scene's body: a clause.
@@ -124,8 +127,34 @@ impl SplineSolid {
             copies,
             classes: 1,
         };
-        Ok(Self { system, cells, points })
+        let image = is_alike(&geometry, &points).then(|| image(&points.tensor, geometry.plane()));
+        Ok(Self { system, cells, points, image })
     }
+}
+
+/// Whether a box has a plane of symmetry across both axes of the struck face, and the same cells along both.
+fn is_alike(geometry: &BoxGeometry, points: &Points) -> bool {
+    let [first, second] = geometry.plane();
+    let lines = GridField::lines(points);
+    geometry.mirrors.len() == 2 && lines[first] == lines[second]
+}
+
+/// What each unknown becomes where two axes with the same splines change places.
+fn image(tensor: &Tensor<3>, [first, second]: [usize; 2]) -> Vec<usize> {
+    let mut image = Vec::with_capacity(tensor.unknowns());
+    for component in 0..3 {
+        let other = match component {
+            _ if component == first => second,
+            _ if component == second => first,
+            _ => component,
+        };
+        let [x, y, z] = tensor.splines(component).each_ref().map(Spline::functions);
+        for mut functions in (0..x * y * z).map(|n| [n / (y * z), n / z % y, n % z]) {
+            functions.swap(first, second);
+            image.push(tensor.unknown(other, functions));
+        }
+    }
+    image
 }
 
 /// The body moved as a whole by one in a direction.
