@@ -34,6 +34,7 @@ mod body {
     pub mod cantilever;
     pub mod convergence;
     pub mod evaluate;
+    pub mod exchange;
     pub mod krylov;
     pub mod layers;
     pub mod layerwise;
@@ -114,6 +115,7 @@ fn main() -> ExitCode {
         body::cantilever,
         body::convergence,
         body::evaluate,
+        body::exchange,
         body::krylov,
         body::layers,
         body::lumped,

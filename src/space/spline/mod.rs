@@ -12,7 +12,7 @@ mod layer;
 mod patch;
 mod points;
 
-use super::grid::GridSpace;
+use super::grid::{GridField, GridSpace};
 use super::{OF_CONTACT, SurfaceTerms};
 use crate::body::System;
 use crate::description::{Description, Part, Portion};
@@ -120,13 +120,39 @@ impl SplineSolid {
             hit_stress: Vec::new(),
             hit_local: [0.0; 3],
             infinite_plate: None,
-            exchange: None,
+            exchange: may_exchange(&geometry, &points).then(|| exchange(&points.tensor, geometry.plane())),
             translation: translation(&points.tensor, description.direction),
             copies,
             classes: 1,
         };
         Ok(Self { system, cells, points })
     }
+}
+
+/// Whether a box has a plane of symmetry across both axes of the struck face, and the same cells along both; whether its supports and loads stay
+/// as they are where these change places is not looked at.
+fn may_exchange(geometry: &BoxGeometry, points: &Points) -> bool {
+    let [first, second] = geometry.plane();
+    let lines = GridField::lines(points);
+    geometry.mirrors.len() == 2 && lines[first] == lines[second]
+}
+
+/// The number of each unknown where two axes with the same splines change places.
+fn exchange(tensor: &Tensor<3>, [first, second]: [usize; 2]) -> Vec<usize> {
+    let mut partners = Vec::with_capacity(tensor.unknowns());
+    for component in 0..3 {
+        let other = match component {
+            _ if component == first => second,
+            _ if component == second => first,
+            _ => component,
+        };
+        let [x, y, z] = tensor.splines(component).each_ref().map(Spline::functions);
+        for mut functions in (0..x * y * z).map(|n| [n / (y * z), n / z % y, n % z]) {
+            functions.swap(first, second);
+            partners.push(tensor.unknown(other, functions));
+        }
+    }
+    partners
 }
 
 /// The body moved as a whole by one in a direction.

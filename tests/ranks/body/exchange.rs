@@ -1,0 +1,80 @@
+//! Square bodies by half of their unknowns: they move as the whole does.
+
+use crate::glass;
+use mpi_test::{Test, tests};
+
+use petsc_wrap::{Session, Vector};
+use ricochet::body::{Body, Exchange, System};
+use ricochet::scene::Scene;
+use ricochet::solve::linear::{Method, solver};
+use ricochet::space::spline::{Settings, SplineSolid};
+
+pub const RANKS: &[usize] = &[1];
+pub const TESTS: &[Test<Session>] = tests![half_of_a_square_box_moves_as_the_whole, boxes_without_a_diagonal];
+
+fn scene(body: &str, rest: &str) -> Scene {
+    let impactor = format!("mass = {}\nspeed = 1.0", glass::MASS);
+    let text = glass::scene(body, &impactor, "end = 1e-3", rest);
+    Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0
+}
+
+fn solid(scene: &Scene) -> SplineSolid {
+    SplineSolid::new(scene, &Settings { cell_size_factor: 1.3 }).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// u under the loads and the contact's force of 1 kN at a rate of 3e3 1/s, with held unknowns at their values.
+fn moved(session: &Session, system: &System) -> Vec<f64> {
+    let body = Body::of(&session.alone(), system).unwrap();
+    let rate = 3e3;
+    let mut right = body.load.duplicate().unwrap();
+    body.combination(rate, rate * rate).unwrap().mult(&body.clamps.displacement, &mut right).unwrap();
+    right.aypx(-1.0, &body.load).unwrap();
+    right.axpy(1.0, &body.support_load).unwrap();
+    right.axpy(1e3, &body.localization.vector).unwrap();
+    body.clamps.zero(&mut right).unwrap();
+    let mut u: Vector = right.duplicate().unwrap();
+    let operator = body.operator(rate, rate * rate).unwrap();
+    solver(body.comm(), "", &operator, Method::Cholesky).unwrap().solve(&right, &mut u).unwrap();
+    u.axpy(1.0, &body.clamps.displacement).unwrap();
+    u.read().unwrap().to_vec()
+}
+
+fn half_of_a_square_box_moves_as_the_whole(session: &Session) {
+    let clamped = "[[support]]\nsurface = \"side\"\nkind = \"clamped\"\ncomponents = [\"z\"]\n".to_owned();
+    for (size, rest) in [
+        ("[0.5, 0.5, 0.1]", glass::sides(1e9, 2e5) + "[load]\nbody_force = [0.0, 0.0, -9.81]\n"),
+        ("[0.5, 0.5, 0.1]", clamped),
+        ("[0.2, 0.2, 0.2]", glass::sides(1e8, 0.0)),
+    ] {
+        let system = solid(&scene(&format!("size = {size}\nsymmetry = \"quarter\""), &rest)).system;
+        let (exchange, half) = Exchange::of(&system).expect("its own image");
+        assert!(2 * half.load.len() < system.load.len() + system.load.len() / 10, "{} unknowns", half.load.len());
+        let [u, of_half] = [&system, &half].map(|system| moved(session, system));
+        let largest = u.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let off = u.iter().zip(exchange.whole(&of_half)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest;
+        // Rounding of a condition number of some 1e5.
+        assert!(off < 1e-9, "{size}: {off:e} of {largest:e}");
+    }
+}
+
+/// Other edges, and supports that the diagonal does not image on each other.
+fn boxes_without_a_diagonal(_: &Session) {
+    let oblong = scene("size = [0.5, 0.4, 0.1]\nsymmetry = \"quarter\"", &glass::sides(1e9, 0.0));
+    assert!(solid(&oblong).system.exchange.is_none());
+    let sides = |surface: &str, rest: &str| format!("[[support]]\nsurface = \"{surface}\"\n{rest}\n");
+    let springs =
+        |surface: &str, stiffness: &str| sides(surface, &format!("kind = \"elastic\"\nstiffness = {stiffness}"));
+    let both = |of_x: &str, of_y: &str| {
+        ["x-min", "x-max"].map(|surface| springs(surface, of_x)).concat()
+            + &["y-min", "y-max"].map(|surface| springs(surface, of_y)).concat()
+    };
+    let is_halved = |rest: &str| {
+        Exchange::of(&solid(&scene("size = [0.5, 0.5, 0.1]\nsymmetry = \"quarter\"", rest)).system).is_some()
+    };
+    assert!(is_halved(&both("1e9", "1e9")));
+    assert!(is_halved(&both("[1e8, 2e8, 3e8]", "[2e8, 1e8, 3e8]")));
+    assert!(!is_halved(&both("1e9", "1.001e9")));
+    assert!(!is_halved(&both("[1e8, 2e8, 3e8]", "[1e8, 2e8, 3e8]")));
+    let clamped = ["x-min", "x-max"].map(|surface| sides(surface, "kind = \"clamped\"\ncomponents = [\"z\"]")).concat();
+    assert!(!is_halved(&clamped));
+}
