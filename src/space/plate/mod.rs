@@ -155,10 +155,23 @@ pub fn admits(scene: &Scene, theory: PlateTheory) -> std::result::Result<(), Str
 /// # Errors
 /// A fault of `body.model` where the theory does not stand for the scene.
 pub fn mismatch(scene: &Scene) -> Result<f64> {
+    Ok(laminate(scene)?.mismatch(scene))
+}
+
+/// Length of the flexural waves of the contact with a layerwise plate, m, for which its cells are made.
+///
+/// # Errors
+/// As [`mismatch`].
+pub fn contact_wavelength(scene: &Scene) -> Result<f64> {
+    let section = laminate(scene)?.section(scene);
+    Ok(wavelength(&section, contact_time(&section, &scene.impactor)))
+}
+
+fn laminate(scene: &Scene) -> Result<Laminate> {
     let theory = PlateTheory::Layerwise;
     let laminate = geometry(scene, theory)
         .and_then(|plate| Laminate::new(scene, &plate, &Description::new(scene).parts, &Settings::default()));
-    Ok(laminate.map_err(|reason| fault(theory, &reason))?.mismatch(scene))
+    Ok(laminate.map_err(|reason| fault(theory, &reason))?)
 }
 
 /// That a theory does not stand for a scene.
@@ -201,7 +214,9 @@ impl Outline {
         };
         let local = (theory == PlateTheory::Mindlin).then(|| Local::new(&section, settings, geometry.room()));
         let disc = laminate.as_ref().map(|laminate| laminate.radius).or(local.map(|local| local.radius));
-        let in_plane = cells::lines(&geometry, &section, &scene.impactor, disc, settings)
+        let own_wave = || wavelength(&section, contact_time(&section, &scene.impactor));
+        let wave = scene.body.wavelength.filter(|_| laminate.is_some()).unwrap_or_else(own_wave);
+        let in_plane = cells::lines(&geometry, &section, wave, disc, settings)
             .map_err(|cells| fault(format!("it would take {cells:.0} cells along an edge")))?;
         Ok(Self { geometry, laminate, section, local, in_plane })
     }
