@@ -16,7 +16,7 @@ mod waves;
 
 pub use cells::crossing;
 pub(super) use cells::{contact_time, wavelength};
-pub use laminate::{Laminate, OF_CONTACT};
+pub use laminate::{Laminate, OF_CONTACT, contact_wavelength, mismatch};
 pub use points::Points;
 pub use theory::PlateTheory;
 pub use waves::{classes_of_motions, infinite_plate};
@@ -148,30 +148,6 @@ pub fn admits(scene: &Scene, theory: PlateTheory) -> std::result::Result<(), Str
         Laminate::new(scene, &geometry, &Description::new(scene).parts, &Settings::default())?;
     }
     Ok(())
-}
-
-/// By what part the layerwise theory's static response is off at the length of the contact's waves ([`Laminate::mismatch`]).
-///
-/// # Errors
-/// A fault of `body.model` where the theory does not stand for the scene.
-pub fn mismatch(scene: &Scene) -> Result<f64> {
-    Ok(laminate(scene)?.mismatch(scene))
-}
-
-/// Length of the flexural waves of the contact with a layerwise plate, m, for which its cells are made.
-///
-/// # Errors
-/// As [`mismatch`].
-pub fn contact_wavelength(scene: &Scene) -> Result<f64> {
-    let section = laminate(scene)?.section(scene);
-    Ok(wavelength(&section, contact_time(&section, &scene.impactor)))
-}
-
-fn laminate(scene: &Scene) -> Result<Laminate> {
-    let theory = PlateTheory::Layerwise;
-    let laminate = geometry(scene, theory)
-        .and_then(|plate| Laminate::new(scene, &plate, &Description::new(scene).parts, &Settings::default()));
-    Ok(laminate.map_err(|reason| fault(theory, &reason))?)
 }
 
 /// That a theory does not stand for a scene.
