@@ -27,7 +27,7 @@ const FIRST: usize = 4;
 const MOST: usize = 65;
 
 /// Weight of the directions of the basis, over the tolerance, down to which they are taken.
-const DEPTH: f64 = 0.1;
+const DEPTH: f64 = 0.03;
 
 /// Part of the tolerance that the interpolation may take.
 const OF_INTERPOLATION: f64 = 0.3;
