@@ -47,22 +47,8 @@ impl Merged {
     /// PETSc's.
     pub fn new(ends: [(f64, &dyn LinearBody); 2], all: &Columns, depth: f64, rate: f64) -> Result<Self> {
         let [(from, body), (to, other)] = ends;
-        let mut gram = all.products(&body.apply(Operator::Mass, all)?);
-        // Symmetric but for rounding.
-        gram.fill_lower_triangle_with_upper_triangle();
-        all.agree(gram.as_mut_slice());
-        let (values, shapes) = symmetric_eigen(gram);
-        // The largest first.
-        let order: Vec<usize> = (0..all.count()).rev().collect();
-        let largest = order.first().map_or(0.0, |&i| values[i]);
-        let deep = |depth: f64| order.iter().filter(|&&i| values[i] > depth * depth * largest).count();
-        let [vectors, larger] = [depth, LARGER * depth].map(deep);
-        let directions = all.combined(&shapes.select_columns(&order[..larger]));
-        let mut basis = all.zeros(0);
-        for number in 0..larger {
-            let next = orthonormal(body, directions.range(number..number + 1), &basis)?;
-            basis.append(next);
-        }
+        let (directions, vectors) = main_directions(body, all, depth)?;
+        let basis = orthonormal_basis(body, &directions)?;
         let projections = [project(body, &basis, rate)?, project(other, &basis, rate)?];
         Ok(Self { ends: [from, to], projections, vectors, basis, directions })
     }
@@ -80,6 +66,38 @@ impl Merged {
     }
 }
 
+/// The directions that hold the most of some vectors, each as long as it weighs, the largest first: down to [`LARGER`] times a weight of
+/// `depth` over the largest; with how many there are down to that weight itself. Collective.
+///
+/// # Errors
+/// PETSc's.
+pub fn main_directions(body: &dyn LinearBody, all: &Columns, depth: f64) -> Result<(Columns, usize)> {
+    let mut gram = all.products(&body.apply(Operator::Mass, all)?);
+    // Symmetric but for rounding.
+    gram.fill_lower_triangle_with_upper_triangle();
+    all.agree(gram.as_mut_slice());
+    let (values, shapes) = symmetric_eigen(gram);
+    // The largest first.
+    let order: Vec<usize> = (0..all.count()).rev().collect();
+    let largest = order.first().map_or(0.0, |&i| values[i]);
+    let deep = |depth: f64| order.iter().filter(|&&i| values[i] > depth * depth * largest).count();
+    let [vectors, larger] = [depth, LARGER * depth].map(deep);
+    Ok((all.combined(&shapes.select_columns(&order[..larger])), vectors))
+}
+
+/// Vectors of some directions that are orthonormal in a body's mass. Collective.
+///
+/// # Errors
+/// PETSc's.
+pub fn orthonormal_basis(body: &dyn LinearBody, directions: &Columns) -> Result<Columns> {
+    let mut basis = directions.zeros(0);
+    for number in 0..directions.count() {
+        let next = orthonormal(body, directions.range(number..number + 1), &basis)?;
+        basis.append(next);
+    }
+    Ok(basis)
+}
+
 /// A vector made orthonormal to a basis: twice, for rounding.
 fn orthonormal(body: &dyn LinearBody, mut next: Columns, basis: &Columns) -> Result<Columns> {
     for _ in 0..2 {
@@ -91,8 +109,11 @@ fn orthonormal(body: &dyn LinearBody, mut next: Columns, basis: &Columns) -> Res
     Ok(next)
 }
 
-/// A body on any basis that is orthonormal in its mass. Collective.
-fn project(body: &dyn LinearBody, basis: &Columns, rate: f64) -> Result<Projection> {
+/// A body on any basis that is orthonormal in its mass, what relaxes with its modulus at a rate (1/s). Collective.
+///
+/// # Errors
+/// PETSc's.
+pub fn project(body: &dyn LinearBody, basis: &Columns, rate: f64) -> Result<Projection> {
     let mut projected = Projected::new(body);
     projected.extend(body, basis)?;
     let projection = projected.projection(body, &body.properties()?, basis, rate)?;

@@ -24,6 +24,8 @@ pub struct Readout {
     pub faces: Option<Rc<FaceStresses>>,
     /// How wide the contact is.
     pub contact: ContactSize,
+    /// Where the largest tension of all steps is wanted alone, the one (Pa) below which no step counts.
+    pub least_tension: Option<f64>,
 }
 
 /// What probes are made of.

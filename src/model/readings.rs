@@ -49,16 +49,17 @@ impl Gauges {
             }
         });
         let faces = evaluator.as_ref().filter(|_| scene.output.stress);
-        let faces = faces.map_or_else(FaceStresses::default, |evaluator| evaluator.faces(scene, basis));
+        let mut faces = faces.map_or_else(FaceStresses::default, |evaluator| evaluator.faces(scene, basis));
         let contact = ContactSize::new(scene);
         let sampler = evaluator.filter(|_| scene.output.fields.is_some());
         let sampler = sampler.map(|evaluator| FieldSampler::new(&evaluator, contact, basis));
-        let faces = FaceStresses { columns: all.clone(), ..faces };
+        faces.columns = all.clone();
         let readout = Readout {
             probes,
             fields: scene.output.fields.map(|every| (every, all)),
             faces: scene.output.stress.then(|| Rc::new(faces)),
             contact,
+            least_tension: None,
         };
         Ok(Self { readout, sampler })
     }

@@ -20,6 +20,9 @@ pub struct Body {
     pub order: usize,
     /// What part of it is solved.
     pub symmetry: Symmetry,
+    /// The shortest flexural waves that the cells of a layerwise plate are made for, m: those of bodies that share a basis. `None` for those of its own
+    /// contact.
+    pub wavelength: Option<f64>,
 }
 
 impl Body {

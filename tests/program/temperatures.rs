@@ -5,8 +5,34 @@ use mpi_test::{PlainTest, tests};
 use crate::results::{column, folder, good};
 use crate::sweeps::members;
 
-pub const TESTS: &[PlainTest] =
-    tests![temperatures_have_the_relaxation_of_their_own, temperatures_on_a_shared_basis_are_within_their_estimates];
+pub const TESTS: &[PlainTest] = tests![
+    temperatures_have_the_relaxation_of_their_own,
+    temperatures_on_a_shared_basis_are_within_their_estimates,
+    temperatures_between_bodies_are_within_their_estimates,
+];
+
+/// So many temperatures that the answers of a few bodies are interpolated: at some that are between these no peak is further from that of a
+/// run of its own, of a tenth of the tolerance, than its estimate says. Two ranks find the same.
+fn temperatures_between_bodies_are_within_their_estimates() {
+    let folder = folder(&pane(&[6.9e6, 3.9e6, 2.3e6]));
+    let outcome = good(&folder, 0, "sweep scene.toml --vary body.temperature=0..46:24 -o s.h5 -vv");
+    let said = outcome.stderr.lines().find(|line| line.contains("main motions"));
+    let bodies = said.and_then(|line| line.split("nodes=").nth(1)?.split_whitespace().next()?.parse().ok());
+    assert!(bodies.is_some_and(|bodies: usize| bodies < 16), "{said:?}");
+    let sweep = folder.path().join("s.h5");
+    let (peaks, estimates) = (members(&sweep, "peak_force"), members(&sweep, "first_contact_error"));
+    // Bodies are at both ends, in the middle, and so on by halves.
+    for member in [1, 7, 13, 16, 22] {
+        let temperature = 2 * member;
+        let set = format!("--set body.temperature={temperature} --set accuracy.tolerance=2e-3");
+        good(&folder, 0, &format!("run scene.toml {set} -o run.h5 --force"));
+        let own = column(&folder.path().join("run.h5"), "contact/force").into_iter().fold(0.0, f64::max);
+        let (error, estimate) = ((peaks[member] / own - 1.0).abs(), estimates[member]);
+        assert!(error <= estimate && estimate < 4e-2, "{temperature} °C: {error:e} {estimate:e}");
+    }
+    good(&folder, 2, "sweep scene.toml --vary body.temperature=0..46:24 -o two.h5");
+    assert_eq!(members(&folder.path().join("two.h5"), "peak_force"), peaks);
+}
 
 /// Temperatures so close that one basis serves both: no peak is further from that of a run of its own, of a quarter of the tolerance, than its
 /// estimate says.

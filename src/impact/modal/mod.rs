@@ -228,7 +228,10 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
     }
 
     /// The modes that move in some steps.
-    fn modes(&self, steps: &Steps) -> Result<Rc<Modes>> {
+    ///
+    /// # Errors
+    /// As [`ModalBody::modes`].
+    pub fn modes(&self, steps: &Steps) -> Result<Rc<Modes>> {
         let Law { force_law, compliance, .. } = &self.parameters.law;
         let tangent = force_law.steepest(force_law.indentation(steps.peak));
         let closed = Closed { tangent, compliance: *compliance, mass: self.parameters.mass, accuracy: self.tolerance };

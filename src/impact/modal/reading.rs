@@ -36,12 +36,17 @@ enum StressesOfSteps {
     /// A column for each weight.
     All(DMatrix<f64>),
     OnLines(LineStresses),
+    /// Of the body's coordinates on its basis, so many, which are the weights.
+    OnBasis(usize),
 }
 
 impl StressesOfSteps {
     /// `None` where another rank reads.
     fn new(faces: &FaceStresses, modes: &Modes) -> Option<Self> {
         let Shapes { moving, free: [way, of_load], residual, rest } = &modes.shapes;
+        if faces.dense().is_some() && moving.nrows() == moving.ncols() && moving.is_identity(0.0) {
+            return Some(Self::OnBasis(moving.nrows()));
+        }
         let others = [way, of_load, residual, rest];
         let mut shapes = moving.clone().resize_horizontally(moving.ncols() + others.len(), 0.0);
         others.into_iter().enumerate().for_each(|(i, column)| shapes.set_column(moving.ncols() + i, column));
@@ -57,6 +62,7 @@ impl StressesOfSteps {
         match self {
             Self::All(stresses) => stresses.ncols(),
             Self::OnLines(lines) => lines.coordinates(),
+            Self::OnBasis(count) => *count,
         }
     }
 
@@ -67,12 +73,14 @@ impl StressesOfSteps {
                 TensionSearch::new(faces, stresses.ncols(), stresses.transpose().as_slice().to_vec())
             }
             Self::OnLines(lines) => TensionSearch::on_lines(faces, lines),
+            Self::OnBasis(_) => TensionSearch::on_basis(faces),
         }
     }
 
     /// The stresses of one step.
-    fn apply(&self, weights: &[f64]) -> Vec<f64> {
+    fn apply(&self, faces: &FaceStresses, weights: &[f64]) -> Vec<f64> {
         match self {
+            Self::OnBasis(_) => faces.map.apply(weights),
             Self::All(stresses) => (stresses * DVector::from_column_slice(weights)).as_slice().to_vec(),
             Self::OnLines(lines) => lines.apply(weights),
         }
@@ -113,8 +121,17 @@ impl<'a> Reader<'a> {
         }
         if let Some(faces) = &mut self.faces {
             let state = &motion.state;
-            faces.weights.extend_from_slice(self.modes.places(&state.modes).as_slice());
-            faces.weights.extend([state.way, 0.5 * state.time * state.time, motion.force, state.settled]);
+            let mut moved = self.modes.places(&state.modes);
+            let others = [state.way, 0.5 * state.time * state.time, motion.force, state.settled];
+            if let StressesOfSteps::OnBasis(_) = faces.stresses {
+                let Shapes { free: [way, of_load], residual, rest, .. } = &self.modes.shapes;
+                let columns = [way, of_load, residual, rest].into_iter().zip(others);
+                columns.for_each(|(column, weight)| moved.axpy(weight, column, 1.0));
+                faces.weights.extend_from_slice(moved.as_slice());
+            } else {
+                faces.weights.extend_from_slice(moved.as_slice());
+                faces.weights.extend(others);
+            }
         }
         if let Some((shapes, forms)) = &self.probes {
             let [moved, rates] = values(self.modes, shapes, motion);
@@ -140,14 +157,14 @@ impl FacesOfSteps {
         let contacts: Vec<ContactNow> = steps.iter().map(|step| contact(&readout.contact, &step.step)).collect();
         let mut map = TensionMap::default();
         if let Some(search) = self.stresses.search(faces) {
-            let found = search.tensions(&self.weights, &contacts);
+            let found = search.tensions(&self.weights, &contacts, readout.least_tension);
             let times: Vec<f64> = steps.iter().map(|step| step.step.time).collect();
             map = found.map(&times);
             steps.iter_mut().zip(found.steps).for_each(|(step, found)| step.reading.faces = found);
         } else {
             let weights = self.weights.chunks_exact(self.stresses.weights().max(1));
             for ((step, contact), weights) in steps.iter_mut().zip(&contacts).zip(weights) {
-                let (found, of_step) = faces.tensions(&self.stresses.apply(weights), contact, step.step.time);
+                let (found, of_step) = faces.tensions(&self.stresses.apply(faces, weights), contact, step.step.time);
                 map.take(&of_step);
                 step.reading.faces = found;
             }

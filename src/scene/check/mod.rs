@@ -82,7 +82,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
     modal::only(source, &raw, (model, &supports), &time)?;
     time::equilibrium(source, &time, &load, &supports)?;
     let temperature = material::temperature(source, &raw)?;
-    let body = Body { model, reduction, composition, temperature, geometry, order, symmetry };
+    let body = Body { model, reduction, composition, temperature, geometry, order, symmetry, wavelength: None };
     let keys = plausible::Keys { stiffness: &stiffness_key, density: &density_key };
     plausible::check(source, (&body, keys), (&impactor, raw.impactor.stiffness.is_some()), time.end)?;
     Ok(Scene {

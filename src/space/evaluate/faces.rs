@@ -4,6 +4,9 @@
 //! on from the hit down), on the points of a grid; between these a parabola
 //! along each axis tells how much higher the largest value lies. On a mesh from a file they are its named surfaces, at their nodes.
 
+use std::cell::OnceCell;
+use std::rc::Rc;
+
 use petsc_wrap::Int;
 
 use crate::form::stress::{largest_in_plane, largest_principal, place};
@@ -12,6 +15,7 @@ use crate::scene::Vec3;
 use crate::scene::face_names;
 use crate::scene::faces::{along, name as surface_name};
 
+use super::search::StressRows;
 use super::stress_map::Recovered;
 use super::{ContactNow, Form, LineStresses, LocalPoint, Map, NearHit, StressMap, TensionMap};
 
@@ -34,6 +38,8 @@ pub struct FaceStresses {
     pub map: StressMap,
     /// The faces.
     pub faces: Vec<Face>,
+    /// Of the map, what many searches share.
+    pub(super) rows: OnceCell<Rc<StressRows>>,
 }
 
 /// The points of one face.
@@ -79,7 +85,7 @@ impl Default for FaceStresses {
     /// Of a rank that does not read.
     fn default() -> Self {
         let map = StressMap::Forms { map: Map::Sparse(Vec::new()), components: 3 };
-        Self { columns: Vec::new(), map, faces: Vec::new() }
+        Self::new(map, Vec::new())
     }
 }
 
@@ -295,6 +301,11 @@ fn with_hit(lines: &[f64], hit: f64) -> Vec<f64> {
 }
 
 impl FaceStresses {
+    /// Of the stresses at the sampled points and the faces.
+    pub(super) fn new(map: StressMap, faces: Vec<Face>) -> Self {
+        Self { columns: Vec::new(), map, faces, rows: OnceCell::new() }
+    }
+
     /// The largest tension on each face at a time (s), of the stresses at the sampled points and the contact; and the tensions at all
     /// points, where at that of the largest this one counts.
     pub fn tensions(&self, stresses: &[f64], contact: &ContactNow, time: f64) -> (Vec<FaceTension>, TensionMap) {
@@ -360,41 +371,4 @@ impl FaceGrid {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A bump between the points of a grid: its height and place come out to the third order of the spacing; on a plane of symmetry and
-    /// on the edge as they are.
-    #[test]
-    fn a_largest_value_between_points_is_found() {
-        let errors = [0.1, 0.05].map(|spacing: f64| {
-            let lines: Vec<f64> = (0..=(1.0 / spacing) as usize).map(|i| spacing * i as f64).collect();
-            let grid = FaceGrid { axes: [0, 1], lines: [lines.clone(), lines], is_mirrored: [true, false] };
-            let mut worst = 0.0_f64;
-            for [x, y] in [[0.0, 0.437], [0.317, 0.518], [0.731, 0.283]] {
-                let points = grid.points(2, 0.5);
-                let bump = |p: &Vec3| (-((p[0] - x).powi(2) + 2.0 * (p[1] - y).powi(2))).exp();
-                let stresses: Vec<f64> = points.iter().flat_map(|p| [bump(p), 0.2, 0.0]).collect();
-                let face = Face {
-                    name: String::new(),
-                    left_out: vec![false; points.len()],
-                    points,
-                    first: 0,
-                    local: Vec::new(),
-                    sign: 1.0,
-                    grid: Some(grid.clone()),
-                };
-                let map = StressMap::Forms { map: Map::Dense(0, Vec::new()), components: 3 };
-                let faces = FaceStresses { columns: Vec::new(), map, faces: vec![face] };
-                let (found, of_points) = faces.tensions(&stresses, &ContactNow::default(), 0.0);
-                let [found] = found.try_into().expect("one face");
-                // The map has the largest value too.
-                assert_eq!(of_points.tension.iter().copied().fold(0.0, f32::max), found.largest as f32);
-                worst = worst.max((found.largest - 1.0).abs());
-                assert!((found.point[0] - x).abs() < spacing.powi(2) && (found.point[1] - y).abs() < spacing.powi(2));
-            }
-            worst
-        });
-        assert!(errors[0] / errors[1] > 7.0 && errors[1] < 1e-4, "{errors:?}");
-    }
-}
+mod tests;

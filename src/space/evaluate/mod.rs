@@ -215,7 +215,7 @@ impl Evaluator {
             }
             (Kind::Grid(_), None) => return FaceStresses::default(),
         };
-        FaceStresses { columns: Vec::new(), map, faces }
+        FaceStresses::new(map, faces)
     }
 
     /// Estimated error of the tension under the hit by how it is read; none where it is not read near the hit.

@@ -30,18 +30,18 @@ const LEAST: f64 = 7.0;
 /// The most cells along an edge: more are no small system.
 const MOST: f64 = 100.0;
 
-/// The lines of the grid along both axes of the modelled part, with small cells for the disc of a radius (m), or the point, that is hit.
+/// The lines of the grid along both axes of the modelled part, with small cells for the disc of a radius (m), or the point, that is hit, and
+/// larger ones for waves of a length (m).
 ///
 /// # Errors
 /// How many cells there would be along an edge, where that is no number of cells of a small system.
 pub(super) fn lines(
     geometry: &PlateGeometry,
     section: &Section,
-    impactor: &Impactor,
+    wave: f64,
     disc: Option<f64>,
     settings: &Settings,
 ) -> Result<[Vec<f64>; 2], f64> {
-    let wave = wavelength(section, contact_time(section, impactor));
     let Settings { cell_size_factor, largest_cell_factor, .. } = *settings;
     let hit_in_part = geometry.hit_in_part();
     let along = |axis: usize| {

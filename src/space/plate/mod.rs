@@ -17,7 +17,7 @@ mod waves;
 
 pub use cells::crossing;
 pub(super) use cells::{contact_time, wavelength};
-pub use laminate::{Laminate, OF_CONTACT};
+pub use laminate::{Laminate, OF_CONTACT, contact_wavelength, mismatch};
 pub use points::Points;
 pub use theory::PlateTheory;
 pub use waves::{classes_of_motions, infinite_plate};
@@ -151,17 +151,6 @@ pub fn admits(scene: &Scene, theory: PlateTheory) -> std::result::Result<(), Str
     Ok(())
 }
 
-/// By what part the layerwise theory's static response is off at the length of the contact's waves ([`Laminate::mismatch`]).
-///
-/// # Errors
-/// A fault of `body.model` where the theory does not stand for the scene.
-pub fn mismatch(scene: &Scene) -> Result<f64> {
-    let theory = PlateTheory::Layerwise;
-    let laminate = geometry(scene, theory)
-        .and_then(|plate| Laminate::new(scene, &plate, &Description::new(scene).parts, &Settings::default()));
-    Ok(laminate.map_err(|reason| fault(theory, &reason))?.mismatch(scene))
-}
-
 /// That a theory does not stand for a scene.
 fn fault(theory: PlateTheory, reason: &str) -> Fault {
     let message = format!("{} cannot model this scene: {reason}", theory.plate());
@@ -202,7 +191,9 @@ impl Outline {
         };
         let local = (theory == PlateTheory::Mindlin).then(|| Local::new(&section, settings, geometry.room()));
         let disc = laminate.as_ref().map(|laminate| laminate.radius).or(local.map(|local| local.radius));
-        let in_plane = cells::lines(&geometry, &section, &scene.impactor, disc, settings)
+        let own_wave = || wavelength(&section, contact_time(&section, &scene.impactor));
+        let wave = scene.body.wavelength.filter(|_| laminate.is_some()).unwrap_or_else(own_wave);
+        let in_plane = cells::lines(&geometry, &section, wave, disc, settings)
             .map_err(|cells| fault(format!("it would take {cells:.0} cells along an edge")))?;
         Ok(Self { geometry, laminate, section, local, in_plane })
     }

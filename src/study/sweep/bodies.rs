@@ -7,6 +7,7 @@ use petsc_wrap::Comm;
 use super::by_body::{BodyOf, ByBody, has_local_field};
 use super::family::{self, Family};
 use super::grouping::{Found, Grouping, Line};
+use super::interpolated::{self, Interpolated};
 use super::member::Computed;
 use crate::body::ModalBody;
 use crate::description::Description;
@@ -42,6 +43,8 @@ pub struct Bodies<'a> {
     kept: ByBody<Kept>,
     /// By what their line shares; `None` where no merged basis served.
     families: ByBody<Option<Family>>,
+    /// The same of those that relax, by the line.
+    relaxing: ByBody<Option<Interpolated>>,
 }
 
 /// A body on a basis, and on another one by which each member's error is estimated, with that over the difference of the two.
@@ -54,6 +57,8 @@ struct Kept {
     readout: Option<Readout>,
     /// Error by theory and cells, as far as they are known, and by the merging of bases.
     of_model: Errors,
+    /// Whether it has the member's own chains already, and no energies.
+    is_of_member: bool,
 }
 
 impl<'a> Bodies<'a> {
@@ -74,6 +79,7 @@ impl<'a> Bodies<'a> {
             has_energies,
             kept: ByBody::default(),
             families: ByBody::default(),
+            relaxing: ByBody::default(),
         };
         for (scene, model) in theory.into_iter().flat_map(|found| found.made) {
             let of_theory = bodies.error_of_theory(&scene);
@@ -98,7 +104,11 @@ impl<'a> Bodies<'a> {
     ) -> Result<Option<Computed>> {
         let comm = self.comm.clone();
         let watch = &Until(&comm, &**interrupted);
-        let tried = match self.of_family(index, scene, watch)? {
+        let shared = match self.interpolated(index, scene, watch)? {
+            None => self.of_family(index, scene, watch)?,
+            shared => shared,
+        };
+        let tried = match shared {
             Some(kept) => kept.simulate(scene, self.has_energies, interrupted),
             None => self.of_body(scene, interrupted)?,
         };
@@ -132,6 +142,47 @@ impl<'a> Bodies<'a> {
         }
         let kept = self.kept.get_or_insert_with(body, || kept);
         Ok(kept.simulate(scene, self.has_energies, interrupted))
+    }
+
+    /// Between bodies of all that differ in their relaxation alone, where they are many.
+    fn interpolated(&mut self, index: usize, scene: &Scene, watch: &dyn Watch) -> Result<Option<Kept>> {
+        let Some(Line { body, value, count }) = self.grouping.line_of(index, scene) else { return Ok(None) };
+        let scene = &self.named(scene.clone());
+        if count < family::LEAST
+            || self.has_energies
+            || !self.grouping.is_of_relaxations()
+            || !interpolated::admits(scene)
+        {
+            return Ok(None);
+        }
+        if self.relaxing.get(&body).is_none() {
+            if self.relaxing.len() >= MOST {
+                self.relaxing.clear();
+            }
+            let all = self.grouping.members_on(&body);
+            let values: Vec<f64> = all.iter().map(|(value, _)| *value).collect();
+            let scene_of = |value: f64| {
+                let at = values.partition_point(|other| *other < value).min(values.len() - 1);
+                Ok(self.named((self.scene_of)(all[at].1)?))
+            };
+            let made = match Interpolated::new(&self.comm, &values, &scene_of, watch) {
+                Ok(made) => made,
+                Err(Error::Solve(_) | Error::Fault(_)) => None,
+                Err(error) => return Err(error),
+            };
+            self.relaxing.get_or_insert_with(body.clone(), || made);
+        }
+        let of_theory = self.error_of_theory(scene);
+        let Some(Some(made)) = self.relaxing.get(&body) else { return Ok(None) };
+        Ok(made.at(value, scene).map(|(body, errors, readout)| Kept {
+            body,
+            theory: scene.body.model,
+            judge: None,
+            unknowns: made.unknowns,
+            readout,
+            of_model: of_theory.joined(errors),
+            is_of_member: true,
+        }))
     }
 
     /// On the basis of all that differ in one support, or in their relaxation, alone, where they are many.
@@ -173,6 +224,7 @@ impl<'a> Bodies<'a> {
                 unknowns: family.unknowns,
                 readout: family.readout.clone(),
                 of_model: of_theory.joined(Errors { first_contact, history: of_merging, stress: f64::NAN }),
+                is_of_member: false,
             }
         }))
     }
@@ -209,7 +261,7 @@ impl Kept {
         let Model { theory, dynamics, judge, unknowns, gauges, .. } = model;
         let readout = gauges.map(|gauges| gauges.readout);
         match dynamics {
-            Dynamics::Modal(body) => Ok(Self { body, theory, judge, unknowns, readout, of_model }),
+            Dynamics::Modal(body) => Ok(Self { body, theory, judge, unknowns, readout, of_model, is_of_member: false }),
             Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),
         }
     }
@@ -219,7 +271,7 @@ impl Kept {
         let mut steps = Vec::new();
         let relaxing = chains(scene);
         let with_chains = |body: &ModalBody| body.with_chains(&relaxing);
-        let own = with_chains(&self.body)?;
+        let own = if self.is_of_member { None } else { with_chains(&self.body)? };
         let body = own.as_ref().unwrap_or(&self.body);
         let mut impact = ModalImpact::new(scene, body);
         if !has_energies {
@@ -228,7 +280,12 @@ impl Kept {
         let names = self.readout.as_ref().map_or_else(Vec::new, Readout::face_names);
         let (mut tension, strengths) = (LargestTension::default(), strengths(&scene.strength, &names));
         if let Some(readout) = &self.readout {
-            impact.set_readout(Readout { contact: ContactSize::new(scene), ..readout.clone() })?;
+            let least = strengths.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+            impact.set_readout(Readout {
+                contact: ContactSize::new(scene),
+                least_tension: Some(least),
+                ..readout.clone()
+            })?;
         }
         let take = |step: &Step, reading: &Reading| {
             tension.take(step.time, &reading.faces, &strengths);
@@ -244,6 +301,9 @@ impl Kept {
         });
         // What of it is the supports' own, the energies alone tell.
         let yields = scene.supports.iter().any(|support| !matches!(support.kind, SupportKind::Clamped { .. }));
+        if self.is_of_member && deflection > LARGE {
+            return Err(Error::Solve("what supports yield by is told by energies".into()));
+        }
         if !has_energies && yields && deflection > LARGE {
             return self.simulate(scene, true, interrupted);
         }

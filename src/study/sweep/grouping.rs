@@ -111,6 +111,11 @@ impl Grouping {
         Some(Line { body, value: values[index], count })
     }
 
+    /// Whether lines are of bodies that differ in their relaxation.
+    pub fn is_of_relaxations(&self) -> bool {
+        matches!(self.line, Some((Property::Relaxation, _)))
+    }
+
     /// The values of a line, ascending, each with the hardest member.
     pub fn members_on(&self, line: &BodyOf) -> Vec<(f64, usize)> {
         let all = self.lines.get(line).into_iter().flatten();

@@ -6,6 +6,7 @@ mod digest;
 mod family;
 mod grid;
 mod grouping;
+mod interpolated;
 mod member;
 mod scheduler;
 mod shard;

@@ -15,11 +15,13 @@ mod local;
 mod rows;
 mod seen;
 
+use std::rc::Rc;
+
 use super::faces::ALIKE;
 use super::line_stress::{TOGETHER, Together};
 use super::{ContactNow, FaceStresses, FaceTension, LineStresses, TensionMap};
 use local::{LocalRows, parts};
-use rows::StressRows;
+pub(super) use rows::StressRows;
 use seen::{Peaks, Seen};
 
 /// Steps whose stresses are computed at once: they stay in the cache.
@@ -37,6 +39,10 @@ const ROUNDOFF: f64 = 0.5 * f32::EPSILON as f64;
 /// Roundings of a principal stress of its three parts, with room.
 const OF_PRINCIPAL: f64 = 32.0;
 
+/// By how much a tension between points may be above that at the highest one, with room: each of two parabolas lifts it by an eighth of how
+/// far a neighbour is below.
+const LIFTED: f64 = 1.5;
+
 /// A search on all faces of a box.
 pub struct TensionSearch<'a> {
     faces: &'a FaceStresses,
@@ -47,7 +53,7 @@ pub struct TensionSearch<'a> {
 
 /// What the stresses at the sampled points come of.
 enum Stresses {
-    Rows(StressRows),
+    Rows(Rc<StressRows>),
     Lines(LineStresses),
 }
 
@@ -90,7 +96,14 @@ impl<'a> TensionSearch<'a> {
         if faces.map.components() != 3 || count == 0 {
             return None;
         }
-        Self::of(faces, || Stresses::Rows(StressRows::new(count, rows)))
+        Self::of(faces, || Stresses::Rows(Rc::new(StressRows::new(count, rows))))
+    }
+
+    /// Of a body's coordinates on its basis, what is made for it being kept; `None` as of [`Self::new`], and where the faces' map is not dense.
+    pub fn on_basis(faces: &'a FaceStresses) -> Option<Self> {
+        let (count, entries) = faces.dense().filter(|(count, _)| *count > 0 && faces.map.components() == 3)?;
+        let rows = faces.rows.get_or_init(|| Rc::new(StressRows::new(count, entries.to_vec())));
+        Self::of(faces, || Stresses::Rows(Rc::clone(rows)))
     }
 
     /// Of stresses on lines; `None` as of [`Self::new`].
@@ -103,13 +116,14 @@ impl<'a> TensionSearch<'a> {
         Some(Self { faces, local, stresses: stresses() })
     }
 
-    /// The largest tension on each face at some steps, of their coordinates, one step after the other, and contacts.
-    pub fn tensions(&self, coordinates: &[f64], contacts: &[ContactNow]) -> Searched {
+    /// The largest tension on each face at some steps, of their coordinates, one step after the other, and contacts. Where the largest of all steps
+    /// is wanted alone, with the least one that counts (Pa), steps have none at which it is far below both.
+    pub fn tensions(&self, coordinates: &[f64], contacts: &[ContactNow], least: Option<f64>) -> Searched {
         let count = match &self.stresses {
             Stresses::Rows(rows) => rows.count,
             Stresses::Lines(lines) => lines.coordinates(),
         };
-        let mut found = Finding::new(self, contacts);
+        let mut found = Finding::new(self, contacts, least);
         let block = match &self.stresses {
             Stresses::Rows(_) => BLOCK,
             Stresses::Lines(_) => BLOCK_ON_LINES,
@@ -181,23 +195,38 @@ struct Finding<'a> {
     steps: Vec<Vec<FaceTension>>,
     peaks: Vec<Peaks>,
     seen: Seen,
+    /// The least tension that counts, Pa, where the largest of all steps is wanted alone; and the largest so far.
+    least: Option<f64>,
+    largest: f64,
 }
 
 impl<'a> Finding<'a> {
-    fn new(search: &'a TensionSearch<'a>, contacts: &'a [ContactNow]) -> Self {
+    fn new(search: &'a TensionSearch<'a>, contacts: &'a [ContactNow], least: Option<f64>) -> Self {
         let peaks = search.faces.faces.iter().map(|face| Peaks::new(face.points.len())).collect();
-        Self { search, contacts, steps: Vec::with_capacity(contacts.len()), peaks, seen: Seen::default() }
+        Self {
+            search,
+            contacts,
+            steps: Vec::with_capacity(contacts.len()),
+            peaks,
+            seen: Seen::default(),
+            least,
+            largest: 0.0,
+        }
     }
 
     /// Takes the next step.
     fn take(&mut self, of_step: &OfStep<impl Fn(usize) -> [f64; 3]>) {
-        let Self { search, contacts, steps, peaks, seen } = self;
+        let Self { search, contacts, steps, peaks, seen, least, largest } = self;
         let OfStep { column, size, at } = of_step;
         let (contact, number) = (&contacts[steps.len()], steps.len() as u32);
         seen.take(column);
         let faces = search.faces.faces.iter().zip(&search.local).zip(peaks);
         let each = faces.map(|((face, local), peaks)| {
             seen.look(face, local, (column, *size), contact);
+            let is_small = |least: f64| LIFTED * f64::from(seen.top) * size < largest.min(least);
+            if *size > f64::MIN_POSITIVE && least.is_some_and(is_small) {
+                return FaceTension::UNKNOWN;
+            }
             let value = |point: usize| match face.left_out[point] {
                 true => f64::NAN,
                 false => face.value(point, &at(face.first + point), contact),
@@ -214,6 +243,7 @@ impl<'a> Finding<'a> {
                 face.largest(face.read_points(), |point| values[point])
             };
             peaks.raise(point, found.largest as f32, number);
+            *largest = largest.max(found.largest);
             found
         });
         steps.push(each.collect());

@@ -9,7 +9,8 @@ use nalgebra::{DMatrix, Dyn, MatrixView};
 use super::local::parts;
 
 /// Stresses at the sampled points for 1 of each coordinate.
-pub(super) struct StressRows {
+#[derive(Clone)]
+pub struct StressRows {
     /// How many coordinates there are.
     pub count: usize,
     /// Stresses a, b and ab, a row each.

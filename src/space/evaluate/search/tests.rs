@@ -67,7 +67,7 @@ fn plate() -> (FaceStresses, Vec<f64>) {
     };
     let faces = vec![face("upper", -1.0, 0.0), face("lower", 1.0, 0.1)];
     let map = StressMap::Forms { map: Map::Dense(COUNT, rows.clone()), components: 3 };
-    (FaceStresses { columns: Vec::new(), map, faces }, rows)
+    (FaceStresses::new(map, faces), rows)
 }
 
 /// Coordinates of steps: of all sizes, nothing at all, and one alone; under forces from nothing to most of the stress.
@@ -99,7 +99,7 @@ fn what_is_found_is_what_a_search_of_all_points_finds() {
     let (faces, rows) = plate();
     let (coordinates, contacts) = steps();
     let search = TensionSearch::new(&faces, COUNT, rows).expect("faces of a box");
-    let found = search.tensions(&coordinates, &contacts).steps;
+    let found = search.tensions(&coordinates, &contacts, None).steps;
     assert_eq!(found.len(), contacts.len());
     let mut places = std::collections::BTreeSet::new();
     for (step, (found, contact)) in found.iter().zip(&contacts).enumerate() {
@@ -126,7 +126,7 @@ fn the_map_is_that_of_all_points_and_steps() {
     let (coordinates, contacts) = steps();
     let search = TensionSearch::new(&faces, COUNT, rows).expect("faces of a box");
     let times: Vec<f64> = (0..contacts.len()).map(|step| step as f64).collect();
-    let searched = search.tensions(&coordinates, &contacts);
+    let searched = search.tensions(&coordinates, &contacts, None);
     let map = searched.map(&times);
     let (mut exhaustive, mut of_steps, mut room) = (TensionMap::default(), Vec::new(), 0.0_f32);
     for (step, contact) in contacts.iter().enumerate() {

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use super::geometry::{NAMES, PlateGeometry};
 use super::{Settings, cells};
-use crate::description::{Part, Portion};
+use crate::description::{Description, Part, Portion};
 use crate::form::layerwise::{LayerModuli, Profile, rotation};
 use crate::form::plate::Section;
 use crate::form::tensor::{Part as Derivative, Square};
@@ -213,6 +213,30 @@ impl Laminate {
     fn with_factors(&self) -> impl Iterator<Item = (&Part, &f64)> {
         self.parts.iter().zip(&self.shear_factors)
     }
+}
+
+/// By what part the layerwise theory's static response is off at the length of the contact's waves ([`Laminate::mismatch`]).
+///
+/// # Errors
+/// A fault of `body.model` where the theory does not stand for the scene.
+pub fn mismatch(scene: &Scene) -> crate::error::Result<f64> {
+    Ok(of_scene(scene)?.mismatch(scene))
+}
+
+/// Length of the flexural waves of the contact with a layerwise plate, m, for which its cells are made.
+///
+/// # Errors
+/// As [`mismatch`].
+pub fn contact_wavelength(scene: &Scene) -> crate::error::Result<f64> {
+    let section = of_scene(scene)?.section(scene);
+    Ok(cells::wavelength(&section, cells::contact_time(&section, &scene.impactor)))
+}
+
+fn of_scene(scene: &Scene) -> crate::error::Result<Laminate> {
+    let theory = super::PlateTheory::Layerwise;
+    let laminate = super::geometry(scene, theory)
+        .and_then(|plate| Laminate::new(scene, &plate, &Description::new(scene).parts, &Settings::default()));
+    Ok(laminate.map_err(|reason| super::fault(theory, &reason))?)
 }
 
 /// Radius of the disc that is pressed, m: as wide as for a plate of the layer that is hit, which may bend by itself on a soft one, where

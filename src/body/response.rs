@@ -1,0 +1,297 @@
+//! What a body answers to the contact's force, interpolated between bodies that differ in one parameter.
+//!
+//! The displacement that is read, and all others, are linear in the history of the force: their kernels are functions of time and of the
+//! parameter, and smooth in the latter. Between some bodies with known modes the kernel is the sum of theirs with the weights of Lagrange's
+//! interpolation: the modes of all move side by side, and each body's force has its weight. Of vibrations that go on from one body to the next
+//! the rates and the residues are interpolated, in the place of the kernels. No eigenproblem is left to be solved.
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::Projection;
+use super::eigen::symmetric_eigen;
+use super::modal::ModalBody;
+use super::modes::{Free, Mode, Modes};
+use super::shapes::{Forms, Shapes};
+use crate::contact::Patch;
+
+/// Coordinates that move the hit by no more than this part of what all do, together, are left out: vibrations, and motions by which the body
+/// creeps. Estimates.
+const LEFT_OUT: [f64; 2] = [1e-4, 3e-4];
+
+/// Cosine of the angle between the residues of a vibration in two bodies, at least, and what its rate differs by at most.
+const ALIKE: f64 = 0.9;
+const SHIFTED: f64 = 0.2;
+
+/// One body's modes, with how they move it on a basis that all bodies share.
+pub struct Response {
+    /// Of coordinates that are driven by F itself: λ, and the output.
+    modes: Vec<(Complex<f64>, Complex<f64>)>,
+    /// y on the basis from z, Re(Y z), by columns.
+    places: DMatrix<Complex<f64>>,
+    free: Free,
+    residual: f64,
+    /// Of what is beside z.
+    others: Shapes,
+    /// The stresses under the hit on y, with what they lack for 1 N.
+    hit_stress: (DMatrix<f64>, [f64; 3]),
+    compliance: f64,
+    copies: f64,
+    patch: Option<Patch>,
+}
+
+impl Response {
+    /// Of a body on the shared basis, with its modes, for runs of a length (s). Loads are left out.
+    pub fn new(projection: &Projection, modes: &Modes, end: f64) -> Self {
+        let Shapes { moving, free, residual, rest } = &modes.shapes;
+        let kept = kept(&modes.modes, end);
+        let mut places = match &modes.forms.damped {
+            Some([places, _]) => {
+                let places = places.select_columns(&kept);
+                let part = |of: fn(&Complex<f64>) -> f64| moving * places.map(|entry| of(&entry));
+                part(|entry| entry.re).zip_map(&part(|entry| entry.im), Complex::new)
+            }
+            // x = Im z/ω.
+            None => {
+                let frequencies = &modes.forms.frequencies;
+                DMatrix::from_fn(moving.nrows(), kept.len(), |i, k| {
+                    Complex::new(0.0, -moving[(i, kept[k])] / frequencies[kept[k]])
+                })
+            }
+        };
+        let own: Vec<&Mode> = kept.iter().map(|&k| &modes.modes[k]).collect();
+        places.column_iter_mut().zip(&own).for_each(|(mut column, mode)| column *= mode.input);
+        Self {
+            modes: own.into_iter().map(|mode| (mode.rate, mode.output * mode.input)).collect(),
+            places,
+            free: modes.free,
+            residual: modes.residual,
+            others: Shapes {
+                moving: DMatrix::zeros(moving.nrows(), 0),
+                free: free.clone(),
+                residual: residual.clone(),
+                rest: rest.clone(),
+            },
+            hit_stress: (projection.hit_stress.clone(), projection.hit_local),
+            compliance: projection.compliance,
+            copies: projection.copies,
+            patch: projection.patch,
+        }
+    }
+
+    /// Coordinates.
+    pub fn coordinates(&self) -> usize {
+        self.modes.len()
+    }
+
+    /// The orthonormal directions, a column each, in which some bodies move under impacts that excite frequencies up to a rate (1/s): down to a part
+    /// of the largest amplitude, by the energy of the strain.
+    pub fn main_motions(all: &[&Self], rate: f64, depth: f64) -> DMatrix<f64> {
+        let vectors = all.first().map_or(0, |first| first.places.nrows());
+        let mut gram = DMatrix::zeros(vectors, vectors);
+        for response in all {
+            let Shapes { free: [way, of_load], residual, .. } = &response.others;
+            let mut columns: Vec<DVector<f64>> = vec![way.clone(), of_load.clone(), residual * (rate * rate)];
+            for ((of, _), column) in response.modes.iter().zip(response.places.column_iter()) {
+                // An amplitude times its frequency, less where that is not excited.
+                let weight = of.norm().max(1.0) / (1.0 + of.norm_sqr() / (rate * rate));
+                columns.push(column.map(|entry| weight * entry.re));
+                columns.push(column.map(|entry| weight * entry.im));
+            }
+            let columns = DMatrix::from_columns(&columns);
+            gram += &columns * columns.transpose();
+        }
+        let (squares, directions) = symmetric_eigen(gram);
+        let largest = squares.amax();
+        let kept: Vec<usize> = (0..vectors).rev().filter(|&i| squares[i] > depth * depth * largest).collect();
+        directions.select_columns(&kept)
+    }
+
+    /// The same on directions of the basis alone, which are orthonormal, a column each.
+    #[must_use]
+    pub fn along(&self, directions: &DMatrix<f64>) -> Self {
+        let across = directions.transpose();
+        let part = |of: fn(&Complex<f64>) -> f64| &across * self.places.map(|entry| of(&entry));
+        Self {
+            modes: self.modes.clone(),
+            places: part(|entry| entry.re).zip_map(&part(|entry| entry.im), Complex::new),
+            others: self.others.mapped(&across),
+            hit_stress: (&self.hit_stress.0 * directions, self.hit_stress.1),
+            ..*self
+        }
+    }
+
+    /// The numbers of the vibrations of another body which go on from these, where they do.
+    fn going_on_in(&self, other: &Self) -> Vec<Option<usize>> {
+        let real = |matrix: &DMatrix<Complex<f64>>, of: fn(&Complex<f64>) -> f64| matrix.map(|entry| of(&entry));
+        let [own, others] = [self, other]
+            .map(|response| [real(&response.places, |entry| entry.re), real(&response.places, |entry| entry.im)]);
+        // |yᴴ y′|² of all pairs.
+        let re = own[0].tr_mul(&others[0]) + own[1].tr_mul(&others[1]);
+        let im = own[0].tr_mul(&others[1]) - own[1].tr_mul(&others[0]);
+        let squares = |response: &Self| -> Vec<f64> {
+            response.places.column_iter().map(|column| column.norm_squared().max(f64::MIN_POSITIVE)).collect()
+        };
+        let [of_own, of_others] = [self, other].map(squares);
+        let alike = DMatrix::from_fn(re.nrows(), re.ncols(), |k, l| {
+            let [(rate, _), (of_other, _)] = [self.modes[k], other.modes[l]];
+            let is_near = rate.im > 0.0 && of_other.im > 0.0 && (rate - of_other).norm() < SHIFTED * rate.norm();
+            if is_near { (re[(k, l)].powi(2) + im[(k, l)].powi(2)) / (of_own[k] * of_others[l]) } else { 0.0 }
+        });
+        let best = |values: &mut dyn Iterator<Item = f64>| {
+            let (place, value) =
+                values.enumerate().fold((0, 0.0), |most, next| if next.1 > most.1 { next } else { most });
+            (value > ALIKE * ALIKE).then_some(place)
+        };
+        let backward: Vec<Option<usize>> =
+            alike.column_iter().map(|column| best(&mut column.iter().copied())).collect();
+        let forward = alike.row_iter().map(|row| best(&mut row.iter().copied()));
+        forward.enumerate().map(|(k, found)| found.filter(|l| backward[*l] == Some(k))).collect()
+    }
+}
+
+/// What the coordinates of some bodies have to do with each other, between which one interpolates.
+pub struct Between {
+    /// Vibrations that go on through all, by their numbers in each.
+    followed: Vec<Vec<usize>>,
+    /// The other coordinates of each.
+    apart: Vec<Vec<usize>>,
+}
+
+impl Between {
+    /// Of some bodies, in the order of the parameter.
+    pub fn new(bodies: &[&Response]) -> Self {
+        let count = bodies.first().map_or(0, |first| first.coordinates());
+        let mut followed: Vec<Vec<usize>> = (0..count).map(|k| vec![k]).collect();
+        for pair in bodies.windows(2) {
+            let next = pair[0].going_on_in(pair[1]);
+            followed.retain_mut(|one| match one.last().and_then(|last| next[*last]) {
+                Some(number) => {
+                    one.push(number);
+                    true
+                }
+                None => false,
+            });
+        }
+        if bodies.len() < 2 {
+            followed.clear();
+        }
+        let apart = (0..bodies.len()).map(|body| {
+            let mut is_apart = vec![true; bodies[body].coordinates()];
+            followed.iter().for_each(|one| is_apart[one[body]] = false);
+            (0..is_apart.len()).filter(|&k| is_apart[k]).collect()
+        });
+        Self { apart: apart.collect(), followed }
+    }
+
+    /// The body whose answers are the sum of those of these bodies, with weights whose sum is 1. It has no energies.
+    pub fn sum(&self, all: &[&Response], weights: &[f64]) -> ModalBody {
+        let zero = Complex::new(0.0, 0.0);
+        let bodies = || all.iter().zip(weights.iter().copied());
+        let vectors = all.first().map_or(0, |first| first.places.nrows());
+        let count = self.followed.len() + self.apart.iter().map(Vec::len).sum::<usize>();
+        let mut places = DMatrix::from_element(vectors, count, zero);
+        let mut modes = Vec::with_capacity(count);
+        let mode = |rate, output, input: f64| Mode { rate, input: Complex::new(input, 0.0), load: zero, output };
+        for (numbers, mut column) in self.followed.iter().zip(places.column_iter_mut()) {
+            let (mut rate, mut output) = (zero, zero);
+            for ((body, weight), &number) in bodies().zip(numbers) {
+                let (of_rate, of_output) = body.modes[number];
+                rate += of_rate * weight;
+                output += of_output * weight;
+                column.zip_apply(&body.places.column(number), |sum, entry| *sum += entry * weight);
+            }
+            modes.push(mode(rate, output, 1.0));
+        }
+        for ((body, weight), numbers) in bodies().zip(&self.apart) {
+            for &number in numbers {
+                places.set_column(modes.len(), &body.places.column(number));
+                // z is as large as the weight, and all that is read of it is, too.
+                let (rate, output) = body.modes[number];
+                modes.push(mode(rate, output, weight));
+            }
+        }
+        let (mut shapes, mut free, mut residual, mut compliance) = (Shapes::zero(vectors), Free::default(), 0.0, 0.0);
+        shapes.moving = DMatrix::identity(vectors, vectors);
+        let mut hit_stress = (DMatrix::zeros(all[0].hit_stress.0.nrows(), vectors), [0.0; 3]);
+        for (body, weight) in bodies() {
+            let Shapes { free: of_free, residual: of_residual, .. } = &body.others;
+            shapes.free.iter_mut().zip(of_free).for_each(|(sum, free)| sum.axpy(weight, free, 1.0));
+            shapes.residual.axpy(weight, of_residual, 1.0);
+            free.mobility += weight * body.free.mobility;
+            residual += weight * body.residual;
+            compliance += weight * body.compliance;
+            hit_stress.0 += &body.hit_stress.0 * weight;
+            hit_stress.1.iter_mut().zip(body.hit_stress.1).for_each(|(sum, local)| *sum += weight * local);
+        }
+        let hit_stress = (hit_stress.0.nrows() > 0).then(|| (shapes.mapped(&hit_stress.0), hit_stress.1));
+        let forms = Forms { damped: Some([places, DMatrix::zeros(0, count)]), ..Forms::none() };
+        let modes = Modes { modes, free, residual, rest: 0.0, forms, shapes, hit_stress, foundation: None };
+        let mut body = ModalBody::given(modes);
+        (body.compliance, body.copies, body.patch) = (compliance, all[0].copies, all[0].patch);
+        body
+    }
+}
+
+/// The numbers of the coordinates that move the hit at all, within a time (s).
+fn kept(modes: &[Mode], end: f64) -> Vec<usize> {
+    let reach = |mode: &Mode| (mode.output * mode.input).norm() / mode.rate.norm().max(1.0 / end);
+    let all: f64 = modes.iter().map(reach).sum();
+    let mut order: Vec<(f64, usize)> = modes.iter().map(reach).zip(0..).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut sums = [0.0; 2];
+    let is_kept = |(reach, number): &(f64, usize)| {
+        let creeps = usize::from(modes[*number].rate.im == 0.0);
+        sums[creeps] += reach;
+        sums[creeps] > LEFT_OUT[creeps] * all
+    };
+    let mut kept: Vec<usize> = order.into_iter().filter(is_kept).map(|(_, number)| number).collect();
+    kept.sort_unstable();
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A vibration that goes on through all bodies is one, with rate and residue of the parameter between; motions by which they creep are there from
+    /// each body, as large as its weight.
+    #[test]
+    fn vibrations_go_on() {
+        let number = Complex::new;
+        let rate = |p: f64| number(-0.1 * p, 10.0 + 0.3 * p * p);
+        let output = |p: f64| number(0.2 * p * p * p, -1.0);
+        let body = |p: f64| {
+            let mut others = Shapes::zero(3);
+            others.residual[2] = p;
+            Response {
+                modes: vec![(rate(p), output(p)), (number(-p - 1.0, 0.0), number(0.1, 0.0))],
+                places: DMatrix::from_fn(3, 2, |i, k| number((i + k) as f64 + 0.1 * p, 1.0 - k as f64)),
+                free: Free::default(),
+                residual: p,
+                others,
+                hit_stress: (DMatrix::zeros(0, 3), [0.0; 3]),
+                compliance: 1.0,
+                copies: 4.0,
+                patch: None,
+            }
+        };
+        let bodies = [0.0, 1.0, 2.0, 3.0].map(body);
+        let all: Vec<&Response> = bodies.iter().collect();
+        // Of Lagrange's interpolation in the middle.
+        let weights = [-0.0625, 0.5625, 0.5625, -0.0625];
+        let between = Between::new(&all);
+        assert_eq!((between.followed.len(), between.apart.iter().map(Vec::len).sum::<usize>()), (1, 4));
+        let sum = between.sum(&all, &weights);
+        let closed = crate::body::Closed { tangent: 1.0, compliance: 0.0, mass: 1.0, accuracy: 1e-3 };
+        let modes = sum.modes(1.0, &closed).expect("modes");
+        let [first, rest @ ..] = &modes.modes[..] else { panic!("modes") };
+        // Cubic functions, to rounding.
+        assert!((first.rate - rate(1.5)).norm() < 1e-13 && (first.output - output(1.5)).norm() < 1e-13);
+        assert!((modes.residual - 1.5).abs() < 1e-14 && sum.copies == 4.0);
+        let inputs: Vec<f64> = rest.iter().map(|mode| mode.input.re).collect();
+        assert_eq!(inputs, weights);
+        // Of one body alone it is that body.
+        let one = between.sum(&all, &[0.0, 1.0, 0.0, 0.0]).modes(1.0, &closed).expect("modes");
+        assert!((one.modes[0].rate - rate(1.0)).norm() == 0.0 && one.residual == 1.0);
+    }
+}
