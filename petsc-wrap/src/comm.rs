@@ -93,7 +93,8 @@ impl Comm {
     /// # Panics
     /// When the ranks have not as many values as rank 0, on every rank.
     pub fn broadcast_from_root(&self, values: &mut [f64]) {
-        let (mine, mut least, mut most) = (values.len() as u64, 0, 0);
+        // (Types are given wherever ranks are asked: MPI writes as many bytes as it is sent.)
+        let (mine, mut least, mut most) = (values.len() as u64, 0_u64, 0_u64);
         self.mpi.all_reduce_into(&mine, &mut least, SystemOperation::min());
         self.mpi.all_reduce_into(&mine, &mut most, SystemOperation::max());
         assert_eq!(least, most, "a rank has not as many values as another");

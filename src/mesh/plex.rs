@@ -136,7 +136,7 @@ fn of_volumes<'a>(
         without += usize::from(part.is_none());
         parts.push(part.unwrap_or_default());
     }
-    let mut total = 0;
+    let mut total = 0_usize;
     plex.comm().mpi().all_reduce_into(&without, &mut total, SystemOperation::sum());
     if total > 0 {
         let message = format!("{total} cells are in no physical volume that the scene has a material for");

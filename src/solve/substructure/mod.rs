@@ -45,7 +45,7 @@ impl Substructures {
     pub fn suit(matrix: &MatrixView) -> Result<bool> {
         let split = Split::new(matrix)?;
         let mine: usize = split.rows.iter().map(Vec::len).sum();
-        let mut most = 0;
+        let mut most = 0_u64;
         matrix.comm().mpi().all_reduce_into(&(mine as u64), &mut most, SystemOperation::max());
         Ok(triangle(split.interface.len()) as u64 <= most)
     }
@@ -59,7 +59,7 @@ impl Substructures {
         let split = Split::new(matrix)?;
         let count = split.interface.len();
         // All ranks go on, or none.
-        let (part, mut least) = (Partial::new(&split.rows, &split.bounds), 0);
+        let (part, mut least) = (Partial::new(&split.rows, &split.bounds), 0_u64);
         comm.mpi().all_reduce_into(&u64::from(part.is_some()), &mut least, SystemOperation::min());
         let (Some(part), 1) = (part, least) else { return Ok(None) };
         let mut schur = vec![0.0; count * count];

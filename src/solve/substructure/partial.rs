@@ -81,6 +81,7 @@ impl Partial {
                 Default::default(),
             )
             .ok()?;
+        tracing::info!(inside, staying = bounds.len(), entries = entries.len(), "factor of a part");
         let mut partial =
             Self { inside, order, symbolic, entries, diagonal, ordered: vec![0.0; count], work: Vec::new() };
         let longest = supernodes(&partial.symbolic, &partial.entries).map(|node| node.rows()).max();
@@ -131,18 +132,28 @@ impl Partial {
 
 /// The order of elimination: those that are eliminated so that little is filled in (Amestoy, Davis and Duff, SIAM J. Matrix Anal. Appl. 17,
 /// 1996), then those that stay. `None` where there are too many to count.
+///
+/// Those that stay count as coupled to each other, so that what is near them goes late: else what it is coupled to would be filled in with all of
+/// them.
 fn order(rows: &[Vec<Entry>], staying: usize) -> Option<Vec<usize>> {
-    let inside = rows.len();
+    let (inside, count) = (rows.len(), rows.len() + staying);
     let (mut offsets, mut places) = (vec![0], Vec::new());
     for row in rows {
-        places.extend(row.iter().map(|entry| entry.column).take_while(|column| *column < inside));
+        places.extend(row.iter().map(|entry| entry.column));
         offsets.push(places.len());
     }
-    let pattern = SymbolicSparseColMatRef::new_checked(inside, inside, &offsets, None, &places);
-    let (mut order, mut inverse) = (vec![0; inside], vec![0; inside]);
-    let mut scratch = MemBuffer::new(amd::order_scratch::<usize>(inside, places.len()));
-    amd::order(&mut order, &mut inverse, pattern, Default::default(), MemStack::new(&mut scratch)).ok()?;
-    order.extend(inside..inside + staying);
+    for unknown in inside..count {
+        places.extend(unknown..count);
+        offsets.push(places.len());
+    }
+    let pattern = SymbolicSparseColMatRef::new_checked(count, count, &offsets, None, &places);
+    let (mut order, mut inverse) = (vec![0; count], vec![0; count]);
+    let mut scratch = MemBuffer::new(amd::order_scratch::<usize>(count, places.len()));
+    // No row is left out for being long.
+    let control = amd::Control { dense: -1.0, ..Default::default() };
+    amd::order(&mut order, &mut inverse, pattern, control, MemStack::new(&mut scratch)).ok()?;
+    order.retain(|unknown| *unknown < inside);
+    order.extend(inside..count);
     Some(order)
 }
 
@@ -222,12 +233,19 @@ impl<'n, N: DoubleEndedIterator<Item = Supernode<'n>>> WithSimd for Sweep<'_, N>
         let Self { nodes, inside, direction, x, work } = self;
         // (The columns of what stays are last; one supernode may have of both.)
         let nodes = nodes.take_while(|node| node.first < inside);
+        // (Loops, since closures are not compiled for these vectors.)
         match direction {
-            Direction::Forward => nodes.for_each(|node| forward(simd, &node, inside, x, work)),
+            Direction::Forward => {
+                for node in nodes {
+                    forward(simd, &node, inside, x, work);
+                }
+            }
             Direction::Backward => {
                 // (A list, since what is taken from the front cannot be taken from the back.)
                 let nodes: Vec<Supernode> = nodes.collect();
-                nodes.iter().rev().for_each(|node| backward(simd, node, inside, x, work));
+                for node in nodes.iter().rev() {
+                    backward(simd, node, inside, x, work);
+                }
             }
         }
     }

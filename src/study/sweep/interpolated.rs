@@ -91,12 +91,14 @@ struct Maker<'a> {
     size: f64,
 }
 
-/// Whether bodies of a scene may be interpolated: layerwise plates that start at rest, without loads, in chosen steps.
+/// Whether bodies of a scene may be interpolated: layerwise plates that start at rest, without loads, in chosen steps, whose energies nobody wants.
 pub fn admits(scene: &Scene) -> bool {
     let is_moved = scene.load != Load::default() || scene.supports.iter().any(|one| one.displacement != [0.0; 3]);
     let is_layerwise = scene.body.model == Model::Layerwise && scene.body.composition.uniform().is_none();
     let is_free = scene.time.initial == Initial::Rest && scene.time.step.is_none() && !is_moved;
-    is_layerwise && is_free && !scene.is_on_pads()
+    // These bodies have no energies.
+    let is_gated = scene.solver.energy_gate.is_some();
+    is_layerwise && is_free && !is_gated && !scene.is_on_pads()
 }
 
 impl Interpolated {

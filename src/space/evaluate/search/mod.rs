@@ -39,8 +39,8 @@ const ROUNDOFF: f64 = 0.5 * f32::EPSILON as f64;
 /// Roundings of a principal stress of its three parts, with room.
 const OF_PRINCIPAL: f64 = 32.0;
 
-/// By how much a tension between points may be above that at the highest one, with room: each of two parabolas lifts it by an eighth of how
-/// far a neighbour is below.
+/// By how much a tension between points is taken to be above that at the highest one at most: each of two parabolas lifts it by an eighth of how
+/// far a neighbour is below, so by a quarter where that is compressed as much as the highest is stretched. An estimate.
 const LIFTED: f64 = 1.5;
 
 /// A search on all faces of a box.
