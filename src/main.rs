@@ -129,7 +129,8 @@ fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
                 session.leave(status);
             }
             drop(error);
-            drop(session);
+            // (What PETSc says of its end is less than this error.)
+            drop(session.map(Session::finish));
             exit(status);
         }
     }

@@ -144,6 +144,8 @@ impl Session {
     /// # Errors
     /// PETSc's.
     pub fn finish(self) -> Result<()> {
+        // What was dropped may hold the session itself: closures with a communicator.
+        self.world().collect_garbage()?;
         match Rc::try_unwrap(self.0) {
             Ok(inner) => inner.finalize(),
             Err(shared) => {

@@ -40,11 +40,10 @@ impl KspView {
         self.set_shell(operator, None, Some(Box::new(apply)))
     }
 
-    /// [`Self::set_closure`], which a closure makes of the operator: before the first solve, and again before the next one where the operator has
-    /// changed. Where it makes none, on all ranks, the matrix has no such factor, and the solve fails as it does with one of PETSc's. Collective.
+    /// As [`Self::set_closure`], but `factorise` makes the closure of the operator, before the first solve and again after each change of the
+    /// operator. If it returns `None`, on all ranks, the solve fails like one with a factorisation of PETSc's that has failed. Collective.
     ///
-    /// The closures keep the session: of several ranks it is closed in order only where the solver was destroyed, or what was dropped was collected
-    /// ([`Comm::collect_garbage`]).
+    /// A closure that has a communicator holds the session open: destroy the solver, or call [`Comm::collect_garbage`], on all ranks before it ends.
     ///
     /// # Errors
     /// As of [`Self::set_closure`].

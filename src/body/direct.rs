@@ -7,7 +7,7 @@ use faer::{MatMut, MatRef, Side};
 use nalgebra_sparse::CsrMatrix;
 
 use crate::error::{Error, Result};
-use crate::solve::triangle::Triangle;
+use crate::solve::triangle::DenseCholesky;
 
 /// Part of its entries that a matrix has from which on it is factorised as a full one: splines of a high degree on few cells couple nearly all
 /// unknowns. Of solids of 700 to 1,700 unknowns that takes two thirds of the instructions, and solving a quarter more.
@@ -20,7 +20,7 @@ const MOST_OF_FULL: usize = 2000;
 pub struct Direct(Factor);
 
 enum Factor {
-    Full(Triangle),
+    Full(DenseCholesky),
     Sparse(Llt<usize, f64>),
     Single(Llt<usize, f32>),
 }
@@ -55,7 +55,7 @@ impl Direct {
             let matrix = sum.full();
             let factor = MatRef::from_column_major_slice(&matrix, count, count).llt(Side::Lower);
             let factor = factor.map_err(|error| none(format!("{error:?}")))?;
-            return Ok(Self(Factor::Full(Triangle::new(factor.L()))));
+            return Ok(Self(Factor::Full(DenseCholesky::new(factor.L()))));
         }
         let matrix = sum.sparse();
         // (What single precision cannot factorise, double precision may.)

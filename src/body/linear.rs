@@ -102,11 +102,11 @@ pub trait LinearBody {
     /// Whether a mesh has its unknowns: vectors take long each then.
     fn is_meshed(&self) -> bool;
 
-    /// Its classes of motions that do not couple and that its force and loads reach, each by itself: blocks of its unknowns, one after the other,
-    /// or one as [`LinearBody::exchange`] has it; itself where there is one of all.
+    /// The uncoupled symmetry classes that the force and the loads excite: consecutive blocks of its unknowns, the part that is symmetric about the
+    /// diagonal ([`LinearBody::exchange`]), or the whole body.
     fn classes(&self) -> Vec<&dyn LinearBody>;
 
-    /// How its one class is part of it, where that is of the motions that stay as they are with its axes exchanged.
+    /// What maps the part that is symmetric about the diagonal to the whole body, if the body has that symmetry.
     fn exchange(&self) -> Option<&Exchange> {
         None
     }

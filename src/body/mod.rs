@@ -59,7 +59,7 @@ pub use pads::{PadOnSurface, PadPoints, Pads};
 pub use projection::Projection;
 pub(crate) use real_parts::real_parts;
 pub use relaxation::{ProjectedRelaxation, Relaxation};
-pub use response::{Between, Response};
+pub use response::{Interpolant, Response};
 pub(crate) use shapes::Shapes;
 pub use spectrum::{Inertia, LargestFrequency, LinearContact, largest_frequency};
 pub use start::Start;

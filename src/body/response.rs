@@ -19,8 +19,8 @@ use crate::contact::Patch;
 const LEFT_OUT: [f64; 2] = [1e-4, 3e-4];
 
 /// Cosine of the angle between the residues of a vibration in two bodies, at least, and what its rate differs by at most.
-const ALIKE: f64 = 0.9;
-const SHIFTED: f64 = 0.2;
+const LEAST_MODE_COSINE: f64 = 0.9;
+const LARGEST_RATE_CHANGE: f64 = 0.2;
 
 /// One body's modes, with how they move it on a basis that all bodies share.
 pub struct Response {
@@ -121,7 +121,7 @@ impl Response {
     }
 
     /// The numbers of the vibrations of another body which go on from these, where they do.
-    fn going_on_in(&self, other: &Self) -> Vec<Option<usize>> {
+    fn tracked_in(&self, other: &Self) -> Vec<Option<usize>> {
         let real = |matrix: &DMatrix<Complex<f64>>, of: fn(&Complex<f64>) -> f64| matrix.map(|entry| of(&entry));
         let [own, others] = [self, other]
             .map(|response| [real(&response.places, |entry| entry.re), real(&response.places, |entry| entry.im)]);
@@ -134,13 +134,14 @@ impl Response {
         let [of_own, of_others] = [self, other].map(squares);
         let alike = DMatrix::from_fn(re.nrows(), re.ncols(), |k, l| {
             let [(rate, _), (of_other, _)] = [self.modes[k], other.modes[l]];
-            let is_near = rate.im > 0.0 && of_other.im > 0.0 && (rate - of_other).norm() < SHIFTED * rate.norm();
+            let is_near =
+                rate.im > 0.0 && of_other.im > 0.0 && (rate - of_other).norm() < LARGEST_RATE_CHANGE * rate.norm();
             if is_near { (re[(k, l)].powi(2) + im[(k, l)].powi(2)) / (of_own[k] * of_others[l]) } else { 0.0 }
         });
         let best = |values: &mut dyn Iterator<Item = f64>| {
             let (place, value) =
                 values.enumerate().fold((0, 0.0), |most, next| if next.1 > most.1 { next } else { most });
-            (value > ALIKE * ALIKE).then_some(place)
+            (value > LEAST_MODE_COSINE * LEAST_MODE_COSINE).then_some(place)
         };
         let backward: Vec<Option<usize>> =
             alike.column_iter().map(|column| best(&mut column.iter().copied())).collect();
@@ -150,20 +151,20 @@ impl Response {
 }
 
 /// What the coordinates of some bodies have to do with each other, between which one interpolates.
-pub struct Between {
+pub struct Interpolant {
     /// Vibrations that go on through all, by their numbers in each.
     followed: Vec<Vec<usize>>,
     /// The other coordinates of each.
     apart: Vec<Vec<usize>>,
 }
 
-impl Between {
+impl Interpolant {
     /// Of some bodies, in the order of the parameter.
     pub fn new(bodies: &[&Response]) -> Self {
         let count = bodies.first().map_or(0, |first| first.coordinates());
         let mut followed: Vec<Vec<usize>> = (0..count).map(|k| vec![k]).collect();
         for pair in bodies.windows(2) {
-            let next = pair[0].going_on_in(pair[1]);
+            let next = pair[0].tracked_in(pair[1]);
             followed.retain_mut(|one| match one.last().and_then(|last| next[*last]) {
                 Some(number) => {
                     one.push(number);
@@ -279,7 +280,7 @@ mod tests {
         let all: Vec<&Response> = bodies.iter().collect();
         // Of Lagrange's interpolation in the middle.
         let weights = [-0.0625, 0.5625, 0.5625, -0.0625];
-        let between = Between::new(&all);
+        let between = Interpolant::new(&all);
         assert_eq!((between.followed.len(), between.apart.iter().map(Vec::len).sum::<usize>()), (1, 4));
         let sum = between.sum(&all, &weights);
         let closed = crate::body::Closed { tangent: 1.0, compliance: 0.0, mass: 1.0, accuracy: 1e-3 };

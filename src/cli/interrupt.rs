@@ -40,7 +40,7 @@ impl Interrupt {
     /// Whether any rank has got a signal, and which of the questions are true on any. Collective.
     pub fn poll<const N: usize>(&self, comm: &Comm, asked: [bool; N]) -> (bool, [bool; N]) {
         let mine: Vec<i32> = asked.into_iter().chain([self.is_raised_here()]).map(i32::from).collect();
-        let mut all = vec![0; N + 1];
+        let mut all = vec![0_i32; N + 1];
         comm.mpi().all_reduce_into(&mine[..], &mut all[..], SystemOperation::max());
         (all[N] > 0, std::array::from_fn(|n| all[n] > 0))
     }

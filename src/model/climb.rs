@@ -36,7 +36,7 @@ const ROUGHEST: f64 = 0.1;
 /// What the two plates differ by in the force at least, where Mindlin's is to be ruled out by rougher ones first; an estimate: thick plates were
 /// seen to differ by 0.08 to 0.15. And its estimated error on these over the theory's part from which on it is.
 const LEAST_DIFFERENCE: f64 = 0.03;
-const BY_FAR: f64 = 1.5;
+const RULED_OUT_FACTOR: f64 = 1.5;
 
 /// Edges over thickness below which a box is no plate.
 const SLENDER: f64 = 4.0;
@@ -199,7 +199,7 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
     if part * LEAST_DIFFERENCE > OF_THEORY * tolerance {
         let kirchhoff = on_rough(Theory::Kirchhoff)?;
         let compared = Compared::new(scene, part, &on_rough(Theory::Mindlin)?, &kirchhoff, watch);
-        if compared.over > BY_FAR * OF_THEORY {
+        if compared.error_over_tolerance > RULED_OUT_FACTOR * OF_THEORY {
             passed.push(compared.ruled_out(scene));
             return Ok(None);
         }
@@ -215,7 +215,7 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
     } else {
         let thin = thin.map_or_else(|| on_rough(Theory::Kirchhoff), Ok)?;
         let compared = Compared::new(scene, part, &thick.reduced, &thin, watch);
-        if compared.over > OF_THEORY {
+        if compared.error_over_tolerance > OF_THEORY {
             passed.push(compared.ruled_out(scene));
             return Ok(None);
         }
@@ -234,7 +234,7 @@ struct Compared {
     /// Estimated errors of Mindlin's theory.
     errors: Errors,
     /// The one that counts, over the tolerance.
-    over: f64,
+    error_over_tolerance: f64,
     /// A clause.
     judged: String,
 }
@@ -249,7 +249,7 @@ impl Compared {
         let judged = format!(
             "kirchhoff and mindlin differ by {differ:.1e}{of_what} in the first contact; estimated error of mindlin relative to solid: {error:.1e}"
         );
-        Self { errors, over: watch.agreed(error / scene.tolerance), judged }
+        Self { errors, error_over_tolerance: watch.agreed(error / scene.tolerance), judged }
     }
 
     /// Why the solid is taken.

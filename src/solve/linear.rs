@@ -87,7 +87,7 @@ pub fn solver_of_nodes(
     let tolerance = match method {
         Method::Cholesky => {
             ksp.set_type("preonly")?;
-            if comm.size() > 1 && !is_chosen(comm, prefix)? && Substructures::suit(matrix)? {
+            if comm.size() > 1 && !is_chosen(comm, prefix)? && Substructures::is_suitable(matrix)? {
                 ksp.set_factorisation(matrix, |matrix| {
                     let factors = Substructures::new(matrix)?;
                     Ok(factors.map(|mut factors| -> Box<dyn FnMut(&[f64], &mut [f64])> {

@@ -10,12 +10,12 @@ use pulp::{Simd, WithSimd};
 pub(super) const TOGETHER: usize = 4;
 
 /// L of A = L Lᵀ: each column from its diagonal on, one after the other.
-pub struct Triangle {
+pub struct DenseCholesky {
     count: usize,
     entries: Vec<f64>,
 }
 
-impl Triangle {
+impl DenseCholesky {
     /// Of a factor, whose upper part is not read.
     pub fn new(factor: MatRef<'_, f64>) -> Self {
         let count = factor.ncols();
@@ -121,7 +121,7 @@ pub(super) fn products<S: Simd>(simd: S, columns: [&[f64]; TOGETHER], x: &[f64])
 
 /// A solve: compiled for the vectors of each kind of processor.
 struct Solving<'a> {
-    factor: &'a Triangle,
+    factor: &'a DenseCholesky,
     x: &'a mut [f64],
 }
 
@@ -153,7 +153,7 @@ mod tests {
             let factor = matrix.llt(Side::Lower).expect("a positive definite matrix");
             let exact: Vec<f64> = (0..count).map(|i| (i as f64 * 0.7).sin() + 1.0).collect();
             let mut x: Vec<f64> = (0..count).map(|i| (0..count).map(|j| entry(i, j) * exact[j]).sum()).collect();
-            Triangle::new(factor.L()).solve_in_place(&mut x);
+            DenseCholesky::new(factor.L()).solve_in_place(&mut x);
             // A condition number below ten.
             x.iter().zip(&exact).for_each(|(x, exact)| assert!((x - exact).abs() < 1e-13, "{count}: {x} {exact}"));
         }

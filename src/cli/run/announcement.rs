@@ -71,8 +71,8 @@ impl Announcement {
         }
         if self.is_factorised && !has_mumps(comm.session())? {
             note(format_args!(
-                "note: this PETSc is without MUMPS: a matrix whose ranks' parts have a large interface, and that of the full Newton's method, is factorised \
-                 by each rank for itself, so that more ranks save nothing there"
+                "note: this PETSc is without MUMPS: a matrix that the ranks do not share by substructures is factorised by each of them, so that more ranks save nothing \
+                 there"
             ));
         }
         Ok(())

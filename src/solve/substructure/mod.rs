@@ -7,8 +7,8 @@
 //! S = A_bb − Σ A_bi A_ii⁻¹ A_ib,    S x_b = f_b − Σ A_bi A_ii⁻¹ f_i,    x_i = A_ii⁻¹ (f_i − A_ib x_b),
 //! ```
 //!
-//! with sums over the ranks. Half of A_ii⁻¹ is all that a rank needs before x_b is known, and the other half after it: a solve reads the
-//! rank's factor twice, as one on a single rank does, and sends a vector on the interface once.
+//! with sums over the ranks. With A_ii = L Lᵀ, only the forward substitution L⁻¹ is needed before x_b, and only the backward one L⁻ᵀ after it: a
+//! solve reads the rank's factor twice, as one on a single rank does, and sums a vector on the interface over the ranks once.
 
 mod partial;
 mod split;
@@ -18,17 +18,17 @@ use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
 use petsc_wrap::{Comm, MatrixView, Result};
 
-use super::triangle::Triangle;
-use partial::Partial;
+use super::triangle::DenseCholesky;
+use partial::PartialCholesky;
 use split::Split;
 
 /// The factors of a symmetric positive definite matrix, of this rank's part and of the interface.
 pub(super) struct Substructures {
     comm: Comm,
     split: Split,
-    part: Partial,
+    part: PartialCholesky,
     /// Of S, the same on every rank.
-    interface: Triangle,
+    interface: DenseCholesky,
     /// This rank's unknowns inside, then those of the interface that they are coupled to.
     local: Vec<f64>,
     /// On the interface: what this rank adds to a right-hand side, and the sum of all ranks, which becomes x_b.
@@ -42,7 +42,7 @@ impl Substructures {
     ///
     /// # Errors
     /// PETSc's, e.g. for a matrix that is not AIJ.
-    pub fn suit(matrix: &MatrixView) -> Result<bool> {
+    pub fn is_suitable(matrix: &MatrixView) -> Result<bool> {
         let split = Split::new(matrix)?;
         let mine: usize = split.rows.iter().map(Vec::len).sum();
         let mut most = 0_u64;
@@ -59,22 +59,23 @@ impl Substructures {
         let split = Split::new(matrix)?;
         let count = split.interface.len();
         // All ranks go on, or none.
-        let (part, mut least) = (Partial::new(&split.rows, &split.bounds), 0_u64);
+        let (part, mut least) = (PartialCholesky::new(&split.rows, &split.bounds), 0_u64);
         comm.mpi().all_reduce_into(&u64::from(part.is_some()), &mut least, SystemOperation::min());
         let (Some(part), 1) = (part, least) else { return Ok(None) };
         let mut schur = vec![0.0; count * count];
         split.add_own(&mut schur);
-        part.subtract_from(&mut schur, &split.reached);
+        part.subtract_from(&mut schur, &split.coupled);
         let mut sum = vec![0.0; count * count];
         if count > 0 {
             comm.mpi().all_reduce_into(&schur[..], &mut sum[..], SystemOperation::sum());
         }
         drop(schur);
-        // Each rank sums alike, so that all have the same S, with a factor or without.
         let schur = Mat::from_fn(count, count, |i, j| sum[i.max(j) * count + i.min(j)]);
-        let Ok(factor) = schur.llt(Side::Lower) else { return Ok(None) };
-        let interface = Triangle::new(factor.L());
-        let local = vec![0.0; split.rows.len() + split.reached.len()];
+        let (factor, mut least) = (schur.llt(Side::Lower), 0_u64);
+        comm.mpi().all_reduce_into(&u64::from(factor.is_ok()), &mut least, SystemOperation::min());
+        let (Ok(factor), 1) = (factor, least) else { return Ok(None) };
+        let interface = DenseCholesky::new(factor.L());
+        let local = vec![0.0; split.rows.len() + split.coupled.len()];
         let (mine, all) = (vec![0.0; count], vec![0.0; count]);
         Ok(Some(Self { comm, split, part, interface, local, mine, all }))
     }
@@ -85,19 +86,19 @@ impl Substructures {
     /// When there are not as many entries as this rank has rows.
     pub fn solve(&mut self, b: &[f64], x: &mut [f64]) {
         let Self { comm, split, part, interface, local, mine, all } = self;
-        let (inside, reached) = local.split_at_mut(split.rows.len());
+        let (inside, coupled) = local.split_at_mut(split.rows.len());
         inside.iter_mut().zip(&split.inside).for_each(|(value, row)| *value = b[*row]);
-        reached.fill(0.0);
+        coupled.fill(0.0);
         part.forward(local);
         mine.fill(0.0);
         split.own.iter().for_each(|own| mine[own.place] = b[own.row]);
-        let (_, reached) = local.split_at_mut(split.rows.len());
-        reached.iter().zip(&split.reached).for_each(|(value, place)| mine[*place] += value);
+        let (_, coupled) = local.split_at_mut(split.rows.len());
+        coupled.iter().zip(&split.coupled).for_each(|(value, place)| mine[*place] += value);
         if !all.is_empty() {
             comm.mpi().all_reduce_into(&mine[..], &mut all[..], SystemOperation::sum());
         }
         interface.solve_in_place(all);
-        reached.iter_mut().zip(&split.reached).for_each(|(value, place)| *value = all[*place]);
+        coupled.iter_mut().zip(&split.coupled).for_each(|(value, place)| *value = all[*place]);
         part.backward(local);
         local.iter().zip(&split.inside).for_each(|(value, row)| x[*row] = *value);
         split.own.iter().for_each(|own| x[own.row] = all[own.place]);

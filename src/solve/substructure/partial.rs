@@ -1,7 +1,7 @@
 //! The Cholesky factor of a matrix of which a part of the unknowns is eliminated and the others, the last ones, stay.
 //!
 //! With A_ii = L Lᵀ, W = A_bi L⁻ᵀ: [L; W] are the columns that are eliminated, and W Wᵀ = A_bi A_ii⁻¹ A_ib is what that takes off A_bb.
-//! faer factorises the matrix with a diagonal in the place of A_bb, which neither changes L nor W.
+//! faer factorises the matrix with a diagonal in the place of A_bb, which changes neither L nor W.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
@@ -21,7 +21,7 @@ use crate::solve::triangle::{TOGETHER, products, subtract};
 const MARGIN: f64 = 2.0;
 
 /// The factor.
-pub(super) struct Partial {
+pub(super) struct PartialCholesky {
     /// Unknowns that are eliminated.
     inside: usize,
     /// The unknown in each place of the order of elimination; those that stay are last, as they were.
@@ -37,7 +37,7 @@ pub(super) struct Partial {
     work: Vec<f64>,
 }
 
-impl Partial {
+impl PartialCholesky {
     /// Of the lower triangle of a matrix, `rows` being those that are eliminated, from their diagonals on; `bounds`, one for each unknown that stays,
     /// are no less than what the elimination takes off its diagonal. `None` where it is not positive definite.
     pub fn new(rows: &[Vec<Entry>], bounds: &[f64]) -> Option<Self> {
@@ -89,7 +89,7 @@ impl Partial {
         Some(partial)
     }
 
-    /// Takes W Wᵀ off a full symmetric matrix; `places` are those of the unknowns that stay in its rows.
+    /// Subtracts W Wᵀ from a full symmetric matrix; `places` are those of the unknowns that stay in its rows.
     pub fn subtract_from(&self, matrix: &mut [f64], places: &[usize]) {
         let (staying, count) = (places.len(), matrix.len().isqrt());
         // The factor of what is left of the diagonal.
@@ -196,15 +196,22 @@ impl<'a> Supernode<'a> {
 fn supernodes<'a>(
     symbolic: &'a SymbolicCholesky<usize>,
     entries: &'a [f64],
-) -> impl DoubleEndedIterator<Item = Supernode<'a>> + ExactSizeIterator {
-    let SymbolicCholeskyRaw::Supernodal(symbolic) = symbolic.raw() else { unreachable!("it was asked for") };
-    let (first, end) = (symbolic.supernode_begin(), symbolic.supernode_end());
-    let (of_rows, of_entries, below) = (symbolic.col_ptr_for_row_idx(), symbolic.col_ptr_for_val(), symbolic.row_idx());
-    (0..symbolic.n_supernodes()).map(move |node| Supernode {
-        first: first[node],
-        columns: end[node] - first[node],
-        below: &below[of_rows[node]..of_rows[node + 1]],
-        entries: &entries[of_entries[node]..of_entries[node + 1]],
+) -> impl DoubleEndedIterator<Item = Supernode<'a>> {
+    let symbolic = match symbolic.raw() {
+        SymbolicCholeskyRaw::Supernodal(symbolic) => Some(symbolic),
+        // That of a matrix without rows alone, for the other kind is asked for.
+        SymbolicCholeskyRaw::Simplicial(_) => None,
+    };
+    symbolic.into_iter().flat_map(move |symbolic| {
+        let (first, end) = (symbolic.supernode_begin(), symbolic.supernode_end());
+        let (of_rows, of_entries, below) =
+            (symbolic.col_ptr_for_row_idx(), symbolic.col_ptr_for_val(), symbolic.row_idx());
+        (0..symbolic.n_supernodes()).map(move |node| Supernode {
+            first: first[node],
+            columns: end[node] - first[node],
+            below: &below[of_rows[node]..of_rows[node + 1]],
+            entries: &entries[of_entries[node]..of_entries[node + 1]],
+        })
     })
 }
 
@@ -335,7 +342,7 @@ mod tests {
             })
             .collect();
         let bounds: Vec<f64> = (INSIDE..COUNT).map(|i| (INSIDE..COUNT).map(|j| full[(i, j)].abs()).sum()).collect();
-        let mut part = Partial::new(&rows, &bounds).expect("a positive definite matrix");
+        let mut part = PartialCholesky::new(&rows, &bounds).expect("a positive definite matrix");
 
         let staying = COUNT - INSIDE;
         let mut left: Vec<f64> =
@@ -354,9 +361,14 @@ mod tests {
         part.backward(&mut x);
         x.iter().zip(&exact).for_each(|(x, exact)| assert!((x - exact).abs() < 1e-12, "{x} {exact}"));
 
+        // A rank without unknowns.
+        let mut none = PartialCholesky::new(&[], &[]).expect("a matrix without rows");
+        none.forward(&mut []);
+        none.subtract_from(&mut [], &[]);
+
         // A pivot that is not positive.
         let mut rows = rows;
         rows[20][0].value = -1.0;
-        assert!(Partial::new(&rows, &bounds).is_none());
+        assert!(PartialCholesky::new(&rows, &bounds).is_none());
     }
 }

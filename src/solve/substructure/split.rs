@@ -10,11 +10,11 @@ pub(super) struct Split {
     pub own: Vec<OwnUnknown>,
     /// This rank's other unknowns, by their place among its rows.
     pub inside: Vec<usize>,
-    /// The rows of those inside: of each, its entries from the diagonal on, ascending. Columns are counted in the order of `inside`, then of `reached`.
+    /// The rows of those inside: of each, its entries from the diagonal on, ascending. Columns are counted in the order of `inside`, then of `coupled`.
     pub rows: Vec<Vec<Entry>>,
     /// The places in the interface that the unknowns inside are coupled to, ascending.
-    pub reached: Vec<usize>,
-    /// Sum of the magnitudes of the row's entries on the interface, of each of `reached`: no less than what elimination takes off the diagonal.
+    pub coupled: Vec<usize>,
+    /// Sum of the magnitudes of the row's entries on the interface, of each of `coupled`: no less than what elimination takes off the diagonal.
     pub bounds: Vec<f64>,
 }
 
@@ -74,8 +74,8 @@ impl Split {
 
         let mut place_inside = vec![usize::MAX; range.len()];
         inside.iter().enumerate().for_each(|(place, local)| place_inside[*local] = place);
-        // The columns on the interface come last, once it is known which are reached.
-        let (mut rows, mut reached) = (Vec::with_capacity(inside.len()), Vec::new());
+        // The columns on the interface come last, once it is known which are coupled.
+        let (mut rows, mut coupled) = (Vec::with_capacity(inside.len()), Vec::new());
         for (place, local) in inside.iter().enumerate() {
             matrix.row_into(range.start + *local as Int, &mut row)?;
             let mut entries = Vec::with_capacity(row.columns.len());
@@ -86,24 +86,24 @@ impl Split {
                     Some(_) => {}
                     None => {
                         let at = place_of(*number).expect("what is not inside is on the interface");
-                        reached.push(at);
+                        coupled.push(at);
                         entries.push(Entry { column: inside.len() + at, value: *value });
                     }
                 }
             }
             rows.push(entries);
         }
-        reached.sort_unstable();
-        reached.dedup();
+        coupled.sort_unstable();
+        coupled.dedup();
         for row in &mut rows {
             for entry in row.iter_mut().filter(|entry| entry.column >= inside.len()) {
-                let at = reached.binary_search(&(entry.column - inside.len())).expect("it was noted");
+                let at = coupled.binary_search(&(entry.column - inside.len())).expect("it was noted");
                 entry.column = inside.len() + at;
             }
             row.sort_unstable_by_key(|entry| entry.column);
         }
-        let bounds = reached.iter().map(|place| magnitudes[*place]).collect();
-        Ok(Self { interface, own, inside, rows, reached, bounds })
+        let bounds = coupled.iter().map(|place| magnitudes[*place]).collect();
+        Ok(Self { interface, own, inside, rows, coupled, bounds })
     }
 
     /// Adds this rank's rows of A_bb to a full matrix, row by row.

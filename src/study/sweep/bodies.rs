@@ -57,8 +57,8 @@ struct Kept {
     readout: Option<Readout>,
     /// Error by theory and cells, as far as they are known, and by the merging of bases.
     of_model: Errors,
-    /// Whether it has the member's own chains already, and no energies.
-    is_of_member: bool,
+    /// Interpolated: it has the member's own chains already, and no energies.
+    is_interpolated: bool,
 }
 
 impl<'a> Bodies<'a> {
@@ -144,9 +144,11 @@ impl<'a> Bodies<'a> {
         Ok(kept.simulate(scene, self.has_energies, interrupted))
     }
 
-    /// Between bodies of all that differ in their relaxation alone, where they are many.
+    /// The member's body by interpolation, where at least [`family::LEAST`] members differ in their relaxation alone.
     fn interpolated(&mut self, index: usize, scene: &Scene, watch: &dyn Watch) -> Result<Option<Kept>> {
         let Some(Line { body, value, count }) = self.grouping.line_of(index, scene) else { return Ok(None) };
+        // Of the theory that `auto` has chosen.
+        let of_theory = self.error_of_theory(scene);
         let scene = &self.named(scene.clone());
         if count < family::LEAST
             || self.has_energies
@@ -172,7 +174,6 @@ impl<'a> Bodies<'a> {
             };
             self.relaxing.get_or_insert_with(body.clone(), || made);
         }
-        let of_theory = self.error_of_theory(scene);
         let Some(Some(made)) = self.relaxing.get(&body) else { return Ok(None) };
         Ok(made.at(value, scene).map(|(body, errors, readout)| Kept {
             body,
@@ -181,7 +182,7 @@ impl<'a> Bodies<'a> {
             unknowns: made.unknowns,
             readout,
             of_model: of_theory.joined(errors),
-            is_of_member: true,
+            is_interpolated: true,
         }))
     }
 
@@ -224,7 +225,7 @@ impl<'a> Bodies<'a> {
                 unknowns: family.unknowns,
                 readout: family.readout.clone(),
                 of_model: of_theory.joined(Errors { first_contact, history: of_merging, stress: f64::NAN }),
-                is_of_member: false,
+                is_interpolated: false,
             }
         }))
     }
@@ -261,7 +262,9 @@ impl Kept {
         let Model { theory, dynamics, judge, unknowns, gauges, .. } = model;
         let readout = gauges.map(|gauges| gauges.readout);
         match dynamics {
-            Dynamics::Modal(body) => Ok(Self { body, theory, judge, unknowns, readout, of_model, is_of_member: false }),
+            Dynamics::Modal(body) => {
+                Ok(Self { body, theory, judge, unknowns, readout, of_model, is_interpolated: false })
+            }
             Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),
         }
     }
@@ -271,7 +274,7 @@ impl Kept {
         let mut steps = Vec::new();
         let relaxing = chains(scene);
         let with_chains = |body: &ModalBody| body.with_chains(&relaxing);
-        let own = if self.is_of_member { None } else { with_chains(&self.body)? };
+        let own = if self.is_interpolated { None } else { with_chains(&self.body)? };
         let body = own.as_ref().unwrap_or(&self.body);
         let mut impact = ModalImpact::new(scene, body);
         if !has_energies {
@@ -301,8 +304,10 @@ impl Kept {
         });
         // What of it is the supports' own, the energies alone tell.
         let yields = scene.supports.iter().any(|support| !matches!(support.kind, SupportKind::Clamped { .. }));
-        if self.is_of_member && deflection > LARGE {
-            return Err(Error::Solve("what supports yield by is told by energies".into()));
+        if self.is_interpolated && yields && deflection > LARGE {
+            return Err(Error::Solve(
+                "the compliance of the supports needs energies, which interpolated bodies do not have".into(),
+            ));
         }
         if !has_energies && yields && deflection > LARGE {
             return self.simulate(scene, true, interrupted);

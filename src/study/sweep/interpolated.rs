@@ -9,11 +9,11 @@ use std::collections::BTreeMap;
 use petsc_wrap::Comm;
 
 use crate::body::{
-    Assembled, Between, Columns, ModalBody, Projection, Response, main_directions, orthonormal_basis, project,
+    Assembled, Columns, Interpolant, ModalBody, Projection, Response, main_directions, orthonormal_basis, project,
     snapshots,
 };
 use crate::error::{Error, Result};
-use crate::impact::{Errors, ModalImpact, Readout, Steps};
+use crate::impact::{Errors, ModalImpact, Readout, Steps, Trace};
 use crate::model::watch::Watch;
 use crate::model::{Built, Fitted, Gauges, OF_BASIS, Operators, Reduced, build, fit, rate, reduce};
 use crate::scene::{Body, Initial, Load, Model, Scene};
@@ -21,38 +21,36 @@ use crate::space::evaluate::Evaluator;
 use crate::space::plate::contact_wavelength;
 
 /// Intervals between values at first.
-const FIRST: usize = 4;
+const FIRST_INTERVALS: usize = 4;
 
 /// Bodies at most.
-const MOST: usize = 65;
+const MAX_BODIES: usize = 65;
 
 /// Weight of the directions of the basis, over the tolerance, down to which they are taken.
 const DEPTH: f64 = 0.03;
 
 /// Part of the tolerance that the interpolation may take.
-const OF_INTERPOLATION: f64 = 0.3;
+const INTERPOLATION_SHARE: f64 = 0.3;
 
 /// The error of cubic interpolation over that with intervals twice as long, by which it is judged: a sixteenth where these are short.
-const OF_HALVED: f64 = 0.25;
+const ERROR_RATIO_ON_HALVING: f64 = 0.25;
 
 /// Amplitudes of the directions along which bodies are read over the largest, down to which they are taken, over the tolerance.
 const OF_MOTIONS: f64 = 0.2;
 
 /// Bodies by which one interpolates.
-const CUBIC: usize = 4;
+const STENCIL: usize = 4;
 
 /// What all members share.
 pub struct Interpolated {
     nodes: Vec<Node>,
-    /// Up to a value the error of the interpolation.
+    /// The interpolation's error in each interval, by its upper end.
     errors: Vec<(f64, Errors)>,
     /// That of the cells and the basis.
     of_model: Errors,
     /// Of bodies that lie side by side, by the number of the first.
-    between: Vec<Between>,
+    between: Vec<Interpolant>,
     is_geometric: bool,
-    /// Length of the run that all were made for, s.
-    end: f64,
     /// Unknowns of the bodies.
     pub unknowns: usize,
 }
@@ -67,7 +65,7 @@ struct Node {
 }
 
 /// What one value's body is made of.
-struct Operated {
+struct BuiltBody {
     scene: Scene,
     built: Operators,
 }
@@ -139,7 +137,6 @@ impl Interpolated {
         }
         let Some(steps) = steps else { return Ok(None) };
         let unknowns = samples[0].body.linear().unknowns();
-        let end = samples[0].scene.time.end;
         drop(samples);
         let middle = values[last / 2];
         let is_geometric = values[0] > 0.0
@@ -147,11 +144,13 @@ impl Interpolated {
                 < (2.0 * middle / (values[0] + values[last])).ln().abs();
         let of_model = of_cells.joined(of_basis).joined(of_merging);
         let mut all =
-            Self { nodes: Vec::new(), errors: Vec::new(), of_model, between: Vec::new(), is_geometric, end, unknowns };
+            Self { nodes: Vec::new(), errors: Vec::new(), of_model, between: Vec::new(), is_geometric, unknowns };
         let mut nodes = BTreeMap::new();
-        for k in 0..=FIRST {
-            let place = k * last / FIRST;
-            nodes.insert(place, maker.node(place, &basis, steps)?.1);
+        for k in 0..=FIRST_INTERVALS {
+            let place = k * last / FIRST_INTERVALS;
+            let (exact, node) = maker.node(place, &basis, steps)?;
+            all.of_model = all.of_model.max(of_model.joined(node.error_alone(&exact, steps)));
+            nodes.insert(place, node);
         }
         let places: Vec<usize> = nodes.keys().copied().collect();
         let mut open: Vec<(usize, usize)> = places.windows(2).map(|ends| (ends[0], ends[1])).collect();
@@ -160,7 +159,7 @@ impl Interpolated {
                 all.errors.push((values[to], Errors::default()));
                 continue;
             }
-            if nodes.len() == MOST {
+            if nodes.len() == MAX_BODIES {
                 return Ok(None);
             }
             let place = from.midpoint(to);
@@ -172,11 +171,12 @@ impl Interpolated {
                 Ok((trace, _)) => exact.difference(&trace),
                 Err(_) => Errors::throughout(f64::INFINITY),
             };
-            let error = OF_HALVED * difference;
+            let error = on_halving(difference, scene.tolerance);
+            all.of_model = all.of_model.max(of_model.joined(node.error_alone(&exact, steps)));
             let (value, first, history) = (values[place], error.first_contact, error.history);
             tracing::info!(value, coordinates = node.response.coordinates(), first, history, "interpolated");
             nodes.insert(place, node);
-            if error.of(scene.measure) <= OF_INTERPOLATION * tolerance {
+            if error.of(scene.measure) <= INTERPOLATION_SHARE * tolerance {
                 all.errors.push((values[to], error));
             } else {
                 open.extend([(from, place), (place, to)]);
@@ -186,7 +186,7 @@ impl Interpolated {
         all.nodes = nodes.into_values().collect();
         all.read_along_main_motions(comm, &basis)?;
         let responses: Vec<&Response> = all.nodes.iter().map(|node| &node.response).collect();
-        all.between = responses.windows(CUBIC).map(Between::new).collect();
+        all.between = responses.windows(STENCIL).map(Interpolant::new).collect();
         Ok(Some(all))
     }
 
@@ -207,10 +207,11 @@ impl Interpolated {
         Ok(())
     }
 
-    /// The body at a value for a member's run, with its errors and what is read of it; `None` where the run is longer than those that the bodies are
-    /// made for.
+    /// The body at a value for a member's run, with its errors and what is read of it: the faces of the nearest body. `None` for another impact than
+    /// that for which the errors are estimated.
     pub fn at(&self, value: f64, scene: &Scene) -> Option<(ModalBody, Errors, Option<Readout>)> {
-        if scene.time.end > self.end {
+        let of_all = &self.nodes.first()?.scene;
+        if scene.impactor != of_all.impactor || scene.time != of_all.time {
             return None;
         }
         let near: Vec<&Node> = self.nodes.iter().collect();
@@ -224,8 +225,8 @@ impl Interpolated {
     /// The body at a value, by the nearest of some bodies.
     fn interpolated(&self, nodes: &[&Node], value: f64) -> ModalBody {
         let above = nodes.partition_point(|node| node.value < value);
-        let begin = above.saturating_sub(CUBIC / 2).min(nodes.len().saturating_sub(CUBIC));
-        let near = &nodes[begin..nodes.len().min(begin + CUBIC)];
+        let begin = above.saturating_sub(STENCIL / 2).min(nodes.len().saturating_sub(STENCIL));
+        let near = &nodes[begin..nodes.len().min(begin + STENCIL)];
         let at = |value: f64| if self.is_geometric { value.ln() } else { value };
         let weight = |node: &&Node| -> f64 {
             let others = near.iter().filter(|other| other.value != node.value);
@@ -235,9 +236,27 @@ impl Interpolated {
         let responses: Vec<&Response> = near.iter().map(|node| &node.response).collect();
         match self.between.get(begin) {
             Some(between) => between.sum(&responses, &weights),
-            None => Between::new(&responses).sum(&responses, &weights),
+            None => Interpolant::new(&responses).sum(&responses, &weights),
         }
     }
+}
+
+impl Node {
+    /// What the response leaves out of its own body ([`Response::new`]), by the force in some steps.
+    fn error_alone(&self, exact: &Trace, steps: Steps) -> Errors {
+        let body = Interpolant::new(&[&self.response]).sum(&[&self.response], &[1.0]);
+        match ModalImpact::new(&self.scene, &body).trace(Some(steps)) {
+            Ok((trace, _)) => exact.difference(&trace),
+            Err(_) => Errors::throughout(f64::INFINITY),
+        }
+    }
+}
+
+/// The error of interpolation between intervals of which the answers in the middle differ so much. Over the whole history it is only less than that where the
+/// difference is small: contacts come and go with the value.
+fn on_halving(difference: Errors, tolerance: f64) -> Errors {
+    let smaller = ERROR_RATIO_ON_HALVING * difference;
+    if difference.history <= tolerance { smaller } else { Errors { history: difference.history, ..smaller } }
 }
 
 impl Maker<'_> {
@@ -247,10 +266,10 @@ impl Maker<'_> {
         Ok(Scene { body: Body { wavelength: Some(self.wavelength), ..scene.body }, ..scene })
     }
 
-    fn operated(&self, place: usize) -> Result<Operated> {
+    fn operated(&self, place: usize) -> Result<BuiltBody> {
         let scene = self.scene(place)?;
         match build(self.comm, &scene, scene.body.model, self.size, self.watch)? {
-            Built::Operators(built) => Ok(Operated { scene, built }),
+            Built::Operators(built) => Ok(BuiltBody { scene, built }),
             Built::Given(_) => Err(Error::Solve("a plate has unknowns".into())),
         }
     }
@@ -260,7 +279,7 @@ impl Maker<'_> {
         let last = self.values.len() - 1;
         let mut of_cells = Errors::default();
         for place in [0, last] {
-            let Operated { scene, built } = Self { size: 1.0, ..*self }.operated(place)?;
+            let BuiltBody { scene, built } = Self { size: 1.0, ..*self }.operated(place)?;
             let Fitted { size, error, .. } = fit(self.comm, &scene, scene.body.model, built, self.watch)?;
             self.size = self.size.min(size);
             of_cells = of_cells.max(error.unwrap_or_default());
@@ -273,7 +292,7 @@ impl Maker<'_> {
 
     /// A body with a basis of its own.
     fn sample(&self, place: usize) -> Result<Sample> {
-        let Operated { scene, built } = self.operated(place)?;
+        let BuiltBody { scene, built } = self.operated(place)?;
         let body = built.body;
         let reduced = reduce(self.comm, body.linear(), &scene, self.watch)?;
         let own = reduced.larger().clone();
@@ -283,8 +302,8 @@ impl Maker<'_> {
     }
 
     /// A body on the basis, with its force in some steps.
-    fn node(&self, place: usize, basis: &Columns, steps: Steps) -> Result<(crate::impact::Trace, Node)> {
-        let Operated { scene, built } = self.operated(place)?;
+    fn node(&self, place: usize, basis: &Columns, steps: Steps) -> Result<(Trace, Node)> {
+        let BuiltBody { scene, built } = self.operated(place)?;
         let Operators { body, evaluator, .. } = built;
         let projection = project(body.linear(), basis, rate(&scene))?;
         let modal = ModalBody::of(&projection);

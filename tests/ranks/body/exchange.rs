@@ -7,10 +7,15 @@ use petsc_wrap::{Session, Vector};
 use ricochet::body::{Body, Exchange, System};
 use ricochet::scene::Scene;
 use ricochet::solve::linear::{Method, solver};
+use ricochet::space::plate::{self, Plate, PlateTheory};
 use ricochet::space::spline::{Settings, SplineSolid};
 
 pub const RANKS: &[usize] = &[1];
-pub const TESTS: &[Test<Session>] = tests![half_of_a_square_box_moves_as_the_whole, boxes_without_a_diagonal];
+pub const TESTS: &[Test<Session>] = tests![
+    half_of_a_square_box_moves_as_the_whole,
+    half_of_a_square_plate_moves_as_the_whole,
+    boxes_without_a_diagonal
+];
 
 fn scene(body: &str, rest: &str) -> Scene {
     let impactor = format!("mass = {}\nspeed = 1.0", glass::MASS);
@@ -46,15 +51,41 @@ fn half_of_a_square_box_moves_as_the_whole(session: &Session) {
         ("[0.5, 0.5, 0.1]", clamped),
         ("[0.2, 0.2, 0.2]", glass::sides(1e8, 0.0)),
     ] {
-        let system = solid(&scene(&format!("size = {size}\nsymmetry = \"quarter\""), &rest)).system;
-        let (exchange, half) = Exchange::of(&system).expect("its own image");
-        assert!(2 * half.load.len() < system.load.len() + system.load.len() / 10, "{} unknowns", half.load.len());
-        let [u, of_half] = [&system, &half].map(|system| moved(session, system));
-        let largest = u.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-        let off = u.iter().zip(exchange.whole(&of_half)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest;
-        // Rounding of a condition number of some 1e5.
-        assert!(off < 1e-9, "{size}: {off:e} of {largest:e}");
+        moves_as_the_whole(session, &solid(&scene(&format!("size = {size}\nsymmetry = \"quarter\""), &rest)).system);
     }
+}
+
+fn half_of_a_square_plate_moves_as_the_whole(session: &Session) {
+    let layers =
+        "[[body.layer]]\nthickness = 0.01\nmaterial = \"a\"\n[[body.layer]]\nthickness = 0.02\nmaterial = \"b\"\n";
+    let material =
+        |name: &str, young: f64| format!("[material.{name}]\nyoung = {young:e}\npoisson = 0.23\ndensity = 2500.0\n");
+    let laminate = format!(
+        "[body]\nsize = [0.5, 0.5]\nsymmetry = \"quarter\"\n{layers}{}{}[impactor]\nmass = 5.0\nspeed = 1.0\nradius = 0.05\nyoung = 210e9\n\
+         poisson = 0.3\n[time]\nend = 1e-3\n{}",
+        material("a", 70e9),
+        material("b", 7e9),
+        glass::sides(1e9, 2e5)
+    );
+    let laminate = Scene::parse("test", &laminate, &[]).unwrap_or_else(|error| panic!("{error}\n{laminate}")).0;
+    let one = scene("size = [0.5, 0.5, 0.03]\nsymmetry = \"quarter\"", &glass::sides(1e9, 2e5));
+    for (scene, theory) in
+        [(&one, PlateTheory::Kirchhoff), (&one, PlateTheory::Mindlin), (&laminate, PlateTheory::Layerwise)]
+    {
+        let settings = plate::Settings { cell_size_factor: 2.0, ..Default::default() };
+        let plate = Plate::new(scene, theory, &settings).unwrap_or_else(|error| panic!("{error}"));
+        moves_as_the_whole(session, &plate.system);
+    }
+}
+
+fn moves_as_the_whole(session: &Session, system: &System) {
+    let (exchange, half) = Exchange::of(system).expect("its own image");
+    assert!(2 * half.load.len() < system.load.len() + system.load.len() / 10, "{} unknowns", half.load.len());
+    let [u, of_half] = [system, &half].map(|system| moved(session, system));
+    let largest = u.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let off = u.iter().zip(exchange.whole(&of_half)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest;
+    // Rounding of a condition number of some 1e5.
+    assert!(off < 1e-9, "{off:e} of {largest:e}");
 }
 
 /// Other edges, and supports that the diagonal does not image on each other.

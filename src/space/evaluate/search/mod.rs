@@ -117,7 +117,7 @@ impl<'a> TensionSearch<'a> {
     }
 
     /// The largest tension on each face at some steps, of their coordinates, one step after the other, and contacts. Where the largest of all steps
-    /// is wanted alone, with the least one that counts (Pa), steps have none at which it is far below both.
+    /// is wanted alone, with the least one that counts (Pa), none is searched at steps at which it is clearly below both.
     pub fn tensions(&self, coordinates: &[f64], contacts: &[ContactNow], least: Option<f64>) -> Searched {
         let count = match &self.stresses {
             Stresses::Rows(rows) => rows.count,
@@ -223,7 +223,8 @@ impl<'a> Finding<'a> {
         let faces = search.faces.faces.iter().zip(&search.local).zip(peaks);
         let each = faces.map(|((face, local), peaks)| {
             seen.look(face, local, (column, *size), contact);
-            let is_small = |least: f64| LIFTED * f64::from(seen.top) * size < largest.min(least);
+            // (Where all is compressed, nothing is known of points between.)
+            let is_small = |least: f64| seen.top > 0.0 && LIFTED * f64::from(seen.top) * size < largest.min(least);
             if *size > f64::MIN_POSITIVE && least.is_some_and(is_small) {
                 return FaceTension::UNKNOWN;
             }

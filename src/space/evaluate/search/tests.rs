@@ -119,6 +119,31 @@ fn what_is_found_is_what_a_search_of_all_points_finds() {
     assert!(places.len() > 30, "{}", places.len());
 }
 
+/// Where the largest tension of all steps is wanted alone, that is the same, and so is the first step beyond a least one that counts, though most
+/// steps are not searched.
+#[test]
+fn what_is_far_below_is_left_out() {
+    let (faces, rows) = plate();
+    let (coordinates, contacts) = steps();
+    let search = TensionSearch::new(&faces, COUNT, rows).expect("faces of a box");
+    let all = search.tensions(&coordinates, &contacts, None).steps;
+    for face in 0..2 {
+        let tensions: Vec<f64> = all.iter().map(|faces| faces[face].largest).collect();
+        let largest = tensions.iter().copied().fold(0.0, f64::max);
+        for least in [f64::INFINITY, 0.6 * largest] {
+            let found = search.tensions(&coordinates, &contacts, Some(least)).steps;
+            let found: Vec<f64> = found.iter().map(|faces| faces[face].largest).collect();
+            let first = |tensions: &[f64], level: f64| tensions.iter().position(|tension| *tension >= level);
+            assert_eq!(first(&found, largest), first(&tensions, largest));
+            assert_eq!(first(&found, least), first(&tensions, least));
+            // What is found is what it was, and not all is.
+            assert!(found.iter().zip(&tensions).all(|(found, all)| found.is_nan() || found == all));
+            let left_out = found.iter().filter(|found| found.is_nan()).count();
+            assert!(left_out > found.len() / 4, "{left_out} of {}", found.len());
+        }
+    }
+}
+
 /// The map holds at each point what a fold over all steps in double precision gives, with its time; its largest value is that of the steps.
 #[test]
 fn the_map_is_that_of_all_points_and_steps() {
