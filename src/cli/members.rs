@@ -74,7 +74,8 @@ impl Remarks {
                 let text = format!("{of_first}, and its results are of no use: `ricochet check` of its scene says why");
                 all.warnings.add(member, remark("useless", first, text));
             } else if first > *tolerance {
-                let text = format!("{of_first}: `ricochet check` of its scene says why");
+                let text =
+                    format!("{of_first}: `ricochet check` of its scene says what a run of its own would have, and why");
                 all.warnings.add(member, remark("first contact", first, text));
             } else if whole > *tolerance {
                 let text = format!(

@@ -22,7 +22,7 @@ fn temperatures_between_bodies_are_within_their_estimates() {
     let sweep = folder.path().join("s.h5");
     let (peaks, estimates) = (members(&sweep, "peak_force"), members(&sweep, "first_contact_error"));
     // Bodies are at both ends, in the middle, and so on by halves.
-    for member in [1, 7, 13, 16, 22] {
+    for member in [1, 13, 22] {
         let temperature = 2 * member;
         let set = format!("--set body.temperature={temperature} --set accuracy.tolerance=2e-3");
         good(&folder, 0, &format!("run scene.toml {set} -o run.h5 --force"));
