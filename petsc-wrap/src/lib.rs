@@ -49,6 +49,7 @@ pub use pc::Pc;
 pub use petsc_sys as sys;
 pub use plex::{CellType, LabelledPoint, Numbering, Plex};
 pub use session::{Session, petsc_version};
+pub use shell::Preconditioner;
 pub use snes::{CallbackResult, Lag, Progress, Snes, SnesTolerances, Trial};
 pub use vector::{ReadGuard, Vector, VectorView, WriteGuard};
 

@@ -10,17 +10,17 @@ use crate::error::{Result, USER_ERROR, check, require};
 use crate::ksp::KspView;
 use crate::matrix::{Matrix, MatrixView};
 
-/// z ← B r on this rank's entries; the arguments are r and z.
-type Apply = Box<dyn FnMut(&[f64], &mut [f64])>;
+/// A preconditioner B: z ← B r on this rank's entries; the arguments are r and z.
+pub type Preconditioner = Box<dyn FnMut(&[f64], &mut [f64])>;
 
 /// Makes such a closure for a matrix; none where the matrix has none.
-type Factorise = Box<dyn FnMut(&MatrixView) -> Result<Option<Apply>>>;
+type Factorise = Box<dyn FnMut(&MatrixView) -> Result<Option<Preconditioner>>>;
 
 /// What a preconditioner has.
 struct Context {
     comm: Comm,
     factorise: Option<Factorise>,
-    apply: Option<Apply>,
+    apply: Option<Preconditioner>,
 }
 
 impl KspView {
@@ -50,12 +50,17 @@ impl KspView {
     pub fn set_factorisation(
         &mut self,
         operator: &MatrixView,
-        factorise: impl FnMut(&MatrixView) -> Result<Option<Apply>> + 'static,
+        factorise: impl FnMut(&MatrixView) -> Result<Option<Preconditioner>> + 'static,
     ) -> Result<()> {
         self.set_shell(operator, Some(Box::new(factorise)), None)
     }
 
-    fn set_shell(&mut self, operator: &MatrixView, factorise: Option<Factorise>, apply: Option<Apply>) -> Result<()> {
+    fn set_shell(
+        &mut self,
+        operator: &MatrixView,
+        factorise: Option<Factorise>,
+        apply: Option<Preconditioner>,
+    ) -> Result<()> {
         require(operator.is_assembled()?, "the matrix is not assembled")?;
         self.set_both(operator, operator)?;
         let pc = {

@@ -8,7 +8,9 @@ use std::rc::Rc;
 mod chain;
 
 use chain::{LOCAL, error_of_solve, laplacian};
-use petsc_wrap::{Diverged, Error, Insert, Ksp, Matrix, ResidualNorm, Session, Tolerances, Vector, options};
+use petsc_wrap::{
+    Diverged, Error, Insert, Ksp, Matrix, Preconditioner, ResidualNorm, Session, Tolerances, Vector, options,
+};
 
 fn start() -> Session {
     let limited = "-cg_ksp_type cg -cg_pc_type jacobi -cg_ksp_rtol 1e-12 -cg_ksp_max_it 3";
@@ -130,7 +132,7 @@ fn a_factorisation_follows_its_matrix(session: &Session) {
         let row = matrix.row(first)?;
         let at = row.columns.iter().position(|column| *column == first).unwrap();
         let diagonal = row.values[at];
-        Ok((diagonal < 5.0).then(|| -> Box<dyn FnMut(&[f64], &mut [f64])> {
+        Ok((diagonal < 5.0).then(|| -> Preconditioner {
             Box::new(move |r, z| z.iter_mut().zip(r).for_each(|(z, r)| *z = r / diagonal))
         }))
     })

@@ -66,7 +66,7 @@ impl Merged {
     }
 }
 
-/// The directions that hold the most of some vectors, each as long as it weighs, the largest first: down to [`LARGER`] times a weight of
+/// The directions that hold the most of some vectors, each as long as it weighs, the largest first: down to `LARGER` times a weight of
 /// `depth` over the largest; with how many there are down to that weight itself. Collective.
 ///
 /// # Errors

@@ -1,6 +1,8 @@
 //! Linear systems of symmetric positive definite matrices.
 
-use petsc_wrap::{Comm, Factor, Ksp, KspView, MatrixView, ResidualNorm, Result, Session, Tolerances, options};
+use petsc_wrap::{
+    Comm, Factor, Ksp, KspView, MatrixView, Preconditioner, ResidualNorm, Result, Session, Tolerances, options,
+};
 
 use super::blocks::Triangle;
 use super::incomplete::IncompleteCholesky;
@@ -90,9 +92,7 @@ pub fn solver_of_nodes(
             if comm.size() > 1 && !is_chosen(comm, prefix)? && Substructures::is_suitable(matrix)? {
                 ksp.set_factorisation(matrix, |matrix| {
                     let factors = Substructures::new(matrix)?;
-                    Ok(factors.map(|mut factors| -> Box<dyn FnMut(&[f64], &mut [f64])> {
-                        Box::new(move |b, x| factors.solve(b, x))
-                    }))
+                    Ok(factors.map(|mut factors| -> Preconditioner { Box::new(move |b, x| factors.solve(b, x)) }))
                 })?;
             } else {
                 precondition_by_cholesky(&mut ksp, matrix, [CHOLMOD, MUMPS])?;
