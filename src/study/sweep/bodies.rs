@@ -163,10 +163,7 @@ impl<'a> Bodies<'a> {
             }
             let all = self.grouping.members_on(&body);
             let values: Vec<f64> = all.iter().map(|(value, _)| *value).collect();
-            let scene_of = |value: f64| {
-                let at = values.partition_point(|other| *other < value).min(values.len() - 1);
-                Ok(self.named((self.scene_of)(all[at].1)?))
-            };
+            let scene_of = |value: f64| self.scene_on(&all, value);
             let made = match Interpolated::new(&self.comm, &values, &scene_of, watch) {
                 Ok(made) => made,
                 Err(Error::Solve(_) | Error::Fault(_)) => None,
@@ -186,6 +183,12 @@ impl<'a> Bodies<'a> {
         }))
     }
 
+    /// The scene of a line's member with a value, of the theory that all have; members ascend by their values.
+    fn scene_on(&self, line: &[(f64, usize)], value: f64) -> Result<Scene> {
+        let at = line.partition_point(|(other, _)| *other < value).min(line.len() - 1);
+        Ok(self.named((self.scene_of)(line[at].1)?))
+    }
+
     /// On the basis of all that differ in one support, or in their relaxation, alone, where they are many.
     fn of_family(&mut self, index: usize, scene: &Scene, watch: &dyn Watch) -> Result<Option<Kept>> {
         let Some(Line { body, value, count }) = self.grouping.line_of(index, scene) else { return Ok(None) };
@@ -199,10 +202,7 @@ impl<'a> Bodies<'a> {
             }
             let all = self.grouping.members_on(&body);
             let values: Vec<f64> = all.iter().map(|(value, _)| *value).collect();
-            let scene_of = |value: f64| {
-                let at = values.partition_point(|other| *other < value).min(values.len() - 1);
-                Ok(self.named((self.scene_of)(all[at].1)?))
-            };
+            let scene_of = |value: f64| self.scene_on(&all, value);
             // What one of its bodies cannot, the others may by themselves.
             let family = match Family::new(&self.comm, &values, &scene_of, watch) {
                 Ok(family) => family,
