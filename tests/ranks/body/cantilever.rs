@@ -10,7 +10,8 @@ use ricochet::model::{Built, build};
 use crate::modelled::parse;
 
 pub const RANKS: &[usize] = &[1];
-pub const TESTS: &[Test<Session>] = tests![frequencies_and_damping_of_a_strip, a_slender_strip_has_the_damping_of_a_beam];
+pub const TESTS: &[Test<Session>] =
+    tests![frequencies_and_damping_of_a_strip, a_slender_strip_has_the_damping_of_a_beam];
 
 /// Hz and damping ratios of the case: its closed form of a composite beam, with the table's moduli at real frequencies.
 const EXPECTED: [(f64, f64); 3] = [(33.09, 0.01178), (211.36, 0.01814), (601.64, 0.01883)];
@@ -41,7 +42,7 @@ const STRIP: Strip = Strip { length: 0.15, width: 0.002, steel: 0.001, elastomer
 const SLENDER: Strip = Strip { length: 0.075, width: 5e-4, steel: 2.5e-4, elastomer: 5e-4 };
 
 /// Relaxation times, s, and shear moduli, Pa, of the chain, by scripts/independent/fit_chain.py. With its bulk modulus the chain's E″ is within
-/// 1.5% of the table's at the three frequencies, its E′ within 7%, of which the strip feels 3%: no causal material has both of the table's.
+/// 1.1% of the table's at the three frequencies, its E′ within 8%, of which the strip feels 3%: no causal material has both of the table's.
 fn chain() -> Vec<(f64, f64)> {
     let lines = include_str!("../../fixtures/laminated/cantilever.csv").lines().skip(1);
     lines.filter_map(|line| line.split_once(',')).map(|(a, b)| (a.parse().unwrap(), b.parse().unwrap())).collect()
@@ -122,9 +123,8 @@ fn damping(rate: Complex<f64>) -> f64 {
     -rate.re / rate.norm()
 }
 
-/// The case's own numbers: frequencies within 0.5%, the first two ratios within 3%. The third, found 7.0% high, is so by three parts: 2.1% of the
-/// chain's moduli, 1.4% of moduli at the decaying vibration's rate, 3.3% of the strip, whose elastomer shears as no beam does. (The
-/// slender strip has a quarter of the last.)
+/// The case's own numbers: frequencies within 0.5%, damping ratios within 3%. Of the third's 2.6%, 1.9% are the chain's, whose E′ is below the table's
+/// there.
 fn frequencies_and_damping_of_a_strip(session: &Session) {
     let rates = vibrations(session, &STRIP);
     let beam = of_a_beam(&STRIP);
@@ -135,21 +135,21 @@ fn frequencies_and_damping_of_a_strip(session: &Session) {
         let off_beam = damping(rate) / damping(same_material) - 1.0;
         println!("  {frequency} Hz {off_frequency:+.2e}, ratio {off_ratio:+.2e}; of the same material {off_beam:+.2e}");
         assert!(off_frequency.abs() < 5e-3, "{frequency}: {off_frequency}");
-        let is_low = frequency < 600.0;
-        assert!(!is_low || off_ratio.abs() < 0.03, "{frequency}: {off_ratio}");
-        // Against a beam of its own material: shear and rotary inertia go with (h/wavelength)², 1.1% of which are there in the third.
-        assert!(off_beam.abs() < if is_low { 0.01 } else { 0.04 }, "{frequency}: {off_beam}");
+        assert!(off_ratio.abs() < 0.03, "{frequency}: {off_ratio}");
+        // What a beam neglects goes with (h k)², 0.02 for the third.
+        assert!(off_beam.abs() < 0.01, "{frequency}: {off_beam}");
     }
 }
 
-/// At half the thickness over the length of waves, what a beam neglects is a quarter: all three ratios are those of the closed form.
+/// At half the thickness over the length of waves a beam neglects a quarter: frequencies and ratios are nearer to it. (What is left of the third is
+/// the basis: 0.8% with 160 vectors.)
 fn a_slender_strip_has_the_damping_of_a_beam(session: &Session) {
     let rates = vibrations(session, &SLENDER);
     for beam in of_a_beam(&SLENDER) {
         let rate = nearest(&rates, beam.norm());
         let (off, off_ratio) = (rate.norm() / beam.norm() - 1.0, damping(rate) / damping(beam) - 1.0);
         println!("  {:.2} Hz {off:+.2e}, ratio {off_ratio:+.2e}", beam.norm() / std::f64::consts::TAU);
-        assert!(off.abs() < 5e-3, "{off}");
-        assert!(off_ratio.abs() < 0.015, "{off_ratio}");
+        assert!(off.abs() < 1e-3, "{off}");
+        assert!(off_ratio.abs() < 0.01, "{off_ratio}");
     }
 }
