@@ -41,6 +41,16 @@ impl LocalBody {
         Self { system, products: RefCell::default(), classes, exchange: None }
     }
 
+    /// The elastic body that it is a time (s) after a step of the strain.
+    pub fn elastic_at(&self, time: f64) -> Self {
+        Self {
+            system: self.system.elastic_at(time),
+            products: RefCell::default(),
+            classes: self.classes.iter().map(|class| class.elastic_at(time)).collect(),
+            exchange: self.exchange.clone(),
+        }
+    }
+
     /// Its numbers.
     pub fn system(&self) -> &System {
         &self.system

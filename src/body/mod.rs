@@ -1,9 +1,11 @@
 //! What an impact needs of a body: operators, loads, and where it is hit.
 
 mod assembled;
+mod axpy;
 mod clamps;
 mod columns;
 mod damped;
+mod dense_solve;
 pub(crate) mod deviates;
 mod direct;
 mod direct_sum;
@@ -61,6 +63,7 @@ pub(crate) use real_parts::real_parts;
 pub use relaxation::{ProjectedRelaxation, Relaxation};
 pub use response::{Interpolant, Response};
 pub(crate) use shapes::Shapes;
+pub use shift::rates;
 pub use spectrum::{Inertia, LargestFrequency, LinearContact, largest_frequency};
 pub use start::Start;
 pub use system::System;

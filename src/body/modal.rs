@@ -91,11 +91,23 @@ impl ModalBody {
     /// # Errors
     /// [`crate::Error::Solve`] where dampers leave the body without independent modes.
     pub fn modes(&self, cutoff: f64, closed: &Closed) -> Result<Rc<Modes>> {
+        self.counted(closed.accuracy, |spectrum| spectrum.count(cutoff, closed))
+    }
+
+    /// The same for steps that are chosen ([`Spectrum::count_of_chosen_steps`]).
+    ///
+    /// # Errors
+    /// As [`Self::modes`].
+    pub fn modes_of_chosen_steps(&self, cutoff: f64, closed: &Closed) -> Result<Rc<Modes>> {
+        self.counted(closed.accuracy, |spectrum| spectrum.count_of_chosen_steps(cutoff, closed))
+    }
+
+    fn counted(&self, accuracy: f64, count: impl Fn(&Spectrum) -> usize) -> Result<Rc<Modes>> {
         let spectrum = match &self.source {
             Source::Given(modes) => return Ok(Rc::clone(modes)),
             Source::Spectrum(spectrum) => spectrum,
         };
-        let (count, accuracy) = (spectrum.count(cutoff, closed), closed.accuracy);
+        let count = count(spectrum);
         let mut known = self.known.borrow_mut();
         // (Others that would serve do not: an answer must not depend on what was asked before.)
         if let Some(same) = known.iter().find(|known| known.count == count && known.accuracy == accuracy) {

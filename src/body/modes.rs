@@ -86,6 +86,9 @@ pub struct Closed {
     pub accuracy: f64,
 }
 
+/// Modes over all of them from which on a body that relaxes takes all.
+const MOST: f64 = 0.7;
+
 /// ω² below this part of the largest one is rounding.
 const ROUNDING: f64 = 1e-14;
 
@@ -263,6 +266,13 @@ impl Spectrum {
             left += force * force / square.max(f64::MIN_POSITIVE);
         }
         0
+    }
+
+    /// [`Self::count`] in steps that are chosen, which no mode makes unstable: a body that relaxes takes all of its modes where most of them take
+    /// part. They take long, and serve for steps of several sizes so.
+    pub fn count_of_chosen_steps(&self, cutoff: f64, closed: &Closed) -> usize {
+        let (count, all) = (self.count(cutoff, closed), self.squares.len());
+        if self.relaxes && count as f64 >= MOST * all as f64 { all } else { count }
     }
 
     /// How many of the modes, the lowest first, take part where those up to a frequency (rad/s) in contact do.

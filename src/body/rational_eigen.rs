@@ -5,10 +5,10 @@
 //! is found twice means another one that is missing: whether all are there, the sums Σ λ φφᵀ/(φᵀT′φ) = 1 and −Σ λ⁻¹ φφᵀ/(φᵀT′φ) = K⁻¹
 //! tell; and what the first of them lacks is the missing pair's, which is sought from there. The cost of a pair is the cube of the number of modes, where that of the first-order system is the cube of that times the number of terms.
 
-use faer::MatRef;
-use faer::linalg::solvers::Solve as _;
 use nalgebra::{Cholesky, Complex, ComplexField, DMatrix, DVector, Dyn};
 
+use super::axpy::Entry;
+use super::dense_solve::solved;
 use super::eigen::symmetric_eigen;
 use super::secular_eigen::Secular;
 use crate::material::Maxwell;
@@ -231,7 +231,7 @@ impl Rational<'_> {
     /// The pair near an approximate one.
     fn refined<T>(&self, mut rate: T, mut shape: DVector<T>) -> Option<Pair>
     where
-        T: ComplexField<RealField = f64> + faer::traits::ComplexField + Copy + Into<Complex<f64>>,
+        T: Entry + Into<Complex<f64>>,
     {
         let [stiffness, distortion] = [self.stiffness, self.distortion].map(|matrix| matrix.map(T::from_real));
         let slope = |rate: T, shape: &DVector<T>, stretched: &DVector<T>| {
@@ -245,7 +245,7 @@ impl Rational<'_> {
             let mut matrix = &stiffness + &distortion * g;
             (0..shape.len()).for_each(|i| matrix[(i, i)] += rate * rate);
             let turned = &shape * (rate + rate) + &stretched * of_g;
-            let mut next = solved(&matrix, &turned);
+            let mut next = solved(matrix.clone(), turned);
             let length = next.norm();
             if !length.is_finite() {
                 // λ is exact.
@@ -276,17 +276,6 @@ impl Rational<'_> {
         let off = &at_rest + sum_times(pairs, |pair| pair.rate.inv(), &probes);
         of_rates.amax() <= COMPLETE && off.amax() <= COMPLETE * at_rest.amax()
     }
-}
-
-/// The solution of a system of linear equations; not finite where the matrix is singular.
-pub(super) fn solved<T: nalgebra::Scalar + faer::traits::ComplexField>(
-    matrix: &DMatrix<T>,
-    right: &DVector<T>,
-) -> DVector<T> {
-    let count = right.len();
-    let matrix = MatRef::from_column_major_slice(matrix.as_slice(), count, count);
-    let solution = matrix.partial_piv_lu().solve(MatRef::from_column_major_slice(right.as_slice(), count, 1));
-    DVector::from_fn(count, |i, _| solution[(i, 0)].clone())
 }
 
 /// Re Σ f φφᵀ/(φᵀT′φ) over all pairs, conjugate ones counted.

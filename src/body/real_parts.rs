@@ -8,28 +8,34 @@ const SIDE_BY_SIDE: usize = 4;
 /// Re(A z), of as many columns of A as z has numbers.
 pub(crate) fn real_parts(matrix: &DMatrix<Complex<f64>>, z: &[Complex<f64>]) -> DVector<f64> {
     debug_assert_eq!(matrix.ncols(), z.len());
-    let rows = matrix.nrows();
-    let mut parts = DVector::zeros(rows);
-    if rows == 0 {
-        return parts;
+    let mut parts = DVector::zeros(matrix.nrows());
+    if !parts.is_empty() {
+        // Compiled for the vectors of each kind of processor.
+        pulp::Arch::new().dispatch(|| add(matrix.as_slice(), z, parts.as_mut_slice()));
     }
+    parts
+}
+
+/// Adds the real parts.
+#[inline(always)]
+fn add(matrix: &[Complex<f64>], z: &[Complex<f64>], parts: &mut [f64]) {
+    let rows = parts.len();
     let product = |entry: &Complex<f64>, z: &Complex<f64>| entry.re * z.re - entry.im * z.im;
-    let columns = matrix.as_slice().chunks(SIDE_BY_SIDE * rows);
+    let columns = matrix.chunks(SIDE_BY_SIDE * rows);
     for (columns, z) in columns.zip(z.chunks(SIDE_BY_SIDE)) {
         if let [first, second, third, fourth] = z {
             let (head, tail) = columns.split_at(2 * rows);
             let [(a, b), (c, d)] = [head, tail].map(|two| two.split_at(rows));
-            for (i, part) in parts.as_mut_slice().iter_mut().enumerate() {
+            for (i, part) in parts.iter_mut().enumerate() {
                 *part +=
                     product(&a[i], first) + product(&b[i], second) + product(&c[i], third) + product(&d[i], fourth);
             }
         } else {
             for (column, z) in columns.chunks(rows).zip(z) {
-                parts.as_mut_slice().iter_mut().zip(column).for_each(|(part, entry)| *part += product(entry, z));
+                parts.iter_mut().zip(column).for_each(|(part, entry)| *part += product(entry, z));
             }
         }
     }
-    parts
 }
 
 #[cfg(test)]

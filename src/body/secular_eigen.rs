@@ -10,8 +10,10 @@
 
 use nalgebra::{Complex, ComplexField, DMatrix, DVector};
 
+use super::axpy::product;
+use super::dense_solve::solved;
 use super::eigen::symmetric_eigen;
-use super::rational_eigen::{IDLE, MOST, Pair, Rational, Settling, solved};
+use super::rational_eigen::{IDLE, MOST, Pair, Rational, Settling};
 
 /// The directions by which modes are coupled.
 pub struct Secular<'a> {
@@ -43,7 +45,7 @@ impl<'a> Secular<'a> {
             let [g, of_g] = self.excess(of, rate);
             let mut answers = self.answers(rate);
             answers[mode] = Complex::new(0.0, 0.0);
-            let y = solved(&self.system(&answers, g), &own);
+            let y = solved(self.system(&answers, g), own.clone());
             shape = self.spread(&y).component_mul(&answers) * -g;
             shape[mode] = Complex::new(1.0, 0.0);
             slope = rate * 2.0 * shape.dot(&shape) + of_g * y.dot(&y);
@@ -80,10 +82,10 @@ impl<'a> Secular<'a> {
             let system = self.system(&answers, g);
             let turned = |y: &DVector<f64>| {
                 let spread = self.spread(y).component_mul(&answers);
-                let bent = &self.transposed * spread.component_mul(&answers);
-                (&self.transposed * spread) * of_g - bent * (2.0 * rate * g)
+                let bent = product(&self.transposed, &spread.component_mul(&answers));
+                product(&self.transposed, &spread) * of_g - bent * (2.0 * rate * g)
             };
-            let next = solved(&system, &turned(&y));
+            let next = solved(system.clone(), turned(&y));
             let length = next.norm();
             if !length.is_finite() {
                 // λ is exact.
@@ -117,7 +119,7 @@ impl<'a> Secular<'a> {
     /// B y.
     fn spread<T: ComplexField<RealField = f64> + Copy>(&self, y: &DVector<T>) -> DVector<T> {
         let [real, imaginary] = parts(y);
-        joined(&(self.factor * real), &(self.factor * imaginary))
+        joined(&product(self.factor, &real), &product(self.factor, &imaginary))
     }
 
     /// 1 + γ Bᵀ diag(answers) B.

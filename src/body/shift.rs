@@ -21,6 +21,11 @@ pub(super) const SLOWEST: f64 = 0.1;
 /// The part of a modulus below which it counts as another one.
 const RELAXED: f64 = 0.9;
 
+/// The part of a modulus that is left at the lowest rate from which on the first rate serves alone. With 0.76 to 1 a laminate of a chain as of PVB,
+/// at 0 to 50 °C, takes 0.7 times the vectors at one rate that it takes at three. With 0.73 of a chain over twelve decades the error was
+/// as small as it had to be, but 1.8 times its estimate.
+const LITTLE_RELAXED: f64 = 0.75;
+
 /// A rate at which vectors are made.
 pub(super) struct Shift {
     /// s, 1/s.
@@ -72,9 +77,15 @@ impl Solver {
     }
 }
 
-/// The rates at which the vectors of a body are made, 1/s: where its parts relax, lower ones beside the given one, each of which has moduli of its own.
-fn rates(chains: &[&Maxwell], shift: f64) -> Vec<f64> {
+/// The rates at which the vectors of a body are made, 1/s: where its parts relax by much, lower ones beside the given one, each of which has moduli
+/// of its own.
+pub fn rates(chains: &[&Maxwell], shift: f64) -> Vec<f64> {
     let mut rates = vec![shift];
+    let relaxes_little =
+        |chain: &&Maxwell| chain.transformed(SLOWEST * shift) >= LITTLE_RELAXED * chain.transformed(shift);
+    if chains.iter().all(relaxes_little) {
+        return rates;
+    }
     for rate in SLOWER.map(|part| part * shift) {
         let last = rates[rates.len() - 1];
         let has_relaxed = |chain: &&Maxwell| chain.transformed(rate) < RELAXED * chain.transformed(last);

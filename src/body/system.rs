@@ -129,6 +129,30 @@ impl Body {
 }
 
 impl System {
+    /// The elastic body that it is a time (s) after a step of the strain: its relaxing parts are springs of the modulus of then.
+    pub(super) fn elastic_at(&self, time: f64) -> Self {
+        let elastic = self.relaxations.iter().fold(self.elastic.clone(), |sum, (distortion, chain)| {
+            add(sum, chain.at(time) - chain.equilibrium, distortion)
+        });
+        Self {
+            elastic,
+            relaxations: Vec::new(),
+            mass: self.mass.clone(),
+            support: self.support.clone(),
+            damping: self.damping.clone(),
+            pads: self.pads.clone(),
+            held: self.held.clone(),
+            load: self.load.clone(),
+            support_load: self.support_load.clone(),
+            localization: self.localization.clone(),
+            hit_stress: self.hit_stress.clone(),
+            translation: self.translation.clone(),
+            infinite_plate: self.infinite_plate.clone(),
+            exchange: self.exchange.clone(),
+            ..*self
+        }
+    }
+
     /// A class of motions by itself.
     pub(super) fn class(&self, number: usize) -> Self {
         let size = self.load.len() / self.classes;
@@ -164,6 +188,30 @@ impl System {
             ..*self
         }
     }
+}
+
+/// A + factor B.
+fn add(mut to: CsrMatrix<f64>, factor: f64, other: &CsrMatrix<f64>) -> CsrMatrix<f64> {
+    let is_within = |row: usize| {
+        let (all, few) = (to.row(row), other.row(row));
+        let mut columns = all.col_indices().iter();
+        few.col_indices().iter().all(|column| columns.any(|of_all| of_all == column))
+    };
+    if !(0..to.nrows()).all(is_within) {
+        return to + other.clone() * factor;
+    }
+    // As a rule the sum has the entries of the one.
+    for row in 0..to.nrows() {
+        let (mut row, other) = (to.row_mut(row), other.row(row));
+        let (columns, values) = row.cols_and_values_mut();
+        let mut entries = columns.iter().zip(values);
+        for (column, value) in other.col_indices().iter().zip(other.values()) {
+            if let Some((_, sum)) = entries.find(|(of_sum, _)| *of_sum == column) {
+                *sum += factor * value;
+            }
+        }
+    }
+    to
 }
 
 fn matrix_of(alone: &Comm, from: &CsrMatrix<f64>) -> Result<Matrix> {

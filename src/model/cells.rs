@@ -5,6 +5,7 @@
 
 use petsc_wrap::Comm;
 
+use super::elastic_cells;
 use super::mindlin_error::is_clamp_of_sections;
 use super::reduce::{Plan, Reduced, grow, reduce_from, shared_force};
 use super::theory::{Built, Operators, build, cells_of_plate};
@@ -19,10 +20,10 @@ use crate::space::plate::crossing;
 
 /// The coarser cells over the others, and finer ones over those at least and at most.
 const COARSER: f64 = 1.5;
-const FINER: [f64; 2] = [1.0 / COARSER, 0.85];
+pub(super) const FINER: [f64; 2] = [1.0 / COARSER, 0.85];
 
 /// Errors fall with this power of the size, or faster: of the force, and of means of stresses (3.8 of plates at rest).
-const ORDER: f64 = 3.0;
+pub(super) const ORDER: f64 = 3.0;
 
 /// The same of solids on grids of fewer cells than [`FEW_OF_SOLIDS`]: their edges, at which stresses have no limit, are not resolved. An estimate.
 const ORDER_OF_SOLIDS: f64 = 2.0;
@@ -56,7 +57,7 @@ pub(super) const OF_CELLS: f64 = 0.6;
 const LARGEST_FACTOR: f64 = 3.0;
 
 /// Cells are not made finer than by this part of the rule of thumb's.
-const FINEST: f64 = 0.25;
+pub(super) const FINEST: f64 = 0.25;
 
 /// A body on cells and a basis.
 pub struct Fitted {
@@ -90,17 +91,17 @@ const SHORT: usize = 800;
 const DEAREST: f64 = 4e9;
 
 /// The force on other cells.
-struct Judge {
-    force: Trace,
+pub(super) struct Judge {
+    pub force: Trace,
     /// Vectors of its basis.
-    vectors: usize,
-    cells: [usize; 3],
-    cell_over_disc: Option<f64>,
+    pub vectors: usize,
+    pub cells: [usize; 3],
+    pub cell_over_disc: Option<f64>,
 }
 
 impl Judge {
     /// Errors on finer cells by their differences from this.
-    fn errors(&self, finer: [usize; 3], scene: &Scene, theory: Model, difference: Errors) -> Errors {
+    pub fn errors(&self, finer: [usize; 3], scene: &Scene, theory: Model, difference: Errors) -> Errors {
         let of_difference = self.of_difference(finer, scene, theory);
         let mut errors = of_difference * difference;
         let is_finer_across = |axis: usize| theory == Model::Solid && self.cells[axis] < finer[axis];
@@ -114,23 +115,49 @@ impl Judge {
     ///
     /// Cells are whole numbers, so that the ratio of their numbers is not that of the sizes that were asked for.
     fn of_difference(&self, finer: [usize; 3], scene: &Scene, theory: Model) -> f64 {
-        let is_solid = theory == Model::Solid;
-        // Across a thickness a solid has few cells of a high order.
-        let across = if is_solid { scene.struck_axis() } else { None };
-        let axes = (0..3).filter(|axis| Some(*axis) != across && self.cells[*axis] > 1);
-        let axes: Vec<(usize, usize)> = axes.map(|axis| (self.cells[axis], finer[axis])).collect();
+        let axes = self.axes(finer, scene, theory);
         let Some(fewest) = axes.iter().map(|(cells, _)| *cells).min() else { return LARGEST_FACTOR };
-        let ratios: f64 = axes.iter().map(|(cells, finer)| *finer as f64 / *cells as f64).product();
-        let ratio = ratios.powf(1.0 / axes.len() as f64);
+        // Grids that are alike give nothing finite.
+        (ratio(&axes).powf(self.order(fewest, scene, theory)) - 1.0).max(LARGEST_FACTOR.recip()).recip()
+    }
+
+    /// Cells along the axes that count, with those of finer ones.
+    fn axes(&self, finer: [usize; 3], scene: &Scene, theory: Model) -> Vec<(usize, usize)> {
+        // Across a thickness a solid has few cells of a high order.
+        let across = if theory == Model::Solid { scene.struck_axis() } else { None };
+        let axes = (0..3).filter(|axis| Some(*axis) != across && self.cells[*axis] > 1);
+        axes.map(|axis| (self.cells[axis], finer[axis])).collect()
+    }
+
+    /// The power of the size with which errors fall.
+    fn order(&self, fewest: usize, scene: &Scene, theory: Model) -> f64 {
+        let is_solid = theory == Model::Solid;
         let is_clamped = scene.supports.iter().any(|support| is_clamp_of_sections(support, scene));
         let full = if is_solid && fewest < FEW_OF_SOLIDS { ORDER_OF_SOLIDS } else { ORDER };
         let at_edges = if is_clamped { ORDER_AT_CLAMPS } else { full };
         let is_resolved = !is_solid && self.cell_over_disc.is_some_and(|cell| cell <= RESOLVED);
-        let order =
-            if is_resolved { ORDER_OF_RESOLVED } else { full.min(at_edges).min(ORDER_PER_CELL * fewest as f64) };
-        // Grids that are alike give nothing finite.
-        (ratio.powf(order) - 1.0).max(LARGEST_FACTOR.recip()).recip()
+        if is_resolved { ORDER_OF_RESOLVED } else { full.min(at_edges).min(ORDER_PER_CELL * fewest as f64) }
     }
+
+    /// Errors on cells by those on others that are coarser than these, and finer than the ones of this.
+    pub fn errors_on_finer(
+        &self,
+        (cells, errors): ([usize; 3], Errors),
+        finer: [usize; 3],
+        scene: &Scene,
+        theory: Model,
+    ) -> Errors {
+        let [before, after] = [cells, finer].map(|cells| ratio(&self.axes(cells, scene, theory)));
+        let fewest = self.axes(cells, scene, theory).iter().map(|(cells, _)| *cells).min();
+        let order = fewest.map_or(0.0, |fewest| self.order(fewest, scene, theory));
+        (before / after).powf(order) * errors
+    }
+}
+
+/// How many finer cells there are to one along an axis, the mean of some.
+fn ratio(axes: &[(usize, usize)]) -> f64 {
+    let ratios: f64 = axes.iter().map(|(cells, finer)| *finer as f64 / *cells as f64).product();
+    ratios.powf(1.0 / axes.len() as f64)
 }
 
 impl Fitted {
@@ -142,7 +169,7 @@ impl Fitted {
     }
 
     /// The force on the basis, or on the first vectors of a long one.
-    fn on_short_basis(&self, scene: &Scene, vectors: usize) -> Result<Trace> {
+    pub(super) fn on_short_basis(&self, scene: &Scene, vectors: usize) -> Result<Trace> {
         let Reduced { projection, judge, force_of_judge, force: (trace, steps), .. } = &self.reduced;
         if projection.vectors() <= vectors {
             return Ok(trace.clone());
@@ -159,6 +186,9 @@ impl Fitted {
 /// # Errors
 /// Those of [`reduce`](super::reduce::reduce) and [`build`].
 pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators, watch: &dyn Watch) -> Result<Fitted> {
+    if elastic_cells::serves(scene, theory) {
+        return elastic_cells::fit(comm, scene, theory, built, None, watch);
+    }
     refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, watch)
 }
 
@@ -190,10 +220,7 @@ pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch
             let Errors { first_contact, history, stress } = error;
             tracing::info!(size = fine.size, unknowns = fine.unknowns, first_contact, history, stress, "cells");
             // (What finer cells do not change counts for the estimate, not for the choice of cells.)
-            let mean = fine.evaluator.as_ref().map(Evaluator::error_of_mean).unwrap_or_default();
-            let of_crossing = OF_CROSSING * crossing(scene).powi(2);
-            let of_local_field = joined(joined(mean.of_cells, mean.of_width), of_crossing);
-            fine.error = Some(error.joined(Errors { stress: of_local_field, ..Errors::default() }));
+            fine.error = Some(with_local_fields(scene, fine.evaluator.as_ref(), error));
             let wanted = OF_CELLS * scene.tolerance;
             let over = watch.agreed(error.of(scene.measure) / wanted);
             finer = over.recip().powf(1.0 / ORDER).clamp(FINER[0], FINER[1]);
@@ -228,8 +255,16 @@ pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch
     }
 }
 
+/// The error by cells with that of what their size does not change: the local fields.
+pub(super) fn with_local_fields(scene: &Scene, evaluator: Option<&Evaluator>, error: Errors) -> Errors {
+    let mean = evaluator.map(Evaluator::error_of_mean).unwrap_or_default();
+    let of_crossing = OF_CROSSING * crossing(scene).powi(2);
+    let of_local_field = joined(joined(mean.of_cells, mean.of_width), of_crossing);
+    error.joined(Errors { stress: of_local_field, ..Errors::default() })
+}
+
 /// The body on a basis; `size` is that of its cells, with what numbers of vectors served on others.
-fn fitted(
+pub(super) fn fitted(
     comm: &Comm,
     scene: &Scene,
     built: Operators,
@@ -246,7 +281,7 @@ fn fitted(
 }
 
 /// The force on cells that are coarser; none where there are no coarser ones.
-fn on_coarser_cells(
+pub(super) fn on_coarser_cells(
     comm: &Comm,
     scene: &Scene,
     theory: Model,

@@ -12,6 +12,7 @@ use petsc_wrap::Comm;
 
 use super::cells::OF_CELLS;
 use super::climb::{OF_THEORY, pressed, rougher};
+use super::elastic_cells;
 use super::mindlin_error::mindlin_error_over_difference;
 use super::reduce::OF_BASIS;
 use super::theory::build_thin;
@@ -20,8 +21,8 @@ use super::{Built, Model, build, reduce, refine, unrefined};
 use crate::description::Description;
 use crate::error::{Error, Result};
 use crate::impact::{Cause, Errors, joined, rest};
-use crate::scene::{Body, Model as Theory, Scene, Time};
-use crate::space::plate::{self, OF_CONTACT};
+use crate::scene::{Model as Theory, Scene, Time};
+use crate::space::plate;
 use crate::space::spline;
 
 /// Estimated error up to which the layerwise plate stands for a solid that would be a mesh.
@@ -34,12 +35,8 @@ pub(super) fn layered(
     passed: &mut Vec<String>,
     watch: &dyn Watch,
 ) -> Result<Option<Model>> {
-    let composition = scene.body.composition.elastic_at(OF_CONTACT * scene.impactor.contact_time());
-    let elastic = Scene {
-        time: Time { modal: true, ..scene.time.clone() },
-        body: Body { composition, ..scene.body.clone() },
-        ..scene.clone()
-    };
+    let elastic = elastic_cells::elastic(scene);
+    let elastic = Scene { time: Time { modal: true, ..scene.time.clone() }, ..elastic };
     let rough = rougher(&elastic);
     // That of a body that relaxes is made for the difference alone.
     let relaxes = !Description::new(scene).relaxations().is_empty();
@@ -82,7 +79,16 @@ pub(super) fn layered(
     } else {
         passed.push(judged);
     }
-    let model = if scene.time.modal {
+    let model = if elastic_cells::serves(scene, Theory::Layerwise) {
+        let Built::Operators(operators) = build(comm, &left, Theory::Layerwise, 1.0, watch)? else {
+            return Err(Error::Solve("a plate has unknowns".into()));
+        };
+        let [_, vectors] = thick.reduced.counts();
+        let vectors = Some([vectors, vectors + vectors.div_ceil(2)]);
+        drop(thick);
+        let fitted = elastic_cells::fit(comm, &left, Theory::Layerwise, operators, vectors, watch)?;
+        Model::on_basis(comm, scene, Theory::Layerwise, fitted)?
+    } else if scene.time.modal {
         let is_whole = left.tolerance == tolerance && !relaxes;
         let coarse = if is_whole {
             thick

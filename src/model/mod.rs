@@ -2,6 +2,7 @@
 
 mod cells;
 mod climb;
+mod elastic_cells;
 mod layers;
 mod linearity;
 mod long_waves;
@@ -121,7 +122,7 @@ impl Model {
     /// The model of a reduced body. Collective.
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
         let Fitted { reduced, unknowns, words, evaluator, measures, error: cells, .. } = fitted;
-        let Reduced { projection, judge, of_difference, mut krylov, error, modal, .. } = reduced;
+        let Reduced { projection, judge, of_difference, mut krylov, error, modal, modal_of_judge, .. } = reduced;
         let vectors = projection.vectors();
         let gauges = match (vectors, scene.output.is_read()) {
             (0, _) | (_, false) => None,
@@ -132,7 +133,8 @@ impl Model {
         } else {
             Dynamics::Stepped(Box::new(Body::of(&comm.session().alone(), &projection.system())?))
         };
-        let (vectors, judge) = (Some(vectors), Some((ModalBody::of(&judge), of_difference)));
+        let (vectors, judge) =
+            (Some(vectors), Some((modal_of_judge.unwrap_or_else(|| ModalBody::of(&judge)), of_difference)));
         let model = Self { vectors, judge, gauges, measures, ..Self::bare(theory, dynamics, unknowns, words) };
         let model = model.with_error(Cause::Basis, error);
         Ok(match cells {

@@ -74,6 +74,16 @@ pub struct Reduced {
     pub force: (Trace, Option<Steps>),
     /// The body in modal coordinates, where the force was last computed in them.
     pub modal: Option<ModalBody>,
+    /// The same on the other basis, of a body that relaxes, whose modes take long.
+    pub modal_of_judge: Option<ModalBody>,
+}
+
+/// A basis that was tried.
+struct Tried {
+    vectors: usize,
+    force: Trace,
+    /// As [`Reduced::modal_of_judge`].
+    modal: Option<ModalBody>,
 }
 
 impl Reduced {
@@ -123,7 +133,8 @@ pub(super) fn reduce_from(
     let second = served.map_or(larger(first), |[_, more]| more.max(larger(first)));
     let mut count = given.unwrap_or(first);
     // The bases so far, their force, and the steps that all are compared in.
-    let mut tried: Vec<(usize, Trace)> = Vec::new();
+    let mut tried: Vec<Tried> = Vec::new();
+    let relaxes = !body.chains().is_empty();
     let mut steps = None;
     let mut last: Option<Judged> = None;
     loop {
@@ -137,19 +148,34 @@ pub(super) fn reduce_from(
             Ok((trace, modal)) if is_exhausted && (given.is_none() || tried.is_empty()) => {
                 let (judge, force_of_judge) = (projection.clone(), trace.clone());
                 let (of_difference, error, force) = (0.0, Errors::default(), (trace, steps));
-                return Ok(Reduced { projection, judge, force_of_judge, of_difference, krylov, error, force, modal });
+                return Ok(Reduced {
+                    projection,
+                    judge,
+                    force_of_judge,
+                    of_difference,
+                    krylov,
+                    error,
+                    force,
+                    modal,
+                    modal_of_judge: None,
+                });
             }
             Ok((trace, modal)) => {
-                let judged = tried.iter().rev().find(|(smaller, _)| larger(*smaller) <= count);
-                if let Some((smaller, before)) = judged.or(tried.last().filter(|_| enough)) {
-                    let of_difference = match given {
-                        Some(_) => OF_SMALLER,
-                        None if start.leaves_short_waves => of_larger(count, *smaller),
-                        None if !body.chains().is_empty() => OF_RELAXING,
-                        None => OF_LARGER,
-                    };
-                    let mut error = of_difference * before.difference(&trace);
+                let judged = tried.iter().rposition(|smaller| larger(smaller.vectors) <= count);
+                if let Some(judge) = judged.or(tried.len().checked_sub(1).filter(|_| enough)) {
+                    let Tried { vectors: smaller, force: before, modal: modal_of_smaller } = &mut tried[judge];
+                    let difference = before.difference(&trace);
                     let wanted = OF_BASIS * scene.tolerance;
+                    // A body that relaxes moves on the smaller one, at half the cost, where that serves.
+                    let is_small_enough = relaxes && watch.decided(OF_SMALLER * difference.of(scene.measure) <= wanted);
+                    let takes_smaller = given.is_some() || is_small_enough;
+                    let of_difference = match given {
+                        _ if takes_smaller => OF_SMALLER,
+                        _ if start.leaves_short_waves => of_larger(count, *smaller),
+                        _ if relaxes => OF_RELAXING,
+                        _ => OF_LARGER,
+                    };
+                    let mut error = of_difference * difference;
                     let over = watch.agreed(error.of(scene.measure) / wanted);
                     last = Some(Judged { vectors: count, error: over * wanted, wanted });
                     if enough || over <= 1.0 {
@@ -160,17 +186,18 @@ pub(super) fn reduce_from(
                         }
                         tracing::info!(
                             vectors = count,
-                            smaller,
+                            smaller = *smaller,
                             first = error.first_contact,
                             all = error.history,
                             "reduced"
                         );
-                        let mut pair = [(projection.leading(*smaller), before.clone()), (projection, trace)];
-                        if given.is_none() {
+                        let smaller = (projection.leading(*smaller), before.clone(), modal_of_smaller.take());
+                        let mut pair = [smaller, (projection, trace, modal)];
+                        if !takes_smaller {
                             pair.reverse();
                         }
-                        let [(projection, trace), (judge, force_of_judge)] = pair;
-                        let (force, modal) = ((trace, steps), modal.filter(|_| given.is_none()));
+                        let [(projection, trace, modal), (judge, force_of_judge, modal_of_judge)] = pair;
+                        let (force, modal_of_judge) = ((trace, steps), modal_of_judge.filter(|_| relaxes));
                         return Ok(Reduced {
                             projection,
                             judge,
@@ -180,10 +207,11 @@ pub(super) fn reduce_from(
                             error,
                             force,
                             modal,
+                            modal_of_judge,
                         });
                     }
                 }
-                tried.push((count, trace));
+                tried.push(Tried { vectors: count, force: trace, modal: modal.filter(|_| relaxes) });
             }
             Err(error @ Error::Alone(_)) => return Err(error),
             Err(error) if enough || is_exhausted => return Err(error),
@@ -253,7 +281,7 @@ fn of_larger(vectors: usize, smaller: usize) -> f64 {
 }
 
 /// Half as many vectors more.
-fn larger(vectors: usize) -> usize {
+pub(super) fn larger(vectors: usize) -> usize {
     vectors + vectors.div_ceil(2)
 }
 

@@ -234,10 +234,15 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
     pub fn modes(&self, steps: &Steps) -> Result<Rc<Modes>> {
         let Law { force_law, compliance, .. } = &self.parameters.law;
         let tangent = force_law.steepest(force_law.indentation(steps.peak));
-        let closed = Closed { tangent, compliance: *compliance, mass: self.parameters.mass, accuracy: self.tolerance };
+        // Rounded down, so that impacts whose tolerances differ by little move in the same modes.
+        let accuracy = self.tolerance.log2().floor().exp2();
+        let closed = Closed { tangent, compliance: *compliance, mass: self.parameters.mass, accuracy };
         let body: &ModalBody = self.body.borrow();
-        let faster = if steps.defect.is_some() { body.faster() } else { 1.0 };
-        body.modes(faster * RESOLVED / steps.largest, &closed)
+        let resolved = RESOLVED / steps.largest;
+        match steps.defect {
+            Some(_) => body.modes_of_chosen_steps(body.faster() * resolved, &closed),
+            None => body.modes(resolved, &closed),
+        }
     }
 
     /// One run; with the steps as observers see them, or with the force alone.
@@ -263,8 +268,10 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let mut reader = self.readout.as_ref().filter(|_| observed).map(|readout| Reader::new(readout, &modes));
         let mut see = |number: usize, motion: &Motion, energy_balance: Option<&mut EnergyBalance>| {
             let with_energy = energy_balance.map(|balance| (balance, coordinates(&modes, &motion.state)));
+            let places = with_energy.as_ref().map(|(_, (places, _))| places.clone());
             let step = seen(number, motion, (&modes, &parameters), with_energy);
-            let reading = reader.as_mut().map_or_else(Reading::default, |reader| reader.read(&step, motion));
+            let read = |reader: &mut Reader| reader.read(&step, motion, places);
+            let reading = reader.as_mut().map_or_else(Reading::default, read);
             Observed { step, reading }
         };
         if observed {

@@ -113,15 +113,15 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reads a step, of its motion.
-    pub fn read(&mut self, step: &Step, motion: &Motion) -> Reading {
+    /// Reads a step, of its motion, with x of the vibrations where it is known.
+    pub fn read(&mut self, step: &Step, motion: &Motion, places: Option<DVector<f64>>) -> Reading {
         let mut reading = Reading::default();
         if !self.is_here {
             return reading;
         }
         if let Some(faces) = &mut self.faces {
             let state = &motion.state;
-            let mut moved = self.modes.places(&state.modes);
+            let mut moved = places.unwrap_or_else(|| self.modes.places(&state.modes));
             let others = [state.way, 0.5 * state.time * state.time, motion.force, state.settled];
             if let StressesOfSteps::OnBasis(_) = faces.stresses {
                 let Shapes { free: [way, of_load], residual, rest, .. } = &self.modes.shapes;

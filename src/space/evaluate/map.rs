@@ -25,10 +25,8 @@ impl Map {
                 for form in forms {
                     let row = coefficients.len();
                     coefficients.resize(row + count, 0.0);
-                    for (unknown, value) in form {
-                        let of_unknown = &by_unknown[unknown * count..(unknown + 1) * count];
-                        coefficients[row..].iter_mut().zip(of_unknown).for_each(|(sum, x)| *sum += value * x);
-                    }
+                    // Compiled for the vectors of each kind of processor.
+                    pulp::Arch::new().dispatch(|| add(&form, &by_unknown, &mut coefficients[row..]));
                 }
                 Self::Dense(count, coefficients)
             }
@@ -59,5 +57,15 @@ impl Map {
                 .map(|row| row.iter().zip(coordinates).map(|(a, b)| a * b).sum())
                 .collect(),
         }
+    }
+}
+
+/// Adds the rows of a form's unknowns, times its values.
+#[inline(always)]
+fn add(form: &Form, by_unknown: &[f64], sums: &mut [f64]) {
+    let count = sums.len();
+    for (unknown, value) in form {
+        let of_unknown = &by_unknown[unknown * count..(unknown + 1) * count];
+        sums.iter_mut().zip(of_unknown).for_each(|(sum, x)| *sum += value * x);
     }
 }

@@ -178,6 +178,21 @@ impl Points {
         });
     }
 
+    /// Hands over the stresses along the plane at a point.
+    fn add_stress_in_plane(&self, x: Vec3, add: &mut Add) {
+        self.add_normal_section_stress(x, add);
+        let axes = self.geometry.axes;
+        let (_, height) = self.seen(x);
+        let Law { shear, .. } = self.law(height);
+        for i in 0..axes.len() {
+            let mut turn = [0, 0];
+            turn[1 - i] = 1;
+            for part in self.turned(i, turn, height) {
+                self.put(x, &[(place(axes[0], axes[1]), shear)], part, add);
+            }
+        }
+    }
+
     /// Coordinates in the plane, and ζ.
     fn seen(&self, x: Vec3) -> ([f64; 2], f64) {
         let PlateGeometry { axes, normal, sign, .. } = self.geometry;
@@ -270,16 +285,13 @@ impl PointEvaluator for Points {
     }
 
     fn add_section_stress(&self, x: Vec3, add: &mut Add) {
-        self.add_normal_section_stress(x, add);
+        self.add_stress_in_plane(x, add);
         let PlateGeometry { axes, normal, sign, .. } = self.geometry;
         let (_, height) = self.seen(x);
         let Law { shear, across, .. } = self.law(height);
         for (i, axis) in axes.into_iter().enumerate() {
-            let (mut along, mut turn) = ([0, 0], [0, 0]);
-            (along[i], turn[1 - i]) = (1, 1);
-            for part in self.turned(i, turn, height) {
-                self.put(x, &[(place(axes[0], axes[1]), shear)], part, add);
-            }
+            let mut along = [0, 0];
+            along[i] = 1;
             if let Some((across, turned)) = across.filter(|(across, _)| *across > 1e-12 * shear) {
                 let to = [(place(axis, normal), sign * across)];
                 self.put(x, &to, (1.0, deflection(along)), add);
@@ -323,7 +335,7 @@ impl PointEvaluator for Points {
 
     fn face_stress(&self, x: Vec3) -> [Form; 6] {
         let mut stress: [Form; 6] = Default::default();
-        self.add_section_stress(x, &mut |component, unknown, value| stress[component].push((unknown, value)));
+        self.add_stress_in_plane(x, &mut |component, unknown, value| stress[component].push((unknown, value)));
         stress
     }
 
