@@ -2,6 +2,7 @@
 
 mod assembled;
 mod axpy;
+mod chosen_steps;
 mod clamps;
 mod columns;
 mod damped;

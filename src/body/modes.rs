@@ -86,9 +86,6 @@ pub struct Closed {
     pub accuracy: f64,
 }
 
-/// Modes over all of them from which on a body that relaxes takes all.
-const MOST: f64 = 0.7;
-
 /// ω² below this part of the largest one is rounding.
 const ROUNDING: f64 = 1e-14;
 
@@ -104,11 +101,6 @@ const OF_FOUNDATION: f64 = 0.01;
 /// The part of a layer's modulus in the modes that may relax where modes are left out. (A laminate whose interlayer falls to a thousandth was
 /// off by 2% of the peak with the modes left out that the steps do not resolve.)
 const RELAXING: f64 = 0.1;
-
-/// The frequency up to which the modes of such a body move in chosen steps over that of others. (With six times the frequency, a laminate whose
-/// interlayer falls to a thousandth is off by 1.3e-3 where it is 1.9e-2 off with twice. Given steps are unstable with modes that they do not
-/// resolve.)
-const FASTER: f64 = 6.0;
 
 /// That loads move a body that nothing holds.
 pub(crate) fn no_equilibrium() -> Error {
@@ -171,7 +163,7 @@ impl Modes {
 /// The free vibrations of a body on a basis.
 pub struct Spectrum {
     /// ω², 1/s², ascending.
-    squares: DVector<f64>,
+    pub(super) squares: DVector<f64>,
     /// Vᵀa, Vᵀf and Vᵀ∫kū along them; where short waves are kept apart, Vᵀa by the weights.
     force: DVector<f64>,
     load: DVector<f64>,
@@ -183,7 +175,7 @@ pub struct Spectrum {
     /// The rate at which the basis was made, 1/s.
     rate: f64,
     /// Whether a modulus falls by so much that modes which are left out would be other springs later.
-    relaxes: bool,
+    pub(super) relaxes: bool,
     support_offset: f64,
     /// The vibrations on the basis, by columns.
     vectors: DMatrix<f64>,
@@ -244,12 +236,6 @@ impl Spectrum {
         self.stiffened.checked_sub(1).map_or(0.0, |last| self.squares[last].max(0.0).sqrt())
     }
 
-    /// The frequency up to which modes move in steps that are chosen, over that which the steps resolve: a mode that is left out as a spring
-    /// has its modulus for good, so that of what relaxes only those are that are too fast for any steps.
-    pub fn faster(&self) -> f64 {
-        if self.relaxes { FASTER } else { 1.0 }
-    }
-
     /// How many of the modes, the lowest first, vibrate no faster than a frequency (rad/s) while the contact is closed.
     ///
     /// A spring k between the body and a mass lifts ω² of the highest of n modes by no more than k (1/m0 + Σ φ²). The spring is the
@@ -266,13 +252,6 @@ impl Spectrum {
             left += force * force / square.max(f64::MIN_POSITIVE);
         }
         0
-    }
-
-    /// [`Self::count`] in steps that are chosen, which no mode makes unstable: a body that relaxes takes all of its modes where most of them take
-    /// part. They take long, and serve for steps of several sizes so.
-    pub fn count_of_chosen_steps(&self, cutoff: f64, closed: &Closed) -> usize {
-        let (count, all) = (self.count(cutoff, closed), self.squares.len());
-        if self.relaxes && count as f64 >= MOST * all as f64 { all } else { count }
     }
 
     /// How many of the modes, the lowest first, take part where those up to a frequency (rad/s) in contact do.
