@@ -90,6 +90,11 @@ impl DirectSum {
         Ok(sum(&projections, &self.class_of))
     }
 
+    /// The vectors as those of the part that is [`excited`](super::excited).
+    pub fn excited(&mut self) -> &Columns {
+        if self.parts.len() == 1 { self.parts[0].basis() } else { self.basis() }
+    }
+
     /// The vectors, orthonormal in M.
     pub fn basis(&mut self) -> &Columns {
         if let [part] = &self.parts[..] {

@@ -111,3 +111,11 @@ pub trait LinearBody {
         None
     }
 }
+
+/// The part of a body whose motions are all that the force and the loads excite: its one class, or the whole.
+pub fn excited(body: &dyn LinearBody) -> &dyn LinearBody {
+    match body.classes()[..] {
+        [one] => one,
+        _ => body,
+    }
+}

@@ -3,26 +3,37 @@
 //! The displacement that is read, and all others, are linear in the history of the force: their kernels are functions of time and of the
 //! parameter, and smooth in the latter. Between some bodies with known modes the kernel is the sum of theirs with the weights of Lagrange's
 //! interpolation: the modes of all move side by side, and each body's force has its weight. Of vibrations that go on from one body to the next
-//! the rates and the residues are interpolated, in the place of the kernels. No eigenproblem is left to be solved.
+//! the rates and the residues are interpolated, in the place of the kernels. Motions by which bodies creep have rates that all bodies share
+//! ([`CommonRates`]), so that these go on, too. No eigenproblem is left to be solved.
+
+mod numbers;
 
 use nalgebra::{Complex, DMatrix, DVector};
 
+use serde::{Deserialize, Serialize};
+
 use super::Projection;
+use super::common_rates::{CommonRates, Decay};
 use super::eigen::symmetric_eigen;
 use super::modal::ModalBody;
 use super::modes::{Free, Mode, Modes};
 use super::shapes::{Forms, Shapes};
 use crate::contact::Patch;
+use numbers::Numbers;
 
-/// Coordinates that move the hit by no more than this part of what all do, together, are left out: vibrations, and motions by which the body
-/// creeps. Estimates.
-const LEFT_OUT: [f64; 2] = [1e-4, 3e-4];
+/// Vibrations that move the hit by no more than this part of what all coordinates do, together, are left out. An estimate.
+const LEFT_OUT: f64 = 1e-4;
 
 /// Cosine of the angle between the residues of a vibration in two bodies, at least, and what its rate differs by at most.
 const LEAST_MODE_COSINE: f64 = 0.9;
 const LARGEST_RATE_CHANGE: f64 = 0.2;
 
+/// Part of the largest stress of a direction below which another one's is rounding.
+const STRESSLESS: f64 = 1e-6;
+
 /// One body's modes, with how they move it on a basis that all bodies share.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(into = "Numbers", from = "Numbers")]
 pub struct Response {
     /// Of coordinates that are driven by F itself: λ, and the output.
     modes: Vec<(Complex<f64>, Complex<f64>)>,
@@ -60,8 +71,10 @@ impl Response {
         };
         let own: Vec<&Mode> = kept.iter().map(|&k| &modes.modes[k]).collect();
         places.column_iter_mut().zip(&own).for_each(|(mut column, mode)| column *= mode.input);
+        let own_modes: Vec<_> = own.into_iter().map(|mode| (mode.rate, mode.output * mode.input)).collect();
+        let (coordinates, places) = with_common_rates(&own_modes, &places, CommonRates::new(end));
         Self {
-            modes: own.into_iter().map(|mode| (mode.rate, mode.output * mode.input)).collect(),
+            modes: coordinates,
             places,
             free: modes.free,
             residual: modes.residual,
@@ -83,44 +96,53 @@ impl Response {
         self.modes.len()
     }
 
-    /// The orthonormal directions, a column each, in which some bodies move under impacts that excite frequencies up to a rate (1/s): down to a part
-    /// of the largest amplitude, by the energy of the strain.
-    pub fn main_motions(all: &[&Self], rate: f64, depth: f64) -> DMatrix<f64> {
-        let vectors = all.first().map_or(0, |first| first.places.nrows());
+    /// The directions in which some bodies move under contacts of a length (s), those with the largest stresses first, down to a part of the
+    /// largest. `stresses` has the squares of all stresses that are read as a form on y, vᵀ S v; in these the directions are orthonormal.
+    pub fn main_motions(all: &[&Self], stresses: DMatrix<f64>, contact: f64, depth: f64) -> Directions {
+        let vectors = stresses.nrows();
         let mut gram = DMatrix::zeros(vectors, vectors);
         for response in all {
             let Shapes { free: [way, of_load], residual, .. } = &response.others;
-            let mut columns: Vec<DVector<f64>> = vec![way.clone(), of_load.clone(), residual * (rate * rate)];
+            let mut columns: Vec<DVector<f64>> = vec![way.clone(), of_load.clone(), residual / contact];
             for ((of, _), column) in response.modes.iter().zip(response.places.column_iter()) {
-                // An amplitude times its frequency, less where that is not excited.
-                let weight = of.norm().max(1.0) / (1.0 + of.norm_sqr() / (rate * rate));
+                // What an impulse moves at once, less where the force has gone before it has moved.
+                let weight = 1.0 / (1.0 + of.norm() * contact);
                 columns.push(column.map(|entry| weight * entry.re));
                 columns.push(column.map(|entry| weight * entry.im));
             }
             let columns = DMatrix::from_columns(&columns);
             gram += &columns * columns.transpose();
         }
-        let (squares, directions) = symmetric_eigen(gram);
+        // S = TᵀT.
+        let (squares, principal) = symmetric_eigen(stresses);
+        let least = STRESSLESS * STRESSLESS * squares.amax();
+        let roots = squares.map(|square| square.max(least).max(f64::MIN_POSITIVE).sqrt());
+        let mut stress = principal.transpose();
+        stress.row_iter_mut().zip(roots.iter()).for_each(|(mut row, root)| row *= *root);
+        let mut back = principal;
+        back.column_iter_mut().zip(roots.iter()).for_each(|(mut column, root)| column.unscale_mut(*root));
+        let (squares, main) = symmetric_eigen(&stress * gram * stress.transpose());
         let largest = squares.amax();
         let kept: Vec<usize> = (0..vectors).rev().filter(|&i| squares[i] > depth * depth * largest).collect();
-        directions.select_columns(&kept)
+        let main = main.select_columns(&kept);
+        Directions { shapes: back * &main, parts: main.transpose() * stress }
     }
 
-    /// The same on directions of the basis alone, which are orthonormal, a column each.
+    /// The same on directions of the basis alone.
     #[must_use]
-    pub fn along(&self, directions: &DMatrix<f64>) -> Self {
-        let across = directions.transpose();
-        let part = |of: fn(&Complex<f64>) -> f64| &across * self.places.map(|entry| of(&entry));
+    pub fn along(&self, directions: &Directions) -> Self {
+        let Directions { shapes, parts } = directions;
+        let part = |of: fn(&Complex<f64>) -> f64| parts * self.places.map(|entry| of(&entry));
         Self {
             modes: self.modes.clone(),
             places: part(|entry| entry.re).zip_map(&part(|entry| entry.im), Complex::new),
-            others: self.others.mapped(&across),
-            hit_stress: (&self.hit_stress.0 * directions, self.hit_stress.1),
+            others: self.others.mapped(parts),
+            hit_stress: (&self.hit_stress.0 * shapes, self.hit_stress.1),
             ..*self
         }
     }
 
-    /// The numbers of the vibrations of another body which go on from these, where they do.
+    /// The numbers of the coordinates of another body which go on from these, where they do: vibrations that are alike, and decays of one rate.
     fn tracked_in(&self, other: &Self) -> Vec<Option<usize>> {
         let real = |matrix: &DMatrix<Complex<f64>>, of: fn(&Complex<f64>) -> f64| matrix.map(|entry| of(&entry));
         let [own, others] = [self, other]
@@ -134,6 +156,9 @@ impl Response {
         let [of_own, of_others] = [self, other].map(squares);
         let alike = DMatrix::from_fn(re.nrows(), re.ncols(), |k, l| {
             let [(rate, _), (of_other, _)] = [self.modes[k], other.modes[l]];
+            if rate == of_other && rate.im == 0.0 {
+                return 1.0;
+            }
             let is_near =
                 rate.im > 0.0 && of_other.im > 0.0 && (rate - of_other).norm() < LARGEST_RATE_CHANGE * rate.norm();
             if is_near { (re[(k, l)].powi(2) + im[(k, l)].powi(2)) / (of_own[k] * of_others[l]) } else { 0.0 }
@@ -150,9 +175,40 @@ impl Response {
     }
 }
 
+/// Directions of a basis, which are no more than its vectors: y = `shapes` c, c = `parts` y.
+pub struct Directions {
+    /// A column each.
+    pub shapes: DMatrix<f64>,
+    /// A row each.
+    pub parts: DMatrix<f64>,
+}
+
+/// Coordinates with their places, of which those that decay without vibrating have become some of common rates.
+fn with_common_rates(
+    modes: &[(Complex<f64>, Complex<f64>)],
+    places: &DMatrix<Complex<f64>>,
+    common: CommonRates,
+) -> (Vec<(Complex<f64>, Complex<f64>)>, DMatrix<Complex<f64>>) {
+    let is_decay = |k: &usize| modes[*k].0.im == 0.0 && modes[*k].0.re <= 0.0;
+    let (decays, others): (Vec<usize>, Vec<usize>) = (0..modes.len()).partition(is_decay);
+    let sums: Vec<(usize, Decay)> = decays.into_iter().map(|k| (k, common.decay(-modes[k].0.re))).collect();
+    let count = sums.iter().map(|(_, decay)| decay.first + decay.weights.len()).max().unwrap_or(0);
+    let zero = Complex::new(0.0, 0.0);
+    let mut all: Vec<_> = others.iter().map(|&k| modes[k]).collect();
+    all.extend((0..count).map(|number| (Complex::new(-common.rate(number), 0.0), zero)));
+    let mut all_places = places.select_columns(&others).resize_horizontally(all.len(), zero);
+    for (k, Decay { first, weights }) in sums {
+        for (place, weight) in (others.len() + first..).zip(weights) {
+            all[place].1 += modes[k].1 * weight;
+            all_places.column_mut(place).zip_apply(&places.column(k), |sum, entry| *sum += entry * weight);
+        }
+    }
+    (all, all_places)
+}
+
 /// What the coordinates of some bodies have to do with each other, between which one interpolates.
 pub struct Interpolant {
-    /// Vibrations that go on through all, by their numbers in each.
+    /// Coordinates that go on through all, by their numbers in each.
     followed: Vec<Vec<usize>>,
     /// The other coordinates of each.
     apart: Vec<Vec<usize>>,
@@ -181,7 +237,10 @@ impl Interpolant {
             followed.iter().for_each(|one| is_apart[one[body]] = false);
             (0..is_apart.len()).filter(|&k| is_apart[k]).collect()
         });
-        Self { apart: apart.collect(), followed }
+        let apart: Vec<Vec<usize>> = apart.collect();
+        let alone: usize = apart.iter().map(Vec::len).sum();
+        tracing::debug!(followed = followed.len(), apart = alone, "coordinates between bodies");
+        Self { apart, followed }
     }
 
     /// The body whose answers are the sum of those of these bodies, with weights whose sum is 1. It has no energies.
@@ -239,11 +298,14 @@ fn kept(modes: &[Mode], end: f64) -> Vec<usize> {
     let all: f64 = modes.iter().map(reach).sum();
     let mut order: Vec<(f64, usize)> = modes.iter().map(reach).zip(0..).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut sums = [0.0; 2];
+    let mut sum = 0.0;
+    // (Those by which the body creeps become few anyway.)
     let is_kept = |(reach, number): &(f64, usize)| {
-        let creeps = usize::from(modes[*number].rate.im == 0.0);
-        sums[creeps] += reach;
-        sums[creeps] > LEFT_OUT[creeps] * all
+        if modes[*number].rate.im == 0.0 {
+            return true;
+        }
+        sum += reach;
+        sum > LEFT_OUT * all
     };
     let mut kept: Vec<usize> = order.into_iter().filter(is_kept).map(|(_, number)| number).collect();
     kept.sort_unstable();

@@ -135,7 +135,8 @@ pub struct Items {
     bar: Option<ProgressBar>,
     done: usize,
     all: usize,
-    begin: Instant,
+    /// When the first was over, which may have borne what all share, and how many were then.
+    first: Option<(Instant, usize)>,
     cadence: Cadence,
 }
 
@@ -147,18 +148,28 @@ impl Items {
             ProgressBar::new(all as u64)
                 .with_style(ProgressStyle::with_template(&style).expect("the template is valid"))
         });
-        Self { what, bar, done: 0, all, begin: Instant::now(), cadence: Cadence::new() }
+        Self { what, bar, done: 0, all, first: None, cadence: Cadence::new() }
     }
 
     /// So many more are over.
     pub fn over(&mut self, count: usize) {
         self.done += count;
+        let (since, were) = *self.first.get_or_insert_with(|| (Instant::now(), self.done));
         if let Some(bar) = &self.bar {
             bar.inc(count as u64);
+            if were == self.done {
+                bar.reset_eta();
+            }
         } else if self.cadence.is_due() {
             self.cadence.next();
-            let left = self.begin.elapsed().as_secs_f64() * (self.all - self.done) as f64 / self.done as f64;
-            note(format_args!("{} of {} {}, about {left:.0} s left", self.done, self.all, self.what));
+            let left = match self.done - were {
+                0 => String::new(),
+                since_then => {
+                    let seconds = since.elapsed().as_secs_f64() * (self.all - self.done) as f64 / since_then as f64;
+                    format!(", about {seconds:.0} s left")
+                }
+            };
+            note(format_args!("{} of {} {}{left}", self.done, self.all, self.what));
         }
     }
 

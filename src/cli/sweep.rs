@@ -10,6 +10,7 @@ use petsc_wrap::{Comm, options, petsc_version};
 use crate::agree::{decided, of_root};
 use crate::error::{Error, INTERRUPTED, Result};
 use crate::model;
+use crate::model::watch::{self, Watch};
 use crate::record::sweep::{Header, Member, Quantity, Status, Sweep as Part, SweepWriter};
 use crate::scene::{Model, Scene, Source};
 use crate::study::sweep::{Bodies, Grid, Grouping, Property, Task, Variation, digest, parts, schedule};
@@ -65,10 +66,7 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
             let follower = Follower::new(comm, interrupt.clone());
             let found = grouping.theory(comm, |index| Ok(task(arguments, &source, &grid, index)?.scene), &follower);
             if matches!(found, Err(Error::Interrupted)) {
-                if comm.is_root() {
-                    tell(format_args!("interrupted: members are missing; the same command computes them"));
-                }
-                return Ok(INTERRUPTED);
+                return Ok(interrupted(comm));
             }
             let theory = found?;
             if comm.is_root() {
@@ -80,6 +78,17 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     };
     let scene_of = |index: usize| Ok(task(arguments, &source, &grid, index)?.scene);
     let mut bodies = Bodies::new(&alone, &grouping, &scene_of, theory, arguments.series);
+    // What members share is no member's time.
+    let all = of_root(comm, Some(todo.clone()));
+    let follower = comm.is_root().then(|| Follower::new(&alone, interrupt.clone()));
+    let leave_off = || interrupt.is_raised_here();
+    let unseen = watch::Until(&alone, &leave_off);
+    let prepared = bodies.prepare(comm, &all, follower.as_ref().map_or(&unseen, |follower| follower as &dyn Watch));
+    drop(follower);
+    if matches!(prepared, Err(Error::Interrupted)) {
+        return Ok(interrupted(comm));
+    }
+    prepared?;
     let keeper = desk.clone();
     let flow = schedule(
         comm,
@@ -105,6 +114,14 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
         warn_of_unused_options(comm)?;
     }
     Ok(of_root(comm, Some(status)))
+}
+
+/// Tells that no member was begun, before it was known what all share.
+fn interrupted(comm: &Comm) -> i32 {
+    if comm.is_root() {
+        tell(format_args!("interrupted: members are missing; the same command computes them"));
+    }
+    INTERRUPTED
 }
 
 /// An error of the scene as it stands, of which members are made.

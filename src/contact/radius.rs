@@ -1,5 +1,7 @@
 //! The radius of a patch: what it should be, and below what the contact law fails.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Hertz, hertz, zener};
 use crate::form::Material;
 use crate::scene::Impactor;
@@ -14,7 +16,7 @@ const CELLS: f64 = 2.0;
 const MARGIN: f64 = 1.25;
 
 /// A patch, and what its radius follows from.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Patch {
     /// r_p, m.
     pub radius: f64,
@@ -30,7 +32,7 @@ pub struct Patch {
 }
 
 /// What decided the radius of a patch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Reason {
     /// The scene gives it.
     Scene,

@@ -2,6 +2,8 @@
 
 use std::ops::{Add, Mul};
 
+use serde::{Deserialize, Serialize};
+
 use crate::contact::Patch;
 use crate::scene::Measure;
 
@@ -53,7 +55,7 @@ pub fn rest(whole: f64, part: f64) -> f64 {
 }
 
 /// Estimated errors, each over the peak of its quantity.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Errors {
     /// Of the acceleration in the first contact.
     pub first_contact: f64,

@@ -48,6 +48,7 @@ mod impact {
     pub mod controlled;
     pub mod equilibrium;
     pub mod extremes;
+    pub mod interpolated;
     pub mod modal;
     pub mod newton;
     pub mod pads_condensed;
@@ -125,6 +126,7 @@ fn main() -> ExitCode {
         impact::controlled,
         impact::equilibrium,
         impact::extremes,
+        impact::interpolated,
         impact::modal,
         impact::newton,
         impact::pads_condensed,

@@ -12,7 +12,7 @@ use super::stage::{Stage, solve, solve_damped};
 const LEVELS: usize = 40;
 
 /// Which steps are taken.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Steps {
     /// The largest, s.
     pub largest: f64,

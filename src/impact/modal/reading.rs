@@ -1,6 +1,6 @@
 //! What is read of a body in modal coordinates: probes and fields step by step, the faces' stresses for all steps of a run at once.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Dyn, MatrixView};
 
 use crate::body::{Modes, Shapes};
 use crate::impact::observer::Observed;
@@ -36,8 +36,8 @@ enum StressesOfSteps {
     /// A column for each weight.
     All(DMatrix<f64>),
     OnLines(LineStresses),
-    /// Of the body's coordinates on its basis, so many, which are the weights.
-    OnBasis(usize),
+    /// Of the body's coordinates on its basis, which these columns make of Re z, Im z and a step's other weights.
+    OnBasis(DMatrix<f64>),
 }
 
 impl StressesOfSteps {
@@ -45,7 +45,7 @@ impl StressesOfSteps {
     fn new(faces: &FaceStresses, modes: &Modes) -> Option<Self> {
         let Shapes { moving, free: [way, of_load], residual, rest } = &modes.shapes;
         if faces.dense().is_some() && moving.nrows() == moving.ncols() && moving.is_identity(0.0) {
-            return Some(Self::OnBasis(moving.nrows()));
+            return Some(Self::OnBasis(columns_on_basis(modes)));
         }
         let others = [way, of_load, residual, rest];
         let mut shapes = moving.clone().resize_horizontally(moving.ncols() + others.len(), 0.0);
@@ -62,7 +62,7 @@ impl StressesOfSteps {
         match self {
             Self::All(stresses) => stresses.ncols(),
             Self::OnLines(lines) => lines.coordinates(),
-            Self::OnBasis(count) => *count,
+            Self::OnBasis(columns) => columns.nrows(),
         }
     }
 
@@ -121,17 +121,15 @@ impl<'a> Reader<'a> {
         }
         if let Some(faces) = &mut self.faces {
             let state = &motion.state;
-            let mut moved = places.unwrap_or_else(|| self.modes.places(&state.modes));
-            let others = [state.way, 0.5 * state.time * state.time, motion.force, state.settled];
             if let StressesOfSteps::OnBasis(_) = faces.stresses {
-                let Shapes { free: [way, of_load], residual, rest, .. } = &self.modes.shapes;
-                let columns = [way, of_load, residual, rest].into_iter().zip(others);
-                columns.for_each(|(column, weight)| moved.axpy(weight, column, 1.0));
-                faces.weights.extend_from_slice(moved.as_slice());
+                // Those of all steps are multiplied by the columns at once.
+                faces.weights.extend(state.modes.iter().map(|z| z.re));
+                faces.weights.extend(state.modes.iter().map(|z| z.im));
             } else {
+                let moved = places.unwrap_or_else(|| self.modes.places(&state.modes));
                 faces.weights.extend_from_slice(moved.as_slice());
-                faces.weights.extend(others);
             }
+            faces.weights.extend([state.way, 0.5 * state.time * state.time, motion.force, state.settled]);
         }
         if let Some((shapes, forms)) = &self.probes {
             let [moved, rates] = values(self.modes, shapes, motion);
@@ -156,13 +154,21 @@ impl FacesOfSteps {
         let Some(faces) = readout.faces.as_ref() else { return };
         let contacts: Vec<ContactNow> = steps.iter().map(|step| contact(&readout.contact, &step.step)).collect();
         let mut map = TensionMap::default();
+        let on_basis = match &self.stresses {
+            StressesOfSteps::OnBasis(columns) => {
+                let states = MatrixView::<f64, Dyn, Dyn>::from_slice(&self.weights, columns.ncols(), contacts.len());
+                Some(columns * states)
+            }
+            _ => None,
+        };
+        let all = on_basis.as_ref().map_or(&self.weights[..], DMatrix::as_slice);
         if let Some(search) = self.stresses.search(faces) {
-            let found = search.tensions(&self.weights, &contacts, readout.least_tension);
+            let found = search.tensions(all, &contacts, readout.least_tension);
             let times: Vec<f64> = steps.iter().map(|step| step.step.time).collect();
             map = found.map(&times);
             steps.iter_mut().zip(found.steps).for_each(|(step, found)| step.reading.faces = found);
         } else {
-            let weights = self.weights.chunks_exact(self.stresses.weights().max(1));
+            let weights = all.chunks_exact(self.stresses.weights().max(1));
             for ((step, contact), weights) in steps.iter_mut().zip(&contacts).zip(weights) {
                 let (found, of_step) = faces.tensions(&self.stresses.apply(faces, weights), contact, step.step.time);
                 map.take(&of_step);
@@ -173,6 +179,28 @@ impl FacesOfSteps {
             last.reading.map = map;
         }
     }
+}
+
+/// The body's coordinates on its basis for 1 of Re z and of Im z of each mode, of ∫∫F dt dt, t²/2, F and the loads' own displacements, a column each.
+fn columns_on_basis(modes: &Modes) -> DMatrix<f64> {
+    let Shapes { free: [way, of_load], residual, rest, .. } = &modes.shapes;
+    let count = modes.modes.len();
+    let mut columns = DMatrix::zeros(way.len(), 2 * count + 4);
+    match &modes.forms.damped {
+        Some([places, _]) => {
+            columns.columns_mut(0, count).zip_apply(places, |column, place| *column = place.re);
+            columns.columns_mut(count, count).zip_apply(places, |column, place| *column = -place.im);
+        }
+        None => {
+            let frequencies = modes.forms.frequencies.iter();
+            frequencies.enumerate().for_each(|(i, frequency)| columns[(i, count + i)] = frequency.recip());
+        }
+    }
+    [way, of_load, residual, rest]
+        .into_iter()
+        .enumerate()
+        .for_each(|(i, more)| columns.set_column(2 * count + i, more));
+    columns
 }
 
 /// Values and their rates, with the static answer of the modes that are left out.

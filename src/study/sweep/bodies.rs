@@ -144,39 +144,68 @@ impl<'a> Bodies<'a> {
         Ok(kept.simulate(scene, self.has_energies, interrupted))
     }
 
-    /// The member's body by interpolation, where at least [`family::LEAST`] members differ in their relaxation alone.
+    /// Makes on all ranks together what members to be computed are interpolated between. Collective on `ranks`, each of which is watched by itself.
+    ///
+    /// # Errors
+    /// Those of a model.
+    pub fn prepare(&mut self, ranks: &Comm, todo: &[usize], watch: &dyn Watch) -> Result<()> {
+        let (mut seen, all) = (ByBody::default(), self.grouping.lines());
+        for &index in todo {
+            if seen.len() == all || self.relaxing.len() >= MOST {
+                break;
+            }
+            let scene = (self.scene_of)(index)?;
+            let Some(line) = self.grouping.line_of(index, &scene) else { continue };
+            seen.get_or_insert_with(line.body.clone(), || ());
+            if self.interpolates(&line, &scene) && self.relaxing.get(&line.body).is_none() {
+                self.make_interpolated(ranks, &line.body, watch)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a line's members are interpolated: at least [`family::LEAST`] that differ in their relaxation alone.
+    fn interpolates(&self, line: &Line, scene: &Scene) -> bool {
+        line.count >= family::LEAST
+            && !self.has_energies
+            && self.grouping.is_of_relaxations()
+            && interpolated::admits(&self.named(scene.clone()))
+    }
+
+    fn make_interpolated(&mut self, ranks: &Comm, line: &BodyOf, watch: &dyn Watch) -> Result<()> {
+        let all = self.grouping.members_on(line);
+        let values: Vec<f64> = all.iter().map(|(value, _)| *value).collect();
+        let scene_of = |value: f64| self.scene_on(&all, value);
+        let made = match Interpolated::new(ranks, &values, &scene_of, watch) {
+            Ok(made) => made,
+            Err(Error::Solve(_) | Error::Fault(_)) => None,
+            Err(error) => return Err(error),
+        };
+        self.relaxing.get_or_insert_with(line.clone(), || made);
+        Ok(())
+    }
+
+    /// The member's body by interpolation, where that serves.
     fn interpolated(&mut self, index: usize, scene: &Scene, watch: &dyn Watch) -> Result<Option<Kept>> {
-        let Some(Line { body, value, count }) = self.grouping.line_of(index, scene) else { return Ok(None) };
+        let Some(line) = self.grouping.line_of(index, scene) else { return Ok(None) };
+        if !self.interpolates(&line, scene) {
+            return Ok(None);
+        }
         // Of the theory that `auto` has chosen.
         let of_theory = self.error_of_theory(scene);
         let scene = &self.named(scene.clone());
-        if count < family::LEAST
-            || self.has_energies
-            || !self.grouping.is_of_relaxations()
-            || !interpolated::admits(scene)
-        {
-            return Ok(None);
-        }
-        if self.relaxing.get(&body).is_none() {
+        if self.relaxing.get(&line.body).is_none() {
             if self.relaxing.len() >= MOST {
                 self.relaxing.clear();
             }
-            let all = self.grouping.members_on(&body);
-            let values: Vec<f64> = all.iter().map(|(value, _)| *value).collect();
-            let scene_of = |value: f64| self.scene_on(&all, value);
-            let made = match Interpolated::new(&self.comm, &values, &scene_of, watch) {
-                Ok(made) => made,
-                Err(Error::Solve(_) | Error::Fault(_)) => None,
-                Err(error) => return Err(error),
-            };
-            self.relaxing.get_or_insert_with(body.clone(), || made);
+            self.make_interpolated(&self.comm.clone(), &line.body, watch)?;
         }
-        let Some(Some(made)) = self.relaxing.get(&body) else { return Ok(None) };
-        Ok(made.at(value, scene).map(|(body, errors, readout)| Kept {
+        let Some(Some(made)) = self.relaxing.get(&line.body) else { return Ok(None) };
+        Ok(made.at(line.value, scene, watch)?.map(|(body, errors, readout)| Kept {
             body,
             theory: scene.body.model,
             judge: None,
-            unknowns: made.unknowns,
+            unknowns: made.unknowns(),
             readout,
             of_model: of_theory.joined(errors),
             is_interpolated: true,

@@ -111,6 +111,11 @@ impl Grouping {
         Some(Line { body, value: values[index], count })
     }
 
+    /// How many lines there are.
+    pub fn lines(&self) -> usize {
+        self.lines.len()
+    }
+
     /// Whether lines are of bodies that differ in their relaxation.
     pub fn is_of_relaxations(&self) -> bool {
         matches!(self.line, Some((Property::Relaxation, _)))

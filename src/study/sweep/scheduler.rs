@@ -88,8 +88,8 @@ fn now_and_then(look: impl Fn() -> bool + 'static) -> Rc<dyn Fn() -> bool> {
 }
 
 /// Rank 0's part; tells whether the sweep was broken off.
-fn hand_out(desk: Desk, compute: &mut Compute) -> Result<bool> {
-    let mut own = desk.queue.front().copied();
+fn hand_out(mut desk: Desk, compute: &mut Compute) -> Result<bool> {
+    let mut own = desk.next_for(0);
     let desk = Rc::new(RefCell::new(desk));
     desk.borrow_mut().begin();
     while let Some(index) = own {
@@ -99,7 +99,7 @@ fn hand_out(desk: Desk, compute: &mut Compute) -> Result<bool> {
         if let Some(member) = member {
             desk.keep(Some(member));
         }
-        own = if desk.serve() { None } else { desk.queue.pop_front() };
+        own = if desk.serve() { None } else { desk.next_for(0) };
     }
     while desk.borrow().is_waiting() {
         desk.borrow_mut().serve();
@@ -112,7 +112,8 @@ fn hand_out(desk: Desk, compute: &mut Compute) -> Result<bool> {
 /// Rank 0's view of the work.
 struct Desk {
     comm: Comm,
-    queue: VecDeque<usize>,
+    /// Members that no rank has yet, those that come to each rank: neighbours, which share most.
+    queues: Vec<VecDeque<usize>>,
     signalled: Box<dyn Fn() -> bool>,
     kept: Kept,
     /// Members that each rank has.
@@ -131,7 +132,7 @@ impl Desk {
         let (out, dismissed) = (vec![0; comm.size()], vec![false; comm.size()]);
         Self {
             comm: comm.clone(),
-            queue: todo.into(),
+            queues: shares(todo, comm.size()),
             signalled,
             kept,
             out,
@@ -142,9 +143,14 @@ impl Desk {
         }
     }
 
-    /// Gives each rank its first members, in turn; the first of all is rank 0's own.
+    /// The next member for a rank; where none is left for it, the last one of the rank that has the most.
+    fn next_for(&mut self, rank: usize) -> Option<usize> {
+        let own = self.queues[rank].pop_front();
+        own.or_else(|| self.queues.iter_mut().max_by_key(|queue| queue.len())?.pop_back())
+    }
+
+    /// Gives each of the others its first members, in turn.
     fn begin(&mut self) {
-        self.queue.pop_front();
         for _ in 0..AT_ONCE {
             (1..self.comm.size()).for_each(|rank| self.order(rank));
         }
@@ -155,7 +161,7 @@ impl Desk {
         if self.dismissed[rank] {
             return;
         }
-        let index = if self.stopped { None } else { self.queue.pop_front() };
+        let index = if self.stopped { None } else { self.next_for(rank) };
         match index {
             Some(index) => {
                 self.send(rank, Order::Compute(index));
@@ -218,6 +224,12 @@ impl Desk {
     fn is_waiting(&self) -> bool {
         self.failed.is_none() && self.gone + 1 < self.comm.size()
     }
+}
+
+/// Members in their order in so many parts of about the same length.
+fn shares(todo: Vec<usize>, ranks: usize) -> Vec<VecDeque<usize>> {
+    let (count, mut rest) = (todo.len(), todo.into_iter());
+    (0..ranks).map(|rank| rest.by_ref().take((rank + 1) * count / ranks - rank * count / ranks).collect()).collect()
 }
 
 /// Another rank's part.

@@ -13,6 +13,7 @@
 
 mod local;
 mod rows;
+mod screen;
 mod seen;
 
 use std::rc::Rc;
@@ -49,6 +50,8 @@ pub struct TensionSearch<'a> {
     /// What the local fields add at points near the hit, face by face.
     local: Vec<LocalRows>,
     stresses: Stresses,
+    /// Whether steps may be left out that are between others of a smooth history.
+    is_smooth: bool,
 }
 
 /// What the stresses at the sampled points come of.
@@ -99,11 +102,13 @@ impl<'a> TensionSearch<'a> {
         Self::of(faces, || Stresses::Rows(Rc::new(StressRows::new(count, rows))))
     }
 
-    /// Of a body's coordinates on its basis, what is made for it being kept; `None` as of [`Self::new`], and where the faces' map is not dense.
+    /// Of a body's coordinates on its basis at steps that follow its motion closely, what is made for it being kept; `None` as of [`Self::new`], and
+    /// where the faces' map is not dense.
     pub fn on_basis(faces: &'a FaceStresses) -> Option<Self> {
         let (count, entries) = faces.dense().filter(|(count, _)| *count > 0 && faces.map.components() == 3)?;
         let rows = faces.rows.get_or_init(|| Rc::new(StressRows::new(count, entries.to_vec())));
-        Self::of(faces, || Stresses::Rows(Rc::clone(rows)))
+        let search = Self::of(faces, || Stresses::Rows(Rc::clone(rows)))?;
+        Some(Self { is_smooth: true, ..search })
     }
 
     /// Of stresses on lines; `None` as of [`Self::new`].
@@ -113,7 +118,7 @@ impl<'a> TensionSearch<'a> {
 
     fn of(faces: &'a FaceStresses, stresses: impl FnOnce() -> Stresses) -> Option<Self> {
         let local = faces.faces.iter().map(LocalRows::new).collect::<Option<Vec<_>>>()?;
-        Some(Self { faces, local, stresses: stresses() })
+        Some(Self { faces, local, stresses: stresses(), is_smooth: false })
     }
 
     /// The largest tension on each face at some steps, of their coordinates, one step after the other, and contacts. Where the largest of all steps
@@ -124,6 +129,12 @@ impl<'a> TensionSearch<'a> {
             Stresses::Lines(lines) => lines.coordinates(),
         };
         let mut found = Finding::new(self, contacts, least);
+        if let (Stresses::Rows(rows), Some(least)) = (&self.stresses, least)
+            && self.is_smooth
+            && let Some(high) = self.screened(rows, coordinates, contacts, least)
+        {
+            return self.tensions_of(&high, rows, coordinates, found);
+        }
         let block = match &self.stresses {
             Stresses::Rows(_) => BLOCK,
             Stresses::Lines(_) => BLOCK_ON_LINES,
@@ -152,6 +163,25 @@ impl<'a> TensionSearch<'a> {
                 }
             }
         }
+        self.searched(found)
+    }
+
+    /// The same at the steps that are named, which ascend; nothing is known of the others.
+    fn tensions_of(&self, high: &[usize], rows: &StressRows, coordinates: &[f64], mut found: Finding) -> Searched {
+        let of_step = |step: usize| &coordinates[step * rows.count..(step + 1) * rows.count];
+        for steps in high.chunks(BLOCK) {
+            let some: Vec<f64> = steps.iter().flat_map(|&step| of_step(step)).copied().collect();
+            let (all, sizes) = rows.of_steps(&some);
+            for ((&step, size), column) in steps.iter().zip(sizes).zip(all.column_iter()) {
+                found.skip_to(step);
+                found.take(&OfStep { column: column.as_slice(), size, at: |number| rows.at(number, of_step(step)) });
+            }
+        }
+        found.skip_to(found.contacts.len());
+        self.searched(found)
+    }
+
+    fn searched(&self, found: Finding) -> Searched {
         let counts = self.faces.faces.iter().map(|face| face.points.len()).collect();
         Searched { steps: found.steps, peaks: found.peaks, counts }
     }
@@ -212,6 +242,11 @@ impl<'a> Finding<'a> {
             least,
             largest: 0.0,
         }
+    }
+
+    /// Passes over the steps before a number.
+    fn skip_to(&mut self, step: usize) {
+        self.steps.resize(step, vec![FaceTension::UNKNOWN; self.search.faces.faces.len()]);
     }
 
     /// Takes the next step.

@@ -144,6 +144,33 @@ fn what_is_far_below_is_left_out() {
     }
 }
 
+/// Of a history that is smooth from step to step the largest tension is found by a search of few steps.
+#[test]
+fn some_steps_of_a_smooth_history_are_searched() {
+    let (faces, rows) = plate();
+    let count: u32 = 400;
+    let of_step = |step: usize| {
+        let time = step as f64 / f64::from(count);
+        (0..COUNT).map(move |i| ((3.0 + 2.0 * i as f64) * time + i as f64).sin() / (1.0 + i as f64).powi(3))
+    };
+    let coordinates: Vec<f64> = (0..count as usize).flat_map(of_step).collect();
+    let contacts = vec![ContactNow::default(); count as usize];
+    let all = TensionSearch::new(&faces, COUNT, rows).expect("faces of a box").tensions(&coordinates, &contacts, None);
+    let found =
+        TensionSearch::on_basis(&faces).expect("a basis").tensions(&coordinates, &contacts, Some(f64::INFINITY));
+    let [all, found] = [all, found].map(|searched| -> Vec<f64> {
+        let each = searched.steps.iter().map(|faces| faces.iter().map(|face| face.largest).fold(f64::NAN, f64::max));
+        each.collect()
+    });
+    let largest = all.iter().copied().fold(0.0, f64::max);
+    assert_eq!(
+        all.iter().position(|tension| *tension == largest),
+        found.iter().position(|tension| *tension == largest)
+    );
+    let searched = found.iter().filter(|tension| !tension.is_nan()).count();
+    assert!(searched < found.len() / 3, "{searched}");
+}
+
 /// The map holds at each point what a fold over all steps in double precision gives, with its time; its largest value is that of the steps.
 #[test]
 fn the_map_is_that_of_all_points_and_steps() {

@@ -1,0 +1,69 @@
+//! A response as numbers that ranks send each other.
+
+use nalgebra::{Complex, DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+use super::Response;
+use crate::body::modes::Free;
+use crate::body::shapes::Shapes;
+use crate::contact::Patch;
+
+/// The numbers of a [`Response`].
+#[derive(Serialize, Deserialize)]
+pub struct Numbers {
+    /// Re and Im of λ and of the output, by coordinate.
+    modes: Vec<[f64; 4]>,
+    /// Re and Im of Y, by columns.
+    places: Vec<[f64; 2]>,
+    free: [f64; 3],
+    residual: f64,
+    /// What is beside z, a vector each.
+    others: [Vec<f64>; 4],
+    /// The stresses under the hit, by columns of three.
+    hit_stress: Vec<f64>,
+    hit_local: [f64; 3],
+    compliance: f64,
+    copies: f64,
+    patch: Option<Patch>,
+}
+
+impl From<Response> for Numbers {
+    fn from(response: Response) -> Self {
+        let Response { modes, places, free, residual, others, hit_stress, compliance, copies, patch } = response;
+        let Shapes { free: [way, of_load], residual: of_force, rest, .. } = others;
+        Self {
+            modes: modes.iter().map(|(rate, output)| [rate.re, rate.im, output.re, output.im]).collect(),
+            places: places.iter().map(|entry| [entry.re, entry.im]).collect(),
+            free: [free.mobility, free.load, free.square],
+            residual,
+            others: [way, of_load, of_force, rest].map(|vector| vector.as_slice().to_vec()),
+            hit_stress: hit_stress.0.as_slice().to_vec(),
+            hit_local: hit_stress.1,
+            compliance,
+            copies,
+            patch,
+        }
+    }
+}
+
+impl From<Numbers> for Response {
+    fn from(numbers: Numbers) -> Self {
+        let Numbers { modes, places, free, residual, others, hit_stress, hit_local, compliance, copies, patch } =
+            numbers;
+        let [way, of_load, of_force, rest] = others.map(DVector::from_vec);
+        let vectors = way.len();
+        let [mobility, load, square] = free;
+        let rows = hit_stress.len() / vectors.max(1);
+        Self {
+            places: DMatrix::from_iterator(vectors, modes.len(), places.iter().map(|[re, im]| Complex::new(*re, *im))),
+            modes: modes.iter().map(|[re, im, c, d]| (Complex::new(*re, *im), Complex::new(*c, *d))).collect(),
+            free: Free { mobility, load, square },
+            residual,
+            others: Shapes { moving: DMatrix::zeros(vectors, 0), free: [way, of_load], residual: of_force, rest },
+            hit_stress: (DMatrix::from_vec(rows, vectors, hit_stress), hit_local),
+            compliance,
+            copies,
+            patch,
+        }
+    }
+}

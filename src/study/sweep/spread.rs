@@ -1,0 +1,35 @@
+//! Work that a sweep's members share, spread over the ranks.
+
+use petsc_wrap::Comm;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::agree::of_all;
+use crate::error::{Error, Result};
+
+/// What is made of each number below a count, each on one rank, on all of them: a number on the rank that is the rest of its division by the number
+/// of ranks. Collective.
+///
+/// # Errors
+/// The error of the lowest number that has one.
+pub fn spread<T: Serialize + DeserializeOwned>(
+    ranks: &Comm,
+    count: usize,
+    make: impl FnMut(usize) -> Result<T>,
+) -> Result<Vec<T>> {
+    if ranks.size() == 1 {
+        return (0..count).map(make).collect();
+    }
+    let own = (ranks.rank()..count).step_by(ranks.size());
+    let mut made: Vec<std::result::Result<T, Error>> = Vec::new();
+    for result in own.map(make) {
+        let is_error = result.is_err();
+        made.push(result.map_err(|error| error.as_told()));
+        if is_error {
+            break;
+        }
+    }
+    let mut all: Vec<_> = of_all(ranks, &made).into_iter().map(Vec::into_iter).collect();
+    // (A rank that has an error has made nothing after it, and nothing after it is asked for.)
+    (0..count).map(|number| all[number % ranks.size()].next().unwrap_or(Err(Error::Interrupted))).collect()
+}

@@ -1,0 +1,63 @@
+//! Bodies of many temperatures, interpolated between a few: against the body of a temperature itself, and on one rank or several.
+
+use mpi_test::{Test, tests};
+use petsc_wrap::{Comm, Session};
+use ricochet::impact::ModalImpact;
+use ricochet::model::watch::Unwatched;
+use ricochet::scene::Scene;
+use ricochet::study::sweep::Interpolated;
+
+use crate::modelled::parse;
+
+pub const RANKS: &[usize] = &[1, 2];
+pub const TESTS: &[Test<Session>] = tests![what_is_interpolated_is_within_its_part_of_the_estimate];
+
+/// °C.
+fn temperatures() -> Vec<f64> {
+    (0..24).map(|n| 2.0 * f64::from(n)).collect()
+}
+
+/// A small pane at a temperature, °C.
+fn pane(temperature: f64) -> Scene {
+    let glass = "[[body.layer]]\nthickness = 0.005\nmaterial = \"glass\"\n";
+    parse(&format!(
+        "title = \"Laminate\"\n[body]\nsize = [0.3, 0.3]\nmodel = \"layerwise\"\ntemperature = {temperature:e}\n{glass}\
+         [[body.layer]]\nthickness = 0.00076\nmaterial = \"interlayer\"\n{glass}\
+         [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+         [material.interlayer]\nbulk = 2e9\ndensity = 1100.0\nshear = 3e6\n\
+         prony = [{{ modulus = 6.9e6, time = 1e-5 }}, {{ modulus = 3.9e6, time = 1e-4 }}, {{ modulus = 2.3e6, time = 1e-3 }}]\n\
+         wlf = {{ c1 = 20.7, c2 = 91.1, reference = 20.0 }}\n\
+         [impactor]\nmass = 2.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n\
+         [time]\nend = 6e-4\n[accuracy]\ntolerance = 2e-2\n"
+    ))
+}
+
+fn interpolated(ranks: &Comm) -> Interpolated {
+    let scene_of = |temperature: f64| Ok(pane(temperature));
+    let alone = ranks.session().alone();
+    Interpolated::new(ranks, &temperatures(), &scene_of, &Unwatched(&alone)).unwrap().expect("few bodies")
+}
+
+/// At temperatures between bodies the force is off that of the body there, on the same basis, by no more than the interpolation's own estimate,
+/// and not by so little that this says nothing. Each rank by itself finds the same to the last digit.
+fn what_is_interpolated_is_within_its_part_of_the_estimate(session: &Session) {
+    let (ranks, alone) = (session.world(), session.alone());
+    let watch = &Unwatched(&alone);
+    let [together, by_itself] = [&ranks, &alone].map(interpolated);
+    let mut largest = 0.0_f64;
+    for temperature in temperatures() {
+        let scene = pane(temperature);
+        let peaks = [&together, &by_itself].map(|of| {
+            let (body, ..) = of.at(temperature, &scene, watch).unwrap().expect("within the range");
+            ModalImpact::new(&scene, &body).trace(None).unwrap().0.peak()
+        });
+        assert_eq!(peaks[0].to_bits(), peaks[1].to_bits(), "{temperature} °C: {peaks:?}");
+        let found = together.difference_at(temperature, &scene, watch).unwrap();
+        let estimate = together.error_at(temperature).expect("within the range");
+        println!("  {temperature} °C: {:.1e} of {:.1e}", found.first_contact, estimate.first_contact);
+        // (At a body itself what its response leaves out is left.)
+        assert!(found.first_contact <= estimate.first_contact + 1e-3, "{temperature} °C: {found:?} {estimate:?}");
+        largest = largest.max(found.first_contact);
+    }
+    assert!(largest > 1e-6, "{largest:e}");
+}
