@@ -5,10 +5,13 @@
 //! same few motions, of which only the sizes differ.
 
 /// Distance of two common rates in ln(1 + λT).
-const SPACING: f64 = 0.35;
+const SPACING: f64 = 0.3;
 
 /// Common rates between which one is interpolated.
 const NEAR: usize = 6;
+
+/// Common rates below zero, by which slow decays are between others.
+const BELOW: usize = 2;
 
 /// Common rates for times up to T.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,12 +37,12 @@ impl CommonRates {
 
     /// The common rate of a number, 1/s.
     pub fn rate(&self, number: usize) -> f64 {
-        (SPACING * number as f64).exp_m1() / self.end
+        (SPACING * (number as f64 - BELOW as f64)).exp_m1() / self.end
     }
 
     /// e^{−λt} of a rate λ ≥ 0, 1/s.
     pub fn decay(&self, rate: f64) -> Decay {
-        let place = (rate * self.end).ln_1p() / SPACING;
+        let place = (rate * self.end).ln_1p() / SPACING + BELOW as f64;
         let first = (place as usize).saturating_sub(NEAR / 2 - 1);
         let weight = |own: usize| -> f64 {
             let others = (0..NEAR).filter(|other| *other != own);
@@ -53,7 +56,7 @@ impl CommonRates {
 mod tests {
     use super::*;
 
-    /// Decays of all rates are met at all times up to the end, to what sixth derivatives leave at this distance.
+    /// Decays of all rates are met at all times up to the end, to what the sixth derivative leaves at this distance.
     #[test]
     fn decays_are_sums_of_common_ones() {
         let common = CommonRates::new(5e-3);

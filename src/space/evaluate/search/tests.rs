@@ -151,7 +151,8 @@ fn some_steps_of_a_smooth_history_are_searched() {
     let count: u32 = 400;
     let of_step = |step: usize| {
         let time = step as f64 / f64::from(count);
-        (0..COUNT).map(move |i| ((3.0 + 2.0 * i as f64) * time + i as f64).sin() / (1.0 + i as f64).powi(3))
+        let decay = (-4.0 * time).exp();
+        (0..COUNT).map(move |i| decay * ((3.0 + 2.0 * i as f64) * time + i as f64).sin() / (1.0 + i as f64).powi(3))
     };
     let coordinates: Vec<f64> = (0..count as usize).flat_map(of_step).collect();
     let contacts = vec![ContactNow::default(); count as usize];

@@ -34,7 +34,8 @@ const MAX_BODIES: usize = 65;
 /// Part of the tolerance that the interpolation may take.
 const INTERPOLATION_SHARE: f64 = 0.3;
 
-/// The error of cubic interpolation over that with intervals twice as long, by which it is judged: a sixteenth where these are short.
+/// The error of cubic interpolation over that with intervals twice as long, at least, by which it is judged: a sixteenth where these are short.
+/// (Where a term of the chain comes to be followed, or left out, bodies change at once, and errors hardly fall.)
 const ERROR_RATIO_ON_HALVING: f64 = 0.25;
 
 /// Stresses of the directions along which bodies are read over the largest, down to which they are taken, over the tolerance.
@@ -65,6 +66,14 @@ struct Node {
     scene: Scene,
     /// What is read of its faces, made when a member first asks for it.
     readout: OnceCell<Readout>,
+}
+
+/// Values between two numbers of which the bodies are known.
+struct Interval {
+    from: usize,
+    to: usize,
+    /// The difference in the middle of the interval of which this is a half; 0 of the first ones.
+    before: f64,
 }
 
 /// Whether bodies of a scene may be interpolated: layerwise plates that start at rest, without loads, in chosen steps, whose energies nobody wants.
@@ -108,7 +117,7 @@ impl Interpolated {
         let mut all = Self { shared, nodes: Vec::new(), errors, of_model, between, is_geometric, vectors };
         let mut nodes: BTreeMap<usize, Node> = BTreeMap::new();
         // Intervals whose middles are not known yet; at first there are only their ends.
-        let mut open: Vec<(usize, usize)> = Vec::new();
+        let mut open: Vec<Interval> = Vec::new();
         let mut places: Vec<usize> = (0..=FIRST_INTERVALS).map(|k| k * last / FIRST_INTERVALS).collect();
         loop {
             let near: Vec<&Node> = nodes.values().collect();
@@ -128,20 +137,19 @@ impl Interpolated {
                 nodes.insert(place, Node { value, response, scene: scene(place)?, readout: OnceCell::new() });
             }
             open = match open.is_empty() {
-                true => places.windows(2).map(|ends| (ends[0], ends[1])).collect(),
+                true => places.windows(2).map(|ends| Interval { from: ends[0], to: ends[1], before: 0.0 }).collect(),
                 false => all.judged(&open, &places, &found, values, &scene(0)?),
             };
             // (Neighbours have nothing between them.)
-            all.errors.extend(
-                open.extract_if(.., |(from, to)| *to - *from < 2).map(|(_, to)| (values[to], Errors::default())),
-            );
+            let closed = open.extract_if(.., |interval| interval.to - interval.from < 2);
+            all.errors.extend(closed.map(|interval| (values[interval.to], Errors::default())));
             if open.is_empty() {
                 break;
             }
             if nodes.len() + open.len() > MAX_BODIES {
                 return Ok(None);
             }
-            places = open.iter().map(|(from, to)| from.midpoint(*to)).collect();
+            places = open.iter().map(|interval| interval.from.midpoint(interval.to)).collect();
         }
         all.errors.sort_by(|a, b| a.0.total_cmp(&b.0));
         all.nodes = nodes.into_values().collect();
@@ -154,19 +162,22 @@ impl Interpolated {
     /// Keeps the errors of the intervals that are good enough, by the differences that were found at their middles; the halves of the others are open.
     fn judged(
         &mut self,
-        intervals: &[(usize, usize)],
+        intervals: &[Interval],
         middles: &[usize],
         found: &[Errors],
         values: &[f64],
         scene: &Scene,
-    ) -> Vec<(usize, usize)> {
+    ) -> Vec<Interval> {
         let mut open = Vec::new();
-        for ((&(from, to), &middle), difference) in intervals.iter().zip(middles).zip(found) {
-            let error = on_halving(*difference, scene.tolerance);
+        for ((&Interval { from, to, before }, &middle), difference) in intervals.iter().zip(middles).zip(found) {
+            let size = difference.of(scene.measure);
+            // As it has fallen from the interval before this was half of it.
+            let ratio = if before > 0.0 { (size / before).clamp(ERROR_RATIO_ON_HALVING, 1.0) } else { 1.0 };
+            let error = on_halving(*difference, ratio, scene.tolerance);
             if error.of(scene.measure) <= INTERPOLATION_SHARE * scene.tolerance {
                 self.errors.push((values[to], error));
             } else {
-                open.extend([(from, middle), (middle, to)]);
+                open.extend([(from, middle), (middle, to)].map(|(from, to)| Interval { from, to, before: size }));
             }
         }
         open
@@ -341,9 +352,9 @@ impl Between<'_> {
     }
 }
 
-/// The error of interpolation between intervals of which the answers in the middle differ so much. Over the whole history it is only less than that where the
-/// difference is small: contacts come and go with the value.
-fn on_halving(difference: Errors, tolerance: f64) -> Errors {
-    let smaller = ERROR_RATIO_ON_HALVING * difference;
+/// The error of interpolation between intervals of which the answers in the middle differ so much, where it falls by a ratio on halving. Over the
+/// whole history it is only less than that where the difference is small: contacts come and go with the value.
+fn on_halving(difference: Errors, ratio: f64, tolerance: f64) -> Errors {
+    let smaller = ratio * difference;
     if difference.history <= tolerance { smaller } else { Errors { history: difference.history, ..smaller } }
 }
