@@ -31,12 +31,14 @@ const LARGEST_RATE_CHANGE: f64 = 0.2;
 /// Part of the largest stress of a direction below which another one's is rounding.
 const STRESSLESS: f64 = 1e-6;
 
+/// λ and the output of coordinates that are driven by F itself.
+type Rates = Vec<(Complex<f64>, Complex<f64>)>;
+
 /// One body's modes, with how they move it on a basis that all bodies share.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(into = "Numbers", from = "Numbers")]
 pub struct Response {
-    /// Of coordinates that are driven by F itself: λ, and the output.
-    modes: Vec<(Complex<f64>, Complex<f64>)>,
+    modes: Rates,
     /// y on the basis from z, Re(Y z), by columns.
     places: DMatrix<Complex<f64>>,
     free: Free,
@@ -188,7 +190,7 @@ fn with_common_rates(
     modes: &[(Complex<f64>, Complex<f64>)],
     places: &DMatrix<Complex<f64>>,
     common: CommonRates,
-) -> (Vec<(Complex<f64>, Complex<f64>)>, DMatrix<Complex<f64>>) {
+) -> (Rates, DMatrix<Complex<f64>>) {
     let is_decay = |k: &usize| modes[*k].0.im == 0.0 && modes[*k].0.re <= 0.0;
     let (decays, others): (Vec<usize>, Vec<usize>) = (0..modes.len()).partition(is_decay);
     let sums: Vec<(usize, Decay)> = decays.into_iter().map(|k| (k, common.decay(-modes[k].0.re))).collect();
