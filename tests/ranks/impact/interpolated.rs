@@ -1,4 +1,4 @@
-//! Bodies of many temperatures, interpolated between a few, on one rank or several.
+//! Bodies of many temperatures, interpolated between a few: against the body of a temperature itself, and on one rank or several.
 
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
@@ -10,7 +10,7 @@ use ricochet::study::sweep::Interpolated;
 use crate::modelled::parse;
 
 pub const RANKS: &[usize] = &[1, 2];
-pub const TESTS: &[Test<Session>] = tests![ranks_together_find_what_each_does];
+pub const TESTS: &[Test<Session>] = tests![what_is_interpolated_is_within_its_part_of_the_estimate];
 
 /// °C.
 fn temperatures() -> Vec<f64> {
@@ -38,11 +38,13 @@ fn interpolated(ranks: &Comm) -> Interpolated {
     Interpolated::new(ranks, &temperatures(), &scene_of, &Unwatched(&alone)).unwrap().expect("few bodies")
 }
 
-/// Ranks that share the setup find what each would by itself, to the last digit.
-fn ranks_together_find_what_each_does(session: &Session) {
+/// At temperatures between bodies the force is off that of the body there, on the same basis, by no more than the interpolation's own estimate,
+/// and not by so little that this says nothing. Each rank by itself finds the same to the last digit.
+fn what_is_interpolated_is_within_its_part_of_the_estimate(session: &Session) {
     let (ranks, alone) = (session.world(), session.alone());
     let watch = &Unwatched(&alone);
     let [together, by_itself] = [&ranks, &alone].map(interpolated);
+    let mut largest = 0.0_f64;
     for temperature in temperatures() {
         let scene = pane(temperature);
         let peaks = [&together, &by_itself].map(|of| {
@@ -50,6 +52,12 @@ fn ranks_together_find_what_each_does(session: &Session) {
             ModalImpact::new(&scene, &body).trace(None).unwrap().0.peak()
         });
         assert_eq!(peaks[0].to_bits(), peaks[1].to_bits(), "{temperature} °C: {peaks:?}");
-        assert_eq!(together.error_at(temperature), by_itself.error_at(temperature), "{temperature} °C");
+        let found = together.difference_at(temperature, &scene, watch).unwrap();
+        let estimate = together.error_at(temperature).expect("within the range");
+        println!("  {temperature} °C: {:.1e} of {:.1e}", found.first_contact, estimate.first_contact);
+        // (At a body itself what its response leaves out is left.)
+        assert!(found.first_contact <= estimate.first_contact + 1e-3, "{temperature} °C: {found:?} {estimate:?}");
+        largest = largest.max(found.first_contact);
     }
+    assert!(largest > 1e-6, "{largest:e}");
 }

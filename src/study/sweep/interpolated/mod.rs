@@ -173,7 +173,8 @@ impl Interpolated {
             let size = difference.of(scene.measure);
             // As it has fallen from the interval before this was half of it.
             let ratio = if before > 0.0 { (size / before).clamp(ERROR_RATIO_ON_HALVING, 1.0) } else { 1.0 };
-            let error = on_halving(*difference, ratio, scene.tolerance);
+            let ends = [from, middle, to].map(|place| coordinate(values[place], self.is_geometric));
+            let error = on_halving(*difference, ratio * unevenness(ends), scene.tolerance);
             if error.of(scene.measure) <= INTERPOLATION_SHARE * scene.tolerance {
                 self.errors.push((values[to], error));
             } else {
@@ -327,12 +328,25 @@ struct Between<'a> {
     weights: Vec<f64>,
 }
 
+/// That in which answers are interpolated.
+fn coordinate(value: f64, is_geometric: bool) -> f64 {
+    if is_geometric { value.ln() } else { value }
+}
+
+/// The largest error of cubic interpolation in the halves of an interval, over what the difference at its middle tells of halves of one length. Members
+/// may have no value in the very middle: the error goes with the fourth power of the longer half, and the difference was seen where the distances to
+/// the ends have a smaller product.
+fn unevenness([from, middle, to]: [f64; 3]) -> f64 {
+    let (below, above, half) = (middle - from, to - middle, 0.5 * (to - from));
+    (below.max(above) / half).powi(4) * half * half / (below * above)
+}
+
 /// The bodies next to a value; `None` where there are none.
 fn between<'a>(nodes: &[&'a Node], value: f64, is_geometric: bool) -> Option<Between<'a>> {
     let above = nodes.partition_point(|node| node.value < value);
     let begin = above.saturating_sub(STENCIL / 2).min(nodes.len().saturating_sub(STENCIL));
     let near = &nodes[begin..nodes.len().min(begin + STENCIL)];
-    let at = |value: f64| if is_geometric { value.ln() } else { value };
+    let at = |value: f64| coordinate(value, is_geometric);
     let weight = |node: &&Node| -> f64 {
         let others = near.iter().filter(|other| other.value != node.value);
         others.map(|other| (at(value) - at(other.value)) / (at(node.value) - at(other.value))).product()
