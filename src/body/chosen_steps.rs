@@ -18,7 +18,7 @@ impl Spectrum {
     }
 
     /// [`Self::count`] in steps that are chosen, which no mode makes unstable: a body that relaxes takes all of its modes where most of them take
-    /// part. They take long, and serve for steps of several sizes so.
+    /// part. Finding modes is expensive; all of them can be used again for steps of another size.
     pub fn count_of_chosen_steps(&self, cutoff: f64, closed: &Closed) -> usize {
         let (count, all) = (self.count(cutoff, closed), self.squares.len());
         if self.relaxes && count as f64 >= MOST * all as f64 { all } else { count }

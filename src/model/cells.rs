@@ -139,7 +139,7 @@ impl Judge {
         if is_resolved { ORDER_OF_RESOLVED } else { full.min(at_edges).min(ORDER_PER_CELL * fewest as f64) }
     }
 
-    /// Errors on cells by those on others that are coarser than these, and finer than the ones of this.
+    /// Scales the errors on `cells`, as compared with these coarser ones, to `finer` cells by the order of convergence.
     pub fn errors_on_finer(
         &self,
         (cells, errors): ([usize; 3], Errors),

@@ -6,17 +6,15 @@
 
 use petsc_wrap::Comm;
 
-use super::cells::{
-    FINER, FINEST, Fitted, OF_CELLS, ORDER, fitted, on_coarser_cells, refine, unrefined, with_local_fields,
-};
-use super::reduce::{OF_BASIS, OF_SMALLER, Reduced, larger, rate};
+use super::cells::{FINER, Fitted, OF_CELLS, ORDER, fitted, on_coarser_cells, refine, unrefined, with_local_fields};
+use super::reduce::{OF_BASIS, OF_SMALLER_RELAXING, Reduced, larger, rate};
 use super::theory::{Built, Operators, build, cells_of_plate};
 use super::watch::Watch;
 use crate::body::{Assembled, rates};
 use crate::description::Description;
 use crate::error::{Error, Result};
 use crate::impact::Errors;
-use crate::scene::{Body, Model, Scene};
+use crate::scene::{Body, Layer, Model, Parts, Scene};
 use crate::space::plate::OF_CONTACT;
 
 /// A scene whose layers are elastic, with the moduli of half the contact's time.
@@ -29,10 +27,26 @@ fn time(scene: &Scene) -> f64 {
     OF_CONTACT * scene.impactor.contact_time()
 }
 
+/// The part of the modulus at half the contact that is left at the end, from which on one modulus judges the cells of both: 0.65 to 1 of a chain as of
+/// PVB. Plies that come apart have shorter waves.
+const LEFT_AT_END: f64 = 0.5;
+
 /// Whether a scene's layers relax, and its cells are judged so.
 pub(super) fn serves(scene: &Scene, theory: Model) -> bool {
     let is_layered = theory == Model::Layerwise && scene.body.composition.uniform().is_none();
-    is_layered && scene.time.modal && !Description::new(scene).relaxations().is_empty()
+    // What relaxes on a face is read there with other moduli. Layers that are alike then are a plate of another theory.
+    let Parts::Layers(layers) = &scene.body.composition.parts else { return false };
+    let has_elastic_faces =
+        [layers.first(), layers.last()].into_iter().flatten().all(|face| face.material.shear.is_none());
+    let [at_first, at_last] = [time(scene), scene.time.end];
+    let keeps_much = |layer: &Layer| {
+        layer.material.shear.as_ref().is_none_or(|chain| chain.at(at_last) >= LEFT_AT_END * chain.at(at_first))
+    };
+    is_layered
+        && has_elastic_faces
+        && layers.iter().all(keeps_much)
+        && scene.time.modal
+        && !Description::new(scene).relaxations().is_empty()
 }
 
 /// Cells that serve.
@@ -41,20 +55,20 @@ struct Found {
     size: f64,
     /// What they leave.
     error: Errors,
-    /// Vectors of which the elastic body would need so many, were the smaller of two bases taken.
+    /// How many vectors the elastic body needs where the smaller of two bases is used.
     vectors: usize,
 }
 
-/// Vectors of a body that relaxes over those of the elastic one.
+/// Vectors of a body that relaxes over those of the elastic one: a first guess, of one pane. More are made where these leave too much.
 const MORE: f64 = 1.1;
 
-/// That number, as errors fall with the square of it.
+/// The number of vectors with which the basis meets its part of the tolerance, as errors fall with the square of it.
 fn vectors(reduced: &Reduced, scene: &Scene) -> usize {
     let [fewer, more] = reduced.counts();
     if reduced.of_difference == 0.0 {
         return more;
     }
-    let error = OF_SMALLER * reduced.error.of(scene.measure) / reduced.of_difference;
+    let error = OF_SMALLER_RELAXING * reduced.error.of(scene.measure) / reduced.of_difference;
     let needed = MORE * fewer as f64 * (error / (OF_BASIS * scene.tolerance)).sqrt();
     (needed.ceil() as usize).clamp(fewer, more)
 }
@@ -81,7 +95,7 @@ pub(super) fn fit(
             Built::Given(_) => return Err(Error::Solve("a plate has unknowns".into())),
         }
     }
-    // It takes half as many more where its shapes change while it relaxes.
+    // A first guess too: a body whose shapes change while it relaxes needs more vectors.
     let is_at_one_rate = rates(&built.body.linear().chains(), rate(scene)).len() == 1;
     let fewer = if is_at_one_rate { found.vectors } else { larger(found.vectors) };
     let served = [fewer, larger(fewer)];
@@ -123,14 +137,17 @@ fn found(
     if over <= 1.0 {
         return Ok(Some(Found { size: 1.0, error, vectors }));
     }
-    // By the full order: where it is less, the error that is left says so.
     let finer = over.recip().powf(ORDER.recip());
     let mut size = finer.min(FINER[1]);
-    while finer >= FINER[0] && size >= FINEST {
+    while finer >= FINER[0] && size >= FINER[0] {
         // Cells are whole numbers: sizes that give the same ones are passed over.
         if let Some(finer) = cells_of_plate(scene, theory, size).filter(|finer| *finer != cells) {
-            let error = coarse.errors_on_finer((cells, error), finer, &elastic, theory);
-            return Ok(Some(Found { size, error, vectors }));
+            // (Histories with other contacts say nothing of an order.)
+            let of_finer = coarse.errors_on_finer((cells, error), finer, &elastic, theory);
+            let history = if error.history <= scene.tolerance { of_finer.history } else { error.history };
+            if watch.decided(of_finer.of(scene.measure) <= OF_CELLS * scene.tolerance) {
+                return Ok(Some(Found { size, error: Errors { history, ..of_finer }, vectors }));
+            }
         }
         size *= FINER[1];
     }

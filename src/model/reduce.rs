@@ -30,6 +30,9 @@ const OF_LARGER: f64 = 0.65;
 /// The same of a body that relaxes, whose creep is found more slowly: 0.2 to 1.15 was measured of laminates.
 const OF_RELAXING: f64 = 1.5;
 
+/// That of the smaller one of such a body: it is off by the difference and by what the larger one is off.
+pub(super) const OF_SMALLER_RELAXING: f64 = 1.0 + OF_RELAXING;
+
 /// Part of the tolerance that the estimate may take.
 pub const OF_BASIS: f64 = 0.5;
 
@@ -167,10 +170,12 @@ pub(super) fn reduce_from(
                     let difference = before.difference(&trace);
                     let wanted = OF_BASIS * scene.tolerance;
                     // A body that relaxes moves on the smaller one, at half the cost, where that serves.
-                    let is_small_enough = relaxes && watch.decided(OF_SMALLER * difference.of(scene.measure) <= wanted);
+                    let is_small_enough =
+                        relaxes && watch.decided(OF_SMALLER_RELAXING * difference.of(scene.measure) <= wanted);
                     let takes_smaller = given.is_some() || is_small_enough;
                     let of_difference = match given {
-                        _ if takes_smaller => OF_SMALLER,
+                        _ if is_small_enough => OF_SMALLER_RELAXING,
+                        Some(_) => OF_SMALLER,
                         _ if start.leaves_short_waves => of_larger(count, *smaller),
                         _ if relaxes => OF_RELAXING,
                         _ => OF_LARGER,
