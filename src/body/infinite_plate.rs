@@ -42,6 +42,8 @@ pub const OF_CUTOFF: f64 = 0.5;
 pub struct InfinitePlate {
     /// ω (rad/s), ascending, and ν there (s/kg); constant below the first, and zero beyond the last unless there is one alone.
     pub density: Vec<(f64, f64)>,
+    /// What waves that are faster than those of ν yield to a force, as a spring, m/N.
+    pub static_compliance: f64,
     /// Modes of the modelled part for each rad/s, s.
     pub modes: f64,
     /// Z of the whole plate by the thin plate's theory, N s/m.
@@ -137,7 +139,7 @@ mod tests {
     use crate::body::{Closed, Projection, Spectrum};
 
     fn of(density: Vec<(f64, f64)>) -> InfinitePlate {
-        InfinitePlate { density, modes: 1e-3, impedance: 2000.0, slowness: 0.1, room: 1.0 }
+        InfinitePlate { density, static_compliance: 0.0, modes: 1e-3, impedance: 2000.0, slowness: 0.1, room: 1.0 }
     }
 
     /// Re Y(iω) of coordinates: Y = s Σ c/(s − λ), of each conjugate pair half.
@@ -251,6 +253,7 @@ mod tests {
         let few = &all[..400];
         let plate = InfinitePlate {
             density: vec![(0.0, slowness / (4.0 * PI * mass))],
+            static_compliance: 0.0,
             // A quarter of the modes moves the centre; the weights leave nothing of the 400th.
             modes: edges[0] * edges[1] * slowness / (16.0 * PI) * 1.6 / VECTORS_PER_MODE,
             impedance: 8.0 * mass / slowness,

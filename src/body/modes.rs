@@ -269,7 +269,8 @@ impl Spectrum {
     /// [`Error::Solve`] where dampers leave the body without independent modes.
     pub fn modes(&self, count: usize, accuracy: f64) -> Result<Modes> {
         let left = self.force.iter().zip(&self.squares).skip(count);
-        let residual = left.map(|(force, square)| force * force / square).sum();
+        let of_short_waves = self.short_waves.as_ref().map_or(0.0, |waves| waves.static_compliance);
+        let residual = of_short_waves + left.map(|(force, square)| force * force / square).sum::<f64>();
         let most_damped = self.damping.as_ref().map_or(0.0, |d| d.amax());
         let is_free = |&i: &usize| {
             let held = self.damping.as_ref().is_some_and(|d| d.column(i).amax() > 1e-12 * most_damped);

@@ -9,6 +9,8 @@ use super::{Mode, Projection};
 pub struct ShortWaves {
     /// Their coordinates.
     pub coordinates: Vec<Mode>,
+    /// What those yield that are faster than any contact, m/N.
+    pub static_compliance: f64,
     /// √g of the modes.
     pub weights: DVector<f64>,
     /// How many of the modes, the lowest first, have any.
@@ -24,6 +26,12 @@ impl ShortWaves {
         let cutoff = plate.known(projection.vectors());
         let weights = squares.map(|square| weight(square.max(0.0).sqrt(), cutoff).sqrt());
         let kept = weights.iter().filter(|weight| **weight > 0.0).count();
-        Some(Self { coordinates: plate.short_waves(cutoff), weights, kept, force: force.clone() })
+        Some(Self {
+            coordinates: plate.short_waves(cutoff),
+            static_compliance: plate.static_compliance,
+            weights,
+            kept,
+            force: force.clone(),
+        })
     }
 }

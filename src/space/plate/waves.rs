@@ -15,8 +15,8 @@ use super::{Local, PlateTheory, Points};
 /// Wavenumbers of Mindlin's waves that are looked at, each over the one before.
 const STEP: f64 = 1.05;
 
-/// Such wavenumbers at most.
-const MOST: i32 = 400;
+/// The last of them times the disc's radius: waves that are shorter hardly move what is read, the mean over the disc.
+const SHORTEST: f64 = 40.0;
 
 /// The part of the density of long waves below which nothing is left.
 const LEAST: f64 = 1e-4;
@@ -52,13 +52,14 @@ fn of_section(geometry: &PlateGeometry, section: &Section, local: Option<&Local>
     // ξ² = ω √(ρh/D) of long waves.
     let slowness = (section.density * section.thickness / section.rigidity()).sqrt();
     let thin = copies * slowness / (4.0 * PI * section.density * section.thickness);
-    let density = match local {
-        None => vec![(0.0, thin)],
+    let (density, static_compliance) = match local {
+        None => (vec![(0.0, thin)], 0.0),
         Some(local) => of_mindlin(section, local, (copies, thin)),
     };
     // A wave of the wavenumber ξ fits an area A into A ξ²/4π modes below it.
     InfinitePlate {
         density,
+        static_compliance,
         modes: classes * edges[0] * edges[1] * slowness / (4.0 * PI * copies),
         impedance: zener::impedance(&material, section.thickness),
         slowness,
@@ -66,38 +67,62 @@ fn of_section(geometry: &PlateGeometry, section: &Section, local: Option<&Local>
     }
 }
 
-/// ω and ν = (1/2π) ξ dξ/dω r² P² of the lower branch of Mindlin's waves, r² the square of what is read over the moving mass.
+/// A wave of Mindlin's plate.
+struct Wave {
+    /// ω, rad/s.
+    frequency: f64,
+    /// r² P²: the square of what is read on the disc over the moving mass of a unit of area, m²/kg.
+    of_force: f64,
+}
+
+/// The waves of a wavenumber ξ (1/m), the bending one and that of thickness shear.
 ///
 /// With w and θ = ∇ψ of a wave: M = diag(ρh, ρh³ξ²/12) and K = [[S, S], [S, Dξ⁴ + S]], S = κμhξ². What is read is w − s h² ξ² ψ.
-fn of_mindlin(section: &Section, local: &Local, (copies, thin): (f64, f64)) -> Vec<(f64, f64)> {
+fn waves(section: &Section, local: &Local, wavenumber: f64) -> [Wave; 2] {
     let mass = section.density * section.thickness;
-    let wave = |wavenumber: f64| {
-        let square = wavenumber * wavenumber;
-        let shear = local.shear_factor * section.shear() * square;
-        let (bending, rotary) = (section.rigidity() * square * square, section.density * section.inertia() * square);
-        let half = 0.5 * (shear / mass + (bending + shear) / rotary);
-        let product = shear * bending / (mass * rotary);
-        let of_branch = product / (half + (half * half - product).sqrt());
+    let square = wavenumber * wavenumber;
+    let shear = local.shear_factor * section.shear() * square;
+    let (bending, rotary) = (section.rigidity() * square * square, section.density * section.inertia() * square);
+    let half = 0.5 * (shear / mass + (bending + shear) / rotary);
+    let product = shear * bending / (mass * rotary);
+    let upper = half + (half * half - product).sqrt();
+    let spread = local.spread.transform(wavenumber * local.radius);
+    [product / upper, upper].map(|square_of_frequency| {
         // (S − ω² ρh) w + S ψ = 0.
-        let turned = of_branch * mass / shear - 1.0;
+        let turned = square_of_frequency * mass / shear - 1.0;
         let read = 1.0 - local.reading * section.thickness.powi(2) * square * turned;
-        let spread = local.spread.transform(wavenumber * local.radius);
-        (of_branch.sqrt(), (read * spread).powi(2) / (mass + rotary * turned * turned))
-    };
+        let of_force = (read * spread).powi(2) / (mass + rotary * turned * turned);
+        Wave { frequency: square_of_frequency.sqrt(), of_force }
+    })
+}
+
+/// ω and ν = (1/2π) ξ dξ/dω r² P² of the bending waves, and what the rest, which is faster than any contact, yields to a resting force, m/N:
+/// (1/2π) ∫ r² P²/ω² ξ dξ over the waves of thickness shear, and over the bending ones beyond the last ω.
+fn of_mindlin(section: &Section, local: &Local, (copies, thin): (f64, f64)) -> (Vec<(f64, f64)>, f64) {
     let first = 0.01 / section.thickness;
-    let mut density = vec![(wave(first).0, thin)];
-    let mut largest = thin;
-    for i in 1..MOST {
+    let mut density = vec![(waves(section, local, first)[0].frequency, thin)];
+    let (mut largest, mut is_complete, mut static_compliance) = (thin, false, 0.0);
+    for i in 1.. {
         let wavenumber = first * STEP.powi(i);
-        let (frequency, of_force) = wave(wavenumber);
-        let ends = [1e-3, -1e-3].map(|part| wavenumber * (1.0 + part));
-        let slope = (ends[0] - ends[1]) / (wave(ends[0]).0 - wave(ends[1]).0);
-        let value = copies * wavenumber * slope * of_force / (2.0 * PI);
-        density.push((frequency, value));
-        largest = largest.max(value);
-        if value < LEAST * largest && wavenumber * local.radius > PI {
+        if wavenumber * local.radius > SHORTEST {
             break;
         }
+        let [bending, shear] = waves(section, local, wavenumber);
+        // ξ dξ = ξ² d ln ξ.
+        let part = copies * wavenumber * wavenumber * STEP.ln() / (2.0 * PI);
+        let yields = |wave: &Wave| part * wave.of_force / wave.frequency.powi(2);
+        static_compliance += yields(&shear);
+        if is_complete {
+            static_compliance += yields(&bending);
+            continue;
+        }
+        let ends = [1e-3, -1e-3].map(|part| wavenumber * (1.0 + part));
+        let frequencies = ends.map(|end| waves(section, local, end)[0].frequency);
+        let slope = (ends[0] - ends[1]) / (frequencies[0] - frequencies[1]);
+        let value = copies * wavenumber * slope * bending.of_force / (2.0 * PI);
+        density.push((bending.frequency, value));
+        largest = largest.max(value);
+        is_complete = value < LEAST * largest && wavenumber * local.radius > PI;
     }
-    density
+    (density, static_compliance)
 }
