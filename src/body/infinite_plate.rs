@@ -42,8 +42,8 @@ pub const OF_CUTOFF: f64 = 0.5;
 pub struct InfinitePlate {
     /// ω (rad/s), ascending, and ν there (s/kg); constant below the first, and zero beyond the last unless there is one alone.
     pub density: Vec<(f64, f64)>,
-    /// What waves that are faster than those of ν yield to a force, as a spring, m/N.
-    pub static_compliance: f64,
+    /// ω (rad/s) of the waves that ν does not hold, faster than any contact, with what they yield to a force as springs, m/N.
+    pub yielding: Vec<(f64, f64)>,
     /// Modes of the modelled part for each rad/s, s.
     pub modes: f64,
     /// Z of the whole plate by the thin plate's theory, N s/m.
@@ -85,6 +85,11 @@ impl InfinitePlate {
             (Some((_, value)), None) if self.density.len() == 1 => *value,
             _ => 0.0,
         }
+    }
+
+    /// What those waves that are faster than the contact yield to a force beside modes that are weighted up to ω_c (rad/s), m/N.
+    pub fn static_compliance(&self, cutoff: f64) -> f64 {
+        self.yielding.iter().map(|(frequency, part)| (1.0 - weight(*frequency, cutoff)) * part).sum()
     }
 
     /// Whether ν is the same at all frequencies.
@@ -139,7 +144,7 @@ mod tests {
     use crate::body::{Closed, Projection, Spectrum};
 
     fn of(density: Vec<(f64, f64)>) -> InfinitePlate {
-        InfinitePlate { density, static_compliance: 0.0, modes: 1e-3, impedance: 2000.0, slowness: 0.1, room: 1.0 }
+        InfinitePlate { density, yielding: Vec::new(), modes: 1e-3, impedance: 2000.0, slowness: 0.1, room: 1.0 }
     }
 
     /// Re Y(iω) of coordinates: Y = s Σ c/(s − λ), of each conjugate pair half.
@@ -253,7 +258,7 @@ mod tests {
         let few = &all[..400];
         let plate = InfinitePlate {
             density: vec![(0.0, slowness / (4.0 * PI * mass))],
-            static_compliance: 0.0,
+            yielding: Vec::new(),
             // A quarter of the modes moves the centre; the weights leave nothing of the 400th.
             modes: edges[0] * edges[1] * slowness / (16.0 * PI) * 1.6 / VECTORS_PER_MODE,
             impedance: 8.0 * mass / slowness,

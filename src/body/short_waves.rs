@@ -28,7 +28,7 @@ impl ShortWaves {
         let kept = weights.iter().filter(|weight| **weight > 0.0).count();
         Some(Self {
             coordinates: plate.short_waves(cutoff),
-            static_compliance: plate.static_compliance,
+            static_compliance: plate.static_compliance(cutoff),
             weights,
             kept,
             force: force.clone(),

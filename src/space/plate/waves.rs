@@ -52,14 +52,14 @@ fn of_section(geometry: &PlateGeometry, section: &Section, local: Option<&Local>
     // ξ² = ω √(ρh/D) of long waves.
     let slowness = (section.density * section.thickness / section.rigidity()).sqrt();
     let thin = copies * slowness / (4.0 * PI * section.density * section.thickness);
-    let (density, static_compliance) = match local {
-        None => (vec![(0.0, thin)], 0.0),
+    let (density, yielding) = match local {
+        None => (vec![(0.0, thin)], Vec::new()),
         Some(local) => of_mindlin(section, local, (copies, thin)),
     };
     // A wave of the wavenumber ξ fits an area A into A ξ²/4π modes below it.
     InfinitePlate {
         density,
-        static_compliance,
+        yielding,
         modes: classes * edges[0] * edges[1] * slowness / (4.0 * PI * copies),
         impedance: zener::impedance(&material, section.thickness),
         slowness,
@@ -96,12 +96,12 @@ fn waves(section: &Section, local: &Local, wavenumber: f64) -> [Wave; 2] {
     })
 }
 
-/// ω and ν = (1/2π) ξ dξ/dω r² P² of the bending waves, and what the rest, which is faster than any contact, yields to a resting force, m/N:
-/// (1/2π) ∫ r² P²/ω² ξ dξ over the waves of thickness shear, and over the bending ones beyond the last ω.
-fn of_mindlin(section: &Section, local: &Local, (copies, thin): (f64, f64)) -> (Vec<(f64, f64)>, f64) {
+/// ω and ν = (1/2π) ξ dξ/dω r² P² of the bending waves, and ω of the rest, which is faster than any contact, with what it yields to a resting
+/// force, m/N: (1/2π) r² P²/ω² ξ dξ of the waves of thickness shear, and of the bending ones beyond the last ω.
+fn of_mindlin(section: &Section, local: &Local, (copies, thin): (f64, f64)) -> (Vec<(f64, f64)>, Vec<(f64, f64)>) {
     let first = 0.01 / section.thickness;
     let mut density = vec![(waves(section, local, first)[0].frequency, thin)];
-    let (mut largest, mut is_complete, mut static_compliance) = (thin, false, 0.0);
+    let (mut largest, mut is_complete, mut yielding) = (thin, false, Vec::new());
     for i in 1.. {
         let wavenumber = first * STEP.powi(i);
         if wavenumber * local.radius > SHORTEST {
@@ -110,10 +110,10 @@ fn of_mindlin(section: &Section, local: &Local, (copies, thin): (f64, f64)) -> (
         let [bending, shear] = waves(section, local, wavenumber);
         // ξ dξ = ξ² d ln ξ.
         let part = copies * wavenumber * wavenumber * STEP.ln() / (2.0 * PI);
-        let yields = |wave: &Wave| part * wave.of_force / wave.frequency.powi(2);
-        static_compliance += yields(&shear);
+        let spring = |wave: &Wave| (wave.frequency, part * wave.of_force / wave.frequency.powi(2));
+        yielding.push(spring(&shear));
         if is_complete {
-            static_compliance += yields(&bending);
+            yielding.push(spring(&bending));
             continue;
         }
         let ends = [1e-3, -1e-3].map(|part| wavenumber * (1.0 + part));
@@ -124,5 +124,5 @@ fn of_mindlin(section: &Section, local: &Local, (copies, thin): (f64, f64)) -> (
         largest = largest.max(value);
         is_complete = value < LEAST * largest && wavenumber * local.radius > PI;
     }
-    (density, static_compliance)
+    (density, yielding)
 }
