@@ -3,7 +3,7 @@
 use crate::space::evaluate::{ContactNow, Face};
 
 use super::LANES;
-use super::local::LocalRows;
+use super::local::{LocalRows, principal_of};
 
 /// Tensions over S at all points of a face, in single precision.
 #[derive(Default)]
@@ -22,6 +22,11 @@ pub(super) struct Seen {
 #[inline(always)]
 fn larger(a: f32, b: f32) -> f32 {
     if b > a { b } else { a }
+}
+
+/// A value in single precision; what a small size takes out of range is as large as can be, so that all points are looked at.
+fn known(value: f64) -> f32 {
+    if value.is_nan() { f32::INFINITY } else { value as f32 }
 }
 
 impl Seen {
@@ -45,14 +50,32 @@ impl Seen {
         self.values.resize(count.next_multiple_of(LANES), f32::NEG_INFINITY);
         let (values, beyond) = self.values.split_at_mut(count);
         beyond.fill(f32::NEG_INFINITY);
-        pulp::Arch::new().dispatch(Adding { sign, mean, roots: &self.roots[face.first..][..count], values });
-        if contact.force > 0.0 {
-            for (point, more) in local.under(contact) {
-                let of = |part: usize, stress: f32| f64::from(sign * stress) + more[part] / size;
-                let [m, d, s] = [of(0, mean[point]), of(1, half[point]), of(2, shear[point])];
-                let value = (m + (d * d + s * s).sqrt()) as f32;
-                // What a small size takes out of range has all points looked at.
-                values[point] = if value.is_nan() { f32::INFINITY } else { value };
+        match face.across {
+            Some(first) => {
+                let of = |first: usize, point: usize| {
+                    [0, 1, 2].map(|part| f64::from(column[part * sampled + first + point]))
+                };
+                let mut lacking = local.whole_under(contact).peekable();
+                for (point, value) in values.iter_mut().enumerate() {
+                    let (mut in_plane, mut across) =
+                        (of(face.first, point).map(|part| face.sign * part), of(first, point));
+                    // Where a plate bends, shear is the same on both faces.
+                    across[2] *= face.sign;
+                    if let Some((_, more)) = lacking.next_if(|(of, _)| *of == point) {
+                        (0..3).for_each(|i| in_plane[i] += more[0][i] / size);
+                        (0..3).for_each(|i| across[i] += more[1][i] / size);
+                    }
+                    *value = known(principal_of(in_plane, across));
+                }
+            }
+            None => {
+                let roots = &self.roots[face.first..][..count];
+                pulp::Arch::new().dispatch(Adding { sign, mean, roots, values });
+                for (point, more) in local.under(contact) {
+                    let of = |part: usize, stress: f32| f64::from(sign * stress) + more[part] / size;
+                    let [m, d, s] = [of(0, mean[point]), of(1, half[point]), of(2, shear[point])];
+                    values[point] = known(m + (d * d + s * s).sqrt());
+                }
             }
         }
         local.left_out.iter().for_each(|point| values[*point] = f32::NEG_INFINITY);
