@@ -5,8 +5,7 @@ mod examples;
 mod figures;
 
 use mpi_test::{PlainTest, tests};
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use crate::program::BOX;

@@ -1,11 +1,9 @@
 //! What the Python package draws.
 
-use std::fs;
-
 use crate::results::{folder, good};
 use crate::sweeps::{numbers, supported};
 
-use super::python;
+use super::{bits, python};
 
 pub(super) fn sweeps_are_drawn_as_curves_and_maps() {
     let folder = folder(&supported());

@@ -79,6 +79,14 @@ pub(super) fn principal_of([m, d, s]: [f64; 3], [m_across, d_across, normal]: [f
     with_shear([m + d, m - d, s], [m_across + d_across, m_across - d_across, normal])
 }
 
+/// What that does not exceed: of a direction with the parts p along the face and z across it the stress is at most λp² + 2τpz + σz², with λ the
+/// principal stress in the plane and τ the whole shear across it.
+pub(super) fn ceiling_of([m, d, s]: [f64; 3], [m_across, d_across, normal]: [f64; 3]) -> f64 {
+    let in_plane = m + (d * d + s * s).sqrt();
+    let shear = 2.0 * (m_across * m_across + d_across * d_across);
+    0.5 * (in_plane + normal) + (0.25 * (in_plane - normal).powi(2) + shear).sqrt()
+}
+
 /// (a + b)/2, (a − b)/2 and ab of a, b and ab; and so of az, bz and zz.
 pub(super) fn parts([a, b, ab]: [f64; 3]) -> [f64; 3] {
     [0.5 * (a + b), 0.5 * (a - b), ab]

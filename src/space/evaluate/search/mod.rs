@@ -25,7 +25,7 @@ use super::line_stress::{TOGETHER, Together};
 use super::{ContactNow, FaceStresses, FaceTension, LineStresses, TensionMap};
 use local::{LocalRows, parts};
 pub(super) use rows::StressRows;
-use seen::{Peaks, Seen};
+use seen::{Peaks, Seen, Wanted};
 
 /// Steps whose stresses are computed at once: they stay in the cache.
 const BLOCK: usize = 64;
@@ -260,7 +260,7 @@ impl<'a> Finding<'a> {
         seen.take(column);
         let faces = search.faces.faces.iter().zip(&search.local).zip(peaks);
         let each = faces.map(|((face, local), peaks)| {
-            seen.look(face, local, (column, *size), contact);
+            seen.look((face, local), (column, *size), contact, Wanted::Peaks(peaks));
             // (Where all is compressed, nothing is known of points between.)
             let is_small = |least: f64| seen.top > 0.0 && LIFTED * f64::from(seen.top) * size < largest.min(least);
             if *size > f64::MIN_POSITIVE && least.is_some_and(is_small) {

@@ -3,7 +3,7 @@
 use crate::space::evaluate::{ContactNow, Face};
 
 use super::LANES;
-use super::local::{LocalRows, principal_of};
+use super::local::{LocalRows, ceiling_of, principal_of};
 
 /// Tensions over S at all points of a face, in single precision.
 #[derive(Default)]
@@ -24,6 +24,30 @@ fn larger(a: f32, b: f32) -> f32 {
     if b > a { b } else { a }
 }
 
+/// Which values are wanted; others may be found too large, but neither above the largest one nor above their peaks.
+#[derive(Clone, Copy)]
+pub(super) enum Wanted<'a> {
+    /// All.
+    #[cfg(test)]
+    All,
+    /// The largest of the step.
+    Largest,
+    /// That, and those above the peaks of earlier steps.
+    Peaks(&'a Peaks),
+}
+
+impl Wanted<'_> {
+    /// Whether a value is not wanted that is no larger than a ceiling, by the largest one so far; all over S, Pa.
+    fn is_out(self, point: usize, ceiling: f32, (top, size): (f32, f64)) -> bool {
+        match self {
+            #[cfg(test)]
+            Self::All => false,
+            Self::Largest => ceiling <= top,
+            Self::Peaks(peaks) => ceiling <= top && ceiling * size as f32 <= peaks.tension[point],
+        }
+    }
+}
+
 /// A value in single precision; what a small size takes out of range is as large as can be, so that all points are looked at.
 fn known(value: f64) -> f32 {
     if value.is_nan() { f32::INFINITY } else { value as f32 }
@@ -42,7 +66,13 @@ impl Seen {
     }
 
     /// Looks at a face, whose stresses over the size S are parts of a column.
-    pub fn look(&mut self, face: &Face, local: &LocalRows, (column, size): (&[f32], f64), contact: &ContactNow) {
+    pub fn look(
+        &mut self,
+        (face, local): (&Face, &LocalRows),
+        (column, size): (&[f32], f64),
+        contact: &ContactNow,
+        wanted: Wanted,
+    ) {
         let (sampled, count) = (column.len() / 3, face.points.len());
         let [mean, half, shear] = [0, 1, 2].map(|part| &column[part * sampled + face.first..][..count]);
         let sign = face.sign as f32;
@@ -55,7 +85,7 @@ impl Seen {
                 let of = |first: usize, point: usize| {
                     [0, 1, 2].map(|part| f64::from(column[part * sampled + first + point]))
                 };
-                let mut lacking = local.whole_under(contact).peekable();
+                let (mut lacking, mut top) = (local.whole_under(contact).peekable(), f32::NEG_INFINITY);
                 for (point, value) in values.iter_mut().enumerate() {
                     let (mut in_plane, mut across) =
                         (of(face.first, point).map(|part| face.sign * part), of(first, point));
@@ -65,7 +95,14 @@ impl Seen {
                         (0..3).for_each(|i| in_plane[i] += more[0][i] / size);
                         (0..3).for_each(|i| across[i] += more[1][i] / size);
                     }
-                    *value = known(principal_of(in_plane, across));
+                    // Most points are far below, and square roots take less than an arc cosine.
+                    let ceiling = known(ceiling_of(in_plane, across));
+                    *value = match face.left_out[point] {
+                        true => f32::NEG_INFINITY,
+                        false if wanted.is_out(point, ceiling, (top, size)) => ceiling,
+                        false => known(principal_of(in_plane, across)),
+                    };
+                    top = larger(top, *value);
                 }
             }
             None => {

@@ -246,7 +246,7 @@ fn single_precision_keeps_its_bound() {
         }
         seen.take(column.as_slice());
         for (face, local) in faces.faces.iter().zip(&search.local) {
-            seen.look(face, local, (column.as_slice(), size), contact);
+            seen.look((face, local), (column.as_slice(), size), contact, Wanted::All);
             let bound = f64::from(search.bound(seen.top));
             for point in (0..face.points.len()).filter(|point| !face.left_out[*point]) {
                 let exact = face.value(point, |number| of_rows(&search).at(number, of_step), contact) / size;

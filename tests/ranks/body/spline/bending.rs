@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use petsc_wrap::Session;
 use ricochet::impact::Errors;
-use ricochet::scene::Scene;
 
 use crate::glass;
 
