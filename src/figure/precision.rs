@@ -304,6 +304,6 @@ mod tests {
         let marks = [(430.0, 380.0), (430.0, 420.0), (370.0, 380.0), (370.0, 420.0), (400.0, 372.0), (400.0, 428.0)];
         let (left, middle) = label_place((400.0, 400.0), width, &frame, &marks);
         let is_covered = |(x, y): &(f64, f64)| (left..left + width).contains(x) && (middle - y).abs() < 10.5;
-        assert!(!marks.iter().any(|mark| is_covered(mark)), "{left} {middle}");
+        assert!(!marks.iter().any(is_covered), "{left} {middle}");
     }
 }
