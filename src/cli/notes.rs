@@ -175,6 +175,9 @@ pub fn listed(words: &[&str]) -> String {
 /// Part of a table that an impact is expected to use at least: less looks like units that differ by a thousand.
 const LEAST_OF_TABLE: f64 = 0.01;
 
+/// Kelvin by which a temperature may be beyond the usual range of its shift without a word: the range is no sharp one.
+const NEAR_RANGE: f64 = 10.0;
+
 /// Diagonal of a body, m, and its ratio to the impactor's radius, above which its lengths look like millimetres.
 const LONG: f64 = 20.0;
 const LONG_FOR_RADIUS: f64 = 200.0;
@@ -313,12 +316,29 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
             .to_owned();
         add("wide gap", impactor.gap / (impactor.speed * scene.time.end), text);
     }
+    if let Some((beyond, text)) = scene.body.temperature.and_then(|temperature| extrapolated(scene, temperature)) {
+        add("temperature", beyond, text);
+    }
     if let Some(key) = unused(scene) {
         let name = model::name(scene.body.model);
         let text = format!("{key} has no effect with model = \"{name}\", which chooses its own; it is for \"solid\"");
         add("unused key", 1.0, text);
     }
     notes
+}
+
+/// By how many kelvin a temperature (°C) is beyond the usual range of a material's shift, with what to say of it.
+fn extrapolated(scene: &Scene, temperature: f64) -> Option<(f64, String)> {
+    let ranges =
+        scene.body.composition.materials().into_iter().filter_map(|material| Some(material.shift?.usual_range()));
+    let beyond = ranges.map(|[low, high]| ((low - temperature).max(temperature - high), [low, high]));
+    let (beyond, [low, high]) =
+        beyond.max_by(|one, other| one.0.total_cmp(&other.0)).filter(|(beyond, _)| *beyond > NEAR_RANGE)?;
+    let text = format!(
+        "WLF's formula usually holds from the glass transition to 100 K above, with the constants given from about {low:.0} to {high:.0} °C: at \
+         {temperature} °C the shear modulus is extrapolated; check it against measurements"
+    );
+    Some((beyond, text))
 }
 
 /// A key that is given for the solid's cells, where another theory is named.

@@ -6,9 +6,10 @@ use crate::figure::history::{Curve, History, Run, draw};
 use crate::figure::sweep as figure;
 use crate::record::quantity::{Part, Quantity, quantity};
 use crate::record::read;
-use crate::record::stress::{FaceMap, STRESS_MAP, StressMaps};
+use crate::record::stress::{FaceMap, STRESS_MAP, StressMaps, Stresses};
 use crate::record::sweep::{self as record, Key, Status, Sweep, Values, is_sweep};
 use crate::report::face_figure;
+use crate::scene::{Geometry, Scene, face_names};
 use std::path::{Path, PathBuf};
 
 /// What is drawn of runs where nothing else is asked for.
@@ -69,7 +70,7 @@ pub fn plot(files: &[PathBuf], out: &Path, asked: Option<&str>) -> Result<()> {
 fn plot_maps(file: &Path, out: &Path, face: &str) -> Result<()> {
     let refuse = |what: String| Err(Error::Usage(format!("--quantity {STRESS_MAP}: {} has {what}", file.display())));
     let Some(maps) = StressMaps::read(file)? else { return refuse("no map of stresses".to_owned()) };
-    let title = read::history(file)?.title;
+    let (title, stresses) = (read::history(file)?.title, Stresses::read(file)?);
     let is_wanted = |map: &&FaceMap| face.is_empty() || map.name == face;
     let wanted: Vec<&FaceMap> = maps.faces.iter().filter(is_wanted).collect();
     let names: Vec<&str> = maps.faces.iter().map(|map| map.name.as_str()).collect();
@@ -78,7 +79,10 @@ fn plot_maps(file: &Path, out: &Path, face: &str) -> Result<()> {
     }
     for map in wanted {
         let titled = [title.trim(), &map.name].join(if title.trim().is_empty() { "" } else { ": " });
-        let Some(figure) = face_figure(&maps, map, titled) else { continue };
+        let Some(mut figure) = face_figure((&maps, map), stresses.as_ref(), titled) else { continue };
+        if figure.surface.unread.is_some() {
+            figure.note += "; within the dashed circle read at the hit alone";
+        }
         let place = if face.is_empty() { with_name(out, &map.name) } else { out.to_owned() };
         draw_face(&figure, &place)?;
     }
@@ -115,11 +119,19 @@ fn of_members(name: &str) -> Result<(record::Quantity, figure::Quantity)> {
             names.join(", ")
         )));
     };
-    Ok((quantity, figure::Quantity { label, unit: with_powers(unit) }))
+    Ok((quantity, figure::Quantity { label, unit: with_powers(unit), names: Vec::new() }))
+}
+
+/// What the faces of a sweep's members are called, of the text of its scene and their numbers; nothing where that is not known, as on a mesh.
+fn names_of_faces(scene: &str, numbers: &[f64]) -> Vec<String> {
+    let Ok((scene, _)) = Scene::parse("the sweep's scene", scene, &[]) else { return Vec::new() };
+    let Geometry::Box { .. } = scene.body.geometry else { return Vec::new() };
+    let names = face_names(scene.hit_layers().len().saturating_sub(1));
+    if numbers.iter().any(|number| *number >= names.len() as f64) { Vec::new() } else { names }
 }
 
 fn plot_sweep(file: &Path, out: &Path, name: &str) -> Result<()> {
-    let (quantity, drawn) = of_members(name)?;
+    let (quantity, mut drawn) = of_members(name)?;
     let sweep = Sweep::read(file)?;
     let refuse = |why: String| Err(Error::Usage(format!("{}: {why}", file.display())));
     let Sweep { header, status, .. } = &sweep;
@@ -128,6 +140,9 @@ fn plot_sweep(file: &Path, out: &Path, name: &str) -> Result<()> {
         return refuse("no member of the sweep is done".into());
     }
     let (title, results) = (header.title.clone(), sweep.quantity(quantity));
+    if quantity == record::Quantity::LargestStressFace {
+        drawn.names = names_of_faces(&header.scene, results);
+    }
     if !results.iter().any(|result| result.is_finite()) {
         return refuse(format!("no member of the sweep has a {}", drawn.label));
     }

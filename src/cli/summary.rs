@@ -163,9 +163,12 @@ pub fn lines(extremes: &Extremes) -> Vec<String> {
             short(y),
             short(z)
         );
-        if !largest.error_estimate.is_nan() {
-            line += &format!(", estimated error in the first contact {:.1e}", largest.error_estimate);
-        }
+        line += &match largest.error_estimate {
+            none if none.is_nan() => {
+                ", without an estimate of its error (plates and spline solids in modal coordinates have one)".to_owned()
+            }
+            error => format!(", estimated error in the first contact {error:.1e}"),
+        };
         if !largest.strength_passed_at.is_nan() {
             line += &format!("; the strength is exceeded from {} ms on", short(1e3 * largest.strength_passed_at));
         }

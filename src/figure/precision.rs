@@ -179,7 +179,7 @@ impl Precision {
             pixels.iter().try_for_each(|pixel| draw_mark(canvas, *pixel, (method.is_foreign, n), look.colour))?;
         }
         // Above all lines.
-        let marks: Vec<(f64, f64)> = self
+        let mut marks: Vec<(f64, f64)> = self
             .settings()
             .filter(|setting| setting.errors[panel].is_finite())
             .map(|setting| at(setting.seconds, setting.errors[panel]))
@@ -193,7 +193,10 @@ impl Precision {
                 canvas.dot((x, y), 11.0, PAPER)?;
                 canvas.dot((x, y), 7.0, colour)?;
                 let width = canvas.text_width(mark, LEGEND_LETTERS);
-                canvas.text(mark, label_place((x, y), width, frame, &marks), LEGEND_LETTERS, Anchor::Left)?;
+                let place = label_place((x, y), width, frame, &marks);
+                canvas.text(mark, place, LEGEND_LETTERS, Anchor::Left)?;
+                // Other labels avoid this one as they avoid marks.
+                marks.extend([0.0, 0.5, 1.0].map(|part| (place.0 + part * width, place.1)));
             }
         }
         frame.draw_axes(canvas, true)?;
@@ -218,13 +221,17 @@ impl Precision {
     }
 }
 
-/// Where the label of a mark begins (the middle of its left edge): right or left of the mark, above or below it, within the frame, and
-/// where it covers the fewest other marks.
+/// Where the label of a mark begins (the middle of its left edge): about the mark, within the frame, as near as it covers no other mark, or
+/// the fewest.
 fn label_place(mark: (f64, f64), width: f64, frame: &Frame, marks: &[(f64, f64)]) -> (f64, f64) {
-    let (beside, up) = (18.0, 16.0);
     let half = 0.5 * LEGEND_LETTERS;
-    let places = [(beside, -up), (beside, up), (-beside - width, -up), (-beside - width, up)];
-    let places = places.map(|(dx, dy)| (mark.0 + dx, mark.1 + dy));
+    let around = |farther: f64| {
+        let (right, left, up) = (18.0 + farther, -18.0 - farther - width, 16.0 + farther);
+        let middle = -0.5 * width;
+        [(right, -up), (right, up), (left, -up), (left, up), (middle, -up - 12.0), (middle, up + 12.0)]
+    };
+    let places = [0.0, 16.0, 32.0, 48.0].into_iter().flat_map(around);
+    let places: Vec<(f64, f64)> = places.map(|(dx, dy)| (mark.0 + dx, mark.1 + dy)).collect();
     let is_within = |(x, y): (f64, f64)| {
         x >= frame.left && x + width <= frame.right && y - half >= frame.top && y + half <= frame.bottom
     };
@@ -233,7 +240,7 @@ fn label_place(mark: (f64, f64), width: f64, frame: &Frame, marks: &[(f64, f64)]
         (x - 8.0..x + width + 8.0).contains(&other.0) && (other.1 - y).abs() < half + 8.0
     };
     let covered = |place: &(f64, f64)| marks.iter().filter(|other| is_covered(*place, **other)).count();
-    let best = places.into_iter().filter(|place| is_within(*place)).min_by_key(covered);
+    let best = places.iter().copied().filter(|place| is_within(*place)).min_by_key(covered);
     // (A panel holds a label on one side at least.)
     best.unwrap_or(places[0])
 }
@@ -293,5 +300,10 @@ mod tests {
             }
         }
         assert_eq!(label_place((400.0, 400.0), width, &frame, &[(430.0, 380.0)]), (418.0, 416.0));
+        // Marks at all four near places: farther away there is room.
+        let marks = [(430.0, 380.0), (430.0, 420.0), (370.0, 380.0), (370.0, 420.0), (400.0, 372.0), (400.0, 428.0)];
+        let (left, middle) = label_place((400.0, 400.0), width, &frame, &marks);
+        let is_covered = |(x, y): &(f64, f64)| (left..left + width).contains(x) && (middle - y).abs() < 10.5;
+        assert!(!marks.iter().any(is_covered), "{left} {middle}");
     }
 }

@@ -7,6 +7,8 @@ pub(super) struct Scale {
     low: f64,
     high: f64,
     is_log: bool,
+    /// What the values 0, 1, … are called, where they are not numbers.
+    names: Vec<String>,
 }
 
 /// More powers of ten than this are not all labelled.
@@ -24,7 +26,12 @@ const LOG_FACTOR: f64 = 100.0;
 impl Scale {
     /// The axis between two limits, positive ones if it is logarithmic.
     pub fn new(low: f64, high: f64, is_log: bool) -> Self {
-        Self { low, high, is_log }
+        Self { low, high, is_log, names: Vec::new() }
+    }
+
+    /// The axis of the values 0, 1, … that have names.
+    pub fn named(names: &[String]) -> Self {
+        Self { names: names.to_vec(), ..Self::new(-0.5, names.len() as f64 - 0.5, false) }
     }
 
     /// The scale for the colours of some values that are not negative, from the smallest to the largest: logarithmic where the positive ones
@@ -54,7 +61,11 @@ impl Scale {
 
     /// Place and label of each tick; minor ticks have none.
     pub fn ticks(&self) -> Vec<(f64, Option<String>)> {
-        let ticks = if self.is_log { self.log_ticks() } else { self.linear_ticks() };
+        let ticks = match (self.is_log, &self.names[..]) {
+            (true, _) => self.log_ticks(),
+            (false, []) => self.linear_ticks(),
+            (false, names) => (0..).zip(names).map(|(n, name)| (f64::from(n), Some(name.clone()))).collect(),
+        };
         ticks.into_iter().map(|(value, label)| (self.place(value), label)).filter(|tick| is_within(tick.0)).collect()
     }
 
@@ -99,7 +110,11 @@ impl Scale {
     /// `unit` with the power of ten that the labels leave out.
     pub fn unit(&self, unit: &str) -> String {
         let has_plain_labels = self.is_log && self.labelled_digits().is_some();
-        if has_plain_labels { unit.to_owned() } else { Axis::spanning(self.low, self.high).unit(unit) }
+        if has_plain_labels || !self.names.is_empty() {
+            unit.to_owned()
+        } else {
+            Axis::spanning(self.low, self.high).unit(unit)
+        }
     }
 }
 
@@ -143,6 +158,9 @@ mod tests {
         assert_eq!(labels(&Scale::new(0.4, 2.1, true)), "0.5 1 2");
         let tens = |digit: &str| format!("{digit}10\u{2077}");
         assert_eq!(labels(&Scale::new(0.9e7, 6e7, true)), [tens(""), tens("2\u{b7}"), tens("5\u{b7}")].join(" "));
+        let names = ["upper", "lower"].map(str::to_owned);
+        let places: Vec<f64> = Scale::named(&names).ticks().into_iter().map(|tick| tick.0).collect();
+        assert_eq!((labels(&Scale::named(&names)).as_str(), &places[..]), ("upper lower", &[0.25, 0.75][..]));
         assert!(labels(&Scale::new(1e-30, 1e30, true)).split(' ').count() <= 9);
         let places: Vec<f64> = Scale::new(1.0, 100.0, true).ticks().into_iter().map(|tick| tick.0).collect();
         assert!(places.iter().all(|place| (-1e-9..=1.0 + 1e-9).contains(place)));

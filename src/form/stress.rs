@@ -38,6 +38,11 @@ pub fn largest_in_plane([a, b, ab]: [f64; 3]) -> f64 {
     0.5 * (a + b) + (0.5 * (a - b)).hypot(ab)
 }
 
+/// The largest principal value of a stress, of its components a, b and ab in a plane, and of those across it: az, bz and zz.
+pub fn with_shear([a, b, ab]: [f64; 3], [az, bz, zz]: [f64; 3]) -> f64 {
+    largest_principal([a, b, zz, bz, az, ab])
+}
+
 impl Material {
     /// Hooke's law (4), a row for each stress over the nine ∂u_i/∂x_j (entry 3i + j), Pa.
     pub fn stress_of_gradient(&self) -> [[f64; 9]; 6] {

@@ -24,12 +24,14 @@ pub struct Material {
     pub instantaneous: form::Material,
     /// G(t) at the body's temperature; `None` for an elastic material.
     pub shear: Option<Maxwell>,
+    /// How the times of that depend on the temperature, where it is given: they are shifted already.
+    pub shift: Option<Wlf>,
 }
 
 impl Material {
     /// Elastic at all times.
     pub fn elastic(constants: form::Material) -> Self {
-        Self { instantaneous: constants, shear: None }
+        Self { instantaneous: constants, shear: None, shift: None }
     }
 
     /// Elastic in volume, with the bulk modulus K (Pa), and with G(t) in shear; density in kg/m³.
@@ -37,7 +39,7 @@ impl Material {
     /// E = 9KG/(3K + G) and ν = (3K − 2G)/(6K + 2G) are those of the instantaneous G. A chain without terms is an elastic material.
     pub fn of_moduli(bulk: f64, shear: Maxwell, density: f64) -> Self {
         let instantaneous = constants([bulk, shear.instantaneous()], density);
-        Self { instantaneous, shear: Some(shear).filter(|shear| !shear.terms.is_empty()) }
+        Self { instantaneous, shear: Some(shear).filter(|shear| !shear.terms.is_empty()), shift: None }
     }
 
     /// Its elastic constants a time (s) after a step of the strain.

@@ -85,9 +85,15 @@ impl fmt::Display for Pruned {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let followed = self.chain.terms.len();
         let given = self.springs + self.relaxed + followed;
-        let plural = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
-        let (given, springs) = (plural(given, "term"), plural(self.springs, "spring"));
-        write!(f, "{given} given: {springs}, {} relaxed, {followed} followed", self.relaxed)
+        let plural = if given == 1 { "" } else { "s" };
+        write!(f, "Maxwell chain of {given} term{plural}: {followed} computed over time")?;
+        if self.springs > 0 {
+            write!(f, ", {} too slow to relax in this run (kept as elastic stiffness)", self.springs)?;
+        }
+        if self.relaxed > 0 {
+            write!(f, ", {} relaxed before the contact can feel it (left out)", self.relaxed)?;
+        }
+        Ok(())
     }
 }
 
@@ -161,10 +167,13 @@ mod tests {
     fn words() {
         let pruned = Pruned::new(&series(), &Window { end: 1e-3, frequency: 1e4, tolerance: 1e-2 });
         let text = pruned.to_string();
-        assert!(text.starts_with("22 terms given: ") && text.ends_with(" followed"), "{text}");
+        assert!(text.starts_with("Maxwell chain of 22 terms: ") && text.ends_with(" (left out)"), "{text}");
         let one = Maxwell { equilibrium: 1e6, terms: vec![Term { modulus: 1e6, time: 1e9 }] };
         let pruned = Pruned::new(&one, &Window { end: 1e-3, frequency: 1e4, tolerance: 1e-2 });
-        assert_eq!(pruned.to_string(), "1 term given: 1 spring, 0 relaxed, 0 followed");
+        assert_eq!(
+            pruned.to_string(),
+            "Maxwell chain of 1 term: 0 computed over time, 1 too slow to relax in this run (kept as elastic stiffness)"
+        );
         assert_eq!(pruned.chain, Maxwell { equilibrium: 2e6, terms: Vec::new() });
     }
 

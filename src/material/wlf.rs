@@ -11,7 +11,18 @@ pub struct Wlf {
     pub reference: f64,
 }
 
+/// C2 from the glass transition, K, and the width of the range above it for which the formula was found: Williams, Landel & Ferry (1955).
+const FROM_TRANSITION: f64 = 51.6;
+const RANGE: f64 = 100.0;
+
 impl Wlf {
+    /// Temperatures (°C) between which the formula usually holds: the glass transition, which follows from the pole, and 100 K above, and
+    /// the reference and 100 K above, at which the times were measured.
+    pub fn usual_range(&self) -> [f64; 2] {
+        let transition = self.pole() + FROM_TRANSITION;
+        [transition.min(self.reference), transition.max(self.reference) + RANGE]
+    }
+
     /// The temperature at which the formula has its pole, °C. It holds above.
     pub fn pole(&self) -> f64 {
         self.reference - self.c2
@@ -33,6 +44,7 @@ mod tests {
     fn known_shifts() {
         let wlf = Wlf { c1: 17.44, c2: 51.6, reference: 20.0 };
         assert_eq!(wlf.log_shift(20.0), Some(0.0));
+        assert!((wlf.usual_range()[0] - 20.0).abs() < 1e-12 && (wlf.usual_range()[1] - 120.0).abs() < 1e-12);
         let [warm, cold] = [71.6, -5.8].map(|t| wlf.log_shift(t).expect("above the pole"));
         // −17.44/2, and −17.44 · (−25.8)/25.8; rounding of the differences.
         assert!((warm + 8.72).abs() < 1e-12 && (cold - 17.44).abs() < 1e-12);

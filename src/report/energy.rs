@@ -5,7 +5,7 @@ use crate::record::quantity::Quantity;
 
 use super::data::Data;
 use super::figures::Curves;
-use super::number::{ENERGY, Unit, digits, percent, unit_for};
+use super::number::{ENERGY, SMALLEST_PERCENT, Unit, digits, percent, unit_for, with_unit};
 use super::page::{Column, Part, Section, Table};
 
 /// Energies below this part of the largest are not drawn.
@@ -77,6 +77,11 @@ fn table(named: &[(&str, &[f64])], unit: Unit) -> Table {
     }
 }
 
+/// A part of a whole as per cent, at least the smallest that is told.
+fn limit(part: f64) -> String {
+    if part < SMALLEST_PERCENT { with_unit("0.001".to_owned(), "%") } else { percent(part) }
+}
+
 /// By how much the balance is off, in a sentence.
 fn balance(energies: &Quantity) -> Option<String> {
     let of = |name: &str| Some(&energies.parts.iter().find(|part| part.name == name)?.values);
@@ -87,11 +92,14 @@ fn balance(energies: &Quantity) -> Option<String> {
     let made = numerical.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
     let constant = match off / initial {
         off if off < ROUNDING => "constant, but for rounding".to_owned(),
-        off => format!("constant to {} of the initial energy", percent(off)),
+        off => format!("constant to within {} of the initial energy", limit(off)),
+    };
+    let made = match made / initial {
+        made if made < SMALLEST_PERCENT => format!("less than {}", limit(made)),
+        made => format!("at most {}", limit(made)),
     };
     Some(format!(
-        "Balance: the total, with what was dissipated and without the work of loads and what the time integration has made, is {constant}. \
-         The integration makes or loses at most {} of the initial energy.",
-        percent(made / initial)
+        "Balance: the total plus the dissipated energy, less the work of the loads and less the energy that the time integration has added, is \
+         {constant}. The time integration adds or takes {made} of the initial energy."
     ))
 }

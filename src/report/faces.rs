@@ -1,18 +1,29 @@
 //! The map of the largest tension over time on a face, as a figure.
 
 use crate::figure::face::{FaceFigure, Surface};
-use crate::record::stress::{FaceMap, StressMaps};
+use crate::record::stress::{FaceMap, StressMaps, Stresses};
 
 use super::number::{STRESS, TIME, computed, place, unit_for};
 
-/// The figure of a face of a result's maps; `None` where no point of it has a tension.
-pub fn face_figure(maps: &StressMaps, map: &FaceMap, title: String) -> Option<FaceFigure> {
+/// Difference of a map's values from the run's, as the map has single precision.
+const SINGLE: f64 = 1e-6;
+
+/// The figure of a face of a result's maps; `None` where no point of it has a tension. The largest tension is where the run has it, between the
+/// points of the map too.
+pub fn face_figure(
+    (maps, map): (&StressMaps, &FaceMap),
+    stresses: Option<&Stresses>,
+    title: String,
+) -> Option<FaceFigure> {
     let largest = map.largest()?;
     let surface = Surface::new(&map.points, &map.tension, maps.hit, maps.mirrored)?;
     let values = || map.tension.iter().copied().filter(|tension| !tension.is_nan());
     let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
     let unit = unit_for(low.abs().max(high.abs()), STRESS);
-    let (point, time) = (map.points[largest], map.time[largest]);
+    let of_run = stresses.and_then(|stresses| stresses.peak_on(&map.name));
+    // (Rows may lack the step.)
+    let of_run = of_run.filter(|of_run| (of_run.value - high).abs() <= SINGLE * high.abs());
+    let (point, time) = of_run.map_or((map.points[largest], map.time[largest]), |of_run| (of_run.point, of_run.time));
     let note = format!("+ largest: {} at {}, at {}", computed(high, STRESS), computed(time, TIME), place(point));
     Some(FaceFigure {
         title,

@@ -71,12 +71,15 @@ pub fn with_unit(number: String, unit: &str) -> String {
     if unit.is_empty() { number } else { format!("{number}{SPACE}{}", unit.replace(' ', "\u{a0}")) }
 }
 
+/// The smallest part of a whole that is told as a number.
+pub const SMALLEST_PERCENT: f64 = 1e-5;
+
 /// A part of a whole as per cent, with two digits.
 pub fn percent(part: f64) -> String {
     if !part.is_finite() {
         return MISSING.to_owned();
     }
-    if part.abs() < 1e-5 { format!("below 0.001{SPACE}%") } else { with_unit(digits(100.0 * part, 2), "%") }
+    if part.abs() < SMALLEST_PERCENT { format!("below 0.001{SPACE}%") } else { with_unit(digits(100.0 * part, 2), "%") }
 }
 
 /// In the place of what is no number.

@@ -1,28 +1,52 @@
 //! How the materials of a body relax: a table for each Maxwell chain.
 
-use crate::material::{Material, Maxwell, Term};
+use crate::material::{Material, Maxwell, Term, Wlf};
 use crate::scene::{Body, Parts};
 
-use super::number::{MODULUS, computed, digits, given, plain};
+use super::number::{MODULUS, computed, digits, given, plain, with_unit};
 use super::page::{Column, Part, Table};
 
 /// A chain, and the parts of the body that have it.
 struct Relaxing<'a> {
     shear: &'a Maxwell,
+    shift: Option<Wlf>,
     parts: Vec<String>,
 }
 
-/// A table for each chain that occurs; none where all is elastic.
+/// A table for each chain that occurs, with the temperature's effect; none where all is elastic.
 pub fn tables(body: &Body) -> Vec<Part> {
     let mut chains: Vec<Relaxing> = Vec::new();
     for (part, material) in materials(body) {
         let Some(shear) = &material.shear else { continue };
-        match chains.iter_mut().find(|chain| chain.shear == shear) {
+        match chains.iter_mut().find(|chain| chain.shear == shear && chain.shift == material.shift) {
             Some(chain) => chain.parts.push(part),
-            None => chains.push(Relaxing { shear, parts: vec![part] }),
+            None => chains.push(Relaxing { shear, shift: material.shift, parts: vec![part] }),
         }
     }
-    chains.into_iter().map(|chain| table(&chain, body.temperature)).collect()
+    let parts = chains.into_iter().flat_map(|chain| {
+        let shift = chain.shift.map(|shift| Part::Text(shifted(&shift, body.temperature)));
+        std::iter::once(table(&chain, body.temperature)).chain(shift)
+    });
+    parts.collect()
+}
+
+/// What the temperature does to the times, in words.
+fn shifted(wlf: &Wlf, temperature: Option<f64>) -> String {
+    let Wlf { c1, c2, reference } = *wlf;
+    let celsius = |temperature: f64| with_unit(plain(temperature), "°C");
+    let constants = format!("C₁ = {}, C₂ = {} and T₀ = {}", plain(c1), with_unit(plain(c2), "K"), celsius(reference));
+    let law = "log₁₀ a_T = −C₁ (T − T₀)/(C₂ + T − T₀), Williams, Landel & Ferry (1955)";
+    match temperature.and_then(|at| Some((at, wlf.log_shift(at)?))) {
+        Some((at, log_shift)) => format!(
+            "The times above are those at {}: the given ones, which hold at T₀, times a_T = {} ({law}), with {constants}.",
+            celsius(at),
+            digits(10.0_f64.powf(log_shift), 4)
+        ),
+        None => format!(
+            "The scene gives no temperature: the times above hold at T₀ = {}, and others would follow from {law}, with {constants}.",
+            celsius(reference)
+        ),
+    }
 }
 
 fn materials(body: &Body) -> Vec<(String, &Material)> {
@@ -36,7 +60,7 @@ fn materials(body: &Body) -> Vec<(String, &Material)> {
 }
 
 fn table(chain: &Relaxing, temperature: Option<f64>) -> Part {
-    let Relaxing { shear, parts } = chain;
+    let Relaxing { shear, parts, .. } = chain;
     let mut terms = shear.terms.clone();
     terms.sort_by(|a, b| a.time.total_cmp(&b.time));
     let row = |term: &Term| vec![digits(term.time, 4), digits(1e-6 * term.modulus, 4)];

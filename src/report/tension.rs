@@ -47,14 +47,15 @@ fn maps(data: &Data, stresses: &Stresses) -> Result<Vec<Part>> {
     let is_drawn = drawn(stresses);
     let mut parts = Vec::new();
     for map in maps.faces.iter().filter(|map| is_drawn.iter().any(|face| face.name == map.name)) {
-        let Some(figure) = face_figure(maps, map, String::new()) else { continue };
+        let Some(figure) = face_figure((maps, map), Some(stresses), String::new()) else { continue };
         let name = face_name(&map.name);
         let caption = format!(
             "{}{}: the largest principal stress over the whole run at each place. The cross marks the largest of all.{}",
             name[..1].to_uppercase(),
             &name[1..],
             if map.tension.iter().any(|tension| tension.is_nan()) {
-                " About the hit, up to 1.25 thicknesses from it, stresses are read at the hit alone; colours there are interpolated."
+                " Within the dashed circle, 1.25 thicknesses about the hit, stresses are read at the hit alone: colours there are \
+                 interpolated, and a larger value would not be seen."
             } else {
                 ""
             }
@@ -102,7 +103,8 @@ pub fn most_used(data: &Data) -> Option<Use> {
 
 fn table(data: &Data, stresses: &Stresses) -> Table {
     let time = unit_for(data.end(), TIME);
-    let peaks: Vec<(&Face, Option<Largest>)> = stresses.faces.iter().map(|face| (face, peak(stresses, face))).collect();
+    let peaks: Vec<(&Face, Option<Largest>)> =
+        stresses.faces.iter().map(|face| (face, stresses.peak_on(&face.name))).collect();
     let values = peaks.iter().filter_map(|(_, peak)| Some(peak.as_ref()?.value.abs()));
     let stress = unit_for(values.fold(0.0, f64::max), STRESS);
     let has_strength = data.strength.is_given();
@@ -138,11 +140,6 @@ fn table(data: &Data, stresses: &Stresses) -> Table {
     }
 }
 
-/// A face's peak: by the attributes of the root, which know all steps, where they are of this face.
-fn peak(stresses: &Stresses, face: &Face) -> Option<Largest> {
-    stresses.largest.clone().filter(|largest| largest.face == face.name).or_else(|| face.peak(&stresses.time))
-}
-
 /// The error of the stresses, and when the strength was exceeded.
 fn judgement(data: &Data, stresses: &Stresses) -> String {
     let strength = match (!data.strength.is_given(), stresses.strength_passed_at) {
@@ -150,6 +147,9 @@ fn judgement(data: &Data, stresses: &Stresses) -> String {
         (false, Some(time)) => format!("The strength was first exceeded at {}.", computed(time, TIME)),
         (false, None) => "The strength was not exceeded.".to_owned(),
     };
+    if stresses.error_estimate.is_nan() {
+        return format!("{strength} The error of the largest tension is not estimated for this model and its steps.");
+    }
     let Estimate { value, of } = stress_error(stresses.error_estimate);
     format!("{strength} Estimated error of the largest tension: {}.", format!("{value} {of}").trim_end())
 }

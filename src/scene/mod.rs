@@ -58,6 +58,9 @@ pub type Vec3 = [f64; 3];
 /// Standard acceleration of gravity, m/s², against z (ISO 80000-3).
 pub const STANDARD_GRAVITY: f64 = 9.80665;
 
+/// Young's modulus over that of the stiffest layer below which a layer is soft: shear across its faces is a good part of their stress.
+const SOFT: f64 = 0.1;
+
 /// One impact, checked: every number finite and in its range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
@@ -159,6 +162,20 @@ impl Scene {
             Some(2) => self.body.composition.interfaces(),
             _ => Vec::new(),
         }
+    }
+
+    /// Which of these layers are soft beside the stiffest, from the hit down: their stress is shear for the most part.
+    pub fn soft_layers(&self) -> Vec<bool> {
+        let Parts::Layers(layers) = &self.body.composition.parts else { return Vec::new() };
+        if self.hit_layers().is_empty() {
+            return Vec::new();
+        }
+        let limit = SOFT * self.body.stiffest();
+        let mut soft: Vec<bool> = layers.iter().map(|layer| layer.material.instantaneous.young < limit).collect();
+        if self.impactor.point[2] < 0.0 {
+            soft.reverse();
+        }
+        soft
     }
 
     /// The points of a file for `contact.table`, as a scene has them in its text; an array is taken as it is.

@@ -1,9 +1,11 @@
 //! The Python package (`scripts/python`) runs the program and reads what it writes; the examples of docs/python.md and the notebook run as they
 //! stand.
 
+mod examples;
+mod figures;
+
 use mpi_test::{PlainTest, tests};
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use crate::program::BOX;
@@ -11,6 +13,13 @@ use crate::restarts;
 use crate::results;
 use crate::results::{column, folder, good, is_complete};
 use crate::sweeps::{numbers, supported};
+use examples::{
+    pip_installs_the_package, scenes_as_dicts_are_run, the_examples_of_the_documentation_run, the_notebook_runs,
+};
+use figures::{
+    plots_have_axes_of_their_own, sweeps_are_drawn_as_curves_and_maps, sweeps_over_texts_are_drawn_with_names,
+    values_that_are_given_twice_have_no_grid,
+};
 
 pub const TESTS: &[PlainTest] = tests![
     runs_are_read_as_they_are_written,
@@ -179,96 +188,6 @@ fn sweeps_and_their_parts_are_read() {
     assert_eq!(told[7], bits(&[peaks[1], peaks[4]]));
 }
 
-fn sweeps_are_drawn_as_curves_and_maps() {
-    let folder = folder(&supported());
-    good(&folder, 0, "sweep scene.toml --vary support.0.stiffness=1e7..1e11:3 --log -o k.h5");
-    good(
-        &folder,
-        0,
-        "sweep scene.toml --vary impactor.speed=0.5,1 --vary support.0.stiffness=1e7..1e11:3 --log -o both.h5",
-    );
-    let told = python(
-        folder.path(),
-        "axes = ricochet.Sweep('k.h5').plot()\n\
-         print(axes.get_xscale(), '|', axes.get_xlabel(), '|', axes.get_ylabel(), '|', bits(axes.lines[0].get_ydata()))\n\
-         axes = ricochet.Sweep('both.h5').plot('peak_force', plt.figure().gca())\n\
-         print(axes.get_xlabel(), '|', axes.get_ylabel(), '|', bits(axes.collections[0].get_array().ravel()))\n\
-         print(np.allclose(axes.get_xlim(), (1e6, 1e12)), np.allclose(axes.get_ylim(), (0.5 / 2**0.5, 2**0.5)))",
-    );
-    let read = |file: &str, name: &str| bits(&numbers(&folder.path().join(file), &format!("members/{name}")));
-    assert_eq!(
-        told.unwrap(),
-        [
-            format!(
-                "log | support.0.stiffness (N/m3) | peak acceleration (m/s2) | {}",
-                read("k.h5", "peak_acceleration")
-            ),
-            format!("support.0.stiffness (N/m3) | impactor.speed (m/s) | {}", read("both.h5", "peak_force")),
-            // Cells reach half a step beyond the values, on both logarithmic axes.
-            "True True".to_owned(),
-        ]
-    );
-}
-
-/// Texts become names of ticks, in the order in which they were given; numbers are drawn in their own order.
-fn sweeps_over_texts_are_drawn_with_names() {
-    let folder = folder(&supported());
-    let schemes = "--vary time.scheme=newmark,energy,modal --set time.end=4e-4";
-    good(&folder, 0, &format!("sweep scene.toml {schemes} -o schemes.h5"));
-    good(&folder, 0, &format!("sweep scene.toml {schemes} --vary support.0.stiffness=1e9,1e7 --log -o both.h5"));
-    let told = python(
-        folder.path(),
-        "sweep, both = ricochet.Sweep('schemes.h5'), ricochet.Sweep('both.h5')\n\
-         def names(axis): return *(label.get_text() for label in axis.get_ticklabels()),\n\
-         axes = sweep.plot('peak_force')\n\
-         axes.figure.canvas.draw()\n\
-         print(*names(axes.xaxis), bits(axes.lines[0].get_ydata()), bits(sweep.grid('peak_force')))\n\
-         axes = both.plot('peak_force')\n\
-         axes.figure.canvas.draw()\n\
-         print(*names(axes.yaxis), axes.get_xscale(), axes.get_yscale(), axes.get_xlabel(), axes.get_ylabel())\n\
-         print(bits(axes.collections[0].get_array().ravel()))\n\
-         print(bits(both.grid('peak_force')), *both.values('time.scheme'), *both.values('support.0.stiffness'))",
-    );
-    let told = told.unwrap();
-    let peaks = |file: &str| numbers(&folder.path().join(file), "members/peak_force");
-    let of_schemes = bits(&peaks("schemes.h5"));
-    assert_eq!(told[0], format!("newmark energy modal {of_schemes} {of_schemes}"));
-    assert_eq!(told[1], "newmark energy modal log linear support.0.stiffness (N/m3) time.scheme");
-    let of_both = peaks("both.h5");
-    let ascending: Vec<f64> = of_both.chunks(2).flat_map(|pair| [pair[1], pair[0]]).collect();
-    assert_eq!(told[2], bits(&ascending));
-    assert_eq!(told[3], format!("{} newmark energy modal 1000000000.0 10000000.0", bits(&of_both)));
-}
-
-fn values_that_are_given_twice_have_no_grid() {
-    let folder = folder(&supported());
-    good(&folder, 0, "sweep scene.toml --vary body.model=kirchhoff,kirchhoff -o one.h5");
-    good(&folder, 0, "sweep scene.toml --vary body.model=kirchhoff,kirchhoff --vary impactor.speed=1,2 -o two.h5");
-    let told = python(folder.path(), "print(bits(ricochet.Sweep('one.h5').grid('peak_force')))").unwrap();
-    assert_eq!(told, [bits(&numbers(&folder.path().join("one.h5"), "members/peak_force"))]);
-    let error = python(folder.path(), "ricochet.Sweep('two.h5').grid('peak_force')").unwrap_err();
-    assert_eq!(error, "ValueError: two.h5 has no grid: a value of a key is given twice");
-}
-
-/// Each plot makes a figure, unless axes are given: then nothing is drawn elsewhere.
-fn plots_have_axes_of_their_own() {
-    let folder = folder(&supported());
-    good(&folder, 0, "run scene.toml -o run.h5");
-    good(&folder, 0, "sweep scene.toml --vary support.0.stiffness=1e8,1e9 -o sweep.h5");
-    let told = python(
-        folder.path(),
-        "run, sweep = ricochet.Run('run.h5'), ricochet.Sweep('sweep.h5')\n\
-         force, acceleration, peaks, forces = run.plot('contact/force'), run.plot(), sweep.plot(), sweep.plot('peak_force')\n\
-         print(len(plt.get_fignums()), len({axes.figure.number for axes in (force, acceleration, peaks, forces)}))\n\
-         print(run.plot('contact/force', force) is force, sweep.plot(axes=peaks) is peaks, len(plt.get_fignums()))\n\
-         print(*(len(axes.lines) for axes in (force, acceleration, peaks, forces)), force.get_ylabel(), acceleration.get_ylabel())",
-    );
-    assert_eq!(
-        told.unwrap(),
-        ["4 4", "True True 4", "2 1 2 1 contact force (N) impactor acceleration (m/s2)"].map(str::to_owned)
-    );
-}
-
 /// From a path, from text and on two ranks; into a file, and into memory, which leaves nothing on the disk.
 fn scenes_are_run_as_by_the_command_line() {
     let folder = folder(BOX);
@@ -380,70 +299,10 @@ fn the_package_has_the_programs_version() {
     assert_eq!(python(folder.path(), "print(ricochet.__version__)").unwrap(), [env!("CARGO_PKG_VERSION")]);
 }
 
-fn scenes_as_dicts_are_run() {
-    let folder = folder(&supported());
-    good(&folder, 0, "run scene.toml");
-    let told = python(
-        folder.path(),
-        "import tomllib\n\
-         scene = tomllib.load(open('scene.toml', 'rb'))\n\
-         scene['body']['size'] = np.array(scene['body']['size'])\n\
-         print(bits(ricochet.run(scene).series['contact/force']))",
-    );
-    assert_eq!(told.unwrap(), [bits(&column(&folder.path().join("scene.h5"), "contact/force"))]);
-}
-
 /// What `bits` was made from.
 fn numbers_of(bits: &str) -> Vec<f64> {
     let number = |digits: &str| f64::from_bits(u64::from_str_radix(digits, 16).unwrap().swap_bytes());
     (0..bits.len() / 16).map(|n| number(&bits[16 * n..16 * n + 16])).collect()
-}
-
-/// The parts of docs/python.md that a word after three backticks marks.
-fn examples(marked: &str) -> Vec<String> {
-    let text = fs::read_to_string(repository().join("docs/python.md")).unwrap();
-    let parts = text.split("```").skip(1).step_by(2);
-    parts.filter_map(|part| part.strip_prefix(marked)?.strip_prefix('\n')).map(str::to_owned).collect()
-}
-
-/// One after the other, on the scene and the sweep that the page has.
-fn the_examples_of_the_documentation_run() {
-    let folder = folder("");
-    fs::write(folder.path().join("frame.toml"), examples("toml").concat()).unwrap();
-    let text = fs::read_to_string(repository().join("docs/python.md")).unwrap();
-    let sweep = text.lines().find_map(|line| line.strip_prefix("    ricochet sweep ")).unwrap();
-    good(&folder, 0, &format!("sweep {sweep}"));
-    let examples = examples("python");
-    assert_eq!(examples.len(), 6);
-    let told = python(folder.path(), &examples.concat()).unwrap();
-    let path = folder.path().join("frame.h5");
-    let peak = numbers(&path, "contacts/peak_force").into_iter().fold(0.0, f64::max);
-    assert_eq!(told[0], format!("mindlin {peak:?} N"));
-    assert!(told[3].starts_with("2 ") && told.iter().any(|line| line.contains("did you mean `young`?")), "{told:#?}");
-    for picture in ["frame.png", "speeds.png", "k.png"] {
-        assert!(fs::read(folder.path().join(picture)).unwrap().starts_with(b"\x89PNG"), "{picture}");
-    }
-}
-
-/// Into an environment of its own, with what PyPI has of the packages that it needs.
-fn pip_installs_the_package() {
-    let folder = folder(BOX);
-    let run = |command: &mut Command| {
-        let output = command.env_remove("PYTHONPATH").current_dir(folder.path()).output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    };
-    run(Command::new("/usr/bin/python3").args(["-m", "venv", "venv"]));
-    let package = repository().join("scripts/python");
-    run(Command::new("venv/bin/pip").args(["install", "--quiet", "--disable-pip-version-check"]).arg(package));
-    let lines = "import importlib.metadata, tomllib\n\
-        print(ricochet.__file__.startswith(__import__('sys').prefix), importlib.metadata.version('ricochet'))\n\
-        run = ricochet.run(tomllib.load(open('scene.toml', 'rb')), 'out.h5')\n\
-        print(bits(run.series['contact/force']), bits(run.plot('force').lines[0].get_ydata()))";
-    let mut python = Command::new(folder.path().join("venv/bin/python"));
-    let told = answer(python.env_remove("PYTHONPATH"), folder.path(), lines).unwrap();
-    assert_eq!(told[0], format!("True {}", env!("CARGO_PKG_VERSION")));
-    let force = bits(&column(&folder.path().join("out.h5"), "contact/force"));
-    assert_eq!(told[1], format!("{force} {force}"));
 }
 
 fn files_of_the_other_kind_are_refused() {
@@ -464,21 +323,4 @@ fn files_of_the_other_kind_are_refused() {
         let error = python(folder.path(), line).unwrap_err();
         assert!(error.contains(message), "{error}");
     }
-}
-
-/// Each cell runs, the figures are there, and the momentum that the notebook works out is that of the contacts.
-fn the_notebook_runs() {
-    let output = Command::new("scripts/example").current_dir(repository()).env("PATH", search_path()).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let written: PathBuf = repository().join(String::from_utf8(output.stdout).unwrap().lines().last().unwrap());
-    let notebook: serde_json::Value = serde_json::from_slice(&fs::read(written).unwrap()).unwrap();
-    let outputs: Vec<&serde_json::Value> =
-        notebook["cells"].as_array().unwrap().iter().filter_map(|cell| cell["outputs"].as_array()).flatten().collect();
-    assert_eq!(outputs.iter().filter(|output| output["data"]["image/png"].is_string()).count(), 5);
-    let said: String = outputs.iter().map(|output| output["text"].to_string()).collect();
-    let momentum =
-        said.split(" N s").take(2).map(|part| part.rsplit(['"', ' ']).next().unwrap().parse::<f64>().unwrap());
-    let momentum: Vec<f64> = momentum.collect();
-    // In modal coordinates the impulse of a step is the momentum given, to rounding.
-    assert!((momentum[0] - momentum[1]).abs() < 1e-9 * momentum[1] && momentum[1] > 52.0, "{momentum:?}");
 }

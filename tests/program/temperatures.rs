@@ -7,6 +7,7 @@ use crate::sweeps::members;
 
 pub const TESTS: &[PlainTest] = tests![
     temperatures_have_the_relaxation_of_their_own,
+    temperatures_beyond_the_shift_are_noted,
     temperatures_on_a_shared_basis_are_within_their_estimates,
     temperatures_between_bodies_are_within_their_estimates,
 ];
@@ -71,6 +72,17 @@ fn pane(moduli: &[f64]) -> String {
          [time]\nend = 6e-4\n[accuracy]\ntolerance = 2e-2\n",
         terms.join(", ")
     )
+}
+
+/// Far from the glass transition the shift is extrapolated.
+fn temperatures_beyond_the_shift_are_noted() {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/laminate.toml");
+    let folder = folder(&std::fs::read_to_string(scene).unwrap());
+    for (temperature, is_told) in [(200.0, true), (-60.0, true), (20.0, false), (60.0, false)] {
+        let said = good(&folder, 0, &format!("check scene.toml --set body.temperature={temperature}")).stdout;
+        let told = said.lines().any(|line| line.starts_with("note ") && line.contains("WLF's formula usually holds"));
+        assert_eq!(told, is_told, "{temperature}: {said}");
+    }
 }
 
 /// Temperatures of a laminate, also where one follows no term of the chain. Each member's force is that

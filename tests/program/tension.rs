@@ -130,6 +130,9 @@ fn sweeps_have_a_column_for_it() {
     good(&folder, 0, "sweep scene.toml --vary impactor.speed=0.5,1 --set strength.face.lower=50e6 -o sweep.h5");
     let file = open(folder.path().join("sweep.h5"));
     let of = |name: &str| file.dataset(&format!("members/{name}")).unwrap().read_raw::<f64>().unwrap();
+    good(&folder, 0, "plot sweep.h5 --quantity largest_stress_face -o faces.svg");
+    let figure = std::fs::read_to_string(folder.path().join("faces.svg")).unwrap();
+    assert!(figure.contains("\nlower\n") && figure.contains("\nupper\n"), "{figure}");
     let (tensions, faces, passed) = (of("largest_stress"), of("largest_stress_face"), of("strength_passed_at"));
     assert!(faces == [1.0, 1.0] && passed[0].is_nan() && passed[1] > 0.0, "{faces:?} {passed:?}");
     assert!(of("stress_error_estimate").iter().all(|error| *error > 0.0 && *error < 0.1));
@@ -149,7 +152,8 @@ fn what_has_no_estimate_is_told() {
     let folder = folder(PANE);
     let said = good(&folder, 0, "check scene.toml --set accuracy.quantity=stress --set impactor.point=[0,0.24,0.01]");
     assert!(said.stdout.contains("the error of stresses is not estimated for this body"), "{said:?}");
-    good(&folder, 0, "run scene.toml -o edge.h5 --set impactor.point=[0,0.238,0.01]");
+    let said = good(&folder, 0, "run scene.toml -o edge.h5 --set impactor.point=[0,0.238,0.01]");
+    assert!(said.stdout.contains("m, without an estimate of its error"), "{said:?}");
     let path = folder.path().join("edge.h5");
     change(&path, |file| {
         assert!(number::<f64>(file, "stress_error_estimate").is_nan());

@@ -2,6 +2,7 @@
 
 mod surface;
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use plotters::backend::DrawingBackend;
@@ -96,6 +97,25 @@ impl FaceFigure {
         Ok(())
     }
 
+    /// The circle in which values are interpolated, as far as it is on the face.
+    fn draw_unread<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame) -> Drawn {
+        let Some((middle, radius)) = self.surface.unread else { return Ok(()) };
+        let [across, up] = self.surface.ends;
+        let is_within = |[x, y]: &[f64; 2]| (across.0..=across.1).contains(x) && (up.0..=up.1).contains(y);
+        let at = |n: usize| {
+            let (sine, cosine) = (n as f64 / ROUND as f64 * TAU).sin_cos();
+            [middle[0] + radius * cosine, middle[1] + radius * sine]
+        };
+        let circle: Vec<[f64; 2]> = (0..=ROUND).map(at).collect();
+        for arc in circle.split(|place| !is_within(place)).filter(|arc| arc.len() > 1) {
+            let arc: Vec<_> = arc.iter().map(|[x, y]| canvas.point(frame.at_x(*x), frame.at_y(*y))).collect();
+            for (colour, dashes) in [(PAPER, &[][..]), (INK, &[3.0, 3.0][..])] {
+                canvas.line(&arc, &Stroke { colour, width: 2.5, dashes })?;
+            }
+        }
+        Ok(())
+    }
+
     fn draw_mark<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame) -> Drawn {
         let (x, y) = (frame.at_x(self.mark[0]), frame.at_y(self.mark[1]));
         for (colour, size, width) in [(PAPER, 17.0, 8.0), (INK, 15.0, 3.5)] {
@@ -106,6 +126,9 @@ impl FaceFigure {
         Ok(())
     }
 }
+
+/// Points of a circle.
+const ROUND: usize = 96;
 
 /// The colour of the band that a place from 0 to 1 is in.
 fn banded(place: f64) -> RGBColor {
@@ -126,6 +149,7 @@ impl Drawing for FaceFigure {
         let scale = Scale::new(self.range.0, self.range.1, false);
         self.draw_cells(canvas, &frame, &scale)?;
         frame.draw_axes(canvas, true)?;
+        self.draw_unread(canvas, &frame)?;
         self.draw_mark(canvas, &frame)?;
         let [across, up] = self.surface.axes.map(|axis| ["x", "y", "z"][axis]);
         let below = bottom + 72.0;

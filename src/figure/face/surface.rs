@@ -9,6 +9,8 @@ pub struct Surface {
     pub axes: [usize; 2],
     /// Lowest and highest coordinates along them, with images, m.
     pub ends: [(f64, f64); 2],
+    /// The circle about the hit in which values are interpolated, where there is one: its middle and its radius, m.
+    pub unread: Option<([f64; 2], f64)>,
     /// Whether there are images beyond 0 along them.
     mirrored: [bool; 2],
     kind: Kind,
@@ -46,14 +48,18 @@ impl Surface {
             if mirrored[i] { (-high, high) } else { (low, high) }
         });
         let places: Vec<[f64; 2]> = points.iter().map(|x| axes.map(|axis| x[axis])).collect();
-        let kind = match lines(&places) {
+        let hit = axes.map(|axis| hit[axis]);
+        let missing =
+            places.iter().zip(values).filter(|(_, value)| value.is_nan()).map(|(place, _)| distance(place, &hit));
+        let radius = missing.fold(0.0, f64::max);
+        let (kind, unread) = match lines(&places) {
             Some(lines) => {
-                let values = filled(&places, values, axes.map(|axis| hit[axis]));
-                Kind::Grid { lines, values }
+                let values = filled(&places, values, hit);
+                (Kind::Grid { lines, values }, (radius > 0.0).then_some((hit, radius)))
             }
-            None => Kind::Scattered(scattered(&places, values)),
+            None => (Kind::Scattered(scattered(&places, values)), None),
         };
-        Some(Self { axes, ends, mirrored, kind })
+        Some(Self { axes, ends, unread, mirrored, kind })
     }
 
     /// The value at a place; `None` outside of the face.
@@ -90,9 +96,12 @@ fn lines(places: &[[f64; 2]]) -> Option<[Vec<f64>; 2]> {
     is_grid.then_some([a, b])
 }
 
+fn distance(one: &[f64; 2], other: &[f64; 2]) -> f64 {
+    (one[0] - other[0]).hypot(one[1] - other[1])
+}
+
 /// Values with those that are missing about the hit: along each radius linear from the hit's own to those around.
 fn filled(places: &[[f64; 2]], values: &[f64], hit: [f64; 2]) -> Vec<f64> {
-    let distance = |one: &[f64; 2], other: &[f64; 2]| (one[0] - other[0]).hypot(one[1] - other[1]);
     let known: Vec<(&[f64; 2], f64)> =
         places.iter().zip(values.iter().copied()).filter(|(_, value)| !value.is_nan()).collect();
     if known.len() == places.len() {
@@ -178,6 +187,9 @@ mod tests {
         let hole = surface.at([0.1, 0.1]).expect("within");
         assert!(hole < 3.0 && hole > exact(0.5, 0.5), "{hole}");
         assert_eq!(surface.at([1.2, 0.0]), None);
+        // The farthest crossing of lines that has no value.
+        let (middle, radius) = surface.unread.expect("a hole");
+        assert!(middle == [0.0; 2] && (radius - 0.1 * 2.0_f64.sqrt()).abs() < 1e-15, "{radius}");
         assert_eq!(Surface::new(&points, &vec![f64::NAN; points.len()], [0.0; 3], [false; 3]), None);
     }
 

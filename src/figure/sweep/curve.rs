@@ -28,26 +28,28 @@ impl Drawing for Curve {
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         let values = ascending(self.members.iter().map(|member| member.value));
         let cells = cells(&values, self.key.is_log);
-        let results = || self.members.iter().map(|member| member.result);
-        let (least, largest) = (results().fold(0.0, f64::min), results().fold(0.0, f64::max));
+        let numbers = || self.members.iter().map(|member| member.result);
+        let (least, largest) = (numbers().fold(0.0, f64::min), numbers().fold(0.0, f64::max));
         let contacts = || self.members.iter().flat_map(|member| &member.contacts);
         let end = 1e3 * contacts().map(|contact| contact.1).fold(0.0, f64::max);
         let forces = Scale::of_colours(contacts().map(|contact| contact.2), true);
-        let (values_axis, times) = (Axis::spanning(1.02 * least, 1.02 * largest), Axis::spanning(0.0, end));
-        let widest =
-            |axis: &Axis| axis.ticks().iter().map(|(_, label)| canvas.text_width(label, LETTERS)).fold(0.0, f64::max);
-        let left = LEFT + widest(&values_axis).max(widest(&times));
-        let x = || Scale::new(cells[0].0, cells[cells.len() - 1].1, self.key.is_log);
-        let frame = |top: f64, bottom: f64, y: &Axis| Frame {
-            left,
-            right: RIGHT,
-            top,
-            bottom,
-            x: x(),
-            y: Scale::new(y.low, y.high, false),
+        let times = Axis::spanning(0.0, end);
+        let results = match &self.quantity.names[..] {
+            [] => {
+                let Axis { low, high, .. } = Axis::spanning(1.02 * least, 1.02 * largest);
+                Scale::new(low, high, false)
+            }
+            names => Scale::named(names),
         };
-        let upper = frame(TOP, MIDDLE, &values_axis);
-        let lower = frame(MIDDLE + GAP, BOTTOM, &times);
+        let times_scale = Scale::new(times.low, times.high, false);
+        let width = |label: &Option<String>| label.as_ref().map_or(0.0, |label| canvas.text_width(label, LETTERS));
+        let widest = |scale: &Scale| scale.ticks().iter().map(|(_, label)| width(label)).fold(0.0, f64::max);
+        let left = LEFT + widest(&results).max(widest(&times_scale));
+        let unit = results.unit(&self.quantity.unit);
+        let x = || Scale::new(cells[0].0, cells[cells.len() - 1].1, self.key.is_log);
+        let frame = |top: f64, bottom: f64, y: Scale| Frame { left, right: RIGHT, top, bottom, x: x(), y };
+        let upper = frame(TOP, MIDDLE, results);
+        let lower = frame(MIDDLE + GAP, BOTTOM, times_scale);
 
         canvas.text(&self.title, (0.5 * (left + RIGHT), TITLE), LETTERS, Anchor::Centre)?;
         upper.draw_grid(canvas)?;
@@ -66,7 +68,7 @@ impl Drawing for Curve {
             let at = (MARGIN, 0.5 * (frame.top + frame.bottom));
             canvas.text(&title, at, SMALL, Anchor::Upwards)
         };
-        upwards(self.quantity.title(&values_axis.unit(&self.quantity.unit)), &upper)?;
+        upwards(self.quantity.title(&unit), &upper)?;
         upwards(format!("in contact, time ({})", times.unit("ms")), &lower)?;
         canvas.text(&self.key.title(&lower.x), (0.5 * (left + RIGHT), HEIGHT - 36.0), LETTERS, Anchor::Centre)
     }

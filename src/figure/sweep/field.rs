@@ -32,7 +32,10 @@ impl Drawing for Field {
             .fold(0.0, f64::max);
         let frame = Frame { left: LEFT + widest, right: RIGHT, top: TOP, bottom: BOTTOM, x, y };
         let numbers = || self.members.iter().map(|member| member.1).filter(|peak| peak.is_finite());
-        let colours = Scale::of_colours(numbers(), false);
+        let colours = match &self.quantity.names[..] {
+            [] => Scale::of_colours(numbers(), false),
+            names => Scale::named(names),
+        };
 
         canvas.text(&self.title, (0.5 * (frame.left + RIGHT), TITLE), LETTERS, Anchor::Centre)?;
         for ([value_x, value_y], peak) in &self.members {

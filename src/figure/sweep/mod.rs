@@ -26,6 +26,8 @@ pub struct Quantity {
     pub label: String,
     /// Its unit; empty for a number without one.
     pub unit: String,
+    /// What its values 0, 1, … are called; empty for numbers.
+    pub names: Vec<String>,
 }
 
 /// A sweep over one key.

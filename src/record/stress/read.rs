@@ -52,10 +52,10 @@ pub struct Largest {
 }
 
 impl Face {
-    /// The largest stress of all rows that have a number.
+    /// The largest stress of all rows that have a number, the first of equal ones.
     pub fn peak(&self, time: &[f64]) -> Option<Largest> {
         let rows = self.largest.iter().zip(time).zip(&self.point).filter(|((value, _), _)| !value.is_nan());
-        let ((value, time), point) = rows.max_by(|one, other| one.0.0.total_cmp(other.0.0))?;
+        let ((value, time), point) = rows.reduce(|one, other| if other.0.0 > one.0.0 { other } else { one })?;
         Some(Largest { value: *value, face: self.name.clone(), time: *time, point: *point })
     }
 }
@@ -65,6 +65,12 @@ impl Stresses {
     pub fn largest_of_rows(&self) -> Vec<f64> {
         let largest = |row: usize| self.faces.iter().fold(f64::NAN, |largest, face| largest.max(face.largest[row]));
         (0..self.time.len()).map(largest).collect()
+    }
+
+    /// The largest stress on a face: that of the whole run where it is of this face, otherwise of the rows.
+    pub fn peak_on(&self, face: &str) -> Option<Largest> {
+        let of_run = self.largest.clone().filter(|largest| largest.face == face);
+        of_run.or_else(|| self.faces.iter().find(|of| of.name == face)?.peak(&self.time))
     }
 
     /// Reads the stresses of the result `path`; `None` where it was made without them. After a kill, datasets may differ in length by one

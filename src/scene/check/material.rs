@@ -78,7 +78,8 @@ fn one(source: &Source, path: &str, raw: &raw::Material, temperature: Option<f64
     }
     refuse_idle_shift(source, path, raw)?;
     let shear = Maxwell { equilibrium, terms: terms(source, &key("prony"), &raw.prony)? };
-    let shift = shift(source, path, raw, temperature)?;
+    let wlf = wlf(source, path, raw)?;
+    let shift = shift(source, path, wlf, temperature)?;
     let g = shear.instantaneous();
     let shear = shear.shifted(shift);
     if shear.terms.iter().any(|term| !(term.time > 0.0 && term.time.is_finite())) {
@@ -91,7 +92,7 @@ fn one(source: &Source, path: &str, raw: &raw::Material, temperature: Option<f64
         (None, Some(poisson)) => 2.0 * g * (1.0 + poisson) / (3.0 * (1.0 - 2.0 * poisson)),
         (None, None) => return Err(required("bulk", "the bulk modulus in Pa, or `poisson` at once")),
     };
-    let material = Material::of_moduli(bulk, shear, density);
+    let material = Material { shift: wlf, ..Material::of_moduli(bulk, shear, density) };
     let poisson = material.instantaneous.poisson;
     if poisson > -1.0 && poisson < 0.5 {
         return Ok(material);
@@ -119,9 +120,9 @@ fn refuse_idle_shift(source: &Source, path: &str, raw: &raw::Material) -> Result
     Err(source.error(&format!("{path}.wlf"), "there are no relaxation times to shift", help))
 }
 
-/// log₁₀ a_T.
-fn shift(source: &Source, path: &str, raw: &raw::Material, temperature: Option<f64>) -> Result<f64, SceneError> {
-    let Some(raw::Wlf { c1, c2, reference }) = raw.wlf else { return Ok(0.0) };
+/// How times depend on the temperature, where that is given.
+fn wlf(source: &Source, path: &str, raw: &raw::Material) -> Result<Option<Wlf>, SceneError> {
+    let Some(raw::Wlf { c1, c2, reference }) = raw.wlf else { return Ok(None) };
     let key = |name: &str| format!("{path}.wlf.{name}");
     let wlf = Wlf {
         c1: source.positive(&key("c1"), c1.0, "C1, positive: log10 of the shift is -C1 (T - T0)/(C2 + T - T0)")?,
@@ -129,7 +130,12 @@ fn shift(source: &Source, path: &str, raw: &raw::Material, temperature: Option<f
         reference: reference.0,
     };
     source.finite(&key("reference"), &[wlf.reference])?;
-    let Some(temperature) = temperature else { return Ok(0.0) };
+    Ok(Some(wlf))
+}
+
+/// log₁₀ a_T.
+fn shift(source: &Source, path: &str, wlf: Option<Wlf>, temperature: Option<f64>) -> Result<f64, SceneError> {
+    let (Some(wlf), Some(temperature)) = (wlf, temperature) else { return Ok(0.0) };
     wlf.log_shift(temperature).ok_or_else(|| {
         let message =
             format!("at {} °C and below, `{path}.wlf` has no value: its pole is reference - c2", show(wlf.pole()));

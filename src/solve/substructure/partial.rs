@@ -174,6 +174,15 @@ impl<'a> Supernode<'a> {
         self.columns + self.below.len()
     }
 
+    /// The values of its columns among those of all unknowns, of which those inside are eliminated, in a place to work at.
+    #[inline(always)]
+    fn taken<'w>(&self, inside: usize, x: &[f64], work: &'w mut [f64]) -> Taken<'w> {
+        let eliminated = self.columns.min(inside - self.first);
+        let work = &mut work[..self.rows()];
+        work[..self.columns].copy_from_slice(&x[self.first..self.first + self.columns]);
+        Taken { eliminated, whole: eliminated - eliminated % TOGETHER, work }
+    }
+
     /// Which row of the factor is one of its own.
     fn row(&self, number: usize) -> usize {
         if number < self.columns { self.first + number } else { self.below[number - self.columns] }
@@ -258,15 +267,21 @@ impl<'n, N: DoubleEndedIterator<Item = Supernode<'n>>> WithSimd for Sweep<'_, N>
     }
 }
 
+/// What a sweep begins a supernode with.
+struct Taken<'a> {
+    /// How many of its columns are eliminated.
+    eliminated: usize,
+    /// How many of these go together.
+    whole: usize,
+    /// The values of its columns, and room for those of the rows below.
+    work: &'a mut [f64],
+}
+
 #[inline(always)]
 fn forward<S: Simd>(simd: S, node: &Supernode, inside: usize, x: &mut [f64], work: &mut [f64]) {
     let Supernode { first, columns, below, .. } = *node;
-    let eliminated = columns.min(inside - first);
-    let whole = eliminated - eliminated % TOGETHER;
-    let work = &mut work[..node.rows()];
-    let (of_columns, of_others) = work.split_at_mut(columns);
-    of_columns.copy_from_slice(&x[first..first + columns]);
-    of_others.fill(0.0);
+    let Taken { eliminated, whole, work } = node.taken(inside, x, work);
+    work[columns..].fill(0.0);
     for j in (0..whole).step_by(TOGETHER) {
         let group = node.group(j);
         let mut found = [0.0; TOGETHER];
@@ -290,12 +305,8 @@ fn forward<S: Simd>(simd: S, node: &Supernode, inside: usize, x: &mut [f64], wor
 #[inline(always)]
 fn backward<S: Simd>(simd: S, node: &Supernode, inside: usize, x: &mut [f64], work: &mut [f64]) {
     let Supernode { first, columns, below, .. } = *node;
-    let eliminated = columns.min(inside - first);
-    let whole = eliminated - eliminated % TOGETHER;
-    let work = &mut work[..node.rows()];
-    let (of_columns, of_others) = work.split_at_mut(columns);
-    of_columns.copy_from_slice(&x[first..first + columns]);
-    of_others.iter_mut().zip(below).for_each(|(value, row)| *value = x[*row]);
+    let Taken { eliminated, whole, work } = node.taken(inside, x, work);
+    work[columns..].iter_mut().zip(below).for_each(|(value, row)| *value = x[*row]);
     for j in (whole..eliminated).rev() {
         let column = &node.column(j)[j..];
         let sum: f64 = column[1..].iter().zip(&work[j + 1..]).map(|(entry, value)| entry * value).sum();

@@ -2,22 +2,27 @@
 //!
 //! On a box these are the face that is hit ("upper") and the one opposite ("lower"), or both faces of each layer ("1-upper", "1-lower" and so
 //! on from the hit down), on the points of a grid; between these a parabola
-//! along each axis tells how much higher the largest value lies. On a mesh from a file they are its named surfaces, at their nodes.
+//! along each axis tells how much higher the largest value lies. The faces of stiff layers have the stresses in their plane. Those of soft layers have
+//! all stresses: there shear across the face is most of them. On a mesh from a file faces are its named surfaces, at their nodes.
+
+mod grid;
 
 use std::cell::OnceCell;
 use std::rc::Rc;
 
 use petsc_wrap::Int;
 
-use crate::form::stress::{largest_in_plane, largest_principal, place};
+use crate::form::stress::{largest_in_plane, largest_principal, place, with_shear};
 use crate::mesh::Whole;
 use crate::scene::Vec3;
 use crate::scene::face_names;
-use crate::scene::faces::{along, name as surface_name};
+use crate::scene::faces::name as surface_name;
 
 use super::search::StressRows;
 use super::stress_map::Recovered;
 use super::{ContactNow, Form, LineStresses, LocalPoint, Map, NearHit, StressMap, TensionMap};
+
+pub use grid::FaceGrid;
 
 /// Thicknesses about the hit within which a face of a box is read at the hit alone, by a mean: a contact's largest tension is there, and
 /// nearby the stresses of coarse cells are off.
@@ -34,13 +39,16 @@ pub(super) const ALIKE: f64 = 1e-6;
 pub struct FaceStresses {
     /// The coordinates of the body that they need.
     pub columns: Vec<Int>,
-    /// Stresses at the sampled points: of a box those in the plane of the face, a, b and ab.
+    /// Stresses at the sampled points: of a box three at each, those in the plane of the face, a, b and ab, or those across it.
     pub map: StressMap,
     /// The faces.
     pub faces: Vec<Face>,
     /// Of the map, what many searches share.
     pub(super) rows: OnceCell<Rc<StressRows>>,
 }
+
+/// Difference of two coordinates that may be rounding, m.
+const SAME_PLACE: f64 = 1e-9;
 
 /// The points of one face.
 #[derive(Debug, Clone)]
@@ -51,6 +59,8 @@ pub struct Face {
     pub points: Vec<Vec3>,
     /// The number of its first point among those sampled.
     pub first: usize,
+    /// The same of the stresses across the face, shear along a and along b and the normal stress, where these are read too.
+    pub across: Option<usize>,
     /// What points near the hit lack, by their numbers.
     pub local: Vec<(usize, LocalPoint)>,
     /// Which of its points are not read.
@@ -59,17 +69,6 @@ pub struct Face {
     pub sign: f64,
     /// Points along two axes where they form a grid, the second's fastest.
     pub grid: Option<FaceGrid>,
-}
-
-/// Points of a face between lines.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FaceGrid {
-    /// The axes along the face.
-    pub axes: [usize; 2],
-    /// Coordinates along these, ascending, m.
-    pub lines: [Vec<f64>; 2],
-    /// Along which axes the first line is a plane of symmetry.
-    pub is_mirrored: [bool; 2],
 }
 
 /// The largest tension on a face at one time.
@@ -103,47 +102,58 @@ impl Face {
 }
 
 impl Face {
-    /// The largest principal stress at one of its points, of the stresses sampled there and the contact; NaN where it is not read.
-    pub(super) fn value(&self, point: usize, sampled: &[f64], contact: &ContactNow) -> f64 {
+    /// The largest principal stress at one of its points, of the stresses sampled by number and the contact; NaN where it is not read.
+    pub(super) fn value<S: AsRef<[f64]>>(
+        &self,
+        point: usize,
+        sampled: impl Fn(usize) -> S,
+        contact: &ContactNow,
+    ) -> f64 {
         if self.left_out[point] {
             return f64::NAN;
         }
         let local = self.local_at(point).filter(|_| contact.force > 0.0).map(|local| local.stress(contact));
-        let of = |i: usize, component: usize| self.sign * sampled[i] + local.map_or(0.0, |local| local[component]);
-        match (sampled.len(), &self.grid) {
-            (3, Some(FaceGrid { axes: [a, b], .. })) => largest_in_plane([of(0, *a), of(1, *b), of(2, place(*a, *b))]),
-            (6, _) => largest_principal(std::array::from_fn(|i| of(i, i))),
-            _ => f64::NAN,
-        }
+        let own = sampled(self.first + point);
+        let own = own.as_ref();
+        let lacking = |component: usize| local.map_or(0.0, |local| local[component]);
+        let of = |i: usize, component: usize| self.sign * own[i] + lacking(component);
+        let (a, b) = match (own.len(), &self.grid) {
+            (3, Some(FaceGrid { axes: [a, b], .. })) => (*a, *b),
+            (6, _) => return largest_principal(std::array::from_fn(|i| of(i, i))),
+            _ => return f64::NAN,
+        };
+        let in_plane = [of(0, a), of(1, b), of(2, place(a, b))];
+        let Some(first) = self.across else { return largest_in_plane(in_plane) };
+        let (across, normal) = (sampled(first + point), 3 - a - b);
+        let across = across.as_ref();
+        // Where a plate bends, shear is the same on both faces, and the normal stress the opposite.
+        let shear = [(0, a), (1, b)].map(|(i, axis)| across[i] + lacking(place(axis, normal)));
+        with_shear(in_plane, [shear[0], shear[1], self.sign * across[2] + lacking(normal)])
     }
 
     fn local_at(&self, point: usize) -> Option<&LocalPoint> {
         self.local.binary_search_by_key(&point, |(of, _)| *of).ok().map(|at| &self.local[at].1)
     }
 
-    /// The largest value of points, which are read and ascend, at the first of those that have it but for rounding, as points that mirror
-    /// each other do, with its number; on a grid lifted by its neighbours.
+    /// The largest value of points, which are read, with the numbers of all that have it but for rounding, as points that mirror each other do. Its
+    /// place is that of them with the largest x, then y, then z; on a grid it is lifted by the neighbours there.
     pub(super) fn largest(
         &self,
         points: impl Iterator<Item = usize>,
         value: impl Fn(usize) -> f64,
-    ) -> (usize, FaceTension) {
-        let mut points = points.map(|point| (point, value(point))).peekable();
-        // (Most often there is but one.)
-        let first = match (points.next(), points.peek()) {
-            (Some(one), Some(_)) => {
-                let values: Vec<(usize, f64)> = std::iter::once(one).chain(points).collect();
-                let most = values.iter().map(|(_, value)| *value).fold(f64::NAN, f64::max);
-                values.into_iter().find(|(_, value)| *value >= most - ALIKE * most.abs())
-            }
-            (one, _) => one.filter(|(_, value)| !value.is_nan()),
+    ) -> (Vec<usize>, FaceTension) {
+        let mut alike: Vec<(usize, f64)> = points.map(|point| (point, value(point))).collect();
+        let most = alike.iter().map(|(_, value)| *value).fold(f64::NAN, f64::max);
+        alike.retain(|(_, value)| *value >= most - ALIKE * most.abs());
+        let farther = |one: (usize, f64), other: (usize, f64)| {
+            if is_farther(self.points[other.0], self.points[one.0]) { other } else { one }
         };
-        let (point, largest) = first.unwrap_or((0, f64::NAN));
+        let (point, largest) = alike.iter().copied().reduce(farther).unwrap_or((0, f64::NAN));
         let mut found = FaceTension { largest, point: self.points.get(point).copied().unwrap_or_default() };
         if let Some(grid) = &self.grid {
             grid.refine(point, largest, value, &mut found);
         }
-        (point, found)
+        (alike.into_iter().map(|(point, _)| point).collect(), found)
     }
 
     /// The numbers of the points that are read.
@@ -152,39 +162,24 @@ impl Face {
     }
 }
 
+/// Whether a place has the larger x, or with the same x the larger y, or z.
+fn is_farther(one: Vec3, other: Vec3) -> bool {
+    let differences = one.iter().zip(other).map(|(one, other)| one - other);
+    differences.into_iter().find(|difference| difference.abs() > SAME_PLACE).is_some_and(|difference| difference > 0.0)
+}
+
 impl FaceTension {
     /// Nothing was read.
     pub const UNKNOWN: Self = Self { largest: f64::NAN, point: [f64::NAN; 3] };
 }
 
-impl FaceGrid {
-    /// Of the faces of a box that is hit across an axis at a point: lines along the axes, m, with those through the hit.
-    pub(super) fn of_box((struck, hit): (usize, Vec3), lines: &[Vec<f64>; 3], mirrors: &[usize]) -> Self {
-        let axes = along(struck);
-        Self {
-            axes,
-            lines: axes.map(|axis| with_hit(&lines[axis], hit[axis])),
-            is_mirrored: axes.map(|axis| mirrors.contains(&axis)),
-        }
-    }
-
-    /// The points on the face at a height along the axis across it, m.
-    fn points(&self, across: usize, height: f64) -> Vec<Vec3> {
-        let at = |a: f64, b: f64| {
-            let mut x = [0.0; 3];
-            (x[self.axes[0]], x[self.axes[1]], x[across]) = (a, b, height);
-            x
-        };
-        self.lines[0].iter().flat_map(|a| self.lines[1].iter().map(move |b| at(*a, *b))).collect()
-    }
-}
-
 /// Part of a layer's thickness by which its faces are read within it, lest they be the next layer's.
 pub(super) const WITHIN: f64 = 1e-9;
 
-/// A face of a layer: its name, where it is along the axis across it, and where it is read, m.
+/// A face of a layer: its name, the layer's number from the hit down, where it is along the axis across it, and where it is read, m.
 struct Level {
     name: String,
+    layer: usize,
     height: f64,
     read_at: f64,
 }
@@ -199,19 +194,30 @@ fn levels(ends: &[f64], is_hit_from_above: bool) -> Vec<Level> {
         let within = if ends.len() > 2 { WITHIN * (layer[1] - layer[0]) } else { 0.0 };
         [(layer[0], layer[0] + within), (layer[1], layer[1] - within)]
     });
-    let named = face_names(ends.len() - 1).into_iter().zip(sides);
-    let mut levels: Vec<Level> = named.map(|(name, (height, read_at))| Level { name, height, read_at }).collect();
+    let named = face_names(ends.len() - 1).into_iter().zip(sides).enumerate();
+    let level = |(number, (name, (height, read_at)))| Level { name, layer: number / 2, height, read_at };
+    let mut levels: Vec<Level> = named.map(level).collect();
     levels.reverse();
     levels
 }
 
-/// The faces of a box across an axis, or of its layers between ends along it, with the forms of the stresses in their planes, point by point.
+/// How the stresses at a point of a face are read.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PointReading {
+    /// As means about the hit.
+    pub is_smoothed: bool,
+    /// All six components, not only those in the plane of the face.
+    pub is_whole: bool,
+}
+
+/// The faces of a box across an axis, or of its layers between ends along it (which of them are soft being known from the hit down), with the
+/// forms of the stresses at their points, three each.
 pub(super) fn of_box(
     (struck, hit): (usize, Vec3),
-    layers: &[f64],
+    (layers, soft): (&[f64], &[bool]),
     (lines, grid): (&[Vec<f64>; 3], FaceGrid),
     bends_alone: bool,
-    at: impl Fn(Vec3, bool) -> [Form; 6],
+    at: impl Fn(Vec3, PointReading) -> [Form; 6],
     near: Option<&NearHit>,
 ) -> (Vec<Face>, Vec<Form>) {
     let axes = grid.axes;
@@ -232,28 +238,40 @@ pub(super) fn of_box(
         });
         reached.collect()
     };
-    let in_plane = |x: &Vec3| {
-        if is_left_out(x) {
-            return Default::default();
-        }
-        let mut stress = at(*x, is_smoothed(*x));
-        [axes[0], axes[1], place(axes[0], axes[1])].map(|component| std::mem::take(&mut stress[component]))
+    let stress = |x: &Vec3, is_whole: bool| match is_left_out(x) {
+        true => Default::default(),
+        false => at(*x, PointReading { is_smoothed: is_smoothed(*x), is_whole }),
     };
+    let [a, b] = axes;
+    let (in_plane, across) = ([a, b, place(a, b)], [place(a, struck), place(b, struck), struck]);
     let (mut faces, mut forms): (Vec<Face>, Vec<Form>) = (Vec::new(), Vec::new());
     let levels = levels(layers, hit[struck] > 0.0);
     let count = levels.len();
-    for (number, Level { name, height, read_at }) in levels.into_iter().enumerate() {
+    for (number, Level { name, layer, height, read_at }) in levels.into_iter().enumerate() {
         let read = grid.points(struck, read_at);
         // A body that bends alone has the opposite stresses on the other side of its middle.
-        let opposite = (bends_alone && number >= count / 2).then(|| faces[count - 1 - number].first);
-        let (first, sign) = opposite.map_or((forms.len() / 3, 1.0), |first| (first, -1.0));
-        if opposite.is_none() {
-            forms.extend(read.iter().flat_map(in_plane));
-        }
+        let opposite = (bends_alone && number >= count / 2).then(|| &faces[count - 1 - number]);
+        let (first, across, sign) = match opposite {
+            Some(Face { first, across, .. }) => (*first, *across, -1.0),
+            None => {
+                let (first, is_soft) = (forms.len() / 3, soft.get(layer).is_some_and(|is_soft| *is_soft));
+                let mut all: Vec<[Form; 6]> = read.iter().map(|x| stress(x, is_soft)).collect();
+                let mut take = |of: [usize; 3]| {
+                    let of_points =
+                        all.iter_mut().flat_map(|all| of.map(|component| std::mem::take(&mut all[component])));
+                    forms.extend(of_points);
+                };
+                take(in_plane);
+                if is_soft {
+                    take(across);
+                }
+                (first, is_soft.then_some(first + read.len()), 1.0)
+            }
+        };
         let local = local(&read);
         let left_out = read.iter().map(is_left_out).collect();
         let points = grid.points(struck, height);
-        faces.push(Face { name, points, first, local, left_out, sign, grid: Some(grid.clone()) });
+        faces.push(Face { name, points, first, across, local, left_out, sign, grid: Some(grid.clone()) });
     }
     faces.reverse();
     (faces, forms)
@@ -279,25 +297,11 @@ pub(super) fn of_mesh(mesh: &Whole, hit: Option<(usize, Vec3)>, layers: usize) -
     for (name, nodes) in named.into_iter().filter(|(_, nodes)| !nodes.is_empty()) {
         let points = nodes.iter().map(|&node| mesh.nodes[node]).collect();
         let left_out = vec![false; nodes.len()];
-        faces.push(Face { name, points, first: all.len(), local: Vec::new(), left_out, sign: 1.0, grid: None });
+        let first = all.len();
+        faces.push(Face { name, points, first, across: None, local: Vec::new(), left_out, sign: 1.0, grid: None });
         all.extend_from_slice(nodes);
     }
     (faces, all)
-}
-
-/// Lines with one through the hit.
-fn with_hit(lines: &[f64], hit: f64) -> Vec<f64> {
-    let mut lines = lines.to_vec();
-    let size = lines.last().copied().unwrap_or_default() - lines.first().copied().unwrap_or_default();
-    let place = lines.partition_point(|x| *x < hit);
-    let near = (0..lines.len()).find(|&i| (lines[i] - hit).abs() < 1e-6 * size);
-    match near {
-        // The hit itself, lest no point be on it.
-        Some(i) => lines[i] = hit,
-        None if place > 0 && place < lines.len() => lines.insert(place, hit),
-        None => {}
-    }
-    lines
 }
 
 impl FaceStresses {
@@ -307,20 +311,18 @@ impl FaceStresses {
     }
 
     /// The largest tension on each face at a time (s), of the stresses at the sampled points and the contact; and the tensions at all
-    /// points, where at that of the largest this one counts.
+    /// points, where at those of the largest this one counts.
     pub fn tensions(&self, stresses: &[f64], contact: &ContactNow, time: f64) -> (Vec<FaceTension>, TensionMap) {
         let components = self.map.components();
         let sampled = |number: usize| &stresses[components * number..components * (number + 1)];
         let (mut found, mut all) = (Vec::with_capacity(self.faces.len()), Vec::new());
         for face in &self.faces {
-            let value = |point: usize| face.value(point, sampled(face.first + point), contact);
+            let value = |point: usize| face.value(point, sampled, contact);
             let values: Vec<f64> = (0..face.points.len()).map(value).collect();
-            let (point, largest) = face.largest(face.read_points(), |point| values[point]);
+            let (alike, largest) = face.largest(face.read_points(), |point| values[point]);
             let first = all.len();
             all.extend(values.iter().map(|value| if value.is_nan() { f32::NEG_INFINITY } else { *value as f32 }));
-            if let Some(value) = all.get_mut(first + point) {
-                *value = value.max(largest.largest as f32);
-            }
+            alike.into_iter().for_each(|point| all[first + point] = all[first + point].max(largest.largest as f32));
             found.push(largest);
         }
         (found, TensionMap::of_step(all, time))
@@ -339,33 +341,6 @@ impl FaceStresses {
         match &self.map {
             StressMap::Forms { map: Map::Dense(count, entries), .. } => Some((*count, entries)),
             _ => None,
-        }
-    }
-}
-
-impl FaceGrid {
-    /// Lifts the largest value to the tops of parabolas through it and its neighbours along each axis.
-    fn refine(&self, best: usize, top: f64, value: impl Fn(usize) -> f64, found: &mut FaceTension) {
-        let count = self.lines[1].len();
-        let place = [best / count, best % count];
-        for (side, stride) in [(0, count), (1, 1)] {
-            let (lines, at) = (&self.lines[side], place[side]);
-            if at + 1 >= lines.len() || (at == 0 && !self.is_mirrored[side]) {
-                continue;
-            }
-            // (Neighbours that are not read make no parabola.)
-            let (after, ahead) = (value(best + stride), lines[at + 1] - lines[at]);
-            let (before, behind) =
-                if at == 0 { (after, ahead) } else { (value(best - stride), lines[at] - lines[at - 1]) };
-            // f(top) + s x + c x²/2 through both neighbours.
-            let (rise, fall) = ((after - top) / ahead, (before - top) / behind);
-            let curvature = 2.0 * (rise + fall) / (ahead + behind);
-            let slope = rise - 0.5 * curvature * ahead;
-            if curvature < 0.0 {
-                let way = (-slope / curvature).clamp(-0.5 * behind, 0.5 * ahead);
-                found.largest += slope * way + 0.5 * curvature * way * way;
-                found.point[self.axes[side]] += way;
-            }
         }
     }
 }

@@ -166,11 +166,12 @@ impl Evaluator {
                 let on_lines = on_lines.and_then(|basis| Some((points.face_lines(at_lines, lower)?, basis)));
                 let (faces, forms) = faces::of_box(
                     hit,
-                    &scene.hit_layers(),
+                    (&scene.hit_layers(), &scene.soft_layers()),
                     (&lines, grid),
                     points.bends_alone(),
-                    |x, is_near| match &on_lines {
-                        _ if is_near => self.stress(points.as_ref(), x),
+                    |x, reading| match &on_lines {
+                        _ if reading.is_smoothed => self.stress(points.as_ref(), x),
+                        None if reading.is_whole => points.at(x).stress,
                         None => points.face_stress(x),
                         Some(_) => Default::default(),
                     },

@@ -14,6 +14,7 @@ pub const ALONE: &[Test<Session>] = tests![
     layers_of_one_material_are_one_plate,
     solids_of_splines_agree,
     the_reference,
+    soft_faces_have_their_shear,
     layers_that_differ_above_and_below,
     auto_climbs
 ];
@@ -103,6 +104,21 @@ fn tensions(comm: &Comm, text: &str) -> (Vec<String>, Largest) {
     let flow = simulation.run_watched(&mut largest).unwrap_or_else(|error| panic!("{error}"));
     assert!(flow.is_continue());
     (names, largest)
+}
+
+/// The faces of the interlayer: most of their stress is shear across them, of which the plate's layer has one value.
+fn soft_faces_have_their_shear(session: &Session) {
+    let of = |model: &str| {
+        let rest = "[accuracy]\ntolerance = 2e-2\n";
+        let text = pane(&PLIES, &soft(1e7), &format!("model = \"{model}\""), "end = 1.2e-3", rest);
+        tensions(&session.world(), &text).1.tensions
+    };
+    let [plate, solid] = ["layerwise", "solid"].map(of);
+    println!("{plate:?} {solid:?}");
+    for face in [2, 3] {
+        // Two tolerances; stresses in the plane of these faces alone are a third of that.
+        assert!((plate[face] / solid[face] - 1.0).abs() < 0.04, "{face}: {} {}", plate[face], solid[face]);
+    }
 }
 
 /// A relaxing interlayer, computed by an independent program (tests/fixtures/laminated): peak and largest tensions on the lowest face and on

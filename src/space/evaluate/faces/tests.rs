@@ -17,6 +17,7 @@ fn a_largest_value_between_points_is_found() {
                 left_out: vec![false; points.len()],
                 points,
                 first: 0,
+                across: None,
                 local: Vec::new(),
                 sign: 1.0,
                 grid: Some(grid.clone()),

@@ -1,6 +1,6 @@
 //! What the local field adds on a face, as polynomials of the contact's radius.
 
-use crate::form::stress::place;
+use crate::form::stress::{place, with_shear};
 use crate::space::evaluate::{ContactNow, Face, FaceGrid};
 use crate::stack::PointField;
 
@@ -12,6 +12,8 @@ pub(super) struct LocalRows {
     terms: usize,
     /// By point the coefficients for 1 N of (a + b)/2, (a − b)/2 and ab, Pa.
     points: Vec<(usize, Vec<[f64; 3]>)>,
+    /// The same of the stresses across the face, where these are read.
+    across: Vec<(usize, Vec<[f64; 3]>)>,
     /// The face's points that are not read.
     pub left_out: Vec<usize>,
 }
@@ -21,7 +23,8 @@ impl LocalRows {
     pub fn new(face: &Face) -> Option<Self> {
         let FaceGrid { axes: [a, b], .. } = face.grid.as_ref()?;
         let left_out = (0..face.points.len()).filter(|point| face.left_out[*point]).collect();
-        let mut rows = Self { largest: 1.0, terms: 0, points: Vec::new(), left_out };
+        let normal = 3 - a - b;
+        let mut rows = Self { largest: 1.0, terms: 0, points: Vec::new(), across: Vec::new(), left_out };
         for (point, local) in &face.local {
             let (largest, coefficients) = local.polynomial()?;
             if !rows.points.is_empty() && largest != rows.largest {
@@ -29,20 +32,39 @@ impl LocalRows {
             }
             rows.largest = largest;
             rows.terms = rows.terms.max(coefficients.len());
-            let parts = coefficients.iter().map(|all| parts([all[*a], all[*b], all[place(*a, *b)]]));
-            rows.points.push((*point, parts.collect()));
+            let in_plane = |all: &[f64; 6]| parts([all[*a], all[*b], all[place(*a, *b)]]);
+            rows.points.push((*point, coefficients.iter().map(in_plane).collect()));
+            if face.across.is_some() {
+                let of = |all: &[f64; 6]| parts([all[place(*a, normal)], all[place(*b, normal)], all[normal]]);
+                rows.across.push((*point, coefficients.iter().map(of).collect()));
+            }
         }
         Some(rows)
     }
 
-    /// What is added at its points under a contact, in their order.
+    /// What is added at its points under a contact, in their order; nothing without a force.
     pub fn under(&self, contact: &ContactNow) -> impl Iterator<Item = (usize, [f64; 3])> {
+        self.sums(&self.points, contact)
+    }
+
+    /// The same with what is added to the stresses across the face.
+    pub fn whole_under(&self, contact: &ContactNow) -> impl Iterator<Item = (usize, [[f64; 3]; 2])> {
+        let both = self.under(contact).zip(self.sums(&self.across, contact));
+        both.map(|((point, in_plane), (_, across))| (point, [in_plane, across]))
+    }
+
+    fn sums<'a>(
+        &self,
+        points: &'a [(usize, Vec<[f64; 3]>)],
+        contact: &ContactNow,
+    ) -> impl Iterator<Item = (usize, [f64; 3])> + use<'a> {
         let t = PointField::variable(contact.radius, self.largest);
         let mut polynomials = vec![contact.force, contact.force * t];
         for k in 2..self.terms {
             polynomials.push(2.0 * t * polynomials[k - 1] - polynomials[k - 2]);
         }
-        self.points.iter().map(move |(point, coefficients)| {
+        let points = if contact.force > 0.0 { points } else { &[] };
+        points.iter().map(move |(point, coefficients)| {
             let mut sum = [0.0; 3];
             for (factor, of_degree) in polynomials.iter().zip(coefficients) {
                 (0..3).for_each(|i| sum[i] += factor * of_degree[i]);
@@ -52,7 +74,20 @@ impl LocalRows {
     }
 }
 
-/// (a + b)/2, (a − b)/2 and ab of a, b and ab.
+/// The largest principal stress of such parts, those in the plane of a face and those of the stresses across it.
+pub(super) fn principal_of([m, d, s]: [f64; 3], [m_across, d_across, normal]: [f64; 3]) -> f64 {
+    with_shear([m + d, m - d, s], [m_across + d_across, m_across - d_across, normal])
+}
+
+/// What that does not exceed: of a direction with the parts p along the face and z across it the stress is at most λp² + 2τpz + σz², with λ the
+/// principal stress in the plane and τ the whole shear across it.
+pub(super) fn ceiling_of([m, d, s]: [f64; 3], [m_across, d_across, normal]: [f64; 3]) -> f64 {
+    let in_plane = m + (d * d + s * s).sqrt();
+    let shear = 2.0 * (m_across * m_across + d_across * d_across);
+    0.5 * (in_plane + normal) + (0.25 * (in_plane - normal).powi(2) + shear).sqrt()
+}
+
+/// (a + b)/2, (a − b)/2 and ab of a, b and ab; and so of az, bz and zz.
 pub(super) fn parts([a, b, ab]: [f64; 3]) -> [f64; 3] {
     [0.5 * (a + b), 0.5 * (a - b), ab]
 }

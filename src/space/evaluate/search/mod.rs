@@ -6,9 +6,11 @@
 //! ([`StressRows`]), or, on lines of a face, of fewer coefficients in double ([`LineStresses`]).
 //!
 //! *The bound.* Stresses over a size S are off by some u, as they are made. The principal stress m + √(d² + s²) is off by no more than the
-//! errors of m, d and s together, and by its own few roundings.
+//! errors of m, d and s together, and by its own few roundings. On the faces of soft layers there are three more parts, of the stresses across the
+//! face, and five errors together: a principal stress is off by no more than the largest sum of errors in a row of the tensor, in which two
+//! are a sum of two parts.
 //!
-//! *The map.* The same values, times S, give the largest tension over time at each point, within the bound. At the point of a step's largest
+//! *The map.* The same values, times S, give the largest tension over time at each point, within the bound. At the points of a step's largest
 //! tension on a face the one found in double precision counts, between the points too: the largest value of the map is that of the history.
 
 mod local;
@@ -23,7 +25,7 @@ use super::line_stress::{TOGETHER, Together};
 use super::{ContactNow, FaceStresses, FaceTension, LineStresses, TensionMap};
 use local::{LocalRows, parts};
 pub(super) use rows::StressRows;
-use seen::{Peaks, Seen};
+use seen::{Peaks, Seen, Wanted};
 
 /// Steps whose stresses are computed at once: they stay in the cache.
 const BLOCK: usize = 64;
@@ -193,7 +195,8 @@ impl<'a> TensionSearch<'a> {
             // They are rounded two or three times.
             Stresses::Lines(_) => 0.0,
         };
-        let error = (3.0 * (products + 4.0) + OF_PRINCIPAL) * ROUNDOFF;
+        let together = if self.faces.faces.iter().any(|face| face.across.is_some()) { 5.0 } else { 3.0 };
+        let error = (together * (products + 4.0) + OF_PRINCIPAL) * ROUNDOFF;
         // Both may be off; and points count as alike that differ by a part.
         let of_top = (2.0 * ALIKE + OF_PRINCIPAL * ROUNDOFF) * f64::from(top.abs()).max(1.0);
         (2.0 * error + of_top) as f32
@@ -257,7 +260,7 @@ impl<'a> Finding<'a> {
         seen.take(column);
         let faces = search.faces.faces.iter().zip(&search.local).zip(peaks);
         let each = faces.map(|((face, local), peaks)| {
-            seen.look(face, local, (column, *size), contact);
+            seen.look((face, local), (column, *size), contact, Wanted::Peaks(peaks));
             // (Where all is compressed, nothing is known of points between.)
             let is_small = |least: f64| seen.top > 0.0 && LIFTED * f64::from(seen.top) * size < largest.min(least);
             if *size > f64::MIN_POSITIVE && least.is_some_and(is_small) {
@@ -265,9 +268,9 @@ impl<'a> Finding<'a> {
             }
             let value = |point: usize| match face.left_out[point] {
                 true => f64::NAN,
-                false => face.value(point, &at(face.first + point), contact),
+                false => face.value(point, at, contact),
             };
-            let (point, found) = if *size > f64::MIN_POSITIVE && seen.top.is_finite() {
+            let (alike, found) = if *size > f64::MIN_POSITIVE && seen.top.is_finite() {
                 peaks.take(&seen.values, *size as f32, number);
                 let bound = search.bound(seen.top);
                 // (Points that are left out have no tension.)
@@ -278,7 +281,8 @@ impl<'a> Finding<'a> {
                 values.iter().enumerate().for_each(|(point, value)| peaks.raise(point, *value as f32, number));
                 face.largest(face.read_points(), |point| values[point])
             };
-            peaks.raise(point, found.largest as f32, number);
+            // Points that mirror each other stay alike.
+            alike.into_iter().for_each(|point| peaks.raise(point, found.largest as f32, number));
             *largest = largest.max(found.largest);
             found
         });

@@ -4,7 +4,7 @@
 //! in those between two of which one is near the highest.
 
 use super::rows::StressRows;
-use super::seen::Seen;
+use super::seen::{Seen, Wanted};
 use super::{BLOCK, ContactNow, TensionSearch};
 
 /// Every so manieth step is looked at.
@@ -38,7 +38,7 @@ impl TensionSearch<'_> {
             for ((&step, size), column) in steps.iter().zip(sizes).zip(all.column_iter()) {
                 seen.take(column.as_slice());
                 let faces = self.faces.faces.iter().zip(&self.local).map(|(face, local)| {
-                    seen.look(face, local, (column.as_slice(), size), &contacts[step]);
+                    seen.look((face, local), (column.as_slice(), size), &contacts[step], Wanted::Largest);
                     f64::from(seen.top) * size
                 });
                 // (Without a size, as at rest, single precision tells nothing.)

@@ -3,7 +3,7 @@
 use crate::space::evaluate::{ContactNow, Face};
 
 use super::LANES;
-use super::local::LocalRows;
+use super::local::{LocalRows, ceiling_of, principal_of};
 
 /// Tensions over S at all points of a face, in single precision.
 #[derive(Default)]
@@ -24,6 +24,35 @@ fn larger(a: f32, b: f32) -> f32 {
     if b > a { b } else { a }
 }
 
+/// Which values are wanted; others may be found too large, but neither above the largest one nor above their peaks.
+#[derive(Clone, Copy)]
+pub(super) enum Wanted<'a> {
+    /// All.
+    #[cfg(test)]
+    All,
+    /// The largest of the step.
+    Largest,
+    /// That, and those above the peaks of earlier steps.
+    Peaks(&'a Peaks),
+}
+
+impl Wanted<'_> {
+    /// Whether a value is not wanted that is no larger than a ceiling, by the largest one so far; all over S, Pa.
+    fn is_out(self, point: usize, ceiling: f32, (top, size): (f32, f64)) -> bool {
+        match self {
+            #[cfg(test)]
+            Self::All => false,
+            Self::Largest => ceiling <= top,
+            Self::Peaks(peaks) => ceiling <= top && ceiling * size as f32 <= peaks.tension[point],
+        }
+    }
+}
+
+/// A value in single precision; what a small size takes out of range is as large as can be, so that all points are looked at.
+fn known(value: f64) -> f32 {
+    if value.is_nan() { f32::INFINITY } else { value as f32 }
+}
+
 impl Seen {
     /// Takes the stresses of a step.
     pub fn take(&mut self, column: &[f32]) {
@@ -37,7 +66,13 @@ impl Seen {
     }
 
     /// Looks at a face, whose stresses over the size S are parts of a column.
-    pub fn look(&mut self, face: &Face, local: &LocalRows, (column, size): (&[f32], f64), contact: &ContactNow) {
+    pub fn look(
+        &mut self,
+        (face, local): (&Face, &LocalRows),
+        (column, size): (&[f32], f64),
+        contact: &ContactNow,
+        wanted: Wanted,
+    ) {
         let (sampled, count) = (column.len() / 3, face.points.len());
         let [mean, half, shear] = [0, 1, 2].map(|part| &column[part * sampled + face.first..][..count]);
         let sign = face.sign as f32;
@@ -45,14 +80,39 @@ impl Seen {
         self.values.resize(count.next_multiple_of(LANES), f32::NEG_INFINITY);
         let (values, beyond) = self.values.split_at_mut(count);
         beyond.fill(f32::NEG_INFINITY);
-        pulp::Arch::new().dispatch(Adding { sign, mean, roots: &self.roots[face.first..][..count], values });
-        if contact.force > 0.0 {
-            for (point, more) in local.under(contact) {
-                let of = |part: usize, stress: f32| f64::from(sign * stress) + more[part] / size;
-                let [m, d, s] = [of(0, mean[point]), of(1, half[point]), of(2, shear[point])];
-                let value = (m + (d * d + s * s).sqrt()) as f32;
-                // What a small size takes out of range has all points looked at.
-                values[point] = if value.is_nan() { f32::INFINITY } else { value };
+        match face.across {
+            Some(first) => {
+                let of = |first: usize, point: usize| {
+                    [0, 1, 2].map(|part| f64::from(column[part * sampled + first + point]))
+                };
+                let (mut lacking, mut top) = (local.whole_under(contact).peekable(), f32::NEG_INFINITY);
+                for (point, value) in values.iter_mut().enumerate() {
+                    let (mut in_plane, mut across) =
+                        (of(face.first, point).map(|part| face.sign * part), of(first, point));
+                    // Where a plate bends, shear is the same on both faces.
+                    across[2] *= face.sign;
+                    if let Some((_, more)) = lacking.next_if(|(of, _)| *of == point) {
+                        (0..3).for_each(|i| in_plane[i] += more[0][i] / size);
+                        (0..3).for_each(|i| across[i] += more[1][i] / size);
+                    }
+                    // Most points are far below, and square roots take less than an arc cosine.
+                    let ceiling = known(ceiling_of(in_plane, across));
+                    *value = match face.left_out[point] {
+                        true => f32::NEG_INFINITY,
+                        false if wanted.is_out(point, ceiling, (top, size)) => ceiling,
+                        false => known(principal_of(in_plane, across)),
+                    };
+                    top = larger(top, *value);
+                }
+            }
+            None => {
+                let roots = &self.roots[face.first..][..count];
+                pulp::Arch::new().dispatch(Adding { sign, mean, roots, values });
+                for (point, more) in local.under(contact) {
+                    let of = |part: usize, stress: f32| f64::from(sign * stress) + more[part] / size;
+                    let [m, d, s] = [of(0, mean[point]), of(1, half[point]), of(2, shear[point])];
+                    values[point] = known(m + (d * d + s * s).sqrt());
+                }
             }
         }
         local.left_out.iter().for_each(|point| values[*point] = f32::NEG_INFINITY);

@@ -27,7 +27,7 @@ const COUNT: usize = 37;
 const LINES: usize = 19;
 
 /// A plate of bending stresses that vary over a face, hit at the corner of its quarter; stresses are symmetric in x and y, so that
-/// points that mirror each other have the same tension but for rounding.
+/// points that mirror each other have the same tension but for rounding. A soft layer of it has stresses across its faces too.
 fn plate() -> (FaceStresses, Vec<f64>) {
     let lines: Vec<f64> = (0..LINES).map(|i| 0.05 * i as f64).collect();
     let points: Vec<[f64; 3]> = lines.iter().flat_map(|a| lines.iter().map(move |b| [*a, *b, 0.05])).collect();
@@ -50,22 +50,31 @@ fn plate() -> (FaceStresses, Vec<f64>) {
             match component {
                 0 => size * (along(x[0], x[1]) + 0.3 * along(x[1], x[0])),
                 1 => size * (along(x[1], x[0]) + 0.3 * along(x[0], x[1])),
-                _ => 0.4 * size * twist,
+                2 => 0.4 * size * twist,
+                3 => 0.5 * size * (p * x[0]).sin() * (q * x[1]).cos(),
+                4 => 0.5 * size * (p * x[1]).sin() * (q * x[0]).cos(),
+                _ => 0.2 * size * along(x[0], x[1]) * along(x[1], x[0]),
             }
         };
         waves.iter().map(of_wave).collect()
     };
-    let rows: Vec<f64> = points.iter().flat_map(|x| (0..3).flat_map(|c| row(x, c)).collect::<Vec<_>>()).collect();
+    let rows_of = |components: std::ops::Range<usize>| {
+        let of_point = move |x| components.clone().flat_map(|component| row(x, component)).collect::<Vec<_>>();
+        points.iter().flat_map(of_point).collect::<Vec<f64>>()
+    };
+    let rows = [rows_of(0..3), rows_of(3..6)].concat();
     let face = |name: &str, sign: f64, depth: f64| Face {
         name: name.to_owned(),
         first: 0,
+        across: name.starts_with('2').then_some(points.len()),
         local: points.iter().enumerate().filter_map(|(i, x)| Some((i, near(x, depth)?))).collect(),
         left_out: points.iter().map(|x| (0.0..0.08).contains(&(x[0].hypot(x[1]) - 1e-9))).collect(),
         sign,
         grid: Some(FaceGrid { axes: [0, 1], lines: [lines.clone(), lines.clone()], is_mirrored: [true; 2] }),
         points: points.clone(),
     };
-    let faces = vec![face("upper", -1.0, 0.0), face("lower", 1.0, 0.1)];
+    let faces = [("1-upper", -1.0, 0.0), ("2-upper", -1.0, 0.04), ("2-lower", 1.0, 0.06), ("3-lower", 1.0, 0.1)];
+    let faces = faces.into_iter().map(|(name, sign, depth)| face(name, sign, depth)).collect();
     let map = StressMap::Forms { map: Map::Dense(COUNT, rows.clone()), components: 3 };
     (FaceStresses::new(map, faces), rows)
 }
@@ -112,6 +121,8 @@ fn what_is_found_is_what_a_search_of_all_points_finds() {
             assert!((one.largest - other.largest).abs() <= rounding, "{step}: {one:?} {other:?}");
             let apart = (0..3).map(|i| (one.point[i] - other.point[i]).abs()).fold(0.0, f64::max);
             assert!(apart < 1e-9, "{step}: {one:?} {other:?}");
+            // Of points that mirror each other the one with the larger x.
+            assert!(one.point[0] >= one.point[1] - 1e-9, "{step}: {one:?}");
             places.insert(one.point.map(|x| (x * 20.0).round() as i64));
         }
     }
@@ -127,7 +138,7 @@ fn what_is_far_below_is_left_out() {
     let (coordinates, contacts) = steps();
     let search = TensionSearch::new(&faces, COUNT, rows).expect("faces of a box");
     let all = search.tensions(&coordinates, &contacts, None).steps;
-    for face in 0..2 {
+    for face in 0..faces.faces.len() {
         let tensions: Vec<f64> = all.iter().map(|faces| faces[face].largest).collect();
         let largest = tensions.iter().copied().fold(0.0, f64::max);
         for least in [f64::INFINITY, 0.6 * largest] {
@@ -205,6 +216,12 @@ fn the_map_is_that_of_all_points_and_steps() {
         }
     }
     assert!(near_hit > 4, "{near_hit}");
+    // As symmetric as the stresses are, the tops between points included.
+    for (point, tension) in map.tension.iter().enumerate().filter(|(_, tension)| tension.is_finite()) {
+        let (face, row, column) = (point / (LINES * LINES), point / LINES % LINES, point % LINES);
+        let image = map.tension[(face * LINES + column) * LINES + row];
+        assert!((tension - image).abs() <= room, "{face} {row} {column}: {tension} {image}");
+    }
     let largest = |values: &mut dyn Iterator<Item = f32>| values.fold(f32::NEG_INFINITY, f32::max);
     let of_history = largest(&mut searched.steps.iter().flatten().map(|one| one.largest as f32));
     let of_map = largest(&mut map.tension.iter().copied());
@@ -229,10 +246,10 @@ fn single_precision_keeps_its_bound() {
         }
         seen.take(column.as_slice());
         for (face, local) in faces.faces.iter().zip(&search.local) {
-            seen.look(face, local, (column.as_slice(), size), contact);
+            seen.look((face, local), (column.as_slice(), size), contact, Wanted::All);
             let bound = f64::from(search.bound(seen.top));
             for point in (0..face.points.len()).filter(|point| !face.left_out[*point]) {
-                let exact = face.value(point, &of_rows(&search).at(point, of_step), contact) / size;
+                let exact = face.value(point, |number| of_rows(&search).at(number, of_step), contact) / size;
                 let off = (f64::from(seen.values[point]) - exact).abs();
                 // (Below the top there is no need for it: a value that is lower than it may not count.)
                 let room = 0.5 * bound * exact.abs().max(1.0) / f64::from(seen.top.abs()).max(1.0);
