@@ -86,8 +86,9 @@ mod tests {
             [[1.0, -0.5, 0.7, 0.2, 0.4], [0.3, 0.1, -0.2, 0.4, 0.0]].map(|v| DVector::from_row_slice(&v));
         let damping = DMatrix::from_fn(5, 5, |i, j| if i == j { 0.1 } else { 1e-3 * same(i, j) });
         let everywhere = damping.map(|entry: f64| if entry == 0.0 { 1e-17 } else { entry });
-        let of =
-            |damping: Option<&DMatrix<f64>>| relaxing(&squares, damping, &[part.clone()], [&force, &load]).unwrap();
+        let of = |damping: Option<&DMatrix<f64>>| {
+            relaxing(&squares, damping, std::slice::from_ref(&part), [&force, &load]).unwrap()
+        };
         // A response at a rate is the sum over the coordinates, in any order.
         let answer = |of: &Relaxing, rate: f64| {
             let one = |mode: &Mode| (mode.output * (mode.input + mode.load) / (Complex::new(rate, 0.0) - mode.rate)).re;
