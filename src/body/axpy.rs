@@ -55,6 +55,8 @@ impl WithSimd for Adding<'_, Complex<f64>> {
 
 /// A x.
 pub(super) fn product(matrix: &DMatrix<f64>, vector: &DVector<f64>) -> DVector<f64> {
+    // Entries without a partner would be left out.
+    assert_eq!(matrix.ncols(), vector.len(), "a matrix and a vector of other lengths");
     let mut sum = DVector::zeros(matrix.nrows());
     let columns = matrix.as_slice().chunks_exact(matrix.nrows().max(1));
     columns.zip(vector.iter()).for_each(|(column, factor)| f64::add_multiple(sum.as_mut_slice(), *factor, column));

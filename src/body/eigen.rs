@@ -19,7 +19,7 @@ const DIVIDED: usize = 256;
 /// Eigenvalues, ascending, and unit eigenvectors by columns. Rows that no entry couples, such as those of a body's classes of motions, are
 /// taken by themselves: four blocks of a quarter of the size take a sixteenth of the time.
 pub fn symmetric_eigen(matrix: DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
-    let blocks = blocks(&matrix);
+    let blocks = coupled(&matrix);
     if blocks.len() == 1 {
         return ascending(of_block(matrix));
     }
@@ -158,7 +158,7 @@ impl GeneralEigen {
 }
 
 /// Rows that are coupled by entries which are not zero, each block ascending.
-fn blocks(matrix: &DMatrix<f64>) -> Vec<Vec<usize>> {
+pub fn coupled(matrix: &DMatrix<f64>) -> Vec<Vec<usize>> {
     let mut open: Vec<usize> = (0..matrix.nrows()).collect();
     let mut blocks = Vec::new();
     while !open.is_empty() {
@@ -253,7 +253,7 @@ mod tests {
         let matrix = DMatrix::from_fn(9, 9, |i, j| {
             if i % 2 == j % 2 { 1.0 / (1.0 + (i + j) as f64) + if i == j { i as f64 } else { 0.0 } } else { 0.0 }
         });
-        assert_eq!(blocks(&matrix), [vec![0, 2, 4, 6, 8], vec![1, 3, 5, 7]]);
+        assert_eq!(coupled(&matrix), [vec![0, 2, 4, 6, 8], vec![1, 3, 5, 7]]);
         let (values, vectors) = symmetric_eigen(matrix.clone());
         // Rounding of nine terms of size ten.
         assert!((vectors.tr_mul(&vectors) - DMatrix::identity(9, 9)).amax() < 1e-14);

@@ -265,7 +265,7 @@ mod tests {
             slowness,
             room: 0.5,
         };
-        let closed = Closed { tangent: 1.0, compliance: 0.0, mass: 1e9, accuracy: 1e-3 };
+        let closed = Closed { tangent: 1.0, compliance: 0.0, mass: 1e9, accuracy: 1e-3, end: 1.0 };
         let period = 5e-5;
         let times: Vec<f64> = (1..200).map(|i| 1e-5 * f64::from(i)).collect();
         let exact = moved(&all[..12_000].iter().map(vibration).collect::<Vec<_>>(), period, &times);
@@ -274,7 +274,7 @@ mod tests {
             exact.iter().zip(found).map(|(exact, found)| (exact - found).abs()).fold(0.0, f64::max) / most
         };
         let open = Spectrum::new(&body(few, plate.clone()));
-        let open = open.modes(open.count(1e9, &closed), closed.accuracy).expect("modes without dampers");
+        let open = open.modes(open.count(1e9, &closed), closed.accuracy, closed.end).expect("modes without dampers");
         let apart = off(&moved(&open.modes, period, &times));
         let cut = few.iter().filter(|(square, _)| square.sqrt() < plate.known(few.len())).count();
         let alone = off(&moved(&few[..cut].iter().map(vibration).collect::<Vec<_>>(), period, &times));

@@ -32,6 +32,7 @@ pub struct ModalBody {
 struct Known {
     count: usize,
     accuracy: f64,
+    end: f64,
     modes: Rc<Modes>,
 }
 
@@ -91,7 +92,7 @@ impl ModalBody {
     /// # Errors
     /// [`crate::Error::Solve`] where dampers leave the body without independent modes.
     pub fn modes(&self, cutoff: f64, closed: &Closed) -> Result<Rc<Modes>> {
-        self.counted(closed.accuracy, |spectrum| spectrum.count(cutoff, closed))
+        self.counted(closed, |spectrum| spectrum.count(cutoff, closed))
     }
 
     /// The same for steps that are chosen ([`Spectrum::count_of_chosen_steps`]).
@@ -99,24 +100,26 @@ impl ModalBody {
     /// # Errors
     /// As [`Self::modes`].
     pub fn modes_of_chosen_steps(&self, cutoff: f64, closed: &Closed) -> Result<Rc<Modes>> {
-        self.counted(closed.accuracy, |spectrum| spectrum.count_of_chosen_steps(cutoff, closed))
+        self.counted(closed, |spectrum| spectrum.count_of_chosen_steps(cutoff, closed))
     }
 
-    fn counted(&self, accuracy: f64, count: impl Fn(&Spectrum) -> usize) -> Result<Rc<Modes>> {
+    fn counted(&self, closed: &Closed, count: impl Fn(&Spectrum) -> usize) -> Result<Rc<Modes>> {
         let spectrum = match &self.source {
             Source::Given(modes) => return Ok(Rc::clone(modes)),
             Source::Spectrum(spectrum) => spectrum,
         };
-        let count = count(spectrum);
+        let (count, Closed { accuracy, end, .. }) = (count(spectrum), *closed);
         let mut known = self.known.borrow_mut();
         // (Others that would serve do not: an answer must not depend on what was asked before.)
-        if let Some(same) = known.iter().find(|known| known.count == count && known.accuracy == accuracy) {
+        if let Some(same) =
+            known.iter().find(|known| (known.count, known.accuracy, known.end) == (count, accuracy, end))
+        {
             return Ok(Rc::clone(&same.modes));
         }
-        let modes = Rc::new(spectrum.modes(count, accuracy)?);
+        let modes = Rc::new(spectrum.modes(count, accuracy, end)?);
         if self.relaxing.is_some() {
             known.truncate(KEPT - 1);
-            known.push_front(Known { count, accuracy, modes: Rc::clone(&modes) });
+            known.push_front(Known { count, accuracy, end, modes: Rc::clone(&modes) });
         }
         Ok(modes)
     }

@@ -4,9 +4,11 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::damped::{Damped, damped};
 use super::eigen::{semidefinite_factor, symmetric_eigen};
+use super::modal_relaxation::ModalRelaxation;
 use super::real_parts::real_parts;
+use super::relaxing_classes::relaxing;
 use super::relaxing_directions::amplitudes;
-use super::relaxing_modes::{ModalRelaxation, Relaxing, at_rest_beyond, relaxing};
+use super::relaxing_modes::{Relaxing, at_rest_beyond};
 use super::shapes::{Forms, Shapes};
 use super::short_waves::ShortWaves;
 use super::{FoundationPoints, Projection};
@@ -84,6 +86,8 @@ pub struct Closed {
     pub mass: f64,
     /// What the modes' relaxation may change of the force, over its peak.
     pub accuracy: f64,
+    /// How long the run is, s.
+    pub end: f64,
 }
 
 /// ω² below this part of the largest one is rounding.
@@ -263,11 +267,11 @@ impl Spectrum {
     }
 
     /// The first modes; the others are left out but for their static answer. The modes' relaxation may change the force by an accuracy, over
-    /// its peak.
+    /// its peak, in a run of a length (s).
     ///
     /// # Errors
     /// [`Error::Solve`] where dampers leave the body without independent modes.
-    pub fn modes(&self, count: usize, accuracy: f64) -> Result<Modes> {
+    pub fn modes(&self, count: usize, accuracy: f64, end: f64) -> Result<Modes> {
         let left = self.force.iter().zip(&self.squares).skip(count);
         let of_short_waves = self.short_waves.as_ref().map_or(0.0, |waves| waves.static_compliance);
         let residual = of_short_waves + left.map(|(force, square)| force * force / square).sum::<f64>();
@@ -321,7 +325,8 @@ impl Spectrum {
         // (Under loads the body creeps to the equilibrium of all directions.)
         if loads.amax() == 0.0 {
             let amplitudes = amplitudes(&squares, &force, self.rate);
-            relaxations = relaxations.into_iter().map(|part| part.in_few_directions(&amplitudes, accuracy)).collect();
+            relaxations =
+                relaxations.into_iter().filter_map(|part| part.in_few_directions(&amplitudes, end, accuracy)).collect();
         }
         let mut of_relaxing = None;
         let (mut modes, mut damped, inputs) = match &self.damping {

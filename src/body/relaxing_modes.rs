@@ -16,23 +16,11 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::damped::{CONDITION, Damped};
 use super::eigen::GeneralEigen;
+use super::modal_relaxation::ModalRelaxation;
 use super::rational_eigen::{Pair, Rational};
-use super::relaxing_directions::{all_directions, directions};
-use super::{Mode, ProjectedRelaxation, real_parts};
+use super::relaxing_directions::all_directions;
+use super::{Mode, real_parts};
 use crate::error::{Error, Result};
-use crate::material::Maxwell;
-
-/// A relaxation on the real coordinates of modes.
-#[derive(Debug, Clone)]
-pub struct ModalRelaxation {
-    /// D.
-    distortion: DMatrix<f64>,
-    /// B with D = B Bᵀ, where few directions relax.
-    factor: Option<DMatrix<f64>>,
-    chain: Maxwell,
-    /// Σ G_i sτ_i/(1 + sτ_i) of the modulus that the modes have, Pa.
-    modulus: f64,
-}
 
 /// Where the energy of a relaxing body is.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,36 +46,10 @@ impl RelaxingForms {
     }
 }
 
-impl ModalRelaxation {
-    /// A relaxation on modes, by columns, which were made with the modulus at a rate (1/s).
-    pub fn new(part: &ProjectedRelaxation, vectors: &DMatrix<f64>, rate: f64) -> Self {
-        let part = part.on(|distortion| vectors.tr_mul(&(distortion * vectors)));
-        Self {
-            modulus: part.chain.transformed_terms(rate),
-            distortion: part.distortion,
-            factor: None,
-            chain: part.chain,
-        }
-    }
-
-    /// The same on some of the modes.
-    pub fn select(&self, modes: &[usize]) -> Self {
-        let distortion = self.distortion.select_rows(modes).select_columns(modes);
-        Self { distortion, factor: None, chain: self.chain.clone(), modulus: self.modulus }
-    }
-
-    /// The same relaxing in no more directions than an accuracy asks for, with modes of the given amplitudes. In the others it keeps the
-    /// modulus of the modes.
-    pub fn in_few_directions(self, amplitudes: &DVector<f64>, accuracy: f64) -> Self {
-        let Some(factor) = directions(&self.distortion, amplitudes, accuracy) else { return self };
-        Self { distortion: &factor * factor.transpose(), factor: Some(factor), ..self }
-    }
-}
-
 /// K after all relaxation on modes of the given squares, 1/s².
 fn relaxed(squares: &DVector<f64>, relaxations: &[ModalRelaxation]) -> DMatrix<f64> {
     let all = DMatrix::from_diagonal(squares);
-    relaxations.iter().fold(all, |sum, part| sum - &part.distortion * part.modulus)
+    relaxations.iter().fold(all, |sum, part| sum - &part.distortion * part.modulus())
 }
 
 /// The equilibrium of all modes under loads, after all relaxation, less that of the moving ones by themselves; with its energy, likewise, J.
@@ -128,8 +90,8 @@ struct Spring {
 /// All springs of a body's relaxations.
 fn springs(relaxations: &[ModalRelaxation]) -> Vec<Spring> {
     let mut springs = Vec::new();
-    for ModalRelaxation { distortion, factor, chain, .. } in relaxations {
-        let factor = factor.clone().unwrap_or_else(|| all_directions(distortion));
+    for ModalRelaxation { distortion, directions, chain, .. } in relaxations {
+        let factor = directions.as_ref().map_or_else(|| all_directions(distortion), |few| few.factor.clone());
         for term in &chain.terms {
             let spring = |b| Spring { coupling: b * term.modulus.sqrt(), rate: 1.0 / term.time };
             springs.extend(factor.column_iter().map(spring));
@@ -142,20 +104,29 @@ fn springs(relaxations: &[ModalRelaxation]) -> Vec<Spring> {
 ///
 /// # Errors
 /// [`Error::Solve`] where the body has no independent coordinates.
-pub fn relaxing(
+pub fn of_class(
     squares: &DVector<f64>,
     damping: Option<&DMatrix<f64>>,
     relaxations: &[ModalRelaxation],
     [force, load]: [&DVector<f64>; 2],
 ) -> Result<Relaxing> {
-    let (elastic, springs) = (relaxed(squares, relaxations), springs(relaxations));
-    if let (None, [ModalRelaxation { distortion, factor, chain, modulus }]) = (damping, relaxations)
-        && let factor = factor.as_ref().map(|factor| (factor, *modulus))
-        && let Some(pairs) = (Rational { stiffness: &elastic, distortion, factor, chain }).pairs(squares)
+    if let (None, [part]) = (damping, relaxations)
+        && part.is_quicker_by_pairs()
+        && let elastic = relaxed(squares, relaxations)
+        && let Some(pairs) = Rational::new(part, &elastic).pairs(squares)
     {
-        return Ok(of_pairs(&pairs, elastic, &springs, [force, load]));
+        return Ok(of_pairs(&pairs, elastic, &springs(relaxations), [force, load]));
     }
-    of_first_order(squares, damping, (elastic, &springs), [force, load])
+    let parts: Vec<_> = relaxations.iter().flat_map(ModalRelaxation::parts).collect();
+    of_first_order(squares, damping, (relaxed(squares, &parts), &springs(&parts)), [force, load])
+}
+
+impl<'a> Rational<'a> {
+    /// Of a relaxation, all of whose terms have its directions, and K after it.
+    fn new(of: &'a ModalRelaxation, stiffness: &'a DMatrix<f64>) -> Self {
+        let factor = of.directions.as_ref().map(|few| (&few.factor, of.modulus()));
+        Self { stiffness, distortion: &of.distortion, factor, chain: &of.chain }
+    }
 }
 
 /// Coordinates z with x = Re Σ φ z over all pairs.
@@ -256,10 +227,12 @@ fn of_first_order(
 
 #[cfg(test)]
 mod tests {
+    use super::super::relaxing_classes::relaxing;
     use super::*;
     use crate::body::eigen::semidefinite_factor;
+    use crate::body::relaxing_directions::Directions;
     use crate::element::gauss_legendre;
-    use crate::material::Term;
+    use crate::material::{Maxwell, Term};
     use crate::scheme::modal::phi;
 
     /// Four modes, of which two parts relax, with a damper and without.
@@ -277,8 +250,7 @@ mod tests {
             let rows = DMatrix::from_fn(3, 4, |i, j| ((seed + 3 * i + 5 * j) % 7) as f64 - 2.5);
             let terms = terms.iter().map(|&(modulus, time)| Term { modulus, time }).collect();
             let chain = Maxwell { equilibrium: 0.1, terms };
-            let modulus = chain.transformed_terms(2.0);
-            ModalRelaxation { distortion: rows.tr_mul(&rows) * 0.02, factor: None, chain, modulus }
+            ModalRelaxation { distortion: rows.tr_mul(&rows) * 0.02, directions: None, chain, rate: 2.0 }
         };
         Sample {
             squares: DVector::from_row_slice(&[4.0, 9.0, 16.0, 30.0]),
@@ -348,6 +320,32 @@ mod tests {
         }
     }
 
+    /// Terms that relax in one, two and three directions: the response at a rate is that of the operator in which each has its own D.
+    #[test]
+    fn terms_relax_in_directions_of_their_own() {
+        let Sample { squares, relaxations, force, load, .. } = sample(0.0);
+        let mut part = relaxations[0].clone();
+        let factor = semidefinite_factor(&part.distortion).transpose();
+        let counts = vec![2, 3, 1];
+        part.directions = Some(Directions { factor: factor.clone(), counts: counts.clone() });
+        let Relaxing { damped, forms } = relaxing(&squares, None, &part.parts(), [&force, &load]).unwrap();
+        assert_eq!(forms.stretches.nrows(), 6);
+        for s in [1e-3, 0.1, 3.0, 40.0] {
+            let mut operator = DMatrix::from_diagonal(&squares) + DMatrix::identity(4, 4) * (s * s);
+            for (term, count) in part.chain.terms.iter().zip(&counts) {
+                let columns = factor.columns(0, *count);
+                let alone = Maxwell { equilibrium: 0.0, terms: vec![*term] };
+                let beyond = alone.transformed_terms(s) - alone.transformed_terms(part.rate);
+                operator += columns * columns.transpose() * beyond;
+            }
+            let exact = force.dot(&operator.cholesky().unwrap().solve(&force));
+            let of = |mode: &Mode| (mode.output * mode.input / (Complex::new(s, 0.0) - mode.rate)).re;
+            let found: f64 = damped.modes.iter().map(of).sum();
+            // Terms of order one cancel at high rates, where s⁻² is left.
+            assert!((found - exact).abs() < 1e-13 + 1e-11 * exact.abs() / s.max(1.0), "{s}: {found} {exact}");
+        }
+    }
+
     /// One chain without dampers, pair by pair, is what the first-order system has: also where terms are as fast as the vibrations, and
     /// where they are much faster or slower.
     #[test]
@@ -359,11 +357,12 @@ mod tests {
         {
             let mut part = relaxations[0].clone();
             part.chain.terms.iter_mut().for_each(|term| term.time *= scale);
-            part.factor = is_factored.then(|| semidefinite_factor(&part.distortion).transpose());
-            let (elastic, springs) = (relaxed(&squares, relaxations), springs(std::slice::from_ref(&part)));
-            let factor = part.factor.as_ref().map(|factor| (factor, part.modulus));
-            let rational = Rational { stiffness: &elastic, distortion: &part.distortion, factor, chain: &part.chain };
-            let pairs = rational.pairs(&squares).expect("all pairs");
+            let counts = vec![3; 3];
+            let factor = || semidefinite_factor(&part.distortion).transpose();
+            part.directions = is_factored.then(|| Directions { factor: factor(), counts });
+            let parts = std::slice::from_ref(&part);
+            let (elastic, springs) = (relaxed(&squares, parts), springs(parts));
+            let pairs = Rational::new(&part, &elastic).pairs(&squares).expect("all pairs");
             // Four vibrations, and three directions for each of three terms.
             assert_eq!(pairs.len(), 4 + 9, "{scale}");
             let one = of_pairs(&pairs, elastic.clone(), &springs, [&force, &load]);

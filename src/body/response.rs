@@ -347,7 +347,7 @@ mod tests {
         let between = Interpolant::new(&all);
         assert_eq!((between.followed.len(), between.apart.iter().map(Vec::len).sum::<usize>()), (1, 4));
         let sum = between.sum(&all, &weights);
-        let closed = crate::body::Closed { tangent: 1.0, compliance: 0.0, mass: 1.0, accuracy: 1e-3 };
+        let closed = crate::body::Closed { tangent: 1.0, compliance: 0.0, mass: 1.0, accuracy: 1e-3, end: 1.0 };
         let modes = sum.modes(1.0, &closed).expect("modes");
         let [first, rest @ ..] = &modes.modes[..] else { panic!("modes") };
         // Cubic functions, to rounding.

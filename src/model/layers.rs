@@ -14,7 +14,7 @@ use super::cells::OF_CELLS;
 use super::climb::{OF_THEORY, pressed, rougher};
 use super::elastic_cells;
 use super::mindlin_error::mindlin_error_over_difference;
-use super::reduce::OF_BASIS;
+use super::reduce::{OF_BASIS, larger};
 use super::theory::build_thin;
 use super::watch::Watch;
 use super::{Built, Model, build, reduce, refine, unrefined};
@@ -84,7 +84,7 @@ pub(super) fn layered(
             return Err(Error::Solve("a plate has unknowns".into()));
         };
         let [_, vectors] = thick.reduced.counts();
-        let vectors = Some([vectors, vectors + vectors.div_ceil(2)]);
+        let vectors = Some([vectors, larger(vectors)]);
         drop(thick);
         let fitted = elastic_cells::fit(comm, &left, Theory::Layerwise, operators, vectors, watch)?;
         Model::on_basis(comm, scene, Theory::Layerwise, fitted)?

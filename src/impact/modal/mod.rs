@@ -236,7 +236,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let tangent = force_law.steepest(force_law.indentation(steps.peak));
         // Rounded down, so that impacts whose tolerances differ by little move in the same modes.
         let accuracy = self.tolerance.log2().floor().exp2();
-        let closed = Closed { tangent, compliance: *compliance, mass: self.parameters.mass, accuracy };
+        let closed = Closed { tangent, compliance: *compliance, mass: self.parameters.mass, accuracy, end: self.end };
         let body: &ModalBody = self.body.borrow();
         let resolved = RESOLVED / steps.largest;
         match steps.defect {

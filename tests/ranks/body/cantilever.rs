@@ -108,7 +108,7 @@ fn vibrations(session: &Session, strip: &Strip) -> Vec<Complex<f64>> {
     let mut krylov = DirectSum::new(built.body.linear(), 3800.0).unwrap();
     krylov.grow(built.body.linear(), VECTORS).unwrap();
     let body = ModalBody::of(&krylov.projection(built.body.linear()).unwrap());
-    let closed = Closed { tangent: 1e6, compliance: 0.0, mass: 0.01, accuracy: 1e-9 };
+    let closed = Closed { tangent: 1e6, compliance: 0.0, mass: 0.01, accuracy: 1e-9, end: 1.0 };
     let rates: Vec<_> = body.modes(1e12, &closed).unwrap().modes.iter().map(|mode| mode.rate).collect();
     rates.into_iter().filter(|rate| rate.im > 0.0 && -rate.re > 5e-3 * rate.norm()).collect()
 }

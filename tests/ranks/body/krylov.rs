@@ -137,7 +137,7 @@ fn a_free_body_drifts_after_a_short_contact(_: &Session) {
     let mut krylov = Krylov::new(&body, 3e6).unwrap();
     krylov.grow(&body, 12).unwrap();
     let modes = ModalBody::of(&krylov.projection(&body).unwrap());
-    let closed = Closed { tangent: 1e6, compliance: 0.0, mass: 0.033, accuracy: 1e-9 };
+    let closed = Closed { tangent: 1e6, compliance: 0.0, mass: 0.033, accuracy: 1e-9, end: 1.0 };
     let free = modes.modes(1e12, &closed).unwrap().free;
     let mass = 2500.0 * 1.0 * 1.5 * 0.01;
     let drift = free.mobility * mass / body.system().copies;
@@ -152,7 +152,7 @@ fn short_waves_have_the_density_of_modes(_: &Session) {
     let mut krylov = Krylov::new(&body, 3e4).unwrap();
     krylov.grow(&body, 160).unwrap();
     let projection = krylov.projection(&body).unwrap();
-    let closed = Closed { tangent: 1e6, compliance: 0.0, mass: 1.0, accuracy: 1e-9 };
+    let closed = Closed { tangent: 1e6, compliance: 0.0, mass: 1.0, accuracy: 1e-9, end: 1.0 };
     let modes = ModalBody::of(&projection).modes(1e12, &closed).unwrap();
     let plate = body.infinite_plate().unwrap();
     let frequency = 100.0 / plate.modes;

@@ -1,0 +1,120 @@
+//! Free motions of a body whose modes are in classes that nothing couples, such as those of a symmetric body: each class by itself.
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::damped::Damped;
+use super::eigen::coupled;
+use super::modal_relaxation::ModalRelaxation;
+use super::relaxing_modes::{Relaxing, RelaxingForms, of_class};
+use crate::error::Result;
+
+/// [`of_class`] of modes of all classes, which are those that dampers and relaxations couple. Four of a quarter of the modes take a sixteenth of the time.
+///
+/// # Errors
+/// As there.
+pub fn relaxing(
+    squares: &DVector<f64>,
+    damping: Option<&DMatrix<f64>>,
+    relaxations: &[ModalRelaxation],
+    [force, load]: [&DVector<f64>; 2],
+) -> Result<Relaxing> {
+    let none = DMatrix::zeros(squares.len(), squares.len());
+    let coupling = damping.into_iter().chain(relaxations.iter().map(|part| &part.distortion));
+    let classes = coupled(&coupling.fold(none, |sum, matrix| sum + matrix.abs()));
+    if classes.len() == 1 {
+        return of_class(squares, damping, relaxations, [force, load]);
+    }
+    let part = |class: &Vec<usize>| {
+        let rows = |v: &DVector<f64>| v.select_rows(class);
+        let damping = damping.map(|damping| damping.select_rows(class).select_columns(class));
+        let relaxations: Vec<_> = relaxations.iter().filter_map(|part| part.of_class(class)).collect();
+        of_class(&rows(squares), damping.as_ref(), &relaxations, [&rows(force), &rows(load)])
+    };
+    let parts = classes.iter().map(part).collect::<Result<Vec<_>>>()?;
+    Ok(joined(&classes, parts, squares.len()))
+}
+
+/// All coordinates: one class after the other.
+fn joined(classes: &[Vec<usize>], parts: Vec<Relaxing>, count: usize) -> Relaxing {
+    let coordinates = parts.iter().map(|part| part.damped.modes.len()).sum();
+    let springs = parts.iter().map(|part| part.forms.stretches.nrows()).sum();
+    let zero = |rows, columns| DMatrix::<Complex<f64>>::zeros(rows, columns);
+    let (mut shapes, mut inputs) = ([zero(count, coordinates), zero(count, coordinates)], zero(coordinates, count));
+    let (mut elastic, mut stretches) = (DMatrix::zeros(count, count), zero(springs, coordinates));
+    let mut modes = Vec::with_capacity(coordinates);
+    let mut spring = 0;
+    for (class, Relaxing { damped, forms }) in classes.iter().zip(parts) {
+        let (begin, own) = (modes.len(), damped.modes.len());
+        modes.extend(damped.modes);
+        for (i, &row) in class.iter().enumerate() {
+            for (shapes, of_part) in shapes.iter_mut().zip(&damped.shapes) {
+                shapes.view_mut((row, begin), (1, own)).copy_from(&of_part.row(i));
+            }
+            inputs.view_mut((begin, row), (own, 1)).copy_from(&damped.inputs.column(i));
+            class.iter().enumerate().for_each(|(j, &column)| elastic[(row, column)] = forms.elastic[(i, j)]);
+        }
+        stretches.view_mut((spring, begin), forms.stretches.shape()).copy_from(&forms.stretches);
+        spring += forms.stretches.nrows();
+    }
+    Relaxing { damped: Damped { modes, shapes, inputs }, forms: RelaxingForms { elastic, stretches } }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::relaxing_directions::Directions;
+    use super::*;
+    use crate::body::Mode;
+    use crate::material::{Maxwell, Term};
+
+    /// Two classes and a mode by itself, interlaced, move as the same modes do that a damper of nothing but rounding couples.
+    #[test]
+    fn classes_move_as_all_modes_together() {
+        let squares = DVector::from_row_slice(&[4.0, 9.0, 13.0, 16.0, 30.0]);
+        // The last one is by itself.
+        let class = |i: usize| if i == 4 { 2 } else { i % 2 };
+        let same = |i: usize, j: usize| if class(i) == class(j) { 1.0 } else { 0.0 };
+        let factor =
+            DMatrix::from_fn(5, 3, |i, j| if class(i) == j % 2 { ((2 * i + 3 * j + 1) as f64).sin() } else { 0.0 });
+        let terms = [(1.0, 0.05), (0.6, 0.7)].map(|(modulus, time)| Term { modulus, time });
+        let part = ModalRelaxation {
+            distortion: &factor * factor.transpose(),
+            directions: Some(Directions { factor, counts: vec![3, 3] }),
+            chain: Maxwell { equilibrium: 0.0, terms: terms.to_vec() },
+            rate: 2.0,
+        };
+        let [force, load] =
+            [[1.0, -0.5, 0.7, 0.2, 0.4], [0.3, 0.1, -0.2, 0.4, 0.0]].map(|v| DVector::from_row_slice(&v));
+        let damping = DMatrix::from_fn(5, 5, |i, j| if i == j { 0.1 } else { 1e-3 * same(i, j) });
+        let everywhere = damping.map(|entry: f64| if entry == 0.0 { 1e-17 } else { entry });
+        let of = |damping: Option<&DMatrix<f64>>| {
+            relaxing(&squares, damping, std::slice::from_ref(&part), [&force, &load]).unwrap()
+        };
+        // A response at a rate is the sum over the coordinates, in any order.
+        let answer = |of: &Relaxing, rate: f64| {
+            let one = |mode: &Mode| (mode.output * (mode.input + mode.load) / (Complex::new(rate, 0.0) - mode.rate)).re;
+            of.damped.modes.iter().map(one).sum::<f64>()
+        };
+        for (one, other) in
+            [(of(Some(&damping)), of(Some(&everywhere))), (of(None), of(Some(&(damping.clone() * 1e-17))))]
+        {
+            // Three of the one class' and of the other's two springs a term.
+            assert_eq!(one.forms.stretches.nrows(), 6);
+            assert_eq!(one.damped.modes.len(), other.damped.modes.len());
+            for rate in [0.1, 1.0, 10.0] {
+                let [x, y] = [&one, &other].map(|of| answer(of, rate));
+                assert!((x - y).abs() < 1e-13, "{rate}: {x} {y}");
+            }
+            assert!((&one.forms.elastic - &other.forms.elastic).amax() < 1e-14);
+            let [x, y] = [&one, &other].map(|Relaxing { damped, forms }| {
+                let z: Vec<_> = damped
+                    .modes
+                    .iter()
+                    .map(|mode| (mode.input + mode.load) / (Complex::new(1.0, 0.0) - mode.rate))
+                    .collect();
+                let x = super::super::real_parts(&damped.shapes[0], &z);
+                forms.energy(&x, &z) + super::super::real_parts(&damped.shapes[1], &z).norm_squared()
+            });
+            assert!((x - y).abs() < 1e-13, "{x} {y}");
+        }
+    }
+}
