@@ -70,7 +70,8 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
             }
             let theory = found?;
             if comm.is_root() {
-                note(format_args!("{} for all members", model::name(theory.theory)));
+                let asked_by = theory.asked_by.map(|index| format!(", since {} needs it", grid.name(index)));
+                note(format_args!("{} for all members{}", model::name(theory.theory), asked_by.unwrap_or_default()));
             }
             Some(theory)
         }

@@ -4,6 +4,7 @@
 //! only. So the force is computed on coarser cells too, on a basis as large.
 
 use petsc_wrap::Comm;
+use serde::{Deserialize, Serialize};
 
 use super::elastic_cells;
 use super::mindlin_error::is_clamp_of_sections;
@@ -79,6 +80,17 @@ pub struct Fitted {
     pub evaluator: Option<Evaluator>,
     /// As [`Operators::measures`].
     pub measures: Option<Measures>,
+}
+
+/// Cells that serve a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CellSize {
+    /// Their size over that by the rule of thumb.
+    pub size: f64,
+    /// What they leave of the force.
+    pub error: Errors,
+    /// Numbers of vectors, of a smaller and a larger basis, with which a basis may begin to grow, where they are known.
+    pub vectors: Option<[usize; 2]>,
 }
 
 /// Vectors of a basis on which cells are compared, at most: on bases of as many vectors the errors of these are alike, and cancel. Where short
@@ -190,6 +202,20 @@ pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators, watch: &
         return elastic_cells::fit(comm, scene, theory, built, None, watch);
     }
     refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, watch)
+}
+
+/// The cells on which [`fit`] reduces a body: of layers that relax these are found without a basis of theirs, which takes longest. Collective.
+///
+/// # Errors
+/// Those of [`fit`].
+pub fn cell_size(comm: &Comm, scene: &Scene, theory: Model, built: Operators, watch: &dyn Watch) -> Result<CellSize> {
+    if elastic_cells::serves(scene, theory)
+        && let Some(found) = elastic_cells::cell_size(comm, scene, theory, &built, watch)?
+    {
+        return Ok(found);
+    }
+    let Fitted { size, error, .. } = refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, watch)?;
+    Ok(CellSize { size, error: error.unwrap_or_default(), vectors: None })
 }
 
 /// Reduces a body on the cells that it has. Collective.

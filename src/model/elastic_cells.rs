@@ -6,7 +6,9 @@
 
 use petsc_wrap::Comm;
 
-use super::cells::{FINER, Fitted, OF_CELLS, ORDER, fitted, on_coarser_cells, refine, unrefined, with_local_fields};
+use super::cells::{
+    CellSize, FINER, Fitted, OF_CELLS, ORDER, fitted, on_coarser_cells, refine, unrefined, with_local_fields,
+};
 use super::reduce::{OF_BASIS, OF_SMALLER_RELAXING, Reduced, larger, rate};
 use super::theory::{Built, Operators, build, cells_of_plate};
 use super::watch::Watch;
@@ -59,6 +61,16 @@ struct Found {
     vectors: usize,
 }
 
+impl Found {
+    /// Numbers of vectors of the body that relaxes with which its basis begins.
+    fn first_vectors(&self, built: &Operators, scene: &Scene) -> [usize; 2] {
+        // A first guess too: a body whose shapes change while it relaxes needs more vectors.
+        let is_at_one_rate = rates(&built.body.linear().chains(), rate(scene)).len() == 1;
+        let fewer = if is_at_one_rate { self.vectors } else { larger(self.vectors) };
+        [fewer, larger(fewer)]
+    }
+}
+
 /// Vectors of a body that relaxes over those of the elastic one: a first guess, of one pane. More are made where these leave too much.
 const MORE: f64 = 1.1;
 
@@ -89,19 +101,34 @@ pub(super) fn fit(
     let Some(found) = found(comm, scene, theory, &built, vectors, watch)? else {
         return refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, watch);
     };
+    let served = found.first_vectors(&built, scene);
     if found.size < 1.0 {
         match build(comm, scene, theory, found.size, watch)? {
             Built::Operators(finer) => built = finer,
             Built::Given(_) => return Err(Error::Solve("a plate has unknowns".into())),
         }
     }
-    // A first guess too: a body whose shapes change while it relaxes needs more vectors.
-    let is_at_one_rate = rates(&built.body.linear().chains(), rate(scene)).len() == 1;
-    let fewer = if is_at_one_rate { found.vectors } else { larger(found.vectors) };
-    let served = [fewer, larger(fewer)];
     let relaxing = fitted(comm, scene, built, (found.size, Some(served)), watch)?;
     let error = with_local_fields(scene, relaxing.evaluator.as_ref(), found.error);
     Ok(Fitted { error: Some(error), ..relaxing })
+}
+
+/// The cells that [`fit`] finds; `None` where there are no coarser ones. Collective.
+///
+/// # Errors
+/// Those of [`fit`](super::cells::fit).
+pub(super) fn cell_size(
+    comm: &Comm,
+    scene: &Scene,
+    theory: Model,
+    built: &Operators,
+    watch: &dyn Watch,
+) -> Result<Option<CellSize>> {
+    let found = found(comm, scene, theory, built, None, watch)?;
+    Ok(found.map(|found| {
+        let vectors = Some(found.first_vectors(built, scene));
+        CellSize { size: found.size, error: found.error, vectors }
+    }))
 }
 
 /// `None` where there are no coarser cells that the elastic body could be compared on.

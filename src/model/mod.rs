@@ -16,12 +16,12 @@ pub mod watch;
 pub use linearity::{LARGE, Linearity, STIFFENING};
 pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::Gauges;
-pub use reduce::{OF_BASIS, OF_SMALLER, Reduced, rate, reduce};
+pub use reduce::{OF_BASIS, OF_SMALLER, Reduced, rate, reduce, reduce_from};
 pub use simulation::Simulation;
 pub use theory::{Built, Operators, admits, build, name};
 
-pub use cells::{Fitted, fit};
-use cells::{refine, unrefined};
+pub use cells::{CellSize, Fitted, cell_size};
+use cells::{fit, refine, unrefined};
 
 use petsc_wrap::Comm;
 

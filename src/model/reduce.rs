@@ -100,6 +100,13 @@ impl Reduced {
     pub fn larger(&self) -> &Projection {
         [&self.projection, &self.judge].into_iter().max_by_key(|projection| projection.vectors()).unwrap_or(&self.judge)
     }
+
+    /// That one in modal coordinates, with the modes that were found, where it moved in these.
+    pub fn take_larger_modal(&mut self) -> ModalBody {
+        let is_judge = self.judge.vectors() > self.projection.vectors();
+        let known = if is_judge { self.modal_of_judge.take() } else { self.modal.take() };
+        known.unwrap_or_else(|| ModalBody::of(self.larger()))
+    }
 }
 
 /// Reduces a body to what the scene's impact needs: a given number of vectors, judged by half as many more, or as many as the tolerance
@@ -116,7 +123,7 @@ pub fn reduce(comm: &Comm, body: &dyn LinearBody, scene: &Scene, watch: &dyn Wat
 ///
 /// # Errors
 /// As [`reduce`].
-pub(super) fn reduce_from(
+pub fn reduce_from(
     comm: &Comm,
     body: &dyn LinearBody,
     scene: &Scene,

@@ -25,6 +25,9 @@ pub struct Source {
     option: Cow<'static, str>,
 }
 
+/// The option that varies keys.
+const VARIED: &str = "--vary";
+
 /// What an error underlines.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Mark {
@@ -40,7 +43,7 @@ impl Source {
 
     /// This scene with one member's values of a sweep written into it.
     pub(super) fn varied(&self, values: &[String]) -> Result<Self, SceneError> {
-        Ok(Self::with(&self.name, &self.text, values, "--vary")?.of_folder(&self.folder))
+        Ok(Self::with(&self.name, &self.text, values, VARIED)?.of_folder(&self.folder))
     }
 
     fn with(name: &str, text: &str, overrides: &[String], option: &'static str) -> Result<Self, SceneError> {
@@ -140,10 +143,16 @@ impl Source {
     ) -> SceneError {
         let other = others.iter().find_map(|other| self.overridden(other));
         let message = match (self.overridden(path), other) {
-            (None, Some(given)) => format!("{message} (set by {} {given})", self.option),
+            (None, Some(given)) => format!("{message} ({})", self.set_by(given)),
             _ => message,
         };
         self.error(path, message, help)
+    }
+
+    /// What set a value: an override as it was given, or a key that is varied, whose values are others than this one too.
+    fn set_by(&self, given: &str) -> String {
+        let given = if self.option == VARIED { left_of_equals(given) } else { given };
+        format!("set by {} {given}", self.option)
     }
 
     /// The last override of a key, of a part of it, or of what it is a part of.
@@ -167,7 +176,7 @@ impl Source {
         };
         let key = segments.join(".");
         let message = match self.overridden(&key) {
-            Some(given) => format!("{message} (set by {} {given})", self.option),
+            Some(given) => format!("{message} ({})", self.set_by(given)),
             None => message,
         };
         self.fault(key, line, span, label, (message, help))

@@ -14,7 +14,7 @@ use nalgebra::Complex;
 const QUADRATICS: [[f64; 3]; 3] = [[1.0, -3.0, 2.0], [0.0, 4.0, -4.0], [0.0, -1.0, 2.0]];
 
 /// |y|² below which φ_k is summed, and the number of terms that takes.
-const SUMMED: [(f64, i32); 2] = [(1e-2, 9), (1.0, 18)];
+const SUMMED: [(f64, i32); 4] = [(1e-2, 9), (0.09, 12), (0.25, 14), (1.0, 18)];
 
 /// φ₁, φ₂, φ₃ of y.
 pub fn phi(y: Complex<f64>) -> [Complex<f64>; 3] {
@@ -52,6 +52,18 @@ pub fn doubled([first, second, third]: [Complex<f64>; 3], y: Complex<f64>) -> [C
         first * (y * first * 0.5 + 1.0),
         (first * first + second * 2.0) * 0.25,
         (first * second + third * 2.0 + second) * 0.125,
+    ]
+}
+
+/// φ_k of 3y from those of y and of 2y: the last of the three parts of the integral has its own beginning.
+pub fn tripled(of_one: [Complex<f64>; 3], of_two: [Complex<f64>; 3], y: Complex<f64>) -> [Complex<f64>; 3] {
+    // ψ_k(t) = t^k φ_k(ty) obeys ψ_k(s + t) = e^{ty} ψ_k(s) + Σ_{j=1}^k ψ_j(t) s^{k−j}/(k−j)!, here with s = 1 and t = 2.
+    let [first, second, third] = of_two;
+    let growth = y * first * 2.0 + 1.0;
+    [
+        (growth * of_one[0] + first * 2.0) * (1.0 / 3.0),
+        (growth * of_one[1] + second * 4.0 + first * 2.0) * (1.0 / 9.0),
+        (growth * of_one[2] + third * 8.0 + second * 4.0 + first) * (1.0 / 27.0),
     ]
 }
 
@@ -127,10 +139,12 @@ mod tests {
     }
 
     #[test]
-    fn doubling_is_the_same_function() {
-        for y in [(0.0, 0.3), (0.0, 1.7), (-1.0, 2.0)] {
+    fn doubling_and_tripling_are_the_same_function() {
+        for y in [(0.0, 0.3), (0.0, 1.7), (-1.0, 2.0), (-30.0, 0.0), (-0.4, 0.0)] {
             let y = Complex::new(y.0, y.1);
-            for (one, other) in doubled(phi(y), y).into_iter().zip(phi(y * 2.0)) {
+            let two = doubled(phi(y), y);
+            let pairs = two.into_iter().zip(phi(y * 2.0)).chain(tripled(phi(y), two, y).into_iter().zip(phi(y * 3.0)));
+            for (one, other) in pairs {
                 // Rounding of numbers of order one, the closed form divided by |2y| ≥ 0.6 three times.
                 assert!((one - other).norm() < 1e-14, "{y} {one} {other}");
             }

@@ -18,7 +18,7 @@ const fn bad(name: &'static str, line: &'static str, fragments: &'static [&'stat
 
 /// All of them; each ends with status 2.
 #[rustfmt::skip]
-pub const TABLE: [BadSweep; 21] = [
+pub const TABLE: [BadSweep; 24] = [
     bad("nothing is varied", "-o out.h5", &["--vary"], false),
     bad("no output", "--vary impactor.speed=1,2", &["--output"], false),
     bad("no values", "--vary impactor.speed -o out.h5", &["--vary impactor.speed: ", "KEY=A..B:N or KEY=A,B,C"], true),
@@ -28,9 +28,12 @@ pub const TABLE: [BadSweep; 21] = [
     bad("a logarithm of zero", "--vary impactor.gap=0..1e-3:3 --log -o out.h5", &["(--log) has positive ends, and 0 is not"], true),
     bad("a logarithm of less", "--vary impactor.point.0=-1..1:3 --log -o out.h5", &["(--log) has positive ends, and -1 is not"], false),
     bad("a gap in a list", "--vary impactor.speed=1,,2 -o out.h5", &["a value of the list is empty"], false),
+    bad("a value twice", "--vary impactor.speed=1,2,1.0 -o out.h5", &["--vary impactor.speed=1,2,1.0: the list has the value 1.0 twice"], false),
+    bad("a dash between the ends of a range", "--vary impactor.gap=0-46:3 -o out.h5", &["a range has two dots between its ends: impactor.gap=0..46:3"], false),
+    bad("a colon there, and an end below zero", "--vary impactor.point.0=-1:1e-3:3 -o out.h5", &["a range has two dots between its ends: impactor.point.0=-1..1e-3:3"], false),
     bad("a key twice", "--vary impactor.speed=1,2 --vary impactor.speed=3,4 -o out.h5", &["impactor.speed is varied twice"], false),
     bad("too many", "--vary impactor.speed=1..2:10000 --vary impactor.mass=1..2:10000 -o out.h5", &["at most 1000000 members"], false),
-    bad("an unknown key", "--vary impactor.sped=1,2 -o out.h5", &["box.toml", "impactor.sped: unknown key (set by --vary impactor.sped=1)", "did you mean `speed`?"], true),
+    bad("an unknown key", "--vary impactor.sped=1,2 -o out.h5", &["box.toml", "impactor.sped: unknown key (set by --vary impactor.sped)", "did you mean `speed`?"], true),
     bad("no key", "--vary impactor..speed=1,2 -o out.h5", &["--vary impactor..speed=1", "not a path"], false),
     bad("one member of six", "--vary impactor.mass=1,2 --vary impactor.speed=1,-2,3 -o out.h5",
         &["impactor.speed: must be positive, but is -2", "(member 1: impactor.mass=1, impactor.speed=-2)"], true),

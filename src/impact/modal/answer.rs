@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 
 use crate::body::Modes;
-use crate::scheme::modal::{doubled, free_weights, phi, weights};
+use crate::scheme::modal::{doubled, free_weights, phi, tripled, weights};
 
 /// The parts of a step at which its table looks: where the force is unknown (1/2 and 1), and where it is checked.
 pub const LOOKS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
@@ -189,7 +189,7 @@ impl Answer {
             let y = mode.rate * step;
             let quarter = phi(y * 0.25);
             let half = doubled(quarter, y * 0.25);
-            let of_looks = [quarter, half, phi(y * 0.75), doubled(half, y * 0.5)];
+            let of_looks = [quarter, half, tripled(quarter, half, y * 0.25), doubled(half, y * 0.5)];
             let of_force = mode.output * mode.input * step;
             let mut rows = [[0.0; 4]; 2];
             for (k, (look, phi)) in looks.iter_mut().zip(of_looks).enumerate() {

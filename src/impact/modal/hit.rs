@@ -1,6 +1,6 @@
 //! The tension under the hit on the other face, step by step: by it the error of stresses is estimated.
 
-use nalgebra::RowDVector;
+use nalgebra::{Complex, DMatrix};
 
 use crate::body::Modes;
 use crate::form::stress::largest_in_plane;
@@ -28,21 +28,17 @@ impl HitTension {
     /// Of a body's modes, where it is read, for so many parts of the whole.
     pub fn new(modes: &Modes, copies: f64) -> Option<Self> {
         let (shapes, local) = modes.hit_stress.as_ref()?;
+        let of_places = modes.forms.damped.as_ref().map(|[places, _]| on_modes(&shapes.moving, places));
         let stresses = [0, 1, 2].map(|i| {
-            let row: RowDVector<f64> = shapes.moving.row(i).into_owned();
             let [way, of_load] = &shapes.free;
             let others = [way[i], of_load[i], shapes.residual[i], shapes.rest[i]];
-            let (real, imaginary) = match &modes.forms.damped {
+            let (real, imaginary) = match &of_places {
                 None => {
+                    let row = shapes.moving.row(i);
                     let places = row.iter().zip(&modes.forms.frequencies).map(|(x, frequency)| x / frequency);
                     (Vec::new(), places.collect())
                 }
-                Some([places, _]) => {
-                    let of_z = |of: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
-                        (0..places.ncols()).map(|k| (0..row.len()).map(|i| row[i] * of(i, k)).sum()).collect()
-                    };
-                    (of_z(&|i, k| places[(i, k)].re), of_z(&|i, k| -places[(i, k)].im))
-                }
+                Some(sums) => (sums.iter().map(|sum| sum[i].re).collect(), sums.iter().map(|sum| -sum[i].im).collect()),
             };
             Reading { real, imaginary, others }
         });
@@ -61,4 +57,16 @@ impl HitTension {
             moving + damped + rest + force * self.local[i]
         }))
     }
+}
+
+/// Three rows times the places of each mode, all sums side by side.
+fn on_modes(rows: &DMatrix<f64>, places: &DMatrix<Complex<f64>>) -> Vec<[Complex<f64>; 3]> {
+    let of_mode = |column: nalgebra::DVectorView<Complex<f64>>| {
+        let mut sums = [Complex::new(0.0, 0.0); 3];
+        for (row, place) in rows.column_iter().zip(column.iter()) {
+            (0..3).for_each(|i| sums[i] += place * row[i]);
+        }
+        sums
+    };
+    places.column_iter().map(of_mode).collect()
 }

@@ -1,12 +1,14 @@
 //! What is read of a body in modal coordinates: probes and fields step by step, the faces' stresses for all steps of a run at once.
 
-use nalgebra::{DMatrix, DVector, Dyn, MatrixView};
+use nalgebra::{DMatrix, DVector};
 
 use crate::body::{Modes, Shapes};
 use crate::impact::observer::Observed;
 use crate::impact::reading::{ProbeForms, Reading, Readout, contact};
 use crate::impact::step::Step;
-use crate::space::evaluate::{ContactNow, ContactSize, FaceStresses, LineStresses, Map, TensionMap, TensionSearch};
+use crate::space::evaluate::{
+    ContactNow, ContactSize, Coordinates, FaceStresses, LineStresses, Map, TensionMap, TensionSearch,
+};
 
 use super::energy_balance::coordinates;
 use super::motion::Motion;
@@ -154,20 +156,17 @@ impl FacesOfSteps {
         let Some(faces) = readout.faces.as_ref() else { return };
         let contacts: Vec<ContactNow> = steps.iter().map(|step| contact(&readout.contact, &step.step)).collect();
         let mut map = TensionMap::default();
-        let on_basis = match &self.stresses {
-            StressesOfSteps::OnBasis(columns) => {
-                let states = MatrixView::<f64, Dyn, Dyn>::from_slice(&self.weights, columns.ncols(), contacts.len());
-                Some(columns * states)
-            }
-            _ => None,
+        let all = match &self.stresses {
+            StressesOfSteps::OnBasis(columns) => Coordinates::Of { columns, states: &self.weights },
+            _ => Coordinates::Given(&self.weights),
         };
-        let all = on_basis.as_ref().map_or(&self.weights[..], DMatrix::as_slice);
         if let Some(search) = self.stresses.search(faces) {
             let found = search.tensions(all, &contacts, readout.least_tension);
             let times: Vec<f64> = steps.iter().map(|step| step.step.time).collect();
             map = found.map(&times);
             steps.iter_mut().zip(found.steps).for_each(|(step, found)| step.reading.faces = found);
         } else {
+            let all = all.all();
             let weights = all.chunks_exact(self.stresses.weights().max(1));
             for ((step, contact), weights) in steps.iter_mut().zip(&contacts).zip(weights) {
                 let (found, of_step) = faces.tensions(&self.stresses.apply(faces, weights), contact, step.step.time);

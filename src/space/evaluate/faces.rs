@@ -18,7 +18,7 @@ use crate::scene::Vec3;
 use crate::scene::face_names;
 use crate::scene::faces::name as surface_name;
 
-use super::search::StressRows;
+use super::search::{Screen, StressRows};
 use super::stress_map::Recovered;
 use super::{ContactNow, Form, LineStresses, LocalPoint, Map, NearHit, StressMap, TensionMap};
 
@@ -45,6 +45,8 @@ pub struct FaceStresses {
     pub faces: Vec<Face>,
     /// Of the map, what many searches share.
     pub(super) rows: OnceCell<Rc<StressRows>>,
+    /// Of faces with grids, what such searches choose steps by.
+    pub(super) screen: OnceCell<Option<Rc<Screen>>>,
 }
 
 /// Difference of two coordinates that may be rounding, m.
@@ -307,7 +309,7 @@ pub(super) fn of_mesh(mesh: &Whole, hit: Option<(usize, Vec3)>, layers: usize) -
 impl FaceStresses {
     /// Of the stresses at the sampled points and the faces.
     pub(super) fn new(map: StressMap, faces: Vec<Face>) -> Self {
-        Self { columns: Vec::new(), map, faces, rows: OnceCell::new() }
+        Self { columns: Vec::new(), map, faces, rows: OnceCell::new(), screen: OnceCell::new() }
     }
 
     /// The largest tension on each face at a time (s), of the stresses at the sampled points and the contact; and the tensions at all

@@ -17,7 +17,7 @@ pub use line_stress::{AtPlace, FaceLines, LinePart, LineStresses, Lines};
 pub use map::Map;
 pub use near::{ContactNow, ContactSize, ErrorOfMean, Hit, HitBody, LocalPoint, NearHit};
 pub use sampler::{FieldSampler, Fields};
-pub use search::{Searched, TensionSearch};
+pub use search::{Coordinates, Searched, TensionSearch};
 pub use smoothed::Add;
 pub use stress_map::StressMap;
 pub use tension_map::TensionMap;

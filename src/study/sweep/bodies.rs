@@ -4,17 +4,15 @@ use std::rc::Rc;
 
 use petsc_wrap::Comm;
 
-use super::by_body::{BodyOf, ByBody, has_local_field};
+use super::by_body::{BodyOf, ByBody, chains, shared};
 use super::family::{self, Family};
 use super::grouping::{Found, Grouping, Line};
 use super::interpolated::{self, Interpolated};
 use super::member::Computed;
 use crate::body::ModalBody;
-use crate::description::Description;
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
 use crate::impact::{self, Errors, ModalImpact, Reading, Readout, TimeIntegration as _, joined};
-use crate::material::Maxwell;
 use crate::model::watch::{Until, Watch};
 use crate::model::{Dynamics, LARGE, Linearity, Model, OF_BASIS, OF_SMALLER};
 use crate::record::stress::{LargestTension, strengths};
@@ -26,10 +24,6 @@ const MOST: usize = 64;
 
 /// Of the part of the tolerance that a basis may take, how much more before another one is made for a member.
 const SLACK: f64 = 2.0;
-
-/// The tolerance of a basis for members of different chains over theirs: estimates were seen to differ by a factor of two from 0 to 50 °C. (Chains
-/// that share a local field hardly differ.)
-const OF_RELAXING: f64 = 0.6;
 
 /// What members share.
 pub struct Bodies<'a> {
@@ -360,21 +354,6 @@ impl Kept {
         let outcome = Computed { error_estimate, first_error, deflection, unknowns, tension };
         Ok(Some(Tried { steps, first: of_basis.of(scene.measure), outcome }))
     }
-}
-
-/// The scene that a basis is made for which all its family shares: where members relax differently, with a margin for these.
-fn shared(scene: Scene) -> Scene {
-    let differ = scene.body.composition.is_viscoelastic() && !has_local_field(&scene);
-    let margin = if differ { OF_RELAXING } else { 1.0 };
-    Scene { tolerance: margin * scene.tolerance, ..scene }
-}
-
-/// What a member's run follows of the relaxation of each part that has one.
-fn chains(scene: &Scene) -> Vec<Maxwell> {
-    if !scene.body.composition.is_viscoelastic() {
-        return Vec::new();
-    }
-    Description::new(scene).relaxations().into_iter().map(|(chain, _)| chain.clone()).collect()
 }
 
 /// A member computed.

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::impact::{Errors, ModalImpact, Readout};
 use crate::material::Maxwell;
 use crate::model::watch::Watch;
-use crate::model::{Built, Fitted, Gauges, OF_BASIS, Operators, build, fit, rate, reduce};
+use crate::model::{Built, CellSize, Gauges, OF_BASIS, Operators, build, cell_size, rate, reduce};
 use crate::scene::Scene;
 
 /// Fewer values than this are computed one by one.
@@ -69,9 +69,9 @@ impl Family {
         let (mut size, mut of_cells) = (1.0_f64, 0.0_f64);
         for place in [0, last] {
             let Some((built, scene)) = operators(place, 1.0)? else { return Ok(None) };
-            let Fitted { size: own, error, .. } = fit(comm, &scene, scene.body.model, built, watch)?;
+            let CellSize { size: own, error, .. } = cell_size(comm, &scene, scene.body.model, built, watch)?;
             size = size.min(own);
-            of_cells = of_cells.max(error.unwrap_or_default().history);
+            of_cells = of_cells.max(error.history);
         }
         let make = |place: usize| -> Result<Sample> {
             let Some((built, scene)) = operators(place, size)? else {

@@ -30,6 +30,8 @@ pub struct Grouping {
 pub struct Found {
     /// The theory.
     pub theory: scene::Model,
+    /// The first member that asks for it, where others that were asked do with less.
+    pub asked_by: Option<usize>,
     /// The largest errors that `auto` found for it.
     pub errors: Errors,
     /// The models of it that were made on the way, each for its own body's basis, with the scenes.
@@ -137,12 +139,15 @@ impl Grouping {
         asked.extend(hardest.map(|member| member.index));
         asked.sort_unstable();
         asked.dedup();
-        let mut found = Found { theory: scene::Model::HalfSpace, errors: Errors::default(), made: Vec::new() };
+        let none = |theory| Found { theory, asked_by: None, errors: Errors::default(), made: Vec::new() };
+        let mut found = none(scene::Model::HalfSpace);
+        let mut theories = Vec::new();
         for index in asked {
             let scene = scene_of(index)?;
             let model = Model::watched(comm, &scene, watch)?;
+            theories.push((index, model.theory));
             if model.theory > found.theory {
-                found = Found { theory: model.theory, errors: Errors::default(), made: Vec::new() };
+                found = none(model.theory);
             }
             if model.theory == found.theory {
                 found.errors = found.errors.max(model.error_beside_basis());
@@ -154,6 +159,9 @@ impl Grouping {
             }
             comm.collect_garbage()?;
         }
+        let do_not_agree = theories.iter().any(|(_, theory)| *theory != found.theory);
+        let first = theories.iter().find(|(_, theory)| *theory == found.theory).filter(|_| do_not_agree);
+        found.asked_by = first.map(|(index, _)| *index);
         Ok(found)
     }
 }

@@ -18,13 +18,13 @@ pub fn spread<T: Serialize + DeserializeOwned>(
     make: impl FnMut(usize) -> Result<T>,
 ) -> Result<Vec<T>> {
     if ranks.size() == 1 {
-        return (0..count).map(make).collect();
+        return (0..count).map(make).map(|made| made.map_err(Error::of_all_ranks)).collect();
     }
     let own = (ranks.rank()..count).step_by(ranks.size());
     let mut made: Vec<std::result::Result<T, Error>> = Vec::new();
     for result in own.map(make) {
         let is_error = result.is_err();
-        made.push(result.map_err(|error| error.as_told()));
+        made.push(result.map_err(|error| error.of_all_ranks().as_told()));
         if is_error {
             break;
         }

@@ -1,5 +1,7 @@
 //! `KEY=A..B:N` and `KEY=A,B,C`: one key of a scene and the values it takes.
 
+use std::collections::HashSet;
+
 /// What is wrong with a key that has no values.
 const FORM: &str = "it has the form KEY=A..B:N or KEY=A,B,C";
 /// Digits to which a value between two ends is rounded (counted from the first of the larger end), so that round steps between round ends give round values.
@@ -37,7 +39,10 @@ impl Variation {
         }
         let texts = match as_range(values) {
             Some((from, to)) => range(from, to, log).map_err(|why| wrong(&why))?,
-            None => list(values).map_err(|why| wrong(&why))?,
+            None => match meant(values) {
+                Some(range) => return Err(wrong(&format!("a range has two dots between its ends: {key}={range}"))),
+                None => list(values).map_err(|why| wrong(&why))?,
+            },
         };
         let numbers: Option<Vec<f64>> =
             texts.iter().map(|text| text.parse().ok().filter(|number: &f64| number.is_finite())).collect();
@@ -49,6 +54,19 @@ impl Variation {
 /// `A` and `B:N` of a range. A path as `../plate.msh` is none.
 fn as_range(values: &str) -> Option<(&str, &str)> {
     values.split_once("..").filter(|(from, to)| !from.trim().is_empty() && !values.contains(',') && !to.contains('/'))
+}
+
+/// The range that is meant by two numbers with something else than two dots between them, and a number of values.
+fn meant(values: &str) -> Option<String> {
+    let (ends, count) = values.rsplit_once(':')?;
+    let is_number = |text: &str| text.trim().parse().is_ok_and(|number: f64| number.is_finite());
+    let between = |separator: &str| {
+        let places = ends.match_indices(separator).map(|(at, _)| (&ends[..at], &ends[at + separator.len()..]));
+        places.into_iter().find(|(from, to)| is_number(from) && is_number(to))
+    };
+    let (from, to) = ["...", "-", ":", "–", "…", "to"].into_iter().find_map(between)?;
+    let count = count.trim().parse::<usize>().ok()?;
+    Some(format!("{}..{}:{count}", from.trim(), to.trim()))
 }
 
 fn range(from: &str, to: &str, log: bool) -> Result<Vec<String>, String> {
@@ -121,7 +139,13 @@ fn list(values: &str) -> Result<Vec<String>, String> {
     if parts.iter().any(String::is_empty) {
         return Err("a value of the list is empty".into());
     }
-    Ok(parts)
+    // The same number may be written in several ways.
+    let value = |text: &String| text.parse::<f64>().map_or_else(|_| text.clone(), written);
+    let mut seen = HashSet::new();
+    match parts.iter().find(|part| !seen.insert(value(part))) {
+        Some(part) => Err(format!("the list has the value {part} twice")),
+        None => Ok(parts),
+    }
 }
 
 #[cfg(test)]

@@ -167,7 +167,7 @@ fn the_reference_on_a_basis(session: &Session) {
     let text = pane(0.00076, &material, "end = 3e-3", "[output]\nstress = false\n");
     let ran = modelled::run(&session.world(), &text.replacen("[body]\n", "[body]\nmodel = \"solid\"\n", 1));
     let peak = rows.iter().fold(0.0_f64, |peak, [_, force]| peak.max(*force)) / 52.0;
-    let off = rows.iter().map(|[time, force]| (ran.at(*time) - force / 52.0).abs()).fold(0.0, f64::max) / peak;
+    let off = rows.iter().map(|[time, force]| (ran.between(*time) - force / 52.0).abs()).fold(0.0, f64::max) / peak;
     println!("peak {} against {peak}, largest difference {off:e}, {:?} vectors", ran.peak(), ran.vectors);
     assert!((ran.peak() / peak - 1.0).abs() < 0.005 && off < 0.015, "{} {peak} {off:e}", ran.peak());
 }

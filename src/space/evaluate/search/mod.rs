@@ -13,6 +13,7 @@
 //! *The map.* The same values, times S, give the largest tension over time at each point, within the bound. At the points of a step's largest
 //! tension on a face the one found in double precision counts, between the points too: the largest value of the map is that of the history.
 
+mod coordinates;
 mod local;
 mod rows;
 mod screen;
@@ -23,8 +24,10 @@ use std::rc::Rc;
 use super::faces::ALIKE;
 use super::line_stress::{TOGETHER, Together};
 use super::{ContactNow, FaceStresses, FaceTension, LineStresses, TensionMap};
+pub use coordinates::Coordinates;
 use local::{LocalRows, parts};
 pub(super) use rows::StressRows;
+pub(super) use screen::Screen;
 use seen::{Peaks, Seen, Wanted};
 
 /// Steps whose stresses are computed at once: they stay in the cache.
@@ -52,8 +55,8 @@ pub struct TensionSearch<'a> {
     /// What the local fields add at points near the hit, face by face.
     local: Vec<LocalRows>,
     stresses: Stresses,
-    /// Whether steps may be left out that are between others of a smooth history.
-    is_smooth: bool,
+    /// By what steps may be left out that are between others of a smooth history.
+    screen: Option<Rc<Screen>>,
 }
 
 /// What the stresses at the sampled points come of.
@@ -110,7 +113,8 @@ impl<'a> TensionSearch<'a> {
         let (count, entries) = faces.dense().filter(|(count, _)| *count > 0 && faces.map.components() == 3)?;
         let rows = faces.rows.get_or_init(|| Rc::new(StressRows::new(count, entries.to_vec())));
         let search = Self::of(faces, || Stresses::Rows(Rc::clone(rows)))?;
-        Some(Self { is_smooth: true, ..search })
+        let screen = faces.screen.get_or_init(|| Screen::new(&faces.faces, count, entries).map(Rc::new));
+        Some(Self { screen: screen.clone(), ..search })
     }
 
     /// Of stresses on lines; `None` as of [`Self::new`].
@@ -120,20 +124,25 @@ impl<'a> TensionSearch<'a> {
 
     fn of(faces: &'a FaceStresses, stresses: impl FnOnce() -> Stresses) -> Option<Self> {
         let local = faces.faces.iter().map(LocalRows::new).collect::<Option<Vec<_>>>()?;
-        Some(Self { faces, local, stresses: stresses(), is_smooth: false })
+        Some(Self { faces, local, stresses: stresses(), screen: None })
     }
 
-    /// The largest tension on each face at some steps, of their coordinates, one step after the other, and contacts. Where the largest of all steps
-    /// is wanted alone, with the least one that counts (Pa), none is searched at steps at which it is clearly below both.
-    pub fn tensions(&self, coordinates: &[f64], contacts: &[ContactNow], least: Option<f64>) -> Searched {
+    /// The largest tension on each face at some steps, of their coordinates and contacts. Where the largest of all steps is wanted alone, with the
+    /// least one that counts (Pa), none is searched at steps at which it is clearly below both.
+    pub fn tensions<'c>(
+        &self,
+        coordinates: impl Into<Coordinates<'c>>,
+        contacts: &[ContactNow],
+        least: Option<f64>,
+    ) -> Searched {
+        let coordinates = coordinates.into();
         let count = match &self.stresses {
             Stresses::Rows(rows) => rows.count,
             Stresses::Lines(lines) => lines.coordinates(),
         };
         let mut found = Finding::new(self, contacts, least);
-        if let (Stresses::Rows(rows), Some(least)) = (&self.stresses, least)
-            && self.is_smooth
-            && let Some(high) = self.screened(rows, coordinates, contacts, least)
+        if let (Stresses::Rows(rows), Some(screen), Some(least)) = (&self.stresses, &self.screen, least)
+            && let Some(high) = screen.steps(coordinates, contacts, least)
         {
             return self.tensions_of(&high, rows, coordinates, found);
         }
@@ -141,7 +150,7 @@ impl<'a> TensionSearch<'a> {
             Stresses::Rows(_) => BLOCK,
             Stresses::Lines(_) => BLOCK_ON_LINES,
         };
-        for coordinates in coordinates.chunks(block * count) {
+        for coordinates in coordinates.all().chunks(block * count) {
             match &self.stresses {
                 Stresses::Rows(rows) => {
                     let (all, sizes) = rows.of_steps(coordinates);
@@ -169,14 +178,14 @@ impl<'a> TensionSearch<'a> {
     }
 
     /// The same at the steps that are named, which ascend; nothing is known of the others.
-    fn tensions_of(&self, high: &[usize], rows: &StressRows, coordinates: &[f64], mut found: Finding) -> Searched {
-        let of_step = |step: usize| &coordinates[step * rows.count..(step + 1) * rows.count];
+    fn tensions_of(&self, high: &[usize], rows: &StressRows, coordinates: Coordinates, mut found: Finding) -> Searched {
         for steps in high.chunks(BLOCK) {
-            let some: Vec<f64> = steps.iter().flat_map(|&step| of_step(step)).copied().collect();
+            let some = coordinates.of(steps, rows.count);
             let (all, sizes) = rows.of_steps(&some);
-            for ((&step, size), column) in steps.iter().zip(sizes).zip(all.column_iter()) {
+            let columns = all.column_iter().zip(some.chunks_exact(rows.count));
+            for ((&step, size), (column, of_step)) in steps.iter().zip(sizes).zip(columns) {
                 found.skip_to(step);
-                found.take(&OfStep { column: column.as_slice(), size, at: |number| rows.at(number, of_step(step)) });
+                found.take(&OfStep { column: column.as_slice(), size, at: |number| rows.at(number, of_step) });
             }
         }
         found.skip_to(found.contacts.len());

@@ -4,7 +4,9 @@
 //! over S is a sum of n products whose absolute values sum to 1 at most; in arithmetic of unit roundoff u it is off by (n + 4) u at most,
 //! roundings of the factors included (Higham, Accuracy and Stability of Numerical Algorithms, §3.1).
 
-use nalgebra::{DMatrix, Dyn, MatrixView};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, MatMut, MatRef, Par};
+use nalgebra::DMatrix;
 
 use super::local::parts;
 
@@ -44,6 +46,11 @@ impl StressRows {
         Self { count, rows, scales, scaled }
     }
 
+    /// Sampled points.
+    pub fn points(&self) -> usize {
+        self.scaled.nrows() / 3
+    }
+
     /// Stresses over S at some steps, a column each, and S.
     pub fn of_steps(&self, coordinates: &[f64]) -> (DMatrix<f32>, Vec<f64>) {
         let (mut sizes, mut scaled) = (Vec::new(), Vec::with_capacity(coordinates.len()));
@@ -53,7 +60,16 @@ impl StressRows {
             scaled.extend(of_step.iter().zip(&self.scales).map(|(w, scale)| (w * scale / over) as f32));
             sizes.push(size);
         }
-        let all = &self.scaled * MatrixView::<f32, Dyn, Dyn>::from_slice(&scaled, self.count, sizes.len());
+        let (rows, steps) = (self.scaled.nrows(), sizes.len());
+        let mut all = DMatrix::zeros(rows, steps);
+        matmul(
+            MatMut::from_column_major_slice_mut(all.as_mut_slice(), rows, steps),
+            Accum::Replace,
+            MatRef::from_column_major_slice(self.scaled.as_slice(), rows, self.count),
+            MatRef::from_column_major_slice(&scaled, self.count, steps),
+            1.0,
+            Par::Seq,
+        );
         (all, sizes)
     }
 

@@ -1,43 +1,83 @@
-//! Steps at which the largest tension of all may be, by a search of some of them.
+//! Steps at which the largest tension of all may be, by a search of some of them at some points.
 //!
-//! Steps follow the contact, whose force bends more sharply in time than the body does. So the tensions are first looked at in every few steps; then
-//! in those between two of which one is near the highest.
+//! Steps follow the contact, whose force bends more sharply in time than the body does; and points lie closer than waves are long, but under the
+//! hit. So the tensions are first looked at in every few steps on every other line of a face; then at all points in those steps between two of
+//! which one is near the highest.
 
+use super::local::LocalRows;
 use super::rows::StressRows;
 use super::seen::{Seen, Wanted};
-use super::{BLOCK, ContactNow, TensionSearch};
+use super::{BLOCK, ContactNow, Coordinates};
+use crate::space::evaluate::Face;
 
 /// Every so manieth step is looked at.
 const STRIDE: usize = 4;
 
-/// By how much a tension is taken to be above the higher one of the steps about it at most. An estimate.
+/// By how much a tension is taken to be above those of the steps and the points about it at most. An estimate.
 const BETWEEN: f64 = 1.2;
 
 /// Steps from which on that is worth its while.
 const MANY: usize = 64;
 
-impl TensionSearch<'_> {
+/// Some points of faces, by which steps are chosen: all that have the local field of the hit, and of the others those on every other line.
+pub struct Screen {
+    faces: Vec<Face>,
+    local: Vec<LocalRows>,
+    rows: StressRows,
+}
+
+impl Screen {
+    /// Of faces with grids and the stresses at all sampled points for 1 of each of `count` coordinates, a row for each component; `None` of others.
+    pub fn new(faces: &[Face], count: usize, rows: &[f64]) -> Option<Self> {
+        let (mut few, mut chosen): (Vec<Face>, Vec<f64>) = (Vec::new(), Vec::new());
+        for (number, face) in faces.iter().enumerate() {
+            let points = points(face)?;
+            // Faces that share their stresses share the points, too.
+            let alike = faces[..number].iter().position(|other| other.first == face.first);
+            let mut chosen_from = |first: usize| {
+                let place = chosen.len() / (3 * count);
+                let of_point = |point: &usize| &rows[3 * (first + point) * count..3 * (first + point + 1) * count];
+                chosen.extend(points.iter().flat_map(of_point));
+                place
+            };
+            let (first, across) = match alike {
+                Some(other) => (few[other].first, few[other].across),
+                None => (chosen_from(face.first), face.across.map(&mut chosen_from)),
+            };
+            let local = |(place, point): (usize, &usize)| {
+                let at = face.local.binary_search_by_key(point, |(of, _)| *of).ok()?;
+                Some((place, face.local[at].1.clone()))
+            };
+            few.push(Face {
+                name: face.name.clone(),
+                points: points.iter().map(|point| face.points[*point]).collect(),
+                first,
+                across,
+                local: points.iter().enumerate().filter_map(local).collect(),
+                left_out: points.iter().map(|point| face.left_out[*point]).collect(),
+                sign: face.sign,
+                grid: face.grid.clone(),
+            });
+        }
+        let local = few.iter().map(LocalRows::new).collect::<Option<_>>()?;
+        Some(Self { faces: few, local, rows: StressRows::new(count, chosen) })
+    }
+
     /// The steps whose largest tension may be that of all, or at least a given one, Pa; `None` where all are as soon looked through.
-    pub(super) fn screened(
-        &self,
-        rows: &StressRows,
-        coordinates: &[f64],
-        contacts: &[ContactNow],
-        least: f64,
-    ) -> Option<Vec<usize>> {
+    pub(super) fn steps(&self, coordinates: Coordinates, contacts: &[ContactNow], least: f64) -> Option<Vec<usize>> {
         if contacts.len() < MANY {
             return None;
         }
         let last = contacts.len() - 1;
         let looked_at: Vec<usize> = (0..last).step_by(STRIDE).chain([last]).collect();
-        let of_step = |step: usize| &coordinates[step * rows.count..(step + 1) * rows.count];
+        let count = self.rows.count;
+        let of_steps = coordinates.of(&looked_at, count);
         let (mut seen, mut tops) = (Seen::default(), Vec::with_capacity(looked_at.len()));
-        for steps in looked_at.chunks(BLOCK) {
-            let some: Vec<f64> = steps.iter().flat_map(|&step| of_step(step)).copied().collect();
-            let (all, sizes) = rows.of_steps(&some);
+        for (steps, coordinates) in looked_at.chunks(BLOCK).zip(of_steps.chunks(BLOCK * count)) {
+            let (all, sizes) = self.rows.of_steps(coordinates);
             for ((&step, size), column) in steps.iter().zip(sizes).zip(all.column_iter()) {
                 seen.take(column.as_slice());
-                let faces = self.faces.faces.iter().zip(&self.local).map(|(face, local)| {
+                let faces = self.faces.iter().zip(&self.local).map(|(face, local)| {
                     seen.look((face, local), (column.as_slice(), size), &contacts[step], Wanted::Largest);
                     f64::from(seen.top) * size
                 });
@@ -53,7 +93,18 @@ impl TensionSearch<'_> {
         let between = looked_at.windows(2).zip(tops.windows(2)).filter(|(_, tops)| tops[0].max(tops[1]) >= level);
         let mut high: Vec<usize> = between.flat_map(|(steps, _)| steps[0]..=steps[1]).collect();
         high.dedup();
-        tracing::debug!(steps = contacts.len(), coordinates = rows.count, searched = high.len(), "tensions");
+        let points = self.rows.points();
+        tracing::debug!(steps = contacts.len(), coordinates = count, points, searched = high.len(), "tensions");
         Some(high)
     }
+}
+
+/// The numbers of the points of a face that are looked at, ascending.
+fn points(face: &Face) -> Option<Vec<usize>> {
+    let [lines, count] = face.grid.as_ref()?.lines.each_ref().map(Vec::len);
+    let is_among = |line: usize, lines: usize| line.is_multiple_of(2) || line + 1 == lines;
+    let is_near = |point: usize| face.local.binary_search_by_key(&point, |(of, _)| *of).is_ok();
+    let is_chosen =
+        |point: &usize| is_near(*point) || (is_among(point / count, lines) && is_among(point % count, count));
+    Some((0..face.points.len()).filter(is_chosen).collect())
 }

@@ -260,3 +260,27 @@ fn single_precision_keeps_its_bound() {
     }
     assert!(worst > 1e-3, "{worst:e}");
 }
+
+/// Where coordinates are made of states, at the steps alone that are wanted, the same is found as where all of them are given.
+#[test]
+fn coordinates_are_made_where_they_are_wanted() {
+    let (faces, _) = plate();
+    let (_, contacts) = steps();
+    let mut numbers = Numbers(13);
+    let columns = nalgebra::DMatrix::from_fn(COUNT, 50, |_, _| numbers.next());
+    let states: Vec<f64> = (0..50 * contacts.len()).map(|i| numbers.next() * (1.0 - i as f64 / 2e4)).collect();
+    let search = TensionSearch::on_basis(&faces).expect("a basis");
+    for least in [None, Some(f64::INFINITY)] {
+        let made = Coordinates::Of { columns: &columns, states: &states };
+        let given = made.all().into_owned();
+        let [made, given] = [made, Coordinates::from(&given)].map(|all| search.tensions(all, &contacts, least).steps);
+        let places = made.iter().flatten().zip(given.iter().flatten());
+        let mut searched = 0;
+        for (one, other) in places.filter(|(one, other)| !(one.largest.is_nan() && other.largest.is_nan())) {
+            // Sums of fifty products, in blocks of other sizes.
+            assert!((one.largest - other.largest).abs() <= 1e-12 * other.largest.abs(), "{one:?} {other:?}");
+            searched += 1;
+        }
+        assert!(searched > 0);
+    }
+}

@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 use super::Node;
 use super::between;
 use crate::body::{
-    Assembled, Columns, Exchange, Interpolant, ModalBody, Projection, Response, excited, main_directions,
-    orthonormal_basis, project, snapshots,
+    Assembled, Columns, Exchange, Interpolant, ModalBody, Response, excited, main_directions, orthonormal_basis,
+    project, snapshots,
 };
 use crate::error::{Error, Result};
 use crate::impact::{Errors, ModalImpact, Readout, Steps, Trace};
 use crate::model::watch::Watch;
-use crate::model::{Built, Fitted, Gauges, Operators, Reduced, build, fit, rate, reduce};
+use crate::model::{Built, CellSize, Gauges, Operators, build, cell_size, rate, reduce_from};
 use crate::scene::{Body, Scene};
 
 /// Weight of the directions of the basis, over the tolerance, down to which they are taken.
@@ -27,13 +27,16 @@ pub struct Cells {
     pub wavelength: f64,
     /// Of the cells over those by the rule of thumb.
     pub size: f64,
+    /// Numbers of vectors with which bases begin to grow, where they are known.
+    pub vectors: Option<[usize; 2]>,
 }
 
 /// A body by which the basis is made or tested.
 pub struct Sample {
     scene: Scene,
     body: Assembled,
-    own: Projection,
+    /// On its own basis.
+    own: ModalBody,
     vibrations: Columns,
     error: Errors,
 }
@@ -87,20 +90,17 @@ impl Cells {
     }
 
     /// The size of the cells that a scene asks for, with the error that they leave.
-    pub fn fitted(&self, scene: &Scene, watch: &dyn Watch) -> Result<(f64, Errors)> {
-        let built = self.built(scene, watch)?;
-        let Fitted { size, error, .. } = fit(&self.comm, scene, scene.body.model, built, watch)?;
-        Ok((size, error.unwrap_or_default()))
+    pub fn asked_by(&self, scene: &Scene, watch: &dyn Watch) -> Result<CellSize> {
+        cell_size(&self.comm, scene, scene.body.model, self.built(scene, watch)?, watch)
     }
 
     /// A scene's body with a basis of its own.
     pub fn sample(&self, scene: Scene, watch: &dyn Watch) -> Result<Sample> {
         let body = self.built(&scene, watch)?.body;
-        let reduced = reduce(&self.comm, body.linear(), &scene, watch)?;
-        let own = reduced.larger().clone();
-        let Reduced { mut krylov, error, .. } = reduced;
-        let vibrations = snapshots(krylov.excited(), &own, rate(&scene));
-        Ok(Sample { scene, body, own, vibrations, error })
+        let mut reduced = reduce_from(&self.comm, body.linear(), &scene, self.vectors, watch)?;
+        let larger = reduced.larger().clone();
+        let vibrations = snapshots(reduced.krylov.excited(), &larger, rate(&scene));
+        Ok(Sample { own: reduced.take_larger_modal(), error: reduced.error, scene, body, vibrations })
     }
 
     /// What is read of the faces of a scene's body on some vectors.
@@ -119,7 +119,7 @@ impl Sample {
 
     /// The steps that its force takes.
     pub fn steps(&self) -> Result<Steps> {
-        Ok(ModalImpact::new(&self.scene, &ModalBody::of(&self.own)).trace(None)?.1)
+        Ok(ModalImpact::new(&self.scene, &self.own).trace(None)?.1)
     }
 
     /// The vectors of the vibrations of some bodies like this, orthonormal in its mass, one after the other.
@@ -134,7 +134,7 @@ impl Sample {
     /// How far the basis is off this body's own one.
     pub fn off(&self, shared: &SharedBasis) -> Result<Errors> {
         let projection = project(excited(self.body.linear()), &shared.basis, rate(&self.scene))?;
-        let (own, _) = ModalImpact::new(&self.scene, &ModalBody::of(&self.own)).trace(Some(shared.steps))?;
+        let (own, _) = ModalImpact::new(&self.scene, &self.own).trace(Some(shared.steps))?;
         Ok(shared.difference(&own, &self.scene, &ModalBody::of(&projection)))
     }
 }

@@ -14,7 +14,7 @@ use nalgebra::DMatrix;
 use petsc_wrap::Comm;
 
 use super::spread::spread;
-use crate::agree::decided;
+use crate::agree::{agree, decided};
 use crate::body::{Directions, Interpolant, ModalBody, Response};
 use crate::error::Result;
 use crate::impact::{Errors, Readout};
@@ -52,8 +52,8 @@ pub struct Interpolated {
     errors: Vec<(f64, Errors)>,
     /// That of the cells and the basis.
     of_model: Errors,
-    /// Of bodies that lie side by side, by the number of the first.
-    between: Vec<Interpolant>,
+    /// Of bodies that lie side by side, by the number of the first, made when a member first asks for it.
+    between: Vec<OnceCell<Interpolant>>,
     is_geometric: bool,
     /// The directions along which faces are read, as vectors of the bodies.
     vectors: Vec<Vec<f64>>,
@@ -99,13 +99,14 @@ impl Interpolated {
         watch: &dyn Watch,
     ) -> Result<Option<Self>> {
         let last = values.len() - 1;
-        let mut cells = Cells { comm: ranks.session().alone(), wavelength: f64::INFINITY, size: 1.0 };
+        let mut cells = Cells { comm: ranks.session().alone(), wavelength: f64::INFINITY, size: 1.0, vectors: None };
         for place in [0, last] {
             cells.wavelength = cells.wavelength.min(contact_wavelength(&scene_of(values[place])?)?);
         }
-        let fitted = spread(ranks, 2, |k| cells.fitted(&cells.on(scene_of(values[k * last])?), watch))?;
-        let of_cells = fitted.iter().fold(Errors::default(), |most, (_, error)| most.max(*error));
-        cells.size = fitted.iter().fold(cells.size, |size, (own, _)| size.min(*own));
+        let asked = spread(ranks, 2, |k| cells.asked_by(&cells.on(scene_of(values[k * last])?), watch))?;
+        let of_cells = asked.iter().fold(Errors::default(), |most, end| most.max(end.error));
+        cells.size = asked.iter().fold(cells.size, |size, end| size.min(end.size));
+        cells.vectors = asked.iter().filter_map(|end| end.vectors).reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
         let scene = |place: usize| Ok::<_, crate::Error>(cells.on(scene_of(values[place])?));
         let Some((shared, of_basis)) = shared_basis(ranks, last, &cells, &scene, watch)? else { return Ok(None) };
         let middle = values[last / 2];
@@ -154,8 +155,7 @@ impl Interpolated {
         all.errors.sort_by(|a, b| a.0.total_cmp(&b.0));
         all.nodes = nodes.into_values().collect();
         all.read_along_main_motions(ranks, watch)?;
-        let responses: Vec<&Response> = all.nodes.iter().map(|node| &node.response).collect();
-        all.between = responses.windows(STENCIL).map(Interpolant::new).collect();
+        all.between = all.nodes.windows(STENCIL).map(|_| OnceCell::new()).collect();
         Ok(Some(all))
     }
 
@@ -241,8 +241,10 @@ impl Interpolated {
             None => None,
         };
         let errors = Errors { stress: f64::NAN, ..self.of_model.joined(of_interpolation) };
-        let between = between(&near, value, self.is_geometric);
-        Ok(between.map(|between| (between.body(self.between.get(between.begin)), errors, readout)))
+        let Some(between) = between(&near, value, self.is_geometric) else { return Ok(None) };
+        let known = self.between.get(between.begin);
+        let known = known.map(|known| known.get_or_init(|| Interpolant::new(&between.bodies)));
+        Ok(Some((between.body(known), errors, readout)))
     }
 
     /// What is read of a body's faces.
@@ -301,7 +303,9 @@ fn shared_basis(
     })?;
     let Some(steps) = steps[BASIS] else { return Ok(None) };
     let scene = scene(0)?;
-    let shared = SharedBasis::new(cells.clone(), &vectors, &scene, steps, watch)?;
+    let shared = SharedBasis::new(cells.clone(), &vectors, &scene, steps, watch);
+    // (One rank may be interrupted before the others.)
+    let shared = agree(ranks, shared.map_err(|error| error.of_all_ranks().as_told()))?;
     let off = spread(ranks, places.len(), |k| match &samples[k] {
         Some(sample) if k >= BASIS => sample.off(&shared),
         _ => Ok(Errors::default()),
