@@ -204,10 +204,10 @@ pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators, watch: &
     refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, watch)
 }
 
-/// The cells on which [`fit`] reduces a body: of layers that relax these are found without a basis of theirs, which takes longest. Collective.
+/// The cells on which `fit` reduces a body: of layers that relax these are found without a basis of theirs, which takes longest. Collective.
 ///
 /// # Errors
-/// Those of [`fit`].
+/// Those of `fit`.
 pub fn cell_size(comm: &Comm, scene: &Scene, theory: Model, built: Operators, watch: &dyn Watch) -> Result<CellSize> {
     if elastic_cells::serves(scene, theory)
         && let Some(found) = elastic_cells::cell_size(comm, scene, theory, &built, watch)?

@@ -52,9 +52,9 @@ fn of_section(geometry: &PlateGeometry, section: &Section, local: Option<&Local>
     // ξ² = ω √(ρh/D) of long waves.
     let slowness = (section.density * section.thickness / section.rigidity()).sqrt();
     let thin = copies * slowness / (4.0 * PI * section.density * section.thickness);
-    let (density, yielding) = match local {
-        None => (vec![(0.0, thin)], Vec::new()),
-        Some(local) => of_mindlin(section, local, (copies, thin)),
+    let Spectrum { density, yielding } = match local {
+        None => Spectrum { density: vec![(0.0, thin)], yielding: Vec::new() },
+        Some(local) => of_mindlin(section, local, copies, thin),
     };
     // A wave of the wavenumber ξ fits an area A into A ξ²/4π modes below it.
     InfinitePlate {
@@ -96,12 +96,20 @@ fn waves(section: &Section, local: &Local, wavenumber: f64) -> [Wave; 2] {
     })
 }
 
-/// ω and ν = (1/2π) ξ dξ/dω r² P² of the bending waves, and ω of the rest, which is faster than any contact, with what it yields to a resting
-/// force, m/N: (1/2π) r² P²/ω² ξ dξ of the waves of thickness shear, and of the bending ones beyond the last ω.
-fn of_mindlin(section: &Section, local: &Local, (copies, thin): (f64, f64)) -> (Vec<(f64, f64)>, Vec<(f64, f64)>) {
+/// What the waves of all wavenumbers do, by their frequency.
+struct Spectrum {
+    /// ω (rad/s), ascending, and ν there (s/kg).
+    density: Vec<(f64, f64)>,
+    /// ω (rad/s) of waves that are faster than any contact, with what they yield to a resting force, m/N.
+    yielding: Vec<(f64, f64)>,
+}
+
+/// ν = (1/2π) ξ dξ/dω r² P² of the bending waves, and as springs, (1/2π) r² P²/ω² ξ dξ, the waves of thickness shear and the bending ones
+/// beyond the last ω. `longest` is ν of the thin plate, s/kg, and `copies` how many modelled parts make the plate.
+fn of_mindlin(section: &Section, local: &Local, copies: f64, longest: f64) -> Spectrum {
     let first = 0.01 / section.thickness;
-    let mut density = vec![(waves(section, local, first)[0].frequency, thin)];
-    let (mut largest, mut is_complete, mut yielding) = (thin, false, Vec::new());
+    let mut density = vec![(waves(section, local, first)[0].frequency, longest)];
+    let (mut largest, mut is_complete, mut yielding) = (longest, false, Vec::new());
     for i in 1.. {
         let wavenumber = first * STEP.powi(i);
         if wavenumber * local.radius > SHORTEST {
@@ -124,5 +132,5 @@ fn of_mindlin(section: &Section, local: &Local, (copies, thin): (f64, f64)) -> (
         largest = largest.max(value);
         is_complete = value < LEAST * largest && wavenumber * local.radius > PI;
     }
-    (density, yielding)
+    Spectrum { density, yielding }
 }
