@@ -26,6 +26,11 @@ def build(scene, cells, reduce, count, step):
 def main(doc, name, reduce, noun, choices):
     """Adds to the table the points of the peer `name` at its choices: cells, number of vectors, step (s)."""
     scene, folder, budget = arguments(doc)
+    collect(scene, folder, budget, name, reduce, noun, choices)
+
+
+def collect(scene, folder, budget, name, reduce, noun, choices):
+    """The same of a scene that is given."""
     build(scene, TINY, reduce, 3, scene.end / 10)()
     settings = []
     for cells, count, step in choices:

@@ -8,12 +8,16 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Impactor:
-    """What a quarter model sees of the impactor: mass, k0 and force are a quarter of the whole ones, c is four times it."""
+    """What a model sees of the impactor; of a quarter model mass, k0 and force are a quarter of the whole ones, and c is four times it."""
 
     mass: float
     hertz: float
     dent: float
     speed: float
+
+    @classmethod
+    def whole(cls, scene, patch):
+        return cls(scene.mass, scene.hertz_stiffness, scene.dent(patch), scene.speed)
 
     @classmethod
     def quarter(cls, scene, patch):
@@ -30,6 +34,13 @@ def quarter_disc(patch, rule=16):
     radii, angles = patch * np.sqrt(1 - nodes**2), nodes * math.pi / 2
     points = np.stack([np.outer(radii, np.cos(angles)), np.outer(radii, np.sin(angles))], axis=-1)
     return points.reshape(-1, 2), np.outer(3 * weights * nodes**2, weights).ravel()
+
+
+def whole_disc(patch):
+    """The same over the whole patch."""
+    points, weights = quarter_disc(patch)
+    signs = [np.array([i, j]) for i in (1, -1) for j in (1, -1)]
+    return np.concatenate([points * sign for sign in signs]), np.tile(weights / 4, 4)
 
 
 def force(apart, yielding, hertz):

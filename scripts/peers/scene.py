@@ -23,7 +23,7 @@ class Scene:
     """
 
     size: tuple  # m
-    stiffness: float  # of the support of the sides, N/m3, the same for all three components
+    stiffness: float | tuple  # of the support of the sides, N/m3, the same for all three components or one for each
     end: float = 0.01  # s
     young: float = 70e9
     poisson: float = 0.23

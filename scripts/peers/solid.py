@@ -43,7 +43,7 @@ class Solid:
             distortion = take(shear(space, scene))
             stiffness = stiffness + scene.chain.relaxed * distortion
         load = np.zeros((space.ndof, 3))
-        load[:, 2] = pressure(space, scene, cells.patch * scene.size[2])
+        load[:, 2] = pressure(space, quarter_disc(cells.patch * scene.size[2]), scene.size[2] / 2)
         heights = [scene.size[2] / 2 - depth for depth in np.cumsum([layer.thickness for layer in scene.layers])]
         feet = [height for height, layer in zip(heights, scene.layers, strict=True) if not layer.chain]
         stresses = np.concatenate([under_the_hit(space, scene, height) for height in feet])
@@ -78,17 +78,17 @@ def inertia(space, scene):
 def elastic(space, scene):
     """K with its elastic support."""
     lam, mu = (by_layer(scene, values) for values in zip(*((layer.lam, layer.mu) for layer in scene.layers), strict=True))
-    return stiffness(space, lam, mu, scene.stiffness)
+    return stiffness(space, lam, mu, np.broadcast_to(scene.stiffness, 3))
 
 
 def shear(space, scene):
     """D: the layers that relax, for a shear modulus of one, and no other."""
     is_in = by_layer(scene, [1.0 if layer.chain else 0.0 for layer in scene.layers])
-    return stiffness(space, -2 / 3 * is_in, is_in, 0.0)
+    return stiffness(space, -2 / 3 * is_in, is_in, np.zeros(3))
 
 
 def stiffness(space, lam, mu, support):
-    """The stiffness for Lamé's numbers, in blocks of 3 x 3, by scalar forms: a fourth of the time of vectorial ones."""
+    """The stiffness for Lamé's numbers and a support for each component, in blocks of 3 x 3, by scalar forms: a fourth of the time of vectorial ones."""
     u, v = space.TnT()
     du, dv = ng.grad(u), ng.grad(v)
     values = [[None] * 3 for _ in range(3)]
@@ -96,7 +96,7 @@ def stiffness(space, lam, mu, support):
         for j in range(3):
             form = ng.BilinearForm((lam * du[j] * dv[i] + mu * du[i] * dv[j]) * ng.dx)
             if i == j:
-                form += mu * du * dv * ng.dx + support * u * v * ng.ds("front|right")
+                form += mu * du * dv * ng.dx + float(support[i]) * u * v * ng.ds("front|right")
             values[i][j], columns, starts = (np.array(part) for part in form.Assemble().mat.CSR())
     return sparse.bsr_matrix((np.moveaxis(np.array(values), 2, 0), columns, starts))
 
@@ -117,11 +117,14 @@ def under_the_hit(space, scene, height):
     return rows.reshape(2, -1)
 
 
-def pressure(space, scene, patch):
-    """Hertz's pressure over the patch on the top, along -z, of total force one, on the shape functions of one component."""
+def pressure(space, disc, height):
+    """A pressure over a disc on the top, which is at a height, along -z, of total force one, on the shape functions of one component.
+
+    The disc is points (m) and weights that integrate with the pressure.
+    """
     load = np.zeros(space.ndof)
-    for (x, y), weight in zip(*quarter_disc(patch), strict=True):
-        point = space.mesh(x, y, scene.size[2] / 2 * (1 - 1e-12))
+    for (x, y), weight in zip(*disc, strict=True):
+        point = space.mesh(x, y, height * (1 - 1e-12))
         cell = ng.ElementId(ng.VOL, point.nr)
         load[list(space.GetDofNrs(cell))] -= weight * np.array(space.GetFE(cell).CalcShape(*point.pnt))
     return load

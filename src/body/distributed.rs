@@ -2,11 +2,11 @@
 
 use nalgebra::DMatrix;
 use nalgebra_sparse::CsrMatrix;
-use petsc_wrap::{Int, Matrix, Row, Vector};
+use petsc_wrap::{Int, Matrix, Row, Vector, estimate_cholesky};
 
 use crate::error::Result;
 use crate::material::Maxwell;
-use crate::solve::Method;
+use crate::solve::linear::{Method, solver};
 
 use super::columns::Columns;
 use super::direct::{Direct, Precision};
@@ -122,7 +122,11 @@ impl LinearBody for Body {
             return Ok(Solver::Direct(self.factor(rate, &self.held_here(), precision)?));
         }
         let vectors = [self.load.duplicate()?, self.load.duplicate()?];
-        Ok(Solver::Distributed(Box::new((Self::solver(self, &self.operator_at_rate(rate)?)?, vectors))))
+        let operator = self.operator_at_rate(rate)?;
+        let is_large = matches!(self.method, Method::Multigrid { .. });
+        let expected = if is_large { estimate_cholesky(&operator)? } else { None };
+        let solver = solver(self.comm(), "", &operator, self.method.for_basis(expected))?;
+        Ok(Solver::Distributed(Box::new((solver, vectors))))
     }
 
     fn chains(&self) -> Vec<&Maxwell> {

@@ -4,21 +4,23 @@
 pub struct Reference {
     /// t, s, and F, N.
     pub force: Vec<[f64; 2]>,
+    /// The same of finer cells, in the first contact.
+    pub finer: Vec<[f64; 2]>,
     /// `shear` and `prony` of the interlayer, as a scene has them.
     pub chain: String,
 }
 
 /// What is to be met, and with which interlayer.
 pub fn reference() -> Reference {
-    let series = include_str!("../fixtures/laminated/series.csv");
-    let force = series
-        .lines()
-        .skip(1)
-        .map(|line| {
+    let rows = |series: &str| {
+        let row = |line: &str| {
             let mut fields = line.split(',').map(|field| field.parse().unwrap());
             [fields.next().unwrap(), fields.next().unwrap()]
-        })
-        .collect();
+        };
+        series.lines().skip(1).map(row).collect()
+    };
+    let force = rows(include_str!("../fixtures/laminated/series.csv"));
+    let finer = rows(include_str!("../fixtures/laminated/finer.csv"));
     let terms = [
         (6933.9e3, 1e-5),
         (3898.6e3, 1e-4),
@@ -33,5 +35,5 @@ pub fn reference() -> Reference {
     let list: Vec<String> =
         terms.iter().map(|(modulus, time)| format!("{{ modulus = {modulus:e}, time = {time:e} }}")).collect();
     let chain = format!("shear = 3.02196e6\nprony = [{}]", list.join(", "));
-    Reference { force, chain }
+    Reference { force, finer, chain }
 }

@@ -133,7 +133,7 @@ fn a_solid_has_the_reference_too(session: &Session) {
 }
 
 fn is_reference(session: &Session, body: &str, time: &str, rest: &str) {
-    let Reference { force, chain } = reference();
+    let Reference { force, chain, .. } = reference();
     let peak = force.iter().map(|[_, force]| *force).fold(0.0, f64::max);
     let interlayer = format!("bulk = 2e9\ndensity = 1100.0\n{chain}");
     let (names, found) = tensions(&session.world(), &pane(&PLIES, &interlayer, body, time, rest));

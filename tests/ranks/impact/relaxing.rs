@@ -161,20 +161,20 @@ fn pane(interlayer: f64, material: &str, time: &str, rest: &str) -> String {
     )
 }
 
-/// The same in three dimensions on a basis, in modal coordinates: both programs' own errors, 0.5% and less than 1%.
+/// The same in three dimensions on a basis, in modal coordinates, against finer cells: 0.3% is left there, and 1% is the tolerance here.
 fn the_reference_on_a_basis(session: &Session) {
-    let Reference { force: rows, chain: material } = reference();
+    let Reference { finer: rows, chain: material, .. } = reference();
     let text = pane(0.00076, &material, "end = 3e-3", "[output]\nstress = false\n");
     let ran = modelled::run(&session.world(), &text.replacen("[body]\n", "[body]\nmodel = \"solid\"\n", 1));
     let peak = rows.iter().fold(0.0_f64, |peak, [_, force]| peak.max(*force)) / 52.0;
     let off = rows.iter().map(|[time, force]| (ran.between(*time) - force / 52.0).abs()).fold(0.0, f64::max) / peak;
     println!("peak {} against {peak}, largest difference {off:e}, {:?} vectors", ran.peak(), ran.vectors);
-    assert!((ran.peak() / peak - 1.0).abs() < 0.005 && off < 0.015, "{} {peak} {off:e}", ran.peak());
+    assert!((ran.peak() / peak - 1.0).abs() < 0.005 && off < 0.013, "{} {peak} {off:e}", ran.peak());
 }
 
 /// The history of an independent program with elements of order 3: 0.5% of its peak is left there, and order 2 changes the peak by 1.5%.
 fn the_reference(session: &Session) {
-    let Reference { force: rows, chain: material } = reference();
+    let Reference { force: rows, chain: material, .. } = reference();
     let steps = steps(session, &pane(0.00076, &material, "end = 3e-3\nstep = 1e-5\nscheme = \"newmark\"", ""));
     let (mut peak, mut off) = (0.0_f64, 0.0_f64);
     for [time, force] in &rows {

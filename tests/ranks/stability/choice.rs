@@ -1,13 +1,14 @@
 //! Which iteration solves the steps of a body that is too large for a factor.
 
 use mpi_test::{Test, tests};
-use petsc_wrap::Session;
+use petsc_wrap::{FactorEstimate, Session};
+use ricochet::body::Krylov;
 use ricochet::solve::linear::{Method, solver};
 
 use super::iterative::{COARSE, MULTIGRID, solid, with_options};
 
 pub const RANKS: &[usize] = &[1, 2, 3];
-pub const TESTS: &[Test<Session>] = tests![choice_for_steps];
+pub const TESTS: &[Test<Session>] = tests![choice_for_steps, a_basis_takes_a_factor_that_fits];
 
 /// Steps choose by how far the stiffness outweighs the mass, which grows as the square of the step: an incomplete factor for short ones,
 /// multigrid for long ones. Both solve, with options in their place as well.
@@ -44,4 +45,23 @@ fn choice_for_steps(session: &Session) {
     }
     body.method = Method::Cholesky;
     assert_eq!(body.step_method(1.0).unwrap(), Method::Cholesky, "a factor stays a factor");
+}
+
+/// The vectors of a large body come by a factor where it fits: they are those of a small one's, though its iterations would stop early.
+fn a_basis_takes_a_factor_that_fits(session: &Session) {
+    let world = session.world();
+    let mut body = solid(&world, COARSE, "");
+    let [exact, large] = [Method::Cholesky, Method::Multigrid { tolerance: 1e-1 }].map(|method| {
+        body.method = method;
+        let mut krylov = Krylov::new(&body, 1e4).unwrap();
+        krylov.grow(&body, 8).unwrap();
+        krylov.projection(&body).unwrap().elastic
+    });
+    // Two factors of one matrix: rounding, times its condition.
+    let off = (&large - &exact).amax() / exact.amax();
+    assert!(off < 1e-7, "{off:e}");
+    let multigrid = Method::Multigrid { tolerance: 1e-1 };
+    let expected = |memory| Some(FactorEstimate { entries: 0.0, operations: 0.0, memory });
+    assert_eq!(multigrid.for_basis(expected(1e9)), Method::Cholesky);
+    assert_eq!([expected(1e11), None].map(|factor| multigrid.for_basis(factor)), [multigrid; 2]);
 }
