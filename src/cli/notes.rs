@@ -8,6 +8,7 @@ use crate::scene::{
     Contact, Doubt, Geometry, Measure, Model as Theory, Reduction, Scene, Scheme, Source, doubts, face_names,
 };
 use crate::scheme::critical_frequency;
+use crate::space::spline;
 
 /// What a user should know of a scene, or of what came of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -137,7 +138,8 @@ fn remedy(part: &str, scene: &Scene) -> &'static str {
             "body.reduction = \"auto\" in place of a number"
         }
         "patch" => "finer cells at the impact point",
-        "theory" if scene.body.model != Theory::Solid => "body.model = \"solid\"",
+        "theory" if scene.body.model != Theory::Solid && spline::admits(scene).is_ok() => "body.model = \"solid\"",
+        "theory" if scene.body.model != Theory::Solid => "body.model = \"solid\" with body.cells that are fine enough",
         _ => "a smaller accuracy.tolerance",
     }
 }

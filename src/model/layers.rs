@@ -11,7 +11,7 @@
 use petsc_wrap::Comm;
 
 use super::cells::OF_CELLS;
-use super::climb::{OF_THEORY, pressed, rougher};
+use super::climb::{IN_PLACE_OF_MESH, OF_THEORY, pressed, rougher};
 use super::elastic_cells;
 use super::mindlin_error::mindlin_error_over_difference;
 use super::reduce::{OF_BASIS, larger};
@@ -24,9 +24,6 @@ use crate::impact::{Cause, Errors, joined, rest};
 use crate::scene::{Model as Theory, Scene, Time};
 use crate::space::plate;
 use crate::space::spline;
-
-/// Estimated error up to which the layerwise plate stands for a solid that would be a mesh.
-const IN_PLACE_OF_MESH: f64 = 0.1;
 
 /// The layerwise plate; `None` where the solid is needed. Collective.
 pub(super) fn layered(

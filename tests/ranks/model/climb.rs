@@ -6,6 +6,7 @@ use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
 use ricochet::model::Model;
 use ricochet::scene::{self, Scene};
+use ricochet::space::spline;
 
 pub const RANKS: &[usize] = &[1, 2];
 pub const TESTS: &[Test<Session>] = tests![
@@ -13,7 +14,8 @@ pub const TESTS: &[Test<Session>] = tests![
     what_rules_a_half_space_out,
     what_rules_plates_out,
     strips_are_for_plates,
-    sides_held_unevenly_are_for_solids
+    sides_held_unevenly_are_for_solids,
+    a_plate_stands_for_a_solid_too_large_for_splines
 ];
 
 /// A small ball of steel on a plate of glass.
@@ -164,4 +166,23 @@ fn sides_held_unevenly_are_for_solids(session: &Session) {
     );
     // Across the plate it does not matter where.
     assert_eq!(model(&comm, &held(-0.01, "[0, 0, 1e9]")).theory, scene::Model::Mindlin);
+}
+
+/// A short hit on the whole of a wide plate, which takes 78,408 unknowns in splines: Mindlin's plate is taken, and its error, above its part of
+/// the tolerance, is told. A quarter of it has splines.
+fn a_plate_stands_for_a_solid_too_large_for_splines(session: &Session) {
+    let comm = session.world();
+    let text = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.4, 0.4, 0.01]\nsymmetry = \"none\"\n\
+                [impactor]\nmass = 0.05\nradius = 0.02\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n[time]\nend = 1e-4\n\
+                [[support]]\nsurface = \"side\"\nkind = \"clamped\"\n[accuracy]\ntolerance = 1e-3\n";
+    let whole = parse(text);
+    let reason = spline::admits(&whole).expect_err("splines would take too many unknowns");
+    let quarter = parse(&text.replace("symmetry = \"none\"\n", ""));
+    assert_eq!(spline::admits(&quarter), Ok(()));
+    let auto = model(&comm, &whole);
+    assert_eq!(auto.theory, scene::Model::Mindlin, "{:?}", auto.reason);
+    let why = auto.reason.unwrap_or_default();
+    assert!(why.contains(&reason) && why.contains("yet taken"), "{why}");
+    let estimate = auto.error.total().expect("auto tells its error").first_contact;
+    assert!(auto.error.causes().contains(&"theory") && estimate > whole.tolerance, "{estimate:e}");
 }
