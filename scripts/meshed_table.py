@@ -27,10 +27,10 @@ class History:
         self.time, self.acceleration = time, acceleration
 
     def error(self, reference, end):
-        """Largest difference from a finer history up to a time, over its peak."""
-        until = reference.time <= end
-        time, exact = reference.time[until], reference.acceleration[until]
-        return np.abs(cubic(time, self.time, self.acceleration) - exact).max() / exact.max()
+        """Largest difference from a finer history at this one's steps up to a time, over the peak, as `ricochet chart` has it."""
+        until = self.time <= end
+        difference = self.acceleration[until] - cubic(self.time[until], reference.time, reference.acceleration)
+        return np.abs(difference).max() / reference.acceleration.max(where=reference.time <= end, initial=0)
 
 
 def cubic(at, x, y):
@@ -92,9 +92,8 @@ def line(name, mesh, folder, reference=None):
 def main():
     out, document = Path(sys.argv[1]), sys.argv[2]
     rows = []
-    for folder in sorted(out.iterdir(), key=lambda folder: (list(BODIES).index(folder.name.split("-")[0]), folder.name)):
-        if not folder.is_dir():
-            continue
+    folders = [folder for folder in out.iterdir() if folder.is_dir()]
+    for folder in sorted(folders, key=lambda folder: (list(BODIES).index(folder.name.split("-")[0]), folder.name)):
         body, *mesh = folder.name.split("-")
         if body == "pane":
             _, reference = of_ricochet(folder / "ricochet-1e-3.h5")
