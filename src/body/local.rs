@@ -18,7 +18,7 @@ use super::{Exchange, FoundationPoints, InfinitePlate, System};
 /// A linear body of a [`System`]. On several ranks each has one.
 pub struct LocalBody {
     system: System,
-    /// Its matrices as they are multiplied with, once they have been.
+    /// Its matrices by runs, as those are multiplied with that have no products along axes, once they have been.
     products: RefCell<Vec<(Operator, Rc<Runs>)>>,
     /// Its classes of motions that the force reaches; none where that is all of it.
     classes: Vec<Self>,
@@ -116,6 +116,9 @@ impl LinearBody for LocalBody {
     }
 
     fn apply(&self, operator: Operator, vectors: &Columns) -> Result<Columns> {
+        if let Some((_, factorised)) = self.system.factorised.iter().find(|(of, _)| *of == operator) {
+            return Ok(vectors.mapped(|entries| factorised.multiply(entries)));
+        }
         let none = || vectors.zeros(vectors.count());
         Ok(self.runs(operator).map_or_else(none, |runs| vectors.mapped(|entries| runs.multiply(entries))))
     }

@@ -72,6 +72,7 @@ impl Projection {
             translation: self.translation.as_slice().to_vec(),
             infinite_plate: None,
             exchange: None,
+            factorised: Vec::new(),
             copies: self.copies,
             classes: 1,
         }

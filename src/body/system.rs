@@ -1,14 +1,18 @@
 //! A body given by numbers, without a mesh: small enough that every rank has all of it.
 
+use std::rc::Rc;
+
 use nalgebra_sparse::CsrMatrix;
 use petsc_wrap::{Comm, Int, Matrix, Vector};
 
 use crate::contact::{Localization, Patch};
 use crate::error::Result;
+use crate::form::tensor::SumFactorised;
 use crate::material::Maxwell;
 use crate::solve::Method;
 
 use super::deviates::normal;
+use super::linear::Operator;
 use super::{Body, Clamps, InfinitePlate, PadOnSurface, Pads, Relaxation};
 
 /// Entries of a matrix that a core's cache holds: half of them are multiplied no quicker, and take long to be picked.
@@ -53,6 +57,8 @@ pub struct System {
     pub infinite_plate: Option<InfinitePlate>,
     /// Where the axes of a square may be exchanged, the number that each unknown has then.
     pub exchange: Option<Vec<usize>>,
+    /// Operators of each class of motions as products along the axes of a grid, where these take less than all entries.
+    pub factorised: Vec<(Operator, Rc<SumFactorised>)>,
     /// How many such bodies make the whole.
     pub copies: f64,
     /// Classes of motions that do not couple: blocks of as many unknowns each, one after the other, along the diagonals of all matrices.
@@ -149,6 +155,7 @@ impl System {
             translation: self.translation.clone(),
             infinite_plate: self.infinite_plate.clone(),
             exchange: self.exchange.clone(),
+            factorised: self.factorised.iter().filter(|(operator, _)| *operator == Operator::Mass).cloned().collect(),
             ..*self
         }
     }
@@ -184,6 +191,7 @@ impl System {
             relaxations: self.relaxations.iter().map(|(d, chain)| (square(d), chain.clone())).collect(),
             infinite_plate: self.infinite_plate.clone(),
             exchange: None,
+            factorised: self.factorised.clone(),
             classes: 1,
             ..*self
         }

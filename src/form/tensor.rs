@@ -1,6 +1,7 @@
 //! Fields of tensor-product splines on a rectangle or a box. Every integral of constant coefficients over it, or over a face, is a
 //! sum of products of integrals along the axes, so that no quadrature in several dimensions is needed.
 
+mod factorised;
 mod rows;
 
 use std::cmp::Ordering;
@@ -11,6 +12,7 @@ use nalgebra_sparse::CsrMatrix;
 
 use super::Spline;
 use super::spline::WIDTH;
+pub use factorised::SumFactorised;
 use rows::Rows;
 
 /// A derivative of a field.

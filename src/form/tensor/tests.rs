@@ -132,3 +132,38 @@ fn numbers_and_ones() {
     let sum: f64 = values.iter().zip(tensor.one(1)).map(|(v, one)| v * one).sum();
     assert!((sum - 3.0).abs() < 1e-14);
 }
+
+/// Products along the axes are those with the matrix: of fields of different degrees, with forms on edges and parts, and splines of one parity.
+#[test]
+fn products_along_the_axes_are_those_of_the_matrix() {
+    let field = |degrees: [usize; 2]| [0, 1].map(|axis| Spline::new(BREAKS[axis], degrees[axis], degrees[axis] - 1));
+    let tensor = Tensor::new(vec![field([2, 3]), field([3, 2]), field([4, 4])]);
+    let part = |field, derivatives| Part { field, derivatives };
+    let places = [
+        [Along::All; 2],
+        [Along::At(1.0), Along::All],
+        [Along::All, Along::At(0.0)],
+        [Along::Within([-0.1, 0.2]), Along::All],
+    ];
+    let parts = [
+        vec![part(0, [1, 0]), part(1, [0, 1]), part(2, [0, 0])],
+        vec![part(2, [0, 1]), part(0, [0, 0])],
+        vec![part(1, [1, 0]), part(1, [0, 0])],
+        vec![part(2, [2, 1])],
+    ];
+    let forms: Vec<Square<2>> = places
+        .into_iter()
+        .zip(parts)
+        .zip([1.5, -0.3, 2.0, 0.7])
+        .map(|((place, parts), factor)| Square { factor, parts, place })
+        .collect();
+    for count in 1..=forms.len() {
+        let (matrix, factorised) = (tensor.matrix(&forms[..count]), tensor.factorised(&forms[..count]));
+        let unknowns = tensor.unknowns();
+        let x: Vec<f64> = (0..3 * unknowns).map(|i| ((i * 7919) % 101) as f64 / 50.0 - 1.0).collect();
+        let exact = &matrix * &DMatrix::from_column_slice(unknowns, 3, &x);
+        let found = DMatrix::from_vec(unknowns, 3, factorised.multiply(&x));
+        // Rounding of some hundred terms.
+        assert!((&found - &exact).amax() < 1e-13 * exact.amax(), "{count} forms");
+    }
+}

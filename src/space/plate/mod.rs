@@ -26,17 +26,19 @@ use clamps::held;
 use geometry::PlateGeometry;
 use layer::Layer;
 
+use std::rc::Rc;
+
 use nalgebra_sparse::CsrMatrix;
 
 use super::SurfaceTerms;
 use super::grid::GridSpace;
 use super::parity::repeated;
-use crate::body::System;
+use crate::body::{Operator, System};
 use crate::description::Description;
 use crate::error::Result;
 use crate::form::Spread;
 use crate::form::plate::{DEFLECTION, Section};
-use crate::material::Maxwell;
+use crate::form::tensor::Square;
 use crate::scene::{Fault, Scene};
 
 /// Choices that a scene does not make.
@@ -91,6 +93,10 @@ impl Default for Settings {
         }
     }
 }
+
+/// Entries of a matrix for each multiplication along the axes from which on its products are made along these. An entry of a matrix that is larger
+/// than the cache takes about as long as one of these.
+const LEAST_SAVING: usize = 2;
 
 /// Radius of Mindlin's disc over the thickness, at least.
 const LEAST_DISC: f64 = 0.5;
@@ -245,19 +251,29 @@ impl Plate {
             vector
         };
         let of_classes = |matrix: CsrMatrix<f64>| repeated(matrix, classes);
-        let relaxation = |(laminate, (chain, relaxing)): (&Laminate, (&Maxwell, Vec<usize>))| {
-            let distortion = points.tensor.matrix(&laminate.distortion(&points.geometry, &relaxing));
-            (of_classes(distortion), chain.clone())
+        let mut factorised = Vec::new();
+        let mut of_forms = |operator: Operator, forms: &[Square<2>]| {
+            let matrix = points.tensor.matrix(forms);
+            let along_axes = points.tensor.factorised(forms);
+            if along_axes.multiplications() < matrix.nnz() / LEAST_SAVING {
+                factorised.push((operator, Rc::new(along_axes)));
+            }
+            of_classes(matrix)
         };
-        let relaxations = description.relaxations().into_iter();
-        let relaxations =
-            points.laminate.iter().flat_map(|laminate| relaxations.clone().map(move |one| (laminate, one)));
+        let (mass, elastic) = (of_forms(Operator::Mass, &mass), of_forms(Operator::Elastic, &elastic));
+        let mut relaxations = Vec::new();
+        if let Some(laminate) = &points.laminate {
+            for (number, (chain, relaxing)) in description.relaxations().into_iter().enumerate() {
+                let forms = laminate.distortion(&points.geometry, &relaxing);
+                relaxations.push((of_forms(Operator::Distortion(number), &forms), chain.clone()));
+            }
+        }
         let compliance = points.laminate.as_ref().map(|laminate| laminate.compliance);
         let compliance = compliance.or(local.map(|local| local.compliance)).unwrap_or_default();
         let system = System {
-            mass: of_classes(points.tensor.matrix(&mass)),
-            elastic: of_classes(points.tensor.matrix(&elastic)),
-            relaxations: relaxations.map(relaxation).collect(),
+            mass,
+            elastic,
+            relaxations,
             support: terms.support.map(of_classes),
             damping: terms.damping.map(of_classes),
             pads: terms.pads,
@@ -272,6 +288,7 @@ impl Plate {
             hit_local: [0.0; 3],
             infinite_plate: waves::of_points(&points),
             exchange: square::exchange(&points),
+            factorised,
             translation: even(points.tensor.one(DEFLECTION)),
             copies,
             classes,

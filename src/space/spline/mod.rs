@@ -122,6 +122,7 @@ impl SplineSolid {
             infinite_plate: None,
             exchange: may_exchange(&geometry, &points).then(|| exchange(&points.tensor, geometry.plane())),
             translation: translation(&points.tensor, description.direction),
+            factorised: Vec::new(),
             copies,
             classes: 1,
         };
