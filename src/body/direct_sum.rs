@@ -95,6 +95,25 @@ impl DirectSum {
         if self.parts.len() == 1 { self.parts[0].basis() } else { self.basis() }
     }
 
+    /// All rows of the first vectors on the first rank; on the others, none of distributed ones. Collective.
+    pub fn whole(&self, count: usize) -> Vec<Vec<f64>> {
+        if let [part] = &self.parts[..] {
+            return match &self.exchange {
+                None => part.basis().whole(count),
+                Some(exchange) => part.basis().iter().take(count).map(|own| exchange.whole(own)).collect(),
+            };
+        }
+        let mut next = vec![0; self.parts.len()];
+        let vector = |&class: &usize| {
+            let own = self.parts[class].basis().get(next[class]);
+            next[class] += 1;
+            let mut whole = vec![0.0; self.whole.rows()];
+            whole[class * own.len()..(class + 1) * own.len()].copy_from_slice(own);
+            whole
+        };
+        self.class_of.iter().take(count).map(vector).collect()
+    }
+
     /// The vectors, orthonormal in M.
     pub fn basis(&mut self) -> &Columns {
         if let [part] = &self.parts[..] {
@@ -102,16 +121,8 @@ impl DirectSum {
             part.basis().iter().skip(self.whole.count()).for_each(|own| self.whole.push(&exchange.whole(own)));
             return &self.whole;
         }
-        let mut next = vec![0; self.parts.len()];
-        for (number, &class) in self.class_of.iter().enumerate() {
-            let own = self.parts[class].basis().get(next[class]);
-            next[class] += 1;
-            if number >= self.whole.count() {
-                let mut whole = self.whole.zeros(1);
-                whole.get_mut(0)[class * own.len()..(class + 1) * own.len()].copy_from_slice(own);
-                self.whole.append(whole);
-            }
-        }
+        let known = self.whole.count();
+        self.whole(self.vectors()).iter().skip(known).for_each(|vector| self.whole.push(vector));
         &self.whole
     }
 }

@@ -2,10 +2,9 @@
 //!
 //! In exact arithmetic S⁻¹M q_j has a part along the last two vectors alone, and only rounding brings back the others. So a vector is made
 //! orthogonal to those two and to its own block at once, and to all earlier vectors when the block is full, by products of dense
-//! matrices: twice, which is enough (L. Giraud, J. Langou & M. Rozložník, The loss of orthogonality in the Gram–Schmidt orthogonalization
-//! process, Comput. Math. Appl. 50, 2005). What it had along earlier vectors is in the basis already, so that nothing is lost with it, as
-//! long as it is small (H. D. Simon, The Lanczos algorithm with partial reorthogonalization, Math. Comput. 42, 1984). (Images S q by
-//! the same recurrence grow out of all bounds: zero is no eigenvalue.)
+//! matrices. What it had along earlier vectors is in the basis already, so that nothing is lost with it, as long as it is small
+//! (H. D. Simon, The Lanczos algorithm with partial reorthogonalization, Math. Comput. 42, 1984). Then once is enough, too: what is left
+//! of small parts is rounding. (Images S q by the same recurrence grow out of all bounds: zero is no eigenvalue.)
 
 use super::columns::Columns;
 use super::linear::{LinearBody, Operator, Properties};
@@ -159,14 +158,9 @@ impl Lanczos {
         self.accept(growing, basis, vector)
     }
 
-    /// Adds vectors that are orthonormal but for a small part: once more orthogonal to all others, and among themselves.
+    /// Adds vectors that are orthogonal to all others, and orthonormal among themselves but for a small part, which is taken away.
     fn accept(&mut self, growing: &Growing, basis: &mut Columns, mut block: Columns) -> Result<()> {
-        let momenta = growing.momenta(&block)?;
-        let parts = basis.products(&momenta);
-        let mut gram = block.products(&momenta);
-        // By Pythagoras' theorem.
-        gram.gemm_tr(-1.0, &parts, &parts, 1.0);
-        block.subtract(basis, &parts);
+        let gram = block.products(&growing.momenta(&block)?);
         // Near one, so that it has a factor.
         if let Some(factor) = gram.cholesky() {
             block.divide_by_triangle(&factor.unpack());

@@ -35,6 +35,7 @@ mod relaxing_classes;
 mod relaxing_directions;
 mod relaxing_modes;
 mod response;
+mod row_blocks;
 mod runs;
 mod secular_eigen;
 mod shapes;

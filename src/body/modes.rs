@@ -9,6 +9,7 @@ use super::real_parts::real_parts;
 use super::relaxing_classes::relaxing;
 use super::relaxing_directions::amplitudes;
 use super::relaxing_modes::{Relaxing, at_rest_beyond};
+use super::row_blocks::RowBlocks;
 use super::shapes::{Forms, Shapes};
 use super::short_waves::ShortWaves;
 use super::{FoundationPoints, Projection};
@@ -356,7 +357,7 @@ impl Spectrum {
             ModalFoundation { points, inputs }
         });
         let forms = Forms {
-            support: self.support.select_columns(&moving),
+            support: RowBlocks::new(&self.support, &moving),
             support_load: of_moving(&self.support_load),
             support_offset: self.support_offset,
             load: of_moving(&self.load),

@@ -3,6 +3,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::relaxing_modes::RelaxingForms;
+use super::row_blocks::RowBlocks;
 
 /// A body's coordinates y on its basis, from those of its modes: with x of the vibrations, ∫∫F of the free motions, and F,
 ///
@@ -27,7 +28,7 @@ pub(crate) struct Forms {
     /// ω, rad/s; not zero, so that one may divide by it.
     pub frequencies: DVector<f64>,
     /// A factor F of K = FᵀF of the supports, with as many rows as it has independent springs.
-    pub support: DMatrix<f64>,
+    pub support: RowBlocks,
     /// ∫ k ū of the supports.
     pub support_load: DVector<f64>,
     /// ½ ∫ k ū·ū, J.
@@ -73,7 +74,7 @@ impl Forms {
         Self {
             squares: empty.clone(),
             frequencies: empty.clone(),
-            support: DMatrix::zeros(0, 0),
+            support: RowBlocks::default(),
             support_load: empty.clone(),
             support_offset: 0.0,
             load: empty,

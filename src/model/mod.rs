@@ -122,11 +122,11 @@ impl Model {
     /// The model of a reduced body. Collective.
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
         let Fitted { reduced, unknowns, words, evaluator, measures, error: cells, .. } = fitted;
-        let Reduced { projection, judge, of_difference, mut krylov, error, modal, modal_of_judge, .. } = reduced;
+        let Reduced { projection, judge, of_difference, krylov, error, modal, modal_of_judge, .. } = reduced;
         let vectors = projection.vectors();
         let gauges = match (vectors, scene.output.is_read()) {
             (0, _) | (_, false) => None,
-            _ => Some(Gauges::new(comm, scene, evaluator, unknowns, Some(krylov.basis().whole(vectors)))?),
+            _ => Some(Gauges::new(comm, scene, evaluator, unknowns, Some(krylov.whole(vectors)))?),
         };
         let dynamics = if scene.time.modal {
             Dynamics::Modal(modal.unwrap_or_else(|| ModalBody::of(&projection)))

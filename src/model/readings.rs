@@ -8,7 +8,9 @@ use crate::agree::agree;
 use crate::error::Result;
 use crate::impact::{ProbeForms, Readout};
 use crate::scene::{Fault, Scene};
-use crate::space::evaluate::{ContactSize, Evaluator, FaceStresses, FieldSampler, Form, Forms, LocalPoint, Map};
+use crate::space::evaluate::{
+    ContactSize, Evaluator, FaceStresses, FieldSampler, Form, Forms, LocalPoint, Map, renumbered,
+};
 
 /// What is to be read at each step, and how fields come of it.
 pub struct Gauges {
@@ -86,11 +88,6 @@ fn forms(
 
 /// The coordinates that some forms need, ascending, and the forms on these.
 fn on_their_own(mut forms: Vec<Form>) -> (Vec<Int>, Map) {
-    let mut needed: Vec<usize> = forms.iter().flatten().map(|(unknown, _)| *unknown).collect();
-    needed.sort_unstable();
-    needed.dedup();
-    for (unknown, _) in forms.iter_mut().flatten() {
-        *unknown = needed.partition_point(|before| before < unknown);
-    }
+    let needed = renumbered(&mut forms);
     (needed.into_iter().map(|unknown| unknown as Int).collect(), Map::new(forms.into_iter(), None))
 }

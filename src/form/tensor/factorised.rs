@@ -71,7 +71,8 @@ impl Band {
         let diagonal = |start: usize| {
             // Diagonals from the lower left to the upper right.
             let (row, column) = (rows.saturating_sub(1 + start), (start + 1).saturating_sub(rows));
-            let all: Vec<f64> = (0..(rows - row).min(columns - column)).map(|k| matrix[(row + k, column + k)]).collect();
+            let all: Vec<f64> =
+                (0..(rows - row).min(columns - column)).map(|k| matrix[(row + k, column + k)]).collect();
             let begin = all.iter().position(|value| *value != 0.0)?;
             let end = all.iter().rposition(|value| *value != 0.0)?;
             let values = all[begin..=end].to_vec();
@@ -151,8 +152,9 @@ impl SumFactorised {
     /// Multiplications for a product with one column.
     pub fn multiplications(&self) -> usize {
         let of_first = |one: &AlongFirst| one.band.entries() * self.fields[one.field].functions[1];
-        let of_second =
-            |one: &AlongSecond| (one.band.entries() + one.terms.len() * one.band.rows) * self.fields[one.field].functions[0];
+        let of_second = |one: &AlongSecond| {
+            (one.band.entries() + one.terms.len() * one.band.rows) * self.fields[one.field].functions[0]
+        };
         self.first.iter().map(of_first).sum::<usize>() + self.second.iter().map(of_second).sum::<usize>()
     }
 

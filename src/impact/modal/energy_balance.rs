@@ -57,7 +57,7 @@ impl EnergyBalance {
         (force, contact, absent): (f64, f64, f64),
     ) -> Energy {
         let forms = &modes.forms;
-        let of_support = 0.5 * (&forms.support * x).norm_squared();
+        let of_support = 0.5 * forms.support.squared_norm_of_product(x);
         let support = of_support - forms.support_load.dot(x) + forms.support_offset - absent;
         let bent = match &forms.relaxing {
             None => 0.5 * forms.squares.iter().zip(x).map(|(square, x)| square * x * x).sum::<f64>(),

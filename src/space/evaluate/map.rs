@@ -17,16 +17,16 @@ impl Map {
         match basis {
             None => Self::Sparse(forms.collect()),
             Some(basis) => {
-                let (count, unknowns) = (basis.len(), basis.first().map_or(0, Vec::len));
+                let count = basis.len();
+                let mut forms: Vec<Form> = forms.collect();
+                let needed = renumbered(&mut forms);
                 // Unknown by unknown, so that a form adds up rows.
                 let by_unknown: Vec<f64> =
-                    (0..unknowns).flat_map(|unknown| basis.iter().map(move |vector| vector[unknown])).collect();
-                let mut coefficients = Vec::new();
-                for form in forms {
-                    let row = coefficients.len();
-                    coefficients.resize(row + count, 0.0);
+                    needed.iter().flat_map(|&unknown| basis.iter().map(move |vector| vector[unknown])).collect();
+                let mut coefficients = vec![0.0; forms.len() * count];
+                for (form, row) in forms.iter().zip(coefficients.chunks_exact_mut(count.max(1))) {
                     // Compiled for the vectors of each kind of processor.
-                    pulp::Arch::new().dispatch(|| add(&form, &by_unknown, &mut coefficients[row..]));
+                    pulp::Arch::new().dispatch(|| add(form, &by_unknown, row));
                 }
                 Self::Dense(count, coefficients)
             }
@@ -58,6 +58,17 @@ impl Map {
                 .collect(),
         }
     }
+}
+
+/// The unknowns that some forms need, ascending, and the forms on these.
+pub fn renumbered(forms: &mut [Form]) -> Vec<usize> {
+    let mut needed: Vec<usize> = forms.iter().flatten().map(|(unknown, _)| *unknown).collect();
+    needed.sort_unstable();
+    needed.dedup();
+    for (unknown, _) in forms.iter_mut().flatten() {
+        *unknown = needed.partition_point(|before| before < unknown);
+    }
+    needed
 }
 
 /// Adds the rows of a form's unknowns, times its values.

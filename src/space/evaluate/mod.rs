@@ -14,7 +14,7 @@ mod tension_map;
 pub use faces::{Face, FaceGrid, FaceStresses, FaceTension};
 pub use grid::Grid;
 pub use line_stress::{AtPlace, FaceLines, LinePart, LineStresses, Lines};
-pub use map::Map;
+pub use map::{Map, renumbered};
 pub use near::{ContactNow, ContactSize, ErrorOfMean, Hit, HitBody, LocalPoint, NearHit};
 pub use sampler::{FieldSampler, Fields};
 pub use search::{Coordinates, Searched, TensionSearch};

@@ -1,0 +1,58 @@
+//! A matrix whose rows have entries in few sets of columns, as those of classes of motions that do not couple.
+
+use nalgebra::{DMatrix, DVector};
+
+/// A matrix by blocks of rows that have entries in the same columns.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RowBlocks(Vec<RowBlock>);
+
+#[derive(Debug, Clone, PartialEq)]
+struct RowBlock {
+    columns: Vec<usize>,
+    /// The rows, in these columns.
+    rows: DMatrix<f64>,
+}
+
+impl RowBlocks {
+    /// Of a matrix, of some of its columns.
+    pub fn new(matrix: &DMatrix<f64>, chosen: &[usize]) -> Self {
+        let mut blocks: Vec<(Vec<usize>, Vec<usize>)> = Vec::new();
+        for (number, row) in matrix.row_iter().enumerate() {
+            let columns: Vec<usize> = (0..chosen.len()).filter(|place| row[chosen[*place]] != 0.0).collect();
+            match blocks.iter_mut().find(|(of, _)| *of == columns) {
+                Some((_, rows)) => rows.push(number),
+                None => blocks.push((columns, vec![number])),
+            }
+        }
+        let block = |(columns, rows): (Vec<usize>, Vec<usize>)| {
+            let rows = DMatrix::from_fn(rows.len(), columns.len(), |i, j| matrix[(rows[i], chosen[columns[j]])]);
+            RowBlock { columns, rows }
+        };
+        Self(blocks.into_iter().map(block).collect())
+    }
+
+    /// |A x|².
+    pub fn squared_norm_of_product(&self, x: &DVector<f64>) -> f64 {
+        self.0.iter().map(|block| (&block.rows * x.select_rows(&block.columns)).norm_squared()).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of two sets of columns and one without entries, of all columns and of some.
+    #[test]
+    fn norms_of_products_are_those_of_the_whole_matrix() {
+        let entry = |i: usize, j: usize| if i % 3 == 2 || i % 2 != j % 2 { 0.0 } else { (3 * i + 5 * j) as f64 - 11.0 };
+        let matrix = DMatrix::from_fn(7, 6, entry);
+        for chosen in [vec![0, 1, 2, 3, 4, 5], vec![5, 0, 2], vec![]] {
+            let blocks = RowBlocks::new(&matrix, &chosen);
+            assert!(blocks.0.len() <= 3);
+            let x = DVector::from_fn(chosen.len(), |i, _| i as f64 - 1.5);
+            let exact = (matrix.select_columns(&chosen) * &x).norm_squared();
+            // Sums of a few integers and halves.
+            assert_eq!(blocks.squared_norm_of_product(&x), exact);
+        }
+    }
+}
