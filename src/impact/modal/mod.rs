@@ -208,29 +208,32 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let guess = self.guess();
         let coarse = Steps { largest, defect: Some(defect(largest, guess)), peak: guess };
         let mut coarse = self.once(coarse, false, observer)?;
-        // Whether the coarser run is one that may be taken: the first is no more than a measure.
-        let mut may_be_taken = false;
+        // The first run is no more than a measure. A later one counts as soon as a finer one shows that its steps are short enough: twice the step
+        // may be too long for the order of convergence.
+        let mut may_count = false;
         for _ in 0..REFINEMENTS {
             largest *= 0.5;
             let peak = coarse.trace.peak();
             let peak = if peak > 0.0 { peak } else { guess };
             let fine = Steps { largest, defect: Some(defect(largest, peak)), peak: 1.1 * peak };
-            let fine = self.once(fine, observed, observer)?;
+            let mut fine = self.once(fine, observed && !may_count, observer)?;
             let difference = fine.trace.difference(&coarse.trace);
-            // Twice the step may be too long for the order of convergence. Then half of it shows that the step was short enough.
-            if may_be_taken {
+            if may_count && !observer.is_interrupted() {
                 let error = errors(difference, OF_FORCE_BY_HALVES, OF_TENSION_BY_HALVES);
-                if error.of(self.measure) <= self.tolerance && !observer.is_interrupted() {
+                if error.of(self.measure) <= self.tolerance {
                     self.count_errors(error);
                     return Ok(coarse);
                 }
+            }
+            if observed && may_count {
+                fine = self.once(fine.sizes, true, observer)?;
             }
             let error = errors(difference, OF_FORCE, OF_TENSION);
             self.count_errors(error);
             if error.of(self.measure) <= self.tolerance || observer.is_interrupted() {
                 return Ok(fine);
             }
-            (coarse, may_be_taken) = (fine, true);
+            (coarse, may_count) = (fine, true);
         }
         Err(Error::Solve(format!(
             "steps below {largest:.1e} s do not bring the error under accuracy.tolerance = {:e}",
