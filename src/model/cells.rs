@@ -13,9 +13,9 @@ use super::theory::{Built, Operators, build, cells_of_plate};
 use super::watch::{Stage, Watch};
 use crate::body::{DirectSum, ModalBody, Projection};
 use crate::error::{Error, Result};
-use crate::impact::{Errors, ModalImpact, Trace, joined};
+use crate::impact::{Errors, ModalImpact, OF_STEPS, Trace, joined, rest};
 use crate::mesh::Measures;
-use crate::scene::{Model, Scene};
+use crate::scene::{Measure, Model, Scene};
 use crate::space::evaluate::Evaluator;
 use crate::space::plate::crossing;
 
@@ -51,7 +51,7 @@ const OF_TENSION_ACROSS: f64 = 0.8;
 /// shear waves cross the thickness. With the pressure on a disc half as wide the tension near its peak changed by 1.3 to 2 times that.
 const OF_CROSSING: f64 = 2.5;
 
-/// Part of the tolerance that the estimate may take.
+/// Part of the tolerance that the estimate may take, where steps, basis and theory leave no more.
 pub(super) const OF_CELLS: f64 = 0.6;
 
 /// An error over a difference at most: grids that are more alike than this do not judge each other.
@@ -201,7 +201,7 @@ pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators, watch: &
     if elastic_cells::serves(scene, theory) {
         return elastic_cells::fit(comm, scene, theory, built, None, watch);
     }
-    refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, watch)
+    refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, Errors::default(), watch)
 }
 
 /// The cells on which `fit` reduces a body: of layers that relax these are found without a basis of theirs, which takes longest. Collective.
@@ -214,7 +214,8 @@ pub fn cell_size(comm: &Comm, scene: &Scene, theory: Model, built: Operators, wa
     {
         return Ok(found);
     }
-    let Fitted { size, error, .. } = refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, watch)?;
+    let Fitted { size, error, .. } =
+        refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, Errors::default(), watch)?;
     Ok(CellSize { size, error: error.unwrap_or_default(), vectors: None })
 }
 
@@ -226,11 +227,19 @@ pub fn unrefined(comm: &Comm, scene: &Scene, built: Operators, watch: &dyn Watch
     fitted(comm, scene, built, (1.0, None), watch)
 }
 
-/// Reduces a body of splines, in modal coordinates, on finer cells where its own leave too much. Collective.
+/// Reduces a body of splines, in modal coordinates, on finer cells where its own leave too much; `of_theory` is the theory's estimated error,
+/// where that counts for the tolerance. Collective.
 ///
 /// # Errors
 /// Those of [`reduce`](super::reduce::reduce) and [`build`].
-pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch: &dyn Watch) -> Result<Fitted> {
+pub fn refine(
+    comm: &Comm,
+    scene: &Scene,
+    theory: Model,
+    mut fine: Fitted,
+    of_theory: Errors,
+    watch: &dyn Watch,
+) -> Result<Fitted> {
     let Some(mut cells) = fine.cells.filter(|_| scene.time.modal) else { return Ok(fine) };
     let mut coarse = match on_coarser_cells(comm, scene, theory, &fine, watch) {
         Ok(judge) => judge,
@@ -247,7 +256,7 @@ pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch
             tracing::info!(size = fine.size, unknowns = fine.unknowns, first_contact, history, stress, "cells");
             // (What finer cells do not change counts for the estimate, not for the choice of cells.)
             fine.error = Some(with_local_fields(scene, fine.evaluator.as_ref(), error));
-            let wanted = OF_CELLS * scene.tolerance;
+            let wanted = allowed(scene, fine.reduced.error.joined(of_theory));
             let over = watch.agreed(error.of(scene.measure) / wanted);
             finer = over.recip().powf(1.0 / ORDER).clamp(FINER[0], FINER[1]);
             let cost = fine.unknowns as f64 * (fine.reduced.projection.vectors() as f64).powi(2);
@@ -278,6 +287,16 @@ pub fn refine(comm: &Comm, scene: &Scene, theory: Model, mut fine: Fitted, watch
         cells = built.cells.unwrap_or(cells);
         let vectors = fine.reduced.counts();
         fine = fitted(comm, scene, built, (size, Some(vectors)), watch)?;
+    }
+}
+
+/// What cells may leave beside others' errors: their own part of the tolerance, or all that steps and these leave of it. (Of stresses the local
+/// fields leave a part, too.)
+fn allowed(scene: &Scene, others: Errors) -> f64 {
+    let own = OF_CELLS * scene.tolerance;
+    match scene.measure {
+        Measure::Acceleration => own.max(rest(rest(1.0, OF_STEPS) * scene.tolerance, others.of(scene.measure))),
+        Measure::Stress => own,
     }
 }
 

@@ -234,11 +234,15 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
         });
         compared.errors
     };
+    let of_theory = of_theory.joined(pressed(scene));
     let model = match scene.time.modal {
-        true => Model::on_basis(comm, scene, Theory::Mindlin, refine(comm, &modal, Theory::Mindlin, thick, watch)?)?,
+        true => {
+            let fitted = refine(comm, &modal, Theory::Mindlin, thick, of_theory, watch)?;
+            Model::on_basis(comm, scene, Theory::Mindlin, fitted)?
+        }
         false => Model::of(comm, scene, Theory::Mindlin, watch)?,
     };
-    Ok(Some(model.with_error(Cause::Theory, of_theory.joined(pressed(scene)))))
+    Ok(Some(model.with_error(Cause::Theory, of_theory)))
 }
 
 /// Mindlin's plate beside Kirchhoff's.

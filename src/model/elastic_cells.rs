@@ -99,7 +99,7 @@ pub(super) fn fit(
     watch: &dyn Watch,
 ) -> Result<Fitted> {
     let Some(found) = found(comm, scene, theory, &built, vectors, watch)? else {
-        return refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, watch);
+        return refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, Errors::default(), watch);
     };
     let served = found.first_vectors(&built, scene);
     if found.size < 1.0 {
@@ -179,7 +179,7 @@ fn found(
         size *= FINER[1];
     }
     // Too far to tell by one difference.
-    let Fitted { size, error, reduced, .. } = refine(comm, &elastic, theory, fine, watch)?;
+    let Fitted { size, error, reduced, .. } = refine(comm, &elastic, theory, fine, Errors::default(), watch)?;
     let vectors = watch.agreed(self::vectors(&reduced, scene) as f64) as usize;
     Ok(error.map(|error| Found { size, error, vectors }))
 }

@@ -95,7 +95,12 @@ pub(super) fn layered(
             };
             unrefined(comm, &left, operators, watch)?
         };
-        Model::on_basis(comm, scene, Theory::Layerwise, refine(comm, &left, Theory::Layerwise, coarse, watch)?)?
+        Model::on_basis(
+            comm,
+            scene,
+            Theory::Layerwise,
+            refine(comm, &left, Theory::Layerwise, coarse, Errors::default(), watch)?,
+        )?
     } else {
         Model::of(comm, &left, Theory::Layerwise, watch)?
     };
