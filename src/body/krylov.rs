@@ -69,7 +69,7 @@ impl Krylov {
     /// # Errors
     /// PETSc's.
     pub fn new(body: &dyn LinearBody, start: impl Into<Start>) -> Result<Self> {
-        let Start { shift, leaves_short_waves, in_blocks } = start.into();
+        let Start { shift, end, leaves_short_waves, in_blocks } = start.into();
         let properties = body.properties()?;
         let Properties { layout, held, equilibrium: rest, pushed, load, support_load, .. } = &properties;
         let is_damped = body.has(Operator::Damping);
@@ -87,7 +87,7 @@ impl Krylov {
         let may_recur = in_blocks && !is_damped && body.chains().is_empty() && is_alone && rest.is_none();
         // What single precision leaves of rounding is orthogonal to all vectors in the end, and small against a tolerance that allows blocks.
         let precision = if may_recur { Precision::Single } else { Precision::Double };
-        let shifts = Shift::all(body, shift, precision)?;
+        let shifts = Shift::all(body, (shift, end), precision)?;
         let source = |number| Source::new(starts.range(number..number + 1), shifts.len());
         let sources: Vec<Source> = (0..starts.count()).map(source).collect();
         if sources[0].is_exhausted() {

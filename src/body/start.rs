@@ -5,6 +5,8 @@
 pub struct Start {
     /// s, 1/s.
     pub shift: f64,
+    /// How long the run is, s.
+    pub end: f64,
     /// Whether the basis of a plate is to know its long waves alone, where that serves ([`InfinitePlate`](super::InfinitePlate)).
     pub leaves_short_waves: bool,
     /// Whether vectors may be made orthogonal in blocks, by Lanczos' recurrence, where the body is small and elastic: quicker for long bases,
@@ -13,8 +15,8 @@ pub struct Start {
 }
 
 impl From<f64> for Start {
-    /// At a rate (1/s), for waves of all lengths, vector by vector.
+    /// At a rate (1/s), for a run of any length and waves of all lengths, vector by vector.
     fn from(shift: f64) -> Self {
-        Self { shift, leaves_short_waves: false, in_blocks: false }
+        Self { shift, end: f64::INFINITY, leaves_short_waves: false, in_blocks: false }
     }
 }

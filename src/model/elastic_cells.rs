@@ -65,7 +65,7 @@ impl Found {
     /// Numbers of vectors of the body that relaxes with which its basis begins.
     fn first_vectors(&self, built: &Operators, scene: &Scene) -> [usize; 2] {
         // A first guess too: a body whose shapes change while it relaxes needs more vectors.
-        let is_at_one_rate = rates(&built.body.linear().chains(), rate(scene)).len() == 1;
+        let is_at_one_rate = rates(&built.body.linear().chains(), rate(scene), scene.time.end).len() == 1;
         let fewer = if is_at_one_rate { self.vectors } else { larger(self.vectors) };
         [fewer, larger(fewer)]
     }

@@ -255,7 +255,8 @@ pub(super) struct Plan {
 impl Plan {
     /// That of a scene's body: by the rule of thumb, or, where a plate's contact has many modes, by the number of these.
     pub(super) fn new(body: &dyn LinearBody, scene: &Scene) -> Self {
-        let short = Self { start: Start::from(rate(scene)), first: FIRST };
+        let end = scene.time.end;
+        let short = Self { start: Start { end, ..Start::from(rate(scene)) }, first: FIRST };
         // (What relaxes knows no waves that go off either.)
         let is_bound = body.is_on_foundations() || !body.chains().is_empty();
         let plate = body.infinite_plate().filter(|_| !is_bound);
@@ -265,7 +266,7 @@ impl Plan {
         };
         // The first one judges the second.
         let in_blocks = scene.tolerance >= IN_BLOCKS;
-        let start = Start { shift: OF_CUTOFF * frequency, leaves_short_waves: true, in_blocks };
+        let start = Start { shift: OF_CUTOFF * frequency, end, leaves_short_waves: true, in_blocks };
         Self { start, first: (vectors as f64 / 1.5).ceil() as usize }
     }
 }

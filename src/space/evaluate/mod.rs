@@ -66,6 +66,11 @@ pub trait PointEvaluator {
     /// The stresses along the face at one of its points, m; an unknown may come more than once.
     fn face_stress(&self, x: Vec3) -> [Form; 6];
 
+    /// All stresses at a point of a face, m; an unknown may come more than once.
+    fn whole_stress(&self, x: Vec3) -> [Form; 6] {
+        self.at(x).stress
+    }
+
     /// The stresses along the face at a height (m, along the axis across it) at the crossings of lines along its axes, ascending. `None` where
     /// they are read point by point.
     fn face_lines(&self, _lines: [&[f64]; 2], _height: f64) -> Option<FaceLines> {
@@ -171,7 +176,7 @@ impl Evaluator {
                     points.bends_alone(),
                     |x, reading| match &on_lines {
                         _ if reading.is_smoothed => self.stress(points.as_ref(), x),
-                        None if reading.is_whole => points.at(x).stress,
+                        None if reading.is_whole => points.whole_stress(x),
                         None => points.face_stress(x),
                         Some(_) => Default::default(),
                     },

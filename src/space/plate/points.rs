@@ -339,6 +339,22 @@ impl PointEvaluator for Points {
         stress
     }
 
+    fn whole_stress(&self, x: Vec3) -> [Form; 6] {
+        let mut stress = self.face_stress(x);
+        let PlateGeometry { axes, normal, sign, .. } = self.geometry;
+        let (point, height) = self.seen(x);
+        if let Some((across, turned)) = self.law(height).across {
+            for (i, axis) in axes.into_iter().enumerate() {
+                let mut along = [0, 0];
+                along[i] = 1;
+                for part in [deflection(along), layerwise::rotation(turned, i, [0, 0])] {
+                    stress[place(axis, normal)].extend(self.form(part, point, sign * across));
+                }
+            }
+        }
+        stress
+    }
+
     fn face_lines(&self, lines: [&[f64]; 2], height: f64) -> Option<FaceLines> {
         // Layers have more faces than the two.
         self.laminate.is_none().then(|| self.stress_on_lines(lines, height))

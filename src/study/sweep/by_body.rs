@@ -112,7 +112,7 @@ fn rates_of(scene: &Scene) -> Vec<u32> {
         return Vec::new();
     }
     let first = rate(&shared(scene.clone()));
-    let all = rates(&chains.iter().collect::<Vec<_>>(), first);
+    let all = rates(&chains.iter().collect::<Vec<_>>(), first, scene.time.end);
     all.into_iter().map(|rate| (100.0 * rate / first).round() as u32).collect()
 }
 
