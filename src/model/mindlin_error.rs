@@ -62,12 +62,19 @@ fn sections(scene: &Scene) -> f64 {
     // (Springs hold a ply on a soft layer more than the modulus of the struck layer tells. Laminates were not measured.)
     let is_uniform = scene.body.composition.uniform().is_some();
     let free = if is_uniform { FREE_SECTIONS } else { FREE_SECTIONS_OF_LAYERS };
-    let (Geometry::Box { size, .. }, Some(struck)) = (&scene.body.geometry, scene.struck_axis()) else {
-        return free;
-    };
     if scene.supports.iter().any(|support| is_clamp_of_sections(support, scene)) {
         return HELD_SECTIONS;
     }
+    match spring_over_section(scene) {
+        part if is_uniform && part <= RIGID => free + (SPRUNG_SECTIONS - free) * (part / STIFF).min(1.0),
+        part if !is_uniform && part <= STIFF_FOR_LAYERS => free,
+        _ => HELD_SECTIONS,
+    }
+}
+
+/// k h/E of the springs along a plate; 0 of other bodies.
+fn spring_over_section(scene: &Scene) -> f64 {
+    let (Geometry::Box { size, .. }, Some(struck)) = (&scene.body.geometry, scene.struck_axis()) else { return 0.0 };
     // Several springs may act on one edge: together they hold no more than their sum.
     let springs = scene.supports.iter().filter_map(|support| match support.kind {
         SupportKind::Elastic { stiffness } => Some(stiffness),
@@ -76,11 +83,12 @@ fn sections(scene: &Scene) -> f64 {
     let along: f64 = springs
         .map(|stiffness| (0..3).filter(|axis| *axis != struck).map(|axis| stiffness[axis]).fold(0.0, f64::max))
         .sum();
-    match along * size[struck] / scene.body.struck().young {
-        part if is_uniform && part <= RIGID => free + (SPRUNG_SECTIONS - free) * (part / STIFF).min(1.0),
-        part if !is_uniform && part <= STIFF_FOR_LAYERS => free,
-        _ => HELD_SECTIONS,
-    }
+    along * size[struck] / scene.body.struck().young
+}
+
+/// Whether springs along a plate keep the sections of an edge from warping.
+pub(super) fn springs_hold_sections(scene: &Scene) -> bool {
+    spring_over_section(scene) >= STIFF
 }
 
 /// Whether a support clamps displacements along the plate.

@@ -57,7 +57,7 @@ const OF_TENSION_BY_HALVES: f64 = 4.0 / 3.0;
 const REFINEMENTS: usize = 14;
 
 /// Part of the tolerance that the steps may take.
-const OF_STEPS: f64 = 0.3;
+pub const OF_STEPS: f64 = 0.3;
 
 /// Steps between two questions whether to go on.
 const ASK_EVERY: usize = 1024;

@@ -15,7 +15,7 @@ mod square;
 mod theory;
 mod waves;
 
-pub use cells::crossing;
+pub use cells::{FEWEST_AT_HELD_SECTIONS, crossing};
 pub(super) use cells::{contact_time, wavelength};
 pub use laminate::{Laminate, OF_CONTACT, contact_wavelength, mismatch};
 pub use points::Points;
@@ -48,6 +48,8 @@ pub struct Settings {
     pub cell_size_factor: f64,
     /// Size of the largest cells over that.
     pub largest_cell_factor: f64,
+    /// The fewest cells along an edge of the modelled part, of the default size.
+    pub fewest_cells: f64,
     /// κ of Mindlin's theory; left out, 5/(6 − ν).
     pub shear_factor: Option<f64>,
     /// Radius of Mindlin's disc over the thickness, where it has room.
@@ -86,6 +88,7 @@ impl Default for Settings {
         Self {
             cell_size_factor: 1.0,
             largest_cell_factor: 1.0,
+            fewest_cells: cells::FEWEST,
             shear_factor: None,
             disc: 2.0,
             disc_radius: None,
@@ -251,12 +254,16 @@ impl Plate {
             vector
         };
         let of_classes = |matrix: CsrMatrix<f64>| repeated(matrix, classes);
+        let exchange = square::exchange(&points);
         let mut factorised = Vec::new();
         let mut of_forms = |operator: Operator, forms: &[Square<2>]| {
             let matrix = points.tensor.matrix(forms);
-            let along_axes = points.tensor.factorised(forms);
-            if along_axes.multiplications() < matrix.nnz() / LEAST_SAVING {
-                factorised.push((operator, Rc::new(along_axes)));
+            // (The half of the unknowns of a square that is symmetric about its diagonal has no such axes.)
+            if exchange.is_none() {
+                let along_axes = points.tensor.factorised(forms);
+                if along_axes.multiplications() < matrix.nnz() / LEAST_SAVING {
+                    factorised.push((operator, Rc::new(along_axes)));
+                }
             }
             of_classes(matrix)
         };
@@ -287,7 +294,7 @@ impl Plate {
             hit_stress: Vec::new(),
             hit_local: [0.0; 3],
             infinite_plate: waves::of_points(&points),
-            exchange: square::exchange(&points),
+            exchange,
             factorised,
             translation: even(points.tensor.one(DEFLECTION)),
             copies,
