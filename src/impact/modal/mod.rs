@@ -212,7 +212,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             let peak = if peak > 0.0 { peak } else { guess };
             let fine = Steps { largest, defect: Some(defect(largest, peak)), peak: 1.1 * peak };
             let fine = self.once(fine, observed, observer)?;
-            let difference = fine.trace.difference(&coarse.trace);
+            let difference = fine.trace.difference_at_steps(&coarse.trace);
             let error = Errors { stress: OF_TENSION * difference.stress, ..OF_FORCE * difference };
             self.count.error = Some(error.history);
             self.count.stress_error = Some(error.stress).filter(|error| !error.is_nan());
