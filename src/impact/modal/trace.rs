@@ -147,6 +147,25 @@ impl Cursor {
 mod tests {
     use super::*;
 
+    /// Longer steps that are right where their law is met have no error, however far their quadratics are off between.
+    #[test]
+    fn longer_steps_are_judged_where_they_meet_the_law() {
+        let sampled = |step: f64| {
+            let mut trace = Trace::default();
+            for i in 0..(2.0 / step).round() as i32 {
+                let begin = step * f64::from(i);
+                trace.push(begin, step, [0.0, 0.5, 1.0].map(|part| (begin + part * step).sin()));
+            }
+            trace
+        };
+        let (shorter, longer) = (sampled(0.2), sampled(0.4));
+        let at_steps = shorter.difference_at_steps(&longer);
+        assert!(at_steps.history < 1e-15 && at_steps.first_contact < 1e-15, "{at_steps:?}");
+        // The cubic term of a sine that a quadratic lacks: h³/(72 √3) at most, with h = 0.4, and 0.4³/384·3 at a quarter.
+        let everywhere = shorter.difference(&longer).history;
+        assert!(everywhere > 1e-4 && everywhere < 0.4_f64.powi(3) / 72.0, "{everywhere}");
+    }
+
     /// A cursor finds what a search in the whole trace finds, at times in any order.
     #[test]
     fn cursors_read_as_searches_do() {
