@@ -89,6 +89,17 @@ impl Errors {
         }
     }
 
+    /// The smaller of each; a stress that is not estimated stays so.
+    #[must_use]
+    pub fn min(self, other: Self) -> Self {
+        let stress = if self.stress.is_nan() { self.stress } else { self.stress.min(other.stress) };
+        Self {
+            first_contact: self.first_contact.min(other.first_contact),
+            history: self.history.min(other.history),
+            stress,
+        }
+    }
+
     /// The larger of each.
     #[must_use]
     pub fn max(self, other: Self) -> Self {

@@ -31,17 +31,23 @@ const ORDER_OF_SOLIDS: f64 = 2.0;
 const FEW_OF_SOLIDS: usize = 6;
 
 /// Order of grids with few cells, for each cell along the axis that has the fewest: they are too coarse for their own order. With three cells
-/// along a quarter of a plate the error was measured to be up to 1.5 times the difference from two. An estimate.
-const ORDER_PER_CELL: f64 = 0.625;
+/// along a quarter of a plate the error was measured to be up to 1.6 times the difference from two. An estimate.
+const ORDER_PER_CELL: f64 = 0.58;
 
 /// Order where a clamp holds the sections of an edge: stresses have no limit there. An estimate.
 const ORDER_AT_CLAMPS: f64 = 1.25;
 
 /// Cells at the hit over the radius of Mindlin's disc up to which they carry its pressure, and the order of the error there however few
-/// cells there are. Below 0.7, with two and three cells, the error of the force was measured to be 0.08 to 0.27 of the difference, which
-/// are orders of 3.8 and more; above 0.8 it was up to 1.8. The order is fitted: with 3 it left two of sixty estimates at their errors.
+/// cells there are. With two and three cells the error of the force was measured to be 0.08 to 0.2 of the difference, which are orders of 4.5 and more.
 const RESOLVED: f64 = 0.7;
-const ORDER_OF_RESOLVED: f64 = 2.7;
+const ORDER_OF_RESOLVED: f64 = 3.5;
+
+/// The same ratio of the coarser cells where their first line is near the disc's edge, so that their own error is small by chance, while the finer
+/// ones have no line there: the difference says little, and the error was measured to be up to 2.2 of it.
+const LINE_AT_EDGE: [f64; 2] = [0.78, 1.1];
+
+/// The least order elsewhere, however few cells there are: errors of up to 0.7 of the difference were measured, which is an order of 2.2.
+const ORDER_BESIDE_EDGE: f64 = 2.0;
 
 /// The error of a solid's tension over a difference at most where the coarser cells are fewer across the thickness, too: what these change
 /// is of a higher order. 0.2 to 0.5 were measured where the difference is large.
@@ -147,8 +153,14 @@ impl Judge {
         let is_clamped = scene.supports.iter().any(|support| is_clamp_of_sections(support, scene));
         let full = if is_solid && fewest < FEW_OF_SOLIDS { ORDER_OF_SOLIDS } else { ORDER };
         let at_edges = if is_clamped { ORDER_AT_CLAMPS } else { full };
-        let is_resolved = !is_solid && self.cell_over_disc.is_some_and(|cell| cell <= RESOLVED);
-        if is_resolved { ORDER_OF_RESOLVED } else { full.min(at_edges).min(ORDER_PER_CELL * fewest as f64) }
+        let of_few = full.min(ORDER_PER_CELL * fewest as f64);
+        let [from, to] = LINE_AT_EDGE;
+        match self.cell_over_disc.filter(|_| !is_solid) {
+            Some(cell) if cell <= RESOLVED => ORDER_OF_RESOLVED,
+            Some(cell) if cell <= from => of_few.max(ORDER_BESIDE_EDGE),
+            Some(cell) if cell > to => at_edges.min(of_few.max(ORDER_BESIDE_EDGE)),
+            _ => at_edges.min(of_few),
+        }
     }
 
     /// Scales the errors on `cells`, as compared with these coarser ones, to `finer` cells by the order of convergence.

@@ -11,8 +11,12 @@
 //! - **Short contacts.** The local field under the impactor is that of a layer at rest. Waves across the thickness make its error
 //!   grow with h/(c_s T), c_s the speed of shear waves and T the contact time on a half-space, and with its square.
 //!
+//! The first two act on slow waves and the third where the hit begins and ends, with the other sign: they are joined as the errors of different
+//! causes are.
+//!
 //! The factors were measured; docs/costs.md compares the estimate with true errors. It is an estimate, not a bound.
 
+use crate::impact::joined;
 use crate::scene::{Geometry, Scene, Support, SupportKind};
 use crate::space::plate::crossing;
 
@@ -54,7 +58,7 @@ pub fn mindlin_error_over_difference(scene: &Scene) -> f64 {
     let across = poisson / (1.0 - poisson);
     let [linear, square] = SHORT_CONTACT;
     let crossing = crossing(scene);
-    sections + STRAINED_THICKNESS * across * across + (linear + square * crossing) * crossing
+    joined(sections + STRAINED_THICKNESS * across * across, (linear + square * crossing) * crossing)
 }
 
 /// The constant of the supports: clamps along the plate, or springs that are not much softer than the plate's sections.

@@ -217,7 +217,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             let peak = if peak > 0.0 { peak } else { guess };
             let fine = Steps { largest, defect: Some(defect(largest, peak)), peak: 1.1 * peak };
             let mut fine = self.once(fine, observed && !may_count, observer)?;
-            let difference = fine.trace.difference(&coarse.trace);
+            let difference = fine.trace.difference_at_steps(&coarse.trace);
             if may_count && !observer.is_interrupted() {
                 let error = errors(difference, OF_FORCE_BY_HALVES, OF_TENSION_BY_HALVES);
                 if error.of(self.measure) <= self.tolerance {

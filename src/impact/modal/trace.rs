@@ -54,9 +54,10 @@ impl Trace {
         self.end.unwrap_or(f64::INFINITY)
     }
 
-    /// Largest difference to another trace in tension up to a time, over the peak, at times at which one of them is near its own: at the
+    /// Largest difference to another trace in tension in the first contact, over the peak, at times at which one of them is near its own: at the
     /// peak of one it is at least as large as the two peaks differ. NaN where a trace has no tension.
-    fn difference_of_tension(&self, other: &Self, end: f64) -> f64 {
+    fn difference_of_tension(&self, other: &Self) -> f64 {
+        let end = self.first_end().max(other.first_end());
         let within = |trace: &Self| trace.tension.iter().filter(|(time, _)| *time <= end).copied().collect::<Vec<_>>();
         let (own, others) = (within(self), within(other));
         if own.is_empty() || others.is_empty() {
@@ -75,16 +76,25 @@ impl Trace {
 
     /// Largest difference to another trace over the peak: that in force and, up to a step's length, in time.
     pub fn difference(&self, other: &Self) -> Errors {
+        Errors {
+            stress: self.difference_of_tension(other),
+            ..self.off_at_steps_of(self, other).max(self.off_at_steps_of(other, self))
+        }
+    }
+
+    /// The same to a trace in longer steps, in force at the middles and ends of these alone: there its law is met, and between them its
+    /// quadratics are off by more.
+    pub fn difference_at_steps(&self, longer: &Self) -> Errors {
+        Errors { stress: self.difference_of_tension(longer), ..self.off_at_steps_of(longer, self) }
+    }
+
+    /// Largest difference in force between two traces over this one's peak, at the middles and ends of the first one's steps.
+    fn off_at_steps_of(&self, one: &Self, another: &Self) -> Errors {
         let peak = self.peak().max(f64::MIN_POSITIVE);
-        let end = self.first_end().max(other.first_end());
-        let mut largest = Errors::default();
-        for (one, another) in [(self, other), (other, self)] {
-            let mut there = Cursor::default();
-            let of_steps = one
-                .steps
-                .iter()
-                .flat_map(|(begin, step, [_, middle, last])| [(begin + 0.5 * step, *middle), (begin + step, *last)]);
-            for (time, force) in of_steps {
+        let end = one.first_end().max(another.first_end());
+        let (mut largest, mut there) = (Errors::default(), Cursor::default());
+        for (begin, step, [_, middle, last]) in &one.steps {
+            for (time, force) in [(begin + 0.5 * step, *middle), (begin + step, *last)] {
                 let off = (force - there.force(another, time)).abs() / peak;
                 largest.history = largest.history.max(off);
                 if time <= end {
@@ -92,7 +102,6 @@ impl Trace {
                 }
             }
         }
-        largest.stress = self.difference_of_tension(other, end);
         largest
     }
 }
@@ -137,6 +146,25 @@ impl Cursor {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Longer steps that are right where their law is met have no error, however far their quadratics are off between.
+    #[test]
+    fn longer_steps_are_judged_where_they_meet_the_law() {
+        let sampled = |step: f64| {
+            let mut trace = Trace::default();
+            for i in 0..(2.0 / step).round() as i32 {
+                let begin = step * f64::from(i);
+                trace.push(begin, step, [0.0, 0.5, 1.0].map(|part| (begin + part * step).sin()));
+            }
+            trace
+        };
+        let (shorter, longer) = (sampled(0.2), sampled(0.4));
+        let at_steps = shorter.difference_at_steps(&longer);
+        assert!(at_steps.history < 1e-15 && at_steps.first_contact < 1e-15, "{at_steps:?}");
+        // The cubic term of a sine that a quadratic lacks: h³/(72 √3) at most, with h = 0.4, and 0.4³/384·3 at a quarter.
+        let everywhere = shorter.difference(&longer).history;
+        assert!(everywhere > 1e-4 && everywhere < 0.4_f64.powi(3) / 72.0, "{everywhere}");
+    }
 
     /// A cursor finds what a search in the whole trace finds, at times in any order.
     #[test]
