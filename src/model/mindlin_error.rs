@@ -90,11 +90,6 @@ fn spring_over_section(scene: &Scene) -> f64 {
     along * size[struck] / scene.body.struck().young
 }
 
-/// Whether springs along a plate keep the sections of an edge from warping.
-pub(super) fn springs_hold_sections(scene: &Scene) -> bool {
-    spring_over_section(scene) >= STIFF
-}
-
 /// Whether a support clamps displacements along the plate.
 pub(super) fn is_clamp_of_sections(support: &Support, scene: &Scene) -> bool {
     let (SupportKind::Clamped { components }, Some(struck)) = (&support.kind, scene.struck_axis()) else {

@@ -203,8 +203,12 @@ pub fn reduce_from(
                         }
                         if given.is_none() && !relaxes && !start.leaves_short_waves && scene.time.modal {
                             let nearer = projection.leading((LAST * count as f64) as usize);
-                            let (near, _) = shared_force(comm, scene, &nearer, &mut steps, watch)?;
-                            error = error.min(OF_LAST * near.difference(&trace));
+                            match shared_force(comm, scene, &nearer, &mut steps, watch) {
+                                Ok((near, _)) => error = error.min(OF_LAST * near.difference(&trace)),
+                                Err(error @ (Error::Alone(_) | Error::Interrupted)) => return Err(error),
+                                // It may be too soft, or too stiff, for the contact law: then it tells nothing.
+                                Err(_) => {}
+                            }
                         }
                         tracing::info!(
                             vectors = count,

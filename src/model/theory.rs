@@ -13,7 +13,6 @@ use crate::space::plate::{self, Plate, PlateTheory};
 use crate::space::spline::{self, SplineSolid};
 
 use super::long_waves::LongWaves;
-use super::mindlin_error::springs_hold_sections;
 use super::reduce::MOST;
 use super::watch::{Stage, Watch};
 
@@ -205,9 +204,6 @@ fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> Result<plate
         settings.disc_radius = Some(disc);
     }
     if theory == PlateTheory::Mindlin {
-        if springs_hold_sections(scene) {
-            settings.fewest_cells = plate::FEWEST_AT_HELD_SECTIONS;
-        }
         let plate = plate::infinite_plate(scene, theory)?;
         let most = MOST * plate::classes_of_motions(scene, theory)?;
         if LongWaves::of(scene, &plate, most).is_some() {

@@ -25,11 +25,7 @@ const OF_DISC: f64 = 0.75;
 const OF_WAVE: f64 = 0.14;
 
 /// The fewest cells along an edge.
-pub(super) const FEWEST: f64 = 7.0;
-
-/// The same where supports hold the sections of an edge: the layer beside it, as wide as the thickness or two, is to be resolved. With fewer a plate of
-/// 0.5 × 0.5 × 0.02 m with k = 1e11 N/m³ was off by 9e-3 of the peak, by the difference to coarser cells, and with these by 2e-3.
-pub const FEWEST_AT_HELD_SECTIONS: f64 = 9.0;
+const LEAST: f64 = 7.0;
 
 /// The most cells along an edge: more are no small system.
 const MOST: f64 = 100.0;
@@ -46,11 +42,11 @@ pub(super) fn lines(
     disc: Option<f64>,
     settings: &Settings,
 ) -> Result<[Vec<f64>; 2], f64> {
-    let Settings { cell_size_factor, largest_cell_factor, fewest_cells, .. } = *settings;
+    let Settings { cell_size_factor, largest_cell_factor, .. } = *settings;
     let hit_in_part = geometry.hit_in_part();
     let along = |axis: usize| {
         let (edge, hit, [low, high]) = (geometry.edges[axis], hit_in_part[axis], geometry.ends(axis));
-        let largest = cell_size_factor * (largest_cell_factor * OF_WAVE * wave).min(edge / fewest_cells);
+        let largest = cell_size_factor * (largest_cell_factor * OF_WAVE * wave).min(edge / LEAST);
         // A point's deflection is off by a part of F c²/D with its cells c: a small part of the waves' length will do.
         let at_hit = disc.map_or(section.thickness.max(largest / cell_size_factor / 8.0), |radius| OF_DISC * radius);
         // Splines that are smooth across the hit resolve it half as well as those that end there.

@@ -15,7 +15,7 @@ mod square;
 mod theory;
 mod waves;
 
-pub use cells::{FEWEST_AT_HELD_SECTIONS, crossing};
+pub use cells::crossing;
 pub(super) use cells::{contact_time, wavelength};
 pub use laminate::{Laminate, OF_CONTACT, contact_wavelength, mismatch};
 pub use points::Points;
@@ -48,8 +48,6 @@ pub struct Settings {
     pub cell_size_factor: f64,
     /// Size of the largest cells over that.
     pub largest_cell_factor: f64,
-    /// The fewest cells along an edge of the modelled part, of the default size.
-    pub fewest_cells: f64,
     /// κ of Mindlin's theory; left out, 5/(6 − ν).
     pub shear_factor: Option<f64>,
     /// Radius of Mindlin's disc over the thickness, where it has room.
@@ -88,7 +86,6 @@ impl Default for Settings {
         Self {
             cell_size_factor: 1.0,
             largest_cell_factor: 1.0,
-            fewest_cells: cells::FEWEST,
             shear_factor: None,
             disc: 2.0,
             disc_radius: None,
