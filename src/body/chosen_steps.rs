@@ -10,6 +10,10 @@ const FASTER: f64 = 6.0;
 /// Modes over all of them from which on a body that relaxes takes all.
 const MOST: f64 = 0.7;
 
+/// Modes of a body that all move in chosen steps: so few lie far apart, so that steps of two lengths leave out the same ones, and their difference does not
+/// show what that changes.
+const FEW: usize = 15;
+
 impl Spectrum {
     /// The frequency up to which modes move in steps that are chosen, over that which the steps resolve: a mode that is left out as a spring
     /// has its modulus for good, so that of what relaxes only those are that are too fast for any steps.
@@ -17,10 +21,11 @@ impl Spectrum {
         if self.relaxes { FASTER } else { 1.0 }
     }
 
-    /// [`Self::count`] in steps that are chosen, which no mode makes unstable: a body that relaxes takes all of its modes where most of them take
+    /// [`Self::count`] in steps that are chosen, which no mode makes unstable: a body with few modes takes all of them, and so does one that relaxes where most of them take
     /// part. Finding modes is expensive; all of them can be used again for steps of another size.
     pub fn count_of_chosen_steps(&self, cutoff: f64, closed: &Closed) -> usize {
         let (count, all) = (self.count(cutoff, closed), self.squares.len());
-        if self.relaxes && count as f64 >= MOST * all as f64 { all } else { count }
+        let takes_all = all <= FEW || (self.relaxes && count as f64 >= MOST * all as f64);
+        if takes_all { all } else { count }
     }
 }

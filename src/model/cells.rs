@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::elastic_cells;
 use super::mindlin_error::is_clamp_of_sections;
-use super::reduce::{Plan, Reduced, grow, reduce_from, shared_force};
+use super::reduce::{OF_BASIS, Plan, Reduced, grow, reduce_from, shared_force};
 use super::theory::{Built, Operators, build, cells_of_plate};
 use super::watch::{Stage, Watch};
 use crate::body::{DirectSum, ModalBody, Projection};
@@ -157,8 +157,7 @@ impl Judge {
         let [from, to] = LINE_AT_EDGE;
         match self.cell_over_disc.filter(|_| !is_solid) {
             Some(cell) if cell <= RESOLVED => ORDER_OF_RESOLVED,
-            Some(cell) if cell <= from => of_few.max(ORDER_BESIDE_EDGE),
-            Some(cell) if cell > to => at_edges.min(of_few.max(ORDER_BESIDE_EDGE)),
+            Some(cell) if cell <= from || cell > to => at_edges.min(of_few.max(ORDER_BESIDE_EDGE)),
             _ => at_edges.min(of_few),
         }
     }
@@ -227,7 +226,7 @@ pub fn cell_size(comm: &Comm, scene: &Scene, theory: Model, built: Operators, wa
         return Ok(found);
     }
     let Fitted { size, error, .. } =
-        refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, Errors::default(), watch)?;
+        refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, of_other_bases(scene), watch)?;
     Ok(CellSize { size, error: error.unwrap_or_default(), vectors: None })
 }
 
@@ -300,6 +299,11 @@ pub fn refine(
         let vectors = fine.reduced.counts();
         fine = fitted(comm, scene, built, (size, Some(vectors)), watch)?;
     }
+}
+
+/// The error that the basis of another body on the same cells may have.
+pub(super) fn of_other_bases(scene: &Scene) -> Errors {
+    Errors::throughout(OF_BASIS * scene.tolerance)
 }
 
 /// What cells may leave beside others' errors: their own part of the tolerance, or all that steps and these leave of it. (Of stresses the local

@@ -7,7 +7,8 @@
 use petsc_wrap::Comm;
 
 use super::cells::{
-    CellSize, FINER, Fitted, OF_CELLS, ORDER, fitted, on_coarser_cells, refine, unrefined, with_local_fields,
+    CellSize, FINER, Fitted, OF_CELLS, ORDER, fitted, of_other_bases, on_coarser_cells, refine, unrefined,
+    with_local_fields,
 };
 use super::reduce::{OF_BASIS, OF_SMALLER_RELAXING, Reduced, larger, rate};
 use super::theory::{Built, Operators, build, cells_of_plate};
@@ -80,7 +81,7 @@ fn vectors(reduced: &Reduced, scene: &Scene) -> usize {
     if reduced.of_difference == 0.0 {
         return more;
     }
-    let error = OF_SMALLER_RELAXING * reduced.error.of(scene.measure) / reduced.of_difference;
+    let error = OF_SMALLER_RELAXING * reduced.difference.of(scene.measure);
     let needed = MORE * fewer as f64 * (error / (OF_BASIS * scene.tolerance)).sqrt();
     (needed.ceil() as usize).clamp(fewer, more)
 }
@@ -179,7 +180,7 @@ fn found(
         size *= FINER[1];
     }
     // Too far to tell by one difference.
-    let Fitted { size, error, reduced, .. } = refine(comm, &elastic, theory, fine, Errors::default(), watch)?;
+    let Fitted { size, error, reduced, .. } = refine(comm, &elastic, theory, fine, of_other_bases(scene), watch)?;
     let vectors = watch.agreed(self::vectors(&reduced, scene) as f64) as usize;
     Ok(error.map(|error| Found { size, error, vectors }))
 }

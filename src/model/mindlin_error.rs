@@ -31,7 +31,7 @@ const FREE_SECTIONS_OF_LAYERS: f64 = 0.005;
 const HELD_SECTIONS: f64 = 0.045;
 
 /// The constant for springs along the plate with k h up to E. Of the difference up to 0.010 was measured on plates 10 to 75 times as wide as
-/// thick, with k h/E from 0.03 to 0.9, and 0.017 on one that is 5 times as wide (tests/ranks/model/theory_error.rs has four such plates).
+/// thick, with k h/E from 0.03 to 0.9, and 0.017 on one that is 5 times as wide (tests/ranks/model/theory_error.rs has such plates).
 const SPRUNG_SECTIONS: f64 = 0.02;
 
 /// Factor of (ν/(1 − ν))²: 0.0134 of the difference was measured at ν = 0.45 in a long contact.

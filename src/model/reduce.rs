@@ -74,6 +74,8 @@ pub struct Reduced {
     pub force_of_judge: Trace,
     /// Error over the difference of the two.
     pub of_difference: f64,
+    /// That difference.
+    pub difference: Errors,
     /// The vectors of the larger one.
     pub krylov: DirectSum,
     /// Its estimated error.
@@ -168,6 +170,7 @@ pub fn reduce_from(
                     judge,
                     force_of_judge,
                     of_difference,
+                    difference: Errors::default(),
                     krylov,
                     error,
                     force,
@@ -229,6 +232,7 @@ pub fn reduce_from(
                             judge,
                             force_of_judge,
                             of_difference,
+                            difference,
                             krylov,
                             error,
                             force,
@@ -269,7 +273,8 @@ pub(super) struct Plan {
 impl Plan {
     /// That of a scene's body: by the rule of thumb, or, where a plate's contact has many modes, by the number of these.
     pub(super) fn new(body: &dyn LinearBody, scene: &Scene) -> Self {
-        let end = scene.time.end;
+        // (Another end of a run that goes on must not ask for another basis.)
+        let end = if scene.time.modal { scene.time.end } else { f64::INFINITY };
         let short = Self { start: Start { end, ..Start::from(rate(scene)) }, first: FIRST };
         // (What relaxes knows no waves that go off either.)
         let is_bound = body.is_on_foundations() || !body.chains().is_empty();

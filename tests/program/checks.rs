@@ -161,7 +161,7 @@ fn facts_for_programs() {
 
 /// A pane whose model takes much longer than the patience of `check`.
 fn a_slow_scene_is_answered_soon() {
-    let pane = results::pane();
+    let pane = results::pane().replace("tolerance = 1e-2", "tolerance = 1e-3");
     let folder = folder(&pane);
     let outcome = good(&folder, 2, "check scene.toml");
     assert!(outcome.stdout.contains("take more than a few seconds: --full makes them"), "{outcome:#?}");

@@ -209,31 +209,26 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let coarse = Steps { largest, defect: Some(defect(largest, guess)), peak: guess };
         let mut coarse = self.once(coarse, false, observer)?;
         // The first run is no more than a measure. A later one counts as soon as a finer one shows that its steps are short enough: twice the step
-        // may be too long for the order of convergence.
-        let mut may_count = false;
-        for _ in 0..REFINEMENTS {
+        // may be too long for the order of convergence. Observers see the second run, which counts as a rule, and of others only the one that does.
+        for refinement in 0..REFINEMENTS {
             largest *= 0.5;
             let peak = coarse.trace.peak();
             let peak = if peak > 0.0 { peak } else { guess };
-            let fine = Steps { largest, defect: Some(defect(largest, peak)), peak: 1.1 * peak };
-            let mut fine = self.once(fine, observed && !may_count, observer)?;
+            let steps = Steps { largest, defect: Some(defect(largest, peak)), peak: 1.1 * peak };
+            let fine = self.once(steps, observed && refinement == 0, observer)?;
             let difference = fine.trace.difference_at_steps(&coarse.trace);
-            if may_count && !observer.is_interrupted() {
-                let error = errors(difference, OF_FORCE_BY_HALVES, OF_TENSION_BY_HALVES);
-                if error.of(self.measure) <= self.tolerance {
-                    self.count_errors(error);
-                    return Ok(coarse);
-                }
+            let by_halves = errors(difference, OF_FORCE_BY_HALVES, OF_TENSION_BY_HALVES);
+            let by_doubles = errors(difference, OF_FORCE, OF_TENSION);
+            let is_met = |error: &Errors| error.of(self.measure) <= self.tolerance;
+            if refinement > 0 && is_met(&by_halves) && !observer.is_interrupted() {
+                self.count_errors(by_halves);
+                return if observed && refinement > 1 { self.once(coarse.sizes, true, observer) } else { Ok(coarse) };
             }
-            if observed && may_count {
-                fine = self.once(fine.sizes, true, observer)?;
+            if is_met(&by_doubles) || observer.is_interrupted() {
+                self.count_errors(by_doubles);
+                return if observed && refinement > 0 { self.once(fine.sizes, true, observer) } else { Ok(fine) };
             }
-            let error = errors(difference, OF_FORCE, OF_TENSION);
-            self.count_errors(error);
-            if error.of(self.measure) <= self.tolerance || observer.is_interrupted() {
-                return Ok(fine);
-            }
-            (coarse, may_count) = (fine, true);
+            coarse = fine;
         }
         Err(Error::Solve(format!(
             "steps below {largest:.1e} s do not bring the error under accuracy.tolerance = {:e}",

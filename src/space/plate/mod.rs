@@ -98,6 +98,9 @@ impl Default for Settings {
 /// than the cache takes about as long as one of these.
 const LEAST_SAVING: usize = 2;
 
+/// Entries of a matrix that is larger than the cache.
+const LARGE: usize = 100_000;
+
 /// Radius of Mindlin's disc over the thickness, at least.
 const LEAST_DISC: f64 = 0.5;
 
@@ -255,8 +258,8 @@ impl Plate {
         let mut factorised = Vec::new();
         let mut of_forms = |operator: Operator, forms: &[Square<2>]| {
             let matrix = points.tensor.matrix(forms);
-            // (The half of the unknowns of a square that is symmetric about its diagonal has no such axes.)
-            if exchange.is_none() {
+            // (The half of the unknowns of a square that is symmetric about its diagonal has no such axes; whether its supports are, too, is not known yet.)
+            if exchange.is_none() || matrix.nnz() > LARGE {
                 let along_axes = points.tensor.factorised(forms);
                 if along_axes.multiplications() < matrix.nnz() / LEAST_SAVING {
                     factorised.push((operator, Rc::new(along_axes)));

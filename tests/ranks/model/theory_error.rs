@@ -196,11 +196,13 @@ fn springs_that_hold_the_sections_of_edges(session: &Session) {
     ];
     for (young, edge, thickness, mass, part_of_modulus) in cases {
         let stiffness = part_of_modulus * young / thickness;
+        // Less of the difference is left with softer springs.
+        let tolerance = if part_of_modulus < 0.02 { 3e-4 } else { 1e-3 };
         let Errors { difference, estimate, found, unresolved } = Errors::new(&session.world(), |model| {
             format!(
                 "[body]\nmodel = \"{model}\"\nyoung = {young:e}\npoisson = 0.25\ndensity = 2500.0\nsize = [{edge}, {edge}, {thickness}]\n\
                  [impactor]\nyoung = 210e9\npoisson = 0.3\nmass = {mass}\nradius = 0.03\nspeed = 1.0\n\
-                 [time]\nend = 1e-3\n[accuracy]\ntolerance = 1e-3\n\
+                 [time]\nend = 1e-3\n[accuracy]\ntolerance = {tolerance:e}\n\
                  [[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = {stiffness:e}\n"
             )
         });
