@@ -26,7 +26,7 @@ const RELAXED: f64 = 0.9;
 /// as small as it had to be, but 1.8 times its estimate.
 const LITTLE_RELAXED: f64 = 0.75;
 
-/// The part of it that must be left at the end of the run besides: 0.40 to 0.75 of that chain. One that falls to a thousandth later than at the lowest
+/// The part of it that must be left at the end of the run besides. That chain keeps 0.40 to 0.75. One that falls to a thousandth later than at the lowest
 /// rate has shapes of its own then, which two bases of one modulus lack alike, so that their difference does not show it. (Terms that are slow beside the run are springs. Of thirteen laminates whose chains fall below
 /// this after the end of the run, twelve were off at one rate, with two thirds of the vectors, by about as much as at three; one with an
 /// interlayer of 1.5 mm by 3.3e-3 of the peak in the place of 1.5e-3.)

@@ -318,7 +318,8 @@ pub fn check_said() -> Result<()> {
 
 /// A line on standard error, likewise.
 pub fn tell(line: fmt::Arguments) {
-    let _ = writeln!(io::stderr(), "{line}");
+    // In one piece, so that lines of several ranks do not mix.
+    let _ = io::stderr().write_all(format!("{line}\n").as_bytes());
 }
 
 /// A line on standard error that `--quiet` leaves out: progress and notes.

@@ -42,8 +42,8 @@ const ORDER_AT_CLAMPS: f64 = 1.25;
 const RESOLVED: f64 = 0.7;
 const ORDER_OF_RESOLVED: f64 = 3.5;
 
-/// The same ratio of the coarser cells where their first line is near the disc's edge, so that their own error is small by chance, while the finer
-/// ones have no line there: the difference says little, and the error was measured to be up to 2.2 of it.
+/// The same ratio of the coarser cells where their first line is near the disc's edge, and that of the finer ones is not. The error of the coarser cells may then
+/// be small by accident, and the difference is unreliable: the error was measured to be up to 2.2 times it.
 const LINE_AT_EDGE: [f64; 2] = [0.78, 1.1];
 
 /// The least order elsewhere, however few cells there are: errors of up to 0.7 of the difference were measured, which is an order of 2.2.

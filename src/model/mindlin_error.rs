@@ -20,8 +20,8 @@ use crate::impact::joined;
 use crate::scene::{Geometry, Scene, Support, SupportKind};
 use crate::space::plate::crossing;
 
-/// The constant where sections are free to warp: on 16 plates 8 to 50 times as wide as thick, with solids of tolerance 1e-4, at most 0.001 of the
-/// difference was more than the other two terms.
+/// The constant where sections are free to warp: on 16 plates 8 to 50 times as wide as thick, with solids of tolerance 1e-4, the error exceeded the other
+/// two terms by at most 0.001 of the difference.
 const FREE_SECTIONS: f64 = 0.002;
 
 /// The same of plates of several layers, which were not measured so.
@@ -41,8 +41,8 @@ const STRAINED_THICKNESS: f64 = 0.016;
 /// in other scenes where it is 0.06 to 0.1.
 const SHORT_CONTACT: [f64; 2] = [0.2, 1.2];
 
-/// k h/E from which springs keep sections from warping, up to which their constant grows from that of free ones: at ν = 0, 0.0012, 0.002, 0.0065 and
-/// 0.0105 of the difference were measured with 0.0006, 0.002, 0.0057 and 0.014.
+/// k h/E from which springs keep sections from warping. Below it their constant grows linearly from that of free ones. Of the difference there were measured,
+/// at ν = 0: with k h/E = 0.0006 0.0012, with 0.002 0.002, with 0.0057 0.0065, with 0.014 0.0105.
 const STIFF: f64 = 0.01;
 
 /// The same of plates of several layers.

@@ -113,6 +113,6 @@ pub fn acceleration_error(data: &Data) -> Estimate {
 pub fn stress_error(error: f64) -> Estimate {
     match error.is_nan() {
         true => Estimate { value: "not estimated".to_owned(), of: String::new() },
-        false => Estimate { value: percent(error), of: "of the peak".to_owned() },
+        false => Estimate { value: percent(error), of: "of the peak, in the first contact".to_owned() },
     }
 }

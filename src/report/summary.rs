@@ -64,8 +64,10 @@ fn strength(data: &Data) -> Option<Verdict> {
         return Some(verdict(Grade::Bad, "Strength exceeded", format!("{what}{when}.")));
     }
     let error = stresses.error_estimate;
-    Some(if error.is_nan() {
-        verdict(Grade::Open, "Strength not exceeded", format!("{what}. The error of the tension is not estimated."))
+    let is_later = data.contacts.episodes.first().is_some_and(|first| used.largest.time > first.end);
+    Some(if error.is_nan() || is_later {
+        let of_what = if is_later { "a tension after the first contact" } else { "the tension" };
+        verdict(Grade::Open, "Strength not exceeded", format!("{what}. The error of {of_what} is not estimated."))
     } else if part + error * part >= 1.0 {
         let text = format!("{what}, which is nearer to it than the estimated error of {}.", percent(error));
         verdict(Grade::Open, "Strength not exceeded, but within the error", text)
