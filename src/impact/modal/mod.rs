@@ -210,19 +210,23 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let mut coarse = self.once(coarse, false, observer)?;
         // The first run is no more than a measure. A later one counts as soon as a finer one shows that its steps are short enough: twice the step
         // may be too long for the order of convergence. Observers see the second run, which counts as a rule, and of others only the one that does.
+        // (Trials, which nobody observes, keep the finer steps and are compared between their nodes, too: bases and cells are judged by such differences.)
         for refinement in 0..REFINEMENTS {
             largest *= 0.5;
             let peak = coarse.trace.peak();
             let peak = if peak > 0.0 { peak } else { guess };
             let steps = Steps { largest, defect: Some(defect(largest, peak)), peak: 1.1 * peak };
             let fine = self.once(steps, observed && refinement == 0, observer)?;
-            let difference = fine.trace.difference_at_steps(&coarse.trace);
+            let difference = match observed {
+                true => fine.trace.difference_at_steps(&coarse.trace),
+                false => fine.trace.difference(&coarse.trace),
+            };
             let by_halves = errors(difference, OF_FORCE_BY_HALVES, OF_TENSION_BY_HALVES);
             let by_doubles = errors(difference, OF_FORCE, OF_TENSION);
             let is_met = |error: &Errors| error.of(self.measure) <= self.tolerance;
-            if refinement > 0 && is_met(&by_halves) && !observer.is_interrupted() {
+            if observed && refinement > 0 && is_met(&by_halves) && !observer.is_interrupted() {
                 self.count_errors(by_halves);
-                return if observed && refinement > 1 { self.once(coarse.sizes, true, observer) } else { Ok(coarse) };
+                return if refinement > 1 { self.once(coarse.sizes, true, observer) } else { Ok(coarse) };
             }
             if is_met(&by_doubles) || observer.is_interrupted() {
                 self.count_errors(by_doubles);
