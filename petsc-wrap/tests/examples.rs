@@ -52,9 +52,12 @@ fn main() -> ExitCode {
 /// Runs an example under mpirun.
 fn on_ranks(example: &str) {
     let program = std::env::current_exe().expect("the path of the test program");
+    let folder = tempfile::tempdir().expect("a temporary folder");
     for ranks in [1, 2] {
+        let mut mpirun = mpi_test::mpirun(ranks);
+        mpi_test::keep_files_in(folder.path(), &mut mpirun);
         // mpirun would read what is meant for whoever runs the tests.
-        let status = mpi_test::mpirun(ranks).arg(&program).env(EXAMPLE, example).stdin(Stdio::null()).status();
+        let status = mpirun.arg(&program).env(EXAMPLE, example).stdin(Stdio::null()).status();
         assert!(status.is_ok_and(|status| status.success()), "{example} on {ranks} rank(s)");
     }
 }

@@ -86,6 +86,7 @@ pub fn start(command: &mut Command) -> Started {
         .expect("a temporary folder");
     let output = ["stdout", "stderr"].map(|name| folder.path().join(name));
     let [stdout, stderr] = output.each_ref().map(|path| File::create(path).expect("a temporary file"));
+    mpi_test::keep_files_in(folder.path(), command);
     // A group of its own, so that a signal to it reaches mpirun's helpers and nobody else.
     let child = command.stdin(Stdio::null()).stdout(stdout).stderr(stderr).process_group(0).spawn();
     Started { child: child.expect("the program starts"), output, _folder: folder }

@@ -1,5 +1,6 @@
 //! The command that starts programs under MPI.
 
+use std::path::Path;
 use std::process::Command;
 
 /// `mpirun -n ranks`, made fit for machines with fewer cores than ranks, for containers and for root.
@@ -16,4 +17,10 @@ pub fn mpirun(ranks: usize) -> Command {
         .env("OMPI_MCA_btl_vader_single_copy_mechanism", "none")
         .env("OMP_NUM_THREADS", "1");
     command
+}
+
+/// Has the mpirun of this command, or the MPI of its program, keep its files in `folder`. Where several use the system's folder for temporary files at
+/// once, one that ends removes what another that starts has just made, which then fails.
+pub fn keep_files_in(folder: &Path, command: &mut Command) {
+    command.env("OMPI_MCA_orte_tmpdir_base", folder);
 }

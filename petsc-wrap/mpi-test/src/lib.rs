@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 use libtest_mimic::{Arguments, Trial};
 
-pub use launch::mpirun;
+pub use launch::{keep_files_in, mpirun};
 
 use cores::Cores;
 use pool::Pool;

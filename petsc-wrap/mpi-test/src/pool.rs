@@ -12,7 +12,7 @@ use libtest_mimic::Failed;
 use tempfile::TempDir;
 
 use crate::cores::Cores;
-use crate::launch::mpirun;
+use crate::launch::{keep_files_in, mpirun};
 use crate::message::{Order, Report, receive, send};
 use crate::times;
 use crate::worker::ROLE;
@@ -88,6 +88,7 @@ impl Ranks {
         let socket = folder.path().join("orders");
         let listener = UnixListener::bind(&socket)?;
         let mut command = mpirun(count);
+        keep_files_in(folder.path(), &mut command);
         command.arg(std::env::current_exe()?).env(ROLE, &socket).stdin(Stdio::null());
         let mut output = None;
         if !shows_output {
