@@ -12,7 +12,7 @@ const MOST: f64 = 0.7;
 
 /// Modes of a body that all move in chosen steps: so few lie far apart, so that steps of two lengths leave out the same ones, and their difference does not
 /// show what that changes.
-const FEW: usize = 15;
+pub const FEW_MODES: usize = 15;
 
 impl Spectrum {
     /// The frequency up to which modes move in steps that are chosen, over that which the steps resolve: a mode that is left out as a spring
@@ -25,7 +25,7 @@ impl Spectrum {
     /// part. Finding modes is expensive; all of them can be used again for steps of another size.
     pub fn count_of_chosen_steps(&self, cutoff: f64, closed: &Closed) -> usize {
         let (count, all) = (self.count(cutoff, closed), self.squares.len());
-        let takes_all = all <= FEW || (self.relaxes && count as f64 >= MOST * all as f64);
+        let takes_all = all <= FEW_MODES || (self.relaxes && count as f64 >= MOST * all as f64);
         if takes_all { all } else { count }
     }
 }

@@ -47,6 +47,7 @@ mod system;
 mod unilateral;
 
 pub use assembled::Assembled;
+pub(crate) use chosen_steps::FEW_MODES;
 pub use clamps::Clamps;
 pub use columns::Columns;
 pub use direct_sum::DirectSum;

@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use super::elastic_cells;
 use super::mindlin_error::is_clamp_of_sections;
-use super::reduce::{OF_BASIS, Plan, Reduced, grow, reduce_from, shared_force};
+use super::reduce::{OF_BASIS, Plan, Reduced, grow, reduce_from};
 use super::theory::{Built, Operators, build, cells_of_plate};
+use super::trials::shared_force;
 use super::watch::{Stage, Watch};
 use crate::body::{DirectSum, ModalBody, Projection};
 use crate::error::{Error, Result};

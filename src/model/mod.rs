@@ -11,6 +11,7 @@ mod readings;
 mod reduce;
 mod simulation;
 mod theory;
+mod trials;
 pub mod watch;
 
 pub use linearity::{LARGE, Linearity, STIFFENING};

@@ -1,16 +1,14 @@
 //! A basis as large as a scene needs, with its error.
 
-use std::ops::ControlFlow;
-
 use petsc_wrap::Comm;
 
-use crate::body::{Body, DirectSum, LinearBody, ModalBody, OF_CUTOFF, Projection, Start};
+use crate::body::{DirectSum, LinearBody, ModalBody, OF_CUTOFF, Projection, Start};
 use crate::error::{Error, Result};
-use crate::impact::step::Step;
-use crate::impact::{Errors, ModalImpact, Reading, SteppedImpact, Steps, Trace, Until};
+use crate::impact::{Errors, Steps, Trace};
 use crate::scene::{Reduction, Scene};
 
 use super::long_waves::{LongWaves, ORDER};
+use super::trials::{Trial, Trials};
 use super::watch::{Judged, Stage, Watch};
 
 /// Vectors of the first basis that is tried.
@@ -91,9 +89,8 @@ pub struct Reduced {
 /// A basis that was tried.
 struct Tried {
     vectors: usize,
-    force: Trace,
-    /// As [`Reduced::modal_of_judge`].
-    modal: Option<ModalBody>,
+    /// With its modal coordinates where the body relaxes alone: their modes take long.
+    trial: Trial,
 }
 
 impl Reduced {
@@ -149,10 +146,9 @@ pub fn reduce_from(
     let first = served.map_or(first, |[smaller, _]| smaller);
     let second = served.map_or(larger(first), |[_, more]| more.max(larger(first)));
     let mut count = given.unwrap_or(first);
-    // The bases so far, their force, and the steps that all are compared in.
     let mut tried: Vec<Tried> = Vec::new();
+    let mut trials = Trials::new(comm, scene, watch);
     let relaxes = !body.chains().is_empty();
-    let mut steps = None;
     let mut last: Option<Judged> = None;
     loop {
         grow(&mut krylov, body, count, last, watch)?;
@@ -160,11 +156,11 @@ pub fn reduce_from(
         count = projection.vectors();
         let enough = count > MOST * body.classes().len() || (given.is_some() && !tried.is_empty());
         let is_exhausted = watch.decided(krylov.is_exhausted());
-        match shared_force(comm, scene, &projection, &mut steps, watch) {
+        match trials.force(&projection) {
             // All that the forces reach, to rounding.
-            Ok((trace, modal)) if is_exhausted && (given.is_none() || tried.is_empty()) => {
-                let (judge, force_of_judge) = (projection.clone(), trace.clone());
-                let (of_difference, error, force) = (0.0, Errors::default(), (trace, steps));
+            Ok(Trial { force, steps, modal }) if is_exhausted && (given.is_none() || tried.is_empty()) => {
+                let (judge, force_of_judge) = (projection.clone(), force.clone());
+                let (of_difference, error, force) = (0.0, Errors::default(), (force, steps));
                 return Ok(Reduced {
                     projection,
                     judge,
@@ -178,41 +174,22 @@ pub fn reduce_from(
                     modal_of_judge: None,
                 });
             }
-            Ok((trace, modal)) => {
+            Ok(mut trial) => {
                 let judged = tried.iter().rposition(|smaller| larger(smaller.vectors) <= count);
                 if let Some(judge) = judged.or(tried.len().checked_sub(1).filter(|_| enough)) {
-                    let Tried { vectors: smaller, force: before, modal: modal_of_smaller } = &mut tried[judge];
-                    let difference = before.difference(&trace);
-                    let wanted = OF_BASIS * scene.tolerance;
-                    // A body that relaxes moves on the smaller one, at half the cost, where that serves.
-                    let is_small_enough =
-                        relaxes && watch.decided(OF_SMALLER_RELAXING * difference.of(scene.measure) <= wanted);
-                    let takes_smaller = given.is_some() || is_small_enough;
-                    let of_difference = match given {
-                        _ if is_small_enough => OF_SMALLER_RELAXING,
-                        Some(_) => OF_SMALLER,
-                        _ if start.leaves_short_waves => of_larger(count, *smaller),
-                        _ if relaxes => OF_RELAXING,
-                        _ => OF_LARGER,
-                    };
-                    let mut error = of_difference * difference;
-                    let over = watch.agreed(error.of(scene.measure) / wanted);
-                    last = Some(Judged { vectors: count, error: over * wanted, wanted });
-                    if enough || over <= 1.0 {
-                        if start.leaves_short_waves && watch.decided(error.history > OTHER_CONTACTS * of_difference) {
-                            let nearer = (NEARER * count as f64) as usize;
-                            let (near, _) = shared_force(comm, scene, &projection.leading(nearer), &mut steps, watch)?;
-                            error.history = of_larger(count, nearer) * near.difference(&trace).history;
+                    let Tried { vectors: smaller, trial: judge } = &mut tried[judge];
+                    let rule = Rule { scene, start, vectors: count, smaller: *smaller, relaxes };
+                    let mut judgement = rule.judge(judge.force.difference(&trial.force), watch);
+                    if enough || judgement.is_met() {
+                        if let Some(own) = trials.in_shorter_steps(&projection)? {
+                            *judge = trials.force(&projection.leading(*smaller))?;
+                            trial = own;
+                            judgement = rule.judge(judge.force.difference(&trial.force), watch);
                         }
-                        if given.is_none() && !relaxes && !start.leaves_short_waves && scene.time.modal {
-                            let nearer = projection.leading((LAST * count as f64) as usize);
-                            match shared_force(comm, scene, &nearer, &mut steps, watch) {
-                                Ok((near, _)) => error = error.min(OF_LAST * near.difference(&trace)),
-                                Err(error @ (Error::Alone(_) | Error::Interrupted)) => return Err(error),
-                                // It may be too soft, or too stiff, for the contact law: then it tells nothing.
-                                Err(_) => {}
-                            }
-                        }
+                    }
+                    last = Some(judgement.judged);
+                    if enough || judgement.is_met() {
+                        let error = closer(judgement.error, &rule, &projection, &trial.force, &mut trials)?;
                         tracing::info!(
                             vectors = count,
                             smaller = *smaller,
@@ -220,28 +197,27 @@ pub fn reduce_from(
                             all = error.history,
                             "reduced"
                         );
-                        let smaller = (projection.leading(*smaller), before.clone(), modal_of_smaller.take());
-                        let mut pair = [smaller, (projection, trace, modal)];
-                        if !takes_smaller {
+                        let mut pair = [(projection.leading(*smaller), std::mem::take(judge)), (projection, trial)];
+                        if !judgement.takes_smaller {
                             pair.reverse();
                         }
-                        let [(projection, trace, modal), (judge, force_of_judge, modal_of_judge)] = pair;
-                        let (force, modal_of_judge) = ((trace, steps), modal_of_judge.filter(|_| relaxes));
+                        let [(projection, Trial { force, steps, modal }), (judge, of_judge)] = pair;
                         return Ok(Reduced {
                             projection,
                             judge,
-                            force_of_judge,
-                            of_difference,
-                            difference,
+                            force_of_judge: of_judge.force,
+                            of_difference: judgement.of_difference,
+                            difference: judgement.difference,
                             krylov,
                             error,
-                            force,
+                            force: (force, steps),
                             modal,
-                            modal_of_judge,
+                            modal_of_judge: of_judge.modal.filter(|_| relaxes),
                         });
                     }
                 }
-                tried.push(Tried { vectors: count, force: trace, modal: modal.filter(|_| relaxes) });
+                trial.modal = trial.modal.filter(|_| relaxes);
+                tried.push(Tried { vectors: count, trial });
             }
             Err(error @ Error::Alone(_)) => return Err(error),
             Err(error) if enough || is_exhausted => return Err(error),
@@ -260,6 +236,86 @@ pub fn reduce_from(
             _ => (GROWTH * count as f64).ceil() as usize,
         };
     }
+}
+
+/// By what a basis is judged.
+struct Rule<'a> {
+    scene: &'a Scene,
+    start: Start,
+    /// Of the basis, and of a smaller one.
+    vectors: usize,
+    smaller: usize,
+    relaxes: bool,
+}
+
+/// What is found of a basis.
+struct Judgement {
+    /// Of the forces on the two.
+    difference: Errors,
+    /// Error over the difference.
+    of_difference: f64,
+    error: Errors,
+    /// Whether the smaller one is the one that serves.
+    takes_smaller: bool,
+    judged: Judged,
+}
+
+impl Judgement {
+    /// Whether the error is within its part of the tolerance.
+    fn is_met(&self) -> bool {
+        self.judged.error <= self.judged.wanted
+    }
+}
+
+impl Rule<'_> {
+    /// From the difference of the forces on the two. Collective.
+    fn judge(&self, difference: Errors, watch: &dyn Watch) -> Judgement {
+        let Self { scene, start, vectors, smaller, relaxes } = *self;
+        let wanted = OF_BASIS * scene.tolerance;
+        let is_given = matches!(scene.body.reduction, Reduction::Vectors(_));
+        // A body that relaxes moves on the smaller one, at half the cost, where that serves.
+        let is_small_enough = relaxes && watch.decided(OF_SMALLER_RELAXING * difference.of(scene.measure) <= wanted);
+        let of_difference = match is_given {
+            _ if is_small_enough => OF_SMALLER_RELAXING,
+            true => OF_SMALLER,
+            _ if start.leaves_short_waves => of_larger(vectors, smaller),
+            _ if relaxes => OF_RELAXING,
+            _ => OF_LARGER,
+        };
+        let error = of_difference * difference;
+        let judged = Judged { vectors, error: watch.agreed(error.of(scene.measure)), wanted };
+        Judgement { difference, of_difference, error, takes_smaller: is_given || is_small_enough, judged }
+    }
+}
+
+/// The error of a basis by a nearer one, where that tells more than the smaller one by which it was judged. Collective.
+///
+/// # Errors
+/// PETSc's.
+fn closer(
+    mut error: Errors,
+    rule: &Rule,
+    projection: &Projection,
+    force: &Trace,
+    trials: &mut Trials,
+) -> Result<Errors> {
+    let Rule { scene, start, vectors, relaxes, .. } = *rule;
+    let leading = |part: f64| projection.leading((part * vectors as f64) as usize);
+    if start.leaves_short_waves {
+        let of_difference = of_larger(vectors, rule.smaller);
+        if trials.watch.decided(error.history > OTHER_CONTACTS * of_difference) {
+            let near = leading(NEARER);
+            error.history = of_larger(vectors, near.vectors()) * trials.force(&near)?.force.difference(force).history;
+        }
+    } else if scene.body.reduction == Reduction::Auto && !relaxes && scene.time.modal {
+        match trials.force(&leading(LAST)) {
+            Ok(near) => error = error.min(OF_LAST * near.force.difference(force)),
+            Err(error @ (Error::Alone(_) | Error::Interrupted)) => return Err(error),
+            // It may be too soft, or too stiff, for the contact law: then it tells nothing.
+            Err(_) => {}
+        }
+    }
+    Ok(error)
 }
 
 /// How a basis begins.
@@ -315,57 +371,6 @@ fn of_larger(vectors: usize, smaller: usize) -> f64 {
 /// Half as many vectors more.
 pub(super) fn larger(vectors: usize) -> usize {
     vectors + vectors.div_ceil(2)
-}
-
-/// The force on a basis, by the scene's own scheme, whose steps pass the body's vibrations differently; in modal coordinates by the same
-/// steps on each basis, with the body in these.
-fn force(
-    comm: &Comm,
-    scene: &Scene,
-    projection: &Projection,
-    steps: &mut Option<Steps>,
-    watch: &dyn Watch,
-) -> Result<(Trace, Option<ModalBody>)> {
-    let take = |_: &Step, _: &Reading| {};
-    if scene.time.modal {
-        let body = ModalBody::of(projection);
-        let mut impact = ModalImpact::new(scene, &body).without_energies();
-        let (trace, taken) =
-            impact.trace_watched(*steps, &mut Until { interrupted: &|| watch.is_raised_here(), take })?;
-        *steps = Some(taken);
-        drop(impact);
-        return Ok((trace, Some(body)));
-    }
-    let mut trace = Trace::default();
-    let mut last: Option<(f64, f64)> = None;
-    let reduced = Body::of(&comm.session().alone(), &projection.system())?;
-    let _ = SteppedImpact::new(scene, reduced)?.run(|step| {
-        let (time, force) = (step.time, step.contact.force);
-        if let Some((before, was)) = last.replace((time, force)) {
-            trace.push(before, time - before, [was, 0.5 * (was + force), force]);
-        }
-        Ok(if watch.is_raised_here() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
-    })?;
-    Ok((trace, None))
-}
-
-/// [`force`] as the first rank has it, with this rank's body, before somebody who may break it off. Collective.
-pub(super) fn shared_force(
-    comm: &Comm,
-    scene: &Scene,
-    projection: &Projection,
-    steps: &mut Option<Steps>,
-    watch: &dyn Watch,
-) -> Result<(Trace, Option<ModalBody>)> {
-    let mut modal = None;
-    let trace = force(comm, scene, projection, steps, watch).map(|(trace, body)| {
-        modal = body;
-        trace
-    });
-    let trace = watch.shared(trace);
-    // A rank that has broken off has a part of the force: all of them end here.
-    watch.at(Stage::Trial)?;
-    Ok((trace?, modal))
 }
 
 /// The rate at which the scene's impact excites a body, 1/s.
