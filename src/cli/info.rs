@@ -134,7 +134,7 @@ impl RunFacts {
         if let Some(largest) = &self.largest {
             let Extreme { value, time } = largest.acceleration;
             say(format_args!("largest    acceleration {} m/s² at {} ms", short(value), short(1e3 * time)));
-            for line in lines(largest) {
+            for line in lines(largest, self.contacts.first().map(|first| first.end)) {
                 say(format_args!("           {line}"));
             }
         }

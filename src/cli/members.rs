@@ -86,7 +86,7 @@ impl Remarks {
                 all.notes.add(member, remark("whole history", whole, text));
             }
             if deflection > LARGE {
-                let text = format!("the largest deflection is about {}", beyond(deflection));
+                let text = format!("the body bends by about {}", beyond(deflection));
                 all.warnings.add(member, remark("deflection", deflection, text));
             }
         }

@@ -73,7 +73,8 @@ pub fn verdict(model: &Model, scene: &Scene) -> Option<Verdict> {
     let error = estimate.total().map(|errors| errors.of(scene.measure)).filter(|error| !is_good(error))?;
     let of_what = scene.measure.of_what();
     let causes = estimate.causes();
-    let mut remedies: Vec<&str> = causes.iter().map(|cause| remedy(cause, scene)).collect();
+    let mut remedies: Vec<&str> =
+        estimate.main_causes(scene.measure).into_iter().map(|cause| remedy(cause, scene)).collect();
     remedies.sort_unstable();
     remedies.dedup();
     let of = listed(&causes);

@@ -94,7 +94,8 @@ impl Summary {
             short(1e3 * self.peak.1),
             short(self.last.impactor.velocity)
         ));
-        extremes.iter().flat_map(|extremes| lines(extremes)).for_each(|line| say(format_args!("{line}")));
+        let first_end = episodes.all().first().map(|first| first.end);
+        extremes.iter().flat_map(|extremes| lines(extremes, first_end)).for_each(|line| say(format_args!("{line}")));
         say(format_args!("contacts: {contacts}"));
         let energy = &self.last.energy;
         say(format_args!(
@@ -126,7 +127,7 @@ impl Summary {
     /// That the deflection is too large for the model, where it is.
     pub fn warning(&self) -> Option<String> {
         let ratio = self.linearity?.excess(self.largest_deflection)?;
-        Some(format!("the largest deflection is about {} mm, {}", short(1e3 * self.largest_deflection), beyond(ratio)))
+        Some(format!("the body bends by about {} mm, {}", short(1e3 * self.largest_deflection), beyond(ratio)))
     }
 }
 
@@ -143,8 +144,8 @@ pub fn beyond(ratio: f64) -> String {
     )
 }
 
-/// The largest values of a run, a line each; not those of the acceleration.
-pub fn lines(extremes: &Extremes) -> Vec<String> {
+/// The largest values of a run whose first contact ended at a time (s), if it did; a line each, and not those of the acceleration.
+pub fn lines(extremes: &Extremes, first_end: Option<f64>) -> Vec<String> {
     let at = |extreme: &Extreme, factor: f64, unit: &str| {
         format!("{} {unit} at {} ms", short(factor * extreme.value), short(1e3 * extreme.time))
     };
@@ -167,7 +168,10 @@ pub fn lines(extremes: &Extremes) -> Vec<String> {
             none if none.is_nan() => {
                 ", without an estimate of its error (plates and spline solids in modal coordinates have one)".to_owned()
             }
-            error => format!(", estimated error in the first contact {error:.1e}"),
+            _ if first_end.is_some_and(|end| largest.time > end) => {
+                ", after the first contact, in which alone its error is estimated".to_owned()
+            }
+            error => format!(", estimated error {error:.1e}"),
         };
         if !largest.strength_passed_at.is_nan() {
             line += &format!("; the strength is exceeded from {} ms on", short(1e3 * largest.strength_passed_at));

@@ -39,6 +39,9 @@ impl Cause {
 /// estimates of sixty impacts were 3.5 times the errors in the median, and with 2 some were too small (docs/accuracy.md).
 const EXPONENT: f64 = 1.5;
 
+/// The part of the largest cause's error from which on another cause counts as well: an error of a fifth of it adds 6% to it.
+const MAIN: f64 = 0.2;
+
 /// Estimated errors of two causes together.
 pub fn joined(one: f64, other: f64) -> f64 {
     // (What is without error changes nothing, to the last digit.)
@@ -165,6 +168,15 @@ impl ErrorEstimate {
     /// Of all causes together; `None` where nothing is estimated.
     pub fn total(&self) -> Option<Errors> {
         self.parts.iter().map(|(_, errors)| *errors).reduce(Errors::joined)
+    }
+
+    /// The names of the causes without which the error would be smaller by much: those that have a fifth of the largest one's part, or more.
+    pub fn main_causes(&self, measure: Measure) -> Vec<&'static str> {
+        let part = |errors: &Errors| errors.of(measure);
+        let largest = self.parts.iter().map(|(_, errors)| part(errors)).fold(0.0, f64::max);
+        // (What is no number is not known to be small.)
+        let is_small = |errors: &Errors| part(errors) < MAIN * largest;
+        self.parts.iter().filter(|(_, errors)| !is_small(errors)).map(|(cause, _)| cause.name()).collect()
     }
 
     /// The names of the causes.

@@ -85,7 +85,8 @@ fn a_sweep_repeats_the_warnings_of_its_members() {
     let told = |start: &str, part: &str| {
         outcome.stderr.lines().filter(|line| line.starts_with(start) && line.contains(part)).count()
     };
-    let most = "warning: 4 of 6 members, most of all member 2: impactor.speed=8, output.every=1: the largest deflection is about";
+    let most =
+        "warning: 4 of 6 members, most of all member 2: impactor.speed=8, output.every=1: the body bends by about";
     assert_eq!((told(most, "membrane forces"), told("warning: ", "largest deflection")), (1, 1), "{outcome:#?}");
     assert_eq!(told("note: --vary output.every has no effect", ""), 1, "{outcome:#?}");
     let rough = good(
