@@ -169,7 +169,7 @@ pub fn lines(extremes: &Extremes, first_end: Option<f64>) -> Vec<String> {
                 ", without an estimate of its error (plates and spline solids in modal coordinates have one)".to_owned()
             }
             _ if first_end.is_some_and(|end| largest.time > end) => {
-                ", after the first contact, in which alone its error is estimated".to_owned()
+                ", after the first contact; errors of tensions are estimated in the first contact only".to_owned()
             }
             error => format!(", estimated error {error:.1e}"),
         };

@@ -40,7 +40,7 @@ impl Cause {
 const EXPONENT: f64 = 1.5;
 
 /// The part of the largest cause's error from which on another cause counts as well: an error of a fifth of it adds 6% to it.
-const MAIN: f64 = 0.2;
+const MAIN_CAUSE: f64 = 0.2;
 
 /// Estimated errors of two causes together.
 pub fn joined(one: f64, other: f64) -> f64 {
@@ -170,17 +170,42 @@ impl ErrorEstimate {
         self.parts.iter().map(|(_, errors)| *errors).reduce(Errors::joined)
     }
 
-    /// The names of the causes without which the error would be smaller by much: those that have a fifth of the largest one's part, or more.
+    /// The names of the causes whose error is at least a fifth of the largest one's.
     pub fn main_causes(&self, measure: Measure) -> Vec<&'static str> {
+        // Where the stress of one cause has no estimate, all are compared by the acceleration, as the total is.
+        let has_stress = self.total().is_some_and(|total| !total.stress.is_nan());
+        let measure = if has_stress { measure } else { Measure::Acceleration };
         let part = |errors: &Errors| errors.of(measure);
         let largest = self.parts.iter().map(|(_, errors)| part(errors)).fold(0.0, f64::max);
         // (What is no number is not known to be small.)
-        let is_small = |errors: &Errors| part(errors) < MAIN * largest;
+        let is_small = |errors: &Errors| part(errors) < MAIN_CAUSE * largest;
         self.parts.iter().filter(|(_, errors)| !is_small(errors)).map(|(cause, _)| cause.name()).collect()
     }
 
     /// The names of the causes.
     pub fn causes(&self) -> Vec<&'static str> {
         self.parts.iter().map(|(cause, _)| cause.name()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What adds little is not among the main causes; where one cause has no estimate of the stress, all count by the acceleration.
+    #[test]
+    fn main_causes_are_those_that_count() {
+        let errors = |first_contact: f64, stress: f64| Errors { first_contact, history: first_contact, stress };
+        let estimate = |of_basis: Errors| {
+            ErrorEstimate::default().with(Cause::Basis, of_basis).with(Cause::Theory, errors(1e-3, 0.5))
+        };
+        let known = estimate(errors(2e-2, 3e-2));
+        assert_eq!(known.main_causes(Measure::Acceleration), ["basis"]);
+        assert_eq!(known.main_causes(Measure::Stress), ["theory"]);
+        assert_eq!(estimate(errors(2e-2, f64::NAN)).main_causes(Measure::Stress), ["basis"]);
+        // What is no number is not known to be small.
+        let unknown = estimate(errors(f64::NAN, 3e-2));
+        assert_eq!(unknown.main_causes(Measure::Acceleration), ["basis", "theory"]);
+        assert!(ErrorEstimate::default().main_causes(Measure::Acceleration).is_empty());
     }
 }

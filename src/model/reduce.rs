@@ -158,18 +158,17 @@ pub fn reduce_from(
         let is_exhausted = watch.decided(krylov.is_exhausted());
         match trials.force(&projection) {
             // All that the forces reach, to rounding.
-            Ok(Trial { force, steps, modal }) if is_exhausted && (given.is_none() || tried.is_empty()) => {
-                let (judge, force_of_judge) = (projection.clone(), force.clone());
-                let (of_difference, error, force) = (0.0, Errors::default(), (force, steps));
+            Ok(trial) if is_exhausted && (given.is_none() || tried.is_empty()) => {
+                let Trial { force, steps, modal } = trials.in_shorter_steps(&projection)?.unwrap_or(trial);
                 return Ok(Reduced {
+                    judge: projection.clone(),
                     projection,
-                    judge,
-                    force_of_judge,
-                    of_difference,
+                    force_of_judge: force.clone(),
+                    of_difference: 0.0,
                     difference: Errors::default(),
                     krylov,
-                    error,
-                    force,
+                    error: Errors::default(),
+                    force: (force, steps),
                     modal,
                     modal_of_judge: None,
                 });
@@ -178,18 +177,16 @@ pub fn reduce_from(
                 let judged = tried.iter().rposition(|smaller| larger(smaller.vectors) <= count);
                 if let Some(judge) = judged.or(tried.len().checked_sub(1).filter(|_| enough)) {
                     let Tried { vectors: smaller, trial: judge } = &mut tried[judge];
-                    let rule = Rule { scene, start, vectors: count, smaller: *smaller, relaxes };
-                    let mut judgement = rule.judge(judge.force.difference(&trial.force), watch);
-                    if enough || judgement.is_met() {
-                        if let Some(own) = trials.in_shorter_steps(&projection)? {
-                            *judge = trials.force(&projection.leading(*smaller))?;
-                            trial = own;
-                            judgement = rule.judge(judge.force.difference(&trial.force), watch);
-                        }
-                    }
-                    last = Some(judgement.judged);
-                    if enough || judgement.is_met() {
-                        let error = closer(judgement.error, &rule, &projection, &trial.force, &mut trials)?;
+                    let rule = Rule { scene, watch, start, vectors: count, smaller: *smaller, relaxes };
+                    let judgement = match rule.judge_on(&projection, [judge, &mut trial], &mut trials, enough) {
+                        Err(error @ (Error::Alone(_) | Error::Interrupted)) => return Err(error),
+                        Err(error) if enough => return Err(error),
+                        // The smaller one may be too soft, or too stiff, for the contact law in the larger one's steps.
+                        judgement => judgement.ok(),
+                    };
+                    last = judgement.as_ref().map(|judgement| judgement.judged).or(last);
+                    if let Some(judgement) = judgement.filter(|judgement| enough || judgement.is_met) {
+                        let error = rule.closer(judgement.error, &projection, &trial, &trials)?;
                         tracing::info!(
                             vectors = count,
                             smaller = *smaller,
@@ -241,6 +238,7 @@ pub fn reduce_from(
 /// By what a basis is judged.
 struct Rule<'a> {
     scene: &'a Scene,
+    watch: &'a dyn Watch,
     start: Start,
     /// Of the basis, and of a smaller one.
     vectors: usize,
@@ -255,22 +253,43 @@ struct Judgement {
     /// Error over the difference.
     of_difference: f64,
     error: Errors,
+    /// Whether the error is within its part of the tolerance.
+    is_met: bool,
     /// Whether the smaller one is the one that serves.
     takes_smaller: bool,
     judged: Judged,
 }
 
-impl Judgement {
-    /// Whether the error is within its part of the tolerance.
-    fn is_met(&self) -> bool {
-        self.judged.error <= self.judged.wanted
-    }
-}
-
 impl Rule<'_> {
+    /// From the forces on the smaller basis and on the larger one, a projection. Where the larger one would serve, or is the last, both are those in its steps, and
+    /// in shorter ones if it needs them. Collective.
+    ///
+    /// # Errors
+    /// Those of [`Trials::force`].
+    fn judge_on(
+        &self,
+        projection: &Projection,
+        [judge, trial]: [&mut Trial; 2],
+        trials: &mut Trials,
+        is_last: bool,
+    ) -> Result<Judgement> {
+        let judgement = self.judge(judge.force.difference(&trial.force));
+        if !(is_last || judgement.is_met) {
+            return Ok(judgement);
+        }
+        if let Some(own) = trials.in_shorter_steps(projection)? {
+            *trial = own;
+        }
+        if !self.watch.decided(judge.steps != trial.steps) {
+            return Ok(judgement);
+        }
+        *judge = trials.force_in(trial.steps, &projection.leading(self.smaller))?;
+        Ok(self.judge(judge.force.difference(&trial.force)))
+    }
+
     /// From the difference of the forces on the two. Collective.
-    fn judge(&self, difference: Errors, watch: &dyn Watch) -> Judgement {
-        let Self { scene, start, vectors, smaller, relaxes } = *self;
+    fn judge(&self, difference: Errors) -> Judgement {
+        let Self { scene, watch, start, vectors, smaller, relaxes } = *self;
         let wanted = OF_BASIS * scene.tolerance;
         let is_given = matches!(scene.body.reduction, Reduction::Vectors(_));
         // A body that relaxes moves on the smaller one, at half the cost, where that serves.
@@ -283,39 +302,35 @@ impl Rule<'_> {
             _ => OF_LARGER,
         };
         let error = of_difference * difference;
-        let judged = Judged { vectors, error: watch.agreed(error.of(scene.measure)), wanted };
-        Judgement { difference, of_difference, error, takes_smaller: is_given || is_small_enough, judged }
+        let over = watch.agreed(error.of(scene.measure) / wanted);
+        let judged = Judged { vectors, error: over * wanted, wanted };
+        let takes_smaller = is_given || is_small_enough;
+        Judgement { difference, of_difference, error, is_met: over <= 1.0, takes_smaller, judged }
     }
-}
 
-/// The error of a basis by a nearer one, where that tells more than the smaller one by which it was judged. Collective.
-///
-/// # Errors
-/// PETSc's.
-fn closer(
-    mut error: Errors,
-    rule: &Rule,
-    projection: &Projection,
-    force: &Trace,
-    trials: &mut Trials,
-) -> Result<Errors> {
-    let Rule { scene, start, vectors, relaxes, .. } = *rule;
-    let leading = |part: f64| projection.leading((part * vectors as f64) as usize);
-    if start.leaves_short_waves {
-        let of_difference = of_larger(vectors, rule.smaller);
-        if trials.watch.decided(error.history > OTHER_CONTACTS * of_difference) {
-            let near = leading(NEARER);
-            error.history = of_larger(vectors, near.vectors()) * trials.force(&near)?.force.difference(force).history;
+    /// The error of the larger basis by a nearer one, where that tells more than the smaller one. Collective.
+    ///
+    /// # Errors
+    /// PETSc's.
+    fn closer(&self, mut error: Errors, projection: &Projection, trial: &Trial, trials: &Trials) -> Result<Errors> {
+        let Self { scene, watch, start, vectors, smaller, relaxes } = *self;
+        let leading = |part: f64| projection.leading((part * vectors as f64) as usize);
+        if start.leaves_short_waves {
+            if watch.decided(error.history > OTHER_CONTACTS * of_larger(vectors, smaller)) {
+                let near = leading(NEARER);
+                let force = trials.force_in(trial.steps, &near)?.force;
+                error.history = of_larger(vectors, near.vectors()) * force.difference(&trial.force).history;
+            }
+        } else if scene.body.reduction == Reduction::Auto && !relaxes && scene.time.modal {
+            match trials.force_in(trial.steps, &leading(LAST)) {
+                Ok(near) => error = error.min(OF_LAST * near.force.difference(&trial.force)),
+                Err(error @ (Error::Alone(_) | Error::Interrupted)) => return Err(error),
+                // It may be too soft, or too stiff, for the contact law: then it tells nothing.
+                Err(_) => {}
+            }
         }
-    } else if scene.body.reduction == Reduction::Auto && !relaxes && scene.time.modal {
-        match trials.force(&leading(LAST)) {
-            Ok(near) => error = error.min(OF_LAST * near.force.difference(force)),
-            Err(error @ (Error::Alone(_) | Error::Interrupted)) => return Err(error),
-            // It may be too soft, or too stiff, for the contact law: then it tells nothing.
-            Err(_) => {}
-        }
+        Ok(error)
     }
-    Ok(error)
 }
 
 /// How a basis begins.

@@ -12,21 +12,21 @@ use crate::scene::Scene;
 
 use super::watch::{Stage, Watch};
 
-/// A basis with this many times the vectors of that on which steps were chosen has modes of its own that may ask for shorter ones.
-const MANY_MORE: usize = 2;
+/// How many times the vectors of the basis for which steps were chosen a basis may have before they are chosen again: its own modes may ask for shorter ones.
+const VECTORS_BEFORE_NEW_STEPS: usize = 2;
 
-/// The largest step that a basis asks for, over that of the steps so far, from which on these serve it.
-const AS_LONG: f64 = 0.75;
+/// Steps are replaced where a basis asks for a largest step below this part of theirs.
+const SHORTER_BELOW: f64 = 0.75;
 
 /// What the force of an impact is computed with on several bases.
 pub(super) struct Trials<'a> {
-    pub comm: &'a Comm,
-    pub scene: &'a Scene,
-    pub watch: &'a dyn Watch,
+    comm: &'a Comm,
+    scene: &'a Scene,
+    watch: &'a dyn Watch,
     chosen: Option<Chosen>,
 }
 
-/// Steps in modal coordinates that all bases share.
+/// Steps in modal coordinates that bases share.
 #[derive(Clone, Copy)]
 struct Chosen {
     steps: Steps,
@@ -50,37 +50,48 @@ impl<'a> Trials<'a> {
         Self { comm, scene, watch, chosen: None }
     }
 
-    /// The force on a basis; in steps of its own where all modes of a small one move, which tells nothing of the steps that others need. Collective.
+    /// The force on a basis, in the steps chosen before. Small bases choose their own: all their modes move in any steps, which do not show what larger bases
+    /// need. Collective.
     ///
     /// # Errors
     /// [`crate::Error::Solve`] where the impact is not solved; PETSc's.
     pub fn force(&mut self, projection: &Projection) -> Result<Trial> {
-        let Self { comm, scene, watch, chosen } = self;
-        let mut steps = chosen.map(|chosen| chosen.steps);
-        let (force, modal) = shared_force(comm, scene, projection, &mut steps, *watch)?;
+        let trial = self.force_in(self.chosen.map(|chosen| chosen.steps), projection)?;
         let vectors = projection.vectors();
-        if chosen.is_none() && vectors > FEW_MODES {
-            *chosen = steps.map(|steps| Chosen { steps, vectors });
+        if self.chosen.is_none() && vectors > FEW_MODES {
+            self.chosen = trial.steps.map(|steps| Chosen { steps, vectors });
         }
+        Ok(trial)
+    }
+
+    /// The force on a basis in given steps, or in its own. Collective.
+    ///
+    /// # Errors
+    /// As [`Trials::force`].
+    pub fn force_in(&self, mut steps: Option<Steps>, projection: &Projection) -> Result<Trial> {
+        let (force, modal) = shared_force(self.comm, self.scene, projection, &mut steps, self.watch)?;
         Ok(Trial { force, steps, modal })
     }
 
-    /// The force on a basis in steps of its own, where the basis has many more vectors than that for which steps were chosen, and they turn out too
-    /// long for it: longer steps leave out the modes that set it apart. From then on these are the steps. Collective.
+    /// The force on a basis of many more vectors than that for which the steps were chosen, in steps of its own, where it asks for shorter ones: longer steps
+    /// leave out the modes in which it differs from smaller bases. The shorter ones are then the steps that bases share. Collective.
     ///
     /// # Errors
     /// As [`Trials::force`].
     pub fn in_shorter_steps(&mut self, projection: &Projection) -> Result<Option<Trial>> {
-        let vectors = projection.vectors();
-        let Some(before) = self.chosen.filter(|chosen| vectors > MANY_MORE * chosen.vectors) else { return Ok(None) };
-        self.chosen = None;
-        let trial = self.force(projection)?;
-        let largest = |steps: Option<Steps>| steps.map_or(f64::INFINITY, |steps| steps.largest);
-        if self.watch.decided(largest(trial.steps) < AS_LONG * before.steps.largest) {
-            return Ok(Some(trial));
+        let (vectors, before) = (projection.vectors(), self.chosen);
+        let is_due = |before: Chosen| vectors > VECTORS_BEFORE_NEW_STEPS * before.vectors;
+        // Other ranks than the first may have no steps of their own.
+        if self.scene.time.step.is_some() || !self.watch.decided(before.is_some_and(is_due)) {
+            return Ok(None);
         }
-        self.chosen = Some(Chosen { vectors, ..before });
-        Ok(None)
+        let trial = self.force_in(None, projection)?;
+        let largest = |steps: Option<Steps>| steps.map_or(f64::INFINITY, |steps| steps.largest);
+        let before = before.map(|before| before.steps);
+        let is_shorter = self.watch.decided(largest(trial.steps) < SHORTER_BELOW * largest(before));
+        let steps = if is_shorter { trial.steps } else { before };
+        self.chosen = steps.map(|steps| Chosen { steps, vectors });
+        Ok(is_shorter.then_some(trial))
     }
 }
 

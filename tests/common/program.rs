@@ -101,12 +101,22 @@ impl Started {
     /// Waits for the end; a program that passes the limit is killed and fails the test.
     pub fn wait(mut self, limit: Duration) -> Outcome {
         let status = wait(&mut self.child, limit);
-        let [stdout, stderr] =
-            self.output.map(|path| String::from_utf8_lossy(&fs::read(path).unwrap_or_default()).into_owned());
+        let text =
+            |path: &std::path::PathBuf| String::from_utf8_lossy(&fs::read(path).unwrap_or_default()).into_owned();
+        let [stdout, stderr] = self.output.each_ref().map(text);
         let Some(status) = status else {
             panic!("not ended after {limit:?}; it said:\n{stdout}{stderr}");
         };
         Outcome { status: status.code(), signal: status.signal(), stdout, stderr }
+    }
+}
+
+/// A test that fails leaves nothing running: its folder goes with it.
+impl Drop for Started {
+    fn drop(&mut self) {
+        if let Ok(None) = self.child.try_wait() {
+            let _ = wait(&mut self.child, Duration::ZERO);
+        }
     }
 }
 

@@ -78,6 +78,8 @@ fn python(folder: &Path, lines: &str) -> Result<Vec<String>, String> {
 
 /// What a Python answers to some lines, the package at hand and `bits` to tell numbers exactly; its last line on standard error where it fails.
 fn answer(python: &mut Command, folder: &Path, lines: &str) -> Result<Vec<String>, String> {
+    // It may start mpirun.
+    mpi_test::keep_files_in(folder, python);
     let head = "import matplotlib\nmatplotlib.use('agg')\nimport matplotlib.pyplot as plt, numpy as np, ricochet\n\
         def bits(values): return np.asarray(values, '<f8').tobytes().hex()\n";
     let output = python

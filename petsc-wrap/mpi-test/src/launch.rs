@@ -19,8 +19,8 @@ pub fn mpirun(ranks: usize) -> Command {
     command
 }
 
-/// Has the mpirun of this command, or the MPI of its program, keep its files in `folder`. Where several use the system's folder for temporary files at
-/// once, one that ends removes what another that starts has just made, which then fails.
+/// Gives a command a folder of its own for MPI's session files. If several mpiruns share one, the one that ends removes files of one that is starting, which
+/// then fails.
 pub fn keep_files_in(folder: &Path, command: &mut Command) {
     command.env("OMPI_MCA_orte_tmpdir_base", folder);
 }
