@@ -10,7 +10,7 @@ use super::elastic_cells;
 use super::mindlin_error::is_clamp_of_sections;
 use super::reduce::{OF_BASIS, Plan, Reduced, grow, reduce_from};
 use super::theory::{Built, Operators, build, cells_of_plate};
-use super::trials::shared_force;
+use super::trials::{Trial, Trials};
 use super::watch::{Stage, Watch};
 use crate::body::{DirectSum, ModalBody, Projection};
 use crate::error::{Error, Result};
@@ -360,9 +360,9 @@ pub(super) fn on_coarser_cells(
     let mut krylov = DirectSum::new(linear, Plan::new(linear, scene).start)?;
     let vectors = fine.compared();
     grow(&mut krylov, linear, vectors, None, watch)?;
-    let mut steps = fine.reduced.force.1;
-    let (trace, _) = shared_force(comm, scene, &krylov.projection(linear)?, &mut steps, watch)?;
+    let (_, steps) = fine.reduced.force;
+    let Trial { force, .. } = Trials::new(comm, scene, watch).force_in(steps, &krylov.projection(linear)?)?;
     drop((krylov, body));
     comm.collect_garbage()?;
-    Ok(cells.map(|cells| Judge { force: trace, vectors, cells, cell_over_disc }))
+    Ok(cells.map(|cells| Judge { force, vectors, cells, cell_over_disc }))
 }

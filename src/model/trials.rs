@@ -40,7 +40,7 @@ pub(super) struct Trial {
     pub force: Trace,
     /// In which steps of modal coordinates.
     pub steps: Option<Steps>,
-    /// The body in modal coordinates, on this rank where it was the one to compute the force.
+    /// The body in modal coordinates, where the force was computed in them.
     pub modal: Option<ModalBody>,
 }
 
@@ -64,13 +64,15 @@ impl<'a> Trials<'a> {
         Ok(trial)
     }
 
-    /// The force on a basis in given steps, or in its own. Collective.
+    /// The force on a basis in given steps, or in its own: as the first rank has it, with this rank's body, before somebody who may break it off. Collective.
     ///
     /// # Errors
     /// As [`Trials::force`].
-    pub fn force_in(&self, mut steps: Option<Steps>, projection: &Projection) -> Result<Trial> {
-        let (force, modal) = shared_force(self.comm, self.scene, projection, &mut steps, self.watch)?;
-        Ok(Trial { force, steps, modal })
+    pub fn force_in(&self, steps: Option<Steps>, projection: &Projection) -> Result<Trial> {
+        let trial = self.watch.shared(self.force_here(steps, projection));
+        // A rank that has broken off has a part of the force: all of them end here.
+        self.watch.at(Stage::Trial)?;
+        trial
     }
 
     /// The force on a basis of many more vectors than that for which the steps were chosen, in steps of its own, where it asks for shorter ones: longer steps
@@ -93,55 +95,29 @@ impl<'a> Trials<'a> {
         self.chosen = steps.map(|steps| Chosen { steps, vectors });
         Ok(is_shorter.then_some(trial))
     }
-}
-
-/// The force on a basis, by the scene's own scheme, whose steps pass the body's vibrations differently; in modal coordinates by the same
-/// steps on each basis, with the body in these.
-fn force(
-    comm: &Comm,
-    scene: &Scene,
-    projection: &Projection,
-    steps: &mut Option<Steps>,
-    watch: &dyn Watch,
-) -> Result<(Trace, Option<ModalBody>)> {
-    let take = |_: &Step, _: &Reading| {};
-    if scene.time.modal {
-        let body = ModalBody::of(projection);
-        let mut impact = ModalImpact::new(scene, &body).without_energies();
-        let (trace, taken) =
-            impact.trace_watched(*steps, &mut Until { interrupted: &|| watch.is_raised_here(), take })?;
-        *steps = Some(taken);
-        drop(impact);
-        return Ok((trace, Some(body)));
-    }
-    let mut trace = Trace::default();
-    let mut last: Option<(f64, f64)> = None;
-    let reduced = Body::of(&comm.session().alone(), &projection.system())?;
-    let _ = SteppedImpact::new(scene, reduced)?.run(|step| {
-        let (time, force) = (step.time, step.contact.force);
-        if let Some((before, was)) = last.replace((time, force)) {
-            trace.push(before, time - before, [was, 0.5 * (was + force), force]);
+    /// The force as this rank computes it: by the scene's own scheme, whose steps pass the body's vibrations differently; in modal coordinates in these steps,
+    /// with the body in these.
+    fn force_here(&self, steps: Option<Steps>, projection: &Projection) -> Result<Trial> {
+        let Self { comm, scene, watch, .. } = *self;
+        let take = |_: &Step, _: &Reading| {};
+        if scene.time.modal {
+            let body = ModalBody::of(projection);
+            let mut impact = ModalImpact::new(scene, &body).without_energies();
+            let (force, taken) =
+                impact.trace_watched(steps, &mut Until { interrupted: &|| watch.is_raised_here(), take })?;
+            drop(impact);
+            return Ok(Trial { force, steps: Some(taken), modal: Some(body) });
         }
-        Ok(if watch.is_raised_here() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
-    })?;
-    Ok((trace, None))
-}
-
-/// [`force`] as the first rank has it, with this rank's body, before somebody who may break it off. Collective.
-pub(super) fn shared_force(
-    comm: &Comm,
-    scene: &Scene,
-    projection: &Projection,
-    steps: &mut Option<Steps>,
-    watch: &dyn Watch,
-) -> Result<(Trace, Option<ModalBody>)> {
-    let mut modal = None;
-    let trace = force(comm, scene, projection, steps, watch).map(|(trace, body)| {
-        modal = body;
-        trace
-    });
-    let trace = watch.shared(trace);
-    // A rank that has broken off has a part of the force: all of them end here.
-    watch.at(Stage::Trial)?;
-    Ok((trace?, modal))
+        let mut force = Trace::default();
+        let mut last: Option<(f64, f64)> = None;
+        let reduced = Body::of(&comm.session().alone(), &projection.system())?;
+        let _ = SteppedImpact::new(scene, reduced)?.run(|step| {
+            let (time, now) = (step.time, step.contact.force);
+            if let Some((before, was)) = last.replace((time, now)) {
+                force.push(before, time - before, [was, 0.5 * (was + now), now]);
+            }
+            Ok(if watch.is_raised_here() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+        })?;
+        Ok(Trial { force, steps, modal: None })
+    }
 }
