@@ -161,7 +161,7 @@ def tables(rows, document):
     lines = [summary([row for row in counted(rows, quantity, [model]) if is_in(row)], quantity, model, name)
              for quantity in QUANTITIES for model in THEORIES for name, is_in in halves.items()]  # fmt: skip
     head = ["quantity", "theory", "numbers", "scenes", "error: median; largest", "of the largest tension alone", "estimate/error: least; median; 9 of 10; largest",
-            "with errors of 0.05% at least", "below 1", "ratio above 6 (tension: 5)"]  # fmt: skip
+            "estimate/max(error, 0.05%)", "below 1", "ratio above 6 (tension: 5)"]  # fmt: skip
     replace(document, "estimates", table(head, lines))
     lines = []
     for quantity in QUANTITIES:

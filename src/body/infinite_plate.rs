@@ -11,8 +11,8 @@
 //! u = Re Σ c z,  ż = λ z + F,  c = 2/(n Z)
 //!
 //! over the poles with Im λ > 0. Where ν falls with the frequency, as that of a plate that is hit on a disc, it is taken by bands:
-//! Σ_k Y_k (B_{k+1} − B_k), whose terms at each edge are again such coordinates. Bands have no negative density, so that
-//! these coordinates only take energy, which counts as dissipated.
+//! Σ_k Y_k (B_{k+1} − B_k), whose terms at each edge are again such coordinates. The sum of all bands has no negative density, so that
+//! these coordinates together only take energy, which counts as dissipated.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
