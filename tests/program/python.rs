@@ -18,7 +18,6 @@ use examples::{
 };
 use figures::{
     plots_have_axes_of_their_own, sweeps_are_drawn_as_curves_and_maps, sweeps_over_texts_are_drawn_with_names,
-    values_that_are_given_twice_have_no_grid,
 };
 
 pub const TESTS: &[PlainTest] = tests![
@@ -27,7 +26,6 @@ pub const TESTS: &[PlainTest] = tests![
     sweeps_and_their_parts_are_read,
     sweeps_are_drawn_as_curves_and_maps,
     sweeps_over_texts_are_drawn_with_names,
-    values_that_are_given_twice_have_no_grid,
     plots_have_axes_of_their_own,
     scenes_are_run_as_by_the_command_line,
     values_are_set_as_toml,

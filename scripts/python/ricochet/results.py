@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from typing import TYPE_CHECKING, Any, Optional, Union
 
@@ -154,16 +153,8 @@ class Sweep:
         return np.array(list(dict.fromkeys(given)), given.dtype)
 
     def grid(self, name: str) -> np.ndarray:
-        """A quantity of all members, in its SI unit, as an array with one dimension a key, in the order of `keys`.
-
-        Raises ValueError if several keys are varied and a value of one is given twice.
-        """
-        if len(self.keys) == 1:
-            return self.members[name]
-        shape = [len(self.values(key)) for key in self.keys]
-        if math.prod(shape) != len(self.members[name]):
-            raise ValueError(f"{self.path} has no grid: a value of a key is given twice")
-        return self.members[name].reshape(shape)
+        """A quantity of all members, in its SI unit, as an array with one dimension a key, in the order of `keys`."""
+        return self.members[name].reshape([len(self.values(key)) for key in self.keys])
 
     def plot(self, name: str = "peak_acceleration", axes: Optional[Axes] = None, **style: Any) -> Axes:
         """Draws a quantity in its SI unit: a curve over one key, a map over two. Texts become the names of ticks.

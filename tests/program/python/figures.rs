@@ -66,16 +66,6 @@ pub(super) fn sweeps_over_texts_are_drawn_with_names() {
     assert_eq!(told[3], format!("{} newmark energy modal 1000000000.0 10000000.0", bits(&of_both)));
 }
 
-pub(super) fn values_that_are_given_twice_have_no_grid() {
-    let folder = folder(&supported());
-    good(&folder, 0, "sweep scene.toml --vary body.model=kirchhoff,kirchhoff -o one.h5");
-    good(&folder, 0, "sweep scene.toml --vary body.model=kirchhoff,kirchhoff --vary impactor.speed=1,2 -o two.h5");
-    let told = python(folder.path(), "print(bits(ricochet.Sweep('one.h5').grid('peak_force')))").unwrap();
-    assert_eq!(told, [bits(&numbers(&folder.path().join("one.h5"), "members/peak_force"))]);
-    let error = python(folder.path(), "ricochet.Sweep('two.h5').grid('peak_force')").unwrap_err();
-    assert_eq!(error, "ValueError: two.h5 has no grid: a value of a key is given twice");
-}
-
 /// Each plot makes a figure, unless axes are given: then nothing is drawn elsewhere.
 pub(super) fn plots_have_axes_of_their_own() {
     let folder = folder(&supported());
