@@ -32,6 +32,22 @@ pub fn symmetric_eigen(matrix: DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
     ascending((values, vectors))
 }
 
+/// F X of a positive semidefinite matrix A = FᵀF ([`semidefinite_factor`]), of rows that no entry couples apart: four blocks take a sixteenth of the time of F.
+pub fn semidefinite_factor_times(matrix: &DMatrix<f64>, columns: &DMatrix<f64>) -> DMatrix<f64> {
+    let of_block = |rows: Vec<usize>| {
+        let factor = semidefinite_factor(&matrix.select_rows(&rows).select_columns(&rows));
+        factor * columns.select_rows(&rows)
+    };
+    let products: Vec<_> = coupled(matrix).into_iter().map(of_block).collect();
+    let mut product = DMatrix::zeros(products.iter().map(DMatrix::nrows).sum(), columns.ncols());
+    let mut first = 0;
+    for part in &products {
+        product.rows_mut(first, part.nrows()).copy_from(part);
+        first += part.nrows();
+    }
+    product
+}
+
 /// F of a positive semidefinite matrix A = FᵀF, with as many rows as A has independent ones: Cholesky's factor with the largest diagonal
 /// first, to rounding (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2002, 10.3).
 pub fn semidefinite_factor(matrix: &DMatrix<f64>) -> DMatrix<f64> {
@@ -262,6 +278,19 @@ mod tests {
         // Rounding of three terms of size one.
         assert!((factor.tr_mul(&factor) - matrix).amax() < 1e-14);
         assert_eq!(semidefinite_factor(&DMatrix::zeros(8, 8)).shape(), (0, 8));
+    }
+
+    /// X of two blocks with interlaced rows: (FX)ᵀ(FX) is XᵀAX.
+    #[test]
+    fn factors_of_blocks() {
+        let rows =
+            DMatrix::from_fn(4, 9, |i, j| if i % 2 == j % 2 { ((i + 1) as f64 * (j + 2) as f64).sin() } else { 0.0 });
+        let matrix = rows.tr_mul(&rows);
+        let columns = DMatrix::from_fn(9, 5, |i, j| ((2 * i + j) as f64).cos());
+        let product = semidefinite_factor_times(&matrix, &columns);
+        assert_eq!(product.shape(), (4, 5));
+        // Rounding of some ten terms of size one.
+        assert!((product.tr_mul(&product) - columns.tr_mul(&(matrix * &columns))).amax() < 1e-13);
     }
 
     /// Two blocks with interlaced rows: V is orthogonal and AV = VΛ.

@@ -3,7 +3,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::damped::{Damped, damped};
-use super::eigen::{semidefinite_factor, symmetric_eigen};
+use super::eigen::{semidefinite_factor_times, symmetric_eigen};
 use super::modal_relaxation::ModalRelaxation;
 use super::real_parts::real_parts;
 use super::relaxing_classes::relaxing;
@@ -219,7 +219,7 @@ impl Spectrum {
             force,
             load: along(&projection.load),
             support_load: along(&projection.support_load),
-            support: semidefinite_factor(&projection.support) * &vectors,
+            support: semidefinite_factor_times(&projection.support, &vectors),
             damping: projection.damping.as_ref().map(on),
             relaxations: of_relaxations.collect(),
             rate: projection.rate,
