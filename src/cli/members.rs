@@ -80,13 +80,13 @@ impl Remarks {
             } else if whole > *tolerance {
                 let text = format!(
                     "the estimated error of the whole history is {} of the peak, above accuracy.tolerance = {tolerance:e}, which is for the first \
-                     contact: later contacts are sensitive; tighten the tolerance to check them",
+                     contact: later times are more sensitive; tighten the tolerance to check them",
                     above(whole, *tolerance)
                 );
                 all.notes.add(member, remark("whole history", whole, text));
             }
             if deflection > LARGE {
-                let text = format!("the body bends by about {}", beyond(deflection));
+                let text = format!("the body bends by about {}", beyond(deflection, false));
                 all.warnings.add(member, remark("deflection", deflection, text));
             }
         }

@@ -113,12 +113,12 @@ pub fn missed(errors: &Errors, (measure, tolerance): (Measure, f64), was_warned:
         let error = above(errors.history, tolerance);
         missed.push(match measure {
             Measure::Acceleration => format!(
-                "the estimated error of the whole history is {error} of the peak, above accuracy.tolerance = {tolerance:e}, which is for the first contact: later contacts are \
-                 sensitive; tighten the tolerance to check them"
+                "the estimated error of the whole history is {error} of the peak, above accuracy.tolerance = {tolerance:e}, which is for the first contact: later times are \
+                 more sensitive; tighten the tolerance to check them"
             ),
             Measure::Stress => format!(
                 "the estimated error of the acceleration over the whole history is {error} of the peak, above accuracy.tolerance = {tolerance:e}; stresses are estimated in \
-                 the first contact alone: later contacts are sensitive; tighten the tolerance to check them"
+                 the first contact alone: later times are more sensitive; tighten the tolerance to check them"
             ),
         });
     }
@@ -296,6 +296,14 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
     let indentation = impactor.peak_indentation();
     match &impactor.force_law {
         ForceLaw::Hertz(_) => {
+            let of_contact = impactor.radius.map_or(0.0, |radius| (radius * indentation).sqrt());
+            if let Some(room) = scene.room().filter(|room| *room < of_contact) {
+                let text = format!(
+                    "on a half-space the contact would have a radius of {of_contact:.2e} m, and the nearest edge of the face that is hit is {room:.2e} m away: \
+                     Hertz's law holds for contacts that no edge cuts off"
+                );
+                add("contact at an edge", of_contact / room, text);
+            }
             if let Some(radius) = impactor.radius.filter(|radius| indentation > 0.1 * radius) {
                 let text = format!(
                     "on a half-space the impactor would sink in by {indentation:.2e} m, and Hertz's law holds while that is small against its \
@@ -383,5 +391,20 @@ mod tests {
         assert!(told(errors(9e-3, f64::NAN), Measure::Stress, false).is_empty());
         assert_eq!(told(errors(2e-2, 9e-3), Measure::Acceleration, false).len(), 1);
         assert!(told(errors(2e-2, 9e-3), Measure::Stress, false)[0].contains("first contact alone"));
+    }
+
+    /// A contact that is wider than the way to the nearest edge has a note; farther inside it has none.
+    #[test]
+    fn a_contact_that_an_edge_cuts_off_is_noted() {
+        let noted = |x: f64| {
+            let text = format!(
+                "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.8, 0.5, 0.012]\n\
+                 [impactor]\nmass = 1.0\nradius = 0.03\nyoung = 3e9\npoisson = 0.3\nspeed = 3.0\npoint = [{x}, 0.1, 0.006]\n\
+                 [time]\nend = 0.008\n"
+            );
+            let scene = Scene::parse("scene", &text, &[]).expect("a scene").0;
+            notes(&scene, None, None).iter().any(|note| note.kind == "contact at an edge")
+        };
+        assert!(noted(0.397) && !noted(0.39) && !noted(0.0));
     }
 }

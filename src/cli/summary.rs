@@ -127,20 +127,23 @@ impl Summary {
     /// That the deflection is too large for the model, where it is.
     pub fn warning(&self) -> Option<String> {
         let ratio = self.linearity?.excess(self.largest_deflection)?;
-        Some(format!("the body bends by about {} mm, {}", short(1e3 * self.largest_deflection), beyond(ratio)))
+        let held = self.linearity?.are_edges_held();
+        Some(format!("the body bends by about {} mm, {}", short(1e3 * self.largest_deflection), beyond(ratio, held)))
     }
 }
 
-/// What a deflection of so many thicknesses means.
-pub fn beyond(ratio: f64) -> String {
-    let [least, most] = STIFFENING.map(|factor| factor * ratio * ratio);
+/// What a deflection of so many thicknesses means for a plate whose edges are held in its plane, or for any.
+pub fn beyond(ratio: f64, are_edges_held: bool) -> String {
+    let [least, most] = STIFFENING.map(|factor| 100.0 * factor * ratio * ratio);
+    let by = if are_edges_held {
+        format!("by up to {most:.0}%, since its edges cannot move in the plane")
+    } else {
+        format!("by about {least:.0}% where its edges can move in the plane and by up to {most:.0}% where they cannot")
+    };
     format!(
-        "{} times the thickness, and the model is geometrically linear: it neglects membrane forces, which \
-         make the plate stiffer by about {:.0}% where its edges can move in the plane and by up to {:.0}% where they cannot; \
+        "{} times the thickness, and the model is geometrically linear: it neglects membrane forces, which make the plate stiffer {by}; \
          expect larger forces and smaller deflections",
-        short(ratio),
-        100.0 * least,
-        100.0 * most
+        short(ratio)
     )
 }
 
@@ -166,7 +169,9 @@ pub fn lines(extremes: &Extremes, first_end: Option<f64>) -> Vec<String> {
         );
         line += &match largest.error_estimate {
             none if none.is_nan() => {
-                ", without an estimate of its error (plates and spline solids in modal coordinates have one)".to_owned()
+                ", without an estimate of its error (there is one for plates and spline solids in modal coordinates that are hit at least a thickness \
+                 from an edge, but for tensions at clamped edges)"
+                    .to_owned()
             }
             _ if first_end.is_some_and(|end| largest.time > end) => {
                 ", after the first contact; errors of tensions are estimated in the first contact only".to_owned()

@@ -7,7 +7,6 @@ use petsc_wrap::Comm;
 use serde::{Deserialize, Serialize};
 
 use super::elastic_cells;
-use super::mindlin_error::is_clamp_of_sections;
 use super::reduce::{OF_BASIS, Plan, Reduced, grow, reduce_from};
 use super::theory::{Built, Operators, build, cells_of_plate};
 use super::trials::{Trial, Trials};
@@ -151,7 +150,7 @@ impl Judge {
     /// The power of the size with which errors fall.
     fn order(&self, fewest: usize, scene: &Scene, theory: Model) -> f64 {
         let is_solid = theory == Model::Solid;
-        let is_clamped = scene.supports.iter().any(|support| is_clamp_of_sections(support, scene));
+        let is_clamped = scene.clamps_sections();
         let full = if is_solid && fewest < FEW_OF_SOLIDS { ORDER_OF_SOLIDS } else { ORDER };
         let at_edges = if is_clamped { ORDER_AT_CLAMPS } else { full };
         let of_few = full.min(ORDER_PER_CELL * fewest as f64);

@@ -109,7 +109,7 @@ fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Mode
     }
     let (struck, impactor) = (scene.body.struck(), &scene.impactor);
     // Nearer to an edge than its thickness the body is softer; and what else moves it, a half-space does not know.
-    let is_near_edge = (0..3).any(|i| i != axis && 0.5 * size[i] - impactor.point[i].abs() < size[axis]);
+    let is_near_edge = scene.room().is_some_and(|room| room < size[axis]);
     let is_moved =
         scene.load != Load::default() || scene.supports.iter().any(|support| support.displacement != [0.0; 3]);
     if is_near_edge || is_moved {

@@ -8,10 +8,13 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::contact::Patch;
 use crate::impact::step::Step;
-use crate::scene::{Geometry, Load, Model, Scene, Support, SupportKind, Vec3};
+use crate::scene::{Geometry, Load, Model, Scene, Support, SupportKind, Vec3, faces};
 
 /// Deflection over the thickness above which the membrane forces are no longer small.
 pub const LARGE: f64 = 0.5;
+
+/// The same where opposite edges are held in the plane: with the largest c that is 12% of stiffness.
+const LARGE_FOR_HELD_EDGES: f64 = 0.25;
 
 /// The least and the largest c.
 pub const STIFFENING: [f64; 2] = [0.15, 1.9];
@@ -26,6 +29,7 @@ pub struct Linearity {
     mass: f64,
     speed: f64,
     gravity: f64,
+    are_edges_held: bool,
 }
 
 impl Linearity {
@@ -46,7 +50,14 @@ impl Linearity {
             (_, _, Some(patch)) if !is_free => (patch.thickness, 0.0),
             _ => return None,
         };
-        Some(Self { thickness, mobility, mass: impactor.mass, speed: impactor.speed, gravity: impactor.gravity })
+        Some(Self {
+            thickness,
+            mobility,
+            mass: impactor.mass,
+            speed: impactor.speed,
+            gravity: impactor.gravity,
+            are_edges_held: are_edges_held(scene),
+        })
     }
 
     /// By how much the body is bent at the impact point, m: without its motion as a rigid body, free or on its supports.
@@ -68,7 +79,13 @@ impl Linearity {
 
     /// A deflection (m) over the thickness, where that is large.
     pub fn excess(&self, deflection: f64) -> Option<f64> {
-        Some(self.over_thickness(deflection)).filter(|ratio| *ratio > LARGE)
+        let large = if self.are_edges_held { LARGE_FOR_HELD_EDGES } else { LARGE };
+        Some(self.over_thickness(deflection)).filter(|ratio| *ratio > large)
+    }
+
+    /// Whether clamps hold two opposite edges in the plane of the plate, across themselves.
+    pub fn are_edges_held(&self) -> bool {
+        self.are_edges_held
     }
 }
 
@@ -82,6 +99,18 @@ fn holds_along(support: &Support, direction: Vec3) -> bool {
     held.iter().zip(direction).any(|(held, along)| *held && along != 0.0)
 }
 
+/// Whether clamps hold all of two opposite edges of a plate across themselves, in its plane.
+fn are_edges_held(scene: &Scene) -> bool {
+    let Some(struck) = scene.struck_axis() else { return false };
+    let is_held = |face: (usize, bool)| {
+        scene.supports.iter().any(|support| {
+            let holds = matches!(support.kind, SupportKind::Clamped { components } if components[face.0]);
+            holds && support.within.is_none() && faces(&support.surface).contains(&face)
+        })
+    };
+    (0..3).any(|axis| axis != struck && is_held((axis, false)) && is_held((axis, true)))
+}
+
 /// aᵀ(M⁻¹)a of a rigid box: 1/m + (r × d)·I⁻¹(r × d).
 fn mobility(scene: &Scene, size: [f64; 3]) -> Option<f64> {
     let mass = scene.body.mass()?;
@@ -89,4 +118,32 @@ fn mobility(scene: &Scene, size: [f64; 3]) -> Option<f64> {
     let inertia = Matrix3::from_diagonal(&(Vector3::new(b + c, a + c, a + b) * (mass / 12.0)));
     let moment = Vector3::from(scene.impactor.point).cross(&Vector3::from(scene.impactor.direction));
     Some(1.0 / mass + moment.dot(&(inertia.try_inverse()? * moment)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Edges that are clamped in the plane hold the plate from a quarter of its thickness on: all sides, or two opposite ones across themselves.
+    #[test]
+    fn edges_that_are_held_stiffen_sooner() {
+        let held = |supports: &str| {
+            let text = format!(
+                "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.4, 0.3, 0.01]\n{supports}\n\
+                 [impactor]\nmass = 1.0\nradius = 0.03\nyoung = 3e9\npoisson = 0.3\nspeed = 3.0\n[time]\nend = 0.008\n"
+            );
+            let scene = Scene::parse("scene", &text, &[]).expect("a scene").0;
+            let linearity = Linearity::new(&scene, Model::Mindlin, None).expect("a plate");
+            assert!(linearity.excess(0.24 * 0.01).is_none() && linearity.excess(0.51 * 0.01).is_some());
+            assert_eq!(linearity.excess(0.3 * 0.01).is_some(), linearity.are_edges_held());
+            linearity.are_edges_held()
+        };
+        let clamp = |surface: &str, components: &str| {
+            format!("[[support]]\nsurface = \"{surface}\"\nkind = \"clamped\"\n{components}\n")
+        };
+        let both = |components: &str| clamp("x-min", components) + &clamp("x-max", components);
+        assert!(held(&clamp("side", "")) && held(&both("components = [\"x\", \"z\"]")));
+        assert!(!held(&clamp("side", "components = [\"z\"]")) && !held(&clamp("x-min", "")));
+        assert!(!held(&both("components = [\"y\", \"z\"]")));
+    }
 }

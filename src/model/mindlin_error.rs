@@ -17,7 +17,7 @@
 //! The factors were measured; docs/costs.md compares the estimate with true errors. It is an estimate, not a bound.
 
 use crate::impact::joined;
-use crate::scene::{Geometry, Scene, Support, SupportKind};
+use crate::scene::{Geometry, Scene, SupportKind};
 use crate::space::plate::crossing;
 
 /// The constant where sections are free to warp: on 16 plates 8 to 50 times as wide as thick, with solids of tolerance 1e-4, the error exceeded the other
@@ -66,7 +66,7 @@ fn sections(scene: &Scene) -> f64 {
     // (Springs hold a ply on a soft layer more than the modulus of the struck layer tells. Laminates were not measured.)
     let is_uniform = scene.body.composition.uniform().is_some();
     let free = if is_uniform { FREE_SECTIONS } else { FREE_SECTIONS_OF_LAYERS };
-    if scene.supports.iter().any(|support| is_clamp_of_sections(support, scene)) {
+    if scene.clamps_sections() {
         return HELD_SECTIONS;
     }
     match spring_over_section(scene) {
@@ -88,12 +88,4 @@ fn spring_over_section(scene: &Scene) -> f64 {
         .map(|stiffness| (0..3).filter(|axis| *axis != struck).map(|axis| stiffness[axis]).fold(0.0, f64::max))
         .sum();
     along * size[struck] / scene.body.struck().young
-}
-
-/// Whether a support clamps displacements along the plate.
-pub(super) fn is_clamp_of_sections(support: &Support, scene: &Scene) -> bool {
-    let (SupportKind::Clamped { components }, Some(struck)) = (&support.kind, scene.struck_axis()) else {
-        return false;
-    };
-    (0..3).any(|axis| components[axis] && axis != struck)
 }

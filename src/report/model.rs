@@ -35,7 +35,7 @@ pub fn section(data: &Data) -> Section {
     let parts = vec![
         Part::Facts(Facts { caption: "Model".to_owned(), rows }),
         Part::Text(
-            "The estimate of the acceleration’s error is the sum of the estimated errors of the cells, the basis, the selected theory, \
+            "The estimate of the acceleration’s error combines the estimated errors of the cells, the basis, the selected theory, \
              the time steps and the contact patch, as far as each applies, divided by the peak. It does not include the error of a theory, \
              of a time step or of a mesh that the scene prescribes, nor that of its material data."
                 .to_owned(),
@@ -106,7 +106,15 @@ pub fn acceleration_error(data: &Data) -> Estimate {
     let tolerance = data.scene.as_ref().map_or(String::new(), |Scene { tolerance, .. }| {
         format!(" (tolerance in the first contact: {})", percent(*tolerance))
     });
-    Estimate { value: percent(error), of: format!("of the peak, over the whole history{tolerance}") }
+    let without =
+        if is_theory_left_out(data) { ", without that of the theory, which the scene prescribes" } else { "" };
+    Estimate { value: percent(error), of: format!("of the peak, over the whole history{tolerance}{without}") }
+}
+
+/// Whether a theory simpler than the solid was named in the scene, whose error nothing estimates then.
+fn is_theory_left_out(data: &Data) -> bool {
+    let is_named = |scene: &Scene| !matches!(scene.body.model, Model::Auto | Model::Solid);
+    data.scene.as_ref().is_ok_and(is_named)
 }
 
 /// That of the largest tension.

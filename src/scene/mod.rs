@@ -156,6 +156,31 @@ impl Scene {
         }
     }
 
+    /// How far the nearest edge of the face of a box that is hit is from the impact point, m; `None` for a mesh file.
+    pub fn room(&self) -> Option<f64> {
+        let (Geometry::Box { size, .. }, Some(struck)) = (&self.body.geometry, self.struck_axis()) else { return None };
+        let to_edge = |axis: usize| 0.5 * size[axis] - self.impactor.point[axis].abs();
+        (0..3).filter(|axis| *axis != struck).map(to_edge).min_by(f64::total_cmp)
+    }
+
+    /// Whether a support clamps displacements along a plate.
+    pub fn clamps_sections(&self) -> bool {
+        self.struck_axis().is_some_and(|struck| self.supports.iter().any(|support| support.clamps_sections(struck)))
+    }
+
+    /// Whether a point of a plate is within half its thickness of an edge whose sections are clamped: in a solid stresses have no limit there.
+    pub fn is_at_clamped_edge(&self, point: Vec3) -> bool {
+        let (Geometry::Box { size, .. }, Some(struck)) = (&self.body.geometry, self.struck_axis()) else {
+            return false;
+        };
+        let is_near = |(axis, is_upper): &faces::Face| {
+            let along = if *is_upper { point[*axis] } else { -point[*axis] };
+            *axis != struck && 0.5 * size[*axis] - along <= 0.5 * size[struck]
+        };
+        let clamps = self.supports.iter().filter(|support| support.clamps_sections(struck));
+        clamps.flat_map(|support| faces::faces(&support.surface)).any(is_near)
+    }
+
     /// Heights along z where the layers of a box end that is hit across them, ascending, m; empty where they do not differ, or are hit along.
     pub fn hit_layers(&self) -> Vec<f64> {
         match self.struck_axis() {

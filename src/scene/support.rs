@@ -18,6 +18,12 @@ pub struct Support {
 }
 
 impl Support {
+    /// Whether it clamps displacements along a plate that is hit across an axis: it holds the sections of edges then.
+    pub fn clamps_sections(&self, struck: usize) -> bool {
+        let SupportKind::Clamped { components } = self.kind else { return false };
+        (0..3).any(|axis| components[axis] && axis != struck)
+    }
+
     /// Whether it acts on a part of a side that is not even across the thickness along an axis of a body, and in other directions than
     /// along that axis: then bending and stretching are coupled. A pad that acts in such directions lets go of one half of a bent side.
     pub fn couples_stretching(&self, axis: usize, thickness: f64) -> bool {

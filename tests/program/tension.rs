@@ -9,7 +9,8 @@ pub const TESTS: &[PlainTest] = tests![
     maps_have_the_largest_tension_at_each_point,
     strengths_are_of_faces_that_are_there,
     sweeps_have_a_column_for_it,
-    what_has_no_estimate_is_told
+    what_has_no_estimate_is_told,
+    tensions_at_clamped_edges_have_no_estimate
 ];
 
 /// A pane whose tension is some 60 MPa.
@@ -159,4 +160,28 @@ fn what_has_no_estimate_is_told() {
         assert!(number::<f64>(file, "stress_error_estimate").is_nan());
         assert!(number::<f64>(file, "largest_stress").is_finite());
     });
+}
+
+/// A plate that breaks at its clamped edge: what is estimated is the tension under the hit, and at the edge solids find more the smaller their cells are.
+/// With its edges simply supported it is under the hit, and has an estimate.
+fn tensions_at_clamped_edges_have_no_estimate() {
+    let folder = folder(
+        "[body]\nmodel = \"mindlin\"\nyoung = 210e9\npoisson = 0.3\ndensity = 7850.0\nsize = [0.2, 0.2, 0.01]\n\
+         [[support]]\nsurface = \"side\"\nkind = \"clamped\"\n\
+         [impactor]\nmass = 2.0\nradius = 0.2\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\npoint = [0.07, 0.0, 0.005]\n\
+         [time]\nend = 5e-4\n[accuracy]\ntolerance = 0.1\n[strength]\ntension = 235e6\n",
+    );
+    for (more, is_at_edge) in [("", true), (" --set support.0.components=[\"z\"]", false)] {
+        let said = good(&folder, 0, &format!("run scene.toml -o out.h5 --force{more}"));
+        let file = open(folder.path().join("out.h5"));
+        assert_eq!(number::<f64>(&file, "largest_stress_x") == 0.1, is_at_edge, "{said:?}");
+        assert_eq!(number::<f64>(&file, "stress_error_estimate").is_nan(), is_at_edge, "{said:?}");
+        assert_eq!(said.stdout.contains("without an estimate of its error"), is_at_edge, "{said:?}");
+    }
+    let of_sweep = "sweep scene.toml --vary impactor.speed=0.9,1 -o sweep.h5";
+    good(&folder, 0, of_sweep);
+    let errors = open(folder.path().join("sweep.h5")).dataset("members/stress_error_estimate").unwrap();
+    assert!(errors.read_raw::<f64>().unwrap().iter().all(|error| error.is_nan()));
+    let said = good(&folder, 0, "limit scene.toml --vary impactor.speed=0.5..1");
+    assert!(said.stderr.contains("the strength is used most at a clamped edge"), "{said:?}");
 }

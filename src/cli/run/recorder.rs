@@ -14,7 +14,6 @@ use crate::record::checkpoint;
 use crate::record::extremes::extremes;
 use crate::record::provenance::Cost;
 use crate::record::series::SeriesWriter;
-use crate::record::stress::LargestTension;
 use crate::scene::Scene;
 
 use super::super::interrupt::Interrupt;
@@ -60,7 +59,7 @@ impl Recorder {
         let fields = self.recording.as_mut().filter(|_| is_complete || self.writer.has_begun());
         let recorded = fields.map_or(Ok(()), Recording::flush);
         let error_estimate = end.estimate.total().map_or(f64::NAN, |errors| errors.stress);
-        self.writer.set_largest(LargestTension { error_estimate, ..self.summary.largest_tension() });
+        self.writer.set_largest(self.summary.largest_tension().with_error(error_estimate, scene));
         // Where the run has failed already, that is what is told: a full disk fails the steps first and then the end.
         self.writer.finish(end.cost, is_complete).and(recorded)?;
         let Some(flow) = flow else { return Ok(()) };

@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::error::Result;
 use crate::impact::checkpoint::Visitor;
 use crate::record::provenance::{text, write_scalar, write_text};
-use crate::scene::Vec3;
+use crate::scene::{Scene, Vec3};
 use crate::space::evaluate::FaceTension;
 
 /// The largest tension of a run, over all steps and faces, and when the strength was passed.
@@ -36,6 +36,12 @@ impl Default for LargestTension {
 }
 
 impl LargestTension {
+    /// With its estimated error, unless it is at a clamped edge: the estimate follows the tension under the hit, and at such an edge stresses of a solid have
+    /// no limit.
+    pub fn with_error(self, error: f64, scene: &Scene) -> Self {
+        Self { error_estimate: if scene.is_at_clamped_edge(self.point) { f64::NAN } else { error }, ..self }
+    }
+
     /// Takes a step.
     pub fn take(&mut self, time: f64, tensions: &[FaceTension], strengths: &[Option<f64>]) {
         for (face, tension) in tensions.iter().enumerate() {

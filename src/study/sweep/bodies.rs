@@ -348,7 +348,7 @@ impl Kept {
         // Of given steps there is no estimate, which counts for nothing; of chosen ones there has to be one.
         let of_steps = if impact.count.error.is_some() { f64::NAN } else { 0.0 };
         if !tension.value.is_nan() {
-            tension.error_estimate = joined(impact.count.stress_error.unwrap_or(of_steps), all.stress);
+            tension = tension.with_error(joined(impact.count.stress_error.unwrap_or(of_steps), all.stress), scene);
         }
         let unknowns = self.unknowns + 1;
         let outcome = Computed { error_estimate, first_error, deflection, unknowns, tension };

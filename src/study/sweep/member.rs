@@ -73,7 +73,7 @@ pub fn simulate(
     })?;
     let errors = simulation.error().total().map(|errors| errors.joined(of_theory));
     let error_estimate = errors.map_or(f64::NAN, |errors| errors.history);
-    tension.error_estimate = errors.map_or(f64::NAN, |errors| errors.stress);
+    tension = tension.with_error(errors.map_or(f64::NAN, |errors| errors.stress), scene);
     let outcome = Computed { error_estimate, first_error, deflection, unknowns, tension };
     Ok(flow.is_continue().then_some(outcome))
 }
