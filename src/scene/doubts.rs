@@ -11,6 +11,9 @@ use super::{Scene, SceneError, Source, Vec3};
 const SOFT: f64 = 1e6;
 const STIFF: f64 = 1e13;
 
+/// Weaker than foam, Pa.
+const WEAK: f64 = 1e4;
+
 /// Lighter than foam, and heavier than any metal, kg/m³.
 const LIGHT: f64 = 25.0;
 const HEAVY: f64 = 25e3;
@@ -63,6 +66,12 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
         let Some(Number(density)) = density else { continue };
         doubt(&key, LIGHT / density, format!("{} kg/m3 is lighter than foam", show(density)), of_density());
         doubt(&key, density / HEAVY, format!("{} kg/m3 is heavier than any metal", show(density)), of_density());
+    }
+    let of_faces = scene.strength.by_face.iter().map(|(face, strength)| (format!("strength.face.{face}"), *strength));
+    let of_all = scene.strength.tension.map(|strength| ("strength.tension".to_owned(), strength));
+    for (key, strength) in of_all.into_iter().chain(of_faces) {
+        let help = format!("a strength is in Pa: {} MPa are {}", show(strength), show(1e6 * strength));
+        doubt(&key, WEAK / strength, format!("{} Pa is weaker than foam", show(strength)), help);
     }
     if let Some(radius) = impactor.radius.filter(|radius| *radius > LARGE) {
         let of_ball = impactor.mass / (4.0 / 3.0 * PI * radius.powi(3));

@@ -22,6 +22,8 @@ fn values_in_other_units_are_told_with_their_key_and_a_remedy() {
         (&["impactor.young=210"], ["impactor.young: 210 Pa is softer", "in Pa"]),
         (&["body.density=2.5"], ["body.density: 2.5 kg/m3 is lighter than foam", "2.5 g/cm3 are 2500"]),
         (&["body.density=2.5e6"], ["body.density: ", "heavier than any metal"]),
+        (&["strength.tension=45"], ["strength.tension: 45 Pa is weaker than foam", "45 MPa are 4.5e7"]),
+        (&["strength.face.lower=45"], ["strength.face.lower: 45 Pa is weaker than foam", "in Pa"]),
         (&["impactor.radius=50"], ["impactor.radius: a ball of 50 m and 52 kg", "50 mm are 0.05"]),
         (&["load.body_force=[0,0,-1e12]"], ["load.body_force: the loads accelerate the body by 4.0e8 m/s2", "in N/m3"]),
         (
