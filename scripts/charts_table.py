@@ -12,8 +12,6 @@ PLATES = {"plate100": "1.5 × 1.5 × 0.1 m", "plate40": "1.5 × 1.5 × 0.04 m", 
 STIFFNESSES = ["0", "1e9"]
 LEVELS = [1e-1, 5e-2, 2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 1e-4]
 TENSION_LEVELS = [5e-2, 2e-2, 1e-2, 5e-3]
-# Formulas without an estimate of their error: what is within an error by them is so by chance.
-FORMULAS = ["half-space", "infinite-plate"]
 LISTING = "legacy FEniCS, the paper's listing"
 PEERS = {LISTING: "the listing", "legacy FEniCS, condensed": "FEniCS, condensed",
          "NGSolve + eigsh modes": "NGSolve, modes", "NGSolve + Ritz vectors": "NGSolve, Ritz"}  # fmt: skip
@@ -59,10 +57,6 @@ def chart(rows, levels, columns):
         if asked:
             met = "" if asked[0][3] <= level else ", **missed**"
             of_auto = f"{seconds(asked[0][2])}, {ratio(asked[0][2] / first[2])} times; error {100 * asked[0][3]:.2g}%{met}"
-            if asked[0][4]:
-                # Itself, where no other is as accurate.
-                equal = best([row for row in own if row[0] not in FORMULAS] + asked[:1], asked[0][3])
-                of_auto += f", for which it takes {ratio(asked[0][2] / equal[2])} times the quickest"
         cells = []
         for name in columns:
             point = best([row for row in peers if row[0] == name], level)
