@@ -12,6 +12,8 @@ PLATES = {"plate100": "1.5 × 1.5 × 0.1 m", "plate40": "1.5 × 1.5 × 0.04 m", 
 STIFFNESSES = ["0", "1e9"]
 LEVELS = [1e-1, 5e-2, 2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 1e-4]
 TENSION_LEVELS = [5e-2, 2e-2, 1e-2, 5e-3]
+# Methods whose small errors on these plates are accidental.
+ACCIDENTAL = ["half-space", "infinite-plate"]
 LISTING = "legacy FEniCS, the paper's listing"
 PEERS = {LISTING: "the listing", "legacy FEniCS, condensed": "FEniCS, condensed",
          "NGSolve + eigsh modes": "NGSolve, modes", "NGSolve + Ritz vectors": "NGSolve, Ritz"}  # fmt: skip
@@ -44,6 +46,7 @@ def chart(rows, levels, columns):
     """By error: our best, auto's, and over ours those of the peers, each with the head of its column."""
     peers, auto = [row for row in rows if row[0] in columns], [row for row in rows if row[0] == "auto"]
     own = [row for row in rows if row[0] not in columns and row[0] != "auto"]
+    judged = [row for row in own if row[0] not in ACCIDENTAL]
     lines = []
     # Errors that the reference cannot tell are below this.
     floor = max((row[3] for row in rows if not row[4]), default=0.0)
@@ -57,6 +60,9 @@ def chart(rows, levels, columns):
         if asked:
             met = "" if asked[0][3] <= level else ", **missed**"
             of_auto = f"{seconds(asked[0][2])}, {ratio(asked[0][2] / first[2])} times; error {100 * asked[0][3]:.2g}%{met}"
+            front = best(judged, asked[0][3])
+            if front and asked[0][4]:
+                of_auto += f", {ratio(asked[0][2] / front[2])} times the quickest within that"
         cells = []
         for name in columns:
             point = best([row for row in peers if row[0] == name], level)
