@@ -297,12 +297,12 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
     match &impactor.force_law {
         ForceLaw::Hertz(_) => {
             let of_contact = impactor.radius.map_or(0.0, |radius| (radius * indentation).sqrt());
-            if let Some(room) = scene.room().filter(|room| *room < of_contact) {
+            if let Some(distance) = scene.distance_to_edge().filter(|distance| *distance < of_contact) {
                 let text = format!(
-                    "on a half-space the contact would have a radius of {of_contact:.2e} m, and the nearest edge of the face that is hit is {room:.2e} m away: \
+                    "on a half-space the contact would have a radius of {of_contact:.2e} m, and the nearest edge of the face that is hit is {distance:.2e} m away: \
                      Hertz's law holds for contacts that no edge cuts off"
                 );
-                add("contact at an edge", of_contact / room, text);
+                add("contact at an edge", of_contact / distance, text);
             }
             if let Some(radius) = impactor.radius.filter(|radius| indentation > 0.1 * radius) {
                 let text = format!(

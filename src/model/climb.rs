@@ -18,6 +18,7 @@ use crate::scene::{
 };
 use crate::space::spline;
 
+use super::elastic_cells;
 use super::layers::layered;
 use super::mindlin_error::mindlin_error_over_difference;
 use super::watch::Watch;
@@ -80,6 +81,11 @@ pub(super) fn climb(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Mod
         Ok(()) if matches!(scene.contact, Contact::Patch { radius: Some(_), .. }) => {
             passed.push("a patch is given, which is the solid's".to_owned());
         }
+        Ok(()) if is_layered && elastic_cells::elastic(scene).body.composition.uniform().is_some() => {
+            passed.push(
+                "its one material relaxes, and the error of a plate of it is not estimated: body.model = \"layerwise\" is one".to_owned(),
+            );
+        }
         Ok(()) => match if is_layered { layered } else { plate }(comm, scene, &mut passed, watch) {
             Ok(Some(model)) => return Ok(Model { reason: Some(passed.join("; ")), ..model }),
             Ok(None) => {}
@@ -109,7 +115,7 @@ fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Mode
     }
     let (struck, impactor) = (scene.body.struck(), &scene.impactor);
     // Nearer to an edge than its thickness the body is softer; and what else moves it, a half-space does not know.
-    let is_near_edge = scene.room().is_some_and(|room| room < size[axis]);
+    let is_near_edge = scene.distance_to_edge().is_some_and(|distance| distance < size[axis]);
     let is_moved =
         scene.load != Load::default() || scene.supports.iter().any(|support| support.displacement != [0.0; 3]);
     if is_near_edge || is_moved {

@@ -157,7 +157,7 @@ impl Scene {
     }
 
     /// How far the nearest edge of the face of a box that is hit is from the impact point, m; `None` for a mesh file.
-    pub fn room(&self) -> Option<f64> {
+    pub fn distance_to_edge(&self) -> Option<f64> {
         let (Geometry::Box { size, .. }, Some(struck)) = (&self.body.geometry, self.struck_axis()) else { return None };
         let to_edge = |axis: usize| 0.5 * size[axis] - self.impactor.point[axis].abs();
         (0..3).filter(|axis| *axis != struck).map(to_edge).min_by(f64::total_cmp)

@@ -113,7 +113,7 @@ impl PlateGeometry {
     }
 
     /// How far the hit is from the nearest edge, m.
-    pub fn room(&self) -> f64 {
+    pub fn distance_to_edge(&self) -> f64 {
         (0..2).map(|i| 0.5 * self.edges[i] - self.hit[i].abs()).fold(f64::INFINITY, f64::min)
     }
 }

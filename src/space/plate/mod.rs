@@ -175,10 +175,10 @@ fn geometry(scene: &Scene, theory: PlateTheory) -> std::result::Result<PlateGeom
         geometry.thickness
     };
     let least = LEAST_DISC * layer;
-    if theory.shears() && least > geometry.room() * (1.0 + 1e-9) {
+    if theory.shears() && least > geometry.distance_to_edge() * (1.0 + 1e-9) {
         return Err(format!(
             "the hit is {:.3e} m from an edge, and the disc that it spreads over has a radius of at least {least:.3e} m",
-            geometry.room()
+            geometry.distance_to_edge()
         ));
     }
     Ok(geometry)
@@ -198,7 +198,8 @@ impl Outline {
             None => Section::new(geometry.thickness, &scene.body.struck()),
             Some(laminate) => laminate.section(scene),
         };
-        let local = (theory == PlateTheory::Mindlin).then(|| Local::new(&section, settings, geometry.room()));
+        let is_mindlin = theory == PlateTheory::Mindlin;
+        let local = is_mindlin.then(|| Local::new(&section, settings, geometry.distance_to_edge()));
         let disc = laminate.as_ref().map(|laminate| laminate.radius).or(local.map(|local| local.radius));
         let own_wave = || wavelength(&section, contact_time(&section, &scene.impactor));
         let wave = scene.body.wavelength.filter(|_| laminate.is_some()).unwrap_or_else(own_wave);
@@ -320,9 +321,9 @@ impl Plate {
 }
 
 impl Local {
-    fn new(section: &Section, settings: &Settings, room: f64) -> Self {
+    fn new(section: &Section, settings: &Settings, distance_to_edge: f64) -> Self {
         let h = section.thickness;
-        let disc = settings.disc_over(h).min(room / h);
+        let disc = settings.disc_over(h).min(distance_to_edge / h);
         let spread = Spread::new(0.0);
         let shear_factor = settings.shear_factor.unwrap_or(shear_factor(section.poisson));
         let layer = Layer { poisson: section.poisson, shear_factor, spread, disc };

@@ -15,7 +15,8 @@ pub const TESTS: &[Test<Session>] = tests![
     what_rules_plates_out,
     strips_are_for_plates,
     sides_held_unevenly_are_for_solids,
-    a_plate_stands_for_a_solid_too_large_for_splines
+    a_plate_stands_for_a_solid_too_large_for_splines,
+    a_relaxing_plate_of_one_material_is_a_solid
 ];
 
 /// A small ball of steel on a plate of glass.
@@ -126,6 +127,20 @@ fn what_rules_plates_out(session: &Session) {
         assert_eq!(theory, scene::Model::Solid, "{reason}: {why}");
         assert!(why.contains(reason), "{reason}: {why}");
     }
+}
+
+/// A plate of one polymer that relaxes is a solid, and what it says names the plate that may be taken.
+fn a_relaxing_plate_of_one_material_is_a_solid(session: &Session) {
+    let text = "[body]\nsize = [0.4, 0.4]\n[[body.layer]]\nthickness = 0.04\nmaterial = \"polymer\"\n\
+                [material.polymer]\ndensity = 1190.0\nbulk = 4e9\nshear = 1e9\nprony = [{ modulus = 0.5e9, time = 5e-4 }]\n\
+                [impactor]\nmass = 1.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n\
+                [time]\nend = 1e-4\n[accuracy]\ntolerance = 1e-1\n";
+    let auto = model(&session.world(), &parse(text));
+    assert_eq!(auto.theory, scene::Model::Solid);
+    let why = auto.reason.expect("a reason");
+    assert!(why.contains("relaxes") && why.contains("\"layerwise\""), "{why}");
+    let named = text.replace("size = [0.4", "model = \"layerwise\"\nsize = [0.4");
+    assert_eq!(model(&session.world(), &parse(&named)).theory, scene::Model::Layerwise);
 }
 
 /// Narrow, usual and wide strips of rubber under the edges: auto takes a plate, which is within the tolerance of the solid.

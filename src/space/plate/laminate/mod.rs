@@ -243,7 +243,7 @@ fn of_scene(scene: &Scene) -> crate::error::Result<Laminate> {
 /// there is room.
 fn disc(thicknesses: &[f64], geometry: &PlateGeometry, settings: &Settings) -> f64 {
     let layer = thicknesses[0].max(LEAST_LAYER * geometry.thickness);
-    (settings.disc_over(layer) * layer).min(geometry.room())
+    (settings.disc_over(layer) * layer).min(geometry.distance_to_edge())
 }
 
 /// The thickness (m) by which the room about the hit is judged: a layer's that is hit.
