@@ -3,6 +3,15 @@
 /// About as many ticks as an axis is given.
 const TICKS: f64 = 7.0;
 
+/// Powers of ten with their prefixes, and the units that engineers give them; others, such as m/s², keep the power.
+const PREFIXES: [(i32, &str, &[&str]); 5] = [
+    (-6, "µ", &["m", "s"]),
+    (-3, "m", &["m", "s", "N", "J"]),
+    (3, "k", &["Pa", "N", "J"]),
+    (6, "M", &["Pa", "N", "J"]),
+    (9, "G", &["Pa"]),
+];
+
 /// A linear axis; its limits are multiples of the distance between its ticks.
 pub(super) struct Axis {
     pub low: f64,
@@ -48,12 +57,15 @@ impl Axis {
             .collect()
     }
 
-    /// `unit` with the power of ten that the labels leave out.
+    /// `unit` with the power of ten that the labels leave out, as a prefix where the unit takes one.
     pub fn unit(&self, unit: &str) -> String {
         if self.exponent == 0 {
             return unit.to_owned();
         }
-        format!("{} {unit}", exponential(self.exponent))
+        match PREFIXES.iter().find(|(exponent, _, units)| *exponent == self.exponent && units.contains(&unit)) {
+            Some((_, prefix, _)) => format!("{prefix}{unit}"),
+            None => format!("{} {unit}", exponential(self.exponent)),
+        }
     }
 }
 
@@ -99,7 +111,8 @@ mod tests {
         assert_eq!(of(0.0, 0.0), "0.0 0.2 0.4 0.6 0.8 1.0 [m]");
         assert_eq!(of(-3.0, 3.0), "−3 −2 −1 0 1 2 3 [m]");
         assert_eq!(of(0.0, 1.5e6), "0.00 0.25 0.50 0.75 1.00 1.25 1.50 [10⁶ m]");
-        assert_eq!(of(0.0, 4e-5), "0 10 20 30 40 [10⁻⁶ m]");
+        assert_eq!(of(0.0, 4e-5), "0 10 20 30 40 [µm]");
+        assert_eq!(["Pa", "m/s²"].map(|unit| Axis::spanning(0.0, 1.5e6).unit(unit)), ["MPa", "10⁶ m/s²"]);
     }
 
     #[test]
