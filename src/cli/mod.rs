@@ -339,6 +339,11 @@ fn short(value: f64) -> String {
     format!("{value:.*}", 4_usize.saturating_sub(before))
 }
 
+/// A coordinate, m, without the rounding of a sum that is zero.
+fn coordinate(value: f64) -> String {
+    short(if value.abs() < 1e-9 { 0.0 } else { value })
+}
+
 /// Warnings, and with `-v`, `-vv` or `RICOCHET_LOG=info` or `debug` more, go to standard error.
 pub fn log_to_stderr() {
     let usual = match terminal::verbosity() {

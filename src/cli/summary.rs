@@ -13,7 +13,7 @@ use crate::record::stress::LargestTension;
 use crate::space::evaluate::FaceTension;
 
 use super::notes::listed;
-use super::{say, short};
+use super::{coordinate, say, short};
 
 /// The run in four lines.
 #[derive(Debug, Clone, Copy, Default)]
@@ -124,6 +124,15 @@ impl Summary {
         ));
     }
 
+    /// That the run may have ended before the largest force, where it did so with the largest one up to there.
+    pub fn warning_of_end(&self) -> Option<String> {
+        let Step { time, contact, .. } = &self.last;
+        (contact.force > 0.0 && self.peak.1 == *time).then(|| {
+            let time = short(1e3 * time);
+            format!("the force is the largest at the end of the run, {time} ms, and may rise further: a later time.end shows it")
+        })
+    }
+
     /// That the deflection is too large for the model, where it is.
     pub fn warning(&self) -> Option<String> {
         let ratio = self.linearity?.excess(self.largest_deflection)?;
@@ -163,9 +172,9 @@ pub fn lines(extremes: &Extremes, first_end: Option<f64>) -> Vec<String> {
             "largest tension {} MPa on face {face:?} at {} ms, at [{}, {}, {}] m",
             short(1e-6 * largest.value),
             short(1e3 * largest.time),
-            short(x),
-            short(y),
-            short(z)
+            coordinate(x),
+            coordinate(y),
+            coordinate(z)
         );
         line += &match largest.error_estimate {
             none if none.is_nan() => {
@@ -197,4 +206,32 @@ pub fn lines(extremes: &Extremes, first_end: Option<f64>) -> Vec<String> {
 /// Milliseconds below ten seconds, tenths of a second above.
 fn seconds(value: f64) -> String {
     if value >= 10.0 { format!("{value:.1}") } else { format!("{value:.3}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::impact::step::{Contact, Motion};
+
+    /// It is warned of a force that is the largest at the last step, not of one that has fallen or is over.
+    #[test]
+    fn a_run_may_end_before_its_peak() {
+        let is_warned = |forces: &[f64]| {
+            let mut summary = Summary::default();
+            for (number, force) in forces.iter().enumerate() {
+                summary.step(&Step {
+                    number,
+                    time: 0.5 * number as f64,
+                    impactor: Motion { acceleration: *force, ..Motion::default() },
+                    contact: Contact { force: *force, ..Contact::default() },
+                    ..Step::default()
+                });
+            }
+            summary.warning_of_end().is_some()
+        };
+        assert!(is_warned(&[0.0, 2.0, 3.0]) && is_warned(&[0.0, 2.0, 0.0, 3.0]));
+        for forces in [&[0.0, 2.0, 1.0][..], &[2.0, 3.0, 0.0], &[0.0, 4.0, 0.0, 3.0], &[0.0, 0.0], &[]] {
+            assert!(!is_warned(forces), "{forces:?}");
+        }
+    }
 }

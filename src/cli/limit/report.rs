@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::scene::{Vec3, unit};
 use crate::study::limit::{Found, Range};
 
-use super::super::{say, short};
+use super::super::{coordinate, say, short};
 use super::table::{UNCERTAINTY, VALUE, significant};
 use super::trial::{Trial, Utilisation};
 
@@ -164,7 +164,7 @@ impl<'a> Report<'a> {
             significant(limit.uncertainty, UNCERTAINTY),
             short(limit.ratio)
         ));
-        let [x, y, z] = limit.point.map(short);
+        let [x, y, z] = limit.point.map(coordinate);
         say(format_args!(
             "strength {} MPa reached on face {:?} at {} ms, at [{x}, {y}, {z}] m; peak force {} N",
             short(1e-6 * limit.strength),

@@ -129,6 +129,7 @@ pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: 
     // (A maximum takes no notice of NaN, where the stress' is not estimated.)
     most.error_estimate = impact.error().total().map_or(f64::NAN, |errors| errors.history.max(errors.stress));
     warnings.extend(summary.warning());
+    warnings.extend(summary.warning_of_end());
     if scene.is_at_clamped_edge(most.point) {
         warnings.push(
             "the strength is used most at a clamped edge, where stresses of a solid have no limit as cells get smaller: the error of its tension is not \

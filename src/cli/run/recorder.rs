@@ -76,6 +76,9 @@ impl Recorder {
                 note(format_args!("note: {missed}"));
             }
         }
+        if let Some(warning) = self.summary.warning_of_end().filter(|_| flow.is_continue()) {
+            tell(format_args!("warning: {warning}"));
+        }
         if flow.is_continue() {
             return checkpoint::remove(end.output);
         }

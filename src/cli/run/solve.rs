@@ -195,9 +195,13 @@ fn check_strength(scene: &Scene, faces: &[String]) -> Result<()> {
         None if scene.strength.is_given() && faces.is_empty() => "strength".to_owned(),
         None => return Ok(()),
     };
-    let help = match faces {
-        [] => "a theory whose stresses are read: \"mindlin\" or \"solid\"; on a mesh, named surfaces".to_owned(),
-        faces => format!("one of {}", faces.join(", ")),
+    let (message, help) = match faces {
+        [] => (
+            "this model has no face on which stresses are read",
+            "a theory whose stresses are read: body.model = \"mindlin\" or \"solid\"; on a mesh, named surfaces"
+                .to_owned(),
+        ),
+        faces => ("the model has no such face", format!("one of {}", faces.join(", "))),
     };
-    Err(Fault::new(key, "the model has no such face", help).into())
+    Err(Fault::new(key, message, help).into())
 }
