@@ -46,7 +46,7 @@ def chart(rows, levels, columns):
     """By error: our best, auto's, and over ours those of the peers, each with the head of its column."""
     peers, auto = [row for row in rows if row[0] in columns], [row for row in rows if row[0] == "auto"]
     own = [row for row in rows if row[0] not in columns and row[0] != "auto"]
-    judged = [row for row in own if row[0] not in ACCIDENTAL]
+    counted = [row for row in own if row[0] not in ACCIDENTAL]
     lines = []
     # Errors that the reference cannot tell are below this.
     floor = max((row[3] for row in rows if not row[4]), default=0.0)
@@ -60,7 +60,7 @@ def chart(rows, levels, columns):
         if asked:
             met = "" if asked[0][3] <= level else ", **missed**"
             of_auto = f"{seconds(asked[0][2])}, {ratio(asked[0][2] / first[2])} times; error {100 * asked[0][3]:.2g}%{met}"
-            front = best(judged, asked[0][3])
+            front = best(counted, asked[0][3])
             if front and asked[0][4]:
                 of_auto += f", {ratio(asked[0][2] / front[2])} times the quickest within that"
         cells = []

@@ -51,7 +51,7 @@ pub struct InfinitePlate {
     /// √(ρh/D), s/m²: ξ² of a long wave over its frequency.
     pub slowness: f64,
     /// How far the hit is from the nearest edge, m.
-    pub room: f64,
+    pub distance_to_edge: f64,
 }
 
 impl InfinitePlate {
@@ -73,7 +73,7 @@ impl InfinitePlate {
 
     /// Whether an edge is nearer to the hit than a wave of a frequency (rad/s) is long.
     pub fn is_near_edge(&self, frequency: f64) -> bool {
-        self.room < TAU / (self.slowness * frequency).sqrt()
+        self.distance_to_edge < TAU / (self.slowness * frequency).sqrt()
     }
 
     /// ν at a frequency (rad/s), s/kg.
@@ -144,7 +144,14 @@ mod tests {
     use crate::body::{Closed, Projection, Spectrum};
 
     fn of(density: Vec<(f64, f64)>) -> InfinitePlate {
-        InfinitePlate { density, yielding: Vec::new(), modes: 1e-3, impedance: 2000.0, slowness: 0.1, room: 1.0 }
+        InfinitePlate {
+            density,
+            yielding: Vec::new(),
+            modes: 1e-3,
+            impedance: 2000.0,
+            slowness: 0.1,
+            distance_to_edge: 1.0,
+        }
     }
 
     /// Re Y(iω) of coordinates: Y = s Σ c/(s − λ), of each conjugate pair half.
@@ -263,7 +270,7 @@ mod tests {
             modes: edges[0] * edges[1] * slowness / (16.0 * PI) * 1.6 / VECTORS_PER_MODE,
             impedance: 8.0 * mass / slowness,
             slowness,
-            room: 0.5,
+            distance_to_edge: 0.5,
         };
         let closed = Closed { tangent: 1.0, compliance: 0.0, mass: 1e9, accuracy: 1e-3, end: 1.0 };
         let period = 5e-5;

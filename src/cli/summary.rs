@@ -124,7 +124,7 @@ impl Summary {
         ));
     }
 
-    /// That the run may have ended before the largest force, where it did so with the largest one up to there.
+    /// That a larger force may follow the end of the run, where the last one is the largest.
     pub fn warning_of_end(&self) -> Option<String> {
         let Step { time, contact, .. } = &self.last;
         (contact.force > 0.0 && self.peak.1 == *time).then(|| {

@@ -3,13 +3,20 @@
 /// About as many ticks as an axis is given.
 const TICKS: f64 = 7.0;
 
-/// Powers of ten with their prefixes, and the units that engineers give them; others, such as m/s², keep the power.
-const PREFIXES: [(i32, &str, &[&str]); 5] = [
-    (-6, "µ", &["m", "s"]),
-    (-3, "m", &["m", "s", "N", "J"]),
-    (3, "k", &["Pa", "N", "J"]),
-    (6, "M", &["Pa", "N", "J"]),
-    (9, "G", &["Pa"]),
+/// A power of ten that some units take as a prefix.
+struct Prefix {
+    exponent: i32,
+    symbol: &'static str,
+    /// The units with which engineers use it; others, such as m/s², keep the power.
+    units: &'static [&'static str],
+}
+
+const PREFIXES: [Prefix; 5] = [
+    Prefix { exponent: -6, symbol: "µ", units: &["m", "s"] },
+    Prefix { exponent: -3, symbol: "m", units: &["m", "s", "N", "J"] },
+    Prefix { exponent: 3, symbol: "k", units: &["Pa", "N", "J"] },
+    Prefix { exponent: 6, symbol: "M", units: &["Pa", "N", "J"] },
+    Prefix { exponent: 9, symbol: "G", units: &["Pa"] },
 ];
 
 /// A linear axis; its limits are multiples of the distance between its ticks.
@@ -62,8 +69,8 @@ impl Axis {
         if self.exponent == 0 {
             return unit.to_owned();
         }
-        match PREFIXES.iter().find(|(exponent, _, units)| *exponent == self.exponent && units.contains(&unit)) {
-            Some((_, prefix, _)) => format!("{prefix}{unit}"),
+        match PREFIXES.iter().find(|prefix| prefix.exponent == self.exponent && prefix.units.contains(&unit)) {
+            Some(prefix) => format!("{}{unit}", prefix.symbol),
             None => format!("{} {unit}", exponential(self.exponent)),
         }
     }

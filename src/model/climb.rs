@@ -18,7 +18,6 @@ use crate::scene::{
 };
 use crate::space::spline;
 
-use super::elastic_cells;
 use super::layers::layered;
 use super::mindlin_error::mindlin_error_over_difference;
 use super::watch::Watch;
@@ -81,9 +80,9 @@ pub(super) fn climb(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Mod
         Ok(()) if matches!(scene.contact, Contact::Patch { radius: Some(_), .. }) => {
             passed.push("a patch is given, which is the solid's".to_owned());
         }
-        Ok(()) if is_layered && elastic_cells::elastic(scene).body.composition.uniform().is_some() => {
+        Ok(()) if is_layered && scene.body.composition.is_of_one_material() => {
             passed.push(
-                "its one material relaxes, and the error of a plate of it is not estimated: body.model = \"layerwise\" is one".to_owned(),
+                "it is of one material that relaxes, and the error of a plate is not estimated for that; body.model = \"layerwise\" computes it as a plate".to_owned(),
             );
         }
         Ok(()) => match if is_layered { layered } else { plate }(comm, scene, &mut passed, watch) {

@@ -12,7 +12,6 @@ use crate::space::evaluate::{Evaluator, PointEvaluator};
 use crate::space::plate::{self, Plate, PlateTheory};
 use crate::space::spline::{self, SplineSolid};
 
-use super::elastic_cells;
 use super::long_waves::LongWaves;
 use super::reduce::MOST;
 use super::watch::{Stage, Watch};
@@ -74,10 +73,11 @@ pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
     if matches!(theory, Model::InfinitePlate | Model::Kirchhoff | Model::Mindlin)
         && scene.body.composition.uniform().is_none()
     {
-        let is_of_one = elastic_cells::elastic(scene).body.composition.uniform().is_some();
-        let of_one = "its material relaxes, and this theory is elastic";
-        let of_several = "its layers are of different materials, and this theory has one";
-        return Err(if is_of_one { of_one } else { of_several }.into());
+        let reason = match scene.body.composition.is_of_one_material() {
+            true => "its material relaxes, and this theory is elastic",
+            false => "its layers are of different materials, and this theory has one",
+        };
+        return Err(reason.into());
     }
     match theory {
         Model::HalfSpace => Ok(()),

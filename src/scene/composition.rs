@@ -62,10 +62,13 @@ impl Composition {
 
     /// The one material of a body whose parts are all alike, and elastic.
     pub fn uniform(&self) -> Option<&form::Material> {
-        let materials = self.materials();
-        let (first, others) = materials.split_first()?;
-        let is_alike = first.shear.is_none() && others.iter().all(|other| other == first);
-        is_alike.then_some(&first.instantaneous)
+        let first = self.materials().first().copied()?;
+        (self.is_of_one_material() && first.shear.is_none()).then_some(&first.instantaneous)
+    }
+
+    /// Whether its parts are all alike, elastic or not.
+    pub fn is_of_one_material(&self) -> bool {
+        self.materials().windows(2).all(|pair| pair[0] == pair[1])
     }
 
     /// Whether a part of it is viscoelastic.

@@ -63,7 +63,7 @@ fn of_section(geometry: &PlateGeometry, section: &Section, local: Option<&Local>
         modes: classes * edges[0] * edges[1] * slowness / (4.0 * PI * copies),
         impedance: zener::impedance(&material, section.thickness),
         slowness,
-        room: geometry.distance_to_edge(),
+        distance_to_edge: geometry.distance_to_edge(),
     }
 }
 

@@ -246,7 +246,7 @@ fn disc(thicknesses: &[f64], geometry: &PlateGeometry, settings: &Settings) -> f
     (settings.disc_over(layer) * layer).min(geometry.distance_to_edge())
 }
 
-/// The thickness (m) by which the room about the hit is judged: a layer's that is hit.
+/// The thickness (m) by which the distance from the hit to the edge is judged: a layer's that is hit.
 pub(super) fn struck_thickness(scene: &Scene, thickness: f64) -> f64 {
     scene.body.struck_thickness(thickness).max(LEAST_LAYER * thickness)
 }
