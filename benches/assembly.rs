@@ -1,6 +1,6 @@
-//! How assembly speeds up from one rank to two: `cargo bench --bench assembly`.
+//! Measures the speed-up of assembly from one rank to two: `cargo bench --bench assembly`.
 //!
-//! Starts itself under `mpirun -n 1` and `-n 2` in turn, three rounds, and prints the shortest times and their ratio.
+//! Starts itself under `mpirun -n 1` and `-n 2` alternately, three rounds. Prints the shortest times and their ratio.
 
 use std::time::Instant;
 
@@ -9,10 +9,10 @@ use ricochet::body::Body;
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
 
-/// Set for the processes under mpirun.
+/// Environment variable that is set for the processes under mpirun.
 const CHILD: &str = "RICOCHET_BENCH_CHILD";
 
-/// Name, geometry, and the height of the surface, m.
+/// Name, geometry, and coordinate z of the upper surface, m.
 const SCENES: [(&str, &str, f64); 4] = [
     ("Q2 hexahedra 20×20×2", "size = [1.5, 1.5, 0.1]\ncells = [20, 20, 2]", 0.05),
     ("Q2 hexahedra 30×30×3", "size = [1.5, 1.5, 0.1]\ncells = [30, 30, 3]", 0.05),
@@ -21,7 +21,7 @@ const SCENES: [(&str, &str, f64); 4] = [
 ];
 
 fn main() {
-    // `cargo test` also builds and starts benches; there is nothing to measure then.
+    // `cargo test` also builds and starts benches. Then nothing is measured.
     if !std::env::args().any(|arg| arg == "--bench") {
         return;
     }
@@ -55,7 +55,7 @@ fn parent() {
     }
 }
 
-/// The plate of meshes/, finer, by Debian's gmsh.
+/// Makes a finer mesh of the plate in meshes/ with gmsh (Debian package).
 fn make_mesh() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/out/bench");
     std::fs::create_dir_all(folder).expect("a folder for the mesh");

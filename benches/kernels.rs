@@ -1,4 +1,4 @@
-//! Time of the kernels that assembly and the pad's Newton iterations call most.
+//! Measures the kernels that assembly and Newton iterations with pads call most often.
 
 use std::hint::black_box;
 
@@ -10,7 +10,7 @@ use ricochet::space::finite_element::FacetRule;
 
 const GLASS: Material = Material { young: 70e9, poisson: 0.23, density: 2500. };
 
-/// The reference vertices, slightly distorted.
+/// The vertices of the reference element, slightly distorted.
 fn vertices(shape: Shape) -> Vec<[f64; 3]> {
     let shift = |v: usize, d: usize| 0.02 * ((3 * v + d) as f64).sin();
     shape.reference_vertices().iter().enumerate().map(|(v, x)| [0, 1, 2].map(|d| x[d] + shift(v, d))).collect()
@@ -53,7 +53,7 @@ fn facets(c: &mut Criterion) {
 
 criterion_group! {
     name = benches;
-    // Criterion's plots need a registered font, which the program's plotters does not have.
+    // Criterion's plots need a registered font. The plotters build of this program has none.
     config = Criterion::default().without_plots();
     targets = cells, facets
 }

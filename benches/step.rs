@@ -1,7 +1,8 @@
-//! What a step and a basis cost: `cargo bench --bench step`.
+//! Measures the cost of a time step and of a basis: `cargo bench --bench step`.
 //!
-//! The condensed step against the bare linear solve that it contains, the full Newton's method by SNES against the condensed step, and a
-//! Krylov basis against its factorisation and solves, on one plate of 25,000 unknowns. Rounds take turns; the shortest times count.
+//! Compares, on one plate of 25,000 unknowns: the condensed step with the linear solve that it contains, the full
+//! Newton's method (SNES) with the condensed step, and a Krylov basis with its factorisation and solves. The
+//! measurements alternate in rounds; the shortest times count.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -14,14 +15,15 @@ use ricochet::scene::{Newton, Scene};
 use ricochet::scheme::newmark;
 use ricochet::solve::linear::{Method, solver};
 
-/// Δt, s.
+/// Time step Δt, s.
 const STEP: f64 = 1e-5;
 
-/// Steps, or solves, that are timed together.
+/// Number of condensed steps, or solves, timed together.
 const CONDENSED: usize = 40;
+/// Number of full Newton steps timed together.
 const FULL: usize = 10;
 
-/// Vectors of the basis.
+/// Number of basis vectors.
 const VECTORS: usize = 60;
 
 const ROUNDS: usize = 5;
@@ -37,7 +39,7 @@ fn scene(steps: usize) -> Scene {
     Scene::parse("bench", &text, &[]).expect("a scene").0
 }
 
-/// Seconds a step; the first step, which factorises, is not counted.
+/// Time of one step, s. The first step, which factorises, is not counted.
 fn step(mesh: &Mesh, newton: Newton, steps: usize) -> f64 {
     let mut scene = scene(steps + 1);
     scene.solver.newton = newton;
@@ -54,7 +56,7 @@ fn step(mesh: &Mesh, newton: Newton, steps: usize) -> f64 {
     begin.elapsed().as_secs_f64() / steps as f64
 }
 
-/// Seconds a solve with the operator of a step.
+/// Time of one solve with the operator of a step, s.
 fn solve(mesh: &Mesh) -> f64 {
     let scene = scene(1);
     let body = Body::solid(&scene, mesh).expect("a body");
@@ -71,7 +73,7 @@ fn solve(mesh: &Mesh) -> f64 {
     begin.elapsed().as_secs_f64() / CONDENSED as f64
 }
 
-/// The plate without its damper, as basis and as bare solves.
+/// Times of building a basis of the plate without its damper, and of its factorisation and solves alone, s.
 fn basis(mesh: &Mesh) -> [f64; 2] {
     let mut scene = scene(1);
     scene.supports.iter_mut().for_each(|support| support.damping = [0.0; 3]);
@@ -92,7 +94,7 @@ fn basis(mesh: &Mesh) -> [f64; 2] {
 }
 
 fn main() {
-    // `cargo test` also builds and starts benches; there is nothing to measure then.
+    // `cargo test` also builds and starts benches. Then nothing is measured.
     if !std::env::args().any(|arg| arg == "--bench") {
         return;
     }

@@ -1,4 +1,5 @@
-//! What theories, reductions and sweeps cost on the paper's 0.04 m plate, 20 ms: `cargo bench --bench theories`.
+//! Measures theories, reductions and sweeps on the 0.04 m plate of the paper over 20 ms:
+//! `cargo bench --bench theories`.
 
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -24,7 +25,7 @@ fn scene(model: &str, tolerance: f64) -> Scene {
     Scene::parse("bench", &text(model, tolerance), &[]).expect("a scene").0
 }
 
-/// From the scene to the end of its impact.
+/// Builds the model of a scene and runs the whole impact. Returns the final velocity of the impactor, m/s.
 fn whole(comm: &Comm, scene: &Scene) -> f64 {
     let model = Model::new(comm, scene).expect("a model");
     let mut simulation = Simulation::new(scene, model).expect("an impact");
@@ -38,13 +39,13 @@ fn whole(comm: &Comm, scene: &Scene) -> f64 {
     last
 }
 
-/// A sweep of 20 members as a process of its own.
+/// Runs a sweep of 20 members in a separate process.
 fn sweep(key: &str) {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/out/bench");
     std::fs::create_dir_all(folder).expect("a folder for results");
     let (scene, out) = (format!("{folder}/plate.toml"), format!("{folder}/sweep.h5"));
     std::fs::write(&scene, text("mindlin", 1e-2)).expect("a scene's file");
-    // A result that is there would be continued.
+    // An existing result would be continued.
     let _ = std::fs::remove_file(&out);
     let status = Command::new(env!("CARGO_BIN_EXE_ricochet"))
         .args(["sweep", &scene, "--log", "--vary", key, "-o", &out])
@@ -55,13 +56,13 @@ fn sweep(key: &str) {
 }
 
 fn main() {
-    // `cargo test` also builds and starts benches; there is nothing to measure then.
+    // `cargo test` also builds and starts benches. Then nothing is measured.
     if !std::env::args().any(|arg| arg == "--bench") {
         return;
     }
     let session = Session::start(&[]).expect("the first session").expect("PETSc starts");
     let comm = session.world();
-    // Criterion's plots need a registered font, which the program's plotters does not have.
+    // Criterion's plots need a registered font. The plotters build of this program has none.
     let criterion = Criterion::default().without_plots().sample_size(10);
     let mut criterion = criterion.measurement_time(Duration::from_secs(5)).configure_from_args();
 

@@ -1,4 +1,4 @@
-//! What all ranks are to have alike: values, decisions and errors, sent as the types that they are.
+//! Communication between ranks: agreement on values, decisions and errors, sent as their types.
 
 use mpi::collective::SystemOperation;
 use mpi::traits::{Communicator, CommunicatorCollectives, Root};
@@ -8,10 +8,11 @@ use serde::de::DeserializeOwned;
 
 use crate::error;
 
-/// The value where no rank has an error; otherwise, on every rank, the error of the lowest rank that has one. Collective.
+/// Returns the value if no rank has an error; otherwise, on every rank, the error of the lowest rank that has one.
+/// Collective.
 ///
 /// # Errors
-/// That error.
+/// If any rank has an error.
 pub fn agree<T, E: Serialize + DeserializeOwned>(comm: &Comm, result: Result<T, E>) -> Result<T, E> {
     let mpi = comm.mpi();
     let mine = if result.is_err() { mpi.rank() } else { mpi.size() };
@@ -23,10 +24,11 @@ pub fn agree<T, E: Serialize + DeserializeOwned>(comm: &Comm, result: Result<T, 
     Err(of_rank(comm, first as usize, result.err()))
 }
 
-/// What rank 0 finds, on every rank: a value, or the error that kept it from one. The others do not look. Collective.
+/// Result of `decide` on rank 0, sent to every rank: a value or an error. The other ranks do not call `decide`.
+/// Collective.
 ///
 /// # Errors
-/// That error; of one that another rank cannot hold (an excerpt of a scene, PETSc's frames) the others have the text.
+/// If rank 0 has an error. If it cannot be sent (an excerpt of a scene, PETSc's frames), the other ranks get its text.
 pub fn decided<T: Serialize + DeserializeOwned>(
     comm: &Comm,
     decide: impl FnOnce() -> error::Result<T>,
@@ -37,12 +39,12 @@ pub fn decided<T: Serialize + DeserializeOwned>(
     mine.unwrap_or_else(|| decoded::<Result<T, error::Error>>(&bytes))
 }
 
-/// The value of rank 0, on every rank; what the others give is not looked at. Collective.
+/// The value of rank 0, on every rank. The values of other ranks are ignored. Collective.
 pub fn of_root<T: Serialize + DeserializeOwned>(comm: &Comm, value: Option<T>) -> T {
     of_rank(comm, 0, value)
 }
 
-/// The values of all ranks, in their order, on every rank. Collective.
+/// The values of all ranks in the order of the ranks, on every rank. Collective.
 pub fn of_all<T: Serialize + DeserializeOwned>(comm: &Comm, value: &T) -> Vec<T> {
     let bytes = encoded(value);
     let lengths = comm.all_gather(&[bytes.len() as u64]);
@@ -64,12 +66,12 @@ fn of_rank<T: Serialize + DeserializeOwned>(comm: &Comm, rank: usize, value: Opt
     value.unwrap_or_else(|| decoded(&bytes))
 }
 
-/// A value as bytes, for a message between ranks of one run.
+/// Encodes a value as bytes for a message between the ranks of a run.
 pub fn encoded<T: Serialize>(value: &T) -> Vec<u8> {
     postcard::to_stdvec(value).expect("what ranks exchange has lengths and no foreign serialisers")
 }
 
-/// The value of [`encoded`] bytes.
+/// Decodes a value from the bytes of [`encoded`].
 pub fn decoded<T: DeserializeOwned>(bytes: &[u8]) -> T {
     postcard::from_bytes(bytes).expect("all ranks run the same program, so that types are alike")
 }

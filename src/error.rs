@@ -1,4 +1,4 @@
-//! What can go wrong, and the exit status that says so.
+//! Errors of the program, and the exit statuses that belong to them.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::{Fault, SceneError, Source};
 
-/// Exit status of work that a signal has ended.
+/// Exit status if a signal ended the work.
 pub const INTERRUPTED: i32 = 130;
 
 /// An error with one message for the user.
@@ -16,25 +16,25 @@ pub enum Error {
     /// The command line is wrong.
     #[error("{0}")]
     Usage(String),
-    /// The scene is wrong in a way that its text alone does not show.
+    /// The scene is wrong in a way that is found only when the mesh or the body is built.
     #[error(transparent)]
     Fault(Box<Fault>),
-    /// An error that the other ranks do not know of.
+    /// An error that the other ranks do not know.
     #[error(transparent)]
     Alone(Box<Error>),
     /// The solve failed.
     #[error("{0}")]
     Solve(String),
-    /// The time integration has made or lost energy beyond what the gate allows.
+    /// The time integration gained or lost more energy than the gate allows.
     #[error("{0}")]
     Unstable(String),
-    /// A signal, or a limit of time, has ended the work before it had a result.
+    /// A signal or a time limit ended the work before there was a result.
     #[error("interrupted before the first step: nothing was written")]
     Interrupted,
-    /// The result cannot be written, as all ranks know.
+    /// The result cannot be written. All ranks know.
     #[error("{0}")]
     Output(String),
-    /// Writing a result has failed, as all ranks know. HDF5 must not be used any more.
+    /// Writing a result failed. All ranks know. HDF5 must not be used any more.
     #[error("{0}")]
     Unwritten(String),
     /// A file could not be read or written.
@@ -45,11 +45,12 @@ pub enum Error {
         /// What failed and why.
         reason: String,
     },
-    /// The scene is wrong. (Variants that are not sent come last: a message holds the number of a variant, which skipped ones would shift.)
+    /// The scene is wrong. Variants that are not sent to other ranks come last: a message contains the number of its
+    /// variant, which skipped variants would shift.
     #[error(transparent)]
     #[serde(skip)]
     Scene(Box<SceneError>),
-    /// PETSc failed where it should not.
+    /// PETSc failed unexpectedly.
     #[error(transparent)]
     #[serde(skip)]
     Petsc(petsc_wrap::Error),
@@ -59,13 +60,13 @@ pub enum Error {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
-    /// A file that could not be read or written.
+    /// An error for a file that could not be read or written.
     pub fn io(path: &Path, reason: impl std::fmt::Display) -> Self {
         Self::Io { path: path.to_owned(), reason: reason.to_string() }
     }
 
-    /// Exit status: 2 the scene or the command line is wrong, 3 the solve failed, 4 input or output failed,
-    /// 130 interrupted.
+    /// Exit status: 2 if the scene or the command line is wrong, 3 if the solve failed, 4 if input or output failed,
+    /// 130 if interrupted.
     pub fn status(&self) -> i32 {
         match self {
             Self::Alone(error) => error.status(),
@@ -76,7 +77,7 @@ impl Error {
         }
     }
 
-    /// The same error where all ranks are about to have it.
+    /// Converts the error to one that all ranks return.
     #[must_use]
     pub fn of_all_ranks(self) -> Self {
         match self {
@@ -88,7 +89,8 @@ impl Error {
         }
     }
 
-    /// What another rank has of an error that all ranks have.
+    /// The error as it is sent to another rank. Variants that cannot be sent become others with the same message and
+    /// status.
     #[must_use]
     pub fn as_told(&self) -> Self {
         let message = self.to_string();
@@ -104,7 +106,7 @@ impl Error {
         }
     }
 
-    /// Whether every rank returns it, so that all can end in order.
+    /// Whether every rank returns the error, so that all ranks can end in order.
     pub fn is_everywhere(&self) -> bool {
         match self {
             Self::Usage(_) | Self::Scene(_) | Self::Solve(_) | Self::Unstable(_) | Self::Output(_) => true,
@@ -114,7 +116,7 @@ impl Error {
         }
     }
 
-    /// The same error, a fault made to point into the scene's text.
+    /// Converts a [`Fault`] to an error with a place in the text of the scene. Other errors are returned unchanged.
     pub fn in_scene(self, source: &Source) -> Self {
         match self {
             Self::Fault(fault) => {
@@ -125,8 +127,8 @@ impl Error {
         }
     }
 
-    /// The whole message for standard error, newline included: one line, and for a scene the excerpt with the
-    /// fault marked. `colours` is for a terminal; without it the text holds no escape codes.
+    /// The whole message for standard error, including the newline: one line, and for a scene an excerpt with the error
+    /// marked. `colours` is for a terminal; without it the text has no escape codes.
     pub fn report(&self, colours: bool) -> String {
         let error = match self {
             Self::Alone(error) => return error.report(colours),
@@ -136,7 +138,7 @@ impl Error {
         };
         let theme = if colours { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
         let mut text = String::new();
-        // Lines are left whole, so that a message can be searched for.
+        // Lines are not wrapped, so that messages can be searched for.
         GraphicalReportHandler::new_themed(theme)
             .with_wrap_lines(false)
             .with_context_lines(1)
@@ -146,9 +148,10 @@ impl Error {
 }
 
 impl From<petsc_wrap::Error> for Error {
-    /// An option that PETSc does not understand is the command line's fault; every rank finds it, as all have the same.
+    /// An option that PETSc does not accept is an error in the command line. Every rank finds it, because all have the
+    /// same options.
     fn from(error: petsc_wrap::Error) -> Self {
-        /// PETSc's codes for the name of a type, and of a package for factorisations, that do not exist.
+        /// PETSc's error codes for unknown names of a type and of a factorisation package.
         const UNKNOWN: [i32; 2] = [86, 92];
         match error {
             petsc_wrap::Error::Petsc { code, message, frames, .. }
@@ -179,7 +182,7 @@ mod tests {
     use super::*;
     use crate::agree::{decoded, encoded};
 
-    /// What another rank is told has the kind, the status and the message of the error.
+    /// The error received by another rank has the same kind, status and message.
     #[test]
     fn errors_survive_their_way_between_ranks() {
         let all = [

@@ -1,7 +1,7 @@
 //! ricochet: low-velocity impact on elastic plates and bodies.
 //!
-//! The data's way: [`scene`] → [`description`] → [`space`] (a [`mesh`], splines or a plate, by [`form`] on [`element`]) → [`body`] →
-//! [`impact`] (with [`contact`] and [`scheme`]) → steps → [`record`].
+//! Data flow: [`scene`] → [`description`] → [`space`] (a [`mesh`], splines or a plate, by [`form`] on [`element`]) →
+//! [`body`] → [`impact`] (with [`contact`] and [`scheme`]) → steps → [`record`].
 
 pub mod agree;
 pub mod body;

@@ -1,5 +1,5 @@
-//! The program `ricochet`: starts MPI and PETSc, does what the command line says, and turns an error into one message and an
-//! exit status.
+//! The program `ricochet`: starts MPI and PETSc, runs the command, and turns an error into one message and an exit
+//! status.
 
 use std::process::exit;
 use std::time::Duration;
@@ -14,10 +14,10 @@ fn main() {
     petsc_wrap::keep_freed_memory();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        // Every rank gets the same words: one of them answers.
+        // Every rank gets the same message. One of them prints it.
         Err(error) if cli::is_root_by_environment() => error.exit(),
         Err(error) => {
-            // Help, too, comes as an error, for which nobody waits.
+            // A request for help is also returned as an error. Nobody waits for it.
             if error.exit_code() != 0 {
                 let_root_tell();
             }
@@ -33,7 +33,7 @@ fn main() {
     cli::log_to_stderr();
     cli::interrupt::outlive_limits();
     match &cli.command {
-        // Under mpirun one rank draws.
+        // Under mpirun, only one rank runs these commands.
         Command::Plot(_)
         | Command::Report(_)
         | Command::Info(_)
@@ -76,22 +76,22 @@ fn under_petsc(options: &[String], work: impl FnOnce(&Session) -> Result<i32, Er
             conclude(Some(session), result);
         }
         Some(Err(error @ petsc_wrap::Error::NotLoaded(_))) => conclude(None, Err(Error::from(error))),
-        // Before a scene is read, all that PETSc can refuse is its options.
+        // Before a scene is read, PETSc can refuse nothing but its options.
         Some(Err(error)) => conclude(None, Err(Error::Usage(format!("PETSc refuses its options: {error}")))),
         None => unreachable!("MPI is initialised here alone"),
     }
 }
 
-/// Waits for rank 0, which tells the error: mpirun ends all ranks when the first has gone, on a busy machine before the others have said
-/// anything.
+/// Waits while rank 0 prints the error. mpirun ends all ranks when the first one exits; on a busy machine this may be
+/// before rank 0 has printed anything.
 fn let_root_tell() {
     std::thread::sleep(Duration::from_secs(2));
 }
 
-/// Leaves the program. An error that all ranks share is told by one of them, and all end in order; an error of one rank
-/// is told by it, and it ends the others.
+/// Ends the program. If all ranks have the error, one of them prints it and all end in order. If a single rank has it,
+/// that rank prints it and ends the others.
 fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
-    let result = result.and_then(|status| cli::check_said().map(|()| status));
+    let result = result.and_then(|status| cli::check_stdout().map(|()| status));
     let Err(error) = result else {
         if let Some(Err(error)) = session.map(Session::finish) {
             tell(format_args!("ricochet: PETSc did not end in order: {error}"));
@@ -102,11 +102,12 @@ fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
     let status = error.status();
     let root = session.as_ref().map_or_else(cli::is_root_by_environment, |session| session.world().is_root());
     match session {
-        // After a failed write HDF5 crashes in its handler at exit, so that even a lone rank leaves without it.
+        // After a failed write, HDF5 crashes in its exit handler. Therefore even a single rank exits without the
+        // handlers.
         Some(session) if !error.is_everywhere() && (session.world().size() > 1 || error.status() == 4) => {
             if session.world().size() == 1 {
                 tell(format_args!("{}", report.trim_end()));
-                // Nobody else is to be ended, and MPI would say that it was.
+                // There are no other ranks to end, and MPI would report that it ended some.
                 session.leave(status);
             }
             if !root {
@@ -125,11 +126,11 @@ fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
                 if !root {
                     let_root_tell();
                 }
-                // After a failed write HDF5 crashes in its handler at exit, and so in MPI's end.
+                // After a failed write, HDF5 crashes in its exit handler, and also when MPI finalises.
                 session.leave(status);
             }
             drop(error);
-            // (What PETSc says of its end is less than this error.)
+            // An error while PETSc finalises matters less than this error.
             drop(session.map(Session::finish));
             exit(status);
         }

@@ -1,4 +1,4 @@
-//! The fuzzer's targets on its corpus and on inputs near it, for some seconds each; `scripts/fuzz` goes on for longer.
+//! Runs the fuzzer's targets on its corpus and on similar inputs, for some seconds each; `scripts/fuzz` runs longer.
 
 #[path = "../fuzz/src/lib.rs"]
 mod targets;
@@ -8,10 +8,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// For each target, beside the corpus.
+/// Time for each target, in addition to the corpus.
 const TIME: Duration = Duration::from_secs(2);
 
-/// Numbers that look random, the same in every run of the test.
+/// Pseudo-random numbers, the same in every run of the test.
 struct Random(u64);
 
 impl Random {
@@ -21,7 +21,7 @@ impl Random {
     }
 }
 
-/// An input with some bytes, or stretches of them, changed, doubled, left out or taken from another input.
+/// An input in which some bytes or ranges of bytes are changed, doubled, removed or taken from another input.
 fn changed(input: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
     let mut bytes = input.to_vec();
     for _ in 0..=random.next(4) {
@@ -75,7 +75,7 @@ fn run(name: &str, target: fn(&[u8])) {
     assert!(count > 10);
 }
 
-/// One after the other: MPI and PETSc start once a process, and in one thread.
+/// The targets run one after the other, because MPI and PETSc start once in a process and in one thread.
 #[test]
 fn targets_answer_whatever_comes() {
     run("scene", targets::scene);

@@ -1,4 +1,5 @@
-//! The program's solvers: methods, options in their place, and a factor that is kept, on one and two ranks.
+//! Tests of the program's solvers on one and two ranks: methods, options that replace them, and a factorisation that is
+//! kept.
 
 use std::process::ExitCode;
 
@@ -38,13 +39,15 @@ fn main() -> ExitCode {
 fn the_default_is_direct(session: &Session) {
     let matrix = laplacian(session, 2.0);
     let mut ksp = solver(&session.world(), "", &matrix, Method::Cholesky).unwrap();
-    // Condition number about n² = 6400: 1e-12 leaves room for rounding, none for an iterative tolerance.
+    // The condition number is about n² = 6400. The tolerance 1e-12 covers rounding, but not the error of an iterative
+    // solver.
     assert!(error_of_solve(session, &mut ksp, &matrix) < 1e-12);
     ksp.destroy().unwrap();
 }
 
-/// A membrane of eight points to a line, twelve lines on each rank: lines between the ranks are an interface of which each rank has a factor. Rows that
-/// are coupled to nothing, as those of clamped unknowns, are among those inside and on the interface.
+/// Ranks share a factorisation. The system is a membrane of lines of eight points, twelve lines on each rank. Lines
+/// between the ranks form an interface, and each rank has a factor of it. Some rows inside and on the interface are
+/// coupled to nothing, like the rows of clamped unknowns.
 fn ranks_share_a_factor(session: &Session) {
     const WIDTH: Int = 8;
     const LINES: usize = 12;
@@ -56,7 +59,7 @@ fn ranks_share_a_factor(session: &Session) {
         let beside =
             [(row % WIDTH > 0, -1), (row % WIDTH < WIDTH - 1, 1), (row >= WIDTH, -WIDTH), (row < count - WIDTH, WIDTH)];
         let others = beside.into_iter().filter(|(is_there, by)| *is_there && !is_alone(row) && !is_alone(row + by));
-        // Couplings that differ, and some more on the diagonal.
+        // Couplings that differ, and a small addition to the diagonal.
         let others = others.map(|(_, by)| (row + by, -1.0 - f64::from((2 * row + by) % 7) / 10.0));
         let mut entries: Vec<(Int, f64)> = others.collect();
         let diagonal = 0.01 - entries.iter().map(|(_, value)| value).sum::<f64>();
@@ -78,7 +81,7 @@ fn ranks_share_a_factor(session: &Session) {
     matrix.mult(&exact, &mut b).unwrap();
     ksp.solve(&b, &mut x).unwrap();
     x.axpy(-1.0, &exact).unwrap();
-    // A condition number of at most 2 · 8 · 1.6/0.01.
+    // The condition number is at most 2 · 8 · 1.6/0.01.
     let error = x.norm_max().unwrap();
     assert!(error < 1e-12, "{error:e}");
     ksp.destroy().unwrap();
@@ -95,7 +98,7 @@ fn a_changed_matrix_is_factorised_again(session: &Session) {
 }
 
 fn a_singular_matrix_is_told(session: &Session) {
-    // ends = 1: constant vectors are the null space; scaled so that the last pivot is exactly zero.
+    // With ends = 1, constant vectors are the null space. The scaling makes the last pivot exactly zero.
     let matrix = laplacian(session, 1.0);
     let mut ksp = solver(&session.world(), "", &matrix, Method::Cholesky).unwrap();
     let mut b = Vector::new(&session.world(), LOCAL).unwrap();
@@ -103,20 +106,21 @@ fn a_singular_matrix_is_told(session: &Session) {
     let mut x = b.duplicate().unwrap();
     match ksp.solve(&b, &mut x) {
         Err(Error::Diverged(failure)) => assert!(failure.reason.contains("PC_FAILED"), "{failure}"),
-        // On one rank CHOLMOD tells it.
+        // On one rank CHOLMOD reports it.
         Err(Error::Petsc { message, .. }) => assert!(message.contains("not positive definite"), "{message}"),
-        // Rounding may leave a tiny pivot: then the answer is huge, not silently plausible.
+        // Rounding may leave a tiny pivot: the answer is then huge, not plausible.
         Ok(()) => assert!(x.norm().unwrap() > 1e6),
         Err(error) => panic!("{error}"),
     }
     ksp.destroy().unwrap();
 }
 
-/// Each method solves to its tolerance, from a bad guess too, and whatever options put in the place of conjugate gradients.
+/// Each method solves to its tolerance, also from a bad guess, and so do the methods that options set instead of
+/// conjugate gradients.
 fn methods_and_options_in_their_place(session: &Session) {
     let matrix = laplacian(session, 2.0);
     let multigrid = Method::Multigrid { tolerance: 1e-11 };
-    // (The condition, some thousand at most, times the residual.)
+    // (The tolerance is the condition number, some thousands at most, times the residual.)
     for (prefix, method, direct) in [
         ("", multigrid, false),
         ("", Method::Diagonal { tolerance: 1e-11 }, false),
@@ -130,11 +134,11 @@ fn methods_and_options_in_their_place(session: &Session) {
     }
 }
 
-/// Separable equations, three on each rank.
+/// Number of separable equations on each rank.
 const EQUATIONS: usize = 3;
 const TOLERANCE: f64 = 1e-12;
 
-/// A solver, and its start at x = 2, for separable equations g(x_i) = 0.
+/// A solver for separable equations g(x_i) = 0, and its starting point x = 2.
 fn newton(session: &Session, iterations: usize) -> (Newton, Vector) {
     let world = session.world();
     let jacobian = Matrix::aij(&world, (EQUATIONS, EQUATIONS), &[1; EQUATIONS], &[0; EQUATIONS]).unwrap();
@@ -146,7 +150,7 @@ fn newton(session: &Session, iterations: usize) -> (Newton, Vector) {
 fn an_untouched_jacobian_is_not_factorised_again(session: &Session) {
     let (mut solver, mut x) = newton(session, 100);
     let mut calls = 0;
-    // The chord method: the slope at the start serves throughout, so convergence is linear, with factor 1 − g′/12.
+    // The chord method uses the slope at the start throughout, so convergence is linear, with factor 1 − g′/12.
     solver
         .solve(
             &mut x,
@@ -165,8 +169,9 @@ fn an_untouched_jacobian_is_not_factorised_again(session: &Session) {
     assert!((x.norm_max().unwrap() - 2f64.cbrt()).abs() < 1e-11);
 }
 
-/// The factor of the unit matrix, kept for one whose three hundred eigenvalues lie between 1 and 1e12: conjugate gradients
-/// cannot do it in their hundred iterations.
+/// A factorisation that does not help is replaced. The factor of the unit matrix is kept for a matrix whose three
+/// hundred eigenvalues lie between 1 and 1e12. Conjugate gradients cannot solve this within their limit of one hundred
+/// iterations.
 fn a_factor_that_is_no_help_is_replaced(session: &Session) {
     const MANY: usize = 300;
     let world = session.world();

@@ -1,4 +1,4 @@
-//! What is done with each input. Whatever it holds, the answer is a value or an error: no panic, no crash, no hang.
+//! Fuzz targets. For every input, the result must be a value or an error: no panic, no crash, no hang.
 
 use std::cell::OnceCell;
 use std::fs;
@@ -17,12 +17,12 @@ use ricochet::record::episodes::Episodes;
 use ricochet::scene::{Geometry, Scene};
 use ricochet::space::evaluate::TensionMap;
 
-/// A good scene.
+/// A valid scene.
 const SCENE: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500\nsize = [0.5, 0.5, 0.02]\n[[support]]\nsurface = \"side\"\n\
                      kind = \"elastic\"\nstiffness = 1e9\n[impactor]\nmass = 52\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1\n\
                      [time]\nend = 1e-3\n";
 
-/// The text of a scene.
+/// Target: the input is the text of a scene.
 pub fn scene(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
     match Scene::parse("scene.toml", text, &[]) {
@@ -33,12 +33,12 @@ pub fn scene(data: &[u8]) {
     }
 }
 
-/// Words of `--set`, one a line, for a good scene.
+/// Target: the input is a list of `--set` overrides for a valid scene, one per line.
 pub fn set(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
     let overrides: Vec<String> = text.lines().map(str::to_owned).collect();
     match Scene::parse("scene.toml", SCENE, &overrides) {
-        // What was written into the text must give the same scene.
+        // The text with the overrides must give the same scene.
         Ok((scene, source)) => {
             assert!(Scene::parse("again.toml", source.text(), &[]).is_ok_and(|(again, _)| again == scene))
         }
@@ -50,7 +50,7 @@ thread_local! {
     static SESSION: OnceCell<Session> = const { OnceCell::new() };
 }
 
-/// A mesh file.
+/// Target: the input is a mesh file.
 pub fn mesh(data: &[u8]) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("mesh.msh");
@@ -68,13 +68,14 @@ pub fn mesh(data: &[u8]) {
     });
 }
 
-/// A checkpoint: as a file, and as changes of a good one that a run goes on from.
+/// Target: the input is a checkpoint file; it is also used to change a valid checkpoint from which a run continues.
 pub fn checkpoint(data: &[u8]) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let result = folder.path().join("out.h5");
     fs::write(beside(&result), data).expect("a file in it");
     let _ = Kept::read(&result);
-    // Behind the seal nothing is let through that this program has not written: what it has is changed before.
+    // The checksum rejects every file that this program has not written. Therefore the contents are changed before they
+    // are written.
     let mut data = Bytes(data);
     let scene = if data.next() % 2 == 0 { BODY.to_owned() } else { BODY.replace("step = 1e-5\n", "") };
     let (scene, _) = Scene::parse("scene.toml", &scene, &[]).expect("a good scene");
@@ -105,17 +106,17 @@ pub fn checkpoint(data: &[u8]) {
     });
 }
 
-/// The smallest body, in ten steps.
+/// Scene of the smallest body, with ten steps.
 const BODY: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500\nsize = [0.5, 0.5, 0.02]\nmodel = \"solid\"\nreduction = \"none\"\n\
                     cells = [2, 2, 1]\norder = 1\nsymmetry = \"none\"\n[impactor]\nmass = 52\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\n\
                     speed = 1\n[contact]\nlocalization = \"point\"\n[time]\nscheme = \"newmark\"\nend = 1e-4\nstep = 1e-5\n";
 
-/// What rank 0 knows before the first step, of an impactor's mass, kg.
+/// State of the recording before the first step, for an impactor of a mass (kg).
 fn known(mass: f64) -> Known {
     Known { rows: 0, episodes: Episodes::new(mass), summary: Summary::default(), map: TensionMap::default() }
 }
 
-/// Keeps a checkpoint of every step, as a run does.
+/// Keeps a checkpoint of every step, like a run.
 struct Keeper(Known, Checkpoint);
 
 impl Observer for Keeper {
@@ -137,7 +138,7 @@ impl Observer for Keeper {
     }
 }
 
-/// Takes values off an input; zeros behind its end.
+/// Reads values from an input; zeros after its end.
 struct Bytes<'a>(&'a [u8]);
 
 impl Bytes<'_> {
@@ -152,7 +153,7 @@ impl Bytes<'_> {
     }
 }
 
-/// One change of a name, a number, a length or a node; none where the input is at its end.
+/// Changes a name, a number, a length or a node of a checkpoint; nothing at the end of the input.
 fn change(kept: &mut Kept, data: &mut Bytes) {
     if data.0.is_empty() {
         return;

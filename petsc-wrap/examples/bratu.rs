@@ -1,6 +1,8 @@
-//! Bratu's problem −u″ = eᵘ on (0, 1), u = 0 at the ends, by finite differences and Newton's method with PETSc's line search.
+//! Bratu's problem −u″ = eᵘ on (0, 1), u = 0 at the ends, by finite differences and Newton's method with PETSc's line
+//! search.
 //!
-//! Its smaller solution is u = 2 ln(cosh(θ/4)/cosh((x − ½) θ/2)), where θ = √2 cosh(θ/4). The difference falls with h².
+//! Its smaller solution is u = 2 ln(cosh(θ/4)/cosh((x − ½) θ/2)), where θ = √2 cosh(θ/4). The error of the finite
+//! differences falls with h².
 //!
 //!     mpirun -n 2 cargo run --example bratu -- -snes_monitor
 
@@ -17,15 +19,15 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     if world.is_root() {
         println!("largest errors {coarse:.3e} and {fine:.3e}: order {order:.2}");
     }
-    // The next term of the error, of order 4, is smaller by h².
+    // The next term of the error, of order h⁴, is smaller than the first by a factor of h².
     assert!((order - 2.0).abs() < 0.02);
     Ok(())
 }
 
-/// The largest error with so many cells in all.
+/// Largest error with this number of cells.
 fn error(world: &Comm, cells: usize) -> petsc_wrap::Result<f64> {
     let (h, inner) = (1.0 / cells as f64, cells - 1);
-    // As even as can be.
+    // The nodes are distributed as evenly as possible.
     let local = inner / world.size() + usize::from(world.rank() < inner % world.size());
     let mut u = Vector::new(world, local)?;
     let rows = u.range();

@@ -7,7 +7,7 @@ use petsc_wrap::{Session, Vector};
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let session = Session::start(&[]).ok_or("MPI has been started before")??;
     let world = session.world();
-    // Several ranks start PETSc together, as it wants.
+    // Several ranks always start PETSc together, as PETSc requires.
     let waits = world.size() == 1 && std::env::var_os("PETSC_OPTIONS").is_none();
     assert_eq!(is_loaded()?, !waits);
 
@@ -18,7 +18,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Whether PETSc's library is in this process, as Linux tells.
+/// Whether PETSc's library is loaded in this process, according to Linux.
 fn is_loaded() -> std::io::Result<bool> {
     Ok(std::fs::read_to_string("/proc/self/maps")?.contains("/libpetsc"))
 }

@@ -1,4 +1,4 @@
-//! A mesh of Gmsh's, spread over the ranks: its volume, the area of a physical surface, and numbers for its unknowns.
+//! A Gmsh mesh, distributed over the ranks: its volume, the area of a physical surface, and numbers for its unknowns.
 //!
 //!     mpirun -n 2 cargo run --example mesh
 
@@ -16,7 +16,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
         all
     };
 
-    // A unit cube of six tetrahedra, whose bottom is the physical surface 1.
+    // A unit cube of six tetrahedra; its bottom is physical surface 1.
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cube.msh");
     let plex = Plex::gmsh(&world, path.as_ref())?.plex;
     let vertices = plex.points(0)?;
@@ -43,13 +43,13 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
             area += cross(e[0], e[1]).iter().map(|c| c * c).sum::<f64>().sqrt() / 2.0;
         }
     }
-    // Three unknowns a vertex.
+    // Three unknowns at each vertex.
     let numbering = plex.number(|dimension| if dimension == 0 { 3 } else { 0 })?;
     let (volume, area, unknowns) = (sum(volume), sum(area), sum(numbering.owned as f64));
     if world.is_root() {
         println!("volume {volume}, area of the bottom {area}, {unknowns} unknowns");
     }
-    // Sixths and halves, summed: rounding alone.
+    // Sums of sixths and of halves: the only error is rounding.
     assert!((volume - 1.0).abs() < 1e-15 && (area - 1.0).abs() < 1e-15);
     assert_eq!(unknowns, 24.0);
     Ok(())

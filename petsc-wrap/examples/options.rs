@@ -1,4 +1,5 @@
-//! PETSc's options: given at the start, set in between, read by a solver through its prefix, and those that nobody has read.
+//! PETSc's options: given at the start, set later, read by a solver with its prefix; and the list of options that were
+//! never read.
 //!
 //!     cargo run --example options
 

@@ -6,7 +6,7 @@
 
 use petsc_wrap::{Insert, Int, Ksp, Matrix, Session, Tolerances, Vector};
 
-/// Inner nodes on each rank.
+/// Number of inner nodes on each rank.
 const LOCAL: usize = 50;
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -16,7 +16,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let n = LOCAL * world.size();
     let h = 1.0 / (n as f64 + 1.0);
 
-    // Up to three entries of a row are in this rank's columns, and up to one on either side is another rank's.
+    // A row has up to three entries in this rank's columns, and up to one on each side in another rank's.
     let mut matrix = Matrix::aij(&world, (LOCAL, LOCAL), &[3; LOCAL], &[2; LOCAL])?;
     for i in matrix.row_range() {
         let columns: Vec<Int> = (i - 1..=i + 1).filter(|j| (0..n as Int).contains(j)).collect();
@@ -47,7 +47,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     if world.is_root() {
         println!("{n} unknowns, {} iterations, largest error {error:.1e}", solver.iterations()?);
     }
-    // The residual, 1e-12, times the condition number, (2/πh)² or some thousands.
+    // The residual, 1e-12, times the condition number, (2/πh)², which is some thousands.
     assert!(error < 1e-8);
     Ok(())
 }

@@ -1,4 +1,5 @@
-//! A vector on all ranks: each writes its own part, any rank may add to any entry and fetch any entry, and norms are those of the whole.
+//! A vector on all ranks: each rank writes its own part, may add to any entry and fetch any entry. Norms are of the
+//! whole vector.
 //!
 //!     mpirun -n 2 cargo run --example ranks
 
@@ -13,7 +14,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut x = Vector::new(&world, rank + 1)?;
     assert_eq!(x.len(), size * (size + 1) / 2);
     x.write()?.fill(1.0);
-    // Every rank adds its number to the last entry, which is the last rank's.
+    // Every rank adds its number to the last entry, which belongs to the last rank.
     let last = x.len() as Int - 1;
     x.assemble()?;
     x.set_values(&[last], &[rank as f64], Insert::Add)?;
@@ -26,13 +27,14 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let fetched = gather.fetch(&x)?.to_vec();
     assert_eq!(fetched, [expected, if size == 1 { expected } else { 1.0 }]);
 
-    // Lists of all ranks, one after the other.
+    // Concatenated lists of all ranks.
     assert_eq!(world.all_gather(&[rank as Int]), (0..size as Int).collect::<Vec<_>>());
     if world.is_root() {
         println!("{} entries on {size} rank(s), the last one {}", x.len(), fetched[0]);
     }
 
-    // One rank may drop a handle while others go on with theirs; what all have dropped goes here, or at the end.
+    // One rank may drop a handle while others keep theirs. Objects that all ranks have dropped are destroyed here, or
+    // at the end.
     drop(x);
     world.collect_garbage()?;
     Ok(())

@@ -1,4 +1,4 @@
-//! A group of ranks, with the session kept alive.
+//! A communicator that keeps the session alive.
 
 use std::rc::Rc;
 
@@ -14,7 +14,7 @@ use crate::session::Session;
 /// An MPI communicator that keeps MPI and PETSc alive; cheap to clone.
 #[derive(Clone)]
 pub struct Comm {
-    // Declared first, dropped first: the communicator goes before the session.
+    // Declared first, so dropped first: the communicator is freed before the session ends.
     mpi: Rc<SimpleCommunicator>,
     session: Session,
 }
@@ -44,39 +44,39 @@ impl Comm {
         &self.mpi
     }
 
-    /// The session.
+    /// The session of this communicator.
     pub fn session(&self) -> &Session {
         &self.session
     }
 
-    /// The lists of all ranks, one after the other, on every rank. Collective.
+    /// Concatenates the lists of all ranks, in rank order, on every rank. Collective.
     ///
     /// # Panics
-    /// When there are more items in all than MPI counts (2³¹ − 1), on every rank.
+    /// On every rank, if the total number of items exceeds MPI's range (2³¹ − 1).
     pub fn all_gather<T: Equivalence + Clone + Default>(&self, mine: &[T]) -> Vec<T> {
         let mut counts = vec![0; self.size()];
         self.mpi.all_gather_into(&(mine.len() as u64), &mut counts[..]);
         let Parts { counts, starts, total } = Parts::new(&counts).expect("more items than MPI counts");
         let mut all = vec![T::default(); total];
         if total == 0 {
-            // Open MPI takes the addresses of two empty lists for one buffer given twice, and ends the process.
+            // Open MPI takes the equal addresses of two empty lists for an aliased buffer, and aborts.
             return all;
         }
         self.mpi.all_gather_varcount_into(mine, &mut PartitionMut::new(&mut all[..], counts, starts));
         all
     }
 
-    /// The lists of all ranks, one after the other, on rank 0; nothing on the others. Collective.
+    /// Concatenates the lists of all ranks, in rank order, on rank 0; returns an empty list on the others. Collective.
     ///
     /// # Panics
-    /// As [`Self::all_gather`].
+    /// Same as [`Self::all_gather`].
     pub fn gather_to_root<T: Equivalence + Clone + Default>(&self, mine: &[T]) -> Vec<T> {
         let mut counts = vec![0; self.size()];
         self.mpi.all_gather_into(&(mine.len() as u64), &mut counts[..]);
         let Parts { counts, starts, total } = Parts::new(&counts).expect("more items than MPI counts");
         let root = self.mpi.process_at_rank(0);
         if total == 0 {
-            // As of `all_gather`.
+            // As in `all_gather`.
             return Vec::new();
         }
         if !self.is_root() {
@@ -88,12 +88,12 @@ impl Comm {
         all
     }
 
-    /// Replaces each rank's values by those of rank 0. Collective.
+    /// Replaces each rank's values by the values of rank 0. Collective.
     ///
     /// # Panics
-    /// When the ranks have not as many values as rank 0, on every rank.
+    /// On every rank, if the ranks do not all have the same number of values.
     pub fn broadcast_from_root(&self, values: &mut [f64]) {
-        // (Types are given wherever ranks are asked: MPI writes as many bytes as it is sent.)
+        // (Types are written out where ranks communicate: MPI writes the number of bytes that it receives.)
         let (mine, mut least, mut most) = (values.len() as u64, 0_u64, 0_u64);
         self.mpi.all_reduce_into(&mine, &mut least, SystemOperation::min());
         self.mpi.all_reduce_into(&mine, &mut most, SystemOperation::max());
@@ -101,10 +101,10 @@ impl Comm {
         self.mpi.process_at_rank(0).broadcast_into(values);
     }
 
-    /// Destroys what dropped handles left behind. Collective.
+    /// Destroys the objects whose handles were dropped. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn collect_garbage(&self) -> Result<()> {
         if !self.session.has_petsc() {
             return Ok(());
@@ -118,7 +118,7 @@ impl Comm {
         self.raw()
     }
 
-    /// Whether both have the same ranks in the same order.
+    /// Whether both communicators have the same ranks in the same order.
     pub(crate) fn is_congruent(&self, other: &Self) -> bool {
         Rc::ptr_eq(&self.mpi, &other.mpi)
             || self.raw() == other.raw()
@@ -128,10 +128,10 @@ impl Comm {
             )
     }
 
-    /// The raw communicator for an object of PETSc's, which is initialised for it if need be.
+    /// Returns the raw communicator for a new PETSc object; initialises PETSc first if needed.
     ///
     /// # Errors
-    /// PETSc's, where it does not start.
+    /// If PETSc does not start.
     pub(crate) fn petsc(&self) -> Result<mpi::ffi::MPI_Comm> {
         self.session.petsc()?;
         Ok(self.raw())
@@ -142,7 +142,7 @@ impl Comm {
     }
 }
 
-/// Where the parts of ranks lie in a list of all, in MPI's integers.
+/// Lengths and starts of the ranks' parts in a concatenated list, in MPI's integers.
 #[derive(Debug, PartialEq)]
 struct Parts {
     counts: Vec<i32>,
@@ -151,7 +151,7 @@ struct Parts {
 }
 
 impl Parts {
-    /// `None` where MPI's integers do not reach.
+    /// Returns `None` if the total exceeds MPI's integers.
     fn new(lengths: &[u64]) -> Option<Self> {
         let (mut counts, mut starts, mut next) = (Vec::new(), Vec::new(), 0_i32);
         for length in lengths {
@@ -168,7 +168,8 @@ impl Parts {
 mod tests {
     use super::Parts;
 
-    /// MPI counts in 32 bits: a wrapped sum would be a buffer shorter than what is written to it.
+    /// Lists that exceed MPI's 32-bit counts are refused: with a wrapped sum the buffer would be shorter than the data
+    /// written to it.
     #[test]
     fn parts_that_mpi_cannot_count_are_refused() {
         let most = i32::MAX as u64;

@@ -1,9 +1,10 @@
-//! Environment variables, set before MPI reads them.
+//! Sets environment variables before MPI reads them.
 
-/// Sets those of the environment variables that are not set yet, where that is sound: as long as no thread but this one exists, none can read
-/// the environment meanwhile. Otherwise, and where that cannot be seen (it is on Linux), nothing is set. Returns whether it was sound.
+/// Sets the given environment variables that are not set yet, if this is sound. It is sound as long as this is the only
+/// thread, since no other thread can then read the environment at the same time. Otherwise nothing is set; the same
+/// holds where the number of threads is unknown (Linux tells it). Returns whether it was sound.
 ///
-/// MPI libraries take settings from the environment when they start, so a program that has some of its own calls this before
+/// MPI libraries read settings from the environment when they start. A program with its own settings calls this before
 /// [`crate::Session::start`].
 ///
 /// ```
@@ -24,7 +25,7 @@ pub fn set_default_environment(variables: &[(&str, &str)]) -> bool {
     true
 }
 
-/// Whether the process is seen to have one thread. Only that thread could start another.
+/// Whether the process is known to have one thread. Only that thread could start another.
 fn is_only_thread() -> bool {
     std::fs::read_dir("/proc/self/task").is_ok_and(|tasks| tasks.count() == 1)
 }

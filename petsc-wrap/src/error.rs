@@ -1,4 +1,4 @@
-//! PETSc's error codes as Rust errors that own PETSc's message and stack.
+//! PETSc's error codes as Rust errors that contain PETSc's message and stack.
 
 use std::cell::RefCell;
 use std::ffi::{c_char, c_int, c_void};
@@ -12,7 +12,7 @@ use crate::text::from_c;
 /// Result with [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What went wrong in PETSc, or in a closure that PETSc called.
+/// Error of PETSc, or of a closure that PETSc called.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A call returned an error code.
@@ -24,32 +24,34 @@ pub enum Error {
         message: String,
         /// PETSc's stack, innermost first.
         frames: Vec<Frame>,
-        /// Where in Rust the call was made.
+        /// Location of the call in the Rust source.
         location: &'static Location<'static>,
     },
-    /// PETSc's library, or one that it needs, is not where it was when the program was built.
+    /// PETSc's library, or one that it needs, is no longer where it was when the program was built.
     #[error("{0}")]
     NotLoaded(String),
-    /// An index beyond a vector's or matrix's size: checked here, since PETSc does so in debugging builds only.
+    /// An index beyond the size of a vector or matrix. It is checked here, since PETSc does so in debugging builds
+    /// only.
     #[error("index {index} is out of range: the size is {size}")]
     OutOfRange {
         /// The index.
         index: i64,
-        /// Entries, rows or columns.
+        /// Number of entries, rows or columns.
         size: usize,
     },
-    /// A number that PETSc's integers cannot hold.
+    /// A number that does not fit in PETSc's integer type.
     #[error("{number} does not fit PETSc's integers of {} bits", crate::Int::BITS)]
     TooLarge {
         /// The number.
         number: usize,
     },
-    /// Arguments that PETSc would take on trust: layouts that differ, a matrix that is not assembled or of another type, ….
+    /// Arguments that PETSc would use unchecked: layouts that differ, a matrix that is not assembled or of another
+    /// type, ….
     #[error("{message} (called at {location})")]
     Invalid {
-        /// What is wrong.
+        /// Description of the error.
         message: String,
-        /// Where in Rust the call was made.
+        /// Location of the call in the Rust source.
         location: &'static Location<'static>,
     },
     /// A mesh file that PETSc must not read.
@@ -57,10 +59,10 @@ pub enum Error {
     MeshFile {
         /// The file.
         path: std::path::PathBuf,
-        /// What is wrong, with the line of a text file or the byte of a binary one.
+        /// Description of the error, with the line of a text file or the byte of a binary one.
         message: String,
     },
-    /// An iterative method stopped without an answer.
+    /// An iterative method stopped without convergence.
     #[error(transparent)]
     Diverged(#[from] Diverged),
     /// A closure called by PETSc returned this error.
@@ -68,15 +70,15 @@ pub enum Error {
     Callback(Box<dyn std::error::Error>),
 }
 
-/// How a solver failed.
+/// Reason and state of a solver that did not converge.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{solver} did not converge: {reason} after {iterations} iterations, residual norm {norm:.3e}")]
 pub struct Diverged {
     /// "KSP" or "SNES".
     pub solver: &'static str,
-    /// PETSc's name of the reason, and the linear solver's where that is the cause.
+    /// PETSc's name of the reason, and the linear solver's reason if that is the cause.
     pub reason: String,
-    /// Iterations done.
+    /// Number of iterations done.
     pub iterations: usize,
     /// Norm of the last residual.
     pub norm: f64,
@@ -85,11 +87,11 @@ pub struct Diverged {
 /// One frame of PETSc's stack.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Frame {
-    /// C function.
+    /// Name of the C function.
     pub function: String,
     /// Source file.
     pub file: String,
-    /// Line in it.
+    /// Line in the source file.
     pub line: i32,
 }
 
@@ -113,10 +115,10 @@ thread_local! {
     static TRACE: RefCell<Trace> = RefCell::default();
 }
 
-/// PETSC_ERR_USER: what PETSc gets to see of an error in a closure.
+/// PETSC_ERR_USER: the code that PETSc receives for an error in a closure.
 pub(crate) const USER_ERROR: sys::PetscErrorCode = 83;
 
-/// Turns a return code into a result that takes the recorded message and frames with it.
+/// Turns a return code into a result; an error takes the recorded message and frames with it.
 #[track_caller]
 pub(crate) fn check(code: sys::PetscErrorCode) -> Result<()> {
     if code == 0 {
@@ -127,7 +129,7 @@ pub(crate) fn check(code: sys::PetscErrorCode) -> Result<()> {
     Err(Error::Petsc { code, message, frames: trace.frames, location: Location::caller() })
 }
 
-/// Refuses indices outside 0..size.
+/// Returns an error if an index is outside 0..size.
 pub(crate) fn check_indices(indices: &[crate::Int], size: usize) -> Result<()> {
     match indices.iter().find(|&&index| usize::try_from(index).map_or(true, |index| index >= size)) {
         Some(&index) => Err(Error::OutOfRange { index: index as i64, size }),
@@ -135,7 +137,7 @@ pub(crate) fn check_indices(indices: &[crate::Int], size: usize) -> Result<()> {
     }
 }
 
-/// Fails where a condition does not hold.
+/// Returns [`Error::Invalid`] if the condition does not hold.
 #[track_caller]
 pub(crate) fn require(holds: bool, message: &str) -> Result<()> {
     if holds { Ok(()) } else { Err(Error::Invalid { message: message.to_owned(), location: Location::caller() }) }
@@ -150,10 +152,10 @@ fn generic(code: sys::PetscErrorCode) -> String {
     unsafe { from_c(text) }
 }
 
-/// PETSc's error handler: records instead of printing. Installed by the session.
+/// PETSc's error handler, which records errors instead of printing them. The session installs it.
 ///
 /// # Safety
-/// For PETSc to call: the strings are null or end in NUL.
+/// To be called by PETSc: the strings are null or end in NUL.
 pub(crate) unsafe extern "C" fn record(
     _comm: mpi::ffi::MPI_Comm,
     line: c_int,
@@ -167,7 +169,7 @@ pub(crate) unsafe extern "C" fn record(
     // SAFETY: PETSc's strings, which live at least for this call.
     let [function, file, message] = [function, file, message].map(|text| unsafe { from_c(text) });
     let frame = Frame { function, file, line };
-    // try_with: an error while the thread's locals are torn down is still returned by its code.
+    // try_with: if the thread-local storage is already destroyed, the error is still returned by its code.
     let _ = TRACE.try_with(|trace| {
         let mut trace = trace.borrow_mut();
         if kind == sys::PetscErrorType::PETSC_ERROR_INITIAL {

@@ -1,4 +1,4 @@
-//! Packages that factorise, and what a factorisation by one of them will cost.
+//! Packages for factorisations, and estimates of the cost of a factorisation.
 
 use petsc_sys as sys;
 
@@ -7,7 +7,7 @@ use crate::matrix::{Matrix, MatrixView};
 use crate::session::Session;
 use crate::text::to_c;
 
-/// A factorisation of a square matrix.
+/// Kind of factorisation of a square matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Factor {
     /// L U.
@@ -24,15 +24,16 @@ impl Factor {
         }
     }
 
-    /// Whether PETSc was built with a package (`mumps`, `cholmod`, `petsc`, …) for this factorisation that takes matrices of a type
-    /// (`seqaij`, `mpiaij`, …).
+    /// Whether PETSc was built with this package (`mumps`, `cholmod`, `petsc`, …) for this factorisation of matrices of
+    /// this type (`seqaij`, `mpiaij`, …).
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn is_known(self, _session: &Session, package: &str, matrix_type: &str) -> Result<bool> {
         let (package, matrix_type, none) = (to_c(package), to_c(matrix_type), std::ptr::null_mut());
         let mut is_there = sys::FALSE;
-        // Packages are known from the first matrix on.
+        // PETSc registers the packages only when its matrix classes are initialised, which would otherwise happen with
+        // the first matrix.
         // SAFETY: PETSc is initialised.
         check(unsafe { sys::MatInitializePackage() })?;
         let (package, matrix_type) = (package.as_ptr(), matrix_type.as_ptr());
@@ -42,10 +43,11 @@ impl Factor {
         Ok(is_there == sys::TRUE)
     }
 
-    /// Whether PETSc was built with a package for this factorisation that takes a matrix of this one's type, on as many ranks.
+    /// Whether PETSc was built with this package for this factorisation of matrices of the same type, on the same
+    /// number of ranks.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn is_available(self, package: &str, matrix: &MatrixView) -> Result<bool> {
         let (package, mut is_there) = (to_c(package), sys::FALSE);
         // SAFETY: the matrix, the name and the out-pointer are valid.
@@ -54,21 +56,22 @@ impl Factor {
     }
 }
 
-/// What MUMPS expects of a Cholesky factorisation, over all ranks.
+/// MUMPS's estimate of the cost of a Cholesky factorisation, over all ranks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FactorEstimate {
-    /// Entries of the factor.
+    /// Number of entries of the factor.
     pub entries: f64,
-    /// Floating-point operations.
+    /// Number of floating-point operations.
     pub operations: f64,
-    /// Memory of the factorisation, bytes.
+    /// Memory of the factorisation in bytes.
     pub memory: f64,
 }
 
-/// The symbolic phase of MUMPS's Cholesky factorisation, without the numeric one; `None` where PETSc was built without MUMPS. Collective.
+/// Runs the symbolic phase of MUMPS's Cholesky factorisation, without the numeric one. Returns `None` if PETSc was
+/// built without MUMPS. Collective.
 ///
 /// # Errors
-/// A matrix that is not square, assembled and AIJ; PETSc's.
+/// If the matrix is not square, assembled and AIJ, or if a PETSc call fails.
 pub fn estimate_cholesky(matrix: &MatrixView) -> Result<Option<FactorEstimate>> {
     matrix.require_assembled_aij()?;
     matrix.require_square()?;
@@ -80,11 +83,11 @@ pub fn estimate_cholesky(matrix: &MatrixView) -> Result<Option<FactorEstimate>> 
     check(unsafe { sys::MatGetFactor(matrix.raw(), c"mumps".as_ptr(), Factor::Cholesky.raw(), &raw mut raw) })?;
     // SAFETY: the new factor is ours.
     let factor = unsafe { Matrix::from_raw(raw, matrix.comm()) };
-    // SAFETY: a struct of numbers, for which zero bits are a value.
+    // SAFETY: a struct of numbers, for which all-zero bits are a valid value.
     let mut info: sys::MatFactorInfo = unsafe { std::mem::zeroed() };
     // SAFETY: the struct is valid.
     check(unsafe { sys::MatFactorInfoInitialize(&raw mut info) })?;
-    // SAFETY: all are valid; MUMPS orders by itself, so that no ordering is needed.
+    // SAFETY: all are valid; MUMPS computes the ordering, so none is needed here.
     check(unsafe { sys::MatCholeskyFactorSymbolic(raw, matrix.raw(), std::ptr::null_mut(), &raw const info) })?;
     let global = |number| -> Result<f64> {
         let mut value = 0;

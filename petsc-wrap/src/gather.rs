@@ -1,4 +1,4 @@
-//! Entries of a distributed vector, fetched to the ranks that need them.
+//! Fetches entries of a distributed vector to the ranks that need them.
 
 use petsc_sys as sys;
 
@@ -10,7 +10,7 @@ use crate::object::Object;
 use crate::text::int;
 use crate::vector::{ReadGuard, Vector, VectorView};
 
-/// Fetches chosen entries of vectors of one layout, again and again.
+/// Fetches chosen entries of vectors of one layout, any number of times.
 ///
 /// ```
 /// # fn main() -> petsc_wrap::Result<()> {
@@ -26,16 +26,17 @@ use crate::vector::{ReadGuard, Vector, VectorView};
 pub struct Gather {
     scatter: Object<sys::_p_PetscSF>,
     here: Vector,
-    /// The layout of the vectors: PETSc does not look at it, and reads where the entries would be.
+    /// The layout of the vectors. PETSc does not check it, and would read out of bounds in a vector of another layout.
     comm: Comm,
     ranges: Vec<Int>,
 }
 
 impl Gather {
-    /// Entries by global index, in any order and repeated at will, each rank its own. Collective.
+    /// Prepares to fetch the entries with these global indices, in any order, repetitions allowed. Each rank gives its
+    /// own list. Collective.
     ///
     /// # Errors
-    /// An index out of range, or PETSc's.
+    /// If an index is out of range, or if a PETSc call fails.
     pub fn new(like: &VectorView, indices: &[Int]) -> Result<Self> {
         check_indices(indices, like.len())?;
         let comm = like.comm();
@@ -58,14 +59,14 @@ impl Gather {
         Ok(Self { scatter, here, comm: comm.clone(), ranges: like.layout().ranges().to_vec() })
     }
 
-    /// The entries, in the order of the indices. Collective.
+    /// Returns the entries in the order of the indices. Collective.
     ///
     /// # Errors
-    /// A vector of another layout, on all ranks; PETSc's.
+    /// If the vector has another layout (on all ranks), or if a PETSc call fails.
     pub fn fetch(&mut self, from: &VectorView) -> Result<ReadGuard<'_>> {
         Layout::new(&self.comm, &self.ranges).require_same(from.layout())?;
         let (insert, forward) = (sys::InsertMode::INSERT_VALUES, sys::ScatterMode::SCATTER_FORWARD);
-        // SAFETY: all are valid here and below; the layout is that for which the scatter was made.
+        // SAFETY: all are valid here and below; the layout is the one for which the scatter was made.
         check(unsafe { sys::VecScatterBegin(self.scatter.raw(), from.raw(), self.here.raw(), insert, forward) })?;
         // SAFETY: as above.
         check(unsafe { sys::VecScatterEnd(self.scatter.raw(), from.raw(), self.here.raw(), insert, forward) })?;

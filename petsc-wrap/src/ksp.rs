@@ -13,7 +13,7 @@ use crate::shell::SHELL;
 use crate::text::{from_c, int, option_name, to_c};
 use crate::vector::VectorView;
 
-/// A linear solver with its preconditioner; its methods are those of [`KspView`].
+/// A linear solver with its preconditioner. The view [`KspView`] has its methods.
 ///
 /// ```
 /// # fn main() -> petsc_wrap::Result<()> {
@@ -42,31 +42,31 @@ pub struct KspView([Object<sys::_p_KSP>]);
 
 viewed!(Ksp as KspView of Object<sys::_p_KSP>);
 
-/// When a linear solver stops; `None` leaves a limit as it is.
+/// Stopping criteria of a linear solver; `None` leaves a limit unchanged.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Tolerances {
-    /// Residual norm relative to that of the right-hand side.
+    /// Residual norm relative to the norm of the right-hand side.
     pub relative: Option<f64>,
-    /// Residual norm.
+    /// Absolute residual norm.
     pub absolute: Option<f64>,
-    /// Residual norm relative to that of the right-hand side, beyond which the solver has diverged.
+    /// Residual norm, relative to the norm of the right-hand side, above which the solver has diverged.
     pub divergence: Option<f64>,
-    /// Iterations.
+    /// Largest number of iterations.
     pub iterations: Option<usize>,
 }
 
-/// The norm of the residual by which an iteration stops.
+/// Norm of the residual in the stopping criterion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ResidualNorm {
-    /// That of the method.
+    /// The default of the method.
     Default,
-    /// None: all iterations are done.
+    /// No norm: all iterations are done.
     None,
-    /// Of the preconditioned residual.
+    /// Norm of the preconditioned residual.
     Preconditioned,
-    /// Of the residual.
+    /// Norm of the true residual.
     Unpreconditioned,
-    /// In the inner product of the preconditioner.
+    /// Norm in the inner product of the preconditioner.
     Natural,
 }
 
@@ -83,10 +83,10 @@ impl ResidualNorm {
 }
 
 impl Ksp {
-    /// A solver with PETSc's defaults. Collective.
+    /// Creates a solver with PETSc's defaults. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn new(comm: &Comm) -> Result<Self> {
         let mut raw = std::ptr::null_mut();
         // SAFETY: the communicator is valid and the out-pointer too.
@@ -95,29 +95,29 @@ impl Ksp {
         Ok(unsafe { Self::from_raw(raw, comm) })
     }
 
-    /// Takes over a solver of PETSc's.
+    /// Takes ownership of a PETSc solver.
     ///
     /// # Safety
-    /// `raw` is a reference to a valid solver on `comm` that nobody else releases or uses while this lives. Its operators, where it has some, are
-    /// square AIJ matrices on `comm`. Callbacks that it has may be called at any time.
+    /// `raw` is a reference to a valid solver on `comm` that nobody else releases or uses while this lives. If it has
+    /// operators, they are square AIJ matrices on `comm`. If it has callbacks, they may be called at any time.
     pub unsafe fn from_raw(raw: sys::KSP, comm: &Comm) -> Self {
-        // SAFETY: by the caller.
+        // SAFETY: guaranteed by the caller.
         Self(unsafe { Object::new(raw, comm) })
     }
 
-    /// A solver that stays another's.
+    /// A solver that still belongs to another owner.
     ///
     /// # Safety
-    /// As of [`Self::from_raw`], but that its owner keeps the reference during `'a`.
+    /// Same as [`Self::from_raw`], except that the owner keeps the reference during `'a`.
     pub(crate) unsafe fn lent<'a>(raw: sys::KSP, comm: &Comm) -> Lent<'a, Self> {
-        // SAFETY: by the caller.
+        // SAFETY: guaranteed by the caller.
         Lent::new(Self(unsafe { Object::lent(raw, comm) }))
     }
 
-    /// Destroys it at once, its factor too. Collective.
+    /// Destroys the solver and its factor immediately. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn destroy(self) -> Result<()> {
         self.0.destroy()
     }
@@ -133,26 +133,27 @@ impl KspView {
         self.raw()
     }
 
-    /// The ranks it lives on.
+    /// The communicator of this object.
     pub fn comm(&self) -> &Comm {
         self.inner().comm()
     }
 
-    /// Options of this solver begin with the prefix: empty, or ending in an underscore.
+    /// Sets the prefix of this solver's options: empty, or a name that ends in an underscore.
     ///
     /// # Errors
-    /// PETSc's, e.g. for a prefix that begins with a dash.
+    /// If a PETSc call fails, e.g. for a prefix that begins with a dash.
     pub fn set_options_prefix(&mut self, prefix: &str) -> Result<()> {
         let prefix = option_name(prefix)?;
         // SAFETY: the solver is valid; PETSc copies the string.
         check(unsafe { sys::KSPSetOptionsPrefix(self.raw(), prefix.as_ptr()) })
     }
 
-    /// The operator of the system, and the matrix of which the preconditioner is made. The solver keeps both; where one has changed,
-    /// the next solve sets up anew. Collective.
+    /// Sets the operator of the system, and the matrix from which the preconditioner is made. The solver keeps both. If
+    /// one has changed, the next solve sets up the preconditioner again. Collective.
     ///
     /// # Errors
-    /// Matrices that are not square and AIJ, or of another layout than each other or than those before; PETSc's.
+    /// If the matrices are not square and AIJ, if their layouts differ from each other or from the layout of the
+    /// matrices before, or if a PETSc call fails.
     pub fn set_operators(&mut self, operator: &MatrixView, preconditioner: &MatrixView) -> Result<()> {
         operator.require_aij()?;
         preconditioner.require_aij()?;
@@ -173,7 +174,7 @@ impl KspView {
         check(unsafe { sys::KSPSetOperators(self.raw(), operator.raw(), preconditioner.raw()) })
     }
 
-    /// The operator and the preconditioner's matrix, where they are set.
+    /// Returns the operator and the preconditioner's matrix, if they are set.
     fn operators(&self) -> Result<Option<[sys::Mat; 2]>> {
         let (mut has_operator, mut has_matrix) = (sys::FALSE, sys::FALSE);
         // SAFETY: the solver is valid here and below.
@@ -187,31 +188,31 @@ impl KspView {
         Ok(Some([operator, matrix]))
     }
 
-    /// Who owns which rows of a matrix of this solver.
+    /// Row layout of a matrix of this solver.
     ///
     /// # Safety
-    /// The matrix is valid during `'a`, and on as many ranks as the solver.
+    /// The matrix is valid during `'a`, and on the same number of ranks as the solver.
     unsafe fn layout_of<'a>(&'a self, matrix: sys::Mat) -> Result<Layout<'a>> {
         let mut ranges = std::ptr::null();
-        // SAFETY: by the caller.
+        // SAFETY: guaranteed by the caller.
         check(unsafe { sys::MatGetOwnershipRanges(matrix, &raw mut ranges) })?;
-        // SAFETY: by the caller.
+        // SAFETY: guaranteed by the caller.
         Ok(unsafe { Layout::from_raw(self.comm(), ranges) })
     }
 
     /// Chooses the method (`cg`, `gmres`, `preonly`, …).
     ///
     /// # Errors
-    /// PETSc's, e.g. for an unknown name.
+    /// If a PETSc call fails, e.g. for an unknown name.
     pub fn set_type(&mut self, name: &str) -> Result<()> {
         // SAFETY: the solver is valid; PETSc copies the string.
         check(unsafe { sys::KSPSetType(self.raw(), to_c(name).as_ptr()) })
     }
 
-    /// Name of the method; empty where none is chosen.
+    /// Name of the method; empty if none is chosen.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn type_name(&self) -> Result<String> {
         let mut name = std::ptr::null();
         // SAFETY: the solver is valid.
@@ -220,10 +221,10 @@ impl KspView {
         Ok(unsafe { from_c(name) })
     }
 
-    /// When to stop.
+    /// Sets the stopping criteria.
     ///
     /// # Errors
-    /// PETSc's, e.g. for a negative tolerance.
+    /// If a PETSc call fails, e.g. for a negative tolerance.
     pub fn set_tolerances(&mut self, tolerances: Tolerances) -> Result<()> {
         let same = f64::from(sys::PETSC_DEFAULT);
         let [relative, absolute, divergence] =
@@ -233,28 +234,28 @@ impl KspView {
         check(unsafe { sys::KSPSetTolerances(self.raw(), relative, absolute, divergence, iterations) })
     }
 
-    /// By which norm to stop.
+    /// Sets the norm of the stopping criterion.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn set_residual_norm(&mut self, norm: ResidualNorm) -> Result<()> {
         // SAFETY: the solver is valid.
         check(unsafe { sys::KSPSetNormType(self.raw(), norm.raw()) })
     }
 
-    /// Whether a solve starts from the x that it is given, or from zero.
+    /// Sets whether a solve starts from the given x (`true`) or from zero.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn set_initial_guess_nonzero(&mut self, from_x: bool) -> Result<()> {
         // SAFETY: the solver is valid.
         check(unsafe { sys::KSPSetInitialGuessNonzero(self.raw(), if from_x { sys::TRUE } else { sys::FALSE }) })
     }
 
-    /// Whatever the options database says of this solver and its preconditioner. Collective.
+    /// Applies the options database to this solver and its preconditioner. Collective.
     ///
     /// # Errors
-    /// PETSc's, e.g. for unknown types among the options.
+    /// If a PETSc call fails, e.g. for unknown types among the options.
     pub fn set_from_options(&mut self) -> Result<()> {
         // SAFETY: the solver is valid.
         check(unsafe { sys::KSPSetFromOptions(self.raw()) })
@@ -263,22 +264,24 @@ impl KspView {
     /// The preconditioner.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn pc(&mut self) -> Result<Pc<'_>> {
-        // SAFETY: the solver is valid, and borrowed by what is returned.
+        // SAFETY: the solver is valid, and borrowed by the returned preconditioner.
         unsafe { Pc::of(self.raw()) }
     }
 
-    /// Solves operator·x = b; factorises when the matrix has changed. Collective.
+    /// Solves operator·x = b; factorises again if the matrix has changed. Collective.
     ///
     /// # Errors
-    /// A solver without its operators; a matrix that is not assembled; vectors of another layout; PETSc's; [`Diverged`] with the reason.
+    /// If the solver has no operators, the matrix is not assembled, a vector has another layout, or a PETSc call fails;
+    /// [`Diverged`] with the reason if the solver does not converge.
     pub fn solve(&mut self, b: &VectorView, x: &mut VectorView) -> Result<()> {
         self.require_fit(b, x)?;
         let raw = self.raw();
         let own = OwnMemory::where_read(b)?;
-        // SAFETY: all are valid, of one layout, and x is not b by the borrow rules. By some options PETSc writes to b, and writes back what was
-        // there: nobody else sees b meanwhile, for its memory is not the one that is read.
+        // SAFETY: all are valid and of one layout, and x is not b by the borrow rules. With some options PETSc writes
+        // to b and later restores it. No reader sees b meanwhile, because b has another memory than the one that is
+        // read.
         let solved = check(unsafe { sys::KSPSolve(raw, b.raw(), x.raw()) });
         drop(own);
         solved?;
@@ -297,7 +300,7 @@ impl KspView {
         Err(Error::Diverged(Diverged { solver: "KSP", reason, iterations, norm }))
     }
 
-    /// Refuses what PETSc would take on trust.
+    /// Checks the arguments that PETSc would use unchecked.
     fn require_fit(&self, b: &VectorView, x: &VectorView) -> Result<()> {
         let Some(operators) = self.operators()? else { return require(false, "the solver has no operator yet") };
         for matrix in operators {
@@ -319,31 +322,33 @@ impl KspView {
         require(kind == SHELL, "the preconditioner is not for matrices of this storage")
     }
 
-    /// Iterations of the last solve.
+    /// Number of iterations of the last solve.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn iterations(&self) -> Result<usize> {
         // SAFETY: the solver is valid.
         unsafe { iterations_of(self.raw()) }
     }
 }
 
-/// Another memory of a vector's own for its entries, while a read guard looks at the first.
+/// Temporary memory for a vector's entries, used while a read guard looks at the original memory.
 struct OwnMemory<'a> {
     vector: &'a VectorView,
-    /// PETSc's meanwhile.
+    /// Used by PETSc while this lives.
     _entries: Vec<f64>,
 }
 
 impl<'a> OwnMemory<'a> {
-    /// Of no cost where nobody reads. It is not collective, since others may read on other ranks.
+    /// Gives the vector temporary memory if someone reads it; costs nothing otherwise. Not collective, since only other
+    /// ranks may have readers.
     fn where_read(vector: &'a VectorView) -> Result<Option<Self>> {
         if !vector.is_read() {
             return Ok(None);
         }
         let mut entries = vector.read()?.to_vec();
-        // SAFETY: as many entries as the vector has, which stay until `drop` gives the vector its own memory back.
+        // SAFETY: the memory has the size of the vector, and stays until `drop` gives the vector its original memory
+        // back.
         check(unsafe { sys::VecPlaceArray(vector.raw(), entries.as_mut_ptr()) })?;
         Ok(Some(Self { vector, _entries: entries }))
     }
@@ -351,23 +356,23 @@ impl<'a> OwnMemory<'a> {
 
 impl Drop for OwnMemory<'_> {
     fn drop(&mut self) {
-        // SAFETY: the vector is valid; an error has nobody to go to.
+        // SAFETY: the vector is valid. An error cannot be returned from here and is ignored.
         unsafe { sys::VecResetArray(self.vector.raw()) };
     }
 }
 
-/// Iterations of a solver's last solve.
+/// Number of iterations of a solver's last solve.
 ///
 /// # Safety
 /// The solver is valid.
 pub(crate) unsafe fn iterations_of(ksp: sys::KSP) -> Result<usize> {
     let mut iterations = 0;
-    // SAFETY: by the caller.
+    // SAFETY: guaranteed by the caller.
     check(unsafe { sys::KSPGetIterationNumber(ksp, &raw mut iterations) })?;
     Ok(iterations as usize)
 }
 
-/// PETSc's name of why the solver stopped.
+/// PETSc's name of the reason why the solver stopped.
 ///
 /// # Safety
 /// The solver is valid.

@@ -1,14 +1,14 @@
-//! Which rank owns which entries, and whether two objects agree on it.
+//! Distribution of entries over the ranks, and the check that two objects agree on it.
 //!
-//! PETSc compares sizes in some functions, local ones in fewer and communicators only in debugging builds. Where it does not, local arrays
-//! of different lengths meet. So each pair of objects is compared here. Every rank knows the ranges of all, so all ranks see a difference
-//! alike and none waits for another.
+//! PETSc compares global sizes in some functions, local sizes in fewer, and communicators only in debugging builds.
+//! Without a check, local arrays of different lengths would be combined. So each pair of objects is compared here.
+//! Every rank knows the ranges of all ranks, so all ranks detect a difference alike and none waits for another.
 
 use crate::Int;
 use crate::comm::Comm;
 use crate::error::{Result, require};
 
-/// The first index of each rank, and the number of entries at the end.
+/// The first index of each rank, followed by the total number of entries.
 #[derive(Clone, Copy)]
 pub(crate) struct Layout<'a> {
     comm: &'a Comm,
@@ -20,17 +20,17 @@ impl<'a> Layout<'a> {
         Self { comm, ranges }
     }
 
-    /// From PETSc's own array.
+    /// Wraps PETSc's own array of ranges.
     ///
     /// # Safety
-    /// `ranges` is the array of a layout on `comm`, which neither changes nor goes during `'a`.
+    /// `ranges` is the array of a layout on `comm`, which neither changes nor is freed during `'a`.
     pub(crate) unsafe fn from_raw(comm: &'a Comm, ranges: *const Int) -> Self {
         assert!(!ranges.is_null(), "PETSc has set up the layout");
-        // SAFETY: by the caller; PETSc's array has one entry more than there are ranks.
+        // SAFETY: guaranteed by the caller; PETSc's array has one entry more than there are ranks.
         Self { comm, ranges: unsafe { std::slice::from_raw_parts(ranges, comm.size() + 1) } }
     }
 
-    /// Entries on all ranks.
+    /// Number of entries on all ranks.
     pub(crate) fn size(&self) -> usize {
         self.ranges.last().map_or(0, |size| *size as usize)
     }
@@ -44,7 +44,7 @@ impl<'a> Layout<'a> {
         (std::ptr::eq(self.ranges, other.ranges) || self.ranges == other.ranges) && self.comm.is_congruent(other.comm)
     }
 
-    /// Refuses another layout.
+    /// Returns an error if the layouts differ.
     #[track_caller]
     pub(crate) fn require_same(&self, other: Layout) -> Result<()> {
         if self.is(&other) {

@@ -1,15 +1,17 @@
-//! PETSc's vectors, matrices, linear and nonlinear solvers and meshes, made safe; a file a class.
+//! Safe wrappers of PETSc's vectors, matrices, linear and nonlinear solvers and meshes, with one file for each class.
 //!
-//! - [`Session`] initialises MPI, then PETSc, and finalises them in reverse. Every handle keeps it alive.
-//! - Every call is checked; an [`Error`] carries PETSc's message and stack frames as owned text. What PETSc checks in debugging builds only is
-//!   checked here: indices, layouts, types, states.
-//! - Dropping a handle is not collective: the object is queued and destroyed by [`Comm::collect_garbage`] or at the end
-//!   of the session. So one rank may leave early with an error while the others go on.
+//! - [`Session`] initialises MPI, then PETSc, and finalises them in reverse order. Every handle keeps it alive.
+//! - Every call is checked; an [`Error`] carries PETSc's message and stack frames as owned text. Indices, layouts,
+//!   types and states, which PETSc checks in debugging builds only, are checked here.
+//! - Dropping a handle is not collective: the object is queued, and destroyed by [`Comm::collect_garbage`] or at the
+//!   end of the session. So one rank may leave early with an error while the others continue.
 //! - Handles are neither `Send` nor `Sync`: PETSc is not thread-safe.
-//! - What PETSc lends is a view ([`VectorView`], [`MatrixView`], [`KspView`]) to which the owned type derefs, as `String` to `str`.
-//! - `as_raw` gives the raw handle for a call of [`sys`] that is not wrapped, and the unsafe `from_raw` takes one over.
+//! - Objects that PETSc lends are views ([`VectorView`], [`MatrixView`], [`KspView`]). The owned types deref to them,
+//!   like `String` to `str`.
+//! - `as_raw` returns the raw handle for a call of [`sys`] that is not wrapped, and the unsafe `from_raw` takes
+//!   ownership of one.
 //!
-//! Calls marked as collective are made by all ranks of their communicator, in the same order.
+//! Functions marked "Collective" must be called by all ranks of their communicator, in the same order.
 
 mod comm;
 mod environment;
@@ -56,7 +58,7 @@ pub use vector::{ReadGuard, Vector, VectorView, WriteGuard};
 /// PETSc's index type: 32 or 64 bits, as PETSc was built.
 pub type Int = petsc_sys::PetscInt;
 
-/// The README's example is compiled with the tests.
+/// Compiles the README's example with the tests.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,34 +1,37 @@
-//! How memory that is freed is used again.
+//! Settings of the C library's allocator, so that freed memory is used again.
 
-/// Blocks up to this size come from memory that the process has, bytes: the C library's own limit for them.
+/// Largest block, in bytes, that is taken from the heap and not mapped anew from the system. This is the C library's
+/// own upper limit.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const LARGEST_KEPT: libc::c_int = 32 << 20;
 
-/// Free memory at the end of the heap that is not given back, bytes.
+/// Free memory at the end of the heap, in bytes, that is not returned to the system.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const KEPT: libc::c_int = 256 << 20;
 
-/// What the heap grows by beyond what is asked for, bytes.
+/// Memory in bytes by which the heap grows in addition to the requested size.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const GROWTH: libc::c_int = 4 << 20;
 
-/// The heap's first memory, which is taken in huge pages as far as it is used, bytes: the system clears and maps 2 MB at once in the place of
-/// 4 kB. What is not used is reserved alone.
+/// First part of the heap, in bytes, which is placed in huge pages as far as it is used: the system clears and maps 2
+/// MB at once instead of 4 kB. The unused part is only reserved.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const IN_HUGE_PAGES: libc::c_int = 64 << 20;
 
-/// Where advice on pages may begin, bytes: a multiple of any system's page.
+/// Alignment, in bytes, of the start of the advised pages: a multiple of any system's page size.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const SMALL_PAGE: usize = 64 << 10;
 
-/// A block that the heap does not have before it grows, bytes.
+/// Size, in bytes, of a block for which the heap must grow.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const MORE: usize = 1 << 20;
 
-/// Has the C library keep what is freed, some hundred megabytes, in the place of giving blocks of more than 128 kB back to the system
-/// at once: the next block of that size would be cleared by the system page by page again, which takes longer than to fill it.
+/// Makes the C library keep freed memory, up to some hundred megabytes. By default it returns blocks of more than 128
+/// kB to the system at once. The system would then clear the next block of that size page by page again, which takes
+/// longer than filling it.
 ///
-/// This is for the start of a program: where the process has other threads, and elsewhere than with the GNU C library on Linux, it does nothing.
+/// Call this at the start of a program: it does nothing if the process has other threads, or without the GNU C library
+/// on Linux.
 pub fn keep_freed_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     if std::fs::read_dir("/proc/self/task").is_ok_and(|threads| threads.count() == 1) {
@@ -44,11 +47,12 @@ pub fn keep_freed_memory() {
     }
 }
 
-/// Grows the heap, and asks the system for huge pages there: it may have none.
+/// Grows the heap and asks the system for huge pages there. The system may have none.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 fn ask_for_huge_pages() {
-    // SAFETY: the block is given back unused. Between it and the heap's end there is the heap alone, which stays what it is, whatever its pages; a block
-    // from elsewhere lies beyond that end, or so far below that it is not the heap's growth.
+    // SAFETY: the block is freed unused. Only the heap lies between the block and the heap's end, and its contents stay
+    // the same with any kind of pages. A block from elsewhere lies beyond that end, or so far below it that it is not
+    // part of the heap's growth.
     unsafe {
         let block = libc::malloc(MORE);
         let (start, end) = ((block as usize).next_multiple_of(SMALL_PAGE), libc::sbrk(0) as usize);

@@ -1,4 +1,4 @@
-//! Null spaces, exact or near.
+//! Exact and near null spaces.
 
 use petsc_sys as sys;
 
@@ -8,14 +8,14 @@ use crate::layout::Layout;
 use crate::object::Object;
 use crate::vector::VectorView;
 
-/// An orthonormal basis of the vectors that a matrix maps to (nearly) nothing.
+/// An orthonormal basis of the vectors that a matrix maps to zero, or nearly to zero.
 pub struct NullSpace(Object<sys::_p_MatNullSpace>);
 
 impl NullSpace {
-    /// The six rigid motions of nodes in space, from their coordinates (three entries a node). Collective.
+    /// The six rigid motions of nodes in space, from their coordinates (three entries for each node). Collective.
     ///
     /// # Errors
-    /// A rank that has not three entries for each of its nodes; PETSc's.
+    /// If a rank does not have three entries for each of its nodes, or if a PETSc call fails.
     pub fn rigid_body(coordinates: &mut VectorView) -> Result<Self> {
         let ends = coordinates.layout().ranges();
         require(ends.iter().all(|end| end % 3 == 0), "a node has not three coordinates")?;
@@ -28,12 +28,12 @@ impl NullSpace {
         Ok(unsafe { Self::from_raw(raw, coordinates.comm()) })
     }
 
-    /// Takes over a null space of PETSc's.
+    /// Takes ownership of a PETSc null space.
     ///
     /// # Safety
     /// `raw` is a reference to a valid null space, of vectors on `comm`, which nobody else releases or changes.
     pub unsafe fn from_raw(raw: sys::MatNullSpace, comm: &Comm) -> Self {
-        // SAFETY: by the caller.
+        // SAFETY: guaranteed by the caller.
         Self(unsafe { Object::new(raw, comm) })
     }
 
@@ -46,7 +46,8 @@ impl NullSpace {
         self.0.raw()
     }
 
-    /// Refuses another layout than its vectors': PETSc's preconditioners read them by that of the matrix.
+    /// Returns an error if a layout differs from the layout of the vectors: PETSc's preconditioners read the vectors
+    /// with the matrix's layout.
     pub(crate) fn require_layout(&self, layout: Layout) -> Result<()> {
         let (mut constants, mut count, mut vectors) = (sys::FALSE, 0, std::ptr::null());
         // SAFETY: the space is valid; the vectors belong to it.

@@ -1,4 +1,4 @@
-//! What every handle is: a counted reference to a PETSc object, or one that PETSc lends for a while.
+//! The common base of all handles: a counted reference to a PETSc object, or an object that PETSc lends for a while.
 
 use std::marker::PhantomData;
 use std::ops::{Deref, DerefMut};
@@ -9,28 +9,30 @@ use petsc_sys as sys;
 use crate::comm::Comm;
 use crate::error::{Result, check};
 
-/// A reference to a PETSc object, released by a queue that is emptied collectively later.
+/// A reference to a PETSc object. When it is dropped, the object is put in a queue, which is emptied collectively
+/// later.
 pub(crate) struct Object<T> {
     raw: NonNull<T>,
     comm: Comm,
-    /// Whether the reference is ours to release.
+    /// Whether this handle must release the reference.
     is_owned: bool,
 }
 
 impl<T> Object<T> {
-    /// Takes over one reference.
+    /// Takes ownership of one reference.
     ///
     /// # Safety
-    /// `T` is the opaque struct of a PETSc class (`_p_Vec`, …), and `raw` a reference to a valid object on `comm` that nobody else releases.
+    /// `T` is the opaque struct of a PETSc class (`_p_Vec`, …), and `raw` a reference to a valid object on `comm` that
+    /// nobody else releases.
     pub(crate) unsafe fn new(raw: *mut T, comm: &Comm) -> Self {
         let raw = NonNull::new(raw).expect("PETSc returned success and no object");
         Self { raw, comm: comm.clone(), is_owned: true }
     }
 
-    /// An object of somebody else's, which stays theirs.
+    /// Wraps an object that still belongs to another owner.
     ///
     /// # Safety
-    /// As of [`Self::new`], but that its owner keeps the object for as long as this lives.
+    /// Same as [`Self::new`], except that the owner keeps the object for as long as this handle lives.
     pub(crate) unsafe fn lent(raw: *mut T, comm: &Comm) -> Self {
         let raw = NonNull::new(raw).expect("PETSc lends an object");
         Self { raw, comm: comm.clone(), is_owned: false }
@@ -44,7 +46,7 @@ impl<T> Object<T> {
         &self.comm
     }
 
-    /// Releases at once. Collective.
+    /// Releases the reference immediately. Collective.
     pub(crate) fn destroy(self) -> Result<()> {
         let mut this = std::mem::ManuallyDrop::new(self);
         let mut object: sys::PetscObject = this.raw.as_ptr().cast();
@@ -67,8 +69,8 @@ impl<T> Drop for Object<T> {
         }
         let mut object: sys::PetscObject = self.raw.as_ptr().cast();
         if self.comm.size() == 1 {
-            // Nobody to wait for.
-            // SAFETY: as in `destroy`. An error has nobody to go to.
+            // A single rank can destroy the object now: no other rank has to take part.
+            // SAFETY: as in `destroy`. An error cannot be returned from here and is ignored.
             unsafe { sys::PetscObjectDestroy(&raw mut object) };
         } else {
             // SAFETY: as in `destroy`; this call is not collective. Its only failure is lack of memory, which leaks.
@@ -77,17 +79,17 @@ impl<T> Drop for Object<T> {
     }
 }
 
-/// An object that belongs to another: to a solver, or to PETSc during a callback.
+/// An object that belongs to another owner: to a solver, or to PETSc during a callback.
 ///
-/// It gives access to the view (`VectorView` of a `Vector`, `KspView` of a `Ksp`, …), which cannot be moved: nobody can take the object out,
-/// or leave another in its place.
+/// It gives access to the view (`VectorView` of a `Vector`, `KspView` of a `Ksp`, …). A view cannot be moved, so the
+/// object cannot be taken out or replaced by another.
 pub struct Lent<'a, T> {
     object: T,
     owner: PhantomData<&'a mut ()>,
 }
 
 impl<T> Lent<'_, T> {
-    /// The object must be of [`Object::lent`], and its owner borrowed for as long as this lives.
+    /// `object` must come from [`Object::lent`], and its owner must be borrowed for as long as this lives.
     pub(crate) fn new(object: T) -> Self {
         Self { object, owner: PhantomData }
     }
@@ -107,9 +109,10 @@ impl<T: DerefMut> DerefMut for Lent<'_, T> {
     }
 }
 
-/// Lets an owned class, a struct around one `$inner`, be used through its unsized view, as `String` through `str`.
+/// Lets an owned class (a struct around one `$inner`) be used through its unsized view, like `String` through `str`.
 ///
-/// What is not `Sized` cannot be swapped or replaced behind a `&mut`. A view is a slice of exactly one `$inner`.
+/// A value that is not `Sized` cannot be swapped or replaced behind a `&mut`. A view is a slice of exactly one
+/// `$inner`.
 macro_rules! viewed {
     ($owned:ident as $view:ident of $inner:ty) => {
         impl $view {

@@ -1,4 +1,4 @@
-//! PETSc's options database, process-wide.
+//! PETSc's options database, which is global to the process.
 
 use petsc_sys as sys;
 
@@ -6,13 +6,13 @@ use crate::error::{Result, check};
 use crate::session::Session;
 use crate::text::{from_c, option_name, to_c};
 
-/// What a session sets itself: MPI's and the program's own signal handling stay in charge.
+/// The option that a session sets: MPI's and the program's own signal handlers stay in use.
 pub(crate) const OF_SESSION: &str = "-no_signal_handler";
 
 /// Whether an option (`name` with its leading dash) is set.
 ///
 /// # Errors
-/// PETSc's.
+/// If a PETSc call fails.
 pub fn is_set(session: &Session, name: &str) -> Result<bool> {
     session.petsc()?;
     let name = option_name(name)?;
@@ -23,10 +23,10 @@ pub fn is_set(session: &Session, name: &str) -> Result<bool> {
     Ok(set == sys::TRUE)
 }
 
-/// The value of an option; empty for one that is set without, `None` for one that is not set.
+/// Value of an option; empty if it is set without a value, `None` if it is not set.
 ///
 /// # Errors
-/// PETSc's.
+/// If a PETSc call fails.
 pub fn get(session: &Session, name: &str) -> Result<Option<String>> {
     session.petsc()?;
     let (name, none) = (option_name(name)?, std::ptr::null());
@@ -34,14 +34,14 @@ pub fn get(session: &Session, name: &str) -> Result<Option<String>> {
     let database = std::ptr::null_mut();
     // SAFETY: PETSc is initialised; the string outlives the call, and the out-pointers are valid.
     check(unsafe { sys::PetscOptionsFindPair(database, none, name.as_ptr(), &raw mut value, &raw mut set) })?;
-    // SAFETY: null or a string of the database, which nobody changes meanwhile.
+    // SAFETY: null, or a string of the database, which nobody changes during this call.
     Ok((set == sys::TRUE).then(|| unsafe { from_c(value) }))
 }
 
-/// Sets an option, also where it is set already.
+/// Sets an option, or replaces its value.
 ///
 /// # Errors
-/// PETSc's.
+/// If a PETSc call fails.
 pub fn set(session: &Session, name: &str, value: &str) -> Result<()> {
     session.petsc()?;
     let (name, value) = (option_name(name)?, to_c(value));
@@ -52,7 +52,7 @@ pub fn set(session: &Session, name: &str, value: &str) -> Result<()> {
 /// Removes an option, so that it no longer applies to objects made later.
 ///
 /// # Errors
-/// PETSc's.
+/// If a PETSc call fails.
 pub fn clear(session: &Session, name: &str) -> Result<()> {
     session.petsc()?;
     let name = option_name(name)?;
@@ -60,10 +60,10 @@ pub fn clear(session: &Session, name: &str) -> Result<()> {
     check(unsafe { sys::PetscOptionsClearValue(std::ptr::null_mut(), name.as_ptr()) })
 }
 
-/// All options that are set, in one line; without the one that a [`Session`] sets itself.
+/// All options that are set, on one line, without the option that a [`Session`] sets.
 ///
 /// # Errors
-/// PETSc's.
+/// If a PETSc call fails.
 pub fn all(session: &Session) -> Result<String> {
     if !session.has_petsc() {
         return Ok(String::new());
@@ -73,7 +73,7 @@ pub fn all(session: &Session) -> Result<String> {
     check(unsafe { sys::PetscOptionsGetAll(std::ptr::null_mut(), &raw mut raw) })?;
     // SAFETY: PETSc has made a C string.
     let value = unsafe { from_c(raw) };
-    // SAFETY: PETSc's own free function for PETSc's own allocation, once.
+    // SAFETY: PETSc's own free function is called once on PETSc's own allocation.
     if let Some(free) = unsafe { *sys::PetscTrFree() } {
         // SAFETY: as above.
         check(unsafe { free(raw.cast(), 0, c"all".as_ptr(), c"options.rs".as_ptr()) })?;
@@ -81,10 +81,10 @@ pub fn all(session: &Session) -> Result<String> {
     Ok(value.split_whitespace().filter(|word| *word != OF_SESSION).collect::<Vec<_>>().join(" "))
 }
 
-/// Names of options that nothing has asked for so far: most often misspelt.
+/// Names of options that nothing has read so far. Most often they are misspelt.
 ///
 /// # Errors
-/// PETSc's.
+/// If a PETSc call fails.
 pub fn unused(session: &Session) -> Result<Vec<String>> {
     if !session.has_petsc() {
         return Ok(Vec::new());
@@ -98,7 +98,7 @@ pub fn unused(session: &Session) -> Result<Vec<String>> {
         // SAFETY: PETSc filled `count` names, C strings all of them.
         .map(|i| unsafe { from_c(*names.add(i)) })
         .collect();
-    // SAFETY: gives back exactly what was got.
+    // SAFETY: returns exactly what was obtained above.
     check(unsafe { sys::PetscOptionsLeftRestore(database, &raw mut count, &raw mut names, &raw mut values) })?;
     Ok(list)
 }

@@ -7,13 +7,15 @@ use petsc_sys as sys;
 use crate::error::{Result, check, require};
 use crate::text::{from_c, to_c};
 
-/// The preconditioner of a linear solver, to be set up.
+/// The preconditioner of a linear solver, for setting its options.
 pub struct Pc<'a> {
     raw: sys::PC,
     owner: PhantomData<&'a mut ()>,
 }
 
 impl Pc<'_> {
+    /// Returns the preconditioner of a solver.
+    ///
     /// # Safety
     /// `ksp` is a valid solver, borrowed for as long as this lives.
     pub(crate) unsafe fn of(ksp: sys::KSP) -> Result<Self> {
@@ -31,16 +33,16 @@ impl Pc<'_> {
     /// Chooses the method (`jacobi`, `gamg`, `cholesky`, `redundant`, …).
     ///
     /// # Errors
-    /// PETSc's, e.g. for an unknown name.
+    /// If a PETSc call fails, e.g. for an unknown name.
     pub fn set_type(&mut self, name: &str) -> Result<()> {
         // SAFETY: the preconditioner is valid; PETSc copies the string.
         check(unsafe { sys::PCSetType(self.raw, to_c(name).as_ptr()) })
     }
 
-    /// Name of the method; empty where none is chosen.
+    /// Name of the method; empty if none is chosen.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn type_name(&self) -> Result<String> {
         let mut name = std::ptr::null();
         // SAFETY: the preconditioner is valid.
@@ -49,21 +51,21 @@ impl Pc<'_> {
         Ok(unsafe { from_c(name) })
     }
 
-    /// Chooses the package that factorises (`mumps`, `cholmod`, …); of no effect where the method does not factorise.
+    /// Chooses the package for the factorisation (`mumps`, `cholmod`, …); no effect if the method does not factorise.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn set_factor_package(&mut self, name: &str) -> Result<()> {
         // SAFETY: the preconditioner is valid; PETSc copies the string.
         check(unsafe { sys::PCFactorSetMatSolverType(self.raw, to_c(name).as_ptr()) })
     }
 
-    /// Has MUMPS, where it is what factorises, take this percentage of memory beyond what it expects to need (its control parameter 14), unless
-    /// `-mat_mumps_icntl_14` says otherwise. What its pivots take is not known before, and a factorisation that runs out of memory fails. Of no
-    /// effect with other packages. Collective.
+    /// Makes MUMPS allocate this percentage of memory beyond its estimate (its control parameter 14), unless
+    /// `-mat_mumps_icntl_14` sets another value. The memory needed for pivoting is not known in advance, and a
+    /// factorisation that runs out of memory fails. No effect if another package factorises. Collective.
     ///
     /// # Errors
-    /// A solver without its operators; PETSc's.
+    /// If the solver has no operators, or if a PETSc call fails.
     pub fn set_mumps_margin(&mut self, percent: u8) -> Result<()> {
         let mut name = std::ptr::null();
         // SAFETY: the preconditioner is valid here and below; other methods leave the name null.
@@ -75,31 +77,32 @@ impl Pc<'_> {
         let (mut operator, mut matrix) = (sys::FALSE, sys::FALSE);
         // SAFETY: as above.
         check(unsafe { sys::PCGetOperatorsSet(self.raw, &raw mut operator, &raw mut matrix) })?;
-        // PETSc makes the factor for the matrix without asking whether there is one.
+        // PETSc makes the factor for the matrix without checking that there is one.
         require(matrix == sys::TRUE, "the solver has no operator yet")?;
         // SAFETY: there is a matrix.
         check(unsafe { sys::PCFactorSetUpMatSolverType(self.raw) })?;
         let mut factor = std::ptr::null_mut();
         // SAFETY: the factor was just made; it belongs to the preconditioner.
         check(unsafe { sys::PCFactorGetMatrix(self.raw, &raw mut factor) })?;
-        // SAFETY: a factor of MUMPS, which has this parameter.
+        // SAFETY: the factor is from MUMPS, which has this parameter.
         check(unsafe { sys::MatMumpsSetIcntl(factor, 14, sys::PetscInt::from(percent)) })
     }
 
-    /// For the method `redundant`: the preconditioner with which each rank, or group of ranks, solves the whole system for itself. Collective.
+    /// For the method `redundant`: the preconditioner with which each rank, or group of ranks, solves the whole system.
+    /// Collective.
     ///
     /// # Errors
-    /// Another method; a solver without its operators; PETSc's.
+    /// If the method is another one, the solver has no operators, or a PETSc call fails.
     pub fn redundant_pc(&mut self) -> Result<Pc<'_>> {
         let (mut operator, mut matrix) = (sys::FALSE, sys::FALSE);
         // SAFETY: the preconditioner is valid here and below.
         check(unsafe { sys::PCGetOperatorsSet(self.raw, &raw mut operator, &raw mut matrix) })?;
-        // PETSc looks at the matrix without asking whether there is one.
+        // PETSc uses the matrix without checking that there is one.
         require(matrix == sys::TRUE, "the solver has no operator yet")?;
         let mut each = std::ptr::null_mut();
         // SAFETY: as above; the inner solver belongs to the preconditioner.
         check(unsafe { sys::PCRedundantGetKSP(self.raw, &raw mut each) })?;
-        // SAFETY: the inner solver stays while the method does, which only a call on `self` changes.
+        // SAFETY: the inner solver lives as long as the method is not changed, and only a call on `self` changes it.
         unsafe { Pc::of(each) }
     }
 }

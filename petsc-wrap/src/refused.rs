@@ -1,8 +1,9 @@
-//! What the types rule out, as tests that must not compile, each beside one that does and differs in a line.
+//! Tests of uses that the types must rule out: code that must not compile, next to code that compiles and differs in
+//! one line.
 //!
-//! Error codes are compared by nightly compilers only; the neighbours say that nothing else is wrong.
+//! Only nightly compilers compare the error codes; the variants that compile show that nothing else is wrong.
 //!
-//! What PETSc lends to a closure cannot be taken out of it:
+//! An object that PETSc lends to a closure cannot be taken out of it:
 //!
 //! ```
 //! use petsc_wrap::{Vector, VectorView};
@@ -18,7 +19,7 @@
 //! }
 //! ```
 //!
-//! Nor can a Jacobian, nor the linear solver of a nonlinear one:
+//! The same holds for a Jacobian, and for the linear solver of a nonlinear solver:
 //!
 //! ```
 //! use petsc_wrap::{Ksp, Matrix, MatrixView, Snes};
@@ -44,7 +45,7 @@
 //! }
 //! ```
 //!
-//! A trial stays in its call, and none takes the place of another, of an inner solve:
+//! A trial cannot outlive its call, nor be exchanged with the trial of an inner solve:
 //!
 //! ```
 //! use petsc_wrap::{Snes, Trial, Vector};
@@ -90,7 +91,7 @@
 //! }
 //! ```
 //!
-//! A closure does not see the vector that its solver writes:
+//! A closure cannot access the vector that its solver writes:
 //!
 //! ```compile_fail,E0502
 //! use petsc_wrap::{Snes, Vector};
@@ -99,7 +100,7 @@
 //! }
 //! ```
 //!
-//! Nobody writes what is being read:
+//! A vector cannot be written while it is being read:
 //!
 //! ```
 //! fn write(x: &mut petsc_wrap::Vector) {
@@ -117,7 +118,8 @@
 //! }
 //! ```
 //!
-//! A preconditioner goes before its solver changes, and that of each rank before the method does:
+//! A preconditioner must be dropped before its solver changes, and the preconditioner of each rank before the method
+//! changes:
 //!
 //! ```
 //! fn choose(ksp: &mut petsc_wrap::Ksp) {
@@ -144,7 +146,7 @@
 //! }
 //! ```
 //!
-//! The entries of a product by component are nobody else's to change:
+//! The entries of a product by component cannot be changed through the old matrix:
 //!
 //! ```compile_fail,E0382
 //! fn product(mut matrix: petsc_wrap::Matrix) {
@@ -153,7 +155,7 @@
 //! }
 //! ```
 //!
-//! Handles stay on their thread:
+//! Handles cannot be sent to or shared with another thread:
 //!
 //! ```compile_fail,E0277
 //! fn send<T: Send>() {}

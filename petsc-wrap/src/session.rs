@@ -1,4 +1,4 @@
-//! MPI, then PETSc; finalised in reverse.
+//! Starts MPI and then PETSc, and finalises them in reverse order.
 
 use std::cell::{Cell, OnceCell};
 use std::ffi::{CString, c_char, c_int};
@@ -14,13 +14,14 @@ use crate::error::{Error, Result, check};
 use crate::options;
 use crate::text::to_c;
 
-/// The running MPI and PETSc; at most one a process, ever.
+/// The running MPI and PETSc. A process can have only one session in its lifetime.
 ///
-/// A process alone, without options for PETSc, loads and initialises PETSc when its first object is made: what needs none starts in a
-/// fraction of the time. Several ranks initialise it together when they start.
+/// A process with one rank and without options for PETSc loads and initialises PETSc when its first object is made. A
+/// program that needs no such object starts in a fraction of the time. Several ranks initialise PETSc together at the
+/// start.
 ///
-/// Clones share it. The last one to go (a handle's or this) destroys what is queued and finalises PETSc and MPI, which
-/// is collective; a rank that must leave alone calls [`Session::abort`].
+/// Clones share the session. When the last clone or handle is dropped, the queued objects are destroyed and PETSc and
+/// MPI are finalised, which is collective. A rank that must leave alone calls [`Session::abort`].
 #[derive(Clone)]
 pub struct Session(Rc<Inner>);
 
@@ -32,21 +33,22 @@ pub(crate) struct Inner {
     petsc: OnceCell<CommandLine>,
 }
 
-/// What PETSc takes for the program's command line, and keeps.
+/// The command line that PETSc was started with, which PETSc keeps.
 struct CommandLine {
     _argv: Vec<*mut c_char>,
     _arguments: Vec<CString>,
 }
 
-/// The environment's options for PETSc.
+/// Environment variable with options for PETSc.
 const OPTIONS: &str = "PETSC_OPTIONS";
 
 impl Session {
-    /// Initialises MPI; and PETSc with the given options (as on a command line) beside those of `PETSC_OPTIONS`, if there are any of either or
-    /// several ranks.
+    /// Initialises MPI. Also initialises PETSc if there are options for it or several ranks. `options` (in the form of
+    /// a command line) are used in addition to the options in `PETSC_OPTIONS`. Returns `None` if MPI was already
+    /// initialised in this process.
     ///
     /// # Errors
-    /// PETSc cannot be loaded, or refuses the options. `None` where MPI was initialised before in this process.
+    /// If PETSc cannot be loaded, or refuses the options.
     pub fn start(options: &[String]) -> Option<Result<Self>> {
         let universe = mpi::initialize()?;
         let is_alone = universe.world().size() == 1;
@@ -58,10 +60,10 @@ impl Session {
         Some(session.load_together().and_then(|()| session.start_petsc(options)).map(|()| session))
     }
 
-    /// Loads and initialises PETSc where this has not been done, as the first object would.
+    /// Loads and initialises PETSc if this has not been done yet, like the first object would.
     ///
     /// # Errors
-    /// PETSc cannot be loaded, or does not start.
+    /// If PETSc cannot be loaded, or does not start.
     pub fn petsc(&self) -> Result<()> {
         if self.has_petsc() { Ok(()) } else { self.start_petsc(&[]) }
     }
@@ -71,8 +73,8 @@ impl Session {
         self.0.petsc.get().is_some()
     }
 
-    /// Loads PETSc on all ranks: where one cannot, none goes on to start it, which is collective, and all have the error of the first that
-    /// could not. Collective.
+    /// Loads PETSc on all ranks. If one rank cannot load it, no rank starts it, since the start is collective, and all
+    /// return the error of the first rank that failed. Collective.
     fn load_together(&self) -> Result<()> {
         let world = self.0.universe.world();
         let why = sys::load().err();
@@ -105,46 +107,48 @@ impl Session {
         let mut argc = c_int::try_from(argv.len()).map_err(|_| Error::TooLarge { number: argv.len() })?;
         argv.push(std::ptr::null_mut());
         let mut args = argv.as_mut_ptr();
-        // SAFETY: MPI is initialised; argc and the NULL-terminated argv are valid. PETSc keeps argv: so does the session, or, where PETSc does
-        // not start, nobody calls it any more.
+        // SAFETY: MPI is initialised; argc and the NULL-terminated argv are valid. PETSc keeps argv. The session keeps
+        // it too; if PETSc does not start, nobody calls PETSc any more.
         check(unsafe { sys::PetscInitialize(&raw mut argc, &raw mut args, std::ptr::null(), std::ptr::null()) })?;
         let _ = self.0.petsc.set(CommandLine { _argv: argv, _arguments: arguments });
         // SAFETY: the handler has the right type and needs no context.
         check(unsafe { sys::PetscPushErrorHandler(Some(crate::error::record), std::ptr::null_mut()) })?;
-        // What packages print of an error beside the one that they return (CHOLMOD, say) is no text for a user.
-        // SAFETY: PETSc reads this pointer in calls of its own, of which there is none on another thread.
+        // Some packages (CHOLMOD, for instance) print a message in addition to the error that they return. Users should
+        // not see it.
+        // SAFETY: PETSc reads this pointer only in its own calls, and no other thread makes any.
         unsafe { *sys::PetscErrorPrintf() = Some(library.PetscErrorPrintfNone) };
         Ok(())
     }
 
-    /// All ranks.
+    /// Communicator of all ranks.
     pub fn world(&self) -> Comm {
         Comm::new(self.clone(), self.0.universe.world())
     }
 
-    /// This rank alone.
+    /// Communicator of this rank alone.
     pub fn alone(&self) -> Comm {
         Comm::new(self.clone(), mpi::topology::SimpleCommunicator::self_comm())
     }
 
-    /// Ends all ranks at once with this exit status.
+    /// Ends all ranks immediately with this exit status.
     pub fn abort(&self, status: i32) -> ! {
         self.0.universe.world().abort(status)
     }
 
-    /// Ends this process at once: without finalising anything, and without the handlers that libraries have set up for its exit. All ranks
-    /// must do so.
+    /// Ends this process immediately, without finalising anything and without the exit handlers of libraries. All ranks
+    /// must call it.
     pub fn leave(&self, status: i32) -> ! {
-        // SAFETY: the process ends here; no handler and no destructor runs that could use what is in an unknown state.
+        // SAFETY: the process ends here; no handler or destructor runs that could use data in an unknown state.
         unsafe { libc::_exit(status) }
     }
 
-    /// Finalises PETSc (collective) and tells what it says; otherwise done when the last handle is dropped.
+    /// Finalises PETSc (collective) and returns its errors. Without this call, PETSc is finalised when the last handle
+    /// is dropped.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn finish(self) -> Result<()> {
-        // What was dropped may hold the session itself: closures with a communicator.
+        // Dropped objects may still hold the session, for example closures with a communicator.
         self.world().collect_garbage()?;
         match Rc::try_unwrap(self.0) {
             Ok(inner) => inner.finalize(),
@@ -161,7 +165,7 @@ impl Inner {
         if self.finalized.replace(true) || self.petsc.get().is_none() {
             return Ok(());
         }
-        // SAFETY: every handle keeps this alive, so all of them are gone and only queued objects are left.
+        // SAFETY: every handle keeps this alive, so all handles are gone and only queued objects are left.
         check(unsafe { sys::PetscGarbageCleanup(*sys::PETSC_COMM_WORLD()) })?;
         // SAFETY: as above; MPI is still initialised.
         check(unsafe { sys::PetscFinalize() })
@@ -171,7 +175,7 @@ impl Inner {
 impl Drop for Inner {
     fn drop(&mut self) {
         if std::thread::panicking() {
-            // The other ranks are somewhere else: waiting for them in PetscFinalize would wait for ever.
+            // The other ranks are somewhere else in the program: PetscFinalize would wait for them for ever.
             self.universe.world().abort(PANICKED);
         }
         if let Err(error) = self.finalize() {
@@ -180,7 +184,7 @@ impl Drop for Inner {
     }
 }
 
-/// Exit status after a panic, as of any Rust program.
+/// Exit status after a panic, the same as for any Rust program.
 const PANICKED: i32 = 101;
 
 /// PETSc's version as `major.minor.patch`.

@@ -13,10 +13,10 @@ use crate::matrix::{Matrix, MatrixView};
 /// A preconditioner B: z ← B r on this rank's entries; the arguments are r and z.
 pub type Preconditioner = Box<dyn FnMut(&[f64], &mut [f64])>;
 
-/// Makes such a closure for a matrix; none where the matrix has none.
+/// Makes such a closure for a matrix; returns `None` if the factorisation of the matrix fails.
 type Factorise = Box<dyn FnMut(&MatrixView) -> Result<Option<Preconditioner>>>;
 
-/// What a preconditioner has.
+/// The context that PETSc passes to the functions of a preconditioner.
 struct Context {
     comm: Comm,
     factorise: Option<Factorise>,
@@ -24,14 +24,15 @@ struct Context {
 }
 
 impl KspView {
-    /// Sets the operator of the system, and a closure as its preconditioner: `apply(r, z)` writes z = B r of this rank's entries. The operator
-    /// may be of [`MatrixView::upper_triangle`] or [`Matrix::closure`](crate::Matrix::closure), which no preconditioner of PETSc's gets to see
-    /// here; a solve with another one is refused.
-    /// The solver keeps the operator, and the closure until another preconditioner takes its place. A panic in the closure ends the solve with an
-    /// error. Collective.
+    /// Sets the operator of the system and a closure as its preconditioner: `apply(r, z)` writes z = B r for this
+    /// rank's entries. The operator may come from [`MatrixView::upper_triangle`] or
+    /// [`Matrix::closure`](crate::Matrix::closure). PETSc's own preconditioners cannot use such an operator; a solve
+    /// with one of them returns an error. The solver keeps the operator. It keeps the closure until another
+    /// preconditioner replaces it. A panic in the closure ends the solve with an error. Collective.
     ///
     /// # Errors
-    /// Matrices that are not square and assembled, or of another layout than the operator before; PETSc's.
+    /// If the matrix is not square and assembled, or has another layout than the operator before, or if a PETSc call
+    /// fails.
     pub fn set_closure(
         &mut self,
         operator: &MatrixView,
@@ -40,13 +41,15 @@ impl KspView {
         self.set_shell(operator, None, Some(Box::new(apply)))
     }
 
-    /// As [`Self::set_closure`], but `factorise` makes the closure of the operator, before the first solve and again after each change of the
-    /// operator. If it returns `None`, on all ranks, the solve fails like one with a factorisation of PETSc's that has failed. Collective.
+    /// Same as [`Self::set_closure`], but `factorise` makes the closure from the operator. It is called before the
+    /// first solve and again after each change of the operator. If it returns `None` on all ranks, the solve fails in
+    /// the same way as with a failed PETSc factorisation. Collective.
     ///
-    /// A closure that has a communicator holds the session open: destroy the solver, or call [`Comm::collect_garbage`], on all ranks before it ends.
+    /// A closure that holds a communicator keeps the session open. In that case destroy the solver, or call
+    /// [`Comm::collect_garbage`], on all ranks before the session ends.
     ///
     /// # Errors
-    /// As of [`Self::set_closure`].
+    /// Same as [`Self::set_closure`].
     pub fn set_factorisation(
         &mut self,
         operator: &MatrixView,
@@ -69,24 +72,25 @@ impl KspView {
             pc.as_raw()
         };
         let context = Box::new(Context { comm: self.comm().clone(), factorise, apply });
-        // SAFETY: the preconditioner is valid and of type shell here and below; its functions look at the context set last.
+        // SAFETY: the preconditioner is valid and of type shell here and below; its functions use the context that was
+        // set last.
         check(unsafe { sys::PCShellSetApply(pc, Some(call)) })?;
         // SAFETY: as above.
         check(unsafe { sys::PCShellSetSetUp(pc, Some(set_up)) })?;
-        // A context that was there before goes now: PETSc calls this once, with the last one.
+        // An earlier context is released here, because PETSc calls `release` only once, with the last context.
         // SAFETY: as above.
         unsafe { release(pc) };
-        // SAFETY: the box is PETSc's until `release`.
+        // SAFETY: PETSc owns the box until `release`.
         check(unsafe { sys::PCShellSetContext(pc, Box::into_raw(context).cast::<c_void>()) })?;
         // SAFETY: as above.
         check(unsafe { sys::PCShellSetDestroy(pc, Some(release)) })
     }
 }
 
-/// The type of these preconditioners.
+/// PETSc's type name of these preconditioners.
 pub(crate) const SHELL: &str = "shell";
 
-/// The context of a preconditioner; null where there is none.
+/// Returns the context of a preconditioner; null if it has none.
 ///
 /// # Safety
 /// The preconditioner is valid and of type shell.
@@ -97,13 +101,15 @@ unsafe fn context(pc: sys::PC) -> *mut Context {
     context.cast::<Context>()
 }
 
+/// Frees the context.
+///
 /// # Safety
-/// For PETSc to call, on a preconditioner with a context or none.
+/// To be called by PETSc, on a preconditioner with or without a context.
 unsafe extern "C" fn release(pc: sys::PC) -> sys::PetscErrorCode {
-    // SAFETY: by the caller.
+    // SAFETY: guaranteed by the caller.
     let context = unsafe { context(pc) };
     if !context.is_null() {
-        // SAFETY: the box of `set_shell`, which nobody else has.
+        // SAFETY: the box was made in `set_shell`, and nobody else has it.
         drop(unsafe { Box::from_raw(context) });
         // SAFETY: as above.
         return unsafe { sys::PCShellSetContext(pc, std::ptr::null_mut()) };
@@ -111,10 +117,12 @@ unsafe extern "C" fn release(pc: sys::PC) -> sys::PetscErrorCode {
     0
 }
 
+/// Makes the closure from the current matrix.
+///
 /// # Safety
-/// For PETSc to call, on a preconditioner with a context, before its first solve and where its matrix has changed.
+/// To be called by PETSc, on a preconditioner with a context, before its first solve and after a change of its matrix.
 unsafe extern "C" fn set_up(pc: sys::PC) -> sys::PetscErrorCode {
-    // SAFETY: by the caller.
+    // SAFETY: guaranteed by the caller.
     let context = unsafe { context(pc) };
     if context.is_null() {
         return USER_ERROR;
@@ -128,9 +136,10 @@ unsafe extern "C" fn set_up(pc: sys::PC) -> sys::PetscErrorCode {
     if code != 0 {
         return code;
     }
-    // What was there goes first: there may be no room for both.
+    // The old closure is dropped first: there may be no memory for both.
     *apply = None;
-    // SAFETY: the matrix of `set_shell` or another of its layout, which the preconditioner keeps meanwhile.
+    // SAFETY: the matrix given to `set_shell` or another of the same layout, which the preconditioner keeps during this
+    // call.
     let matrix = unsafe { Matrix::lent(matrix, comm) };
     let Ok(Ok(made)) = catch_unwind(AssertUnwindSafe(|| factorise(&matrix))) else { return USER_ERROR };
     let reason = match made {
@@ -142,15 +151,17 @@ unsafe extern "C" fn set_up(pc: sys::PC) -> sys::PetscErrorCode {
     unsafe { sys::PCSetFailedReason(pc, reason) }
 }
 
+/// Applies the closure.
+///
 /// # Safety
-/// For PETSc to call, on a preconditioner with a context, with two vectors of the operator's layout.
+/// To be called by PETSc, on a preconditioner with a context, with two vectors of the operator's layout.
 unsafe extern "C" fn call(pc: sys::PC, r: sys::Vec, z: sys::Vec) -> sys::PetscErrorCode {
-    // SAFETY: by the caller.
+    // SAFETY: guaranteed by the caller.
     let context = unsafe { context(pc) };
-    // PETSc does not set up again what was set up before it got this context.
+    // PETSc does not call the set-up again if the preconditioner was set up before it got this context.
     // SAFETY: a context is a box of `set_shell` until `release`.
     if !context.is_null() && unsafe { (*context).apply.is_none() } {
-        // SAFETY: by the caller.
+        // SAFETY: guaranteed by the caller.
         let code = unsafe { set_up(pc) };
         if code != 0 {
             return code;
@@ -177,7 +188,8 @@ unsafe extern "C" fn call(pc: sys::PC, r: sys::Vec, z: sys::Vec) -> sys::PetscEr
     if code == 0 {
         let outcome = catch_unwind(AssertUnwindSafe(|| {
             let (from, to): (&[f64], &mut [f64]) = if count > 0 {
-                // SAFETY: the arrays have as many entries, of two vectors, until they are restored.
+                // SAFETY: the arrays belong to two different vectors, have this number of entries, and stay valid until
+                // they are restored.
                 unsafe {
                     (
                         std::slice::from_raw_parts(from, count as usize),
@@ -185,12 +197,13 @@ unsafe extern "C" fn call(pc: sys::PC, r: sys::Vec, z: sys::Vec) -> sys::PetscEr
                     )
                 }
             } else {
-                // (The closure may talk to those of other ranks.)
+                // (The closure may communicate with the closures of other ranks.)
                 Default::default()
             };
             match apply {
                 Some(apply) => apply(from, to),
-                // As PETSc's own without a factor: the solver sees the infinite norm, and asks what has failed.
+                // PETSc's own preconditioners do the same without a factor: the solver sees the infinite norm, and asks
+                // for the reason of the failure.
                 None => to.fill(f64::INFINITY),
             }
         }));

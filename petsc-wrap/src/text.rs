@@ -1,20 +1,20 @@
-//! Strings and integers between Rust and C.
+//! Conversion of strings and integers between Rust and C.
 
 use std::ffi::{CStr, CString, c_char};
 
 use crate::Int;
 use crate::error::{Error, Result, require};
 
-/// A string for C, without the NULs that would end it early.
+/// Returns a C string, without the NULs that would end it early.
 pub(crate) fn to_c(text: &str) -> CString {
     CString::new(text.replace('\0', "")).unwrap_or_default()
 }
 
-/// The name of an option, or the beginning of one, for C.
+/// Returns the C string of an option's name, or of a prefix of such names.
 ///
 /// # Errors
-/// [`Error::Invalid`] for a name that is long, or has more numbers between underscores, than PETSc (options.c) has room for: it does not
-/// check. It adds to a prefix some names of its own.
+/// [`Error::Invalid`] if the name is longer, or has more numbers between underscores, than the buffers of PETSc
+/// (options.c) can hold. PETSc does not check this, and appends some names to a prefix.
 pub(crate) fn option_name(name: &str) -> Result<CString> {
     const LONGEST: usize = 200;
     const MOST_NUMBERS: usize = 8;
@@ -26,7 +26,7 @@ pub(crate) fn option_name(name: &str) -> Result<CString> {
     Ok(to_c(name))
 }
 
-/// A copy of a string of C; empty for null.
+/// Returns a copy of a C string; empty for null.
 ///
 /// # Safety
 /// `text` is null, or ends in NUL and is valid during the call.
@@ -34,14 +34,14 @@ pub(crate) unsafe fn from_c(text: *const c_char) -> String {
     if text.is_null() {
         return String::new();
     }
-    // SAFETY: by the caller.
+    // SAFETY: guaranteed by the caller.
     unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
 }
 
-/// A count as one of PETSc's integers.
+/// Converts a count to PETSc's integer type.
 ///
 /// # Errors
-/// [`Error::TooLarge`]: a count that wraps would be a size that PETSc takes for another.
+/// [`Error::TooLarge`] if it does not fit: a wrapped count would be another size for PETSc.
 pub(crate) fn int(count: usize) -> Result<Int> {
     Int::try_from(count).map_err(|_| Error::TooLarge { number: count })
 }

@@ -1,10 +1,10 @@
-//! Every example, on one and two ranks: each checks its own answer.
+//! Runs every example on one and two ranks. Each example checks its own answer.
 
 use std::process::{ExitCode, Stdio};
 
 use mpi_test::{PlainSuite, PlainTest};
 
-/// Names an example to the processes under mpirun.
+/// Environment variable with an example's name, for the processes under mpirun.
 const EXAMPLE: &str = "PETSC_WRAP_EXAMPLE";
 
 #[path = "../examples/bratu.rs"]
@@ -56,7 +56,7 @@ fn on_ranks(example: &str) {
     for ranks in [1, 2] {
         let mut mpirun = mpi_test::mpirun(ranks);
         mpi_test::keep_files_in(folder.path(), &mut mpirun);
-        // mpirun would read what is meant for whoever runs the tests.
+        // Without this, mpirun would read the standard input of the process that runs the tests.
         let status = mpirun.arg(&program).env(EXAMPLE, example).stdin(Stdio::null()).status();
         assert!(status.is_ok_and(|status| status.success()), "{example} on {ranks} rank(s)");
     }

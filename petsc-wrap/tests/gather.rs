@@ -1,4 +1,4 @@
-//! Fetching entries of distributed vectors, and lists of other ranks, on one to three ranks.
+//! Tests of fetching entries of distributed vectors, and of lists of other ranks, on one to three ranks.
 
 use std::process::ExitCode;
 
@@ -21,7 +21,7 @@ fn main() -> ExitCode {
     )
 }
 
-/// Entry i is 10 i.
+/// A vector whose entry i is 10 i.
 fn tens(session: &Session) -> Vector {
     let mut vector = Vector::new(&session.world(), 3).unwrap();
     let begin = vector.range().start;
@@ -45,19 +45,21 @@ fn entries_of_any_rank_in_any_order(session: &Session) {
 
 fn nothing_and_too_much(session: &Session) {
     let vector = tens(session);
-    // Only one rank wants something.
+    // Only one rank fetches an entry.
     let wanted: &[Int] = if session.world().is_root() { &[2] } else { &[] };
     assert_eq!(Gather::new(&vector, wanted).unwrap().fetch(&vector).unwrap().len(), wanted.len());
     assert!(Gather::new(&vector, &[vector.len() as Int]).is_err());
 }
 
-/// PETSc would read beyond the end: it does not look at the vector's layout.
+/// A vector of another layout is refused on all ranks. PETSc does not check the layout, and would read beyond the end
+/// of the vector.
 fn another_layout_is_refused_on_all_ranks(session: &Session) {
     let vector = tens(session);
     let last = vector.len() as Int - 1;
     let mut gather = Gather::new(&vector, &[last]).unwrap();
     let world = session.world();
-    // As many entries in all, but not on each rank; and fewer on rank 0 alone.
+    // The same number of entries in all but another number on each rank; fewer entries on rank 0 only; fewer on all
+    // ranks.
     let others = [if world.is_root() { 3 * world.size() } else { 0 }, if world.is_root() { 2 } else { 3 }, 1];
     for local in others {
         let other = Vector::new(&world, local).unwrap();
@@ -66,7 +68,7 @@ fn another_layout_is_refused_on_all_ranks(session: &Session) {
         assert_eq!(error.is_none(), is_same, "{local}: {error:?}");
         assert!(is_same || matches!(error, Some(Error::Invalid { .. })));
     }
-    // The ranks of the communicator matter too.
+    // The ranks of the communicators are compared too.
     let alone = Vector::new(&session.alone(), vector.len()).unwrap();
     assert_eq!(gather.fetch(&alone).is_ok(), world.size() == 1);
     assert_eq!(*gather.fetch(&vector).unwrap(), [10.0 * last as f64]);

@@ -1,4 +1,4 @@
-//! Linear solvers, on one and two ranks.
+//! Tests of linear solvers, on one and two ranks.
 
 use std::cell::Cell;
 use std::process::ExitCode;
@@ -40,7 +40,7 @@ fn main() -> ExitCode {
     )
 }
 
-/// Conjugate gradients, preconditioned with the diagonal, to a relative residual of 1e-12.
+/// Conjugate gradients with a diagonal preconditioner and a relative tolerance of 1e-12.
 fn gradients(matrix: &Matrix) -> Ksp {
     let mut ksp = Ksp::new(matrix.comm()).unwrap();
     ksp.set_operators(matrix, matrix).unwrap();
@@ -53,14 +53,14 @@ fn gradients(matrix: &Matrix) -> Ksp {
 fn methods_solve_to_their_tolerance(session: &Session) {
     let matrix = laplacian(session, 2.0);
     let mut ksp = gradients(&matrix);
-    // Condition number about n² = 6400, times the residual.
+    // Error bound: the condition number, about n² = 6400, times the residual.
     for norm in [ResidualNorm::Preconditioned, ResidualNorm::Unpreconditioned, ResidualNorm::Natural] {
         ksp.set_residual_norm(norm).unwrap();
         assert!(error_of_solve(session, &mut ksp, &matrix) < 1e-8, "{norm:?}");
     }
     assert!(ksp.iterations().unwrap() > 1);
     assert_eq!((ksp.type_name().unwrap(), ksp.pc().unwrap().type_name().unwrap()), ("cg".into(), "jacobi".into()));
-    // Without a norm all iterations are done, and nobody can say whether that has converged.
+    // Without a norm all iterations are done, and convergence is unknown.
     ksp.set_residual_norm(ResidualNorm::None).unwrap();
     ksp.set_tolerances(Tolerances { iterations: Some(7), ..Default::default() }).unwrap();
     let mut b = Vector::new(&session.world(), LOCAL).unwrap();
@@ -81,8 +81,8 @@ fn a_changed_matrix_is_set_up_again(session: &Session) {
     assert!(error_of_solve(session, &mut ksp, &matrix) < 1e-12);
 }
 
-/// The closure's values are used and its memory goes with it; one triangle of the matrix serves as the operator; a panic is an error, and so is
-/// a preconditioner of PETSc's on the triangle.
+/// A closure can precondition: its values are used and its memory is freed with it. One triangle of the matrix can be
+/// the operator. A panic gives an error, and so does one of PETSc's preconditioners with the triangle.
 fn a_closure_preconditions(session: &Session) {
     let world = session.world();
     let matrix = laplacian(session, 2.0);
@@ -116,8 +116,9 @@ fn a_closure_preconditions(session: &Session) {
     }
 }
 
-/// What makes a closure of the matrix is called before the first solve and after each change, and gone with the solver; where it makes none, the
-/// solve fails as with a factor of PETSc's, and where it fails or panics, with an error.
+/// The function that makes a closure from the matrix is called before the first solve and after each change, and is
+/// dropped with the solver. If it returns no closure, the solve fails like with a failed PETSc factorisation. If it
+/// fails or panics, the solve returns an error.
 fn a_factorisation_follows_its_matrix(session: &Session) {
     let mut matrix = laplacian(session, 2.0);
     let made = Rc::new(Cell::new(0));
@@ -125,7 +126,7 @@ fn a_factorisation_follows_its_matrix(session: &Session) {
     ksp.set_type("cg").unwrap();
     ksp.set_tolerances(Tolerances { relative: Some(1e-12), ..Default::default() }).unwrap();
     let counted = made.clone();
-    // The diagonal as the solver's matrix has it.
+    // The diagonal of the solver's matrix.
     ksp.set_factorisation(&matrix, move |matrix| {
         counted.set(counted.get() + 1);
         let first = matrix.row_range().start;
@@ -160,7 +161,8 @@ fn a_factorisation_follows_its_matrix(session: &Session) {
     ksp.destroy().unwrap();
 }
 
-/// A closure is an operator: its products are used, its errors and panics end a solve, and its memory goes with the last that keeps it.
+/// A closure can be an operator: its products are used, its errors and panics end a solve, and its memory is freed with
+/// the last object that keeps it.
 fn a_closure_multiplies(session: &Session) {
     let world = session.world();
     let (matrix, kept) = (laplacian(session, 2.0), Rc::new(()));
@@ -178,7 +180,7 @@ fn a_closure_multiplies(session: &Session) {
     operator.destroy().unwrap();
     assert!(error_of_solve(session, &mut ksp, &matrix) < 1e-8);
     assert_eq!(Rc::strong_count(&kept), 2, "the solver keeps it");
-    // PETSc's preconditioners have nothing to look at.
+    // PETSc's preconditioners cannot use an operator without entries.
     ksp.pc().unwrap().set_type("jacobi").unwrap();
     let (mut b, mut x) = (Vector::new(&world, LOCAL).unwrap(), Vector::new(&world, LOCAL).unwrap());
     assert!(is_invalid(ksp.solve(&b, &mut x)));
@@ -199,7 +201,7 @@ fn each_rank_has_a_factor_of_all(session: &Session) {
     let mut ksp = Ksp::new(&session.world()).unwrap();
     ksp.set_type("preonly").unwrap();
     ksp.pc().unwrap().set_type("redundant").unwrap();
-    // PETSc would look at a matrix that is not there.
+    // Without the check, PETSc would use a matrix that does not exist.
     assert!(matches!(ksp.pc().unwrap().redundant_pc().err(), Some(Error::Invalid { .. })));
     ksp.set_operators(&matrix, &matrix).unwrap();
     let mut pc = ksp.pc().unwrap();
@@ -207,9 +209,10 @@ fn each_rank_has_a_factor_of_all(session: &Session) {
     each.set_type("cholesky").unwrap();
     each.set_factor_package("petsc").unwrap();
     assert_eq!(each.type_name().unwrap(), "cholesky");
-    // Condition number about n² = 6400: 1e-12 leaves room for rounding, none for an iterative tolerance.
+    // The condition number is about n² = 6400. The tolerance 1e-12 covers rounding, but not the error of an iterative
+    // solver.
     assert!(error_of_solve(session, &mut ksp, &matrix) < 1e-12);
-    // Another method has none.
+    // Another method has no such preconditioner.
     ksp.pc().unwrap().set_type("jacobi").unwrap();
     assert!(matches!(ksp.pc().unwrap().redundant_pc().err(), Some(Error::Petsc { .. })));
 }
@@ -238,14 +241,14 @@ fn options_choose_by_prefix_and_divergence_is_told(session: &Session) {
     let mut b = Vector::new(&session.world(), LOCAL).unwrap();
     b.fill(1.0).unwrap();
     let mut x = b.duplicate().unwrap();
-    // Three iterations cannot reach 1e-12 on this chain.
+    // Three iterations cannot reach 1e-12 for this chain of springs.
     let Err(Error::Diverged(failure)) = ksp.solve(&b, &mut x) else { panic!("converged") };
     assert_eq!((failure.solver, failure.iterations), ("KSP", 3));
     assert!(failure.reason.contains("DIVERGED_ITS"), "{failure}");
     assert!(failure.norm > 0.0);
 }
 
-/// Entries diag(0, 1): a zero pivot.
+/// A singular matrix, diag(0, 1), is reported: it has a zero pivot.
 fn a_singular_matrix_is_told(session: &Session) {
     let alone = session.alone();
     let matrix = Matrix::csr(&alone, &[0, 1, 2], &[0, 1], &[0.0, 1.0]).unwrap();
@@ -269,7 +272,7 @@ fn what_does_not_fit_is_refused(session: &Session) {
     let mut ksp = Ksp::new(&world).unwrap();
     assert!(is_invalid(ksp.solve(&vector(LOCAL), &mut vector(LOCAL))), "no operator");
     let matrix = laplacian(session, 2.0);
-    // A rectangle, and types whose rows PETSc cannot get.
+    // A matrix that is not square, and types whose rows PETSc cannot return.
     let mut wide = Matrix::aij(&world, (2, 4), &[1, 1], &[0, 0]).unwrap();
     wide.assemble().unwrap();
     assert!(is_invalid(ksp.set_operators(&wide, &wide)));
@@ -283,11 +286,11 @@ fn what_does_not_fit_is_refused(session: &Session) {
         assert!(is_invalid(ksp.solve(&alone, &mut vector(LOCAL))));
         assert!(is_invalid(Ksp::new(&session.alone()).unwrap().set_operators(&matrix, &matrix)));
     }
-    // Its work vectors are those of the first matrix.
+    // The solver's work vectors have the size of the first matrix.
     let mut small = Matrix::aij(&world, (1, 1), &[1], &[0]).unwrap();
     small.assemble().unwrap();
     assert!(is_invalid(ksp.set_operators(&small, &small)));
-    // Entries that are set and not assembled.
+    // Entries that are set but not assembled.
     let mut matrix = matrix;
     let first = matrix.row_range().start;
     matrix.set_values(&[first], &[first], &[3.0], Insert::Replace).unwrap();
@@ -304,7 +307,8 @@ fn a_solver_keeps_its_matrix(session: &Session) {
     assert!(error_of_solve(session, &mut ksp, &other) < 1e-8);
 }
 
-/// With this option PETSc scales the right-hand side in its place and back: who holds a slice of it must not see that.
+/// With this option PETSc scales the right-hand side in place and then back. A slice of it that is being read must not
+/// change.
 fn a_right_hand_side_that_is_read_is_not_written(session: &Session) {
     let matrix = laplacian(session, 2.0);
     for name in ["-scaled_ksp_diagonal_scale", "-scaled_ksp_diagonal_scale_fix"] {
@@ -317,7 +321,7 @@ fn a_right_hand_side_that_is_read_is_not_written(session: &Session) {
     let tenths: Vec<f64> = (1..=LOCAL).map(|i| 0.1 * i as f64).collect();
     b.write().unwrap().copy_from_slice(&tenths);
     let mut x = b.duplicate().unwrap();
-    // Nobody reads: multiplied by 1/√2 and by √2, some of the entries are others.
+    // Without a reader the vector itself is multiplied by 1/√2 and by √2, so rounding changes some of its entries.
     ksp.solve(&b, &mut x).unwrap();
     assert_ne!(*b.read().unwrap(), tenths);
     b.write().unwrap().copy_from_slice(&tenths);
@@ -327,13 +331,14 @@ fn a_right_hand_side_that_is_read_is_not_written(session: &Session) {
     drop(seen);
     assert_eq!(*b.read().unwrap(), tenths);
     let mut residual = b.duplicate().unwrap();
-    // PETSc has scaled its matrix back as well.
+    // PETSc has scaled its matrix back too.
     matrix.mult(&x, &mut residual).unwrap();
     residual.axpy(-1.0, &b).unwrap();
     assert!(residual.norm().unwrap() < 1e-9);
 }
 
-/// Not before there is a matrix to factorise; and nothing comes of it where another package, or none, does.
+/// The memory margin is an error before there is a matrix to factorise, and has no effect if another package, or none,
+/// factorises.
 fn mumps_takes_more_memory_where_it_factorises(session: &Session) {
     let matrix = laplacian(session, 2.0);
     for package in ["mumps", "petsc"] {

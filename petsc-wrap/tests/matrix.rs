@@ -1,4 +1,4 @@
-//! Matrices, on one to three ranks.
+//! Tests of matrices, on one to three ranks.
 
 use std::process::ExitCode;
 
@@ -31,10 +31,10 @@ fn main() -> ExitCode {
     )
 }
 
-/// Rows of a rank in these tests.
+/// Number of rows on each rank in these tests.
 const LOCAL: usize = 4;
 
-/// A chain of springs with blocks [1 −1; −1 1], each named and handed over by one rank.
+/// A chain of springs with blocks [1 −1; −1 1]. Each block is declared and set by one rank.
 fn springs(session: &Session) -> Matrix {
     let world = session.world();
     let n = (LOCAL * world.size()) as Int;
@@ -48,7 +48,7 @@ fn springs(session: &Session) -> Matrix {
     matrix
 }
 
-/// The same matrix alone on a rank, from its rows; and a diagonal on all of them.
+/// The same matrix on one rank, created from its rows; and a diagonal matrix on all ranks.
 fn rows_become_the_matrix(session: &Session) {
     let world = session.world();
     let (first, n) = ((LOCAL * world.rank()) as Int, LOCAL as Int);
@@ -66,7 +66,7 @@ fn rows_become_the_matrix(session: &Session) {
     let twice = matrix.with_values(&offsets, &columns, &values.map(|value| 2.0 * value)).unwrap();
     assert_eq!((twice.trace().unwrap(), matrix.trace().unwrap()), (8.0, 4.0));
     assert!(Matrix::csr(&session.alone(), &[0, 1], &[1], &[1.0]).is_err());
-    // Constants lie in memory that nobody may write.
+    // Constants are in read-only memory.
     assert_eq!(Matrix::csr(&session.alone(), &[0, 1], &[0], &[4.0]).unwrap().trace().unwrap(), 4.0);
     assert!(Matrix::of_pairs(&session.alone(), (2, 2), vec![0], vec![2]).is_err());
 }
@@ -139,7 +139,7 @@ fn sums_and_copies(session: &Session) {
     b.destroy().unwrap();
 }
 
-/// A diagonal of ones, assembled, with `local` rows and columns on this rank.
+/// An assembled diagonal matrix of ones, with `local` rows and columns on this rank.
 fn ones(session: &Session, local: usize) -> Matrix {
     let world = session.world();
     let mut matrix = Matrix::aij(&world, (local, local), &vec![1; local], &vec![0; local]).unwrap();
@@ -154,13 +154,14 @@ fn is_invalid<T>(outcome: petsc_wrap::Result<T>) -> bool {
     matches!(outcome, Err(Error::Invalid { .. }))
 }
 
-/// PETSc checks none of these without debugging: it would allocate by negative counts, divide by zero and wrap.
+/// Invalid shapes are refused. Without debugging PETSc checks none of these: it would allocate with negative counts,
+/// divide by zero and overflow.
 fn an_unsafe_shape_is_refused(session: &Session) {
     let alone = session.alone();
     assert!(is_invalid(Matrix::aij(&alone, (2, 2), &[1, -1], &[0, 0])));
     assert!(is_invalid(Matrix::aij(&alone, (2, 2), &[1, 1], &[0, -1])));
     assert!(matches!(Matrix::of_pairs(&alone, (usize::MAX, 1), vec![], vec![]), Err(Error::TooLarge { .. })));
-    // Columns that are out of order, and one that comes twice.
+    // Columns that are out of order, and a column that is repeated.
     assert!(is_invalid(Matrix::csr(&alone, &[0, 2, 3], &[1, 0, 1], &[1.0; 3])));
     assert!(is_invalid(Matrix::csr(&alone, &[0, 2, 3], &[0, 0, 1], &[1.0; 3])));
     let mut matrix = ones(session, 4);
@@ -179,7 +180,8 @@ fn an_unsafe_shape_is_refused(session: &Session) {
     assert!(is_invalid(NullSpace::rigid_body(&mut Vector::new(&alone, 4).unwrap())));
 }
 
-/// Entries with room between them, whose columns PETSc has not written.
+/// Matrices that are not assembled are refused. They have room between their entries, where PETSc has not written the
+/// columns.
 fn what_is_not_assembled_is_refused(session: &Session) {
     let open = || {
         let mut matrix = Matrix::aij(&session.world(), (2, 2), &[2, 2], &[0, 0]).unwrap();
@@ -201,7 +203,7 @@ fn what_is_not_assembled_is_refused(session: &Session) {
     assert!(is_invalid(matrix.with_values(&[0, 1, 1], &[first], &[1.0])));
 }
 
-/// PETSc calls functions that these types do not have, or takes their data for that of another type.
+/// Other matrix types are refused. PETSc would call functions that these types do not have, or misread their data.
 fn other_types_are_refused(session: &Session) {
     let mut matrix = ones(session, 2);
     let first = matrix.row_range().start;
@@ -224,7 +226,8 @@ fn other_layouts_are_refused(session: &Session) {
     let world = session.world();
     let matrix = ones(session, 3);
     let fitting = || Vector::new(&world, 3).unwrap();
-    // Other sizes; on several ranks the same size, otherwise spread, and this rank alone with as many entries.
+    // Other sizes; on several ranks, the same size with another distribution; and the same number of entries on this
+    // rank alone.
     let moved = if world.is_root() { 3 * world.size() } else { 0 };
     for local in [2, moved] {
         if world.size() == 1 && local == 3 {
@@ -239,13 +242,14 @@ fn other_layouts_are_refused(session: &Session) {
         let mut alone = Vector::new(&session.alone(), 3).unwrap();
         assert!(is_invalid(matrix.mult(&fitting(), &mut alone)) && is_invalid(matrix.diagonal(&mut alone)));
     }
-    // Multigrid reads as many entries of these as the matrix has rows.
+    // Multigrid reads one entry of these vectors for each row of the matrix.
     let motions = NullSpace::rigid_body(&mut fitting()).unwrap();
     assert!(is_invalid(ones(session, 6).set_near_null_space(&motions)));
     ones(session, 3).set_near_null_space(&motions).unwrap();
 }
 
-/// As many entries in other places: PETSc would copy the values of one matrix to the places of the other.
+/// A matrix with the same number of entries in other places is refused: PETSc would copy the values to the wrong
+/// places.
 fn other_entries_are_refused(session: &Session) {
     let alone = session.alone();
     let values = [1.0, 2.0, 3.0];
@@ -254,7 +258,7 @@ fn other_entries_are_refused(session: &Session) {
     assert!(is_invalid(upper.copy_from(&lower)));
     assert!(is_invalid(upper.with_values(&[0, 1, 3], &[0, 0, 1], &values)));
     assert_eq!(upper.row(0).unwrap().values, [1.0, 2.0]);
-    // On several ranks each has an entry in a column of the last rank's, or of the first's.
+    // On several ranks, each rank has an entry in a column of the last rank, or of the first.
     let world = session.world();
     let couple = |column: Int| {
         let mut matrix = Matrix::aij(&world, (1, 1), &[1], &[1]).unwrap();
@@ -267,7 +271,7 @@ fn other_entries_are_refused(session: &Session) {
     let outcome = couple(0).copy_from(&last);
     assert_eq!(outcome.is_ok(), world.size() == 1);
     couple(0).copy_from(&first).unwrap();
-    // A part of the entries would keep the old values of the others.
+    // If only a part of the entries were given, the others would keep their old values.
     let (all, first) = (springs(session), world.rank() as Int * LOCAL as Int);
     let rows: Vec<_> = all.row_range().map(|row| all.row(row).unwrap()).collect();
     let offsets: Vec<Int> = (0..=LOCAL as Int).collect();
@@ -276,7 +280,8 @@ fn other_entries_are_refused(session: &Session) {
     assert!(is_invalid(all.with_values(&offsets, &diagonal, &[1.0; LOCAL])));
 }
 
-/// A product with one component is the matrix itself, once. One with more keeps entries that nobody can change any more.
+/// A product with one component is the matrix itself, and is made once. A product with more components keeps entries
+/// that can no longer be changed.
 fn components_share_entries_that_stay(session: &Session) {
     for components in [1, 2, 3] {
         let matrix = springs(session);
@@ -292,7 +297,8 @@ fn components_share_entries_that_stay(session: &Session) {
     }
 }
 
-/// Two rows of a distributed matrix at once, which PETSc keeps in one place, and rows that outlive what writes to the matrix.
+/// Rows are copies: two rows of a distributed matrix can be held at once, though PETSc has one buffer for them, and
+/// rows remain valid after a change of the matrix.
 fn rows_are_copies(session: &Session) {
     let mut matrix = springs(session);
     let first = matrix.row_range().start;
@@ -315,7 +321,8 @@ fn symbolic_factorisation_counts_the_factor(session: &Session) {
     let estimate = estimate_cholesky(&matrix).unwrap();
     assert_eq!(estimate.is_some(), has_mumps);
     let Some(estimate) = estimate else { return };
-    // A chain has a factor with at most n diagonal and n − 1 other entries without fill; fronts store a little more.
+    // The factor of a chain without fill has at most n diagonal entries and n − 1 others. Frontal matrices store a
+    // little more.
     assert!((2.0 * n - 1.0..6.0 * n).contains(&estimate.entries), "{estimate:?}");
     assert!(estimate.operations > n, "{estimate:?}");
 }

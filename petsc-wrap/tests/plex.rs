@@ -1,4 +1,4 @@
-//! Meshes, on one to three ranks.
+//! Tests of meshes, on one to three ranks.
 
 use std::process::ExitCode;
 
@@ -81,7 +81,7 @@ fn coordinates_stay_with_their_vertices(session: &Session) {
         let ends = plex.cone(edge).unwrap();
         let [a, b] = [ends[0], ends[1]].map(|vertex| x[(vertex - first) as usize]);
         let length: f64 = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum();
-        // Unit cells at integer coordinates: exact.
+        // The cells have unit edges and integer coordinates: the result is exact.
         assert_eq!(length, 1.0);
     }
 }
@@ -89,13 +89,13 @@ fn coordinates_stay_with_their_vertices(session: &Session) {
 fn the_boundary_is_that_of_the_whole(session: &Session) {
     let plex = block(session);
     let skin = plex.points(2).unwrap().filter(|&face| plex.has_label("skin", face).unwrap()).count();
-    // Faces between ranks are not among them: a boundary face has one cell, so it is on one rank.
+    // Faces between ranks are not counted: a boundary face has one cell, so it is on one rank.
     assert_eq!(sum(session, skin), 2 * (4 * 3 + 4 * 2 + 3 * 2));
 }
 
 fn unknowns_are_numbered_once(session: &Session) {
     let plex = block(session);
-    // Quadratic hexahedra with three unknowns a node: a node on every point.
+    // Quadratic hexahedra with three unknowns at each node have a node on every point.
     let numbering = plex.number(|_| 3).unwrap();
     let total = sum(session, numbering.owned);
     assert_eq!(total, 3 * 9 * 7 * 5);
@@ -115,11 +115,11 @@ fn unknowns_are_numbered_once(session: &Session) {
     assert_eq!(sum(session, sum_owned), total * (total - 1) / 2);
 }
 
-/// Cubes in a row along x, some ranks of which may have none; vertex 4i + j is at x = i.
+/// A row of cubes along x; some ranks may have none. Vertex 4i + j is at x = i.
 fn row(session: &Session, cubes: std::ops::Range<usize>, shape: CellType) -> Result<Plex, Error> {
     let world = session.world();
     let vertices: Vec<Int> = cubes.flat_map(|i| [0, 1, 2, 3, 4, 5, 6, 7].map(|j| (4 * i + j) as Int)).collect();
-    // All coordinates are rank 0's.
+    // Rank 0 gives all coordinates.
     let corner = |n: usize| [(n / 4) as f64, [0.0, 1.0, 1.0, 0.0][n % 4], [0.0, 0.0, 1.0, 1.0][n % 4]];
     let places: Vec<[f64; 3]> = (0..4 * CUBES + 4).filter(|_| world.is_root()).map(corner).collect();
     Plex::from_cells(&world, shape, &vertices, &places)
@@ -127,7 +127,7 @@ fn row(session: &Session, cubes: std::ops::Range<usize>, shape: CellType) -> Res
 
 const CUBES: usize = 7;
 
-/// Also where one rank has none of them.
+/// Cells stay on the rank that gives them, even if one rank has none.
 fn cells_stay_where_they_are_given(session: &Session) {
     let world = session.world();
     for makers in 1..=world.size() {
@@ -138,7 +138,7 @@ fn cells_stay_where_they_are_given(session: &Session) {
         let here = [0, 1, 2, 3].map(|dimension| plex.points(dimension).unwrap().count());
         let n = mine.len();
         assert_eq!(here, if n == 0 { [0; 4] } else { [4 * n + 4, 8 * n + 4, 5 * n + 1, n] });
-        // In the order of the numbers.
+        // The coordinates are in the order of the vertex numbers.
         let x = plex.vertex_coordinates().unwrap().expect("straight cells");
         assert!(x.iter().enumerate().all(|(i, x)| x[0] == (mine.start + i / 4) as f64));
         let skin = plex.points(2).unwrap().filter(|&face| plex.has_label("skin", face).unwrap()).count();
@@ -156,12 +156,12 @@ fn cells_stay_where_they_are_given(session: &Session) {
     }
 }
 
-/// What is wrong on one rank is told on all.
+/// Invalid cells on one rank are reported on all ranks. PETSc would use them unchecked.
 fn cells_that_petsc_takes_on_trust_are_refused(session: &Session) {
     let world = session.world();
     let all = 0..if world.rank() + 1 == world.size() { CUBES } else { 0 };
     assert!(row(session, all.clone(), CellType::Hexahedron).is_ok());
-    // Beyond the last vertex, and none at all.
+    // A vertex beyond the last one, and no cells at all.
     for cubes in [0..if all.is_empty() { 0 } else { CUBES + 1 }, 0..0] {
         assert!(matches!(row(session, cubes, CellType::Hexahedron), Err(Error::Invalid { .. })));
     }
@@ -186,7 +186,8 @@ fn a_file_that_is_no_mesh_is_an_error(session: &Session) {
     assert!(error.to_string().contains("cannot be read"), "{error}");
 }
 
-/// A unit cube of 6 tetrahedra with two triangles a side: group 1 is the bottom, 2 the top.
+/// Physical groups are found by number. The mesh is a unit cube of 6 tetrahedra with two triangles on each side: group
+/// 1 is the bottom, 2 the top.
 fn physical_groups_are_found_by_number(session: &Session) {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cube.msh");
     let plex = Plex::gmsh(&session.world(), path.as_ref()).unwrap();
@@ -200,12 +201,13 @@ fn physical_groups_are_found_by_number(session: &Session) {
         assert_eq!(sum(session, here), faces, "{label} {number}");
     }
     let cells = plex.points(3).unwrap();
-    // Each rank has as many.
+    // All ranks have the same number of cells.
     assert_eq!(cells.clone().count() * session.world().size(), 6);
     assert!(cells.into_iter().all(|cell| plex.cell_type(cell).unwrap() == CellType::Tetrahedron));
 }
 
-/// PETSc would read beyond the end of its nodes, on rank 0. All ranks get the same answer.
+/// A file that does not hold the announced nodes is refused, with the same error on all ranks. PETSc would read beyond
+/// the end of the nodes, on rank 0.
 fn a_file_that_breaks_its_promise_is_refused(session: &Session) {
     let world = session.world();
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cube.msh")).unwrap();
@@ -223,7 +225,8 @@ fn a_file_that_breaks_its_promise_is_refused(session: &Session) {
     std::fs::remove_file(path).unwrap();
 }
 
-/// PETSc's own reader takes a name `stdin` for a stream, a backslash for a slash, and options from a file `.info`.
+/// A file may have any name. PETSc's own reader would take the name `stdin` for a stream, a backslash for a slash, and
+/// would read options from a file `.info`.
 fn any_name_is_one_of_a_file(session: &Session) {
     let alone = session.alone();
     let folder = std::env::temp_dir().join(format!("petsc-wrap-paths-{}", std::process::id()));
@@ -238,7 +241,7 @@ fn any_name_is_one_of_a_file(session: &Session) {
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
-/// A file that a rank does not have, or that is another there, is refused on all.
+/// If a rank does not have the file, or has a different one, the file is refused on all ranks.
 fn all_ranks_see_one_file(session: &Session) {
     let world = session.world();
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cube.msh")).unwrap();
@@ -262,7 +265,8 @@ fn all_ranks_see_one_file(session: &Session) {
     std::fs::remove_file(&path).unwrap();
 }
 
-/// Two cubes that go round the face between them in different orders: PETSc tells the rank that sees it, where others would wait for it.
+/// Two cubes whose orientations of the shared face differ are an error. Only the rank that detects it gets PETSc's
+/// error, and other ranks would wait for it.
 fn hexahedra_that_do_not_fit_are_an_error(session: &Session) {
     let places: Vec<[f64; 3]> = (0..12).map(|n| [f64::from(n % 2), f64::from(n / 2 % 2), f64::from(n / 4)]).collect();
     let cells = [[0, 1, 3, 2, 4, 5, 7, 6], [4, 7, 5, 6, 8, 11, 9, 10]].concat();
@@ -286,7 +290,7 @@ fn shapes_that_petsc_takes_on_trust_are_refused(session: &Session) {
     let alone = session.alone();
     let boxed = |cells| Plex::hexahedral_box(&alone, cells, [0.0; 3], [1.0; 3]);
     assert!(matches!(boxed([1, 0, 1]), Err(Error::Invalid { .. })));
-    // More points than 32 bits number, than 64 bits, and than a usize.
+    // More points than fit in 32 bits, in 64 bits, and in a usize.
     for n in [1 << 11, 1 << 22, usize::MAX] {
         let outcome = boxed([n, n, n]);
         assert!(n == 1 << 11 && petsc_wrap::Int::BITS == 64 || matches!(outcome, Err(Error::TooLarge { .. })));

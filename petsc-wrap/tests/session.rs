@@ -1,4 +1,4 @@
-//! Session, options and errors, on one and two ranks.
+//! Tests of the session, options and errors, on one and two ranks.
 
 use std::process::ExitCode;
 
@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use petsc_wrap::{Comm, Error, Ksp, Session, Vector, options, set_default_environment};
 
-/// What the environment has before, and what it gets.
+/// An environment variable that is set beforehand, and one that is set by default.
 const GIVEN: &str = "PETSC_WRAP_TEST_GIVEN";
 const DEFAULT: &str = "PETSC_WRAP_TEST_DEFAULT";
 static SET_ALONE: AtomicBool = AtomicBool::new(false);
@@ -60,7 +60,7 @@ fn options_are_set_and_cleared(session: &Session) {
     assert_eq!(options::get(session, "-session_other").unwrap().as_deref(), Some("9"));
     options::clear(session, "-session_other").unwrap();
     assert!(!options::is_set(session, "-session_other").unwrap());
-    // PETSc keeps the places of numbers in a name in an array of sixteen.
+    // PETSc stores the positions of the numbers in a name in an array of sixteen.
     let name = format!("-a{}_", "_1".repeat(40));
     assert!(matches!(options::get(session, &name), Err(Error::Invalid { .. })));
     assert!(matches!(options::is_set(session, &"-a".repeat(1000)), Err(Error::Invalid { .. })));
@@ -77,13 +77,14 @@ fn errors_carry_message_frames_and_place(session: &Session) {
     assert!(message.contains("no such method"), "{message}");
     assert!(frames.iter().any(|frame| frame.function.starts_with("KSPSetType")), "{frames:?}");
     assert!(frames.iter().all(|frame| frame.line > 0));
-    // The next error does not inherit the frames of this one.
+    // The next error does not contain the frames of this one.
     let error = solver.pc().unwrap().set_type("no such method").unwrap_err();
     let Error::Petsc { frames: again, .. } = error else { panic!() };
     assert!(again.iter().all(|frame| !frame.function.starts_with("KSPSetType")), "{again:?}");
 }
 
-/// Before MPI and PETSc start, this process has one thread; with another one it is left as it is.
+/// Before MPI and PETSc start, this process has one thread and the environment is set. With a second thread it is left
+/// unchanged.
 fn the_environment_is_set_where_nobody_else_can_read_it(session: &Session) {
     assert!(session.world().size() > 0);
     assert!(SET_ALONE.load(Ordering::Relaxed), "one thread, before the session");
@@ -96,13 +97,13 @@ fn the_environment_is_set_where_nobody_else_can_read_it(session: &Session) {
     other.join().unwrap();
 }
 
-/// PETSc keeps the words that it was started with, and looks at them again when it is asked for its command line.
+/// PETSc keeps the strings of its command line, and reads them again when it is asked for the command line.
 fn the_command_line_outlives_the_start(session: &Session) {
     assert!(session.world().size() > 0);
     let (mut count, mut words) = (0, std::ptr::null_mut());
-    // SAFETY: PETSc is initialised, and the session keeps the words.
+    // SAFETY: PETSc is initialised, and the session keeps the strings.
     unsafe { petsc_wrap::sys::PetscGetArgs(&raw mut count, &raw mut words) };
-    // SAFETY: as many words as PETSc counts.
+    // SAFETY: there are `count` strings.
     let words = (0..count as usize).map(|i| unsafe { std::ffi::CStr::from_ptr(*words.add(i)) });
     let words: Vec<&str> = words.map(|word| word.to_str().unwrap()).collect();
     assert_eq!(words[2..], ["-session_test", "7"]);
@@ -122,7 +123,7 @@ fn a_handle_dropped_on_one_rank_blocks_nobody(session: &Session) {
     if world.is_root() {
         kept = None;
     }
-    // Collective work goes on while rank 0's handle is queued.
+    // Collective calls work while rank 0's handle is queued.
     assert_eq!(Vector::new(&world, 1).unwrap().len(), world.size());
     drop(kept);
     world.collect_garbage().unwrap();

@@ -1,4 +1,4 @@
-//! Newton's method with closures, on one and two ranks.
+//! Tests of Newton's method with closures, on one and two ranks.
 
 use std::process::ExitCode;
 
@@ -34,7 +34,7 @@ fn main() -> ExitCode {
 const LOCAL: usize = 3;
 const TOLERANCE: f64 = 1e-12;
 
-/// A solver, and its start at x = 2, for separable equations g(x_i) = 0.
+/// A solver for separable equations g(x_i) = 0, and its starting point x = 2.
 fn solver(session: &Session, iterations: usize) -> (Snes, Vector) {
     let world = session.world();
     let jacobian = Matrix::aij(&world, (LOCAL, LOCAL), &[1; LOCAL], &[0; LOCAL]).unwrap();
@@ -45,7 +45,7 @@ fn solver(session: &Session, iterations: usize) -> (Snes, Vector) {
     snes.set_line_search_type("shell").unwrap();
     let mut ksp = snes.ksp().unwrap();
     ksp.set_type("cg").unwrap();
-    // Of a diagonal matrix this is the inverse.
+    // For a diagonal matrix Jacobi's method is the exact inverse.
     ksp.pc().unwrap().set_type("jacobi").unwrap();
     ksp.set_tolerances(Tolerances { relative: Some(1e-13), ..Default::default() }).unwrap();
     drop(ksp);
@@ -78,7 +78,7 @@ fn newton_converges_quadratically(session: &Session) {
         .unwrap();
     let root = 2f64.cbrt();
     assert!(x.read().unwrap().iter().all(|x| (x - root).abs() < 1e-12));
-    // The step length 1 is evaluated once an iteration, and the start once.
+    // The residual is evaluated once at the start, and once in each iteration, at step length 1.
     assert_eq!(norms.len(), iterations + 1);
     // Order log(e3/e2)/log(e2/e1) from the last norms above rounding.
     let e: Vec<f64> = norms.into_iter().filter(|&norm| norm > 1e-11).collect();
@@ -91,7 +91,8 @@ fn slopes_are_those_of_the_potential(session: &Session) {
     let (mut snes, mut x) = solver(session, 30);
     let n = x.len() as f64;
     let mut first = None;
-    // Residual x, potential Σx²/2, a Jacobian twice too small: direction −2x, slope −2·4n + 4λ·4n … at λ = 0, 1/2, 1.
+    // Residual x, potential Σx²/2, a Jacobian too small by a factor of two: direction −2x, slope −2·4n + 4λ·4n … at λ =
+    // 0, 1/2, 1.
     snes.solve_with_search(
         &mut x,
         |x, f| Ok(residual(x, f, |x| x)?),
@@ -167,7 +168,8 @@ fn what_does_not_fit_is_refused(session: &Session) {
     assert!(snes.set_preconditioner_lag(Lag::Every(0)).is_err());
 }
 
-/// A matrix-free operator calls the residual at each product, also in a linear solve after the nonlinear one, whose closures are gone.
+/// A closure is not called after its solve. A matrix-free operator calls the residual in each product, also in a linear
+/// solve after the nonlinear one, when its closures are gone.
 fn a_closure_is_not_called_after_its_solve(session: &Session) {
     options::set(session, "-free_snes_mf_operator", "").unwrap();
     let (mut snes, mut x) = solver(session, 20);
@@ -197,7 +199,8 @@ fn a_closure_is_not_called_after_its_solve(session: &Session) {
     assert_eq!(calls.get(), during);
 }
 
-/// By PETSc's own line search; and an error where it would be that of a closure.
+/// A solve without a search closure uses PETSc's own line search. It is an error if the line search is of the type that
+/// calls a closure.
 fn a_solve_without_a_search_of_its_own(session: &Session) {
     let (mut snes, mut x) = solver(session, 20);
     let outcome = snes.solve(&mut x, |x, f| Ok(residual(x, f, |x| x)?), |x, j, _| Ok(jacobian(x, j, |_| 1.0)?));
@@ -205,13 +208,14 @@ fn a_solve_without_a_search_of_its_own(session: &Session) {
     snes.set_line_search_type("bt").unwrap();
     let root = |x: f64| x.atan();
     x.fill(2.0).unwrap();
-    // Full steps of Newton's method diverge from here.
+    // Full Newton steps diverge from this starting point.
     snes.solve(&mut x, |x, f| Ok(residual(x, f, root)?), |x, j, _| Ok(jacobian(x, j, |x| 1.0 / (1.0 + x * x))?))
         .unwrap();
     assert!(x.norm_max().unwrap() < TOLERANCE);
 }
 
-/// One factor for all Jacobians is the chord method, which is linear; a new one for each is quadratic.
+/// The lag of the preconditioner takes effect: one factorisation for all Jacobians is the chord method, which converges
+/// linearly; a new one for each converges quadratically.
 fn a_preconditioner_lags_as_it_is_told(session: &Session) {
     let mut iterations = [0, 0];
     for (lag, iterations) in [Lag::Every(1), Lag::RebuildThenKeep].into_iter().zip(&mut iterations) {
@@ -240,7 +244,7 @@ fn a_preconditioner_lags_as_it_is_told(session: &Session) {
 fn nan_stops_the_solve(session: &Session) {
     let (mut snes, mut x) = solver(session, 20);
     let last = session.world().size() as Int * LOCAL as Int - 1;
-    // Only one rank's residual is undefined; all of them stop.
+    // The residual of only one rank is undefined, but all ranks stop.
     let result = snes.solve_with_search(
         &mut x,
         |x, f| {

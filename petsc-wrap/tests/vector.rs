@@ -1,4 +1,4 @@
-//! Vectors, on one to three ranks.
+//! Tests of vectors, on one to three ranks.
 
 use std::process::ExitCode;
 
@@ -26,7 +26,7 @@ fn main() -> ExitCode {
     )
 }
 
-/// Entry i of the vector is f(i).
+/// A vector whose entry i is f(i).
 fn filled(session: &Session, local: usize, f: impl Fn(f64) -> f64) -> Vector {
     let mut vector = Vector::new(&session.world(), local).unwrap();
     let begin = vector.range().start;
@@ -72,7 +72,7 @@ fn products_and_quotients_by_entry(session: &Session) {
     for (place, value) in x.read().unwrap().iter().enumerate() {
         assert_eq!(*value, entry(place) * (8.0 - entry(place)));
     }
-    // The product of small integers is divided exactly; entry 8, on three ranks, is 0/0.
+    // Products of small integers are divided exactly; entry 8, on three ranks, is 0/0.
     x.pointwise_divide(&y).unwrap();
     for (place, value) in x.read().unwrap().iter().enumerate() {
         assert_eq!(*value, if entry(place) == 8.0 { 0.0 } else { entry(place) });
@@ -118,7 +118,8 @@ fn uneven_and_empty_parts(session: &Session) {
 fn layouts_must_agree(session: &Session) {
     let world = session.world();
     let mut y = filled(session, 3, |i| i);
-    // Other sizes; the same size in all, other ones on the ranks; and the same sizes on this rank, alone.
+    // Other sizes; on several ranks, the same total size with another distribution; and the same size on this rank
+    // alone.
     let moved = if world.is_root() { 3 * world.size() } else { 0 };
     let others = [filled(session, 2, |i| i), filled(session, moved, |i| i), Vector::new(&session.alone(), 3).unwrap()];
     for x in others.iter().filter(|x| world.size() > 1 || x.len() != 3) {
@@ -132,30 +133,31 @@ fn layouts_must_agree(session: &Session) {
         ];
         assert!(outcomes.iter().all(|outcome| matches!(outcome, Err(Error::Invalid { .. }))), "{outcomes:?}");
     }
-    // Not only the first of several is looked at.
+    // All vectors of the list are checked, not only the first.
     let fitting = filled(session, 3, |i| i);
     for x in others.into_iter().filter(|x| world.size() > 1 || x.len() != 3) {
         let pair = [fitting.duplicate().unwrap(), x];
         assert!(matches!(y.dots(&pair), Err(Error::Invalid { .. })));
         assert!(matches!(y.add_combination(&[1.0, 1.0], &pair), Err(Error::Invalid { .. })));
     }
-    // Untouched by all that was refused.
+    // The refused calls have not changed the vector.
     y.axpy(-1.0, &fitting).unwrap();
     assert_eq!(y.norm_max().unwrap(), 0.0);
 }
 
-/// As a 32-bit integer of PETSc's the first would be −1, which is PETSc's mark for a size that it shall choose.
+/// Sizes that do not fit are errors. As a 32-bit PETSc integer, the first would be −1, PETSc's mark for a size that it
+/// shall choose.
 fn sizes_that_do_not_fit_are_errors(session: &Session) {
     for local in [u32::MAX as usize, usize::MAX] {
         let outcome = Vector::new(&session.alone(), local).map(|vector| vector.len());
-        // With indices of 64 bits the first fits, and there is no such memory.
+        // With 64-bit indices the first size fits, but there is not that much memory.
         assert!(outcome.is_err(), "{outcome:?}");
     }
     let error = Vector::new(&session.alone(), usize::MAX).err().unwrap();
     assert!(matches!(error, Error::TooLarge { number: usize::MAX }), "{error}");
 }
 
-/// A guard that is never dropped, and one that is while another lives, leave the vector as it is.
+/// The vector is unchanged by a guard that is never dropped, and by one that is leaked while another lives.
 fn guards_may_be_forgotten(session: &Session) {
     let mut x = filled(session, 3, |_| 1.0);
     std::mem::forget(x.read().unwrap());

@@ -1,20 +1,20 @@
-//! A body in its unknowns, where it is.
+//! An assembled body with all its unknowns, either in this process or in PETSc.
 
 use petsc_wrap::Comm;
 
 use super::{Body, LinearBody, LocalBody};
 use crate::error::Result;
 
-/// A body as its space gives it.
+/// An assembled body and its storage.
 pub enum Assembled {
-    /// As numbers of this process.
+    /// Stored as plain arrays in this process.
     Local(Box<LocalBody>),
-    /// As PETSc holds it.
+    /// Stored in PETSc objects.
     InPetsc(Box<Body>),
 }
 
 impl Assembled {
-    /// What bases grow in.
+    /// Returns the interface for building reduced bases.
     pub fn linear(&self) -> &dyn LinearBody {
         match self {
             Self::Local(body) => &**body,
@@ -22,10 +22,11 @@ impl Assembled {
         }
     }
 
-    /// What steps in its unknowns need; `alone` is this process.
+    /// Converts the body to PETSc storage, as needed for time steps in all unknowns. `alone` is the communicator of
+    /// this process.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn in_petsc(self, alone: &Comm) -> Result<Box<Body>> {
         match self {
             Self::Local(body) => Ok(Box::new(Body::of(alone, body.system())?)),

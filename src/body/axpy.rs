@@ -1,11 +1,11 @@
-//! Multiples of vectors added to others, in the widest vectors of the processor.
+//! Vector updates y ← y + a x, with the widest SIMD instructions of the processor.
 
 use nalgebra::{Complex, ComplexField, DMatrix, DVector};
 use pulp::{Simd, WithSimd};
 
-/// A number of which vectors are made.
+/// Scalar type of vector entries: real or complex.
 pub(super) trait Entry: ComplexField<RealField = f64> + faer::traits::ComplexField + Copy {
-    /// y ← y + a x.
+    /// Computes y ← y + a x.
     fn add_multiple(to: &mut [Self], factor: Self, from: &[Self]);
 }
 
@@ -53,9 +53,9 @@ impl WithSimd for Adding<'_, Complex<f64>> {
     }
 }
 
-/// A x.
+/// Returns the product A x.
 pub(super) fn product(matrix: &DMatrix<f64>, vector: &DVector<f64>) -> DVector<f64> {
-    // Entries without a partner would be left out.
+    // Without this check, the iterators would silently skip entries.
     assert_eq!(matrix.ncols(), vector.len(), "a matrix and a vector of other lengths");
     let mut sum = DVector::zeros(matrix.nrows());
     let columns = matrix.as_slice().chunks_exact(matrix.nrows().max(1));
@@ -67,7 +67,7 @@ pub(super) fn product(matrix: &DMatrix<f64>, vector: &DVector<f64>) -> DVector<f
 mod tests {
     use super::*;
 
-    /// Whole vectors of the processor and what is left over, real and complex, to rounding.
+    /// Real and complex vectors agree to rounding for full SIMD vectors and remainders.
     #[test]
     fn sums_are_those_of_the_entries() {
         for count in [0, 1, 3, 4, 11] {

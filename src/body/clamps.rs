@@ -1,24 +1,24 @@
-//! Held components of the displacement, (2), and those normal to planes of symmetry.
+//! Constrained displacement components: clamps (2), and components normal to planes of symmetry.
 
 use petsc_wrap::{Int, Vector};
 
 use crate::error::Result;
 
-/// Which unknowns are held, and where.
+/// Constrained unknowns and their prescribed displacements.
 pub struct Clamps {
-    /// 1 for a free unknown, 0 for a held one.
+    /// 1 for a free unknown, 0 for a constrained one.
     pub free: Vector,
-    /// ū of the held unknowns, m; 0 for the free ones.
+    /// Prescribed displacement ū of the constrained unknowns, m; 0 for the free ones.
     pub displacement: Vector,
-    /// Global numbers of this rank's held unknowns.
+    /// Global numbers of this rank's constrained unknowns.
     pub rows: Vec<Int>,
 }
 
 impl Clamps {
-    /// The unknowns where `free` is 0, at a displacement.
+    /// Constrains the unknowns for which `free` is 0, with the values of `displacement`.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn new(free: Vector, displacement: Vector) -> Result<Self> {
         let first = free.range().start;
         let held = |(i, free): (usize, &f64)| (*free == 0.0).then_some(first + i as Int);
@@ -26,10 +26,10 @@ impl Clamps {
         Ok(Self { free, displacement, rows })
     }
 
-    /// Sets the held unknowns of a vector, which may be longer, to zero.
+    /// Sets the constrained unknowns of a vector to zero. The vector may be longer than u.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn zero(&self, vector: &mut Vector) -> petsc_wrap::Result<()> {
         if self.rows.is_empty() {
             return Ok(());

@@ -1,4 +1,4 @@
-//! Vectors of one length as the columns of a dense matrix, in one process or with their rows spread over ranks.
+//! Dense matrix of column vectors, in one process or with its rows distributed over ranks.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
@@ -8,35 +8,36 @@ use nalgebra::DMatrix;
 use petsc_wrap::Comm;
 use std::ops::Range;
 
-/// Vectors of a length, one after the other. Of distributed ones each rank has some rows; what sums over rows is collective then.
+/// Vectors of equal length, stored one after the other. If distributed, each rank has some of the rows, and operations
+/// that sum over rows are collective.
 #[derive(Clone)]
 pub struct Columns {
-    /// Of this rank.
+    /// Number of rows on this rank.
     rows: usize,
     count: usize,
     entries: Vec<f64>,
-    /// Those that share the rows; `None` where this process has all.
+    /// Communicator of the ranks that share the rows; `None` if this process has all rows.
     ranks: Option<Comm>,
 }
 
 impl Columns {
-    /// None yet, with so many rows here.
+    /// Creates an empty set with `rows` rows on this rank.
     pub fn new(rows: usize, ranks: Option<&Comm>) -> Self {
         Self { rows, count: 0, entries: Vec::new(), ranks: ranks.cloned() }
     }
 
-    /// One, laid out as these.
+    /// Creates a set of one vector with the same layout.
     pub fn one(&self, entries: Vec<f64>) -> Self {
         debug_assert_eq!(entries.len(), self.rows);
         self.with(1, entries)
     }
 
-    /// Some that are zero, laid out as these.
+    /// Creates a set of zero vectors with the same layout.
     pub fn zeros(&self, count: usize) -> Self {
         self.with(count, vec![0.0; self.rows * count])
     }
 
-    /// The same with each made of these all at once: entries one after the other, of this rank's rows.
+    /// Applies a map to all vectors at once. The map gets this rank's rows of all columns, one column after the other.
     pub fn mapped(&self, map: impl FnOnce(&[f64]) -> Vec<f64>) -> Self {
         self.with(self.count, map(&self.entries))
     }
@@ -45,50 +46,50 @@ impl Columns {
         Self { rows: self.rows, count, entries, ranks: self.ranks.clone() }
     }
 
-    /// Rows of this rank.
+    /// Number of rows on this rank.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// How many there are.
+    /// Number of columns.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// One of them, this rank's rows.
+    /// Returns this rank's rows of one column.
     pub fn get(&self, number: usize) -> &[f64] {
         &self.entries[number * self.rows..(number + 1) * self.rows]
     }
 
-    /// One of them, to be changed.
+    /// Returns this rank's rows of one column for modification.
     pub fn get_mut(&mut self, number: usize) -> &mut [f64] {
         &mut self.entries[number * self.rows..(number + 1) * self.rows]
     }
 
-    /// All of them.
+    /// Iterates over all columns.
     pub fn iter(&self) -> impl Iterator<Item = &[f64]> {
         (0..self.count).map(|number| self.get(number))
     }
 
-    /// Adds one.
+    /// Appends one column.
     pub fn push(&mut self, column: &[f64]) {
         debug_assert_eq!(column.len(), self.rows);
         self.entries.extend_from_slice(column);
         self.count += 1;
     }
 
-    /// Adds all of others.
+    /// Appends all columns of another set.
     pub fn append(&mut self, mut other: Self) {
         self.entries.append(&mut other.entries);
         self.count += other.count;
     }
 
-    /// Some of them.
+    /// Returns a copy of some columns.
     pub fn range(&self, range: Range<usize>) -> Self {
         self.with(range.len(), self.entries[range.start * self.rows..range.end * self.rows].to_vec())
     }
 
-    /// The rows of some of them that are named.
+    /// Returns the listed rows of some columns.
     fn few_rows(&self, range: Range<usize>, rows: &[usize]) -> Self {
         let columns = range.clone().map(|number| self.get(number));
         let entries = columns.flat_map(|column| rows.iter().map(move |&row| column[row])).collect();
@@ -104,7 +105,7 @@ impl Columns {
         MatMut::from_column_major_slice_mut(&mut self.entries, self.rows, self.count)
     }
 
-    /// selfᵀ other, of some of these. Collective.
+    /// Returns selfᵀ other for a range of the columns of `self`. Collective.
     pub fn products_of(&self, range: Range<usize>, other: &Self) -> DMatrix<f64> {
         let mut products = DMatrix::zeros(range.len(), other.count);
         let into = MatMut::from_column_major_slice_mut(products.as_mut_slice(), range.len(), other.count);
@@ -114,12 +115,13 @@ impl Columns {
         products
     }
 
-    /// selfᵀ other. Collective.
+    /// Returns selfᵀ other. Collective.
     pub fn products(&self, other: &Self) -> DMatrix<f64> {
         self.products_of(0..self.count, other)
     }
 
-    /// selfᵀ other, of the first of these, where others have few rows that are not zero, as what supports do to vectors. Collective.
+    /// Returns selfᵀ other for the first columns of `self`. It is fast if `other` has few nonzero rows, such as
+    /// products with a support stiffness. Collective.
     pub fn products_with_few_rows(&self, count: usize, other: &Self) -> DMatrix<f64> {
         let is_met = |row: &usize| other.iter().any(|column| column[*row] != 0.0);
         let rows: Vec<usize> = (0..self.rows).filter(is_met).collect();
@@ -129,17 +131,17 @@ impl Columns {
         self.few_rows(0..count, &rows).products(&other.few_rows(0..other.count, &rows))
     }
 
-    /// Inner products with a vector. Collective.
+    /// Returns the inner products of all columns with a vector. Collective.
     pub fn along(&self, vector: &[f64]) -> nalgebra::DVector<f64> {
         self.products(&self.one(vector.to_vec())).column(0).into_owned()
     }
 
-    /// Inner product of the first one and another first one. Collective.
+    /// Returns the inner product of the first columns of both sets. Collective.
     pub fn dot(&self, other: &Self) -> f64 {
         self.products_of(0..1, other)[(0, 0)]
     }
 
-    /// Sums over all ranks' rows. Collective.
+    /// Sums a matrix over all ranks. Collective.
     fn sum(&self, here: &mut DMatrix<f64>) {
         if let Some(ranks) = self.ranks.as_ref().filter(|ranks| ranks.size() > 1) {
             let mut all = DMatrix::zeros(here.nrows(), here.ncols());
@@ -148,7 +150,7 @@ impl Columns {
         }
     }
 
-    /// The largest entry's size. Collective.
+    /// Returns the largest absolute value of all entries. Collective.
     pub fn largest(&self) -> f64 {
         let here = self.entries.iter().fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
         self.ranks.as_ref().map_or(here, |ranks| {
@@ -158,15 +160,16 @@ impl Columns {
         })
     }
 
-    /// Makes numbers those of the first rank: sums over ranks may differ in their last digits, and with them the decisions that follow from
-    /// them. Collective.
+    /// Replaces numbers by the values of the first rank. Sums over ranks may differ in their last digits, so that ranks
+    /// could decide differently. Collective.
     pub fn agree(&self, numbers: &mut [f64]) {
         if let Some(ranks) = &self.ranks {
             ranks.broadcast_from_root(numbers);
         }
     }
 
-    /// All rows of the first vectors on the first rank; on the others, none of distributed ones. Collective.
+    /// Returns all rows of the first columns on the first rank. On other ranks, distributed columns are returned
+    /// without rows. Collective.
     pub fn whole(&self, count: usize) -> Vec<Vec<f64>> {
         let all = self.iter().take(count).map(|column| match &self.ranks {
             Some(ranks) => ranks.gather_to_root(column),
@@ -175,35 +178,35 @@ impl Columns {
         all.collect()
     }
 
-    /// self ← self − others · parts, of some of the others.
+    /// Computes self ← self − others · parts, with a range of the columns of `others`.
     pub fn subtract_of(&mut self, others: &Self, range: Range<usize>, parts: &DMatrix<f64>) {
         let parts = MatRef::from_column_major_slice(parts.as_slice(), parts.nrows(), parts.ncols());
         matmul(self.matrix_mut(), Accum::Add, others.matrix(range), parts, -1.0, Par::Seq);
     }
 
-    /// self ← self − others · parts.
+    /// Computes self ← self − others · parts.
     pub fn subtract(&mut self, others: &Self, parts: &DMatrix<f64>) {
         self.subtract_of(others, 0..others.count, parts);
     }
 
-    /// self · parts, of the first of these.
+    /// Returns self · parts, with the first columns of `self`.
     pub fn combined(&self, parts: &DMatrix<f64>) -> Self {
         let mut sums = self.zeros(parts.ncols());
         sums.subtract_of(self, 0..parts.nrows(), &-parts);
         sums
     }
 
-    /// self ← self + factor · others.
+    /// Computes self ← self + factor · others.
     pub fn add(&mut self, factor: f64, others: &Self) {
         self.entries.iter_mut().zip(&others.entries).for_each(|(entry, other)| *entry += factor * other);
     }
 
-    /// Multiplies all by a number.
+    /// Multiplies all entries by a number.
     pub fn scale(&mut self, factor: f64) {
         self.entries.iter_mut().for_each(|entry| *entry *= factor);
     }
 
-    /// Makes some rows zero.
+    /// Sets some rows to zero.
     pub fn zero_rows(&mut self, rows: &[usize]) {
         for number in 0..self.count {
             let column = self.get_mut(number);
@@ -211,7 +214,7 @@ impl Columns {
         }
     }
 
-    /// The columns times L⁻ᵀ of a lower triangle L.
+    /// Multiplies the columns by L⁻ᵀ from the right, with a lower triangle L.
     pub fn divide_by_triangle(&mut self, lower: &DMatrix<f64>) {
         for k in 0..self.count {
             let (earlier, others) = self.entries.split_at_mut(k * self.rows);

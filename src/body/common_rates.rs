@@ -1,51 +1,51 @@
-//! Decays of any rate as sums of decays of rates that all bodies share.
+//! Approximation of exponential decays of any rate by sums of decays with common rates, shared by all bodies.
 //!
-//! Over times up to T, e^{−λt} is a smooth function of x = ln(1 + λT), also where λ is zero. It is interpolated by Lagrange's polynomials
-//! between rates that lie at equal distances in x. So the motions by which some bodies creep, each with rates of its own, become sums of the
-//! same few motions, of which only the sizes differ.
+//! For times up to T, e^{−λt} is a smooth function of x = ln(1 + λT), also at λ = 0. It is interpolated by Lagrange
+//! polynomials between rates that are equally spaced in x. The creep motions of several bodies, each with individual
+//! rates, thus become sums of the same few motions with different amplitudes.
 
-/// Distance of two common rates in ln(1 + λT).
+/// Spacing of the common rates in ln(1 + λT).
 const SPACING: f64 = 0.3;
 
-/// Common rates between which one is interpolated.
-const NEAR: usize = 6;
+/// Number of common rates that take part in one interpolation.
+const RATES_PER_INTERPOLATION: usize = 6;
 
-/// Common rates below zero, by which slow decays are between others.
-const BELOW: usize = 2;
+/// Number of negative common rates. With them, slow decays have interpolation points on both sides.
+const NEGATIVE_RATES: usize = 2;
 
-/// Common rates for times up to T.
+/// Set of common rates for times up to T.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CommonRates {
     /// T, s.
     end: f64,
 }
 
-/// A decay as a sum of those of the common rates from a number on.
+/// A decay as a weighted sum of decays with consecutive common rates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Decay {
-    /// The number of the first.
+    /// Number of the first common rate.
     pub first: usize,
-    /// Their weights.
-    pub weights: [f64; NEAR],
+    /// Weights of the common rates, starting with the first.
+    pub weights: [f64; RATES_PER_INTERPOLATION],
 }
 
 impl CommonRates {
-    /// Up to a time, s.
+    /// Creates the common rates for times up to `end`, s.
     pub fn new(end: f64) -> Self {
         Self { end }
     }
 
-    /// The common rate of a number, 1/s.
+    /// Returns the common rate with a number, 1/s.
     pub fn rate(&self, number: usize) -> f64 {
-        (SPACING * (number as f64 - BELOW as f64)).exp_m1() / self.end
+        (SPACING * (number as f64 - NEGATIVE_RATES as f64)).exp_m1() / self.end
     }
 
-    /// e^{−λt} of a rate λ ≥ 0, 1/s.
+    /// Returns the weights that approximate e^{−λt} with the rate λ ≥ 0, 1/s.
     pub fn decay(&self, rate: f64) -> Decay {
-        let place = (rate * self.end).ln_1p() / SPACING + BELOW as f64;
-        let first = (place as usize).saturating_sub(NEAR / 2 - 1);
+        let place = (rate * self.end).ln_1p() / SPACING + NEGATIVE_RATES as f64;
+        let first = (place as usize).saturating_sub(RATES_PER_INTERPOLATION / 2 - 1);
         let weight = |own: usize| -> f64 {
-            let others = (0..NEAR).filter(|other| *other != own);
+            let others = (0..RATES_PER_INTERPOLATION).filter(|other| *other != own);
             others.map(|other| (place - (first + other) as f64) / (own as f64 - other as f64)).product()
         };
         Decay { first, weights: std::array::from_fn(weight) }
@@ -56,7 +56,8 @@ impl CommonRates {
 mod tests {
     use super::*;
 
-    /// Decays of all rates are met at all times up to the end, to what the sixth derivative leaves at this distance.
+    /// Decays of all rates are approximated at all times up to the end, within the sixth-derivative error at this
+    /// spacing.
     #[test]
     fn decays_are_sums_of_common_ones() {
         let common = CommonRates::new(5e-3);

@@ -1,27 +1,28 @@
-//! The modes of a body with dampers: eigenvectors of its first-order equations.
+//! Modes of a body with dampers: eigenvectors of the first-order equations of motion.
 
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
 use super::Mode;
 use crate::error::{Error, Result};
 
-/// Condition number of the eigenvectors above which a damped body has no modal form to trust.
+/// Largest condition number of the eigenvectors for which the modal form of a damped body is accepted.
 pub const CONDITION: f64 = 1e9;
 
-/// A damped body.
+/// Modal form of a damped body.
 pub struct Damped {
-    /// The coordinates.
+    /// First-order modal coordinates z.
     pub modes: Vec<Mode>,
-    /// x and v from them.
+    /// Matrices of x and v from the coordinates, Re(X z) and Re(V z).
     pub shapes: [DMatrix<Complex<f64>>; 2],
-    /// b of forces on x.
+    /// Inputs b of forces on x.
     pub inputs: DMatrix<Complex<f64>>,
 }
 
-/// The eigenvectors of (s x, v)˙ = [0 s; −ω²/s −C] (s x, v), s = ω where there is one.
+/// Computes the modes from the eigenvectors of (s x, v)˙ = [0 s; −ω²/s −C] (s x, v), where s = ω, or a value from the
+/// damping if that is larger.
 ///
 /// # Errors
-/// [`Error::Solve`] where they are not independent.
+/// [`Error::Solve`] if the eigenvectors are not independent.
 pub fn damped(
     squares: &DVector<f64>,
     damping: &DMatrix<f64>,
@@ -48,7 +49,7 @@ pub fn damped(
         ));
     };
     let size = triangle.diagonal().iter().map(|z| z.norm()).fold(0.0, f64::max);
-    // Of a conjugate pair one, counted twice; real ones once.
+    // Of each conjugate pair, one is kept and counted twice; real ones are counted once.
     let chosen: Vec<(usize, f64)> = (0..2 * n)
         .filter_map(|k| match triangle[(k, k)].im {
             im if im.abs() <= 1e-12 * size => Some((k, 1.0)),
@@ -69,7 +70,7 @@ pub fn damped(
     Ok(Damped { modes: chosen.iter().enumerate().map(mode).collect(), shapes: [places, speeds], inputs })
 }
 
-/// Unit eigenvectors of an upper triangle, by columns.
+/// Returns the unit eigenvectors of an upper triangular matrix, as columns.
 fn triangular_eigenvectors(triangle: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
     let n = triangle.nrows();
     let size = triangle.camax();
@@ -80,7 +81,7 @@ fn triangular_eigenvectors(triangle: &DMatrix<Complex<f64>>) -> DMatrix<Complex<
         for i in (0..k).rev() {
             let sum: Complex<f64> = (i + 1..=k).map(|j| triangle[(i, j)] * vectors[(j, k)]).sum();
             let gap = value - triangle[(i, i)];
-            // Equal eigenvalues: a vector at the rounding's size, which the condition number shows.
+            // Equal eigenvalues: the vector is accurate to rounding only. The condition number detects this case.
             let gap = if gap.norm() < f64::EPSILON * size { Complex::new(f64::EPSILON * size, 0.0) } else { gap };
             vectors[(i, k)] = sum / gap;
         }

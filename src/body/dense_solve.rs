@@ -1,4 +1,4 @@
-//! Solutions of dense systems of linear equations, many of them small.
+//! Solution of dense linear systems, most of them small.
 
 use faer::MatRef;
 use faer::linalg::solvers::Solve as _;
@@ -6,10 +6,11 @@ use nalgebra::{DMatrix, DVector};
 
 use super::axpy::Entry;
 
-/// Rows up to which elimination by columns takes less than a blocked factorisation, which is prepared for large ones.
+/// Largest number of rows for plain column-wise elimination. Above it, a blocked factorisation is faster despite its
+/// set-up cost.
 const SMALL: usize = 48;
 
-/// The solution; not finite where the matrix is singular.
+/// Returns the solution of a linear system. It is not finite if the matrix is singular.
 pub(super) fn solved<T: Entry>(mut matrix: DMatrix<T>, mut right: DVector<T>) -> DVector<T> {
     let count = right.len();
     if count <= SMALL {
@@ -21,7 +22,7 @@ pub(super) fn solved<T: Entry>(mut matrix: DMatrix<T>, mut right: DVector<T>) ->
     DVector::from_fn(count, |i, _| solution[(i, 0)])
 }
 
-/// Gaussian elimination with the largest entry of a column as its pivot; the right side becomes the solution.
+/// Gaussian elimination with partial pivoting. The right side is overwritten by the solution.
 fn eliminate<T: Entry>(matrix: &mut [T], right: &mut [T]) {
     let count = right.len();
     for k in 0..count {
@@ -60,7 +61,7 @@ mod tests {
 
     use super::*;
 
-    /// Both ways solve systems whose diagonals need pivots, to rounding.
+    /// Both methods solve systems that need pivoting, to rounding.
     #[test]
     fn products_with_solutions_are_the_right_sides() {
         for count in [1, 7, SMALL, SMALL + 5] {

@@ -1,4 +1,4 @@
-//! The direct solver of a small symmetric positive definite matrix, of which every rank has all.
+//! Direct solver for a small symmetric positive definite matrix that every rank stores completely.
 
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::Llt;
@@ -9,14 +9,15 @@ use nalgebra_sparse::CsrMatrix;
 use crate::error::{Error, Result};
 use crate::solve::triangle::DenseCholesky;
 
-/// Part of its entries that a matrix has from which on it is factorised as a full one: splines of a high degree on few cells couple nearly all
-/// unknowns. Of solids of 700 to 1,700 unknowns that takes two thirds of the instructions, and solving a quarter more.
+/// Fraction of nonzero entries above which a matrix is factorised as dense. Splines of high degree on few cells couple
+/// nearly all unknowns. For solids of 700 to 1,700 unknowns, the dense factorisation takes two thirds of the
+/// instructions, and each solution a quarter more.
 const FULL: f64 = 0.2;
 
-/// Unknowns up to which that is so.
+/// Largest number of unknowns for which a matrix is factorised as dense.
 const MOST_OF_FULL: usize = 2000;
 
-/// A Cholesky factor.
+/// Cholesky factor of a matrix.
 pub struct Direct(Factor);
 
 enum Factor {
@@ -25,26 +26,27 @@ enum Factor {
     Single(Llt<usize, f32>),
 }
 
-/// With how many digits a sparse matrix is factorised.
+/// Floating-point precision of a sparse factorisation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
-    /// All.
+    /// Double precision.
     Double,
-    /// Half of them: a factor is read from memory once for each vector, which takes half the time then.
+    /// Single precision. Each solution reads the whole factor from memory once, so that it takes half the time.
     Single,
 }
 
-/// Matrices with their factors in a sum, without what is held.
+/// A linear combination of matrices without the constrained unknowns.
 struct Sum<'a> {
     terms: &'a [(f64, &'a CsrMatrix<f64>)],
     is_held: Vec<bool>,
 }
 
 impl Direct {
-    /// Factorises a sum of matrices, each times a factor, the first of which has the most entries; without the rows and columns that are held.
+    /// Factorises a linear combination of matrices, without the rows and columns of the constrained unknowns (`held`).
+    /// The first matrix must have the most entries.
     ///
     /// # Errors
-    /// [`Error::Solve`] where the matrix is not positive definite.
+    /// [`Error::Solve`] if the matrix is not positive definite.
     pub fn new(terms: &[(f64, &CsrMatrix<f64>)], held: &[usize], precision: Precision) -> Result<Self> {
         let (count, entries) = terms.first().map_or((0, 0), |(_, first)| (first.nrows(), first.nnz()));
         let mut is_held = vec![false; count];
@@ -58,7 +60,7 @@ impl Direct {
             return Ok(Self(Factor::Full(DenseCholesky::new(factor.L()))));
         }
         let matrix = sum.sparse();
-        // (What single precision cannot factorise, double precision may.)
+        // If single precision fails, double precision may still succeed.
         if let (Precision::Single, Some(factor)) = (precision, single(&matrix)) {
             return Ok(Self(Factor::Single(factor)));
         }
@@ -66,19 +68,19 @@ impl Direct {
         Ok(Self(Factor::Sparse(factor)))
     }
 
-    /// Whether its digits are those of single precision.
+    /// Whether the factor is in single precision.
     pub fn is_single(&self) -> bool {
         matches!(self.0, Factor::Single(_))
     }
 
-    /// x ← A⁻¹ x.
+    /// Computes x ← A⁻¹ x.
     pub fn solve_in_place(&self, x: &mut [f64]) {
         let count = x.len();
         match &self.0 {
             Factor::Full(factor) => factor.solve_in_place(x),
             Factor::Sparse(factor) => factor.solve_in_place(MatMut::from_column_major_slice_mut(x, count, 1)),
             Factor::Single(factor) => {
-                // Numbers about 1 are within the range.
+                // Scaling the entries to about 1 keeps them in the range of single precision.
                 let largest = x.iter().fold(f64::MIN_POSITIVE, |largest, entry| entry.abs().max(largest));
                 let mut single: Vec<f32> = x.iter().map(|entry| (entry / largest) as f32).collect();
                 factor.solve_in_place(MatMut::from_column_major_slice_mut(&mut single, count, 1));
@@ -88,7 +90,7 @@ impl Direct {
     }
 }
 
-/// A factor in single precision, where there is one.
+/// Returns a factor in single precision, if the factorisation succeeds.
 fn single(matrix: &SparseColMat<usize, f64>) -> Option<Llt<usize, f32>> {
     let (pattern, values) = matrix.as_ref().parts();
     let values = values.iter().map(|value| *value as f32).collect();
@@ -96,11 +98,11 @@ fn single(matrix: &SparseColMat<usize, f64>) -> Option<Llt<usize, f32>> {
 }
 
 impl Sum<'_> {
-    /// The lower triangle, with all of its entries, by columns.
+    /// Returns the lower triangle by columns, in a full array.
     fn full(&self) -> Vec<f64> {
         let count = self.is_held.len();
         let mut sum = vec![0.0; count * count];
-        // Matrices are symmetric: rows are columns.
+        // The matrices are symmetric: their rows are their columns.
         for (i, column) in sum.chunks_exact_mut(count).enumerate() {
             for (factor, matrix) in self.terms {
                 let row = matrix.row(i);
@@ -114,10 +116,10 @@ impl Sum<'_> {
         sum
     }
 
-    /// The lower triangle.
+    /// Returns the lower triangle as a sparse matrix.
     fn sparse(&self) -> SparseColMat<usize, f64> {
         let count = self.is_held.len();
-        // By columns, which are the rows of the upper one.
+        // The columns of the lower triangle are the rows of the upper one.
         let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
         let (mut sums, mut is_in, mut found) = (vec![0.0; count], vec![false; count], Vec::new());
         for i in 0..count {
@@ -144,7 +146,7 @@ impl Sum<'_> {
         SparseColMat::new(SymbolicSparseColMat::new_checked(count, count, starts, None, rows), values)
     }
 
-    /// Whether an entry couples what is held to the rest.
+    /// Whether an entry couples a constrained unknown to another unknown.
     fn is_left_out(&self, i: usize, j: usize) -> bool {
         j != i && (self.is_held[i] || self.is_held[j])
     }

@@ -1,7 +1,7 @@
-//! A basis of a body whose motions fall into classes that do not couple: one of each class, which together are the body's.
+//! A basis of a body whose motions split into uncoupled symmetry classes: the union of one basis for each class.
 //!
-//! Each class is a smaller body with vectors of its own, so that its vectors are made orthogonal to each other alone. The classes' vectors
-//! take turns: bases stay nested ([`Projection::leading`]).
+//! Each class is a smaller body with an individual basis, so that vectors are orthogonalised only within their class.
+//! The classes add vectors in turn, which keeps the bases nested ([`Projection::leading`]).
 
 use nalgebra::{DMatrix, DVector};
 
@@ -9,25 +9,26 @@ use super::columns::Columns;
 use super::{Exchange, Krylov, LinearBody, ProjectedRelaxation, Projection, Start};
 use crate::error::Result;
 
-/// A basis that grows, and the body on it.
+/// A growing basis, with the projection of the body onto it.
 pub struct DirectSum {
-    /// A basis for each class.
+    /// One basis for each class.
     parts: Vec<Krylov>,
-    /// The class of each vector.
+    /// Class of each basis vector.
     class_of: Vec<usize>,
-    /// The class whose turn it is.
+    /// Class that adds the next vector.
     turn: usize,
-    /// How the one class is part of the body, where it is not all of it.
+    /// Map from the only class to the whole body, if that class is the part symmetric about the diagonal.
     exchange: Option<Exchange>,
-    /// The vectors as the whole body's, where these are others than the classes'; as far as they were asked for.
+    /// Basis vectors in the unknowns of the whole body, if these differ from the unknowns of the classes. Filled on
+    /// request.
     whole: Columns,
 }
 
 impl DirectSum {
-    /// Factorises each class. Collective.
+    /// Factorises S of each class. Collective.
     ///
     /// # Errors
-    /// Those of [`Krylov::new`].
+    /// Same as [`Krylov::new`].
     pub fn new(body: &dyn LinearBody, start: impl Into<Start>) -> Result<Self> {
         let start = start.into();
         let parts = body.classes().into_iter().map(|class| Krylov::new(class, start)).collect::<Result<Vec<_>>>()?;
@@ -38,20 +39,20 @@ impl DirectSum {
         Ok(Self { parts, class_of, turn: 0, exchange, whole: Columns::new(rows, None) })
     }
 
-    /// Vectors so far.
+    /// Number of vectors so far.
     pub fn vectors(&self) -> usize {
         self.class_of.len()
     }
 
-    /// Whether the basis holds all that the force can reach, to rounding.
+    /// Whether the basis spans all motions that the force can excite, to rounding.
     pub fn is_exhausted(&self) -> bool {
         self.parts.iter().all(Krylov::is_exhausted)
     }
 
-    /// Adds vectors up to a number. Collective.
+    /// Extends the basis up to `vectors` vectors. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn grow(&mut self, body: &dyn LinearBody, vectors: usize) -> Result<()> {
         let of_class = body.classes();
         if let [part] = &mut self.parts[..] {
@@ -59,7 +60,7 @@ impl DirectSum {
             self.class_of.resize(part.vectors(), 0);
             return Ok(());
         }
-        // Each class takes what comes to it, at once.
+        // Each class adds its part of the missing vectors at once.
         let (classes, missing) = (self.parts.len(), vectors.saturating_sub(self.vectors()));
         let mut made: Vec<usize> = self.parts.iter().map(Krylov::vectors).collect();
         for (class, part) in self.parts.iter_mut().enumerate() {
@@ -73,14 +74,14 @@ impl DirectSum {
             }
             self.turn = (self.turn + 1) % classes;
         }
-        // What exhausted classes have left to the others.
+        // Vectors that exhausted classes could not add are added by the other classes.
         if self.vectors() < vectors && !self.is_exhausted() { self.grow(body, vectors) } else { Ok(()) }
     }
 
-    /// The body on the basis. Collective.
+    /// Returns the body projected onto the basis. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn projection(&mut self, body: &dyn LinearBody) -> Result<Projection> {
         if let [part] = &mut self.parts[..] {
             return part.projection(body.classes()[0]);
@@ -90,12 +91,13 @@ impl DirectSum {
         Ok(sum(&projections, &self.class_of))
     }
 
-    /// The vectors as those of the part that is [`excited`](super::excited).
+    /// Returns the vectors in the unknowns of the part that [`excited`](super::excited) selects.
     pub fn excited(&mut self) -> &Columns {
         if self.parts.len() == 1 { self.parts[0].basis() } else { self.basis() }
     }
 
-    /// All rows of the first vectors on the first rank; on the others, none of distributed ones. Collective.
+    /// Returns all rows of the first vectors on the first rank. On other ranks, distributed vectors are returned
+    /// without rows. Collective.
     pub fn whole(&self, count: usize) -> Vec<Vec<f64>> {
         if let [part] = &self.parts[..] {
             return match &self.exchange {
@@ -114,7 +116,7 @@ impl DirectSum {
         self.class_of.iter().take(count).map(vector).collect()
     }
 
-    /// The vectors, orthonormal in M.
+    /// Returns the vectors in the unknowns of the whole body, orthonormal in M.
     pub fn basis(&mut self) -> &Columns {
         if let [part] = &self.parts[..] {
             let Some(exchange) = &self.exchange else { return part.basis() };
@@ -127,7 +129,7 @@ impl DirectSum {
     }
 }
 
-/// The body of which each class is a part; its vectors are the classes', in turns as given.
+/// Combines the projections of all classes into the projection of the body. `class_of` lists the class of each vector.
 fn sum(parts: &[Projection], class_of: &[usize]) -> Projection {
     let mut numbers = vec![Vec::new(); parts.len()];
     class_of.iter().enumerate().for_each(|(number, &class)| numbers[class].push(number));

@@ -1,4 +1,4 @@
-//! A body that PETSc holds, as bases grow in it.
+//! [`LinearBody`] for a body in PETSc storage.
 
 use nalgebra::DMatrix;
 use nalgebra_sparse::CsrMatrix;
@@ -15,7 +15,7 @@ use super::shift::Solver;
 use super::{Body, FoundationPoints, InfinitePlate};
 
 impl Body {
-    /// Its products are those of the matrices that serve them best.
+    /// Returns the form of an operator that is fastest in products.
     fn matrix(&self, operator: Operator) -> Option<&Matrix> {
         let products = self.products.as_ref();
         match operator {
@@ -27,7 +27,7 @@ impl Body {
         }
     }
 
-    /// Hands each column, as PETSc's vector, to a function.
+    /// Passes each column to a function, as a PETSc vector.
     fn each(&self, columns: &Columns, mut take: impl FnMut(&Vector) -> Result<()>) -> Result<()> {
         let mut vector = self.load.duplicate()?;
         columns.iter().try_for_each(|column| {
@@ -36,7 +36,7 @@ impl Body {
         })
     }
 
-    /// S of a rate by numbers, where one process has all of the body.
+    /// Factorises S at a shift (1/s) without PETSc, if this process has the whole body.
     fn factor(&self, rate: f64, held: &[usize], precision: Precision) -> Result<Direct> {
         let relaxing = self.relaxations.iter();
         let relaxing = relaxing.map(|part| (part.chain.transformed_terms(rate), &part.distortion));
@@ -49,14 +49,14 @@ impl Body {
         Direct::new(&terms, held, precision)
     }
 
-    /// Rows of this rank that are held.
+    /// Rows of the constrained unknowns on this rank.
     fn held_here(&self) -> Vec<usize> {
         let first = self.load.range().start;
         self.clamps.rows.iter().map(|row| (row - first) as usize).collect()
     }
 }
 
-/// A matrix that one process has all of.
+/// Copies a matrix that this process stores completely.
 fn numbers_of(matrix: &Matrix, rows: usize) -> Result<CsrMatrix<f64>> {
     let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
     let mut row = Row::default();
@@ -117,7 +117,7 @@ impl LinearBody for Body {
     }
 
     fn solver(&self, rate: f64, precision: Precision) -> Result<Solver> {
-        // Every rank has all of a body of numbers.
+        // Every rank stores the whole of a body without a mesh.
         if let (Method::Cholesky, None) = (self.method, &self.nodes) {
             return Ok(Solver::Direct(self.factor(rate, &self.held_here(), precision)?));
         }

@@ -1,4 +1,4 @@
-//! Eigenvalues and vectors of dense matrices.
+//! Eigenvalues and eigenvectors of dense matrices.
 
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -9,11 +9,11 @@ use faer::linalg::solvers::{PartialPivLu, Solve};
 use faer::{Auto, Mat, MatMut, MatRef, Par};
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
 
-/// Rows from which on blocked methods are quicker.
+/// Smallest number of rows for which blocked methods are used. They are faster from this size on.
 const BLOCKED: usize = 64;
 
-/// Eigenvalues, ascending, and unit eigenvectors by columns. Rows that no entry couples, such as those of a body's classes of motions, are
-/// taken by themselves: four blocks of a quarter of the size take a sixteenth of the time.
+/// Returns the eigenvalues in ascending order, and unit eigenvectors as columns. Uncoupled blocks of rows, such as
+/// symmetry classes, are solved separately: four blocks of a quarter of the size take a sixteenth of the time.
 pub fn symmetric_eigen(matrix: DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
     let blocks = coupled(&matrix);
     if blocks.len() == 1 {
@@ -32,7 +32,8 @@ pub fn symmetric_eigen(matrix: DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
     ascending((values, vectors))
 }
 
-/// F X of a positive semidefinite matrix A = FᵀF ([`semidefinite_factor`]), of rows that no entry couples apart: four blocks take a sixteenth of the time of F.
+/// Returns F X for a positive semidefinite matrix A = FᵀF ([`semidefinite_factor`]). Uncoupled blocks of rows are
+/// factorised separately: four equal blocks take a sixteenth of the time.
 pub fn semidefinite_factor_times(matrix: &DMatrix<f64>, columns: &DMatrix<f64>) -> DMatrix<f64> {
     let of_block = |rows: Vec<usize>| {
         let factor = semidefinite_factor(&matrix.select_rows(&rows).select_columns(&rows));
@@ -48,13 +49,14 @@ pub fn semidefinite_factor_times(matrix: &DMatrix<f64>, columns: &DMatrix<f64>) 
     product
 }
 
-/// F of a positive semidefinite matrix A = FᵀF, with as many rows as A has independent ones: Cholesky's factor with the largest diagonal
-/// first, to rounding (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2002, 10.3).
+/// Returns F of a positive semidefinite matrix A = FᵀF. The number of rows of F is the rank of A, to rounding. Method:
+/// Cholesky factorisation with diagonal pivoting (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2002,
+/// 10.3).
 pub fn semidefinite_factor(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let count = matrix.nrows();
     let mut left = matrix.diagonal();
     let least = count as f64 * f64::EPSILON * left.amax();
-    // A row of F is a column here.
+    // Each row of F is stored as a column.
     let mut rows: Vec<DVector<f64>> = Vec::new();
     while rows.len() < count {
         let (pivot, largest) = left.argmax();
@@ -67,35 +69,36 @@ pub fn semidefinite_factor(matrix: &DMatrix<f64>) -> DMatrix<f64> {
         }
         row /= largest.sqrt();
         left.zip_apply(&row, |left, entry| *left -= entry * entry);
-        // What has been taken is nothing any more.
+        // The pivot is eliminated exactly; rounding must not leave a remainder.
         left[pivot] = 0.0;
         rows.push(row);
     }
     if rows.is_empty() { DMatrix::zeros(0, count) } else { DMatrix::from_columns(&rows).transpose() }
 }
 
-/// The same by ascending eigenvalues.
+/// Sorts eigenpairs by ascending eigenvalue.
 fn ascending((values, vectors): (DVector<f64>, DMatrix<f64>)) -> (DVector<f64>, DMatrix<f64>) {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
     (values.select_rows(&order), vectors.select_columns(&order))
 }
 
-/// Eigenvalues in any order, and their vectors.
+/// Returns the eigenvalues in any order, and their eigenvectors.
 fn of_block(matrix: DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
     let count = matrix.nrows();
     if count >= BLOCKED {
         let view = MatRef::from_column_major_slice(matrix.as_slice(), count, count);
         let mut choice = <SelfAdjointEvdParams as Auto<f64>>::auto();
-        // By QR's method alone. Dividing and conquering (faer 0.24) finds wrong pairs where eigenvalues range widely: of 300 from 1 to 5e7 it
-        // leaves a residual of 4e-4 of the matrix, and the lowest is off by a thousandth; of 516 it has the wrong sign.
+        // Uses the QR method only. Divide and conquer (faer 0.24) finds wrong pairs if the eigenvalues have a wide
+        // range. For 300 eigenvalues from 1 to 5e7, its residual is 4e-4 of the matrix norm, and the lowest eigenvalue
+        // is wrong by a thousandth. For 516 eigenvalues, the lowest has the wrong sign.
         choice.recursion_threshold = usize::MAX;
         let scratch = self_adjoint_evd_scratch::<f64>(count, ComputeEigenvectors::Yes, Par::Seq, choice.into());
         let mut memory = MemBuffer::new(scratch);
         let stack = MemStack::new(&mut memory);
         let (mut values, mut vectors) = (Diag::zeros(count), DMatrix::zeros(count, count));
         let out = Some(MatMut::from_column_major_slice_mut(vectors.as_mut_slice(), count, count));
-        // A matrix that is not finite has none.
+        // The decomposition fails if the matrix is not finite.
         if self_adjoint_evd(view, values.as_mut(), out, Par::Seq, stack, choice.into()).is_ok() {
             return (DVector::from_fn(count, |i, _| values[i]), vectors);
         }
@@ -104,15 +107,16 @@ fn of_block(matrix: DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
     (eigenvalues, eigenvectors)
 }
 
-/// Eigenvalues and vectors of a real matrix without symmetry. Of a conjugate pair the first has the positive imaginary part.
+/// Eigenvalues and eigenvectors of a real unsymmetric matrix. In each conjugate pair, the eigenvalue with the positive
+/// imaginary part is first.
 pub struct GeneralEigen {
     values: Vec<Complex<f64>>,
-    /// Unit vectors by columns; of a conjugate pair the real part, then the imaginary one.
+    /// Unit eigenvectors as columns. A conjugate pair has one column for the real part and one for the imaginary part.
     vectors: Mat<f64>,
 }
 
 impl GeneralEigen {
-    /// `None` where they are not found.
+    /// Computes the eigenpairs; `None` if this fails.
     pub fn new(matrix: &DMatrix<f64>) -> Option<Self> {
         let count = matrix.nrows();
         let view = MatRef::from_column_major_slice(matrix.as_slice(), count, count);
@@ -129,19 +133,20 @@ impl GeneralEigen {
         Some(eigen)
     }
 
-    /// λ_k.
+    /// Returns the eigenvalue λ_k.
     pub fn value(&self, k: usize) -> Complex<f64> {
         self.values[k]
     }
 
-    /// An entry of the k-th vector, of a pair the first.
+    /// Returns an entry of the k-th eigenvector. For a conjugate pair, k must be the first of the two.
     pub fn entry(&self, row: usize, k: usize) -> Complex<f64> {
         let imaginary = if self.values[k].im == 0.0 { 0.0 } else { self.vectors[(row, k + 1)] };
         Complex::new(self.vectors[(row, k)], imaginary)
     }
 
-    /// What vectors, by columns, are in terms of the eigenvectors; of a conjugate pair the first one's part, the second's row is idle. `None`
-    /// where the eigenvectors are dependent.
+    /// Returns the coordinates of vectors (the columns of `of`) in the basis of eigenvectors. For a conjugate pair, the
+    /// first row has the coordinate of the first eigenvector, and the second row is zero. `None` if the eigenvectors
+    /// are linearly dependent.
     pub fn coordinates(&self, of: &DMatrix<f64>) -> Option<DMatrix<Complex<f64>>> {
         let (rows, columns) = of.shape();
         let mut parts = of.clone();
@@ -151,7 +156,7 @@ impl GeneralEigen {
             columns,
         ));
         let is_finite = parts.iter().all(|part| part.is_finite());
-        // Of a pair a re + b im = 2 Re(z (re + i im)), z = (a − ib)/2.
+        // For a conjugate pair, a re + b im = 2 Re(z (re + i im)) with z = (a − ib)/2.
         let part = |k: usize, j: usize| match self.values[k].im {
             0.0 => Complex::new(parts[(k, j)], 0.0),
             im if im > 0.0 => Complex::new(0.5 * parts[(k, j)], -0.5 * parts[(k + 1, j)]),
@@ -171,12 +176,12 @@ impl GeneralEigen {
     }
 }
 
-/// Rows that are coupled by entries which are not zero, each block ascending.
+/// Returns the blocks of rows that are coupled by nonzero entries, each in ascending order.
 pub fn coupled(matrix: &DMatrix<f64>) -> Vec<Vec<usize>> {
     let mut open: Vec<usize> = (0..matrix.nrows()).collect();
     let mut blocks = Vec::new();
     while !open.is_empty() {
-        // The first row that is left, and all that can be reached from it.
+        // Starts from the first remaining row and collects all rows that are coupled to it.
         let mut block = vec![open.remove(0)];
         let mut done = 0;
         while done < block.len() && !open.is_empty() {
@@ -196,7 +201,7 @@ pub fn coupled(matrix: &DMatrix<f64>) -> Vec<Vec<usize>> {
 mod tests {
     use super::*;
 
-    /// tridiag(−1, 2, −1) has the eigenvalues 4 sin²(jπ/2(n+1)), by either method.
+    /// tridiag(−1, 2, −1) has the eigenvalues 4 sin²(jπ/2(n+1)), with both methods.
     #[test]
     fn eigenvalues_of_a_chain_of_springs() {
         for count in [BLOCKED - 1, BLOCKED, 3 * BLOCKED] {
@@ -216,7 +221,8 @@ mod tests {
         }
     }
 
-    /// Eigenvalues from 1 to 5e7, as a plate's are spread, of a full matrix: each is right to the rounding of the largest. (What divides and conquers failed.)
+    /// A full matrix with eigenvalues from 1 to 5e7, a range typical of plates: each eigenvalue is accurate to the
+    /// rounding of the largest. (Divide and conquer failed this test.)
     #[test]
     fn eigenvalues_of_a_wide_range() {
         let count = 300;
@@ -229,13 +235,13 @@ mod tests {
         }
         matrix = 0.5 * (&matrix + matrix.transpose());
         let (values, vectors) = symmetric_eigen(matrix.clone());
-        // Some hundred roundings of an entry each.
+        // About a hundred rounding errors for each entry.
         let rounding = 100.0 * f64::EPSILON * exact(count - 1);
         assert!(values.iter().enumerate().all(|(k, value)| (value - exact(k)).abs() < rounding), "{values}");
         assert!((&matrix * &vectors - &vectors * DMatrix::from_diagonal(&values)).amax() < rounding);
     }
 
-    /// A V = V Λ and V V⁻¹ = 1 of a matrix with real eigenvalues and conjugate pairs.
+    /// A V = V Λ and V V⁻¹ = 1 for a matrix with real eigenvalues and conjugate pairs.
     #[test]
     fn general_matrices_are_diagonalised() {
         let count = 12;
@@ -268,7 +274,7 @@ mod tests {
         assert!((sum - DMatrix::identity(count, count)).amax() < 1e-13 && (product - matrix).amax() < 1e-12);
     }
 
-    /// FᵀF is the matrix again, with as many rows as it has rank; of nothing there are none.
+    /// FᵀF reproduces the matrix, with as many rows as its rank. A zero matrix gives no rows.
     #[test]
     fn factors_of_a_semidefinite_matrix() {
         let rows = DMatrix::from_fn(3, 8, |i, j| ((i + 1) as f64 * (j + 2) as f64).sin());
@@ -280,7 +286,7 @@ mod tests {
         assert_eq!(semidefinite_factor(&DMatrix::zeros(8, 8)).shape(), (0, 8));
     }
 
-    /// X of two blocks with interlaced rows: (FX)ᵀ(FX) is XᵀAX.
+    /// A matrix of two blocks with interlaced rows: (FX)ᵀ(FX) equals XᵀAX.
     #[test]
     fn factors_of_blocks() {
         let rows =
@@ -289,11 +295,11 @@ mod tests {
         let columns = DMatrix::from_fn(9, 5, |i, j| ((2 * i + j) as f64).cos());
         let product = semidefinite_factor_times(&matrix, &columns);
         assert_eq!(product.shape(), (4, 5));
-        // Rounding of some ten terms of size one.
+        // Rounding of about ten terms of size one.
         assert!((product.tr_mul(&product) - columns.tr_mul(&(matrix * &columns))).amax() < 1e-13);
     }
 
-    /// Two blocks with interlaced rows: V is orthogonal and AV = VΛ.
+    /// A matrix of two blocks with interlaced rows: V is orthogonal and AV = VΛ.
     #[test]
     fn blocks_have_the_eigenvalues_of_all() {
         let matrix = DMatrix::from_fn(9, 9, |i, j| {

@@ -1,27 +1,29 @@
-//! Bodies that stay as they are where the two axes of a square are exchanged.
+//! Bodies that are symmetric under the exchange of the two axes of a square (reflection about the diagonal).
 //!
-//! A force that stays as it is, too, reaches those motions alone that do: half of the unknowns, u_i and its partner being equal. With
-//! z = (u_i + u_j)/√2 of each pair, u = P z and PᵀP = 1, these motions are a body of the operators PᵀAP and the vectors Pᵀf.
+//! A force with the same symmetry excites symmetric motions only, in which u_i equals its partner u_j. This halves the
+//! number of unknowns. With z = (u_i + u_j)/√2 for each pair, u = P z and PᵀP = 1. The symmetric motions are a body
+//! with the operators PᵀAP and the vectors Pᵀf.
 
 use nalgebra_sparse::CsrMatrix;
 
 use super::System;
 use super::deviates::normal;
 
-/// What rounding may leave between numbers of a body and those on exchanged axes, over the largest of them or what they are sums of.
+/// Tolerance of the symmetry test, relative to the largest entry of a vector or to the sum of the absolute terms of a
+/// product.
 const ROUNDING: f64 = 1e-12;
 
-/// The motions of a body that stay as they are where its axes are exchanged.
+/// Symmetric motions of a body under the exchange of its axes.
 #[derive(Debug, Clone)]
 pub struct Exchange {
-    /// Of each unknown of the body, the number of the one that stands for it and its partner, and its weight in it.
+    /// For each unknown of the body: number of the coordinate z that represents it and its partner, and its weight.
     places: Vec<(usize, f64)>,
-    /// The first of each pair, with its partner, which may be itself.
+    /// The two unknowns of each pair. An unknown can be its own partner.
     pairs: Vec<[usize; 2]>,
 }
 
 impl Exchange {
-    /// Of an order of the unknowns on exchanged axes, by the number of each there.
+    /// Creates the pairs from the partner of each unknown: its number after the exchange of the axes.
     fn new(partners: &[usize]) -> Self {
         let mut places = vec![(0, 1.0); partners.len()];
         let mut pairs = Vec::new();
@@ -33,7 +35,8 @@ impl Exchange {
         Self { places, pairs }
     }
 
-    /// The motions that a system's force and loads reach by themselves, and their system; none where the exchange changes the body.
+    /// Returns the symmetric motions and their system, which contains all motions that the force and the loads excite.
+    /// `None` if the body is not symmetric, or has several classes, pads or nonzero prescribed displacements.
     pub fn of(system: &System) -> Option<(Self, System)> {
         let exchange = Self::new(system.exchange.as_ref()?);
         let is_plain =
@@ -59,7 +62,7 @@ impl Exchange {
             support_load: exchange.vector(&system.support_load)?,
             localization: exchange.vector(&system.localization)?,
             translation: exchange.vector(&system.translation)?,
-            // These only read.
+            // Linear forms that are only evaluated need no symmetry.
             hit_stress: system.hit_stress.iter().map(|form| exchange.form(form)).collect(),
             infinite_plate: system.infinite_plate.clone(),
             exchange: None,
@@ -69,31 +72,31 @@ impl Exchange {
         Some((exchange, symmetric))
     }
 
-    /// Unknowns of the body.
+    /// Number of unknowns of the body.
     pub fn unknowns(&self) -> usize {
         self.places.len()
     }
 
-    /// P z.
+    /// Returns u = P z.
     pub fn whole(&self, symmetric: &[f64]) -> Vec<f64> {
         self.places.iter().map(|(place, weight)| weight * symmetric[*place]).collect()
     }
 
-    /// Pᵀ f.
+    /// Returns Pᵀ f.
     fn form(&self, form: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.pairs.len()];
         self.places.iter().zip(form).for_each(|((place, weight), value)| sums[*place] += weight * value);
         sums
     }
 
-    /// The same of a vector that the exchange does not change.
+    /// Returns Pᵀ f if the vector is symmetric.
     fn vector(&self, vector: &[f64]) -> Option<Vec<f64>> {
         let allowed = ROUNDING * vector.iter().fold(0.0_f64, |largest, value| value.abs().max(largest));
         let is_kept = |[first, partner]: &[usize; 2]| (vector[*first] - vector[*partner]).abs() <= allowed;
         self.pairs.iter().all(is_kept).then(|| self.form(vector))
     }
 
-    /// Held unknowns, all at zero, where those of each pair are held together.
+    /// Returns the constrained coordinates z, if both unknowns of each pair are constrained or both are free.
     fn held(&self, held: &[(usize, f64)]) -> Option<Vec<(usize, f64)>> {
         let mut is_held = vec![false; self.places.len()];
         held.iter().for_each(|(unknown, _)| is_held[*unknown] = true);
@@ -102,7 +105,7 @@ impl Exchange {
         self.pairs.iter().all(is_kept).then(|| of_pairs.map(|(place, _)| (place, 0.0)).collect())
     }
 
-    /// PᵀAP, where A maps these motions to such, as one of them with a random shape tells.
+    /// Returns PᵀAP if A maps symmetric motions to symmetric ones. This is tested with one random symmetric motion.
     fn matrix(&self, matrix: &CsrMatrix<f64>) -> Option<CsrMatrix<f64>> {
         if !self.is_kept_by(matrix) {
             return None;
@@ -111,7 +114,7 @@ impl Exchange {
         let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
         columns.reserve(matrix.nnz() / 2);
         values.reserve(matrix.nnz() / 2);
-        // A row of A P, and a bit for each of its entries that there is.
+        // A row of A P, with one bit for each entry that is present.
         let (mut sums, mut found) = (vec![0.0; count], vec![0_u64; count.div_ceil(64)]);
         for [first, partner] in &self.pairs {
             let row = matrix.row(*first);
@@ -139,7 +142,7 @@ impl Exchange {
     fn is_kept_by(&self, matrix: &CsrMatrix<f64>) -> bool {
         let motion: Vec<f64> = (0..self.pairs.len() as u64).map(normal).collect();
         let motion = self.whole(&motion);
-        // Each row's product, and what it is a sum of.
+        // Product of a row with the motion, and the sum of the absolute values of its terms.
         let product = |row: usize| {
             let row = matrix.row(row);
             let (mut sum, mut size) = (0.0, 0.0);
@@ -167,7 +170,7 @@ mod tests {
         CsrMatrix::from(matrix)
     }
 
-    /// Energies and work of motions that stay as they are, and what reads them, are those of the whole.
+    /// Energies, norms and linear forms of symmetric motions agree with the whole body.
     #[test]
     fn symmetric_motions_have_the_energy_of_the_whole() {
         let partners = [1, 0, 2, 4, 3];
@@ -179,13 +182,13 @@ mod tests {
         let own = DMatrix::from(&own);
         let motion = DVector::from_vec(vec![0.3, -1.1, 0.7]);
         let whole = DVector::from_vec(exchange.whole(motion.as_slice()));
-        // Rounding of some ten terms of the size of ten.
+        // Rounding of about ten terms of size ten.
         assert!((motion.dot(&(&own * &motion)) - whole.dot(&(&kept * &whole))).abs() < 1e-13);
         assert!((motion.norm() - whole.norm()).abs() < 1e-15);
         let form = [0.2, 0.9, 0.5, -0.4, 0.1];
         let read = DVector::from_vec(exchange.form(&form));
         assert!((read.dot(&motion) - DVector::from_row_slice(&form).dot(&whole)).abs() < 1e-15);
-        // What does not stay as it is, is none of them.
+        // Matrices, vectors and constraints without the symmetry are rejected.
         assert!(exchange.matrix(&sparse(&symmetric)).is_none());
         assert!(exchange.vector(&form).is_none() && exchange.vector(whole.as_slice()).is_some());
         assert!(exchange.held(&[(0, 0.0)]).is_none());

@@ -1,18 +1,22 @@
-//! A plate before its first echo: what an infinite plate of its section does under the impactor, in the place of the plate's shortest waves.
+//! Infinite-plate model for the shortest waves of a plate: the response of an infinite plate of the same section at the
+//! impact point, valid until the first echo.
 //!
-//! Short waves disperse on their way to the edges and back, so that little is lost where they never come back. A long basis therefore
-//! keeps the modes below a frequency ω_c alone. Each mode is weighted by √g on its input and on its output, with Butterworth's
-//! g(ω) = 1/(1 + (ω/ω_c)^{2n}), and the infinite plate's own continuum takes the part 1 − g.
+//! Short waves disperse on their way to the edges and back, so that neglecting their echoes causes little error. A long
+//! basis therefore keeps only the modes below a frequency ω_c. Each mode is weighted by √g on its input and on its
+//! output, with Butterworth's g(ω) = 1/(1 + (ω/ω_c)^{2n}). The continuous spectrum of the infinite plate takes the part
+//! 1 − g.
 //!
-//! The mobility of an infinite plate is a sum over waves: Σ φ² over the modes within dω tends to ν(ω) dω, ν = (2/π) Re Y(iω). A thin plate's
-//! is constant, ν = 2/(π Z) with Zener's impedance Z. With B(s) = −(1/n) Σ λ/(s − λ) over the n poles λ of g with Re λ < 0, Re B(iω) = g(ω),
-//! and B(0) = 1. So the mobility (1 − B)/Z that is left has no pole at zero: the surface moves by
+//! The mobility of an infinite plate is a sum over waves: Σ φ² over the modes within dω tends to ν(ω) dω, with
+//! ν = (2/π) Re Y(iω). For a thin plate, ν is constant, ν = 2/(π Z) with Zener's impedance Z. With
+//! B(s) = −(1/n) Σ λ/(s − λ) over the n poles λ of g with Re λ < 0, Re B(iω) = g(ω) and B(0) = 1. The remaining
+//! mobility (1 − B)/Z therefore has no pole at zero: the surface moves by
 //!
 //! u = Re Σ c z,  ż = λ z + F,  c = 2/(n Z)
 //!
-//! over the poles with Im λ > 0. Where ν falls with the frequency, as that of a plate that is hit on a disc, it is taken by bands:
-//! Σ_k Y_k (B_{k+1} − B_k), whose terms at each edge are again such coordinates. The sum of all bands has no negative density, so that
-//! these coordinates together only take energy, which counts as dissipated.
+//! over the poles with Im λ > 0. If ν decreases with the frequency, as for a plate that is loaded on a disc, it is
+//! approximated by bands: Σ_k Y_k (B_{k+1} − B_k). The terms at each band edge are again coordinates of this kind. The
+//! sum of all bands has no negative density. These coordinates together therefore only absorb energy, which counts as
+//! dissipated.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -20,63 +24,67 @@ use nalgebra::Complex;
 
 use super::Mode;
 
-/// n: poles of each g.
+/// Order n of g: its number of poles with Re λ < 0.
 const POLES: usize = 8;
 
-/// Edge of a band over the one before.
+/// Ratio of the two edges of a band.
 const BAND: f64 = 1.25;
 
-/// Modes of this g or less are left out.
-const LEAST: f64 = 1e-3;
+/// Modes with a smaller g are left out.
+const SMALLEST_WEIGHT: f64 = 1e-3;
 
-/// Vectors of a basis for each mode below ω_c, at a shift of [`OF_CUTOFF`]: on a pane, one was measured to leave 1e-3 of the peak in the first
-/// contact and 4e-3 over three times as long; 0.9 leave 5e-3 and 1.4e-2. Free edges have up to a tenth more of several hundred modes
-/// than the closed form counts.
+/// Number of basis vectors for each mode below ω_c, at a shift of [`SHIFT_OVER_CUTOFF`]. Measured on a pane: a value of 1
+/// leaves an error of 1e-3 of the peak in the first contact and 4e-3 over three times this period; 0.9 leaves 5e-3 and
+/// 1.4e-2. With free edges, the count of several hundred modes exceeds the closed-form estimate by up to a tenth.
 pub const VECTORS_PER_MODE: f64 = 1.1;
 
-/// The shift over ω_c. Larger ones serve a short contact better, and lack the slow motions that later contacts depend on.
-pub const OF_CUTOFF: f64 = 0.5;
+/// Ratio of the shift to ω_c. Larger shifts suit a short contact better, but the basis lacks the slow motions that
+/// influence later contacts.
+pub const SHIFT_OVER_CUTOFF: f64 = 0.5;
 
-/// What the infinite plate under the impactor does, of the modelled part.
+/// Response of the infinite plate at the impact point, for the modelled part of the plate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InfinitePlate {
-    /// ω (rad/s), ascending, and ν there (s/kg); constant below the first, and zero beyond the last unless there is one alone.
+    /// Pairs of the frequency ω (rad/s), ascending, and the modal density ν (s/kg). ν is constant below the first
+    /// frequency. Beyond the last, it is zero, or constant if there is only one pair.
     pub density: Vec<(f64, f64)>,
-    /// ω (rad/s) of the waves that ν does not hold, faster than any contact, with what they yield to a force as springs, m/N.
+    /// Waves not contained in ν, which are faster than any contact: pairs of the frequency ω (rad/s) and the compliance
+    /// as a spring, m/N.
     pub yielding: Vec<(f64, f64)>,
-    /// Modes of the modelled part for each rad/s, s.
+    /// Number of modes of the modelled part for each rad/s, s.
     pub modes: f64,
-    /// Z of the whole plate by the thin plate's theory, N s/m.
+    /// Impedance Z of the whole plate by thin-plate theory, N s/m.
     pub impedance: f64,
-    /// √(ρh/D), s/m²: ξ² of a long wave over its frequency.
+    /// √(ρh/D), s/m²: ratio of ξ² to ω for a long wave with the wavenumber ξ.
     pub slowness: f64,
-    /// How far the hit is from the nearest edge, m.
+    /// Distance of the impact point from the nearest edge, m.
     pub distance_to_edge: f64,
 }
 
 impl InfinitePlate {
-    /// The frequency up to which a basis of so many vectors knows the modes, rad/s.
+    /// Returns the frequency up to which a basis of this size contains the modes, rad/s.
     pub fn known(&self, vectors: usize) -> f64 {
         vectors as f64 / (VECTORS_PER_MODE * self.modes)
     }
 
-    /// Vectors of a basis that knows the modes up to a frequency (rad/s).
+    /// Returns the number of basis vectors that contain the modes up to a frequency (rad/s).
     pub fn vectors(&self, frequency: f64) -> usize {
         (VECTORS_PER_MODE * self.modes * frequency).ceil() as usize
     }
 
-    /// The time in which the force of an impactor with a contact stiffness (N/m^1.5) and a speed (m/s) rises, s: that in which it would
-    /// reach, on a half-space, what the plate's impedance gives.
+    /// Returns the rise time t of the contact force, s, for a contact stiffness k (N/m^1.5) and an impact speed v
+    /// (m/s). It is the time at which the force k (v t)^1.5 on a half-space reaches Z v, the force due to the impedance
+    /// of the plate.
     pub fn rise(&self, stiffness: f64, speed: f64) -> f64 {
         (self.impedance / stiffness).powf(2.0 / 3.0) / speed.cbrt()
     }
 
-    /// Whether an edge is nearer to the hit than a wave of a frequency (rad/s) is long.
+    /// Whether the distance to the nearest edge is shorter than the wavelength at a frequency (rad/s).
     pub fn is_near_edge(&self, frequency: f64) -> bool {
         self.distance_to_edge < TAU / (self.slowness * frequency).sqrt()
     }
 
-    /// ν at a frequency (rad/s), s/kg.
+    /// Returns ν at a frequency (rad/s), s/kg.
     pub fn density_at(&self, frequency: f64) -> f64 {
         let after = self.density.partition_point(|(at, _)| *at < frequency);
         match (after.checked_sub(1).and_then(|before| self.density.get(before)), self.density.get(after)) {
@@ -87,24 +95,25 @@ impl InfinitePlate {
         }
     }
 
-    /// What those waves that are faster than the contact yield to a force beside modes that are weighted up to ω_c (rad/s), m/N.
+    /// Returns the static compliance of the waves that are faster than the contact, m/N, to be added to modes weighted
+    /// up to ω_c (rad/s).
     pub fn static_compliance(&self, cutoff: f64) -> f64 {
         self.yielding.iter().map(|(frequency, part)| (1.0 - weight(*frequency, cutoff)) * part).sum()
     }
 
-    /// Whether ν is the same at all frequencies.
+    /// Whether ν is equal at all frequencies, as for a thin plate.
     fn is_thin(&self) -> bool {
         self.density.len() == 1
     }
 
-    /// The coordinates that take the part 1 − g above ω_c, rad/s.
+    /// Returns the coordinates that represent the part 1 − g above ω_c (rad/s).
     pub fn short_waves(&self, cutoff: f64) -> Vec<Mode> {
         let last = self.density.last().map_or(0.0, |(at, _)| *at);
         let mut edges = vec![cutoff];
         while !self.is_thin() && edges[edges.len() - 1] < last {
             edges.push(BAND * edges[edges.len() - 1]);
         }
-        // Y between an edge and the next one; beyond the last edge that of a thin plate, or nothing.
+        // Y between an edge and the next one. Beyond the last edge: the constant of a thin plate, or zero.
         let within = |k: usize| FRAC_PI_2 * self.density_at(edges[k] * BAND.sqrt());
         let mut modes = Vec::with_capacity(edges.len() * POLES / 2);
         let mut below = 0.0;
@@ -122,13 +131,13 @@ impl InfinitePlate {
     }
 }
 
-/// g of a mode at a frequency; both in rad/s. Zero where it is as good as that.
+/// Returns g at a frequency for a cutoff ω_c (both rad/s). Negligible values are replaced by zero.
 pub fn weight(frequency: f64, cutoff: f64) -> f64 {
     let weight = 1.0 / (1.0 + (frequency / cutoff).powi(2 * POLES as i32));
-    if weight < LEAST { 0.0 } else { weight }
+    if weight < SMALLEST_WEIGHT { 0.0 } else { weight }
 }
 
-/// The poles λ of g with Re λ < 0 < Im λ, 1/s.
+/// Returns the poles λ of g with Re λ < 0 < Im λ, 1/s.
 fn poles(cutoff: f64) -> impl Iterator<Item = Complex<f64>> {
     (0..POLES / 2).map(move |k| {
         let angle = PI * (2 * k + 1) as f64 / (2 * POLES) as f64;
@@ -154,7 +163,7 @@ mod tests {
         }
     }
 
-    /// Re Y(iω) of coordinates: Y = s Σ c/(s − λ), of each conjugate pair half.
+    /// Returns Re Y(iω) of coordinates: Y = s Σ c/(s − λ), with half of each conjugate pair.
     fn mobility(modes: &[Mode], frequency: f64) -> f64 {
         let s = Complex::new(0.0, frequency);
         let of = |mode: &Mode| {
@@ -164,7 +173,7 @@ mod tests {
         modes.iter().map(of).sum()
     }
 
-    /// Of a thin plate they have (1 − g)/Z at any frequency, and do not yield to a force that rests more than they must.
+    /// The short waves of a thin plate have the mobility (1 − g)/Z at any frequency.
     #[test]
     fn short_waves_of_a_thin_plate_are_what_g_leaves() {
         let (impedance, cutoff): (f64, f64) = (2000.0, 1e5);
@@ -177,7 +186,8 @@ mod tests {
         }
     }
 
-    /// A density that falls is met within its change over a band, is nowhere negative, and is nothing where g is one.
+    /// A decreasing density is approximated within its change over a band, is nowhere negative, and vanishes where g is
+    /// one.
     #[test]
     fn bands_follow_a_density() {
         let falling = |frequency: f64| 1e-3 / (1.0 + (frequency / 4e5).powi(2));
@@ -197,7 +207,7 @@ mod tests {
         assert!(mobility(&modes, 4e4).abs() < 1e-6 * FRAC_PI_2 * 1e-3);
     }
 
-    /// A body of modes: ω² and φ.
+    /// A body defined by its modes: ω² and φ.
     fn body(modes: &[(f64, f64)], infinite_plate: InfinitePlate) -> Projection {
         let (count, none) = (modes.len(), DVector::zeros(modes.len()));
         Projection {
@@ -221,9 +231,9 @@ mod tests {
         }
     }
 
-    /// How far a force of sin²(πt/T) within a time T moves a body's surface at some times, m/N.
+    /// Displacement of the surface at some times, m/N, under a force sin²(πt/T) of duration T.
     fn moved(modes: &[Mode], period: f64, times: &[f64]) -> Vec<f64> {
-        // sin² = (1 − cos 2πt/T)/2, each part an exponential of the rate μ.
+        // sin² = (1 − cos 2πt/T)/2: each part is an exponential with a rate μ.
         let rates = [0.0, TAU / period, -TAU / period].map(|rate| Complex::new(0.0, rate));
         let parts = [0.5, -0.25, -0.25];
         let at = |time: f64| {
@@ -240,7 +250,7 @@ mod tests {
         times.iter().map(|time| at(*time)).collect()
     }
 
-    /// A vibration of the square ω² and φ.
+    /// A vibration with the given ω² and φ.
     fn vibration((square, reach): &(f64, f64)) -> Mode {
         let frequency = square.sqrt();
         Mode {
@@ -251,8 +261,8 @@ mod tests {
         }
     }
 
-    /// The centre of a simply supported plate by Navier's modes under a short pulse: of some hundred modes with the infinite plate's short
-    /// waves it moves as of thirty times as many, and by those modes alone it does not.
+    /// Centre of a simply supported plate, by Navier's modes, under a short pulse. With the short waves of the infinite
+    /// plate, 400 modes move like thirty times as many. Without the short waves, they do not.
     #[test]
     fn a_plate_of_few_modes_moves_as_one_of_many() {
         let (edges, mass, slowness): ([f64; 2], f64, f64) = ([1.0, 1.5], 20.0, 0.08);
@@ -266,7 +276,7 @@ mod tests {
         let plate = InfinitePlate {
             density: vec![(0.0, slowness / (4.0 * PI * mass))],
             yielding: Vec::new(),
-            // A quarter of the modes moves the centre; the weights leave nothing of the 400th.
+            // A quarter of the modes moves the centre. The weight of the 400th mode is negligible.
             modes: edges[0] * edges[1] * slowness / (16.0 * PI) * 1.6 / VECTORS_PER_MODE,
             impedance: 8.0 * mass / slowness,
             slowness,
@@ -287,7 +297,7 @@ mod tests {
         let alone = off(&moved(&few[..cut].iter().map(vibration).collect::<Vec<_>>(), period, &times));
         println!("{cut} modes: {apart:.1e} with short waves, {alone:.1e} without");
         assert!(apart < 0.02 && alone > 3.0 * apart, "{apart} {alone}");
-        // Their energy is no part of the modes'.
+        // The energy of the short waves is not part of the modal energy.
         assert!(open.forms.is_open && open.modes.len() > open.forms.squares.len());
     }
 }

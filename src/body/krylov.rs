@@ -1,22 +1,26 @@
 //! Rational Krylov bases of a linear body.
 //!
-//! The impactor sees the body through a alone: one force in, one displacement out. The vectors
+//! The impactor interacts with the body only through the contact force vector a: one force in, one displacement out.
+//! The vectors
 //!
 //! q₁ = S⁻¹ a,  q_{j+1} = −S⁻¹ ((C + 2sM) q_j + M p_j),  S = K + sC + s²M,
 //!
-//! made orthonormal in M, span what a unit force does near the rate s, with its derivatives in s up to the number of vectors: free
-//! motions, dampers and the dent under a static force included (Z. Bai & Y. Su, SOAR: A second-order Arnoldi method for the solution
-//! of the quadratic eigenvalue problem, SIAM J. Matrix Anal. Appl. 26, 2005; without dampers the shift-and-invert Lanczos method of
-//! load-dependent Ritz vectors, E. L. Wilson, M.-W. Yuan & J. M. Dickens, Earthq. Eng. Struct. Dyn. 10, 1982). Every vector is made
-//! orthogonal to all others twice, and K itself is projected.
+//! made orthonormal in M, span the response to a unit force near the shift s and its derivatives with respect to s, up
+//! to the number of vectors. Free motions, dampers and the dent under a static force are included (Z. Bai & Y. Su,
+//! SOAR: A second-order Arnoldi method for the solution of the quadratic eigenvalue problem, SIAM J. Matrix Anal. Appl.
+//! 26, 2005; without dampers the shift-and-invert Lanczos method of load-dependent Ritz vectors, E. L. Wilson, M.-W.
+//! Yuan & J. M. Dickens, Earthq. Eng. Struct. Dyn. 10, 1982). Every vector is orthogonalised against all others twice,
+//! and K itself is projected.
 //!
-//! Where a part of the body relaxes, S = K + G̃(s) D + sC + s²M has its modulus at the rate s, and D is projected beside K: a body that differs
-//! in its chain alone is one on the same basis. What it does at once and after it has relaxed differs in shape. So vectors are made by turns
-//! at a few rates, each with its own modulus: a rational Krylov space (A. Ruhe, Linear Algebra Appl. 58, 1984; multi-point moment matching,
-//! E. Grimme, Ph.D. thesis, Univ. of Illinois, 1997), in which the transform of the motion is exact at each of the rates.
+//! For a viscoelastic body, S = K + G̃(s) D + sC + s²M contains the modulus at the shift s, and D is projected in
+//! addition to K. Bodies that differ only in the Prony series therefore share the basis. The instantaneous response and
+//! the relaxed response have different shapes. Vectors are therefore made in turn at a few shifts, each with the
+//! modulus at that shift: a rational Krylov space (A. Ruhe, Linear Algebra Appl. 58, 1984; multi-point moment matching,
+//! E. Grimme, Ph.D. thesis, Univ. of Illinois, 1997). In this space, the transform of the motion is exact at each
+//! shift.
 //!
-//! A contact that is short beside the body's slow motions makes bases that lack these: of a body that nothing holds the first vector is the
-//! translation, which K maps to nothing.
+//! If the contact is short compared with the slow motions of the body, the basis lacks these motions. For an
+//! unsupported body, the first vector is therefore the translation, which K maps to zero.
 
 use super::columns::Columns;
 use super::direct::Precision;
@@ -28,46 +32,48 @@ use super::{Projection, Start};
 use crate::error::Result;
 use crate::scene::Fault;
 
-/// A new vector shorter than this part of what it was before it was made orthogonal adds nothing but rounding.
+/// Ratio of the lengths after and before orthogonalisation below which a new vector is only rounding.
 const EXHAUSTED: f64 = 1e-10;
 
-/// The same of vectors by a factor in single precision.
+/// The same ratio for vectors computed with a factor in single precision.
 const EXHAUSTED_OF_SINGLE: f64 = 1e-5;
 
-/// A basis that grows, and the body on it.
+/// A growing basis, with the projection of the body onto it.
 pub struct Krylov {
-    /// The rates at which vectors are made, each with its solver: the first is the body's own; of a body that relaxes there are more.
+    /// Shifts at which vectors are made, each with a solver. The first is the main shift; a viscoelastic body may have
+    /// more.
     shifts: Vec<Shift>,
-    /// How vectors are made in blocks, where they are.
+    /// Block Lanczos recurrence, if the vectors are made in blocks.
     lanczos: Option<Lanczos>,
-    /// Orthonormal in M.
+    /// Basis vectors, orthonormal in M.
     basis: Columns,
-    /// p, with dampers, for the first shift.
+    /// Vectors p at the first shift; only with dampers.
     auxiliary: Columns,
     projected: Projected,
     properties: Properties,
-    /// All grow by turns.
+    /// Sources of vectors, used in turn.
     sources: Vec<Source>,
-    /// Whose turn it is.
+    /// Number of the source of the next vector.
     turn: usize,
-    /// Whose it was last of those that are not a.
+    /// Last used source other than the contact force vector a.
     other: usize,
-    /// Whether the first vector is the translation of a body that nothing holds.
+    /// Whether the first vector is the translation of an unsupported body.
     has_translation: bool,
-    /// As of [`Start`].
+    /// Same as in [`Start`]; false if there are several sources.
     leaves_short_waves: bool,
 }
 
-/// Vectors from which on the first of the two passes that make a new vector orthogonal takes the last two vectors only, where the operator
-/// is symmetric: its three-term recurrence ties the new vector to these two, and the second pass, to all, corrects what rounding leaves
-/// (B. N. Parlett, The Symmetric Eigenvalue Problem, 1980, 13.7). Short bases keep all digits at no cost.
-const LONG: usize = 256;
+/// Number of basis vectors from which on the first of the two orthogonalisation passes uses the last two vectors only,
+/// if the operator is symmetric. The three-term recurrence couples the new vector to these two. The second pass,
+/// against all vectors, corrects the rounding (B. N. Parlett, The Symmetric Eigenvalue Problem, 1980, 13.7). Short
+/// bases keep full accuracy at no cost.
+const LONG_BASIS: usize = 256;
 
 impl Krylov {
-    /// Factorises S. Collective.
+    /// Prepares the basis and factorises S at each shift. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If the impact point is constrained along the impact direction, if S has no factor, or if a PETSc call fails.
     pub fn new(body: &dyn LinearBody, start: impl Into<Start>) -> Result<Self> {
         let Start { shift, end, leaves_short_waves, in_blocks } = start.into();
         let properties = body.properties()?;
@@ -76,16 +82,17 @@ impl Krylov {
         let mut starts = layout.one(properties.force.clone());
         let mut loads = layout.one(load.clone());
         loads.add(1.0, &layout.one(support_load.clone()));
-        // In equilibrium loads make no waves: the deflection that they have made is all that the basis needs of them.
+        // In equilibrium, the loads excite no waves. The basis then only needs the static deflection due to the loads.
         if rest.is_none() && loads.largest() > 0.0 {
             starts.append(loads);
         }
-        // What lets go of a foundation, or meets it, is moved by its forces.
+        // Where a foundation loses or regains contact, its forces move the body.
         pushed.iter().for_each(|pushed| starts.push(pushed));
         starts.zero_rows(held);
         let is_alone = starts.count() == 1;
         let may_recur = in_blocks && !is_damped && body.chains().is_empty() && is_alone && rest.is_none();
-        // What single precision leaves of rounding is orthogonal to all vectors in the end, and small against a tolerance that allows blocks.
+        // Single-precision vectors are orthogonalised in the end, and their rounding is small compared with a tolerance
+        // that allows blocks.
         let precision = if may_recur { Precision::Single } else { Precision::Double };
         let shifts = Shift::all(body, (shift, end), precision)?;
         let source = |number| Source::new(starts.range(number..number + 1), shifts.len());
@@ -96,7 +103,7 @@ impl Krylov {
         }
         let (mut basis, mut auxiliary) = (layout.clone(), layout.clone());
         let translation = layout.one(properties.translation.clone());
-        // (An antisymmetric class of motions has none.)
+        // (An antisymmetric class of motions has no translation.)
         let moves = translation.largest() > 0.0;
         let has_translation = moves && rest.is_none() && !is_damped && properties.is_free;
         let first = rest.as_ref().map(|rest| layout.one(rest.clone())).or(has_translation.then_some(translation));
@@ -121,30 +128,30 @@ impl Krylov {
             turn: 0,
             other: 0,
             has_translation,
-            // Other forces reach the modes through other vectors.
+            // Other forces excite the modes through other vectors.
             leaves_short_waves: leaves_short_waves && is_alone,
         })
     }
 
-    /// Vectors so far.
+    /// Number of vectors so far.
     pub fn vectors(&self) -> usize {
         self.basis.count()
     }
 
-    /// The vectors, orthonormal in M.
+    /// The basis vectors, orthonormal in M.
     pub fn basis(&self) -> &Columns {
         &self.basis
     }
 
-    /// Whether the basis holds all that the force can reach, to rounding.
+    /// Whether the basis spans all motions that the force can excite, to rounding.
     pub fn is_exhausted(&self) -> bool {
         self.lanczos.as_ref().map_or_else(|| self.sources.iter().all(Source::is_exhausted), Lanczos::is_exhausted)
     }
 
-    /// Adds vectors up to a number. Collective.
+    /// Extends the basis up to `vectors` vectors. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn grow(&mut self, body: &dyn LinearBody, vectors: usize) -> Result<()> {
         if let Some(lanczos) = &mut self.lanczos {
             let solver = &mut self.shifts[0].solver;
@@ -160,7 +167,7 @@ impl Krylov {
     fn add(&mut self, body: &dyn LinearBody) -> Result<()> {
         let Self { shifts, basis, auxiliary, properties, sources, turn, other, has_translation, .. } = self;
         let is_damped = body.has(Operator::Damping);
-        // A recurrence of three terms knows no other vectors.
+        // The three-term recurrence requires a single source, a single shift, and no other vectors in the basis.
         let is_alone = sources.len() == 1 && shifts.len() == 1 && properties.equilibrium.is_none() && !*has_translation;
         while sources[*turn].is_exhausted() {
             *turn = (*turn + 1) % sources.len();
@@ -176,7 +183,7 @@ impl Krylov {
             Some((number, momentum)) => {
                 let (number, mut known) = (*number, momentum.clone());
                 if is_damped {
-                    // p of a vector at this shift is that at the first one and the difference of both times q.
+                    // p of a vector at this shift is p at the first shift plus the difference of the shifts times q.
                     known.scale(rate + first);
                     known.add(1.0, &body.apply(Operator::Damping, &basis.range(number..number + 1))?);
                     known.add(1.0, &body.apply(Operator::Mass, &auxiliary.range(number..number + 1))?);
@@ -191,8 +198,9 @@ impl Krylov {
         if let Some(companion) = companion.as_mut().filter(|_| rate != first) {
             companion.add(rate - first, &next);
         }
-        let is_tied = !is_damped && is_alone && basis.count() >= LONG;
-        // M-norms before and after, the latter by Pythagoras' theorem from that before the second, small correction.
+        let is_tied = !is_damped && is_alone && basis.count() >= LONG_BASIS;
+        // M-norms before and after orthogonalisation. The latter follows by Pythagoras' theorem from the norm before
+        // the second, small correction.
         let (mut before, mut length, mut momentum) = (0.0_f64, 0.0, basis.zeros(0));
         for pass in 0..2 {
             let near = if is_tied && pass == 0 { basis.count() - 2 } else { 0 };
@@ -215,14 +223,14 @@ impl Krylov {
         }
         next.scale(1.0 / length);
         if is_tied {
-            // The recurrence wants the product with the vector itself.
+            // The recurrence needs the product with the vector itself.
             momentum = body.apply(Operator::Mass, &next)?;
         } else {
-            // But for the second correction, which is within the basis.
+            // This neglects the second correction, which lies within the basis.
             momentum.scale(1.0 / length);
         }
         *last = Some((basis.count(), momentum));
-        // Every second vector is a's; the other chains share the rest.
+        // Every second vector comes from the contact force vector a. The other sources share the rest.
         *own = (*own + 1) % chains.len();
         *turn = if *turn == 0 && count > 1 {
             *other = 1 + *other % (count - 1);
@@ -238,10 +246,10 @@ impl Krylov {
         Ok(())
     }
 
-    /// The body on the basis. Collective.
+    /// Returns the body projected onto the basis. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn projection(&mut self, body: &dyn LinearBody) -> Result<Projection> {
         self.projected.extend(body, &self.basis)?;
         if self.has_translation {

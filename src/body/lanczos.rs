@@ -1,39 +1,43 @@
-//! Long Krylov bases of a small symmetric body: Lanczos' recurrence, made orthogonal in blocks.
+//! Long Krylov bases of a small symmetric body: Lanczos recurrence with orthogonalisation in blocks.
 //!
-//! In exact arithmetic S⁻¹M q_j has a part along the last two vectors alone, and only rounding brings back the others. So a vector is made
-//! orthogonal to those two and to its own block at once, and to all earlier vectors when the block is full, by products of dense
-//! matrices. What it had along earlier vectors is in the basis already, so that nothing is lost with it, as long as it is small
-//! (H. D. Simon, The Lanczos algorithm with partial reorthogonalization, Math. Comput. 42, 1984). Then once is enough, too: what is left
-//! of small parts is rounding. (Images S q by the same recurrence grow out of all bounds: zero is no eigenvalue.)
+//! In exact arithmetic, S⁻¹M q_j has components along the last two vectors only; components along earlier vectors come
+//! from rounding. A new vector is therefore orthogonalised at once against these two and its block. When the block is
+//! full, it is orthogonalised against all earlier vectors by products of dense matrices. The removed components lie in
+//! the basis already, so that nothing is lost as long as they are small (H. D. Simon, The Lanczos algorithm with
+//! partial reorthogonalization, Math. Comput. 42, 1984). One pass is then enough, because only rounding remains of
+//! small components. (The images S q must not be computed by the same recurrence: they grow without bound, because zero
+//! is not an eigenvalue.)
 
 use super::columns::Columns;
 use super::linear::{LinearBody, Operator, Properties};
 use super::shift::Solver;
 use crate::error::Result;
 
-/// The parts of a vector along earlier ones, at most, before it is corrected.
+/// Largest component of a new vector along earlier ones before the correction. Vectors with larger components are
+/// discarded.
 const SEMI_ORTHOGONAL: f64 = 1e-4;
 
-/// Vectors of the first block, and of any at most.
+/// Number of vectors of the first block, and largest number of vectors of any block.
 const FIRST_BLOCK: usize = 8;
 const LARGEST_BLOCK: usize = 32;
 
-/// How a basis grows.
+/// State of the recurrence.
 pub struct Lanczos {
-    /// Unknowns that are held.
+    /// Constrained unknowns.
     held: Vec<usize>,
-    /// Whether the first vector is the translation.
+    /// Whether the first basis vector is the translation.
     has_translation: bool,
-    /// Those that the next vector has a part along in exact arithmetic: the translation, if it is one, and the last two.
+    /// Vectors along which the next vector has a component in exact arithmetic: the translation, if it is in the basis,
+    /// and the last two.
     near: Block,
-    /// What the next vector is the answer to.
+    /// Right-hand side of the solution for the next vector.
     force: Columns,
-    /// Vectors of the next block.
+    /// Number of vectors of the next block.
     block: usize,
     is_exhausted: bool,
 }
 
-/// Some vectors with their momenta M q.
+/// Vectors with their momenta M q.
 #[derive(Clone)]
 struct Block {
     vectors: Columns,
@@ -50,13 +54,13 @@ impl Block {
     }
 }
 
-/// A body, its S, and the ratio of lengths below which a new vector is rounding.
+/// Data for extending a basis.
 pub struct Growing<'a> {
-    /// The body.
+    /// Body whose basis is extended.
     pub body: &'a dyn LinearBody,
-    /// Solves with S.
+    /// Solver with S.
     pub solver: &'a mut Solver,
-    /// That ratio.
+    /// Ratio of the lengths after and before orthogonalisation below which a new vector is only rounding.
     pub exhausted: f64,
 }
 
@@ -67,10 +71,11 @@ impl Growing<'_> {
 }
 
 impl Lanczos {
-    /// From a body's force, with the held unknowns zero; its translation, a unit in M, is the first of the basis where nothing holds it.
+    /// Starts the recurrence from the contact force vector, with zeros at the constrained unknowns. `translation` is
+    /// the first basis vector of an unsupported body, of unit length in M; empty for other bodies.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn new(body: &dyn LinearBody, properties: &Properties, force: &Columns, translation: &Columns) -> Result<Self> {
         Ok(Self {
             held: properties.held.clone(),
@@ -82,15 +87,15 @@ impl Lanczos {
         })
     }
 
-    /// Whether the basis holds all that the force can reach, to rounding.
+    /// Whether the basis spans all motions that the force can excite, to rounding.
     pub fn is_exhausted(&self) -> bool {
         self.is_exhausted
     }
 
-    /// Adds vectors to a basis, orthonormal in M, up to a number.
+    /// Extends a basis, orthonormal in M, up to `count` vectors.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn grow(&mut self, growing: &mut Growing, basis: &mut Columns, count: usize) -> Result<()> {
         while basis.count() < count && !self.is_exhausted {
             let wanted = self.block.min(count - basis.count());
@@ -102,7 +107,7 @@ impl Lanczos {
                 self.one(growing, basis)?;
                 continue;
             }
-            // What comes after vectors that are not orthogonal is no sign of an end.
+            // After vectors that were not orthogonal, a short vector does not prove that the basis is complete.
             self.is_exhausted = has_ended && kept == block.count();
             let parts = parts.columns(0, kept).into_owned();
             block = block.leading(kept);
@@ -113,7 +118,8 @@ impl Lanczos {
         Ok(())
     }
 
-    /// New vectors, orthogonal to each other and to those that they have a part along in exact arithmetic; and whether no more come.
+    /// Returns new vectors, orthogonal to each other and to the vectors in `near`, and whether the recurrence has
+    /// ended.
     fn block(&self, growing: &mut Growing, count: usize) -> Result<(Block, bool)> {
         let (mut block, mut vector) = (self.near.clone(), self.force.clone());
         let first = block.count();
@@ -138,7 +144,7 @@ impl Lanczos {
         Ok((Block { vectors: block.vectors.range(new.clone()), momenta: block.momenta.range(new) }, has_ended))
     }
 
-    /// A vector that is made orthogonal to all others by itself.
+    /// Adds a single vector, orthogonalised twice against the whole basis.
     fn one(&mut self, growing: &mut Growing, basis: &mut Columns) -> Result<()> {
         let mut vector = self.force.clone();
         growing.solver.solve_in_place(vector.get_mut(0))?;
@@ -158,10 +164,11 @@ impl Lanczos {
         self.accept(growing, basis, vector)
     }
 
-    /// Adds vectors that are orthogonal to all others, and orthonormal among themselves but for a small part, which is taken away.
+    /// Appends vectors that are orthogonal to the basis. They are nearly orthonormal to each other; the remaining error
+    /// is removed here.
     fn accept(&mut self, growing: &Growing, basis: &mut Columns, mut block: Columns) -> Result<()> {
         let gram = block.products(&growing.momenta(&block)?);
-        // Near one, so that it has a factor.
+        // The Gram matrix is close to the identity, so that it has a factor.
         if let Some(factor) = gram.cholesky() {
             block.divide_by_triangle(&factor.unpack());
         }
@@ -178,7 +185,8 @@ impl Lanczos {
     }
 }
 
-/// The length of what is left of a vector; `None` where that is rounding. Squares.
+/// Returns the remaining length of a vector after orthogonalisation; `None` if it is only rounding. `square` and
+/// `before` are squared lengths.
 fn length_left(square: f64, before: f64, exhausted: f64) -> Option<f64> {
     (square > exhausted * exhausted * before).then(|| square.sqrt())
 }

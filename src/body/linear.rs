@@ -1,4 +1,5 @@
-//! What a basis needs of a linear body, whether one process has all of it ([`LocalBody`](super::LocalBody)) or PETSc ([`Body`](super::Body)).
+//! The interface of a linear body for model reduction, for bodies held by one process ([`LocalBody`](super::LocalBody))
+//! or by PETSc ([`Body`](super::Body)).
 
 use crate::contact::Patch;
 use crate::error::Result;
@@ -9,110 +10,113 @@ use super::direct::Precision;
 use super::shift::Solver;
 use super::{Exchange, FoundationPoints, InfinitePlate};
 
-/// One of a body's symmetric operators.
+/// Selects one of the symmetric operators of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Operator {
-    /// M, kg.
+    /// Mass matrix M, kg.
     Mass,
-    /// K of the elastic body alone, N/m: of relaxing parts what is left after all relaxation.
+    /// Stiffness K of the elastic body alone, N/m. Viscoelastic parts contribute their fully relaxed stiffness.
     Elastic,
-    /// K of the elastic supports (11), N/m.
+    /// Stiffness K of the elastic supports (11), N/m.
     Support,
-    /// C of the dampers (13), N s/m.
+    /// Damping matrix C of the dampers (13), N s/m.
     Damping,
-    /// D of the relaxation of this number, m ([`LinearBody::chains`]).
+    /// Distortion stiffness D of the viscoelastic part with this number, m ([`LinearBody::chains`]).
     Distortion(usize),
 }
 
-/// Vectors of a body, this rank's rows of them, and its numbers.
+/// Vectors and scalars of a body. Vectors contain this rank's rows.
 pub struct Properties {
-    /// None, laid out as the body's vectors.
+    /// Empty set of columns with the row layout of the body's vectors.
     pub layout: Columns,
-    /// Rows of the held unknowns.
+    /// Rows of the constrained unknowns.
     pub held: Vec<usize>,
-    /// u at rest, where the motion starts there.
+    /// Static displacement u, m, if the motion starts from equilibrium.
     pub equilibrium: Option<Vec<f64>>,
-    /// Forces, N, by which unilateral foundations push.
+    /// Load vector of each unilateral foundation for a penetration of 1 m, N.
     pub pushed: Vec<Vec<f64>>,
-    /// Body force and tractions, N.
+    /// Load vector of the body force and the tractions, N.
     pub load: Vec<f64>,
     /// ∫ k ū·v dS of the elastic supports, N.
     pub support_load: Vec<f64>,
     /// ½ ∫ k ū·ū dS of the elastic supports, J.
     pub support_offset: f64,
-    /// a, the contact's force of 1 N.
+    /// Contact force vector a of a force of 1 N.
     pub force: Vec<f64>,
-    /// c_l of the contact law, m/N.
+    /// Local compliance c_l of the contact law, m/N.
     pub compliance: f64,
-    /// The patch, where there is one.
+    /// Patch that carries the contact pressure, if there is one.
     pub patch: Option<Patch>,
-    /// The body moved as a whole by one in the impactor's direction.
+    /// Rigid translation of the whole body by one unit in the impactor's direction.
     pub translation: Vec<f64>,
-    /// Whether nothing resists that.
+    /// Whether nothing resists this translation.
     pub is_free: bool,
-    /// As of [`System::hit_stress`](super::System::hit_stress).
+    /// Same as [`System::hit_stress`](super::System::hit_stress).
     pub hit_stress: Vec<Vec<f64>>,
-    /// As of [`System::hit_local`](super::System::hit_local).
+    /// Same as [`System::hit_local`](super::System::hit_local).
     pub hit_local: [f64; 3],
-    /// How many such bodies make the whole.
+    /// Number of such bodies that form the whole.
     pub copies: f64,
 }
 
-/// A linear body: ranks that share it call each of these together.
+/// A linear body. All ranks that share it must call each method together.
 pub trait LinearBody {
-    /// Unknowns on all ranks.
+    /// Number of unknowns on all ranks.
     fn unknowns(&self) -> usize;
 
-    /// Its vectors and numbers.
+    /// Returns the vectors and scalars of the body.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     fn properties(&self) -> Result<Properties>;
 
-    /// Whether it has an operator.
+    /// Whether the body has this operator.
     fn has(&self, operator: Operator) -> bool;
 
-    /// An operator's products with vectors; zero where it has none.
+    /// Returns the products of an operator with vectors; zero if the body does not have the operator.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     fn apply(&self, operator: Operator, vectors: &Columns) -> Result<Columns>;
 
-    /// Solves with S(s) = K + G̃(s) D + s C + s² M of a rate (1/s), without the held unknowns.
+    /// Returns a solver for S(s) = K + G̃(s) D + s C + s² M at the shift s = `rate` (1/s), without the constrained
+    /// unknowns.
     ///
     /// # Errors
-    /// [`crate::Error::Solve`] where the matrix is not positive definite; PETSc's.
+    /// [`crate::Error::Solve`] if the matrix is not positive definite. Other errors if a PETSc call fails.
     fn solver(&self, rate: f64, precision: Precision) -> Result<Solver>;
 
-    /// The chain of each relaxation.
+    /// Returns the generalised Maxwell chain (Prony series) of each viscoelastic part.
     fn chains(&self) -> Vec<&Maxwell>;
 
-    /// Of a plate, what an infinite one does.
+    /// Returns the response of an infinite plate of the same section, if the body is a plate.
     fn infinite_plate(&self) -> Option<&InfinitePlate>;
 
-    /// Whether unilateral foundations bear it, whose springs are among its supports.
+    /// Whether the body rests on unilateral foundations, with their springs included in the support stiffness.
     fn is_on_foundations(&self) -> bool;
 
-    /// The points of unilateral foundations on a basis.
+    /// Returns the points of the unilateral foundations, projected onto a basis.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     fn foundation(&self, basis: &Columns) -> Result<Option<FoundationPoints>>;
 
-    /// Whether a mesh has its unknowns: vectors take long each then.
+    /// Whether the unknowns belong to a mesh. Basis vectors are expensive in this case.
     fn is_meshed(&self) -> bool;
 
-    /// The uncoupled symmetry classes that the force and the loads excite: consecutive blocks of its unknowns, the part that is symmetric about the
-    /// diagonal ([`LinearBody::exchange`]), or the whole body.
+    /// Returns the uncoupled symmetry classes that the force and the loads excite: consecutive blocks of the unknowns,
+    /// the part that is symmetric about the diagonal ([`LinearBody::exchange`]), or the whole body.
     fn classes(&self) -> Vec<&dyn LinearBody>;
 
-    /// What maps the part that is symmetric about the diagonal to the whole body, if the body has that symmetry.
+    /// Returns the map from the part that is symmetric about the diagonal to the whole body, if the body has this
+    /// symmetry.
     fn exchange(&self) -> Option<&Exchange> {
         None
     }
 }
 
-/// The part of a body whose motions are all that the force and the loads excite: its one class, or the whole.
+/// Returns the part of a body that contains all motions excited by the force and the loads: its only class, or the
+/// whole body.
 pub fn excited(body: &dyn LinearBody) -> &dyn LinearBody {
     match body.classes()[..] {
         [one] => one,

@@ -1,4 +1,4 @@
-//! A body that one process has all of, as numbers: it needs no PETSc.
+//! A linear body that one process stores completely, without PETSc.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -15,19 +15,19 @@ use super::runs::Runs;
 use super::shift::Solver;
 use super::{Exchange, FoundationPoints, InfinitePlate, System};
 
-/// A linear body of a [`System`]. On several ranks each has one.
+/// Linear body made from a [`System`]. With several ranks, each has a copy.
 pub struct LocalBody {
     system: System,
-    /// Its matrices by runs, as those are multiplied with that have no products along axes, once they have been.
+    /// Matrices in run format, for operators without products along grid axes. Filled at first use.
     products: RefCell<Vec<(Operator, Rc<Runs>)>>,
-    /// Its classes of motions that the force reaches; none where that is all of it.
+    /// Symmetry classes that the force excites. Empty if there is only one class, the whole body.
     classes: Vec<Self>,
-    /// Where that is one, how it is part of the body.
+    /// Map from the only class to the whole body, if that class is the part symmetric about the diagonal.
     exchange: Option<Exchange>,
 }
 
 impl LocalBody {
-    /// Of a system. Its pads, which are not linear, are left out.
+    /// Creates the body of a system. Pads are nonlinear and are left out.
     pub fn new(system: System) -> Self {
         if let Some((exchange, symmetric)) = Exchange::of(&system) {
             return Self { exchange: Some(exchange), ..Self::of(system, vec![Self::of(symmetric, Vec::new())]) };
@@ -41,7 +41,7 @@ impl LocalBody {
         Self { system, products: RefCell::default(), classes, exchange: None }
     }
 
-    /// The elastic body that it is a time (s) after a step of the strain.
+    /// Returns the elastic body with the stiffness at a time (s) after a step of the strain.
     pub fn elastic_at(&self, time: f64) -> Self {
         Self {
             system: self.system.elastic_at(time),
@@ -51,7 +51,7 @@ impl LocalBody {
         }
     }
 
-    /// Its numbers.
+    /// The matrices and vectors of the body.
     pub fn system(&self) -> &System {
         &self.system
     }
@@ -67,7 +67,7 @@ impl LocalBody {
         }
     }
 
-    /// An operator as it is multiplied with.
+    /// Returns an operator in run format, made at first use.
     fn runs(&self, operator: Operator) -> Option<Rc<Runs>> {
         let mut products = self.products.borrow_mut();
         if let Some((_, known)) = products.iter().find(|(known, _)| *known == operator) {

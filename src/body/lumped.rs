@@ -1,11 +1,11 @@
-//! Lumped mass and damping of a body: diagonals, for steps that solve nothing.
+//! Lumped (diagonal) mass and damping of a body, for explicit time integration.
 
 use petsc_wrap::Vector;
 
-/// The diagonals in the places of M and C, one value an unknown, those of held ones included.
+/// Diagonal replacements of M and C, with one entry per unknown, constrained unknowns included.
 pub struct Lumped {
-    /// Of M, kg: positive, each component summing to the body's mass.
+    /// Diagonal mass, kg. Positive; the entries of each displacement component sum to the mass of the body.
     pub mass: Vector,
-    /// Of C of the dampers (13), N s/m: not negative; `None` where the scene has no damper.
+    /// Diagonal of the damping C of the dampers (13), N s/m. Not negative; `None` if the scene has no damper.
     pub damping: Option<Vector>,
 }

@@ -1,4 +1,4 @@
-//! What an impact needs of a body: operators, loads, and where it is hit.
+//! The body as the impact simulation sees it: operators, loads and impact point.
 
 mod assembled;
 mod axpy;
@@ -52,7 +52,7 @@ pub use clamps::Clamps;
 pub use columns::Columns;
 pub use direct_sum::DirectSum;
 pub use exchange::Exchange;
-pub use infinite_plate::{InfinitePlate, OF_CUTOFF};
+pub use infinite_plate::{InfinitePlate, SHIFT_OVER_CUTOFF};
 pub use krylov::Krylov;
 pub use linear::{LinearBody, Operator, Properties, excited};
 pub use local::LocalBody;

@@ -1,4 +1,4 @@
-//! A body for steps in modal coordinates.
+//! A body in modal coordinates, for modal time integration.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -10,25 +10,25 @@ use crate::contact::Patch;
 use crate::error::{Error, Result};
 use crate::material::Maxwell;
 
-/// Sets of modes that are kept: those that runs of one scene ask for again.
+/// Number of recent sets of modes that are stored, for runs of one scene that need them again.
 const KEPT: usize = 4;
 
-/// Modes, with what the contact law needs of the body.
+/// Modes of a body, with its data for the contact law.
 pub struct ModalBody {
     source: Source,
-    /// What it was made of, where it relaxes.
+    /// Reduced body that the modes are computed from; only for a viscoelastic body.
     relaxing: Option<Box<Projection>>,
-    /// The modes that were asked for last, where it relaxes.
+    /// Recently requested modes of a viscoelastic body.
     known: RefCell<VecDeque<Known>>,
-    /// c_l of the contact law, m/N, of the modelled part.
+    /// Local compliance c_l of the contact law, m/N, of the modelled part.
     pub compliance: f64,
-    /// How many such parts make the whole.
+    /// Number of such parts that form the whole.
     pub copies: f64,
-    /// The patch, where there is one.
+    /// Patch that carries the contact pressure, if there is one.
     pub patch: Option<Patch>,
 }
 
-/// Modes of a body that relaxes, which take long: runs of one scene often ask for the same.
+/// Modes of a viscoelastic body. They are expensive, and runs of one scene often need the same ones.
 struct Known {
     count: usize,
     accuracy: f64,
@@ -42,13 +42,13 @@ enum Source {
 }
 
 impl ModalBody {
-    /// A body of given modes, all of which take part.
+    /// Creates a body from given modes, all of which are used.
     pub fn given(modes: Modes) -> Self {
         let source = Source::Given(Rc::new(modes));
         Self { source, relaxing: None, known: RefCell::default(), compliance: 0.0, copies: 1.0, patch: None }
     }
 
-    /// A body on a basis.
+    /// Creates a body from its projection onto a basis.
     pub fn of(projection: &Projection) -> Self {
         let Projection { compliance, copies, patch, .. } = *projection;
         let source = Source::Spectrum(Box::new(Spectrum::new(projection)));
@@ -56,10 +56,12 @@ impl ModalBody {
         Self { source, relaxing, known: RefCell::default(), compliance, copies, patch }
     }
 
-    /// The body whose relaxing parts have other chains, in their order, on the same basis; `None` where it has them already.
+    /// Returns the body with other Prony series for its viscoelastic parts, in the same order, on the same basis.
+    /// `None` if the series are equal to the present ones.
     ///
     /// # Errors
-    /// [`Error::Solve`] where there are as many relaxing parts as chains no more: two materials may relax alike at one temperature only.
+    /// [`Error::Solve`] if the numbers of series and of viscoelastic parts differ. This happens because two materials
+    /// may have equal series at one temperature only.
     pub fn with_chains(&self, chains: &[Maxwell]) -> Result<Option<Self>> {
         let own = self.relaxing.iter().flat_map(|projection| projection.relaxations.iter().map(|part| &part.chain));
         let count = own.clone().count();
@@ -71,7 +73,8 @@ impl ModalBody {
         Ok(self.relaxing.iter().find(|_| is_another).map(|projection| Self::of(&projection.with_chains(chains))))
     }
 
-    /// The frequency up to which steps must resolve the motion, since unilateral foundations let go of it, rad/s.
+    /// Highest frequency of the modes that unilateral foundations stiffen, rad/s. Time steps must resolve it, because
+    /// the body can lift off the foundations.
     pub fn stiffened(&self) -> f64 {
         match &self.source {
             Source::Given(_) => 0.0,
@@ -79,7 +82,7 @@ impl ModalBody {
         }
     }
 
-    /// The frequency up to which modes move in chosen steps over that which these resolve.
+    /// Ratio of the cutoff frequency of the modes to the frequency that chosen time steps resolve.
     pub fn faster(&self) -> f64 {
         match &self.source {
             Source::Given(_) => 1.0,
@@ -87,18 +90,19 @@ impl ModalBody {
         }
     }
 
-    /// The modes up to a frequency (rad/s) in contact, the others by their static answer.
+    /// Returns the modes up to a frequency (rad/s) during contact. The other modes are replaced by their static
+    /// response.
     ///
     /// # Errors
-    /// [`crate::Error::Solve`] where dampers leave the body without independent modes.
+    /// [`crate::Error::Solve`] if dampers leave the body without independent modes.
     pub fn modes(&self, cutoff: f64, closed: &Closed) -> Result<Rc<Modes>> {
         self.counted(closed, |spectrum| spectrum.count(cutoff, closed))
     }
 
-    /// The same for steps that are chosen ([`Spectrum::count_of_chosen_steps`]).
+    /// Same as [`Self::modes`] for chosen time steps ([`Spectrum::count_of_chosen_steps`]).
     ///
     /// # Errors
-    /// As [`Self::modes`].
+    /// Same as [`Self::modes`].
     pub fn modes_of_chosen_steps(&self, cutoff: f64, closed: &Closed) -> Result<Rc<Modes>> {
         self.counted(closed, |spectrum| spectrum.count_of_chosen_steps(cutoff, closed))
     }
@@ -110,7 +114,7 @@ impl ModalBody {
         };
         let (count, Closed { accuracy, end, .. }) = (count(spectrum), *closed);
         let mut known = self.known.borrow_mut();
-        // (Others that would serve do not: an answer must not depend on what was asked before.)
+        // (Only exact matches are reused: a result must not depend on earlier requests.)
         if let Some(same) =
             known.iter().find(|known| (known.count, known.accuracy, known.end) == (count, accuracy, end))
         {

@@ -1,4 +1,4 @@
-//! A relaxation on the modes of a body: the directions in which each of its terms relaxes.
+//! A viscoelastic part in modal coordinates, with the directions in which each term of the Prony series relaxes.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,38 +6,39 @@ use super::ProjectedRelaxation;
 use super::relaxing_directions::{Directions, left_out};
 use crate::material::{Maxwell, Term};
 
-/// What an eigenpair takes, in products of r² n of n modes in r directions, over what the first-order system takes, in products of its size cubed. 0.5
-/// to 0.7 was measured with 100 to 1500 unknowns of that.
-const OF_PAIR: f64 = 0.6;
+/// Cost of one eigenpair, in units of r² n operations for n modes and r directions, relative to the cost of the
+/// first-order system, in units of its size cubed. Measured with 100 to 1500 unknowns: 0.5 to 0.7.
+const PAIR_COST: f64 = 0.6;
 
-/// A relaxation on the real coordinates of modes.
+/// A viscoelastic part in the real coordinates of the modes.
 #[derive(Debug, Clone)]
 pub struct ModalRelaxation {
-    /// D.
+    /// D in modal coordinates.
     pub distortion: DMatrix<f64>,
-    /// B with D = B Bᵀ, where few directions relax.
+    /// B with D = B Bᵀ, if few directions relax.
     pub directions: Option<Directions>,
-    /// Its terms.
+    /// Prony series of the part.
     pub chain: Maxwell,
-    /// The rate with whose modulus the modes were made, 1/s.
+    /// The modes were computed with the modulus at this rate, 1/s.
     pub rate: f64,
 }
 
 impl ModalRelaxation {
-    /// A relaxation on modes, by columns, which were made with the modulus at a rate (1/s).
+    /// Projects a viscoelastic part onto modes (columns of `vectors`), which were computed with the modulus at a rate
+    /// (1/s).
     pub fn new(part: &ProjectedRelaxation, vectors: &DMatrix<f64>, rate: f64) -> Self {
         let part = part.on(|distortion| vectors.tr_mul(&(distortion * vectors)));
         Self { distortion: part.distortion, directions: None, chain: part.chain, rate }
     }
 
-    /// The same on some of the modes.
+    /// Restricts the part to some of the modes.
     pub fn select(&self, modes: &[usize]) -> Self {
         let distortion = self.distortion.select_rows(modes).select_columns(modes);
         Self { distortion, directions: None, chain: self.chain.clone(), rate: self.rate }
     }
 
-    /// The same relaxing in no more directions than an accuracy asks for in a run of a length (s), with modes of the given amplitudes. In the others it
-    /// keeps the modulus of the modes. `None` where no term relaxes.
+    /// Restricts relaxation to the directions that an accuracy requires, for a run of length `end` (s) and modes of the
+    /// given amplitudes. The other directions keep the modulus of the modes. `None` if no term relaxes.
     pub fn in_few_directions(self, amplitudes: &DVector<f64>, end: f64, accuracy: f64) -> Option<Self> {
         let left_out = left_out(&self.chain, end, accuracy);
         match Directions::new(&self.distortion, amplitudes, &left_out) {
@@ -46,7 +47,7 @@ impl ModalRelaxation {
         }
     }
 
-    /// With those terms that relax in some directions, and of whose numbers of directions something is true.
+    /// Keeps the terms that relax in some directions and whose number of directions satisfies a condition.
     fn in_directions(&self, directions: Directions, takes: impl Fn(usize) -> bool) -> Option<Self> {
         let Directions { factor, counts } = directions;
         let terms = self.chain.terms.iter().zip(counts).filter(|(_, count)| *count > 0 && takes(*count));
@@ -58,7 +59,7 @@ impl ModalRelaxation {
         Some(Self { distortion, directions: Some(Directions { factor, counts }), chain, rate: self.rate })
     }
 
-    /// The same of some modes, which no others relax with.
+    /// Restricts the part to one class of modes, which relax independently of all others. `None` if they do not relax.
     pub fn of_class(&self, modes: &[usize]) -> Option<Self> {
         let part = self.select(modes);
         match &self.directions {
@@ -67,7 +68,7 @@ impl ModalRelaxation {
         }
     }
 
-    /// The parts whose terms relax in the same directions.
+    /// Splits the part into parts whose terms relax in the same directions.
     pub fn parts(&self) -> Vec<Self> {
         let Some(directions) = &self.directions else { return vec![self.clone()] };
         let mut counts = directions.counts.clone();
@@ -77,17 +78,18 @@ impl ModalRelaxation {
         counts.into_iter().filter_map(part).collect()
     }
 
-    /// Σ G_i sτ_i/(1 + sτ_i) of the modulus that the modes have, Pa.
+    /// Returns the modulus of the terms in the modes, Σ G_i sτ_i/(1 + sτ_i), Pa.
     pub fn modulus(&self) -> f64 {
         self.chain.transformed_terms(self.rate)
     }
 
-    /// Whether finding pair by pair, all terms in the directions of that which has most, takes less than the eigenvectors of the first-order system.
+    /// Whether eigenpairs are cheaper one by one, with all terms in the largest set of directions, than by the
+    /// first-order system.
     pub fn is_quicker_by_pairs(&self) -> bool {
         let (modes, terms) = (self.distortion.nrows(), self.chain.terms.len());
         let counts = self.directions.as_ref().map_or_else(|| vec![modes; terms], |few| few.counts.clone());
         let most = counts.iter().copied().max().unwrap_or(0);
-        let by_pairs = OF_PAIR * (modes * most * most * (modes + terms * most)) as f64;
+        let by_pairs = PAIR_COST * (modes * most * most * (modes + terms * most)) as f64;
         by_pairs < ((2 * modes + counts.iter().sum::<usize>()) as f64).powi(3)
     }
 }

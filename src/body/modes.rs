@@ -1,4 +1,4 @@
-//! A linear body in modal coordinates: what the contact's force does to the surface under the impactor.
+//! Modal form of a linear body: response of the surface at the impact point to the contact force.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -16,105 +16,110 @@ use super::{FoundationPoints, Projection};
 use crate::error::{Error, Result};
 use crate::scene::Fault;
 
-/// A body's answer to the contact's force, u_hit = aᵀu, as a sum over first-order coordinates, one free motion, and a spring:
+/// Response of a body to the contact force, u_hit = aᵀu, as a sum over first-order coordinates, one free motion, and a
+/// spring:
 ///
 /// ż_i = λ_i z_i + b_i F + g_i,  Ẍ = F/m + g,  u_hit = Re Σ c_i z_i + X + r F.
 ///
-/// A free vibration of frequency ω is one z = v + iωx with λ = iω; with dampers the z are the coordinates along the eigenvectors
-/// of (x, v), of which one of each conjugate pair is kept. An infinite plate is one with λ = 0, and its short waves are some more
-/// ([`InfinitePlate`](super::InfinitePlate)), which come last.
+/// A free vibration of frequency ω has one coordinate z = v + iωx with λ = iω. With dampers, the z are the coordinates
+/// along the eigenvectors of (x, v), one for each conjugate pair. An infinite plate has one coordinate with λ = 0.
+/// Short waves of a plate have additional coordinates ([`InfinitePlate`](super::InfinitePlate)), which come last.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Modes {
-    /// The coordinates.
+    /// First-order coordinates.
     pub modes: Vec<Mode>,
-    /// 1/m of the free motions together, 1/kg; g, m/s²; and Σ f² of their loads, W.
+    /// Combined free motions: mobility 1/m (1/kg), acceleration g (m/s²), and Σ f² of their loads (W/s).
     pub free: Free,
-    /// r, m/N: the static answer of the modes that are left out.
+    /// Compliance r, m/N: the static response of the modes that are left out.
     pub residual: f64,
-    /// How far the loads move the surface in the modes that are left out, m: where the body starts in equilibrium.
+    /// Displacement of the surface due to the loads in the modes that are left out, m, if the motion starts from
+    /// equilibrium.
     pub rest: f64,
-    /// Where the energy is.
+    /// Quadratic forms of the energies.
     pub(crate) forms: Forms,
-    /// How all of the body moves.
+    /// Displacements of the whole body in the modes.
     pub(crate) shapes: Shapes,
-    /// The stresses under the hit on the other face, three forms, with what they lack for 1 N; or none.
+    /// Three stress forms on the face opposite the impact point, and the local stresses that they lack for 1 N; `None`
+    /// if stresses are not read.
     pub(crate) hit_stress: Option<(Shapes, [f64; 3])>,
-    /// Unilateral foundations, whose springs the modes have.
+    /// Unilateral foundations, whose springs are included in the modes.
     pub(crate) foundation: Option<ModalFoundation>,
 }
 
-/// Unilateral foundations on the real coordinates x of the vibrations. The modes that are left out do not move them.
+/// Unilateral foundations in the real coordinates x of the vibrations. The modes that are left out do not move them.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ModalFoundation {
-    /// Their points; s ū is less what the modes that are left out move in equilibrium.
+    /// Foundation points. Their offsets s ū are reduced by the equilibrium displacement of the modes that are left out.
     pub points: FoundationPoints,
-    /// b of forces on x, with dampers; without it is 1.
+    /// Inputs b of forces on x, with dampers or relaxation. `None` without them; the inputs are then 1.
     pub inputs: Option<DMatrix<Complex<f64>>>,
 }
 
-/// One first-order coordinate.
+/// One first-order coordinate of [`Modes`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mode {
-    /// λ, 1/s.
+    /// Complex rate λ, 1/s.
     pub rate: Complex<f64>,
-    /// b.
+    /// Input b of the contact force.
     pub input: Complex<f64>,
-    /// g.
+    /// Input g of the loads.
     pub load: Complex<f64>,
-    /// c.
+    /// Output c to the displacement u_hit.
     pub output: Complex<f64>,
 }
 
-/// The motions that nothing resists, as one: with φ and f of each, u = Σ φ x, ẍ = φ F + f.
+/// Motions that nothing resists, combined into one: with φ and f of each, u = Σ φ x, ẍ = φ F + f.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Free {
-    /// Σ φ², 1/kg.
+    /// Mobility Σ φ², 1/kg.
     pub mobility: f64,
-    /// Σ φ f, m/s².
+    /// Acceleration due to the loads, Σ φ f, m/s².
     pub load: f64,
-    /// Σ f², W.
+    /// Sum of the squared modal loads, Σ f², W/s.
     pub square: f64,
 }
 
-/// A contact that is closed.
+/// Closed contact, for the choice of the modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Closed {
-    /// Tangent of Hertz's law, N/m.
+    /// Tangent stiffness of Hertz's law, N/m.
     pub tangent: f64,
-    /// c_l of the contact law, m/N.
+    /// Local compliance c_l of the contact law, m/N.
     pub compliance: f64,
     /// Mass of the impactor, kg.
     pub mass: f64,
-    /// What the modes' relaxation may change of the force, over its peak.
+    /// Largest change of the force due to simplified relaxation of the modes, relative to the peak.
     pub accuracy: f64,
-    /// How long the run is, s.
+    /// Length of the run, s.
     pub end: f64,
 }
 
-/// ω² below this part of the largest one is rounding.
+/// Ratio to the largest ω² below which an ω² is rounding.
 const ROUNDING: f64 = 1e-14;
 
-/// The part of the loads' squares on motions that nothing holds which rounding makes.
-const UNHELD: f64 = 1e-16;
+/// Ratio of the squared loads on free motions to all squared loads below which the former are rounding.
+const FREE_LOAD_ROUNDING: f64 = 1e-16;
 
-/// How far a mode moves the surface under its loads at most, m.
-const DEEPEST: f64 = 1.0;
+/// Largest displacement of the surface by a mode under its loads, m. A larger one indicates an unsupported motion.
+const LARGEST_MODE_DISPLACEMENT: f64 = 1.0;
 
-/// The part of a mode's stiffness that unilateral foundations may have where it is left out: where these let go, it is slower.
-const OF_FOUNDATION: f64 = 0.01;
+/// Largest part of a mode's stiffness that may come from unilateral foundations if the mode is left out. Such a mode
+/// becomes slower where the body lifts off.
+const LARGEST_FOUNDATION_SHARE: f64 = 0.01;
 
-/// The part of a layer's modulus in the modes that may relax where modes are left out. (A laminate whose interlayer falls to a thousandth was
-/// off by 2% of the peak with the modes left out that the steps do not resolve.)
-const RELAXING: f64 = 0.1;
+/// Largest viscoelastic part of a layer's modulus, at the rate of the modes, for which the cutoff of the modes is not
+/// raised. (For a laminate with an interlayer that relaxes to a thousandth, leaving out the modes that the time steps
+/// do not resolve caused an error of 2% of the peak.)
+const LARGEST_VISCOELASTIC_PART: f64 = 0.1;
 
-/// That loads move a body that nothing holds.
+/// Returns the error for loads that move an unsupported body.
 pub(crate) fn no_equilibrium() -> Error {
     let message = "there is no equilibrium: the loads move the body in a direction in which nothing holds it";
     Fault::new("time.initial", message, "supports that hold the loads, or `initial = \"rest\"`").into()
 }
 
 impl Modes {
-    /// A body that does not move: a half-space, whose dent Hertz's law holds.
+    /// Returns the modes of a body that does not move: a half-space, whose indentation is part of Hertz's law.
     pub fn none() -> Self {
         let shapes = Shapes::none();
         Self {
@@ -129,28 +134,28 @@ impl Modes {
         }
     }
 
-    /// A surface that moves at F/Z: an infinite plate of the impedance Z, N s/m.
+    /// Returns the modes of a surface with the velocity F/Z: an infinite plate of the impedance Z, N s/m.
     pub fn dashpot(impedance: f64) -> Self {
         let [zero, one] = [Complex::new(0.0, 0.0), Complex::new(1.0, 0.0)];
         let mode = Mode { rate: zero, input: one / impedance, load: zero, output: one };
-        // What goes off in its waves counts as dissipated.
+        // The energy of outgoing waves counts as dissipated.
         let forms = Forms { is_open: true, ..Forms::none() };
         Self { modes: vec![mode], forms, ..Self::none() }
     }
 
-    /// Refuses a body that its loads set in motion.
+    /// Checks that the loads do not set the body in motion.
     ///
     /// # Errors
-    /// A fault of `time.initial`.
+    /// A fault of `time.initial` if they do.
     pub fn require_equilibrium(&self) -> Result<()> {
         let held: f64 = self.modes.iter().map(|mode| mode.load.norm_sqr()).sum();
-        let is_held = self.free.square <= UNHELD * (held + self.free.square);
-        // A motion that nothing holds may have a frequency, of rounding.
-        let sinks = |mode: &Mode| (mode.output * mode.load).norm() > DEEPEST * mode.rate.norm();
+        let is_held = self.free.square <= FREE_LOAD_ROUNDING * (held + self.free.square);
+        // Rounding may give a free motion a nonzero frequency.
+        let sinks = |mode: &Mode| (mode.output * mode.load).norm() > LARGEST_MODE_DISPLACEMENT * mode.rate.norm();
         if is_held && !self.modes.iter().any(sinks) { Ok(()) } else { Err(no_equilibrium()) }
     }
 
-    /// x of the vibrations from z.
+    /// Returns the displacements x of the vibrations from z.
     pub(crate) fn places(&self, z: &[Complex<f64>]) -> DVector<f64> {
         if let Some([places, _]) = &self.forms.damped {
             return real_parts(places, z);
@@ -159,44 +164,45 @@ impl Modes {
         DVector::from_iterator(frequencies.len(), z.iter().zip(frequencies).map(|(z, frequency)| z.im / frequency))
     }
 
-    /// The fastest of the rates |λ|, 1/s.
+    /// Returns the largest |λ| of the coordinates, 1/s.
     pub fn fastest(&self) -> f64 {
         self.modes.iter().map(|mode| mode.rate.norm()).fold(0.0, f64::max)
     }
 }
 
-/// The free vibrations of a body on a basis.
+/// Free vibrations of a reduced body.
 pub struct Spectrum {
-    /// ω², 1/s², ascending.
+    /// Squared frequencies ω², 1/s², ascending.
     pub(super) squares: DVector<f64>,
-    /// Vᵀa, Vᵀf and Vᵀ∫kū along them; where short waves are kept apart, Vᵀa by the weights.
+    /// Vᵀa, Vᵀf and Vᵀ∫kū in the modes. If short waves are separated, Vᵀa is multiplied by the weights.
     force: DVector<f64>,
     load: DVector<f64>,
     support_load: DVector<f64>,
-    /// F of the supports' K = FᵀF along them.
+    /// Factor F of the support stiffness K = FᵀF, in the modes.
     support: DMatrix<f64>,
     damping: Option<DMatrix<f64>>,
     relaxations: Vec<ModalRelaxation>,
-    /// The rate at which the basis was made, 1/s.
+    /// Shift at which the basis was made, 1/s.
     rate: f64,
-    /// Whether a modulus falls by so much that modes which are left out would be other springs later.
+    /// Whether a modulus decreases so much that the modes that are left out would be other springs later.
     pub(super) relaxes: bool,
     support_offset: f64,
-    /// The vibrations on the basis, by columns.
+    /// Vibrations in coordinates of the basis, as columns.
     vectors: DMatrix<f64>,
-    /// Stresses under the hit on the basis, a row each.
+    /// Stress forms on the face opposite the impact point, in coordinates of the basis, one in each row.
     hit_stress: DMatrix<f64>,
     hit_local: [f64; 3],
-    /// Unilateral foundations along them.
+    /// Unilateral foundations in the modes.
     foundation: Option<FoundationPoints>,
-    /// How many of the modes, the lowest first, have those that foundations stiffen.
+    /// Number of lowest modes that include all modes stiffened by foundations.
     stiffened: usize,
-    /// The coordinates of waves that the modes leave out, and √g of the modes, where these are kept apart.
+    /// Coordinates of the waves that the modes leave out, and the weights √g of the modes, if short waves are
+    /// separated.
     short_waves: Option<ShortWaves>,
 }
 
 impl Spectrum {
-    /// Solves K y = ω² y on the basis, where parts relax with their moduli at its rate.
+    /// Solves K y = ω² y on the basis. Viscoelastic parts have their moduli at the shift of the basis.
     pub fn new(projection: &Projection) -> Self {
         let (squares, vectors) = symmetric_eigen(projection.stiffness_at_rate());
         let along = |v: &DVector<f64>| vectors.tr_mul(v);
@@ -211,7 +217,7 @@ impl Spectrum {
         let foundation = projection.foundation.as_ref().map(|points| points.on(&vectors));
         let is_stiffened = |i: &usize| {
             let stiffness = foundation.as_ref().map_or(0.0, |points: &FoundationPoints| points.square(*i));
-            stiffness > OF_FOUNDATION * squares[*i].max(0.0)
+            stiffness > LARGEST_FOUNDATION_SHARE * squares[*i].max(0.0)
         };
         Self {
             stiffened: (0..squares.len()).rev().find(is_stiffened).map_or(0, |last| last + 1),
@@ -225,7 +231,7 @@ impl Spectrum {
             rate: projection.rate,
             relaxes: projection.relaxations.iter().any(|part| {
                 let chain = &part.chain;
-                chain.transformed_terms(projection.rate) > RELAXING * chain.transformed(projection.rate)
+                chain.transformed_terms(projection.rate) > LARGEST_VISCOELASTIC_PART * chain.transformed(projection.rate)
             }),
             support_offset: projection.support_offset,
             foundation,
@@ -236,16 +242,16 @@ impl Spectrum {
         }
     }
 
-    /// The highest frequency of the modes that unilateral foundations stiffen, rad/s: none of these is left out.
+    /// Highest frequency of the modes that unilateral foundations stiffen, rad/s. None of these modes is left out.
     pub fn stiffened(&self) -> f64 {
         self.stiffened.checked_sub(1).map_or(0.0, |last| self.squares[last].max(0.0).sqrt())
     }
 
-    /// How many of the modes, the lowest first, vibrate no faster than a frequency (rad/s) while the contact is closed.
+    /// Returns the number of lowest modes that vibrate no faster than a frequency (rad/s) while the contact is closed.
     ///
-    /// A spring k between the body and a mass lifts ω² of the highest of n modes by no more than k (1/m0 + Σ φ²). The spring is the
-    /// tangent of Hertz's law at a force, in series with what the modes left out give way, less what the law holds of the body already:
-    /// the more modes are kept, the stiffer it is.
+    /// A spring k between the body and a mass raises ω² of the highest of n modes by at most k (1/m0 + Σ φ²). The
+    /// spring is the tangent of Hertz's law at a force, in series with the compliance of the modes that are left out,
+    /// minus the compliance that the contact law already contains. It becomes stiffer as more modes are kept.
     fn slower_than(&self, cutoff: f64, closed: &Closed) -> usize {
         let (mut mobility, mut left) = (1.0 / closed.mass + self.force.norm_squared(), 0.0);
         for (count, (force, square)) in self.force.iter().zip(&self.squares).enumerate().rev() {
@@ -259,19 +265,19 @@ impl Spectrum {
         0
     }
 
-    /// How many of the modes, the lowest first, take part where those up to a frequency (rad/s) in contact do.
+    /// Returns the number of lowest modes that take part for a cutoff frequency (rad/s) during contact.
     pub fn count(&self, cutoff: f64, closed: &Closed) -> usize {
-        // What nothing holds has no static answer.
+        // Free motions have no static response.
         let free = self.squares.iter().filter(|square| **square <= ROUNDING * self.squares.max()).count();
         let kept = self.short_waves.as_ref().map_or(self.squares.len(), |waves| waves.kept);
         self.slower_than(cutoff, closed).min(kept).max(free).max(self.stiffened)
     }
 
-    /// The first modes; the others are left out but for their static answer. The modes' relaxation may change the force by an accuracy, over
-    /// its peak, in a run of a length (s).
+    /// Returns the first `count` modes. The others are replaced by their static response. Simplified relaxation of the
+    /// modes may change the force by `accuracy` relative to its peak, in a run of length `end` (s).
     ///
     /// # Errors
-    /// [`Error::Solve`] where dampers leave the body without independent modes.
+    /// [`Error::Solve`] if dampers leave the body without independent modes.
     pub fn modes(&self, count: usize, accuracy: f64, end: f64) -> Result<Modes> {
         let left = self.force.iter().zip(&self.squares).skip(count);
         let of_short_waves = self.short_waves.as_ref().map_or(0.0, |waves| waves.static_compliance);
@@ -287,10 +293,11 @@ impl Spectrum {
         shapes.moving = self.vectors.select_columns(&moving);
         let mut loads = &self.load + &self.support_load;
         if let Some(points) = &self.foundation {
-            // Where the foundations are left in equilibrium, their springs pull less than they would.
+            // Where the body has lifted off its foundations in equilibrium, the pull of their springs is removed.
             loads -= points.rows.tr_mul(&points.resting);
         }
-        // Short waves that the modes leave out do not take the modes' part of what is read.
+        // Short waves contribute to the motion of the impact point only. All other results are read without the
+        // weights.
         let reach = self.short_waves.as_ref().map_or(&self.force, |waves| &waves.force);
         if let Some(ShortWaves { weights, .. }) = &self.short_waves {
             shapes.moving.column_iter_mut().zip(&moving).for_each(|(mut shape, &i)| shape.unscale_mut(weights[i]));
@@ -305,7 +312,7 @@ impl Spectrum {
             rest_energy += 0.5 * loads[i] * at_rest[i];
         }
         if !self.relaxations.is_empty() && loads.amax() > 0.0 {
-            // What relaxes couples the modes that are left out with the others.
+            // Relaxation couples the modes that are left out with the others.
             (at_rest, rest_energy) = at_rest_beyond(&self.squares, &self.relaxations, &loads, &moving)?;
             shapes.rest = &self.vectors * &at_rest;
             rest = self.force.dot(&at_rest);
@@ -323,7 +330,7 @@ impl Spectrum {
         let squares = of_moving(&self.squares).map(|square| square.max(0.0));
         let (force, load) = (of_moving(&self.force), of_moving(&loads));
         let mut relaxations: Vec<_> = self.relaxations.iter().map(|part| part.select(&moving)).collect();
-        // (Under loads the body creeps to the equilibrium of all directions.)
+        // (Under loads, the body creeps to the equilibrium of all directions, so that none is dropped.)
         if loads.amax() == 0.0 {
             let amplitudes = amplitudes(&squares, &force, self.rate);
             relaxations =
@@ -345,7 +352,7 @@ impl Spectrum {
         };
         if let Some(ShortWaves { coordinates, .. }) = &self.short_waves {
             modes.extend(coordinates);
-            // They are no part of x and v.
+            // The short-wave coordinates are not part of x and v.
             damped =
                 damped.map(|shapes| shapes.map(|shape| shape.resize_horizontally(modes.len(), Complex::new(0.0, 0.0))));
         }
@@ -373,11 +380,11 @@ impl Spectrum {
     }
 }
 
-/// z = v + iωx: ż = iω z + φF + f, x = Im z/ω.
+/// Returns the modes of undamped vibrations, z = v + iωx: ż = iω z + φF + f, x = Im z/ω.
 fn vibrations(squares: &DVector<f64>, force: &DVector<f64>, load: &DVector<f64>) -> Vec<Mode> {
     let real = |x: f64| Complex::new(x, 0.0);
     let mode = |i: usize| {
-        // A frequency of nothing but rounding is not divided by.
+        // Avoids division by a zero frequency.
         let frequency = squares[i].max(f64::MIN_POSITIVE).sqrt();
         Mode {
             rate: Complex::new(0.0, frequency),

@@ -1,4 +1,4 @@
-//! A linear body with its pads, as operators that any scheme can apply and solve with.
+//! A linear body with its pads, as PETSc operators for time stepping, factorisation and model reduction.
 
 use petsc_wrap::{Comm, Ksp, Matrix, NullSpace, Vector};
 
@@ -8,103 +8,107 @@ use crate::solve::linear::{Method, solver, solver_of_nodes};
 
 use super::{Clamps, InfinitePlate, Lumped, Pads, Relaxation, Unilateral};
 
-/// Relative residual of an iterative solution with M.
-const OF_MASS: f64 = 1e-12;
+/// Relative residual at which an iterative solution with M stops.
+const MASS_SOLVE_TOLERANCE: f64 = 1e-12;
 
-/// The body's side of M ü + C u̇ + K u + p(u) = a F + f, as PETSc holds it.
+/// Assembled body of M ü + C u̇ + K u + p(u) = a F + f, stored in PETSc matrices and vectors.
 ///
-/// Matrices are those of all unknowns, held ones included; [`Clamps`] says which of them move.
+/// The matrices have rows for all unknowns, constrained ones included; [`Clamps`] lists the constrained unknowns.
 pub struct Body {
-    /// M, kg.
+    /// Mass matrix M, kg.
     pub mass: Matrix,
-    /// K of the elastic body alone, N/m: of relaxing parts what is left after all relaxation.
+    /// Stiffness K of the elastic body alone, N/m. Viscoelastic parts contribute their fully relaxed stiffness.
     pub elastic: Matrix,
-    /// What relaxes beside that.
+    /// Viscoelastic parts, in addition to the elastic K.
     pub relaxations: Vec<Relaxation>,
-    /// M and K for products, with less memory traffic than the matrices themselves, which serve where there are none: entries by node,
-    /// or an upper triangle.
+    /// Copies of M and K that need less memory traffic in products: stored by node, or as an upper triangle. If `None`,
+    /// the matrices themselves are used.
     pub(crate) products: Option<[Matrix; 2]>,
-    /// K of the elastic supports (11), N/m.
+    /// Stiffness K of the elastic supports (11), N/m.
     pub support: Option<Matrix>,
-    /// C of the dampers (13), N s/m.
+    /// Damping matrix C of the dampers (13), N s/m.
     pub damping: Option<Matrix>,
-    /// Diagonals in the places of M and C, where the scheme is explicit.
+    /// Diagonal replacements of M and C, if the time integration is explicit.
     pub lumped: Option<Lumped>,
-    /// Pads (12).
+    /// One-sided foundation pads (12).
     pub pads: Option<Pads>,
-    /// The pads of a body that is to be reduced, whose springs are in K ([`Body::take_pads_as_springs`]).
+    /// Pads of a body that is to be reduced; their springs are part of K ([`Body::take_pads_as_springs`]).
     pub unilateral: Option<Unilateral>,
-    /// Held unknowns (2).
+    /// Constrained unknowns (2).
     pub clamps: Clamps,
-    /// u at rest under loads, supports and pads, where the motion starts there.
+    /// Static displacement u under loads, supports and pads, if the motion starts from equilibrium.
     pub equilibrium: Option<Vector>,
-    /// Body force and tractions, N.
+    /// Load vector of the body force and the tractions, N.
     pub load: Vector,
     /// ∫ k ū·v dS of the elastic supports, N.
     pub support_load: Vector,
     /// ½ ∫ k ū·ū dS of the elastic supports, J.
     pub support_offset: f64,
-    /// Where the impactor hits.
+    /// Contact force vector a at the impact point, with the local compliance.
     pub localization: Localization,
-    /// How systems of its operators are solved.
+    /// Solution method for systems with the body's operators.
     pub method: Method,
-    /// The rigid motions, which multigrid needs to know of, where there are unknowns enough for that.
+    /// Rigid-body motions, the near null space for multigrid. Present if the body has enough unknowns for multigrid.
     pub(crate) rigid_motions: Option<NullSpace>,
-    /// As of [`System::hit_stress`](super::System::hit_stress).
+    /// Same as [`System::hit_stress`](super::System::hit_stress).
     pub hit_stress: Vec<Vector>,
-    /// As of [`System::hit_local`](super::System::hit_local).
+    /// Same as [`System::hit_local`](super::System::hit_local).
     pub hit_local: [f64; 3],
-    /// The body moved as a whole by one in the impactor's direction.
+    /// Rigid translation of the whole body by one unit in the impactor's direction.
     pub translation: Vector,
-    /// As of [`System::infinite_plate`](super::System::infinite_plate).
+    /// Same as [`System::infinite_plate`](super::System::infinite_plate).
     pub infinite_plate: Option<InfinitePlate>,
-    /// Numbers that look like independent normal deviates, the same on any number of ranks: where iterations start.
+    /// Pseudo-random numbers similar to independent normal deviates, equal on any number of ranks. Start vector of
+    /// iterations.
     pub deviates: Vector,
-    /// Where this rank's nodes lie (m), three unknowns each; `None` for a body of numbers, of which every rank has all.
+    /// Positions of this rank's nodes (m), three unknowns each. `None` for a body without a mesh, which every rank
+    /// stores completely.
     pub nodes: Option<Vec<[f64; 3]>>,
-    /// How many such bodies make the whole: 1, or 4 for a quarter of a symmetric box.
+    /// Number of such bodies that form the whole: 1, or 4 for a quarter of a symmetric box.
     pub copies: f64,
-    /// The body's classes of motions, each by itself: blocks of its unknowns, one after the other. None where there is one.
+    /// Uncoupled symmetry classes of motions as separate bodies, each a consecutive block of the unknowns. Empty if
+    /// there is only one class.
     pub classes: Vec<Body>,
 }
 
 impl Body {
-    /// The ranks that share it.
+    /// Communicator of the ranks that share the body.
     pub fn comm(&self) -> &Comm {
         self.mass.comm()
     }
 
-    /// Unknowns on all ranks.
+    /// Number of unknowns on all ranks.
     pub fn unknowns(&self) -> usize {
         self.load.len()
     }
 
-    /// A solver of an operator of the body ([`Self::operator`]). Collective.
+    /// Returns a solver for an operator of the body ([`Self::operator`]). Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn solver(&self, operator: &Matrix) -> Result<Ksp> {
         Ok(solver(self.comm(), "", operator, self.method)?)
     }
 
-    /// A solver of S ([`Self::operator_of_step`]) for many steps of a length (s), by the method that suits it ([`Self::step_method`]). Collective.
+    /// Returns a solver of S ([`Self::operator_of_step`]) for many time steps of length `step` (s), with the method of
+    /// [`Self::step_method`]. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn step_solver(&self, step: f64, c1: f64, c2: f64) -> Result<Ksp> {
         let operator = self.operator_of_step(step, c1, c2)?;
         let (method, places) = (self.step_method(c2)?, self.nodes.as_deref());
         let ksp = solver_of_nodes(self.comm(), "", &operator, method, places)?;
-        // The solver has what it needs of it.
+        // The solver keeps its own reference to the operator.
         operator.destroy()?;
         Ok(ksp)
     }
 
-    /// How the systems of a step are solved: as all, but by incomplete factors in the place of multigrid where the stiffness does
-    /// not outweigh the mass by far. Collective.
+    /// Returns the solution method for the systems of a time step: the method of the body, except that incomplete
+    /// factors replace multigrid unless the stiffness is much larger than the mass term. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn step_method(&self, c2: f64) -> Result<Method> {
         match self.method {
             Method::Multigrid { .. } => {
@@ -114,34 +118,34 @@ impl Body {
         }
     }
 
-    /// M with the held unknowns taken out, and its solver. Collective.
+    /// Returns M without the constrained unknowns, and a solver for it. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn mass_solver(&self) -> Result<(Matrix, Ksp)> {
         let mut mass = self.mass.duplicate()?;
         mass.zero_rows_columns(&self.clamps.rows, 1.0)?;
         mass.declare_positive_definite()?;
         let method = match self.method {
-            Method::Multigrid { .. } | Method::Incomplete { .. } => Method::Diagonal { tolerance: OF_MASS },
+            Method::Multigrid { .. } | Method::Incomplete { .. } => Method::Diagonal { tolerance: MASS_SOLVE_TOLERANCE },
             method => method,
         };
         let solver = solver(self.comm(), "mass_", &mass, method)?;
         Ok((mass, solver))
     }
 
-    /// Whether nothing resists a translation along the impactor's direction. Collective.
+    /// Whether no support, pad or clamp resists a rigid translation along the impactor's direction. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn is_free(&self) -> Result<bool> {
         Ok(self.support.is_none() && self.pads.is_none() && !self.is_translation_held()?)
     }
 
-    /// Whether clamps hold that translation. Collective.
+    /// Whether clamps prevent this translation. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn is_translation_held(&self) -> Result<bool> {
         let mut held = self.translation.duplicate()?;
         held.copy_from(&self.translation)?;
@@ -150,10 +154,10 @@ impl Body {
         Ok(held.norm_max()? != 0.0)
     }
 
-    /// out ← M v, with the lumped M where the scheme is explicit. Collective.
+    /// Computes out ← M v, with the lumped M if the time integration is explicit. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn apply_mass(&self, v: &Vector, out: &mut Vector) -> Result<()> {
         match &self.lumped {
             Some(lumped) => {
@@ -165,18 +169,19 @@ impl Body {
         Ok(())
     }
 
-    /// out ← K u of the body alone. Collective.
+    /// Computes out ← K u of the elastic body alone. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn apply_elastic(&self, u: &Vector, out: &mut Vector) -> Result<()> {
         Ok(self.products.as_ref().map_or(&self.elastic, |[_, elastic]| elastic).mult(u, out)?)
     }
 
-    /// out ← C v, with the lumped C where the scheme is explicit; nothing without dampers. Collective.
+    /// Computes out ← C v, with the lumped C if the time integration is explicit. Leaves `out` unchanged without
+    /// dampers. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn apply_damping(&self, v: &Vector, out: &mut Vector) -> Result<()> {
         match (&self.lumped, &self.damping) {
             (Some(Lumped { damping: Some(diagonal), .. }), _) => {
@@ -189,10 +194,10 @@ impl Body {
         Ok(())
     }
 
-    /// S = K + c1 C + c2 M, pads left out. Collective.
+    /// Assembles S = K + c1 C + c2 M with the elastic supports, without the pads. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn combination(&self, c1: f64, c2: f64) -> Result<Matrix> {
         let mut sum = self.elastic.duplicate()?;
         sum.axpy(c2, &self.mass)?;
@@ -205,19 +210,20 @@ impl Body {
         Ok(sum)
     }
 
-    /// [`Self::combination`] with the held unknowns taken out, to be solved with by direct or iterative methods. Collective.
+    /// Assembles [`Self::combination`] without the constrained unknowns, ready for direct or iterative solvers.
+    /// Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn operator(&self, c1: f64, c2: f64) -> Result<Matrix> {
         self.without_held(self.combination(c1, c2)?)
     }
 
-    /// [`Self::operator`] of a step of a length (s), in which relaxing parts are as stiff as strains that are linear over it find them.
-    /// Collective.
+    /// Assembles [`Self::operator`] for a time step of length `step` (s). Viscoelastic parts have their effective
+    /// stiffness for strains that vary linearly over the step. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn operator_of_step(&self, step: f64, c1: f64, c2: f64) -> Result<Matrix> {
         let mut matrix = self.combination(c1, c2)?;
         for relaxation in &self.relaxations {
@@ -226,10 +232,11 @@ impl Body {
         self.without_held(matrix)
     }
 
-    /// K + c2 M with the pads' tangent at u, or that of pads pressed everywhere, and the held unknowns taken out. Collective.
+    /// Assembles K + c2 M plus the tangent of the pads, without the constrained unknowns. The tangent is taken at u, or
+    /// with all pads pressed if `u` is `None`. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn operator_on_pads(&mut self, c2: f64, u: Option<&Vector>) -> Result<Matrix> {
         let mut matrix = self.combination(0.0, c2)?;
         match (&mut self.pads, u) {

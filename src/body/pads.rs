@@ -1,4 +1,4 @@
-//! One-sided elastic supports (12): the part of a body that is not linear.
+//! One-sided foundation pads (12): the nonlinear part of a body.
 
 use std::ops::Range;
 
@@ -11,51 +11,51 @@ use crate::form::PadElement;
 
 use super::Clamps;
 
-/// All pads of a scene, on this rank's part of the surface.
+/// All pads of a scene on this rank's part of the surface.
 pub struct Pads {
     comm: Comm,
     elements: Vec<PadOnSurface>,
-    /// Displacements of all elements, one after the other.
+    /// Gathers the displacements of all elements, one element after the other.
     gather: Gather,
-    /// 1 for a free unknown of those, 0 for a clamped one.
+    /// 1 for a free unknown of these displacements, 0 for a constrained one.
     free: Vec<f64>,
     block: Vec<f64>,
 }
 
-/// A pad under an element of the surface.
+/// Pad on one element of the surface.
 #[derive(Debug, Clone)]
 pub struct PadOnSurface {
     /// Global numbers of the element's unknowns.
     pub unknowns: Vec<Int>,
-    /// What pushes back.
+    /// Reaction law of the pad.
     pub element: PadElement,
-    /// The number of its place among those of all pads.
+    /// Number of the surface region under the pad, counted over all pads.
     pub place: usize,
 }
 
-/// Pads as their quadrature points, component by component: a point pushes back with w ⟨g⟩ on each of its unknowns times s φ_a,
-/// g = Σ s φ_a u_a − s ū.
+/// Quadrature points of pads, with a separate point for each displacement component. A point reacts with w ⟨g⟩ s φ_a on
+/// each of its unknowns, g = Σ s φ_a u_a − s ū.
 #[derive(Debug, Clone, Default)]
 pub struct PadPoints {
-    /// w, N/m, by point.
+    /// Stiffness w of each point, N/m.
     pub weights: Vec<f64>,
-    /// s ū, m, by point.
+    /// Offset s ū of each point, m.
     pub offsets: Vec<f64>,
-    /// How many unknowns each point has.
+    /// Number of unknowns of each point.
     pub counts: Vec<usize>,
     /// Global numbers of the unknowns, point by point.
     pub unknowns: Vec<Int>,
-    /// s φ_a, likewise.
+    /// Signed shape functions s φ_a, point by point.
     pub values: Vec<f64>,
-    /// Whether the unknown is free, likewise.
+    /// Whether each unknown is free, point by point.
     pub free: Vec<bool>,
 }
 
 impl Pads {
-    /// Of this rank's elements. Collective.
+    /// Creates the pads from this rank's elements. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn new(comm: &Comm, elements: Vec<PadOnSurface>, clamps: &Clamps) -> Result<Self> {
         let indices: Vec<Int> = elements.iter().flat_map(|pad| pad.unknowns.iter().copied()).collect();
         let mut gather = Gather::new(&clamps.free, &indices)?;
@@ -63,25 +63,28 @@ impl Pads {
         Ok(Self { comm: comm.clone(), elements, gather, free, block: Vec::new() })
     }
 
-    /// Adds the free part of p, N, to `f`, which may be longer than u: p(u), or, with a displacement `from`, the discrete
-    /// gradient of the potential between the two. Collective; assembles `f`.
+    /// Adds the reaction p of the pads on the free unknowns, N, to `f`, which may be longer than u. Without `from`, the
+    /// reaction is p(u). With a previous displacement `from`, it is the discrete gradient of the potential between the
+    /// two displacements. Collective; assembles `f`.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn add_force(&mut self, from: Option<&Vector>, u: &Vector, f: &mut VectorView) -> petsc_wrap::Result<()> {
         let from = self.fetch_from(from)?;
         self.add(u, f, |element, place, u, block| element.residual(part(&from, place), u, block))
     }
 
-    /// As [`Pads::add_force`], the largest tangent times u: that of pads pressed everywhere ([`PadElement::pressed`]).
+    /// Like [`Pads::add_force`], but adds the tangent of pads pressed everywhere ([`PadElement::pressed`]) times u.
+    /// This is the largest possible tangent.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn add_pressed(&mut self, u: &Vector, f: &mut VectorView) -> petsc_wrap::Result<()> {
         self.add(u, f, |element, _, u, block| element.pressed(u, block))
     }
 
-    /// Adds a kernel's part of each element; it gets the place of the element's values among those of all.
+    /// Adds the result of a kernel for each element. The kernel gets the range of the element's values in the gathered
+    /// vector.
     fn add(
         &mut self,
         u: &Vector,
@@ -99,11 +102,11 @@ impl Pads {
         f.assemble()
     }
 
-    /// Adds the free part of `factor` ∂p/∂u (semi-smooth), N/m, to a matrix, which must be assembled afterwards; p as in
-    /// [`Self::add_force`]. Collective.
+    /// Adds `factor` ∂p/∂u (semi-smooth) on the free unknowns, N/m, to a matrix, which must be assembled afterwards.
+    /// The reaction p is defined in [`Self::add_force`]. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn add_tangent(
         &mut self,
         from: Option<&Vector>,
@@ -126,11 +129,11 @@ impl Pads {
         Ok(())
     }
 
-    /// The pads as springs in both directions: adds their K to a matrix, which must be assembled afterwards, and ∫ k ū·v dS to a vector;
-    /// returns ½ ∫ k ū·ū dS, J, the same on all ranks. Collective.
+    /// Adds the pads as springs that act in both directions: their stiffness to a matrix, which must be assembled
+    /// afterwards, and ∫ k ū·v dS to a vector. Returns ½ ∫ k ū·ū dS, J, equal on all ranks. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn add_springs(&self, matrix: &mut MatrixView, load: &mut VectorView) -> petsc_wrap::Result<f64> {
         let (mut square, mut vector, mut offset) = (Vec::new(), Vec::new(), 0.0);
         for PadOnSurface { unknowns, element, .. } in &self.elements {
@@ -146,10 +149,10 @@ impl Pads {
         Ok(self.sum(offset))
     }
 
-    /// ∫ k s·v dS over each place with pads. Collective.
+    /// Returns ∫ k s·v dS over each surface region with pads. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn loads(&self, like: &Vector) -> petsc_wrap::Result<Vec<Vector>> {
         let mut places: Vec<u64> =
             self.comm.all_gather(&self.elements.iter().map(|pad| pad.place as u64).collect::<Vec<_>>());
@@ -169,17 +172,17 @@ impl Pads {
         places.into_iter().map(of_place).collect()
     }
 
-    /// Σ s φ_a u_a at all points, m, in the order of [`Self::points`]. Collective.
+    /// Returns Σ s φ_a u_a at all points, m, in the order of [`Self::points`]. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn moved(&mut self, u: &Vector) -> petsc_wrap::Result<Vec<f64>> {
         let u = self.gather.fetch(u)?;
         let here: Vec<f64> = placed(&self.elements).flat_map(|(pad, place)| pad.element.moved(&u[place])).collect();
         Ok(self.comm.all_gather(&here))
     }
 
-    /// The free unknowns that a pad can push, by global number, in order; the same on all ranks. Collective.
+    /// Returns the free unknowns that a pad can push, as ascending global numbers, equal on all ranks. Collective.
     pub fn pushed(&self) -> Vec<Int> {
         let mut here: Vec<Int> = Vec::new();
         for (pad, place) in placed(&self.elements) {
@@ -193,7 +196,7 @@ impl Pads {
         all
     }
 
-    /// The points of all pads, of all ranks on every rank. Collective.
+    /// Returns the points of the pads of all ranks, on every rank. Collective.
     pub fn points(&self) -> PadPoints {
         let (mut points, mut free) = (PadPoints::default(), Vec::new());
         for (pad, place) in placed(&self.elements) {
@@ -221,10 +224,10 @@ impl Pads {
         from.map(|from| Ok(self.gather.fetch(from)?.to_vec())).transpose()
     }
 
-    /// ∫ ½ k ⟨·⟩² dS over all pads, J, the same on all ranks. Collective.
+    /// Returns the potential ∫ ½ k ⟨·⟩² dS of all pads, J, equal on all ranks. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn potential(&mut self, u: &Vector) -> petsc_wrap::Result<f64> {
         let u = self.gather.fetch(u)?;
         let here: f64 = placed(&self.elements).map(|(pad, place)| pad.element.potential(&u[place])).sum();
@@ -239,7 +242,7 @@ impl Pads {
     }
 }
 
-/// The elements, each with the place of its values among those of all.
+/// Iterates over the elements, each with the range of its values in the gathered vector.
 fn placed(elements: &[PadOnSurface]) -> impl Iterator<Item = (&PadOnSurface, Range<usize>)> {
     elements.iter().scan(0, |end, pad| {
         let start = std::mem::replace(end, *end + pad.unknowns.len());
@@ -252,7 +255,7 @@ fn distinct(list: &mut Vec<Int>) {
     list.dedup();
 }
 
-/// The values at a place, where there are any.
+/// Returns the values in a range, if there are values.
 fn part(all: &Option<Vec<f64>>, place: Range<usize>) -> Option<&[f64]> {
     all.as_ref().map(|all| &all[place])
 }

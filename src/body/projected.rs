@@ -1,4 +1,4 @@
-//! A body's operators on a basis that grows.
+//! Projection of a body's operators onto a growing basis.
 
 use nalgebra::DMatrix;
 
@@ -7,24 +7,24 @@ use super::linear::{LinearBody, Operator, Properties};
 use super::{ProjectedRelaxation, Projection};
 use crate::error::Result;
 
-/// Vectors that are multiplied by an operator at a time.
+/// Number of vectors multiplied by an operator at a time.
 const BLOCK: usize = 64;
 
-/// VᵀAV of each operator but M, of the vectors that there were when they were last asked for.
+/// VᵀAV of each operator except M, for the vectors known at the last call of `extend`.
 pub struct Projected(Vec<(Operator, DMatrix<f64>)>);
 
 impl Projected {
-    /// Of the operators that a body has, without vectors.
+    /// Selects the operators that a body has, for an empty basis.
     pub fn new(body: &dyn LinearBody) -> Self {
         let relaxations = (0..body.chains().len()).map(Operator::Distortion);
         let all = [Operator::Elastic, Operator::Support, Operator::Damping].into_iter().chain(relaxations);
         Self(all.filter(|operator| body.has(*operator)).map(|operator| (operator, DMatrix::zeros(0, 0))).collect())
     }
 
-    /// Projects the operators onto the vectors that are new. Collective.
+    /// Projects the operators onto the new vectors. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn extend(&mut self, body: &dyn LinearBody, basis: &Columns) -> Result<()> {
         let count = basis.count();
         for (operator, known) in &mut self.0 {
@@ -35,7 +35,7 @@ impl Projected {
                 let images = body.apply(*operator, &basis.range(begin..end))?;
                 let products = basis.products_with_few_rows(end, &images);
                 for (j, column) in (begin..end).zip(products.column_iter()) {
-                    // The lower triangle is that of the later vectors.
+                    // Entries below the diagonal follow from symmetry.
                     for i in 0..=j {
                         all[(i, j)] = column[i];
                         all[(j, i)] = column[i];
@@ -47,8 +47,8 @@ impl Projected {
         Ok(())
     }
 
-    /// All operators map the first vector, the translation of a body that nothing holds, to nothing, but for rounding that a large body would
-    /// oscillate by.
+    /// Sets the rows and columns of the first vector to zero. For the translation of an unsupported body, they are zero
+    /// except for rounding, which would make a large body oscillate.
     pub fn release_first(&mut self) {
         for (_, matrix) in self.0.iter_mut().filter(|(_, matrix)| !matrix.is_empty()) {
             matrix.row_mut(0).fill(0.0);
@@ -56,10 +56,10 @@ impl Projected {
         }
     }
 
-    /// The body on the basis, made at a rate (1/s), without its infinite plate. Collective.
+    /// Returns the body projected onto a basis made at a shift (1/s), without the infinite plate. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn projection(
         &self,
         body: &dyn LinearBody,
@@ -73,7 +73,7 @@ impl Projected {
             distortion: get(Operator::Distortion(number)).unwrap_or_else(none),
             chain: chain.clone(),
         });
-        // Of a body that is held the basis has no translation, which K would map to nothing.
+        // Only the basis of a free body contains the translation, which K maps to zero.
         let momentum = if properties.is_free {
             body.apply(Operator::Mass, &basis.one(properties.translation.clone()))?
         } else {

@@ -1,4 +1,4 @@
-//! A linear body on a basis of few vectors, orthonormal in its mass.
+//! A linear body reduced to a basis of few vectors, orthonormal in its mass.
 
 use nalgebra::{DMatrix, DVector};
 use nalgebra_sparse::CsrMatrix;
@@ -7,28 +7,28 @@ use super::{FoundationPoints, InfinitePlate, ProjectedRelaxation, System};
 use crate::contact::Patch;
 use crate::material::Maxwell;
 
-/// ÿ + C ẏ + (K_e + K_s) y = a F + f: a body's operators on a basis V with VᵀMV = 1, so that u = V y.
+/// Reduced body ÿ + C ẏ + (K_e + K_s) y = a F + f on a basis V with VᵀMV = 1, so that u = V y.
 ///
-/// Bases are nested: the first vectors of one are a basis too ([`Projection::leading`]).
+/// Bases are nested: the first vectors of a basis form a basis too ([`Projection::leading`]).
 #[derive(Debug, Clone)]
 pub struct Projection {
-    /// VᵀKV of the elastic body alone, 1/s²: of relaxing parts what is left after all relaxation.
+    /// VᵀKV of the elastic body alone, 1/s². Viscoelastic parts contribute their fully relaxed stiffness.
     pub elastic: DMatrix<f64>,
-    /// What relaxes beside that.
+    /// Viscoelastic parts, in addition to `elastic`.
     pub relaxations: Vec<ProjectedRelaxation>,
-    /// s, 1/s: the rate at which the basis was made.
+    /// Shift s at which the basis was made, 1/s.
     pub rate: f64,
     /// VᵀKV of the elastic supports (11), 1/s².
     pub support: DMatrix<f64>,
     /// VᵀCV of the dampers (13), 1/s; `None` without dampers.
     pub damping: Option<DMatrix<f64>>,
-    /// Vᵀa.
+    /// Reduced contact force vector Vᵀa.
     pub force: DVector<f64>,
-    /// VᵀMt of the unit translation t along the impactor's direction.
+    /// VᵀMt for the unit translation t along the impactor's direction.
     pub translation: DVector<f64>,
-    /// The forms of [`System::hit_stress`] on V, a row each.
+    /// Linear forms of [`System::hit_stress`] on V, one in each row.
     pub hit_stress: DMatrix<f64>,
-    /// As of [`System::hit_local`].
+    /// Same as [`System::hit_local`].
     pub hit_local: [f64; 3],
     /// Vᵀf of body forces and tractions.
     pub load: DVector<f64>,
@@ -36,20 +36,20 @@ pub struct Projection {
     pub support_load: DVector<f64>,
     /// ½ ∫ k ū·ū dS of the supports, J.
     pub support_offset: f64,
-    /// c_l of the contact law, m/N, of the modelled part.
+    /// Local compliance c_l of the contact law, m/N, of the modelled part.
     pub compliance: f64,
-    /// How many such parts make the whole.
+    /// Number of such parts that form the whole.
     pub copies: f64,
-    /// The patch, where there is one.
+    /// Patch that carries the contact pressure, if there is one.
     pub patch: Option<Patch>,
-    /// Unilateral foundations, whose springs are among the supports.
+    /// Unilateral foundations, whose springs are included in `support`.
     pub foundation: Option<FoundationPoints>,
-    /// What stands for the plate's shortest waves, where the basis is to know the longer ones alone.
+    /// Infinite plate that replaces the shortest waves of the plate, if the basis is made for the longer ones only.
     pub infinite_plate: Option<InfinitePlate>,
 }
 
 impl Projection {
-    /// The body for schemes that know no modes: y are its unknowns.
+    /// Returns the reduced body as a system with the unknowns y, for time integration without modes.
     pub fn system(&self) -> System {
         let of = with_zeros;
         let count = self.vectors();
@@ -78,19 +78,19 @@ impl Projection {
         }
     }
 
-    /// K + G̃(s) D at the rate of the basis, supports included, 1/s².
+    /// Returns K + G̃(s) D at the shift of the basis, supports included, 1/s².
     pub fn stiffness_at_rate(&self) -> DMatrix<f64> {
         self.stiffness_at(self.rate)
     }
 
-    /// The same at any rate, 1/s.
+    /// Returns K + G̃(s) D at any rate s (1/s), supports included, 1/s².
     pub fn stiffness_at(&self, rate: f64) -> DMatrix<f64> {
         let elastic = &self.elastic + &self.support;
         let relaxing = self.relaxations.iter();
         relaxing.fold(elastic, |sum, part| sum + &part.distortion * part.chain.transformed_terms(rate))
     }
 
-    /// The body whose relaxing parts have other chains, in their order, the same otherwise.
+    /// Returns the body with other Prony series for its viscoelastic parts, in the same order.
     #[must_use]
     pub fn with_chains(&self, chains: &[Maxwell]) -> Self {
         let mut changed = self.clone();
@@ -102,12 +102,12 @@ impl Projection {
         changed
     }
 
-    /// Vectors of the basis.
+    /// Number of vectors of the basis.
     pub fn vectors(&self) -> usize {
         self.force.len()
     }
 
-    /// The body whose supports lie on the straight line from this one's (0) to another one's (1), the same otherwise.
+    /// Returns the body with supports interpolated linearly between this body (`part` 0) and another one (`part` 1).
     pub(super) fn towards(&self, other: &Self, part: f64) -> Self {
         let zeros = DMatrix::zeros(self.vectors(), self.vectors());
         let damping = match (&self.damping, &other.damping) {
@@ -127,7 +127,7 @@ impl Projection {
         }
     }
 
-    /// All the numbers of the arrays.
+    /// Iterates over the entries of all arrays.
     pub(super) fn numbers(&mut self) -> impl Iterator<Item = &mut [f64]> {
         let Self { elastic, relaxations, support, damping, force, translation, hit_stress, load, support_load, .. } =
             self;
@@ -139,7 +139,7 @@ impl Projection {
             .chain([force, translation, load, support_load].map(|v| v.as_mut_slice()))
     }
 
-    /// The same body on the first `count` vectors of the basis.
+    /// Returns the same body on the first `count` vectors of the basis.
     pub fn leading(&self, count: usize) -> Self {
         let square = |m: &DMatrix<f64>| m.view((0, 0), (count, count)).into_owned();
         let head = |v: &DVector<f64>| v.rows(0, count).into_owned();
@@ -165,7 +165,7 @@ impl Projection {
     }
 }
 
-/// A matrix with all of its entries, zeros too: M adds to each of them.
+/// Converts a matrix to sparse format with all entries, zeros included, because M adds to each of them.
 fn with_zeros(matrix: &DMatrix<f64>) -> CsrMatrix<f64> {
     let (rows, columns) = matrix.shape();
     let offsets = (0..=rows).map(|row| row * columns).collect();

@@ -1,9 +1,17 @@
-//! Eigenpairs of (λ² + K + g(λ) D) φ = 0, g = Σ G_i λτ_i/(1 + λτ_i): the free motions of a body with one relaxing chain.
+//! Eigenpairs of (λ² + K + g(λ) D) φ = 0, g = Σ G_i λτ_i/(1 + λτ_i): the free motions of a body with one generalised
+//! Maxwell chain (Prony series).
 //!
-//! Each pair is found by itself, by inverse iteration with the Rayleigh functional (Ruhe, SIAM J. Numer. Anal. 10, 1973, for T(λ) = Tᵀ): from each mode of a given modulus a vibration, and in each interval between
-//! two poles −1/τ_i, over which g falls from ∞ to −∞, a real one for each direction of D. From there on λ² changes them little. A pair that
-//! is found twice means another one that is missing: whether all are there, the sums Σ λ φφᵀ/(φᵀT′φ) = 1 and −Σ λ⁻¹ φφᵀ/(φᵀT′φ) = K⁻¹
-//! tell; and what the first of them lacks is the missing pair's, which is sought from there. The cost of a pair is the cube of the number of modes, where that of the first-order system is the cube of that times the number of terms.
+//! Each pair is computed separately by inverse iteration with the Rayleigh functional (Ruhe, SIAM J. Numer. Anal. 10,
+//! 1973, for T(λ) = Tᵀ). Each vibration starts from a mode with a given modulus. In each interval between two poles
+//! −1/τ_i, where g takes all values from −∞ to ∞, there is one real pair for each direction of D. It starts from the
+//! solution for a fixed λ², which is close because λ² has little effect.
+//!
+//! If a pair is found twice, another pair is missing. Two sums show whether all pairs are present: Σ λ φφᵀ/(φᵀT′φ) = 1
+//! and −Σ λ⁻¹ φφᵀ/(φᵀT′φ) = K⁻¹. The defect of the first sum belongs to the missing pair, whose search starts from
+//! there.
+//!
+//! The cost of a pair is the cube of the number of modes. The cost of the first-order system is the cube of the product
+//! of the numbers of modes and terms.
 
 use nalgebra::{Cholesky, Complex, ComplexField, DMatrix, DVector, Dyn};
 
@@ -13,21 +21,21 @@ use super::eigen::symmetric_eigen;
 use super::secular_eigen::Secular;
 use crate::material::Maxwell;
 
-/// Iterations for one pair: convergence is cubic.
-pub(super) const MOST: usize = 12;
+/// Largest number of iterations for one pair. Convergence is cubic.
+pub(super) const MAX_ITERATIONS: usize = 12;
 
-/// A change of λ over λ after which one iteration more leaves rounding.
+/// Relative change of λ after which one more iteration is accurate to rounding.
 const CLOSE: f64 = 1e-6;
 
-/// Iterations end when the relative change of λ is below this. Pairs that lie close together take more of them.
-const SETTLED: f64 = 1e-10;
+/// Relative change of λ below which the iterations end. Pairs that lie close together need more iterations.
+const CONVERGED: f64 = 1e-10;
 
-/// How the iterations for a pair go.
+/// Convergence state of the iterations for one pair.
 #[derive(Debug)]
 pub(super) struct Settling {
-    /// Whether λ is near enough for one turn more, which makes φ as good as λ.
+    /// Whether λ is accurate enough for a last iteration, which makes φ as accurate as λ.
     pub is_found: bool,
-    /// The last change of λ over λ.
+    /// Last relative change of λ.
     last: f64,
 }
 
@@ -36,76 +44,78 @@ impl Settling {
         Self { is_found: false, last: f64::INFINITY }
     }
 
-    /// Takes the next change of λ over λ: whether it is the last one, for it is small, or rounding keeps it from falling.
+    /// Records the next relative change of λ. Returns whether it is the last one: it is small, or rounding prevents a
+    /// further decrease.
     pub fn ends(&mut self, part: f64) -> bool {
-        let ends = part.is_nan() || self.is_found && (part <= SETTLED || part >= self.last);
+        let ends = part.is_nan() || self.is_found && (part <= CONVERGED || part >= self.last);
         self.is_found |= part <= CLOSE;
         self.last = part;
         ends
     }
 }
 
-/// Directions on which the chain has less than this part of the stiffness creep by nothing.
+/// Ratio of the chain's stiffness to the other stiffness in a direction below which no creep is computed.
 pub(super) const IDLE: f64 = 1e-10;
 
-/// What the sums of all pairs may be off by.
-const COMPLETE: f64 = 1e-8;
+/// Largest relative error of the sums over all pairs.
+const LARGEST_SUM_ERROR: f64 = 1e-8;
 
-/// Vectors by whose products with the sums these are checked: the fractions of the multiples of these numbers' roots.
+/// Numbers that define the test vectors for the sums: fractional parts of multiples of their square roots.
 const PROBES: [f64; 4] = [2.0, 3.0, 5.0, 7.0];
 
-/// Rates and shapes that differ by less are of one pair found twice.
-const ALIKE: f64 = 1e-6;
+/// Relative difference of rates and shapes below which two results are the same pair.
+const SAME_PAIR: f64 = 1e-6;
 
-/// Pairs found twice that are replaced by the missing ones, at most: each takes sums over all pairs.
-const MISSING: usize = 12;
+/// Largest number of repeated pairs that are replaced by missing ones. Each replacement takes sums over all pairs.
+const MAX_REPLACED_PAIRS: usize = 12;
 
-/// An eigenpair; one of two that are conjugate, the one with Im λ > 0.
+/// An eigenpair. For a conjugate pair, the one with Im λ > 0.
 pub struct Pair {
-    /// λ, 1/s.
+    /// Eigenvalue λ, 1/s.
     pub rate: Complex<f64>,
-    /// φ.
+    /// Eigenvector φ.
     pub shape: DVector<Complex<f64>>,
-    /// φᵀT′(λ)φ.
+    /// Slope φᵀT′(λ)φ.
     pub slope: Complex<f64>,
 }
 
-/// Where a pair was sought.
+/// Region in which a pair was searched.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
     Vibration,
-    /// Between these rates, 1/s, the first of which is a pole.
+    /// Between these rates, 1/s, the first of them a pole.
     Between(f64, f64),
 }
 
-/// T(λ).
+/// The eigenproblem T(λ) φ = 0.
 pub struct Rational<'a> {
-    /// K after all relaxation.
+    /// Stiffness K after all relaxation.
     pub stiffness: &'a DMatrix<f64>,
-    /// D.
+    /// Distortion stiffness D.
     pub distortion: &'a DMatrix<f64>,
-    /// B with D = B Bᵀ, where it has few columns, and ḡ: the unit vectors are modes of K + ḡ D.
+    /// B with D = B Bᵀ, if it has few columns, and the modulus ḡ: the unit vectors are modes of K + ḡ D.
     pub factor: Option<(&'a DMatrix<f64>, f64)>,
-    /// The terms.
+    /// Terms of the Prony series.
     pub chain: &'a Maxwell,
 }
 
 impl Pair {
-    /// How many pairs it stands for.
+    /// Number of eigenvalues that the pair represents.
     pub fn count(&self) -> f64 {
         if self.rate.im == 0.0 { 1.0 } else { 2.0 }
     }
 
-    /// Whether it is another one found again.
+    /// Whether both are the same pair.
     fn is(&self, other: &Self) -> bool {
-        let close = (self.rate - other.rate).norm() <= ALIKE * self.rate.norm();
-        // Shapes are of unit length, and equal but for a factor of modulus 1.
-        close && self.shape.dotc(&other.shape).norm() >= 1.0 - ALIKE
+        let close = (self.rate - other.rate).norm() <= SAME_PAIR * self.rate.norm();
+        // Shapes have unit length, and are equal up to a factor of modulus 1.
+        close && self.shape.dotc(&other.shape).norm() >= 1.0 - SAME_PAIR
     }
 }
 
 impl Rational<'_> {
-    /// All pairs; `squares` are those of the unit vectors as modes of a mean modulus. `None` where some are not found.
+    /// Returns all pairs. `squares` are ω² of the unit vectors as modes with a mean modulus. `None` if some pairs are
+    /// not found.
     pub fn pairs(&self, squares: &DVector<f64>) -> Option<Vec<Pair>> {
         let count = squares.len();
         let factor = self.stiffness.clone().cholesky()?;
@@ -137,17 +147,17 @@ impl Rational<'_> {
         self.are_complete(&pairs, &factor).then_some(pairs)
     }
 
-    /// The vibration near a frequency, rad/s; `None` where it is none.
+    /// Returns the vibration near a frequency, rad/s; `None` if the iterations do not lead to a vibration.
     fn vibration(&self, frequency: f64, shape: DVector<Complex<f64>>) -> Option<Pair> {
         self.refined(Complex::new(0.0, frequency), shape).filter(|pair| pair.rate.im > 0.0)
     }
 
-    /// The real pair near a rate, between two.
+    /// Returns the real pair near a rate; `None` if it does not lie between the two given rates.
     fn creep(&self, rate: f64, shape: DVector<f64>, (pole, slower): (f64, f64)) -> Option<Pair> {
         self.refined(rate, shape).filter(|pair| pair.rate.re > pole && pair.rate.re < slower)
     }
 
-    /// Each pair once, the missing ones in the place of those found twice; `None` where these are not found.
+    /// Returns each pair once, with missing pairs in the place of repeated ones; `None` if these are not found.
     fn without_repetition(&self, found: Vec<(Pair, Place)>, squares: &DVector<f64>) -> Option<Vec<Pair>> {
         let mut pairs: Vec<Pair> = Vec::with_capacity(found.len());
         let mut begin = 0;
@@ -158,10 +168,10 @@ impl Rational<'_> {
             }
             if pairs[begin..].iter().any(|other| pair.is(other)) { missing.push(place) } else { pairs.push(pair) }
         }
-        if missing.len() > MISSING {
+        if missing.len() > MAX_REPLACED_PAIRS {
             return None;
         }
-        // Vibrations, which weigh most, come first.
+        // Vibrations have the largest weight and are therefore searched first.
         for place in missing {
             let (weights, shapes) =
                 symmetric_eigen(sum(&pairs, |pair| pair.rate) - DMatrix::identity(squares.len(), squares.len()));
@@ -187,7 +197,8 @@ impl Rational<'_> {
         Some(pairs)
     }
 
-    /// The rate between a pole and a slower one at which a function of the rate and g, which rises from −∞ at the pole, is zero.
+    /// Returns the rate between a pole and a slower rate at which a function of the rate and g is zero. The function
+    /// increases from −∞ at the pole.
     pub(super) fn balanced(&self, (pole, slower): (f64, f64), value: impl Fn(f64, f64) -> f64) -> f64 {
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..50 {
@@ -199,7 +210,7 @@ impl Rational<'_> {
         pole + 0.5 * (low + high) * (slower - pole)
     }
 
-    /// Real pairs between two poles, with λ² as at the faster one.
+    /// Returns approximate real pairs between two poles, with λ² fixed at its value at the faster pole.
     fn creeping(&self, pole: f64, slower: f64) -> Option<Vec<(f64, DVector<f64>)>> {
         let count = self.stiffness.nrows();
         let held = self.stiffness + DMatrix::identity(count, count) * (pole * pole);
@@ -218,7 +229,7 @@ impl Rational<'_> {
         Some(found)
     }
 
-    /// g and g′.
+    /// Returns g and g′.
     pub(super) fn modulus<T: ComplexField<RealField = f64> + Copy>(&self, rate: T) -> [T; 2] {
         let one = T::one();
         self.chain.terms.iter().fold([T::zero(); 2], |[value, slope], term| {
@@ -228,7 +239,7 @@ impl Rational<'_> {
         })
     }
 
-    /// The pair near an approximate one.
+    /// Refines an approximate pair by inverse iteration; `None` if it does not converge.
     fn refined<T>(&self, mut rate: T, mut shape: DVector<T>) -> Option<Pair>
     where
         T: Entry + Into<Complex<f64>>,
@@ -239,7 +250,7 @@ impl Rational<'_> {
             (rate + rate) * shape.dot(shape) + slope * shape.dot(stretched)
         };
         let mut settling = Settling::new();
-        for _ in 0..MOST {
+        for _ in 0..MAX_ITERATIONS {
             let [g, of_g] = self.modulus(rate);
             let stretched = &distortion * &shape;
             let mut matrix = &stiffness + &distortion * g;
@@ -248,7 +259,7 @@ impl Rational<'_> {
             let mut next = solved(matrix.clone(), turned);
             let length = next.norm();
             if !length.is_finite() {
-                // λ is exact.
+                // The matrix is singular: λ is exact.
                 break;
             }
             next /= T::from_real(length);
@@ -265,26 +276,27 @@ impl Rational<'_> {
         settling.is_found.then(|| Pair { rate: rate.into(), shape: shape.map(Into::into), slope: slope.into() })
     }
 
-    /// Whether no pair is missing, and none is unsettled: the sums over all pairs, multiplied by some vectors, have to be what is known of them.
-    /// What a missing pair leaves of a sum is practically never orthogonal to all of these vectors.
+    /// Whether no pair is missing or inaccurate: the sums over all pairs, multiplied by test vectors, must have their
+    /// known values. The contribution of a missing pair is practically never orthogonal to all test vectors.
     fn are_complete(&self, pairs: &[Pair], factor: &Cholesky<f64, Dyn>) -> bool {
         let count = self.stiffness.nrows();
-        // No two entries of all of these are alike, but for the sign: modes that are found twice for another one are seen too.
+        // No two entries are equal, not even up to the sign, so that a mode found twice in the place of another one is
+        // detected too.
         let probes = DMatrix::from_fn(count, PROBES.len(), |i, j| ((i + 1) as f64 * PROBES[j].sqrt()).fract() - 0.5);
         let of_rates = sum_times(pairs, |pair| pair.rate, &probes) - &probes;
         let at_rest = factor.solve(&probes);
         let off = &at_rest + sum_times(pairs, |pair| pair.rate.inv(), &probes);
-        of_rates.amax() <= COMPLETE && off.amax() <= COMPLETE * at_rest.amax()
+        of_rates.amax() <= LARGEST_SUM_ERROR && off.amax() <= LARGEST_SUM_ERROR * at_rest.amax()
     }
 }
 
-/// Re Σ f φφᵀ/(φᵀT′φ) over all pairs, conjugate ones counted.
+/// Returns Re Σ f φφᵀ/(φᵀT′φ) over all pairs. Conjugate pairs count twice.
 fn sum(pairs: &[Pair], factor: impl Fn(&Pair) -> Complex<f64>) -> DMatrix<f64> {
     let count = pairs.first().map_or(0, |pair| pair.shape.len());
     sum_times(pairs, factor, &DMatrix::identity(count, count))
 }
 
-/// The same times vectors, by columns.
+/// Returns the same sum multiplied by vectors, the columns of `vectors`.
 fn sum_times(pairs: &[Pair], factor: impl Fn(&Pair) -> Complex<f64>, vectors: &DMatrix<f64>) -> DMatrix<f64> {
     let count = vectors.nrows();
     // Re f φφᵀ = Re(f φ) Re φᵀ − Im(f φ) Im φᵀ, as products of matrices.
@@ -299,12 +311,12 @@ mod tests {
     use super::*;
     use crate::material::Term;
 
-    /// A vibration and a creeping pair found twice are replaced by the pairs that they stood in the place of.
+    /// A vibration and a creep pair that were found twice are replaced by the missing pairs.
     #[test]
     fn missing_pairs_are_found() {
         let count = 6;
         let squares = DVector::from_fn(count, |i, _| [1.0, 2.0, 2.2, 5.0, 9.0, 9.5][i]);
-        // Of full rank, and a good part of the stiffness.
+        // Full rank, and a large part of the stiffness.
         let distortion = DMatrix::from_fn(count, count, |i, j| {
             let together = 0.1 / (1.0 + (i as f64 - j as f64).powi(2));
             together * (squares[i] * squares[j]).sqrt()
@@ -326,7 +338,7 @@ mod tests {
         };
         let place_of_creep = 2 * count;
         for lost in [vec![1], vec![place_of_creep + 3], vec![4, place_of_creep]] {
-            // Each that is lost was found as the one after it.
+            // Each lost pair is replaced by a copy of the next one.
             let found = (0..all.len()).map(|k| (again(if lost.contains(&k) { k + 1 } else { k }), place(k)));
             let pairs = rational.without_repetition(found.collect(), &squares).expect("the missing pairs");
             assert_eq!(pairs.len(), all.len());
@@ -336,7 +348,7 @@ mod tests {
         }
     }
 
-    /// Each pair of modes that lie close together, and relax in few directions, solves its equation, by a product with the whole matrix.
+    /// Pairs of modes that lie close together and relax in few directions satisfy the equation with the full matrices.
     #[test]
     fn close_pairs_settle() {
         let count = 24;
@@ -355,7 +367,7 @@ mod tests {
             let real = |matrix: &DMatrix<f64>| matrix.map(|entry| Complex::new(entry, 0.0)) * shape;
             let (held, stretched) = (real(&stiffness), real(&distortion) * g);
             let off = &held + &stretched + shape * (rate * rate);
-            // Rounding of sums in which the largest terms cancel: 1e-13 was found.
+            // Rounding of sums whose largest terms cancel. Measured: 1e-13.
             let size = held.norm() + stretched.norm() + rate.norm_sqr();
             assert!(off.norm() < 1e-11 * size, "{rate}: {:e}", off.norm() / size);
         }

@@ -2,21 +2,21 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// Columns of which the products are added at a time.
+/// Number of columns whose products are added at a time.
 const SIDE_BY_SIDE: usize = 4;
 
-/// Re(A z), of as many columns of A as z has numbers.
+/// Returns Re(A z). A must have as many columns as z has entries.
 pub(crate) fn real_parts(matrix: &DMatrix<Complex<f64>>, z: &[Complex<f64>]) -> DVector<f64> {
     debug_assert_eq!(matrix.ncols(), z.len());
     let mut parts = DVector::zeros(matrix.nrows());
     if !parts.is_empty() {
-        // Compiled for the vectors of each kind of processor.
+        // Compiled for the SIMD instructions of each kind of processor.
         pulp::Arch::new().dispatch(|| add(matrix.as_slice(), z, parts.as_mut_slice()));
     }
     parts
 }
 
-/// Adds the real parts.
+/// Adds Re(A z) to `parts`.
 #[inline(always)]
 fn add(matrix: &[Complex<f64>], z: &[Complex<f64>], parts: &mut [f64]) {
     let rows = parts.len();
@@ -42,7 +42,7 @@ fn add(matrix: &[Complex<f64>], z: &[Complex<f64>], parts: &mut [f64]) {
 mod tests {
     use super::*;
 
-    /// It is the real part of the complex product, to rounding of sums in another order.
+    /// The result is the real part of the complex product, up to rounding of sums in another order.
     #[test]
     fn real_parts_of_products() {
         for columns in 0..10 {

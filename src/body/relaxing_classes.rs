@@ -1,4 +1,5 @@
-//! Free motions of a body whose modes are in classes that nothing couples, such as those of a symmetric body: each class by itself.
+//! Free motions of a viscoelastic body whose modes split into uncoupled classes, such as symmetry classes. Each class
+//! is solved separately.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -8,10 +9,11 @@ use super::modal_relaxation::ModalRelaxation;
 use super::relaxing_modes::{Relaxing, RelaxingForms, of_class};
 use crate::error::Result;
 
-/// [`of_class`] of modes of all classes, which are those that dampers and relaxations couple. Four of a quarter of the modes take a sixteenth of the time.
+/// Same as [`of_class`] for all modes. The classes follow from the coupling by dampers and relaxation. Four classes of
+/// a quarter of the modes take a sixteenth of the time.
 ///
 /// # Errors
-/// As there.
+/// Same as [`of_class`].
 pub fn relaxing(
     squares: &DVector<f64>,
     damping: Option<&DMatrix<f64>>,
@@ -34,7 +36,7 @@ pub fn relaxing(
     Ok(joined(&classes, parts, squares.len()))
 }
 
-/// All coordinates: one class after the other.
+/// Joins the coordinates of all classes, one class after the other.
 fn joined(classes: &[Vec<usize>], parts: Vec<Relaxing>, count: usize) -> Relaxing {
     let coordinates = parts.iter().map(|part| part.damped.modes.len()).sum();
     let springs = parts.iter().map(|part| part.forms.stretches.nrows()).sum();
@@ -66,11 +68,12 @@ mod tests {
     use crate::body::Mode;
     use crate::material::{Maxwell, Term};
 
-    /// Two classes and a mode by itself, interlaced, move as the same modes do that a damper of nothing but rounding couples.
+    /// Two interlaced classes and a single mode move like the same modes with a coupling by a damper of the size of
+    /// rounding.
     #[test]
     fn classes_move_as_all_modes_together() {
         let squares = DVector::from_row_slice(&[4.0, 9.0, 13.0, 16.0, 30.0]);
-        // The last one is by itself.
+        // The last mode is a class without other modes.
         let class = |i: usize| if i == 4 { 2 } else { i % 2 };
         let same = |i: usize, j: usize| if class(i) == class(j) { 1.0 } else { 0.0 };
         let factor =
@@ -89,7 +92,7 @@ mod tests {
         let of = |damping: Option<&DMatrix<f64>>| {
             relaxing(&squares, damping, std::slice::from_ref(&part), [&force, &load]).unwrap()
         };
-        // A response at a rate is the sum over the coordinates, in any order.
+        // The response at a rate is a sum over the coordinates, in any order.
         let answer = |of: &Relaxing, rate: f64| {
             let one = |mode: &Mode| (mode.output * (mode.input + mode.load) / (Complex::new(rate, 0.0) - mode.rate)).re;
             of.damped.modes.iter().map(one).sum::<f64>()
@@ -97,7 +100,7 @@ mod tests {
         for (one, other) in
             [(of(Some(&damping)), of(Some(&everywhere))), (of(None), of(Some(&(damping.clone() * 1e-17))))]
         {
-            // Three of the one class' and of the other's two springs a term.
+            // Three springs for each of two terms: two springs in one class and one in the other.
             assert_eq!(one.forms.stretches.nrows(), 6);
             assert_eq!(one.damped.modes.len(), other.damped.modes.len());
             for rate in [0.1, 1.0, 10.0] {

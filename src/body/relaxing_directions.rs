@@ -1,25 +1,27 @@
-//! The directions in which a body relaxes as far as its impact can tell.
+//! Reduction of the relaxing directions of a body to those with an effect on the impact.
 //!
-//! D couples all modes, of which an impact moves some. With D = B Bᵀ + R, what is taken to relax is B Bᵀ alone; R keeps the modulus that
-//! the modes are made with. Columns of B are those of Cholesky's factor of D, each for the mode that has the most of the strain energy that
-//! is left, at the amplitude of its vibration (pivoted Cholesky: N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2002, 10.3).
-//! A mode that was a pivot relaxes as it does with D, and so do all modes with it: R has no row of it. Each term of a chain has the first columns of B, as
-//! many as it needs.
+//! D couples all modes, but an impact moves only some of them. With D = B Bᵀ + R, only B Bᵀ is assumed to relax; R
+//! keeps the modulus that the modes were computed with. The columns of B come from a Cholesky factorisation of D. Each
+//! pivot is the mode with the largest remaining strain energy at the amplitude of its vibration (pivoted Cholesky: N.
+//! J. Higham, Accuracy and Stability of Numerical Algorithms, 2002, 10.3). A mode that was a pivot relaxes exactly, and
+//! so does its coupling with all other modes, because its row of R is zero. Each term of a Prony series uses as many of
+//! the first columns of B as it needs.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::eigen::symmetric_eigen;
 use crate::material::{Maxwell, Term};
 
-/// The root of the part of the strain energy that is left out where all terms relax, over the accuracy. With a hundredth of the energy left out, panes of
-/// 0.5 x 0.5 m and of 1.0 x 0.8 m were off by 2.3e-3 and 1.1e-3 of the peak in the first contact, with a thousandth by 6.4e-4 and 3.6e-4, against steps of
-/// all directions: a tenth to a quarter of the accuracy. A fit.
+/// Ratio of the square root of the left-out fraction of the strain energy to the accuracy, if all terms relax. This is
+/// a fit: the error is a tenth to a quarter of the accuracy. Measured on panes of 0.5 x 0.5 m and 1.0 x 0.8 m in the
+/// first contact, against time steps with all directions: errors of 2.3e-3 and 1.1e-3 of the peak with a hundredth of
+/// the energy left out, and of 6.4e-4 and 3.6e-4 with a thousandth.
 const LEFT_OUT: f64 = 10.0;
 
-/// Eigenvalues of D below this part of the largest are rounding.
+/// Ratio to the largest eigenvalue of D below which an eigenvalue is rounding.
 const ROUNDING: f64 = 1e-14;
 
-/// B of all directions, the principal ones of D.
+/// Returns B with all principal directions of D.
 pub fn all_directions(distortion: &DMatrix<f64>) -> DMatrix<f64> {
     let (values, directions) = symmetric_eigen(distortion.clone());
     let largest = values.amax();
@@ -27,7 +29,8 @@ pub fn all_directions(distortion: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(values.len(), kept.len(), |i, j| values[kept[j]].sqrt() * directions[(i, kept[j])])
 }
 
-/// Amplitudes of vibrations after an impact, of squares of frequencies (1/s²) and parts of its force: less where they are faster than a rate, 1/s.
+/// Returns the amplitudes of vibrations after an impact, from their squared frequencies (1/s²) and modal forces.
+/// Vibrations faster than a rate (1/s) have reduced amplitudes.
 pub fn amplitudes(squares: &DVector<f64>, force: &DVector<f64>, rate: f64) -> DVector<f64> {
     squares.zip_map(force, |square, force| {
         let square = square.max(f64::MIN_POSITIVE);
@@ -35,19 +38,20 @@ pub fn amplitudes(squares: &DVector<f64>, force: &DVector<f64>, rate: f64) -> DV
     })
 }
 
-/// B, and how many of its columns, the first ones, each term of a chain relaxes in.
+/// The matrix B, and the number of its first columns in which each term of a Prony series relaxes.
 #[derive(Debug, Clone)]
 pub struct Directions {
-    /// B, by columns.
+    /// B; its columns are the directions.
     pub factor: DMatrix<f64>,
-    /// One number for each term.
+    /// Number of columns for each term.
     pub counts: Vec<usize>,
 }
 
-/// The parts of the strain energy in which the terms of a chain may be springs over a run of a length (s).
+/// Returns the fraction of the strain energy that each term of a Prony series may keep as springs, in a run of length
+/// `end` (s).
 ///
-/// A term loses G(1 − exp(−T/τ)) in it: what its springs leave out goes with that times the root of their energy. So one that loses less relaxes in fewer
-/// directions, or in none.
+/// A term loses G(1 − exp(−T/τ)) in a run of length T. The error of its springs is proportional to this loss and to the
+/// square root of their energy. A term that loses less therefore relaxes in fewer directions, or in none.
 pub fn left_out(chain: &Maxwell, end: f64, accuracy: f64) -> Vec<f64> {
     let lost = |term: &Term| -(-end / term.time).exp_m1() * term.modulus;
     let largest = chain.terms.iter().map(lost).fold(f64::MIN_POSITIVE, f64::max);
@@ -55,7 +59,8 @@ pub fn left_out(chain: &Maxwell, end: f64, accuracy: f64) -> Vec<f64> {
 }
 
 impl Directions {
-    /// For modes of the given amplitudes, and parts of the strain energy that may be left out; `None` where the modes do not move.
+    /// Computes the directions for modes of the given amplitudes and fractions of the strain energy that may be left
+    /// out. `None` if the modes do not move.
     pub fn new(distortion: &DMatrix<f64>, amplitudes: &DVector<f64>, left_out: &[f64]) -> Option<Self> {
         let weights = amplitudes.map(|amplitude| amplitude * amplitude);
         let mut left = distortion.diagonal();
@@ -77,7 +82,7 @@ impl Directions {
             }
             next /= left[pivot].sqrt();
             left.zip_apply(&next, |left, entry| *left = (*left - entry * entry).max(0.0));
-            // What has been taken is nothing any more.
+            // The pivot is eliminated exactly; rounding must not leave a remainder.
             left[pivot] = 0.0;
             found.push(next);
         }
@@ -89,7 +94,7 @@ impl Directions {
         (all > 0.0).then(|| Self { factor: columns(&found), counts })
     }
 
-    /// Those of some modes, which no column couples with others.
+    /// Restricts the directions to modes that no column couples with other modes.
     pub fn of_class(&self, modes: &[usize]) -> Self {
         let rows = self.factor.select_rows(modes);
         let own: Vec<usize> = (0..rows.ncols()).filter(|&column| rows.column(column).amax() > 0.0).collect();
@@ -102,7 +107,7 @@ impl Directions {
 mod tests {
     use super::*;
 
-    /// D = B Bᵀ in the rows of the heaviest modes, to rounding; what is left is positive, and as little as was asked for.
+    /// D = B Bᵀ in the rows of the heaviest modes, to rounding. The remainder is positive and as small as requested.
     #[test]
     fn heavy_modes_relax_as_they_do() {
         let count = 40;
@@ -121,7 +126,7 @@ mod tests {
                 let columns = factor.columns(0, count);
                 &distortion - columns * columns.transpose()
             };
-            // No column too many.
+            // No column is superfluous.
             assert!(energy(&left(count)) <= part && energy(&left(count - 1)) > part, "{count}");
             assert!(left(count).row(0).amax() < 1e-12, "{count}");
             assert!(left(count).symmetric_eigenvalues().min() > -1e-9 * distortion.amax(), "{count}");

@@ -1,16 +1,18 @@
-//! Free motions of a body with relaxing parts, in first-order coordinates.
+//! Free motions of a viscoelastic body, in first-order coordinates.
 //!
-//! On the real coordinates x of a body's lower modes, in which M = 1,
+//! In the real coordinates x of the lower modes of a body, where M = 1,
 //!
 //! ẍ + C ẋ + K x + Σ G_i D w_i = φF + f,  ẇ_i = ẋ − w_i/τ_i,
 //!
-//! with the stretches w = x − z of the springs. D = Σ_j d_j u_j u_jᵀ, so that e_ij = √(G_i d_j) u_jᵀ w_i holds the energy ½ e² of each spring, and
+//! with the stretches w = x − z of the springs. With D = Σ_j d_j u_j u_jᵀ, the variables e_ij = √(G_i d_j) u_jᵀ w_i
+//! have the spring energies ½ e², and
 //!
 //! (s x)˙ = s v,  v̇ = −K x − C v − Σ √(G_i d_j) u_j e_ij + φF + f,  ė_ij = √(G_i d_j) u_jᵀ v − e_ij/τ_i
 //!
-//! with s = ω of the modes. The matrix is antisymmetric but for C, 1/τ and what K is off diag(s²), so that its eigenvectors are well
-//! conditioned. One chain without dampers has them at less cost ([`Rational`]). Its oscillating pairs are the vibrations, each with its own damping; its real eigenvalues are the motions by which the body creeps.
-//! The modes that are left out answer as springs, with the modulus that the modes were made with.
+//! with s = ω of the modes. The matrix is antisymmetric except for C, 1/τ and the difference between K and diag(s²), so
+//! that its eigenvectors are well conditioned. For one Prony series without dampers, [`Rational`] computes them at less
+//! cost. The oscillating pairs are the vibrations, each with its damping. The real eigenvalues are the creep motions.
+//! The modes that are left out respond as springs, with the modulus that the modes were computed with.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -22,40 +24,41 @@ use super::relaxing_directions::all_directions;
 use super::{Mode, real_parts};
 use crate::error::{Error, Result};
 
-/// Where the energy of a relaxing body is.
+/// Quadratic forms of the energy of a viscoelastic body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RelaxingForms {
-    /// K of the modes after all relaxation, 1/s².
+    /// K after all relaxation in modal coordinates, 1/s².
     pub elastic: DMatrix<f64>,
-    /// e from the coordinates z, Re(E z), a row each: ½ e² is the energy of a spring.
+    /// Matrix E of the spring variables e = Re(E z), one row for each spring. The energy of a spring is ½ e².
     pub stretches: DMatrix<Complex<f64>>,
 }
 
-/// The relaxing modes of a body.
+/// Modal form of a viscoelastic body.
 pub struct Relaxing {
-    /// The coordinates, and x and v from them.
+    /// Coordinates, with the matrices of x and v.
     pub damped: Damped,
-    /// Where their energy is.
+    /// Quadratic forms of the energy.
     pub forms: RelaxingForms,
 }
 
 impl RelaxingForms {
-    /// The energy of all springs, J, at x and z.
+    /// Returns the energy of all springs, J, at x and z.
     pub fn energy(&self, x: &DVector<f64>, z: &[Complex<f64>]) -> f64 {
         0.5 * (x.dot(&(&self.elastic * x)) + real_parts(&self.stretches, z).norm_squared())
     }
 }
 
-/// K after all relaxation on modes of the given squares, 1/s².
+/// Returns K after all relaxation, 1/s², for modes with the given ω².
 fn relaxed(squares: &DVector<f64>, relaxations: &[ModalRelaxation]) -> DMatrix<f64> {
     let all = DMatrix::from_diagonal(squares);
     relaxations.iter().fold(all, |sum, part| sum - &part.distortion * part.modulus())
 }
 
-/// The equilibrium of all modes under loads, after all relaxation, less that of the moving ones by themselves; with its energy, likewise, J.
+/// Returns the equilibrium of all modes under loads after all relaxation, minus the equilibrium of the moving modes
+/// alone. Also returns the difference of the two energies, J.
 ///
 /// # Errors
-/// [`Error::Solve`] where loads move the body without end.
+/// [`Error::Solve`] if the loads make the body creep without end.
 pub fn at_rest_beyond(
     squares: &DVector<f64>,
     relaxations: &[ModalRelaxation],
@@ -65,7 +68,7 @@ pub fn at_rest_beyond(
     let all = relaxed(squares, relaxations);
     let mut rest = DVector::zeros(loads.len());
     let mut energy = 0.0;
-    // Free motions, which come first, have no equilibrium.
+    // Free motions come first and have no equilibrium.
     let left_out = moving.last().map_or(0, |last| last + 1)..loads.len();
     let held: Vec<usize> = moving.iter().copied().chain(left_out).collect();
     for (sign, of) in [(1.0, &held[..]), (-1.0, moving)] {
@@ -79,15 +82,15 @@ pub fn at_rest_beyond(
     Ok((rest, energy))
 }
 
-/// One spring in series with a dashpot: a direction of D with a term of the chain.
+/// A spring in series with a dashpot: one direction of D for one term of the Prony series.
 struct Spring {
-    /// √(G d) u.
+    /// Coupling vector √(G d) u.
     coupling: DVector<f64>,
-    /// 1/τ, 1/s.
+    /// Relaxation rate 1/τ, 1/s.
     rate: f64,
 }
 
-/// All springs of a body's relaxations.
+/// Returns all springs of the viscoelastic parts.
 fn springs(relaxations: &[ModalRelaxation]) -> Vec<Spring> {
     let mut springs = Vec::new();
     for ModalRelaxation { distortion, directions, chain, .. } in relaxations {
@@ -100,10 +103,11 @@ fn springs(relaxations: &[ModalRelaxation]) -> Vec<Spring> {
     springs
 }
 
-/// The coordinates of modes of the given squares, with dampers and relaxations, under forces along them.
+/// Computes the coordinates of modes with the given ω², dampers and viscoelastic parts. `force` and `load` are the
+/// modal components of the contact force vector and of the loads.
 ///
 /// # Errors
-/// [`Error::Solve`] where the body has no independent coordinates.
+/// [`Error::Solve`] if the body has no independent coordinates.
 pub fn of_class(
     squares: &DVector<f64>,
     damping: Option<&DMatrix<f64>>,
@@ -122,14 +126,15 @@ pub fn of_class(
 }
 
 impl<'a> Rational<'a> {
-    /// Of a relaxation, all of whose terms have its directions, and K after it.
+    /// Creates the eigenproblem of a viscoelastic part with K after all relaxation. All terms relax in all directions
+    /// of the part.
     fn new(of: &'a ModalRelaxation, stiffness: &'a DMatrix<f64>) -> Self {
         let factor = of.directions.as_ref().map(|few| (&few.factor, of.modulus()));
         Self { stiffness, distortion: &of.distortion, factor, chain: &of.chain }
     }
 }
 
-/// Coordinates z with x = Re Σ φ z over all pairs.
+/// Returns coordinates z with x = Re Σ φ z, summed over all pairs.
 fn of_pairs(pairs: &[Pair], elastic: DMatrix<f64>, springs: &[Spring], [force, load]: [&DVector<f64>; 2]) -> Relaxing {
     let n = elastic.nrows();
     let shapes = |factor: &dyn Fn(&Pair) -> Complex<f64>| {
@@ -149,13 +154,13 @@ fn of_pairs(pairs: &[Pair], elastic: DMatrix<f64>, springs: &[Spring], [force, l
     Relaxing { damped, forms: RelaxingForms { elastic, stretches } }
 }
 
-/// A B of a real A.
+/// Returns A B for a real matrix A.
 fn complex_product(a: &DMatrix<f64>, b: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
     let (real, imaginary) = (a * b.map(|entry| entry.re), a * b.map(|entry| entry.im));
     real.zip_map(&imaginary, Complex::new)
 }
 
-/// Coordinates of given rates, shapes and inputs under forces.
+/// Returns the modes of coordinates with given rates, shapes and inputs, under forces.
 fn coordinates(
     rates: &[Complex<f64>],
     shapes: [DMatrix<Complex<f64>>; 2],
@@ -169,7 +174,7 @@ fn coordinates(
     Damped { modes: rates.iter().enumerate().map(mode).collect(), shapes, inputs }
 }
 
-/// The same by the eigenvectors of the first-order system.
+/// Computes the same coordinates from the eigenvectors of the first-order system.
 fn of_first_order(
     squares: &DVector<f64>,
     damping: Option<&DMatrix<f64>>,
@@ -203,7 +208,7 @@ fn of_first_order(
         )
     };
     let eigen = GeneralEigen::new(&matrix).ok_or_else(dependent)?;
-    // Of a conjugate pair one, counted twice; real ones once.
+    // Of each conjugate pair, one is kept and counted twice; real ones are counted once.
     let chosen: Vec<(usize, f64)> = (0..size)
         .filter_map(|k| match eigen.value(k).im {
             0.0 => Some((k, 1.0)),
@@ -211,7 +216,7 @@ fn of_first_order(
             _ => None,
         })
         .collect();
-    // What forces on v drive each coordinate by.
+    // Inputs of forces on v to each coordinate.
     let inputs = eigen.coordinates(&DMatrix::from_fn(size, n, |i, j| if i == n + j { 1.0 } else { 0.0 }));
     let inputs = inputs.filter(|inputs| inputs.norm() < CONDITION).ok_or_else(dependent)?;
     let inputs = DMatrix::from_fn(chosen.len(), n, |c, i| inputs[(chosen[c].0, i)]);
@@ -235,7 +240,7 @@ mod tests {
     use crate::material::{Maxwell, Term};
     use crate::scheme::modal::phi;
 
-    /// Four modes, of which two parts relax, with a damper and without.
+    /// Four modes with two viscoelastic parts, with or without a damper.
     struct Sample {
         squares: DVector<f64>,
         damping: Option<DMatrix<f64>>,
@@ -246,7 +251,7 @@ mod tests {
 
     fn sample(damping: f64) -> Sample {
         let part = |seed: usize, terms: &[(f64, f64)]| {
-            // Of rank three.
+            // Rank three.
             let rows = DMatrix::from_fn(3, 4, |i, j| ((seed + 3 * i + 5 * j) % 7) as f64 - 2.5);
             let terms = terms.iter().map(|&(modulus, time)| Term { modulus, time }).collect();
             let chain = Maxwell { equilibrium: 0.1, terms };
@@ -261,12 +266,13 @@ mod tests {
         }
     }
 
-    /// z after a time from nothing under a constant force of 1 and the loads.
+    /// Returns z at a time after a start from zero, under a constant force of 1 and the loads.
     fn pushed(modes: &[Mode], time: f64) -> Vec<Complex<f64>> {
         modes.iter().map(|mode| phi(mode.rate * time)[0] * time * (mode.input + mode.load)).collect()
     }
 
-    /// What forces do is kinetic, stored, or lost in dashpots and dampers: to rounding, since the motion is exact.
+    /// The work of the forces equals the kinetic energy, the stored energy and the losses in dashpots and dampers. The
+    /// balance holds to rounding, because the motion is exact.
     #[test]
     fn work_is_stored_or_lost() {
         for damping in [0.0, 0.4] {
@@ -297,7 +303,8 @@ mod tests {
         }
     }
 
-    /// The response at a rate s is that of the nonlinear operator, φᵀ(s² + sC + K + Σ G_i sτ_i/(1 + sτ_i) D)⁻¹φ.
+    /// The response at a rate s equals the response of the nonlinear operator, φᵀ(s² + sC + K + Σ G_i sτ_i/(1 + sτ_i)
+    /// D)⁻¹φ.
     #[test]
     fn coordinates_have_the_transform_of_the_chain() {
         for damping in [0.0, 0.4] {
@@ -314,13 +321,14 @@ mod tests {
                 let exact = force.dot(&operator.cholesky().unwrap().solve(&force));
                 let of = |mode: &Mode| (mode.output * mode.input / (Complex::new(s, 0.0) - mode.rate)).re;
                 let found: f64 = damped.modes.iter().map(of).sum();
-                // Terms of order one cancel at high rates, where s⁻² is left.
+                // At high rates, terms of order one cancel and leave s⁻².
                 assert!((found - exact).abs() < 1e-13 + 1e-11 * exact.abs() / s.max(1.0), "{s}: {found} {exact}");
             }
         }
     }
 
-    /// Terms that relax in one, two and three directions: the response at a rate is that of the operator in which each has its own D.
+    /// For terms that relax in one, two and three directions, the response at a rate equals the response of the
+    /// operator with a separate D for each term.
     #[test]
     fn terms_relax_in_directions_of_their_own() {
         let Sample { squares, relaxations, force, load, .. } = sample(0.0);
@@ -341,13 +349,13 @@ mod tests {
             let exact = force.dot(&operator.cholesky().unwrap().solve(&force));
             let of = |mode: &Mode| (mode.output * mode.input / (Complex::new(s, 0.0) - mode.rate)).re;
             let found: f64 = damped.modes.iter().map(of).sum();
-            // Terms of order one cancel at high rates, where s⁻² is left.
+            // At high rates, terms of order one cancel and leave s⁻².
             assert!((found - exact).abs() < 1e-13 + 1e-11 * exact.abs() / s.max(1.0), "{s}: {found} {exact}");
         }
     }
 
-    /// One chain without dampers, pair by pair, is what the first-order system has: also where terms are as fast as the vibrations, and
-    /// where they are much faster or slower.
+    /// For one Prony series without dampers, the eigenpairs computed one by one agree with the first-order system. The
+    /// terms are as fast as the vibrations, much faster, or much slower.
     #[test]
     fn pairs_are_those_of_the_first_order_system() {
         let Sample { squares, relaxations, force, load, .. } = sample(0.0);
@@ -373,14 +381,16 @@ mod tests {
                     let [places, speeds] = &damped.shapes;
                     (real_parts(places, &z), real_parts(speeds, &z), real_parts(&forms.stretches, &z))
                 });
-                // Rounding of displacements and stretches of order one, and of the first-order system's rates, by the fastest of them.
+                // Rounding of displacements and stretches of order one, and of the rates of the first-order system,
+                // relative to the fastest rate.
                 let off = 1e-11 + 1e-14 * time / (0.05 * scale);
                 assert!((x - y).amax() < off && (v - w).amax() < off && (e - f).amax() < off, "{scale} {time}");
             }
         }
     }
 
-    /// Rest after all relaxation, by all modes, is what the moving ones have of it and the rest.
+    /// The equilibrium of all modes after all relaxation is the sum of the equilibrium of the moving modes and the part
+    /// of the others.
     #[test]
     fn left_out_modes_share_the_equilibrium() {
         let Sample { squares, relaxations, load, .. } = sample(0.0);

@@ -1,10 +1,11 @@
-//! What a body answers to the contact's force, interpolated between bodies that differ in one parameter.
+//! Response of a body to the contact force, interpolated between bodies that differ in one parameter.
 //!
-//! The displacement that is read, and all others, are linear in the history of the force: their kernels are functions of time and of the
-//! parameter, and smooth in the latter. Between some bodies with known modes the kernel is the sum of theirs with the weights of Lagrange's
-//! interpolation: the modes of all move side by side, and each body's force has its weight. Of vibrations that go on from one body to the next
-//! the rates and the residues are interpolated, in the place of the kernels. Motions by which bodies creep have rates that all bodies share
-//! ([`CommonRates`]), so that these go on, too. No eigenproblem is left to be solved.
+//! The displacement at the impact point, and all other displacements, are linear in the time history of the force.
+//! Their kernels are functions of time and of the parameter, and smooth in the parameter. Between bodies with known
+//! modes, the kernel is a sum of their kernels with the weights of Lagrange's interpolation. The modes of all bodies
+//! move side by side, and the force on each body is multiplied by its weight. For vibrations that can be followed from
+//! one body to the next, the rates and the residues are interpolated instead of the kernels. Creep motions have rates
+//! that all bodies share ([`CommonRates`]), so that they can be followed too. No eigenproblem remains to be solved.
 
 mod numbers;
 
@@ -21,31 +22,33 @@ use super::shapes::{Forms, Shapes};
 use crate::contact::Patch;
 use numbers::Numbers;
 
-/// Vibrations that move the hit by no more than this part of what all coordinates do, together, are left out. An estimate.
+/// Vibrations are left out if together they contribute at most this part of the motion of the impact point. An
+/// estimate.
 const LEFT_OUT: f64 = 1e-4;
 
-/// Cosine of the angle between the residues of a vibration in two bodies, at least, and what its rate differs by at most.
+/// Least cosine of the angle between the residues of one vibration in two bodies, and largest relative change of its
+/// rate.
 const LEAST_MODE_COSINE: f64 = 0.9;
 const LARGEST_RATE_CHANGE: f64 = 0.2;
 
-/// Part of the largest stress of a direction below which another one's is rounding.
+/// Ratio to the largest stress of a direction below which the stress of another direction is rounding.
 const STRESSLESS: f64 = 1e-6;
 
-/// λ and the output of coordinates that are driven by F itself.
+/// Rates λ and outputs of coordinates that F drives with an input of 1.
 type Rates = Vec<(Complex<f64>, Complex<f64>)>;
 
-/// One body's modes, with how they move it on a basis that all bodies share.
+/// Modes of one body, with their displacements on a basis that all bodies share.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(into = "Numbers", from = "Numbers")]
 pub struct Response {
     modes: Rates,
-    /// y on the basis from z, Re(Y z), by columns.
+    /// Matrix Y of the basis coordinates y = Re(Y z), with one column for each coordinate z.
     places: DMatrix<Complex<f64>>,
     free: Free,
     residual: f64,
-    /// Of what is beside z.
+    /// Displacements that do not depend on z.
     others: Shapes,
-    /// The stresses under the hit on y, with what they lack for 1 N.
+    /// Stress forms on y on the face opposite the impact point, and the local stresses that they lack for 1 N.
     hit_stress: (DMatrix<f64>, [f64; 3]),
     compliance: f64,
     copies: f64,
@@ -53,7 +56,8 @@ pub struct Response {
 }
 
 impl Response {
-    /// Of a body on the shared basis, with its modes, for runs of a length (s). Loads are left out.
+    /// Creates the response of a body reduced to the shared basis, with its modes, for runs of length `end` (s). Loads
+    /// are left out.
     pub fn new(projection: &Projection, modes: &Modes, end: f64) -> Self {
         let Shapes { moving, free, residual, rest } = &modes.shapes;
         let kept = kept(&modes.modes, end);
@@ -93,13 +97,14 @@ impl Response {
         }
     }
 
-    /// Coordinates.
+    /// Number of coordinates.
     pub fn coordinates(&self) -> usize {
         self.modes.len()
     }
 
-    /// The directions in which some bodies move under contacts of a length (s), those with the largest stresses first, down to a part of the
-    /// largest. `stresses` has the squares of all stresses that are read as a form on y, vᵀ S v; in these the directions are orthonormal.
+    /// Returns the main directions in which several bodies move under contacts of length `contact` (s). Directions with
+    /// the largest stresses are first, down to a fraction `depth` of the largest. The form yᵀ S y with S = `stresses`
+    /// is the sum of the squares of all stresses that are read. The directions are orthonormal in this form.
     pub fn main_motions(all: &[&Self], stresses: DMatrix<f64>, contact: f64, depth: f64) -> Directions {
         let vectors = stresses.nrows();
         let mut gram = DMatrix::zeros(vectors, vectors);
@@ -107,7 +112,7 @@ impl Response {
             let Shapes { free: [way, of_load], residual, .. } = &response.others;
             let mut columns: Vec<DVector<f64>> = vec![way.clone(), of_load.clone(), residual / contact];
             for ((of, _), column) in response.modes.iter().zip(response.places.column_iter()) {
-                // What an impulse moves at once, less where the force has gone before it has moved.
+                // Displacement due to an impulse, reduced for coordinates that are fast compared with the contact.
                 let weight = 1.0 / (1.0 + of.norm() * contact);
                 columns.push(column.map(|entry| weight * entry.re));
                 columns.push(column.map(|entry| weight * entry.im));
@@ -130,7 +135,7 @@ impl Response {
         Directions { shapes: back * &main, parts: main.transpose() * stress }
     }
 
-    /// The same on directions of the basis alone.
+    /// Restricts the response to some directions of the basis.
     #[must_use]
     pub fn along(&self, directions: &Directions) -> Self {
         let Directions { shapes, parts } = directions;
@@ -144,12 +149,13 @@ impl Response {
         }
     }
 
-    /// The numbers of the coordinates of another body which go on from these, where they do: vibrations that are alike, and decays of one rate.
+    /// Returns, for each coordinate, the number of the coordinate of another body that continues it, if there is one: a
+    /// similar vibration, or a decay of equal rate.
     fn tracked_in(&self, other: &Self) -> Vec<Option<usize>> {
         let real = |matrix: &DMatrix<Complex<f64>>, of: fn(&Complex<f64>) -> f64| matrix.map(|entry| of(&entry));
         let [own, others] = [self, other]
             .map(|response| [real(&response.places, |entry| entry.re), real(&response.places, |entry| entry.im)]);
-        // |yᴴ y′|² of all pairs.
+        // |yᴴ y′|² for all pairs of coordinates.
         let re = own[0].tr_mul(&others[0]) + own[1].tr_mul(&others[1]);
         let im = own[0].tr_mul(&others[1]) - own[1].tr_mul(&others[0]);
         let squares = |response: &Self| -> Vec<f64> {
@@ -177,15 +183,15 @@ impl Response {
     }
 }
 
-/// Directions of a basis, which are no more than its vectors: y = `shapes` c, c = `parts` y.
+/// Directions of a basis, at most as many as its vectors: y = `shapes` c, c = `parts` y.
 pub struct Directions {
-    /// A column each.
+    /// One column for each direction.
     pub shapes: DMatrix<f64>,
-    /// A row each.
+    /// One row for each direction.
     pub parts: DMatrix<f64>,
 }
 
-/// Coordinates with their places, of which those that decay without vibrating have become some of common rates.
+/// Replaces coordinates that decay without vibrating by coordinates with common rates.
 fn with_common_rates(
     modes: &[(Complex<f64>, Complex<f64>)],
     places: &DMatrix<Complex<f64>>,
@@ -208,16 +214,16 @@ fn with_common_rates(
     (all, all_places)
 }
 
-/// What the coordinates of some bodies have to do with each other, between which one interpolates.
+/// Correspondence between the coordinates of several bodies, for interpolation between them.
 pub struct Interpolant {
-    /// Coordinates that go on through all, by their numbers in each.
+    /// Coordinates that are followed through all bodies, by their numbers in each body.
     followed: Vec<Vec<usize>>,
-    /// The other coordinates of each.
+    /// The other coordinates of each body.
     apart: Vec<Vec<usize>>,
 }
 
 impl Interpolant {
-    /// Of some bodies, in the order of the parameter.
+    /// Finds the correspondence for several bodies in the order of the parameter.
     pub fn new(bodies: &[&Response]) -> Self {
         let count = bodies.first().map_or(0, |first| first.coordinates());
         let mut followed: Vec<Vec<usize>> = (0..count).map(|k| vec![k]).collect();
@@ -245,7 +251,8 @@ impl Interpolant {
         Self { apart, followed }
     }
 
-    /// The body whose answers are the sum of those of these bodies, with weights whose sum is 1. It has no energies.
+    /// Returns the body whose response is the sum of the responses of these bodies, with weights whose sum is 1. It has
+    /// no energies.
     pub fn sum(&self, all: &[&Response], weights: &[f64]) -> ModalBody {
         let zero = Complex::new(0.0, 0.0);
         let bodies = || all.iter().zip(weights.iter().copied());
@@ -267,7 +274,7 @@ impl Interpolant {
         for ((body, weight), numbers) in bodies().zip(&self.apart) {
             for &number in numbers {
                 places.set_column(modes.len(), &body.places.column(number));
-                // z is as large as the weight, and all that is read of it is, too.
+                // z is proportional to the weight, and so are all results that depend on z.
                 let (rate, output) = body.modes[number];
                 modes.push(mode(rate, output, weight));
             }
@@ -294,14 +301,14 @@ impl Interpolant {
     }
 }
 
-/// The numbers of the coordinates that move the hit at all, within a time (s).
+/// Returns the numbers of the coordinates that noticeably move the impact point within a time (s).
 fn kept(modes: &[Mode], end: f64) -> Vec<usize> {
     let reach = |mode: &Mode| (mode.output * mode.input).norm() / mode.rate.norm().max(1.0 / end);
     let all: f64 = modes.iter().map(reach).sum();
     let mut order: Vec<(f64, usize)> = modes.iter().map(reach).zip(0..).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut sum = 0.0;
-    // (Those by which the body creeps become few anyway.)
+    // (All creep motions are kept; common rates replace them by a few.)
     let is_kept = |(reach, number): &(f64, usize)| {
         if modes[*number].rate.im == 0.0 {
             return true;
@@ -318,8 +325,8 @@ fn kept(modes: &[Mode], end: f64) -> Vec<usize> {
 mod tests {
     use super::*;
 
-    /// A vibration that goes on through all bodies is one, with rate and residue of the parameter between; motions by which they creep are there from
-    /// each body, as large as its weight.
+    /// A vibration that is followed through all bodies becomes one coordinate, with rate and residue of the parameter
+    /// in between. Creep motions are taken from each body, scaled by its weight.
     #[test]
     fn vibrations_go_on() {
         let number = Complex::new;
@@ -342,7 +349,7 @@ mod tests {
         };
         let bodies = [0.0, 1.0, 2.0, 3.0].map(body);
         let all: Vec<&Response> = bodies.iter().collect();
-        // Of Lagrange's interpolation in the middle.
+        // Weights of Lagrange's interpolation at the midpoint.
         let weights = [-0.0625, 0.5625, 0.5625, -0.0625];
         let between = Interpolant::new(&all);
         assert_eq!((between.followed.len(), between.apart.iter().map(Vec::len).sum::<usize>()), (1, 4));
@@ -350,12 +357,12 @@ mod tests {
         let closed = crate::body::Closed { tangent: 1.0, compliance: 0.0, mass: 1.0, accuracy: 1e-3, end: 1.0 };
         let modes = sum.modes(1.0, &closed).expect("modes");
         let [first, rest @ ..] = &modes.modes[..] else { panic!("modes") };
-        // Cubic functions, to rounding.
+        // Cubic functions are exact, to rounding.
         assert!((first.rate - rate(1.5)).norm() < 1e-13 && (first.output - output(1.5)).norm() < 1e-13);
         assert!((modes.residual - 1.5).abs() < 1e-14 && sum.copies == 4.0);
         let inputs: Vec<f64> = rest.iter().map(|mode| mode.input.re).collect();
         assert_eq!(inputs, weights);
-        // Of one body alone it is that body.
+        // With a single nonzero weight, the result is that body.
         let one = between.sum(&all, &[0.0, 1.0, 0.0, 0.0]).modes(1.0, &closed).expect("modes");
         assert!((one.modes[0].rate - rate(1.0)).norm() == 0.0 && one.residual == 1.0);
     }

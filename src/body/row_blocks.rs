@@ -1,20 +1,20 @@
-//! A matrix whose rows have entries in few sets of columns, as those of classes of motions that do not couple.
+//! A matrix whose rows have nonzero entries in a few sets of columns, typical of uncoupled symmetry classes.
 
 use nalgebra::{DMatrix, DVector};
 
-/// A matrix by blocks of rows that have entries in the same columns.
+/// A matrix stored as blocks of rows with nonzero entries in the same columns.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RowBlocks(Vec<RowBlock>);
 
 #[derive(Debug, Clone, PartialEq)]
 struct RowBlock {
     columns: Vec<usize>,
-    /// The rows, in these columns.
+    /// Entries of the rows in these columns.
     rows: DMatrix<f64>,
 }
 
 impl RowBlocks {
-    /// Of a matrix, of some of its columns.
+    /// Creates the blocks from the chosen columns of a matrix.
     pub fn new(matrix: &DMatrix<f64>, chosen: &[usize]) -> Self {
         let mut blocks: Vec<(Vec<usize>, Vec<usize>)> = Vec::new();
         for (number, row) in matrix.row_iter().enumerate() {
@@ -31,7 +31,7 @@ impl RowBlocks {
         Self(blocks.into_iter().map(block).collect())
     }
 
-    /// |A x|².
+    /// Returns |A x|².
     pub fn squared_norm_of_product(&self, x: &DVector<f64>) -> f64 {
         self.0.iter().map(|block| (&block.rows * x.select_rows(&block.columns)).norm_squared()).sum()
     }
@@ -41,7 +41,7 @@ impl RowBlocks {
 mod tests {
     use super::*;
 
-    /// Rows of two sets of columns and one without entries, of all columns and of some.
+    /// Rows with two sets of columns and rows without entries, for all columns and for some of them.
     #[test]
     fn norms_of_products_are_those_of_the_whole_matrix() {
         let entry = |i: usize, j: usize| if i % 3 == 2 || i % 2 != j % 2 { 0.0 } else { (3 * i + 5 * j) as f64 - 11.0 };
@@ -51,7 +51,7 @@ mod tests {
             assert!(blocks.0.len() <= 3);
             let x = DVector::from_fn(chosen.len(), |i, _| i as f64 - 1.5);
             let exact = (matrix.select_columns(&chosen) * &x).norm_squared();
-            // Sums of a few integers and halves.
+            // Exact, because these are sums of a few integers and halves.
             assert_eq!(blocks.squared_norm_of_product(&x), exact);
         }
     }

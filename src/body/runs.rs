@@ -1,40 +1,41 @@
-//! Products of a sparse matrix whose rows are runs of neighbouring columns, as those of splines on a grid are.
+//! Products with a sparse matrix whose rows are runs of neighbouring columns, typical of splines on a grid.
 //!
-//! Entries are kept run by run, filled up with zeros to whole vectors of the processor, so that a product loads neighbours at once and
-//! reads no column's number for an entry.
+//! Entries are stored run by run, padded with zeros to full SIMD vectors. A product thus loads neighbouring values at
+//! once and reads no column number for single entries.
 
 use nalgebra_sparse::CsrMatrix;
 use pulp::{Simd, WithSimd};
 
-/// Entries that are multiplied at once: of the widest vectors of processors that this is compiled for.
+/// Number of entries multiplied at once (a lot): length of the widest SIMD vectors that this is compiled for.
 const LANES: usize = 4;
 
-/// Entries whose columns differ by at most this are of one run, with zeros between them: a run takes as long to begin as some lots. (With one lot,
-/// products with the matrices of a laminate took 1.7 times the instructions, with twelve as many as with four.)
+/// Largest difference between the columns of neighbouring entries in one run; zeros fill the gap. The start of a run
+/// costs as much as several lots. Measured on the matrices of a laminate: a gap of one lot takes 1.7 times the
+/// instructions of a gap of four lots, and twelve lots take as many as four.
 const GAP: usize = 4 * LANES;
 
-/// Columns that a matrix is multiplied with at a time, at most: its entries are read once for them.
-const TOGETHER: usize = 8;
+/// Largest number of vectors multiplied at a time. The matrix entries are read once for all of them.
+const MAX_VECTORS_AT_ONCE: usize = 8;
 
-/// Neighbouring entries of a row.
+/// A run of neighbouring entries in a row.
 struct Run {
-    /// The first one's column.
+    /// Column of the first entry.
     column: u32,
-    /// How many lots of [`LANES`] there are.
+    /// Number of lots of [`LANES`] entries.
     lots: u32,
 }
 
-/// A square matrix by runs.
+/// A square matrix in run format.
 pub struct Runs {
-    /// The end of each row's runs.
+    /// For each row, the end of its runs.
     ends: Vec<u32>,
     runs: Vec<Run>,
-    /// Of all runs, one after the other.
+    /// Values of all runs, one run after the other.
     values: Vec<[f64; LANES]>,
 }
 
 impl Runs {
-    /// Of a matrix whose rows have their columns in ascending order.
+    /// Converts a matrix whose rows have their columns in ascending order.
     pub fn new(matrix: &CsrMatrix<f64>) -> Self {
         let mut all = Self { ends: Vec::with_capacity(matrix.nrows()), runs: Vec::new(), values: Vec::new() };
         all.values.reserve(matrix.nnz() / LANES + matrix.nnz() / (2 * LANES));
@@ -63,17 +64,17 @@ impl Runs {
         self.runs.push(Run { column: first as u32, lots: lots as u32 });
     }
 
-    /// Multiplies with columns of as many entries as there are rows, one after the other.
+    /// Multiplies the matrix with columns, which are stored one after the other.
     pub fn multiply(&self, columns: &[f64]) -> Vec<f64> {
         let rows = self.ends.len();
         let mut product = vec![0.0; columns.len()];
-        // Runs end beyond the last column by less than a lot.
+        // Runs extend beyond the last column by less than one lot.
         let length = rows + LANES;
-        let mut filled = vec![0.0; TOGETHER.min(columns.len() / rows.max(1)) * length];
+        let mut filled = vec![0.0; MAX_VECTORS_AT_ONCE.min(columns.len() / rows.max(1)) * length];
         let (mut columns, mut rest) = (columns, &mut product[..]);
         while !columns.is_empty() {
             let left = columns.len() / rows;
-            let count = [TOGETHER, 4, 2].into_iter().find(|count| *count <= left).unwrap_or(1);
+            let count = [MAX_VECTORS_AT_ONCE, 4, 2].into_iter().find(|count| *count <= left).unwrap_or(1);
             for (column, filled) in columns.chunks_exact(rows).take(count).zip(filled.chunks_exact_mut(length)) {
                 filled[..rows].copy_from_slice(column);
             }
@@ -103,14 +104,14 @@ impl Runs {
     }
 }
 
-/// Adds a run's products with what columns have from its first one on.
+/// Adds the products of a run with the entries of columns, which start at the first column of the run.
 #[inline(always)]
 fn add_run<S: Simd, const N: usize>(simd: S, run: &[[f64; LANES]], columns: [&[f64]; N], sums: &mut [S::f64s; N]) {
-    // (Vectors of processors have a number of entries that divides a lot's.)
+    // (The length of a SIMD vector divides the length of a lot.)
     let run = S::as_simd_f64s(run.as_flattened()).0;
     let columns = columns.map(|column| &S::as_simd_f64s(column).0[..run.len()]);
     if let ([sum], [column]) = (&mut sums[..], &columns[..]) {
-        // Two sums side by side, so that additions wait less for the last one.
+        // Two separate sums, so that additions wait less for the previous result.
         let mut other = simd.splat_f64s(0.0);
         let (pairs, last) = run.as_chunks::<2>();
         let (of_pairs, of_last) = column.as_chunks::<2>();
@@ -131,10 +132,10 @@ fn add_run<S: Simd, const N: usize>(simd: S, run: &[[f64; LANES]], columns: [&[f
     }
 }
 
-/// A product with some columns: compiled for the vectors of each kind of processor.
+/// Product with some columns, compiled for the SIMD instructions of each kind of processor.
 struct Multiplying<'a> {
     matrix: &'a Runs,
-    /// With some room after each.
+    /// Columns with padding after each.
     columns: &'a [f64],
     product: &'a mut [f64],
 }
@@ -149,7 +150,7 @@ impl WithSimd for Multiplying<'_> {
             1 => matrix.multiply_some::<S, 1>(simd, columns, product),
             2 => matrix.multiply_some::<S, 2>(simd, columns, product),
             4 => matrix.multiply_some::<S, 4>(simd, columns, product),
-            _ => matrix.multiply_some::<S, TOGETHER>(simd, columns, product),
+            _ => matrix.multiply_some::<S, MAX_VECTORS_AT_ONCE>(simd, columns, product),
         }
     }
 }
@@ -158,7 +159,7 @@ impl WithSimd for Multiplying<'_> {
 mod tests {
     use super::*;
 
-    /// Rows without entries, short and long gaps, and numbers of columns below and above those that go together.
+    /// Rows without entries, short and long gaps, and numbers of columns below and above `MAX_VECTORS_AT_ONCE`.
     #[test]
     fn products_are_those_of_the_entries() {
         const ROWS: usize = 23;

@@ -1,11 +1,14 @@
-//! Eigenpairs of (λ² + Ω + γ(λ) B Bᵀ) φ = 0, Ω diagonal, γ = g − ḡ: a body whose modes, of the modulus ḡ, relax in few directions.
+//! Eigenpairs of (λ² + Ω + γ(λ) B Bᵀ) φ = 0, Ω diagonal, γ = g − ḡ: a body whose modes, with the modulus ḡ, relax in
+//! few directions.
 //!
-//! The vibration that begins as the mode k has φ_k = 1, and what the other modes do follows from systems as large as B has columns:
+//! The vibration that begins as mode k has φ_k = 1. The amplitudes of the other modes follow from systems with as many
+//! unknowns as B has columns:
 //!
 //! ω_k² + λ² + γ b_kᵀ y = 0,  (1 + γ Σ_{j≠k} b_j b_jᵀ/(ω_j² + λ²)) y = b_k,  φ_j = −γ b_jᵀy/(ω_j² + λ²),
 //!
-//! b_k the rows of B (the secular equation of G. H. Golub, SIAM Rev. 15, 1973, for more than one column). Newton's method solves it for λ. Real pairs have
-//! (1 + γ Σ b_j b_jᵀ/(ω_j² + λ²)) y = 0, φ_j ∝ b_jᵀy/(ω_j² + λ²), and are found by inverse iteration with the Rayleigh functional, as those of a D of all directions
+//! with the rows b_k of B (the secular equation of G. H. Golub, SIAM Rev. 15, 1973, for several columns). Newton's
+//! method solves it for λ. Real pairs satisfy (1 + γ Σ b_j b_jᵀ/(ω_j² + λ²)) y = 0 with φ_j ∝ b_jᵀy/(ω_j² + λ²). They
+//! are found by inverse iteration with the Rayleigh functional, in the same way as for relaxation in all directions
 //! ([`super::rational_eigen`]).
 
 use nalgebra::{Complex, ComplexField, DMatrix, DVector};
@@ -13,35 +16,35 @@ use nalgebra::{Complex, ComplexField, DMatrix, DVector};
 use super::axpy::product;
 use super::dense_solve::solved;
 use super::eigen::symmetric_eigen;
-use super::rational_eigen::{IDLE, MOST, Pair, Rational, Settling};
+use super::rational_eigen::{IDLE, MAX_ITERATIONS, Pair, Rational, Settling};
 
-/// The directions by which modes are coupled.
+/// Modes, with the directions that couple them.
 pub struct Secular<'a> {
     /// ω² of the modes, 1/s².
     squares: &'a DVector<f64>,
-    /// B, and its transpose.
+    /// B and its transpose.
     factor: &'a DMatrix<f64>,
     transposed: DMatrix<f64>,
-    /// ḡ.
+    /// Modulus ḡ.
     modulus: f64,
 }
 
 impl<'a> Secular<'a> {
-    /// Modes of some squares (1/s²) with a modulus, and B.
+    /// Creates the problem from the ω² (1/s²) of modes with the modulus ḡ, and from B.
     pub fn new(squares: &'a DVector<f64>, factor: &'a DMatrix<f64>, modulus: f64) -> Self {
         Self { squares, factor, transposed: factor.transpose(), modulus }
     }
 
-    /// The vibration that begins as a mode.
+    /// Returns the vibration that begins as a mode; `None` if the iterations do not lead to a vibration.
     pub fn vibration(&self, mode: usize, of: &Rational<'_>) -> Option<Pair> {
         let own: DVector<Complex<f64>> = self.transposed.column(mode).map(|entry| Complex::new(entry, 0.0));
         let square = self.squares[mode];
         let [g, _] = self.excess(of, Complex::new(0.0, square.sqrt()));
-        // It decays.
+        // This sign belongs to a decaying vibration.
         let mut rate = -(-(own.dot(&own) * g + square)).sqrt();
         let mut settling = Settling::new();
         let (mut shape, mut slope) = (DVector::zeros(self.squares.len()), Complex::new(0.0, 0.0));
-        for _ in 0..MOST {
+        for _ in 0..MAX_ITERATIONS {
             let [g, of_g] = self.excess(of, rate);
             let mut answers = self.answers(rate);
             answers[mode] = Complex::new(0.0, 0.0);
@@ -60,7 +63,7 @@ impl<'a> Secular<'a> {
         Some(pair).filter(|pair| settling.is_found && pair.rate.is_finite() && pair.rate.im > 0.0)
     }
 
-    /// The real pairs between two poles. `None` where some are not found.
+    /// Returns the real pairs between two poles; `None` if some are not found.
     pub fn creeping(&self, (pole, slower): (f64, f64), of: &Rational<'_>) -> Option<Vec<Pair>> {
         let together = self.sum(&self.answers(pole));
         let (values, directions) = symmetric_eigen(together);
@@ -73,10 +76,10 @@ impl<'a> Secular<'a> {
         found.map(pair).collect()
     }
 
-    /// The real pair near an approximate one.
+    /// Refines an approximate real pair; `None` if the iterations do not converge.
     fn creep(&self, mut rate: f64, mut y: DVector<f64>, of: &Rational<'_>) -> Option<Pair> {
         let mut settling = Settling::new();
-        for _ in 0..MOST {
+        for _ in 0..MAX_ITERATIONS {
             let [g, of_g] = self.excess(of, rate);
             let answers = self.answers(rate);
             let system = self.system(&answers, g);
@@ -88,7 +91,7 @@ impl<'a> Secular<'a> {
             let next = solved(system.clone(), turned(&y));
             let length = next.norm();
             if !length.is_finite() {
-                // λ is exact.
+                // The matrix is singular: λ is exact.
                 break;
             }
             y = next / length;
@@ -105,35 +108,35 @@ impl<'a> Secular<'a> {
         settling.is_found.then(|| Pair { rate, shape: shape.map(|entry| Complex::new(entry, 0.0)), slope })
     }
 
-    /// γ and g′.
+    /// Returns γ and g′.
     fn excess<T: ComplexField<RealField = f64> + Copy>(&self, of: &Rational<'_>, rate: T) -> [T; 2] {
         let [g, slope] = of.modulus(rate);
         [g - T::from_real(self.modulus), slope]
     }
 
-    /// 1/(ω² + λ²) of all modes.
+    /// Returns 1/(ω² + λ²) of all modes.
     fn answers<T: ComplexField<RealField = f64> + Copy>(&self, rate: T) -> DVector<T> {
         self.squares.map(|square| T::one() / (rate * rate + T::from_real(square)))
     }
 
-    /// B y.
+    /// Returns B y.
     fn spread<T: ComplexField<RealField = f64> + Copy>(&self, y: &DVector<T>) -> DVector<T> {
         let [real, imaginary] = parts(y);
         joined(&product(self.factor, &real), &product(self.factor, &imaginary))
     }
 
-    /// 1 + γ Bᵀ diag(answers) B.
+    /// Returns 1 + γ Bᵀ diag(answers) B.
     fn system<T: ComplexField<RealField = f64> + Copy>(&self, answers: &DVector<T>, g: T) -> DMatrix<T> {
         let mut system = self.sum(answers) * g;
         (0..system.nrows()).for_each(|i| system[(i, i)] += T::one());
         system
     }
 
-    /// Bᵀ diag(answers) B: real and imaginary parts below each other are one product.
+    /// Returns Bᵀ diag(answers) B. Real and imaginary parts are stacked in one product.
     fn sum<T: ComplexField<RealField = f64> + Copy>(&self, answers: &DVector<T>) -> DMatrix<T> {
         let (directions, modes) = self.transposed.shape();
         let [real, imaginary] = parts(answers);
-        // Real answers have no other part.
+        // The imaginary part is skipped if it is zero.
         let rows = if imaginary.amax() > 0.0 { 2 * directions } else { directions };
         let mut scaled = DMatrix::zeros(rows, modes);
         let columns =
@@ -151,12 +154,12 @@ impl<'a> Secular<'a> {
     }
 }
 
-/// Real and imaginary parts.
+/// Returns the real and the imaginary part.
 fn parts<T: ComplexField<RealField = f64> + Copy>(of: &DVector<T>) -> [DVector<f64>; 2] {
     [of.map(T::real), of.map(T::imaginary)]
 }
 
-/// Of real and imaginary parts; the latter are nothing where T is real.
+/// Joins real and imaginary parts. If T is real, the imaginary part must be zero.
 fn joined<T, R, C, S>(
     real: &nalgebra::Matrix<f64, R, C, S>,
     imaginary: &nalgebra::Matrix<f64, R, C, S>,
@@ -168,7 +171,7 @@ where
     S: nalgebra::storage::Storage<f64, R, C>,
     nalgebra::DefaultAllocator: nalgebra::allocator::Allocator<R, C>,
 {
-    // √−1 is not a number of the reals.
+    // √−1 exists only if T is complex.
     let unit = T::from_real(-1.0).try_sqrt();
     real.zip_map(imaginary, |real, imaginary| match unit {
         Some(unit) => T::from_real(real) + unit * T::from_real(imaginary),

@@ -1,52 +1,52 @@
-//! How a body's modes move it, and where its energy is.
+//! Displacements of a body in its modes, and its energies.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::relaxing_modes::RelaxingForms;
 use super::row_blocks::RowBlocks;
 
-/// A body's coordinates y on its basis, from those of its modes: with x of the vibrations, ∫∫F of the free motions, and F,
+/// Basis coordinates y of a body from its modal coordinates: x of the vibrations, ∫∫F of the free motions, and F,
 ///
 /// y = moving x + free₀ ∫∫F dt dt + free₁ t²/2 + residual F.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Shapes {
-    /// A column for each vibration.
+    /// One column for each vibration.
     pub moving: DMatrix<f64>,
     /// Σ φ e and Σ f e over the free motions e.
     pub free: [DVector<f64>; 2],
-    /// Σ φ e/ω² over what is left out: its static answer to the force.
+    /// Static response of the left-out modes to the force, Σ φ e/ω².
     pub residual: DVector<f64>,
-    /// Σ f e/ω² over what is left out: its static answer to the loads.
+    /// Static response of the left-out modes to the loads, Σ f e/ω².
     pub rest: DVector<f64>,
 }
 
-/// Quadratic forms of the energies, with what they need of the real coordinates x, in which M = 1 and K is diagonal.
+/// Quadratic forms of the energies in the real coordinates x, in which M = 1 and K is diagonal.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Forms {
     /// ω², 1/s².
     pub squares: DVector<f64>,
-    /// ω, rad/s; not zero, so that one may divide by it.
+    /// ω, rad/s; positive, so that divisions by it are finite.
     pub frequencies: DVector<f64>,
-    /// A factor F of K = FᵀF of the supports, with as many rows as it has independent springs.
+    /// Factor F of the support stiffness K = FᵀF, with one row for each independent spring.
     pub support: RowBlocks,
     /// ∫ k ū of the supports.
     pub support_load: DVector<f64>,
     /// ½ ∫ k ū·ū, J.
     pub support_offset: f64,
-    /// f.
+    /// Modal loads f.
     pub load: DVector<f64>,
-    /// Energy of what the loads do to the modes that are left out, J.
+    /// Energy of the left-out modes in equilibrium with the loads, J.
     pub rest: f64,
-    /// x and v from z, with dampers or relaxation: Re(X z), Re(V z).
+    /// Matrices of x = Re(X z) and v = Re(V z), with dampers or relaxation.
     pub damped: Option<[DMatrix<Complex<f64>>; 2]>,
-    /// What takes the place of ω² in the energy of a body that relaxes.
+    /// Replaces ω² in the energy of a viscoelastic body.
     pub relaxing: Option<RelaxingForms>,
-    /// Whether waves go off for good: their energy counts as dissipated.
+    /// Whether there are outgoing waves: their energy counts as dissipated.
     pub is_open: bool,
 }
 
 impl Shapes {
-    /// The same of linear forms on y, a row each.
+    /// Applies linear forms on y, one in each row.
     pub fn mapped(&self, forms: &DMatrix<f64>) -> Self {
         Self {
             moving: forms * &self.moving,
@@ -56,7 +56,7 @@ impl Shapes {
         }
     }
 
-    /// Of a body without a basis.
+    /// Returns the shapes of a body without a basis.
     pub fn none() -> Self {
         Self::zero(0)
     }

@@ -1,7 +1,8 @@
-//! The rates at which the vectors of a Krylov basis are made.
+//! Shifts of a Krylov basis: the rates at which its vectors are made.
 //!
-//! Of a body that does not relax there is one. A body that relaxes answers at once by other shapes than later, and those of one modulus hold
-//! few of the others: it has some more, each with the moduli of its own.
+//! An elastic body has one shift. The instantaneous and the later responses of a viscoelastic body have different
+//! shapes, and vectors with one modulus represent the other shapes poorly. Such a body has a few more shifts, each with
+//! the moduli at that shift.
 
 use petsc_wrap::{Ksp, Vector};
 
@@ -11,64 +12,70 @@ use super::linear::LinearBody;
 use crate::error::Result;
 use crate::material::Maxwell;
 
-/// Rates over the first one at which more vectors of a body that relaxes are made. With the first alone, a laminate whose interlayer falls
-/// from 400 to 0.3 MPa was off by 16% of the peak for any number of vectors up to 80; with these, by 0.2%.
-const SLOWER: [f64; 2] = [0.3, SLOWEST];
+/// Ratios of additional shifts of a viscoelastic body to the first shift. With the first shift alone, a laminate with
+/// an interlayer that relaxes from 400 to 0.3 MPa had an error of 16% of the peak, for any number of vectors up to 80.
+/// With these shifts, the error was 0.2%.
+const SLOWER_SHIFTS: [f64; 2] = [0.3, SLOWEST];
 
-/// The lowest of them.
+/// Ratio of the lowest shift to the first.
 pub(super) const SLOWEST: f64 = 0.1;
 
-/// The part of a modulus below which it counts as another one.
+/// Ratio of the moduli at a lower and at the previous shift below which the lower shift is used.
 const RELAXED: f64 = 0.9;
 
-/// The part of a modulus that is left at the lowest rate from which on the first rate serves alone. With 0.76 to 1 a laminate of a chain as of PVB,
-/// at 0 to 50 °C, takes 0.7 times the vectors at one rate that it takes at three. With 0.73 of a chain over twelve decades the error was
-/// as small as it had to be, but 1.8 times its estimate.
+/// Ratio of the moduli at the lowest and at the first shift from which on the first shift is sufficient. With ratios of
+/// 0.76 to 1, a laminate with a Prony series typical of PVB, at 0 to 50 °C, takes 0.7 times as many vectors at one
+/// shift as at three. With a ratio of 0.73, for a series over twelve decades, the error was as small as required, but
+/// 1.8 times its estimate.
 const LITTLE_RELAXED: f64 = 0.75;
 
-/// The part of it that must be left at the end of the run besides. That chain keeps 0.40 to 0.75. One that falls to a thousandth later than at the lowest
-/// rate has shapes of its own then, which two bases of one modulus lack alike, so that their difference does not show it. (Terms that are slow beside the run are springs. Of thirteen laminates whose chains fall below
-/// this after the end of the run, twelve were off at one rate, with two thirds of the vectors, by about as much as at three; one with an
-/// interlayer of 1.5 mm by 3.3e-3 of the peak in the place of 1.5e-3.)
+/// Least ratio of the modulus at the end of the run to the modulus at the first shift for which the first shift is
+/// sufficient, in addition to [`LITTLE_RELAXED`]. The PVB series keeps 0.40 to 0.75. A series that decreases to a
+/// thousandth later than at the lowest shift has different shapes then. Two bases with one modulus both lack them, so
+/// that their difference does not show this error. (Terms that are slow compared with the run act as springs. In a
+/// test, the series of thirteen laminates decreased below this ratio after the end of the run. For twelve of them, one
+/// shift, with two thirds of the vectors, had about the same error as three shifts. For one with an interlayer of 1.5
+/// mm, the error was 3.3e-3 of the peak instead of 1.5e-3.)
 const LEFT_AT_LAST: f64 = 0.4;
 
-/// A rate at which vectors are made.
+/// A shift at which basis vectors are made.
 pub(super) struct Shift {
-    /// s, 1/s.
+    /// Shift s, 1/s.
     pub rate: f64,
-    /// Of S there.
+    /// Solver with S at this shift.
     pub solver: Solver,
 }
 
 impl Shift {
-    /// Those of a body, the given one (1/s) first, for a run of a length (s). Factorises S at each, that of a small body with so many digits. Collective.
+    /// Returns the shifts of a body, the given one (1/s) first, for a run of length `end` (s). Factorises S at each
+    /// shift, with the given precision if the body is small. Collective.
     ///
     /// # Errors
-    /// Those of [`LinearBody::solver`].
+    /// Same as [`LinearBody::solver`].
     pub fn all(body: &dyn LinearBody, (first, end): (f64, f64), precision: Precision) -> Result<Vec<Self>> {
         let at = |rate| Ok(Self { rate, solver: body.solver(rate, precision)? });
         rates(&body.chains(), first, end).into_iter().map(at).collect()
     }
 }
 
-/// Solves S x = b.
+/// Solver of S x = b.
 pub enum Solver {
-    /// Of a body that one process has all of.
+    /// For a body that one process stores completely.
     Direct(Direct),
-    /// Of one whose rows are spread over ranks, with vectors to solve in.
+    /// For a body whose rows are distributed over ranks, with work vectors.
     Distributed(Box<(Ksp, [Vector; 2])>),
 }
 
 impl Solver {
-    /// Whether its digits are those of single precision.
+    /// Whether the factor is in single precision.
     pub fn is_single(&self) -> bool {
         matches!(self, Self::Direct(factor) if factor.is_single())
     }
 
-    /// x ← S⁻¹ x, of this rank's rows. Collective.
+    /// Computes x ← S⁻¹ x for this rank's rows. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn solve_in_place(&mut self, x: &mut [f64]) -> Result<()> {
         match self {
             Self::Direct(factor) => factor.solve_in_place(x),
@@ -83,8 +90,8 @@ impl Solver {
     }
 }
 
-/// The rates at which the vectors of a body are made, 1/s: where its parts relax by much within a run of a length (s), lower ones beside the given one,
-/// each of which has moduli of its own.
+/// Returns the shifts of a body, 1/s: the given one, and lower ones if parts relax considerably within a run of length
+/// `end` (s). The moduli differ between the shifts.
 pub fn rates(chains: &[&Maxwell], shift: f64, end: f64) -> Vec<f64> {
     let mut rates = vec![shift];
     let relaxes_little = |chain: &&Maxwell| {
@@ -94,7 +101,7 @@ pub fn rates(chains: &[&Maxwell], shift: f64, end: f64) -> Vec<f64> {
     if chains.iter().all(relaxes_little) {
         return rates;
     }
-    for rate in SLOWER.map(|part| part * shift) {
+    for rate in SLOWER_SHIFTS.map(|part| part * shift) {
         let last = rates[rates.len() - 1];
         let has_relaxed = |chain: &&Maxwell| chain.transformed(rate) < RELAXED * chain.transformed(last);
         if chains.iter().any(has_relaxed) {
@@ -104,21 +111,21 @@ pub fn rates(chains: &[&Maxwell], shift: f64, end: f64) -> Vec<f64> {
     rates
 }
 
-/// What vectors grow from.
+/// A start vector, with the chains of vectors made from it.
 pub(super) struct Source {
-    /// What they begin with: a, or the loads.
+    /// Start vector: the contact force vector a, the loads, or the load vector of a foundation.
     pub start: Columns,
-    /// What grows from it, at each shift. All take turns.
+    /// One chain of vectors for each shift, used in turn.
     pub chains: Vec<Chain>,
-    /// Whose turn it is.
+    /// Number of the chain of the next vector.
     pub turn: usize,
 }
 
-/// What grows at one shift.
+/// Chain of vectors at one shift.
 pub(super) struct Chain {
-    /// Its last vector's number, where it has one, and M times that vector.
+    /// Number of its last vector and M times this vector; `None` before the first vector.
     pub last: Option<(usize, Columns)>,
-    /// Whether nothing new comes of it.
+    /// Whether the chain gives no new directions.
     pub exhausted: bool,
 }
 
@@ -129,7 +136,7 @@ impl Source {
         Self { start, chains, turn: 0 }
     }
 
-    /// Whether nothing new comes of it at any shift.
+    /// Whether no chain gives new directions.
     pub fn is_exhausted(&self) -> bool {
         self.chains.iter().all(|chain| chain.exhausted)
     }
@@ -145,14 +152,14 @@ mod tests {
         Maxwell { equilibrium, terms }
     }
 
-    /// Vectors of a chain as of PVB are made at one rate; of one that falls to a thousandth later than at the lowest rate, at several, unless the run
-    /// ends before.
+    /// A PVB-like series needs one shift. A series that decreases to a thousandth later than at the lowest shift needs
+    /// several, unless the run ends before.
     #[test]
     fn one_rate_serves_what_keeps_much() {
         let shift = 1e4;
         let pvb = chain(6.9e6, &[(6.9e6, 1e-5), (3.9e6, 1e-4), (2.3e6, 1e-3), (1.7e6, 1e-2)]);
         assert_eq!(rates(&[&pvb], shift, f64::INFINITY), [shift]);
-        // At the lowest rate, 1e3/s, 0.8 of it are left.
+        // At the lowest shift, 1e3/s, 0.8 of the modulus is left.
         let late = chain(7.5e-4, &[(1.0, 4e-3)]);
         assert!(late.transformed(1e3) > LITTLE_RELAXED * late.transformed(shift));
         assert!(rates(&[&late], shift, 8e-3).len() > 1);

@@ -1,26 +1,27 @@
-//! A plate's short waves beside the modes of its long ones.
+//! Short waves of a plate, in addition to the modes of its long waves.
 
 use nalgebra::DVector;
 
 use super::infinite_plate::weight;
 use super::{Mode, Projection};
 
-/// What stands for a plate's short waves.
+/// Coordinates that represent the short waves of a plate, and the weights of the modes.
 pub struct ShortWaves {
-    /// Their coordinates.
+    /// First-order coordinates of the short waves.
     pub coordinates: Vec<Mode>,
-    /// What those yield that are faster than any contact, m/N.
+    /// Static compliance of the waves that are faster than any contact, m/N.
     pub static_compliance: f64,
-    /// √g of the modes.
+    /// Weights √g of the modes.
     pub weights: DVector<f64>,
-    /// How many of the modes, the lowest first, have any.
+    /// Number of lowest modes with a nonzero weight.
     pub kept: usize,
-    /// Vᵀa itself.
+    /// Vᵀa without the weights.
     pub force: DVector<f64>,
 }
 
 impl ShortWaves {
-    /// Those that modes of these squares and this Vᵀa leave out, where a basis is to have it so.
+    /// Returns the short waves left out by modes with these ω² and this Vᵀa; `None` if the projection has no infinite
+    /// plate.
     pub fn new(projection: &Projection, squares: &DVector<f64>, force: &DVector<f64>) -> Option<Self> {
         let plate = projection.infinite_plate.as_ref()?;
         let cutoff = plate.known(projection.vectors());

@@ -1,21 +1,23 @@
-//! What is decided of a Krylov basis before it grows.
+//! Settings of a Krylov basis that are fixed before it grows.
 
-/// How a basis begins.
+/// Settings of a Krylov basis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Start {
-    /// s, 1/s.
+    /// Shift s, 1/s.
     pub shift: f64,
-    /// How long the run is, s.
+    /// Length of the run, s.
     pub end: f64,
-    /// Whether the basis of a plate is to know its long waves alone, where that serves ([`InfinitePlate`](super::InfinitePlate)).
+    /// Whether the basis of a plate is made for its long waves only, where this is useful
+    /// ([`InfinitePlate`](super::InfinitePlate)).
     pub leaves_short_waves: bool,
-    /// Whether vectors may be made orthogonal in blocks, by Lanczos' recurrence, where the body is small and elastic: quicker for long bases,
-    /// with a little more rounding in their last vectors.
+    /// Whether vectors may be orthogonalised in blocks, by a Lanczos recurrence, if the body is small and elastic. This
+    /// is faster for long bases, with slightly more rounding in the last vectors.
     pub in_blocks: bool,
 }
 
 impl From<f64> for Start {
-    /// At a rate (1/s), for a run of any length and waves of all lengths, vector by vector.
+    /// Creates the settings for a shift (1/s): a run of any length, waves of all lengths, and orthogonalisation vector
+    /// by vector.
     fn from(shift: f64) -> Self {
         Self { shift, end: f64::INFINITY, leaves_short_waves: false, in_blocks: false }
     }

@@ -1,4 +1,4 @@
-//! A body given by numbers, without a mesh: small enough that every rank has all of it.
+//! A body as plain matrices and vectors, without a mesh, small enough for a copy on every rank.
 
 use std::rc::Rc;
 
@@ -15,61 +15,65 @@ use super::deviates::normal;
 use super::linear::Operator;
 use super::{Body, Clamps, InfinitePlate, PadOnSurface, Pads, Relaxation};
 
-/// Entries of a matrix that a core's cache holds: half of them are multiplied no quicker, and take long to be picked.
+/// Number of matrix entries that fit into the cache of a core. For smaller matrices, products with an upper triangle
+/// are no faster, and extracting it takes long.
 const CACHED: u64 = 100_000;
 
-/// M ü + C u̇ + K u = a F + f of a body, all unknowns numbered from zero, held ones among them.
+/// Matrices and vectors of M ü + C u̇ + K u = a F + f. All unknowns are numbered from zero, constrained ones included.
 #[derive(Debug, Clone)]
 pub struct System {
-    /// M.
+    /// Mass matrix M, kg.
     pub mass: CsrMatrix<f64>,
-    /// K of the elastic body alone, of relaxing parts what is left after all relaxation.
+    /// Stiffness K of the elastic body alone, N/m. Viscoelastic parts contribute their fully relaxed stiffness.
     pub elastic: CsrMatrix<f64>,
-    /// D of each relaxation, and its terms ([`Relaxation`]).
+    /// Distortion stiffness D and Prony series of each viscoelastic part ([`Relaxation`]).
     pub relaxations: Vec<(CsrMatrix<f64>, Maxwell)>,
-    /// K of the elastic supports (11).
+    /// Stiffness K of the elastic supports (11), N/m.
     pub support: Option<CsrMatrix<f64>>,
-    /// C of the dampers (13).
+    /// Damping matrix C of the dampers (13), N s/m.
     pub damping: Option<CsrMatrix<f64>>,
-    /// One-sided supports (12).
+    /// One-sided foundation pads (12).
     pub pads: Vec<PadOnSurface>,
-    /// Held unknowns and their values.
+    /// Constrained unknowns and their prescribed values.
     pub held: Vec<(usize, f64)>,
-    /// f of body forces and tractions.
+    /// Load vector f of the body force and the tractions, N.
     pub load: Vec<f64>,
-    /// ∫ k ū·v dS of the elastic supports.
+    /// ∫ k ū·v dS of the elastic supports, N.
     pub support_load: Vec<f64>,
     /// ½ ∫ k ū·ū dS of the elastic supports, J.
     pub support_offset: f64,
-    /// a: aᵀu is the surface's displacement along the impactor's direction, m.
+    /// Contact force vector a: aᵀu is the displacement of the surface along the impactor's direction, m.
     pub localization: Vec<f64>,
-    /// c of the contact law α = δ + c F, m/N, of the modelled part.
+    /// Local compliance c of the contact law α = δ + c F, m/N, of the modelled part.
     pub compliance: f64,
-    /// The patch of a body of solid elements.
+    /// Contact patch of a body of solid elements.
     pub patch: Option<Patch>,
-    /// σ_a, σ_b and σ_ab, Pa, under the hit on the other face, along its axes, as linear forms; empty where they are not read.
+    /// Stresses σ_a, σ_b and σ_ab, Pa, on the face opposite the impact point, along its axes, as linear forms. Empty if
+    /// they are not read.
     pub hit_stress: Vec<Vec<f64>>,
-    /// What these lack for a force of 1 N on the whole body, Pa.
+    /// Local stresses that these forms lack for a force of 1 N on the whole body, Pa.
     pub hit_local: [f64; 3],
-    /// The unknowns of a unit translation along the impactor's direction.
+    /// Unknowns of a rigid unit translation along the impactor's direction.
     pub translation: Vec<f64>,
-    /// Of a plate, what an infinite one does.
+    /// Response of an infinite plate of the same section, if the body is a plate.
     pub infinite_plate: Option<InfinitePlate>,
-    /// Where the axes of a square may be exchanged, the number that each unknown has then.
+    /// Number of each unknown after an exchange of the two axes, if the body is a square that permits it.
     pub exchange: Option<Vec<usize>>,
-    /// Operators of each class of motions as products along the axes of a grid, where these take less than all entries.
+    /// Operators of each symmetry class as products along the axes of a grid, if these are cheaper than products with
+    /// all entries.
     pub factorised: Vec<(Operator, Rc<SumFactorised>)>,
-    /// How many such bodies make the whole.
+    /// Number of such bodies that form the whole.
     pub copies: f64,
-    /// Classes of motions that do not couple: blocks of as many unknowns each, one after the other, along the diagonals of all matrices.
+    /// Number of uncoupled symmetry classes. They are consecutive blocks of equally many unknowns, on the diagonals of
+    /// all matrices.
     pub classes: usize,
 }
 
 impl Body {
-    /// The system's operators, as PETSc holds them on one rank.
+    /// Creates the body of a system in PETSc storage, on one rank.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn of(alone: &Comm, system: &System) -> Result<Self> {
         let vector = |values: &[f64]| {
             let mut vector = Vector::new(alone, values.len())?;
@@ -135,7 +139,8 @@ impl Body {
 }
 
 impl System {
-    /// The elastic body that it is a time (s) after a step of the strain: its relaxing parts are springs of the modulus of then.
+    /// Returns the elastic body at a time (s) after a step of the strain. Its viscoelastic parts are springs with the
+    /// modulus at that time.
     pub(super) fn elastic_at(&self, time: f64) -> Self {
         let elastic = self.relaxations.iter().fold(self.elastic.clone(), |sum, (distortion, chain)| {
             add(sum, chain.at(time) - chain.equilibrium, distortion)
@@ -160,7 +165,7 @@ impl System {
         }
     }
 
-    /// A class of motions by itself.
+    /// Returns one symmetry class as a separate system.
     pub(super) fn class(&self, number: usize) -> Self {
         let size = self.load.len() / self.classes;
         let range = number * size..(number + 1) * size;
@@ -183,7 +188,7 @@ impl System {
             held: held.map(|(unknown, value)| (unknown - range.start, *value)).collect(),
             load: part(&self.load),
             support_load: part(&self.support_load),
-            // The displacement that is given is even, as the first class.
+            // The prescribed displacement is even and belongs to the first class.
             support_offset: if number == 0 { self.support_offset } else { 0.0 },
             localization: part(&self.localization),
             hit_stress: self.hit_stress.iter().map(part).collect(),
@@ -198,7 +203,7 @@ impl System {
     }
 }
 
-/// A + factor B.
+/// Returns A + factor B.
 fn add(mut to: CsrMatrix<f64>, factor: f64, other: &CsrMatrix<f64>) -> CsrMatrix<f64> {
     let is_within = |row: usize| {
         let (all, few) = (to.row(row), other.row(row));
@@ -208,7 +213,7 @@ fn add(mut to: CsrMatrix<f64>, factor: f64, other: &CsrMatrix<f64>) -> CsrMatrix
     if !(0..to.nrows()).all(is_within) {
         return to + other.clone() * factor;
     }
-    // As a rule the sum has the entries of the one.
+    // Usually, the sum has the same entries as A.
     for row in 0..to.nrows() {
         let (mut row, other) = (to.row_mut(row), other.row(row));
         let (columns, values) = row.cols_and_values_mut();

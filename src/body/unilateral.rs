@@ -1,11 +1,11 @@
-//! Unilateral foundations (12) of a body that is reduced: springs, and what these must not pull.
+//! Unilateral foundations (12) of a body that is reduced: linear springs, and a correction of their tensile forces.
 //!
-//! With the penetrations g = G u − s ū of the foundations' points and their stiffness k (N/m),
+//! With the penetrations g = G u − s ū of the foundation points and their stiffness k (N/m),
 //!
 //! p(u) = Gᵀ k⟨g⟩ = Gᵀ (k g + λ),  λ = k⟨−g⟩.
 //!
-//! The springs k g are linear: they go to K and to the loads, so that bases and modes know them. λ, their pull where the body has lifted
-//! off, is left to the steps.
+//! The springs k g are linear. They are part of K and of the loads, so that bases and modes include them. The
+//! correction λ is the pull of the springs where the body has lifted off. It is applied in the time steps.
 
 use std::cell::RefCell;
 
@@ -15,37 +15,38 @@ use petsc_wrap::Vector;
 use super::{Body, Pads};
 use crate::error::Result;
 
-/// The foundations of a body whose K has their springs.
+/// Unilateral foundations of a body whose K contains their springs.
 pub struct Unilateral {
     pads: RefCell<Pads>,
     stiffness: DVector<f64>,
     offsets: DVector<f64>,
-    /// λ in the equilibrium that the motion starts in, N.
+    /// λ in the equilibrium at the start of the motion, N.
     resting: Option<DVector<f64>>,
-    /// ∫ k s·v dS over each place, N: what bases begin with, beside the contact's force.
+    /// ∫ k s·v dS of each foundation region, N: start vectors of bases in addition to the contact force vector.
     pub loads: Vec<Vector>,
 }
 
-/// The points of unilateral foundations, with their displacements as linear forms on some coordinates.
+/// Points of unilateral foundations, with their displacements as linear forms on some coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FoundationPoints {
-    /// k, N/m.
+    /// Stiffness k of each point, N/m.
     pub stiffness: DVector<f64>,
-    /// s ū, m.
+    /// Offset s ū of each point, m.
     pub offsets: DVector<f64>,
-    /// s·u of the coordinates, a row for each point.
+    /// Displacement s·u as a linear form on the coordinates, one row for each point.
     pub rows: DMatrix<f64>,
-    /// λ in the equilibrium that the motion starts in, N; zero where it starts undeformed.
+    /// λ in the equilibrium at the start of the motion, N; zero if the motion starts undeformed.
     pub resting: DVector<f64>,
-    /// Whether it starts in equilibrium.
+    /// Whether the motion starts from equilibrium.
     pub is_settled: bool,
 }
 
 impl Body {
-    /// Replaces the pads by springs that act in both directions, and [`Unilateral`], which says what these pull too much. Collective.
+    /// Replaces the pads by springs that act in both directions, with [`Unilateral`] as the correction of their tensile
+    /// forces. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn take_pads_as_springs(&mut self) -> Result<()> {
         let Some(mut pads) = self.pads.take() else { return Ok(()) };
         let mut springs = self.elastic.duplicate()?;
@@ -72,20 +73,20 @@ impl Body {
 }
 
 impl Unilateral {
-    /// s·u of all points, m. Collective.
+    /// Returns s·u of all points, m. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub(super) fn moved(&self, u: &Vector) -> Result<Vec<f64>> {
         Ok(self.pads.borrow_mut().moved(u)?)
     }
 
-    /// How many points there are.
+    /// Number of points.
     pub(super) fn points(&self) -> usize {
         self.stiffness.len()
     }
 
-    /// The points on a basis, with a column of [`Self::moved`] for each vector.
+    /// Returns the points on a basis. `rows` has one column of [`Self::moved`] for each basis vector.
     pub(super) fn on(&self, rows: DMatrix<f64>) -> FoundationPoints {
         FoundationPoints {
             stiffness: self.stiffness.clone(),
@@ -98,22 +99,23 @@ impl Unilateral {
 }
 
 impl FoundationPoints {
-    /// The same on other coordinates, of which the present ones are the sums in the columns of a matrix.
+    /// Transforms the points to other coordinates. Each column of the matrix is the direction of a new coordinate in
+    /// the present ones.
     pub fn on(&self, coordinates: &DMatrix<f64>) -> Self {
         Self { rows: &self.rows * coordinates, ..self.without_rows() }
     }
 
-    /// Stiffness of all points, pressed, along a coordinate.
+    /// Returns the stiffness of all points, pressed, along a coordinate.
     pub fn square(&self, coordinate: usize) -> f64 {
         self.rows.column(coordinate).component_mul(&self.stiffness).dot(&self.rows.column(coordinate))
     }
 
-    /// The same on the first coordinates.
+    /// Restricts the points to the first coordinates.
     pub fn leading(&self, count: usize) -> Self {
         Self { rows: self.rows.columns(0, count).into_owned(), ..self.without_rows() }
     }
 
-    /// The same on some of the coordinates.
+    /// Restricts the points to some of the coordinates.
     pub fn select(&self, coordinates: &[usize]) -> Self {
         Self { rows: self.rows.select_columns(coordinates), ..self.without_rows() }
     }
@@ -125,26 +127,27 @@ impl FoundationPoints {
         Self { stiffness, offsets, rows, resting, is_settled: *is_settled }
     }
 
-    /// g at coordinates, m.
+    /// Returns the penetrations g at given coordinates, m.
     pub fn penetration(&self, coordinates: &DVector<f64>) -> DVector<f64> {
         let mut penetration = -&self.offsets;
         penetration.gemv(1.0, &self.rows, coordinates, 1.0);
         penetration
     }
 
-    /// λ at penetrations less that in equilibrium, N.
+    /// Returns λ at given penetrations minus λ in equilibrium, N.
     pub fn pull(&self, penetration: &DVector<f64>) -> DVector<f64> {
         self.stiffness.zip_map(penetration, pull) - &self.resting
     }
 
-    /// ½ λ²/k over all points, J: what of the springs' energy is none, by λ less that in equilibrium.
+    /// Returns ½ λ²/k over all points, J: the energy of springs in tension, which does not exist. `pull` is λ minus λ
+    /// in equilibrium.
     pub fn energy(&self, pull: &DVector<f64>) -> f64 {
         let terms = pull.iter().zip(&self.resting).zip(&self.stiffness);
         terms.map(|((pull, resting), k)| 0.5 * (pull + resting).powi(2) / k).sum()
     }
 }
 
-/// k⟨−g⟩.
+/// Returns k⟨−g⟩.
 fn pull(stiffness: f64, penetration: f64) -> f64 {
     stiffness * (-penetration).clamp(0.0, f64::INFINITY)
 }

@@ -1,4 +1,4 @@
-//! Runs of one scene by many settings, each kept in a folder, so that none is done twice.
+//! Runs one scene with many settings. Results are kept in a folder, so that no run is repeated.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
@@ -19,16 +19,16 @@ use crate::study::chart::{Attempt, Recording, Timed, history, spent, time};
 
 use super::provenance::provenance;
 
-/// A scene, where its runs are kept, and whether to leave off.
+/// A scene, the folder of its runs, and a test for interruption.
 pub struct Bench<'a> {
     comm: &'a Comm,
     source: &'a Source,
-    /// On rank 0.
+    /// Path and folder of the runs, on rank 0 only.
     folder: Option<(PathBuf, Folder)>,
     interrupted: Rc<dyn Fn() -> bool>,
 }
 
-/// What a run took, s: what is sent of a [`Timed`].
+/// Wall times of a run, s: the part of a [`Timed`] that is sent to other ranks.
 #[derive(Serialize, Deserialize)]
 struct Times {
     build: f64,
@@ -37,10 +37,10 @@ struct Times {
 }
 
 impl<'a> Bench<'a> {
-    /// Keeps runs in a folder, those of each build of this program apart. Collective.
+    /// Keeps runs in a subfolder of `folder` for each build of this program. Collective.
     ///
     /// # Errors
-    /// [`Error::Output`] where that cannot be made.
+    /// [`Error::Output`] if the folder cannot be created.
     pub fn new(comm: &'a Comm, source: &'a Source, folder: &Path, interrupted: Rc<dyn Fn() -> bool>) -> Result<Self> {
         let folder = &folder.join(program());
         let mut made = None;
@@ -51,10 +51,10 @@ impl<'a> Bench<'a> {
         Ok(Self { comm, source, folder: made, interrupted })
     }
 
-    /// What comes of some settings of a method, run a few times where it is `repeated`; `None` where it was interrupted. Collective.
+    /// Result of a method with some settings; run several times if `repeated`. `None` if interrupted. Collective.
     ///
     /// # Errors
-    /// What is no fault of the settings.
+    /// If an error is not caused by the settings.
     pub fn outcome(&self, method: &str, settings: &[String], repeated: bool) -> Result<Option<Attempt>> {
         let (scene, source) =
             match Scene::within(self.source.name(), self.source.folder(), self.source.text(), settings) {
@@ -82,10 +82,10 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// What is known of a run, if it was made on as many ranks, with the same options.
+    /// Result of an earlier run, if it was made on the same number of ranks with the same options.
     fn kept(&self, name: &str, (scene, source): (&Scene, &Source), repeated: bool) -> Result<Option<Attempt>> {
         let own = self.folder.as_ref().and_then(|(path, _)| self.read(&path.join(name), (scene, source), repeated));
-        // The other ranks need its times alone, by which the next runs are chosen.
+        // The other ranks need only the times, which determine the next runs.
         let times = |timed: &Timed| Times { build: timed.build, run: timed.run, spent: timed.spent };
         let told = own.as_ref().map(|attempt| attempt.as_ref().map(times).map_err(Clone::clone));
         let told: Option<std::result::Result<Times, String>> = of_root(self.comm, Some(told));
@@ -148,14 +148,14 @@ impl<'a> Bench<'a> {
         folder.put(format!("{name}.txt"), |part| std::fs::write(part, text).map_err(|e| Error::io(part, e)))
     }
 
-    /// What a reason holds for.
+    /// Header of a stored error message: the scene, the number of ranks and the options for which it holds.
     fn headed(&self, source: &Source) -> Result<String> {
         let (ranks, options) = (self.comm.size(), options::all(self.comm.session())?);
         Ok(format!("{}\n\nranks: {ranks}, options: {options}\n\n", source.text()))
     }
 }
 
-/// Commit and a digest of the program's file: builds of one commit may differ.
+/// Commit and a hash of the program file, since builds of one commit may differ.
 fn program() -> String {
     let bytes = std::env::current_exe().and_then(std::fs::read).unwrap_or_default();
     let mut digest = DefaultHasher::new();
@@ -163,7 +163,7 @@ fn program() -> String {
     format!("{}-{:08x}", env!("RICOCHET_COMMIT"), digest.finish() as u32)
 }
 
-/// The name of a run's file.
+/// File name of the result of a run.
 fn file_name(method: &str, settings: &[String]) -> String {
     let words = [method].into_iter().chain(settings.iter().map(String::as_str));
     let plain = |c: char| if c.is_ascii_alphanumeric() || ".=-".contains(c) { c } else { '-' };

@@ -1,4 +1,4 @@
-//! `ricochet chart`: a scene to a chart of speed against accuracy.
+//! `ricochet chart`: charts speed against accuracy for a scene.
 
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -22,14 +22,15 @@ use super::load::{Loaded, load};
 use super::progress::Items;
 use super::{Chart, note, say, tell, warn_of_unused_options};
 
-/// The files of a chart, and the folder of its runs.
+/// Files of a chart.
 const RESULTS: [&str; 4] = ["work-precision.csv", "summary.md", "work-precision.svg", "work-precision.png"];
+/// Name of the folder of its runs.
 const RUNS: &str = "runs";
 
-/// Charts a scene and writes what was found; returns the exit status. Collective.
+/// Charts a scene and writes the results; returns the exit status. Collective.
 ///
 /// # Errors
-/// All that [`Error`] names.
+/// Any [`Error`].
 pub fn chart(comm: &Comm, arguments: &Chart) -> Result<i32> {
     if arguments.budget.is_nan() || arguments.budget <= 0.0 {
         return Err(Error::Usage(format!("--budget {}: expected a number of seconds above 0", arguments.budget)));
@@ -89,7 +90,7 @@ pub fn chart(comm: &Comm, arguments: &Chart) -> Result<i32> {
     Ok(0)
 }
 
-/// The methods of some names: `solid`, all of a theory as `solid/*`, or all that have a word as `newmark`.
+/// Selects methods by name: one method (`solid`), all of a theory (`solid/*`), or all that contain a word (`newmark`).
 fn selected(methods: Vec<Method>, only: &[String]) -> Result<Vec<Method>> {
     if only.is_empty() {
         return Ok(methods);
@@ -107,7 +108,7 @@ fn selected(methods: Vec<Method>, only: &[String]) -> Result<Vec<Method>> {
     Ok(found.cloned().collect())
 }
 
-/// What other programs, and a reference that is given, say; on rank 0. Collective.
+/// Reads the results of other programs and a given reference, on rank 0. Collective.
 fn read(comm: &Comm, arguments: &Chart, (scene, text): (&Scene, &str)) -> Result<(Vec<Foreign>, Option<Reference>)> {
     let mass = scene.impactor.mass;
     let read = || -> Result<_> {
@@ -138,7 +139,7 @@ fn read(comm: &Comm, arguments: &Chart, (scene, text): (&Scene, &str)) -> Result
     Ok((peers, reference))
 }
 
-/// All runs, by their methods, and the peers'.
+/// Points of all runs, sorted by method, and of the other programs.
 fn points(methods: &[Method], runs: &[Run], peers: &[Foreign], reference: &Reference) -> Vec<Point> {
     let own = |run: &Run| {
         let timed = &run.timed;
@@ -185,7 +186,7 @@ fn write(folder: &Folder, title: &str, points: &[Point], reference: &Reference, 
         .try_for_each(|name| folder.put(name, |path| draw(&figure, path)))
 }
 
-/// The lines of the figure: `auto` is seen above all others.
+/// Lines of the figure. `auto` is drawn above all others.
 fn lines(points: &[Point]) -> Vec<Line> {
     let mut lines: Vec<Line> = Vec::new();
     for point in points {
@@ -204,7 +205,7 @@ fn lines(points: &[Point]) -> Vec<Line> {
             }
         }
     }
-    // A line of a peer's goes from quick to slow, in whatever order its points came.
+    // The line of another program goes from fast to slow, whatever the order of its points.
     let foreign = lines.iter_mut().filter(|line| line.is_foreign);
     foreign.for_each(|line| line.settings.sort_by(|a, b| a.seconds.total_cmp(&b.seconds)));
     lines

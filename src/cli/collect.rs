@@ -1,4 +1,4 @@
-//! Values of all ranks on rank 0, and from there to all.
+//! Gathers values of all ranks on rank 0, and distributes values from rank 0 to all ranks.
 
 use mpi::datatype::{Partition, PartitionMut};
 use mpi::traits::{Communicator, Root};
@@ -7,7 +7,7 @@ use petsc_wrap::Comm;
 use crate::agree::of_root;
 use crate::impact::checkpoint::Checkpoint;
 
-/// The values of all ranks, in their order, on rank 0; nothing elsewhere. Collective.
+/// The values of all ranks, in the order of the ranks, on rank 0; empty on other ranks. Collective.
 pub fn gathered(comm: &Comm, values: &[f64]) -> Vec<f64> {
     let root = comm.mpi().process_at_rank(0);
     let Some((counts, starts)) = shares(comm, values.len()) else {
@@ -19,8 +19,9 @@ pub fn gathered(comm: &Comm, values: &[f64]) -> Vec<f64> {
     all
 }
 
-/// What rank 0 has, to all ranks: of vectors over nodes each its part, so many values of those of all ranks in their order; of others
-/// everything. Collective.
+/// Distributes a checkpoint from rank 0 to all ranks. `part` is the number of values of this rank in vectors over
+/// nodes: each rank gets its part of the vectors, or the whole vectors with `None`. All ranks get the numbers; the
+/// lists stay on rank 0. Collective.
 pub fn shared(comm: &Comm, whole: Option<Checkpoint>, part: Option<usize>) -> Checkpoint {
     let Checkpoint { vectors, numbers, lists } = whole.unwrap_or_default();
     let names: Vec<String> = of_root(comm, Some(vectors.keys().cloned().collect()));
@@ -35,7 +36,7 @@ pub fn shared(comm: &Comm, whole: Option<Checkpoint>, part: Option<usize>) -> Ch
     Checkpoint { vectors: names.into_iter().map(vector).collect(), numbers: of_root(comm, Some(numbers)), lists }
 }
 
-/// This rank's share of what rank 0 has, so many values. Collective.
+/// This rank's part, `count` values, of the values on rank 0. Collective.
 fn scattered(comm: &Comm, all: &[f64], count: usize) -> Vec<f64> {
     let root = comm.mpi().process_at_rank(0);
     let mut mine = vec![0.0; count];
@@ -48,7 +49,7 @@ fn scattered(comm: &Comm, all: &[f64], count: usize) -> Vec<f64> {
     mine
 }
 
-/// What rank 0 has, on every rank. Collective.
+/// The values of rank 0, on every rank. Collective.
 fn whole_to_all(comm: &Comm, values: &[f64]) -> Vec<f64> {
     let root = comm.mpi().process_at_rank(0);
     let mut count = values.len();
@@ -59,7 +60,8 @@ fn whole_to_all(comm: &Comm, values: &[f64]) -> Vec<f64> {
     all
 }
 
-/// How many values each rank has, and where they begin among those of all, on rank 0; nothing elsewhere. Collective.
+/// Number of values of each rank, and index of its first value among those of all ranks, on rank 0; `None` on other
+/// ranks. Collective.
 fn shares(comm: &Comm, count: usize) -> Option<(Vec<i32>, Vec<i32>)> {
     let (root, count) = (comm.mpi().process_at_rank(0), count as i32);
     if !comm.is_root() {

@@ -1,4 +1,4 @@
-//! Follows the making of a model: shows how far it is, breaks it off at a signal or after a time.
+//! Follows the construction of a model: shows its progress, and stops it after a signal or at a deadline.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -18,31 +18,32 @@ use super::note;
 use super::progress::Cadence;
 use super::terminal::has_bars;
 
-/// Follows on all ranks; rank 0 shows what is done.
+/// Follows the construction of a model on all ranks. Rank 0 shows the progress.
 pub struct Follower {
     comm: Comm,
     interrupt: Rc<Interrupt>,
     display: Option<Display>,
     deadline: Option<Instant>,
     begin: Instant,
-    /// The last stage whose cost can be foreseen.
+    /// The last stage from which the duration can be predicted.
     last: Cell<Option<Stage>>,
 }
 
 impl Follower {
-    /// Until a signal.
+    /// Follows until a signal arrives.
     pub fn new(comm: &Comm, interrupt: Rc<Interrupt>) -> Self {
         let display = comm.is_root().then(Display::new);
         Self { comm: comm.clone(), interrupt, display, deadline: None, begin: Instant::now(), last: Cell::new(None) }
     }
 
-    /// Until a signal or a time of rank 0.
+    /// Follows until a signal arrives or the clock of rank 0 passes the deadline.
     pub fn until(self, deadline: Instant) -> Self {
         Self { deadline: Some(deadline), ..self }
     }
 
-    /// About how long the model would have taken, s: a basis whose error falls with the square of its vectors takes a time that grows
-    /// with their square, and is grown on two or three sets of cells.
+    /// Predicted duration of the model construction, s; `None` if no basis has been judged. The error of a basis is
+    /// assumed to fall with the square of its number of vectors, and the time to grow with the square. The basis is
+    /// computed on two or three sets of cells.
     pub fn outlook(&self) -> Option<f64> {
         const SETS_OF_CELLS: f64 = 2.5;
         let Some(Stage::Basis { vectors, judged: Some(Judged { vectors: of, error, wanted }) }) = self.last.get()
@@ -74,7 +75,7 @@ impl Watch for Follower {
     }
 }
 
-/// Shows the stage that was reached, also while that takes long: a thread of its own draws it.
+/// Shows the current stage. A separate thread draws it, also during long stages.
 struct Display {
     stages: Option<Sender<Stage>>,
     thread: Option<JoinHandle<()>>,
@@ -92,7 +93,7 @@ impl Display {
                     Err(RecvTimeoutError::Timeout) => {}
                     Err(RecvTimeoutError::Disconnected) => return shown.clear(),
                 }
-                // The last of many that have come meanwhile.
+                // The last of several stages that arrived in the meantime.
                 stage = receiver.try_iter().last().or(stage);
                 if let Some(stage) = &stage {
                     shown.show(stage, begin.elapsed());
@@ -104,7 +105,7 @@ impl Display {
 
     fn show(&self, stage: Stage) {
         if let Some(stages) = &self.stages {
-            // The thread is there as long as this is.
+            // The thread lives as long as this value.
             let _ = stages.send(stage);
         }
     }
@@ -117,7 +118,7 @@ impl Drop for Display {
     }
 }
 
-/// What is on the screen, or in the log.
+/// The display: a bar on the terminal, or lines in a log.
 enum Shown {
     Terminal(Option<ProgressBar>),
     Lines(Cadence),
@@ -129,7 +130,7 @@ impl Shown {
     }
 
     fn show(&mut self, stage: &Stage, elapsed: Duration) {
-        /// Shorter work is not worth a flash on the screen.
+        /// Shorter work is not shown.
         const FLASH: Duration = Duration::from_millis(300);
         match self {
             Self::Terminal(bar) if elapsed > FLASH => {

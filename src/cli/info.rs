@@ -1,4 +1,4 @@
-//! `ricochet info`: what a result holds and where it comes from.
+//! `ricochet info`: prints the contents and the origin of a result.
 
 use std::path::{Path, PathBuf};
 
@@ -13,10 +13,10 @@ use crate::record::sweep::{Quantity, Status, Sweep, is_sweep};
 use super::summary::lines;
 use super::{Info, say, short};
 
-/// Prints it.
+/// Prints the facts of a run or of a sweep.
 ///
 /// # Errors
-/// [`crate::Error::Io`] where the file is no result that can be read.
+/// [`crate::Error::Io`] if the file is not a readable result.
 pub fn info(arguments: &Info) -> Result<()> {
     let path = &arguments.result;
     let sweep = if is_sweep(path)? { Some(Sweep::read(path)?) } else { None };
@@ -38,11 +38,11 @@ pub fn info(arguments: &Info) -> Result<()> {
 }
 
 fn print_json(facts: &impl Serialize) {
-    // Names and numbers: nothing here fails to be written. What is no number is null.
+    // Names and numbers only: serialisation cannot fail. NaN becomes null.
     say(format_args!("{}", serde_json::to_string_pretty(facts).unwrap_or_default()));
 }
 
-/// What is known of a run, in SI units.
+/// Facts of a run, in SI units.
 #[derive(Serialize)]
 struct RunFacts {
     title: String,
@@ -55,17 +55,17 @@ struct RunFacts {
     reduction: String,
     unknowns: usize,
     rows: usize,
-    /// s.
+    /// Time of the last row, s.
     end: f64,
     is_complete: bool,
-    /// Where the run can be continued.
+    /// The result, if the run can be continued from its checkpoint.
     #[serde(skip_serializing_if = "Option::is_none")]
     restart: Option<PathBuf>,
     largest: Option<Extremes>,
     contacts: Vec<ContactFacts>,
-    /// Of the acceleration over its peak, over the whole history; null where there is no estimate.
+    /// Estimated error of the acceleration over its peak, over the whole history; null without an estimate.
     error_estimate: f64,
-    /// s; null of a run that has not ended.
+    /// Wall time of the run, s; null if the run has not ended.
     wall_time: f64,
     wall_time_model: f64,
     wall_time_setup: f64,
@@ -74,7 +74,7 @@ struct RunFacts {
     newton_iterations: usize,
 }
 
-/// s, s, N s.
+/// A contact: start (s), end (s) and impulse (N s).
 #[derive(Serialize)]
 struct ContactFacts {
     start: f64,
@@ -158,7 +158,7 @@ impl RunFacts {
     }
 }
 
-/// What is known of a sweep.
+/// Facts of a sweep.
 #[derive(Serialize)]
 struct SweepFacts {
     title: String,
@@ -171,10 +171,10 @@ struct SweepFacts {
     failed: usize,
     refused: usize,
     missing: usize,
-    /// i of n.
+    /// Shard i of n.
     #[serde(skip_serializing_if = "Option::is_none")]
     part: Option<[usize; 2]>,
-    /// Least and largest of the members that are done, m/s².
+    /// Smallest and largest peak acceleration of the members that are done, m/s².
     peak_acceleration: Option<[f64; 2]>,
 }
 

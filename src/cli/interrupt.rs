@@ -1,4 +1,4 @@
-//! Work that a signal ends in order.
+//! Ends the work in order after a signal.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,20 +8,20 @@ use mpi::traits::CommunicatorCollectives;
 use petsc_wrap::Comm;
 use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1, SIGXFSZ};
 
-/// Has a write beyond the largest size of files that the system allows fail as one on a full disk does, in place of ending the program without
-/// a word.
+/// Ignores SIGXFSZ: a write beyond the system's limit on file size then fails like a write on a full disk. By default
+/// the signal ends the program without a message.
 pub fn outlive_limits() {
     if let Err(error) = signal_hook::flag::register(SIGXFSZ, Arc::default()) {
         tracing::debug!("a limit on the size of files ends the program: {error}");
     }
 }
 
-/// A flag that SIGINT, SIGTERM and SIGUSR1 raise, in place of ending the process at once: the last two are what a queue sends before its
-/// limit.
+/// A flag that is set by SIGINT, SIGTERM and SIGUSR1, which then do not end the process. Queueing systems send the last
+/// two before their time limit.
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Takes the signals from now on.
+    /// Installs the signal handlers.
     pub fn on_signals() -> Self {
         let flag = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM, SIGUSR1] {
@@ -32,12 +32,13 @@ impl Interrupt {
         Self(flag)
     }
 
-    /// Whether any rank has got a signal. Collective.
+    /// Whether any rank has received a signal. Collective.
     pub fn is_raised(&self, comm: &Comm) -> bool {
         self.poll(comm, []).0
     }
 
-    /// Whether any rank has got a signal, and which of the questions are true on any. Collective.
+    /// Whether any rank has received a signal, and for each question in `asked` whether it is true on any rank.
+    /// Collective.
     pub fn poll<const N: usize>(&self, comm: &Comm, asked: [bool; N]) -> (bool, [bool; N]) {
         let mine: Vec<i32> = asked.into_iter().chain([self.is_raised_here()]).map(i32::from).collect();
         let mut all = vec![0_i32; N + 1];
@@ -45,7 +46,7 @@ impl Interrupt {
         (all[N] > 0, std::array::from_fn(|n| all[n] > 0))
     }
 
-    /// Whether this rank has got a signal.
+    /// Whether this rank has received a signal.
     pub fn is_raised_here(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }

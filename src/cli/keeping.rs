@@ -1,4 +1,4 @@
-//! The checkpoints that a run keeps of itself.
+//! Writes the checkpoints of a run.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -20,14 +20,14 @@ use super::recording::Recording;
 use super::summary::Summary;
 use super::tell;
 
-/// When checkpoints are due, and what they are written with.
+/// Times at which checkpoints are due, and the data for writing them.
 pub struct Keeping {
     comm: Comm,
     result: PathBuf,
     scene: String,
-    /// This rank's nodes.
+    /// Positions of the nodes of this rank, m; `None` for a body without a mesh.
     nodes: Option<Vec<Vec3>>,
-    /// All of them on rank 0, once a checkpoint was kept.
+    /// Positions of all nodes, m, on rank 0 after the first checkpoint.
     all_nodes: Option<Vec<Vec3>>,
     steps: Option<usize>,
     time: Option<Duration>,
@@ -36,7 +36,7 @@ pub struct Keeping {
 }
 
 impl Keeping {
-    /// Checkpoints of a simulation of the scene of this text, beside its result.
+    /// Prepares checkpoints of a simulation of `scene`, whose text is `text`. They are written next to its `result`.
     pub fn new(comm: &Comm, (scene, text): (&Scene, &str), result: &Path, impact: &Simulation) -> Self {
         Self {
             comm: comm.clone(),
@@ -51,21 +51,22 @@ impl Keeping {
         }
     }
 
-    /// Whether the clock of this rank says that one is due.
+    /// Whether a checkpoint is due by the clock of this rank.
     pub fn is_due_by_time(&self) -> bool {
         self.time.is_some_and(|time| self.last.elapsed() >= time)
     }
 
-    /// A step was taken; `late` is whether a clock asks for one, the same on all ranks.
+    /// Takes a step into account. `late` says whether a clock asks for a checkpoint, and is the same on all ranks.
     pub fn step(&mut self, step: &Step, late: bool) {
         self.is_due |= late || (step.number > 0 && self.steps.is_some_and(|steps| step.number.is_multiple_of(steps)));
     }
 
-    /// Keeps a checkpoint, if one is due or the run is `interrupted` here, with what rank 0 has recorded. A checkpoint that cannot be written
-    /// is told and ends nothing: the last one is still there. Collective.
+    /// Writes a checkpoint with the data recorded on rank 0, if one is due or the run is `interrupted` at this step. If
+    /// a checkpoint cannot be written, a note is printed and the run goes on; the previous checkpoint is still there.
+    /// Collective.
     ///
     /// # Errors
-    /// PETSc's; on rank 0 those of the series, which is written before.
+    /// If a PETSc call fails, or on rank 0 if the series cannot be written; it is written first.
     pub fn settled(
         &mut self,
         record: Option<(&mut SeriesWriter, Option<&mut Recording>, &mut Summary)>,
@@ -86,7 +87,7 @@ impl Keeping {
             self.all_nodes = Some(gathered(&self.comm, nodes.as_flattened()).as_chunks().0.to_vec());
         }
         let Some((writer, recording, summary)) = record else { return Ok(()) };
-        // What it goes on from is on the disk before it.
+        // The series and the fields must be on the disk before the checkpoint that refers to them.
         recording.map_or(Ok(()), Recording::sync)?;
         writer.sync()?;
         let mut of_record = Checkpoint::default();
@@ -115,23 +116,23 @@ impl Keeping {
     }
 }
 
-/// What rank 0 knows of a run beside its state.
+/// Data of a run on rank 0 that are not part of the state of the simulation.
 pub struct Known {
-    /// Rows of the series.
+    /// Number of rows of the series.
     pub rows: usize,
-    /// The contacts.
+    /// Contacts so far.
     pub episodes: Episodes,
-    /// What is printed at the end.
+    /// Summary that is printed at the end.
     pub summary: Summary,
-    /// The largest tension at each point of the faces.
+    /// Largest tension so far at each point of the faces.
     pub map: TensionMap,
 }
 
 impl Known {
-    /// To a checkpoint or from it.
+    /// Saves the data to a checkpoint, or restores them from it.
     ///
     /// # Errors
-    /// Those of [`Visitor`].
+    /// Same as [`Visitor`].
     pub fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         let Self { rows, episodes, summary, map } = self;
         visitor.within("record", |visitor| {

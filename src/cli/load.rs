@@ -1,4 +1,4 @@
-//! A scene on all ranks: from its file, or from a result, which holds it.
+//! Reads a scene on all ranks, from its file or from a result that contains it.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -13,33 +13,35 @@ use crate::record::provenance::digest_of_file;
 use crate::record::read;
 use crate::scene::{Geometry, Scene, Source};
 
-/// The name that stands for standard input.
+/// File name that stands for standard input.
 pub const STANDARD_INPUT: &str = "-";
 
-/// A scene as it was given.
+/// A scene and its origin.
 pub struct Loaded {
-    /// What is to be solved.
+    /// The scene after all overrides.
     pub scene: Scene,
-    /// Its text.
+    /// Text of the scene.
     pub source: Source,
-    /// Whether it was taken from a result.
+    /// Whether the scene was taken from a result.
     pub is_of_result: bool,
 }
 
-/// What rank 0 reads.
+/// Data that rank 0 reads and sends to the other ranks.
 #[derive(Serialize, Deserialize)]
 struct Given {
     source: Source,
     is_of_result: bool,
-    /// The options for PETSc of a result.
+    /// Options for PETSc stored in a result; `None` if the scene is not from a result.
     petsc_options: Option<String>,
 }
 
-/// Reads a scene, with all files that it names but its mesh, on rank 0, so that all ranks get the same data or the same error. A result
-/// is the scene that it was computed of, with its options for PETSc where no others are given; `-` is standard input. Collective.
+/// Reads a scene, with all files that it names except the mesh, on rank 0. All ranks get the same data or the same
+/// error. For a result, its scene is used; its options for PETSc are used if no others are given. `-` is standard
+/// input. Collective.
 ///
 /// # Errors
-/// [`Error::Output`] where the file cannot be read; [`Error::Usage`] where it is no text; [`Error::Scene`] where the scene is wrong.
+/// [`Error::Output`] if the file cannot be read; [`Error::Usage`] if it is not text; [`Error::Scene`] if the scene is
+/// wrong.
 pub fn load(comm: &Comm, path: &Path, overrides: &[String]) -> Result<Loaded> {
     let Given { source, is_of_result, petsc_options } = decided(comm, || given(path, overrides))?;
     if let Some(given) = petsc_options
@@ -60,12 +62,13 @@ fn given(path: &Path, overrides: &[String]) -> Result<Given> {
     Ok(Given { source, is_of_result: false, petsc_options: None })
 }
 
-/// What messages call a scene's file.
+/// Name of a scene's file in messages.
 fn shown(path: &Path) -> String {
     if path == Path::new(STANDARD_INPUT) { "standard input".to_owned() } else { path.display().to_string() }
 }
 
-/// The bytes of a scene; `None` for a result, of which only the first are read. Read once: a pipe gives them once.
+/// Bytes of a scene; `None` for a result: then only the first bytes are read. The file is opened once, because a
+/// pipe can be read only once.
 fn bytes(path: &Path) -> std::result::Result<Option<Vec<u8>>, String> {
     const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
     let read = || {
@@ -94,7 +97,7 @@ fn of_result(path: &Path, overrides: &[String]) -> Result<Given> {
     Ok(Given { source, is_of_result: true, petsc_options: Some(origin.petsc_options) })
 }
 
-/// That a scene's mesh is not that of a result.
+/// Message for a scene whose mesh is not the one of a result.
 pub fn changed(path: &Path, scene: &Scene) -> String {
     let mesh = match &scene.body.geometry {
         Geometry::Gmsh(mesh) => mesh.display().to_string(),
@@ -103,13 +106,13 @@ pub fn changed(path: &Path, scene: &Scene) -> String {
     format!("the mesh {mesh} is missing or is not the one that {} was computed on", path.display())
 }
 
-/// Digest of a scene's mesh file, as far as there is one that can be read.
+/// Digest of a scene's mesh file, if there is one and it can be read.
 pub fn mesh_digest(scene: &Scene) -> Option<String> {
     let Geometry::Gmsh(path) = &scene.body.geometry else { return None };
     Some(format!("{:016x}", digest_of_file(path).ok()?))
 }
 
-/// Sets options in one line, as PETSc lists them.
+/// Sets options given in one line, in PETSc's own format.
 fn set_options(comm: &Comm, line: &str) -> Result<()> {
     let mut words = line.split_whitespace().peekable();
     while let Some(name) = words.next() {

@@ -1,4 +1,5 @@
-//! What is to be known of a sweep's members: each kind of remark once, with how many it concerns and which of them most.
+//! Collects remarks on the members of a sweep. Each kind of remark is printed once, with the number of members and the
+//! worst one.
 
 use std::collections::BTreeMap;
 
@@ -12,14 +13,14 @@ use super::notes::{self, Remark, USELESS, above};
 use super::summary::beyond;
 use super::{note, tell};
 
-/// Remarks on members, by their kind.
+/// Remarks on members, sorted by kind.
 #[derive(Default)]
 pub struct Remarks {
     warnings: Kinds,
     notes: Kinds,
 }
 
-/// Of each kind the worst, its member, and how many members have one.
+/// For each kind: the worst remark, its member, and the number of members with such a remark.
 #[derive(Default)]
 struct Kinds(BTreeMap<String, (Remark, usize, usize)>);
 
@@ -47,7 +48,7 @@ impl Kinds {
 }
 
 impl Remarks {
-    /// What a run would say of a member's scene before it is computed.
+    /// Adds the remarks that a run would print about the scene of a member before it is computed.
     pub fn of_scene(&mut self, member: usize, scene: &Scene, source: &Source) {
         let values = notes::of_values(scene, source).into_iter().chain(notes::of_geometry(scene, None));
         values.for_each(|remark| self.warnings.add(member, remark));
@@ -55,7 +56,8 @@ impl Remarks {
         notes::notes(scene, None, plan.as_ref()).into_iter().for_each(|remark| self.notes.add(member, remark));
     }
 
-    /// What a run would say of its answer, of all members that are done; `tolerances` are theirs.
+    /// Remarks that a run would print about its results, for all members that are done. `tolerances` has the tolerance
+    /// of each member.
     pub fn of_results(writer: &SweepWriter, tolerances: &[f64]) -> Self {
         let mut all = Self::default();
         for (member, tolerance) in tolerances.iter().enumerate() {
@@ -93,14 +95,14 @@ impl Remarks {
         all
     }
 
-    /// Tells all.
+    /// Prints all remarks.
     pub fn tell(&self, grid: &Grid) {
         self.warnings.lines(grid).for_each(|line| tell(format_args!("warning: {line}")));
         self.notes.lines(grid).for_each(|line| note(format_args!("note: {line}")));
     }
 }
 
-/// Tells of keys whose values have changed nothing: where members that differ in such a key alone are all alike.
+/// Prints a note for each key without effect: members that differ only in this key have identical results.
 pub fn tell_of_idle_keys(grid: &Grid, writer: &SweepWriter) {
     const KEPT: [Quantity; 5] =
         [Quantity::PeakForce, Quantity::PeakTime, Quantity::Impulse, Quantity::Contacts, Quantity::ReboundSpeed];

@@ -1,4 +1,4 @@
-//! What the user typed, and what to do about it; one file a subcommand.
+//! Command line: definition of the arguments, and one file for each subcommand.
 
 mod bench;
 pub mod chart;
@@ -285,7 +285,8 @@ pub struct Chart {
     pub petsc: Vec<String>,
 }
 
-/// Whether this is rank 0, or alone, as far as the launcher's environment tells before MPI is initialised.
+/// Whether this is rank 0 or a single process, according to the launcher's environment. Can be called before MPI is
+/// initialised.
 pub fn is_root_by_environment() -> bool {
     ["OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"]
         .into_iter()
@@ -293,43 +294,43 @@ pub fn is_root_by_environment() -> bool {
         .is_none_or(|rank| rank == "0")
 }
 
-/// A line on standard output. An error is kept for [`check_said`].
+/// Prints a line on standard output. An error is kept for [`check_stdout`].
 pub fn say(line: fmt::Arguments) {
     if let Err(error) = writeln!(io::stdout(), "{line}") {
-        // A reader who has gone, as in `ricochet check … | head -1`, has all that he wants.
+        // A reader that has closed the pipe, as in `ricochet check … | head -1`, needs no more output.
         if error.kind() != io::ErrorKind::BrokenPipe {
-            let _ = UNSAID.set(error.to_string());
+            let _ = STDOUT_ERROR.set(error.to_string());
         }
     }
 }
 
-/// Why something that was to be on standard output is not there.
-static UNSAID: OnceLock<String> = OnceLock::new();
+/// First error while writing to standard output.
+static STDOUT_ERROR: OnceLock<String> = OnceLock::new();
 
-/// Whether all is on standard output that was to be there.
+/// Checks that all output has been written to standard output.
 ///
 /// # Errors
-/// [`Error::Io`] where it could not be written, on a full disk for example.
-pub fn check_said() -> Result<()> {
-    UNSAID
+/// [`Error::Io`] if it could not be written, for example on a full disk.
+pub fn check_stdout() -> Result<()> {
+    STDOUT_ERROR
         .get()
         .map_or(Ok(()), |error| Err(Error::io(Path::new("standard output"), format!("cannot be written: {error}"))))
 }
 
-/// A line on standard error, likewise.
+/// Prints a line on standard error. Errors are ignored.
 pub fn tell(line: fmt::Arguments) {
     // In one piece, so that lines of several ranks do not mix.
     let _ = io::stderr().write_all(format!("{line}\n").as_bytes());
 }
 
-/// A line on standard error that `--quiet` leaves out: progress and notes.
+/// Prints a progress line or a note on standard error, unless `--quiet` is given.
 pub fn note(line: fmt::Arguments) {
     if terminal::verbosity() > Verbosity::Quiet {
         tell(line);
     }
 }
 
-/// Five digits, with a power of ten where the number is very small or large.
+/// Formats a number with five digits, with a power of ten if it is very small or large.
 fn short(value: f64) -> String {
     let size = value.abs();
     if size != 0.0 && !(1e-2..1e6).contains(&size) {
@@ -339,12 +340,12 @@ fn short(value: f64) -> String {
     format!("{value:.*}", 4_usize.saturating_sub(before))
 }
 
-/// A coordinate, m, without the rounding of a sum that is zero.
+/// Formats a coordinate, m. A value below 1e-9 is rounding of a sum, and shown as zero.
 fn coordinate(value: f64) -> String {
     short(if value.abs() < 1e-9 { 0.0 } else { value })
 }
 
-/// Warnings, and with `-v`, `-vv` or `RICOCHET_LOG=info` or `debug` more, go to standard error.
+/// Sets up the log on standard error: warnings, and more with `-v`, `-vv`, or `RICOCHET_LOG=info` or `debug`.
 pub fn log_to_stderr() {
     let usual = match terminal::verbosity() {
         Verbosity::Quiet | Verbosity::Usual => "warn",

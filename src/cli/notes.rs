@@ -1,4 +1,4 @@
-//! What a user should know of a scene before its numbers are trusted.
+//! Warnings and notes about a scene, to be read before its results are trusted.
 
 use crate::contact::{ForceLaw, Patch};
 use crate::impact::{Errors, Plan};
@@ -10,14 +10,14 @@ use crate::scene::{
 use crate::scheme::critical_frequency;
 use crate::space::spline;
 
-/// What a user should know of a scene, or of what came of it.
+/// A warning or note about a scene or its result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Remark {
-    /// What it is about: the same for all members of a sweep that it is made of.
+    /// Kind of the remark. Remarks of the same kind on the members of a sweep are combined.
     pub kind: String,
-    /// How bad it is among those of its kind.
+    /// Severity among remarks of the same kind.
     pub size: f64,
-    /// In words.
+    /// Text of the remark.
     pub text: String,
 }
 
@@ -27,19 +27,20 @@ impl Remark {
     }
 }
 
-/// The words of remarks.
+/// Texts of remarks.
 pub fn texts(remarks: Vec<Remark>) -> Vec<String> {
     remarks.into_iter().map(|remark| remark.text).collect()
 }
 
-/// Values that are hardly what was meant.
+/// Remarks on values that are probably a mistake.
 pub fn of_values(scene: &Scene, source: &Source) -> Vec<Remark> {
     let remark =
         |Doubt { error, excess }: Doubt| Remark::new(error.key(), excess, format!("{error}; {}", error.advice()));
     doubts(scene, source).into_iter().map(remark).collect()
 }
 
-/// The theory, its unknowns and its basis, with the estimated error of what the tolerance is for.
+/// Description of the theory, its unknowns and its basis, with the estimated error of the quantity to which the
+/// tolerance applies.
 pub fn describe_model(model: &Model, measure: Measure) -> String {
     let mut words = format!("{}: {}", model::name(model.theory), model.words);
     if model.unknowns > 0 {
@@ -50,7 +51,7 @@ pub fn describe_model(model: &Model, measure: Measure) -> String {
     }
     if let Some(errors) = model.error.total() {
         let causes = listed(&model.error.causes());
-        // (Where stresses have no estimate, the tolerance is for the acceleration, as a note says.)
+        // If the error of stresses is not estimated, the tolerance applies to the acceleration, as a note says.
         let of_what = match measure {
             Measure::Stress if !errors.stress.is_nan() => format!("{} by {causes}", measure.of_what()),
             _ => format!(" of {causes}"),
@@ -61,13 +62,13 @@ pub fn describe_model(model: &Model, measure: Measure) -> String {
     words
 }
 
-/// Error in the first contact, over the peak, from which a history is of no use.
+/// Error in the first contact over the peak, above which a time history is of no use.
 pub const USELESS: f64 = 0.5;
 
-/// What the first contact's estimated error means for a run, where it is above the tolerance.
+/// Warning for a run whose estimated error in the first contact is above the tolerance; `None` if it is not.
 pub fn verdict(model: &Model, scene: &Scene) -> Option<Verdict> {
     let tolerance = scene.tolerance;
-    // Not true of NaN, which is no good estimate.
+    // False for NaN, which is not a usable estimate.
     let is_good = |error: &f64| *error <= tolerance;
     let estimate = model.error_before_steps();
     let error = estimate.total().map(|errors| errors.of(scene.measure)).filter(|error| !is_good(error))?;
@@ -87,7 +88,7 @@ pub fn verdict(model: &Model, scene: &Scene) -> Option<Verdict> {
     Some(Verdict { message, is_useless: error.is_nan() || error > USELESS })
 }
 
-/// That a tolerance for stresses is one for the acceleration, where the error of stresses is not estimated.
+/// Note that the tolerance applies to the acceleration, if the error of stresses is not estimated.
 pub fn note_of_measure(model: &Model, scene: &Scene) -> Option<String> {
     let has_none = model.error.total().is_none_or(|errors| errors.stress.is_nan());
     (scene.measure == Measure::Stress && has_none).then(|| {
@@ -97,8 +98,8 @@ pub fn note_of_measure(model: &Model, scene: &Scene) -> Option<String> {
     })
 }
 
-/// What a run with its steps' errors shows to be above the tolerance; the first contact's error before the steps has a [`verdict`], and it
-/// may have been above it already.
+/// Notes on errors above the tolerance, including the errors of the time steps. The error before the steps has its own
+/// [`verdict`]: `was_warned` says whether it was already above the tolerance.
 pub fn missed(errors: &Errors, (measure, tolerance): (Measure, f64), was_warned: bool) -> Vec<String> {
     let mut missed = Vec::new();
     let of_stress = measure == Measure::Stress && !was_warned;
@@ -125,14 +126,14 @@ pub fn missed(errors: &Errors, (measure, tolerance): (Measure, f64), was_warned:
     missed
 }
 
-/// A number above a limit, with two digits, or with as many as show that it is above.
+/// Formats a number above a limit, with two digits or as many as are needed to show that it is above.
 pub fn above(number: f64, limit: f64) -> String {
     let text = |digits: usize| format!("{number:.digits$e}");
     let is_seen = |text: &String| text.parse::<f64>().is_ok_and(|shown| shown > limit);
     (1..4).map(text).find(is_seen).unwrap_or_else(|| text(4))
 }
 
-/// What makes the error by a part of a model smaller.
+/// Hint how to reduce the error caused by a part of a model.
 fn remedy(part: &str, scene: &Scene) -> &'static str {
     match part {
         "basis" if matches!(scene.body.reduction, Reduction::Vectors(_)) => {
@@ -145,7 +146,8 @@ fn remedy(part: &str, scene: &Scene) -> &'static str {
     }
 }
 
-/// That a body of layers is read on its outer faces alone, though the largest tension may be on others.
+/// Warning for a body of layers whose stresses are read on its outer faces only, although the largest tension may be on
+/// others.
 pub fn missing_faces(scene: &Scene, faces: &[String]) -> Option<Remark> {
     let layers = scene.hit_layers().len().saturating_sub(1);
     let (read, all) = (faces.len(), face_names(layers).len());
@@ -159,15 +161,15 @@ pub fn missing_faces(scene: &Scene, faces: &[String]) -> Option<Remark> {
     })
 }
 
-/// That a history is not as good as it was to be.
+/// Warning that the error of a time history is above the tolerance.
 pub struct Verdict {
-    /// By how much, in words.
+    /// Text of the warning.
     pub message: String,
-    /// Whether nothing can be read from it.
+    /// Whether the error is so large that the history is of no use.
     pub is_useless: bool,
 }
 
-/// Words as a list.
+/// Joins words to a list: "a, b and c".
 pub fn listed(words: &[&str]) -> String {
     match words.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
@@ -175,17 +177,19 @@ pub fn listed(words: &[&str]) -> String {
     }
 }
 
-/// Part of a table that an impact is expected to use at least: less looks like units that differ by a thousand.
+/// Smallest part of a table that an impact is expected to use. A smaller part suggests units that differ by a factor of
+/// a thousand.
 const LEAST_OF_TABLE: f64 = 0.01;
 
-/// Kelvin by which a temperature may be beyond the usual range of its shift without a word: the range is no sharp one.
+/// Temperature outside the usual range of a shift from which there is a note, K. The limits of the range are not sharp.
 const NEAR_RANGE: f64 = 10.0;
 
-/// Diagonal of a body, m, and its ratio to the impactor's radius, above which its lengths look like millimetres.
-const LONG: f64 = 20.0;
+/// Diagonal of a body above which its lengths look like millimetres, m; the next limit must be exceeded too.
+const LONG_DIAGONAL: f64 = 20.0;
+/// Diagonal of a body over the radius of the impactor above which its lengths look like millimetres.
 const LONG_FOR_RADIUS: f64 = 200.0;
 
-/// What looks wrong with a body, with what holds it, or with the table of the contact's law.
+/// Warnings about the geometry of a body, its supports, or the table of the contact law.
 pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
     let mut warnings = Vec::new();
     let mut add = |kind: &str, size: f64, text: String| warnings.push(Remark::new(kind, size, text));
@@ -195,7 +199,7 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
         _ => [0.0; 3],
     };
     let diagonal = edges.iter().map(|edge| edge * edge).sum::<f64>().sqrt();
-    if diagonal > LONG && diagonal > LONG_FOR_RADIUS * scene.impactor.radius.unwrap_or_default() {
+    if diagonal > LONG_DIAGONAL && diagonal > LONG_FOR_RADIUS * scene.impactor.radius.unwrap_or_default() {
         let text = format!(
             "the body is {diagonal:.4} m long: lengths are in metres, and these look like millimetres, of which a thousand make a metre"
         );
@@ -232,7 +236,7 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
     let of_whole_surfaces = scene.supports.iter().enumerate().filter(|(_, support)| support.within.is_none());
     for (number, support) in of_whole_surfaces {
         let covered = measures.surfaces.iter().find(|surface| surface.name == support.surface);
-        // To rounding of sums.
+        // Tolerance: rounding of sums.
         if covered.is_some_and(|surface| surface.area > 0.999_999 * measures.area) {
             let text = format!(
                 "support.{number} holds the whole boundary, the impact point included: is {:?} the surface that was meant?",
@@ -244,7 +248,7 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
     warnings
 }
 
-/// The notes on a scene, with its patch and its steps: nothing that is wrong, but much that a number may depend on.
+/// Notes on a scene, with its patch and its time steps. They are not errors, but they may affect the results.
 pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<Remark> {
     let mut notes = Vec::new();
     let mut add = |kind: &str, size: f64, text: String| notes.push(Remark::new(kind, size, text));
@@ -338,7 +342,8 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
     notes
 }
 
-/// By how many kelvin a temperature (°C) is beyond the usual range of a material's shift, with what to say of it.
+/// Distance of a temperature (°C) from the usual range of a material's shift, K, with the text of a note. `None` in or
+/// near the range.
 fn extrapolated(scene: &Scene, temperature: f64) -> Option<(f64, String)> {
     let ranges =
         scene.body.composition.materials().into_iter().filter_map(|material| Some(material.shift?.usual_range()));
@@ -352,7 +357,7 @@ fn extrapolated(scene: &Scene, temperature: f64) -> Option<(f64, String)> {
     Some((beyond, text))
 }
 
-/// A key that is given for the solid's cells, where another theory is named.
+/// Key that is given for the cells of the solid although another theory is named.
 fn unused(scene: &Scene) -> Option<&'static str> {
     if matches!(scene.body.model, Theory::Auto | Theory::Solid) {
         return None;
@@ -386,14 +391,14 @@ mod tests {
             matches!(&of_stress[..], [one] if one.contains("largest tension") && one.contains("2.0e-2")),
             "{of_stress:?}"
         );
-        // What was said before the run is not said again; and an error that is not estimated is not above anything.
+        // A warning from before the run is not repeated. An error without estimate is not above the tolerance.
         assert!(told(errors(9e-3, 2e-2), Measure::Stress, true).is_empty());
         assert!(told(errors(9e-3, f64::NAN), Measure::Stress, false).is_empty());
         assert_eq!(told(errors(2e-2, 9e-3), Measure::Acceleration, false).len(), 1);
         assert!(told(errors(2e-2, 9e-3), Measure::Stress, false)[0].contains("first contact alone"));
     }
 
-    /// A contact that is wider than the way to the nearest edge has a note; farther inside it has none.
+    /// A contact radius larger than the distance to the nearest edge gives a note. Farther inside there is none.
     #[test]
     fn a_contact_that_an_edge_cuts_off_is_noted() {
         let noted = |x: f64| {

@@ -1,4 +1,4 @@
-//! Options for PETSc.
+//! Checks the options for PETSc on the command line.
 
 use clap::CommandFactory;
 use petsc_wrap::{Comm, options};
@@ -7,9 +7,9 @@ use crate::error::Result;
 
 use super::Cli;
 
-/// What is wrong with the words after `--`.
+/// Error message for the words after `--`; `None` if they are accepted.
 pub fn refused(words: &[String]) -> Option<String> {
-    // PETSc would take such a word for the value of an option of ours.
+    // PETSc would take such a word for the value of an option of this program.
     if let Some(word) = words.first().filter(|word| !word.starts_with('-')) {
         return Some(format!("expected a PETSc option such as -snes_monitor after `--`, got {word:?}"));
     }
@@ -28,7 +28,7 @@ pub fn refused(words: &[String]) -> Option<String> {
     files.filter_map(unreadable).next()
 }
 
-/// Misspelt options are the user's to know of.
+/// Warns of options that PETSc has not used, since they may be misspelt.
 pub(super) fn warn_of_unused(comm: &Comm) -> Result<()> {
     for name in options::unused(comm.session())? {
         tracing::warn!("PETSc has not used the option -{name}");

@@ -1,4 +1,4 @@
-//! `ricochet plot`: results to a figure.
+//! `ricochet plot`: draws results as a figure.
 
 use crate::error::{Error, Result};
 use crate::figure::face::draw as draw_face;
@@ -12,14 +12,15 @@ use crate::report::face_figure;
 use crate::scene::{Geometry, Scene, face_names};
 use std::path::{Path, PathBuf};
 
-/// What is drawn of runs where nothing else is asked for.
+/// Quantity that is drawn by default.
 const DEFAULT: &str = "acceleration";
 
-/// Draws a quantity of the results `files` over time to `out`, one curve a file and component; or a quantity of a single sweep over its
-/// keys. `asked` is the name of the quantity, by default the acceleration of the impactor.
+/// Draws a quantity of the results `files` over time to `out`, one curve for each file and component; or a quantity of
+/// a single sweep over its keys. `asked` is the name of the quantity; the default is the acceleration of the impactor.
 ///
 /// # Errors
-/// As of [`quantity`] and [`draw`]; [`Error::Usage`] for a sweep among other files, or one that no figure shows.
+/// Same as [`quantity`] and [`draw`]; [`Error::Usage`] for a sweep among other files, or for a sweep that cannot be
+/// drawn.
 pub fn plot(files: &[PathBuf], out: &Path, asked: Option<&str>) -> Result<()> {
     if hdf5_metno::File::open(out).is_ok() {
         return Err(Error::io(out, "is an HDF5 file, so no figure replaces it"));
@@ -44,7 +45,7 @@ pub fn plot(files: &[PathBuf], out: &Path, asked: Option<&str>) -> Result<()> {
     let titles: Vec<&str> = found.iter().map(|found| found.title.trim()).collect();
     let labels = labels(files, &titles);
     let Some(first) = found.first() else { return Err(Error::Usage("a figure shows a result at least".into())) };
-    // A single run's components need no more than their own names in the legend.
+    // For a single run, the names of the components are enough in the legend.
     let is_alone = found.len() == 1 && first.parts.len() > 1;
     let mut history = History {
         title: if is_alone { labels[0].clone() } else { String::new() },
@@ -66,7 +67,7 @@ pub fn plot(files: &[PathBuf], out: &Path, asked: Option<&str>) -> Result<()> {
     draw(&history, out)
 }
 
-/// Draws the map of a face, or those of all faces, each to a file with the face's name in it.
+/// Draws the stress map of a face, or the maps of all faces, each to a file with the name of the face.
 fn plot_maps(file: &Path, out: &Path, face: &str) -> Result<()> {
     let refuse = |what: String| Err(Error::Usage(format!("--quantity {STRESS_MAP}: {} has {what}", file.display())));
     let Some(maps) = StressMaps::read(file)? else { return refuse("no map of stresses".to_owned()) };
@@ -89,7 +90,7 @@ fn plot_maps(file: &Path, out: &Path, face: &str) -> Result<()> {
     Ok(())
 }
 
-/// A path with a name before its extension: `fig.svg` becomes `fig-lower.svg`.
+/// Adds a name before the extension of a path: `fig.svg` becomes `fig-lower.svg`.
 fn with_name(path: &Path, name: &str) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let name = format!("{stem}-{name}");
@@ -99,12 +100,13 @@ fn with_name(path: &Path, name: &str) -> PathBuf {
     })
 }
 
-/// A unit as results have it, with its powers written as such: m/s² for m/s2.
+/// Converts a unit from results to one with superscripts: m/s² for m/s2. The unit `1` becomes empty.
 fn with_powers(units: &str) -> String {
     units.replace('2', "\u{b2}").replace('3', "\u{b3}").trim_matches('1').to_owned()
 }
 
-/// What is drawn of a sweep, by its name: that of a dataset of `/members`, or that of a run's quantity for its largest value.
+/// Quantity of a sweep by its name: a dataset of `/members`, or a quantity of runs. The latter stands for the largest
+/// value in each run.
 fn of_members(name: &str) -> Result<(record::Quantity, figure::Quantity)> {
     let (dataset, label) = match name {
         DEFAULT | "peak_acceleration" => ("peak_acceleration", "peak acceleration".to_owned()),
@@ -122,7 +124,8 @@ fn of_members(name: &str) -> Result<(record::Quantity, figure::Quantity)> {
     Ok((quantity, figure::Quantity { label, unit: with_powers(unit), names: Vec::new() }))
 }
 
-/// What the faces of a sweep's members are called, of the text of its scene and their numbers; nothing where that is not known, as on a mesh.
+/// Names of the faces of a sweep's members, from the text of its scene and their numbers. Empty if they are not known,
+/// for example on a mesh.
 fn names_of_faces(scene: &str, numbers: &[f64]) -> Vec<String> {
     let Ok((scene, _)) = Scene::parse("the sweep's scene", scene, &[]) else { return Vec::new() };
     let Geometry::Box { .. } = scene.body.geometry else { return Vec::new() };
@@ -175,8 +178,8 @@ fn plot_sweep(file: &Path, out: &Path, name: &str) -> Result<()> {
     }
 }
 
-/// The title of each file, with the file's name where there is no title or another file has the same, and with its
-/// path where the name too is that of another.
+/// Labels of the files: their titles. The file's name is used if the title is empty, and added if another file has the
+/// same title; its path instead if another file has the same name.
 fn labels(files: &[PathBuf], titles: &[&str]) -> Vec<String> {
     let names: Vec<String> =
         files.iter().map(|file| file.file_name().unwrap_or_default().to_string_lossy().into_owned()).collect();

@@ -1,4 +1,4 @@
-//! How far a run or a sweep is: a bar on a terminal, sparse lines elsewhere. On rank 0.
+//! Shows the progress of a run or a sweep on rank 0: a bar on a terminal, a few lines elsewhere.
 
 use std::time::{Duration, Instant};
 
@@ -9,44 +9,45 @@ use crate::impact::step::Step;
 use super::note;
 use super::terminal::has_bars;
 
-/// Shows the progress of a run's steps.
+/// Shows the progress of the steps of a run.
 pub struct Progress {
-    /// Beginning and end of what is run, s.
+    /// Start and end time of the steps, s.
     time: [f64; 2],
     left: Left,
     shown: Shown,
 }
 
 enum Shown {
-    /// On a terminal; its position runs to [`PARTS`].
+    /// Bar on a terminal; its position runs from 0 to [`PARTS`].
     Bar(ProgressBar),
-    /// Into a log, not more often than lines are worth reading.
+    /// Lines in a log, at growing intervals.
     Lines(Cadence),
 }
 
-/// About how long the rest takes, by how quickly the parts so far came after the first one.
+/// Estimates the remaining time from the speed of the parts after the first one.
 struct Left {
     first: Option<(Instant, f64)>,
     count: usize,
 }
 
 impl Left {
-    /// Parts that come before the estimate: the first ones have much to set up, and are of another length than later ones.
-    const BEFORE: usize = 20;
+    /// Number of parts before there is an estimate. The first parts include set-up work and have other lengths than
+    /// later ones.
+    const PARTS_BEFORE_ESTIMATE: usize = 20;
 
     fn new() -> Self {
         Self { first: None, count: 0 }
     }
 
-    /// Another part is over, up to `done` of 1.
+    /// Counts another part. `done` is the completed fraction, from 0 to 1.
     fn over(&mut self, done: f64) {
         self.count += 1;
         self.first.get_or_insert_with(|| (Instant::now(), done));
     }
 
-    /// In words, behind what was done; nothing before there is something to go by.
+    /// Remaining time in words, to be appended to a message; empty if there is no estimate yet.
     fn words(&self, done: f64) -> String {
-        let Some((begin, at)) = self.first.filter(|(_, at)| self.count > Self::BEFORE && done > *at) else {
+        let Some((begin, at)) = self.first.filter(|(_, at)| self.count > Self::PARTS_BEFORE_ESTIMATE && done > *at) else {
             return String::new();
         };
         let seconds = begin.elapsed().as_secs_f64() * (1.0 - done).max(0.0) / (done - at);
@@ -54,35 +55,36 @@ impl Left {
     }
 }
 
-/// When lines are due: the first soon, later ones twice as long after each other, up to a longest time.
+/// Intervals between lines: the first line comes soon, and each interval is twice as long as the previous one, up to a
+/// maximum.
 pub(super) struct Cadence {
     last: Instant,
     wait: Duration,
 }
 
 impl Cadence {
-    const FIRST: Duration = Duration::from_secs(1);
-    const LONGEST: Duration = Duration::from_secs(16);
+    const FIRST_WAIT: Duration = Duration::from_secs(1);
+    const LONGEST_WAIT: Duration = Duration::from_secs(16);
 
     pub(super) fn new() -> Self {
-        Self { last: Instant::now(), wait: Self::FIRST }
+        Self { last: Instant::now(), wait: Self::FIRST_WAIT }
     }
 
     pub(super) fn is_due(&self) -> bool {
         self.last.elapsed() >= self.wait
     }
 
-    /// A line was written.
+    /// Starts the next interval after a line was written.
     pub(super) fn next(&mut self) {
-        *self = Self { last: Instant::now(), wait: (2 * self.wait).min(Self::LONGEST) };
+        *self = Self { last: Instant::now(), wait: (2 * self.wait).min(Self::LONGEST_WAIT) };
     }
 }
 
-/// Resolution of the bar.
+/// Number of positions of the bar.
 const PARTS: u64 = 10_000;
 
 impl Progress {
-    /// Progress of a run from a time, where it goes on, to its end, s, on standard error.
+    /// Progress from the start time of the steps (later than 0 for a continued run) to the end, s, on standard error.
     pub fn new(time: [f64; 2]) -> Self {
         let shown = if has_bars() {
             let style = ProgressStyle::with_template("{bar:40} {percent} %, {msg}").expect("the template is valid");
@@ -93,7 +95,7 @@ impl Progress {
         Self { time, left: Left::new(), shown }
     }
 
-    /// A step was accepted.
+    /// Counts an accepted step.
     pub fn step(&mut self, step: &Step) {
         let [from, end] = self.time;
         let done = ((step.time - from) / (end - from)).min(1.0);
@@ -121,7 +123,7 @@ impl Progress {
         }
     }
 
-    /// The run is over.
+    /// Removes the bar.
     pub fn finish(self) {
         if let Shown::Bar(bar) = self.shown {
             bar.finish_and_clear();
@@ -129,19 +131,19 @@ impl Progress {
     }
 }
 
-/// Shows the progress of a number of things to do.
+/// Shows the progress of a number of items.
 pub struct Items {
     what: &'static str,
     bar: Option<ProgressBar>,
     done: usize,
     all: usize,
-    /// When the first was over, which may have borne what all share, and how many were then.
+    /// Time when the first items were done, and their number. The first item may include work shared by all.
     first: Option<(Instant, usize)>,
     cadence: Cadence,
 }
 
 impl Items {
-    /// Progress to `all` of what the plural `what` names, on standard error.
+    /// Progress towards `all` items on standard error. `what` names them in the plural.
     pub fn new(all: usize, what: &'static str) -> Self {
         let bar = has_bars().then(|| {
             let style = format!("{{bar:40}} {{pos}} of {{len}} {what}, {{eta}} left");
@@ -151,7 +153,7 @@ impl Items {
         Self { what, bar, done: 0, all, first: None, cadence: Cadence::new() }
     }
 
-    /// So many more are over.
+    /// Counts `count` more items.
     pub fn over(&mut self, count: usize) {
         self.done += count;
         let (since, were) = *self.first.get_or_insert_with(|| (Instant::now(), self.done));
@@ -173,7 +175,7 @@ impl Items {
         }
     }
 
-    /// No more will come.
+    /// Removes the bar.
     pub fn finish(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
@@ -188,7 +190,7 @@ mod tests {
     #[test]
     fn no_time_is_foreseen_from_the_first_parts() {
         let mut left = Left::new();
-        for part in 1..=Left::BEFORE {
+        for part in 1..=Left::PARTS_BEFORE_ESTIMATE {
             left.over(1e-9 * part as f64);
             assert_eq!(left.words(1e-9 * part as f64), "");
         }

@@ -1,4 +1,4 @@
-//! Where a result comes from, as it is written beside it.
+//! Origin of a result, as stored with it.
 
 use std::path::Path;
 
@@ -12,10 +12,11 @@ use crate::scene::{Scene, Source};
 use super::load::mesh_digest;
 use super::notes::listed;
 
-/// Of a run of a scene by this program: its theory, what was made of it, and its unknowns without the impactor's are the caller's.
+/// Origin of a run of a scene by this program. The caller gives the name of the theory, the description of the
+/// reduction, and the number of unknowns without the impactor's.
 ///
 /// # Errors
-/// PETSc's.
+/// If a PETSc call fails.
 pub fn provenance(
     comm: &Comm,
     scene: &Scene,
@@ -26,7 +27,7 @@ pub fn provenance(
         run_id: new_run_id(),
         title: scene.title.clone(),
         scene: source.text().to_owned(),
-        // From the current folder on, which a scene in it has no name for.
+        // Relative to the current folder: a scene file in the current folder has an empty folder name.
         folder: std::path::absolute(Path::new(".").join(source.folder()).join(""))
             .map(|path| path.display().to_string())
             .unwrap_or_default(),
@@ -45,7 +46,7 @@ pub fn provenance(
     })
 }
 
-/// What a report says of a model.
+/// Description of a model for a report.
 pub fn model_details(model: &Model) -> ModelDetails {
     let estimate = model.error_before_steps();
     ModelDetails {

@@ -1,4 +1,4 @@
-//! `ricochet report`: a run as a page to hand in.
+//! `ricochet report`: writes a run as an HTML page.
 
 use crate::error::{Error, Result};
 use crate::record::folder::Folder;
@@ -7,13 +7,14 @@ use crate::report;
 
 use super::{Report, say};
 
-/// Endings of a page's name.
+/// Allowed extensions of the page's file.
 const ENDINGS: [&str; 2] = ["html", "htm"];
 
-/// Writes it.
+/// Writes the report.
 ///
 /// # Errors
-/// [`Error::Usage`] for a file that is no page by its name; [`Error::Io`] where the result cannot be read or the page not be written.
+/// [`Error::Usage`] if the file does not have the extension of an HTML page; [`Error::Io`] if the result cannot be read
+/// or the page cannot be written.
 pub fn report(arguments: &Report) -> Result<()> {
     let Report { result, output } = arguments;
     let ending = output.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
@@ -25,7 +26,7 @@ pub fn report(arguments: &Report) -> Result<()> {
     }
     let page = report::report(result)?;
     let file = resolved(output);
-    // Whole or not at all: a disk may be full.
+    // The page is written completely or not at all, even if the disk is full.
     Folder::of(&file).put(file.file_name().unwrap_or_default(), |part| {
         std::fs::write(part, &page).map_err(|error| Error::io(output, error))
     })?;

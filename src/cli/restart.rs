@@ -1,4 +1,4 @@
-//! `ricochet run --restart`: what is there of a run, and how it goes on.
+//! `ricochet run --restart`: checks what exists of a run, and continues it.
 
 use std::path::Path;
 
@@ -23,27 +23,27 @@ use super::load::{changed, mesh_digest};
 use super::summary::Summary;
 use super::tell;
 
-/// A run that is to go on.
+/// State of a run that is to be continued.
 pub enum Past {
-    /// It came to its end: nothing is left to do.
+    /// The run is complete: nothing is left to do.
     Complete,
-    /// No checkpoint of it was kept.
+    /// The run has no checkpoint.
     Beginning,
-    /// It goes on from here.
+    /// The run continues from this checkpoint.
     Moment(Box<Moment>),
 }
 
-/// What there is of a run, and its checkpoint.
+/// Origin of a run, and its checkpoint.
 pub struct Moment {
     origin: Provenance,
     kept: Kept,
 }
 
 impl Past {
-    /// Reads what is left of the run of a scene whose result is at `result`, and which is to go on in `output`.
+    /// Reads the state of a run of a scene. Its result is at `result`, and it is to be continued in `output`.
     ///
     /// # Errors
-    /// [`Error::Io`] where that cannot be read; [`Error::Usage`] where it is of another scene.
+    /// [`Error::Io`] if the files cannot be read; [`Error::Usage`] if they belong to another scene.
     pub fn read((result, output): (&Path, &Path), (scene, source): (&Scene, &Source)) -> Result<Self> {
         let (origin, is_complete, kept) = there(result)?;
         let text = source.text();
@@ -64,7 +64,7 @@ impl Past {
     }
 }
 
-/// Where a result comes from, whether it is complete, and otherwise its checkpoint.
+/// Origin of a result, whether it is complete, and its checkpoint if it is not.
 fn there(result: &Path) -> Result<(Provenance, bool, Option<Kept>)> {
     let (origin, _, complete) = read::origin(result)?;
     let kept = if complete { None } else { Kept::read(result)? };
@@ -74,7 +74,7 @@ fn there(result: &Path) -> Result<(Provenance, bool, Option<Kept>)> {
     Ok((origin, complete, kept))
 }
 
-/// Nothing is left to do of a complete run only where nothing else is wanted.
+/// Refuses to continue a complete run if another scene, end or output is asked for.
 fn check_complete(
     origin: &Provenance,
     (result, output): (&Path, &Path),
@@ -107,7 +107,7 @@ fn check_complete(
     Ok(())
 }
 
-/// A run without a checkpoint is begun anew: it must be of the scene that is run, but for its end and what is written of it.
+/// A run without a checkpoint begins again. Its scene must be the same, except for the end and the output.
 fn check_begun(origin: &Provenance, result: &Path, (scene, text): (&Scene, &str)) -> std::result::Result<(), String> {
     let shown = result.display();
     let mut same = parsed(&shown.to_string(), &origin.scene, scene)?;
@@ -122,7 +122,7 @@ fn check_begun(origin: &Provenance, result: &Path, (scene, text): (&Scene, &str)
     Ok(())
 }
 
-/// The scene of a checkpoint must be the one that is run, but for its end and what is written of it.
+/// The scene of a checkpoint must be the same, except for the end and parts of the output.
 fn check_scene(
     origin: &Provenance,
     kept: &Kept,
@@ -141,14 +141,14 @@ fn check_scene(
             differing(&kept.scene, text, result)
         ));
     }
-    // Chosen steps may pass the end by one, so the same end is never too early.
+    // With controlled steps, the run may pass the end by one step. Therefore the same end is always accepted.
     if scene.time.end < end && scene.time.end < kept.time * (1.0 - 1e-9) {
         return Err(format!("{shown} is at t = {:.6e} s, beyond the end at {:e} s", kept.time, scene.time.end));
     }
     check_mesh(origin, result, scene)
 }
 
-/// Which keys differ from those of a result's scene, in words.
+/// Text that names the keys whose values differ from the scene of a result.
 fn differing(there: &str, now: &str, result: &Path) -> String {
     const FREE: [&str; 5] =
         ["title", "time.end", "output.every", "output.checkpoint_steps", "output.checkpoint_minutes"];
@@ -158,14 +158,14 @@ fn differing(there: &str, now: &str, result: &Path) -> String {
     if keys.is_empty() { show } else { format!("other values of {}; {show}", keys.join(", ")) }
 }
 
-/// The scene of a text, with what makes no other run of it taken from `scene`.
+/// The scene of a text, with all values that do not change the run taken from `scene`.
 fn parsed(name: &str, text: &str, scene: &Scene) -> std::result::Result<Scene, String> {
     let (mut there, _) = Scene::parse(name, text, &[]).map_err(|error| error.to_string())?;
     there.title.clone_from(&scene.title);
-    // Probes and fields go on; what has not been read of the time before cannot be had any more.
+    // Probes, fields and stresses must stay the same: values that were not recorded before the checkpoint are lost.
     let Output { every, probes, fields, stress, .. } = there.output;
     there.output = Output { every, probes, fields, stress, ..scene.output.clone() };
-    // Its path may be another one; what it holds is compared.
+    // The mesh file may have moved. Its contents are compared separately.
     if let (Geometry::Gmsh(_), Geometry::Gmsh(_)) = (&there.body.geometry, &scene.body.geometry) {
         there.body.geometry.clone_from(&scene.body.geometry);
     }
@@ -176,10 +176,11 @@ fn check_mesh(origin: &Provenance, result: &Path, scene: &Scene) -> std::result:
     if origin.mesh_digest == mesh_digest(scene) { Ok(()) } else { Err(changed(result, scene)) }
 }
 
-/// Sets a simulation to the moment; on rank 0 what there is of the series, and of the summary. Collective.
+/// Sets a simulation to the state of a checkpoint. On rank 0, returns the earlier rows of the series and the summary.
+/// Collective.
 ///
 /// # Errors
-/// [`Error::Output`] where checkpoint and series do not fit the simulation.
+/// [`Error::Output`] if the checkpoint and the series do not fit the simulation.
 pub fn go_on(
     comm: &Comm,
     moment: Option<Box<Moment>>,
@@ -208,7 +209,7 @@ pub fn go_on(
     Ok(past)
 }
 
-/// What of the program and its options was another one when a result was computed.
+/// Notes on differences in the versions and the options between an earlier run and now.
 fn differences(origin: &Provenance, now: &Provenance) -> Vec<String> {
     let of = |provenance: &Provenance| {
         let Provenance { version, commit, petsc_version, .. } = provenance;
@@ -224,14 +225,14 @@ fn differences(origin: &Provenance, now: &Provenance) -> Vec<String> {
     all
 }
 
-/// What rank 0 has of the time before a checkpoint.
+/// Series and summary of the time before a checkpoint, on rank 0.
 fn earlier(
     Moment { origin, kept }: &Moment,
     result: &Path,
     points: &Points,
     named: impl Fn(String) -> String,
 ) -> std::result::Result<(Earlier, Summary), String> {
-    // The mass is not among what is carried: no impulse is computed of it before the next step.
+    // The checkpoint does not contain the mass. It is needed for the impulse from the next step on.
     let episodes = Episodes::new(origin.impactor_mass);
     let mut known = Known { rows: 0, episodes, summary: Summary::default(), map: TensionMap::default() };
     let checkpoint: &Checkpoint = &kept.checkpoint;

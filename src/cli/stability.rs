@@ -1,4 +1,4 @@
-//! `ricochet stability`: a scene to a table and a map of where schemes hold.
+//! `ricochet stability`: writes a table and a map of the stable ranges of the schemes for a scene.
 
 use petsc_wrap::Comm;
 
@@ -8,7 +8,7 @@ use crate::figure::map::{Cell, Map, Row, Value, draw};
 use crate::mesh::Mesh;
 use crate::record::folder::Folder;
 use crate::scene::Scene;
-use crate::study::stability::{ENOUGH, Study};
+use crate::study::stability::{STEPS_PER_CONTACT, Study};
 use crate::study::table::{COLUMNS, csv, gist, theory};
 use crate::study::{Verdict, label, stability as study};
 
@@ -17,19 +17,19 @@ use super::load::{Loaded, load};
 use super::progress::Items;
 use super::{Stability, say, tell, warn_of_unused_options};
 
-/// The files of a study.
+/// Files of a study.
 const RESULTS: [&str; 3] = ["stability.csv", "stability.svg", "stability.png"];
 
-/// Studies a scene and writes what was found; returns the exit status. Collective.
+/// Studies a scene and writes the results; returns the exit status. Collective.
 ///
 /// # Errors
-/// All that [`Error`] names.
+/// Any [`Error`].
 pub fn stability(comm: &Comm, arguments: &Stability) -> Result<i32> {
     if let Some(budget) = arguments.budget.filter(|budget| budget.is_nan() || *budget < 0.0) {
         return Err(Error::Usage(format!("--budget {budget}: expected a number of seconds, 0 or more")));
     }
     let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
-    // Before minutes of work whose result could not be written.
+    // Checked before minutes of work whose result could not be written.
     let mut folder = None;
     decided(comm, || {
         let made = folder.insert(Folder::create(&arguments.output)?);
@@ -100,7 +100,7 @@ fn map(study: &Study, scene: &Scene) -> Map {
             })
             .collect(),
     });
-    let mut marks = vec![(study.contact / ENOUGH, format!("{ENOUGH} steps a contact"))];
+    let mut marks = vec![(study.contact / STEPS_PER_CONTACT, format!("{STEPS_PER_CONTACT} steps a contact"))];
     marks.extend(scene.time.step.map(|step| (step, "the scene's step".to_owned())));
     Map {
         title: title(study, scene),
@@ -112,7 +112,7 @@ fn map(study: &Study, scene: &Scene) -> Map {
     }
 }
 
-/// Says where there is less on the map than was planned.
+/// Title of the map. It says how many of the planned runs are missing.
 fn title(study: &Study, scene: &Scene) -> String {
     match (study.left_out(), scene.title.trim()) {
         (0, title) => title.to_owned(),

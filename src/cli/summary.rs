@@ -1,4 +1,4 @@
-//! What a run prints at its end.
+//! Prints the summary at the end of a run.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ use crate::space::evaluate::FaceTension;
 use super::notes::listed;
 use super::{coordinate, say, short};
 
-/// The run in four lines.
+/// Data for the summary of a run.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Summary {
     peak: (f64, f64),
@@ -23,19 +23,19 @@ pub struct Summary {
     initial: f64,
     last: Step,
     linearity: Option<Linearity>,
-    /// m.
+    /// Largest deflection, m; 0 if it is not followed.
     largest_deflection: f64,
     tension: LargestTension,
 }
 
 impl Summary {
-    /// The same, followed for large deflections.
+    /// The same summary, which also follows large deflections.
     #[must_use]
     pub fn following(self, linearity: Option<Linearity>) -> Self {
         Self { linearity, ..self }
     }
 
-    /// Takes the next step.
+    /// Takes the next step into account.
     pub fn step(&mut self, step: &Step) {
         if step.impactor.acceleration > self.peak.0 {
             self.peak = (step.impactor.acceleration, step.time);
@@ -49,7 +49,8 @@ impl Summary {
         self.last = *step;
     }
 
-    /// Takes the largest tension on each face at a time, s, with the strengths of the faces, Pa.
+    /// Takes into account the largest tension on each face at a time (s). `strengths` are the strengths of the faces,
+    /// Pa.
     pub fn tensions(&mut self, time: f64, tensions: &[FaceTension], strengths: &[Option<f64>]) {
         self.tension.take(time, tensions, strengths);
     }
@@ -64,10 +65,10 @@ impl Summary {
         self.last.time
     }
 
-    /// To a checkpoint or from it, beside the episodes, which have the last step.
+    /// Saves the summary to a checkpoint, or restores it from one. The last step is stored with the episodes.
     ///
     /// # Errors
-    /// Those of [`Visitor`].
+    /// Same as [`Visitor`].
     pub fn visit(&mut self, visitor: &mut Visitor, last: Option<&Step>) -> Result<()> {
         self.last = last.copied().unwrap_or_default();
         visitor.number("peak", &mut self.peak.0)?;
@@ -77,7 +78,7 @@ impl Summary {
         self.tension.visit(visitor)
     }
 
-    /// Prints it.
+    /// Prints the summary.
     pub fn print(&self, episodes: &Episodes, extremes: Option<&Extremes>, cost: &Cost, judged: &[&str], output: &Path) {
         let contacts: Vec<String> = episodes
             .all()
@@ -124,7 +125,7 @@ impl Summary {
         ));
     }
 
-    /// That a larger force may follow the end of the run, where the last one is the largest.
+    /// Warning that the force may rise further after the end of the run, if the last force is the largest.
     pub fn warning_of_end(&self) -> Option<String> {
         let Step { time, contact, .. } = &self.last;
         (contact.force > 0.0 && self.peak.1 == *time).then(|| {
@@ -133,7 +134,7 @@ impl Summary {
         })
     }
 
-    /// That the deflection is too large for the model, where it is.
+    /// Warning that the deflection is too large for the model, if it is.
     pub fn warning(&self) -> Option<String> {
         let ratio = self.linearity?.excess(self.largest_deflection)?;
         let held = self.linearity?.are_edges_held();
@@ -141,7 +142,8 @@ impl Summary {
     }
 }
 
-/// What a deflection of so many thicknesses means for a plate whose edges are held in its plane, or for any.
+/// Consequences of a deflection (`ratio` in plate thicknesses), for a plate whose edges are constrained in its plane,
+/// or for any plate.
 pub fn beyond(ratio: f64, are_edges_held: bool) -> String {
     let [least, most] = STIFFENING.map(|factor| 100.0 * factor * ratio * ratio);
     let by = if are_edges_held {
@@ -156,7 +158,8 @@ pub fn beyond(ratio: f64, are_edges_held: bool) -> String {
     )
 }
 
-/// The largest values of a run whose first contact ended at a time (s), if it did; a line each, and not those of the acceleration.
+/// Lines with the largest values of a run, without the acceleration. `first_end` is the end of the first contact, s, if
+/// it has ended.
 pub fn lines(extremes: &Extremes, first_end: Option<f64>) -> Vec<String> {
     let at = |extreme: &Extreme, factor: f64, unit: &str| {
         format!("{} {unit} at {} ms", short(factor * extreme.value), short(1e3 * extreme.time))
@@ -203,7 +206,7 @@ pub fn lines(extremes: &Extremes, first_end: Option<f64>) -> Vec<String> {
     lines
 }
 
-/// Milliseconds below ten seconds, tenths of a second above.
+/// Formats a time: to milliseconds below ten seconds, to tenths of a second above.
 fn seconds(value: f64) -> String {
     if value >= 10.0 { format!("{value:.1}") } else { format!("{value:.3}") }
 }
@@ -213,7 +216,7 @@ mod tests {
     use super::*;
     use crate::impact::step::{Contact, Motion};
 
-    /// It is warned of a force that is the largest at the last step, not of one that has fallen or is over.
+    /// There is a warning if the force is largest at the last step, but not if it has fallen or the contact is over.
     #[test]
     fn a_run_may_end_before_its_peak() {
         let is_warned = |forces: &[f64]| {

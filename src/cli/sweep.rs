@@ -1,4 +1,4 @@
-//! `ricochet sweep`: a scene with some of its keys varied to one result.
+//! `ricochet sweep`: computes a scene for many values of its keys, and writes one result.
 
 use std::cell::RefCell;
 use std::path::Path;
@@ -22,13 +22,13 @@ use super::members::{Remarks, tell_of_idle_keys};
 use super::progress::Items;
 use super::{Sweep, note, say, short, tell, warn_of_unused_options};
 
-/// The key whose values are files that members are to hold.
+/// Key whose values are files. Their contents are stored in the scenes of the members.
 const TABLE: &str = "contact.table";
 
-/// Computes the members of a sweep that its file does not have yet; returns the exit status. Collective.
+/// Computes the missing members of a sweep; returns the exit status. Collective.
 ///
 /// # Errors
-/// All that [`Error`] names, but for members whose solve fails: they are counted.
+/// Any [`Error`]. Members whose solve fails are only counted.
 pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     let begin = Instant::now();
     let variations = arguments.vary.iter().map(|given| Variation::parse(given, arguments.log));
@@ -60,7 +60,7 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     let desk = desk.map(|desk| Rc::new(RefCell::new(Desk { progress: Items::new(todo.len(), "members"), ..desk })));
 
     let (interrupt, alone) = (Rc::new(Interrupt::on_signals()), comm.session().alone());
-    // One theory for all, lest it change from one member to the next.
+    // One theory for all members, so that it does not change from one to the next.
     let theory = match (scene.body.model, is_something_missing) {
         (Model::Auto, true) if !grid.varies("body.model") => {
             let follower = Follower::new(comm, interrupt.clone());
@@ -79,7 +79,7 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     };
     let scene_of = |index: usize| Ok(task(arguments, &source, &grid, index)?.scene);
     let mut bodies = Bodies::new(&alone, &grouping, &scene_of, theory, arguments.series);
-    // What members share is no member's time.
+    // Preparations that members share are not counted as time of a member.
     let all = of_root(comm, Some(todo.clone()));
     let follower = comm.is_root().then(|| Follower::new(&alone, interrupt.clone()));
     let leave_off = || interrupt.is_raised_here();
@@ -117,7 +117,7 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     Ok(of_root(comm, Some(status)))
 }
 
-/// Tells that no member was begun, before it was known what all share.
+/// Reports an interruption before the first member.
 fn interrupted(comm: &Comm) -> i32 {
     if comm.is_root() {
         tell(format_args!("interrupted: members are missing; the same command computes them"));
@@ -125,7 +125,7 @@ fn interrupted(comm: &Comm) -> i32 {
     INTERRUPTED
 }
 
-/// An error of the scene as it stands, of which members are made.
+/// Marks an error of the scene as independent of the varied values.
 pub(super) fn of_base(error: Error) -> Error {
     match error {
         Error::Scene(error) => error.remarked("in the scene itself, before --vary").into(),
@@ -133,7 +133,7 @@ pub(super) fn of_base(error: Error) -> Error {
     }
 }
 
-/// What a key like `support.NUMBER.stiffness` or `body.temperature` is of.
+/// Property that a key such as `support.NUMBER.stiffness` or `body.temperature` changes.
 fn property_of(key: &str) -> Option<Property> {
     let mut words = key.split('.');
     if words.next()? != "support" {
@@ -143,11 +143,11 @@ fn property_of(key: &str) -> Option<Property> {
     Some(if words.next()? == "damping" { Property::Damping(support) } else { Property::Stiffness(support) })
 }
 
-/// A member, its scene checked.
+/// A member with its checked scene.
 fn task(arguments: &Sweep, source: &Source, grid: &Grid, index: usize) -> Result<Task> {
     let varied = Scene::varied(source, &grid.values(index));
     let (mut scene, source) = varied.map_err(|error| error.remarked(&grid.name(index)))?;
-    // A sweep's file has no fields, and probes in series alone.
+    // The file of a sweep has no fields, and probes only in series.
     scene.output.fields = None;
     if !arguments.series {
         scene.output.probes.clear();
@@ -172,17 +172,17 @@ fn header(comm: &Comm, arguments: &Sweep, grid: &Grid, (scene, source): (&Scene,
     })
 }
 
-/// What rank 0 keeps of a sweep.
+/// Data of a sweep on rank 0.
 struct Desk {
     writer: SweepWriter,
     progress: Items,
     output: std::path::PathBuf,
-    /// Members that were there at the beginning.
+    /// Number of members that were already in the file.
     before: usize,
 }
 
 impl Desk {
-    /// Opens the result, and puts into it what is there in parts.
+    /// Opens the result, and adds the members of existing parts to it.
     fn open(arguments: &Sweep, header: &Header) -> Result<Self> {
         let output = arguments.shard.map_or(arguments.output.clone(), |shard| shard.path(&arguments.output));
         let writer = SweepWriter::open(&output, header)?;
@@ -222,7 +222,7 @@ impl Desk {
         Ok(())
     }
 
-    /// The members that this file is to have and does not have.
+    /// Members that belong in this file and are missing.
     fn missing(&self) -> Vec<usize> {
         self.writer.mine().filter(|member| self.writer.status()[*member] == Status::Missing).collect()
     }
@@ -237,7 +237,7 @@ impl Desk {
         self.writer.mine().filter(|member| self.writer.status()[*member] == status).count()
     }
 
-    /// Exit status of a sweep that came to its end.
+    /// Exit status of a completed sweep.
     fn status(&self) -> i32 {
         match (self.count(Status::Failed), self.count(Status::Refused)) {
             (0, 0) => 0,
@@ -246,7 +246,7 @@ impl Desk {
         }
     }
 
-    /// The sweep in two or three lines.
+    /// Prints the sweep in two or three lines.
     fn print(&self, grid: &Grid, time: f64) {
         let done: Vec<usize> =
             self.writer.mine().filter(|member| self.writer.status()[*member] == Status::Done).collect();

@@ -1,4 +1,4 @@
-//! What the program knows of itself, for shells, editors and readers of manuals.
+//! Prints texts about the program itself: completions for shells, a schema for editors, and manual pages.
 
 use clap::CommandFactory;
 
@@ -6,33 +6,33 @@ use crate::error::{Error, Result};
 use crate::record::folder::Folder;
 use crate::scene;
 
-use super::{Cli, Completions, Man, check_said, say};
+use super::{Cli, Completions, Man, check_stdout, say};
 
 /// Prints completions for a shell.
 ///
 /// # Errors
-/// [`Error::Io`] where they cannot be written.
+/// [`Error::Io`] if they cannot be written.
 pub fn completions(arguments: &Completions) -> Result<()> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut Cli::command(), "ricochet", &mut script);
     say(format_args!("{}", String::from_utf8_lossy(&script).trim_end()));
-    check_said()
+    check_stdout()
 }
 
-/// Prints the schema of scenes.
+/// Prints the JSON schema of scenes.
 ///
 /// # Errors
-/// [`Error::Io`] where it cannot be written.
+/// [`Error::Io`] if it cannot be written.
 pub fn schema() -> Result<()> {
-    // A tree of texts: nothing here fails to be written.
+    // A tree of texts: serialisation cannot fail.
     say(format_args!("{}", serde_json::to_string_pretty(&scene::schema()).unwrap_or_default()));
-    check_said()
+    check_stdout()
 }
 
-/// Writes the manual: a page for the program and one for each command.
+/// Writes the manual: one page for the program and one for each command.
 ///
 /// # Errors
-/// [`Error::Io`] where the folder or a page cannot be written.
+/// [`Error::Io`] if the folder or a page cannot be written.
 pub fn man(arguments: &Man) -> Result<()> {
     let folder = Folder::create(&arguments.output)?;
     let mut program = Cli::command();

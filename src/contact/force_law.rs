@@ -1,31 +1,31 @@
-//! The force of the contact in terms of its indentation: Hertz's law, a power of it, or a table.
+//! The contact force as a function of the indentation: Hertz's law, a power law, or a table.
 
 use std::f64::consts::PI;
 
 use super::{Hertz, Table, hertz};
 
-/// F(α): zero for α ≤ 0 and nowhere falling. A NaN in gives a NaN out.
+/// Contact force F(α): zero for α ≤ 0 and non-decreasing. NaN is passed on.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ForceLaw {
-    /// F = k0 ⟨α⟩^{3/2}, (8) and (9).
+    /// Hertz's law F = k0 ⟨α⟩^{3/2}, (8) and (9).
     Hertz(Hertz),
-    /// F = k ⟨α⟩^n.
+    /// Power law F = k ⟨α⟩^n.
     Power(Power),
-    /// Through measured points.
+    /// Monotone cubic interpolation of measured points.
     Table(Table),
 }
 
-/// F = k ⟨α⟩^n.
+/// Power law F = k ⟨α⟩^n.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Power {
-    /// k, N/m^n.
+    /// Stiffness k, N/m^n.
     pub stiffness: f64,
-    /// n, 1 or more.
+    /// Exponent n, 1 or more.
     pub exponent: f64,
 }
 
 impl Power {
-    /// The indentation (m) at which the tangent n k α^{n−1} reaches a value (N/m): 0 or infinite for n = 1.
+    /// Indentation (m) at which the tangent n k α^{n−1} reaches a value (N/m); 0 or infinite for n = 1.
     fn indentation_of_tangent(&self, tangent: f64) -> f64 {
         let Self { stiffness, exponent } = *self;
         if exponent > 1.0 {
@@ -36,7 +36,7 @@ impl Power {
 }
 
 impl ForceLaw {
-    /// Its name in a scene.
+    /// Name of the law in a scene.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Hertz(_) => "hertz",
@@ -45,7 +45,7 @@ impl ForceLaw {
         }
     }
 
-    /// F at the indentation (m), N; 0 while the bodies are apart.
+    /// Force at an indentation (m), N; 0 while the bodies are apart.
     pub fn force(&self, indentation: f64) -> f64 {
         match self {
             Self::Hertz(law) => law.force(indentation),
@@ -54,7 +54,7 @@ impl ForceLaw {
         }
     }
 
-    /// dF/dα, N/m; 0 while the bodies are apart.
+    /// Tangent dF/dα, N/m; 0 while the bodies are apart.
     pub fn tangent(&self, indentation: f64) -> f64 {
         match self {
             Self::Hertz(law) => law.tangent(indentation),
@@ -64,7 +64,7 @@ impl ForceLaw {
         }
     }
 
-    /// ∫ F dα, J.
+    /// Potential ∫ F dα, J.
     pub fn potential(&self, indentation: f64) -> f64 {
         match self {
             Self::Hertz(law) => law.potential(indentation),
@@ -75,7 +75,7 @@ impl ForceLaw {
         }
     }
 
-    /// The law of one of n equal parts of a body, which takes an n-th of the force.
+    /// The law of one of n equal parts of a body, which carries 1/n of the force.
     pub fn part(&self, copies: f64) -> Self {
         self.scaled(1.0 / copies)
     }
@@ -89,12 +89,12 @@ impl ForceLaw {
         }
     }
 
-    /// The indentation (m) from which the law is not known: the end of a table.
+    /// Largest indentation (m) at which the law is defined: the end of a table, otherwise infinite.
     pub fn end(&self) -> f64 {
         if let Self::Table(table) = self { table.end() } else { f64::INFINITY }
     }
 
-    /// The least indentation (m) from which on the tangent is above a value (N/m); infinite where it nowhere is.
+    /// Least indentation (m) from which the tangent is above a value (N/m); infinite if it never is.
     pub fn indentation_of_tangent(&self, tangent: f64) -> f64 {
         match self {
             Self::Hertz(law) => law.indentation_of_tangent(tangent),
@@ -103,12 +103,12 @@ impl ForceLaw {
         }
     }
 
-    /// The largest tangent up to an indentation (m), N/m; for tables a bound of it.
+    /// Largest tangent up to an indentation (m), N/m; for tables an upper bound.
     pub fn steepest(&self, indentation: f64) -> f64 {
         if let Self::Table(table) = self { table.steepest(indentation) } else { self.tangent(indentation) }
     }
 
-    /// The indentation (m) at a force (N).
+    /// Indentation (m) at a force (N).
     pub fn indentation(&self, force: f64) -> f64 {
         match self {
             Self::Hertz(Hertz { stiffness }) => (force / stiffness).powf(2.0 / 3.0),
@@ -117,8 +117,8 @@ impl ForceLaw {
         }
     }
 
-    /// α_max (m) of a free mass (kg) that hits a fixed body with the given speed (m/s): there the potential holds all of the kinetic
-    /// energy.
+    /// Largest indentation α_max (m) when a free mass (kg) hits a fixed body at the given speed (m/s): the potential
+    /// then equals the kinetic energy.
     pub fn peak_indentation(&self, mass: f64, speed: f64) -> f64 {
         let energy = 0.5 * mass * speed * speed;
         match self {
@@ -130,12 +130,12 @@ impl ForceLaw {
         }
     }
 
-    /// Largest force (N) of the same impact.
+    /// Largest force (N) of the impact of [`ForceLaw::peak_indentation`].
     pub fn peak_force(&self, mass: f64, speed: f64) -> f64 {
         self.force(self.peak_indentation(mass, speed))
     }
 
-    /// Contact time (s) of the same impact, 2 ∫ dα/√(v² − 2V/m): exact for powers, to 1e-6 for tables.
+    /// Contact time (s) of the same impact, 2 ∫ dα/√(v² − 2V/m): exact for powers, with an error of 1e-6 for tables.
     pub fn contact_time(&self, mass: f64, speed: f64) -> f64 {
         let way = self.peak_indentation(mass, speed);
         match self {
@@ -146,7 +146,8 @@ impl ForceLaw {
                 2.0 * way / speed * PI.sqrt() * libm::tgamma(1.0 + part) / libm::tgamma(0.5 + part)
             }
             Self::Table(_) => {
-                // α = α_max (1 − s²) takes the root's zero out of the integrand, which the midpoint rule then sums.
+                // The substitution α = α_max (1 − s²) removes the zero of the root from the integrand, which is then
+                // integrated by the midpoint rule.
                 const POINTS: usize = 2000;
                 let energy = self.potential(way);
                 let value = |i: usize| {
@@ -160,18 +161,18 @@ impl ForceLaw {
     }
 }
 
-/// ⟨α⟩, which keeps NaN.
+/// The positive part ⟨α⟩; NaN stays NaN.
 pub(super) fn positive_part(indentation: f64) -> f64 {
     indentation.clamp(0.0, f64::INFINITY)
 }
 
-/// The zero between two places of a function that does not fall, which gives its value and its slope: by Newton's method within a
-/// bracket that shrinks.
+/// Zero of a non-decreasing function between two places; the function returns its value and slope. Newton's method,
+/// safeguarded by a shrinking bracket.
 pub(super) fn zero(mut low: f64, mut high: f64, function: impl Fn(f64) -> (f64, f64)) -> f64 {
-    /// Bisections from 1e308 down to rounding, and then some.
-    const MOST: usize = 2200;
+    /// Largest number of iterations: enough to bisect from 1e308 down to rounding.
+    const MAX_ITERATIONS: usize = 2200;
     let mut x = 0.5 * (low + high);
-    for _ in 0..MOST {
+    for _ in 0..MAX_ITERATIONS {
         let (value, slope) = function(x);
         if value == 0.0 || value.is_nan() {
             break;
@@ -201,7 +202,7 @@ mod tests {
         ]
     }
 
-    /// A power of 3/2 is Hertz's law.
+    /// A power law with exponent 3/2 is Hertz's law.
     #[test]
     fn hertz_is_a_power() {
         let [hertz, power, ..] = laws();
@@ -211,20 +212,21 @@ mod tests {
             [way, law.force(way), law.tangent(way), law.potential(way), law.contact_time(mass, speed)]
         };
         for (a, b) in of(&hertz).into_iter().zip(of(&power)) {
-            // Rounding of powers.
+            // Rounding errors of powers.
             assert!((a / b - 1.0).abs() < 1e-13, "{a} {b}");
         }
         assert!((hertz.indentation_of_tangent(1e8) / power.indentation_of_tangent(1e8) - 1.0).abs() < 1e-13);
     }
 
-    /// Each law is the slope of its potential, its tangent the slope of the law, and its inverses are inverses.
+    /// Each force is the derivative of its potential, each tangent the derivative of the force, and inverse functions
+    /// are exact.
     #[test]
     fn derivatives_and_inverses() {
         for law in laws() {
             let top = law.peak_indentation(0.5, 1.0).min(0.9 * law.end());
             for part in [0.013, 0.2, 0.77, 0.99] {
                 let x = part * top;
-                // The differences err by (step/α)²/24 times about 1, and by rounding over step/α: 1e-8 in all.
+                // Relative error of the differences: about (step/α)²/24, and rounding over step/α: 1e-8 in all.
                 let step = 1e-5 * x;
                 let slope = |f: fn(&ForceLaw, f64) -> f64| (f(&law, x + step) - f(&law, x - step)) / (2.0 * step);
                 assert!((slope(ForceLaw::potential) / law.force(x) - 1.0).abs() < 1e-8);
@@ -238,14 +240,16 @@ mod tests {
         }
     }
 
-    /// A mass on a linear spring swings for half a period; a table of a power's points is the power to the accuracy of the points.
+    /// A mass on a linear spring has a contact time of half a period. A table of points of a power law approximates
+    /// that law.
     #[test]
     fn contact_times() {
         let [.., spring, table] = laws();
         assert!((spring.contact_time(2.0, 1.0) / (PI * (2.0_f64 / 5e4).sqrt()) - 1.0).abs() < 1e-14);
         let power = ForceLaw::Power(Power { stiffness: 5e4, exponent: 1.3 });
         let (found, exact) = (table.contact_time(2.0, 1.0), power.contact_time(2.0, 1.0));
-        // 41 points, about a dozen of them passed: cubics through them err by about 1e-4 near the first, where the power has no slope.
+        // Of the 41 points about a dozen are passed. The cubics' error is about 1e-4 near the first point, where the
+        // power law has zero slope.
         assert!((found / exact - 1.0).abs() < 1e-3, "{found} {exact}");
     }
 
@@ -253,7 +257,7 @@ mod tests {
     fn zeros_are_found() {
         let cubic = |x: f64| (x * x * x - 2.0, 3.0 * x * x);
         assert!((zero(0.0, 1e6, cubic) - 2.0_f64.cbrt()).abs() < 1e-15);
-        // Flat, then steep.
+        // A function that is first constant, then steep.
         let kink = |x: f64| if x < 1.0 { (-1.0, 0.0) } else { (1e9 * (x - 1.0) - 1.0, 1e9) };
         assert!((zero(0.0, 1e3, kink) - 1.0 - 1e-9).abs() < 1e-15);
     }

@@ -1,68 +1,68 @@
-//! Hertz's law of contact between a sphere and a plane (Hertz 1881), and the impact on a half-space that follows from it.
+//! Hertz's law of contact between a sphere and a plane (Hertz 1881), and the resulting impact on a half-space.
 
 use super::force_law::positive_part;
 
-/// F ~ α^{3/2}.
+/// Exponent of the law, F ~ α^{3/2}.
 const EXPONENT: f64 = 1.5;
 
-/// ∫₀¹ dx/√(1 − x^{5/2}) = (2/5) B(2/5, 1/2) = (2/5) √π Γ(2/5)/Γ(9/10).
+/// Integral in the contact time: ∫₀¹ dx/√(1 − x^{5/2}) = (2/5) B(2/5, 1/2) = (2/5) √π Γ(2/5)/Γ(9/10).
 const TIME_INTEGRAL: f64 = 1.471_637_592_162_352_3;
 
-/// Contact stiffness k0 of (15), N/m^{3/2}: a sphere of the given radius on a plane, each with its Young's modulus (Pa)
-/// and Poisson's ratio.
+/// Contact stiffness k0 of (15), N/m^{3/2}, for a sphere of the given radius (m) on a plane, each with its Young's
+/// modulus (Pa) and Poisson's ratio.
 pub fn stiffness(radius: f64, (young1, poisson1): (f64, f64), (young2, poisson2): (f64, f64)) -> f64 {
     let compliance = (1. - poisson1 * poisson1) / young1 + (1. - poisson2 * poisson2) / young2;
     4. / 3. * radius.sqrt() / compliance
 }
 
-/// F = k0 ⟨α⟩^{3/2}, (8) and (9). A NaN in gives a NaN out.
+/// Hertz's law F = k0 ⟨α⟩^{3/2}, (8) and (9). NaN is passed on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hertz {
-    /// k0, N/m^{3/2}.
+    /// Contact stiffness k0, N/m^{3/2}.
     pub stiffness: f64,
 }
 
 impl Hertz {
-    /// F at the indentation (m), N; 0 while the bodies are apart.
+    /// Force at an indentation (m), N; 0 while the bodies are apart.
     pub fn force(&self, indentation: f64) -> f64 {
         let indentation = positive_part(indentation);
         self.stiffness * indentation * indentation.sqrt()
     }
 
-    /// dF/dα, N/m.
+    /// Tangent dF/dα, N/m.
     pub fn tangent(&self, indentation: f64) -> f64 {
         EXPONENT * self.stiffness * positive_part(indentation).sqrt()
     }
 
-    /// ∫ F dα = (2/5) k0 ⟨α⟩^{5/2}, J.
+    /// Potential ∫ F dα = (2/5) k0 ⟨α⟩^{5/2}, J.
     pub fn potential(&self, indentation: f64) -> f64 {
         self.force(indentation) * positive_part(indentation) / (EXPONENT + 1.)
     }
 
-    /// The indentation (m) at which the tangent reaches a value (N/m).
+    /// Indentation (m) at which the tangent reaches a value (N/m).
     pub fn indentation_of_tangent(&self, tangent: f64) -> f64 {
         (tangent / (EXPONENT * self.stiffness)).powi(2)
     }
 }
 
-/// Contact time (s) of a free mass (kg) that hits a fixed half-space with the given speed (m/s): 2 (α_max/v)
-/// ∫₀¹ dx/√(1 − x^{5/2}).
+/// Contact time (s) when a free mass (kg) hits a fixed half-space at the given speed (m/s):
+/// 2 (α_max/v) ∫₀¹ dx/√(1 − x^{5/2}).
 pub fn contact_time(stiffness: f64, mass: f64, speed: f64) -> f64 {
     2. * peak_indentation(stiffness, mass, speed) / speed * TIME_INTEGRAL
 }
 
-/// k0 (N/m^{3/2}) of the law with a contact time (s) of the same impact.
+/// Contact stiffness k0 (N/m^{3/2}) for which that impact has the given contact time (s).
 pub fn stiffness_of_contact_time(time: f64, mass: f64, speed: f64) -> f64 {
     let indentation = 0.5 * time * speed / TIME_INTEGRAL;
     0.5 * mass * speed * speed * (EXPONENT + 1.) / indentation.powf(EXPONENT + 1.)
 }
 
-/// Largest force (N) of the same impact.
+/// Largest force (N) of the impact of [`contact_time`].
 pub fn peak_force(stiffness: f64, mass: f64, speed: f64) -> f64 {
     Hertz { stiffness }.force(peak_indentation(stiffness, mass, speed))
 }
 
-/// α_max (m) of the same impact, where the potential holds all of the kinetic energy.
+/// Largest indentation α_max (m) of the impact of [`contact_time`]: the potential then equals the kinetic energy.
 pub fn peak_indentation(stiffness: f64, mass: f64, speed: f64) -> f64 {
     let ratio = 0.5 * mass * speed * speed * (EXPONENT + 1.) / stiffness;
     ratio.powf(1. / (EXPONENT + 1.))
@@ -73,7 +73,7 @@ mod tests {
     use super::*;
     use crate::element::{Quadrature, Shape};
 
-    /// The plates of the paper: glass and a steel impactor of 52 kg at 1 m/s.
+    /// Contact stiffness of the paper, N/m^{3/2}: a steel impactor of 50 mm radius on glass.
     const PAPER: f64 = 16_690_188_300.054_407;
 
     #[test]
@@ -88,12 +88,13 @@ mod tests {
         assert!((k0 / PAPER - 1.).abs() < 1e-15);
     }
 
-    /// With x^{5/2} = sin²(s⁵) the integral becomes 4 ∫ s³ (s⁵/sin s⁵)^{1/5} ds, 0 < s < (π/2)^{1/5}: smooth.
+    /// With x^{5/2} = sin²(s⁵) the integral becomes 4 ∫ s³ (s⁵/sin s⁵)^{1/5} ds over 0 < s < (π/2)^{1/5}, which is
+    /// smooth.
     #[test]
     fn time_integral_is_that_of_its_definition() {
         let end = std::f64::consts::FRAC_PI_2.powf(0.2);
         let rule = Quadrature::exact(Shape::Quadrilateral, 79);
-        // Constant in the second coordinate, whose weights sum to 2.
+        // The integrand is constant in the second coordinate, whose weights sum to 2.
         let sum: f64 = rule
             .points
             .iter()
@@ -107,12 +108,12 @@ mod tests {
         assert!((sum - TIME_INTEGRAL).abs() < 1e-14, "{sum}");
     }
 
-    /// The law agrees with its derivative and its integral, by central differences.
+    /// Derivative and integral of the law agree with central differences.
     #[test]
     fn force_is_the_slope_of_the_potential_and_tangent_that_of_the_force() {
         let law = Hertz { stiffness: PAPER };
         for indentation in [1e-6, 3e-5, 4e-4] {
-            // The differences err by (step/α)²/24 times about 1, and by rounding over step/α: 1e-9 in all.
+            // Relative error of the differences: about (step/α)²/24, and rounding over step/α: 1e-9 in all.
             let step = 1e-5 * indentation;
             let slope =
                 |f: fn(&Hertz, f64) -> f64| (f(&law, indentation + step) - f(&law, indentation - step)) / (2. * step);
@@ -126,7 +127,8 @@ mod tests {
         assert!(law.force(f64::NAN).is_nan());
     }
 
-    /// m q̈ = −F by the classical Runge–Kutta scheme from the first touch on: contact time and peak against the formulas.
+    /// Integrates m q̈ = −F by the classical Runge–Kutta scheme from the first touch on, and compares contact time and
+    /// peak with the formulas.
     #[test]
     fn impact_on_a_half_space_integrated_in_time() {
         let (mass, speed) = (52., 1.2);
@@ -145,7 +147,7 @@ mod tests {
             v += dt / 6. * (v1 + 2. * (v2 + v3) + v4);
             peak = peak.max(law.force(q));
         }
-        // Order 5/2 at the touch: (1/20000)^{5/2} = 2e-11; the peak lies between two steps, (1/20000)² = 3e-9.
+        // At the touch the order is 5/2: (1/20000)^{5/2} = 2e-11. The peak lies between two steps: (1/20000)² = 3e-9.
         assert!(q.abs() < 1e-9 * speed * expected, "{q:e}");
         assert!((v / speed + 1.).abs() < 1e-9, "{v}");
         assert!((peak / peak_force(PAPER, mass, speed) - 1.).abs() < 1e-8);

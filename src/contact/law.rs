@@ -1,52 +1,56 @@
-//! The contact law in terms of the approach that the body shows, and of its rate.
+//! The contact law as a function of the approach, which the body's displacement gives, and of its rate.
 //!
-//! The approach δ = q − gap − aᵀu holds the body's own local dent c_l F, which the law of the contact contains already. Its
-//! indentation is α = δ + c_l F with F = Φ(α), by default Hertz's: implicit in δ, with the potential ∫Φ dα − c_l F²/2. The
-//! force rises with δ while Φ′ c_l < 1; beyond, the contact would have negative stiffness.
+//! The approach δ = q − gap − aᵀu contains the body's own local indentation c_l F, which the contact law already
+//! contains. The indentation is α = δ + c_l F with F = Φ(α), by default Hertz's law. It is implicit in δ, with the
+//! potential ∫Φ dα − c_l F²/2. The force increases with δ while Φ′ c_l < 1. Beyond that the contact would have negative
+//! stiffness.
 //!
-//! Damping multiplies Φ by 1 + d α̇, never below zero (K. H. Hunt & F. R. E. Crossley, Coefficient of restitution interpreted as
-//! damping in vibroimpact, J. Appl. Mech. 42, 1975). α̇ is that of the undamped law, δ̇/(1 − c_l Φ′): exact where c_l is 0, and
-//! otherwise off by the part of the dent that damping adds, of second order in d.
+//! Damping multiplies Φ by 1 + d α̇, at least zero (K. H. Hunt & F. R. E. Crossley, Coefficient of restitution
+//! interpreted as damping in vibroimpact, J. Appl. Mech. 42, 1975). α̇ is the rate of the undamped law,
+//! δ̇/(1 − c_l Φ′). It is exact if c_l is 0. Otherwise it neglects the part of the local indentation that damping adds,
+//! of second order in d.
 
 use super::force_law::zero;
 use super::{ForceLaw, Hertz};
 
-/// Where the law is left for its tangent: where Φ′ c_l reaches this. Steps that end beyond are refused; the line is there for the
-/// iterations.
+/// Value of Φ′ c_l at which the law is replaced by its tangent. Steps that end beyond are refused; the tangent serves
+/// the iterations only.
 const LIMIT: f64 = 0.99;
 
-/// The contact's force in terms of the approach.
+/// Contact force as a function of the approach.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Law {
-    /// Φ(α).
+    /// Force law Φ(α).
     pub force_law: ForceLaw,
-    /// c_l, m/N; 0 for the paper's point. Negative where the law holds a part of the body that the approach does not show.
+    /// Local compliance c_l, m/N; 0 for the paper's point force. Negative if the law contains a part of the body's
+    /// compliance that the approach does not show.
     pub compliance: f64,
-    /// d, s/m; 0 for none.
+    /// Damping d, s/m; 0 for none.
     pub damping: f64,
 }
 
-/// A damped contact's force at an approach and its rate.
+/// Force of a damped contact at an approach and its rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Damped {
-    /// F, N.
+    /// Contact force F, N.
     pub force: f64,
-    /// What it would be at rest, N: the slope of the potential.
+    /// Force without damping, N: the derivative of the potential.
     pub elastic: f64,
-    /// ∂F/∂δ at a fixed factor 1 + d α̇, N/m: enough for Newton's method.
+    /// ∂F/∂δ with a fixed factor 1 + d α̇, N/m: accurate enough for Newton's method.
     pub stiffness: f64,
     /// ∂F/∂δ̇, N s/m.
     pub viscosity: f64,
 }
 
 impl Law {
-    /// The approach (m) beyond which the law is not to be trusted: it softens, or its table ends. Infinite where it does not.
+    /// Approach (m) beyond which the law is not valid, because it softens or its table ends; infinite if it is always
+    /// valid.
     pub fn limit(&self) -> f64 {
         let least = self.softening().min(self.force_law.end());
         if least.is_infinite() { least } else { self.approach(least) }
     }
 
-    /// The indentation (m) at which [`LIMIT`] is reached.
+    /// Indentation (m) at which Φ′ c_l reaches [`LIMIT`].
     fn softening(&self) -> f64 {
         if self.compliance <= 0.0 {
             return f64::INFINITY;
@@ -54,12 +58,12 @@ impl Law {
         self.force_law.indentation_of_tangent(LIMIT / self.compliance)
     }
 
-    /// Whether it is the end of a table that limits the law, and not its stiffness.
+    /// Whether the end of a table limits the law, not its stiffness.
     pub fn ends(&self) -> bool {
         self.force_law.end() < self.softening()
     }
 
-    /// δ of an indentation α > 0.
+    /// Approach δ at an indentation α > 0.
     fn approach(&self, indentation: f64) -> f64 {
         if self.compliance == 0.0 {
             indentation
@@ -68,7 +72,7 @@ impl Law {
         }
     }
 
-    /// α at an approach up to the limit; δ itself while the bodies are apart.
+    /// Indentation α at an approach up to the limit; the approach itself while the bodies are apart.
     fn indentation_within(&self, approach: f64) -> f64 {
         if approach <= 0.0 || self.compliance == 0.0 || approach.is_nan() {
             return approach;
@@ -94,40 +98,40 @@ impl Law {
         let within = self.indentation_within(approach.min(limit));
         let (force, slope) = (self.force_law.force(within), self.force_law.tangent(within));
         let growth = 1.0 / (1.0 - self.compliance * slope);
-        // Clamping keeps NaN, for the step to be refused.
+        // Clamping keeps NaN, so that the step is refused.
         let over = (approach - limit).clamp(0.0, f64::INFINITY);
         State { within, force, tangent: slope * growth, growth, over }
     }
 
-    /// α (m) at an approach (m) with its force (N).
+    /// Indentation α (m) at an approach (m) with its force (N).
     pub fn indentation(&self, approach: f64, force: f64) -> f64 {
         approach + self.compliance * force
     }
 
-    /// F at rest, N; 0 while the bodies are apart.
+    /// Force without damping, N; 0 while the bodies are apart.
     pub fn force(&self, approach: f64) -> f64 {
         self.state(approach).extended()
     }
 
-    /// dF/dδ at rest, N/m.
+    /// Tangent dF/dδ without damping, N/m.
     pub fn tangent(&self, approach: f64) -> f64 {
         self.state(approach).tangent
     }
 
-    /// F at rest and dF/dδ, N and N/m.
+    /// Force (N) and tangent dF/dδ (N/m) without damping.
     pub fn force_and_tangent(&self, approach: f64) -> (f64, f64) {
         let state = self.state(approach);
         (state.extended(), state.tangent)
     }
 
-    /// The largest tangent at rest up to an indentation (m), N/m: as far as the law holds.
+    /// Largest undamped tangent up to an indentation (m), N/m, within the validity of the law.
     pub fn steepest(&self, indentation: f64) -> f64 {
         let slope = self.force_law.steepest(indentation);
         let slope = if self.compliance > 0.0 { slope.min(LIMIT / self.compliance) } else { slope };
         slope / (1.0 - self.compliance * slope)
     }
 
-    /// The law without damping whose force is the damped one's at an approach (m) and its rate (m/s).
+    /// The undamped law whose force equals the damped one at an approach (m) and its rate (m/s).
     pub fn at_rate(&self, approach: f64, rate: f64) -> Self {
         if self.damping == 0.0 {
             return self.clone();
@@ -135,7 +139,8 @@ impl Law {
         self.multiplied(self.factor(self.state(approach).growth, rate))
     }
 
-    /// 1 + d α̇, from dα/dδ and δ̇; never below zero, and NaN where the rate is.
+    /// The damping factor 1 + d α̇ from `growth` = dα/dδ and `rate` = δ̇. It is never below zero, and NaN if the rate
+    /// is.
     fn factor(&self, growth: f64, rate: f64) -> f64 {
         if self.damping == 0.0 { 1.0 } else { (1.0 + self.damping * growth * rate).clamp(0.0, f64::INFINITY) }
     }
@@ -144,7 +149,7 @@ impl Law {
         Self { force_law: self.force_law.scaled(factor), compliance: self.compliance, damping: 0.0 }
     }
 
-    /// The force at an approach (m) and its rate (m/s).
+    /// Force and its derivatives at an approach (m) and its rate (m/s).
     pub fn damped(&self, approach: f64, rate: f64) -> Damped {
         let at = self.state(approach);
         let elastic = at.extended();
@@ -153,36 +158,37 @@ impl Law {
         }
         let factor = self.factor(at.growth, rate);
         if factor == 0.0 {
-            // Nothing, but for NaN.
+            // The force is zero, or NaN if the elastic force is NaN.
             return Damped { force: 0.0 * elastic, elastic, stiffness: 0.0, viscosity: 0.0 };
         }
         let now = self.multiplied(factor).state(approach);
-        // δ = α − c f Φ(α) at a fixed δ: d(f Φ)/df = Φ/(1 − c f Φ′).
+        // From δ = α − c f Φ(α) at a fixed δ, with f the damping factor: d(f Φ)/df = Φ/(1 − c f Φ′).
         let viscosity = now.force / factor * now.growth * self.damping * at.growth;
         Damped { force: now.extended(), elastic, stiffness: now.tangent, viscosity }
     }
 
-    /// ∫ F dδ at rest, J.
+    /// Potential ∫ F dδ without damping, J.
     pub fn potential(&self, approach: f64) -> f64 {
         let at = self.state(approach);
         let within = self.force_law.potential(at.within) - 0.5 * self.compliance * at.force * at.force;
         within + at.over * (at.force + 0.5 * at.tangent * at.over)
     }
 
-    /// The discrete gradient (V(δ1) − V(δ0)) / (δ1 − δ0), N: the mean force over a step that changes the potential V by
-    /// just its work (O. Gonzalez, Exact energy and momentum conserving algorithms for general models in nonlinear elasticity,
-    /// Comput. Methods Appl. Mech. Eng. 190, 2000). With its derivative in δ1, N/m.
+    /// The discrete gradient (V(δ1) − V(δ0)) / (δ1 − δ0), N, and its derivative in δ1, N/m. It is the mean force whose
+    /// work over a step equals the change of the potential V (O. Gonzalez, Exact energy and momentum conserving
+    /// algorithms for general models in nonlinear elasticity, Comput. Methods Appl. Mech. Eng. 190, 2000).
     pub fn gradient(&self, from: f64, to: f64) -> (f64, f64) {
         let (a, b) = (self.state(from), self.state(to));
         let difference = to - from;
-        // Differences of nearly the same approaches lose their digits: there the mean force is Φ at the middle.
+        // For nearly equal approaches the difference loses its digits. The mean force is then the force at the
+        // midpoint.
         let far = difference.abs() > 1e-5 * from.abs().max(to.abs());
         let derivative =
             |mean: f64| if far { (b.extended() - mean) / difference } else { 0.5 * self.tangent(0.5 * (from + to)) };
         let both_within = a.over == 0.0 && b.over == 0.0;
         let mean = match (from > 0.0, to > 0.0, &self.force_law) {
             (false, false, _) => return (0.0 * (from + to).clamp(-1.0, 1.0), 0.0),
-            // Divided differences of the polynomials V and δ in √α: no cancellation.
+            // Divided differences of V and δ as polynomials in √α have no cancellation.
             (true, true, ForceLaw::Hertz(Hertz { stiffness })) if both_within => {
                 let (x, y) = (a.within.sqrt(), b.within.sqrt());
                 let c = self.compliance * stiffness;
@@ -196,16 +202,16 @@ impl Law {
     }
 }
 
-/// α of Hertz's law at δ > 0, with c_l k0 in `part`: δ = α − c_l k0 α^{3/2} is a cubic in √α, solved by Viète's formula and refined by
-/// Newton's method, which undoes the formula's cancellation at small δ.
+/// Indentation α of Hertz's law at δ > 0, with `part` = c_l k0. δ = α − c_l k0 α^{3/2} is a cubic in √α. It is solved
+/// by Viète's formula and refined by Newton's method, because the formula suffers from cancellation at small δ.
 fn hertz_indentation(approach: f64, part: f64) -> f64 {
     if part < 0.0 {
         return root_of_sum(approach, -part).powi(2);
     }
     let scaled = (part * part * approach).min(4.0 / 27.0);
-    // y = c_l k0 √α with y² (1 − y) = scaled.
+    // y = c_l k0 √α solves y² (1 − y) = scaled.
     let angle = ((1.0 - 13.5 * scaled).acos() - std::f64::consts::TAU) / 3.0;
-    // Below, the formula has no digits left, and y² = scaled (1 + y) is known to 1e-4.
+    // For small values the formula has no correct digits left. y² = scaled (1 + y) then gives y with an error of 1e-4.
     let mut y = if scaled < 1e-8 { scaled.sqrt() } else { 1.0 / 3.0 + 2.0 / 3.0 * angle.cos() };
     for _ in 0..4 {
         y -= (y * y * (1.0 - y) - scaled) / (y * (2.0 - 3.0 * y)).max(f64::MIN_POSITIVE);
@@ -213,9 +219,10 @@ fn hertz_indentation(approach: f64, part: f64) -> f64 {
     (y / part).powi(2)
 }
 
-/// x > 0 of x² + part x³ = approach, by Newton's method from above, where the sum is convex: it falls to the root and stays there.
+/// Root x > 0 of x² + part x³ = approach, by Newton's method from above: the function is convex, so the iterates
+/// decrease to the root.
 fn root_of_sum(approach: f64, part: f64) -> f64 {
-    // x² = approach/(1 + part x) from an x that is too large gives one that is too small, and from that one that is too large.
+    // The iteration x² = approach/(1 + part x) maps a value above the root to one below, and the latter to one above.
     let closer = |x: f64| (approach / (1.0 + part * x)).sqrt();
     let mut x = closer(closer(approach.sqrt()));
     loop {
@@ -227,20 +234,20 @@ fn root_of_sum(approach: f64, part: f64) -> f64 {
     }
 }
 
-/// The law at an approach.
+/// State of the law at an approach.
 struct State {
-    /// α at the approach, or at the limit.
+    /// Indentation α at the approach, at most at the limit.
     within: f64,
     force: f64,
     tangent: f64,
     /// dα/dδ.
     growth: f64,
-    /// How far the approach is beyond the limit.
+    /// Excess of the approach over the limit, m.
     over: f64,
 }
 
 impl State {
-    /// F, along the tangent beyond the limit.
+    /// Force F, continued along the tangent beyond the limit.
     fn extended(&self) -> f64 {
         self.force + self.tangent * self.over
     }
@@ -252,7 +259,8 @@ mod tests {
 
     use crate::contact::{Power, Table};
 
-    /// The paper's impactor on a patch of 25 mm, without one, and on a spring; a power and a table in their places.
+    /// The paper's impactor on a patch of 25 mm, without a patch, and with additional compliance; the same with a power
+    /// law and a table.
     fn laws() -> Vec<Law> {
         let hertz = ForceLaw::Hertz(Hertz { stiffness: 1.669e10 });
         let power = ForceLaw::Power(Power { stiffness: 6e9, exponent: 1.4 });
@@ -275,7 +283,7 @@ mod tests {
                 }
                 let force = law.force(approach);
                 let indentation = law.indentation(approach, force);
-                // Rounding, amplified by the law's slope near the limit.
+                // Rounding errors, amplified by the law's slope near the limit.
                 assert!((force / law.force_law.force(indentation) - 1.0).abs() < 1e-10, "{approach:e}");
                 assert!((indentation - law.compliance * force - approach).abs() <= 1e-14 * indentation);
             }
@@ -285,13 +293,14 @@ mod tests {
         }
     }
 
-    /// The force is the slope of the potential and the tangent that of the force, on both sides of the limit.
+    /// The force is the derivative of the potential and the tangent the derivative of the force, on both sides of the
+    /// limit.
     #[test]
     fn derivatives_agree_with_differences() {
         for law in laws() {
             let limit = law.limit().min(1e-3);
             for approach in [1e-6, 3e-5, 0.33 * limit, 0.87 * limit, 1.47 * limit] {
-                // (step/δ)² and rounding over step/δ: 1e-8 together.
+                // Error (step/δ)² and rounding over step/δ: 1e-8 together.
                 let step = 1e-5 * approach;
                 let slope =
                     |f: fn(&Law, f64) -> f64| (f(&law, approach + step) - f(&law, approach - step)) / (2.0 * step);
@@ -301,7 +310,8 @@ mod tests {
         }
     }
 
-    /// The mean force times the way is the change of the potential, however small the way; its derivative is that of differences.
+    /// The mean force times the step of the approach is the change of the potential, for steps of any size. Its
+    /// derivative agrees with differences.
     #[test]
     fn the_gradient_does_the_potentials_work() {
         for law in laws() {
@@ -322,15 +332,15 @@ mod tests {
             }
             for part in [1e-3, 1e-6, 1e-9, 1e-12] {
                 let (from, to) = (1e-5, 1e-5 * (1.0 + part));
-                // The mean of a force with bounded curvature is that at the middle up to part²/24.
+                // The mean of a force with bounded curvature equals the value at the midpoint up to part²/24.
                 let (mean, _) = law.gradient(from, to);
                 assert!((mean / law.force(0.5 * (from + to)) - 1.0).abs() < 0.1 * part * part + 1e-14);
             }
         }
     }
 
-    /// Damping's force falls to nothing and not below, takes energy whichever way it goes, has the slopes of differences in δ̇, and
-    /// is Φ's at a factor of 1 + d α̇ where δ is α.
+    /// The damped force never falls below zero, dissipates energy for either sign of the rate, and its derivative in δ̇
+    /// agrees with differences. Where δ is α, it is Φ times 1 + d α̇.
     #[test]
     fn damping_takes_energy() {
         for law in laws() {
@@ -350,7 +360,7 @@ mod tests {
                         let step = 1e-5 * rate.abs();
                         let force = |rate| law.damped(approach, rate).force;
                         let slope = (force(rate + step) - force(rate - step)) / (2.0 * step);
-                        // Rounding over the step, 1e-10 of the force, and the step's square.
+                        // Rounding over the step, 1e-10 of the force, and the square of the step.
                         assert!((slope / at.viscosity - 1.0).abs() < 1e-6, "{slope} {}", at.viscosity);
                     }
                 }
@@ -360,7 +370,7 @@ mod tests {
         }
     }
 
-    /// At the limit the tangent is large and positive; a law without c_l has none.
+    /// At the limit Φ′ c_l equals [`LIMIT`], so the tangent is large and positive. A law without c_l has no limit.
     #[test]
     fn the_limit_is_where_the_stiffness_would_turn_negative() {
         let [law, free, ..] = <[Law; 8]>::try_from(laws()).unwrap();

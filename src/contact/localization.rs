@@ -1,18 +1,19 @@
-//! The vector a of (14), whatever it is made of.
+//! The localisation vector a of (14) (contact force vector).
 
 use petsc_wrap::{Int, Vector};
 
 use super::Patch;
 
-/// The vector a of (14): aᵀu is the surface's displacement under the impactor, a F the load on the body. Its entries
-/// sum to the direction of travel d.
+/// The localisation vector a of (14): aᵀu is the surface displacement under the impactor, and a F the load on the body.
+/// Its entries sum to the unit vector d of the direction of travel.
 pub struct Localization {
-    /// a, distributed as the displacements.
+    /// The vector a, distributed like the displacements.
     pub vector: Vector,
-    /// The entries that are not zero by ascending global number, the same on all ranks.
+    /// The non-zero entries by ascending global index, the same on all ranks.
     pub entries: Vec<(Int, f64)>,
-    /// c_l, m/N: the part of aᵀu for F = 1 N that Hertz's law holds already, α = δ + c_l F; 0 for a point.
+    /// Local compliance c_l, m/N: the part of aᵀu for F = 1 N that Hertz's law already contains, α = δ + c_l F; 0 for a
+    /// point force.
     pub compliance: f64,
-    /// The patch, where there is one.
+    /// The patch, if the force acts on one.
     pub patch: Option<Patch>,
 }

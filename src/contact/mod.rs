@@ -1,7 +1,8 @@
-//! The contact of impactor and body: the local law, and where the body is loaded and read.
+//! Contact of impactor and body: the local force law, and the part of the body's surface on which it acts.
 //!
-//! [`ForceLaw`] gives the force from the indentation α, by default as [`Hertz`] does (8), [`Law`] from the approach and its rate;
-//! [`Localization`] is the vector a by which the body takes the force and shows its displacement (14).
+//! [`ForceLaw`] gives the force from the indentation α, by default [`Hertz`]'s law (8). [`Law`] gives it from the
+//! approach and its rate. [`Localization`] is the vector a (14): the body is loaded along it, and its displacement is
+//! measured along it.
 
 mod force_law;
 pub mod hertz;

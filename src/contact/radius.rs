@@ -1,4 +1,4 @@
-//! The radius of a patch: what it should be, and below what the contact law fails.
+//! Chooses the radius of the patch, and computes the least radius with which the contact law is valid.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,68 +6,69 @@ use super::{Hertz, hertz, zener};
 use crate::form::Material;
 use crate::scene::Impactor;
 
-/// Part of the thickness that a patch is made to cover: 0.16% of error by [`Patch::error`].
-const OF_THICKNESS: f64 = 0.25;
+/// Default radius of a patch over the thickness: an error of 0.16% by [`Patch::error`].
+const PATCH_RADIUS_OVER_THICKNESS: f64 = 0.25;
 
-/// Cells along the radius that carry the pressure.
+/// Number of cells along the radius that resolve the pressure.
 const CELLS: f64 = 2.0;
 
-/// How far a radius is kept from the limit of the law.
+/// Safety factor on the limit radius of the law.
 const MARGIN: f64 = 1.25;
 
-/// A patch, and what its radius follows from.
+/// A patch, with the quantities that determine its radius.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Patch {
-    /// r_p, m.
+    /// Radius r_p, m.
     pub radius: f64,
-    /// What decided the radius.
+    /// Requirement that determined the radius.
     pub reason: Reason,
     /// Thickness h of the body under the impact point, along the inward normal, m.
     pub thickness: f64,
-    /// Longest edge of the facets at the impact point, m; 0 where splines carry the pressure.
+    /// Longest edge of the facets at the impact point, m; 0 if splines represent the pressure.
     pub cell: f64,
-    /// The radius at which the contact law has no stiffness left at the indentation of an impact on a half-space, m.
-    /// The body yields, so that a run may hold below it.
+    /// Radius at which the contact stiffness vanishes at the largest indentation of an impact on a half-space, m. The
+    /// body gives way, so a run may be valid with a smaller radius.
     pub limit_radius: f64,
 }
 
-/// What decided the radius of a patch.
+/// Requirement that determined the radius of a patch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Reason {
-    /// The scene gives it.
+    /// The radius is given in the scene.
     Scene,
-    /// A quarter of the thickness: the half-space whose dent is taken out must be a good neighbour.
+    /// A quarter of the thickness: the body near the patch must resemble the half-space whose local indentation is
+    /// subtracted.
     Thickness,
     /// Two cells: smaller patches are not resolved.
     Cells,
     /// The contact law, which smaller patches make softer.
     Contact,
-    /// The surface around the impact point, on which a larger patch has no room.
+    /// The surface around the impact point, which has no room for a larger patch.
     Surface,
 }
 
 impl Patch {
-    /// What the thickness leaves of error in the peak, as a part of it: about 0.025 (r_p/h)².
+    /// Relative error of the peak force due to the finite thickness: about 0.025 (r_p/h)².
     pub fn error(&self) -> f64 {
         0.025 * (self.radius / self.thickness).powi(2)
     }
 
-    /// Whether cells are coarser than r_p/2, so that the pressure is not resolved.
+    /// Whether cells are longer than r_p/2, so that the pressure is not resolved.
     pub fn is_coarse(&self) -> bool {
-        // Two cells up to rounding.
+        // Exactly two cells, up to rounding, are enough.
         self.cell * CELLS > self.radius * (1.0 + 1e-9)
     }
 
-    /// Whether an impact on a half-space would meet negative contact stiffness.
+    /// Whether an impact on a half-space would reach negative contact stiffness.
     pub fn is_critical(&self) -> bool {
         self.radius <= self.limit_radius
     }
 
-    /// The largest of what thickness, cells and contact ask for.
+    /// Chooses the largest radius required by thickness, cells and contact.
     pub(crate) fn choose(thickness: f64, cell: f64, limit_radius: f64) -> Self {
-        let (mut radius, mut reason) = (OF_THICKNESS * thickness, Reason::Thickness);
+        let (mut radius, mut reason) = (PATCH_RADIUS_OVER_THICKNESS * thickness, Reason::Thickness);
         for (least, of) in [(CELLS * cell, Reason::Cells), (MARGIN * limit_radius, Reason::Contact)] {
-            // A mesh made for a quarter of the thickness has it up to rounding.
+            // A mesh made for a quarter of the thickness meets the requirement up to rounding.
             if least > radius * (1.0 + 1e-9) {
                 (radius, reason) = (least, of);
             }
@@ -75,28 +76,29 @@ impl Patch {
         Self { radius, reason, thickness, cell, limit_radius }
     }
 
-    /// The same, as large as the surface has room for.
+    /// The patch with its radius reduced to the room on the surface.
     pub(crate) fn cut_to(self, radius: f64) -> Self {
         Self { radius, reason: Reason::Surface, ..self }
     }
 }
 
-/// c_l r_p, m²/N: the mean displacement of a half-space along a unit vector, weighted by Hertz's pressure over a
-/// disc, under the same pressure along that vector; `cosine` is the one between the vector and the normal.
+/// Compliance c_l times r_p, m²/N. It is the mean displacement of a half-space along a unit vector, weighted by Hertz's
+/// pressure over a disc, under the same pressure along that vector. `cosine` is the cosine of the angle between the
+/// vector and the normal.
 ///
-/// (3/5) (1 − ν²)/E for the part along the normal and (2 − ν)/(2 − 2ν) times that for the part along the surface,
-/// which do not couple in the mean (Johnson, Contact Mechanics, 1985, (3.41a) and (3.91a)).
+/// The normal part is (3/5) (1 − ν²)/E, and the tangential part is (2 − ν)/(2 − 2ν) times that. In the mean they do not
+/// couple (Johnson, Contact Mechanics, 1985, (3.41a) and (3.91a)).
 pub(crate) fn unit_compliance(struck: &Material, cosine: f64) -> f64 {
     let nu = struck.poisson;
     let normal = cosine * cosine;
     0.6 * (1.0 - nu * nu) / struck.young * (normal + (1.0 - normal) * (2.0 - nu) / (2.0 - 2.0 * nu))
 }
 
-/// Radii at which the law has no stiffness left, 1 = c_l F′(α): at the indentation of an impact on a half-space, and
-/// at the least that a first hit can be expected to reach, m. `mass` is the body's, kg.
+/// Radii at which the contact stiffness vanishes, 1 = c_l F′(α), m: at the largest indentation on a half-space, and at
+/// the least indentation expected of a first hit. `mass` is the body's, kg.
 ///
-/// The least is that of Zener's plate of the local thickness, without echoes, hit by the reduced mass of impactor and
-/// body, since a light body flies off.
+/// The least indentation is the one on Zener's plate of the local thickness, without echoes. The mass is the reduced
+/// mass of impactor and body, since a light body is pushed away.
 pub(crate) fn limits(
     struck: &Material,
     impactor: &Impactor,
@@ -118,8 +120,8 @@ pub(crate) fn limits(
 mod tests {
     use super::*;
 
-    /// The mean over all directions of a wave of what Cerruti's and Boussinesq's solutions give it, (1 − ν cos² φ) to
-    /// 1 − ν, since the pressure's spectrum is round.
+    /// Mean over all directions φ of a wave, with the ratio of Cerruti's and Boussinesq's solutions,
+    /// (1 − ν cos² φ)/(1 − ν): the spectrum of the pressure is axisymmetric.
     #[test]
     fn compliance_along_the_surface() {
         for poisson in [-0.5, 0.0, 0.23, 0.49] {

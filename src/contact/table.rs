@@ -1,37 +1,37 @@
-//! A law of contact through measured points: monotone cubics between them (F. N. Fritsch & J. Butland, A method for constructing local
-//! monotone piecewise cubic interpolants, SIAM J. Sci. Stat. Comput. 5, 1984).
+//! A contact law through measured points, by monotone piecewise cubics (F. N. Fritsch & J. Butland, A method for
+//! constructing local monotone piecewise cubic interpolants, SIAM J. Sci. Stat. Comput. 5, 1984).
 
 use std::sync::Arc;
 
 use super::force_law::{positive_part, zero};
 
-/// F(α) through points from (0, 0) on: its slope is continuous, and it rises wherever the points do. Beyond the last point it goes on
-/// straight, for iterations alone.
+/// Contact force F(α) through points that begin at (0, 0). It has a continuous slope, and it increases wherever the
+/// points do. Beyond the last point it continues linearly, for iterations only.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// Shared by all parts of a body.
+    /// The points with slopes and potentials, shared by all parts of a body.
     knots: Arc<[Knot]>,
-    /// What the points' forces are multiplied by.
+    /// Factor on the points' forces.
     factor: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Knot {
-    /// α, m.
+    /// Indentation α, m.
     indentation: f64,
-    /// F, N.
+    /// Force F, N.
     force: f64,
-    /// dF/dα, N/m.
+    /// Slope dF/dα, N/m.
     slope: f64,
-    /// ∫ F dα, J.
+    /// Potential ∫ F dα, J.
     potential: f64,
 }
 
 impl Table {
-    /// Through points of indentation (m) and force (N).
+    /// Makes the law from points of indentation (m) and force (N).
     ///
     /// # Errors
-    /// What is wrong with them, with the number of the point where one is to blame.
+    /// If the points are not a contact law; the message has the number of the faulty point.
     pub fn new(points: &[[f64; 2]]) -> Result<Self, String> {
         check(points)?;
         let slopes = slopes(points);
@@ -46,7 +46,7 @@ impl Table {
         Ok(Self { knots: knots.into(), factor: 1.0 })
     }
 
-    /// The points it goes through: indentation, m, and force, N.
+    /// The interpolated points: indentation (m) and force (N), scaled by the factor of the law.
     pub fn points(&self) -> Vec<[f64; 2]> {
         self.knots.iter().map(|knot| [knot.indentation, self.factor * knot.force]).collect()
     }
@@ -60,7 +60,7 @@ impl Table {
         self.last().indentation
     }
 
-    /// What the points hold of energy, J.
+    /// Energy that the law can store up to the last point, J.
     pub fn capacity(&self) -> f64 {
         self.factor * self.last().potential
     }
@@ -89,12 +89,12 @@ impl Table {
         let number = self.knots.partition_point(|knot| knot.indentation < x).max(1);
         let a = self.knots[number - 1];
         let Some(b) = self.knots.get(number) else {
-            // Beyond the end.
+            // Linear continuation beyond the last point.
             let over = x - a.indentation;
             let force = a.force + a.slope * over;
             return [force, a.slope, a.potential + 0.5 * (a.force + force) * over].map(|value| self.factor * value);
         };
-        // In the width's part t: a.force + t (s + t (c2 + t c3)).
+        // With t from 0 to 1 across the interval: F = a.force + t (s + t (c2 + t c3)).
         let (width, t) = (b.indentation - a.indentation, (x - a.indentation) / (b.indentation - a.indentation));
         let (s, e, rise) = (a.slope * width, b.slope * width, b.force - a.force);
         let (c2, c3) = (3.0 * rise - 2.0 * s - e, s + e - 2.0 * rise);
@@ -120,23 +120,24 @@ impl Table {
         zero(0.0, self.beyond(|high| self.potential(high) >= energy), value)
     }
 
-    /// The least indentation (m) at which the tangent passes a value (N/m); infinite where it nowhere does.
+    /// Least indentation (m) from which the tangent is above a value (N/m); infinite if it never is.
     pub(super) fn indentation_of_tangent(&self, tangent: f64) -> f64 {
         self.knots.windows(2).find_map(|pair| passes(pair, tangent / self.factor)).unwrap_or(f64::INFINITY)
     }
 
-    /// The largest tangent up to an indentation (m), N/m.
+    /// Upper bound of the tangent up to an indentation (m), N/m.
     pub(super) fn steepest(&self, indentation: f64) -> f64 {
         let before = self.knots.windows(2).take_while(|pair| pair[0].indentation < indentation);
         let steepest = before.map(|pair| {
             let (a, b) = (pair[0], pair[1]);
-            // The slope's quadratic through both ends with the mean `rise` is nowhere above this.
+            // Upper bound of the slope: a quadratic with these end values and the mean (b.force − a.force)/width.
             a.slope.max(b.slope).max(1.5 * (b.force - a.force) / (b.indentation - a.indentation))
         });
         self.factor * steepest.fold(0.0, f64::max)
     }
 
-    /// The end, or a place as far beyond it as is wanted; a table that ends flat may have none.
+    /// The end of the table, or a place beyond it where `is_far` holds. If the table ends with zero slope, there may be
+    /// no such place.
     fn beyond(&self, is_far: impl Fn(f64) -> bool) -> f64 {
         let mut high = self.end();
         while !is_far(high) && high < f64::MAX / 4.0 {
@@ -150,7 +151,7 @@ impl Table {
     }
 }
 
-/// Where the slope between two points passes a value (N/m) for the first time, m.
+/// First indentation (m) between two points at which the slope passes a value (N/m).
 fn passes(pair: &[Knot], value: f64) -> Option<f64> {
     let (a, b) = (pair[0], pair[1]);
     let width = b.indentation - a.indentation;
@@ -158,16 +159,16 @@ fn passes(pair: &[Knot], value: f64) -> Option<f64> {
     if a.slope > value {
         return Some(a.indentation);
     }
-    // In the width's part t: a.slope + t (p + t q).
+    // With t from 0 to 1 across the interval: slope = a.slope + t (p + t q).
     let (p, q) = (6.0 * rise - 4.0 * a.slope - 2.0 * b.slope, 3.0 * (a.slope + b.slope) - 6.0 * rise);
     let (left, root) = (value - a.slope, p * p + 4.0 * q * (value - a.slope));
-    // The first of both roots, without cancellation; p is negative where the slope falls first.
+    // The smaller root, without cancellation; p is negative if the slope decreases first.
     let t = if root >= 0.0 { 2.0 * left / (p + root.sqrt()) } else { f64::NAN };
     let within = (0.0..1.0).contains(&t).then_some(a.indentation + t * width);
     within.or((b.slope > value).then_some(b.indentation))
 }
 
-/// Whether points are a law of contact.
+/// Checks that points are a contact law.
 fn check(points: &[[f64; 2]]) -> Result<(), String> {
     let [first, second, ..] = points else {
         return Err(format!("a table needs two points at least, and has {}", points.len()));
@@ -193,7 +194,7 @@ fn check(points: &[[f64; 2]]) -> Result<(), String> {
     Ok(())
 }
 
-/// Slopes at the points that keep each piece monotone.
+/// Slopes at the points for which each piece is monotone.
 fn slopes(points: &[[f64; 2]]) -> Vec<f64> {
     let widths: Vec<f64> = points.windows(2).map(|pair| pair[1][0] - pair[0][0]).collect();
     let rises: Vec<f64> =
@@ -202,7 +203,8 @@ fn slopes(points: &[[f64; 2]]) -> Vec<f64> {
     if count == 1 {
         return vec![rises[0]; 2];
     }
-    // A parabola through three points at the ends, as far as it rises and is no steeper than three times the first piece.
+    // At the ends: the slope of the parabola through three points, limited to the range from zero to three times the
+    // slope of the first piece.
     let end =
         |h: [f64; 2], d: [f64; 2]| (((2.0 * h[0] + h[1]) * d[0] - h[0] * d[1]) / (h[0] + h[1])).clamp(0.0, 3.0 * d[0]);
     let inner = |i: usize| {
@@ -210,7 +212,7 @@ fn slopes(points: &[[f64; 2]]) -> Vec<f64> {
         if d0 == 0.0 || d1 == 0.0 {
             return 0.0;
         }
-        // The weighted harmonic mean.
+        // Inside: the weighted harmonic mean.
         let (w0, w1) = (2.0 * h1 + h0, h1 + 2.0 * h0);
         (w0 + w1) / (w0 / d0 + w1 / d1)
     };
@@ -224,7 +226,8 @@ fn slopes(points: &[[f64; 2]]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// A cubic's points give its potential to third order and better; the force rises everywhere and meets the points.
+    /// Points of a cubic give its potential with third order or better. The force increases everywhere and passes
+    /// through the points.
     #[test]
     fn it_meets_its_points_and_rises() {
         let error = |count: i32| {
@@ -244,7 +247,7 @@ mod tests {
         assert_eq!(rough.force(1.05), 5.0);
     }
 
-    /// Its tangent is nowhere above the value before the place that is named for it, and is it there.
+    /// Below the returned indentation the tangent is nowhere above the value, and there it equals the value.
     #[test]
     fn the_steepest_place_is_not_missed() {
         let table = Table::new(&[[0.0, 0.0], [1.0, 1.0], [2.0, 8.0], [3.0, 9.0], [4.0, 9.5]]).unwrap();

@@ -1,34 +1,34 @@
 //! Impact on an infinite plate (Zener, The intrinsic inelasticity of large plates, Phys. Rev. 59, 1941).
 //!
-//! Under a force F an infinite Kirchhoff plate moves at the speed F/Z, Z = 8 √(ρ h D), so that m0 and Hertz's law
-//! give
+//! Under a force F an infinite Kirchhoff plate moves at the speed F/Z with the impedance Z = 8 √(ρ h D). The impactor's
+//! mass m0 and Hertz's law then give
 //!
 //! σ″ + (1 + λ d/dτ)⟨σ⟩^{3/2} = 0,  σ(0) = 0,  σ′(0) = 1,  λ = k0^{2/5} v^{1/5} m0^{3/5} / Z,
 //!
-//! in units of T = (m0²/(k0² v))^{1/5} for time and v T for the indentation α.
+//! with time in units of T = (m0²/(k0² v))^{1/5} and the indentation α in units of v T.
 
 use super::Hertz;
 use crate::form::Material;
 
-/// Step of the integration up to the peak, in units of its time: errors of 1e-7, by the kink of ⟨σ⟩^{3/2} at the
-/// touch.
+/// Step of the integration up to the peak, in units of the scaled time. The error is 1e-7, due to the kink of ⟨σ⟩^{3/2}
+/// at the touch.
 const STEP: f64 = 1e-3;
 
-/// Z (N s/m) of a plate of a material and a thickness (m).
+/// Impedance Z (N s/m) of a plate of a material and a thickness (m).
 pub fn impedance(material: &Material, thickness: f64) -> f64 {
     let Material { young, poisson, density } = *material;
     let bending = young * thickness.powi(3) / (12. * (1. - poisson * poisson));
     8. * (density * thickness * bending).sqrt()
 }
 
-/// Largest indentation (m) where a mass (kg) hits a plate of the impedance (N s/m) at a speed (m/s), without echoes:
-/// less than on a half-space, which an infinite impedance is.
+/// Largest indentation (m) when a mass (kg) hits a plate of the given impedance (N s/m) at a speed (m/s), without
+/// echoes. It is smaller than on a half-space, which corresponds to an infinite impedance.
 pub fn peak_indentation(stiffness: f64, mass: f64, speed: f64, impedance: f64) -> f64 {
     let lambda = stiffness.powf(0.4) * speed.powf(0.2) * mass.powf(0.6) / impedance;
     (mass * speed * speed / stiffness).powf(0.4) * peak(lambda)
 }
 
-/// Largest σ; 0 for an infinite λ.
+/// Largest σ; 0 for infinite λ.
 fn peak(lambda: f64) -> f64 {
     let mut motion = Motion::new(lambda);
     let mut sigma = motion.sigma();
@@ -42,18 +42,18 @@ fn peak(lambda: f64) -> f64 {
     }
 }
 
-/// The state in coordinates that stay of order one up to the peak for every λ: s = σ/S and w = σ′ + λσ^{3/2}, with
-/// the time τ/S and S = min(1, λ^{-2/3}), so that s′ = w − λ S^{3/2} ⟨s⟩^{3/2} and w′ = −S^{5/2} ⟨s⟩^{3/2}.
+/// The motion in scaled coordinates, which stay of order one up to the peak for every λ: s = σ/S and w = σ′ + λσ^{3/2},
+/// with the time τ/S and S = min(1, λ^{-2/3}). Then s′ = w − λ S^{3/2} ⟨s⟩^{3/2} and w′ = −S^{5/2} ⟨s⟩^{3/2}.
 struct Motion {
-    /// S.
+    /// Scale S.
     scale: f64,
-    /// λ S^{3/2}.
+    /// Coefficient of radiation, λ S^{3/2}.
     radiation: f64,
     s: f64,
     w: f64,
 }
 
-/// F of the units above.
+/// Force law in these units.
 const LAW: Hertz = Hertz { stiffness: 1. };
 
 impl Motion {
@@ -71,7 +71,7 @@ impl Motion {
         (w - self.radiation * force, -self.scale.powf(2.5) * force)
     }
 
-    /// A step of the classical Runge–Kutta method.
+    /// Makes a step by the classical Runge–Kutta method.
     fn step(&mut self, dt: f64) {
         let (s1, w1) = self.rates(self.s, self.w);
         let (s2, w2) = self.rates(self.s + dt / 2. * s1, self.w + dt / 2. * w1);
@@ -87,7 +87,7 @@ mod tests {
     use super::*;
     use crate::contact::hertz;
 
-    /// λ, restitution, peak force, contact time, each to five digits.
+    /// λ, coefficient of restitution, peak force and contact time, each to five digits.
     const TABLE: [(f64, f64, f64, f64); 5] = [
         (0.1, 0.84334, 1.03555, 3.27849),
         (0.2, 0.71404, 0.94606, 3.34866),
@@ -106,15 +106,16 @@ mod tests {
                 motion.step(STEP);
                 steps += 1;
             }
-            // Past the end it moves on at the speed −e: back to the touch. In τ, a step is S times as long.
+            // After the end of contact the mass moves at the speed −e, so the time of the end is found by linear
+            // extrapolation back. In τ a step is S times as long.
             let end = motion.scale * (f64::from(steps) * STEP - motion.s / motion.w);
             assert!((-motion.w - restitution).abs() < 6e-6, "λ = {lambda}: e = {}", -motion.w);
             assert!((end - time).abs() < 1.2e-5, "λ = {lambda}: {end}");
         }
     }
 
-    /// An infinite impedance is a half-space; for a small one the mass goes on at its speed, the plate at F/Z:
-    /// λσ^{3/2} = 1.
+    /// An infinite impedance is a half-space. For a small impedance the mass keeps its speed, which is also the plate's
+    /// speed F/Z: λσ^{3/2} = 1.
     #[test]
     fn limits() {
         let (stiffness, mass, speed) = (1.669e10, 52., 1.3);
@@ -126,7 +127,7 @@ mod tests {
         assert_eq!(peak_indentation(stiffness, mass, speed, 0.), 0.);
     }
 
-    /// The paper's plate of 0.1 m: D = 70e9·1e-3/(12·0.9471) = 6.1591525e6 N m, ρh = 250 kg/m², by hand to eight
+    /// The paper's plate of 0.1 m: D = 70e9·1e-3/(12·0.9471) = 6.1591525e6 N m and ρh = 250 kg/m², by hand to eight
     /// digits.
     #[test]
     fn impedance_by_hand() {

@@ -1,7 +1,7 @@
 //! Adaptive quadrature of vector-valued functions on an interval.
 
-/// The non-negative nodes of the 15-point Kronrod rule on \[−1, 1\] and their weights; every second node is one of
-/// the 7-point Gauss rule, whose weight comes third (Piessens et al., QUADPACK, 1983, QK15).
+/// Non-negative nodes of the 15-point Kronrod rule on \[−1, 1\], each with its Kronrod weight and its weight in the
+/// 7-point Gauss rule. Every second node belongs to the Gauss rule (Piessens et al., QUADPACK, 1983, QK15).
 const KRONROD: [(f64, f64, f64); 8] = [
     (0.991_455_371_120_812_6, 0.022_935_322_010_529_224, 0.),
     (0.949_107_912_342_758_5, 0.063_092_092_629_978_55, 0.129_484_966_168_869_7),
@@ -13,11 +13,12 @@ const KRONROD: [(f64, f64, f64); 8] = [
     (0., 0.209_482_141_084_727_82, 0.417_959_183_673_469_4),
 ];
 
-/// Halvings of an interval after which what is left of it cannot matter.
+/// Maximum number of successive bisections; the remaining piece is then negligible.
 const DEEPEST: usize = 50;
 
-/// ∫ f over an interval, bisected until the rules of 7 and 15 points agree to the absolute tolerance on every piece,
-/// in every component. The result is that of 15 points, whose error is far smaller where f is smooth.
+/// Computes ∫ f over an interval. The interval is bisected until the rules of 7 and 15 points agree to the absolute
+/// tolerance on every piece, in every component. The result is computed with 15 points, whose error is far smaller
+/// where f is smooth.
 pub fn adaptive<const N: usize>(
     (begin, end): (f64, f64),
     tolerance: f64,
@@ -60,13 +61,13 @@ fn add<const N: usize>(
 mod tests {
     use super::*;
 
-    /// The constants: exact to degree 23 by Kronrod's rule, and to 13 by Gauss'. No piece is halved.
+    /// The Kronrod rule is exact up to degree 23, and the Gauss rule up to 13; up to there, no piece is bisected.
     #[test]
     fn rules_have_their_degree() {
         for degree in 0..=23 {
             let [fine] = adaptive((-1., 1.), f64::INFINITY, &mut |x| [x.powi(degree)]);
             let exact = if degree % 2 == 0 { 2. / (f64::from(degree) + 1.) } else { 0. };
-            // The weights sum to 2; their rounding and that of 15 terms.
+            // The weights sum to 2; rounding of the weights and of 15 terms.
             assert!((fine - exact).abs() < 1e-15, "degree {degree}: {fine}");
             let mut calls = 0;
             adaptive((-1., 1.), 1e-15, &mut |x: f64| {
@@ -77,13 +78,13 @@ mod tests {
         }
     }
 
-    /// ∫ √x, √x cos x … with the singularities that a disc's rim and a near edge bring.
+    /// ∫ √x, ∫ x^{3/2} and a near pole: similar singularities occur at a disc's rim and at an edge near the centre.
     #[test]
     fn ends_with_roots_and_near_poles_are_resolved() {
         let near = 1e-6;
         let [root, cube, pole] =
             adaptive((0., 1.), 1e-14, &mut |x: f64| [x.sqrt(), x.powf(1.5), near / (near * near + x * x)]);
-        // 50 pieces at 1e-14 at worst.
+        // Up to 50 pieces with an error of 1e-14 each.
         assert!((root - 2. / 3.).abs() < 1e-13, "{root}");
         assert!((cube - 0.4).abs() < 1e-13, "{cube}");
         assert!((pole - (1. / near).atan()).abs() < 1e-12, "{pole}");

@@ -1,12 +1,12 @@
-//! From a point of a plane facet back to the reference coordinates.
+//! Reference coordinates of a point of a plane facet.
 
 use nalgebra::Vector2;
 
 use super::Shape;
 
-/// The inverse of a facet's degree-1 map in its plane, in closed form.
+/// Inverse of the degree-1 map of a plane facet, in closed form.
 pub struct Inverse {
-    /// x(ξ) = origin + first ξ₁ + second ξ₂ + twist ξ₁ξ₂.
+    /// Coefficients of x(ξ) = origin + first ξ₁ + second ξ₂ + twist ξ₁ξ₂.
     origin: Vector2<f64>,
     first: Vector2<f64>,
     second: Vector2<f64>,
@@ -14,10 +14,10 @@ pub struct Inverse {
 }
 
 impl Inverse {
-    /// Of the facet with these vertices, convex and counter-clockwise.
+    /// Inverse map of a convex facet with these vertices, counter-clockwise.
     ///
     /// # Panics
-    /// If `shape` is not a facet's.
+    /// If `shape` is not a facet shape.
     pub fn new(shape: Shape, x: &[[f64; 2]]) -> Self {
         let x: Vec<Vector2<f64>> = x.iter().copied().map(Vector2::from).collect();
         match shape {
@@ -34,8 +34,9 @@ impl Inverse {
 
     /// Reference coordinates of a point of the facet.
     ///
-    /// Elimination of ξ₁ leaves a ξ₂² + b ξ₂ + c = 0, whose slope at a root is the Jacobian determinant there: inside
-    /// the facet that is positive, so the root wanted is (−b + √(b² − 4ac))/2a, in the form without cancellation.
+    /// Elimination of ξ₁ yields a ξ₂² + b ξ₂ + c = 0. The slope of this polynomial at a root is the Jacobian
+    /// determinant there, which is positive inside the facet. So the root is (−b + √(b² − 4ac))/2a, evaluated in the
+    /// form without cancellation.
     pub fn at(&self, point: [f64; 2]) -> [f64; 3] {
         let p = Vector2::from(point) - self.origin;
         let a = self.twist.perp(&self.second);
@@ -53,7 +54,7 @@ mod tests {
     use super::*;
     use crate::element::Element;
 
-    /// There and back, on facets from affine to nearly degenerate.
+    /// The inverse of the map of a point is the point, on facets from affine to nearly degenerate.
     #[test]
     fn inverse_undoes_the_map() {
         let facets: [(Shape, &[[f64; 2]]); 6] = [
@@ -61,7 +62,7 @@ mod tests {
             (Shape::Quadrilateral, &[[0., 0.], [2., 0.], [2., 1.], [0., 1.]]),
             (Shape::Quadrilateral, &[[0., 0.], [2., 0.3], [1.4, 1.5], [-0.2, 1.]]),
             (Shape::Quadrilateral, &[[-0.2, 1.], [0., 0.], [2., 0.3], [1.4, 1.5]]),
-            // A trapezium, and one corner that is nearly straight.
+            // A trapezium, and a facet with one nearly straight corner.
             (Shape::Quadrilateral, &[[0., 0.], [3., 0.], [2., 1.], [1., 1.]]),
             (Shape::Quadrilateral, &[[0., 0.], [1., -1.], [2., 1e-3], [1., 1.]]),
         ];
@@ -79,7 +80,7 @@ mod tests {
                     element.values(xi, &mut values);
                     let sum = |axis: usize| x.iter().zip(&values).map(|(x, value)| x[axis] * value).sum::<f64>();
                     let back = inverse.at([sum(0), sum(1)]);
-                    // Rounding of b² − 4ac, by the least determinant over the area squared.
+                    // Rounding of b² − 4ac, multiplied by the squared area over the smallest determinant.
                     assert!((0..2).all(|d| (back[d] - xi[d]).abs() < 1e-12), "{x:?}: {xi:?} became {back:?}");
                 }
             }

@@ -2,10 +2,10 @@
 
 use super::Shape;
 
-/// A scalar Lagrange element on a reference cell.
+/// Scalar Lagrange element on a reference cell.
 ///
-/// Nodes are numbered vertices first, then edges, faces and the interior, in VTK's order
-/// (quadratic tetrahedron and triangle, biquadratic quadrilateral, triquadratic hexahedron).
+/// Nodes are numbered in VTK's order: vertices first, then edges, faces and the interior (quadratic tetrahedron and
+/// triangle, biquadratic quadrilateral, triquadratic hexahedron).
 #[derive(Debug, Clone)]
 pub struct Element {
     shape: Shape,
@@ -14,10 +14,10 @@ pub struct Element {
 }
 
 impl Element {
-    /// The element of the given order on a shape.
+    /// Element of the given order on a shape.
     ///
     /// # Panics
-    /// If the order is neither 1 nor 2: a scene admits no other.
+    /// If the order is neither 1 nor 2; a scene allows no other order.
     pub fn new(shape: Shape, order: usize) -> Self {
         assert!(matches!(order, 1 | 2), "no Lagrange element of order {order}");
         let vertices = shape.reference_vertices();
@@ -25,7 +25,7 @@ impl Element {
         Self { shape, order, nodes: node_vertices(shape, order).iter().map(mean).collect() }
     }
 
-    /// The shape of the reference cell.
+    /// Shape of the reference cell.
     pub fn shape(&self) -> Shape {
         self.shape
     }
@@ -40,12 +40,13 @@ impl Element {
         &self.nodes
     }
 
-    /// For each node, the vertices of the cell whose mean it is: one, or all those of its edge, face or cell.
+    /// For each node, the vertices of the cell whose mean is the node: one vertex, or all vertices of an edge, face or
+    /// cell.
     pub fn node_vertices(&self) -> &'static [&'static [usize]] {
         node_vertices(self.shape, self.order)
     }
 
-    /// Values of the shape functions at `xi`, one a node. A facet's element ignores `xi[2]`.
+    /// Values of the shape functions at `xi`, one per node. On a facet `xi[2]` is ignored.
     pub fn values(&self, xi: [f64; 3], out: &mut [f64]) {
         match self.shape {
             Shape::Tetrahedron | Shape::Triangle => {
@@ -66,8 +67,8 @@ impl Element {
         }
     }
 
-    /// Gradients of the shape functions at `xi` by the reference coordinates, one a node; on a facet the third
-    /// component is 0.
+    /// Gradients of the shape functions at `xi` with respect to the reference coordinates, one per node. On a facet the
+    /// third component is 0.
     pub fn gradients(&self, xi: [f64; 3], out: &mut [[f64; 3]]) {
         match self.shape {
             Shape::Tetrahedron | Shape::Triangle => {
@@ -109,7 +110,7 @@ fn line(order: usize, node: f64, x: f64) -> (f64, f64) {
     }
 }
 
-/// Barycentric coordinates and their gradients; a triangle leaves the last ones 0.
+/// Barycentric coordinates and their gradients; for a triangle the last ones are 0.
 fn barycentric(shape: Shape, xi: [f64; 3]) -> ([f64; 4], [[f64; 3]; 4]) {
     match shape.dimension() {
         2 => ([1. - xi[0] - xi[1], xi[0], xi[1], 0.], [[-1., -1., 0.], [1., 0., 0.], [0., 1., 0.], [0.; 3]]),

@@ -1,7 +1,7 @@
-//! Shape functions and quadrature on reference cells. Pure: no mesh, no material.
+//! Shape functions and quadrature on reference cells, without reference to a mesh or a material.
 //!
 //! The geometry of a cell is always of degree 1 (straight-sided simplices, bilinear quadrilaterals, trilinear
-//! hexahedra), whatever the order of the element on it.
+//! hexahedra), for any order of the element on it.
 
 mod adaptive;
 mod inverse;
@@ -19,16 +19,17 @@ pub use quadrature::{Quadrature, gauss_legendre};
 pub use table::Table;
 pub use within::within;
 
-/// The shape of a cell or facet, with its reference cell.
+/// Shape of a cell or facet, with its reference cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Shape {
     /// Vertices 0, e1, e2, e3.
     Tetrahedron,
-    /// \[−1, 1\]³; vertices 0–3 below, counter-clockwise seen from above, 4–7 above them (VTK's order).
+    /// Cube \[−1, 1\]³; vertices 0–3 at the bottom, counter-clockwise seen from above, and 4–7 above them (VTK's
+    /// order).
     Hexahedron,
     /// Vertices 0, e1, e2.
     Triangle,
-    /// \[−1, 1\]²; vertices counter-clockwise.
+    /// Square \[−1, 1\]²; vertices counter-clockwise.
     Quadrilateral,
 }
 
@@ -41,7 +42,7 @@ impl Shape {
         }
     }
 
-    /// Coordinates of the reference cell's vertices; a facet has ζ = 0.
+    /// Coordinates of the vertices of the reference cell; on a facet ζ = 0.
     pub fn reference_vertices(self) -> &'static [[f64; 3]] {
         match self {
             Self::Tetrahedron => &[[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]],
@@ -60,10 +61,10 @@ impl Shape {
         }
     }
 
-    /// Shape of a cell's facets.
+    /// Shape of the facets of a cell.
     ///
     /// # Panics
-    /// If this is a facet's shape itself.
+    /// If this is a facet shape.
     pub fn facet(self) -> Self {
         match self {
             Self::Tetrahedron => Self::Triangle,
@@ -75,7 +76,7 @@ impl Shape {
     /// Vertices of each facet of a cell, in right-handed order about the outward normal.
     ///
     /// # Panics
-    /// If this is a facet's shape itself.
+    /// If this is a facet shape.
     pub fn facets(self) -> &'static [&'static [usize]] {
         match self {
             Self::Tetrahedron => &[&[1, 2, 3], &[0, 3, 2], &[0, 1, 3], &[0, 2, 1]],

@@ -1,17 +1,18 @@
-//! The point of a facet closest to a given point, and the facet's normal.
+//! Closest point of a facet to a given point, and normal of a facet.
 
 use nalgebra::{Matrix3x2, Vector2, Vector3};
 
 use super::{Element, Shape, table};
 
-/// The point of a facet closest to `p`: its reference coordinates and its distance.
+/// Finds the point of a facet closest to `p`: its reference coordinates and its distance.
 ///
-/// `x` are the facet's vertices. A triangle's answer is exact (Ericson, Real-Time Collision Detection, 2005, 5.1.5). A
-/// quadrilateral is a bilinear patch and the squared distance may have several minima: Newton's iteration inside the
-/// facet's bounds runs from vertices, midpoints of edges and the centre, and the best end is taken.
+/// `x` are the facet's vertices. On a triangle the result is exact (Ericson, Real-Time Collision Detection, 2005,
+/// 5.1.5). A quadrilateral is a bilinear patch, and the squared distance may have several minima. Newton's iteration
+/// within the bounds of the facet is started at the vertices, the midpoints of edges and the centre, and the best
+/// result is taken.
 ///
 /// # Panics
-/// If `shape` is not a facet's.
+/// If `shape` is not a facet shape.
 pub fn closest(shape: Shape, x: &[[f64; 3]], p: [f64; 3]) -> ([f64; 3], f64) {
     let p = Vector3::from(p);
     let (xi, distance) = match shape {
@@ -22,11 +23,11 @@ pub fn closest(shape: Shape, x: &[[f64; 3]], p: [f64; 3]) -> ([f64; 3], f64) {
     ([xi[0], xi[1], 0.], distance)
 }
 
-/// Unit normal of the facet with vertices `x` at `xi`: right-handed about the order of the vertices. Not a number where
-/// the facet is degenerate.
+/// Unit normal at `xi` of the facet with vertices `x`, right-handed about the order of the vertices. NaN if the facet
+/// is degenerate.
 ///
 /// # Panics
-/// If `shape` is not a facet's.
+/// If `shape` is not a facet shape.
 pub fn normal(shape: Shape, x: &[[f64; 3]], xi: [f64; 3]) -> [f64; 3] {
     let mut gradients = [[0.; 3]; 4];
     let geometry = Element::new(shape, 1);
@@ -41,7 +42,8 @@ fn closest_on_triangle([a, b, c]: [Vector3<f64>; 3], p: Vector3<f64>) -> (Vector
     let (d1, d2) = (ab.dot(&(p - a)), ac.dot(&(p - a)));
     let (d3, d4) = (ab.dot(&(p - b)), ac.dot(&(p - b)));
     let (d5, d6) = (ab.dot(&(p - c)), ac.dot(&(p - c)));
-    // Twice the signed areas of the triangles that p's foot makes with the edges bc, ca, ab, times twice the area.
+    // Twice the signed areas of the triangles formed by the projection of p and the edges bc, ca, ab, times twice the
+    // area.
     let va = d3 * d6 - d5 * d4;
     let vb = d5 * d2 - d1 * d6;
     let vc = d1 * d4 - d3 * d2;
@@ -64,7 +66,7 @@ fn closest_on_triangle([a, b, c]: [Vector3<f64>; 3], p: Vector3<f64>) -> (Vector
     (xi, (a + ab * xi[0] + ac * xi[1] - p).norm())
 }
 
-/// x(ξ) = centre + across ξ + twist ξ₁ξ₂ over \[−1, 1\]².
+/// Bilinear patch x(ξ) = centre + across ξ + twist ξ₁ξ₂ over \[−1, 1\]².
 struct Patch {
     centre: Vector3<f64>,
     across: Matrix3x2<f64>,
@@ -85,7 +87,7 @@ impl Patch {
         self.centre + self.across * xi + self.twist * (xi[0] * xi[1])
     }
 
-    /// ∂x/∂ξ₁ and ∂x/∂ξ₂.
+    /// Tangent vectors ∂x/∂ξ₁ and ∂x/∂ξ₂.
     fn tangents(&self, xi: Vector2<f64>) -> Matrix3x2<f64> {
         self.across + Matrix3x2::from_columns(&[self.twist * xi[1], self.twist * xi[0]])
     }
@@ -104,13 +106,13 @@ fn closest_on_patch(patch: &Patch, p: Vector3<f64>) -> (Vector2<f64>, f64) {
         .unwrap_or((Vector2::zeros(), f64::NAN))
 }
 
-/// The local minimum of the squared distance within the bounds that is reached from `xi`.
+/// Finds the local minimum of the squared distance within the bounds, starting from `xi`.
 fn descend(patch: &Patch, p: Vector3<f64>, mut xi: Vector2<f64>) -> Vector2<f64> {
     let square = |xi| (patch.position(xi) - p).norm_squared();
     let mut value = square(xi);
-    // About five steps; more where p is as far as the radius of curvature, and the minimum flat.
+    // About five steps are needed; more if p is near a centre of curvature, where the minimum is flat.
     for _ in 0..100 {
-        // Rounding of the distance must not refuse the last steps, which still gain digits of ξ.
+        // Rounding of the distance must not reject the last steps, which still improve ξ.
         let descends = |next: &Vector2<f64>| square(*next) <= value * (1. + 1e-14);
         let next = [Curvature::Kept, Curvature::Dropped]
             .into_iter()
@@ -127,17 +129,17 @@ fn descend(patch: &Patch, p: Vector3<f64>, mut xi: Vector2<f64>) -> Vector2<f64>
     xi
 }
 
-/// What becomes of the patch's own curvature in the second derivatives of the squared distance.
+/// Treatment of the patch's curvature in the second derivatives of the squared distance.
 #[derive(Clone, Copy, PartialEq)]
 enum Curvature {
-    /// Newton's method: quadratic at every strict minimum.
+    /// Newton's method: quadratic convergence at every strict minimum.
     Kept,
-    /// The Gauss–Newton method, whose matrix is positive definite wherever the tangents are independent.
+    /// Gauss–Newton method: the matrix is positive definite wherever the tangents are independent.
     Dropped,
 }
 
-/// One step for the coordinates that are free to move, cut off at the bounds. Not a number where the matrix is not
-/// positive definite, so that the step would not lead down.
+/// One step of the coordinates that are not constrained by a bound, clipped at the bounds. The result is NaN if the
+/// matrix is not positive definite, because the step would not be a descent step.
 fn newton(patch: &Patch, p: Vector3<f64>, xi: Vector2<f64>, curvature: Curvature) -> Vector2<f64> {
     let residual = patch.position(xi) - p;
     let tangents = patch.tangents(xi);
@@ -145,7 +147,7 @@ fn newton(patch: &Patch, p: Vector3<f64>, xi: Vector2<f64>, curvature: Curvature
     let held = [0, 1].map(|d| xi[d].abs() >= 1. && xi[d] * gradient[d] <= 0.);
     let mut hessian = tangents.transpose() * tangents;
     if curvature == Curvature::Kept {
-        // ∂²x/∂ξ₁∂ξ₂ is the twist; along one coordinate the patch is straight.
+        // The only non-zero second derivative is ∂²x/∂ξ₁∂ξ₂ = twist; along one coordinate the patch is straight.
         let bend = patch.twist.dot(&residual);
         hessian[(0, 1)] += bend;
         hessian[(1, 0)] += bend;
@@ -159,11 +161,11 @@ fn newton(patch: &Patch, p: Vector3<f64>, xi: Vector2<f64>, curvature: Curvature
             step[d] = if held[d] { 0. } else { step[d] / hessian[(d, d)] };
         }
     }
-    // The bounds would make a number of what is none.
+    // Clipping would turn NaN into a number.
     if step.iter().all(|x| x.is_finite()) { (xi + step).map(|x| x.clamp(-1., 1.)) } else { step }
 }
 
-/// The exact minimum along ξ₁, then along ξ₂: the patch is straight along either, so this never climbs.
+/// Exact minimum along ξ₁, then along ξ₂. The patch is straight along each, so the distance never increases.
 fn sweep(patch: &Patch, p: Vector3<f64>, mut xi: Vector2<f64>) -> Vector2<f64> {
     for d in [0, 1] {
         let tangent = patch.tangents(xi).column(d).into_owned();

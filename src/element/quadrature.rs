@@ -1,25 +1,26 @@
-//! Quadrature on the reference cells: points inside, weights positive.
+//! Quadrature rules on the reference cells, with points inside and positive weights.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 use super::Shape;
 
-/// Points and weights; the weights sum to the reference cell's measure.
+/// Points and weights; the weights sum to the measure of the reference cell.
 #[derive(Debug, Clone)]
 pub struct Quadrature {
-    /// Points on the reference cell; a facet has ζ = 0.
+    /// Points on the reference cell; on a facet ζ = 0.
     pub points: Vec<[f64; 3]>,
-    /// One weight a point.
+    /// One weight per point.
     pub weights: Vec<f64>,
 }
 
 impl Quadrature {
-    /// The smallest rule here that is exact for polynomials up to `degree`: of that total degree on simplices, of
-    /// that degree in each coordinate on the others.
+    /// The smallest available rule that is exact for polynomials up to `degree`: the total degree on simplices, the
+    /// degree in each coordinate on other shapes.
     ///
-    /// Simplices: symmetric rules up to degree 4 (triangle: Strang & Fix 1973, Dunavant 1985) and 5 (tetrahedron:
-    /// Walkington 2000), beyond that collapsed products. Others: Gauss–Legendre products.
+    /// On simplices these are symmetric rules up to degree 4 (triangle: Strang & Fix 1973, Dunavant 1985) and 5
+    /// (tetrahedron: Walkington 2000), and collapsed products for higher degrees. On other shapes they are
+    /// Gauss–Legendre products.
     pub fn exact(shape: Shape, degree: usize) -> Self {
         match (shape, degree) {
             (Shape::Quadrilateral | Shape::Hexahedron, _) => product(shape, degree),
@@ -37,7 +38,7 @@ impl Quadrature {
     }
 }
 
-/// The 6-point rule of degree 4, its numbers in closed form (they solve the moment equations).
+/// The 6-point rule of degree 4 in closed form (a solution of the moment equations).
 fn triangle4() -> Quadrature {
     let ten = 10_f64.sqrt();
     let a = (38. - 44. * 0.4_f64.sqrt()).sqrt();
@@ -63,7 +64,7 @@ fn tetrahedron5() -> Quadrature {
     )
 }
 
-/// A rule from its orbits: a weight and barycentric coordinates, taken in every distinct order.
+/// Rule from its orbits: a weight and barycentric coordinates, taken in every distinct order.
 fn symmetric(shape: Shape, orbits: &[(f64, &[f64])]) -> Quadrature {
     let mut rule = Quadrature { points: Vec::new(), weights: Vec::new() };
     for &(weight, barycentric) in orbits {
@@ -77,7 +78,7 @@ fn symmetric(shape: Shape, orbits: &[(f64, &[f64])]) -> Quadrature {
     rule
 }
 
-/// Every distinct order of the values.
+/// All distinct orders of the values.
 fn arrangements(values: &[f64]) -> Vec<Vec<f64>> {
     if values.is_empty() {
         return vec![Vec::new()];
@@ -96,7 +97,7 @@ fn arrangements(values: &[f64]) -> Vec<Vec<f64>> {
     all
 }
 
-/// Gauss–Legendre in each coordinate.
+/// Gauss–Legendre product rule.
 fn product(shape: Shape, degree: usize) -> Quadrature {
     let line = gauss_legendre(degree / 2 + 1);
     let mut rule = Quadrature { points: vec![[0.; 3]], weights: vec![1.] };
@@ -115,17 +116,17 @@ fn product(shape: Shape, degree: usize) -> Quadrature {
     rule
 }
 
-/// The product rule on the cube (square), collapsed onto the simplex (Duffy 1982).
+/// Product rule on the cube (square), collapsed onto the simplex (Duffy 1982).
 fn collapsed(shape: Shape, degree: usize) -> Quadrature {
     let dimension = shape.dimension();
-    // The collapse multiplies the integrand by (1−s)^(dimension−1) at most.
+    // The collapse multiplies the integrand by at most (1−s)^(dimension−1).
     let (cube, degree) = match shape {
         Shape::Tetrahedron => (Shape::Hexahedron, degree + 2),
         _ => (Shape::Quadrilateral, degree + 1),
     };
     let mut rule = product(cube, degree);
     for (point, weight) in rule.points.iter_mut().zip(&mut rule.weights) {
-        // The edge length that is left at this point; the Jacobian determinant is the product of these.
+        // Remaining edge length at this point; the Jacobian determinant is the product of these lengths.
         let mut left = 1.;
         for x in &mut point[..dimension] {
             let s = 0.5 * (1. + *x);
@@ -138,7 +139,7 @@ fn collapsed(shape: Shape, degree: usize) -> Quadrature {
 }
 
 thread_local! {
-    /// Rules that were made, by their points: making one takes longer than what many fields are read by it.
+    /// Rules by their number of points, kept because computing a rule takes longer than many evaluations with it.
     static MADE: RefCell<BTreeMap<usize, Vec<(f64, f64)>>> = const { RefCell::new(BTreeMap::new()) };
 }
 
@@ -147,10 +148,10 @@ pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     MADE.with_borrow_mut(|made| made.entry(n).or_insert_with(|| (0..n).map(|i| gauss_point(n, i)).collect()).clone())
 }
 
-/// Node and weight `i` of that rule.
+/// Node and weight `i` of the `n`-point Gauss–Legendre rule.
 fn gauss_point(n: usize, i: usize) -> (f64, f64) {
     let mut x = -(std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
-    // Newton from this start gains all digits in at most five steps for any n.
+    // From this start, Newton's method converges to all digits in at most five steps for any n.
     for _ in 0..6 {
         let (p, slope) = legendre(n, x);
         x -= p / slope;
@@ -218,7 +219,7 @@ mod tests {
                                 .sum();
                             let exact = exact_integral(shape, [a, b, c]);
                             let error = (sum - exact).abs() / exact_integral(shape, [0; 3]);
-                            // Rounding of up to 7³ terms, whose sizes sum to the measure.
+                            // Rounding of up to 7³ terms, whose absolute values sum to the measure.
                             assert!(error < 1.5e-15, "{shape:?} degree {degree}, {a} {b} {c}: {error:e}");
                         }
                     }
@@ -236,7 +237,7 @@ mod tests {
         assert_eq!(sizes(Shape::Hexahedron), [1, 1, 8, 8, 27, 27]);
     }
 
-    /// The printed digits of the 6-point rule (Dunavant 1985, degree 4): weights relative to the area.
+    /// Digits of the 6-point rule as published (Dunavant 1985, degree 4), with weights relative to the area.
     #[test]
     fn triangle_of_degree_4_is_the_symmetric_one() {
         let rule = Quadrature::exact(Shape::Triangle, 4);

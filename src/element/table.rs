@@ -1,10 +1,11 @@
-//! An element tabulated at the points of a quadrature, with the degree-1 map of the cell's geometry.
+//! Shape functions of an element at quadrature points, with the degree-1 map of the cell geometry.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::{Element, Quadrature};
 
-/// Shape functions and geometry at quadrature points: all that an integral over one cell or facet needs.
+/// Values and gradients of shape functions and geometry at quadrature points, as needed for integrals over one cell or
+/// facet.
 #[derive(Debug, Clone)]
 pub struct Table {
     nodes: usize,
@@ -17,7 +18,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// The element at the points of a quadrature on the same shape.
+    /// Tabulates the element at the points of a quadrature on the same shape.
     pub fn new(element: &Element, quadrature: &Quadrature) -> Self {
         let geometry = Element::new(element.shape(), 1);
         let tabulate = |element: &Element| {
@@ -53,7 +54,7 @@ impl Table {
         self.weights.len()
     }
 
-    /// Weight of point `q`.
+    /// Quadrature weight of point `q` on the reference cell.
     pub fn weight(&self, q: usize) -> f64 {
         self.weights[q]
     }
@@ -63,18 +64,19 @@ impl Table {
         &self.values[q * self.nodes..][..self.nodes]
     }
 
-    /// Gradients of the shape functions at point `q`, by the reference coordinates.
+    /// Gradients of the shape functions at point `q` with respect to the reference coordinates.
     pub fn gradients(&self, q: usize) -> &[[f64; 3]] {
         &self.gradients[q * self.nodes..][..self.nodes]
     }
 
-    /// Where point `q` lies in the cell with vertices `x`.
+    /// Position of point `q` in the cell with vertices `x`.
     pub fn position(&self, q: usize, x: &[[f64; 3]]) -> [f64; 3] {
         let values = &self.vertex_values[q * self.vertices..][..self.vertices];
         values.iter().zip(x).fold([0.; 3], |sum, (&value, vertex)| [0, 1, 2].map(|c| sum[c] + value * vertex[c]))
     }
 
-    /// ∂x/∂ξ at point `q` of the cell with vertices `x`: row a component of x, column a reference coordinate.
+    /// Jacobian ∂x/∂ξ at point `q` of the cell with vertices `x`: one row per component of x, one column per reference
+    /// coordinate.
     pub fn jacobian(&self, q: usize, x: &[[f64; 3]]) -> Matrix3<f64> {
         let gradients = &self.vertex_gradients[q * self.vertices..][..self.vertices];
         jacobian(gradients, x)

@@ -1,17 +1,17 @@
-//! From a point of space back to the reference coordinates of a cell.
+//! Reference coordinates of a point in a cell.
 
 use nalgebra::Vector3;
 
 use super::{Element, Shape, table};
 
-/// Newton steps at most: about five where the point is in the cell.
+/// Maximum number of Newton steps; about five are needed if the point is in the cell.
 const STEPS: usize = 30;
 
-/// Reference coordinates of a point in the cell with vertices `x`, and how far out of the reference cell they are: 0 within.
-/// `None` where the cell's map does not reach the point, which is then outside.
+/// Reference coordinates of a point in the cell with vertices `x`, and their distance from the reference cell: 0
+/// inside. `None` if the map of the cell does not reach the point, which is then outside.
 ///
 /// # Panics
-/// If `shape` is not a cell's.
+/// If `shape` is not a cell shape.
 pub fn within(shape: Shape, x: &[[f64; 3]], point: [f64; 3]) -> Option<([f64; 3], f64)> {
     let geometry = Element::new(shape, 1);
     let (mut values, mut gradients) = ([0.; 8], [[0.; 3]; 8]);
@@ -27,7 +27,7 @@ pub fn within(shape: Shape, x: &[[f64; 3]], point: [f64; 3]) -> Option<([f64; 3]
         if step.amax() <= 1e-13 * (1. + xi.amax()) {
             return Some((xi.into(), outside(shape, xi)));
         }
-        // A point that far away is in another cell.
+        // A point so far away is in another cell.
         if xi.amax() > 10. || xi.amax().is_nan() {
             return None;
         }
@@ -35,7 +35,7 @@ pub fn within(shape: Shape, x: &[[f64; 3]], point: [f64; 3]) -> Option<([f64; 3]
     Some((xi.into(), outside(shape, xi)))
 }
 
-/// How far reference coordinates are out of the reference cell.
+/// Distance of reference coordinates from the reference cell; 0 inside.
 fn outside(shape: Shape, xi: Vector3<f64>) -> f64 {
     match shape {
         Shape::Tetrahedron => (-xi.min()).max(xi.sum() - 1.).max(0.),
@@ -48,7 +48,7 @@ fn outside(shape: Shape, xi: Vector3<f64>) -> f64 {
 mod tests {
     use super::*;
 
-    /// There and back, in affine and in twisted cells; outside is outside.
+    /// The inverse of the map of a point is the point, in affine and in twisted cells, inside and outside.
     #[test]
     fn within_undoes_the_map() {
         let twisted: Vec<[f64; 3]> = Shape::Hexahedron

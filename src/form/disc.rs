@@ -1,23 +1,24 @@
-//! Hertz's pressure over a disc, integrated against functions that are smooth between the lines of a grid.
+//! Quadrature of Hertz's pressure over a disc, for functions that are smooth between the lines of a grid.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::element::gauss_legendre;
 
-/// Points along one piece: 1e-10 of the integral where the rim is near a crossing of lines, 1e-13 elsewhere.
+/// Number of Gauss points along one piece. The error is 1e-10 of the integral if the rim is near a crossing of grid
+/// lines, 1e-13 otherwise.
 const POINTS: usize = 20;
 
-/// The Hankel transform of that pressure at x = ξR: 3 (sin x − x cos x)/x³.
+/// Hankel transform of Hertz's pressure at x = ξR: 3 (sin x − x cos x)/x³.
 pub fn hertz_wave(x: f64) -> f64 {
     if x < 1.0 { 1.0 + hertz_terms(x, 1) } else { 3.0 * (x.sin() - x * x.cos()) / x.powi(3) }
 }
 
-/// The terms of x^{2k} of [`hertz_wave`] from k = `from` on, for x < 1: 6 (k+1) (−x²)^k/(2k+3)!.
+/// Sum of the terms x^{2k} of [`hertz_wave`] from k = `from` on, for x < 1: 6 (k+1) (−x²)^k/(2k+3)!.
 pub fn hertz_terms(x: f64, from: i32) -> f64 {
     let (mut term, mut sum) = (1.0, 0.0);
     for k in 1..10 {
         let n = f64::from(k);
-        // The ratio of one term to the one before.
+        // Ratio of a term to the previous one.
         term *= -x * x * (n + 1.0) / (n * (2.0 * n + 2.0) * (2.0 * n + 3.0));
         if k >= from {
             sum += term;
@@ -26,10 +27,12 @@ pub fn hertz_terms(x: f64, from: i32) -> f64 {
     sum
 }
 
-/// Points and weights for p(r) = 3/(2π R²) √(1 − r²/R²), r < R, within a grid: total 1 where the grid holds the whole disc.
+/// Points and weights for p(r) = 3/(2π R²) √(1 − r²/R²), r < R, within a grid. The total weight is 1 if the grid
+/// contains the whole disc.
 ///
-/// Strips across the first axis end at the grid's lines and where others of its lines meet the rim, with a substitution that
-/// takes the roots at their ends; along a strip, from line to line, y = Y sin φ leaves p dy = cos²φ dφ without a root.
+/// The disc is divided into strips across the first axis. Strips end at grid lines and where grid lines of the second
+/// axis meet the rim. A substitution removes the square-root singularities at their ends. Along a strip, the pieces run
+/// from grid line to grid line; with y = Y sin φ, p dy = cos²φ dφ has no root.
 pub fn pressure_rule(centre: [f64; 2], radius: f64, lines: [&[f64]; 2]) -> Vec<([f64; 2], f64)> {
     let rule = gauss_legendre(POINTS);
     let relative = |axis: usize| -> Vec<f64> { lines[axis].iter().map(|x| (x - centre[axis]) / radius).collect() };
@@ -60,7 +63,7 @@ pub fn pressure_rule(centre: [f64; 2], radius: f64, lines: [&[f64]; 2]) -> Vec<(
     points
 }
 
-/// The places within ±`most` and within the grid, ascending, each once up to rounding.
+/// Returns the places within ±`most` and within the grid, ascending, without duplicates up to rounding.
 fn pieces(places: impl Iterator<Item = f64>, lines: &[f64], most: f64) -> Vec<f64> {
     let (least, most) = (lines[0].max(-most), lines[lines.len() - 1].min(most));
     let mut places: Vec<f64> = places.filter(|x| (least..=most).contains(x)).collect();
@@ -73,7 +76,7 @@ fn pieces(places: impl Iterator<Item = f64>, lines: &[f64], most: f64) -> Vec<f6
 mod tests {
     use super::*;
 
-    /// Over the whole disc: ∫ p = 1, ∫ p x² = R²/5, ∫ p x⁴ = 3R⁴/35, ∫ p x²y² = R⁴/35; wherever lines cut it.
+    /// Over the whole disc: ∫ p = 1, ∫ p x² = R²/5, ∫ p x⁴ = 3R⁴/35, ∫ p x²y² = R⁴/35, for any position of the lines.
     #[test]
     fn moments_whatever_the_lines() {
         let lines: [[&[f64]; 2]; 3] = [
@@ -95,7 +98,8 @@ mod tests {
         }
     }
 
-    /// Beyond a line at the distance e from the centre there is 1/2 − 3/4 (e − e³/3); a kink of |x − e| sits on the line.
+    /// The load beyond a line at the distance e from the centre is 1/2 − 3/4 (e − e³/3). The kink of |x − e| lies on
+    /// the line.
     #[test]
     fn parts_and_kinks() {
         for e in [0.0, 1e-9, 0.3, 0.999, -0.5] {

@@ -1,12 +1,12 @@
-//! Elasticity in three dimensions as forms on three fields, the components of the displacement.
+//! Three-dimensional elasticity as forms on three fields, the components of the displacement.
 
 use super::Lame;
 use super::tensor::{Along, Part, Square};
 
-/// All of the body.
+/// Integration over the whole body.
 pub const VOLUME: [Along; 3] = [Along::All; 3];
 
-/// A component of the displacement.
+/// One component of the displacement, not differentiated.
 pub const fn displacement(component: usize) -> Part<3> {
     Part { field: component, derivatives: [0; 3] }
 }
@@ -18,7 +18,7 @@ fn gradient(i: usize, j: usize) -> Part<3> {
     Part { field: i, derivatives }
 }
 
-/// Twice the elastic energy at a place, ∫ λ (div u)² + 2 μ Σ ε_ii² + μ Σ_{i<j} (2 ε_ij)², by (4) and (5).
+/// Twice the elastic energy in the region `place`, ∫ λ (div u)² + 2 μ Σ ε_ii² + μ Σ_{i<j} (2 ε_ij)², by (4) and (5).
 pub fn elastic(Lame { lambda, mu }: Lame, place: [Along; 3]) -> Vec<Square<3>> {
     let square = |factor: f64, parts: Vec<Part<3>>| Square { factor, parts, place };
     let stretches = (0..3).map(|i| square(2.0 * mu, vec![gradient(i, i)]));
@@ -27,7 +27,7 @@ pub fn elastic(Lame { lambda, mu }: Lame, place: [Along; 3]) -> Vec<Square<3>> {
     stretches.chain(shears).chain([volume]).collect()
 }
 
-/// Twice the kinetic energy of a unit speed at a place, ∫ ρ u², for a density in kg/m³.
+/// Twice the kinetic energy in the region `place`, ∫ ρ u², with u as a velocity and the density in kg/m³.
 pub fn mass(density: f64, place: [Along; 3]) -> Vec<Square<3>> {
     (0..3).map(|i| Square { factor: density, parts: vec![displacement(i)], place }).collect()
 }

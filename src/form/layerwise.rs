@@ -1,12 +1,13 @@
-//! The layerwise theory of plates as forms on fields: the deflection w, common to all layers, and rotations of the layers.
+//! Layerwise plate theory as forms on fields: the deflection w, common to all layers, and rotations of the layers.
 //!
-//! Each layer is a plate of Reissner's and Mindlin's theory, bonded to the next. A point at the height ζ along w moves along the plate by
-//! u = Σ φ_k(ζ) θ_k. Each φ_k is continuous, of the slope 1 in the layers of one group and constant in the others, so that θ_k is the
-//! rotation of that group's layers. A stack that is its own mirror image, hit and held normal to it, has u odd in ζ: a layer and its
-//! image are one group, and φ_k is odd. Otherwise each layer is a group, and one more φ is constant: the plate also moves along itself.
-//! One layer has φ = ζ: Mindlin's plate.
+//! Each layer is a Reissner–Mindlin plate, bonded to the next layer. The in-plane displacement at the height ζ along w
+//! is u = Σ φ_k(ζ) θ_k. Each φ_k is continuous, with slope 1 in the layers of one group and constant in the others, so
+//! that θ_k is the rotation of that group's layers. In a mirror-symmetric stack that is loaded and supported normal to
+//! its plane, u is odd in ζ: a layer and its mirror image are one group, and φ_k is odd. Otherwise each layer is a
+//! group, and one additional φ is constant, for the in-plane displacement of the whole plate. A single layer has φ = ζ:
+//! Mindlin's plate.
 //!
-//! With plane stress in each layer twice the elastic energy is
+//! With plane stress in each layer, twice the elastic energy is
 //!
 //! ∫ λ* (∇·u)² + 2μ (ε_x² + ε_y²) + μ (2ε_xy)² dV + Σ κ_i μ_i h_i ∫ |∇w + θ_i|² dA,   λ* = 2λμ/(λ + 2μ).
 //!
@@ -16,54 +17,56 @@ use super::plate::{AREA, DEFLECTION, deflection};
 use super::tensor::{Part, Square};
 use super::{Lame, Material};
 
-/// How displacements along a plate run through its layers.
+/// Functions φ_k for the variation of in-plane displacements through the layers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
-    /// Where layers end, ascending from −H/2 to H/2 along w, m.
+    /// Heights of the faces and interfaces along w, ascending from −H/2 to H/2, m.
     pub heights: Vec<f64>,
-    /// Each φ_k at these heights, m.
+    /// Values of each φ_k at these heights, m.
     shapes: Vec<Vec<f64>>,
-    /// The layers in which the slope of each φ_k is 1.
+    /// Layers in which the slope of each φ_k is 1.
     groups: Vec<Vec<usize>>,
 }
 
-/// What a layer resists with.
+/// Elastic moduli of a layer in the layerwise theory.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LayerModuli {
-    /// λ*, Pa.
+    /// Plane-stress modulus λ*, Pa.
     pub volume: f64,
-    /// μ, Pa.
+    /// Shear modulus μ, Pa.
     pub shear: f64,
-    /// κμ, Pa.
+    /// Transverse shear modulus κμ, Pa.
     pub across: f64,
 }
 
 impl LayerModuli {
-    /// Of Lamé's constants, with κ.
+    /// Moduli from Lamé's constants and the shear factor κ.
     pub fn new(constants: Lame, shear_factor: f64) -> Self {
         let Lame { lambda, mu } = constants;
         Self { volume: 2.0 * lambda * mu / (lambda + 2.0 * mu), shear: mu, across: shear_factor * mu }
     }
 
-    /// Of a unit shear modulus of a material that is elastic in volume and relaxes from one shear modulus to another (Pa), with κ.
+    /// Moduli per unit shear modulus of a viscoelastic layer with the shear factor κ. The volumetric response is
+    /// elastic with the bulk modulus `bulk`. The shear modulus relaxes from `instantaneous` to `relaxed` (all in Pa).
     ///
-    /// λ* = 2G (3K − 2G)/(3K + 4G) is not linear in G. It is taken along its chord, exact at both ends. Between them it is too small by at
-    /// most (G₀ − G∞)²/K, in the middle a part (G₀ − G∞)/2K of the layer's own stiffness along the plate, which of a soft layer is a small
-    /// part of the stack's.
+    /// λ* = 2G (3K − 2G)/(3K + 4G) is not linear in G. It is replaced by its chord, which is exact at both ends.
+    /// Between them the chord is too small by at most (G₀ − G∞)²/K. In the middle this is a fraction (G₀ − G∞)/2K of
+    /// the layer's in-plane stiffness. For a soft layer, this is a small fraction of the stiffness of the stack.
     pub fn of_distortion(bulk: f64, [relaxed, instantaneous]: [f64; 2], shear_factor: f64) -> Self {
         let volume = |shear: f64| Self::new(Lame::of_moduli(bulk, shear), 1.0).volume;
         let chord = (volume(instantaneous) - volume(relaxed)) / (instantaneous - relaxed);
         Self { volume: chord, shear: 1.0, across: shear_factor }
     }
 
-    /// Of an elastic material, with κ.
+    /// Moduli of an elastic material with the shear factor κ.
     pub fn of_material(material: &Material, shear_factor: f64) -> Self {
         Self::new(material.lame(), shear_factor)
     }
 }
 
 impl Profile {
-    /// Of layers from the face that is hit, of these thicknesses (m); `is_mirrored` where the stack is its own mirror image.
+    /// Profile of layers with these thicknesses (m), from the impacted face on; `is_mirrored` if the stack is
+    /// mirror-symmetric.
     pub fn new(thicknesses: &[f64], is_mirrored: bool) -> Self {
         let (count, total) = (thicknesses.len(), thicknesses.iter().sum::<f64>());
         let groups: Vec<Vec<usize>> = if is_mirrored {
@@ -81,22 +84,22 @@ impl Profile {
             shapes.push(vec![total; count + 1]);
         }
         let mut heights: Vec<f64> = (0..=count).map(|i| thicknesses[..i].iter().sum::<f64>() - 0.5 * total).collect();
-        // The ends without the rounding of a sum.
+        // The faces are set exactly, without the rounding of a sum.
         (heights[0], heights[count]) = (-0.5 * total, 0.5 * total);
         Self { heights, shapes, groups }
     }
 
-    /// How many φ_k there are, each with a rotation along both axes.
+    /// Number of functions φ_k; each has a rotation along both axes.
     pub fn len(&self) -> usize {
         self.shapes.len()
     }
 
-    /// Whether there is none: of no layers.
+    /// Whether there are no φ_k.
     pub fn is_empty(&self) -> bool {
         self.shapes.is_empty()
     }
 
-    /// Whether it bends alone, all φ_k being odd.
+    /// Whether all φ_k are odd, so that the stack only bends.
     pub fn is_mirrored(&self) -> bool {
         self.shapes.len() == self.groups.len()
     }
@@ -106,12 +109,12 @@ impl Profile {
         self.heights[layer + 1] - self.heights[layer]
     }
 
-    /// How many layers there are.
+    /// Number of layers.
     pub fn layers(&self) -> usize {
         self.heights.len() - 1
     }
 
-    /// The layer at a height; an interface is that of the layer which is nearer to the hit.
+    /// Number of the layer at a height. An interface belongs to the layer nearer to the impacted face.
     pub fn layer_at(&self, height: f64) -> usize {
         let inner = &self.heights[1..self.layers()];
         inner.partition_point(|end| *end < height)
@@ -124,7 +127,7 @@ impl Profile {
         from + (to - from) * (height - self.heights[layer]) / self.thickness(layer)
     }
 
-    /// The number of the rotation of a layer.
+    /// Number k of the rotation θ_k of a layer.
     pub fn group_of(&self, layer: usize) -> usize {
         self.groups.iter().position(|group| group.contains(&layer)).unwrap_or_default()
     }
@@ -141,7 +144,7 @@ impl Profile {
         self.thickness(layer) / 6.0 * (2.0 * a * c + a * d + b * c + 2.0 * b * d)
     }
 
-    /// Twice the elastic energy of layers with these moduli.
+    /// Forms of twice the elastic energy of layers with these moduli.
     pub fn elastic(&self, moduli: &[LayerModuli]) -> Vec<Square<2>> {
         let of = |value: fn(&LayerModuli) -> f64| {
             move |pair: [usize; 2]| -> f64 {
@@ -163,7 +166,7 @@ impl Profile {
         forms
     }
 
-    /// Twice the kinetic energy of layers with these densities, kg/m³.
+    /// Forms of twice the kinetic energy of layers with these densities, kg/m³.
     pub fn mass(&self, densities: &[f64]) -> Vec<Square<2>> {
         let all = densities.iter().enumerate();
         let whole: f64 = all.clone().map(|(layer, density)| density * self.thickness(layer)).sum();
@@ -175,7 +178,7 @@ impl Profile {
         forms
     }
 
-    /// Σ A_kl f_k f_l as squares, by 2 f_k f_l = (f_k + f_l)² − f_k² − f_l².
+    /// Writes Σ A_kl f_k f_l as a sum of squares, by 2 f_k f_l = (f_k + f_l)² − f_k² − f_l².
     fn products(&self, entry: impl Fn([usize; 2]) -> f64, parts: impl Fn(usize) -> Vec<Part<2>>) -> Vec<Square<2>> {
         let mut forms = Vec::new();
         for k in 0..self.len() {
@@ -199,12 +202,12 @@ pub const fn is_rotation(field: usize, axis: usize) -> bool {
     field > DEFLECTION && (field - DEFLECTION - 1) % 2 == axis
 }
 
-/// The number that a field has where the two axes are exchanged: w's own, or that of the other axis' θ_k.
+/// Field number after the two axes are exchanged: w keeps its number, and the two rotations θ_k exchange their numbers.
 pub const fn exchanged_field(field: usize) -> usize {
     if field == DEFLECTION { field } else { DEFLECTION + 1 + ((field - DEFLECTION - 1) ^ 1) }
 }
 
-/// θ_k along an axis, differentiated.
+/// A derivative of θ_k along an axis.
 pub const fn rotation(k: usize, axis: usize, derivatives: [usize; 2]) -> Part<2> {
     Part { field: DEFLECTION + 1 + 2 * k + axis, derivatives }
 }
@@ -218,7 +221,7 @@ mod tests {
 
     const GLASS: Material = Material { young: 70e9, poisson: 0.23, density: 2500.0 };
 
-    /// One layer is Mindlin's plate, and so are three of one material whose rotations are equal.
+    /// A single layer is Mindlin's plate, and so are three layers of one material with equal rotations.
     #[test]
     fn layers_that_turn_together_are_one() {
         let lines: Vec<f64> = (0..=3).map(|i| 0.1 * f64::from(i)).collect();
@@ -244,7 +247,7 @@ mod tests {
             let moduli = vec![LayerModuli::of_material(&GLASS, kappa); layers];
             let tensor = tensor(profile.len());
             let forms = [profile.elastic(&moduli), profile.mass(&vec![GLASS.density; layers])];
-            // All rotations the same; no displacement of the middle plane.
+            // All rotations are equal, and the in-plane displacement of the middle plane is zero.
             let mut together = u[..deflections].to_vec();
             for k in 0..profile.len() {
                 let factor = if !is_mirrored && k == layers { 0.0 } else { 1.0 };
@@ -258,7 +261,7 @@ mod tests {
         }
     }
 
-    /// The chord is exact at both ends, and its error between them below the bound.
+    /// The chord is exact at both ends, and its error between them is below the bound.
     #[test]
     fn distortion_along_the_chord() {
         let (bulk, ends) = (2e9, [3e6, 4e8]);

@@ -1,15 +1,16 @@
-//! Diagonal matrices in the place of consistent ones, so that an explicit step has nothing to solve.
+//! Diagonal (lumped) matrices in place of consistent ones, so that an explicit time step needs no solution of a system.
 
-/// The diagonal that replaces a consistent mass or damping matrix of one cell or facet.
+/// Computes the diagonal that replaces a consistent mass or damping matrix of one cell or facet.
 ///
-/// `matrix` is the row-major block of (3n)² of the forms, which couples no component with another; `out` takes 3n values.
-/// The sum of each component, so the mass of the cell, is kept; no value is negative.
+/// `matrix` is the row-major block of (3n)² values of the forms, which does not couple different components; `out`
+/// takes 3n values. The sum over each component is preserved, and so is the mass of the cell. No value is negative.
 ///
-/// The values are the sums of the rows, which keep the full order of the frequencies where they are positive; on parallelepipeds of
-/// order 2 they are Simpson's rule. On tetrahedra of order 2 the vertices' sums are negative, on
-/// triangles zero; so wherever a sum is below half of it, the values are the diagonal, scaled to the mass of the cell (E. Hinton,
-/// T. Rock & O. C. Zienkiewicz, A note on mass lumping and related processes in the finite element method, Earthq. Eng. Struct.
-/// Dyn. 4, 1976). On tetrahedra of order 2 that lowers the order of the frequencies from four to two.
+/// The values are the row sums, which keep the full order of convergence of the frequencies if they are positive. On
+/// parallelepipeds of order 2 they are Simpson's rule. The row sums at the vertices are negative on tetrahedra of order
+/// 2 and zero on triangles of order 2. Therefore another lumping is used if any row sum is below half of its value: the
+/// diagonal, scaled to the mass of the cell (E. Hinton, T. Rock & O. C. Zienkiewicz, A note on mass lumping and related
+/// processes in the finite element method, Earthq. Eng. Struct. Dyn. 4, 1976). On tetrahedra of order 2 this reduces
+/// the order of convergence of the frequencies from four to two.
 pub fn lump(matrix: &[f64], out: &mut [f64]) {
     let size = out.len();
     for (sum, row) in out.iter_mut().zip(matrix.chunks_exact(size)) {
@@ -19,7 +20,7 @@ pub fn lump(matrix: &[f64], out: &mut [f64]) {
         let unknowns = || (component..size).step_by(3);
         let diagonal = |i: usize| matrix[i * size + i];
         let trace: f64 = unknowns().map(diagonal).sum();
-        // A damper may leave a component free.
+        // A damper may leave a component undamped; its trace is then zero.
         let scale = if trace > 0. { unknowns().map(|i| out[i]).sum::<f64>() / trace } else { 0. };
         if unknowns().any(|i| out[i] < 0.5 * scale * diagonal(i)) {
             unknowns().for_each(|i| out[i] = scale * diagonal(i));
@@ -37,7 +38,7 @@ mod tests {
 
     const DENSITY: f64 = 3.;
 
-    /// Lumped mass of a cell, and the sums of the consistent matrix's rows.
+    /// Lumped masses of a cell, and the row sums of the consistent matrix.
     fn masses(shape: Shape, order: usize, x: &[[f64; 3]]) -> (Vec<f64>, Vec<f64>) {
         let mut forms = SolidForms::new(shape, order, Material { young: 1., poisson: 0., density: DENSITY });
         let size = 3 * forms.nodes();
@@ -47,7 +48,7 @@ mod tests {
         (lumped, block.chunks_exact(size).map(|row| row.iter().sum()).collect())
     }
 
-    /// Vertices moved off their reference places: no map is affine but the tetrahedron's.
+    /// Reference vertices with a shift each, so that only the map of the tetrahedron is affine.
     fn distorted(shape: Shape) -> Vec<[f64; 3]> {
         let shift = |v: usize, c: usize| 0.15 * ((7 * v + 3 * c) as f64).sin();
         let vertices = shape.reference_vertices().iter().enumerate();
@@ -69,8 +70,8 @@ mod tests {
         }
     }
 
-    /// Of the cell's mass: 1/36 at a vertex and 4/27 at an edge, by the integrals V/70 and 8V/105 of φ²; the row sums are
-    /// −1/20 and 1/5.
+    /// Fractions of the cell's mass: 1/36 at a vertex and 4/27 at an edge, from the integrals V/70 and 8V/105 of φ².
+    /// The row sums are −1/20 and 1/5.
     #[test]
     fn quadratic_tetrahedron_has_masses_of_its_known_fractions() {
         let (lumped, rows) = masses(Shape::Tetrahedron, 2, Shape::Tetrahedron.reference_vertices());
@@ -83,7 +84,8 @@ mod tests {
         }
     }
 
-    /// On a parallelepiped Simpson's rule, 1/6, 4/6, 1/6 along each edge; there the scaled diagonal would be the same.
+    /// On a parallelepiped the masses are Simpson's rule, 1/6, 4/6, 1/6 along each edge. The scaled diagonal would be
+    /// the same.
     #[test]
     fn quadratic_parallelepiped_has_masses_of_simpsons_rule() {
         let x: Vec<[f64; 3]> = Shape::Hexahedron
@@ -101,18 +103,19 @@ mod tests {
         }
     }
 
-    /// Hardly any volume at a vertex, whose sum alone would make an explicit step as small: the scaled diagonal.
+    /// If a vertex has almost no volume, its row sum alone would require a very small explicit time step. The scaled
+    /// diagonal is used.
     #[test]
     fn a_vertex_almost_flattened_keeps_some_mass() {
         let mut x = Shape::Hexahedron.reference_vertices().to_vec();
-        // In the plane of its neighbours at 1/3.
+        // The vertex is nearly in the plane of its neighbours, where its coordinates would be 1/3.
         x[6] = [0.34; 3];
         let (lumped, rows) = masses(Shape::Hexahedron, 2, &x);
         let least = |of: &[f64]| of.iter().copied().fold(f64::INFINITY, f64::min);
         assert!(least(&lumped) > 10. * least(&rows), "{} {}", least(&lumped), least(&rows));
     }
 
-    /// A damper keeps c times the area in each component, and nothing in one that it leaves free.
+    /// The lumped damper keeps c times the area in each component, and zero in an undamped component.
     #[test]
     fn dampers_keep_their_sum() {
         for shape in [Shape::Triangle, Shape::Quadrilateral] {

@@ -1,8 +1,12 @@
-//! Integrals over one cell or facet: numbers in, small dense matrices out. Pure: no mesh, no solver.
+//! Integrals over one cell or facet, returned as small dense matrices and vectors, without reference to a mesh or a
+//! solver.
 //!
-//! Over a part of a surface, unknowns are those of its [`SurfaceElement`]. Unknowns of a cell are numbered node-major: 3·node + component, nodes in the order of [`crate::element::Element`].
-//! With n nodes a matrix is a row-major slice of (3n)² and a vector a slice of 3n; both are overwritten. The vertex
-//! coordinates `x` come in the order of the shape's reference vertices. Nothing is allocated after construction.
+//! Unknowns of a cell are numbered by node: 3·node + component, with the nodes in the order of
+//! [`crate::element::Element`]. For a part of a surface, [`SurfaceElement`] defines the unknowns. With n nodes a matrix
+//! is a row-major slice of (3n)² values and a vector a slice of 3n values; both are overwritten. The vertex coordinates
+//! `x` are in the order of the shape's reference vertices. Nothing is allocated after construction.
+//!
+//! Numbers in parentheses, such as (4), are equations of the paper cited in docs/scene.md.
 
 mod disc;
 pub mod elastic;

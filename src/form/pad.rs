@@ -1,45 +1,45 @@
-//! One-sided elastic support (12) over a part of a surface: a unilateral Winkler foundation.
+//! Unilateral (one-sided) elastic foundation (12) over a part of a surface (Winkler foundation in compression only).
 
 use super::SurfaceElement;
 use super::surface::add_square;
 
-/// A one-sided foundation.
+/// Unilateral (one-sided) foundation.
 ///
-/// With n the unit vector into it, each component i with n_i ≠ 0 pushes back where its penetration g_i = s_i (u_i − ū_i),
-/// s_i = sign n_i, is positive.
+/// Let n be the unit vector into the foundation. Each component i with n_i ≠ 0 resists if its penetration g_i = s_i
+/// (u_i − ū_i), s_i = sign n_i, is positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Foundation {
-    /// k, N/m³ by component.
+    /// Stiffness k of each component, N/m³.
     pub stiffness: [f64; 3],
-    /// n.
+    /// Unit vector n into the foundation.
     pub normal: [f64; 3],
-    /// ū, m.
+    /// Displacement ū of the foundation, m.
     pub displacement: [f64; 3],
 }
 
-/// A foundation under a part of a surface. The integrand has a kink, so the quadrature points are part of the model.
+/// Foundation under a part of a surface. The integrand has a kink, so the quadrature points are part of the model.
 #[derive(Debug, Clone)]
 pub struct PadElement {
-    /// n, the number of unknowns.
+    /// Number of unknowns n.
     unknowns: usize,
     points: Vec<PadPoint>,
 }
 
-/// One component of a foundation at one quadrature point: it pushes back with w ⟨g⟩, g = Σ s φ_a u_a − s ū.
+/// One component of a foundation at one quadrature point. Its reaction is w ⟨g⟩ with g = Σ s φ_a u_a − s ū.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PadPoint {
-    /// w = k dS, N/m.
+    /// Stiffness w = k dS, N/m.
     pub weight: f64,
-    /// s ū, m.
+    /// Offset s ū, m.
     pub offset: f64,
-    /// The unknowns u_a.
+    /// Numbers of the unknowns u_a.
     pub unknowns: Vec<usize>,
-    /// s φ_a.
+    /// Signed shape functions s φ_a, in the order of the unknowns.
     pub values: Vec<f64>,
 }
 
 impl PadElement {
-    /// A foundation under quadrature points of a surface.
+    /// Foundation under the quadrature points of a surface.
     pub fn new(element: &SurfaceElement, foundation: &Foundation) -> Self {
         let Foundation { stiffness, normal, displacement } = foundation;
         let mut points = Vec::new();
@@ -57,13 +57,13 @@ impl PadElement {
         Self { unknowns: element.unknowns, points }
     }
 
-    /// The points, component by component: what the sums below consist of.
+    /// Points of the sums in this type: one for each quadrature point and resisting component.
     pub fn points(&self) -> &[PadPoint] {
         &self.points
     }
 
-    /// Σ_i ∫ k_i ⟨g_i⟩ s_i v_i dS at the unknowns `u`, N; with unknowns `from`, the mean of ⟨g_i⟩ between the two that does just the
-    /// potential's work (its discrete gradient).
+    /// Computes the residual Σ_i ∫ k_i ⟨g_i⟩ s_i v_i dS at the unknowns `u`, N. If unknowns `from` are given, ⟨g_i⟩ is
+    /// replaced by its mean between `from` and `u`, whose work equals the change of the potential (discrete gradient).
     pub fn residual(&self, from: Option<&[f64]>, u: &[f64], out: &mut [f64]) {
         out.fill(0.);
         for point in &self.points {
@@ -71,7 +71,7 @@ impl PadElement {
         }
     }
 
-    /// The semi-smooth derivative of the residual with respect to `u`, N/m.
+    /// Computes the semi-smooth derivative of the residual with respect to `u`, N/m.
     pub fn tangent(&self, from: Option<&[f64]>, u: &[f64], out: &mut [f64]) {
         out.fill(0.);
         for point in &self.points {
@@ -82,7 +82,7 @@ impl PadElement {
         }
     }
 
-    /// The tangent of a pad pressed everywhere, which is the largest, times `u`, N.
+    /// Multiplies the tangent of a pad pressed everywhere, which is the largest possible one, with `u`, N.
     pub fn pressed(&self, u: &[f64], out: &mut [f64]) {
         out.fill(0.);
         for point in &self.points {
@@ -90,7 +90,7 @@ impl PadElement {
         }
     }
 
-    /// That tangent, N/m.
+    /// Computes the tangent of a pad pressed everywhere, N/m.
     pub fn pressed_tangent(&self, out: &mut [f64]) {
         out.fill(0.);
         for point in &self.points {
@@ -98,7 +98,7 @@ impl PadElement {
         }
     }
 
-    /// Σ_i ∫ k_i s_i f v_i dS of a f that may depend on the point, N.
+    /// Computes Σ_i ∫ k_i s_i f v_i dS, N, for a function f of the point.
     pub fn load(&self, f: impl Fn(&PadPoint) -> f64, out: &mut [f64]) {
         out.fill(0.);
         for point in &self.points {
@@ -106,40 +106,40 @@ impl PadElement {
         }
     }
 
-    /// Σ s φ_a u_a at each point, m.
+    /// Displacement into the foundation Σ s φ_a u_a at each point, m.
     pub fn moved<'a>(&'a self, u: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         self.points.iter().map(|point| point.moved(u))
     }
 
-    /// Σ_i ½ ∫ k_i ⟨g_i⟩² dS, J.
+    /// Potential Σ_i ½ ∫ k_i ⟨g_i⟩² dS, J.
     pub fn potential(&self, u: &[f64]) -> f64 {
         self.points.iter().map(|point| 0.5 * point.weight * positive_part(point.penetration(u)).powi(2)).sum()
     }
 }
 
 impl PadPoint {
-    /// Σ s φ_a u_a.
+    /// Displacement into the foundation Σ s φ_a u_a, m.
     fn moved(&self, u: &[f64]) -> f64 {
         self.unknowns.iter().zip(&self.values).map(|(&unknown, value)| value * u[unknown]).sum()
     }
 
-    /// g, m.
+    /// Penetration g, m.
     fn penetration(&self, u: &[f64]) -> f64 {
         self.moved(u) - self.offset
     }
 
-    /// ⟨g⟩ or its mean, with its derivative.
+    /// ⟨g⟩ or its mean, and the derivative with respect to `u`.
     fn push(&self, from: Option<&[f64]>, u: &[f64]) -> (f64, f64) {
         pressed_depth(from.map(|from| self.penetration(from)), self.penetration(u))
     }
 
-    /// Adds a force along g.
+    /// Adds a force along g to a vector.
     fn add(&self, force: f64, out: &mut [f64]) {
         self.unknowns.iter().zip(&self.values).for_each(|(&unknown, value)| out[unknown] += force * value);
     }
 }
-/// ⟨g⟩ (m) of a penetration, or, with the penetration `from` before a step, the mean of ⟨·⟩ that does just the work of ½⟨g⟩²;
-/// and the derivative with respect to `to`.
+/// Returns ⟨g⟩ (m) at the penetration `to`, and its derivative with respect to `to`. With the penetration `from` before
+/// a time step, ⟨g⟩ is replaced by the mean whose work equals the change of ½⟨g⟩².
 pub fn pressed_depth(from: Option<f64>, to: f64) -> (f64, f64) {
     match from {
         None => (positive_part(to), if to > 0. { 1. } else { 0. }),
@@ -147,12 +147,13 @@ pub fn pressed_depth(from: Option<f64>, to: f64) -> (f64, f64) {
     }
 }
 
-/// ⟨g⟩; it keeps NaN, so that a failed step is seen.
+/// Positive part ⟨g⟩. NaN is kept, so that a failed step is noticed.
 fn positive_part(g: f64) -> f64 {
     g.clamp(0., f64::INFINITY)
 }
 
-/// The difference of ½⟨g⟩² between two penetrations over their difference, and its derivative in the second.
+/// Difference of ½⟨g⟩² between two penetrations, divided by the difference of the penetrations; and the derivative with
+/// respect to the second.
 fn mean(from: f64, to: f64) -> (f64, f64) {
     match (from > 0., to > 0.) {
         (true, true) => (0.5 * (from + to), 0.5),

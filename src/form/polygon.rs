@@ -1,16 +1,16 @@
-//! Convex polygons as rays from the centre of a disc see them.
+//! Intersections of convex polygons with rays from the centre of a disc.
 
 use std::f64::consts::PI;
 
-/// The line through an edge, seen from the disc's centre: inside the facet, normal·x ≥ offset. The same numbers but
-/// for the sign from both of the facets that share the edge.
+/// Line through an edge of a facet, in coordinates relative to the disc's centre. Inside the facet, normal·x ≥ offset.
+/// The two facets that share an edge have the same numbers with opposite signs.
 pub(crate) struct Line {
     pub normal: [f64; 2],
     pub offset: f64,
 }
 
 impl Line {
-    /// None where the ends are one.
+    /// Line through two points; `None` if they coincide.
     pub fn through(from: [f64; 2], to: [f64; 2]) -> Option<Self> {
         let [x, y] = [to[0] - from[0], to[1] - from[1]];
         let length = x.hypot(y);
@@ -19,12 +19,12 @@ impl Line {
     }
 }
 
-/// The edges, each from its vertex to the next.
+/// Returns the edges of a polygon, each from a vertex to the next.
 pub(crate) fn edges(x: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
     x.iter().copied().zip(x.iter().copied().cycle().skip(1))
 }
 
-/// Whether the polygon is convex, counter-clockwise, and more than a line, up to rounding.
+/// Whether the polygon is convex, counter-clockwise and not degenerate to a line, up to rounding.
 pub(crate) fn is_seen(x: &[[f64; 2]]) -> bool {
     let along: Vec<[f64; 2]> = edges(x).map(|(from, to)| [to[0] - from[0], to[1] - from[1]]).collect();
     let longest = along.iter().map(|edge| edge[0].hypot(edge[1])).fold(0., f64::max);
@@ -33,7 +33,8 @@ pub(crate) fn is_seen(x: &[[f64; 2]]) -> bool {
     turns().all(|turn| turn > -rounding) && turns().sum::<f64>() > rounding
 }
 
-/// Where a ray from the centre is in the facet and the disc.
+/// Interval of distances, in radii of the disc, where a ray from the centre is inside both the facet and the disc. It
+/// is empty unless the first number is the smaller one.
 pub(crate) fn crossing(lines: &[Line], ray: [f64; 2]) -> (f64, f64) {
     lines.iter().fold((0., 1.), |(enters, leaves): (f64, f64), line| {
         let slope = line.normal[0] * ray[0] + line.normal[1] * ray[1];
@@ -47,9 +48,10 @@ pub(crate) fn crossing(lines: &[Line], ray: [f64; 2]) -> (f64, f64) {
     })
 }
 
-/// Angles from −π to π between which the crossings are smooth: those of the vertices and of where edges meet the rim.
-/// An edge at a small distance from the centre turns up and is gone within an angle as small, which a rule might step
-/// over; so circles within the rim count as well, down to one that holds 1e-14 of the load.
+/// Angles from −π to π between which the crossings are smooth functions of the angle. These are the angles of the
+/// vertices and of the points where edges meet the rim. If an edge is close to the centre, rays cross it only within a
+/// small range of angles, which a quadrature rule might miss. Therefore the intersections with smaller circles are
+/// included too, down to a circle that contains 1e-14 of the load.
 pub(crate) fn angles(x: &[[f64; 2]], lines: &[Line]) -> Vec<f64> {
     let radii = (0..9).map(|step| 0.125_f64.powi(step));
     let on_circles = radii.flat_map(|radius| {

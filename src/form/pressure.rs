@@ -1,37 +1,38 @@
-//! Hertz's pressure over a disc, integrated against the shape functions of one facet.
+//! Quadrature of Hertz's pressure over a disc, for the shape functions of one facet.
 
 use std::f64::consts::PI;
 
 use super::polygon::{Line, angles, crossing, edges, is_seen};
 use crate::element::{Element, Inverse, Shape, adaptive};
 
-/// Nodes of a facet at most: the biquadratic quadrilateral's.
+/// Maximum number of nodes of a facet: the biquadratic quadrilateral has 9.
 const NODES: usize = 9;
 
-/// What two quadrature rules may differ by on one piece of a facet; the total is 1. The finer rule is better by far.
+/// Largest difference between two quadrature rules on one piece of a facet. The total load is 1. The error of the finer
+/// rule is far smaller than the difference.
 const TOLERANCE: f64 = 1e-13;
 
-/// The load of p(r) = 3/(2π R²) √(1 − r²/R²), r < R, on one facet: total 1 over the whole disc (Johnson, Contact
-/// Mechanics, 1985, 3.4).
+/// Load vector of p(r) = 3/(2π R²) √(1 − r²/R²), r < R, on one facet. The total over the whole disc is 1 (Johnson,
+/// Contact Mechanics, 1985, 3.4).
 ///
-/// In polar coordinates about the disc's centre, with r = R sin φ: p r dr = 3/(2π) cos²φ sin φ dφ has no root at the
-/// rim. A ray crosses a convex facet between two of its edges, smoothly in its angle but where it passes a vertex or
-/// where an edge meets the rim; between such angles the quadrature is adaptive, for facets that the rim cuts, large
-/// and small ones alike.
+/// Polar coordinates about the disc's centre are used, with r = R sin φ: p r dr = 3/(2π) cos²φ sin φ dφ has no root at
+/// the rim. A ray crosses a convex facet between two of its edges. The crossing is a smooth function of the ray's
+/// angle, except where the ray passes a vertex or a point where an edge meets the rim. Between such angles the
+/// quadrature is adaptive. So it is accurate for facets cut by the rim and for large and small facets.
 pub struct PressureForms {
     element: Element,
 }
 
 impl PressureForms {
-    /// Forms on a facet's shape with elements of order 1 or 2.
+    /// Forms for a facet shape with elements of order 1 or 2.
     pub fn new(shape: Shape, order: usize) -> Self {
         Self { element: Element::new(shape, order) }
     }
 
-    /// ∫ p φ_i dA over the facet, one value a node.
+    /// Computes ∫ p φ_i dA over the facet, one value per node.
     ///
-    /// `x` are the vertices in the plane of the disc, relative to its centre, in its radii, counter-clockwise. A
-    /// facet that is not seen whole from above (turned away, on edge, folded) gives zeros.
+    /// `x` are the vertices in the plane of the disc, relative to its centre, in units of its radius,
+    /// counter-clockwise. The load is zero on a facet that is turned away, seen on edge or folded.
     pub fn load(&self, x: &[[f64; 2]], out: &mut [f64]) {
         out.fill(0.);
         let lines: Vec<Line> = edges(x).filter_map(|(from, to)| Line::through(from, to)).collect();
@@ -69,7 +70,7 @@ mod tests {
     const SHAPES: [(Shape, usize); 4] =
         [(Shape::Triangle, 1), (Shape::Triangle, 2), (Shape::Quadrilateral, 1), (Shape::Quadrilateral, 2)];
 
-    /// Load of a facet and its first and second moments, by the interpolants of 1, x, y, x², xy, y².
+    /// Load of a facet and its first and second moments, from the interpolants of 1, x, y, x², xy, y².
     fn moments(shape: Shape, order: usize, x: &[[f64; 2]]) -> [f64; 6] {
         let element = Element::new(shape, order);
         let mut load = vec![0.; element.nodes()];
@@ -85,12 +86,12 @@ mod tests {
     }
 
     fn assert_close(found: &[f64], expected: &[f64], name: &str) {
-        // Pieces of 1e-13 at worst, some ten of them.
+        // About ten pieces, with an error of at most 1e-13 each.
         let worst = found.iter().zip(expected).map(|(f, e)| (f - e).abs()).fold(0., f64::max);
         assert!(worst < 2e-13, "{name}: {found:?} instead of {expected:?}");
     }
 
-    /// Total 1, ∫ p x = 0, ∫ p x² = 1/5, wherever the facet around the disc lies and however large it is.
+    /// Total 1, ∫ p x = 0, ∫ p x² = 1/5, for any position and size of a facet that contains the disc.
     #[test]
     fn disc_within_a_facet() {
         for (shape, order) in SHAPES {
@@ -111,16 +112,16 @@ mod tests {
         }
     }
 
-    /// A half-plane whose edge is at the distance e from the centre holds 1/2 + 3/4 (e − e³/3), as the pressure's
-    /// integral along a line at the distance e is 3/4 (1 − e²); and of the first moment across the edge −3/16 (1 −
-    /// e²)².
+    /// A half-plane whose edge is at the distance e from the centre contains the load 1/2 + 3/4 (e − e³/3), because the
+    /// integral of the pressure along a line at the distance e is 3/4 (1 − e²). The first moment across the edge is
+    /// −3/16 (1 − e²)².
     #[test]
     fn edge_at_any_distance() {
         for (shape, order) in SHAPES {
             for e in [0., 1e-16, 1e-12, 1e-9, 1e-7, 1e-6, 1e-4, 0.01, 0.3, 0.9, 0.999_999, 1., 1.5] {
                 for e in [e, -e] {
                     for turn in [0., 0.1, 1., 2.5, 4., 5.5] {
-                        // x < e, turned.
+                        // The half-plane x < e, rotated.
                         let (sin, cos) = f64::sin_cos(turn);
                         let corners: &[[f64; 2]] = match shape {
                             Shape::Triangle => &[[e, -6.], [e, 6.], [-9., 0.]],
@@ -140,7 +141,7 @@ mod tests {
         }
     }
 
-    /// A right angle at the centre: a quarter; ∫ p x = 3/32, ∫ p xy = 1/(10π).
+    /// A right angle with its vertex at the centre contains a quarter of the load; ∫ p x = 3/32, ∫ p xy = 1/(10π).
     #[test]
     fn corner_at_the_centre() {
         for (shape, order) in SHAPES {
@@ -154,8 +155,8 @@ mod tests {
         }
     }
 
-    /// Facets that cover the disc share out its load, from a patch within a few to a patch over many, with the centre
-    /// on a vertex, on an edge, a hair off either, and anywhere.
+    /// The loads of facets that cover the disc sum to 1. The disc covers a part of one facet up to many facets. Its
+    /// centre is on a vertex, on an edge, very near to either, or elsewhere.
     #[test]
     fn facets_share_out_the_load() {
         for (shape, order) in SHAPES {
@@ -165,7 +166,7 @@ mod tests {
                     let mut sum = [0.; 6];
                     let at = |i: i32, j: i32| {
                         let [x, y] = [f64::from(i) - dx, f64::from(j) - dy];
-                        // Sheared: still affine.
+                        // Sheared; the maps are still affine.
                         [cell * (x + 0.2 * y), cell * (y - 0.1 * x)]
                     };
                     for (i, j) in (-n..=n).flat_map(|i| (-n..=n).map(move |j| (i, j))) {
@@ -183,7 +184,7 @@ mod tests {
                     let compared = if order == 2 { 6 } else { 3 };
                     let worst = sum.iter().zip([1., 0., 0., 0.2, 0., 0.2]).take(compared);
                     let worst = worst.map(|(s, e)| (s - e).abs()).fold(0., f64::max);
-                    // Rounding of some hundred facets; moments are of the size of the cells.
+                    // Rounding of some hundred facets; the moments scale with the size of the cells.
                     assert!(worst < 1e-13 * (1. + cell * cell), "{shape:?} {order}, {cell} {dx} {dy}: {sum:?}");
                 }
             }

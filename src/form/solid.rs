@@ -1,10 +1,10 @@
-//! Linear elasticity and inertia over one cell, (1), (4), (5).
+//! Linear elasticity and inertia over one cell, equations (1), (4) and (5).
 
 use nalgebra::Vector3;
 
 use crate::element::{Element, Quadrature, Shape, Table};
 
-/// A linear isotropic material.
+/// Linear isotropic elastic material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
     /// Young's modulus E, Pa.
@@ -16,13 +16,13 @@ pub struct Material {
 }
 
 impl Material {
-    /// Lamé's constants of (4).
+    /// Returns Lamé's constants of (4).
     pub fn lame(&self) -> Lame {
         let Self { young, poisson, .. } = *self;
         Lame { lambda: young * poisson / ((1. + poisson) * (1. - 2. * poisson)), mu: young / (2. * (1. + poisson)) }
     }
 
-    /// Bulk modulus K, Pa.
+    /// Returns the bulk modulus K, Pa.
     pub fn bulk(&self) -> f64 {
         self.young / (3. * (1. - 2. * self.poisson))
     }
@@ -31,60 +31,61 @@ impl Material {
 /// Lamé's constants of (4).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lame {
-    /// λ, Pa.
+    /// First constant λ, Pa.
     pub lambda: f64,
-    /// μ, Pa: the shear modulus.
+    /// Shear modulus μ, Pa.
     pub mu: f64,
 }
 
 impl Lame {
-    /// The stress of distortion alone, without that of the change of volume, for a shear modulus of 1 Pa.
+    /// Deviatoric part of the stress, without the volumetric part, for a shear modulus of 1 Pa.
     pub const DEVIATORIC: Self = Self { lambda: -2. / 3., mu: 1. };
 
-    /// Of a bulk modulus and a shear modulus, Pa.
+    /// Lamé's constants from the bulk modulus and the shear modulus, Pa.
     pub fn of_moduli(bulk: f64, shear: f64) -> Self {
         Self { lambda: bulk - 2. / 3. * shear, mu: shear }
     }
 }
 
-/// The cell's map is not one-to-one: its Jacobian determinant is not positive at a quadrature point.
+/// Error: the map from the reference cell is not one-to-one, because its Jacobian determinant is not positive at a
+/// quadrature point.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("the cell is flat or turned inside out: its Jacobian determinant is {determinant:e}")]
 pub struct Tangled {
-    /// The determinant found, m³.
+    /// Jacobian determinant found, m³.
     pub determinant: f64,
 }
 
-/// Two nodes side by side, so that the compiler works on both at once.
+/// Values at two consecutive nodes, stored together so that the compiler can use vector instructions.
 type Pair = [f64; 2];
 
-/// Stiffness, mass and body force of one cell, with the space that they need.
+/// Stiffness, mass and body force of one cell, with their work arrays.
 #[derive(Debug, Clone)]
 pub struct SolidForms {
     lame: Lame,
     density: f64,
-    /// At the cell's middle alone.
+    /// Shape functions at the centre of the cell.
     middle: Table,
-    /// At the points of the stiffness, exact for affine cells.
+    /// Shape functions at the points of the stiffness, exact for affine cells.
     strain: Table,
-    /// At the points of mass and load, likewise.
+    /// Shape functions at the points of mass and load, exact for affine cells.
     inertia: Table,
-    /// √(weight × determinant) ∇φ in space, by pair of nodes, then point, then direction.
+    /// √(weight × determinant) ∇φ in physical space, by pair of nodes, then point, then direction.
     gradients: Vec<[Pair; 3]>,
     scale: Vec<f64>,
     block: Vec<f64>,
 }
 
 impl SolidForms {
-    /// Forms on a cell's shape with elements of order 1 or 2.
+    /// Forms for a cell shape with elements of order 1 or 2.
     ///
-    /// Rules: tetrahedra, exact at degree 2(order−1) for the stiffness, 2·order for mass and load; hexahedra,
-    /// (order+1)³ Gauss points.
+    /// Quadrature: on tetrahedra, exact up to degree 2(order−1) for the stiffness and 2·order for mass and load; on
+    /// hexahedra, (order+1)³ Gauss points.
     pub fn new(shape: Shape, order: usize, material: Material) -> Self {
         Self::of_lame(shape, order, material.lame(), material.density)
     }
 
-    /// The same for Lamé's constants and a density, kg/m³.
+    /// Same as [`SolidForms::new`], from Lamé's constants and a density, kg/m³.
     pub fn of_lame(shape: Shape, order: usize, lame: Lame, density: f64) -> Self {
         let element = Element::new(shape, order);
         let inertia = Table::new(&element, &Quadrature::exact(shape, 2 * order));
@@ -110,12 +111,12 @@ impl SolidForms {
         self.strain.nodes()
     }
 
-    /// ∫ σ(u) : ε(v) dx, N/m.
+    /// Computes the stiffness ∫ σ(u) : ε(v) dx, N/m.
     ///
     /// With H_{ia,jb} = ∫ ∂_a φ_i ∂_b φ_j dx the entry is λ H_{ia,jb} + μ H_{ib,ja} + μ δ_ab Σ_c H_{ic,jc}.
     ///
     /// # Errors
-    /// [`Tangled`], with `out` in an undefined state.
+    /// If the map is [`Tangled`]; `out` is then in an undefined state.
     pub fn stiffness(&mut self, x: &[[f64; 3]], out: &mut [f64]) -> Result<(), Tangled> {
         self.scale_gradients(x)?;
         let Lame { lambda, mu } = self.lame;
@@ -141,10 +142,10 @@ impl SolidForms {
         Ok(())
     }
 
-    /// ∫ ρ u·v dx, kg.
+    /// Computes the mass ∫ ρ u·v dx, kg.
     ///
     /// # Errors
-    /// [`Tangled`].
+    /// If the map is [`Tangled`].
     pub fn mass(&mut self, x: &[[f64; 3]], out: &mut [f64]) -> Result<(), Tangled> {
         let mut block = std::mem::take(&mut self.block);
         let done = self.mass_by_node(x, &mut block);
@@ -154,10 +155,10 @@ impl SolidForms {
         done
     }
 
-    /// The same for one component: ∫ ρ φ_i φ_j dx.
+    /// Computes the mass for one component, ∫ ρ φ_i φ_j dx, kg: an n×n matrix for n nodes.
     ///
     /// # Errors
-    /// [`Tangled`].
+    /// If the map is [`Tangled`].
     pub fn mass_by_node(&mut self, x: &[[f64; 3]], out: &mut [f64]) -> Result<(), Tangled> {
         for q in 0..self.inertia.points() {
             self.scale[q] = self.density * volume(&self.inertia, q, x)?;
@@ -166,10 +167,10 @@ impl SolidForms {
         Ok(())
     }
 
-    /// ∫ f·v dx with the body force `f` (N/m³) at a point of space, N.
+    /// Computes the load ∫ f·v dx, N, for the body force `f` (N/m³), a function of the position.
     ///
     /// # Errors
-    /// [`Tangled`].
+    /// If the map is [`Tangled`].
     pub fn load(&self, x: &[[f64; 3]], f: impl Fn([f64; 3]) -> [f64; 3], out: &mut [f64]) -> Result<(), Tangled> {
         out.fill(0.);
         for q in 0..self.inertia.points() {
@@ -182,7 +183,8 @@ impl SolidForms {
 
     fn scale_gradients(&mut self, x: &[[f64; 3]]) -> Result<(), Tangled> {
         let points = self.strain.points();
-        // A hexahedron twisted by half a turn is positive at every Gauss point of an even rule, and empty in its middle.
+        // If opposite faces of a hexahedron are twisted by half a turn, the determinant is positive at all Gauss points
+        // of an even rule and zero at the centre. So the centre is checked too.
         positive(self.middle.jacobian(0, x).determinant())?;
         for q in 0..points {
             let jacobian = self.strain.jacobian(q, x);
@@ -201,7 +203,8 @@ impl SolidForms {
     }
 }
 
-/// Σ_q of every product of a derivative of one node (a lane of `one`) with one of the two nodes in `other`.
+/// Σ_q of the products of each derivative at one node (a lane of `one`) with each derivative at the two nodes in
+/// `other`.
 fn gradient_products(one: &[[Pair; 3]], lane: usize, other: &[[Pair; 3]]) -> [[Pair; 3]; 3] {
     let mut sum = [[[0.; 2]; 3]; 3];
     for (one, other) in one.iter().zip(other) {
@@ -217,7 +220,7 @@ fn gradient_products(one: &[[Pair; 3]], lane: usize, other: &[[Pair; 3]]) -> [[P
     sum
 }
 
-/// Weight times Jacobian determinant at a point.
+/// Quadrature weight times Jacobian determinant at point `q`, m³.
 fn volume(table: &Table, q: usize, x: &[[f64; 3]]) -> Result<f64, Tangled> {
     Ok(table.weight(q) * positive(table.jacobian(q, x).determinant())?)
 }
@@ -226,9 +229,9 @@ fn positive(determinant: f64) -> Result<f64, Tangled> {
     if determinant > 0. { Ok(determinant) } else { Err(Tangled { determinant }) }
 }
 
-/// Σ_q s_q φ_a φ_b into the n×n slice `out`, with the scale s of each point.
+/// Σ_q s_q φ_a φ_b, with a scale s_q for each point, written to the n×n slice `out`.
 ///
-/// The lower triangle is copied from the upper one: rounding must not break the symmetry.
+/// The lower triangle is copied from the upper one, so that rounding does not break the symmetry.
 fn scalar_products(table: &Table, scale: &[f64], out: &mut [f64]) {
     let n = table.nodes();
     out.fill(0.);
@@ -248,7 +251,7 @@ fn scalar_products(table: &Table, scale: &[f64], out: &mut [f64]) {
     }
 }
 
-/// Adds `factor` times the n×n `block` to the entries of `out` that couple one component with itself.
+/// Adds `factor` times the n×n `block` to the entries of `out` that couple a component with the same component.
 fn add_component(block: &[f64], n: usize, component: usize, factor: f64, out: &mut [f64]) {
     let rows = out.chunks_exact_mut(3 * n).skip(component).step_by(3);
     for (row, block) in rows.zip(block.chunks_exact(n)) {
@@ -258,7 +261,7 @@ fn add_component(block: &[f64], n: usize, component: usize, factor: f64, out: &m
     }
 }
 
-/// Adds the value at a point, times the shape functions there, to a vector.
+/// Adds the load at a point, times the values of the shape functions there, to a vector.
 fn add_point_load(values: &[f64], load: [f64; 3], out: &mut [f64]) {
     for (entries, value) in out.chunks_exact_mut(3).zip(values) {
         for (entry, load) in entries.iter_mut().zip(load) {

@@ -6,39 +6,42 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::element::gauss_legendre;
 
-/// Functions that are not zero in one cell, at most: degree 5.
+/// Maximum number of functions that are not zero in one cell: 6 for degree 5.
 pub const WIDTH: usize = 6;
 
-/// Piecewise polynomials on the cells between given breaks, by B-splines on open knots: the first function alone is 1 at
-/// the line's start, the last alone at its end (de Boor, A Practical Guide to Splines, 1978).
+/// Piecewise polynomials on the cells between given breaks, represented by B-splines on open knots. At the start of the
+/// line the first function is 1 and all others are 0; at the end the last function is 1 (de Boor, A Practical Guide to
+/// Splines, 1978).
 #[derive(Debug, Clone)]
 pub struct Spline {
     degree: usize,
     breaks: Vec<f64>,
-    /// Breaks, each as often as the smoothness leaves room for.
+    /// Knots: the breaks, each repeated according to the smoothness there.
     knots: Vec<f64>,
     slopes: bool,
     parity: Option<Parity>,
 }
 
-/// What becomes of a function where the line is reflected at its middle.
+/// Behaviour of a function on reflection of the line at its middle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parity {
-    /// Itself.
+    /// The function is unchanged.
     Even,
-    /// Its negative.
+    /// The function changes its sign.
     Odd,
 }
 
 impl Spline {
     /// Splines of a degree from 1 to 5 with `smoothness` < degree continuous derivatives, on at least one cell between
-    /// ascending breaks. Where an inner break stands twice there are fewer: by one where smoothness is degree − 1.
+    /// ascending breaks. An inner break may be listed twice, for fewer continuous derivatives there: one fewer if
+    /// `smoothness` is degree − 1.
     pub fn new(breaks: &[f64], degree: usize, smoothness: usize) -> Self {
         Self::with_multiplicity(breaks, degree, |_| degree - smoothness)
     }
 
-    /// Of degree 3 at least, where the coefficients at either end are the value there and, next to it, the slope. So that the
-    /// latter's function stays within the first cell, one more continuous derivative is given up at its end.
+    /// Splines of degree 3 or more whose first two and last two coefficients are the value and the slope at the ends.
+    /// At most degree − 2 derivatives are continuous at the inner end of each end cell, so that the function of the
+    /// slope is zero outside the end cell.
     pub fn with_slopes(breaks: &[f64], degree: usize, smoothness: usize) -> Self {
         let beside_end = |i: usize| i == 1 || i + 2 == breaks.len();
         let times = |i: usize| (degree - smoothness).max(if beside_end(i) { 2 } else { 1 });
@@ -51,20 +54,21 @@ impl Spline {
         Self { degree, breaks: breaks.to_vec(), knots, slopes: false, parity: None }
     }
 
-    /// Those of a parity alone, on breaks that are symmetric about their middle: sums or differences of a B-spline and its
-    /// reflection. At most six of them, which are few cells; the last alone is not zero at the end, and none stays within a cell.
+    /// Splines of one parity, on breaks that are symmetric about their middle: sums or differences of a B-spline and
+    /// its reflection. At most six functions are supported, which limits the number of cells. Only the last function is
+    /// non-zero at the end, and no function is limited to a few cells.
     pub fn folded(self, parity: Parity) -> Self {
         let folded = Self { parity: Some(parity), ..self };
         debug_assert!(folded.functions() <= WIDTH && !folded.slopes);
         folded
     }
 
-    /// Whether its functions are of one parity, and each is in all cells.
+    /// Whether the functions have one parity, and each of them extends over all cells.
     pub fn is_folded(&self) -> bool {
         self.parity.is_some()
     }
 
-    /// The cells' ends.
+    /// Ends of the cells, ascending.
     pub fn breaks(&self) -> &[f64] {
         &self.breaks
     }
@@ -78,7 +82,7 @@ impl Spline {
         }
     }
 
-    /// Number of B-splines.
+    /// Number of B-splines before folding.
     fn unfolded(&self) -> usize {
         self.knots.len() - self.degree - 1
     }
@@ -88,7 +92,7 @@ impl Spline {
         if self.is_folded() { self.functions() } else { self.degree + 1 }
     }
 
-    /// Coefficients of the constant 1, or of 0 where there is no constant.
+    /// Coefficients of the constant 1, or zeros if the space does not contain constants.
     pub fn one(&self) -> DVector<f64> {
         let constant = if self.parity == Some(Parity::Odd) { 0.0 } else { 1.0 };
         let mut one = DVector::from_element(self.functions(), constant);
@@ -99,8 +103,8 @@ impl Spline {
         one
     }
 
-    /// A derivative of the functions at a place of the line: the first one that is not zero in its cell, and the values of
-    /// that and the next ones. At a break the cell above counts.
+    /// Values of a derivative of the functions at `x`: number of the first function that is not zero in the cell, then
+    /// the values of this function and the next ones. A break belongs to the cell above it.
     pub fn at(&self, x: f64, derivative: usize) -> (usize, [f64; WIDTH]) {
         let span = self.knots.partition_point(|t| *t <= x).clamp(self.degree + 1, self.unfolded()) - 1;
         let mut values = match self.degree {
@@ -120,16 +124,17 @@ impl Spline {
         }
     }
 
-    /// A derivative of the B-splines of degree P at a place after the knot of a number, and before the next one.
+    /// Values of a derivative of the B-splines of degree P at `x` between the knots `span` and `span + 1`, by de Boor's
+    /// recurrence.
     fn recurred<const P: usize>(&self, span: usize, x: f64, derivative: usize) -> [f64; WIDTH] {
         let mut values = [0.0; WIDTH];
         values[0] = if derivative > P { 0.0 } else { 1.0 };
-        // The knots below x and those above it that functions of the cell begin and end at.
+        // Knots below x and above it where functions of the cell begin and end.
         let below: [f64; P] = std::array::from_fn(|i| self.knots[span + 1 - P + i]);
         let above: [f64; P] = std::array::from_fn(|i| self.knots[span + 1 + i]);
-        // From each degree q − 1 to q, of the value first, then of the derivatives.
+        // Raises the degree from q − 1 to q: recurrence of the values first, of the derivatives last.
         for q in 1..=P {
-            // What the function before leaves to the next one.
+            // Contribution of the previous function to the next one.
             let mut left = 0.0;
             for j in 0..q {
                 let (from, to) = (below[P - q + j], above[j]);
@@ -143,7 +148,7 @@ impl Spline {
         values
     }
 
-    /// B-splines, the first of which has a number, to their sums or differences with their reflections.
+    /// Transforms values of B-splines from number `first` on to sums or differences with their reflections.
     fn fold(&self, parity: Parity, first: usize, values: &[f64; WIDTH]) -> [f64; WIDTH] {
         let (last, mut folded) = (self.unfolded() - 1, [0.0; WIDTH]);
         for (i, value) in (first..=first + self.degree).zip(values) {
@@ -154,12 +159,13 @@ impl Spline {
                 (_, Parity::Even) => folded[i] += value,
             }
         }
-        // The one that is not zero at the end comes last, as otherwise.
+        // The function that is not zero at the end is put last, as in the unfolded case.
         folded[..self.functions()].reverse();
         folded
     }
 
-    /// From the first two B-splines B0, B1 to B0 + B1, of value 1 and slope 0, and B1 scaled to a slope of 1; so at the end.
+    /// Replaces the first two B-splines B0, B1 by B0 + B1, with value 1 and slope 0, and by B1 scaled to the slope 1.
+    /// The last two are treated in the same way.
     fn to_slopes(&self, first: usize, values: &mut [f64; WIDTH]) {
         let (p, n) = (self.degree as f64, self.functions());
         let [first_cell, last_cell] = [1, self.breaks.len() - 1].map(|i| self.breaks[i] - self.breaks[i - 1]);
@@ -176,7 +182,7 @@ impl Spline {
         }
     }
 
-    /// The functions' derivative at a place, all of them.
+    /// Values of a derivative of all functions at `x`.
     pub fn values(&self, x: f64, derivative: usize) -> DVector<f64> {
         let mut all = DVector::zeros(self.functions());
         let (first, values) = self.at(x, derivative);
@@ -186,12 +192,12 @@ impl Spline {
         all
     }
 
-    /// ∫ of the functions' derivative along the line.
+    /// Integrals of a derivative of all functions along the line.
     pub fn integrals(&self, derivative: usize) -> DVector<f64> {
         self.integrals_within([f64::NEG_INFINITY, f64::INFINITY], derivative)
     }
 
-    /// The same over what an interval has of the line.
+    /// Same as [`Spline::integrals`], over the part of the line within an interval.
     pub fn integrals_within(&self, ends: [f64; 2], derivative: usize) -> DVector<f64> {
         let mut sums = DVector::zeros(self.functions());
         for (x, weight) in self.rule(self.degree, ends) {
@@ -203,12 +209,13 @@ impl Spline {
         sums
     }
 
-    /// ∫ of products of these functions' derivative (rows) with that of others (columns) on the same breaks.
+    /// Integrals of products of a derivative of these functions (rows) with a derivative of the functions of `other`
+    /// (columns) on the same breaks.
     pub fn products(&self, derivative: usize, other: &Self, of_other: usize) -> DMatrix<f64> {
         self.products_within([f64::NEG_INFINITY, f64::INFINITY], derivative, other, of_other)
     }
 
-    /// The same over what an interval has of the domain.
+    /// Same as [`Spline::products`], over the part of the line within an interval.
     pub fn products_within(&self, ends: [f64; 2], derivative: usize, other: &Self, of_other: usize) -> DMatrix<f64> {
         let mut sums = DMatrix::zeros(self.functions(), other.functions());
         for (x, weight) in self.rule(self.degree + other.degree, ends) {
@@ -223,7 +230,7 @@ impl Spline {
         sums
     }
 
-    /// Points and weights that integrate polynomials of a degree on what an interval has of each cell.
+    /// Points and weights that integrate polynomials of a degree exactly, on the part of each cell within an interval.
     fn rule(&self, degree: usize, [start, end]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
         let rule = gauss_legendre(degree / 2 + 1);
         let cells = self.breaks.windows(2).map(move |cell| [cell[0].max(start), cell[1].min(end)]);
@@ -262,7 +269,7 @@ mod tests {
                 for d in 0..=spline.degree {
                     let slope = (spline.values(x + step, d) - spline.values(x - step, d)) / (2.0 * step);
                     let next = spline.values(x, d + 1);
-                    // (step/cell)² and rounding over step/cell.
+                    // (step/cell)², and rounding divided by step/cell.
                     assert!((&slope - &next).amax() <= 1e-7 * next.amax().max(spline.values(x, d).amax() / step));
                 }
             }
@@ -286,7 +293,7 @@ mod tests {
         }
     }
 
-    /// Folded functions are of their parity, independent, and as many as there are.
+    /// Folded functions have their parity and are independent. Together there are as many as B-splines.
     #[test]
     fn folding_leaves_what_is_of_a_parity() {
         for (breaks, degree) in [(vec![-1.0, 1.0], 4), (vec![-1.0, 0.0, 1.0], 3), (vec![-1.0, -0.2, 0.2, 1.0], 5)] {
@@ -298,12 +305,12 @@ mod tests {
             for x in [0.0, 0.1, 0.3, 0.7, 1.0] {
                 for d in 0..3 {
                     let sign = if d % 2 == 0 { 1.0 } else { -1.0 };
-                    // Derivatives of the values' size times 2 degree², and rounding.
+                    // Derivatives are at most 2 degree² times the values; the rest is rounding.
                     assert!((even.values(x, d) - sign * even.values(-x, d)).amax() < 1e-12);
                     assert!((odd.values(x, d) + sign * odd.values(-x, d)).amax() < 1e-12);
                 }
                 assert!((even.one().dot(&even.values(x, 0)) - 1.0).abs() < 1e-14 && odd.one().amax() == 0.0);
-                // The projection of a delta at x is the sum of those of its parts.
+                // The projection of a delta function at x is the sum of its even and odd projections.
                 let delta = |s: &Spline, m: &DMatrix<f64>| {
                     let v = s.values(x, 0);
                     v.dot(&m.clone().cholesky().expect("a mass matrix").solve(&v))
@@ -317,7 +324,7 @@ mod tests {
         }
     }
 
-    /// Derivatives are continuous across a break up to the smoothness and no further.
+    /// Derivatives are continuous across a break up to the requested smoothness and no further.
     #[test]
     fn smoothness_is_that_asked_for() {
         for (degree, smoothness) in [(3, 1), (3, 2), (4, 3), (2, 0)] {
@@ -325,13 +332,13 @@ mod tests {
             for derivative in 0..=smoothness + 1 {
                 let jump = spline.values(0.25 - 1e-12, derivative) - spline.values(0.25, derivative);
                 let part = jump.amax() / spline.values(0.25, derivative).amax();
-                // Slopes over 1e-12 of a cell.
+                // Slopes times 1e-12 of a cell.
                 assert_eq!(part < 1e-9, derivative <= smoothness, "{degree} {smoothness} {derivative}: {part:e}");
             }
         }
     }
 
-    /// A break that stands twice takes one derivative, and is no cell.
+    /// A break listed twice reduces the number of continuous derivatives by one and is not a cell.
     #[test]
     fn double_breaks_take_a_derivative() {
         let (mut breaks, degree) = (BREAKS.to_vec(), 4);
@@ -341,10 +348,10 @@ mod tests {
         for derivative in 0..=3 {
             let jump = spline.values(0.25 - 1e-12, derivative) - spline.values(0.25, derivative);
             let part = jump.amax() / spline.values(0.25, derivative).amax();
-            // Slopes over 1e-12 of a cell.
+            // Slopes times 1e-12 of a cell.
             assert_eq!(part < 1e-9, derivative <= 2, "{derivative}: {part:e}");
         }
-        // Smooth splines are among them, with the same integrals.
+        // The space contains splines of lower degree on the same breaks; their integrals agree.
         let mass = spline.products(0, &spline, 0).cholesky().expect("a mass matrix");
         let shared = spline.products(0, &Spline::new(&breaks, 2, 1), 0);
         assert!(
@@ -353,7 +360,7 @@ mod tests {
         );
     }
 
-    /// Integrals by parts: ∫ u'v + ∫ uv' = [uv].
+    /// Integration by parts: ∫ u'v + ∫ uv' = [uv].
     #[test]
     fn products_are_integrated_exactly() {
         for spline in splines() {
@@ -367,7 +374,7 @@ mod tests {
         }
     }
 
-    /// Slopes of splines of degree p are splines of degree p − 1 with one continuous derivative less.
+    /// Derivatives of splines of degree p are splines of degree p − 1 with one continuous derivative fewer.
     #[test]
     fn slopes_lie_in_the_space_below() {
         for p in 2..=5 {

@@ -1,13 +1,14 @@
-//! A pressure over a wider disc in the place of Hertz's.
+//! Pressure on a disc larger than the contact disc, with the same low moments as Hertz's pressure.
 //!
-//! All of a body but its surface nearby sees of a pressure on a disc its moments alone. So Hertz's pressure over r_p may be spread over
-//! R ≥ r_p as
+//! The response of a body to a pressure on a disc depends only on the moments of the pressure, except at the surface
+//! near the disc. So Hertz's pressure over the radius r_p may be spread over R ≥ r_p as
 //!
 //! p(r) = Σ w_m m/(π R²) (1 − r²/R²)^{m−1},  m = 3, 4, 5,
 //!
-//! with the same ∫p = 1, ∫p r² = 2/5 r_p² and ∫p r⁴ = 8/35 r_p⁴, also for r_p = 0. Its Hankel transform, P = Σ w_m Λ_m(ξR) with
-//! Λ_m(x) = m! (2/x)^m J_m(x), differs from Hertz's, Λ_{3/2}(ξ r_p), by O(ξ⁶) for long waves and falls faster for short ones, so that
-//! larger cells carry it. What a half-space yields under it is another number: that goes with ∫P² dξ.
+//! with the same ∫p = 1, ∫p r² = 2/5 r_p² and ∫p r⁴ = 8/35 r_p⁴, also for r_p = 0. Its Hankel transform is P = Σ w_m
+//! Λ_m(ξR) with Λ_m(x) = m! (2/x)^m J_m(x). It differs from the transform of Hertz's pressure, Λ_{3/2}(ξ r_p), by O(ξ⁶)
+//! for long waves. It decreases faster for short waves, so that larger cells can resolve it. The compliance of a
+//! half-space under p differs from the compliance under Hertz's pressure: it is proportional to ∫P² dξ.
 
 use std::f64::consts::PI;
 
@@ -15,24 +16,24 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::disc::{hertz_wave, pressure_rule};
 
-/// The lowest m.
+/// Smallest exponent m.
 const LOWEST: usize = 3;
 
-/// Up to this x = ξR transforms are summed as series.
+/// Largest x = ξR for which the transforms are evaluated by their power series.
 const SERIES: f64 = 3.0;
 
-/// Hertz's pressure over a disc, spread over a wider one.
+/// Hertz's pressure, spread over a disc of radius R.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
-    /// r_p / R.
+    /// Ratio r_p / R.
     ratio: f64,
     weights: [f64; 3],
 }
 
 impl Spread {
-    /// Of Hertz's pressure over a part of the disc's radius, from 0 to 1.
+    /// Spreads Hertz's pressure of the radius r_p over a disc of radius R, for a `ratio` r_p/R from 0 to 1.
     pub fn new(ratio: f64) -> Self {
-        // ∫ s^k m (1 − s)^{m−1} ds from 0 to 1.
+        // Moments ∫ s^k m (1 − s)^{m−1} ds from 0 to 1.
         let moments = Matrix3::from_fn(|k, i| {
             let m = (LOWEST + i) as f64;
             (1..=k).map(|j| j as f64 / (m + j as f64)).product()
@@ -43,15 +44,15 @@ impl Spread {
         Self { ratio, weights: weights.into() }
     }
 
-    /// p over Hertz's pressure on the disc of radius R, at r²/R² < 1.
+    /// Ratio of p to Hertz's pressure over the same disc of radius R, at `square` = r²/R² < 1.
     pub fn over_hertz(&self, square: f64) -> f64 {
         let inside = (1.0 - square).max(0.0);
         let powers = (LOWEST..).zip(self.weights).map(|(m, w)| w * m as f64 * inside.powi(m as i32 - LOWEST as i32));
         powers.sum::<f64>() * inside.powf(LOWEST as f64 - 1.5) / 1.5
     }
 
-    /// Points and weights of p over a disc of a radius within a grid (m), with total 1 where the grid holds all of it: for each coordinate along
-    /// the first axis, those along the second.
+    /// Points and weights of p over a disc within a grid (m): for each coordinate along the first axis, the coordinates
+    /// and weights along the second axis. The total weight is 1 if the grid contains the whole disc.
     pub fn strips(&self, centre: [f64; 2], radius: f64, lines: [&[f64]; 2]) -> Vec<(f64, Vec<(f64, f64)>)> {
         let one = |(point, weight): &([f64; 2], f64)| {
             let [x, y] = [0, 1].map(|i| (point[i] - centre[i]) / radius);
@@ -62,16 +63,17 @@ impl Spread {
         strips.map(|strip| (strip[0].0[0], strip.iter().map(one).collect())).collect()
     }
 
-    /// Mean displacement of a half-space under p, weighted by p, over that under Hertz's pressure over R: ∫P² dξ over (3π/5)/R.
+    /// Mean displacement of a half-space under p, weighted by p, divided by the same under Hertz's pressure over R: ∫P²
+    /// dξ divided by (3π/5)/R.
     pub fn compliance(&self) -> f64 {
         let pairs = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
         let sum: f64 = pairs.map(|(i, j)| self.weights[i] * self.weights[j] * overlap(LOWEST + i, LOWEST + j)).sum();
         sum / (0.6 * PI)
     }
 
-    /// P at x = ξR, which is not small.
+    /// P at x = ξR, for large x.
     fn wave(&self, x: f64) -> f64 {
-        // J_{k+1} = (2k/x) J_k − J_{k−1} loses a digit at most up to J_5 where x > 3.
+        // The recurrence J_{k+1} = (2k/x) J_k − J_{k−1} loses at most one digit up to J_5 for x > 3.
         let (mut before, mut bessel) = (libm::j0(x), libm::j1(x));
         let (mut factor, mut sum) = (2.0 / x, 0.0);
         for k in 1..LOWEST + 2 {
@@ -85,17 +87,17 @@ impl Spread {
         sum
     }
 
-    /// Hertz's own transform at x = ξR.
+    /// Hankel transform Λ_{3/2}(ξ r_p) of Hertz's pressure over r_p, at x = ξR.
     pub fn hertz(&self, x: f64) -> f64 {
         hertz_wave(self.ratio * x)
     }
 
-    /// P at x = ξR.
+    /// Hankel transform P at x = ξR.
     pub fn transform(&self, x: f64) -> f64 {
         if x > SERIES { self.wave(x) } else { self.hertz(x) + self.beyond_hertz(x) }
     }
 
-    /// The weights w_m with their m.
+    /// Pairs (m, w_m).
     pub fn parts(&self) -> [(i32, f64); 3] {
         std::array::from_fn(|i| ((LOWEST + i) as i32, self.weights[i]))
     }
@@ -105,7 +107,7 @@ impl Spread {
         self.over_waves(x) + self.hertz(x).powi(2)
     }
 
-    /// P² − Λ_{3/2}², Hertz's, at x = ξR, without the terms that cancel.
+    /// P² − Λ_{3/2}² at x = ξR, computed without cancellation.
     pub fn over_waves(&self, x: f64) -> f64 {
         let hertz = self.hertz(x);
         if x > SERIES {
@@ -115,7 +117,7 @@ impl Spread {
         difference * (difference + 2.0 * hertz)
     }
 
-    /// P less Hertz's transform at a small x = ξR, without the terms that cancel.
+    /// P − Λ_{3/2} at a small x = ξR, computed without cancellation.
     fn beyond_hertz(&self, x: f64) -> f64 {
         let quarter = -0.25 * x * x;
         let mut terms = [1.0; 3];
@@ -146,7 +148,7 @@ mod tests {
 
     const RATIOS: [f64; 5] = [1.0, 0.7, 0.5, 0.3, 0.0];
 
-    /// ∫p, ∫p x² = r_p²/5, ∫p x⁴ = 3 r_p⁴/35 and ∫p x²y² = r_p⁴/35, for R = 1.
+    /// ∫p = 1, ∫p x² = r_p²/5, ∫p x⁴ = 3 r_p⁴/35 and ∫p x²y² = r_p⁴/35, for R = 1.
     #[test]
     fn moments_are_those_of_hertz() {
         for ratio in RATIOS {
@@ -159,14 +161,14 @@ mod tests {
             }
             let square = ratio * ratio;
             let exact = [1.0, square / 5.0, 3.0 / 35.0 * square * square, square * square / 35.0];
-            // The rule's 1e-12 times sums of weights of up to 60.
+            // The rule is accurate to 1e-12; the weights sum to up to 60.
             for (sum, exact) in sums.iter().zip(exact) {
                 assert!((sum - exact).abs() < 1e-10, "{ratio}: {sums:?}");
             }
         }
     }
 
-    /// J_m by Bessel's integral, with a rule that is exact to rounding for its periodic function.
+    /// J_m by Bessel's integral, with a rule that is exact to rounding for its periodic integrand.
     fn bessel(m: usize, x: f64) -> f64 {
         let count = 400;
         let angle = |i: usize| PI * (i as f64 + 0.5) / f64::from(count);
@@ -181,12 +183,13 @@ mod tests {
         (LOWEST..).zip(spread.weights).map(one).sum()
     }
 
-    /// ∫P² dξ by sums over waves.
+    /// The compliance is compared with a numerical integration of P² over ξ.
     #[test]
     fn compliance_is_the_integral_over_waves() {
         for ratio in RATIOS {
             let spread = Spread::new(ratio);
-            // The midpoint rule of an even entire function: exact up to what lies beyond 2π over the step and beyond the end, x⁻⁶.
+            // The midpoint rule for an even entire function. It is exact up to the transform beyond 2π/step and the
+            // part of the integral beyond the end, x⁻⁶.
             let (step, count) = (0.25, 800);
             let integral: f64 = (0..count).map(|i| step * transform(&spread, (i as f64 + 0.5) * step).powi(2)).sum();
             let found = integral / (0.6 * PI);
@@ -194,7 +197,7 @@ mod tests {
         }
     }
 
-    /// P² less Hertz's square, by Bessel's functions where these have digits.
+    /// P² − Λ_{3/2}², by Bessel functions where these have enough digits.
     #[test]
     fn waves_are_those_of_bessel() {
         for ratio in RATIOS {
@@ -204,7 +207,7 @@ mod tests {
                 // Rounding of J_m over x^m.
                 assert!((spread.over_waves(x) - plain).abs() < 1e-9, "{ratio} {x}: {} {plain}", spread.over_waves(x));
             }
-            // O(x⁶).
+            // For small x it is O(x⁶).
             let [near, far] = [1e-2, 2e-2].map(|x| spread.over_waves(x));
             assert!(ratio == 1.0 || (far / near / 64.0 - 1.0).abs() < 1e-3, "{ratio}: {near} {far}");
         }

@@ -1,25 +1,26 @@
-//! Stresses at a point: six components xx, yy, zz, yz, xz, xy, shear strains γ = 2ε.
+//! Stresses at a point, as six components xx, yy, zz, yz, xz, xy; shear strains are γ = 2ε.
 
 use nalgebra::Matrix3;
 
 use super::{Lame, Material};
 
-/// Where a component of a symmetric tensor stands among the six.
+/// Index of component (i, j) of a symmetric tensor among the six components.
 pub fn place(i: usize, j: usize) -> usize {
     if i == j { i } else { 6 - i - j }
 }
 
-/// Principal values of a stress, the largest first; tension is positive.
+/// Returns the principal values of a stress, the largest first; tension is positive.
 pub fn principal([xx, yy, zz, yz, xz, xy]: [f64; 6]) -> [f64; 3] {
     let mut values: [f64; 3] = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz).symmetric_eigenvalues().into();
     values.sort_by(|a, b| b.total_cmp(a));
     values
 }
 
-/// The largest principal value of a stress.
+/// Returns the largest principal value of a stress.
 ///
-/// By the trigonometric solution of the characteristic equation (O. K. Smith, Commun. ACM 4, 1961): good to some 1e-8 of the stress where
-/// two values meet, which is enough for a maximum, at a tenth of an eigenvalue solver's time.
+/// Uses the trigonometric solution of the characteristic equation (O. K. Smith, Commun. ACM 4, 1961). Its error is
+/// about 1e-8 of the stress where two principal values coincide, which is enough for a maximum. It takes a tenth of the
+/// time of an eigenvalue solver.
 pub fn largest_principal([xx, yy, zz, yz, xz, xy]: [f64; 6]) -> f64 {
     let mean = (xx + yy + zz) / 3.0;
     let (a, b, c) = (xx - mean, yy - mean, zz - mean);
@@ -33,25 +34,27 @@ pub fn largest_principal([xx, yy, zz, yz, xz, xy]: [f64; 6]) -> f64 {
     mean + 2.0 * size * angle.cos()
 }
 
-/// The larger principal value of a stress in a plane, of its components a, b and ab.
+/// Returns the larger principal value of a plane stress with the components a, b and ab.
 pub fn largest_in_plane([a, b, ab]: [f64; 3]) -> f64 {
     0.5 * (a + b) + (0.5 * (a - b)).hypot(ab)
 }
 
-/// The largest principal value of a stress, of its components a, b and ab in a plane, and of those across it: az, bz and zz.
+/// Returns the largest principal value of a stress with the in-plane components a, b, ab and the transverse components
+/// az, bz, zz.
 pub fn with_shear([a, b, ab]: [f64; 3], [az, bz, zz]: [f64; 3]) -> f64 {
     largest_principal([a, b, zz, bz, az, ab])
 }
 
 impl Material {
-    /// Hooke's law (4), a row for each stress over the nine ∂u_i/∂x_j (entry 3i + j), Pa.
+    /// Hooke's law (4) as a matrix, Pa: one row for each stress, one column for each ∂u_i/∂x_j (column 3i + j).
     pub fn stress_of_gradient(&self) -> [[f64; 9]; 6] {
         let Lame { lambda, mu } = self.lame();
         let mut rows = [[0.; 9]; 6];
         for i in 0..3 {
             for j in 0..3 {
                 rows[i][4 * j] += lambda;
-                // Of a shear stress both (i, j) and (j, i) come by; of a normal one the same twice.
+                // σ_ij = λ δ_ij div u + μ (∂u_i/∂x_j + ∂u_j/∂x_i). For i ≠ j the loop visits both terms; for i = j they
+                // are equal.
                 rows[place(i, j)][3 * i + j] += if i == j { 2. * mu } else { mu };
             }
         }
@@ -65,7 +68,7 @@ mod tests {
 
     #[test]
     fn principal_values_are_known() {
-        // A plane stress, and the same turned by 30° about z and then 50° about x.
+        // A plane stress, rotated by 30° about z and then by 50° about x.
         let (a, b) = (30_f64.to_radians(), 50_f64.to_radians());
         let z = Matrix3::new(a.cos(), -a.sin(), 0., a.sin(), a.cos(), 0., 0., 0., 1.);
         let x = Matrix3::new(1., 0., 0., 0., b.cos(), -b.sin(), 0., b.sin(), b.cos());
@@ -76,14 +79,14 @@ mod tests {
         assert!(found.iter().zip([40., 3., -7.]).all(|(a, b)| (a - b).abs() < 1e-13), "{found:?}");
         let largest = largest_principal([s[(0, 0)], s[(1, 1)], s[(2, 2)], s[(1, 2)], s[(0, 2)], s[(0, 1)]]);
         assert!((largest - 40.0).abs() < 1e-12, "{largest}");
-        // Two that meet, and all three.
+        // Two equal principal values, and three.
         assert!((largest_principal([5., 5., 1., 0., 0., 0.]) - 5.0).abs() < 1e-7);
         assert_eq!(largest_principal([3., 3., 3., 0., 0., 0.]), 3.0);
         // (a + b)/2 ± √(((a − b)/2)² + ab²)
         assert!((largest_in_plane([1., 7., 4.]) - 9.0).abs() < 1e-14);
     }
 
-    /// Uniaxial stress comes of stretching by E with −ν across; a rotation gives none.
+    /// A stretch with the lateral contraction ν causes uniaxial stress; a rotation causes none.
     #[test]
     fn hookes_law() {
         let material = Material { young: 70., poisson: 0.23, density: 1. };

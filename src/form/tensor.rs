@@ -1,5 +1,6 @@
-//! Fields of tensor-product splines on a rectangle or a box. Every integral of constant coefficients over it, or over a face, is a
-//! sum of products of integrals along the axes, so that no quadrature in several dimensions is needed.
+//! Fields of tensor-product splines on a rectangle or a box. Every integral with constant coefficients over the domain
+//! or a face is a sum of products of one-dimensional integrals along the axes, so that no multi-dimensional quadrature
+//! is needed.
 
 mod factorised;
 mod rows;
@@ -20,82 +21,83 @@ use rows::Rows;
 pub struct Part<const D: usize> {
     /// Number of the field.
     pub field: usize,
-    /// How often it is differentiated along each axis.
+    /// Order of the derivative along each axis.
     pub derivatives: [usize; D],
 }
 
-/// Where along an axis.
+/// Part of the domain along one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Along {
-    /// Integrated over all of it.
+    /// Integral over the whole axis.
     All,
-    /// Integrated over what an interval has of it.
+    /// Integral over the part of the axis within an interval.
     Within([f64; 2]),
-    /// At one place.
+    /// Value at one coordinate.
     At(f64),
 }
 
 /// A symmetric bilinear form: factor · ∫ (Σ parts of u)(Σ parts of v).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Square<const D: usize> {
-    /// In front of the integral.
+    /// Factor of the integral.
     pub factor: f64,
-    /// Summed, then squared.
+    /// Parts that are summed, then squared.
     pub parts: Vec<Part<D>>,
-    /// The place: all of the domain, a face or less.
+    /// Part of the domain: all of it, a face or a region of either.
     pub place: [Along; D],
 }
 
 /// A linear form: factor · ∫ part of v.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Linear<const D: usize> {
-    /// In front of the integral.
+    /// Factor of the integral.
     pub factor: f64,
-    /// What is integrated.
+    /// Integrand.
     pub part: Part<D>,
-    /// The place: all of the domain, a face or less.
+    /// Part of the domain: all of it, a face or a region of either.
     pub place: [Along; D],
 }
 
-/// Fields on one rectangle or box, each with its splines along all axes, on the same breaks.
+/// Fields on one rectangle or box. Each field has a spline along each axis, all on the same breaks.
 ///
-/// Unknowns: field by field; within a field the last axis runs fastest.
+/// Unknowns are numbered field by field; within a field the last axis runs fastest.
 #[derive(Debug, Clone)]
 pub struct Tensor<const D: usize> {
     fields: Vec<[Spline; D]>,
 }
 
-/// One product of two parts in a form.
+/// Product of two parts in a form.
 struct Term<const D: usize> {
-    /// In front of it.
+    /// Factor of the product.
     factor: f64,
-    /// The numbers of its integrals along the axes among those that are known.
+    /// Index in [`Known`] of the integrals along each axis.
     axes: [usize; D],
 }
 
 /// Integrals along one axis of products of the functions of two fields.
 struct Products {
-    /// A column for each function of the first field.
+    /// One column for each function of the first field, one row for each function of the second.
     values: DMatrix<f64>,
-    /// Functions of the second field, from the first to the last that the first field's function meets.
+    /// For each function of the first field: range of the functions of the second field from the first to the last that
+    /// overlaps it.
     met: Vec<Range<usize>>,
 }
 
-/// Integrals of products along an axis by what they are of: forms share many.
+/// Integrals of products along an axis, with their factors. They are stored because forms share many of them.
 type Known = Vec<(Factors, Products)>;
 
-/// Two fields' functions along an axis.
+/// Factors of an integral along an axis: derivatives of the functions of two fields.
 #[derive(PartialEq)]
 struct Factors {
     axis: usize,
     place: Along,
     fields: [usize; 2],
-    /// How often each is differentiated.
+    /// Order of the derivative of each field.
     derivatives: [usize; 2],
 }
 
 impl<const D: usize> Tensor<D> {
-    /// The fields by number.
+    /// Tensor-product space of fields, numbered in this order.
     pub fn new(fields: Vec<[Spline; D]>) -> Self {
         Self { fields }
     }
@@ -110,24 +112,24 @@ impl<const D: usize> Tensor<D> {
         self.fields.len()
     }
 
-    /// A field's splines along all axes.
+    /// Splines of a field along all axes.
     pub fn splines(&self, field: usize) -> &[Spline; D] {
         &self.fields[field]
     }
 
-    /// Number of the unknown with these functions of a field along the axes.
+    /// Number of the unknown for these functions of a field along the axes.
     pub fn unknown(&self, field: usize, functions: [usize; D]) -> usize {
         let axes = self.fields[field].iter().zip(functions);
         self.first(field) + axes.fold(0, |number, (spline, function)| number * spline.functions() + function)
     }
 
-    /// Unknowns of the fields before one.
+    /// Number of unknowns of the fields before `field`.
     fn first(&self, field: usize) -> usize {
         self.fields[..field].iter().map(|axes| axes.iter().map(Spline::functions).product::<usize>()).sum()
     }
 
-    /// The matrix of a sum of forms, symmetric to the last bit. Its pattern is that of the fields that the forms couple, at the places
-    /// where they do, whatever the derivatives.
+    /// Assembles the matrix of a sum of forms, symmetric to the last bit. The sparsity pattern depends on the fields
+    /// that the forms couple and on the places of the forms, but not on the derivatives.
     pub fn matrix(&self, forms: &[Square<D>]) -> CsrMatrix<f64> {
         let count = self.fields.len();
         let (mut upper, mut known) = (Rows::default(), Known::new());
@@ -147,7 +149,8 @@ impl<const D: usize> Tensor<D> {
         upper.mirrored()
     }
 
-    /// The terms of two fields in a sum of forms; those with the same integrals along the last axis one after the other.
+    /// Terms that couple two fields in a sum of forms. Terms with the same integrals along the last axis are
+    /// consecutive.
     fn terms(&self, [f, g]: [usize; 2], forms: &[Square<D>], known: &mut Known) -> Vec<Term<D>> {
         let mut terms: Vec<Term<D>> = Vec::new();
         for form in forms {
@@ -166,7 +169,7 @@ impl<const D: usize> Tensor<D> {
         terms
     }
 
-    /// The number of the products of two parts along one axis.
+    /// Index in `known` of the products of two parts along one axis; computes them if necessary.
     fn along(&self, axis: usize, place: Along, parts: [Part<D>; 2], known: &mut Known) -> usize {
         let derivatives = parts.map(|part| part.derivatives[axis]);
         let factors = Factors { axis, place, fields: parts.map(|part| part.field), derivatives };
@@ -181,9 +184,10 @@ impl<const D: usize> Tensor<D> {
             Along::At(x) => t.values(x, e) * s.values(x, d).transpose(),
         };
         let met = match place {
-            // Those of a parity all meet.
+            // Functions of one parity all overlap.
             Along::All if s.is_folded() => vec![0..t.functions(); s.functions()],
-            // No function changes its sign, so that their product's integral tells whether they meet.
+            // No function changes its sign, so two functions overlap if and only if the integral of their product is
+            // not zero.
             Along::All | Along::Within(_) if derivatives != [0, 0] => {
                 let values = parts.map(|part| Part { derivatives: [0; D], ..part });
                 let number = self.along(axis, place, values, known);
@@ -195,7 +199,8 @@ impl<const D: usize> Tensor<D> {
         known.len() - 1
     }
 
-    /// Adds the entries of a row, given with its functions, in the columns of one field, from the diagonal on.
+    /// Adds the entries of a row in the columns of one field, from the diagonal on. The row is given by its number and
+    /// functions.
     fn add_row(
         &self,
         (row, functions): (usize, [usize; D]),
@@ -213,7 +218,7 @@ impl<const D: usize> Tensor<D> {
         }) else {
             return;
         };
-        // Lines along the last axis.
+        // Rows of entries along the last axis.
         let last = hull[D - 1].clone();
         let mut starts = hull;
         starts[D - 1] = last.start..last.start + 1;
@@ -243,7 +248,7 @@ impl<const D: usize> Tensor<D> {
         }
     }
 
-    /// The vector of a sum of linear forms.
+    /// Assembles the vector of a sum of linear forms.
     pub fn vector(&self, forms: &[Linear<D>]) -> Vec<f64> {
         let mut sum = vec![0.0; self.unknowns()];
         for Linear { factor, part, place } in forms {
@@ -269,7 +274,7 @@ impl<const D: usize> Tensor<D> {
         sum[self.first(field)..].iter_mut().zip(product).for_each(|(sum, value)| *sum += value);
     }
 
-    /// Coefficients of a field that is 1 everywhere, the others zero.
+    /// Coefficients with which a field is 1 everywhere and the others are zero.
     pub fn one(&self, field: usize) -> Vec<f64> {
         let mut sum = vec![0.0; self.unknowns()];
         self.add(field, 1.0, &self.fields[field].each_ref().map(Spline::one), &mut sum);
@@ -283,7 +288,8 @@ impl<const D: usize> Tensor<D> {
         });
     }
 
-    /// Adds factor · Σ weight · (part of v) of places and weights on a line, which runs through a point along an axis.
+    /// Adds factor · Σ weight · (part of v) to a vector, for coordinates and weights on a line through a point along an
+    /// axis.
     pub fn add_line(
         &self,
         (part, factor): (Part<D>, f64),
@@ -292,7 +298,7 @@ impl<const D: usize> Tensor<D> {
         sum: &mut [f64],
     ) {
         let splines = &self.fields[part.field];
-        // The first function and the values of it and the next ones.
+        // Number of the first function, and the values of this and the next functions.
         let along: [(usize, Vec<f64>); D] = std::array::from_fn(|i| {
             let (spline, derivative) = (&splines[i], part.derivatives[i]);
             if i != axis {
@@ -314,7 +320,7 @@ impl<const D: usize> Tensor<D> {
         }
     }
 
-    /// The entries of weight · (part of v at a point) that are not zero, by ascending unknown.
+    /// Non-zero entries of weight · (part of v at a point), by ascending unknown.
     pub fn at_point(&self, part: Part<D>, point: [f64; D], weight: f64) -> Vec<(usize, f64)> {
         let mut entries = Vec::new();
         self.each_at(part, point, weight, |first, values| {
@@ -323,13 +329,13 @@ impl<const D: usize> Tensor<D> {
         entries
     }
 
-    /// Hands runs of entries of weight · (part of v at a point) to a visitor, each with its first unknown.
+    /// Calls `visit` with runs of consecutive entries of weight · (part of v at a point), each with its first unknown.
     pub fn each_at(&self, part: Part<D>, point: [f64; D], weight: f64, mut visit: impl FnMut(usize, &[f64])) {
         let splines = &self.fields[part.field];
         let values: [(usize, [f64; WIDTH]); D] =
             std::array::from_fn(|axis| splines[axis].at(point[axis], part.derivatives[axis]));
         let of_field = self.first(part.field);
-        // Functions of the axes before the last, then those of the last one in a line.
+        // Loops over the functions of all axes but the last; the functions of the last axis are one run.
         let (last, count) = (&values[D - 1], splines[D - 1].functions());
         for before in indices::<D>(std::array::from_fn(|axis| 0..if axis + 1 < D { WIDTH } else { 1 })) {
             let (mut number, mut factor) = (0, weight);
@@ -345,7 +351,7 @@ impl<const D: usize> Tensor<D> {
     }
 }
 
-/// All indices within ranges, the last running fastest.
+/// All indices within ranges; the last index runs fastest.
 fn indices<const D: usize>(ranges: [Range<usize>; D]) -> impl Iterator<Item = [usize; D]> {
     let first = ranges.each_ref().map(|range| range.start);
     let mut next = ranges.iter().all(|range| !range.is_empty()).then_some(first);
@@ -362,7 +368,7 @@ fn indices<const D: usize>(ranges: [Range<usize>; D]) -> impl Iterator<Item = [u
     })
 }
 
-/// From the first to the last value that is not zero.
+/// Range from the first to the last non-zero value.
 fn within_ends(values: &[f64]) -> Range<usize> {
     let first = values.iter().position(|v| *v != 0.0);
     first.map_or(0..0, |first| first..values.iter().rposition(|v| *v != 0.0).unwrap_or(first) + 1)

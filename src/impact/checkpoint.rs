@@ -1,4 +1,4 @@
-//! What an impact goes on from: all of its motion that the next step, and the energies after it, come from.
+//! Checkpoint of an impact simulation: the part of its state that the next step and the energies after it depend on.
 
 use std::collections::BTreeMap;
 
@@ -6,21 +6,21 @@ use petsc_wrap::Vector;
 
 use crate::error::{Error, Result};
 
-/// A moment of a run, by name.
+/// The state of a run at one time, stored as named values.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Checkpoint {
-    /// This rank's values of vectors over the body's unknowns.
+    /// Values of vectors over the body's unknowns: the part owned by this rank.
     pub vectors: BTreeMap<String, Vec<f64>>,
-    /// Numbers that all ranks have alike.
+    /// Scalars, the same on all ranks.
     pub numbers: BTreeMap<String, f64>,
-    /// What rank 0 alone knows, beside the state of the body.
+    /// Lists that only rank 0 has, in addition to the state of the body.
     pub lists: BTreeMap<String, Vec<f64>>,
 }
 
-/// Visits the values of a state in one order: to save them in a checkpoint, or to restore them from it.
+/// Visits the values of a state in a fixed order, either to save them in a checkpoint or to restore them from it.
 pub struct Visitor<'a> {
     way: Way<'a>,
-    /// Before all names.
+    /// Prefix of all names.
     prefix: String,
 }
 
@@ -30,25 +30,25 @@ enum Way<'a> {
 }
 
 impl<'a> Visitor<'a> {
-    /// Takes values to a checkpoint.
+    /// Returns a visitor that saves values in a checkpoint.
     pub fn save(checkpoint: &'a mut Checkpoint) -> Self {
         Self { way: Way::To(checkpoint), prefix: String::new() }
     }
 
-    /// Takes values from a checkpoint.
+    /// Returns a visitor that restores values from a checkpoint.
     pub fn restore(checkpoint: &'a Checkpoint) -> Self {
         Self { way: Way::From(checkpoint), prefix: String::new() }
     }
 
-    /// Whether it takes values from a checkpoint.
+    /// Whether the visitor restores values from a checkpoint.
     pub fn is_restoring(&self) -> bool {
         matches!(self.way, Way::From(_))
     }
 
-    /// Visits values whose names follow the name of their owner.
+    /// Visits values of a part of the state; their names get the prefix `name` and a dot.
     ///
     /// # Errors
-    /// Those of `visit`.
+    /// Same as `visit`.
     pub fn within(&mut self, name: &str, visit: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         let outer = self.prefix.len();
         self.prefix += name;
@@ -58,10 +58,10 @@ impl<'a> Visitor<'a> {
         carried
     }
 
-    /// A number.
+    /// Saves or restores a number.
     ///
     /// # Errors
-    /// [`Error::Output`] where the checkpoint does not have it.
+    /// [`Error::Output`] if the checkpoint does not have the number.
     pub fn number(&mut self, name: &str, value: &mut f64) -> Result<()> {
         let name = format!("{}{name}", self.prefix);
         match &mut self.way {
@@ -73,10 +73,10 @@ impl<'a> Visitor<'a> {
         Ok(())
     }
 
-    /// A whole number below 2⁵³.
+    /// Saves or restores a non-negative integer below 9e15, which a double holds exactly.
     ///
     /// # Errors
-    /// As [`Self::number`], and for what is no such number.
+    /// Same as [`Self::number`]; [`Error::Output`] if the value is not such an integer.
     pub fn count(&mut self, name: &str, value: &mut usize) -> Result<()> {
         let mut number = *value as f64;
         self.number(name, &mut number)?;
@@ -90,10 +90,10 @@ impl<'a> Visitor<'a> {
         Ok(())
     }
 
-    /// A list that rank 0 alone has.
+    /// Saves or restores a list that only rank 0 has.
     ///
     /// # Errors
-    /// As [`Self::number`].
+    /// Same as [`Self::number`].
     pub fn list(&mut self, name: &str, list: &mut Vec<f64>) -> Result<()> {
         let name = format!("{}{name}", self.prefix);
         match &mut self.way {
@@ -105,10 +105,10 @@ impl<'a> Visitor<'a> {
         Ok(())
     }
 
-    /// A vector over the body's unknowns.
+    /// Saves or restores a vector over the body's unknowns.
     ///
     /// # Errors
-    /// [`Error::Output`] where the checkpoint does not have it, or has one of another length; PETSc's.
+    /// [`Error::Output`] if the checkpoint does not have the vector or its length differs; if a PETSc call fails.
     pub fn vector(&mut self, name: &str, vector: &mut Vector) -> Result<()> {
         let name = format!("{}{name}", self.prefix);
         match &mut self.way {

@@ -1,4 +1,4 @@
-//! Estimated errors of the acceleration, by what causes them, and how they add up.
+//! Estimated errors of the acceleration and of the stresses, by cause, and the rule that combines them.
 
 use std::ops::{Add, Mul};
 
@@ -7,23 +7,23 @@ use serde::{Deserialize, Serialize};
 use crate::contact::Patch;
 use crate::scene::Measure;
 
-/// What an error comes from.
+/// Cause of an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cause {
-    /// The vectors of a basis.
+    /// The truncated basis.
     Basis,
-    /// The size of the cells.
+    /// The size of the cells (discretisation error).
     Cells,
     /// The theory of the body, compared with three-dimensional elasticity.
     Theory,
-    /// The steps in time.
+    /// The time steps.
     Steps,
-    /// The patch that stands for the contact.
+    /// The contact patch that replaces the true contact area.
     Patch,
 }
 
 impl Cause {
-    /// Its name in messages and results.
+    /// Name of the cause in messages and results.
     pub fn name(self) -> &'static str {
         match self {
             Self::Basis => "basis",
@@ -35,16 +35,18 @@ impl Cause {
     }
 }
 
-/// How errors of different causes add up: between 1, the sum, a bound, and 2, which is for independent errors of either sign. With 1 the
-/// estimates of sixty impacts were 3.5 times the errors in the median, and with 2 some were too small (docs/accuracy.md).
+/// Exponent p with which errors of different causes are combined, (Σ errorᵖ)^(1/p). An exponent of 1 is the sum, an
+/// upper bound; 2 is for independent errors of either sign. Measured on sixty impacts: with 1 the median estimate
+/// was 3.5 times the error, and with 2 some estimates were too small (docs/accuracy.md).
 const EXPONENT: f64 = 1.5;
 
-/// The part of the largest cause's error from which on another cause counts as well: an error of a fifth of it adds 6% to it.
+/// Smallest ratio to the error of the largest cause at which another cause is named as well. An error of a fifth of the
+/// largest increases the combined error by 6%.
 const MAIN_CAUSE: f64 = 0.2;
 
-/// Estimated errors of two causes together.
+/// Combines the estimated errors of two causes.
 pub fn joined(one: f64, other: f64) -> f64 {
-    // (What is without error changes nothing, to the last digit.)
+    // (A zero error leaves the other one unchanged to the last digit.)
     match (one == 0.0, other == 0.0) {
         (true, _) => other,
         (_, true) => one,
@@ -52,29 +54,30 @@ pub fn joined(one: f64, other: f64) -> f64 {
     }
 }
 
-/// What a part leaves of a whole: joined, both are the whole. None where the part is larger.
+/// Returns the error which, [`joined`] with `part`, makes `whole`. It is zero if the part is larger than the whole.
 pub fn rest(whole: f64, part: f64) -> f64 {
     (whole.powf(EXPONENT) - part.powf(EXPONENT)).max(0.0).powf(EXPONENT.recip())
 }
 
-/// Estimated errors, each over the peak of its quantity.
+/// Estimated errors, each relative to the peak of its quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Errors {
-    /// Of the acceleration in the first contact.
+    /// Error of the acceleration in the first contact.
     pub first_contact: f64,
-    /// Of the acceleration over the whole history.
+    /// Error of the acceleration over the whole time history.
     pub history: f64,
-    /// Of the largest tension in the first contact; NaN where it is not estimated.
+    /// Error of the largest tension in the first contact; NaN if it is not estimated.
     pub stress: f64,
 }
 
 impl Errors {
-    /// The same of all.
+    /// Returns errors that are all equal to `error`.
     pub fn throughout(error: f64) -> Self {
         Self { first_contact: error, history: error, stress: error }
     }
 
-    /// That of what the tolerance is for; where the stress' is not estimated, the acceleration's.
+    /// Error of the quantity that the tolerance applies to. If the error of the stress is not estimated, it is the
+    /// error of the acceleration in the first contact.
     pub fn of(&self, measure: Measure) -> f64 {
         match measure {
             Measure::Stress if !self.stress.is_nan() => self.stress,
@@ -82,7 +85,7 @@ impl Errors {
         }
     }
 
-    /// Both together.
+    /// Combines both, quantity by quantity (see [`joined`]).
     #[must_use]
     pub fn joined(self, other: Self) -> Self {
         Self {
@@ -92,7 +95,7 @@ impl Errors {
         }
     }
 
-    /// The smaller of each; a stress that is not estimated stays so.
+    /// Returns the smaller error of each quantity; an error of the stress that is not estimated remains NaN.
     #[must_use]
     pub fn min(self, other: Self) -> Self {
         let stress = if self.stress.is_nan() { self.stress } else { self.stress.min(other.stress) };
@@ -103,7 +106,7 @@ impl Errors {
         }
     }
 
-    /// The larger of each.
+    /// Returns the larger error of each quantity.
     #[must_use]
     pub fn max(self, other: Self) -> Self {
         Self {
@@ -114,7 +117,7 @@ impl Errors {
     }
 }
 
-/// Of causes that may well have the same sign.
+/// Sums errors of causes that may have the same sign.
 impl Add for Errors {
     type Output = Self;
 
@@ -136,21 +139,21 @@ impl Mul<Errors> for f64 {
     }
 }
 
-/// Errors by their causes, which are [`joined`] to the estimate.
+/// Errors by their causes; the total estimate [`joined`] combines them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ErrorEstimate {
     parts: Vec<(Cause, Errors)>,
 }
 
 impl ErrorEstimate {
-    /// With one more.
+    /// Adds the errors of a cause.
     #[must_use]
     pub fn with(mut self, cause: Cause, errors: Errors) -> Self {
         self.parts.push((cause, errors));
         self
     }
 
-    /// With that of a patch, where there is one.
+    /// Adds the error of a contact patch, if there is one.
     #[must_use]
     pub fn with_patch(self, patch: Option<&Patch>) -> Self {
         match patch {
@@ -159,30 +162,31 @@ impl ErrorEstimate {
         }
     }
 
-    /// All but those of a cause.
+    /// Returns the estimate without the errors of a cause.
     #[must_use]
     pub fn without(&self, cause: Cause) -> Self {
         Self { parts: self.parts.iter().copied().filter(|(of, _)| *of != cause).collect() }
     }
 
-    /// Of all causes together; `None` where nothing is estimated.
+    /// Combined errors of all causes; `None` if nothing is estimated.
     pub fn total(&self) -> Option<Errors> {
         self.parts.iter().map(|(_, errors)| *errors).reduce(Errors::joined)
     }
 
-    /// The names of the causes whose error is at least a fifth of the largest one's.
+    /// Names of the causes whose error is at least a fifth of the largest one.
     pub fn main_causes(&self, measure: Measure) -> Vec<&'static str> {
-        // Where the stress of one cause has no estimate, all are compared by the acceleration, as the total is.
+        // If the error of the stress is unknown for one cause, all causes are compared by the acceleration, as in the
+        // total.
         let has_stress = self.total().is_some_and(|total| !total.stress.is_nan());
         let measure = if has_stress { measure } else { Measure::Acceleration };
         let part = |errors: &Errors| errors.of(measure);
         let largest = self.parts.iter().map(|(_, errors)| part(errors)).fold(0.0, f64::max);
-        // (What is no number is not known to be small.)
+        // (A NaN error is not known to be small.)
         let is_small = |errors: &Errors| part(errors) < MAIN_CAUSE * largest;
         self.parts.iter().filter(|(_, errors)| !is_small(errors)).map(|(cause, _)| cause.name()).collect()
     }
 
-    /// The names of the causes.
+    /// Names of all causes.
     pub fn causes(&self) -> Vec<&'static str> {
         self.parts.iter().map(|(cause, _)| cause.name()).collect()
     }
@@ -192,7 +196,8 @@ impl ErrorEstimate {
 mod tests {
     use super::*;
 
-    /// What adds little is not among the main causes; where one cause has no estimate of the stress, all count by the acceleration.
+    /// Small errors are not among the main causes. If one cause has no estimate of the stress, all causes are compared
+    /// by the acceleration.
     #[test]
     fn main_causes_are_those_that_count() {
         let errors = |first_contact: f64, stress: f64| Errors { first_contact, history: first_contact, stress };
@@ -203,7 +208,7 @@ mod tests {
         assert_eq!(known.main_causes(Measure::Acceleration), ["basis"]);
         assert_eq!(known.main_causes(Measure::Stress), ["theory"]);
         assert_eq!(estimate(errors(2e-2, f64::NAN)).main_causes(Measure::Stress), ["basis"]);
-        // What is no number is not known to be small.
+        // A NaN error is not known to be small.
         let unknown = estimate(errors(f64::NAN, 3e-2));
         assert_eq!(unknown.main_causes(Measure::Acceleration), ["basis", "theory"]);
         assert!(ErrorEstimate::default().main_causes(Measure::Acceleration).is_empty());

@@ -1,4 +1,4 @@
-//! Stops a run whose energy has gone wrong.
+//! Energy gate: stops a run whose energy balance fails.
 
 use std::ops::ControlFlow;
 
@@ -10,8 +10,9 @@ use super::observer::{Observed, Observer};
 use super::step::Step;
 use crate::impact::step::at;
 
-/// What may be made from nothing where the scene sets no gate, as a part of the energy that there is: a scheme at its
-/// worst makes a small part of that, an unstable one a thousandfold within some tens of steps.
+/// Energy error at which a run counts as unstable if the scene sets no gate, relative to the initial energy plus the
+/// work of the loads. The worst error of a stable scheme is a small fraction of this; an unstable scheme reaches a
+/// thousand times this within some tens of steps.
 const BLOW_UP: f64 = 1.0;
 
 /// The energy gate of a run.
@@ -19,25 +20,27 @@ const BLOW_UP: f64 = 1.0;
 pub struct Gate {
     part: Option<f64>,
     initial: f64,
-    /// What the user can do.
+    /// Advice to the user, appended to error messages.
     advice: String,
 }
 
 impl Gate {
-    /// The gate of a scene: at a part of the initial energy, or at a blow-up.
+    /// Builds the gate of a scene. Its limit is the given fraction of the initial energy, or [`BLOW_UP`] if none is
+    /// given.
     pub(super) fn new(scene: &Scene) -> Self {
         Self { part: scene.solver.energy_gate, initial: 0.0, advice: advice(scene) }
     }
 
-    /// Whether the scene sets it.
+    /// Whether the scene sets an energy gate.
     pub(super) fn is_set(&self) -> bool {
         self.part.is_some()
     }
 
-    /// Tells an observer a step that passes; the first one sets the energy that there is.
+    /// Checks a step and passes it to an observer; step 0 sets the initial energy.
     ///
     /// # Errors
-    /// [`Error::Unstable`] where the step's balance is off, or it is not a number; the observer's.
+    /// [`Error::Unstable`] if the energy balance of the step exceeds the limit or a value is not finite; any error of
+    /// the observer.
     pub(super) fn tell(&mut self, observed: &Observed, observer: &mut dyn Observer) -> Result<ControlFlow<()>> {
         let Observed { step, reading } = observed;
         match step.number {
@@ -47,12 +50,12 @@ impl Gate {
         observer.step(step, reading)
     }
 
-    /// To a checkpoint or from it.
+    /// Saves the gate to a checkpoint or restores it.
     pub(super) fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         visitor.number("initial_energy", &mut self.initial)
     }
 
-    /// Refuses a step whose balance is off, or which is not a number.
+    /// Returns an error if the energy balance of a step exceeds the limit or a value is not finite.
     fn check(&self, step: &Step) -> Result<()> {
         let (energy, advice) = (&step.energy, &self.advice);
         if !(energy.total.is_finite() && step.contact.force.is_finite() && step.impactor.position.is_finite()) {
@@ -80,7 +83,7 @@ impl Gate {
     }
 }
 
-/// What helps against energy that comes from nowhere.
+/// Advice to the user for a run that fails the energy gate.
 fn advice(scene: &Scene) -> String {
     let steps = match scene.time.step {
         Some(_) => "A smaller time.step",

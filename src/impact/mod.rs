@@ -1,7 +1,7 @@
-//! One impact: body, impactor and contact law in time.
+//! Simulation of one impact: motion of body, impactor and contact in time.
 //!
-//! M ü + C u̇ + K u + p(u) = a F(δ) + f,  m0 q̈ = −F(δ),  δ = q − gap − aᵀu  (10), (14), from rest at t = 0, undeformed or in
-//! equilibrium.
+//! M ü + C u̇ + K u + p(u) = a F(δ) + f,  m0 q̈ = −F(δ),  δ = q − gap − aᵀu (equations (10) and (14) of the paper). At
+//! t = 0 the body is at rest, either undeformed or in equilibrium with its loads.
 
 pub mod checkpoint;
 mod estimate;
@@ -15,7 +15,7 @@ mod stepped;
 mod time_integration;
 
 pub use estimate::{Cause, ErrorEstimate, Errors, joined, rest};
-pub use modal::{ModalImpact, OF_STEPS, Steps, Trace};
+pub use modal::{ModalImpact, TIME_STEP_SHARE, Steps, Trace};
 pub use observer::{Observer, Until};
 pub use parameters::ImpactParameters;
 pub use reading::{Probe, ProbeForms, Reading, Readout};

@@ -1,4 +1,4 @@
-//! Who watches a run.
+//! Observers of a run.
 
 use std::ops::ControlFlow;
 
@@ -8,27 +8,28 @@ use super::checkpoint::Checkpoint;
 use super::reading::Reading;
 use super::step::Step;
 
-/// Who watches a run. A closure on steps is one, too.
+/// Observer of a run. Closures that take a step implement it.
 pub trait Observer {
-    /// Takes the initial state and then every accepted step, with what was read of the body there; says whether the run goes on. The
-    /// answer must be the same on all ranks.
+    /// Receives the initial state, and then every accepted step with the values read from the body. Returns whether the
+    /// run continues. The answer must be the same on all ranks.
     ///
     /// # Errors
-    /// Any: it ends the run.
+    /// Any error ends the run.
     fn step(&mut self, step: &Step, reading: &Reading) -> Result<ControlFlow<()>>;
 
-    /// Is asked now and then whether the run is to end early, while no step can be told: the first contact may still be taken back, or
-    /// all of the run is computed before its first step is told. The answer must be the same on all ranks.
+    /// Whether the run shall end early. It is called from time to time while no step can be passed on: while the first
+    /// contact may still be repeated, or while the whole run is computed before its first step is passed on. The answer
+    /// must be the same on all ranks.
     fn is_interrupted(&mut self) -> bool {
         false
     }
 
-    /// Hears after steps that the state is that of the last one it has taken, and may ask for the checkpoint from which a run goes on
-    /// there. All ranks must ask alike. While the first contact may still be taken back, this is not called. `interrupted` tells that the
-    /// run ends early, here.
+    /// Called when the state of the simulation is the last step received. The observer may request a checkpoint from
+    /// which a run can continue. All ranks must make the same request. The method is not called while the first contact
+    /// may still be repeated. `interrupted` is true if the run ends early at this step.
     ///
     /// # Errors
-    /// Any: it ends the run.
+    /// Any error ends the run.
     fn settled(&mut self, _interrupted: bool, _checkpoint: &mut dyn FnMut() -> Result<Checkpoint>) -> Result<()> {
         Ok(())
     }
@@ -40,11 +41,11 @@ impl<F: FnMut(&Step) -> Result<ControlFlow<()>>> Observer for F {
     }
 }
 
-/// Takes steps until a question, which gives the same answer on all ranks, is answered by yes.
+/// Observer that receives steps until a question is answered with yes; the answer must be the same on all ranks.
 pub struct Until<'a, F> {
-    /// The question.
+    /// The question: whether the run shall end.
     pub interrupted: &'a dyn Fn() -> bool,
-    /// Takes a step and what was read there.
+    /// Receives a step and the values read from the body.
     pub take: F,
 }
 
@@ -59,11 +60,11 @@ impl<F: FnMut(&Step, &Reading)> Observer for Until<'_, F> {
     }
 }
 
-/// A step with what was read of the body there.
+/// A step with the values read from the body.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Observed {
-    /// The step.
+    /// The step: motion of the impactor, contact and energies.
     pub step: Step,
-    /// What was read.
+    /// Values read from the body at this step.
     pub reading: Reading,
 }

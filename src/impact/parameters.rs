@@ -1,37 +1,38 @@
-//! What an impact is made of, beside its body: the numbers of impactor and contact.
+//! Parameters of the impactor and of the contact.
 
 use crate::body::Body;
 use crate::contact::Law;
 use crate::error::{Error, Result};
 use crate::scene;
 
-/// Impactor and contact as the modelled part of the body meets them.
+/// Impactor and contact, scaled to the modelled part of the body.
 ///
-/// Of a body with n-fold symmetry one part is modelled, hit by that part of the impactor: mass and force are divided by
-/// n, and the compliance c_l of the patch is multiplied, so that the indentation is the same.
+/// For a body with n-fold symmetry, only one part is modelled. It is hit by one n-th of the impactor: mass and force
+/// are divided by n, and the compliance c_l of the patch is multiplied by n, so that the indentation is the same.
 #[derive(Debug, Clone)]
 pub struct ImpactParameters {
-    /// m0 of the part, kg.
+    /// Mass m0 of one n-th of the impactor, kg.
     pub mass: f64,
-    /// Speed at t = 0, m/s.
+    /// Speed of the impactor at t = 0, m/s.
     pub speed: f64,
-    /// Distance at t = 0, m.
+    /// Distance between impactor and body at t = 0, m.
     pub gap: f64,
-    /// The impactor's weight along its direction, where it acts, N.
+    /// Component of the impactor's weight along its direction of travel, N; 0 without gravity.
     pub weight: f64,
-    /// Φ(δ) of the part.
+    /// Contact law Φ(δ) of the modelled part.
     pub law: Law,
-    /// How many such parts the whole has.
+    /// Number n of equal parts of the whole body.
     pub copies: f64,
 }
 
 impl ImpactParameters {
-    /// The parameters of a scene with its body.
+    /// Returns the parameters of an impactor on a body.
     pub fn new(impactor: &scene::Impactor, body: &Body) -> Self {
         Self::of(impactor, body.copies, body.localization.compliance)
     }
 
-    /// The parameters of an impactor with one of `copies` parts of a body, whose contact law has the compliance (m/N).
+    /// Returns the parameters of an impactor on one of `copies` parts of a body; `compliance` is c_l of the contact
+    /// law, m/N.
     pub fn of(impactor: &scene::Impactor, copies: f64, compliance: f64) -> Self {
         Self {
             mass: impactor.mass / copies,
@@ -43,20 +44,22 @@ impl ImpactParameters {
         }
     }
 
-    /// F at an approach (m) and its rate (m/s), N.
+    /// Contact force F at an approach (m) and its rate (m/s), N.
     pub(super) fn force(&self, approach: f64, rate: f64) -> f64 {
         self.law.damped(approach, rate).force
     }
 
-    /// Largest force of the same impact on a fixed half-space, N; with damping no more than that.
+    /// Upper bound of the force, N: the largest force of the same impact on a fixed half-space, with an allowance for
+    /// damping.
     pub(super) fn hardest(&self) -> f64 {
         self.law.force_law.peak_force(self.mass, self.speed) * (1.0 + self.law.damping * self.speed)
     }
 
-    /// Refuses an approach (m) beyond what the contact law can follow at its rate (m/s).
+    /// Checks that the contact law is valid at an approach (m) and its rate (m/s).
     ///
     /// # Errors
-    /// [`Error::Solve`]; [`Error::Unstable`] where no impact reaches as far.
+    /// [`Error::Solve`] if the approach is beyond the limit of the law; [`Error::Unstable`] if no impact can reach this
+    /// approach.
     pub(super) fn admit(&self, approach: f64, rate: f64) -> Result<()> {
         let law = self.law.at_rate(approach, rate);
         if approach <= law.limit() || approach.is_nan() || rate.is_nan() {
@@ -69,7 +72,8 @@ impl ImpactParameters {
                 self.copies / law.compliance
             )));
         }
-        // No impact presses harder than this on a body at rest; one that moves may do so by a little.
+        // On a body at rest the force never exceeds `hardest`; on a moving body it can be slightly larger. Ten times as
+        // much is a sign of instability.
         if law.force(approach) > 10.0 * self.hardest().max(law.force(law.limit())) {
             return Err(Error::Unstable(
                 "the motion has blown up: the time integration is unstable at this step".into(),

@@ -1,4 +1,4 @@
-//! What is read of the body at every step, besides the surface under the impactor.
+//! Values that are read from the body at every step: probes, fields and the tensions on faces.
 
 use std::rc::Rc;
 
@@ -13,29 +13,30 @@ use crate::space::evaluate::{ContactNow, ContactSize, FaceStresses, FaceTension,
 use super::step::Step;
 use super::stepped::State;
 
-/// What is to be read, in the coordinates in which a body moves. One rank has all of it, the others nothing.
+/// Specifies the values to be read, in the coordinates in which a body moves. The rank that reads has all of it, the
+/// others have empty entries.
 #[derive(Clone, Default)]
 pub struct Readout {
-    /// Where there are probes.
+    /// The probes, if there are any.
     pub probes: Option<ProbeForms>,
-    /// Where there are fields, after how many steps, and the coordinates: all of them.
+    /// If fields are written: the interval between them in steps, and the indices of all coordinates.
     pub fields: Option<(usize, Vec<Int>)>,
-    /// Where the largest tension is looked for; a rank that does not read has no faces.
+    /// Faces on which the largest tension is searched; no faces on a rank that does not read.
     pub faces: Option<Rc<FaceStresses>>,
-    /// How wide the contact is.
+    /// Size of the contact area.
     pub contact: ContactSize,
-    /// Where the largest tension of all steps is wanted alone, the one (Pa) below which no step counts.
+    /// If only the largest tension of all steps is needed: the tension (Pa) below which a step need not be searched.
     pub least_tension: Option<f64>,
 }
 
-/// What probes are made of.
+/// Linear forms of the probes.
 #[derive(Clone)]
 pub struct ProbeForms {
-    /// The coordinates that they need.
+    /// Indices of the coordinates that the forms need.
     pub columns: Vec<Int>,
-    /// Nine forms on these a probe: displacement, m, and stress, Pa.
+    /// Nine forms of these coordinates for each probe: three for the displacement, m, and six for the stress, Pa.
     pub map: Map,
-    /// What stresses near the hit lack, probe by probe.
+    /// Correction of the stress near the impact point for each probe.
     pub local: Vec<Option<LocalPoint>>,
 }
 
@@ -45,12 +46,12 @@ impl Readout {
         self.faces.iter().flat_map(|all| &all.faces).map(|face| face.name.clone()).collect()
     }
 
-    /// The points of these faces, m.
+    /// Points of these faces, m.
     pub fn face_points(&self) -> Vec<Vec<Vec3>> {
         self.faces.iter().flat_map(|all| &all.faces).map(|face| face.points.clone()).collect()
     }
 
-    /// Whether it is this rank that has it.
+    /// Whether this rank is the one that reads.
     pub(super) fn is_here(&self) -> bool {
         let probes = self.probes.as_ref().is_some_and(|probes| !probes.map.is_empty());
         let faces = self.faces.as_ref().is_some_and(|faces| !faces.faces.is_empty());
@@ -58,32 +59,32 @@ impl Readout {
     }
 }
 
-/// What a probe reads.
+/// Values read by a probe.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Probe {
-    /// m.
+    /// Displacement, m.
     pub displacement: Vec3,
-    /// m/s.
+    /// Velocity, m/s.
     pub velocity: Vec3,
-    /// The largest first, tension positive, Pa.
+    /// Principal stresses in descending order, tension positive, Pa.
     pub principal_stress: Vec3,
 }
 
-/// What was read at one step; empty where nothing is wanted, and on the ranks that do not read.
+/// Values read at one step; empty if nothing is to be read, and on the ranks that do not read.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Reading {
-    /// Of each probe.
+    /// Values of each probe.
     pub probes: Vec<Probe>,
     /// The largest tension on each face.
     pub faces: Vec<FaceTension>,
-    /// The tensions at all points of the faces, of this step or also of those since the last step that has some: a run in modal coordinates
-    /// tells the largest of all its steps with the last one.
+    /// Tensions at all points of the faces: at this step, or the largest since the last step with a map. A run in modal
+    /// coordinates stores the largest of all its steps with its last step.
     pub map: TensionMap,
-    /// All coordinates and their rates, where the step's fields are wanted.
+    /// All coordinates and their time derivatives, if the fields of this step are to be written.
     pub coordinates: Option<[Vec<f64>; 2]>,
 }
 
-/// Reads a body that is stepped in its unknowns.
+/// Reads a body that is integrated in its own unknowns.
 pub struct Reader {
     probes: Option<(Gather, ProbeForms)>,
     fields: Option<(usize, Gather)>,
@@ -94,10 +95,10 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// Of a body. Collective.
+    /// Sets up the reading of a body. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub(super) fn new(body: &Body, readout: &Readout) -> Result<Self> {
         let gather = |columns: &[Int]| Gather::new(&body.load, columns);
         Ok(Self {
@@ -118,10 +119,10 @@ impl Reader {
         })
     }
 
-    /// Reads a step's state. Collective.
+    /// Reads the state of a step. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub(super) fn read(&mut self, step: &Step, state: &State) -> Result<Reading> {
         let fetched = |gather: &mut Gather, of: &Vector| Ok::<_, crate::Error>(gather.fetch(of)?.to_vec());
         let mut reading = Reading::default();
@@ -145,13 +146,14 @@ impl Reader {
     }
 }
 
-/// The contact at a step.
+/// Force and radius of the contact at a step.
 pub(super) fn contact(size: &ContactSize, step: &Step) -> ContactNow {
     size.now(step.contact.force, step.contact.indentation)
 }
 
 impl ProbeForms {
-    /// What probes read of the values of their nine forms, and of the rates of these, under the contact.
+    /// Values of the probes from their nine forms and the time derivatives of the forms; `contact` is needed for the
+    /// stresses near the impact point.
     pub(super) fn probes(&self, (values, rates): (&[f64], &[f64]), contact: &ContactNow) -> Vec<Probe> {
         let one = |((value, rate), local): ((&[f64], &[f64]), &Option<LocalPoint>)| {
             let mut stress = [value[3], value[4], value[5], value[6], value[7], value[8]];

@@ -1,28 +1,28 @@
-//! One accepted step, as observers see it.
+//! Data of one accepted step, as observers receive it.
 
 use super::checkpoint::Visitor;
 use crate::error::{Error, Result};
 
-/// One accepted step: everything that a series holds of it. SI units.
+/// One accepted step: all values of a row of the recorded time series, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Step {
     /// Number of the step; 0 is the initial state.
     pub number: usize,
     /// Time, s.
     pub time: f64,
-    /// The impactor along its direction of travel.
+    /// Motion of the impactor along its direction of travel.
     pub impactor: Motion,
-    /// The contact.
+    /// State of the contact.
     pub contact: Contact,
-    /// The energies.
+    /// Energies of the whole body, the impactor and the contact.
     pub energy: Energy,
 }
 
 impl Step {
-    /// To a checkpoint or from it.
+    /// Saves the step to a checkpoint or restores it.
     ///
     /// # Errors
-    /// Those of [`Visitor`].
+    /// Same as [`Visitor`].
     pub fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         let Self { number, time, impactor, contact, energy } = self;
         visitor.count("number", number)?;
@@ -53,60 +53,61 @@ impl Step {
 /// Motion of the impactor along its direction of travel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Motion {
-    /// q, m.
+    /// Position q, m; 0 at t = 0.
     pub position: f64,
-    /// q̇, m/s.
+    /// Velocity q̇, m/s.
     pub velocity: f64,
-    /// F/m0, m/s²: the deceleration, positive in contact.
+    /// Deceleration F/m0 by the contact force, m/s²; positive in contact.
     pub acceleration: f64,
 }
 
 /// State of the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Contact {
-    /// F, N.
+    /// Contact force F on the whole body, N.
     pub force: f64,
-    /// α, m; negative while the bodies are apart.
+    /// Indentation α, m; negative while the bodies are apart.
     pub indentation: f64,
-    /// aᵀu, m.
+    /// Displacement of the surface under the impactor, aᵀu, m.
     pub surface_displacement: f64,
-    /// δ = q − gap − aᵀu, m: α, less the part of a patch's own dent.
+    /// Approach δ = q − gap − aᵀu, m. It equals α − c_l F, where c_l F is the local dent of the contact patch that aᵀu
+    /// contains already.
     pub approach: f64,
-    /// δ̇, m/s.
+    /// Rate of the approach, δ̇, m/s.
     pub rate: f64,
 }
 
-/// Energies, J.
+/// Energies of the whole body, J.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Energy {
-    /// ½ u̇ᵀMu̇ of the body.
+    /// Kinetic energy ½ u̇ᵀMu̇ of the body.
     pub kinetic: f64,
-    /// ½ uᵀKu of the body without its supports.
+    /// Elastic energy ½ uᵀKu of the body without its supports.
     pub elastic: f64,
     /// Potential of elastic supports and pads.
     pub support: f64,
-    /// ½ m0 q̇².
+    /// Kinetic energy ½ m0 q̇² of the impactor.
     pub impactor: f64,
     /// Potential of the contact law.
     pub contact: f64,
-    /// Lost in dampers since t = 0.
+    /// Energy lost since t = 0 by dampers, contact damping, viscoelastic parts and outgoing waves.
     pub dissipated: f64,
-    /// Work of body forces and tractions since t = 0.
+    /// Work of body forces, tractions and the impactor's weight since t = 0.
     pub external: f64,
-    /// Made (or, negative, lost) by the time integration since t = 0: what its own equations say, so that
-    /// total + dissipated − external − numerical stays at its initial value to rounding.
+    /// Energy gained (negative: lost) by the time integration since t = 0, from the discrete equations of the scheme:
+    /// total + dissipated − external − numerical remains at its initial value to rounding.
     pub numerical: f64,
-    /// kinetic + elastic + support + impactor + contact.
+    /// Total energy: kinetic + elastic + support + impactor + contact.
     pub total: f64,
 }
 
-/// An error with the step and the time that it happened at.
+/// Adds the number and the time (s) of a step to an error.
 pub(super) fn at(error: Error, number: usize, time: f64) -> Error {
     let place = format!("step {number}, t = {time:.6e} s");
     match error {
         Error::Solve(message) => Error::Solve(format!("{place}: {message}")),
         Error::Unstable(message) => Error::Unstable(format!("{place}: {message}")),
-        // Whether other ranks have it too is not known.
+        // Whether the other ranks have failed too is not known.
         Error::Petsc(error) => Error::Alone(Box::new(Error::Solve(format!("{place}: {error}")))),
         other => other,
     }

@@ -1,4 +1,5 @@
-//! What the ways to move a body have in common: step by step in its unknowns, or in modal coordinates.
+//! Common interface of the methods of time integration: step by step in the unknowns of the body, or in modal
+//! coordinates.
 
 use std::ops::ControlFlow;
 
@@ -8,56 +9,58 @@ use crate::scene::Vec3;
 use super::checkpoint::{Checkpoint, Visitor};
 use super::{Observer, Plan, Readout};
 
-/// A body and an impactor that are ready to move.
+/// A body and an impactor, ready for a run.
 pub trait TimeIntegration {
-    /// Steps of one size or chosen ones; `None` for modal coordinates in steps chosen by the error.
+    /// Steps of equal or of controlled size; `None` in modal coordinates with steps controlled by the error.
     fn plan(&self) -> Option<Plan>;
 
-    /// Number of steps to the end, where it is known.
+    /// Number of steps of the run, if it is known in advance.
     fn steps(&self) -> Option<usize>;
 
-    /// What the runs have cost so far.
+    /// Cost of the runs so far.
     fn count(&self) -> Count;
 
-    /// Where this rank's nodes lie, m; `None` for a body without a mesh.
+    /// Positions of this rank's nodes, m; `None` for a body without a mesh.
     fn nodes(&self) -> Option<&[Vec3]>;
 
-    /// Has a run read the body at each step that it tells. Collective.
+    /// Sets the values to be read from the body at each step of the next runs. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     fn set_readout(&mut self, readout: Readout) -> Result<()>;
 
-    /// Has the next run go on from a checkpoint of the same scene, and tell the steps after it. Collective.
+    /// Makes the next run continue from a checkpoint of the same scene; the observer then receives only later steps.
+    /// Collective.
     ///
     /// # Errors
-    /// [`crate::Error::Output`] where the checkpoint does not fit; PETSc's.
+    /// [`crate::Error::Output`] if the checkpoint does not fit; if a PETSc call fails.
     fn resume(&mut self, checkpoint: &Checkpoint) -> Result<()>;
 
-    /// Runs to the end, or until the observer, who gets the initial state and every accepted step, breaks off; tells which. Collective.
+    /// Runs to the end or until the observer breaks off, and returns which of the two. The observer receives the
+    /// initial state and every accepted step. Collective.
     ///
     /// # Errors
-    /// [`crate::Error::Solve`] with step and time where a step is not solved or the contact law is left, [`crate::Error::Unstable`] where
-    /// the energy gate closes; the observer's; PETSc's.
+    /// [`crate::Error::Solve`] with step and time if a step cannot be solved or the contact law becomes invalid;
+    /// [`crate::Error::Unstable`] if the energy gate stops the run; any error of the observer; if a PETSc call fails.
     fn run_watched(&mut self, observer: &mut dyn Observer) -> Result<ControlFlow<()>>;
 }
 
-/// What was done for a run.
+/// Cost of a run and its estimated error.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Count {
-    /// Steps taken, rejected ones and those of an error estimate included: each is one linear solve in the condensed step, a few with
-    /// pads.
+    /// Number of steps taken, including rejected steps and the steps of an error estimate. Each is one linear solve in
+    /// the condensed step, and a few solves with pads.
     pub solves: usize,
-    /// Newton iterations.
+    /// Number of Newton iterations.
     pub iterations: usize,
-    /// Estimated error of the acceleration over its peak, where steps are chosen by it.
+    /// Estimated error of the acceleration over its peak, if the steps are controlled by it.
     pub error: Option<f64>,
-    /// The same of the largest tension in the first contact.
+    /// Estimated error of the largest tension in the first contact over its peak.
     pub stress_error: Option<f64>,
 }
 
 impl Count {
-    /// To a checkpoint or from it.
+    /// Saves the counts to a checkpoint or restores them.
     pub(super) fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         visitor.count("solves", &mut self.solves)?;
         visitor.count("iterations", &mut self.iterations)?;

@@ -1,54 +1,57 @@
-//! One Maxwell term over one step, exactly for a strain that is linear in time over the step.
+//! One Maxwell term over one time step, exact for a strain that is linear in time over the step.
 //!
-//! The term's spring is stretched by w = u − z, and ẇ = u̇ − w/τ. With θ = Δt/τ and E = exp(−θ),
+//! The spring of the term is stretched by w = u − z, and ẇ = u̇ − w/τ. With θ = Δt/τ and E = exp(−θ),
 //!
 //! w⁺ = E w + φ Δu,   φ = (1 − E)/θ,   Δu = u⁺ − u,
 //!
-//! so that a step has the stiffness φ G for Δu and the known stress G E w. Its dashpot takes G (a w² + 2 b w Δu + c Δu²) of energy,
+//! so that a step has the stiffness φ G for Δu and the known stress G E w. The dashpot dissipates the energy
+//! G (a w² + 2 b w Δu + c Δu²),
 //!
 //! a = (1 − E²)/2,   b = (1 − E)²/(2θ),   c = (θ − 2(1 − E) + (1 − E²)/2)/θ²,
 //!
-//! the integral of w²/τ over the step. All are without cancellation from θ → 0, a spring, to θ → ∞, a dashpot.
+//! the integral of w²/τ over the step. All factors are computed without cancellation from θ → 0 (a spring) to θ → ∞ (a
+//! dashpot).
 
-/// Factors of a step of a term.
+/// Factors of a Maxwell term for one time step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Decay {
-    /// E: what is left of w where the strain does not move.
+    /// Factor E of w over a step without change of the strain.
     pub left: f64,
-    /// 1 − E.
+    /// Lost part 1 − E.
     pub lost: f64,
-    /// φ: what a strain over the step leaves in w.
+    /// Factor φ of the strain increment in w at the end of the step.
     pub taken: f64,
-    /// a, b and c of the energy that the dashpot takes.
+    /// Factors a, b and c of the energy dissipated by the dashpot.
     pub dissipated: [f64; 3],
 }
 
-/// θ below which c is summed as a series: above, a digit is lost at most.
+/// Value of θ below which c is summed as a series. Above it, at most one digit is lost.
 const SERIES: f64 = 0.5;
 
 impl Decay {
-    /// Of a step Δt and a relaxation time τ, both positive, s.
+    /// Factors for a time step Δt and a relaxation time τ, both positive, s.
     pub fn new(step: f64, time: f64) -> Self {
         let ratio = step / time;
         let lost = -(-ratio).exp_m1();
-        // So long that the ratio is zero, or so short that it is infinite, the limits stand.
+        // If the ratio is zero (a very long relaxation time) or infinite (a very short one), the limits result.
         let taken = if ratio > 0.0 { lost / ratio } else { 1.0 };
         let square = -0.5 * (-2.0 * ratio).exp_m1();
         let both = 0.5 * lost * taken;
         Self { left: (-ratio).exp(), lost, taken, dissipated: [square, both, self::square_of_strain(ratio, lost)] }
     }
 
-    /// The energy that the dashpot of a unit modulus takes in a step, from w², w Δu and Δu² at its start.
+    /// Energy dissipated in a step by a dashpot of unit modulus, from w², w Δu and Δu², with w at the start of the
+    /// step.
     pub fn loss(&self, [square, mixed, of_strain]: [f64; 3]) -> f64 {
         let [a, b, c] = self.dissipated;
         a * square + 2.0 * b * mixed + c * of_strain
     }
 }
 
-/// c = Σ_{n ≥ 3} (−1)ⁿ (2 − 2ⁿ⁻¹) θⁿ⁻²/n!, which begins with θ/3.
+/// Computes c = Σ_{n ≥ 3} (−1)ⁿ (2 − 2ⁿ⁻¹) θⁿ⁻²/n!, which begins with θ/3.
 fn square_of_strain(ratio: f64, lost: f64) -> f64 {
     if ratio > SERIES {
-        // By parts, each of which is finite however large θ is.
+        // Each part is finite for any large θ.
         return (1.0 - (2.0 * lost - 0.5 * lost * (2.0 - lost)) / ratio) / ratio;
     }
     let (mut sum, mut power, mut two) = (0.0, ratio / 6.0, 4.0);
@@ -66,7 +69,7 @@ mod tests {
     use super::*;
     use crate::element::gauss_legendre;
 
-    /// w(t) over a step by the formula in time, and its square integrated.
+    /// The step agrees with w(t) from the formula in time, and the energy with the integral of its square.
     #[test]
     fn a_step_is_the_integral_over_it() {
         let rule = gauss_legendre(20);
@@ -92,7 +95,8 @@ mod tests {
         }
     }
 
-    /// E, φ and the energies in the limits of a spring and of a dashpot, and where nothing can be told from these.
+    /// E, φ and the energies in the limits of a spring and of a dashpot; all factors stay between 0 and 1 for extreme
+    /// arguments.
     #[test]
     fn limits() {
         let spring = Decay::new(1e-9, 1.0);
@@ -100,7 +104,7 @@ mod tests {
         assert!((spring.dissipated[2] / (1e-9 / 3.0) - 1.0).abs() < 1e-8);
         let dashpot = Decay::new(1.0, 1e-9);
         assert_eq!((dashpot.left, dashpot.lost), (0.0, 1.0));
-        // η u̇ Δu = τ/Δt Δu².
+        // Dissipated energy of a dashpot, η u̇ Δu = τ/Δt Δu².
         assert!((dashpot.taken / 1e-9 - 1.0).abs() < 1e-15 && (dashpot.dissipated[2] / 1e-9 - 1.0).abs() < 1e-8);
         for (step, time) in [(1e-300, 1e300), (1e300, 1e-300), (1e-5, f64::INFINITY), (f64::MIN_POSITIVE, 1.0)] {
             let Decay { left, lost, taken, dissipated: [a, b, c] } = Decay::new(step, time);
@@ -110,7 +114,8 @@ mod tests {
         }
     }
 
-    /// What goes in is stored or dissipated: ½ w⁺² − ½ w² + loss is the stress's work, ∫ w du, which for a small step is (w + w⁺)/2 Δu.
+    /// Work is stored or dissipated: ½ w⁺² − ½ w² + loss is the work of the stress, ∫ w du, which for a small step is
+    /// (w + w⁺)/2 Δu.
     #[test]
     fn work_is_stored_or_dissipated() {
         for ratio in [1e-4, 0.2, 0.5, 3.0, 50.0] {

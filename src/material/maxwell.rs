@@ -1,32 +1,32 @@
-//! The generalised Maxwell chain.
+//! Generalised Maxwell chain (Prony series).
 
 use std::f64::consts::LN_10;
 
-/// G(t) = G∞ + Σ G_i exp(−t/τ_i).
+/// Generalised Maxwell chain with the relaxation modulus G(t) = G∞ + Σ G_i exp(−t/τ_i).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Maxwell {
-    /// G∞, Pa: what is left after all relaxation.
+    /// Equilibrium modulus G∞, Pa: the modulus after all relaxation.
     pub equilibrium: f64,
-    /// The terms, in any order.
+    /// Maxwell terms, in any order.
     pub terms: Vec<Term>,
 }
 
-/// A spring in series with a dashpot.
+/// Maxwell term: a spring in series with a dashpot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Term {
-    /// G_i, Pa.
+    /// Modulus G_i of the spring, Pa.
     pub modulus: f64,
-    /// τ_i, s.
+    /// Relaxation time τ_i, s.
     pub time: f64,
 }
 
 impl Maxwell {
-    /// G(0) = G∞ + Σ G_i, Pa.
+    /// Instantaneous modulus G(0) = G∞ + Σ G_i, Pa.
     pub fn instantaneous(&self) -> f64 {
         self.equilibrium + self.terms.iter().map(|term| term.modulus).sum::<f64>()
     }
 
-    /// G at a time (s) after a step of the strain, Pa.
+    /// Relaxation modulus G at a time (s) after a step of the strain, Pa.
     pub fn at(&self, time: f64) -> f64 {
         self.equilibrium + self.terms.iter().map(|term| term.modulus * (-time / term.time).exp()).sum::<f64>()
     }
@@ -36,19 +36,19 @@ impl Maxwell {
         self.equilibrium + self.transformed_terms(s)
     }
 
-    /// The part of [`Self::transformed`] that the terms have, Σ G_i sτ_i/(1 + sτ_i), Pa.
+    /// Contribution of the terms to [`Self::transformed`], Σ G_i sτ_i/(1 + sτ_i), Pa.
     pub fn transformed_terms(&self, s: f64) -> f64 {
-        // 1/(1 + 1/(sτ)) does not overflow.
+        // The form 1/(1 + 1/(sτ)) does not overflow.
         self.terms.iter().map(|term| term.modulus / (1.0 + 1.0 / (s * term.time))).sum()
     }
 
-    /// G′ at the angular frequency ω (1/s), Pa: the stress in phase with the strain.
+    /// Storage modulus G′ at the angular frequency ω (1/s), Pa: the stress in phase with the strain.
     pub fn storage(&self, frequency: f64) -> f64 {
         let part = |term: &Term| term.modulus / (1.0 + (frequency * term.time).powi(-2));
         self.equilibrium + self.terms.iter().map(part).sum::<f64>()
     }
 
-    /// G″ at the angular frequency ω (1/s), Pa: the stress a quarter of a period ahead of the strain.
+    /// Loss modulus G″ at the angular frequency ω (1/s), Pa: the stress a quarter of a period ahead of the strain.
     pub fn loss(&self, frequency: f64) -> f64 {
         let part = |term: &Term| {
             let x = frequency * term.time;
@@ -57,7 +57,7 @@ impl Maxwell {
         self.terms.iter().map(part).sum()
     }
 
-    /// The chain with all times multiplied by a_T, which is given by its decimal logarithm.
+    /// Returns the chain with all times multiplied by a_T, given by its decimal logarithm.
     pub fn shifted(&self, log_factor: f64) -> Self {
         let factor = (LN_10 * log_factor).exp();
         let terms = self.terms.iter().map(|term| Term { time: factor * term.time, ..*term }).collect();
@@ -79,7 +79,7 @@ mod tests {
         let chain = chain();
         assert_eq!((chain.at(0.0), chain.instantaneous()), (7.8, 7.8));
         for of in [Maxwell::transformed, Maxwell::storage] {
-            // A part sτ of the first term, and of 1/(sτ) of the last.
+            // Deviations of sτ of the last term at small s, and of 1/(sτ) of the first term at large s.
             assert!((of(&chain, 1e-12) - 0.3).abs() < 1e-10 && (of(&chain, 1e12) - 7.8).abs() < 1e-8);
         }
         assert!(chain.loss(1e-12) < 1e-10 && chain.loss(1e12) < 1e-8);
@@ -91,7 +91,7 @@ mod tests {
     fn transforms_are_those_of_the_relaxation() {
         let chain = chain();
         for s in [0.01, 1.0, 70.0, 1e4] {
-            // Simpson's rule; times span five decades, which a logarithmic variable resolves.
+            // Simpson's rule. The times span five decades, which a logarithmic variable resolves.
             let (from, to, steps) = (-30.0_f64, 4.0_f64, 40_000);
             let width = (to - from) / f64::from(steps);
             let value = |i: i32| {
@@ -100,7 +100,7 @@ mod tests {
             };
             let weight = |i: i32| if i == 0 || i == steps { 1.0 } else { [2.0, 4.0][i as usize % 2] };
             let sum: f64 = (0..=steps).map(|i| weight(i) * value(i)).sum::<f64>() * width / 3.0;
-            // The part of u below e^{−30}.
+            // The part of the integral for u below e^{−30}.
             assert!((sum / chain.transformed(s) - 1.0).abs() < 1e-11, "{s}");
             let mut complex = nalgebra::Complex::new(chain.equilibrium, 0.0);
             for term in &chain.terms {

@@ -1,9 +1,10 @@
-//! What a body is made of: linear isotropic materials, elastic in volume, elastic or viscoelastic in shear.
+//! Linear isotropic materials, elastic in volume, elastic or viscoelastic in shear.
 //!
-//! Viscoelastic shear is a generalised Maxwell chain ([`Maxwell`]): a spring beside springs in series with dashpots. A temperature scales
-//! all its times alike ([`Wlf`]). [`Decay`] is the chain's exact step, and [`Pruned`] the shorter chain that an impact needs.
+//! Viscoelastic shear is a generalised Maxwell chain ([`Maxwell`]): a spring in parallel with terms that are a spring
+//! in series with a dashpot. Temperature multiplies all relaxation times by the same factor ([`Wlf`]). [`Decay`] is the
+//! exact time step of the chain, and [`Pruned`] is the shorter chain that suffices for an impact.
 //!
-//! Nothing here knows a mesh.
+//! This module does not depend on a mesh.
 
 mod decay;
 mod maxwell;
@@ -17,43 +18,44 @@ pub use wlf::Wlf;
 
 use crate::form;
 
-/// A linear isotropic material.
+/// Linear isotropic material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
-    /// Its elastic constants at once, at t → 0, and its density. Of an elastic material they are those of all times.
+    /// Elastic constants for t → 0, and the density. For an elastic material they hold at all times.
     pub instantaneous: form::Material,
-    /// G(t) at the body's temperature; `None` for an elastic material.
+    /// Shear relaxation modulus G(t) at the temperature of the body; `None` for an elastic material.
     pub shear: Option<Maxwell>,
-    /// How the times of that depend on the temperature, where it is given: they are shifted already.
+    /// Temperature dependence of the relaxation times in `shear`, if given. It is already applied to them.
     pub shift: Option<Wlf>,
 }
 
 impl Material {
-    /// Elastic at all times.
+    /// Material that is elastic at all times.
     pub fn elastic(constants: form::Material) -> Self {
         Self { instantaneous: constants, shear: None, shift: None }
     }
 
-    /// Elastic in volume, with the bulk modulus K (Pa), and with G(t) in shear; density in kg/m³.
+    /// Material that is elastic in volume, with the bulk modulus K (Pa), and has G(t) in shear; density in kg/m³.
     ///
-    /// E = 9KG/(3K + G) and ν = (3K − 2G)/(6K + 2G) are those of the instantaneous G. A chain without terms is an elastic material.
+    /// E = 9KG/(3K + G) and ν = (3K − 2G)/(6K + 2G) are computed with the instantaneous G. A chain without terms yields
+    /// an elastic material.
     pub fn of_moduli(bulk: f64, shear: Maxwell, density: f64) -> Self {
         let instantaneous = constants([bulk, shear.instantaneous()], density);
         Self { instantaneous, shear: Some(shear).filter(|shear| !shear.terms.is_empty()), shift: None }
     }
 
-    /// Its elastic constants a time (s) after a step of the strain.
+    /// Elastic constants at a time (s) after a step of the strain.
     pub fn at(&self, time: f64) -> form::Material {
         let density = self.instantaneous.density;
         self.shear.as_ref().map_or(self.instantaneous, |shear| constants([self.bulk(), shear.at(time)], density))
     }
 
-    /// K, Pa.
+    /// Bulk modulus K, Pa.
     pub fn bulk(&self) -> f64 {
         self.instantaneous.bulk()
     }
 
-    /// Lamé's constants after all relaxation, with G∞: of an elastic material its own.
+    /// Lamé's constants after all relaxation, with G∞; for an elastic material its constants.
     pub fn relaxed(&self) -> form::Lame {
         match &self.shear {
             None => self.instantaneous.lame(),
@@ -62,7 +64,7 @@ impl Material {
     }
 }
 
-/// E = 9KG/(3K + G) and ν = (3K − 2G)/(6K + 2G).
+/// Elastic constants E = 9KG/(3K + G) and ν = (3K − 2G)/(6K + 2G).
 fn constants([bulk, shear]: [f64; 2], density: f64) -> form::Material {
     form::Material {
         young: 9.0 * bulk * shear / (3.0 * bulk + shear),
@@ -85,7 +87,7 @@ mod tests {
         assert!((mu / 10e6 - 1.0).abs() < 1e-12 && ((lambda + 2.0 * mu / 3.0) / 2e9 - 1.0).abs() < 1e-12);
         let form::Lame { lambda, mu } = material.relaxed();
         assert!(mu == 3e6 && ((lambda + 2e6) / 2e9 - 1.0).abs() < 1e-12);
-        // Without terms it is elastic.
+        // A chain without terms is elastic.
         let alone = Material::of_moduli(2e9, Maxwell { equilibrium: 3e6, terms: Vec::new() }, 1100.0);
         assert_eq!(alone.shear, None);
     }

@@ -1,44 +1,48 @@
-//! The terms of a chain that an impact can tell from springs and from nothing.
+//! Reduction of a generalised Maxwell chain to the terms that relax noticeably during an impact.
 //!
-//! A term answers a strain e(t) with the stress G_i ∫ exp(−(t − s)/τ_i) ė ds. Over a run of the length T, with |ė| ≤ ω |e| at most:
+//! The stress of a term due to a strain e(t) is G_i ∫ exp(−(t − s)/τ_i) ė ds. For a run of the length T, with |ė| ≤ ω
+//! |e|:
 //!
-//! - As a spring it would have G_i e. The difference is G_i/τ_i ∫ exp(−(t − s)/τ_i) e ds, at most **G_i (1 − exp(−T/τ_i)) |e|**.
-//! - Left out, what is missing is at most **G_i ω τ_i/(1 + ωτ_i) |e|**: the integral of the exponential, and G_i itself.
+//! - If the term is replaced by a spring, its stress is G_i e. The difference is G_i/τ_i ∫ exp(−(t − s)/τ_i) e ds, at
+//!   most **G_i (1 − exp(−T/τ_i)) |e|**.
+//! - If the term is omitted, the missing stress is at most **G_i ω τ_i/(1 + ωτ_i) |e|**, from the bounds by the
+//!   integral of the exponential and by G_i.
 //!
-//! Beside it the layer has the stress G(T) |e| or more. So a set of terms whose bounds add up to ε G(T) changes no stiffness of the body by
-//! more than the part ε: K_e, which the chain is not in, only makes the part smaller. A vibration's frequency changes by ε/2. With the
-//! response of an oscillator to the difference as a force, its displacement changes by ε ωT (2/π) of its largest at most.
+//! The stress of the whole layer is G(T) |e| or more. So a set of terms whose bounds sum to ε G(T) changes the
+//! stiffness of the body by at most the fraction ε; the elastic stiffness K_e, which does not contain the chain, only
+//! reduces this fraction. A vibration frequency changes by at most ε/2. If the difference acts as a force on an
+//! oscillator, its displacement changes by at most ε ωT (2/π) of its maximum.
 
 use std::fmt;
 
 use super::{Maxwell, Term};
 
-/// What can be told apart: times, and the part of the stiffness that may be wrong.
+/// Time scales of an impact, and the tolerated error of the stiffness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Window {
-    /// T, s: the length of the run.
+    /// Length T of the run, s.
     pub end: f64,
-    /// ω, 1/s: the highest angular frequency of the strain that matters.
+    /// Highest relevant angular frequency ω of the strain, 1/s.
     pub frequency: f64,
-    /// ε.
+    /// Tolerated fraction ε of the stiffness.
     pub tolerance: f64,
 }
 
-/// A chain of which only those terms are left that a run follows.
+/// Chain with only the terms that are computed over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pruned {
-    /// The chain, with the springs in G∞.
+    /// Reduced chain, with the springs included in G∞.
     pub chain: Maxwell,
-    /// Terms that do not relax within the run.
+    /// Number of terms that do not relax within the run.
     pub springs: usize,
-    /// Terms that have relaxed before anything happens.
+    /// Number of terms that relax before the contact force changes.
     pub relaxed: usize,
-    /// The sum of the bounds over G(T): what part of a stiffness may be wrong.
+    /// Sum of the bounds divided by G(T): bound of the relative error of the stiffness.
     pub bound: f64,
 }
 
 impl Pruned {
-    /// As few terms as a window allows: half of ε is for springs, half for what has relaxed.
+    /// Keeps as few terms as possible: half of ε is allowed for springs, half for relaxed terms.
     pub fn new(chain: &Maxwell, window: &Window) -> Self {
         let Window { end, frequency, tolerance } = *window;
         let allowed = 0.5 * tolerance * chain.at(end);
@@ -53,13 +57,13 @@ impl Pruned {
             chain: Maxwell { equilibrium: chain.equilibrium + stiff, terms: followed },
             springs: springs.len(),
             relaxed: relaxed.len(),
-            // Nothing is pruned of a chain that ends as a fluid.
+            // A chain with G(T) = 0 (a fluid) is not reduced.
             bound: if bound.is_finite() { bound } else { 0.0 },
         }
     }
 }
 
-/// Takes the terms with the least bounds out, as long as these add up to what is allowed: the terms, and the sum.
+/// Removes the terms with the smallest bounds while the bounds sum to at most `allowed`; returns the terms and the sum.
 fn take(terms: &mut Vec<Term>, allowed: f64, bound: impl Fn(&Term) -> f64) -> (Vec<Term>, f64) {
     let mut order: Vec<usize> = (0..terms.len()).collect();
     order.sort_by(|a, b| bound(&terms[*a]).total_cmp(&bound(&terms[*b])));
@@ -102,14 +106,16 @@ mod tests {
     use super::*;
     use crate::material::Decay;
 
-    /// Two terms a decade from 1e-9 s to 3e1 s, of unequal moduli, as a laminate's series has them.
+    /// Two terms per decade from 1e-9 s to 3e1 s, with unequal moduli, similar to the series of a laminate's
+    /// interlayer.
     fn series() -> Maxwell {
         let term =
             |i: i32| Term { modulus: 1e6 * (2.0 + f64::from(i * i % 7)), time: 10_f64.powf(-9.0 + 0.5 * f64::from(i)) };
         Maxwell { equilibrium: 2e6, terms: (0..22).map(term).collect() }
     }
 
-    /// A mass on a chain under half a sine of a force, by average acceleration with the chain's exact step: the displacements.
+    /// Displacements of a mass on a chain under a half-sine force, by average acceleration with the exact step of the
+    /// chain.
     fn driven(chain: &Maxwell, mass: f64, (end, steps): (f64, usize), pulse: f64) -> Vec<f64> {
         let step = end / steps as f64;
         let decays: Vec<(f64, Decay)> =
@@ -132,14 +138,14 @@ mod tests {
             .collect()
     }
 
-    /// A chain of 22 terms and the pruned one, as the only stiffness of an oscillator that a pulse drives: the bound holds, and is not
-    /// idle.
+    /// A chain of 22 terms and the reduced one, as the only stiffness of an oscillator under a pulse: the bound holds
+    /// and is not excessive.
     #[test]
     fn what_is_pruned_changes_no_more_than_the_bound() {
         let chain = series();
         for end in [1e-3, 2e-2] {
             let pulse = 0.2 * end;
-            // Half a period as long as the pulse with the modulus of that time.
+            // Half a period with the modulus at this time is equal to the pulse length.
             let frequency = std::f64::consts::PI / pulse;
             let mass = chain.at(pulse) / (frequency * frequency);
             let run = (end, 4000);
@@ -177,7 +183,7 @@ mod tests {
         assert_eq!(pruned.chain, Maxwell { equilibrium: 2e6, terms: Vec::new() });
     }
 
-    /// A chain that relaxes to nothing within the run keeps all its terms, since nothing else is left beside them.
+    /// A chain that relaxes to zero within the run keeps all its terms, since no other stiffness remains.
     #[test]
     fn a_fluid_keeps_its_terms() {
         let terms = [1e-6, 1e-3].map(|time| Term { modulus: 1e6, time });

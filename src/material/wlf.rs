@@ -1,34 +1,36 @@
-//! Time and temperature.
+//! Time–temperature shift of viscoelastic materials.
 
-/// The shift of Williams, Landel & Ferry (J. Am. Chem. Soc. 77, 1955): log₁₀ a_T = −C1 (T − T0)/(C2 + T − T0).
+/// Shift function of Williams, Landel & Ferry (J. Am. Chem. Soc. 77, 1955): log₁₀ a_T = −C1 (T − T0)/(C2 + T − T0).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wlf {
-    /// C1.
+    /// Constant C1.
     pub c1: f64,
-    /// C2, K.
+    /// Constant C2, K.
     pub c2: f64,
-    /// T0, °C: the temperature at which the relaxation times are given.
+    /// Reference temperature T0 for which the relaxation times are given, °C.
     pub reference: f64,
 }
 
-/// C2 from the glass transition, K, and the width of the range above it for which the formula was found: Williams, Landel & Ferry (1955).
+/// Constant C2 for a reference at the glass transition, K (Williams, Landel & Ferry, 1955).
 const FROM_TRANSITION: f64 = 51.6;
+/// Width of the temperature range above the glass transition in which the formula was established, K (same source).
 const RANGE: f64 = 100.0;
 
 impl Wlf {
-    /// Temperatures (°C) between which the formula usually holds: the glass transition, which follows from the pole, and 100 K above, and
-    /// the reference and 100 K above, at which the times were measured.
+    /// Temperatures (°C) between which the formula usually holds. The range is 100 K from the glass transition up,
+    /// which follows from the pole, and is extended to the reference temperature and 100 K above it, where the times
+    /// were measured.
     pub fn usual_range(&self) -> [f64; 2] {
         let transition = self.pole() + FROM_TRANSITION;
         [transition.min(self.reference), transition.max(self.reference) + RANGE]
     }
 
-    /// The temperature at which the formula has its pole, °C. It holds above.
+    /// Temperature of the formula's pole, °C. The formula holds above it.
     pub fn pole(&self) -> f64 {
         self.reference - self.c2
     }
 
-    /// log₁₀ a_T at a temperature (°C); `None` at the pole and below.
+    /// Returns log₁₀ a_T at a temperature (°C); `None` at the pole and below.
     pub fn log_shift(&self, temperature: f64) -> Option<f64> {
         let difference = temperature - self.reference;
         (temperature > self.pole()).then(|| -self.c1 * difference / (self.c2 + difference))
@@ -39,7 +41,7 @@ impl Wlf {
 mod tests {
     use super::*;
 
-    /// The constants that hold for many polymers about the glass transition, and values computed by hand.
+    /// Constants that hold for many polymers near the glass transition, and values computed by hand.
     #[test]
     fn known_shifts() {
         let wlf = Wlf { c1: 17.44, c2: 51.6, reference: 20.0 };

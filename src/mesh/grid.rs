@@ -1,4 +1,4 @@
-//! A box cut into hexahedra by planes across its axes: the whole, or the part between its planes of symmetry.
+//! Grid of hexahedra in a box, cut by planes normal to its axes: the whole box, or its part between planes of symmetry.
 
 use std::collections::BTreeMap;
 
@@ -12,16 +12,16 @@ use super::Elements;
 use super::lattice::{BoxPart, box_part};
 use super::part::{BOUNDARY, Part};
 
-/// The grid of a box, or of a part of one.
+/// Grid of a box, or of a part of it.
 pub struct Grid {
-    /// Coordinates across each axis, m, ascending.
+    /// Coordinates of the planes normal to each axis, m, ascending.
     planes: [Vec<f64>; 3],
-    /// Whether the lowest of them is a plane of symmetry.
+    /// Whether the lowest plane of each axis is a plane of symmetry.
     mirrors: [bool; 3],
 }
 
 impl Grid {
-    /// The part of a box's grid that is solved.
+    /// Creates the grid of the computed part of a box.
     pub fn new(planes: &[Vec<f64>; 3], symmetry: &Symmetry) -> Self {
         let mut grid = Self { planes: planes.clone(), mirrors: [false; 3] };
         if let Symmetry::Quarter { axes } = symmetry {
@@ -34,20 +34,20 @@ impl Grid {
         grid
     }
 
-    /// How many such parts make the whole.
+    /// Number of such parts that make up the whole box.
     pub fn copies(&self) -> usize {
         1 << self.mirrors.iter().filter(|mirror| **mirror).count()
     }
 
-    /// This rank's cells, and its facets on the boundary, planes of symmetry included. Collective.
+    /// This rank's cells and its boundary facets, including planes of symmetry. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn part(&self, comm: &Comm, order: usize) -> Result<BoxPart> {
         if comm.size() > 1 {
             return box_part(comm, &self.planes, order);
         }
-        // On one rank nodes are numbered as PETSc numbers its own box, by which the paper's results were computed.
+        // On one rank, nodes have the numbers of PETSc's box, which were used for the results of the paper.
         let plex = self.cubes(comm)?;
         plex.label_boundary(BOUNDARY)?;
         let part = Part::new(&plex, Shape::Hexahedron, order, |vertex| self.place(vertex))?;
@@ -55,21 +55,22 @@ impl Grid {
         Ok(BoxPart { cells, facets, owned_nodes: part.numbering.owned })
     }
 
-    /// Its cells as unit cubes: [`Grid::place`] moves the vertices to the planes. Collective.
+    /// Mesh of the cells as unit cubes, whose vertices [`Grid::place`] moves to the planes. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     fn cubes(&self, comm: &Comm) -> Result<Plex> {
         let cells = self.planes.each_ref().map(|planes| planes.len() - 1);
         Ok(Plex::hexahedral_box(comm, cells, [0.0; 3], cells.map(|n| n as f64))?)
     }
 
-    /// Where a vertex of the unit cubes belongs, m.
+    /// Position of a vertex of the unit cubes in the box, m.
     fn place(&self, vertex: Vec3) -> Vec3 {
         [0, 1, 2].map(|axis| self.planes[axis][vertex[axis].round() as usize])
     }
 
-    /// Takes the facets on planes of symmetry out: those that are left, and the nodes of the others by the plane's axis.
+    /// Removes the facets on planes of symmetry. Returns the other facets, and for each axis the nodes of the removed
+    /// facets.
     pub fn cut(&self, facets: &Elements) -> (Elements, [Vec<Int>; 3]) {
         let mut outer = Elements::new(facets.shape, facets.order);
         let mut mirrored: [Vec<Int>; 3] = Default::default();
@@ -86,7 +87,7 @@ impl Grid {
         (outer, mirrored)
     }
 
-    /// The surfaces of the box by name. The faces beyond a plane of symmetry have no facets here.
+    /// Surfaces of the box by name. The faces on the other side of a plane of symmetry have no facets.
     pub fn surfaces(&self, facets: &Elements) -> BTreeMap<String, Vec<usize>> {
         let names = [["x-min", "x-max"], ["y-min", "y-max"], ["z-min", "z-max"]];
         let all = names.iter().flatten().chain(&["side", "top", "bottom"]);
@@ -107,7 +108,8 @@ impl Grid {
         surfaces
     }
 
-    /// Whether a facet lies in the lower or the upper face across an axis. Its coordinates are those of the planes exactly.
+    /// Whether a facet lies in the lower or upper face normal to an axis. Its coordinates are exactly equal to the
+    /// coordinates of the planes.
     fn lies_in(&self, x: &[Vec3], axis: usize, upper: bool) -> bool {
         let planes = &self.planes[axis];
         let face = if upper { planes.last() } else { planes.first() };

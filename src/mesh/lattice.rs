@@ -1,4 +1,5 @@
-//! A box's cells and nodes on several ranks, each of which makes its own: where a node lies in the grid tells its number and whose it is.
+//! Cells and nodes of a box on several ranks. Each rank computes its part; the position of a node in the grid
+//! determines its number and its owner.
 
 use std::ops::Range;
 
@@ -11,21 +12,21 @@ use crate::scene::Vec3;
 use super::Elements;
 use super::block::block;
 
-/// Which nodes each rank numbers. The nodes of elements of order p on n cells are p n + 1 along an axis.
+/// Node numbering of the grid. Elements of order p on n cells have p n + 1 nodes along an axis.
 struct Lattice {
     order: usize,
-    /// Of this rank and of those whose cells touch its own.
+    /// Nodes owned by this rank and by the ranks with adjacent cells.
     owners: Vec<Owned>,
 }
 
-/// The nodes that a rank owns: those of its cells, without those on their lower faces that are other cells' too.
+/// Nodes that a rank owns: the nodes of its cells, except nodes on their lower faces that also belong to other cells.
 struct Owned {
     nodes: [Range<usize>; 3],
-    /// The global number of the first. The last axis is numbered first: across a plate's few cells.
+    /// Global number of the first node. The last axis runs fastest, since a plate has few cells across it.
     first: usize,
 }
 
-/// What a rank has of a box.
+/// A rank's part of a box.
 pub(super) struct BoxPart {
     pub cells: Elements,
     /// Facets on the boundary of the grid.
@@ -47,7 +48,7 @@ impl Owned {
         self.nodes.iter().map(ExactSizeIterator::len).product()
     }
 
-    /// The number of a node, where this rank owns it.
+    /// Global number of a node, if this rank owns it.
     fn number(&self, node: [usize; 3]) -> Option<usize> {
         let [x, y, z] = &self.nodes;
         let is_own = self.nodes.iter().zip(&node).all(|(range, i)| range.contains(i));
@@ -62,10 +63,11 @@ impl Lattice {
     }
 }
 
-/// This rank's cells of a grid between planes (m), elements of an order. The same on every number of ranks but for the numbers of the nodes.
+/// This rank's cells of a grid between planes (m), with elements of an order. Except for the numbers of the nodes, the
+/// mesh does not depend on the number of ranks.
 ///
 /// # Errors
-/// More nodes than PETSc's integers number, on all ranks.
+/// If there are more nodes than PETSc's integer type can number, on all ranks.
 pub(super) fn box_part(comm: &Comm, planes: &[Vec<f64>; 3], order: usize) -> Result<BoxPart> {
     let counts = planes.each_ref().map(|planes| planes.len() - 1);
     let total = counts.iter().try_fold(3_usize, |total, n| total.checked_mul(order * n + 1)).unwrap_or(usize::MAX);
@@ -123,7 +125,7 @@ mod tests {
     use super::{Lattice, Owned};
     use crate::mesh::block::block;
 
-    /// Every node has one number, and the owners number theirs from end to end.
+    /// Every node has one number, and the numbers of each owner are contiguous.
     #[test]
     fn nodes_are_numbered_once() {
         for (cells, order) in [([5, 4, 2], 1), ([3, 3, 1], 2), ([1, 2, 7], 2)] {

@@ -1,4 +1,4 @@
-//! Where a point lies on the surface of a distributed mesh.
+//! Projection of a point onto the surface of a distributed mesh.
 
 use std::cmp::Ordering;
 
@@ -11,26 +11,26 @@ use crate::scene::Vec3;
 
 use super::{Mesh, mean};
 
-/// The point of the surface closest to a given point. The same on every rank.
+/// Point of the surface closest to a given point, the same on every rank.
 #[derive(Debug, Clone)]
 pub struct Site {
-    /// Distance between the two, m.
+    /// Distance between the point and its projection, m.
     pub distance: f64,
-    /// The point of the surface, m.
+    /// Point of the surface, m.
     pub x: Vec3,
     /// Outward unit normal of the facet.
     pub normal: Vec3,
-    /// Global numbers of the facet's nodes.
+    /// Global numbers of the nodes of the facet.
     pub nodes: Vec<Int>,
-    /// Values of their shape functions at the point.
+    /// Values of the shape functions of these nodes at the point.
     pub weights: Vec<f64>,
-    /// Longest edge of the facets that hold the point, m.
+    /// Longest edge of the facets that contain the point, m.
     pub cell: f64,
 }
 
 impl Mesh {
-    /// Finds the point of the surface closest to `point`. On an edge between facets, the facet that faces `direction`
-    /// most squarely is taken, so that the answer does not depend on the number of ranks. Collective.
+    /// Finds the point of the surface closest to `point`. On an edge between facets, the facet with the normal most
+    /// opposed to `direction` is used, so that the result does not depend on the number of ranks. Collective.
     pub fn locate(&self, point: Vec3, direction: Vec3) -> Site {
         let shape = self.facets.shape;
         let projections: Vec<(Vec3, f64)> =
@@ -39,7 +39,7 @@ impl Mesh {
         let here = projections.iter().fold(f64::INFINITY, |least, (_, distance)| least.min(*distance));
         let mut least = 0.0;
         mpi.all_reduce_into(&here, &mut least, SystemOperation::min());
-        // Facets that meet at the point differ by rounding alone.
+        // Distances to facets that meet at the point differ by rounding only.
         let near = least + 1e-12 * self.diameter;
         let holding = || (0..projections.len()).filter(|&i| projections[i].1 <= near);
         let longest = holding().map(|i| longest_edge(self.facets.x(i))).fold(0.0, f64::max);
@@ -77,13 +77,13 @@ impl Mesh {
     }
 }
 
-/// Which of several facets that hold the point is taken: how squarely it faces the direction (to six digits, past rounding),
-/// then the place of its centre. A total order that knows no partition.
+/// Order of preference among facets that contain the point: the scalar product of normal and direction (to six digits,
+/// which removes rounding), then the position of the centre. This total order does not depend on the partition.
 #[derive(Clone, Copy)]
 struct Preference([f64; 4]);
 
 impl Preference {
-    /// A part of the mesh without a facet that holds the point.
+    /// Preference of a rank without a facet that contains the point.
     const NONE: Self = Self([f64::INFINITY; 4]);
 
     fn new(x: &[Vec3], outward: Vec3, direction: Vec3) -> Self {

@@ -1,4 +1,4 @@
-//! How large the body is, and how thick under a point of its surface.
+//! Dimensions of a body, and its thickness under a point of its surface.
 
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
@@ -8,32 +8,32 @@ use super::{Mesh, Site, mean};
 use crate::element::{Element, Quadrature, Table};
 use crate::scene::Vec3;
 
-/// What a user can hold against the drawing of a body.
+/// Dimensions that a user can compare with the drawing of a body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measures {
-    /// Least and largest coordinates of the vertices, m.
+    /// Smallest and largest coordinates of the vertices, m.
     pub bounds: [Vec3; 2],
-    /// m³.
+    /// Volume, m³.
     pub volume: f64,
     /// Area of the whole boundary, m².
     pub area: f64,
-    /// By name.
+    /// Named surfaces, sorted by name.
     pub surfaces: Vec<Surface>,
-    /// How many parts share no node.
+    /// Number of parts that share no node.
     pub parts: usize,
-    /// Pairs of faces that lie on each other and do not share their nodes: the body is open there.
+    /// Number of pairs of faces that coincide but do not share their nodes, so that the body is not connected there.
     pub open_faces: usize,
 }
 
-/// Coordinates of faces that lie on each other differ by less than this part of the mesh's diameter.
+/// Largest difference in the coordinates of coinciding faces, as a fraction of the diameter of the mesh.
 const SAME: f64 = 1e-9;
 
 /// A named surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
-    /// Its name.
+    /// Name in the mesh file or of the box.
     pub name: String,
-    /// m².
+    /// Area, m².
     pub area: f64,
 }
 
@@ -63,7 +63,7 @@ impl Mesh {
         }
     }
 
-    /// Pairs of faces of the boundary with the same middle. Collective.
+    /// Number of pairs of boundary faces with the same centre. Collective.
     fn open_faces(&self) -> usize {
         let middles: Vec<f64> = (0..self.facets.len()).flat_map(|i| mean(self.facets.x(i).iter().copied())).collect();
         let all = self.comm.all_gather(&middles);
@@ -73,7 +73,7 @@ impl Mesh {
         keys.windows(2).filter(|pair| pair[0] == pair[1]).count()
     }
 
-    /// Area of some of this rank's facets and of those of the other ranks, m². Collective.
+    /// Area of the given facets of this rank plus the areas given by the other ranks, m². Collective.
     fn area(&self, facets: &[usize]) -> f64 {
         let shape = self.facets.shape;
         let table = Table::new(&Element::new(shape, 1), &Quadrature::exact(shape, 2));
@@ -92,7 +92,7 @@ impl Mesh {
     /// Volume of all cells, m³. Collective.
     pub fn volume(&self) -> f64 {
         let shape = self.cells.shape;
-        // The determinant of a trilinear map is of degree 2 in each coordinate.
+        // The determinant of a trilinear map is a polynomial of degree 2 in each coordinate.
         let table = Table::new(&Element::new(shape, 1), &Quadrature::exact(shape, 2));
         let of_cell = |x: &[Vec3]| -> f64 {
             (0..table.points()).map(|q| table.weight(q) * table.jacobian(q, x).determinant()).sum()
@@ -103,7 +103,7 @@ impl Mesh {
         all
     }
 
-    /// Where the nodes that this rank owns lie, m, in the order of their numbers. Collective.
+    /// Positions of the nodes that this rank owns, m, in the order of their numbers. Collective.
     pub fn positions(&self) -> Vec<Vec3> {
         let mut end = 0;
         self.comm.mpi().scan_into(&self.owned_nodes, &mut end, SystemOperation::sum());
@@ -111,7 +111,7 @@ impl Mesh {
         let mut positions = vec![[f64::NAN; 3]; self.owned_nodes];
         let cells = &self.cells;
         for (&node, x) in (0..cells.len()).flat_map(|i| cells.nodes(i).iter().zip(cells.node_positions(i))) {
-            // A node of another rank is known there.
+            // A node of another rank is set on that rank.
             let at = (node as usize).checked_sub(first);
             if let Some(place) = at.and_then(|at| positions.get_mut(at)) {
                 *place = x;
@@ -120,10 +120,10 @@ impl Mesh {
         positions
     }
 
-    /// Distance from a point of the surface along the inward normal there to where that line leaves the body, m.
+    /// Distance from a point of the surface along the inward normal to the point where this line leaves the body, m.
     /// Collective.
     ///
-    /// Warped quadrilaterals count as two triangles each, so that no line slips between them.
+    /// A warped quadrilateral is divided into two triangles, so that no line passes between them.
     pub fn thickness(&self, site: &Site) -> f64 {
         let (origin, inward) = (Vector3::from(site.x), -Vector3::from(site.normal));
         let rounding = 1e-9 * self.diameter;
@@ -143,8 +143,8 @@ impl Mesh {
     }
 }
 
-/// Where the line from the origin leaves through a triangle, right-handed about its outward normal; a miss by no more
-/// than rounding is a hit, since a line may follow an edge.
+/// Distance at which the line from the origin leaves through a triangle, right-handed about its outward normal. A miss
+/// within rounding counts as an intersection, since the line may follow an edge.
 fn exit([a, b, c]: [Vector3<f64>; 3], along: Vector3<f64>, rounding: f64) -> Option<f64> {
     let area = (b - a).cross(&(c - a));
     let facing = area.dot(&along);
@@ -154,7 +154,7 @@ fn exit([a, b, c]: [Vector3<f64>; 3], along: Vector3<f64>, rounding: f64) -> Opt
     let distance = a.dot(&area) / facing;
     let foot = along * distance;
     let outside = |from: Vector3<f64>, to: Vector3<f64>| {
-        // Distance of the foot from the edge's line, on the far side from the triangle.
+        // Distance of the intersection from the line of the edge, positive outside the triangle.
         let edge = to - from;
         (foot - from).cross(&edge).dot(&area) > rounding * edge.norm() * area.norm()
     };

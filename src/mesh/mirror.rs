@@ -1,10 +1,10 @@
-//! A part of a body between planes of symmetry, with its mirror image.
+//! Mirror image of a part of a body between planes of symmetry.
 
 use crate::element::{Element, Shape};
 use crate::scene::Vec3;
 
-/// Adds to points and cells their mirror image across the plane where a coordinate is zero; points on that plane are of both. Returns, for
-/// each point that was added, the one that it is the image of.
+/// Adds the mirror image of points and cells at the plane where the coordinate `axis` is zero. Points on this plane are
+/// shared. Returns the original of each added point.
 pub(crate) fn add_image(
     (shape, order): (Shape, usize),
     points: &mut Vec<Vec3>,
@@ -25,7 +25,7 @@ pub(crate) fn add_image(
         points.push(x);
         added.push(point);
     }
-    // A mirrored cell is turned inside out: its points are taken in the order of a reference cell that is mirrored, too.
+    // A mirrored cell would be inverted, so its points are taken in the order of a mirrored reference cell.
     let element = Element::new(shape, order);
     let places = element.reference_nodes();
     let mirrored = |[x, y, z]: Vec3| if shape == Shape::Hexahedron { [-x, y, z] } else { [y, x, z] };

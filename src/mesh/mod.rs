@@ -1,7 +1,7 @@
-//! A scene's geometry as cells, boundary facets by name, and numbered nodes, distributed over the ranks.
+//! Geometry of a scene as cells, named boundary facets and numbered nodes, distributed over the ranks.
 //!
-//! DMPlex numbers what bounds the cells of a file, and of a box on one rank (`plex`); on several ranks a box is numbered by its grid (`lattice`).
-//! The rest of the program sees plain arrays.
+//! For a mesh file, and for a box on one rank, DMPlex numbers the nodes (`plex`). On several ranks the nodes of a box
+//! are numbered by their position in its grid (`lattice`). The rest of the program uses plain arrays.
 
 mod block;
 mod gmsh;
@@ -26,38 +26,40 @@ pub use measure::{Measures, Surface};
 pub(crate) use mirror::add_image;
 pub use whole::Whole;
 
-/// This rank's part of a mesh. Every cell is on one rank; nodes between ranks are owned by one of them. The mesh may be that
-/// of a quarter of the body, between two planes of symmetry.
+/// This rank's part of a mesh. Every cell is on one rank; a node between ranks is owned by one of them. The mesh may be
+/// a quarter of the body, between two planes of symmetry.
 pub struct Mesh {
-    /// The ranks.
+    /// Communicator of the ranks.
     pub comm: Comm,
-    /// This rank's cells.
+    /// Cells of this rank.
     pub cells: Elements,
-    /// The number of the part of the body ([`crate::description::Description::parts`]) that each of this rank's cells is of.
+    /// For each of this rank's cells, the number of its part of the body ([`crate::description::Description::parts`]).
     pub parts_of_cells: Vec<usize>,
-    /// This rank's facets on the boundary of the whole body, planes of symmetry left out, vertices in right-handed order about the outward normal.
+    /// This rank's facets on the boundary of the whole body, without planes of symmetry. Vertices are in right-handed
+    /// order about the outward normal.
     pub facets: Elements,
-    /// Every named surface, the same names on all ranks: indices into `facets`.
+    /// Named surfaces as indices into `facets`; all ranks have the same names.
     pub surfaces: BTreeMap<String, Vec<usize>>,
-    /// Global numbers of the nodes on planes of symmetry, by the axis normal to them; those that this rank's cells touch.
+    /// For each axis, the global numbers of the nodes on the plane of symmetry normal to it, of those nodes that this
+    /// rank's cells touch.
     pub mirror_nodes: [Vec<Int>; 3],
-    /// How many such meshes make the whole body: 1, or 4 for a quarter.
+    /// Number of such meshes that make up the whole body: 1, or 4 for a quarter.
     pub copies: usize,
-    /// Nodes that this rank owns; their global numbers are contiguous.
+    /// Number of nodes that this rank owns; their global numbers are contiguous.
     pub owned_nodes: usize,
-    /// Nodes on all ranks.
+    /// Number of nodes on all ranks.
     pub nodes: usize,
-    /// Cells on all ranks.
+    /// Number of cells on all ranks.
     pub total_cells: usize,
-    /// Diagonal of the box around the mesh, m.
+    /// Diagonal of the bounding box of the mesh, m.
     pub diameter: f64,
-    /// How many parts the mesh has that share no node.
+    /// Number of parts of the mesh that share no node.
     pub parts: usize,
 }
 
 /// Cells or facets of one shape with elements of one order.
 pub struct Elements {
-    /// Shape of each.
+    /// Shape of each cell or facet.
     pub shape: Shape,
     /// Order of the elements.
     pub order: usize,
@@ -87,17 +89,17 @@ impl Elements {
         self.nodes.extend(nodes);
     }
 
-    /// How many.
+    /// Number of cells or facets.
     pub fn len(&self) -> usize {
         self.x.len() / self.vertices_each
     }
 
-    /// Whether there is none.
+    /// Whether there are no cells or facets.
     pub fn is_empty(&self) -> bool {
         self.x.is_empty()
     }
 
-    /// Nodes of each.
+    /// Number of nodes of each cell or facet.
     pub fn nodes_each(&self) -> usize {
         self.nodes_each
     }
@@ -107,7 +109,7 @@ impl Elements {
         &self.x[i * self.vertices_each..(i + 1) * self.vertices_each]
     }
 
-    /// Coordinates of the nodes of element `i`, m: each is the mean of the vertices that its edge, face or cell joins.
+    /// Coordinates of the nodes of element `i`, m. Each is the mean of the vertices of its vertex, edge, face or cell.
     pub fn node_positions(&self, i: usize) -> impl Iterator<Item = [f64; 3]> {
         let x = self.x(i);
         self.element.node_vertices().iter().map(move |of| mean(of.iter().map(|&v| x[v])))
@@ -119,7 +121,7 @@ impl Elements {
     }
 }
 
-/// Mean of some points; there must be one.
+/// Mean of some points; there must be at least one.
 pub fn mean(points: impl ExactSizeIterator<Item = [f64; 3]>) -> [f64; 3] {
     let n = points.len() as f64;
     points.fold([0.0; 3], |sum, x| [0, 1, 2].map(|i| sum[i] + x[i] / n))

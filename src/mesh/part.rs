@@ -1,4 +1,4 @@
-//! What DMPlex holds of a mesh on one rank, as arrays of cells and boundary facets.
+//! Conversion of DMPlex's mesh on one rank to arrays of cells and boundary facets.
 
 use petsc_wrap::{Int, Numbering, PhysicalGroup, Plex};
 
@@ -12,39 +12,40 @@ use super::sound::check_extent;
 /// Label of the facets on the boundary of the whole body.
 pub(super) const BOUNDARY: &str = "ricochet boundary";
 
-/// DMPlex's label of faces in physical groups, by number.
+/// DMPlex's label of the faces in physical groups, whose value is the number of the group.
 const FACES: &str = "Face Sets";
 
-/// What a physical surface marks on this rank.
+/// Faces marked by a physical surface on this rank.
 #[derive(Default)]
 pub(super) struct Mark {
-    /// Facets on the boundary of the body, by index.
+    /// Indices of facets on the boundary of the body.
     pub facets: Vec<usize>,
-    /// Faces inside the body, each counted by both of its cells.
+    /// Number of faces inside the body; each is counted by both of its cells.
     pub inside: usize,
 }
 
-/// This rank's part of a mesh while it is turned into arrays.
+/// This rank's part of a mesh during the conversion to arrays.
 pub(super) struct Part<'a> {
     plex: &'a Plex,
-    /// Of all cells.
+    /// Shape of all cells.
     pub shape: Shape,
     order: usize,
-    /// Of the nodes.
+    /// Numbering of the nodes.
     pub numbering: Numbering,
     coordinates: Vec<Vec3>,
     first_vertex: Int,
     first_face: Int,
     first_edge: Int,
-    /// Vertices of each edge, and of each face, unordered.
+    /// Vertices of each edge, in any order.
     edges: Vec<Vec<Int>>,
+    /// Vertices of each face, in any order.
     faces: Vec<Vec<Int>>,
 }
 
 impl<'a> Part<'a> {
-    /// A mesh whose cells are all of one shape; `place` moves a vertex to where it belongs. Collective.
+    /// Mesh whose cells all have one shape; `place` returns the final position of a vertex. Collective.
     pub fn new(plex: &'a Plex, shape: Shape, order: usize, place: impl Fn(Vec3) -> Vec3) -> Result<Self> {
-        // Which points carry a node of the element: P1 and Q1 vertices, P2 also edges, Q2 every point.
+        // Points that carry a node of the element: vertices for P1 and Q1, also edges for P2, all points for Q2.
         let numbering = plex.number(|dimension| match (shape, order) {
             (_, 1) => usize::from(dimension == 0),
             (Shape::Tetrahedron, _) => usize::from(dimension <= 1),
@@ -71,7 +72,7 @@ impl<'a> Part<'a> {
         Ok(Self { plex, shape, order, numbering, coordinates, first_vertex, first_face, first_edge, edges, faces })
     }
 
-    /// Cells, boundary facets, and what each group marks among the latter.
+    /// Cells, boundary facets, and the facets marked by each group.
     pub fn elements(&self, groups: &[PhysicalGroup]) -> Result<(Elements, Elements, Vec<Mark>)> {
         let element = Element::new(self.shape, self.order);
         let facet_shape = self.shape.facet();
@@ -108,11 +109,11 @@ impl<'a> Part<'a> {
     }
 }
 
-/// A cell with the points that bound it, told apart by the cell's vertices that they hold.
+/// A cell with the points of its boundary, identified by the vertices of the cell that they contain.
 struct Closure<'a> {
     part: &'a Part<'a>,
     x: Vec<Vec3>,
-    /// Bit i is set where the point holds the cell's vertex i.
+    /// Points with a bit mask: bit i is set if the point contains vertex i of the cell.
     points: Vec<(u8, Int)>,
 }
 
@@ -121,14 +122,14 @@ impl<'a> Closure<'a> {
         let closure = part.plex.closure(cell)?;
         let vertex_range = part.plex.points(0)?;
         let mut vertices: Vec<Int> = closure.iter().copied().filter(|point| vertex_range.contains(point)).collect();
-        // DMPlex lists the bottom of a hexahedron the other way round.
+        // DMPlex lists the bottom vertices of a hexahedron in the opposite sense.
         if part.shape == Shape::Hexahedron {
             vertices.swap(1, 3);
         }
         let at = |vertex: &Int| part.coordinates[(vertex - part.first_vertex) as usize];
         let x: Vec<Vec3> = vertices.iter().map(at).collect();
         if orientation(part.shape, &x) < 0.0 {
-            // A mirrored cell is the same cell: the file only lists its vertices in the other order.
+            // A mirrored cell is valid; the file lists its vertices in the opposite order.
             match part.shape {
                 Shape::Tetrahedron => vertices.swap(0, 1),
                 _ => vertices.rotate_left(4),
@@ -157,21 +158,21 @@ impl<'a> Closure<'a> {
         Ok(Self { part, x, points })
     }
 
-    /// The point that holds just these vertices of the cell.
+    /// Point that contains exactly these vertices of the cell.
     fn point(&self, vertices: &[usize]) -> Result<Int> {
         let mask = vertices.iter().fold(0u8, |mask, &i| mask | 1 << i);
         let found = self.points.iter().find(|(of, _)| *of == mask);
         Ok(found.map(|(_, point)| *point).ok_or_else(|| self.misfit())?)
     }
 
-    /// Two hexahedra that share the vertices of a face, and go round it in different orders.
+    /// Fault of two hexahedra that share the vertices of a face but in incompatible orders.
     fn misfit(&self) -> Fault {
         let [x, y, z] = super::mean(self.x.iter().copied());
         let message = format!("the cell at [{x:.6}, {y:.6}, {z:.6}] does not fit its neighbour");
         Fault::new("body.mesh", message, "mend or remake the mesh").on_one_rank()
     }
 
-    /// Global number of the node on the point that holds just these vertices.
+    /// Global number of the node on the point that contains exactly these vertices.
     fn node(&self, vertices: &[usize]) -> Result<Int> {
         Ok(self.part.numbering.first(self.point(vertices)?).0)
     }
@@ -189,7 +190,8 @@ impl Part<'_> {
     }
 }
 
-/// Triple product of three edges: negative for a mirrored cell. A hexahedron's edges join centres of opposite faces.
+/// Triple product of three edges, negative for a mirrored cell. For a hexahedron, the edges join the centres of
+/// opposite faces.
 fn orientation(shape: Shape, x: &[Vec3]) -> f64 {
     let edge = |from: &[usize], to: &[usize]| {
         let [a, b] = [from, to].map(|of| super::mean(of.iter().map(|&i| x[i])));

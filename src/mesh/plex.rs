@@ -1,4 +1,4 @@
-//! From a scene's geometry to a [`Mesh`]: files, and a box on one rank, through DMPlex.
+//! Creation of a [`Mesh`] from the geometry of a scene: a file, read through DMPlex, or a box.
 
 use std::collections::BTreeMap;
 
@@ -17,14 +17,14 @@ use super::part::{BOUNDARY, Mark, Part};
 use super::sound::check_untangled;
 use super::{Elements, Mesh};
 
-/// DMPlex's label of cells in physical groups, by number.
+/// DMPlex's label of the cells in physical groups, whose value is the number of the group.
 const CELLS: &str = "Cell Sets";
 
 impl Mesh {
-    /// Makes or reads the mesh and spreads it over the ranks. Collective.
+    /// Creates or reads the mesh and distributes it over the ranks. Collective.
     ///
     /// # Errors
-    /// A mesh file that cannot be used (a fault of `body.mesh`), the same on all ranks; PETSc's.
+    /// If a mesh file cannot be used (a fault of `body.mesh`, the same on all ranks), or if a PETSc call fails.
     pub fn new(comm: &Comm, body: &Body) -> Result<Self> {
         match &body.geometry {
             Geometry::Box { planes, .. } => {
@@ -67,7 +67,7 @@ impl Mesh {
         }
     }
 
-    /// A whole body's mesh from its parts. Collective.
+    /// Builds the mesh of a body from its cells, facets and surfaces. Collective.
     fn collect(
         comm: &Comm,
         owned_nodes: usize,
@@ -97,7 +97,7 @@ impl Mesh {
     }
 }
 
-/// The number of the layer of each cell, from below, between the heights of their interfaces (m).
+/// Number of the layer of each cell, from below, from the heights of the interfaces (m).
 fn of_layers(interfaces: &[f64], cells: &Elements) -> Vec<usize> {
     let layer = |i: usize| {
         let height = super::mean(cells.x(i).iter().copied())[2];
@@ -106,7 +106,7 @@ fn of_layers(interfaces: &[f64], cells: &Elements) -> Vec<usize> {
     (0..cells.len()).map(layer).collect()
 }
 
-/// The number of the material of each of this rank's cells, by the names of physical volumes. Collective.
+/// Number of the material of each of this rank's cells, from the names of physical volumes. Collective.
 fn of_volumes<'a>(
     plex: &Plex,
     materials: impl Iterator<Item = &'a String>,
@@ -145,7 +145,7 @@ fn of_volumes<'a>(
     Ok(parts)
 }
 
-/// Whether a name marks anything; one with faces inside the body is refused.
+/// Whether a physical surface contains any facets. A surface with faces inside the body is rejected.
 fn check_surface(comm: &Comm, name: &str, mark: &Mark) -> Result<bool> {
     let (counts, mut totals) = ([mark.facets.len(), mark.inside], [0usize; 2]);
     comm.mpi().all_reduce_into(&counts, &mut totals, SystemOperation::sum());
@@ -156,7 +156,7 @@ fn check_surface(comm: &Comm, name: &str, mark: &Mark) -> Result<bool> {
     Ok(totals[0] > 0)
 }
 
-/// Diagonal of the box around all cells.
+/// Diagonal of the bounding box of all cells, m.
 fn diameter(comm: &Comm, cells: &Elements) -> f64 {
     let mut bounds = [f64::NEG_INFINITY; 6];
     for x in (0..cells.len()).flat_map(|i| cells.x(i)) {

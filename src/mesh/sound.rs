@@ -1,4 +1,4 @@
-//! What no body's mesh has.
+//! Checks that reject unusable meshes.
 
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
@@ -11,24 +11,25 @@ use crate::scene::{Fault, Vec3};
 
 use super::{Elements, mean};
 
-/// No body reaches further from the origin, m; beyond that squares and cubes of lengths leave the numbers that there are.
-const FAR: f64 = 1e6;
+/// Largest allowed coordinate, m. No body is larger, and squares and cubes of much larger lengths would overflow.
+const LARGEST_COORDINATE: f64 = 1e6;
 
-/// Refuses coordinates that are none of a body. Collective.
+/// Rejects coordinates beyond the largest allowed one. Collective.
 pub(super) fn check_extent(comm: &Comm, coordinates: &[Vec3]) -> Result<()> {
     let here = coordinates.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
     let mut most = 0.0;
     comm.mpi().all_reduce_into(&here, &mut most, SystemOperation::max());
-    if most <= FAR {
+    if most <= LARGEST_COORDINATE {
         return Ok(());
     }
     let message = format!("the mesh has a coordinate of {most:e} m");
-    Err(Fault::new("body.mesh", message, format!("coordinates in m, of at most {FAR:e}: mend or remake the mesh"))
+    Err(Fault::new("body.mesh", message, format!("coordinates in m, of at most {LARGEST_COORDINATE:e}: mend or remake the mesh"))
         .into())
 }
 
-/// Refuses cells that are turned inside out at a vertex, as where two of their nodes are exchanged: the faces of such a cell lead nowhere.
-/// (Of a cell without such a vertex the volume may still be negative somewhere: that shows at its quadrature points.) Collective.
+/// Rejects cells that are inverted at a vertex, e.g. because two of their nodes are exchanged: the faces of such a cell
+/// do not fit its neighbours. A cell without such a vertex may still have a negative determinant inside; this is
+/// detected at its quadrature points. Collective.
 pub(super) fn check_untangled(comm: &Comm, cells: &Elements) -> Result<()> {
     let points = cells.shape.reference_vertices().to_vec();
     let at_vertices = Quadrature { weights: vec![0.0; points.len()], points };
@@ -36,7 +37,7 @@ pub(super) fn check_untangled(comm: &Comm, cells: &Elements) -> Result<()> {
     let is_tangled = |x: &[Vec3]| {
         let each: Vec<f64> = (0..table.points()).map(|q| table.jacobian(q, x).determinant()).collect();
         let largest = each.iter().fold(0.0_f64, |most, d| most.max(d.abs()));
-        // Where nodes lie on each other it is zero, but for rounding.
+        // If nodes coincide, the determinant is zero up to rounding.
         each.iter().any(|d| *d < -1e-9 * largest)
     };
     let first = (0..cells.len()).find(|i| is_tangled(cells.x(*i)));

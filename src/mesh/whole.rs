@@ -1,4 +1,4 @@
-//! All of a distributed mesh on one rank, in an order that knows no partition.
+//! A whole distributed mesh on one rank, in an order that does not depend on the partition.
 
 use std::collections::BTreeMap;
 
@@ -9,13 +9,14 @@ use crate::scene::Vec3;
 
 use super::{Mesh, add_image};
 
-/// Coordinates that differ by less than this part of the mesh's diameter are of one node.
+/// Two nodes are the same if their coordinates differ by less than this fraction of the diameter of the mesh.
 const SAME: f64 = 1e-9;
 
-/// How far out of a cell, over its size, a point still counts as in it: far above rounding.
-const NEAR: f64 = 1e-6;
+/// Distance from a cell, divided by its size, up to which a point still counts as inside; far above rounding.
+const INSIDE_TOLERANCE: f64 = 1e-6;
 
-/// A mesh with its nodes ordered by their coordinates, x first, and its cells by those of their middles; images follow.
+/// Whole mesh with its nodes ordered by their coordinates, x first, and its cells by the coordinates of their centres.
+/// Mirror images follow.
 pub struct Whole {
     /// Shape of the cells.
     pub shape: Shape,
@@ -23,24 +24,24 @@ pub struct Whole {
     pub order: usize,
     /// Coordinates of the nodes, m.
     pub nodes: Vec<Vec3>,
-    /// Number of each on the ranks, or of the one that it is the image of: the unknowns of node n are 3n, 3n + 1, 3n + 2.
+    /// Global number of each node, or of the original of a mirror image: the unknowns of node n are 3n, 3n + 1, 3n + 2.
     pub numbers: Vec<Int>,
-    /// What these are multiplied by: −1 across a plane of symmetry for an image.
+    /// Factors of the displacements of each node: −1 along the normal of a plane of symmetry for a mirror image.
     pub signs: Vec<Vec3>,
-    /// The node that it is the image of, or the node itself.
+    /// Original node of each mirror image; for other nodes the node's index.
     pub originals: Vec<usize>,
-    /// Nodes of the cells, one after the other; within a cell in the element's order, vertices first.
+    /// Nodes of all cells, one cell after the other; within a cell in the order of the element, vertices first.
     pub cells: Vec<usize>,
-    /// Nodes of each cell.
+    /// Number of nodes of each cell.
     pub nodes_each: usize,
-    /// The number of the part of the body that each cell is of.
+    /// For each cell, the number of its part of the body.
     pub parts_of_cells: Vec<usize>,
-    /// Nodes of each named surface, without images.
+    /// Nodes of each named surface, without mirror images.
     pub surfaces: BTreeMap<String, Vec<usize>>,
 }
 
 impl Mesh {
-    /// All of it on rank 0, nothing on the others. Collective.
+    /// Gathers the whole mesh on rank 0; `None` on other ranks. Collective.
     pub fn gather(&self) -> Option<Whole> {
         let cells = &self.cells;
         let (mut numbers, mut places) = (Vec::new(), Vec::new());
@@ -100,17 +101,17 @@ impl Mesh {
 }
 
 impl Whole {
-    /// How many cells.
+    /// Number of cells.
     pub fn len(&self) -> usize {
         self.cells.len() / self.nodes_each
     }
 
-    /// Whether there is none.
+    /// Whether there are no cells.
     pub fn is_empty(&self) -> bool {
         self.cells.is_empty()
     }
 
-    /// With its mirror image across the plane where a coordinate is zero.
+    /// Adds the mirror image at the plane where the coordinate `axis` is zero.
     #[must_use]
     pub fn with_image(mut self, axis: usize) -> Self {
         self.parts_of_cells.extend_from_within(..);
@@ -124,24 +125,24 @@ impl Whole {
         self
     }
 
-    /// The displacement along an axis at a node, m, of those of all unknowns.
+    /// Displacement along an axis at a node, m, from the values of all unknowns.
     pub fn displacement(&self, unknowns: &[f64], node: usize, axis: usize) -> f64 {
         self.signs[node][axis] * unknowns[3 * self.numbers[node] as usize + axis]
     }
 
-    /// Nodes of a cell.
+    /// Nodes of cell `i`.
     pub fn cell(&self, i: usize) -> &[usize] {
         &self.cells[i * self.nodes_each..(i + 1) * self.nodes_each]
     }
 
-    /// Coordinates of a cell's vertices, m.
+    /// Coordinates of the vertices of cell `i`, m.
     pub fn x(&self, i: usize) -> Vec<Vec3> {
         let vertices = self.shape.reference_vertices().len();
         self.cell(i)[..vertices].iter().map(|&node| self.nodes[node]).collect()
     }
 
-    /// The cell that holds a point (m), and the values of its shape functions there; of several cells the first. `None` outside of
-    /// the body.
+    /// Finds the cell that contains a point (m), the first one if there are several, and the values of its shape
+    /// functions there. `None` outside the body.
     pub fn locate(&self, point: Vec3) -> Option<(usize, Vec<f64>)> {
         let mut best: Option<(usize, Vec3, f64)> = None;
         for i in 0..self.len() {
@@ -152,13 +153,13 @@ impl Whole {
             let size = (0..3).map(|axis| ends(axis).1 - ends(axis).0).fold(0.0, f64::max);
             let is_far = |axis: usize| {
                 let (low, high) = ends(axis);
-                point[axis] < low - NEAR * size || point[axis] > high + NEAR * size
+                point[axis] < low - INSIDE_TOLERANCE * size || point[axis] > high + INSIDE_TOLERANCE * size
             };
             if (0..3).any(is_far) {
                 continue;
             }
             if let Some((xi, out)) = within(self.shape, &x, point)
-                && out <= NEAR
+                && out <= INSIDE_TOLERANCE
                 && best.is_none_or(|(_, _, least)| out < least - SAME)
             {
                 best = Some((i, xi, out));

@@ -1,153 +1,164 @@
-//! Cells of splines as fine as a scene needs, with the error that they leave.
+//! Chooses spline cells as fine as a scene needs, and estimates their discretisation error.
 //!
-//! What cells a tolerance takes goes with the length of the contact and what comes back from the edges, and is known by a rule of thumb
-//! only. So the force is computed on coarser cells too, on a basis as large.
+//! The cell size that a tolerance requires depends on the contact time and on the waves reflected at the edges. It is
+//! known only by a rule of thumb. The force is therefore also computed on coarser cells, with a basis of the same size.
 
 use petsc_wrap::Comm;
 use serde::{Deserialize, Serialize};
 
 use super::elastic_cells;
-use super::reduce::{OF_BASIS, Plan, Reduced, grow, reduce_from};
+use super::reduce::{BASIS_SHARE, Plan, Reduced, grow, reduce_from};
 use super::theory::{Built, Operators, build, cells_of_plate};
 use super::trials::{Trial, Trials};
 use super::watch::{Stage, Watch};
 use crate::body::{DirectSum, ModalBody, Projection};
 use crate::error::{Error, Result};
-use crate::impact::{Errors, ModalImpact, OF_STEPS, Trace, joined, rest};
+use crate::impact::{Errors, ModalImpact, TIME_STEP_SHARE, Trace, joined, rest};
 use crate::mesh::Measures;
 use crate::scene::{Measure, Model, Scene};
 use crate::space::evaluate::Evaluator;
 use crate::space::plate::crossing;
 
-/// The coarser cells over the others, and finer ones over those at least and at most.
-const COARSER: f64 = 1.5;
-pub(super) const FINER: [f64; 2] = [1.0 / COARSER, 0.85];
+/// Size of the coarser cells relative to the others; and least and largest size of finer cells relative to the present
+/// ones.
+const COARSER_CELL_FACTOR: f64 = 1.5;
+pub(super) const FINER_CELL_FACTORS: [f64; 2] = [1.0 / COARSER_CELL_FACTOR, 0.85];
 
-/// Errors fall with this power of the size, or faster: of the force, and of means of stresses (3.8 of plates at rest).
+/// Order of convergence in the cell size assumed for the force and for averaged stresses. Measured: 3.8 for the
+/// stresses of statically loaded plates.
 pub(super) const ORDER: f64 = 3.0;
 
-/// The same of solids on grids of fewer cells than [`FEW_OF_SOLIDS`]: their edges, at which stresses have no limit, are not resolved. An estimate.
+/// The same for solids on grids with fewer cells than [`FEW_OF_SOLIDS`]. They do not resolve the edges, where stresses
+/// are singular. An estimate.
 const ORDER_OF_SOLIDS: f64 = 2.0;
 const FEW_OF_SOLIDS: usize = 6;
 
-/// Order of grids with few cells, for each cell along the axis that has the fewest: they are too coarse for their own order. With three cells
-/// along a quarter of a plate the error was measured to be up to 1.6 times the difference from two. An estimate.
+/// Order of convergence of coarse grids per cell along the axis with the fewest cells: such grids do not reach their
+/// full order. With three cells along a quarter of a plate the error was measured to be up to 1.6 times the difference
+/// from two cells. An estimate.
 const ORDER_PER_CELL: f64 = 0.58;
 
-/// Order where a clamp holds the sections of an edge: stresses have no limit there. An estimate.
+/// Order of convergence if a clamp prevents the sections of an edge from warping: stresses are singular there. An
+/// estimate.
 const ORDER_AT_CLAMPS: f64 = 1.25;
 
-/// Cells at the hit over the radius of Mindlin's disc up to which they carry its pressure, and the order of the error there however few
-/// cells there are. With two and three cells the error of the force was measured to be 0.08 to 0.2 of the difference, which are orders of 4.5 and more.
-const RESOLVED: f64 = 0.7;
+/// Largest cell at the impact point, over the radius of Mindlin's disc, that resolves the disc's pressure; and the
+/// order of convergence then, for any number of cells. With two and three cells the error of the force was measured to
+/// be 0.08 to 0.2 of the difference, which corresponds to orders of 4.5 and more.
+const RESOLVING_CELL_OVER_DISC: f64 = 0.7;
 const ORDER_OF_RESOLVED: f64 = 3.5;
 
-/// The same ratio of the coarser cells where their first line is near the disc's edge, and that of the finer ones is not. The error of the coarser cells may then
-/// be small by accident, and the difference is unreliable: the error was measured to be up to 2.2 times it.
+/// Range of the same ratio for coarser cells whose first grid line is near the disc's edge, while the first line of the
+/// finer cells is not. The error of the coarser cells may then be small by accident, and the difference is unreliable:
+/// the error was measured to be up to 2.2 times the difference.
 const LINE_AT_EDGE: [f64; 2] = [0.78, 1.1];
 
-/// The least order elsewhere, however few cells there are: errors of up to 0.7 of the difference were measured, which is an order of 2.2.
+/// Least order outside that range, for any number of cells: errors of up to 0.7 of the difference were measured, which
+/// is an order of 2.2.
 const ORDER_BESIDE_EDGE: f64 = 2.0;
 
-/// The error of a solid's tension over a difference at most where the coarser cells are fewer across the thickness, too: what these change
-/// is of a higher order. 0.2 to 0.5 were measured where the difference is large.
-const OF_TENSION_ACROSS: f64 = 0.8;
+/// Largest error of a solid's tension over the difference, if the coarser grid also has fewer cells across the
+/// thickness: their effect converges with a higher order. Measured: 0.2 to 0.5 where the difference is large.
+const TENSION_FACTOR_IF_COARSER_ACROSS: f64 = 0.8;
 
-/// What the field at rest under the hit leaves of the tension, over the square of the part of the contact time on a half-space in which
-/// shear waves cross the thickness. With the pressure on a disc half as wide the tension near its peak changed by 1.3 to 2 times that.
-const OF_CROSSING: f64 = 2.5;
+/// Error of the tension by the static local field under the impactor, over the square of [`crossing`]: the time in
+/// which shear waves cross the thickness, over the contact time on a half-space. With the pressure on a disc half as
+/// wide the tension near its peak changed by 1.3 to 2 times that square.
+const LOCAL_FIELD_FACTOR: f64 = 2.5;
 
-/// Part of the tolerance that the estimate may take, where steps, basis and theory leave no more.
-pub(super) const OF_CELLS: f64 = 0.6;
+/// Share of the tolerance for the estimated discretisation error. It may be more if steps, basis and theory need less.
+pub(super) const CELL_SHARE: f64 = 0.6;
 
-/// An error over a difference at most: grids that are more alike than this do not judge each other.
+/// Largest factor from a difference to an error. The difference of two nearly equal grids does not estimate their
+/// error.
 const LARGEST_FACTOR: f64 = 3.0;
 
-/// Cells are not made finer than by this part of the rule of thumb's.
-pub(super) const FINEST: f64 = 0.25;
+/// Smallest cell size, relative to the rule of thumb.
+pub(super) const SMALLEST_CELL_FACTOR: f64 = 0.25;
 
-/// A body on cells and a basis.
+/// A reduced body with its cells.
 pub struct Fitted {
-    /// The body on its basis.
+    /// The body reduced to its basis.
     pub reduced: Reduced,
-    /// Unknowns before that.
+    /// Number of unknowns before reduction.
     pub unknowns: usize,
-    /// As [`Operators::cells`].
+    /// Number of cells, as in [`Operators::cells`].
     pub cells: Option<[usize; 3]>,
-    /// As [`Operators::cell_over_disc`].
+    /// Longest cell at the impact point over the disc's radius, as in [`Operators::cell_over_disc`].
     pub cell_over_disc: Option<f64>,
-    /// What these are of.
+    /// Description of the unknowns, for results.
     pub words: String,
-    /// Size of the cells over that by the rule of thumb.
+    /// Cell size relative to the rule of thumb.
     pub size: f64,
-    /// Estimated error by the cells, where it was looked for.
+    /// Estimated discretisation error, if it was estimated.
     pub error: Option<Errors>,
-    /// What reads the body, as [`Operators::evaluator`].
+    /// Reads stresses and displacements of the body, as [`Operators::evaluator`].
     pub evaluator: Option<Evaluator>,
-    /// As [`Operators::measures`].
+    /// Measures of a mesh file, as in [`Operators::measures`].
     pub measures: Option<Measures>,
 }
 
-/// Cells that serve a scene.
+/// Cells that are fine enough for a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CellSize {
-    /// Their size over that by the rule of thumb.
+    /// Cell size relative to the rule of thumb.
     pub size: f64,
-    /// What they leave of the force.
+    /// Estimated discretisation error.
     pub error: Errors,
-    /// Numbers of vectors, of a smaller and a larger basis, with which a basis may begin to grow, where they are known.
+    /// Numbers of vectors, of a smaller and a larger basis, with which a basis may begin to grow, if known.
     pub vectors: Option<[usize; 2]>,
 }
 
-/// Vectors of a basis on which cells are compared, at most: on bases of as many vectors the errors of these are alike, and cancel. Where short
-/// waves are kept apart these are the vectors of the smaller basis: coarser cells carry no more waves, and their difference with all of
-/// them was ten times the error.
-const SHORT: usize = 800;
+/// Largest number of basis vectors on which cells are compared. The errors of bases with the same number of vectors are
+/// similar, and cancel in the difference. If short waves are treated separately, the smaller basis of the two is used:
+/// coarser cells carry no more waves, and with all vectors the difference was ten times the error.
+const MAX_COMPARED_VECTORS: usize = 800;
 
-/// Unknowns times the square of the vectors above which no basis is made anew on finer cells, which takes as long again and longer: some
-/// five seconds. What the cells leave is told with the results.
-const DEAREST: f64 = 4e9;
+/// Largest value of unknowns times the square of the number of vectors for which cells are still refined. Such a basis
+/// takes some five seconds, and one on finer cells at least as long. Beyond this value the remaining discretisation
+/// error is reported with the results.
+const LARGEST_REFINED_COST: f64 = 4e9;
 
-/// The force on other cells.
+/// The force on coarser cells, for comparison.
 pub(super) struct Judge {
     pub force: Trace,
-    /// Vectors of its basis.
+    /// Number of vectors of the basis.
     pub vectors: usize,
     pub cells: [usize; 3],
     pub cell_over_disc: Option<f64>,
 }
 
 impl Judge {
-    /// Errors on finer cells by their differences from this.
+    /// Estimated errors on finer cells, from their differences from these cells.
     pub fn errors(&self, finer: [usize; 3], scene: &Scene, theory: Model, difference: Errors) -> Errors {
         let of_difference = self.of_difference(finer, scene, theory);
         let mut errors = of_difference * difference;
         let is_finer_across = |axis: usize| theory == Model::Solid && self.cells[axis] < finer[axis];
         if scene.struck_axis().is_some_and(is_finer_across) {
-            errors.stress = of_difference.min(OF_TENSION_ACROSS) * difference.stress;
+            errors.stress = of_difference.min(TENSION_FACTOR_IF_COARSER_ACROSS) * difference.stress;
         }
         errors
     }
 
-    /// Error on finer cells over their difference from this.
+    /// Error on finer cells over their difference from these cells.
     ///
-    /// Cells are whole numbers, so that the ratio of their numbers is not that of the sizes that were asked for.
+    /// Numbers of cells are integers, so their ratio differs from the ratio of the requested sizes.
     fn of_difference(&self, finer: [usize; 3], scene: &Scene, theory: Model) -> f64 {
         let axes = self.axes(finer, scene, theory);
         let Some(fewest) = axes.iter().map(|(cells, _)| *cells).min() else { return LARGEST_FACTOR };
-        // Grids that are alike give nothing finite.
+        // The bound keeps the result finite if the grids are equal.
         (ratio(&axes).powf(self.order(fewest, scene, theory)) - 1.0).max(LARGEST_FACTOR.recip()).recip()
     }
 
-    /// Cells along the axes that count, with those of finer ones.
+    /// Numbers of cells along the relevant axes, here and on the finer grid.
     fn axes(&self, finer: [usize; 3], scene: &Scene, theory: Model) -> Vec<(usize, usize)> {
-        // Across a thickness a solid has few cells of a high order.
+        // Across the thickness a solid has few cells of high order.
         let across = if theory == Model::Solid { scene.struck_axis() } else { None };
         let axes = (0..3).filter(|axis| Some(*axis) != across && self.cells[*axis] > 1);
         axes.map(|axis| (self.cells[axis], finer[axis])).collect()
     }
 
-    /// The power of the size with which errors fall.
+    /// Order of convergence in the cell size; `fewest` is the smallest number of cells along an axis.
     fn order(&self, fewest: usize, scene: &Scene, theory: Model) -> f64 {
         let is_solid = theory == Model::Solid;
         let is_clamped = scene.clamps_sections();
@@ -156,13 +167,14 @@ impl Judge {
         let of_few = full.min(ORDER_PER_CELL * fewest as f64);
         let [from, to] = LINE_AT_EDGE;
         match self.cell_over_disc.filter(|_| !is_solid) {
-            Some(cell) if cell <= RESOLVED => ORDER_OF_RESOLVED,
+            Some(cell) if cell <= RESOLVING_CELL_OVER_DISC => ORDER_OF_RESOLVED,
             Some(cell) if cell <= from || cell > to => at_edges.min(of_few.max(ORDER_BESIDE_EDGE)),
             _ => at_edges.min(of_few),
         }
     }
 
-    /// Scales the errors on `cells`, as compared with these coarser ones, to `finer` cells by the order of convergence.
+    /// Scales the errors on `cells`, estimated by comparison with these coarser cells, to `finer` cells by the order of
+    /// convergence.
     pub fn errors_on_finer(
         &self,
         (cells, errors): ([usize; 3], Errors),
@@ -177,21 +189,21 @@ impl Judge {
     }
 }
 
-/// How many finer cells there are to one along an axis, the mean of some.
+/// Ratio of the finer to the coarser number of cells along an axis, as the geometric mean over the axes.
 fn ratio(axes: &[(usize, usize)]) -> f64 {
     let ratios: f64 = axes.iter().map(|(cells, finer)| *finer as f64 / *cells as f64).product();
     ratios.powf(1.0 / axes.len() as f64)
 }
 
 impl Fitted {
-    /// Vectors on which cells are compared.
+    /// Number of basis vectors on which cells are compared.
     fn compared(&self) -> usize {
         let [smaller, _] = self.reduced.counts();
         let Projection { infinite_plate, .. } = &self.reduced.projection;
-        if infinite_plate.is_some() { smaller } else { self.reduced.projection.vectors().min(SHORT) }
+        if infinite_plate.is_some() { smaller } else { self.reduced.projection.vectors().min(MAX_COMPARED_VECTORS) }
     }
 
-    /// The force on the basis, or on the first vectors of a long one.
+    /// The force on the basis, or on the first `vectors` vectors of a longer one.
     pub(super) fn on_short_basis(&self, scene: &Scene, vectors: usize) -> Result<Trace> {
         let Reduced { projection, judge, force_of_judge, force: (trace, steps), .. } = &self.reduced;
         if projection.vectors() <= vectors {
@@ -204,10 +216,11 @@ impl Fitted {
     }
 }
 
-/// Reduces a body on its cells, then a body of splines in modal coordinates on finer ones where these leave too much. Collective.
+/// Reduces a body on its cells. A body of splines in modal coordinates is then refined until its discretisation error
+/// is small enough. Collective.
 ///
 /// # Errors
-/// Those of [`reduce`](super::reduce::reduce) and [`build`].
+/// Same as [`reduce`](super::reduce::reduce) and [`build`].
 pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators, watch: &dyn Watch) -> Result<Fitted> {
     if elastic_cells::serves(scene, theory) {
         return elastic_cells::fit(comm, scene, theory, built, None, watch);
@@ -215,10 +228,11 @@ pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators, watch: &
     refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, Errors::default(), watch)
 }
 
-/// The cells on which `fit` reduces a body: of layers that relax these are found without a basis of theirs, which takes longest. Collective.
+/// The cells on which `fit` reduces a body. For viscoelastic layers they are found without reducing the viscoelastic
+/// body, which takes longest. Collective.
 ///
 /// # Errors
-/// Those of `fit`.
+/// Same as `fit`.
 pub fn cell_size(comm: &Comm, scene: &Scene, theory: Model, built: Operators, watch: &dyn Watch) -> Result<CellSize> {
     if elastic_cells::serves(scene, theory)
         && let Some(found) = elastic_cells::cell_size(comm, scene, theory, &built, watch)?
@@ -230,19 +244,19 @@ pub fn cell_size(comm: &Comm, scene: &Scene, theory: Model, built: Operators, wa
     Ok(CellSize { size, error: error.unwrap_or_default(), vectors: None })
 }
 
-/// Reduces a body on the cells that it has. Collective.
+/// Reduces a body on its present cells. Collective.
 ///
 /// # Errors
-/// Those of [`reduce`](super::reduce::reduce).
+/// Same as [`reduce`](super::reduce::reduce).
 pub fn unrefined(comm: &Comm, scene: &Scene, built: Operators, watch: &dyn Watch) -> Result<Fitted> {
     fitted(comm, scene, built, (1.0, None), watch)
 }
 
-/// Reduces a body of splines, in modal coordinates, on finer cells where its own leave too much; `of_theory` is the theory's estimated error,
-/// where that counts for the tolerance. Collective.
+/// Refines the cells of a spline body in modal coordinates until its discretisation error is small enough. `of_theory`
+/// is the estimated error of the theory, if it uses a part of the tolerance. Collective.
 ///
 /// # Errors
-/// Those of [`reduce`](super::reduce::reduce) and [`build`].
+/// Same as [`reduce`](super::reduce::reduce) and [`build`].
 pub fn refine(
     comm: &Comm,
     scene: &Scene,
@@ -254,43 +268,44 @@ pub fn refine(
     let Some(mut cells) = fine.cells.filter(|_| scene.time.modal) else { return Ok(fine) };
     let mut coarse = match on_coarser_cells(comm, scene, theory, &fine, watch) {
         Ok(judge) => judge,
-        // Too coarse cells may be too soft, or too stiff, for the contact law: then finer ones judge.
+        // On too coarse cells the body may be too soft or too stiff for the contact law. The present cells are then
+        // compared with finer ones.
         Err(Error::Solve(_)) => None,
         Err(error) => return Err(error),
     };
     loop {
-        let mut finer = FINER[0];
+        let mut finer = FINER_CELL_FACTORS[0];
         if let Some(coarse) = &coarse {
             let difference = watch.shared(fine.on_short_basis(scene, coarse.vectors))?.difference(&coarse.force);
             let error = coarse.errors(cells, scene, theory, difference);
             let Errors { first_contact, history, stress } = error;
             tracing::info!(size = fine.size, unknowns = fine.unknowns, first_contact, history, stress, "cells");
-            // (What finer cells do not change counts for the estimate, not for the choice of cells.)
+            // Errors that do not depend on the cell size are part of the estimate, but not of the choice of cells.
             fine.error = Some(with_local_fields(scene, fine.evaluator.as_ref(), error));
             let wanted = allowed(scene, fine.reduced.error.joined(of_theory));
             let over = watch.agreed(error.of(scene.measure) / wanted);
-            finer = over.recip().powf(1.0 / ORDER).clamp(FINER[0], FINER[1]);
+            finer = over.recip().powf(1.0 / ORDER).clamp(FINER_CELL_FACTORS[0], FINER_CELL_FACTORS[1]);
             let cost = fine.unknowns as f64 * (fine.reduced.projection.vectors() as f64).powi(2);
-            if over <= 1.0 || finer * fine.size < FINEST || cost > DEAREST {
+            if over <= 1.0 || finer * fine.size < SMALLEST_CELL_FACTOR || cost > LARGEST_REFINED_COST {
                 return Ok(fine);
             }
         }
         let mut size = finer * fine.size;
-        // Cells are whole numbers: sizes that give the same ones are passed over.
-        while size >= FINEST && cells_of_plate(scene, theory, size) == Some(cells) {
-            size *= FINER[1];
+        // Numbers of cells are integers: sizes that give the same numbers are skipped.
+        while size >= SMALLEST_CELL_FACTOR && cells_of_plate(scene, theory, size) == Some(cells) {
+            size *= FINER_CELL_FACTORS[1];
         }
         let built = loop {
             let built = match build(comm, scene, theory, size, watch) {
                 Ok(Built::Operators(built)) => built,
-                // More unknowns than splines are made for: what is left is told with the results.
+                // The spline body would have too many unknowns. The remaining error is reported with the results.
                 Ok(Built::Given(_)) | Err(Error::Fault(_)) => return Ok(fine),
                 Err(error) => return Err(error),
             };
-            if built.cells != Some(cells) || size < FINEST {
+            if built.cells != Some(cells) || size < SMALLEST_CELL_FACTOR {
                 break built;
             }
-            size *= FINER[1];
+            size *= FINER_CELL_FACTORS[1];
         };
         let vectors = fine.compared();
         let force = watch.shared(fine.on_short_basis(scene, vectors))?;
@@ -301,30 +316,31 @@ pub fn refine(
     }
 }
 
-/// The error that the basis of another body on the same cells may have.
+/// Largest error of the basis of another body on the same cells.
 pub(super) fn of_other_bases(scene: &Scene) -> Errors {
-    Errors::throughout(OF_BASIS * scene.tolerance)
+    Errors::throughout(BASIS_SHARE * scene.tolerance)
 }
 
-/// What cells may leave beside others' errors: their own part of the tolerance, or all that steps and these leave of it. (Of stresses the local
-/// fields leave a part, too.)
+/// Largest allowed discretisation error: its share of the tolerance, or more if steps and the `others` need less. For
+/// stresses only the share is allowed, because the local fields have an error too.
 fn allowed(scene: &Scene, others: Errors) -> f64 {
-    let own = OF_CELLS * scene.tolerance;
+    let own = CELL_SHARE * scene.tolerance;
     match scene.measure {
-        Measure::Acceleration => own.max(rest(rest(1.0, OF_STEPS) * scene.tolerance, others.of(scene.measure))),
+        Measure::Acceleration => own.max(rest(rest(1.0, TIME_STEP_SHARE) * scene.tolerance, others.of(scene.measure))),
         Measure::Stress => own,
     }
 }
 
-/// The error by cells with that of what their size does not change: the local fields.
+/// Adds to the discretisation error the errors of the local fields, which do not depend on the cell size.
 pub(super) fn with_local_fields(scene: &Scene, evaluator: Option<&Evaluator>, error: Errors) -> Errors {
     let mean = evaluator.map(Evaluator::error_of_mean).unwrap_or_default();
-    let of_crossing = OF_CROSSING * crossing(scene).powi(2);
+    let of_crossing = LOCAL_FIELD_FACTOR * crossing(scene).powi(2);
     let of_local_field = joined(joined(mean.of_cells, mean.of_width), of_crossing);
     error.joined(Errors { stress: of_local_field, ..Errors::default() })
 }
 
-/// The body on a basis; `size` is that of its cells, with what numbers of vectors served on others.
+/// Reduces a body to a basis. `size` is the size of its cells; `vectors` are numbers of vectors that were enough on
+/// other cells.
 pub(super) fn fitted(
     comm: &Comm,
     scene: &Scene,
@@ -341,7 +357,7 @@ pub(super) fn fitted(
     Ok(fitted)
 }
 
-/// The force on cells that are coarser; none where there are no coarser ones.
+/// The force on coarser cells; `None` if there are no coarser cells.
 pub(super) fn on_coarser_cells(
     comm: &Comm,
     scene: &Scene,
@@ -349,7 +365,7 @@ pub(super) fn on_coarser_cells(
     fine: &Fitted,
     watch: &dyn Watch,
 ) -> Result<Option<Judge>> {
-    let Built::Operators(built) = build(comm, scene, theory, COARSER * fine.size, watch)? else { return Ok(None) };
+    let Built::Operators(built) = build(comm, scene, theory, COARSER_CELL_FACTOR * fine.size, watch)? else { return Ok(None) };
     if built.body.linear().unknowns() == fine.unknowns {
         return Ok(None);
     }

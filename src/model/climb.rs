@@ -1,8 +1,9 @@
-//! The least theory that a scene's tolerance allows. Bodies of several layers climb in [`super::layers`].
+//! Selects the cheapest theory whose error the tolerance of a scene allows. Bodies of several layers are treated in
+//! [`super::layers`].
 //!
-//! Theories are tried from the cheapest that the scene admits. The error of a half-space is estimated from the scene alone, that of
-//! Mindlin's theory from its difference to Kirchhoff's in the acceleration of the first contact ([`super::mindlin_error`]). The first
-//! theory whose estimated error the tolerance allows is taken.
+//! Theories are tried from the cheapest that the scene admits. The error of a half-space is estimated from the scene
+//! alone. The error of Mindlin's theory is estimated from its difference from Kirchhoff's in the acceleration of the
+//! first contact ([`super::mindlin_error`]). The first theory with a small enough estimated error is taken.
 
 use std::f64::consts::PI;
 
@@ -23,36 +24,40 @@ use super::mindlin_error::mindlin_error_over_difference;
 use super::watch::Watch;
 use super::{Built, Model, Reduced, admits, build, reduce, refine, unrefined};
 
-/// Part of the tolerance that the estimated error of Mindlin's theory may take.
-pub(super) const OF_THEORY: f64 = 0.75;
+/// Share of the tolerance for the estimated error of Mindlin's theory.
+pub(super) const THEORY_SHARE: f64 = 0.75;
 
-/// The same where Kirchhoff's plate is not computed, and the difference taken to be the whole peak: that estimate is so high that a
-/// larger part would lift the sum of all estimates above the tolerance.
-const OF_UNCOMPARED: f64 = 0.2;
+/// The same share if Kirchhoff's plate is not computed and the difference is taken to be the whole peak. That estimate
+/// is so high that a larger share would raise the sum of all estimates above the tolerance.
+const UNCOMPARED_THEORY_SHARE: f64 = 0.2;
 
-/// Estimated error up to which a plate theory stands for a solid that would be a mesh: on the window pane of docs/performance.md quadratic
-/// hexahedra were off by 10%, in half an hour, and nothing estimates what a mesh leaves.
-pub(super) const IN_PLACE_OF_MESH: f64 = 0.1;
+/// Largest estimated error with which a plate theory replaces a solid that would need a mesh. On the window pane of
+/// docs/performance.md quadratic hexahedra had an error of 10% after half an hour, and the error of a mesh is not
+/// estimated.
+pub(super) const LARGEST_ERROR_INSTEAD_OF_MESH: f64 = 0.1;
 
-/// The tolerance of Kirchhoff's plate, which is computed for that difference alone, over the scene's, and at most.
-const ROUGHER: f64 = 10.0;
-const ROUGHEST: f64 = 0.1;
+/// Tolerance of Kirchhoff's plate, which is computed for that difference only, relative to the scene's tolerance; and
+/// its largest value.
+const ROUGH_TOLERANCE_FACTOR: f64 = 10.0;
+const LARGEST_ROUGH_TOLERANCE: f64 = 0.1;
 
-/// What the two plates differ by in the force at least, where Mindlin's is to be ruled out by rougher ones first; an estimate: thick plates were
-/// seen to differ by 0.08 to 0.15. And its estimated error on these over the theory's part from which on it is.
+/// Least relative difference assumed between the forces of the two plate theories. If even this difference is too large
+/// for Mindlin's theory, rough plates are computed first, to rule it out. An estimate: thick plates were measured to
+/// differ by 0.08 to 0.15. The next constant is the error on rough plates, over the theory's share of the tolerance,
+/// that rules it out.
 const LEAST_DIFFERENCE: f64 = 0.03;
 const RULED_OUT_FACTOR: f64 = 1.5;
 
-/// Edges over thickness below which a box is no plate.
-const SLENDER: f64 = 4.0;
+/// Least ratio of the edges to the thickness of a box that counts as a plate.
+const LEAST_SLENDERNESS: f64 = 4.0;
 
-/// Part of the tolerance by which each support may press the thickness of a plate together.
-const OF_PRESSING: f64 = 0.1;
+/// Share of the tolerance for the compression of the thickness by each support.
+const COMPRESSION_SHARE: f64 = 0.1;
 
-/// By what part of λ Zener's plate changes the force of a half-space, over its peak; from his equation, for small λ.
-const OF_LAMBDA: f64 = 1.13;
+/// Relative change of the half-space's peak force in Zener's plate, per λ; from Zener's equation for small λ.
+const ERROR_PER_LAMBDA: f64 = 1.13;
 
-/// Climbs. Collective.
+/// Selects the theory and makes its model. Collective.
 pub(super) fn climb(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Model> {
     let mut passed: Vec<String> = Vec::new();
     if let Some((model, reason)) = formula(comm, scene, watch)? {
@@ -88,7 +93,7 @@ pub(super) fn climb(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Mod
         Ok(()) => match if is_layered { layered } else { plate }(comm, scene, &mut passed, watch) {
             Ok(Some(model)) => return Ok(Model { reason: Some(passed.join("; ")), ..model }),
             Ok(None) => {}
-            // What a plate cannot, the solid may.
+            // The solid may succeed where a plate fails.
             Err(error @ (Error::Fault(_) | Error::Solve(_))) => passed.push(format!("no plate was computed: {error}")),
             Err(error) => return Err(error),
         },
@@ -97,15 +102,16 @@ pub(super) fn climb(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Mod
     Ok(Model { reason: Some(passed.join("; ")), ..model })
 }
 
-/// Whether a support is a clamp with a displacement.
+/// Whether a support is a clamp with a prescribed displacement.
 fn is_held_away(support: &Support) -> bool {
     matches!(support.kind, SupportKind::Clamped { .. }) && support.displacement != [0.0; 3]
 }
 
-/// A half-space, where its estimated error is small enough.
+/// A half-space, if its estimated error is small enough.
 ///
-/// To a half-space a body adds waves (λ), its own motion (no more than by the ratio of the masses) and, as a layer of the thickness h, a
-/// dent that differs by about F/(E h): exact is 0.84 to 1.1 of that, and half of it is seen in the force.
+/// Three effects of the body are missing in a half-space. They are waves (λ), the body's rigid motion (at most the
+/// ratio of the masses) and the different indentation of a layer of thickness h (about F/(E h)). The exact last term is
+/// 0.84 to 1.1 of that, and half of it appears in the force.
 fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Model, String)>> {
     let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return Ok(None) };
     let is_patch_given = matches!(scene.contact, Contact::Patch { radius: Some(_), .. });
@@ -113,7 +119,7 @@ fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Mode
         return Ok(None);
     }
     let (struck, impactor) = (scene.body.struck(), &scene.impactor);
-    // Nearer to an edge than its thickness the body is softer; and what else moves it, a half-space does not know.
+    // Near an edge, within the thickness, the body is softer. A half-space also has no loads and no moving supports.
     let is_near_edge = scene.distance_to_edge().is_some_and(|distance| distance < size[axis]);
     let is_moved =
         scene.load != Load::default() || scene.supports.iter().any(|support| support.displacement != [0.0; 3]);
@@ -126,8 +132,8 @@ fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Mode
     let peak = impactor.peak_force();
     let indentation = impactor.peak_indentation();
     let local = peak / (struck.young * size[axis] * indentation);
-    let error = OF_LAMBDA * lambda + ratio + local;
-    // What is left is the steps'.
+    let error = ERROR_PER_LAMBDA * lambda + ratio + local;
+    // The rest of the tolerance is for the time steps.
     if error > 0.7 * scene.tolerance {
         return Ok(None);
     }
@@ -138,21 +144,22 @@ fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Mode
     Ok(Some((model.with_error(Cause::Theory, Errors::throughout(error)), reason)))
 }
 
-/// Whether a box is a plate.
+/// Whether a box is slender enough for a plate theory.
 fn slender(scene: &Scene) -> std::result::Result<(), String> {
     let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else {
         return Err("the body is a mesh file".into());
     };
     let least = (0..3).filter(|i| *i != axis).map(|i| size[i]).fold(f64::INFINITY, f64::min);
-    if least < SLENDER * size[axis] {
-        return Err(format!("its edges are less than {SLENDER} times its thickness"));
+    if least < LEAST_SLENDERNESS * size[axis] {
+        return Err(format!("its edges are less than {LEAST_SLENDERNESS} times its thickness"));
     }
     Ok(())
 }
 
-/// How much supports of the face that is hit, or of the one opposite, press the thickness together: by the part p h/E of what a support
-/// yields by, p/k, or k h/E, at most; of layers by the sum of what each gives way. Both plate theories leave that out, so that their difference does not tell. Of a damper k is
-/// c π/T, T the contact time on a half-space.
+/// Relative effect of supports that compress the thickness, for a support on the struck face or on the opposite face:
+/// the compression p h/E over the support's displacement p/k, at most k h/E. For layers the sum of their compliances
+/// replaces h/E. Both plate theories neglect this, so their difference does not show it. For a damper k is c π/T, with
+/// T the contact time on a half-space.
 fn pressing(scene: &Scene, support: &Support) -> f64 {
     let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return 0.0 };
     if faces(&support.surface).iter().all(|(across, _)| *across != axis) {
@@ -172,15 +179,15 @@ fn pressing(scene: &Scene, support: &Support) -> f64 {
     (stiffness + damping) * compliance
 }
 
-/// What a layer that is held along its faces gives way across them, h/(K + 4G/3), G after all relaxation, m³/N.
+/// Compliance across a layer that is confined along its faces, h/(K + 4G/3) with the long-term G, m³/N.
 fn confined((thickness, material): (f64, Material)) -> f64 {
     let Lame { lambda, mu } = material.relaxed();
     thickness / (lambda + 2.0 * mu)
 }
 
-/// Whether no support presses the thickness together by more than a part of the tolerance.
+/// Whether no support compresses the thickness by more than its share of the tolerance.
 fn unpressed(scene: &Scene) -> std::result::Result<(), String> {
-    let presses = |support: &Support| pressing(scene, support) > OF_PRESSING * scene.tolerance;
+    let presses = |support: &Support| pressing(scene, support) > COMPRESSION_SHARE * scene.tolerance;
     match scene.supports.iter().position(presses) {
         Some(number) => Err(format!(
             "support.{number} is on the face that is hit, or on the one opposite, and presses the thickness together"
@@ -189,7 +196,7 @@ fn unpressed(scene: &Scene) -> std::result::Result<(), String> {
     }
 }
 
-/// Kirchhoff and Mindlin; `None` where the solid is needed.
+/// Tries Kirchhoff's and Mindlin's plates; `None` if the solid is needed.
 fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch) -> Result<Option<Model>> {
     let tolerance = scene.tolerance;
     let modal = Scene { time: crate::scene::Time { modal: true, ..scene.time.clone() }, ..scene.clone() };
@@ -204,11 +211,11 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
     let part = mindlin_error_over_difference(scene);
     let rough = rougher(&modal);
     let on_rough = |theory| reduce(comm, operators(&rough, theory)?.body.linear(), &rough, watch);
-    // Given schemes without a basis step a mesh in any case.
+    // With a given scheme and no basis, the solid is a mesh in any case.
     let no_splines = if scene.is_reduced() { spline::admits(scene).err() } else { None };
-    let most = if no_splines.is_some() { OF_THEORY.max(IN_PLACE_OF_MESH / tolerance) } else { OF_THEORY };
+    let most = if no_splines.is_some() { THEORY_SHARE.max(LARGEST_ERROR_INSTEAD_OF_MESH / tolerance) } else { THEORY_SHARE };
     let mut thin = None;
-    // What rougher plates rule out by far needs no fine one.
+    // If rough plates clearly rule out the theory, no fine plate is computed.
     if part * LEAST_DIFFERENCE > most * tolerance {
         let kirchhoff = on_rough(Theory::Kirchhoff)?;
         let compared = Compared::new(scene, part, &on_rough(Theory::Mindlin)?, &kirchhoff, watch);
@@ -218,9 +225,10 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
         }
         thin = Some(kirchhoff);
     }
-    // Cells and basis are not judged yet: their part of the difference is small, and so is what it changes in the estimate.
+    // Cells and basis are not checked yet. Their part of the difference is small, and so is their effect on the
+    // estimate.
     let thick = unrefined(comm, &modal, operators(&modal, Theory::Mindlin)?, watch)?;
-    let of_theory = if part <= OF_UNCOMPARED * tolerance {
+    let of_theory = if part <= UNCOMPARED_THEORY_SHARE * tolerance {
         passed.push(format!(
             "estimated error of mindlin relative to solid: {part:.1e}, even if kirchhoff differed from it by the whole peak"
         ));
@@ -232,7 +240,7 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
             passed.push(compared.ruled_out(scene));
             return Ok(None);
         }
-        let is_above_its_part = compared.error_over_tolerance > OF_THEORY;
+        let is_above_its_part = compared.error_over_tolerance > THEORY_SHARE;
         passed.push(match no_splines.filter(|_| is_above_its_part) {
             Some(reason) => compared.in_place_of_mesh(scene, &reason),
             None => compared.judged,
@@ -250,18 +258,18 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
     Ok(Some(model.with_error(Cause::Theory, of_theory)))
 }
 
-/// Mindlin's plate beside Kirchhoff's.
+/// Comparison of Mindlin's plate with Kirchhoff's.
 struct Compared {
     /// Estimated errors of Mindlin's theory.
     errors: Errors,
-    /// The one that counts, over the tolerance.
+    /// The error in the quantity that the tolerance applies to, over the tolerance.
     error_over_tolerance: f64,
-    /// A clause.
+    /// Reason in words, for the results.
     judged: String,
 }
 
 impl Compared {
-    /// Collective.
+    /// Compares the forces; `part` is the estimated error of Mindlin's theory over the difference. Collective.
     fn new(scene: &Scene, part: f64, thick: &Reduced, thin: &Reduced, watch: &dyn Watch) -> Self {
         let difference = thick.force.0.difference(&thin.force.0);
         let errors = part * difference;
@@ -273,12 +281,12 @@ impl Compared {
         Self { errors, error_over_tolerance: watch.agreed(error / scene.tolerance), judged }
     }
 
-    /// Why the solid is taken.
+    /// Reason for taking the solid.
     fn ruled_out(&self, scene: &Scene) -> String {
         format!("{}, so the solid is taken", self.above_its_part(scene))
     }
 
-    /// Why it is not, where splines do not stand for it: `reason`.
+    /// Reason for taking the plate although its error is above its share: splines do not admit the solid, for `reason`.
     fn in_place_of_mesh(&self, scene: &Scene, reason: &str) -> String {
         let above = self.above_its_part(scene);
         format!(
@@ -287,18 +295,18 @@ impl Compared {
     }
 
     fn above_its_part(&self, scene: &Scene) -> String {
-        let share = OF_THEORY * scene.tolerance;
+        let share = THEORY_SHARE * scene.tolerance;
         format!("{}, above {share:.1e}, the theory's part of the tolerance", self.judged)
     }
 }
 
-/// The same scene with the tolerance of what is computed for a difference alone.
+/// The scene with a larger tolerance, for bodies that are computed for a difference only.
 pub(super) fn rougher(scene: &Scene) -> Scene {
-    let tolerance = scene.tolerance.max((ROUGHER * scene.tolerance).min(ROUGHEST));
+    let tolerance = scene.tolerance.max((ROUGH_TOLERANCE_FACTOR * scene.tolerance).min(LARGEST_ROUGH_TOLERANCE));
     Scene { tolerance, ..scene.clone() }
 }
 
-/// What supports leave of error that press the thickness together.
+/// Estimated error of neglecting the compression of the thickness by supports.
 pub(super) fn pressed(scene: &Scene) -> Errors {
     Errors::throughout(scene.supports.iter().map(|support| pressing(scene, support)).sum())
 }

@@ -1,16 +1,18 @@
-//! Cells of layers that relax, judged by the elastic body that the layers are at half the time of a contact with a half-space.
+//! Chooses the cells of viscoelastic layers on a substitute elastic body, with the moduli at half the contact time on a
+//! half-space.
 //!
-//! What cells leave is in the waves and in the field at the hit, which that body has, too. Its modes cost a small part of those of the body that relaxes, which is
-//! then made once, on cells that serve. Where the first ones do not, finer ones are made by how errors fall with the size of cells, and their error is
-//! taken to fall so: a fitted estimate.
+//! The discretisation error is in the waves and in the field under the impactor, which the elastic body has too. Its
+//! modes cost a small part of those of the viscoelastic body. The viscoelastic body is then made once, on cells that
+//! are fine enough. If the first cells are not, finer ones are chosen by the order of convergence, and their error is
+//! extrapolated in the same way: a fitted estimate.
 
 use petsc_wrap::Comm;
 
 use super::cells::{
-    CellSize, FINER, Fitted, OF_CELLS, ORDER, fitted, of_other_bases, on_coarser_cells, refine, unrefined,
+    CellSize, FINER_CELL_FACTORS, Fitted, CELL_SHARE, ORDER, fitted, of_other_bases, on_coarser_cells, refine, unrefined,
     with_local_fields,
 };
-use super::reduce::{OF_BASIS, OF_SMALLER_RELAXING, Reduced, larger, rate};
+use super::reduce::{BASIS_SHARE, ERROR_FACTOR_OF_SMALLER_VISCOELASTIC, Reduced, larger, rate};
 use super::theory::{Built, Operators, build, cells_of_plate};
 use super::watch::Watch;
 use crate::body::{Assembled, rates};
@@ -18,26 +20,27 @@ use crate::description::Description;
 use crate::error::{Error, Result};
 use crate::impact::Errors;
 use crate::scene::{Body, Layer, Model, Parts, Scene};
-use crate::space::plate::OF_CONTACT;
+use crate::space::plate::MODULI_TIME_OVER_CONTACT;
 
-/// A scene whose layers are elastic, with the moduli of half the contact's time.
+/// The scene with elastic layers, which have the moduli at half the contact time.
 pub(super) fn elastic(scene: &Scene) -> Scene {
     let composition = scene.body.composition.elastic_at(time(scene));
     Scene { body: Body { composition, ..scene.body.clone() }, ..scene.clone() }
 }
 
 fn time(scene: &Scene) -> f64 {
-    OF_CONTACT * scene.impactor.contact_time()
+    MODULI_TIME_OVER_CONTACT * scene.impactor.contact_time()
 }
 
-/// The part of the modulus at half the contact that is left at the end, from which on one modulus judges the cells of both: 0.65 to 1 of a chain as of
-/// PVB. Plies that come apart have shorter waves.
+/// Least modulus at the end over the modulus at half the contact time for which one modulus is used to choose the
+/// cells. A chain such as PVB's keeps 0.65 to 1. Plies that are no longer coupled by the interlayer have shorter waves.
 const LEFT_AT_END: f64 = 0.5;
 
-/// Whether a scene's layers relax, and its cells are judged so.
+/// Whether a scene has viscoelastic layers and its cells are chosen in this way.
 pub(super) fn serves(scene: &Scene, theory: Model) -> bool {
     let is_layered = theory == Model::Layerwise && scene.body.composition.uniform().is_none();
-    // What relaxes on a face is read there with other moduli. Layers that are alike then are a plate of another theory.
+    // Stresses on a viscoelastic face layer would be read with other moduli. Layers of equal moduli would be a plate of
+    // another theory.
     let Parts::Layers(layers) = &scene.body.composition.parts else { return false };
     let has_elastic_faces =
         [layers.first(), layers.last()].into_iter().flatten().all(|face| face.material.shear.is_none());
@@ -52,45 +55,47 @@ pub(super) fn serves(scene: &Scene, theory: Model) -> bool {
         && !Description::new(scene).relaxations().is_empty()
 }
 
-/// Cells that serve.
+/// Cells that are fine enough.
 struct Found {
-    /// Their size over that by the rule of thumb.
+    /// Cell size relative to the rule of thumb.
     size: f64,
-    /// What they leave.
+    /// Estimated discretisation error.
     error: Errors,
-    /// How many vectors the elastic body needs where the smaller of two bases is used.
+    /// Number of vectors that the smaller of two bases needs for the elastic body.
     vectors: usize,
 }
 
 impl Found {
-    /// Numbers of vectors of the body that relaxes with which its basis begins.
+    /// Numbers of vectors with which the basis of the viscoelastic body begins to grow.
     fn first_vectors(&self, built: &Operators, scene: &Scene) -> [usize; 2] {
-        // A first guess too: a body whose shapes change while it relaxes needs more vectors.
+        // These too are a first guess: a body whose shapes change while it relaxes needs more vectors.
         let is_at_one_rate = rates(&built.body.linear().chains(), rate(scene), scene.time.end).len() == 1;
         let fewer = if is_at_one_rate { self.vectors } else { larger(self.vectors) };
         [fewer, larger(fewer)]
     }
 }
 
-/// Vectors of a body that relaxes over those of the elastic one: a first guess, of one pane. More are made where these leave too much.
+/// Number of vectors of a viscoelastic body relative to the elastic one: a first guess, from one pane. More vectors are
+/// added if the error is too large.
 const MORE: f64 = 1.1;
 
-/// The number of vectors with which the basis meets its part of the tolerance, as errors fall with the square of it.
+/// Number of vectors with which the error of the basis meets its share of the tolerance, if the error falls with the
+/// square of that number.
 fn vectors(reduced: &Reduced, scene: &Scene) -> usize {
     let [fewer, more] = reduced.counts();
     if reduced.of_difference == 0.0 {
         return more;
     }
-    let error = OF_SMALLER_RELAXING * reduced.difference.of(scene.measure);
-    let needed = MORE * fewer as f64 * (error / (OF_BASIS * scene.tolerance)).sqrt();
+    let error = ERROR_FACTOR_OF_SMALLER_VISCOELASTIC * reduced.difference.of(scene.measure);
+    let needed = MORE * fewer as f64 * (error / (BASIS_SHARE * scene.tolerance)).sqrt();
     (needed.ceil() as usize).clamp(fewer, more)
 }
 
-/// Reduces a plate of layers that relax on the cells that it has, or on finer ones where these leave too much; `vectors` are numbers that
-/// served for a like elastic body. Collective.
+/// Reduces a plate of viscoelastic layers on its present cells, or on finer ones if these are too coarse. `vectors` are
+/// numbers of vectors that were enough for a similar elastic body. Collective.
 ///
 /// # Errors
-/// Those of [`fit`](super::cells::fit).
+/// Same as [`fit`](super::cells::fit).
 pub(super) fn fit(
     comm: &Comm,
     scene: &Scene,
@@ -114,10 +119,10 @@ pub(super) fn fit(
     Ok(Fitted { error: Some(error), ..relaxing })
 }
 
-/// The cells that [`fit`] finds; `None` where there are no coarser ones. Collective.
+/// The cells that [`fit`] chooses; `None` if there are no coarser cells to compare with. Collective.
 ///
 /// # Errors
-/// Those of [`fit`](super::cells::fit).
+/// Same as [`fit`](super::cells::fit).
 pub(super) fn cell_size(
     comm: &Comm,
     scene: &Scene,
@@ -132,7 +137,7 @@ pub(super) fn cell_size(
     }))
 }
 
-/// `None` where there are no coarser cells that the elastic body could be compared on.
+/// Chooses the cells; `None` if there are no coarser cells on which the elastic body can be computed.
 fn found(
     comm: &Comm,
     scene: &Scene,
@@ -161,25 +166,25 @@ fn found(
     let error = coarse.errors(cells, &elastic, theory, difference);
     let vectors = watch.agreed(self::vectors(&fine.reduced, scene) as f64) as usize;
     tracing::info!(size = fine.size, unknowns = fine.unknowns, first_contact = error.first_contact, "elastic cells");
-    let over = watch.agreed(error.of(scene.measure) / (OF_CELLS * scene.tolerance));
+    let over = watch.agreed(error.of(scene.measure) / (CELL_SHARE * scene.tolerance));
     if over <= 1.0 {
         return Ok(Some(Found { size: 1.0, error, vectors }));
     }
     let finer = over.recip().powf(ORDER.recip());
-    let mut size = finer.min(FINER[1]);
-    while finer >= FINER[0] && size >= FINER[0] {
-        // Cells are whole numbers: sizes that give the same ones are passed over.
+    let mut size = finer.min(FINER_CELL_FACTORS[1]);
+    while finer >= FINER_CELL_FACTORS[0] && size >= FINER_CELL_FACTORS[0] {
+        // Numbers of cells are integers: sizes that give the same numbers are skipped.
         if let Some(finer) = cells_of_plate(scene, theory, size).filter(|finer| *finer != cells) {
-            // (Histories with other contacts say nothing of an order.)
+            // Histories with different contacts do not follow an order of convergence.
             let of_finer = coarse.errors_on_finer((cells, error), finer, &elastic, theory);
             let history = if error.history <= scene.tolerance { of_finer.history } else { error.history };
-            if watch.decided(of_finer.of(scene.measure) <= OF_CELLS * scene.tolerance) {
+            if watch.decided(of_finer.of(scene.measure) <= CELL_SHARE * scene.tolerance) {
                 return Ok(Some(Found { size, error: Errors { history, ..of_finer }, vectors }));
             }
         }
-        size *= FINER[1];
+        size *= FINER_CELL_FACTORS[1];
     }
-    // Too far to tell by one difference.
+    // The required size is too far from the present one for an extrapolation.
     let Fitted { size, error, reduced, .. } = refine(comm, &elastic, theory, fine, of_other_bases(scene), watch)?;
     let vectors = watch.agreed(self::vectors(&reduced, scene) as f64) as usize;
     Ok(error.map(|error| Found { size, error, vectors }))

@@ -1,20 +1,23 @@
-//! Which theory stands for a plate of several layers: the layerwise one where its estimated error allows, otherwise the solid.
+//! Selects the theory of a plate of several layers: the layerwise theory if its estimated error is small enough,
+//! otherwise the solid.
 //!
-//! The error is estimated as that of Mindlin's theory for one layer: a part of the difference from what each layer's own shear and the
-//! local field under the impactor change ([`super::mindlin_error`]), here between the layerwise plate and one whose layers have neither.
-//! To it comes what the static response of the infinite plate is off by at the length of the contact's waves. A body that relaxes is
-//! compared with the moduli of half the contact's time. It is an estimate, not a bound.
+//! The error is estimated as in Mindlin's theory of one layer, as a part of the effect of shear in the layers and of
+//! the local field under the impactor ([`super::mindlin_error`]). Here that effect is the difference between the
+//! layerwise plate and one whose layers have neither. To this is added the error of the static response of the infinite
+//! plate at the wavelength of the contact. A viscoelastic body is compared with the moduli at half the contact time. It
+//! is an estimate, not a bound.
 //!
-//! A solid that is too large for splines would be a mesh, which is read on its outer faces alone, while the largest tension of a laminate
-//! is often on a face between layers. There the layerwise plate stays, with its estimate.
+//! A solid that is too large for splines would need a mesh. A mesh gives stresses on its outer faces only, while the
+//! largest tension of a laminate is often on a face between layers. The layerwise plate is then kept, with its
+//! estimate.
 
 use petsc_wrap::Comm;
 
-use super::cells::OF_CELLS;
-use super::climb::{IN_PLACE_OF_MESH, OF_THEORY, pressed, rougher};
+use super::cells::CELL_SHARE;
+use super::climb::{LARGEST_ERROR_INSTEAD_OF_MESH, THEORY_SHARE, pressed, rougher};
 use super::elastic_cells;
 use super::mindlin_error::mindlin_error_over_difference;
-use super::reduce::{OF_BASIS, larger};
+use super::reduce::{BASIS_SHARE, larger};
 use super::theory::build_thin;
 use super::watch::Watch;
 use super::{Built, Model, build, reduce, refine, unrefined};
@@ -25,7 +28,7 @@ use crate::scene::{Model as Theory, Scene, Time};
 use crate::space::plate;
 use crate::space::spline;
 
-/// The layerwise plate; `None` where the solid is needed. Collective.
+/// The layerwise plate; `None` if the solid is needed. Collective.
 pub(super) fn layered(
     comm: &Comm,
     scene: &Scene,
@@ -35,13 +38,14 @@ pub(super) fn layered(
     let elastic = elastic_cells::elastic(scene);
     let elastic = Scene { time: Time { modal: true, ..scene.time.clone() }, ..elastic };
     let rough = rougher(&elastic);
-    // That of a body that relaxes is made for the difference alone.
+    // For a viscoelastic body the elastic plate is made for the difference only.
     let relaxes = !Description::new(scene).relaxations().is_empty();
     let elastic = if relaxes { rough.clone() } else { elastic };
     let Built::Operators(operators) = build(comm, &elastic, Theory::Layerwise, 1.0, watch)? else {
         return Err(Error::Solve("a plate has unknowns".into()));
     };
-    // Cells and basis are not judged yet: their part of the difference is small, and so is what it changes in the estimate.
+    // Cells and basis are not checked yet. Their part of the difference is small, and so is their effect on the
+    // estimate.
     let thick = unrefined(comm, &elastic, operators, watch)?;
     let thin = reduce(comm, build_thin(comm, &rough)?.body.linear(), &rough, watch)?;
     let difference = thick.reduced.force.0.difference(&thin.force.0);
@@ -53,14 +57,14 @@ pub(super) fn layered(
         "shear of the stiff layers and the local field change layerwise by {differ:.1e}{of_what} in the first contact; estimated error of layerwise relative to solid: {error:.1e}"
     );
     let tolerance = scene.tolerance;
-    let (over, share) = (watch.agreed(error / tolerance), OF_THEORY * tolerance);
-    // Cells and basis get what the theory leaves of the tolerance, where it leaves a part.
+    let (over, share) = (watch.agreed(error / tolerance), THEORY_SHARE * tolerance);
+    // Cells and basis get the rest of the tolerance, if the theory leaves any.
     let mut left =
-        Scene { tolerance: (rest(1.0, over) / joined(OF_CELLS, OF_BASIS)).min(1.0) * tolerance, ..scene.clone() };
-    if over > OF_THEORY {
+        Scene { tolerance: (rest(1.0, over) / joined(CELL_SHARE, BASIS_SHARE)).min(1.0) * tolerance, ..scene.clone() };
+    if over > THEORY_SHARE {
         let splines = if scene.is_reduced() { spline::admits(scene) } else { Err("it is not reduced".to_owned()) };
         match splines {
-            Err(reason) if over * tolerance <= IN_PLACE_OF_MESH => {
+            Err(reason) if over * tolerance <= LARGEST_ERROR_INSTEAD_OF_MESH => {
                 left.tolerance = tolerance;
                 passed.push(format!(
                     "{judged}, above {share:.1e}, the theory's part of the tolerance, and yet taken: splines do not stand for its solid ({reason}), and a mesh has no stresses on faces between layers"

@@ -1,8 +1,9 @@
-//! How far a plate's deflection leaves what a geometrically linear model describes.
+//! Checks whether a plate's deflection is within the range of a geometrically linear model.
 //!
-//! A plate that deflects by more than about half of its thickness is stretched in its plane, which makes it stiffer. For a uniformly loaded
-//! circular plate the load that bends it grows by c (w/h)², c = 0.146 and 0.262 where a clamped and a simply supported edge may move in
-//! the plane, 0.471 and 1.852 where it may not (S. Timoshenko & S. Woinowsky-Krieger, Theory of Plates and Shells, 1959, §100, Table 82).
+//! A plate that deflects by more than about half of its thickness is stretched in its plane, which makes it stiffer.
+//! For a uniformly loaded circular plate the load for a given deflection grows by the factor 1 + c (w/h)². c is 0.146
+//! and 0.262 for a clamped and a simply supported edge that may move in the plane, 0.471 and 1.852 if it may not (S.
+//! Timoshenko & S. Woinowsky-Krieger, Theory of Plates and Shells, 1959, §100, Table 82).
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -13,18 +14,19 @@ use crate::scene::{Geometry, Load, Model, Scene, Support, SupportKind, Vec3, fac
 /// Deflection over the thickness above which the membrane forces are no longer small.
 pub const LARGE: f64 = 0.5;
 
-/// The same where opposite edges are held in the plane: with the largest c that is 12% of stiffness.
+/// The same if opposite edges are constrained in the plane. With the largest c this is 12% of the stiffness.
 const LARGE_FOR_HELD_EDGES: f64 = 0.25;
 
-/// The least and the largest c.
+/// Smallest and largest c.
 pub const STIFFENING: [f64; 2] = [0.15, 1.9];
 
-/// What tells a run's deflection.
+/// Computes the deflection of a plate in a run.
 #[derive(Debug, Clone, Copy)]
 pub struct Linearity {
-    /// h, m.
+    /// Thickness h, m.
     thickness: f64,
-    /// Displacement of the rigid body at the impact point over the impulse's own integral, 1/kg; 0 where supports hold the body.
+    /// Rigid-body displacement at the impact point per time integral of the impulse, 1/kg; 0 if supports carry the
+    /// body.
     mobility: f64,
     mass: f64,
     speed: f64,
@@ -33,8 +35,9 @@ pub struct Linearity {
 }
 
 impl Linearity {
-    /// Of a box hit on a face, or of a mesh with supports and a patch, by a theory that bends it; `None` where no thickness is known, or no
-    /// rigid motion: with loads on a free body, and where no support pulls back along the impact.
+    /// For a box that is struck on a face, or a mesh with supports and a patch, by a theory with bending. `None` if the
+    /// thickness or the rigid motion is not known. The latter is the case for a free body with loads, and if no support
+    /// resists motion along the impact.
     pub fn new(scene: &Scene, theory: Model, patch: Option<&Patch>) -> Option<Self> {
         let impactor = &scene.impactor;
         let is_free = scene.supports.is_empty();
@@ -60,13 +63,14 @@ impl Linearity {
         })
     }
 
-    /// By how much the body is bent at the impact point, m: without its motion as a rigid body, free or on its supports.
+    /// Bending deflection of the body at the impact point, m: without its rigid motion, free or on its supports.
     pub fn deflection(&self, step: &Step) -> f64 {
-        // The impulse so far is what the impactor has lost, and its integral how far it lags behind its free flight.
+        // The impulse so far equals the momentum lost by the impactor, so its integral is the mass times the lag behind
+        // free flight.
         let flown = step.time * (self.speed + 0.5 * self.gravity * step.time);
         let rigid = self.mobility * self.mass * (flown - step.impactor.position);
         let bent = step.contact.surface_displacement - rigid;
-        // Supports and body are springs in a row: of a motion each has the part that it has of the energy.
+        // Body and supports are springs in series: their shares of the displacement are their shares of the energy.
         let (body, supports) = (step.energy.elastic, step.energy.support);
         let part = if supports > 0.0 { body / (body + supports) } else { 1.0 };
         (part * bent).abs()
@@ -77,19 +81,19 @@ impl Linearity {
         deflection / self.thickness
     }
 
-    /// A deflection (m) over the thickness, where that is large.
+    /// A deflection (m) over the thickness, if that ratio is large.
     pub fn excess(&self, deflection: f64) -> Option<f64> {
         let large = if self.are_edges_held { LARGE_FOR_HELD_EDGES } else { LARGE };
         Some(self.over_thickness(deflection)).filter(|ratio| *ratio > large)
     }
 
-    /// Whether clamps hold two opposite edges in the plane of the plate, across themselves.
+    /// Whether clamps constrain two opposite edges of the plate in its plane, perpendicular to the edges.
     pub fn are_edges_held(&self) -> bool {
         self.are_edges_held
     }
 }
 
-/// Whether a support holds the body against the impact in both ways.
+/// Whether a support resists the motion along the impact in both senses.
 fn holds_along(support: &Support, direction: Vec3) -> bool {
     let held = match support.kind {
         SupportKind::Clamped { components } => components,
@@ -99,7 +103,8 @@ fn holds_along(support: &Support, direction: Vec3) -> bool {
     held.iter().zip(direction).any(|(held, along)| *held && along != 0.0)
 }
 
-/// Whether clamps hold all of two opposite edges of a plate across themselves, in its plane.
+/// Whether clamps constrain two opposite edges of a plate over their whole length, in its plane and perpendicular to
+/// the edges.
 fn are_edges_held(scene: &Scene) -> bool {
     let Some(struck) = scene.struck_axis() else { return false };
     let is_held = |face: (usize, bool)| {
@@ -111,7 +116,7 @@ fn are_edges_held(scene: &Scene) -> bool {
     (0..3).any(|axis| axis != struck && is_held((axis, false)) && is_held((axis, true)))
 }
 
-/// aᵀ(M⁻¹)a of a rigid box: 1/m + (r × d)·I⁻¹(r × d).
+/// Mobility of a rigid box, aᵀ(M⁻¹)a = 1/m + (r × d)·I⁻¹(r × d), 1/kg.
 fn mobility(scene: &Scene, size: [f64; 3]) -> Option<f64> {
     let mass = scene.body.mass()?;
     let [a, b, c] = size.map(|edge| edge * edge);
@@ -124,7 +129,8 @@ fn mobility(scene: &Scene, size: [f64; 3]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Edges that are clamped in the plane hold the plate from a quarter of its thickness on: all sides, or two opposite ones across themselves.
+    /// Edges that are clamped in the plane stiffen the plate from a quarter of its thickness on: all edges, or two
+    /// opposite ones perpendicular to themselves.
     #[test]
     fn edges_that_are_held_stiffen_sooner() {
         let held = |supports: &str| {

@@ -1,18 +1,22 @@
-//! The estimated error of Mindlin's theory relative to three-dimensional elasticity.
+//! Estimates the error of Mindlin's theory relative to three-dimensional elasticity.
 //!
-//! Kirchhoff's theory neglects shear, rotary inertia, the twist of free edges and the local field under the impactor; Mindlin's has all
-//! of them to a better order. So its error is a small part of the difference between both theories. That part has three terms:
+//! Kirchhoff's theory neglects shear, rotary inertia, the twist of free edges and the local field under the impactor.
+//! Mindlin's theory has all of them to a better order. Its error is therefore a small part of the difference between
+//! both theories. That part has three terms:
 //!
-//! - **A constant.** Waves in the interior are right to (kh)⁴, and free edges have the twisting stiffness of three-dimensional
-//!   elasticity ([`crate::form::plate::mindlin_edge`]); what else the edges' boundary layers do is left. A support that
-//!   keeps the sections of an edge from warping, which Mindlin's theory lets warp, adds to it.
-//! - **Poisson's ratio.** Bending strains the thickness by −ν/(1 − ν) times the sum of the strains in the plane. Mindlin's theory has
-//!   that at rest, and without the layer in which a free edge releases it. The energy goes with the square.
-//! - **Short contacts.** The local field under the impactor is that of a layer at rest. Waves across the thickness make its error
-//!   grow with h/(c_s T), c_s the speed of shear waves and T the contact time on a half-space, and with its square.
+//! - **A constant.** Waves in the interior are exact to (kh)⁴, and free edges have the twisting stiffness of
+//!   three-dimensional elasticity ([`crate::form::plate::mindlin_edge`]). The rest is other effects of the boundary
+//!   layers at edges. It is larger for supports that prevent the sections of an edge from warping, because Mindlin's
+//!   theory lets them warp.
+//! - **Poisson's ratio.** Bending strains the thickness by −ν/(1 − ν) times the sum of the in-plane strains. Mindlin's
+//!   theory has that strain statically only, and without the boundary layer in which a free edge releases it. The
+//!   energy is proportional to the square.
+//! - **Short contacts.** The local field under the impactor is the static one of a layer. Waves across the thickness
+//!   make its error grow with h/(c_s T) and with its square. c_s is the speed of shear waves and T the contact time on
+//!   a half-space.
 //!
-//! The first two act on slow waves and the third where the hit begins and ends, with the other sign: they are joined as the errors of different
-//! causes are.
+//! The first two act on slow waves, and the third where the impact begins and ends, with the opposite sign. They are
+//! combined like errors of different causes.
 //!
 //! The factors were measured; docs/costs.md compares the estimate with true errors. It is an estimate, not a bound.
 
@@ -20,38 +24,41 @@ use crate::impact::joined;
 use crate::scene::{Geometry, Scene, SupportKind};
 use crate::space::plate::crossing;
 
-/// The constant where sections are free to warp: on 16 plates 8 to 50 times as wide as thick, with solids of tolerance 1e-4, the error exceeded the other
-/// two terms by at most 0.001 of the difference.
+/// The constant if sections are free to warp. On 16 plates, 8 to 50 times as wide as thick, compared with solids of
+/// tolerance 1e-4, the error exceeded the other two terms by at most 0.001 of the difference.
 const FREE_SECTIONS: f64 = 0.002;
 
-/// The same of plates of several layers, which were not measured so.
+/// The same for plates of several layers, for which it was not measured.
 const FREE_SECTIONS_OF_LAYERS: f64 = 0.005;
 
-/// The constant where clamps hold them: 0.042 of the difference was measured.
+/// The constant if clamps prevent warping; 0.042 of the difference was measured.
 const HELD_SECTIONS: f64 = 0.045;
 
-/// The constant for springs along the plate with k h up to E. Of the difference up to 0.010 was measured on plates 10 to 75 times as wide as
-/// thick, with k h/E from 0.03 to 0.9, and 0.017 on one that is 5 times as wide (tests/ranks/model/theory_error.rs has such plates).
+/// The constant for springs along the plate with k h up to E. Measured: up to 0.010 of the difference on plates 10 to
+/// 75 times as wide as thick, with k h/E from 0.03 to 0.9, and 0.017 on a plate 5 times as wide
+/// (tests/ranks/model/theory_error.rs has such plates).
 const SPRUNG_SECTIONS: f64 = 0.02;
 
-/// Factor of (ν/(1 − ν))²: 0.0134 of the difference was measured at ν = 0.45 in a long contact.
+/// Factor of (ν/(1 − ν))²; 0.0134 of the difference was measured at ν = 0.45 in a long contact.
 const STRAINED_THICKNESS: f64 = 0.016;
 
-/// Factors of h/(c_s T) and of its square: 0.12 of the difference was measured where that is 0.28, 0.04 where it is 0.11, and 0.003 to 0.01
-/// in other scenes where it is 0.06 to 0.1.
+/// Factors of h/(c_s T) and of its square. Measured, over the difference: 0.12 at h/(c_s T) = 0.28, 0.04 at 0.11, and
+/// 0.003 to 0.01 in other scenes at 0.06 to 0.1.
 const SHORT_CONTACT: [f64; 2] = [0.2, 1.2];
 
-/// k h/E from which springs keep sections from warping. Below it their constant grows linearly from that of free ones. Of the difference there were measured,
-/// at ν = 0: with k h/E = 0.0006 0.0012, with 0.002 0.002, with 0.0057 0.0065, with 0.014 0.0105.
+/// k h/E from which springs prevent sections from warping. Below it the constant grows linearly from the one of free
+/// sections. Measured over the difference, at ν = 0: 0.0012 at k h/E = 0.0006, 0.002 at 0.002, 0.0065 at 0.0057, and
+/// 0.0105 at 0.014.
 const STIFF: f64 = 0.01;
 
-/// The same of plates of several layers.
+/// The same for plates of several layers.
 const STIFF_FOR_LAYERS: f64 = 0.02;
 
-/// k h/E above which they count as clamps. On a plate 10 times as wide as thick 0.033 of the difference was measured at 100.
+/// k h/E above which springs count as clamps. On a plate 10 times as wide as thick 0.033 of the difference was measured
+/// at 100.
 const RIGID: f64 = 1.0;
 
-/// Estimated error of the acceleration by Mindlin's theory, over its difference from that by Kirchhoff's.
+/// Estimated error of the acceleration by Mindlin's theory, over its difference from Kirchhoff's.
 pub fn mindlin_error_over_difference(scene: &Scene) -> f64 {
     let sections = sections(scene);
     let poisson = scene.body.struck().poisson;
@@ -61,9 +68,11 @@ pub fn mindlin_error_over_difference(scene: &Scene) -> f64 {
     joined(sections + STRAINED_THICKNESS * across * across, (linear + square * crossing) * crossing)
 }
 
-/// The constant of the supports: clamps along the plate, or springs that are not much softer than the plate's sections.
+/// The constant for the supports: clamps along the plate, or springs that are not much softer than the plate's
+/// sections.
 fn sections(scene: &Scene) -> f64 {
-    // (Springs hold a ply on a soft layer more than the modulus of the struck layer tells. Laminates were not measured.)
+    // Springs constrain a ply on a soft layer more than the modulus of the struck layer suggests. Laminates were not
+    // measured.
     let is_uniform = scene.body.composition.uniform().is_some();
     let free = if is_uniform { FREE_SECTIONS } else { FREE_SECTIONS_OF_LAYERS };
     if scene.clamps_sections() {
@@ -76,10 +85,10 @@ fn sections(scene: &Scene) -> f64 {
     }
 }
 
-/// k h/E of the springs along a plate; 0 of other bodies.
+/// k h/E of the springs along a plate; 0 for other bodies.
 fn spring_over_section(scene: &Scene) -> f64 {
     let (Geometry::Box { size, .. }, Some(struck)) = (&scene.body.geometry, scene.struck_axis()) else { return 0.0 };
-    // Several springs may act on one edge: together they hold no more than their sum.
+    // Several springs may act on one edge: together they constrain it by at most their sum.
     let springs = scene.supports.iter().filter_map(|support| match support.kind {
         SupportKind::Elastic { stiffness } => Some(stiffness),
         _ => None,

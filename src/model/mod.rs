@@ -1,4 +1,4 @@
-//! Which theory stands for a scene's body, on what basis, and the impacts that are run of it.
+//! Selects the theory for a scene's body, reduces the body to a basis, and runs impacts on it.
 
 mod cells;
 mod climb;
@@ -17,7 +17,7 @@ pub mod watch;
 pub use linearity::{LARGE, Linearity, STIFFENING};
 pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::Gauges;
-pub use reduce::{OF_BASIS, OF_SMALLER, Reduced, rate, reduce, reduce_from};
+pub use reduce::{BASIS_SHARE, ERROR_FACTOR_OF_SMALLER, Reduced, rate, reduce, reduce_from};
 pub use simulation::Simulation;
 pub use theory::{Built, Operators, admits, build, name};
 
@@ -36,46 +36,46 @@ use crate::solve::Method;
 
 use watch::{Unwatched, Watch};
 
-/// A scene's body, ready for impacts.
+/// A scene's body, ready for impact simulations.
 pub struct Model {
-    /// The theory.
+    /// Theory of the body.
     pub theory: scene::Model,
-    /// The body.
+    /// The body as it is integrated in time.
     pub dynamics: Dynamics,
-    /// Unknowns of the body as the theory has it, before any reduction.
+    /// Number of unknowns of the body in this theory, before any reduction.
     pub unknowns: usize,
-    /// What these unknowns are of.
+    /// Description of the unknowns, for results.
     pub words: String,
-    /// Vectors of the basis, where there is one.
+    /// Number of basis vectors, if the body is reduced.
     pub vectors: Option<usize>,
-    /// The body on another basis, by which this one is judged, and the error over the difference of the two.
+    /// The body reduced to another basis, and the factor from the difference of the two to the error.
     pub judge: Option<(ModalBody, f64)>,
-    /// Estimated error by basis, cells and theory, as far as each is known.
+    /// Estimated error by basis, discretisation and theory, as far as each is known.
     pub error: ErrorEstimate,
-    /// Why this theory and not another, where that was to be found.
+    /// Reason for this theory, if it was selected automatically.
     pub reason: Option<String>,
-    /// What is read of the body, where the scene wants that.
+    /// Readout of the body, if the scene asks for any.
     pub gauges: Option<Gauges>,
-    /// Measures of a mesh from a file.
+    /// Measures of the mesh, if it is from a file.
     pub measures: Option<Measures>,
 }
 
-/// How a body moves.
+/// How the body is integrated in time.
 pub enum Dynamics {
-    /// Step by step, in its unknowns.
+    /// By a stepping scheme, in the body's unknowns.
     Stepped(Box<Body>),
     /// In modal coordinates.
     Modal(ModalBody),
 }
 
 impl Dynamics {
-    /// Whether several ranks share a factor in its steps.
+    /// Whether several ranks share the factorisation of the time stepping matrix.
     pub fn is_factorised_on_ranks(&self) -> bool {
         let Self::Stepped(body) = self else { return false };
         body.comm().size() > 1 && body.lumped.is_none() && body.method == Method::Cholesky
     }
 
-    /// The patch under the impactor, where there is one.
+    /// The patch under the impactor, if there is one.
     pub fn patch(&self) -> Option<Patch> {
         match self {
             Self::Stepped(body) => body.localization.patch,
@@ -85,19 +85,19 @@ impl Dynamics {
 }
 
 impl Model {
-    /// The theory that a scene names, or the one that it needs; reduced as it says. Collective.
+    /// Makes the theory that a scene names, or selects one for `auto`; reduces the body as the scene says. Collective.
     ///
     /// # Errors
-    /// A fault where the theory does not stand for the scene; those of meshes; [`crate::Error::Solve`] where the impact has no
-    /// solution on any basis; PETSc's.
+    /// A fault if the theory does not admit the scene; the errors of meshes; [`crate::Error::Solve`] if the impact
+    /// cannot be solved on any basis; or if a PETSc call fails.
     pub fn new(comm: &Comm, scene: &Scene) -> Result<Self> {
         Self::watched(comm, scene, &Unwatched(comm))
     }
 
-    /// [`Model::new`] before somebody who may break it off. Collective.
+    /// [`Model::new`] with a [`Watch`] that may interrupt it. Collective.
     ///
     /// # Errors
-    /// As [`Model::new`]; [`crate::Error::Interrupted`].
+    /// Same as [`Model::new`]; [`crate::Error::Interrupted`] if the watch stops it.
     pub fn watched(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Self> {
         match scene.body.model {
             scene::Model::Auto => climb::climb(comm, scene, watch),
@@ -105,7 +105,7 @@ impl Model {
         }
     }
 
-    /// One theory's model. Collective.
+    /// Makes the model of one theory. Collective.
     fn of(comm: &Comm, scene: &Scene, theory: scene::Model, watch: &dyn Watch) -> Result<Self> {
         match build(comm, scene, theory, 1.0, watch)? {
             Built::Given(body) => Ok(Self::bare(theory, Dynamics::Modal(body), 0, "a formula".to_owned())),
@@ -144,7 +144,7 @@ impl Model {
         })
     }
 
-    /// Without a basis and without an error.
+    /// A model without basis and without error estimates.
     fn bare(theory: scene::Model, dynamics: Dynamics, unknowns: usize, words: String) -> Self {
         Self {
             theory,
@@ -160,22 +160,22 @@ impl Model {
         }
     }
 
-    /// The same with one more error.
+    /// Adds the errors of one more cause.
     fn with_error(self, cause: Cause, errors: Errors) -> Self {
         Self { error: self.error.with(cause, errors), ..self }
     }
 
-    /// What is estimated before the first step: [`Model::error`], and that of the patch.
+    /// The error estimate before the first step: [`Model::error`] and the error of the patch.
     pub fn error_before_steps(&self) -> ErrorEstimate {
         self.error.clone().with_patch(self.dynamics.patch().as_ref())
     }
 
-    /// Estimated error by cells and theory.
+    /// Estimated error by discretisation and theory, without the error of the basis.
     pub fn error_beside_basis(&self) -> Errors {
         self.error.without(Cause::Basis).total().unwrap_or_default()
     }
 
-    /// What the basis is, for a result's attribute.
+    /// Description of the basis, for a result's attribute.
     pub fn reduction(&self) -> String {
         self.vectors.map_or("none".to_owned(), |vectors| format!("{vectors} Krylov vectors"))
     }

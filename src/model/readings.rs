@@ -1,4 +1,4 @@
-//! What a scene has read of its body: probes and fields, in the coordinates in which the body moves.
+//! Prepares the readout of a body: probes, stresses on faces and fields, in the coordinates in which the body moves.
 
 use std::rc::Rc;
 
@@ -12,19 +12,20 @@ use crate::space::evaluate::{
     ContactSize, Evaluator, FaceStresses, FieldSampler, Form, Forms, LocalPoint, Map, renumbered,
 };
 
-/// What is to be read at each step, and how fields come of it.
+/// The quantities read at each step, and the sampler that makes fields of them.
 pub struct Gauges {
-    /// What a run reads at each step.
+    /// The quantities that a run reads at each step.
     pub readout: Readout,
-    /// On rank 0, where there are fields.
+    /// Makes fields of the readings; on rank 0, if the scene asks for fields.
     pub(super) sampler: Option<FieldSampler>,
 }
 
 impl Gauges {
-    /// Of a body in its unknowns or on a basis of such vectors; rank 0 has them and the evaluator. Collective.
+    /// Prepares the readout of a body in its unknowns, or in the coordinates of the given basis vectors. Only rank 0
+    /// has these vectors and the evaluator. Collective.
     ///
     /// # Errors
-    /// A fault of `output.probes` where a point is outside of the body; PETSc's.
+    /// A fault of `output.probes` if a point is outside the body; or if a PETSc call fails.
     pub fn new(
         comm: &Comm,
         scene: &Scene,
@@ -35,7 +36,7 @@ impl Gauges {
         let evaluator = evaluator.filter(|_| comm.is_root());
         let all: Vec<Int> = if evaluator.is_some() { (0..unknowns as Int).collect() } else { Vec::new() };
         let (forms, local) = agree(comm, forms(scene, evaluator.as_ref()))?;
-        // On a basis the coordinates are as many as its vectors, wherever they are.
+        // A reduced body has one coordinate per basis vector, on every rank.
         let all = match &basis {
             Some(basis) if evaluator.is_some() => (0..basis.len() as Int).collect(),
             _ => all,
@@ -67,7 +68,8 @@ impl Gauges {
     }
 }
 
-/// Nine forms a probe, and what its stresses lack near the hit, where this rank has the evaluator.
+/// Nine linear forms per probe (three displacements, six stresses), and the local stresses to add near the impact
+/// point. Empty on ranks without the evaluator.
 fn forms(
     scene: &Scene,
     evaluator: Option<&Evaluator>,
@@ -86,7 +88,7 @@ fn forms(
     Ok((all, locals))
 }
 
-/// The coordinates that some forms need, ascending, and the forms on these.
+/// The coordinates that some forms need, ascending, and the forms in these coordinates.
 fn on_their_own(mut forms: Vec<Form>) -> (Vec<Int>, Map) {
     let needed = renumbered(&mut forms);
     (needed.into_iter().map(|unknown| unknown as Int).collect(), Map::new(forms.into_iter(), None))

@@ -1,8 +1,8 @@
-//! A basis as large as a scene needs, with its error.
+//! Reduces a body to a basis as large as a scene needs, and estimates the error of the basis.
 
 use petsc_wrap::Comm;
 
-use crate::body::{DirectSum, LinearBody, ModalBody, OF_CUTOFF, Projection, Start};
+use crate::body::{DirectSum, LinearBody, ModalBody, SHIFT_OVER_CUTOFF, Projection, Start};
 use crate::error::{Error, Result};
 use crate::impact::{Errors, Steps, Trace};
 use crate::scene::{Reduction, Scene};
@@ -11,101 +11,105 @@ use super::long_waves::{LongWaves, ORDER};
 use super::trials::{Trial, Trials};
 use super::watch::{Judged, Stage, Watch};
 
-/// Vectors of the first basis that is tried.
-const FIRST: usize = 10;
+/// Number of vectors of the first basis that is tried.
+const FIRST_VECTORS: usize = 10;
 
-/// Most vectors of a basis that grows by itself, for each class of motions.
-pub(super) const MOST: usize = 1500;
+/// Largest number of vectors of an automatic basis, per symmetry class.
+pub(super) const MAX_VECTORS_PER_CLASS: usize = 1500;
 
-/// Two bases, one of half as many vectors more, judge each other by the difference between them. Where errors fall with the square of the
-/// number, that of the smaller one is (1 − 1.5⁻²)⁻¹ = 1.8 of it, and where they fall slower at times, more.
-pub const OF_SMALLER: f64 = 2.2;
+/// Error of the smaller of two bases over their difference, if the larger one has half as many vectors more. If errors
+/// fall with the square of the number of vectors, the factor is (1 − 1.5⁻²)⁻¹ = 1.8. Errors sometimes fall more slowly,
+/// so it is larger.
+pub const ERROR_FACTOR_OF_SMALLER: f64 = 2.2;
 
-/// That of the larger one. Errors fall faster than with the square, which would give 0.8: of thirty plates and solids it was measured to be
-/// 0.13 to 0.56; an estimate.
-const OF_LARGER: f64 = 0.65;
+/// The same factor for the larger basis. Convergence with the square would give 0.8, but errors fall faster. Measured
+/// on thirty plates and solids: 0.13 to 0.56. An estimate.
+const ERROR_FACTOR_OF_LARGER: f64 = 0.65;
 
-/// The first vectors of the larger basis, over all of them, by which its error is estimated too where it grows by itself: such a nearer basis shows
-/// how fast errors fall at last, which the first two do not tell. And that error over the difference: 0.1 to 1.1 was measured of sixty plates and solids.
-const LAST: f64 = 0.8;
-const OF_LAST: f64 = 1.5;
+/// Number of leading vectors of an automatic larger basis that make a second, closer basis, relative to all vectors;
+/// and the error over the difference of the two. The closer basis shows the final rate of convergence, which the first
+/// two bases do not. Measured on sixty plates and solids: 0.1 to 1.1.
+const CLOSER_BASIS_FRACTION: f64 = 0.8;
+const ERROR_FACTOR_OF_CLOSER: f64 = 1.5;
 
-/// The same of a body that relaxes, whose creep is found more slowly: 0.2 to 1.15 was measured of laminates.
-const OF_RELAXING: f64 = 1.5;
+/// The factor [`ERROR_FACTOR_OF_LARGER`] for a viscoelastic body, whose creep converges more slowly. Measured on laminates: 0.2 to
+/// 1.15.
+const ERROR_FACTOR_OF_VISCOELASTIC: f64 = 1.5;
 
-/// That of the smaller one of such a body: it is off by the difference and by what the larger one is off.
-pub(super) const OF_SMALLER_RELAXING: f64 = 1.0 + OF_RELAXING;
+/// The factor of the smaller basis for such a body: the difference plus the error of the larger basis.
+pub(super) const ERROR_FACTOR_OF_SMALLER_VISCOELASTIC: f64 = 1.0 + ERROR_FACTOR_OF_VISCOELASTIC;
 
-/// Part of the tolerance that the estimate may take.
-pub const OF_BASIS: f64 = 0.5;
+/// Share of the tolerance for the estimated error of the basis.
+pub const BASIS_SHARE: f64 = 0.5;
 
-/// Vectors of a long basis.
-const LONG: usize = 256;
+/// Number of vectors of a long basis, which is costly to enlarge.
+const LONG_BASIS: usize = 256;
 
-/// Vectors of a basis over those of the one before.
-const GROWTH: f64 = 1.225;
+/// Growth factor of the number of vectors from one basis to the next.
+const BASIS_GROWTH: f64 = 1.225;
 
-/// The rate s at which a basis is made, times the contact time on a half-space, for a tolerance of 1e-2. From 5 to 50 bases are much alike;
-/// what is left for small tolerances is of higher frequencies.
-const RATE: f64 = 15.0;
+/// Shift s of the basis, times the contact time on a half-space, for a tolerance of 1e-2. Bases from 5 to 50 are much
+/// alike; the remaining error at small tolerances is at higher frequencies.
+const SHIFT_TIMES_CONTACT: f64 = 15.0;
 
-/// Differences of histories over the peak from which on they are no measure of errors: a contact of one is none of the other.
+/// Differences of histories, over the peak, from which they do not measure errors: one history then has contacts that
+/// the other lacks.
 const OTHER_CONTACTS: f64 = 0.3;
 
-/// Vectors of a nearer basis by which the whole history is judged then, over those of the basis.
-const NEARER: f64 = 0.875;
+/// Number of vectors of a closer basis that then estimates the error of the whole history, relative to the basis.
+const HISTORY_BASIS_FRACTION: f64 = 0.875;
 
-/// The tolerance from which on long bases are made in blocks. Below it the rounding that blocks leave counts: for 1e-4 a pane took 363 vectors
-/// in the place of 296.
-const IN_BLOCKS: f64 = 1e-3;
+/// Smallest tolerance for which long bases are orthogonalised in blocks. Below it the rounding errors of blocks matter:
+/// for 1e-4 a pane took 363 vectors instead of 296.
+const LEAST_TOLERANCE_OF_BLOCKS: f64 = 1e-3;
 
-/// Vectors of a small body between two questions whether to go on, for each class of motions.
-const AT_ONCE: usize = 32;
+/// Number of vectors added to the basis of a small body between two checks for interruption, per symmetry class.
+const VECTORS_PER_CHECK: usize = 32;
 
-/// A body on a basis.
+/// A body reduced to a basis.
 pub struct Reduced {
-    /// The body.
+    /// The reduced body.
     pub projection: Projection,
-    /// The body on the other basis, by which the error was estimated.
+    /// The body reduced to the other basis, for estimating the error.
     pub judge: Projection,
-    /// The contact force on that basis, in the same steps.
+    /// Contact force on the other basis, in the same time steps.
     pub force_of_judge: Trace,
-    /// Error over the difference of the two.
+    /// Factor from the difference of the two bases to the error.
     pub of_difference: f64,
-    /// That difference.
+    /// Difference of the forces on the two bases.
     pub difference: Errors,
-    /// The vectors of the larger one.
+    /// Vectors of the larger of the two bases.
     pub krylov: DirectSum,
-    /// Its estimated error.
+    /// Estimated error of the basis.
     pub error: Errors,
-    /// The force on the basis, and its steps in modal coordinates.
+    /// Contact force on the basis, and its time steps in modal coordinates.
     pub force: (Trace, Option<Steps>),
-    /// The body in modal coordinates, where the force was last computed in them.
+    /// The reduced body in modal coordinates, if the last force was computed in them.
     pub modal: Option<ModalBody>,
-    /// The same on the other basis, of a body that relaxes, whose modes take long.
+    /// The same on the other basis, for a viscoelastic body, whose modes are costly.
     pub modal_of_judge: Option<ModalBody>,
 }
 
 /// A basis that was tried.
 struct Tried {
     vectors: usize,
-    /// With its modal coordinates where the body relaxes alone: their modes take long.
+    /// The force; modal coordinates are kept for viscoelastic bodies only, whose modes are costly.
     trial: Trial,
 }
 
 impl Reduced {
-    /// Vectors of the smaller and of the larger basis.
+    /// Numbers of vectors of the smaller and of the larger basis.
     pub fn counts(&self) -> [usize; 2] {
         let (one, other) = (self.projection.vectors(), self.judge.vectors());
         [one.min(other), one.max(other)]
     }
 
-    /// The body on the larger basis.
+    /// The body reduced to the larger basis.
     pub fn larger(&self) -> &Projection {
         [&self.projection, &self.judge].into_iter().max_by_key(|projection| projection.vectors()).unwrap_or(&self.judge)
     }
 
-    /// That one in modal coordinates, with the modes that were found, where it moved in these.
+    /// The body on the larger basis in modal coordinates, with the modes computed before if there are any.
     pub fn take_larger_modal(&mut self) -> ModalBody {
         let is_judge = self.judge.vectors() > self.projection.vectors();
         let known = if is_judge { self.modal_of_judge.take() } else { self.modal.take() };
@@ -113,20 +117,21 @@ impl Reduced {
     }
 }
 
-/// Reduces a body to what the scene's impact needs: a given number of vectors, judged by half as many more, or as many as the tolerance
-/// asks for, judged by fewer. Collective.
+/// Reduces a body to a basis that the scene's impact needs. A given number of vectors is compared with a basis of half
+/// as many more. Otherwise as many vectors are made as the tolerance needs, in comparison with smaller bases.
+/// Collective.
 ///
 /// # Errors
-/// [`crate::Error::Solve`] where the impact is not solved on any basis; PETSc's.
+/// [`crate::Error::Solve`] if the impact cannot be solved on any basis; or if a PETSc call fails.
 pub fn reduce(comm: &Comm, body: &dyn LinearBody, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> {
     reduce_from(comm, body, scene, None, watch)
 }
 
-/// [`reduce`], where a basis that grows begins with numbers of vectors that served for a like body: of the smaller and the larger one.
-/// Collective.
+/// [`reduce`] with an initial guess for an automatic basis: the numbers of vectors of the smaller and the larger basis
+/// that were enough for a similar body. Collective.
 ///
 /// # Errors
-/// As [`reduce`].
+/// Same as [`reduce`].
 pub fn reduce_from(
     comm: &Comm,
     body: &dyn LinearBody,
@@ -141,7 +146,8 @@ pub fn reduce_from(
         Reduction::Vectors(vectors) => Some(vectors),
         _ => None,
     };
-    // A given number, then half as many more; else in steps of √1.5, each basis judged by the one before the last.
+    // A given number is followed by half as many more. Otherwise the number grows by √1.5, so that each basis is
+    // compared with the one before the last.
     let served = served.filter(|_| given.is_none());
     let first = served.map_or(first, |[smaller, _]| smaller);
     let second = served.map_or(larger(first), |[_, more]| more.max(larger(first)));
@@ -154,10 +160,10 @@ pub fn reduce_from(
         grow(&mut krylov, body, count, last, watch)?;
         let projection = krylov.projection(body)?;
         count = projection.vectors();
-        let enough = count > MOST * body.classes().len() || (given.is_some() && !tried.is_empty());
+        let enough = count > MAX_VECTORS_PER_CLASS * body.classes().len() || (given.is_some() && !tried.is_empty());
         let is_exhausted = watch.decided(krylov.is_exhausted());
         match trials.force(&projection) {
-            // All that the forces reach, to rounding.
+            // The basis spans all motions that the forces excite, up to rounding.
             Ok(trial) if is_exhausted && (given.is_none() || tried.is_empty()) => {
                 let Trial { force, steps, modal } = trials.in_shorter_steps(&projection)?.unwrap_or(trial);
                 return Ok(Reduced {
@@ -181,7 +187,8 @@ pub fn reduce_from(
                     let judgement = match rule.judge_on(&projection, [judge, &mut trial], &mut trials, enough) {
                         Err(error @ (Error::Alone(_) | Error::Interrupted)) => return Err(error),
                         Err(error) if enough => return Err(error),
-                        // The smaller one may be too soft, or too stiff, for the contact law in the larger one's steps.
+                        // In the larger basis' time steps the smaller basis may be too soft or too stiff for the
+                        // contact law.
                         judgement => judgement.ok(),
                     };
                     last = judgement.as_ref().map(|judgement| judgement.judged).or(last);
@@ -218,54 +225,56 @@ pub fn reduce_from(
             }
             Err(error @ Error::Alone(_)) => return Err(error),
             Err(error) if enough || is_exhausted => return Err(error),
-            // A basis that is too small may be too soft, or too stiff, for the contact law.
+            // A basis that is too small may be too soft or too stiff for the contact law.
             Err(_) => {}
         }
         count = match last {
             _ if given.is_some() => larger(count),
             _ if tried.len() < 2 && count <= first => second,
-            // A long basis is dear: it grows by as much as its error asks for, which falls with the square of the number.
-            Some(Judged { error, wanted, .. }) if count >= LONG => {
+            // A long basis is costly. It grows as its error requires, which falls with the number of vectors to the
+            // power `order`.
+            Some(Judged { error, wanted, .. }) if count >= LONG_BASIS => {
                 let order = if start.leaves_short_waves { ORDER } else { 2.0 };
                 let needed = count as f64 * (error / wanted).powf(1.0 / order);
-                (needed.ceil() as usize).clamp((GROWTH * count as f64).ceil() as usize, larger(count))
+                (needed.ceil() as usize).clamp((BASIS_GROWTH * count as f64).ceil() as usize, larger(count))
             }
-            _ => (GROWTH * count as f64).ceil() as usize,
+            _ => (BASIS_GROWTH * count as f64).ceil() as usize,
         };
     }
 }
 
-/// By what a basis is judged.
+/// Settings of the error estimate of a basis.
 struct Rule<'a> {
     scene: &'a Scene,
     watch: &'a dyn Watch,
     start: Start,
-    /// Of the basis, and of a smaller one.
+    /// Numbers of vectors of the basis and of a smaller one.
     vectors: usize,
     smaller: usize,
     relaxes: bool,
 }
 
-/// What is found of a basis.
+/// Result of comparing a basis with a smaller one.
 struct Judgement {
-    /// Of the forces on the two.
+    /// Difference of the forces on the two bases.
     difference: Errors,
-    /// Error over the difference.
+    /// Factor from the difference to the error.
     of_difference: f64,
     error: Errors,
-    /// Whether the error is within its part of the tolerance.
+    /// Whether the error is within its share of the tolerance.
     is_met: bool,
-    /// Whether the smaller one is the one that serves.
+    /// Whether the smaller basis is used.
     takes_smaller: bool,
     judged: Judged,
 }
 
 impl Rule<'_> {
-    /// From the forces on the smaller basis and on the larger one, a projection. Where the larger one would serve, or is the last, both are those in its steps, and
-    /// in shorter ones if it needs them. Collective.
+    /// Compares the forces on the smaller basis (`judge`) and on the larger one (`trial`). If the larger one is
+    /// accurate enough or the last, both forces are computed in its time steps, which are shortened if it needs that.
+    /// Collective.
     ///
     /// # Errors
-    /// Those of [`Trials::force`].
+    /// Same as [`Trials::force`].
     fn judge_on(
         &self,
         projection: &Projection,
@@ -287,19 +296,19 @@ impl Rule<'_> {
         Ok(self.judge(judge.force.difference(&trial.force)))
     }
 
-    /// From the difference of the forces on the two. Collective.
+    /// Estimates the error from the difference of the two forces. Collective.
     fn judge(&self, difference: Errors) -> Judgement {
         let Self { scene, watch, start, vectors, smaller, relaxes } = *self;
-        let wanted = OF_BASIS * scene.tolerance;
+        let wanted = BASIS_SHARE * scene.tolerance;
         let is_given = matches!(scene.body.reduction, Reduction::Vectors(_));
-        // A body that relaxes moves on the smaller one, at half the cost, where that serves.
-        let is_small_enough = relaxes && watch.decided(OF_SMALLER_RELAXING * difference.of(scene.measure) <= wanted);
+        // A viscoelastic body is integrated on the smaller basis, at half the cost, if that is accurate enough.
+        let is_small_enough = relaxes && watch.decided(ERROR_FACTOR_OF_SMALLER_VISCOELASTIC * difference.of(scene.measure) <= wanted);
         let of_difference = match is_given {
-            _ if is_small_enough => OF_SMALLER_RELAXING,
-            true => OF_SMALLER,
+            _ if is_small_enough => ERROR_FACTOR_OF_SMALLER_VISCOELASTIC,
+            true => ERROR_FACTOR_OF_SMALLER,
             _ if start.leaves_short_waves => of_larger(vectors, smaller),
-            _ if relaxes => OF_RELAXING,
-            _ => OF_LARGER,
+            _ if relaxes => ERROR_FACTOR_OF_VISCOELASTIC,
+            _ => ERROR_FACTOR_OF_LARGER,
         };
         let error = of_difference * difference;
         let over = watch.agreed(error.of(scene.measure) / wanted);
@@ -308,24 +317,25 @@ impl Rule<'_> {
         Judgement { difference, of_difference, error, is_met: over <= 1.0, takes_smaller, judged }
     }
 
-    /// The error of the larger basis by a nearer one, where that tells more than the smaller one. Collective.
+    /// Improves the error estimate of the larger basis by comparing it with a closer basis, where that is more
+    /// reliable. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     fn closer(&self, mut error: Errors, projection: &Projection, trial: &Trial, trials: &Trials) -> Result<Errors> {
         let Self { scene, watch, start, vectors, smaller, relaxes } = *self;
         let leading = |part: f64| projection.leading((part * vectors as f64) as usize);
         if start.leaves_short_waves {
             if watch.decided(error.history > OTHER_CONTACTS * of_larger(vectors, smaller)) {
-                let near = leading(NEARER);
+                let near = leading(HISTORY_BASIS_FRACTION);
                 let force = trials.force_in(trial.steps, &near)?.force;
                 error.history = of_larger(vectors, near.vectors()) * force.difference(&trial.force).history;
             }
         } else if scene.body.reduction == Reduction::Auto && !relaxes && scene.time.modal {
-            match trials.force_in(trial.steps, &leading(LAST)) {
-                Ok(near) => error = error.min(OF_LAST * near.force.difference(&trial.force)),
+            match trials.force_in(trial.steps, &leading(CLOSER_BASIS_FRACTION)) {
+                Ok(near) => error = error.min(ERROR_FACTOR_OF_CLOSER * near.force.difference(&trial.force)),
                 Err(error @ (Error::Alone(_) | Error::Interrupted)) => return Err(error),
-                // It may be too soft, or too stiff, for the contact law: then it tells nothing.
+                // The closer basis may be too soft or too stiff for the contact law; then the estimate stays.
                 Err(_) => {}
             }
         }
@@ -333,35 +343,36 @@ impl Rule<'_> {
     }
 }
 
-/// How a basis begins.
+/// Initial settings of a basis.
 pub(super) struct Plan {
-    /// Of its vectors.
+    /// Shift, duration of the run and kind of the vectors.
     pub start: Start,
-    /// How many the first one has that is tried.
+    /// Number of vectors of the first basis that is tried.
     first: usize,
 }
 
 impl Plan {
-    /// That of a scene's body: by the rule of thumb, or, where a plate's contact has many modes, by the number of these.
+    /// The plan for a scene's body: by the rule of thumb; or by the number of modes that take part, if a plate's
+    /// contact excites many.
     pub(super) fn new(body: &dyn LinearBody, scene: &Scene) -> Self {
-        // (Another end of a run that goes on must not ask for another basis.)
+        // A basis must not depend on the end time of a run that may be continued.
         let end = if scene.time.modal { scene.time.end } else { f64::INFINITY };
-        let short = Self { start: Start { end, ..Start::from(rate(scene)) }, first: FIRST };
-        // (What relaxes knows no waves that go off either.)
+        let short = Self { start: Start { end, ..Start::from(rate(scene)) }, first: FIRST_VECTORS };
+        // Separate outgoing waves are not available for viscoelastic bodies either.
         let is_bound = body.is_on_foundations() || !body.chains().is_empty();
         let plate = body.infinite_plate().filter(|_| !is_bound);
-        let most = MOST * body.classes().len();
+        let most = MAX_VECTORS_PER_CLASS * body.classes().len();
         let Some(LongWaves { frequency, vectors }) = plate.and_then(|plate| LongWaves::of(scene, plate, most)) else {
             return short;
         };
-        // The first one judges the second.
-        let in_blocks = scene.tolerance >= IN_BLOCKS;
-        let start = Start { shift: OF_CUTOFF * frequency, end, leaves_short_waves: true, in_blocks };
+        // The first basis is the smaller one in the comparison with the second.
+        let in_blocks = scene.tolerance >= LEAST_TOLERANCE_OF_BLOCKS;
+        let start = Start { shift: SHIFT_OVER_CUTOFF * frequency, end, leaves_short_waves: true, in_blocks };
         Self { start, first: (vectors as f64 / 1.5).ceil() as usize }
     }
 }
 
-/// Grows a basis to a number of vectors before somebody who may break it off. Collective.
+/// Grows a basis to a number of vectors; the watch may interrupt it. Collective.
 pub(super) fn grow(
     krylov: &mut DirectSum,
     body: &dyn LinearBody,
@@ -369,8 +380,8 @@ pub(super) fn grow(
     judged: Option<Judged>,
     watch: &dyn Watch,
 ) -> Result<()> {
-    // Vectors of a mesh take long each, those of a small body come in blocks.
-    let at_once = if body.is_meshed() { 1 } else { AT_ONCE * body.classes().len() };
+    // For a mesh each vector takes long; for a small body vectors are made in blocks.
+    let at_once = if body.is_meshed() { 1 } else { VECTORS_PER_CHECK * body.classes().len() };
     while watch.decided(krylov.vectors() < vectors && !krylov.is_exhausted()) {
         watch.at(Stage::Basis { vectors: krylov.vectors(), judged })?;
         krylov.grow(body, vectors.min(krylov.vectors() + at_once))?;
@@ -378,18 +389,18 @@ pub(super) fn grow(
     watch.at(Stage::Trial)
 }
 
-/// Error of the larger of two bases over their difference, where short waves are kept apart.
+/// Factor from the difference of two bases to the error of the larger one, if short waves are treated separately.
 fn of_larger(vectors: usize, smaller: usize) -> f64 {
     ((vectors as f64 / smaller as f64).powf(ORDER) - 1.0).recip()
 }
 
-/// Half as many vectors more.
+/// The number of vectors plus half of it, rounded up.
 pub(super) fn larger(vectors: usize) -> usize {
     vectors + vectors.div_ceil(2)
 }
 
-/// The rate at which the scene's impact excites a body, 1/s.
+/// Shift s of the basis for the scene's impact, 1/s.
 pub fn rate(scene: &Scene) -> f64 {
     let impactor = &scene.impactor;
-    RATE * (1e-2 / scene.tolerance).cbrt() / impactor.contact_time()
+    SHIFT_TIMES_CONTACT * (1e-2 / scene.tolerance).cbrt() / impactor.contact_time()
 }

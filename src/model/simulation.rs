@@ -1,4 +1,4 @@
-//! A model under its impactor, whichever way it moves.
+//! Runs an impact on a model, in unknowns or in modal coordinates.
 
 use std::ops::ControlFlow;
 
@@ -12,24 +12,24 @@ use crate::space::evaluate::FieldSampler;
 
 use super::{Dynamics, Gauges, Model};
 
-/// An impact that is ready to run.
+/// An impact simulation that is ready to run.
 pub struct Simulation {
     integration: Box<dyn TimeIntegration>,
-    /// Estimated error by basis, cells and theory.
+    /// Estimated error by basis, discretisation and theory.
     of_model: ErrorEstimate,
     patch: Option<Patch>,
     sampler: Option<FieldSampler>,
     /// Names of the faces whose largest tension is read; on rank 0.
     faces: Vec<String>,
-    /// Their points, m.
+    /// Points of these faces at which tension is read, m.
     face_points: Vec<Vec<Vec3>>,
 }
 
 impl Simulation {
-    /// The scene's impact on a model of its body, which is read as the scene wants. Collective.
+    /// The scene's impact on a model of its body, with the readout that the scene asks for. Collective.
     ///
     /// # Errors
-    /// A fault of the scene where an explicit step is not stable; PETSc's.
+    /// A fault of the scene if an explicit time step is unstable; or if a PETSc call fails.
     pub fn new(scene: &Scene, model: Model) -> Result<Self> {
         let (of_model, patch) = (model.error, model.dynamics.patch());
         let mut integration: Box<dyn TimeIntegration> = match model.dynamics {
@@ -45,7 +45,7 @@ impl Simulation {
         Ok(Self { integration, of_model, patch, sampler, faces, face_points })
     }
 
-    /// What makes fields of readings; on rank 0, where the scene wants fields. It is handed out once.
+    /// Hands out the sampler that makes fields of readings, once; on rank 0, if the scene asks for fields.
     pub fn take_sampler(&mut self) -> Option<FieldSampler> {
         self.sampler.take()
     }
@@ -55,56 +55,59 @@ impl Simulation {
         &self.faces
     }
 
-    /// Where tensions are read on each of them, m: the points of [`crate::impact::Reading::map`]; on rank 0.
+    /// Points at which tension is read on each of the faces, m: the points of [`crate::impact::Reading::map`]; on rank
+    /// 0.
     pub fn face_points(&self) -> &[Vec<Vec3>] {
         &self.face_points
     }
 
-    /// Has the next run go on from a checkpoint of the same scene. One in modal coordinates has none: it is done anew. Collective.
+    /// Makes the next run continue from a checkpoint of the same scene. A run in modal coordinates has no checkpoints
+    /// and is repeated. Collective.
     ///
     /// # Errors
-    /// As [`TimeIntegration::resume`].
+    /// Same as [`TimeIntegration::resume`].
     pub fn resume(&mut self, checkpoint: &Checkpoint) -> Result<()> {
         self.integration.resume(checkpoint)
     }
 
-    /// Where this rank's nodes lie, m; `None` for a body without a mesh.
+    /// Positions of this rank's nodes, m; `None` for a body without a mesh.
     pub fn nodes(&self) -> Option<&[Vec3]> {
         self.integration.nodes()
     }
 
-    /// Runs before an observer. Collective.
+    /// Runs the impact with an observer. Collective.
     ///
     /// # Errors
-    /// As [`TimeIntegration::run_watched`].
+    /// Same as [`TimeIntegration::run_watched`].
     pub fn run_watched(&mut self, observer: &mut dyn Observer) -> Result<ControlFlow<()>> {
         self.integration.run_watched(observer)
     }
 
-    /// Runs before a closure. Collective.
+    /// Runs the impact and calls a closure at each step. Collective.
     ///
     /// # Errors
-    /// As [`TimeIntegration::run_watched`].
+    /// Same as [`TimeIntegration::run_watched`].
     pub fn run(&mut self, mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
         self.run_watched(&mut observe)
     }
 
-    /// Steps of one size or chosen ones; `None` for modal coordinates in steps chosen by the error.
+    /// Whether time steps are constant or adaptive; `None` for modal coordinates with adaptive steps.
     pub fn plan(&self) -> Option<Plan> {
         self.integration.plan()
     }
 
-    /// Number of steps to the end, where it is known.
+    /// Number of steps to the end, if known.
     pub fn steps(&self) -> Option<usize> {
         self.integration.steps()
     }
 
-    /// What the runs have cost so far.
+    /// Work done by the runs so far.
     pub fn count(&self) -> Count {
         self.integration.count()
     }
 
-    /// Estimated error by basis, cells, theory, steps and patch, as far as each is estimated; empty where nothing but the patch's is.
+    /// Estimated error by basis, discretisation, theory, time steps and patch, as far as each is known. Empty if only
+    /// the error of the patch is known.
     pub fn error(&self) -> ErrorEstimate {
         let Count { error, stress_error, .. } = self.count();
         let error = match error {

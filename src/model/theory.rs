@@ -1,4 +1,4 @@
-//! One theory's body of a scene.
+//! Builds the body of a scene in one theory.
 
 use petsc_wrap::Comm;
 
@@ -13,14 +13,15 @@ use crate::space::plate::{self, Plate, PlateTheory};
 use crate::space::spline::{self, SplineSolid};
 
 use super::long_waves::LongWaves;
-use super::reduce::MOST;
+use super::reduce::MAX_VECTORS_PER_CLASS;
 use super::watch::{Stage, Watch};
 
-/// Size of the largest cells of a plate whose basis knows its long waves alone, over that for all waves: such cells carry these. On a pane of
-/// 8 mm the force was off by 0.2% with 1.3, as much as its difference from cells 0.77 of these, and by 0.4% with 1.45.
-const OF_LONG_WAVES: f64 = 1.3;
+/// Factor on the size of the largest cells of a plate if its basis resolves long waves only: such cells still carry
+/// these. On a pane of 8 mm the error of the force was 0.2% with a factor of 1.3, equal to its difference from cells
+/// 0.77 times as large, and 0.4% with 1.45.
+const LONG_WAVE_CELL_FACTOR: f64 = 1.3;
 
-/// What the scene calls the theory.
+/// Name of the theory in a scene.
 pub fn name(model: Model) -> &'static str {
     match model {
         Model::Auto => "auto",
@@ -33,34 +34,36 @@ pub fn name(model: Model) -> &'static str {
     }
 }
 
-/// A body as a theory has it.
+/// A body in a theory.
 pub enum Built {
-    /// Modes from a formula.
+    /// Modes from a closed form.
     Given(ModalBody),
-    /// Operators.
+    /// Assembled operators.
     Operators(Operators),
 }
 
-/// A body's operators, with what they were made of.
+/// A body's operators, with their discretisation.
 pub struct Operators {
-    /// The body.
+    /// The assembled body.
     pub body: Assembled,
-    /// What its unknowns are of.
+    /// Description of its unknowns, for results.
     pub words: String,
-    /// Cells along the axes, where these are of splines and the program chooses them; one across a plate.
+    /// Numbers of cells along the axes, for splines whose cells the program chooses; 1 across a plate.
     pub cells: Option<[usize; 3]>,
-    /// Of Mindlin's plate, the longest cell at the hit over the radius of the disc that is pressed ([`Plate::cell_over_disc`]).
+    /// For Mindlin's plate, the longest cell at the impact point over the radius of the pressed disc
+    /// ([`Plate::cell_over_disc`]).
     pub cell_over_disc: Option<f64>,
-    /// What reads the body at its points, where the scene wants that; of a distributed mesh rank 0 has it.
+    /// Evaluates displacements and stresses at points, if the scene asks for them; for a distributed mesh only on rank
+    /// 0.
     pub evaluator: Option<Evaluator>,
-    /// Measures of a mesh from a file.
+    /// Measures of the mesh, if it is from a file.
     pub measures: Option<Measures>,
 }
 
-/// Why a theory does not stand for a scene: a clause.
+/// Checks whether a theory admits a scene.
 ///
 /// # Errors
-/// That clause.
+/// The reason why it does not, as a clause.
 pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
     if scene.contact == Contact::Point
         && matches!(theory, Model::HalfSpace | Model::InfinitePlate | Model::Mindlin | Model::Layerwise)
@@ -89,10 +92,11 @@ pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
     }
 }
 
-/// Builds a theory's body; cells of splines are larger by `size` than by the rule for the scene's tolerance. Collective.
+/// Builds the body of a scene in a theory. The cells of splines are larger by the factor `size` than the rule for the
+/// scene's tolerance. Collective.
 ///
 /// # Errors
-/// A fault of `body.model` where the theory does not stand for the scene; those of meshes; PETSc's.
+/// A fault of `body.model` if the theory does not admit the scene; the errors of meshes; or if a PETSc call fails.
 pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn Watch) -> Result<Built> {
     watch.at(Stage::Assembly(theory))?;
     admits(scene, theory).map_err(|reason| {
@@ -146,18 +150,19 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
     }
 }
 
-/// A layerwise plate whose layers neither shear nor have a local field, by which the theory is judged. Collective.
+/// A layerwise plate whose layers have neither shear nor a local field, for estimating the error of the theory.
+/// Collective.
 ///
 /// # Errors
-/// As [`build`].
+/// Same as [`build`].
 pub(super) fn build_thin(comm: &Comm, scene: &Scene) -> Result<Operators> {
     let settings = plate::Settings { is_thin: true, ..plate::Settings::new(scene.tolerance, PlateTheory::Layerwise) };
     let Plate { system, cells: [x, y], points, .. } = Plate::new(scene, PlateTheory::Layerwise, &settings)?;
     loaded(scene, of_grid(comm, scene, (system, points), [x, y, 1], String::new())?)
 }
 
-/// Bases are made of what the loads have done, and of pads as springs. (A body that keeps its pads is put into equilibrium before it
-/// moves.)
+/// Brings a body into the equilibrium from which the scene starts, and replaces foundation pads by springs for the
+/// basis. A body that keeps its pads is brought into equilibrium when its run begins.
 fn loaded(scene: &Scene, mut operators: Operators) -> Result<Operators> {
     let Assembled::InPetsc(body) = &mut operators.body else { return Ok(operators) };
     if body.pads.is_none() || scene.is_reduced() {
@@ -168,12 +173,12 @@ fn loaded(scene: &Scene, mut operators: Operators) -> Result<Operators> {
     Ok(operators)
 }
 
-/// The layerwise theory of a scene's plate: of one layer that is Mindlin's.
+/// The layerwise theory of a scene's plate; for one layer it is Mindlin's.
 fn layerwise(scene: &Scene) -> PlateTheory {
     if scene.body.composition.uniform().is_some() { PlateTheory::Mindlin } else { PlateTheory::Layerwise }
 }
 
-/// Thickness of a box under the impact point, m, where the hit is along its normal.
+/// Thickness of a box under the impact point, m, if the impact is normal to the face.
 fn thickness(scene: &Scene) -> std::result::Result<f64, String> {
     let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else {
         return Err("the body is a mesh file, not a box".into());
@@ -185,7 +190,8 @@ fn thickness(scene: &Scene) -> std::result::Result<f64, String> {
     Ok(size[axis])
 }
 
-/// Whether a solid is a box of splines, with a tenth of the unknowns: where it is to be reduced, and the scene does not ask for cells.
+/// Whether a solid is a box of splines, which needs a tenth of the unknowns: if it is to be reduced and the scene does
+/// not specify cells.
 fn is_of_splines(scene: &Scene) -> bool {
     scene.is_reduced()
         && matches!(scene.body.geometry, Geometry::Box { is_given: false, .. })
@@ -209,15 +215,16 @@ fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> Result<plate
     }
     if theory == PlateTheory::Mindlin {
         let plate = plate::infinite_plate(scene, theory)?;
-        let most = MOST * plate::classes_of_motions(scene, theory)?;
+        let most = MAX_VECTORS_PER_CLASS * plate::classes_of_motions(scene, theory)?;
         if LongWaves::of(scene, &plate, most).is_some() {
-            settings.largest_cell_factor = OF_LONG_WAVES;
+            settings.largest_cell_factor = LONG_WAVE_CELL_FACTOR;
         }
     }
     Ok(settings)
 }
 
-/// The cells that [`build`] would give a plate, as [`Operators::cells`]; `None` of other theories, and where it would refuse.
+/// The numbers of cells that [`build`] would give a plate, as [`Operators::cells`]; `None` for other theories, and if
+/// it would fail.
 pub(super) fn cells_of_plate(scene: &Scene, theory: Model, size: f64) -> Option<[usize; 3]> {
     let theory = match theory {
         Model::Kirchhoff => PlateTheory::Kirchhoff,
@@ -229,7 +236,7 @@ pub(super) fn cells_of_plate(scene: &Scene, theory: Model, size: f64) -> Option<
     Some([x, y, 1])
 }
 
-/// Every rank has all of it.
+/// Makes the operators of a spline grid. Every rank has the whole body.
 fn of_grid(
     comm: &Comm,
     scene: &Scene,
@@ -242,7 +249,7 @@ fn of_grid(
     if let Some(read) = read {
         (system.hit_stress, system.hit_local) = read;
     }
-    // What is not linear, and finding an equilibrium, is PETSc's.
+    // Nonlinear bodies, and the search for an equilibrium, use PETSc.
     let is_linear = system.pads.is_empty() && scene.time.initial == Initial::Rest;
     let body = if scene.is_reduced() && is_linear {
         Assembled::Local(Box::new(LocalBody::new(system)))

@@ -1,4 +1,5 @@
-//! The force on one basis after the other, in the same steps: then forces differ by the bases alone.
+//! Computes the contact force on one basis after another in the same time steps, so that the forces differ by the bases
+//! only.
 
 use std::ops::ControlFlow;
 
@@ -12,13 +13,14 @@ use crate::scene::Scene;
 
 use super::watch::{Stage, Watch};
 
-/// How many times the vectors of the basis for which steps were chosen a basis may have before they are chosen again: its own modes may ask for shorter ones.
+/// Growth of the number of vectors after which time steps are chosen again. The modes of the larger basis may need
+/// shorter ones.
 const VECTORS_BEFORE_NEW_STEPS: usize = 2;
 
-/// Steps are replaced where a basis asks for a largest step below this part of theirs.
+/// Time steps are replaced if a basis needs a largest step below this factor times the present one.
 const SHORTER_BELOW: f64 = 0.75;
 
-/// What the force of an impact is computed with on several bases.
+/// Computes the force of an impact on several bases.
 pub(super) struct Trials<'a> {
     comm: &'a Comm,
     scene: &'a Scene,
@@ -26,35 +28,35 @@ pub(super) struct Trials<'a> {
     chosen: Option<Chosen>,
 }
 
-/// Steps in modal coordinates that bases share.
+/// Time steps in modal coordinates that bases share.
 #[derive(Clone, Copy)]
 struct Chosen {
     steps: Steps,
-    /// How many vectors the basis had that they were last chosen for.
+    /// Number of vectors of the basis for which the steps were last chosen.
     vectors: usize,
 }
 
-/// The force on a basis.
+/// The contact force on a basis.
 #[derive(Default)]
 pub(super) struct Trial {
     pub force: Trace,
-    /// In which steps of modal coordinates.
+    /// Time steps of the force, in modal coordinates.
     pub steps: Option<Steps>,
-    /// The body in modal coordinates, where the force was computed in them.
+    /// The body in modal coordinates, if the force was computed in them.
     pub modal: Option<ModalBody>,
 }
 
 impl<'a> Trials<'a> {
-    /// None so far.
+    /// Starts without chosen time steps.
     pub fn new(comm: &'a Comm, scene: &'a Scene, watch: &'a dyn Watch) -> Self {
         Self { comm, scene, watch, chosen: None }
     }
 
-    /// The force on a basis, in the steps chosen before. Small bases choose their own: all their modes move in any steps, which do not show what larger bases
-    /// need. Collective.
+    /// The force on a basis, in the time steps chosen before. Small bases choose their own steps. All their modes can
+    /// be integrated in any steps, so their steps do not show what larger bases need. Collective.
     ///
     /// # Errors
-    /// [`crate::Error::Solve`] where the impact is not solved; PETSc's.
+    /// [`crate::Error::Solve`] if the impact cannot be solved; or if a PETSc call fails.
     pub fn force(&mut self, projection: &Projection) -> Result<Trial> {
         let trial = self.force_in(self.chosen.map(|chosen| chosen.steps), projection)?;
         let vectors = projection.vectors();
@@ -64,26 +66,28 @@ impl<'a> Trials<'a> {
         Ok(trial)
     }
 
-    /// The force on a basis in given steps, or in its own: as the first rank has it, with this rank's body, before somebody who may break it off. Collective.
+    /// The force on a basis in given time steps, or in its own. It succeeds or fails as on the first rank; each rank
+    /// has its own body. The watch may interrupt it. Collective.
     ///
     /// # Errors
-    /// As [`Trials::force`].
+    /// Same as [`Trials::force`].
     pub fn force_in(&self, steps: Option<Steps>, projection: &Projection) -> Result<Trial> {
         let trial = self.watch.shared(self.force_here(steps, projection));
-        // A rank that has broken off has a part of the force: all of them end here.
+        // An interrupted rank has only a part of the force, so all ranks end here.
         self.watch.at(Stage::Trial)?;
         trial
     }
 
-    /// The force on a basis of many more vectors than that for which the steps were chosen, in steps of its own, where it asks for shorter ones: longer steps
-    /// leave out the modes in which it differs from smaller bases. The shorter ones are then the steps that bases share. Collective.
+    /// The force in a basis' own time steps, if it has many more vectors than the basis for which the steps were chosen
+    /// and needs shorter ones. Longer steps leave out the modes in which it differs from smaller bases. The shorter
+    /// steps are then shared by all bases. Collective.
     ///
     /// # Errors
-    /// As [`Trials::force`].
+    /// Same as [`Trials::force`].
     pub fn in_shorter_steps(&mut self, projection: &Projection) -> Result<Option<Trial>> {
         let (vectors, before) = (projection.vectors(), self.chosen);
         let is_due = |before: Chosen| vectors > VECTORS_BEFORE_NEW_STEPS * before.vectors;
-        // Other ranks than the first may have no steps of their own.
+        // Other ranks than the first may have no chosen steps.
         if self.scene.time.step.is_some() || !self.watch.decided(before.is_some_and(is_due)) {
             return Ok(None);
         }
@@ -95,8 +99,8 @@ impl<'a> Trials<'a> {
         self.chosen = steps.map(|steps| Chosen { steps, vectors });
         Ok(is_shorter.then_some(trial))
     }
-    /// The force as this rank computes it: by the scene's own scheme, whose steps pass the body's vibrations differently; in modal coordinates in these steps,
-    /// with the body in these.
+    /// The force as computed by this rank. It uses the scene's own scheme, because schemes represent the body's
+    /// vibrations differently. In modal coordinates it uses the given `steps` and returns the modal body too.
     fn force_here(&self, steps: Option<Steps>, projection: &Projection) -> Result<Trial> {
         let Self { comm, scene, watch, .. } = *self;
         let take = |_: &Step, _: &Reading| {};

@@ -1,4 +1,4 @@
-//! Who follows the making of a model, and may break it off.
+//! Follows the making of a model, and may interrupt it.
 
 use mpi::traits::{Communicator, Root};
 use petsc_wrap::Comm;
@@ -6,65 +6,69 @@ use petsc_wrap::Comm;
 use crate::error::{Error, Result};
 use crate::scene::Model as Theory;
 
-/// What is being done.
+/// Stage of making a model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stage {
-    /// Mesh and matrices of a theory's body are made.
+    /// The mesh and matrices of a theory's body are made.
     Assembly(Theory),
-    /// S is factorised for a basis.
+    /// The matrix S = K + sC + s²M of the shift s is factorised for a basis.
     Factor,
-    /// A basis grows.
+    /// A basis is enlarged.
     Basis {
-        /// Vectors so far.
+        /// Number of vectors so far.
         vectors: usize,
-        /// How good the last basis was that was judged; `None` before the first, and where it judges another one.
+        /// Accuracy of the last basis that was checked; `None` before the first, and for a basis that only serves a
+        /// comparison.
         judged: Option<Judged>,
     },
-    /// The matrices of the first steps are made and factorised.
+    /// The matrices of the first time steps are made and factorised.
     Steps,
-    /// An impact on a basis is computed, to judge it.
+    /// An impact on a basis is computed, to estimate the error of the basis.
     Trial,
 }
 
-/// How good a basis was.
+/// Accuracy of a basis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Judged {
-    /// Its vectors.
+    /// Number of vectors.
     pub vectors: usize,
-    /// Estimated error of the acceleration in the first contact, over its peak.
+    /// Estimated error, over the peak, in the quantity that the tolerance applies to.
     pub error: f64,
-    /// What that is to become.
+    /// Allowed error.
     pub wanted: f64,
 }
 
 /// Follows the making of a model.
 pub trait Watch {
-    /// Something is about to be done. Collective.
+    /// Called before each stage. Collective.
     ///
     /// # Errors
-    /// [`Error::Interrupted`] where it is not to be done.
+    /// [`Error::Interrupted`] if the stage is not to be done.
     fn at(&self, stage: Stage) -> Result<()>;
 
-    /// Whether this rank knows already that the next stage breaks off: what a rank computes by itself need not go on.
+    /// Whether this rank already knows that the next stage will be interrupted. It may then stop work that it does
+    /// alone.
     fn is_raised_here(&self) -> bool {
         false
     }
 
-    /// The first rank's number. Every rank computes plates for itself, and ranks on unlike processors round differently: what is decided by
-    /// such a number is to be the same on all, since all must come to the same stages. Collective.
+    /// Returns the first rank's number on all ranks. Every rank computes plates for itself, and ranks on different
+    /// processors round differently. Decisions based on such a number must be the same everywhere, because all ranks
+    /// must reach the same stages. Collective.
     fn agreed(&self, mine: f64) -> f64;
 }
 
 impl dyn Watch + '_ {
-    /// The first rank's decision. Collective.
+    /// Returns the first rank's decision on all ranks. Collective.
     pub fn decided(&self, mine: bool) -> bool {
         self.agreed(f64::from(u8::from(mine))) > 0.5
     }
 
-    /// A result where the first rank has one; where it has an error, that of this rank or another one. Collective.
+    /// Returns this rank's result if the first rank has succeeded; otherwise an error on all ranks. Collective.
     ///
     /// # Errors
-    /// Such an error; [`Error::Alone`] where the first rank has none.
+    /// This rank's error, or a general one if only the first rank failed; [`Error::Alone`] if this rank failed and the
+    /// first did not.
     pub fn shared<T>(&self, mine: Result<T>) -> Result<T> {
         match (self.decided(mine.is_ok()), mine) {
             (true, Err(error)) => Err(Error::Alone(Box::new(error))),
@@ -74,13 +78,13 @@ impl dyn Watch + '_ {
     }
 }
 
-/// The first rank's number. Collective.
+/// Returns the first rank's number on all ranks. Collective.
 pub fn of_first(comm: &Comm, mut mine: f64) -> f64 {
     comm.mpi().process_at_rank(0).broadcast_into(&mut mine);
     mine
 }
 
-/// Nobody follows these ranks.
+/// A watch that never interrupts.
 pub struct Unwatched<'a>(pub &'a Comm);
 
 impl Watch for Unwatched<'_> {
@@ -93,7 +97,7 @@ impl Watch for Unwatched<'_> {
     }
 }
 
-/// Breaks off on these ranks where a function says so, with the same answer on all.
+/// A watch that interrupts when a function returns true; it must return the same on all ranks.
 pub struct Until<'a>(pub &'a Comm, pub &'a dyn Fn() -> bool);
 
 impl Watch for Until<'_> {

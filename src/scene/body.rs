@@ -1,37 +1,37 @@
-//! The elastic body: theory, material, geometry, what is made of it.
+//! The elastic body: theory, reduction, materials, geometry, elements and symmetry.
 
 use super::{Composition, Parts, Vec3};
 use crate::form;
 
-/// The elastic body: theory, material, geometry, elements.
+/// The elastic body: theory, reduction, materials, geometry, elements and symmetry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// What is taken into account.
+    /// Theory of the body.
     pub model: Model,
-    /// What is made of a linear body before it is stepped.
+    /// Reduction of a linear body before the time integration.
     pub reduction: Reduction,
-    /// What it is made of, relaxation times being those at its temperature.
+    /// Materials and where they are. Relaxation times are shifted to the temperature of the body.
     pub composition: Composition,
-    /// Its temperature, °C; `None` where relaxation times are taken as they are given.
+    /// Temperature, °C. `None`: relaxation times are used as given.
     pub temperature: Option<f64>,
-    /// Where the mesh comes from.
+    /// Origin of the mesh.
     pub geometry: Geometry,
     /// Polynomial degree of the elements: 1 or 2.
     pub order: usize,
-    /// What part of it is solved.
+    /// Part of the body that is solved.
     pub symmetry: Symmetry,
-    /// The shortest flexural waves that the cells of a layerwise plate are made for, m: those of bodies that share a basis. `None` for those of its own
-    /// contact.
+    /// Shortest flexural wave that the cells of a layerwise plate must resolve, m: the shortest of all bodies that
+    /// share a basis. `None`: the wave of the body's own contact.
     pub wavelength: Option<f64>,
 }
 
 impl Body {
-    /// The elastic constants at t → 0, and the density, of what is hit.
+    /// Elastic constants at t → 0 and density of the impacted material.
     pub fn struck(&self) -> form::Material {
         self.composition.struck
     }
 
-    /// The largest Young's modulus of its materials, Pa.
+    /// Largest instantaneous Young's modulus of the materials, Pa.
     pub fn stiffest(&self) -> f64 {
         self.composition.materials().iter().map(|material| material.instantaneous.young).fold(0.0, f64::max)
     }
@@ -42,8 +42,8 @@ impl Body {
         Some(self.composition.density()? * size.iter().product::<f64>())
     }
 
-    /// The thickness that a hit along z, or against it, meets first, m: that of the layer that is hit where the layers differ. `thickness` is
-    /// that of the whole.
+    /// Thickness that an impact along ±z meets first, m: the thickness of the impacted layer if the layers differ, else
+    /// `thickness`, the thickness of the whole body. Never more than `thickness`.
     pub fn struck_thickness(&self, thickness: f64) -> f64 {
         match (&self.composition.parts, self.composition.uniform()) {
             (Parts::Layers(layers), None) => layers[self.composition.struck_layer].thickness.min(thickness),
@@ -52,72 +52,73 @@ impl Body {
     }
 }
 
-/// What a body's theory takes into account, the least first.
+/// Theory of a body, from the simplest to the most complete.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Model {
-    /// The least that the scene's tolerance allows.
+    /// The simplest theory that meets the tolerance of the scene.
     Auto,
-    /// Its dent alone, which Hertz's law holds.
+    /// Local indentation by Hertz's law only; the body does not bend.
     HalfSpace,
-    /// Bending waves without echoes (Zener 1941).
+    /// Bending waves without reflections (Zener 1941).
     InfinitePlate,
     /// Bending of a thin plate.
     Kirchhoff,
-    /// Bending with shear and rotary inertia (Reissner 1945, Mindlin 1951).
+    /// Bending with shear deformation and rotary inertia (Reissner 1945, Mindlin 1951).
     Mindlin,
-    /// The same in each layer of its own, bonded to the next.
+    /// Bending with shear deformation and rotary inertia in each layer, with bonded layers.
     Layerwise,
-    /// Elasticity in three dimensions.
+    /// Three-dimensional elasticity.
     Solid,
 }
 
-/// What is made of a linear body before it is stepped.
+/// Reduction of a linear body before the time integration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reduction {
-    /// A Krylov basis as large as the tolerance asks for where the scheme is modal, otherwise nothing.
+    /// With modal coordinates: a Krylov basis as large as the tolerance requires. Otherwise no reduction.
     Auto,
-    /// Nothing.
+    /// No reduction.
     None,
-    /// A Krylov basis of so many vectors.
+    /// A Krylov basis with this number of vectors.
     Vectors(usize),
 }
 
-/// What part of the body is solved.
+/// Part of the body that is solved.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Symmetry {
-    /// The whole.
+    /// The whole body.
     None {
-        /// Why it was not cut, where a cut was to be made if possible.
+        /// Why the body was not cut, if the scene asked to cut it where possible.
         reason: Option<String>,
     },
-    /// The part of a box where the coordinates of both axes are positive. The planes where one of them is zero are planes of
-    /// symmetry of the whole scene.
+    /// The quarter of a box where both coordinates along `axes` are positive. The planes where one of them is zero are
+    /// planes of symmetry of the whole scene.
     Quarter {
-        /// The axes normal to those planes, ascending.
+        /// Axes normal to the two planes, ascending.
         axes: [usize; 2],
     },
-    /// The whole. The body, its supports and its loads are symmetric about planes that the impact is not symmetric about: of splines, the
-    /// motion is the sum of symmetric and antisymmetric ones, each of them that of a part.
+    /// The whole body. The body, its supports and its loads are symmetric about planes; the impact is not. On splines,
+    /// the motion is the sum of symmetric and antisymmetric motions, each computed on a part of the body.
     Parts {
-        /// The axes normal to the planes, ascending: one or two.
+        /// Axes normal to the planes, ascending: one or two.
         axes: Vec<usize>,
         /// Why the impact is not symmetric.
         reason: String,
     },
 }
 
-/// Where the mesh comes from.
+/// Origin of the mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Geometry {
     /// A box centred on the origin, cut into hexahedra.
     Box {
         /// Edge lengths, m.
         size: Vec3,
-        /// Coordinates of the grid planes across each axis, m, ascending from −size/2 to size/2; the cells lie between them.
+        /// Coordinates of the grid planes across each axis, m, from −size/2 to size/2. Cells lie between them.
         planes: [Vec<f64>; 3],
-        /// Whether the scene gives cells or their order.
+        /// Whether the scene gives the number of cells, their grading or their order.
         is_given: bool,
     },
-    /// A Gmsh file (2.2 or 4.1), surfaces by physical name; relative to the scene file.
+    /// A Gmsh file (2.2 or 4.1), with surfaces by their physical names. The path is relative to the folder of the scene
+    /// file.
     Gmsh(std::path::PathBuf),
 }

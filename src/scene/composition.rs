@@ -1,48 +1,48 @@
-//! What a body is made of: one material, layers of a box, or the physical volumes of a mesh.
+//! Materials of a body: one material, layers of a box, or the physical volumes of a mesh.
 
 use std::collections::BTreeMap;
 
 use crate::form;
 use crate::material::Material;
 
-/// What a body is made of, and what of it is hit.
+/// Materials of a body, and the impacted one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Composition {
-    /// Its materials, and where they are.
+    /// Materials and where they are.
     pub parts: Parts,
-    /// The elastic constants at t → 0, and the density, of the material that is hit: Hertz's law takes these.
+    /// Elastic constants at t → 0 and density of the impacted material. Hertz's law uses them.
     pub struck: form::Material,
-    /// The number of that material's layer, where there are layers.
+    /// Index of the impacted layer; 0 without layers.
     pub struck_layer: usize,
 }
 
-/// Where the materials of a body are.
+/// Arrangement of the materials in a body.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Parts {
-    /// One material in all of it.
+    /// One material in the whole body.
     Whole(Material),
-    /// Layers of a box across z, from the top down; their thicknesses add up to the box's.
+    /// Layers of a box across z, from the top down. Their thicknesses add up to the thickness of the box.
     Layers(Vec<Layer>),
-    /// Materials by the name of a physical volume of the mesh file.
+    /// Materials by the names of the physical volumes of the mesh file.
     Volumes(BTreeMap<String, Material>),
 }
 
 /// A layer of a box.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layer {
-    /// m.
+    /// Thickness, m.
     pub thickness: f64,
-    /// What it is made of.
+    /// Material of the layer.
     pub material: Material,
 }
 
 impl Composition {
-    /// One elastic material in all of the body.
+    /// One elastic material in the whole body.
     pub fn whole(constants: form::Material) -> Self {
         Self { parts: Parts::Whole(Material::elastic(constants)), struck: constants, struck_layer: 0 }
     }
 
-    /// The materials, in no other order than that of layers.
+    /// All materials. Those of layers are in the order of the layers; a material may occur more than once.
     pub fn materials(&self) -> Vec<&Material> {
         match &self.parts {
             Parts::Whole(material) => vec![material],
@@ -51,7 +51,7 @@ impl Composition {
         }
     }
 
-    /// The same, to be changed.
+    /// Mutable access to all materials, in the order of [`Self::materials`].
     pub fn materials_mut(&mut self) -> Vec<&mut Material> {
         match &mut self.parts {
             Parts::Whole(material) => vec![material],
@@ -60,13 +60,13 @@ impl Composition {
         }
     }
 
-    /// The one material of a body whose parts are all alike, and elastic.
+    /// The material of a body if all its parts have the same one and it is elastic; otherwise `None`.
     pub fn uniform(&self) -> Option<&form::Material> {
         let first = self.materials().first().copied()?;
         (self.is_of_one_material() && first.shear.is_none()).then_some(&first.instantaneous)
     }
 
-    /// Whether its parts are all alike, elastic or not.
+    /// Whether all parts have the same material, elastic or viscoelastic.
     pub fn is_of_one_material(&self) -> bool {
         self.materials().windows(2).all(|pair| pair[0] == pair[1])
     }
@@ -76,7 +76,8 @@ impl Composition {
         self.materials().iter().any(|material| material.shear.is_some())
     }
 
-    /// What lies across the body along an axis, over a length (m), each with its own length: the layers across z, else what is hit.
+    /// Layers across the body along an axis, each with its thickness (m). Without layers across this axis: one layer of
+    /// the impacted material with the given length (m).
     pub fn across(&self, axis: usize, length: f64) -> Vec<(f64, Material)> {
         match &self.parts {
             Parts::Layers(layers) if axis == 2 => {
@@ -86,7 +87,7 @@ impl Composition {
         }
     }
 
-    /// The same with the elastic constants that its materials have a time (s) after a step of the strain.
+    /// The composition with the elastic constants of its materials at a time (s) after a step of the strain.
     #[must_use]
     pub fn elastic_at(&self, time: f64) -> Self {
         let at = |material: &Material| Material::elastic(material.at(time));
@@ -103,7 +104,7 @@ impl Composition {
         Self { parts, ..self.clone() }
     }
 
-    /// The density of a whole whose volume is that of its layers, kg/m³; `None` for a mesh of several densities.
+    /// Mean density of a body whose layers fill its volume, kg/m³; `None` for a mesh with several densities.
     pub fn density(&self) -> Option<f64> {
         let densities: Vec<f64> = self.materials().iter().map(|material| material.instantaneous.density).collect();
         let first = densities.first().copied()?;
@@ -118,7 +119,8 @@ impl Composition {
         }
     }
 
-    /// Where layers that differ end across z, m: ascending, from −H/2 to H/2 of their thickness H. Empty for a body of one material.
+    /// Coordinates z of the faces of all layers, m: ascending, from −H/2 to H/2 for the total thickness H. Empty
+    /// without layers, and for layers of one elastic material.
     pub fn interfaces(&self) -> Vec<f64> {
         let Parts::Layers(layers) = &self.parts else { return Vec::new() };
         if self.uniform().is_some() {
@@ -134,7 +136,7 @@ impl Composition {
             })
             .collect();
         heights.reverse();
-        // Exactly where the box ends.
+        // The ends of the box, without rounding.
         heights[0] = -0.5 * thickness;
         heights.push(0.5 * thickness);
         heights
@@ -162,7 +164,7 @@ mod tests {
         assert!(laminate.uniform().is_none() && !laminate.is_viscoelastic());
         let expected = [-0.01, -0.002, 0.0, 0.01];
         let found = laminate.interfaces();
-        // Rounding of sums of thicknesses.
+        // Tolerance: rounding of sums of thicknesses.
         assert!(found.len() == 4 && found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-17), "{found:?}");
         let alike = layers(&[(0.01, 2500.0), (0.01, 2500.0)]);
         assert!(alike.uniform().is_some() && alike.interfaces().is_empty() && alike.density() == Some(2500.0));

@@ -1,4 +1,4 @@
-//! From the text of a scene to typed values; the words of serde become ours.
+//! Reads the text of a scene into typed values, and translates the error messages of serde.
 
 use serde::Deserialize;
 use serde_path_to_error::{Path, Segment, Track};
@@ -11,7 +11,7 @@ use super::{raw, suggest};
 /// Reads the keys of a scene with their types.
 ///
 /// # Errors
-/// A key that is unknown or missing, or a value of another type.
+/// If a key is unknown or missing, or if a value has another type.
 pub(super) fn decode(source: &Source) -> Result<raw::Scene, SceneError> {
     let deserializer = de::Deserializer::parse(source.text()).map_err(|error| source.error("", error.message(), ""))?;
     let mut track = Track::new();
@@ -32,8 +32,8 @@ fn segments(path: &Path) -> Vec<String> {
         .collect()
 }
 
-/// serde's texts are fixed by its documentation of `unknown_field`, `missing_field`, `invalid_type` and
-/// `invalid_length`; they are the only way to know which of these it was.
+/// Translates an error message of serde. The texts are fixed by the documentation of `unknown_field`, `missing_field`,
+/// `invalid_type` and `invalid_length` in serde. They are the only way to know the kind of error.
 fn refuse(source: &Source, path: &[String], text: &str) -> SceneError {
     let mut path: Vec<&str> = path.iter().map(String::as_str).collect();
     if let Some((name, known)) = text.strip_prefix("unknown field `").and_then(|rest| rest.rsplit_once("`, expected "))
@@ -61,7 +61,7 @@ fn refuse(source: &Source, path: &[String], text: &str) -> SceneError {
         Some(("invalid value", what)) => format!("this value will not do: {what}"),
         _ => found.replacen("invalid length", "wrong number of entries:", 1),
     };
-    // serde's names of types, but for what a reader of the scene would call them.
+    // serde's names of types, replaced by the words that a reader of the scene would use.
     let plain = [
         ("type: map", "type: a table"),
         ("type: sequence", "type: an array"),

@@ -1,14 +1,14 @@
-//! Which keys two scenes do not have alike.
+//! Compares two scenes key by key.
 
 use std::collections::BTreeMap;
 
 use toml_edit::{Document, Item, TableLike, Value};
 
-/// The keys, as `support.0.stiffness`, whose values differ in two texts, or that one of them alone has.
+/// Keys (for example `support.0.stiffness`) whose values differ between two texts, or that only one of them has.
 pub fn differences(one: &str, other: &str) -> Vec<String> {
     let [one, other] = [one, other].map(|text| {
         let mut all = BTreeMap::new();
-        // What is no TOML has no keys.
+        // A text that is not TOML has no keys.
         if let Ok(document) = Document::parse(text) {
             in_table(document.as_table(), "", &mut all);
         }
@@ -48,7 +48,7 @@ fn in_value(value: &Value, key: &str, all: &mut BTreeMap<String, String>) {
     all.insert(key.to_owned(), text);
 }
 
-/// A value without the way in which it is written: 1e-3 as 0.001.
+/// Text of a value without its notation: 1e-3 becomes 0.001.
 fn plain(value: &Value) -> String {
     let number = value.as_float().or(value.as_integer().map(|whole| whole as f64));
     let text = || value.as_str().map_or_else(|| value.to_string().trim().to_owned(), str::to_owned);

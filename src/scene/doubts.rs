@@ -1,4 +1,4 @@
-//! Values that a scene may have and that are hardly what was meant: most look as if they were in another unit.
+//! Finds values of a scene that are allowed but probably a mistake. Most look as if they were given in another unit.
 
 use std::f64::consts::PI;
 
@@ -7,38 +7,42 @@ use super::decode::decode;
 use super::values::Number;
 use super::{Scene, SceneError, Source, Vec3};
 
-/// Softer than rubber, and stiffer than diamond, Pa.
+/// Smallest plausible Young's modulus, Pa. Rubber is stiffer.
 const SOFT: f64 = 1e6;
+/// Largest plausible Young's modulus, Pa. Diamond is softer.
 const STIFF: f64 = 1e13;
 
-/// Weaker than foam, Pa.
+/// Smallest plausible strength, Pa. Foam is stronger.
 const WEAK: f64 = 1e4;
 
-/// Lighter than foam, and heavier than any metal, kg/m³.
+/// Smallest plausible density, kg/m³. Foam is heavier.
 const LIGHT: f64 = 25.0;
+/// Largest plausible density, kg/m³. All metals are lighter.
 const HEAVY: f64 = 25e3;
 
-/// A radius, m, and the density of a ball of that radius and of the impactor's mass, kg/m³, that no ball has.
+/// Radius of the impactor above which its density is checked, m.
 const LARGE: f64 = 1.0;
+/// Smallest plausible density of the impactor, kg/m³: its mass over the volume of a ball with its radius.
 const HOLLOW: f64 = 10.0;
 
-/// Acceleration of a body by its loads, m/s², and tractions over Young's modulus.
+/// Largest plausible acceleration of the body by its loads, m/s².
 const FORCED: f64 = 1e5;
+/// Largest plausible ratio of a traction to Young's modulus.
 const STRAINED: f64 = 0.1;
 
-/// Contacts that a run is long at most.
-const LONG: f64 = 5e3;
+/// Longest plausible run, in contact times on a half-space.
+const LONGEST_RUN: f64 = 5e3;
 
-/// A value that is hardly what was meant.
+/// A value that is probably a mistake.
 #[derive(Debug)]
 pub struct Doubt {
-    /// Where it is, and what is odd about it.
+    /// Place of the value in the scene, and why it is doubtful.
     pub error: SceneError,
-    /// By what factor it is beyond what is usual.
+    /// Factor by which the value exceeds the usual range.
     pub excess: f64,
 }
 
-/// All such values of the scene of a source.
+/// All doubtful values of the scene of a source.
 pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
     let Ok(raw) = decode(source) else { return Vec::new() };
     let impactor = &scene.impactor;
@@ -98,7 +102,7 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
         "a run of {} s is {contacts:.1e} times as long as a contact on a half-space, {contact:.1e} s",
         show(end)
     );
-    doubt("time.end", contacts / LONG, what, format!("the time is in s: {} ms are {}", show(end), show(1e-3 * end)));
+    doubt("time.end", contacts / LONGEST_RUN, what, format!("the time is in s: {} ms are {}", show(end), show(1e-3 * end)));
     if let Some(step) = scene.time.step {
         let what = format!(
             "a step of {} s is longer than a contact on a half-space, {contact:.1e} s, which it leaps over",

@@ -1,9 +1,9 @@
-//! What is wrong in a scene: which key, in which line, and what would be right.
+//! Errors in a scene, with the key, the line, and a hint how to correct it.
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
-/// A fault in a scene or in an override of one. Its text is `name:line: key: message`; as a [`Diagnostic`] it also
-/// carries the source with the place marked, and what would be right.
+/// An error in a scene or in an override. Its text is `name:line: key: message`. As a [`Diagnostic`] it also has the
+/// source with the place marked, and a hint how to correct it.
 #[derive(Debug, thiserror::Error)]
 #[error("{}:{line}: {key}: {message}", excerpt.source.name())]
 pub struct SceneError {
@@ -13,7 +13,7 @@ pub struct SceneError {
     excerpt: Box<Excerpt>,
 }
 
-/// The source, the place in it, and the help.
+/// The source, the marked place, and the hint.
 #[derive(Debug)]
 pub(super) struct Excerpt {
     pub source: NamedSource<String>,
@@ -22,7 +22,8 @@ pub(super) struct Excerpt {
 }
 
 impl Excerpt {
-    /// Whether the lines about the mark can be shown: no terminal has room for longer ones, and what draws them counts columns in 16 bits.
+    /// Whether the lines around the mark are short enough to be shown. Longer ones do not fit in a terminal, and miette
+    /// counts columns in 16 bits.
     fn is_short(&self) -> bool {
         const LONGEST: usize = 2000;
         let text = self.source.inner();
@@ -40,27 +41,27 @@ impl SceneError {
         Self { key, line, message, excerpt: Box::new(excerpt) }
     }
 
-    /// Dotted path of the key that is wrong or missing, as `support.0.stiffness`.
+    /// Dotted path of the wrong or missing key, for example `support.0.stiffness`.
     pub fn key(&self) -> &str {
         &self.key
     }
 
-    /// Its line, from 1; for a missing key the line of the table where it belongs.
+    /// Line of the key, counted from 1. For a missing key: the line of the table where it belongs.
     pub fn line(&self) -> usize {
         self.line
     }
 
-    /// The same, with a remark after the message.
+    /// Adds a remark in brackets to the message.
     pub fn remarked(self, remark: &str) -> Self {
         Self { message: format!("{} ({remark})", self.message), ..self }
     }
 
-    /// What is wrong, without the place.
+    /// Description of the error, without its place.
     pub fn message(&self) -> &str {
         &self.message
     }
 
-    /// What would be right.
+    /// Hint how to correct the error.
     pub fn advice(&self) -> &str {
         &self.excerpt.help
     }

@@ -1,24 +1,24 @@
-//! The surface of a box centred on the origin: names, points, faces.
+//! Surface of a box centred on the origin: names, points and faces.
 
 use super::Vec3;
 
 /// Names of the surfaces of a box; "side" is all four faces with a horizontal normal.
 pub(super) const SURFACES: [&str; 9] = ["side", "top", "bottom", "x-min", "x-max", "y-min", "y-max", "z-min", "z-max"];
 
-/// A face of a box: the axis that it is normal to, and whether it is the upper one.
+/// A face of a box: the axis normal to it, and whether it is on the positive side.
 pub(crate) type Face = (usize, bool);
 
-/// The axes along the faces across an axis, ascending.
+/// The two axes along the faces that are normal to an axis, ascending.
 pub(crate) fn along(across: usize) -> [usize; 2] {
     [[1, 2], [0, 2], [0, 1]][across]
 }
 
-/// The name of a face.
+/// Name of a face, for example `z-max`.
 pub(crate) fn name((axis, is_upper): Face) -> &'static str {
     [["x-min", "x-max"], ["y-min", "y-max"], ["z-min", "z-max"]][axis][usize::from(is_upper)]
 }
 
-/// The faces that the name of a surface of a box stands for.
+/// Faces that belong to the named surface of a box; empty for an unknown name.
 pub(crate) fn faces(name: &str) -> &'static [Face] {
     match name {
         "side" => &[(0, false), (0, true), (1, false), (1, true)],
@@ -32,7 +32,7 @@ pub(crate) fn faces(name: &str) -> &'static [Face] {
     }
 }
 
-/// Distance of `point` from the surface of the box, from inside or outside.
+/// Distance of `point` from the surface of the box, from inside or outside, m.
 pub(super) fn distance(size: Vec3, point: Vec3) -> f64 {
     let beyond = beyond(size, point);
     let depth = beyond.into_iter().fold(f64::NEG_INFINITY, f64::max);
@@ -44,12 +44,13 @@ pub(super) fn distance(size: Vec3, point: Vec3) -> f64 {
     }
 }
 
-/// How near to the surface counts as on it: room for the digits of a typed number, and no more.
+/// Distance from the surface up to which a point counts as on it, m: 1e-9 of the longest edge, for the rounding of
+/// typed numbers.
 pub(super) fn tolerance(size: Vec3) -> f64 {
     1e-9 * size.into_iter().fold(0.0, f64::max)
 }
 
-/// The point with each coordinate that is at the middle or at an end of its edge, but for 1e-9 of it, exactly there.
+/// Moves coordinates within 1e-9 of the edge length from the middle or an end of their edge exactly there.
 pub(super) fn snap(size: Vec3, point: Vec3) -> Vec3 {
     std::array::from_fn(|i| {
         let (half, near) = (size[i] / 2.0, 1e-9 * size[i]);
@@ -63,18 +64,19 @@ pub(super) fn snap(size: Vec3, point: Vec3) -> Vec3 {
 
 /// Whether a unit `direction` at a `point` on the surface leads into the box, through any of the faces there.
 pub(super) fn leads_inside(size: Vec3, point: Vec3, direction: Vec3) -> bool {
-    // Along a face is not into it, whatever the last digit says.
+    // A direction along a face does not lead inside, even with rounding.
     inward(size, point, direction).into_iter().any(|inward| inward > 1e-9)
 }
 
-/// The axis across the face through which a unit `direction` leads into the box at a `point` on its surface; at an edge or
-/// a corner the face that it hits squarest.
+/// Axis normal to the face through which a unit `direction` leads into the box at a `point` on its surface. At an edge
+/// or a corner: the face whose normal is closest to the direction.
 pub(super) fn struck_axis(size: Vec3, point: Vec3, direction: Vec3) -> usize {
     let inward = inward(size, point, direction);
     (0..3).fold(0, |best, i| if inward[i] >= inward[best] { i } else { best })
 }
 
-/// The direction's component along the inward normal of the face across each axis; −∞ where the point is on none.
+/// Component of the direction along the inward normal of the face across each axis; −∞ if the point is not on that
+/// face.
 fn inward(size: Vec3, point: Vec3, direction: Vec3) -> Vec3 {
     let beyond = beyond(size, point);
     std::array::from_fn(|i| match beyond[i].abs() <= tolerance(size) {
@@ -83,8 +85,8 @@ fn inward(size: Vec3, point: Vec3, direction: Vec3) -> Vec3 {
     })
 }
 
-/// Centre of the face that a body moving along `direction` from outside hits squarest: the one across the
-/// direction's largest component.
+/// Centre of the face that is hit by a body moving along `direction` from outside: the face normal to the largest
+/// component of the direction.
 pub(super) fn struck_centre(size: Vec3, direction: Vec3) -> Vec3 {
     let axis = (0..3).fold(0, |best, i| if direction[i].abs() >= direction[best].abs() { i } else { best });
     let mut centre = [0.0; 3];
@@ -92,7 +94,7 @@ pub(super) fn struck_centre(size: Vec3, direction: Vec3) -> Vec3 {
     centre
 }
 
-/// How far the point lies beyond the faces across each axis; negative between them.
+/// Distance of the point beyond the faces across each axis, m; negative between the faces.
 fn beyond(size: Vec3, point: Vec3) -> Vec3 {
     std::array::from_fn(|i| point[i].abs() - size[i] / 2.0)
 }
@@ -113,7 +115,7 @@ mod tests {
             ([4.0, 6.0, 0.0], 5.0),
             ([-2.0, 4.0, 5.0], 3.0),
         ] {
-            // Exact up to the rounding of the decimals.
+            // Tolerance: rounding of the decimals.
             assert!((distance(SIZE, point) - expected).abs() < 1e-15, "{point:?}");
         }
     }

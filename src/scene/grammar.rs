@@ -1,6 +1,6 @@
-//! What most probably was meant where a line is no TOML.
+//! Hints for lines that are not valid TOML.
 
-/// A line as it should be, by what the parser says of it.
+/// Hint how to correct a line that is not valid TOML; `message` is the message of the parser.
 pub(super) fn hint(line: &str, message: &str) -> &'static str {
     let line = line.trim();
     let value = line.split_once('=').map(|(_, value)| value.trim());

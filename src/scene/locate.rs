@@ -1,27 +1,27 @@
-//! From the dotted path of a key to its place in the text.
+//! Finds the place of a key in the text of a scene from its dotted path.
 
 use std::ops::Range;
 
 use toml_edit::{Document, Item, TableLike, Value};
 
-/// Where a path leads.
+/// Place in the text to which a path leads.
 pub(super) struct Place {
-    /// Span of the last key on the path that exists; empty at the start of the text when none does.
+    /// Span of the last existing key of the path; empty at the start of the text if no key exists.
     pub key: Range<usize>,
-    /// Span of what it stands for.
+    /// Span of the value of that key.
     pub value: Range<usize>,
-    /// How many segments of the path exist.
+    /// Number of leading segments of the path that exist.
     pub depth: usize,
 }
 
-/// A step into the document.
+/// A node of the document.
 enum Node<'a> {
     Table(&'a dyn TableLike),
     Item(&'a Item),
     Value(&'a Value),
 }
 
-/// The number of the line, from 1, that the byte at `offset` belongs to.
+/// Number of the line that contains the byte at `offset`, counted from 1.
 pub(super) fn line(text: &[u8], offset: usize) -> usize {
     1 + text[..offset.min(text.len())].iter().filter(|byte| **byte == b'\n').count()
 }
@@ -34,7 +34,7 @@ pub(super) fn locate(document: &Document<&str>, segments: &[&str]) -> Place {
         let Some((key, value, next)) = descend(node, segment) else {
             break;
         };
-        // A table that only dotted keys or deeper headers imply has no span of its own.
+        // A table without its own header, implied by dotted keys or deeper headers, has no span.
         let value = value.or(key.clone()).unwrap_or(place.value);
         place = Place { key: key.unwrap_or(value.clone()), value, depth: place.depth + 1 };
         node = next;

@@ -1,6 +1,6 @@
-//! What the user wrote: parsed, checked, in SI units. Plain data that every constructor may read.
+//! The scene that the user wrote: parsed, checked, in SI units. Plain data that all other modules may read.
 //!
-//! The text's way: [`Source`] (overrides applied) → `raw` (typed) → `check` (checked) → [`Scene`].
+//! The text is processed in this order: [`Source`] (overrides applied) → `raw` (typed) → `check` (checked) → [`Scene`].
 
 mod body;
 mod check;
@@ -47,7 +47,7 @@ pub use support::{Support, SupportKind, Within};
 pub use time::{Initial, Newton, Scheme, Solver, Time};
 pub use units::unit;
 
-/// A JSON schema of a scene, by which editors check one while it is typed.
+/// JSON schema of a scene. Editors use it to check a scene while it is typed.
 pub fn schema() -> schemars::Schema {
     schemars::schema_for!(raw::Scene)
 }
@@ -55,76 +55,77 @@ pub fn schema() -> schemars::Schema {
 /// A vector with one value per Cartesian component.
 pub type Vec3 = [f64; 3];
 
-/// Standard acceleration of gravity, m/s², against z (ISO 80000-3).
+/// Standard acceleration of gravity, m/s² (ISO 80000-3).
 pub const STANDARD_GRAVITY: f64 = 9.80665;
 
-/// Young's modulus over that of the stiffest layer below which a layer is soft: shear across its faces is a good part of their stress.
+/// Ratio of Young's moduli, to the stiffest layer, below which a layer is soft. In a soft layer, shear across the faces
+/// is a large part of the stress.
 const SOFT: f64 = 0.1;
 
-/// One impact, checked: every number finite and in its range.
+/// A checked scene of one impact: every number is finite and in its range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// Free text, shown in figures and results.
     pub title: String,
     /// The elastic body.
     pub body: Body,
-    /// Terms on named surfaces; none means a free body.
+    /// Supports on named surfaces. Empty for an unsupported body.
     pub supports: Vec<Support>,
-    /// The rigid body that hits.
+    /// The rigid impactor.
     pub impactor: Impactor,
-    /// How the contact's force reaches the body.
+    /// Localisation of the contact force on the body.
     pub contact: Contact,
-    /// Forces other than the contact's.
+    /// Loads other than the contact force.
     pub load: Load,
-    /// How long, and in which steps.
+    /// Duration of the run and time integration.
     pub time: Time,
-    /// Error of the acceleration history over its peak that error-controlled steps aim at.
+    /// Tolerance: error over its peak of the quantity in `measure`, in the first contact.
     pub tolerance: f64,
-    /// What that is the error of.
+    /// Quantity to which the tolerance applies.
     pub measure: Measure,
-    /// The tension that the material bears.
+    /// Tensile strength of the material.
     pub strength: Strength,
-    /// How a step is solved.
+    /// Solution of a time step.
     pub solver: Solver,
-    /// What is written.
+    /// Output of the run.
     pub output: Output,
 }
 
 impl Scene {
-    /// Whether a support only pushes back.
+    /// Whether the body has unilateral supports (pads).
     pub fn is_on_pads(&self) -> bool {
         self.supports.iter().any(|support| matches!(support.kind, SupportKind::Pad { .. }))
     }
 
-    /// Whether the body moves on a basis.
+    /// Whether the body is reduced to a basis.
     pub fn is_reduced(&self) -> bool {
         self.time.modal || matches!(self.body.reduction, Reduction::Vectors(_))
     }
 
-    /// Reads and checks a scene file after `overrides`, each `KEY=VALUE` with a dotted path for the key.
+    /// Reads and checks a scene file with `overrides`, each `KEY=VALUE` with a dotted path as the key.
     ///
     /// # Errors
-    /// [`Error::Usage`](crate::Error::Usage) for a file that cannot be read as text;
-    /// [`Error::Scene`](crate::Error::Scene) for everything that is wrong in it or in an override.
+    /// [`Error::Usage`](crate::Error::Usage) if the file cannot be read as text; [`Error::Scene`](crate::Error::Scene)
+    /// for any error in it or in an override.
     pub fn read(path: &Path, overrides: &[String]) -> crate::Result<(Self, Source)> {
         let text = Self::text(path).map_err(crate::Error::Usage)?;
         Self::from_text(path, &text, overrides)
     }
 
-    /// The text of a scene file.
+    /// Reads the text of a scene file.
     ///
     /// # Errors
-    /// Why the file cannot be read as text.
+    /// If the file cannot be read, or is not text; the message has the reason.
     pub fn text(path: &Path) -> Result<String, String> {
         let shown = path.display().to_string();
         let bytes = std::fs::read(path).map_err(|reason| format!("{shown}: the scene cannot be read: {reason}"))?;
         Self::decode(&shown, bytes)
     }
 
-    /// The text in the bytes of a scene's file, which messages call `shown`.
+    /// Converts the bytes of a scene file to text. Messages call the file `shown`.
     ///
     /// # Errors
-    /// Where they are not text.
+    /// If the bytes are not UTF-8.
     pub fn decode(shown: &str, bytes: Vec<u8>) -> Result<String, String> {
         String::from_utf8(bytes).map_err(|reason| {
             let good = &reason.as_bytes()[..reason.utf8_error().valid_up_to()];
@@ -132,23 +133,23 @@ impl Scene {
         })
     }
 
-    /// The scene in the text of the file at `path`; a mesh file is relative to that file's folder.
+    /// The scene in the text of the file at `path`. A mesh file is relative to the folder of that file.
     ///
     /// # Errors
-    /// [`Error::Scene`](crate::Error::Scene) for everything that is wrong in the text or in an override.
+    /// [`Error::Scene`](crate::Error::Scene) for any error in the text or in an override.
     pub fn from_text(path: &Path, text: &str, overrides: &[String]) -> crate::Result<(Self, Source)> {
         Self::within(&path.display().to_string(), path.parent().unwrap_or(Path::new("")), text, overrides)
     }
 
-    /// The scene in `text`, called `name` in messages; a mesh file is relative to `folder`.
+    /// The scene in `text`, called `name` in messages. A mesh file is relative to `folder`.
     ///
     /// # Errors
-    /// [`Error::Scene`](crate::Error::Scene) for everything that is wrong in the text or in an override.
+    /// [`Error::Scene`](crate::Error::Scene) for any error in the text or in an override.
     pub fn within(name: &str, folder: &Path, text: &str, overrides: &[String]) -> crate::Result<(Self, Source)> {
         Ok(Self::checked(Source::new(name, text, overrides)?.of_folder(folder))?)
     }
 
-    /// The axis across the face of a box that is hit; `None` for a mesh file.
+    /// Axis normal to the impacted face of a box; `None` for a mesh file.
     pub fn struck_axis(&self) -> Option<usize> {
         match &self.body.geometry {
             Geometry::Box { size, .. } => Some(faces::struck_axis(*size, self.impactor.point, self.impactor.direction)),
@@ -156,19 +157,20 @@ impl Scene {
         }
     }
 
-    /// How far the nearest edge of the face of a box that is hit is from the impact point, m; `None` for a mesh file.
+    /// Distance of the impact point from the nearest edge of the impacted face of a box, m; `None` for a mesh file.
     pub fn distance_to_edge(&self) -> Option<f64> {
         let (Geometry::Box { size, .. }, Some(struck)) = (&self.body.geometry, self.struck_axis()) else { return None };
         let to_edge = |axis: usize| 0.5 * size[axis] - self.impactor.point[axis].abs();
         (0..3).filter(|axis| *axis != struck).map(to_edge).min_by(f64::total_cmp)
     }
 
-    /// Whether a support clamps displacements along a plate.
+    /// Whether a support clamps displacements in the plane of the plate.
     pub fn clamps_sections(&self) -> bool {
         self.struck_axis().is_some_and(|struck| self.supports.iter().any(|support| support.clamps_sections(struck)))
     }
 
-    /// Whether a point of a plate is within half its thickness of an edge whose sections are clamped: in a solid stresses have no limit there.
+    /// Whether a point of a plate is within half a thickness of an edge with clamped in-plane displacements. Stresses
+    /// of a solid are singular there.
     pub fn is_at_clamped_edge(&self, point: Vec3) -> bool {
         let (Geometry::Box { size, .. }, Some(struck)) = (&self.body.geometry, self.struck_axis()) else {
             return false;
@@ -181,7 +183,8 @@ impl Scene {
         clamps.flat_map(|support| faces::faces(&support.surface)).any(is_near)
     }
 
-    /// Heights along z where the layers of a box end that is hit across them, ascending, m; empty where they do not differ, or are hit along.
+    /// Coordinates z of the faces of all layers of a box that is hit across its layers, m, ascending. Empty if a side
+    /// is hit, and for one elastic material.
     pub fn hit_layers(&self) -> Vec<f64> {
         match self.struck_axis() {
             Some(2) => self.body.composition.interfaces(),
@@ -189,7 +192,8 @@ impl Scene {
         }
     }
 
-    /// Which of these layers are soft beside the stiffest, from the hit down: their stress is shear for the most part.
+    /// Whether each of these layers is soft compared with the stiffest, starting at the impacted face. The stress in
+    /// soft layers is mostly shear.
     pub fn soft_layers(&self) -> Vec<bool> {
         let Parts::Layers(layers) = &self.body.composition.parts else { return Vec::new() };
         if self.hit_layers().is_empty() {
@@ -203,10 +207,10 @@ impl Scene {
         soft
     }
 
-    /// The points of a file for `contact.table`, as a scene has them in its text; an array is taken as it is.
+    /// Points of a file for `contact.table`, written as a TOML array. An array is returned as given.
     ///
     /// # Errors
-    /// A file that cannot be read.
+    /// If the file cannot be read.
     pub fn table_in_file(source: &Source, file: &str) -> Result<String, SceneError> {
         if file.trim_start().starts_with('[') {
             return Ok(file.to_owned());
@@ -214,27 +218,27 @@ impl Scene {
         check::table_in_file(source, file.trim_matches('"'))
     }
 
-    /// The scene of `source`, with `values` (each `KEY=VALUE`) of a sweep written into it.
+    /// The scene of `source` with the `values` of one member of a sweep, each `KEY=VALUE`.
     ///
     /// # Errors
-    /// Everything that is wrong in the values, or in the scene with them.
+    /// If a value is wrong, or the scene with the values.
     pub fn varied(source: &Source, values: &[String]) -> Result<(Self, Source), SceneError> {
         Self::checked(source.varied(values)?)
     }
 
-    /// The scene in `text`, called `name` in messages; a mesh file is relative to the current folder.
+    /// The scene in `text`, called `name` in messages. A mesh file is relative to the current folder.
     ///
     /// # Errors
-    /// Everything that is wrong in the text or in an override.
+    /// If anything in the text or in an override is wrong.
     pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<(Self, Source), SceneError> {
         Self::checked(Source::new(name, text, overrides)?)
     }
 
-    /// The scene of a source, which gets the points of the table of the contact's law, and the terms of relaxation, in the place of their
-    /// files: then it is all that is needed to repeat the run.
+    /// Checks a source. In the returned source, the files of the contact table and of the relaxation terms are replaced
+    /// by their contents, so that it is all that is needed to repeat the run.
     ///
     /// # Errors
-    /// Everything that is wrong in it.
+    /// If anything in the source is wrong.
     pub fn checked(source: Source) -> Result<(Self, Source), SceneError> {
         let scene = check::scene(&source, source.folder())?;
         let source = match &scene.impactor.force_law {
@@ -246,16 +250,17 @@ impl Scene {
     }
 }
 
-/// How the contact's force reaches the body.
+/// Localisation of the contact force on the body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Contact {
     /// Hertz's pressure over a disc.
     Patch {
-        /// r_p, m; chosen on the mesh where it is left out.
+        /// Radius r_p of the patch, m; `None`: chosen by the mesh.
         radius: Option<f64>,
-        /// Radius of the wider disc on which plates and spline solids carry it, m; by their rule where it is left out.
+        /// Radius of the wider disc on which plates and spline solids carry the pressure, m; `None`: chosen by the
+        /// theory.
         disc: Option<f64>,
     },
-    /// A force at one point, the paper's.
+    /// A force at one point, as in the paper.
     Point,
 }

@@ -1,47 +1,47 @@
-//! What is written of a run, and what its accuracy is for.
+//! Output of a run, and the quantity for which the accuracy is given.
 
 use super::Vec3;
 
-/// What is written.
+/// Output of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Output {
-    /// Every n-th step goes into the series.
+    /// Interval of recorded steps: every n-th step is written to the series.
     pub every: usize,
-    /// After so many steps a checkpoint is kept.
+    /// Interval of checkpoints in steps; `None` for none.
     pub checkpoint_steps: Option<usize>,
-    /// After so many minutes of wall time a checkpoint is kept.
+    /// Interval of checkpoints in minutes of wall time; `None` for none.
     pub checkpoint_minutes: Option<f64>,
-    /// Every n-th step's fields are written.
+    /// Interval of steps whose fields are written; `None` for no fields.
     pub fields: Option<usize>,
-    /// Whether the largest tension on each face is looked for.
+    /// Whether the largest tension on each face is computed.
     pub stress: bool,
-    /// Points that are read at every step of the series.
+    /// Points of the body whose motion and stresses are recorded with the series.
     pub probes: Vec<Probe>,
 }
 
 impl Output {
-    /// Whether the scene has points of the body read, at which closed-form models have nothing to tell.
+    /// Whether fields or probes are requested. Closed-form models have neither.
     pub fn has_points(&self) -> bool {
         self.fields.is_some() || !self.probes.is_empty()
     }
 
-    /// Whether the body is read elsewhere than under the impactor.
+    /// Whether the motion of the body is needed at other points than the impact point.
     pub fn is_read(&self) -> bool {
         self.stress || self.has_points()
     }
 }
 
-/// What `accuracy.tolerance` is the error of, over its peak in the first contact.
+/// Quantity to which `accuracy.tolerance` applies: its error over its peak in the first contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measure {
-    /// The impactor's acceleration.
+    /// Acceleration of the impactor.
     Acceleration,
-    /// The largest tension.
+    /// Largest tension on the faces.
     Stress,
 }
 
 impl Measure {
-    /// What follows "error" or "difference" in a message; nothing for the acceleration, which is what errors are of if nothing is said.
+    /// Words that follow "error" or "difference" in a message; empty for the acceleration, which is the default.
     pub fn of_what(self) -> &'static str {
         match self {
             Self::Acceleration => "",
@@ -50,11 +50,11 @@ impl Measure {
     }
 }
 
-/// A point of the body that is read.
+/// A point of the body that is recorded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Probe {
-    /// Its name in the results, unlike the others'.
+    /// Unique name of the probe in the results.
     pub name: String,
-    /// Where it is, m; within the box, where the body is one.
+    /// Position, m; inside the box if the body is a box.
     pub point: Vec3,
 }

@@ -3,23 +3,24 @@
 use serde::{Deserialize, Serialize};
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
-/// The parts of the longest path, `load.traction.0.value.0`; a bound, so that a path cannot exhaust the stack.
+/// Number of segments of the longest path, `load.traction.0.value.0`. The limit prevents a path from exhausting the
+/// stack.
 const DEEPEST: usize = 5;
 
-/// One override, as given and taken apart.
+/// One override, as given and split.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Override {
-    /// `KEY=VALUE`.
+    /// The text `KEY=VALUE`.
     pub given: String,
-    /// The key's path.
+    /// Segments of the key's path.
     pub segments: Vec<String>,
 }
 
 impl Override {
-    /// Takes `KEY=VALUE` apart. What does not read as a TOML value is a bare string; nothing takes the key out.
+    /// Splits `KEY=VALUE`. A value that is not valid TOML is taken as a string; an empty value removes the key.
     ///
     /// # Errors
-    /// What is wrong, when there is no `=` or no key.
+    /// If there is no `=` or no key; the text says which.
     pub fn new(given: &str) -> Result<Self, String> {
         let (key, _) = given.split_once('=').ok_or("an override has the form KEY=VALUE, and this one has no `=`")?;
         let segments: Vec<String> = key.split('.').map(|part| part.trim().to_owned()).collect();
@@ -32,7 +33,7 @@ impl Override {
         Ok(Self { given: given.to_owned(), segments })
     }
 
-    /// What is behind the `=`; `None` takes the key out.
+    /// The value after the `=`; `None` removes the key.
     fn value(&self) -> Option<Value> {
         let (_, value) = self.given.split_once('=')?;
         let value = value.trim();
@@ -40,10 +41,10 @@ impl Override {
         (!value.is_empty()).then(|| read(value))
     }
 
-    /// Writes the value into the document; tables on the way are made where they are missing.
+    /// Writes the value into the document. Missing tables on the path are created.
     ///
     /// # Errors
-    /// What is wrong, when the path runs through something that is not a table, or past the end of an array.
+    /// If the path leads through a value that is not a table, or past the end of an array; the text says which.
     pub fn apply(&self, document: &mut DocumentMut) -> Result<(), String> {
         let segments: Vec<&str> = self.segments.iter().map(String::as_str).collect();
         in_table(document.as_table_mut(), false, &segments, self.value().as_ref())
@@ -126,7 +127,7 @@ fn not_a_table(name: &str, segment: &str) -> String {
     format!("`{name}` holds a single value, so there is no `{segment}` in it")
 }
 
-/// Keeps the white space and the comment around the old value.
+/// Replaces a value but keeps the white space and the comment around it.
 fn replace(old: &mut Value, new: &Value) {
     let decor = old.decor().clone();
     *old = new.clone();

@@ -8,24 +8,24 @@ use serde::Deserialize;
 
 use super::values::{ByComponent, Edges, FileOrPoints, FileOrTerms, List, Number, Three, Whole, WordOrWhole};
 
-/// Words of `body.model`.
+/// Values of `body.model`. In this list and the next ones, the first value is the default.
 pub(super) const MODELS: [&str; 7] =
     ["auto", "half-space", "infinite-plate", "kirchhoff", "mindlin", "layerwise", "solid"];
-/// Words of `body.symmetry`.
+/// Values of `body.symmetry`.
 pub(super) const SYMMETRIES: [&str; 3] = ["auto", "none", "quarter"];
-/// Words of `support.kind`.
+/// Values of `support.kind`, which has no default.
 pub(super) const KINDS: [&str; 3] = ["elastic", "pad", "clamped"];
-/// Words of `contact.localization`.
+/// Values of `contact.localization`.
 pub(super) const LOCALIZATIONS: [&str; 2] = ["patch", "point"];
-/// Words of `contact.law`.
+/// Values of `contact.law`.
 pub(super) const LAWS: [&str; 3] = ["hertz", "power", "table"];
-/// Words of `time.initial`.
+/// Values of `time.initial`.
 pub(super) const INITIALS: [&str; 2] = ["rest", "equilibrium"];
-/// Words of `time.scheme`.
+/// Values of `time.scheme`. The first is the default for bodies without modes.
 pub(super) const SCHEMES: [&str; 5] = ["newmark", "generalized-alpha", "energy", "central-difference", "modal"];
-/// Words of `accuracy.quantity`.
+/// Values of `accuracy.quantity`.
 pub(super) const QUANTITIES: [&str; 2] = ["acceleration", "stress"];
-/// Words of `solver.newton`.
+/// Values of `solver.newton`.
 pub(super) const NEWTONS: [&str; 2] = ["condensed", "full"];
 
 /// The root table.
@@ -52,16 +52,16 @@ pub(super) struct Scene {
     pub load: Load,
     /// Time and its integration.
     pub time: Time,
-    /// What the model, the basis and the steps are chosen for.
+    /// Accuracy for which the model, the basis and the time steps are chosen.
     #[serde(default)]
     pub accuracy: Accuracy,
-    /// The tension that the material bears.
+    /// Tensile strength of the material.
     #[serde(default)]
     pub strength: Strength,
-    /// How a step is solved.
+    /// Solution of a time step.
     #[serde(default)]
     pub solver: Solver,
-    /// What is recorded.
+    /// Output of the run.
     #[serde(default)]
     pub output: Output,
 }
@@ -73,13 +73,13 @@ pub(super) struct Body {
     /// Theory; default "auto".
     #[schemars(extend("enum" = MODELS))]
     pub model: Option<String>,
-    /// "auto" (default), "none", or the number of vectors of a basis.
+    /// "auto" (default), "none", or the number of basis vectors.
     pub reduction: Option<WordOrWhole>,
-    /// Young's modulus, Pa; or materials.
+    /// Young's modulus, Pa; or give materials.
     pub young: Option<Number>,
-    /// Poisson's ratio, between -1 and 0.5; or materials.
+    /// Poisson's ratio, between -1 and 0.5; or give materials.
     pub poisson: Option<Number>,
-    /// Density, kg/m3; or materials.
+    /// Density, kg/m3; or give materials.
     pub density: Option<Number>,
     /// Temperature, degrees Celsius, to which materials with `wlf` are shifted.
     pub temperature: Option<Number>,
@@ -105,9 +105,9 @@ pub(super) struct Body {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table with the header [[body.layer]]")]
 pub(super) struct Layer {
-    /// m.
+    /// Thickness, m.
     pub thickness: Number,
-    /// Name of its material.
+    /// Name of the material.
     pub material: String,
 }
 
@@ -117,17 +117,17 @@ pub(super) struct Layer {
 pub(super) struct Material {
     /// Young's modulus, Pa; or `shear`.
     pub young: Option<Number>,
-    /// Poisson's ratio, between -1 and 0.5, of the moduli at once; or `bulk`.
+    /// Poisson's ratio at t = 0, between -1 and 0.5; or `bulk`.
     pub poisson: Option<Number>,
     /// Density, kg/m3.
     pub density: Number,
     /// Bulk modulus, Pa, with `shear`.
     pub bulk: Option<Number>,
-    /// Shear modulus, Pa: what is left of it after all relaxation.
+    /// Shear modulus, Pa; of a viscoelastic material the equilibrium modulus, after all relaxation.
     pub shear: Option<Number>,
-    /// Terms G exp(-t/tau) of the relaxation of shear: a list of { modulus, time }, or a file with columns time (s) and modulus (Pa).
+    /// Terms G exp(-t/tau) of shear relaxation: list of { modulus, time }, or file with columns time (s), modulus (Pa).
     pub prony: Option<FileOrTerms>,
-    /// Williams, Landel and Ferry's shift of all times, by `body.temperature`.
+    /// Williams-Landel-Ferry shift of all relaxation times to `body.temperature`.
     pub wlf: Option<Wlf>,
 }
 
@@ -135,9 +135,9 @@ pub(super) struct Material {
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table, as { modulus = 1e6, time = 1e-3 }")]
 pub(super) struct Term {
-    /// Pa.
+    /// Modulus of the term, Pa.
     pub modulus: Number,
-    /// s.
+    /// Relaxation time, s.
     pub time: Number,
 }
 
@@ -145,9 +145,9 @@ pub(super) struct Term {
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table, as { c1 = 17.44, c2 = 51.6, reference = 20.0 }")]
 pub(super) struct Wlf {
-    /// C1.
+    /// Constant C1.
     pub c1: Number,
-    /// C2, K.
+    /// Constant C2, K.
     pub c2: Number,
     /// Temperature at which the relaxation times are given, degrees Celsius.
     pub reference: Number,
@@ -159,18 +159,18 @@ pub(super) struct Wlf {
 pub(super) struct Support {
     /// Name of the surface: "side", "top", "bottom", "x-min" ... "z-max" of a box, or a physical surface of the mesh.
     pub surface: String,
-    /// The part of the surface that is held; default all of it.
+    /// The part of the surface that is supported; default all of it.
     pub within: Option<Within>,
     /// "elastic" (springs), "pad" (one-sided) or "clamped".
     #[schemars(extend("enum" = KINDS))]
     pub kind: String,
-    /// N/m3, one number or [kx, ky, kz].
+    /// Stiffness, N/m3, one number or [kx, ky, kz].
     pub stiffness: Option<ByComponent>,
-    /// N s/m3, one number or [cx, cy, cz]; default 0.
+    /// Damping, N s/m3, one number or [cx, cy, cz]; default 0.
     pub damping: Option<ByComponent>,
     /// Prescribed displacement, m; default [0, 0, 0].
     pub displacement: Option<Three<Number>>,
-    /// Clamped only: which of "x", "y", "z" are held; default all.
+    /// Clamped only: which of "x", "y", "z" are constrained; default all.
     pub components: Option<List<String>>,
     /// Pad only: the direction into the pad.
     pub normal: Option<Three<Number>>,
@@ -182,10 +182,10 @@ pub(super) struct Support {
 pub(super) struct Within {
     /// Strips of this width along all edges of a box's faces, m.
     pub rim: Option<Number>,
-    /// What lies in a box: its corners with the least and the largest coordinates, m.
+    /// The part inside a box: its corners with the smallest and the largest coordinates, m.
     #[serde(rename = "box")]
     pub corners: Option<List<Three<Number>>>,
-    /// What lies in a ball.
+    /// The part inside a ball.
     pub disc: Option<Disc>,
 }
 
@@ -193,9 +193,9 @@ pub(super) struct Within {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table, as { centre = [0.2, 0.2, -0.005], radius = 0.03 }")]
 pub(super) struct Disc {
-    /// m.
+    /// Centre of the ball, m.
     pub centre: Three<Number>,
-    /// m.
+    /// Radius of the ball, m.
     pub radius: Number,
 }
 
@@ -203,23 +203,23 @@ pub(super) struct Disc {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table with the header [impactor]")]
 pub(super) struct Impactor {
-    /// kg.
+    /// Mass, kg.
     pub mass: Number,
-    /// m; laws of contact other than "hertz" need none.
+    /// Radius of the rounded end, m; contact laws other than "hertz" do not need it.
     pub radius: Option<Number>,
     /// Young's modulus, Pa; or `stiffness`.
     pub young: Option<Number>,
     /// Poisson's ratio; or `stiffness`.
     pub poisson: Option<Number>,
-    /// Hertz's k0, N/m^1.5, in place of radius and moduli.
+    /// Hertz's k0, N/m^1.5, in place of the moduli.
     pub stiffness: Option<Number>,
-    /// m/s along `direction` at t = 0; or `drop_height`.
+    /// Speed along `direction` at t = 0, m/s; or `drop_height`.
     pub speed: Option<Number>,
     /// Height of a free fall from rest in place of `speed`, m.
     pub drop_height: Option<Number>,
     /// Whether the impactor's weight acts on it along z during the run; default false.
     pub gravity: Option<bool>,
-    /// Where it hits, on the surface of the body, m.
+    /// Impact point on the surface of the body, m.
     pub point: Option<Three<Number>>,
     /// Direction of travel, into the body; default [0, 0, -1].
     pub direction: Option<Three<Number>>,
@@ -241,15 +241,15 @@ pub(super) struct Contact {
     /// "hertz" (default), "power" or "table".
     #[schemars(extend("enum" = LAWS))]
     pub law: Option<String>,
-    /// Power only: N/m^exponent.
+    /// Power only: stiffness, N/m^exponent.
     pub stiffness: Option<Number>,
-    /// Power only: 1 or more.
+    /// Power only: exponent, 1 or more.
     pub exponent: Option<Number>,
     /// Table only: a file with columns indentation (m) and force (N), relative to the scene; or the points themselves.
     pub table: Option<FileOrPoints>,
     /// Hunt and Crossley's factor 1 + damping * rate of indentation, s/m; default 0.
     pub damping: Option<Number>,
-    /// Name of the material that is hit, of a mesh file with several.
+    /// Name of the impacted material, for a mesh file with several.
     pub material: Option<String>,
 }
 
@@ -257,7 +257,7 @@ pub(super) struct Contact {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table with the header [load]")]
 pub(super) struct Load {
-    /// N/m3; default [0, 0, 0].
+    /// Force per volume, N/m3; default [0, 0, 0].
     pub body_force: Option<Three<Number>>,
     /// Acceleration of gravity on the body, m/s2; default [0, 0, 0].
     pub gravity: Option<Three<Number>>,
@@ -274,7 +274,7 @@ pub(super) struct Traction {
     pub surface: String,
     /// The part of the surface that is loaded; default all of it.
     pub within: Option<Within>,
-    /// N/m2.
+    /// Traction, N/m2.
     pub value: Three<Number>,
 }
 
@@ -289,7 +289,7 @@ pub(super) struct Time {
     /// "rest" (default): undeformed; "equilibrium": at rest under loads, supports and pads.
     #[schemars(extend("enum" = INITIALS))]
     pub initial: Option<String>,
-    /// Time integration; by default "modal" where the body has modes, else "newmark".
+    /// Time integration; by default "modal" if the body has modes, else "newmark".
     #[schemars(extend("enum" = SCHEMES))]
     pub scheme: Option<String>,
     /// Newmark only; default 0.25.
@@ -298,7 +298,7 @@ pub(super) struct Time {
     pub gamma: Option<Number>,
     /// Generalised-alpha only: spectral radius at infinite frequency, 0 to 1; default 0.8.
     pub rho_inf: Option<Number>,
-    /// Central difference only: takes a step above the stable one; default false.
+    /// Central difference only: accept a step above the stability limit; default false.
     pub allow_unstable: Option<bool>,
 }
 
@@ -317,9 +317,9 @@ pub(super) struct Accuracy {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table with the header [strength]")]
 pub(super) struct Strength {
-    /// On every face that has none of its own, Pa.
+    /// Strength of every face without an entry in `face`, Pa.
     pub tension: Option<Number>,
-    /// By the name of a face ("upper", "lower", or a surface of the mesh), Pa.
+    /// Strength of single faces by name ("upper", "lower", or a surface of the mesh), Pa.
     #[serde(default)]
     pub face: BTreeMap<String, Number>,
 }
@@ -347,7 +347,7 @@ pub(super) struct Output {
     pub checkpoint_minutes: Option<Number>,
     /// Fields of every n-th step for ParaView.
     pub fields: Option<Whole>,
-    /// Whether the largest tension on each face is looked for; default true.
+    /// Whether the largest tension on each face is computed; default true, except with central differences.
     pub stress: Option<bool>,
     /// Points that are read at every recorded step.
     #[serde(default)]
@@ -360,6 +360,6 @@ pub(super) struct Output {
 pub(super) struct Probe {
     /// The probe's name in the results.
     pub name: String,
-    /// In the body or on its surface, m.
+    /// Position in the body or on its surface, m.
     pub point: Three<Number>,
 }

@@ -13,22 +13,22 @@ use super::grammar::hint;
 use super::locate::{self, locate};
 use super::overrides::Override;
 
-/// The text of a scene after its overrides: all that is needed to repeat the run.
+/// Text of a scene after its overrides: all that is needed to repeat the run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Source {
     name: String,
-    /// What files that the scene names are relative to.
+    /// Folder for relative paths of files named in the scene.
     folder: PathBuf,
     text: String,
     overrides: Vec<Override>,
-    /// The option that gave the overrides.
+    /// Command-line option that gave the overrides, for messages.
     option: Cow<'static, str>,
 }
 
-/// The option that varies keys.
+/// Command-line option that varies keys.
 const VARIED: &str = "--vary";
 
-/// What an error underlines.
+/// Part of the text that an error underlines.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Mark {
     Key,
@@ -36,12 +36,12 @@ pub(super) enum Mark {
 }
 
 impl Source {
-    /// Checks that `text` is TOML and writes the overrides of `--set` into it.
+    /// Checks that `text` is valid TOML, and applies the overrides of `--set`.
     pub(super) fn new(name: &str, text: &str, overrides: &[String]) -> Result<Self, SceneError> {
         Self::with(name, text, overrides, "--set")
     }
 
-    /// This scene with one member's values of a sweep written into it.
+    /// This scene with the values of one member of a sweep.
     pub(super) fn varied(&self, values: &[String]) -> Result<Self, SceneError> {
         Ok(Self::with(&self.name, &self.text, values, VARIED)?.of_folder(&self.folder))
     }
@@ -64,12 +64,12 @@ impl Source {
         Ok(source)
     }
 
-    /// Of a scene whose mesh file is relative to a folder.
+    /// The same source, with the folder for relative paths of files.
     pub(super) fn of_folder(self, folder: &Path) -> Self {
         Self { folder: folder.to_owned(), ..self }
     }
 
-    /// With points of indentation (m) and force (N) for `contact.table`, which may have named their file.
+    /// The source with `contact.table` replaced by points of indentation (m) and force (N), if it names a file.
     pub(super) fn with_table(mut self, points: &[[f64; 2]]) -> Self {
         let document = Document::parse(self.text.as_str()).map(Document::into_mut);
         if let Ok(mut document) = document
@@ -82,7 +82,7 @@ impl Source {
         self
     }
 
-    /// With the terms of a material's relaxation, pairs of time (s) and modulus (Pa), in the place of their file.
+    /// The source with the relaxation terms of a material, pairs of time (s) and modulus (Pa), in place of their file.
     pub(super) fn with_terms(mut self, material: &str, pairs: &[[f64; 2]]) -> Self {
         let document = Document::parse(self.text.as_str()).map(Document::into_mut);
         if let Ok(mut document) = document
@@ -100,7 +100,7 @@ impl Source {
         self
     }
 
-    /// What a mesh file is relative to; empty for the current folder.
+    /// Folder for relative paths; empty for the current folder.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
@@ -115,25 +115,27 @@ impl Source {
         &self.text
     }
 
-    /// An error at the key of a dotted path, as `support.0.surface`; where the key is missing, at its table.
-    /// `message` says what is wrong, `help` what would be right.
+    /// An error at the key of a dotted path, for example `support.0.surface`; if the key is missing, at its table.
+    /// `message` describes the error, `help` how to correct it.
     pub fn error(&self, path: &str, message: impl Into<String>, help: impl Into<String>) -> SceneError {
         let segments: Vec<&str> = path.split('.').collect();
         self.error_at(&segments, Mark::Value, message.into(), help.into())
     }
 
-    /// A key that is required and not there.
+    /// An error for a required key that is missing.
     pub(super) fn missing(&self, path: &str, help: String) -> SceneError {
         let segments: Vec<&str> = path.split('.').collect();
         self.error_at(&segments, Mark::Key, "this key is required".into(), help)
     }
 
-    /// [`error`](Self::error) at a key that does not go with another one; it tells of an override of either.
+    /// Same as [`error`](Self::error), for a key that conflicts with another key. The message names an override of
+    /// either key.
     pub(super) fn conflict(&self, path: &str, with: &str, message: String, help: String) -> SceneError {
         self.error_with(path, &[with], message, help)
     }
 
-    /// [`error`](Self::error) at a key whose value is wrong beside those of some others; it tells of an override of one of them.
+    /// Same as [`error`](Self::error), for a value that is wrong together with the values of other keys. The message
+    /// names an override of any of these keys.
     pub(super) fn error_with(
         &self,
         path: &str,
@@ -149,22 +151,22 @@ impl Source {
         self.error(path, message, help)
     }
 
-    /// What set a value: an override as it was given, or a key that is varied, whose values are others than this one too.
+    /// Words for the origin of a value: the override as given, or the name of a varied key.
     fn set_by(&self, given: &str) -> String {
         let given = if self.option == VARIED { left_of_equals(given) } else { given };
         format!("set by {} {given}", self.option)
     }
 
-    /// The last override of a key, of a part of it, or of what it is a part of.
+    /// The last override that concerns a key: an override of the key, of a part of it, or of a table that contains it.
     fn overridden(&self, path: &str) -> Option<&str> {
         let named =
             |entry: &&Override| entry.segments.iter().map(String::as_str).zip(path.split('.')).all(|(a, b)| a == b);
         self.overrides.iter().rev().find(named).map(|entry| entry.given.as_str())
     }
 
-    /// [`error`](Self::error) for a path in segments, which may hold dots, with the key or the value underlined.
+    /// Same as [`error`](Self::error), for a path in segments, which may contain dots. Underlines the key or the value.
     pub(super) fn error_at(&self, segments: &[&str], mark: Mark, message: String, help: String) -> SceneError {
-        // The text was parsed when the source was made; were it not to parse, the error would point to its start.
+        // The text was already parsed once. If parsing failed here, the error would point to the start of the text.
         let document = Document::parse(self.text.as_str()).unwrap_or_else(|_| Document::default());
         let place = locate(&document, segments);
         let line = locate::line(self.text.as_bytes(), place.key.start);
@@ -203,7 +205,7 @@ impl Source {
         SceneError::new(key, line, message, excerpt)
     }
 
-    /// An error of the TOML grammar; the key is what stands left of the fault in its line.
+    /// An error of the TOML syntax. The key is the text left of the `=` in the faulty line.
     fn syntax(&self, message: &str, span: Option<Range<usize>>) -> SceneError {
         let end = self.text.len();
         let span = span.map_or(end..end, |span| span.start.min(end)..span.end.min(end));
@@ -217,7 +219,7 @@ impl Source {
     }
 }
 
-/// The document as text, checked to be TOML again.
+/// The document as text, checked to be valid TOML.
 fn written(document: &DocumentMut, option: &str, overrides: &[String]) -> Result<String, SceneError> {
     let text = document.to_string();
     match Document::parse(text.as_str()) {
@@ -230,14 +232,14 @@ fn written(document: &DocumentMut, option: &str, overrides: &[String]) -> Result
     }
 }
 
-/// What is assigned to in a line that may be no assignment: where there is nothing, the line itself.
+/// Text before the `=` (or `:`) in a line that may not be an assignment; the whole line if that is empty.
 fn left_of_equals(line: &str) -> &str {
     let end = if line.contains('=') { '=' } else { ':' };
     let key = line.split(end).next().unwrap_or_default().trim();
     if key.is_empty() { line.trim() } else { key }
 }
 
-/// An error in an override itself.
+/// An error in an override.
 fn on_command_line(option: &str, given: &str, message: String) -> SceneError {
     let text = format!("{option} {given}");
     let key = left_of_equals(given);

@@ -1,6 +1,6 @@
-//! "Did you mean": the nearest of the known names.
+//! Suggests the nearest of the known names for a misspelled one.
 
-/// The known name that a misspelled one is nearest to, if it is near: a third of its letters wrong at most.
+/// The known name nearest to a misspelled one, if at most a third of its letters are wrong.
 fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     let name = name.to_lowercase();
     known
@@ -11,7 +11,7 @@ fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
         .map(|(_, candidate)| candidate)
 }
 
-/// Help for an unknown `name`: the nearest known one, and all of them, each in `quote` marks.
+/// Help text for an unknown `name`: the nearest known name, and all known names, each in `quote` marks.
 pub(super) fn help(name: &str, known: &[&str], quote: char) -> String {
     let all: Vec<String> = known.iter().map(|candidate| format!("{quote}{candidate}{quote}")).collect();
     let all = all.join(", ");

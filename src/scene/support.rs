@@ -1,31 +1,33 @@
-//! What holds the body, and on which part of a surface.
+//! Supports of the body, each on a named surface or a part of it.
 
 use super::{Geometry, Vec3, faces};
 
-/// A term on one named surface.
+/// A support on one named surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Support {
     /// Name of the surface: of a box, or a physical name of the mesh file.
     pub surface: String,
-    /// The part of it that is held; all of it where this is left out.
+    /// The part of the surface that is supported; `None` for the whole surface.
     pub within: Option<Within>,
-    /// What holds the body there.
+    /// Kind of support.
     pub kind: SupportKind,
-    /// Damping c of (13), N s/m³ by component.
+    /// Damping c of (13) by component, N s/m³.
     pub damping: Vec3,
     /// Prescribed displacement ū, m.
     pub displacement: Vec3,
 }
 
 impl Support {
-    /// Whether it clamps displacements along a plate that is hit across an axis: it holds the sections of edges then.
+    /// Whether it clamps displacements in the plane of a plate that is hit across axis `struck`. Then it constrains the
+    /// cross-sections at the edges.
     pub fn clamps_sections(&self, struck: usize) -> bool {
         let SupportKind::Clamped { components } = self.kind else { return false };
         (0..3).any(|axis| components[axis] && axis != struck)
     }
 
-    /// Whether it acts on a part of a side that is not even across the thickness along an axis of a body, and in other directions than
-    /// along that axis: then bending and stretching are coupled. A pad that acts in such directions lets go of one half of a bent side.
+    /// Whether the support couples bending and stretching. This is so if it covers a side unevenly across the thickness
+    /// along an axis and acts in directions other than that axis. A pad that acts in such directions always does: it
+    /// loses contact with one half of a bent side.
     pub fn couples_stretching(&self, axis: usize, thickness: f64) -> bool {
         let is_even = self.within.is_none_or(|within| within.is_even(axis, thickness));
         let acts = |values: Vec3| (0..3).any(|i| i != axis && values[i] != 0.0);
@@ -39,24 +41,24 @@ impl Support {
     }
 }
 
-/// What holds the body on a surface.
+/// Kind of support on a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SupportKind {
-    /// Springs in both directions, (11).
+    /// Bilateral springs, (11).
     Elastic {
-        /// k, N/m³ by component.
+        /// Stiffness k by component, N/m³.
         stiffness: Vec3,
     },
-    /// Springs that only push back, (12).
+    /// Unilateral (one-sided) springs, (12).
     Pad {
-        /// k, N/m³ by component.
+        /// Stiffness k by component, N/m³.
         stiffness: Vec3,
-        /// Unit vector into the pad: each component of u that points into it is resisted.
+        /// Unit vector into the pad. Each displacement component that points into the pad is resisted.
         normal: Vec3,
     },
-    /// Held components, (2).
+    /// Constrained components, (2).
     Clamped {
-        /// Which components are held.
+        /// Which components are constrained.
         components: [bool; 3],
     },
 }
@@ -66,19 +68,19 @@ pub enum SupportKind {
 pub enum Within {
     /// Strips of a width (m) along all edges of the faces of a box.
     Rim(f64),
-    /// What lies in a box, given by its least and largest coordinates, m.
+    /// The part inside a box, given by its smallest and largest coordinates, m.
     Box([Vec3; 2]),
-    /// What lies in a ball.
+    /// The part inside a ball.
     Ball {
-        /// Its centre, m.
+        /// Centre, m.
         centre: Vec3,
-        /// Its radius, m.
+        /// Radius, m.
         radius: f64,
     },
 }
 
 impl Within {
-    /// The shortest extent of what it has of a surface, m: of a box's, along its faces and within these; of a mesh's, as it is given.
+    /// Smallest extent of the part, m. On a box: along its faces and cut off at their edges. On a mesh: as given.
     pub fn width(&self, geometry: &Geometry, surface: &str) -> f64 {
         let (size, along): (Vec3, Vec<usize>) = match geometry {
             Geometry::Box { size, .. } => {
@@ -96,7 +98,8 @@ impl Within {
         }
     }
 
-    /// Whether it has as much of a body of a thickness (m) on either side of the middle plane across an axis.
+    /// Whether the part covers both sides of the middle plane across an axis equally. `thickness` is the thickness of
+    /// the body along the axis, m.
     pub fn is_even(&self, axis: usize, thickness: f64) -> bool {
         let half = 0.5 * thickness;
         match self {

@@ -1,30 +1,30 @@
-//! How long the impact is followed, in which steps, and how a step is solved.
+//! Duration of a run, time integration, and solution of a time step.
 
-/// How long, and in which steps.
+/// Duration of the run and time integration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Time {
     /// End of the run, s.
     pub end: f64,
-    /// Step Δt, s; controlled by the error where it is left out.
+    /// Fixed time step Δt, s; `None`: controlled by the estimated error.
     pub step: Option<f64>,
-    /// How the body is at t = 0.
+    /// State of the body at t = 0.
     pub initial: Initial,
-    /// Whether the body moves in modal coordinates, exactly in its linear part.
+    /// Whether modal coordinates are used. They are exact for the linear part.
     pub modal: bool,
-    /// How a step is taken otherwise.
+    /// Time integration scheme for other coordinates.
     pub scheme: Scheme,
 }
 
-/// How the body is at t = 0: at rest in either case.
+/// State of the body at t = 0. It is at rest in both cases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Initial {
     /// Undeformed.
     Rest,
-    /// Deformed by its loads.
+    /// In static equilibrium under its loads.
     Equilibrium,
 }
 
-/// How a step is taken.
+/// Time integration scheme.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scheme {
     /// Newmark (1959).
@@ -43,25 +43,25 @@ pub enum Scheme {
     Energy,
     /// Explicit, with lumped mass.
     CentralDifference {
-        /// Whether a step above the stable one is taken all the same.
+        /// Whether a step above the stability limit is accepted.
         allow_unstable: bool,
     },
 }
 
-/// How a step is solved.
+/// Solution of a time step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Solver {
-    /// Which Newton's method.
+    /// Variant of Newton's method.
     pub newton: Newton,
-    /// The part of the initial energy that the balance may be off by before the run is stopped.
+    /// Largest error of the energy balance over the initial energy before the run stops; `None` for no limit.
     pub energy_gate: Option<f64>,
 }
 
-/// Which Newton's method solves an implicit step.
+/// Variant of Newton's method for an implicit step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Newton {
     /// One linear solve and a scalar equation.
     Condensed,
-    /// All unknowns and the block aaᵀ, as in the paper.
+    /// All unknowns, with the block aaᵀ, as in the paper.
     Full,
 }

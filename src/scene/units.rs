@@ -1,9 +1,9 @@
 //! Units of the keys of a scene.
 
-/// SI unit of the value of a key, by its dotted path; `1` for a number without one, and for text.
+/// SI unit of the value of a key, given by its dotted path. `1` for a number without a unit, and for text.
 pub fn unit(path: &str) -> &'static str {
     let names: Vec<&str> = path.split('.').filter(|name| name.parse::<usize>().is_err()).collect();
-    // Below `strength.face` and `material` are names that the user gives.
+    // The names below `strength.face` and `material` are chosen by the user.
     let named: Vec<&str>;
     let known = match &names[..] {
         ["strength", "face", ..] => &names[..2],
@@ -70,7 +70,7 @@ mod tests {
         let rows = document.lines().filter_map(|line| {
             let cells: Vec<&str> = line.split('|').map(str::trim).collect();
             let key = cells.get(1)?.strip_prefix('`')?.strip_suffix('`')?;
-            // The table of keys has five columns; others are shorter.
+            // The table of keys has five columns; other tables have fewer.
             (cells.len() == 7).then(|| (key.to_owned(), cells[3].replace('²', "2").replace('³', "3")))
         });
         let rows: Vec<_> = rows.collect();

@@ -1,4 +1,4 @@
-//! Types of values, with error texts that say what was expected.
+//! Types of values, with error messages that say which value was expected.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -10,7 +10,7 @@ use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
 use super::Vec3;
 use super::raw::Term;
 
-/// A real number; a whole one will do.
+/// A real number; a whole number is accepted.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Number(pub f64);
 
@@ -25,36 +25,36 @@ pub(super) enum WordOrWhole {
     Whole(i64),
 }
 
-/// A file of pairs of numbers, or the pairs.
+/// The name of a file with pairs of numbers, or the pairs themselves.
 #[derive(Debug, Clone)]
 pub(super) enum FileOrPoints {
     File(String),
     Points(Vec<[f64; 2]>),
 }
 
-/// A file of terms of a relaxation, or the terms.
+/// The name of a file with relaxation terms, or the terms themselves.
 #[derive(Debug)]
 pub(super) enum FileOrTerms {
     File(String),
     Terms(Vec<Term>),
 }
 
-/// Edges of a box: three, or the two along its layers.
+/// Edge lengths of a box: three, or the two along its layers.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Edges {
     All(Vec3),
     AlongLayers([f64; 2]),
 }
 
-/// Three entries, one a direction.
+/// Three entries, one for each direction.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Three<T>(pub [T; 3]);
 
-/// One value by Cartesian component, or one for all.
+/// One value for each Cartesian component, or one for all.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ByComponent(pub Vec3);
 
-/// Any number of entries.
+/// A list of any length.
 #[derive(Debug)]
 pub(super) struct List<T>(pub Vec<T>);
 
@@ -233,7 +233,7 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ThreeVisitor<T> {
     }
 }
 
-/// Three entries; another number of them is not what was `expected`.
+/// Reads exactly three entries. For another number the error names the `expected` value.
 fn three<'de, A: SeqAccess<'de>, T: Deserialize<'de>>(
     entries: A,
     expected: &dyn de::Expected,
@@ -298,7 +298,7 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ListVisitor<T> {
     }
 }
 
-/// Schemas that stand in the place of their types.
+/// Implements inline schemas for the types of values.
 macro_rules! inline_schema {
     ($(@$t:ident)? $type:ty, $generator:ident => $schema:expr) => {
         impl$(<$t: JsonSchema>)? JsonSchema for $type {

@@ -1,12 +1,13 @@
 //! The generalised-α scheme (J. Chung & G. M. Hulbert, A time integration algorithm for structural dynamics with improved
 //! numerical dissipation: the generalized-α method, J. Appl. Mech. 60, 1993).
 //!
-//! Second order, unconditionally stable; ρ∞ is the part of the highest frequencies that is left after a step, from 1
-//! (none damped: the midpoint rule) to 0 (gone after one step).
+//! The scheme is of second order and unconditionally stable. ρ∞ is the spectral radius at infinite frequency: the
+//! amplitude ratio of the highest frequencies over a step, from 1 (undamped: the midpoint rule) to 0 (removed in one
+//! step).
 
 use super::Implicit;
 
-/// The scheme with least damping of low frequencies for a given ρ∞ in [0, 1].
+/// Returns the scheme with the least damping of low frequencies for a given ρ∞ in [0, 1].
 pub fn generalized_alpha(rho_inf: f64) -> Implicit {
     let alpha_m = (2.0 * rho_inf - 1.0) / (rho_inf + 1.0);
     let alpha_f = rho_inf / (rho_inf + 1.0);
@@ -23,7 +24,7 @@ mod tests {
     fn what_is_left_of_the_highest_frequencies() {
         for rho_inf in [0.2, 0.5, 0.8] {
             let scheme = generalized_alpha(rho_inf);
-            // ωΔt = 1e4: the radius is reached to the square root of 1/ωΔt, since the eigenvalue −ρ∞ is double.
+            // At ωΔt = 1e4 the radius is accurate to the square root of 1/(ωΔt), since the eigenvalue −ρ∞ is double.
             let (step, squared): (f64, f64) = (1.0, 1e8);
             let (stage, end) = (scheme.stage(step), scheme.end(step));
             let (mut u, mut v, mut a) = (1.0, 0.0, -squared);
@@ -36,7 +37,8 @@ mod tests {
                 u += increment;
                 growth = f64::abs(a) / before;
             }
-            // A double eigenvalue: the factor of n λⁿ⁻¹ tends to λ like 1/n.
+            // The eigenvalue is double, so the amplitude behaves as n λⁿ⁻¹ and the growth ratio approaches λ with an
+            // error of order 1/n.
             assert!((growth - rho_inf).abs() < 0.05 * rho_inf, "{rho_inf}: {growth}");
         }
     }

@@ -1,11 +1,12 @@
-//! How large a step a scheme bears.
+//! Stability limit of Newmark's method.
 
-/// Ω_crit: the largest ω Δt for which Newmark's β and γ leave an undamped vibration of angular frequency ω bounded, so that
-/// a body bears steps below Ω_crit/ω_max. Infinite for 2β ≥ γ ≥ 1/2; 1/√(γ/2 − β) for γ ≥ 1/2 and β < γ/2; 0 for γ < 1/2.
+/// Returns Ω_crit, the limit of ω Δt below which Newmark's method with β and γ keeps an undamped vibration of angular
+/// frequency ω bounded. Steps below Ω_crit/ω_max are stable for a body. Ω_crit is infinite for 2β ≥ γ ≥ 1/2,
+/// 1/√(γ/2 − β) for γ ≥ 1/2 and β < γ/2, and 0 for γ < 1/2.
 ///
-/// The central difference, β = 0 and γ = 1/2, has Ω_crit = 2. At Ω_crit itself the vibration grows with the number of
-/// steps. Dampers do not change the limit for γ = 1/2, and raise it for γ > 1/2. Source: T. J. R. Hughes, The Finite
-/// Element Method, 2000, section 9.1.
+/// The central difference method, β = 0 and γ = 1/2, has Ω_crit = 2. At Ω_crit itself the vibration grows linearly with
+/// the number of steps. Dampers do not change the limit for γ = 1/2 and raise it for γ > 1/2. Source: T. J. R. Hughes,
+/// The Finite Element Method, 2000, section 9.1.
 pub fn critical_frequency(beta: f64, gamma: f64) -> f64 {
     if gamma < 0.5 {
         0.0
@@ -23,7 +24,8 @@ mod tests {
 
     const STEPS: usize = 2000;
 
-    /// Growth of ü = −u, from u = u̇ = 1, over steps of Ω, by Newmark's method; β = 0 by its own formulas.
+    /// Amplitude of ü = −u after many steps of size Ω, from u = u̇ = 1, by Newmark's method; β = 0 uses the explicit
+    /// formulas.
     fn growth(beta: f64, gamma: f64, step: f64) -> f64 {
         let (mut u, mut v, mut a) = (1.0, 1.0, -1.0);
         for _ in 0..STEPS {
@@ -39,7 +41,7 @@ mod tests {
                 (v, a) = update.apply(increment, v, a);
                 u += increment;
             }
-            // Far beyond the bound below; what follows could overflow.
+            // The amplitude is far beyond the bound tested below; further steps could overflow.
             if u.abs() > 1e100 {
                 break;
             }
@@ -47,8 +49,9 @@ mod tests {
         u.abs()
     }
 
-    /// At 0.999 Ω_crit a vibration stays below 1/√(1 − 0.999²) = 22. At 1.001 Ω_crit it grows by √(8·0.001) = 0.09 a step for
-    /// γ = 1/2; otherwise by 4γ²/(2γ − 1)·X·0.001/(1 + βΩ²) with X = 2/γ, which is 0.007 or more here, e^14 in all.
+    /// At 0.999 Ω_crit a vibration stays below 1/√(1 − 0.999²) = 22. At 1.001 Ω_crit and γ = 1/2 it grows by
+    /// √(8·0.001) = 0.09 a step. For γ > 1/2 it grows by 4γ²/(2γ − 1)·X·0.001/(1 + βΩ²) a step with X = 2/γ, which is
+    /// at least 0.007 here: a factor of e^14 in total.
     #[test]
     fn vibrations_are_bounded_below_the_limit_and_grow_above() {
         for (beta, gamma) in [(0.0, 0.5), (1.0 / 6.0, 0.5), (0.05, 0.5), (0.2, 0.6), (0.1, 0.9)] {
@@ -64,7 +67,7 @@ mod tests {
     fn no_limit_and_no_stable_step() {
         for (beta, gamma) in [(0.25, 0.5), (0.3025, 0.6), (1.0, 1.0)] {
             assert_eq!(critical_frequency(beta, gamma), f64::INFINITY);
-            // The average acceleration keeps u² + u̇² = 2, the others lose of it.
+            // The average-acceleration rule conserves u² + u̇² = 2; the other schemes dissipate energy.
             assert!([0.1, 10.0, 1e4].iter().all(|step| growth(beta, gamma, *step) < 1.5));
         }
         for (beta, gamma) in [(0.25, 0.45), (0.1, 0.4)] {

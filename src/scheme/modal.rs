@@ -1,26 +1,27 @@
-//! Exact propagation of a linear system in modal coordinates, under a force that is a quadratic in time.
+//! Exact propagation of a linear system in modal coordinates under a force that is quadratic in time.
 //!
-//! Each coordinate obeys ż = λ z + b F(t) + g with constant λ, b, g. Over a step h with F the quadratic through its values at 0, h/2
-//! and h,
+//! Each coordinate satisfies ż = λ z + b F(t) + g with constant λ, b, g. Over a step h, with F the quadratic through
+//! its values at 0, h/2 and h,
 //!
 //! z(τh) = e^{λτh} z(0) + b h Σ_j w_j(λh, τ) F_j + g τh φ₁(λτh),
 //!
-//! w_j the weights of the three values, made of φ_k(y) = ∫₀¹ e^{y(1−s)} s^{k−1}/(k−1)! ds (M. Hochbruck & A. Ostermann, Exponential
-//! integrators, Acta Numerica 19, 2010). The linear part has no error at any step; that of the force is the interpolation's.
+//! where w_j are the weights of the three values. They consist of φ_k(y) = ∫₀¹ e^{y(1−s)} s^{k−1}/(k−1)! ds (M.
+//! Hochbruck & A. Ostermann, Exponential integrators, Acta Numerica 19, 2010). The linear part is exact at any step
+//! size; the only error is the interpolation of the force.
 
 use nalgebra::Complex;
 
-/// Lagrange's quadratics through 0, 1/2 and 1, by powers of the variable.
+/// Coefficients of the Lagrange quadratics through 0, 1/2 and 1, by powers of the variable.
 const QUADRATICS: [[f64; 3]; 3] = [[1.0, -3.0, 2.0], [0.0, 4.0, -4.0], [0.0, -1.0, 2.0]];
 
-/// |y|² below which φ_k is summed, and the number of terms that takes.
+/// Limits of |y|² below which φ_k is summed as a power series, with the number of terms needed.
 const SUMMED: [(f64, i32); 4] = [(1e-2, 9), (0.09, 12), (0.25, 14), (1.0, 18)];
 
-/// φ₁, φ₂, φ₃ of y.
+/// Returns φ₁, φ₂, φ₃ of y.
 pub fn phi(y: Complex<f64>) -> [Complex<f64>; 3] {
     let size = y.norm_sqr();
     if let Some((_, terms)) = SUMMED.iter().find(|(limit, _)| size < *limit) {
-        // Σ y^m/(m+3)!, and upwards by φ_k = y φ_{k+1} + 1/k!: without the cancellation of the closed forms.
+        // Sums φ₃ = Σ y^m/(m+3)! and applies φ_k = y φ_{k+1} + 1/k!, which avoids the cancellation of the closed forms.
         let mut third = Complex::new(0.0, 0.0);
         for m in (0..*terms).rev() {
             third = (third * y + 1.0) * INVERSE[m as usize];
@@ -35,7 +36,7 @@ pub fn phi(y: Complex<f64>) -> [Complex<f64>; 3] {
     [first, second, (second - 0.5) * inverse]
 }
 
-/// 1/(m + 3).
+/// Factors 1/(m + 3) of the power series.
 const INVERSE: [f64; 18] = {
     let mut inverse = [0.0; 18];
     let mut m = 0;
@@ -46,7 +47,7 @@ const INVERSE: [f64; 18] = {
     inverse
 };
 
-/// φ_k of 2y from those of y, without division: (N. J. Higham, Functions of Matrices, 2008, section 10.7.4).
+/// Returns φ_k of 2y from φ_k of y, without division (N. J. Higham, Functions of Matrices, 2008, section 10.7.4).
 pub fn doubled([first, second, third]: [Complex<f64>; 3], y: Complex<f64>) -> [Complex<f64>; 3] {
     [
         first * (y * first * 0.5 + 1.0),
@@ -55,9 +56,10 @@ pub fn doubled([first, second, third]: [Complex<f64>; 3], y: Complex<f64>) -> [C
     ]
 }
 
-/// φ_k of 3y from those of y and of 2y: the last of the three parts of the integral has its own beginning.
+/// Returns φ_k of 3y from φ_k of y (`of_one`) and of 2y (`of_two`).
 pub fn tripled(of_one: [Complex<f64>; 3], of_two: [Complex<f64>; 3], y: Complex<f64>) -> [Complex<f64>; 3] {
-    // ψ_k(t) = t^k φ_k(ty) obeys ψ_k(s + t) = e^{ty} ψ_k(s) + Σ_{j=1}^k ψ_j(t) s^{k−j}/(k−j)!, here with s = 1 and t = 2.
+    // ψ_k(t) = t^k φ_k(ty) satisfies ψ_k(s + t) = e^{ty} ψ_k(s) + Σ_{j=1}^k ψ_j(t) s^{k−j}/(k−j)!. Here s = 1 and
+    // t = 2.
     let [first, second, third] = of_two;
     let growth = y * first * 2.0 + 1.0;
     [
@@ -67,13 +69,14 @@ pub fn tripled(of_one: [Complex<f64>; 3], of_two: [Complex<f64>; 3], y: Complex<
     ]
 }
 
-/// w_0, w_1, w_2 of y = λh at the part τ of the step, from φ_k(τy).
+/// Returns w_0, w_1, w_2 at the fraction τ of the step, from φ_k(τy) with y = λh.
 pub fn weights(phi: [Complex<f64>; 3], tau: f64) -> [Complex<f64>; 3] {
     let powers = [phi[0] * tau, phi[1] * (tau * tau), phi[2] * (2.0 * tau * tau * tau)];
     QUADRATICS.map(|c| powers[0] * c[0] + powers[1] * c[1] + powers[2] * c[2])
 }
 
-/// ∫₀^τ and ∫₀^τ∫ of the three quadratics: the weights of the values for a free mass's velocity and way.
+/// Integrals ∫₀^τ and double integrals ∫₀^τ∫ of the three quadratics. They are the weights of the force values in the
+/// velocity and the displacement of a free mass.
 pub fn free_weights(tau: f64) -> ([f64; 3], [f64; 3]) {
     let (t2, t3, t4) = (tau * tau, tau.powi(3), tau.powi(4));
     (
@@ -82,18 +85,19 @@ pub fn free_weights(tau: f64) -> ([f64; 3], [f64; 3]) {
     )
 }
 
-/// The quadratic through three values, at τ.
+/// Value at τ of the quadratic through three values.
 pub fn quadratic(values: [f64; 3], tau: f64) -> f64 {
     let [a, b, c] = values;
     a + tau * (4.0 * b - 3.0 * a - c + tau * (2.0 * a - 4.0 * b + 2.0 * c))
 }
 
-/// Derivatives at five equidistant places of the quartic through the values there, over the distance of the first from the last.
+/// Derivatives at five equidistant points of the quartic through the values there; `length` is the distance from the
+/// first point to the last.
 pub fn slopes(values: [f64; 5], length: f64) -> [f64; 5] {
     SLOPES.map(|row| (0..5).map(|k| row[k] * values[k]).sum::<f64>() / (3.0 * length))
 }
 
-/// Twelve times the derivatives of Lagrange's quartics through 0 to 4, by the place.
+/// Twelve times the derivatives of the Lagrange quartics through 0 to 4: one row for each point.
 pub const SLOPES: [[f64; 5]; 5] = [
     [-25.0, 48.0, -36.0, 16.0, -3.0],
     [-3.0, -10.0, 18.0, -6.0, 1.0],
@@ -106,7 +110,8 @@ pub const SLOPES: [[f64; 5]; 5] = [
 mod tests {
     use super::*;
 
-    /// Both branches against Simpson's rule on the definition of φ_k; where they meet, and far on the imaginary axis.
+    /// Compares both branches with Simpson's rule on the definition of φ_k: where the branches meet and far along the
+    /// imaginary axis.
     #[test]
     fn phi_is_its_integral() {
         for y in [(0.0, 0.0), (0.3, -0.4), (0.0, 0.9999), (0.0, 1.0001), (-2.0, 3.0), (0.0, 20.0)] {
@@ -118,7 +123,7 @@ mod tests {
                     (y * (1.0 - s)).exp() * s.powi(k as i32) / if k == 2 { 2.0 } else { 1.0 }
                 };
                 let sum: Complex<f64> = (0..n).step_by(2).map(|i| at(i) + at(i + 1) * 4.0 + at(i + 2)).sum();
-                // Simpson's error: |y|⁴/(180 n⁴).
+                // Error of Simpson's rule: |y|⁴/(180 n⁴).
                 assert!(
                     (sum / (3.0 * n as f64) - value).norm() < 1e-13 + y.norm().powi(4) / 180.0 / (n as f64).powi(4),
                     "{y} {k}"
@@ -127,7 +132,7 @@ mod tests {
         }
     }
 
-    /// Of x⁴ − 2x³ + 3x − 1, exactly but for rounding.
+    /// The slopes of x⁴ − 2x³ + 3x − 1 are exact to rounding.
     #[test]
     fn slopes_are_those_of_a_quartic() {
         let length = 0.8;
@@ -145,13 +150,13 @@ mod tests {
             let two = doubled(phi(y), y);
             let pairs = two.into_iter().zip(phi(y * 2.0)).chain(tripled(phi(y), two, y).into_iter().zip(phi(y * 3.0)));
             for (one, other) in pairs {
-                // Rounding of numbers of order one, the closed form divided by |2y| ≥ 0.6 three times.
+                // Rounding of numbers of order one: the closed form divides by |2y| ≥ 0.6 three times.
                 assert!((one - other).norm() < 1e-14, "{y} {one} {other}");
             }
         }
     }
 
-    /// A mode under F = t² has a solution in closed form: z = −(t² + 2t/λ + 2/λ²)/λ + (2/λ³) e^{λt}.
+    /// A mode under F = t² has the closed solution z = −(t² + 2t/λ + 2/λ²)/λ + (2/λ³) e^{λt}.
     #[test]
     fn a_quadratic_force_is_followed_exactly() {
         let lambda = Complex::new(-3.0, 40.0);

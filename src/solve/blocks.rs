@@ -1,4 +1,4 @@
-//! Symmetric matrices in blocks of three unknowns, those of a node, of which one triangle is stored.
+//! Symmetric matrices in blocks of the three unknowns of a node, with only one triangle stored.
 
 use std::rc::Rc;
 
@@ -7,36 +7,37 @@ use petsc_wrap::{Int, Matrix, MatrixView, Result, Row, VectorView};
 use super::lanes::{BLOCK, Block, Lanes, Rows, SIZE, Sums, apply};
 use super::ordering::{Graph, elimination_order};
 
-/// Where this rank's rows and columns of a symmetric matrix have blocks, its nodes in the order of their elimination.
+/// Block sparsity pattern of this rank's rows and columns of a symmetric matrix, with the nodes in the order of
+/// elimination.
 #[derive(Debug)]
 pub(super) struct Pattern {
-    /// The nodes in that order.
+    /// Nodes in the order of elimination.
     pub order: Vec<u32>,
-    /// Where the blocks beyond the diagonal of a row begin, by places in the order.
+    /// Start of the off-diagonal blocks of each row, with rows in the order of elimination.
     pub offsets: Vec<usize>,
-    /// Their columns, ascending in a row, by places in the order.
+    /// Columns of these blocks as positions in the order of elimination, ascending within a row.
     pub columns: Vec<u32>,
 }
 
 impl Pattern {
-    /// Puts the unknowns of nodes into the order.
+    /// Copies the unknowns of nodes into the order of elimination.
     pub fn gather(&self, from: &[f64], to: &mut [Lanes]) {
         let (nodes, _) = from.as_chunks::<SIZE>();
         to.iter_mut().zip(&self.order).for_each(|(to, node)| *to = Lanes::of(nodes[*node as usize]));
     }
 }
 
-/// This rank's rows and columns of a symmetric matrix.
+/// This rank's rows and columns of a symmetric matrix, as diagonal blocks and one triangle.
 #[derive(Debug)]
 pub(super) struct Triangle {
     pub pattern: Rc<Pattern>,
-    /// The blocks on the diagonal.
+    /// Diagonal blocks.
     pub diagonal: Vec<Block>,
-    /// The numbers of those beyond it, by rows, and one more ([`Rows::read`]).
+    /// Numbers of the off-diagonal blocks, by rows, and one additional number ([`Rows::read`]).
     pub numbers: Vec<f64>,
 }
 
-/// A row of blocks as PETSc has it: three rows of numbers.
+/// A row of blocks as stored by PETSc: three rows of numbers.
 #[derive(Default)]
 struct BlockRow([Row; SIZE]);
 
@@ -50,7 +51,7 @@ impl BlockRow {
         Ok(())
     }
 
-    /// Columns of nodes.
+    /// Numbers of the nodes of the columns.
     fn nodes(&self) -> impl Iterator<Item = Int> {
         let (nodes, rest) = self.0[0].columns.as_chunks::<SIZE>();
         assert!(rest.is_empty(), "rows that are not of blocks");
@@ -67,14 +68,14 @@ impl BlockRow {
 }
 
 impl Triangle {
-    /// Of an assembled symmetric matrix whose rows are by nodes, three unknowns each. Its nodes are eliminated as they lie (m), or as they
-    /// come.
+    /// Copies an assembled symmetric matrix with rows ordered by node, three unknowns each. The order of elimination
+    /// follows from the positions of this rank's nodes (m), or is the order of the rows.
     ///
     /// # Errors
-    /// PETSc's, e.g. for a matrix that is not AIJ.
+    /// If a PETSc call fails, e.g. for a matrix that is not AIJ.
     ///
     /// # Panics
-    /// Where this rank's rows are not of such blocks.
+    /// If this rank's rows do not consist of such blocks.
     pub fn new(matrix: &MatrixView, places: Option<&[[f64; 3]]>) -> Result<Self> {
         let graph = graph(matrix)?;
         let nodes = graph.offsets.len() - 1;
@@ -113,10 +114,11 @@ impl Triangle {
         Ok(Self { pattern: Rc::new(Pattern { order, offsets, columns }), diagonal, numbers })
     }
 
-    /// The operator of the matrix that this is of: products of this rank's part by this, with others' columns by PETSc. Collective.
+    /// Operator with the products of the matrix: this rank's rows and columns are multiplied here, columns of other
+    /// ranks by PETSc. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn into_operator(self, matrix: &MatrixView) -> Result<Matrix> {
         let others = if matrix.comm().size() > 1 { Some(columns_of_others(matrix)?) } else { None };
         let nodes = self.diagonal.len();
@@ -138,13 +140,13 @@ impl Triangle {
         })
     }
 
-    /// y ← A x, of nodes in the order.
+    /// Computes y ← A x for nodes in the order of elimination.
     pub fn multiply(&self, x: &[Lanes], y: &mut [Lanes]) {
         pulp::Arch::new().dispatch(Multiplying { triangle: self, x, y });
     }
 }
 
-/// Which of this rank's nodes share a cell.
+/// Graph of this rank's nodes, where nodes of one cell are adjacent.
 fn graph(matrix: &MatrixView) -> Result<Graph> {
     let range = matrix.row_range();
     let own = range.start / SIZE as Int..range.end / SIZE as Int;
@@ -158,7 +160,7 @@ fn graph(matrix: &MatrixView) -> Result<Graph> {
     Ok(Graph { offsets, neighbours })
 }
 
-/// The entries of this rank's rows in others' columns. Collective.
+/// Entries of this rank's rows in columns of other ranks. Collective.
 fn columns_of_others(matrix: &MatrixView) -> Result<Matrix> {
     let range = matrix.row_range();
     let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
@@ -174,7 +176,7 @@ fn columns_of_others(matrix: &MatrixView) -> Result<Matrix> {
     Matrix::csr(matrix.comm(), &offsets, &columns, &values)
 }
 
-/// A product, compiled for the vectors of each kind of processor.
+/// Product with a vector, compiled for the vector instructions of each kind of processor.
 struct Multiplying<'a> {
     triangle: &'a Triangle,
     x: &'a [Lanes],

@@ -1,26 +1,28 @@
-//! Incomplete Cholesky factors in blocks of three unknowns, those of a node, without fill.
+//! Incomplete Cholesky factors without fill, in blocks of the three unknowns of a node.
 //!
-//! S ≈ Uᵀ D U with D of blocks on the diagonal and U unit upper triangular, where S has blocks: entries that elimination would add elsewhere
-//! are dropped (Meijerink and van der Vorst, Math. Comp. 31, 1977, by blocks), most of each added to the diagonal blocks of its row and its
-//! column, so that smooth motions feel the same force (Axelsson and Lindskog, Numer. Math. 48, 1986: relaxed, or modified, factors). Of several
-//! ranks each factorises its own rows and columns (block Jacobi). The blocks are kept as V = D U in single precision: a preconditioner need not
-//! be exact, and reading it is what it costs.
+//! S ≈ Uᵀ D U, where D is block diagonal and U is unit upper triangular with blocks only where S has blocks. Fill-in
+//! elsewhere is dropped (Meijerink and van der Vorst, Math. Comp. 31, 1977, by blocks). Most of each dropped entry is
+//! added to the diagonal blocks of its row and its column, so that the factor is accurate for smooth motions (Axelsson
+//! and Lindskog, Numer. Math. 48, 1986: relaxed, or modified, factors). On several ranks each rank factorises its rows
+//! and columns (block Jacobi). The blocks are stored as V = D U in single precision: a preconditioner need not be
+//! exact, and its cost is the cost of reading it.
 
 use std::rc::Rc;
 
 use super::blocks::{Pattern, Triangle};
 use super::lanes::{BLOCK, Block, Lanes, Rows, SIZE, Sums, apply};
 
-/// How a factor is tried.
+/// Parameters of one attempt at a factorisation.
 struct Attempt {
-    /// Part of what is dropped that goes to the diagonal.
+    /// Fraction of the dropped entries that is added to the diagonal.
     relaxation: f64,
-    /// Added to the diagonal blocks, as a part of them (Manteuffel, Math. Comp. 34, 1980).
+    /// Fraction of the diagonal blocks that is added to them (Manteuffel, Math. Comp. 34, 1980).
     shift: f64,
 }
 
-/// The first of these that leaves all blocks on the diagonal positive definite. With nine tenths of what is dropped a step of 2e-5 s takes 11
-/// iterations in the place of 16; beyond that, stiffer steps have no such factor.
+/// Attempts in their order; the first one for which all diagonal blocks remain positive definite is used. A relaxation
+/// of 0.9 reduces the iterations of a time step of 2e-5 s from 16 to 11. With a larger one, no such factor exists for
+/// stiffer operators.
 const ATTEMPTS: [Attempt; 8] = [
     Attempt { relaxation: 0.9, shift: 0.0 },
     Attempt { relaxation: 0.5, shift: 0.0 },
@@ -32,33 +34,35 @@ const ATTEMPTS: [Attempt; 8] = [
     Attempt { relaxation: 0.0, shift: 10.0 },
 ];
 
-/// The factor of this rank's part of a symmetric positive definite matrix.
+/// Incomplete Cholesky factor of this rank's part of a symmetric positive definite matrix.
 #[derive(Debug)]
 pub(super) struct IncompleteCholesky {
     pattern: Rc<Pattern>,
-    /// V beyond its diagonal, by rows, and one number more ([`Rows::read`]); empty where the factor is its diagonal.
+    /// V without its diagonal, by rows, and one additional number ([`Rows::read`]); empty if the factor is block
+    /// diagonal.
     numbers: Vec<f32>,
-    /// D⁻¹.
+    /// Inverses D⁻¹ of the diagonal blocks.
     inverses: Vec<Block>,
-    /// A vector in the order of elimination.
+    /// Work vector in the order of elimination.
     work: Vec<Lanes>,
 }
 
 impl IncompleteCholesky {
-    /// Of a matrix.
+    /// Factorises a matrix.
     pub fn new(triangle: &Triangle) -> Self {
         let work = vec![Lanes::default(); triangle.diagonal.len()];
         let mut factor = Self { pattern: triangle.pattern.clone(), numbers: Vec::new(), inverses: Vec::new(), work };
         if ATTEMPTS.iter().any(|attempt| factor.eliminate(triangle, attempt)) {
             return factor;
         }
-        // The blocks of the diagonal alone are a preconditioner of every such matrix.
+        // The diagonal blocks are a preconditioner for every such matrix.
         factor.numbers = Vec::new();
         factor.inverses = triangle.diagonal.iter().map(|block| inverse(block).unwrap_or(IDENTITY)).collect();
         factor
     }
 
-    /// Makes V and D⁻¹; whether D is positive definite. Row by row, each is taken off those of its columns.
+    /// Computes V and D⁻¹ and returns whether D is positive definite. Each row is eliminated from the rows of its
+    /// columns in turn.
     fn eliminate(&mut self, triangle: &Triangle, Attempt { relaxation, shift }: &Attempt) -> bool {
         const NOWHERE: u32 = u32::MAX;
         let Self { pattern, numbers, inverses, .. } = self;
@@ -67,7 +71,8 @@ impl IncompleteCholesky {
         let (blocks, _) = numbers.as_chunks_mut::<BLOCK>();
         let mut pivots: Vec<Block> =
             triangle.diagonal.iter().map(|block| block.map(|value| (1.0 + shift) * value)).collect();
-        // Where a row has its blocks, by column; and which of them the row that it is taken off has too.
+        // For each column, the index of the current row's block; and for each block, whether the updated row has it
+        // too.
         let (mut places, mut has) = (vec![NOWHERE; pivots.len()], Vec::new());
         inverses.clear();
         for node in 0..pivots.len() {
@@ -106,10 +111,10 @@ impl IncompleteCholesky {
         true
     }
 
-    /// x ← (Uᵀ D U)⁻¹ b.
+    /// Computes x ← (Uᵀ D U)⁻¹ b.
     ///
     /// # Panics
-    /// When there are not as many entries as rows.
+    /// If `b` or `x` has another number of entries than the matrix has rows.
     pub fn solve(&mut self, b: &[f64], x: &mut [f64]) {
         assert!(b.len() == SIZE * self.work.len() && x.len() == b.len());
         let Self { pattern, numbers, inverses, work } = self;
@@ -124,7 +129,7 @@ impl IncompleteCholesky {
     }
 }
 
-/// Both sweeps, compiled for the vectors of each kind of processor.
+/// Forward and backward sweep, compiled for the vector instructions of each kind of processor.
 struct Solving<'a> {
     pattern: &'a Pattern,
     numbers: &'a [f32],
@@ -163,13 +168,13 @@ impl pulp::NullaryFnOnce for Solving<'_> {
 
 const IDENTITY: Block = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
-/// The inverse of a symmetric block; `None` where it is not positive definite.
+/// Inverse of a symmetric block; `None` if it is not positive definite.
 fn inverse(block: &Block) -> Option<Block> {
     let [a, b, c, _, d, e, _, _, f] = *block;
     let minor = a * d - b * b;
     let (of_b, of_c) = (c * e - b * f, b * e - c * d);
     let determinant = a * (d * f - e * e) + b * of_b + c * of_c;
-    // NaN is no positive definite block either.
+    // This also rejects NaN.
     if !(a > 0.0 && minor > 0.0 && determinant > 0.0 && determinant.is_finite()) {
         return None;
     }
@@ -178,7 +183,7 @@ fn inverse(block: &Block) -> Option<Block> {
     Some(adjugate.map(|value| value / determinant))
 }
 
-/// leftᵀ · right.
+/// Product leftᵀ · right.
 fn multiply_transposed(left: &Block, right: &Block) -> Block {
     std::array::from_fn(|at| (0..SIZE).map(|k| left[SIZE * k + at / SIZE] * right[SIZE * k + at % SIZE]).sum())
 }
@@ -207,7 +212,7 @@ fn add_symmetric(to: &mut Block, factor: f64, block: &Block) {
 mod tests {
     use super::*;
 
-    /// Three nodes in a row: S in blocks, by rows, of a positive definite matrix whose elimination adds nothing.
+    /// Three nodes in a row: a positive definite block matrix without fill-in.
     fn chain() -> Triangle {
         let stiff = [4.0, 1.0, 0.5, 1.0, 5.0, -1.0, 0.5, -1.0, 6.0];
         let coupling = [-1.0, 0.25, 0.5, 0.125, -2.0, 0.0, 0.75, 0.5, -1.5];
@@ -216,7 +221,7 @@ mod tests {
         Triangle { pattern: Rc::new(pattern), diagonal: vec![stiff; 3], numbers }
     }
 
-    /// A triangle of nodes, each beside the next, and a fourth beside all but the second: eliminating the first drops an entry.
+    /// Nodes 0, 1 and 2 are coupled to each other, and node 3 to nodes 0 and 2. Elimination of node 0 drops an entry.
     fn with_a_gap() -> Triangle {
         let stiff = |k: f64| [k, 0.0, 0.0, 0.0, k, 0.0, 0.0, 0.0, k];
         let pattern = Pattern { order: vec![0, 1, 2, 3], offsets: vec![0, 3, 4, 5, 5], columns: vec![1, 2, 3, 2, 3] };
@@ -224,7 +229,7 @@ mod tests {
         Triangle { pattern: Rc::new(pattern), diagonal: [4.0, 3.0, 4.0, 3.0].map(stiff).to_vec(), numbers }
     }
 
-    /// Without entries to drop, the factor is exact but for single precision, and the product is its inverse.
+    /// Without dropped entries, the factor is exact up to single precision, so that the solution inverts the product.
     #[test]
     fn a_chain_of_nodes_is_solved() {
         let triangle = chain();
@@ -237,7 +242,7 @@ mod tests {
         for (node, sum) in triangle.pattern.order.iter().zip(to) {
             b[SIZE * *node as usize..][..SIZE].copy_from_slice(&sum.node());
         }
-        // By hand: the second of the chain has both neighbours.
+        // Computed by hand: the second node of the chain has two neighbours.
         let coupling: Block = triangle.numbers[..BLOCK].try_into().unwrap();
         let [first, second, third] = [from[0], from[1], from[2]].map(Lanes::node);
         let above = apply(&multiply_transposed(&coupling, &IDENTITY), first);
@@ -250,7 +255,7 @@ mod tests {
         assert!(error < 1e-5 && error > 0.0, "{error:e}");
     }
 
-    /// With all that is dropped on the diagonal, a motion of all nodes alike feels the force that it feels in the matrix.
+    /// If all dropped entries go to the diagonal, the factor gives the same force for a translation as the matrix.
     #[test]
     fn what_is_dropped_goes_to_the_diagonal() {
         let triangle = with_a_gap();
@@ -268,8 +273,8 @@ mod tests {
         assert!(error(1.0) < 1e-6 && error(0.0) > 0.1, "{:e} {:e}", error(1.0), error(0.0));
     }
 
-    /// A block that is not positive definite is found out, also where only elimination makes it so; a shift cures it, and the diagonal alone
-    /// serves where nothing does.
+    /// A block that is not positive definite is detected, even if it becomes indefinite only by elimination. A shift
+    /// makes it definite. If no shift suffices, the diagonal is used.
     #[test]
     fn an_indefinite_block_is_told() {
         for (block, shift, is_definite) in [(0, 0.0, false), (2, 0.0, false), (2, 10.0, true)] {

@@ -1,53 +1,54 @@
-//! Blocks of three by three times vectors of nodes, as a processor multiplies four numbers at a time.
+//! Products of 3×3 blocks with vectors of nodes, in vector registers of four numbers.
 //!
-//! A row of a block is read with the number behind it, so that a node has a fourth number, zero, which that one is multiplied with.
+//! A row of a block is read together with the number that follows it. A node has a fourth number, zero, which is
+//! multiplied with that number.
 
-/// Unknowns of a node.
+/// Number of unknowns of a node.
 pub(super) const SIZE: usize = 3;
 
-/// Numbers of a block, by rows.
+/// Numbers of a block, stored by rows.
 pub(super) const BLOCK: usize = SIZE * SIZE;
 
-/// By rows.
+/// Block of 3×3 numbers, stored by rows.
 pub(super) type Block = [f64; BLOCK];
 
-/// The unknowns of a node and a fourth number, in one line of a cache.
+/// Unknowns of a node and a fourth number, aligned so that they are in one cache line.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[repr(align(32))]
 pub(super) struct Lanes(pub [f64; 4]);
 
 impl Lanes {
-    /// A node's unknowns.
+    /// Stores the unknowns of a node; the fourth number is zero.
     #[inline(always)]
     pub fn of([x, y, z]: [f64; SIZE]) -> Self {
         Self([x, y, z, 0.0])
     }
 
-    /// The node's unknowns.
+    /// Returns the unknowns of the node.
     #[inline(always)]
     pub fn node(self) -> [f64; SIZE] {
         [self.0[0], self.0[1], self.0[2]]
     }
 
-    /// self + factor · row.
+    /// Computes self + factor · row.
     #[inline(always)]
     fn plus(self, factor: f64, row: Self) -> Self {
         Self(std::array::from_fn(|i| self.0[i] + factor * row.0[i]))
     }
 
-    /// self + x · row, number by number.
+    /// Computes self + x · row, element by element.
     #[inline(always)]
     fn plus_products(self, x: Self, row: Self) -> Self {
         Self(std::array::from_fn(|i| self.0[i] + x.0[i] * row.0[i]))
     }
 }
 
-/// A block whose rows have been read, each with the number behind it.
+/// Rows of a block, each with the number that follows it.
 #[derive(Clone, Copy)]
 pub(super) struct Rows([Lanes; SIZE]);
 
 impl Rows {
-    /// Of the numbers of a block and the one behind it.
+    /// Reads the numbers of a block and the number that follows them.
     #[inline(always)]
     pub fn read<T: Copy + Into<f64>>(numbers: &[T]) -> Self {
         let row = |first: usize| -> Lanes {
@@ -57,19 +58,19 @@ impl Rows {
         Self([row(0), row(SIZE), row(2 * SIZE)])
     }
 
-    /// y + blockᵀ · x; the fourth number comes out as anything.
+    /// Computes y + blockᵀ · x; the fourth number of the result is arbitrary.
     #[inline(always)]
     pub fn add_transposed(self, [p, q, r]: [f64; SIZE], y: Lanes) -> Lanes {
         y.plus(p, self.0[0]).plus(q, self.0[1]).plus(r, self.0[2])
     }
 }
 
-/// Sums of products of rows of blocks with nodes, whose numbers are not added up yet.
+/// Products of rows of blocks with nodes, before the four lanes are added up.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Sums([Lanes; SIZE]);
 
 impl Sums {
-    /// Adds block · x; the fourth number of x is zero.
+    /// Adds block · x; the fourth number of x must be zero.
     #[inline(always)]
     pub fn add(&mut self, Rows(rows): Rows, x: Lanes) {
         for (sum, row) in self.0.iter_mut().zip(rows) {
@@ -77,14 +78,15 @@ impl Sums {
         }
     }
 
-    /// The sums. (Not inlined: the compiler would keep the rows' numbers apart all through the loop.)
+    /// Adds up the lanes. Not inlined, because the compiler would otherwise keep the lanes separate throughout the
+    /// loop.
     #[inline(never)]
     pub fn total(&self) -> [f64; SIZE] {
         self.0.map(|Lanes([a, b, c, d])| (a + c) + (b + d))
     }
 }
 
-/// block · x.
+/// Computes block · x.
 #[inline(always)]
 pub(super) fn apply(block: &Block, [x, y, z]: [f64; SIZE]) -> [f64; SIZE] {
     std::array::from_fn(|i| block[SIZE * i] * x + block[SIZE * i + 1] * y + block[SIZE * i + 2] * z)

@@ -1,4 +1,4 @@
-//! Linear systems of symmetric positive definite matrices.
+//! Linear systems with symmetric positive definite matrices.
 
 use petsc_wrap::{
     Comm, Factor, FactorEstimate, Ksp, KspView, MatrixView, Preconditioner, ResidualNorm, Result, Session, Tolerances,
@@ -9,47 +9,53 @@ use super::blocks::Triangle;
 use super::incomplete::IncompleteCholesky;
 use super::substructure::Substructures;
 
-/// Relative residual at which iterative methods stop: PETSc's 1e-5 would be an error of that size in every step.
+/// Relative residual at which iterative methods stop. With PETSc's default of 1e-5, every time step would have an error
+/// of this size.
 const ITERATIVE: f64 = 1e-12;
 
-/// How a system is solved, where PETSc's options say nothing else.
+/// Method of solution, unless PETSc's options select another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
-    /// One factorisation: by CHOLMOD on one rank. Several ranks have factors of their parts and of the interface between them
-    /// (`solve/substructure`), where that is small; else they share one by MUMPS. Without MUMPS each of them has a factor of all by CHOLMOD, and without
-    /// both by PETSc itself.
+    /// A Cholesky factorisation, on one rank by CHOLMOD. On several ranks, if the interface between their parts is
+    /// small, each rank factorises its part and all share a factor of the interface (`solve/substructure`). If it is
+    /// not small, MUMPS computes one distributed factor. Without MUMPS each rank factorises the whole matrix by
+    /// CHOLMOD, and without both by PETSc.
     Cholesky,
-    /// Conjugate gradients from the given guess on, preconditioned with multigrid of smoothed aggregates (GAMG), which knows the matrix's
-    /// near null space, down to a part of the right-hand side in the norm of the preconditioner, which is nearly that of the energy.
+    /// Conjugate gradients from the given initial guess, preconditioned with smoothed-aggregation multigrid (GAMG) and
+    /// the near null space of the matrix. The residual is measured in the norm of the preconditioner, which is nearly
+    /// the energy norm.
     Multigrid {
-        /// That part.
+        /// Residual relative to the right-hand side at which the iteration stops.
         tolerance: f64,
     },
-    /// The same, preconditioned with an incomplete Cholesky factor of each rank's rows in blocks of three, and products with one triangle: for
-    /// operators that are not much stiffer than the mass in them ([`Method::for_stiffness`]). Options of PETSc's that name a method or a preconditioner take
-    /// [`Method::Multigrid`] as what they change.
+    /// Same as [`Method::Multigrid`], but preconditioned with an incomplete Cholesky factor of each rank's rows in
+    /// blocks of three, and with products from one triangle of the matrix. For operators that are not much stiffer than
+    /// their mass part ([`Method::for_stiffness`]). If PETSc's options name a method or a preconditioner, they are
+    /// applied to [`Method::Multigrid`] instead.
     Incomplete {
-        /// That part.
+        /// Residual relative to the right-hand side at which the iteration stops.
         tolerance: f64,
     },
-    /// Conjugate gradients, preconditioned with the diagonal: for matrices like that of the mass.
+    /// Conjugate gradients, preconditioned with the diagonal, for matrices such as the mass matrix.
     Diagonal {
-        /// Relative residual.
+        /// Relative residual at which the iteration stops.
         tolerance: f64,
     },
 }
 
-/// Largest ratio tr K / (c₂ tr M) for which an incomplete factor is quicker than multigrid. Measured on a quarter of a plate of 0.1 m in quadratic
-/// hexahedra: an iteration of multigrid costs more than 7.5 ones with the factor; multigrid takes 20, 26 and 32 iterations, the factor 23, 76 and
-/// 90 at ratios of 1,700, 43,000 and 174,000. It is not known where it ends to be quicker.
+/// Largest ratio tr K / (c₂ tr M) for which an incomplete factor is used instead of multigrid. Measured on a quarter of
+/// a plate of 0.1 m in quadratic hexahedra: an iteration of multigrid costs more than 7.5 iterations with the factor.
+/// At ratios of 1,700, 43,000 and 174,000 multigrid takes 20, 26 and 32 iterations, the factor 23, 76 and 90. The ratio
+/// above which multigrid is quicker is unknown.
 const STIFFEST: f64 = 2e5;
 
-/// Memory that the factor of a large matrix may take, over all ranks, bytes.
+/// Memory that the factor of a large matrix may use, over all ranks, bytes.
 const LARGEST_FACTOR: f64 = 8e9;
 
 impl Method {
-    /// That for the dozens of solves with one matrix which a basis takes: a factor in the place of multigrid, where MUMPS expects it to fit. A plate of
-    /// 307,000 unknowns takes 50 s with it, and more than six minutes with multigrid.
+    /// Method for the dozens of solves with one matrix needed for a basis. Multigrid is replaced by a Cholesky factor
+    /// if the memory expected by MUMPS is small enough. A plate of 307,000 unknowns takes 50 s with the factor and more
+    /// than six minutes with multigrid.
     pub fn for_basis(self, expected: Option<FactorEstimate>) -> Self {
         match (self, expected) {
             (Self::Multigrid { .. }, Some(factor)) if factor.memory <= LARGEST_FACTOR => Self::Cholesky,
@@ -57,7 +63,8 @@ impl Method {
         }
     }
 
-    /// The quicker iteration for an operator K + c₂ M with tr K so many times c₂ tr M; other methods stay as they are.
+    /// Returns the quicker iterative method for an operator K + c₂ M, where `ratio` is tr K / (c₂ tr M). Methods other
+    /// than multigrid are unchanged.
     pub fn for_stiffness(self, ratio: f64) -> Self {
         match self {
             Self::Multigrid { tolerance } if ratio <= STIFFEST => Self::Incomplete { tolerance },
@@ -66,21 +73,22 @@ impl Method {
     }
 }
 
-/// A solver whose options begin with `prefix` (empty, or ending in an underscore), by a method, or by whatever PETSc's options say. An
-/// iterative method of theirs in the place of a factor stops at a relative residual of 1e-12, and one in the place of conjugate gradients at
-/// theirs, in its own norm and from zero. Collective.
+/// Creates a solver with a method, unless PETSc's options with `prefix` (empty, or ending in an underscore) select
+/// another. If the options replace a factorisation by an iterative method, this stops at a relative residual of 1e-12.
+/// If they replace conjugate gradients, the other method stops at the same tolerance, in its default norm, and starts
+/// from zero. Collective.
 ///
 /// # Errors
-/// PETSc's, e.g. for unknown types among the options.
+/// If a PETSc call fails, e.g. for unknown types in the options.
 pub fn solver(comm: &Comm, prefix: &str, matrix: &MatrixView, method: Method) -> Result<Ksp> {
     solver_of_nodes(comm, prefix, matrix, method, None)
 }
 
-/// [`solver`] of a matrix whose rows are by nodes, three unknowns each, where it is known where this rank's nodes lie (m): an incomplete factor
-/// is better for it. Collective.
+/// Same as [`solver`], for a matrix with rows ordered by node, three unknowns each. `places` are the positions of this
+/// rank's nodes (m), if known; they improve the incomplete factor. Collective.
 ///
 /// # Errors
-/// As of [`solver`].
+/// Same as [`solver`].
 pub fn solver_of_nodes(
     comm: &Comm,
     prefix: &str,
@@ -135,57 +143,59 @@ pub fn solver_of_nodes(
     ksp.set_from_options()?;
     ksp.pc()?.set_mumps_margin(MARGIN)?;
     if matches!(method, Method::Multigrid { .. }) && ksp.type_name()? != "cg" {
-        // Not every method has that norm, nor starts from a guess.
+        // Not every method supports this norm or an initial guess.
         ksp.set_residual_norm(ResidualNorm::Default)?;
         ksp.set_initial_guess_nonzero(false)?;
     }
     Ok(ksp)
 }
 
-/// Whether the preconditioner alone solves, as a factor does.
+/// Whether the solver applies only the preconditioner, as with a factorisation.
 ///
 /// # Errors
-/// PETSc's.
+/// If a PETSc call fails.
 pub fn is_direct(ksp: &KspView) -> Result<bool> {
     Ok(ksp.type_name()? == "preonly")
 }
 
-/// Whether PETSc's options name a method or a preconditioner.
+/// Whether PETSc's options name a method, a preconditioner or a factorisation package.
 fn is_chosen(comm: &Comm, prefix: &str) -> Result<bool> {
     let is_set = |name: &str| options::is_set(comm.session(), &format!("-{prefix}{name}"));
     Ok(is_set("ksp_type")? || is_set("pc_type")? || is_set("pc_factor_mat_solver_type")?)
 }
 
-/// From the given guess on, and in the norm of the preconditioner.
+/// Makes the solver start from the given initial guess and measure residuals in the norm of the preconditioner.
 fn start_from_guess(ksp: &mut KspView) -> Result<()> {
     ksp.set_residual_norm(ResidualNorm::Natural)?;
     ksp.set_initial_guess_nonzero(true)
 }
 
-/// Conjugate gradients with a preconditioner.
+/// Sets conjugate gradients with a preconditioner.
 fn set_gradients(ksp: &mut KspView, preconditioner: &str) -> Result<()> {
     ksp.set_type("cg")?;
     ksp.pc()?.set_type(preconditioner)
 }
 
-/// Packages that factorise; MUMPS is parallel.
+/// Packages for Cholesky factorisation; MUMPS is parallel.
 const CHOLMOD: &str = "cholmod";
 const MUMPS: &str = "mumps";
 
-/// Memory beyond what MUMPS expects to need, %. With its own 20 to 30 a factorisation on two ranks has run out of it once in a hundred.
+/// Memory in addition to the estimate of MUMPS, %. With its default of 20 to 30, one in a hundred factorisations on two
+/// ranks ran out of memory.
 pub(super) const MARGIN: u8 = 80;
 
-/// Relative residual at which an iteration counts as a direct solve: rounding in a backward-stable one leaves about as much.
+/// Relative residual at which an iteration counts as a direct solve. Rounding in a backward-stable direct solve leaves
+/// about as much.
 const DIRECT: f64 = 1e-13;
 
-/// Conjugate gradients, preconditioned with Cholesky's method by MUMPS: with the matrix's own factor one iteration solves, with that of a
-/// matrix nearby a few.
+/// Sets conjugate gradients, preconditioned with a Cholesky factor by MUMPS. With the factor of the same matrix one
+/// iteration suffices, with the factor of a similar matrix a few.
 pub(super) fn set_refined_cholesky(ksp: &mut KspView, matrix: &MatrixView) -> Result<()> {
     ksp.set_type("cg")?;
     ksp.set_tolerances(Tolerances {
         relative: Some(DIRECT),
         absolute: None,
-        // Residuals of conjugate gradients rise before they fall, by the root of the condition number: no sign of divergence.
+        // Residuals of conjugate gradients may first rise by the root of the condition number; this is not divergence.
         divergence: Some(f64::MAX),
         iterations: Some(100),
     })?;
@@ -193,14 +203,15 @@ pub(super) fn set_refined_cholesky(ksp: &mut KspView, matrix: &MatrixView) -> Re
     precondition_by_cholesky(ksp, matrix, [MUMPS, CHOLMOD])
 }
 
-/// Whether the options have left [`set_refined_cholesky`] as it is.
+/// Whether PETSc's options have left the settings of [`set_refined_cholesky`] unchanged.
 pub(super) fn is_refined_cholesky(ksp: &mut KspView) -> Result<bool> {
     let is_gradients = ksp.type_name()? == "cg";
     Ok(is_gradients && ["cholesky", "redundant"].contains(&ksp.pc()?.type_name()?.as_str()))
 }
 
-/// Cholesky's method by the first of the packages that takes the matrix. Without any that takes one of several ranks each solves for all of
-/// it, by CHOLMOD, or else by PETSc itself. The matrix is the solver's.
+/// Sets a Cholesky factorisation by the first of the packages that supports the matrix. If none supports a matrix
+/// distributed over several ranks, each rank factorises the whole matrix, by CHOLMOD or else by PETSc. The matrix must
+/// be the operator of the solver.
 fn precondition_by_cholesky(ksp: &mut KspView, matrix: &MatrixView, packages: [&str; 2]) -> Result<()> {
     let mut pc = ksp.pc()?;
     let mut package = None;
@@ -222,10 +233,10 @@ fn precondition_by_cholesky(ksp: &mut KspView, matrix: &MatrixView, packages: [&
     package.map_or(Ok(()), |name| pc.set_factor_package(name))
 }
 
-/// Whether PETSc was built with MUMPS: without it, each of several ranks factorises all of a matrix for itself.
+/// Whether PETSc was built with MUMPS. Without MUMPS, each of several ranks factorises the whole matrix.
 ///
 /// # Errors
-/// PETSc's.
+/// If a PETSc call fails.
 pub fn has_mumps(session: &Session) -> Result<bool> {
     Factor::Cholesky.is_known(session, MUMPS, "mpiaij")
 }

@@ -1,6 +1,6 @@
-//! How this program solves its systems, on top of PETSc's solvers: which method and package by default, and to what tolerance.
+//! Solution of linear and nonlinear systems on top of PETSc's solvers: default methods, packages and tolerances.
 //!
-//! PETSc's options override all of it.
+//! PETSc's options override all of these defaults.
 
 mod blocks;
 mod incomplete;

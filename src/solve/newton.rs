@@ -1,4 +1,4 @@
-//! Newton's method with a factor that serves more than one Jacobian.
+//! Newton's method with a factor that is used for several Jacobians.
 
 use petsc_wrap::{
     CallbackResult, Comm, Error, Lag, Matrix, MatrixView, Progress, Result, Snes, SnesTolerances, Trial, VectorView,
@@ -7,35 +7,37 @@ use petsc_wrap::{
 
 use super::linear::{MARGIN, is_refined_cholesky, set_refined_cholesky};
 
-/// Iterations of a linear solve from which a new factor is cheaper: a factorisation costs ten solves or more.
-const FEW: usize = 8;
+/// Largest number of iterations of a linear solve for which the factor is kept. With more, a new factor is cheaper: a
+/// factorisation costs ten solves or more.
+const MAX_ITERATIONS_WITH_KEPT_FACTOR: usize = 8;
 
-/// A Newton solver for symmetric positive definite Jacobian matrices, which keeps its matrix and factor from solve to solve.
+/// Newton solver for symmetric positive definite Jacobian matrices, which keeps its matrix and factor between solves.
 ///
-/// The line search is a closure of the caller's unless `-snes_linesearch_type` names one of PETSc's.
+/// The line search is a closure of the caller, unless `-snes_linesearch_type` names a line search of PETSc.
 pub struct Newton {
     snes: Snes,
-    /// Whether the linear solver's factor may serve more than one Jacobian.
+    /// Whether the factor of the linear solver may be used for several Jacobians.
     keep_factor: bool,
-    /// Whether `-snes_atol` says when a solve has converged.
+    /// Whether `-snes_atol` determines when a solve has converged.
     tolerance_given: bool,
 }
 
 impl Newton {
-    /// A solver for a Jacobian matrix, its entries all present.
+    /// Creates a solver for a Jacobian matrix in which all entries of the sparsity pattern exist.
     ///
-    /// By default linear solves are to rounding: Cholesky's method by MUMPS, whose factor is kept as the preconditioner of conjugate gradients
-    /// while these need but a few iterations. After a change of the matrix by rank r they need r + 1. With `-ksp_type preonly` every
-    /// Jacobian is factorised. `-snes_…`, `-ksp_…` and `-pc_…` options override everything. Collective.
+    /// By default linear systems are solved to rounding: a Cholesky factor by MUMPS is kept as the preconditioner of
+    /// conjugate gradients while these need only a few iterations. If the matrix changes by rank r, they need r + 1.
+    /// With `-ksp_type preonly` every Jacobian is factorised. Options `-snes_…`, `-ksp_…` and `-pc_…` override
+    /// everything. Collective.
     ///
     /// # Errors
-    /// PETSc's, e.g. for unknown types among the options.
+    /// If a PETSc call fails, e.g. for unknown types in the options.
     pub fn new(comm: &Comm, jacobian: Matrix, absolute_tolerance: f64, max_iterations: usize) -> Result<Self> {
         let mut snes = Snes::new(comm)?;
         snes.set_type("newtonls")?;
         snes.set_line_search_type("shell")?;
         set_refined_cholesky(&mut snes.ksp()?, &jacobian)?;
-        // Convergence by the residual's norm alone.
+        // Convergence is decided by the norm of the residual alone.
         snes.set_tolerances(SnesTolerances {
             absolute: Some(absolute_tolerance),
             relative: Some(0.0),
@@ -52,10 +54,10 @@ impl Newton {
         Ok(Self { snes, keep_factor, tolerance_given })
     }
 
-    /// Sets the residual's Euclidean norm below which a solve has converged, unless `-snes_atol` does.
+    /// Sets the Euclidean norm of the residual below which a solve has converged, unless `-snes_atol` sets it.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn set_absolute_tolerance(&mut self, value: f64) -> Result<()> {
         if self.tolerance_given {
             return Ok(());
@@ -63,22 +65,23 @@ impl Newton {
         self.snes.set_tolerances(SnesTolerances { absolute: Some(value), ..Default::default() })
     }
 
-    /// The residual's Euclidean norm below which a solve has converged.
+    /// Euclidean norm of the residual below which a solve has converged.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn absolute_tolerance(&self) -> Result<f64> {
         self.snes.absolute_tolerance()
     }
 
-    /// Solves residual(x) = 0 from the given x; returns the iterations. Collective.
+    /// Solves residual(x) = 0 from the given x and returns the number of iterations. Collective.
     ///
-    /// - `residual(x, f)` writes f; a NaN in it stops the solve.
-    /// - `jacobian(x, j)` writes and assembles j; where it leaves j untouched, the last factorisation is used again.
+    /// - `residual(x, f)` writes f; a NaN in f stops the solve.
+    /// - `jacobian(x, j)` writes and assembles j; if it leaves j unchanged, the last factorisation is used again.
     /// - `search(trial)` chooses the step length λ of x ← x + λ·direction.
     ///
     /// # Errors
-    /// [`Error::Callback`] with a closure's own error, [`Error::Diverged`], or PETSc's. A closure's panic is resumed.
+    /// [`Error::Callback`] if a closure returns an error, [`Error::Diverged`] if the iteration diverges, or if a PETSc
+    /// call fails. A panic of a closure is resumed.
     pub fn solve<R, J, L>(
         &mut self,
         x: &mut VectorView,
@@ -99,7 +102,8 @@ impl Newton {
             jacobian(x, j)
         };
         match self.snes.solve_with_search(x, &mut residual, keeping, &mut search) {
-            // A factor kept from another Jacobian was no help: on from here with a new one for each.
+            // The factor of another Jacobian was too inaccurate. The solve continues with a new factor for each
+            // Jacobian.
             Err(Error::Diverged(failure)) if self.keep_factor && self.snes.linear_solve_failed()? => {
                 self.snes.set_preconditioner_lag(Lag::Every(1))?;
                 let renewing = |x: &VectorView, j: &mut MatrixView, _: &mut Progress| jacobian(x, j);
@@ -110,8 +114,8 @@ impl Newton {
     }
 }
 
-/// Lets the linear solver keep its factor for the next Jacobian, unless the last one strained it.
+/// Keeps the factor of the linear solver for the next Jacobian, unless the last linear solve took too many iterations.
 fn keep_factor_while_it_serves(progress: &mut Progress) -> Result<()> {
-    let lag = if progress.linear_iterations()? <= FEW { Lag::Keep } else { Lag::RebuildThenKeep };
+    let lag = if progress.linear_iterations()? <= MAX_ITERATIONS_WITH_KEPT_FACTOR { Lag::Keep } else { Lag::RebuildThenKeep };
     progress.set_preconditioner_lag(lag)
 }

@@ -1,17 +1,18 @@
-//! In which order nodes are eliminated, so that an incomplete factor drops little.
+//! Elimination order of nodes for which an incomplete factor drops little.
 //!
-//! What elimination adds and the factor drops is least when a node goes last of all that its cells join it to, and when the direction of the
-//! strongest couplings, in which nodes are closest, is swept last. (How much an order matters: Duff and Meurant, BIT 29, 1989.) With quadratic
-//! cells, halves as high as they are wide, 16 iterations take the place of 28; with cells a quarter as high, 7 of 49.
+//! Little fill-in is dropped under two conditions. A node is eliminated only when a sweep through the body has reached
+//! all its neighbours. The sweep advances most slowly in the direction of the strongest couplings, in which nodes are
+//! closest. (On the effect of the order: Duff and Meurant, BIT 29, 1989.) For quadratic cells half as high as they are
+//! wide, this reduces the iterations from 28 to 16; for cells a quarter as high, from 49 to 7.
 
-/// Coordinates this close to each other, as a part of the body's extent, are the same.
+/// Coordinates are considered equal if their difference is below this fraction of the extent of the body.
 const SAME: f64 = 1e-9;
 
-/// Which nodes share a cell.
+/// Graph of the nodes; two nodes are adjacent if they share a cell.
 pub(super) struct Graph {
-    /// Where the neighbours of a node begin.
+    /// Start of the neighbours of each node.
     pub offsets: Vec<usize>,
-    /// They, the node itself among them.
+    /// Neighbours of each node, including the node.
     pub neighbours: Vec<u32>,
 }
 
@@ -21,8 +22,9 @@ impl Graph {
     }
 }
 
-/// The nodes in the order of their elimination, by where they lie (m). A node goes when the last of its neighbours would be reached by a sweep
-/// through the body, so cell by cell; of those of a cell, the ones with the fewest neighbours first.
+/// Computes the order of elimination of nodes at the given positions (m). A node is eliminated when a sweep through the
+/// body reaches the last of its neighbours, so that elimination proceeds cell by cell. Within a cell, nodes with the
+/// fewest neighbours come first.
 pub(super) fn elimination_order(graph: &Graph, places: &[[f64; 3]]) -> Vec<u32> {
     let axes = sweep(graph, places);
     let levels = axes.map(|axis| levels(places, axis));
@@ -35,7 +37,7 @@ pub(super) fn elimination_order(graph: &Graph, places: &[[f64; 3]]) -> Vec<u32> 
     swept
 }
 
-/// The axes by how close nodes lie along them, the closest first.
+/// The axes, sorted by the distance of neighbouring nodes along them, the smallest distance first.
 fn sweep(graph: &Graph, places: &[[f64; 3]]) -> [usize; 3] {
     let mut closeness = [0.0; 3];
     for (node, place) in places.iter().enumerate() {
@@ -50,7 +52,7 @@ fn sweep(graph: &Graph, places: &[[f64; 3]]) -> [usize; 3] {
     axes
 }
 
-/// The number of the plane across an axis in which each node lies, ascending.
+/// For each node, the number of its plane normal to an axis, in ascending order.
 fn levels(places: &[[f64; 3]], axis: usize) -> Vec<u32> {
     let at = |node: &u32| places[*node as usize][axis];
     let mut nodes: Vec<u32> = (0..places.len() as u32).collect();
@@ -69,7 +71,7 @@ fn levels(places: &[[f64; 3]], axis: usize) -> Vec<u32> {
 mod tests {
     use super::*;
 
-    /// Nodes of quadratic cells in a row along an axis, spaced by h, in any order.
+    /// Nodes of quadratic cells in a row along an axis, with the spacing h.
     fn row_of_cells(cells: usize, axis: usize, h: f64) -> (Graph, Vec<[f64; 3]>) {
         let count = 2 * cells + 1;
         let of_cell = |cell: usize| 2 * cell..2 * cell + 3;
@@ -85,14 +87,15 @@ mod tests {
         (Graph { offsets, neighbours }, (0..count).map(place).collect())
     }
 
-    /// Of each cell its middle goes first, then the node that it shares with the cell before, which is complete now.
+    /// In each cell the middle node is eliminated first, then the node shared with the previous cell, whose neighbours
+    /// are now all reached.
     #[test]
     fn cells_go_one_after_the_other() {
         let (graph, places) = row_of_cells(3, 1, 0.1);
         assert_eq!(elimination_order(&graph, &places), [0, 1, 3, 2, 5, 6, 4]);
     }
 
-    /// The axis along which nodes are closest comes first, and rounding does not part what lies in a plane.
+    /// The axis along which nodes are closest comes first, and rounding does not separate nodes of one plane.
     #[test]
     fn the_closest_axis_is_swept_last() {
         let places = [[0.0, 0.0, 0.0], [1.0, 0.0, 1e-17], [0.0, 0.5, 0.0], [0.0, 0.0, 0.7]];

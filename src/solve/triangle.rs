@@ -1,22 +1,22 @@
-//! Solving with the Cholesky factor of a full matrix, for one right-hand side at a time.
+//! Solution with a dense Cholesky factor, for one right-hand side at a time.
 //!
-//! Columns are taken four at a time: each number of the right-hand side is read and written once for four columns, so that half of the
-//! instructions are products.
+//! Four columns are processed together: each number of the right-hand side is read and written once for four columns,
+//! so that half of the instructions are multiplications.
 
 use faer::MatRef;
 use pulp::{Simd, WithSimd};
 
-/// Columns that are taken at a time.
+/// Number of columns processed together.
 pub(super) const TOGETHER: usize = 4;
 
-/// L of A = L Lᵀ: each column from its diagonal on, one after the other.
+/// Factor L of A = L Lᵀ, stored by columns, each from its diagonal on.
 pub struct DenseCholesky {
     count: usize,
     entries: Vec<f64>,
 }
 
 impl DenseCholesky {
-    /// Of a factor, whose upper part is not read.
+    /// Copies a factor; its upper triangle is not read.
     pub fn new(factor: MatRef<'_, f64>) -> Self {
         let count = factor.ncols();
         let mut entries = Vec::with_capacity(count * (count + 1) / 2);
@@ -26,20 +26,20 @@ impl DenseCholesky {
         Self { count, entries }
     }
 
-    /// x ← A⁻¹ x.
+    /// Computes x ← A⁻¹ x.
     pub fn solve_in_place(&self, x: &mut [f64]) {
         pulp::Arch::new().dispatch(Solving { factor: self, x });
     }
 
-    /// A column from its diagonal on.
+    /// Column `j` from its diagonal on.
     #[inline(always)]
     fn column(&self, j: usize) -> &[f64] {
-        // Those before it have count, count − 1, … entries.
+        // The columns before it have count, count − 1, … entries.
         let start = j * self.count - j * j.saturating_sub(1) / 2;
         &self.entries[start..start + self.count - j]
     }
 
-    /// x ← L⁻¹ x.
+    /// Computes x ← L⁻¹ x.
     #[inline(always)]
     fn forward<S: Simd>(&self, simd: S, x: &mut [f64]) {
         let whole = self.count - self.count % TOGETHER;
@@ -60,7 +60,7 @@ impl DenseCholesky {
         }
     }
 
-    /// x ← L⁻ᵀ x.
+    /// Computes x ← L⁻ᵀ x.
     #[inline(always)]
     fn backward<S: Simd>(&self, simd: S, x: &mut [f64]) {
         let whole = self.count - self.count % TOGETHER;
@@ -100,7 +100,7 @@ pub(super) fn subtract<S: Simd>(simd: S, x: &mut [f64], columns: [&[f64]; TOGETH
     }
 }
 
-/// Inner products of columns with a vector.
+/// Computes the inner products of columns with a vector.
 #[inline(always)]
 pub(super) fn products<S: Simd>(simd: S, columns: [&[f64]; TOGETHER], x: &[f64]) -> [f64; TOGETHER] {
     let columns = columns.map(|column| &column[..x.len()]);
@@ -119,7 +119,7 @@ pub(super) fn products<S: Simd>(simd: S, columns: [&[f64]; TOGETHER], x: &[f64])
     })
 }
 
-/// A solve: compiled for the vectors of each kind of processor.
+/// Forward and backward substitution, compiled for the vector instructions of each kind of processor.
 struct Solving<'a> {
     factor: &'a DenseCholesky,
     x: &'a mut [f64],
@@ -141,7 +141,7 @@ mod tests {
     use super::*;
     use faer::{Mat, Side};
 
-    /// A x gives back what was solved for, for numbers of rows that are and are not multiples of what is taken together.
+    /// The solution of A x = b is recovered, for numbers of rows that are and are not multiples of [`TOGETHER`].
     #[test]
     fn solves_with_the_matrix() {
         for count in [1, 3, 4, 7, 8, 18, 33] {
@@ -154,7 +154,7 @@ mod tests {
             let exact: Vec<f64> = (0..count).map(|i| (i as f64 * 0.7).sin() + 1.0).collect();
             let mut x: Vec<f64> = (0..count).map(|i| (0..count).map(|j| entry(i, j) * exact[j]).sum()).collect();
             DenseCholesky::new(factor.L()).solve_in_place(&mut x);
-            // A condition number below ten.
+            // The condition number is below ten.
             x.iter().zip(&exact).for_each(|(x, exact)| assert!((x - exact).abs() < 1e-13, "{count}: {x} {exact}"));
         }
     }

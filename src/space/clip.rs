@@ -1,4 +1,4 @@
-//! Quadrature on what a convex extent of space has of a facet.
+//! Quadrature over the portion of a facet within a convex extent of space.
 
 use nalgebra::Vector3;
 
@@ -7,34 +7,36 @@ use crate::element::{Element, Quadrature, Shape, Table, gauss_legendre};
 use crate::form::polygon::{Line, angles, crossing, is_seen};
 use crate::scene::Vec3;
 
-/// What an extent of space has of a facet.
+/// Portion of a facet within an extent of space.
 pub enum Clipped {
-    /// All of it.
+    /// The whole facet.
     Whole,
-    /// None of it.
+    /// No portion of the facet.
     Nothing,
-    /// Some: quadrature points.
+    /// Quadrature points of a part of the facet.
     Points(Vec<AreaPoint>),
 }
 
-/// A quadrature point.
+/// A quadrature point of an area.
 pub struct AreaPoint {
-    /// Where it is, m.
+    /// Position, m.
     pub position: Vec3,
-    /// The area that it stands for, m².
+    /// Area that the point represents, m².
     pub area: f64,
 }
 
-/// How near to the edge of an extent counts as on it, over the size of the facet: far above the digits of a typed number.
+/// Distance from the boundary of an extent, divided by the size of the facet, below which a vertex counts as on it. It
+/// is far above the rounding of a typed number.
 const ROUNDING: f64 = 1e-9;
 
-/// Points along the angle between two directions in which a ray's ends change their kind: 1e-10 of the integral.
+/// Number of Gauss points over the angle between two directions at which the ends of a ray change from one line to
+/// another. The relative error of the integral is 1e-10.
 const ANGLES: usize = 16;
 
-/// What an extent has of a plane convex facet with its vertices in order, by a rule that is exact, away from the rim of a ball, for
-/// polynomials of a degree in each coordinate.
+/// Portion of a plane convex facet, with vertices in order, within an extent. The quadrature is exact for polynomials
+/// of a degree in each coordinate, except along the rim of a ball.
 pub fn clip(facet: &[Vec3], extent: &Extent, degree: usize) -> Clipped {
-    // Most are whole, without a look at their vertices.
+    // Shortcut for the usual case, in which the whole facet is inside.
     if *extent == Extent::All {
         return Clipped::Whole;
     }
@@ -47,7 +49,7 @@ pub fn clip(facet: &[Vec3], extent: &Extent, degree: usize) -> Clipped {
     }
 }
 
-/// The polygon cut by the planes of a box, one after the other (Sutherland and Hodgman's algorithm).
+/// Clips a polygon by the planes of a box in turn (Sutherland–Hodgman algorithm).
 fn clip_to_box(x: &[Vector3<f64>], corners: [Vec3; 2], rounding: f64, degree: usize) -> Clipped {
     let mut polygon = x.to_vec();
     let mut is_cut = false;
@@ -75,7 +77,7 @@ fn clip_to_box(x: &[Vector3<f64>], corners: [Vec3; 2], rounding: f64, degree: us
     if !is_cut {
         return Clipped::Whole;
     }
-    // Corners that fell together with others.
+    // Remove vertices that coincide with their neighbours.
     polygon.dedup_by(|one, other| (*one - *other).norm() <= rounding);
     while polygon.len() > 1 && (polygon[0] - polygon[polygon.len() - 1]).norm() <= rounding {
         polygon.pop();
@@ -83,7 +85,7 @@ fn clip_to_box(x: &[Vector3<f64>], corners: [Vec3; 2], rounding: f64, degree: us
     if polygon.len() < 3 { Clipped::Nothing } else { Clipped::Points(over_polygon(&polygon, degree)) }
 }
 
-/// A product rule where the polygon is a parallelogram, else triangles about its first vertex.
+/// Uses a product rule if the polygon is a parallelogram, else triangles about its first vertex.
 fn over_polygon(polygon: &[Vector3<f64>], degree: usize) -> Vec<AreaPoint> {
     let is_parallelogram = match polygon {
         [a, b, c, d] => (a + c - b - d).norm() < 1e-12 * (c - a).norm(),
@@ -99,11 +101,12 @@ fn over_polygon(polygon: &[Vector3<f64>], degree: usize) -> Vec<AreaPoint> {
         return over(Shape::Quadrilateral, degree, &vertices);
     }
     let triangles = (2..vertices.len()).map(|i| [vertices[0], vertices[i - 1], vertices[i]]);
-    // Of a degree in each coordinate is of twice that in all.
+    // A polynomial of a degree in each coordinate has up to twice that total degree.
     triangles.flat_map(|triangle| over(Shape::Triangle, 2 * degree, &triangle)).collect()
 }
 
-/// What the disc that the facet's plane cuts out of a ball has of the facet, in polar coordinates about its centre.
+/// Integrates, in polar coordinates, over the portion of a facet within the disc in which the plane of the facet cuts a
+/// ball.
 fn clip_to_ball(x: &[Vector3<f64>], centre: Vector3<f64>, radius: f64, rounding: f64, degree: usize) -> Clipped {
     if x.iter().all(|x| (x - centre).norm() <= radius + rounding) {
         return Clipped::Whole;
@@ -144,7 +147,7 @@ fn clip_to_ball(x: &[Vector3<f64>], centre: Vector3<f64>, radius: f64, rounding:
     if points.is_empty() { Clipped::Nothing } else { Clipped::Points(points) }
 }
 
-/// Unit normal of a plane polygon, or of the plane that fits its vertices where they are not in one.
+/// Unit normal of a plane polygon. If the vertices are not in one plane, the normal of the plane that fits them.
 pub fn normal(x: &[Vector3<f64>]) -> Vector3<f64> {
     let sum: Vector3<f64> = (0..x.len()).map(|i| x[i].cross(&x[(i + 1) % x.len()])).sum();
     sum.normalize()
@@ -167,30 +170,30 @@ mod tests {
         }
     }
 
-    /// ∫ x⁴ y³ over rectangles that cut a square, and over what a box leaves of a triangle.
+    /// Integrates x⁴ y³ over rectangles cut from a square, and a polynomial over the part of a triangle within a box.
     #[test]
     fn boxes_cut_exactly() {
         let (low, high) = ([0.5, -1.0, -1.0], [1.25, 0.75, 1.0]);
         let exact = (1.25_f64.powi(5) - 0.5_f64.powi(5)) / 5.0 * 0.75_f64.powi(4) / 4.0;
         let found = integral(&SQUARE, &Extent::Box([low, high]), |x| x[0].powi(4) * x[1].powi(3));
         assert!((found / exact - 1.0).abs() < 1e-14, "{found} {exact}");
-        // x < 1 of the triangle: ∫₀¹ x² (2 − x)²/2 dx, of x² y.
+        // Part x < 1 of the triangle: ∫ x² y dA = ∫₀¹ x² (2 − x)²/2 dx.
         let found = integral(&TRIANGLE, &Extent::Box([[-9.0; 3], [1.0, 9.0, 9.0]]), |x| x[0].powi(2) * x[1]);
         let exact = 0.5 * (4.0 / 3.0 - 1.0 + 0.2);
         assert!((found / exact - 1.0).abs() < 1e-14, "{found} {exact}");
-        // Edges that are those of the facet, but for the digits of a typed number, cut nothing.
+        // A box that ends at the edges of the facet, apart from the rounding of typed numbers, cuts nothing off.
         let typed = Extent::Box([[1e-11, -9.0, -9.0], [2.0 - 1e-11, 9.0, 9.0]]);
         assert!(matches!(clip(&SQUARE, &typed, 4), Clipped::Whole));
         assert!(matches!(clip(&SQUARE, &Extent::Box([[2.0, 0.0, 0.0], [3.0; 3]]), 4), Clipped::Nothing));
         assert!(matches!(clip(&SQUARE, &Extent::Box([[0.0, 0.0, 0.4], [3.0; 3]]), 4), Clipped::Nothing));
     }
 
-    /// A disc within a facet, one whose rim cuts it, and one about a vertex: areas and second moments.
+    /// Areas and second moments of a disc within a facet, of a disc cut by its rim, and of a disc about a vertex.
     #[test]
     fn balls_cut_to_their_rim() {
         for facet in [&SQUARE[..], &TRIANGLE] {
             let ball = |centre: [f64; 2], radius: f64| {
-                // Seen from 0.3 below the facet.
+                // The centre of the ball is 0.3 below the facet.
                 let sphere = radius.hypot(0.3);
                 Extent::Ball { centre: [centre[0], centre[1], 0.0], radius: sphere }
             };
@@ -199,13 +202,13 @@ mod tests {
             assert!((area / (PI * r * r) - 1.0).abs() < 1e-12, "{area}");
             let moment = integral(facet, &ball([0.5, 0.6], r), |x| (x[0] - 0.5).powi(2));
             assert!((moment / (PI * r.powi(4) / 4.0) - 1.0).abs() < 1e-12, "{moment}");
-            // A quarter about the vertex, ∫ xy = r⁴/8; half of a disc about a point of the edge.
+            // A quarter of a disc about the vertex: ∫ xy = r⁴/8. Half of a disc about a point of the edge.
             let moment = integral(facet, &ball([0.0, 0.0], r), |x| x[0] * x[1]);
             assert!((moment / (r.powi(4) / 8.0) - 1.0).abs() < 1e-12, "{moment}");
             let area = integral(facet, &ball([1.0, 0.0], r), |_| 1.0);
             assert!((area / (0.5 * PI * r * r) - 1.0).abs() < 1e-12, "{area}");
         }
-        // A segment: centre 0.3 r outside of the edge.
+        // A circular segment: the centre is 0.3 r outside the edge.
         let (r, e) = (0.5, 0.15_f64);
         let ball = Extent::Ball { centre: [1.0, -e, 0.3], radius: r };
         let exact = r * r * (e / r).acos() - e * (r * r - e * e).sqrt();

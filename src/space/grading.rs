@@ -1,28 +1,29 @@
-//! Cells along an axis: of one size around the hit, growing with the distance from it up to a largest.
+//! Graded cells along an axis: of constant size near the impact point, then growing with the distance from it up to a
+//! largest size.
 
-/// Sizes of cells.
+/// Sizes of the cells.
 #[derive(Debug, Clone, Copy)]
 pub struct Sizes {
-    /// At the hit, m.
+    /// Size at the impact point, m.
     pub hit: f64,
-    /// Far from it, m.
+    /// Largest size, m.
     pub largest: f64,
-    /// Size over the distance from the hit, between the two.
+    /// Ratio of the size to the distance from the impact point, between the two sizes above.
     pub growth: f64,
 }
 
-/// One side of the hit along an axis.
+/// Part of an axis on one side of the impact point.
 #[derive(Debug, Clone, Copy)]
 pub struct Side {
-    /// From the hit to the end, m.
+    /// Distance from the impact point to the end of the axis, m.
     pub length: f64,
-    /// Of its cells.
+    /// Sizes of its cells.
     pub sizes: Sizes,
 }
 
 impl Side {
-    /// ∫ dx over the size of the cell at x, up to a distance: the size is that at the hit, then the distance times the growth, then
-    /// the largest.
+    /// Number of cells up to a distance (m), not rounded: ∫ dx divided by the cell size at x. The cell size is the size
+    /// at the impact point, then the distance times the growth, then the largest size.
     pub fn count(&self, distance: f64) -> f64 {
         let [(near, at_near), (far, at_far)] = self.turns();
         if distance <= near {
@@ -32,7 +33,7 @@ impl Side {
         if distance <= far { grown } else { at_far + (distance - far) / self.sizes.largest }
     }
 
-    /// The inverse.
+    /// Distance (m) for a number of cells: the inverse of [`Self::count`].
     pub fn distance(&self, count: f64) -> f64 {
         let [(near, at_near), (far, at_far)] = self.turns();
         if count <= at_near {
@@ -44,7 +45,7 @@ impl Side {
         }
     }
 
-    /// Where the size begins to grow and where it ends to, with the counts there.
+    /// Distances (m) at which the cell size begins and ceases to grow, each with the number of cells up to it.
     fn turns(&self) -> [(f64, f64); 2] {
         let Sizes { hit, largest, growth } = self.sizes;
         let near = hit.min(largest) / growth;
@@ -52,16 +53,16 @@ impl Side {
         [(near, 1.0 / growth), (far, (1.0 + (far / near).ln()) / growth)]
     }
 
-    /// How many cells there are: none where an end is nearer to the hit than half a cell.
+    /// Number of cells; none if the end is nearer to the impact point than half a cell.
     pub fn cells(&self) -> f64 {
         if self.length < 0.5 * self.sizes.hit.min(self.sizes.largest) {
             return 0.0;
         }
-        // What rounding leaves is no cell.
+        // A remainder due to rounding must not add a cell.
         (self.count(self.length) * (1.0 - 1e-9)).ceil().max(1.0)
     }
 
-    /// Distances of the cells' far ends from the hit.
+    /// Distances (m) of the far ends of the cells from the impact point.
     pub fn lines(&self) -> Vec<f64> {
         let (cells, all) = (self.cells(), self.count(self.length));
         (1..=cells as usize).map(|i| self.distance(all * i as f64 / cells)).collect()
@@ -72,7 +73,7 @@ impl Side {
 mod tests {
     use super::*;
 
-    /// Sizes are between those at the hit and the largest, within what a whole number of cells asks for, and grow as they should.
+    /// The cell sizes follow the prescribed size, apart from the rounding to a whole number of cells.
     #[test]
     fn cells_follow_their_size() {
         let sizes = Sizes { hit: 0.01, largest: 0.1, growth: 0.5 };
@@ -85,7 +86,7 @@ mod tests {
                 let middle: f64 = 0.5 * (from + to);
                 let size = (0.5 * middle).clamp(0.01, 0.1);
                 let cells = side.count(length);
-                // The size varies by a half within a cell.
+                // The prescribed size varies by half of itself within a cell.
                 let ratio = (to - from) / size * cells.ceil() / cells;
                 assert!((0.8..1.2).contains(&ratio) || lines.len() == 1, "{length}: {lines:?}");
                 from = to;

@@ -1,4 +1,4 @@
-//! What spaces on a grid between the faces of a box have in common: splines in three dimensions, and plates.
+//! Spaces on a grid between the faces of a box: common code of splines in three dimensions and of plates.
 
 use std::collections::BTreeMap;
 
@@ -14,47 +14,47 @@ use crate::error::Result;
 use crate::form::{SurfaceElement, SurfacePoint};
 use crate::scene::{Vec3, faces};
 
-/// The degree of a displacement that quadrature for rough integrands squares exactly. Within a cell the splines' higher terms are small:
-/// cells resolve the waves.
+/// Polynomial degree of a displacement whose square is integrated exactly by the quadrature for rough integrands.
+/// Higher terms of the splines are small within a cell, since cells resolve the waves.
 const ROUGH_DEGREE: usize = 2;
 
 /// A displacement that is smooth within the cells of a grid.
 pub trait GridField {
-    /// The ends of the cells of the modelled part along each axis, m.
+    /// Ends of the cells of the modelled part along each axis, m.
     fn lines(&self) -> [&[f64]; 3];
 
-    /// The degree of the displacement within a cell along each axis.
+    /// Polynomial degree of the displacement within a cell along each axis.
     fn degrees(&self) -> [usize; 3];
 
-    /// How many unknowns there are.
+    /// Number of unknowns.
     fn unknowns(&self) -> usize;
 
-    /// The displacement at a point, m: entries by ascending unknown, none of them zero.
+    /// Displacement at a point (m) as linear forms: non-zero entries by ascending unknown.
     fn displacement(&self, x: Vec3) -> [Form; 3];
 
-    /// The vector of the forces on the parts' volumes.
+    /// Force vector of the body forces of the parts, N.
     fn body_force(&self, parts: &[Part]) -> Vec<f64>;
 }
 
-/// A field of which every rank has all, as a space.
+/// A field as a space. Every rank holds the whole field.
 pub struct GridSpace<'a, F> {
-    /// The field.
+    /// Discretised displacement.
     pub field: &'a F,
-    /// Axes across planes of symmetry, where the modelled part has no face at its lower end.
+    /// Axes normal to planes of symmetry. The modelled part has no face at its lower end along these axes.
     pub mirrors: &'a [usize],
 }
 
 /// A face of the modelled part of a box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Face {
-    /// The axis across it.
+    /// Axis normal to the face.
     pub axis: usize,
-    /// Whether it is the one at the larger coordinate.
+    /// Whether the face is the one at the larger coordinate.
     pub is_upper: bool,
 }
 
 impl Face {
-    /// The faces of the modelled part that a surface of a box stands for.
+    /// Faces of the modelled part that belong to a named surface of a box.
     pub fn of_surface<'a>(surface: &str, mirrors: &'a [usize]) -> impl Iterator<Item = Self> + 'a {
         let all = faces(surface).iter().map(|&(axis, is_upper)| Self { axis, is_upper });
         all.filter(|face| face.is_upper || !mirrors.contains(&face.axis))
@@ -62,7 +62,8 @@ impl Face {
 }
 
 impl<F: GridField> GridSpace<'_, F> {
-    /// Visits what an extent of space has of the cells on a face, with rules for products of polynomials of these degrees along the axes.
+    /// Visits the cells on a face, cut by an extent of space. The quadrature suits products of two polynomials of these
+    /// degrees along the axes.
     fn visit_face(&self, face: Face, extent: &Extent, degrees: [usize; 3], visit: &mut Visit) -> Result<()> {
         let lines = self.field.lines();
         let across = lines[face.axis];
@@ -100,7 +101,7 @@ impl<F: GridField> GridSpace<'_, F> {
         Ok(())
     }
 
-    /// Points with their areas as an element of the surface.
+    /// Element of the surface made of quadrature points, and the global numbers of its unknowns.
     fn element(&self, points: &[AreaPoint]) -> (Vec<Int>, SurfaceElement) {
         let moved: Vec<[Form; 3]> = points.iter().map(|point| self.field.displacement(point.position)).collect();
         let is_of = |form: &Form, unknowns: &[usize]| form.iter().map(|entry| &entry.0).eq(unknowns);
@@ -109,7 +110,7 @@ impl<F: GridField> GridSpace<'_, F> {
             unknowns.dedup();
             unknowns
         };
-        // Points within a cell have the same unknowns, but where a function happens to be zero.
+        // All points within a cell have the same unknowns, except where a function happens to be zero.
         let of_component = [0, 1, 2].map(|component| {
             let forms = || moved.iter().map(|forms| &forms[component]);
             let unknowns: Vec<usize> = forms().take(1).flatten().map(|entry| entry.0).collect();
@@ -179,7 +180,7 @@ impl<F: GridField> Space for GridSpace<'_, F> {
     }
 
     fn matrix(&self, _: &[&Place], fill: impl FnOnce(&mut Add) -> Result<()>) -> Result<CsrMatrix<f64>> {
-        // Summed in the order in which elements come, so that the matrix is symmetric to the last bit.
+        // Entries are summed in the order in which the elements come, so that the matrix is exactly symmetric.
         let mut rows = vec![BTreeMap::new(); self.field.unknowns()];
         fill(&mut |unknowns, values| {
             for (row, values) in unknowns.iter().zip(values.chunks_exact(unknowns.len())) {

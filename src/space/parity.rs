@@ -1,18 +1,18 @@
-//! Motions that are symmetric or antisymmetric about planes of symmetry of a body.
+//! Symmetry classes of motion: motions that are symmetric or antisymmetric about the planes of symmetry of a body.
 //!
-//! Where a body with its supports and loads is its own mirror image across a plane, any motion of it is a symmetric one and an
-//! antisymmetric one, which do not couple: each is that of the part on one side, with its own conditions on the plane. A force at any
-//! place excites both, by half of its value there and half at the mirror image.
+//! If a body with its supports and loads is symmetric about a plane, any motion is the sum of a symmetric and an
+//! antisymmetric motion, which do not couple. Each is the motion of the part on one side, with its own boundary
+//! conditions on the plane. A force at any point excites both, by half of its value there and half at the mirror image.
 
 use nalgebra_sparse::CsrMatrix;
 
 use crate::form::Parity;
 
-/// The parities of the displacement across the normal of a plate, along both axes.
+/// Parities of the displacement normal to a plate, along both axes of the plate.
 pub type ParityClass = [Parity; 2];
 
-/// All classes of parities about planes across the axes that have one, the most symmetric first. An axis whose plane the impact shares
-/// has even motions alone.
+/// All symmetry classes, the most symmetric first. An axis has two parities if a plane of symmetry is normal to it. If
+/// the impact lies on that plane (`is_shared`), only even motions are excited.
 pub fn classes(has_plane: [bool; 2], is_shared: [bool; 2]) -> Vec<ParityClass> {
     let of = |axis: usize| -> &[Parity] {
         if has_plane[axis] && !is_shared[axis] { &[Parity::Even, Parity::Odd] } else { &[Parity::Even] }
@@ -20,7 +20,7 @@ pub fn classes(has_plane: [bool; 2], is_shared: [bool; 2]) -> Vec<ParityClass> {
     of(0).iter().flat_map(|first| of(1).iter().map(move |second| [*first, *second])).collect()
 }
 
-/// A matrix as often as there are classes, along the diagonal.
+/// Block-diagonal matrix with a copy of `matrix` for each symmetry class.
 pub fn repeated(matrix: CsrMatrix<f64>, times: usize) -> CsrMatrix<f64> {
     if times == 1 {
         return matrix;

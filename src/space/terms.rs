@@ -1,4 +1,4 @@
-//! What holds and loads a body on its surface, integrated on any space.
+//! Supports and loads on the surface of a body, integrated on any space.
 
 use super::Space;
 use crate::body::PadOnSurface;
@@ -7,19 +7,19 @@ use crate::error::Result;
 use crate::form::PadElement;
 use crate::scene::Vec3;
 
-/// Operators and loads of a description, but for the body's own mass and elasticity.
+/// Operators and loads of a description, without the mass and elasticity of the body.
 pub struct SurfaceTerms<S: Space> {
-    /// K of the elastic supports, N/m; `None` without any.
+    /// Stiffness K of the elastic supports, N/m; `None` if there are none.
     pub support: Option<S::Matrix>,
-    /// C of the dampers, N s/m; `None` without any.
+    /// Matrix C of the dampers, N s/m; `None` if there are none.
     pub damping: Option<S::Matrix>,
-    /// Body force and tractions, N.
+    /// Force vector of body forces and tractions, N.
     pub load: S::Vector,
-    /// ∫ k ū·v dS of the elastic supports, N.
+    /// Vector ∫ k ū·v dS of the elastic supports, N.
     pub support_load: S::Vector,
-    /// ½ ∫ k ū·ū dS of the elastic supports of the modelled part, J.
+    /// Energy ½ ∫ k ū·ū dS of the elastic supports of the modelled part, J.
     pub support_offset: f64,
-    /// The one-sided supports, on this rank.
+    /// Unilateral supports (pads) on this rank.
     pub pads: Vec<PadOnSurface>,
 }
 
@@ -27,7 +27,7 @@ impl<S: Space> SurfaceTerms<S> {
     /// Integrates a description. Collective.
     ///
     /// # Errors
-    /// PETSc's; a tangled cell.
+    /// If a PETSc call fails, or if a cell is tangled (inverted).
     pub fn new(space: &S, description: &Description) -> Result<Self> {
         let Description { parts, springs, dampers, tractions, .. } = description;
         let tractions = tractions.iter().map(|term| (&term.region, term.value));
@@ -46,7 +46,7 @@ impl<S: Space> SurfaceTerms<S> {
     }
 }
 
-/// ∫ k u·v dS summed over regions, each with its k by component; `None` where every k is zero.
+/// Matrix ∫ k u·v dS summed over regions, each with its k by component; `None` if every k is zero.
 fn matrix<'a, S: Space>(space: &S, terms: impl Iterator<Item = (&'a Region, Vec3)>) -> Result<Option<S::Matrix>> {
     let on_places = |(region, k): (&'a Region, Vec3)| region.iter().map(move |place| (place, k));
     let terms: Vec<(&Place, Vec3)> = terms.filter(|(_, k)| *k != [0.0; 3]).flat_map(on_places).collect();
@@ -67,7 +67,7 @@ fn matrix<'a, S: Space>(space: &S, terms: impl Iterator<Item = (&'a Region, Vec3
     space.matrix(&places, fill).map(Some)
 }
 
-/// ∫ f·v dV of the forces on parts, and ∫ f·v dS summed over regions, each with its f.
+/// Vector ∫ f·v dV of the body forces of the parts, plus ∫ f·v dS summed over regions, each with its f.
 fn vector<'a, S: Space>(
     space: &S,
     parts: &[Part],

@@ -4,18 +4,19 @@ use std::f64::consts::PI;
 
 use super::Cylindrical;
 
-/// A point is at most this many radii of the contact away; beyond, a wider contact has the same field to 1e-6, where the formulas
-/// for the narrow one would lose digits.
-const FAR: f64 = 1e3;
+/// Largest distance of a point from the contact, in contact radii. For a farther point the contact radius is increased.
+/// The field is the same to 1e-6, and the formulas would lose digits with the small radius.
+const FAR_FIELD_RADII: f64 = 1e3;
 
-/// The stresses at a radius and a depth (m) under Hertz's pressure over a contact radius (m), for 1 N.
+/// Stresses at a radius and a depth (m) under Hertz's pressure over a contact radius (m), for 1 N.
 ///
-/// M. T. Huber, Ann. Phys. 14, 1904; K. L. Johnson, *Contact Mechanics*, 1985, ch. 3. Written in the oblate spheroidal coordinates
-/// c and u, r² = (a² + u)(1 − c²), z² = u c²: so it holds on the axis, on the surface and at the contact's edge too. There is no
-/// stress at a point of no distance from a contact of no radius: zero is returned.
+/// M. T. Huber, Ann. Phys. 14, 1904; K. L. Johnson, *Contact Mechanics*, 1985, ch. 3. The formulas are written in the
+/// oblate spheroidal coordinates c and u, r² = (a² + u)(1 − c²), z² = u c². So they are also valid on the axis, on the
+/// surface and at the edge of the contact. If both the contact radius and the distance are zero, no stress is defined
+/// and zero is returned.
 pub fn hertz(poisson: f64, radius: f64, depth: f64, contact_radius: f64) -> Cylindrical {
     let (rr, zz) = (radius * radius, depth * depth);
-    let a = contact_radius.max((rr + zz).sqrt() / FAR);
+    let a = contact_radius.max((rr + zz).sqrt() / FAR_FIELD_RADII);
     let square = a * a;
     if square <= 0.0 {
         return Cylindrical::default();
@@ -27,7 +28,7 @@ pub fn hertz(poisson: f64, radius: f64, depth: f64, contact_radius: f64) -> Cyli
     let smaller = if larger > 0.0 { square * zz / larger } else { 0.0 };
     let (u, v) = if d > 0.0 { (larger, smaller) } else { (smaller, larger) };
     let (root, c) = (u.sqrt(), v.sqrt() / a);
-    // At the edge c³/s and c² √u/s vanish.
+    // At the edge c³/s and c² √u/s tend to zero.
     let over_s = if s > 0.0 { square / s } else { 0.0 };
     let stretch = (1.0 - poisson) * u / (square + u);
     let angle = (1.0 + poisson) * root / a * a.atan2(root);
@@ -42,10 +43,11 @@ pub fn hertz(poisson: f64, radius: f64, depth: f64, contact_radius: f64) -> Cyli
     }
 }
 
-/// The largest tension on the loaded face for 1 N, Pa: σ_rr = (1 − 2ν) p₀/3 = (1 − 2ν)/(2πa²) at the contact's edge.
+/// Largest tension on the loaded face for 1 N, Pa: σ_rr = (1 − 2ν) p₀/3 = (1 − 2ν)/(2πa²) at the edge of the contact
+/// (Johnson, (3.49)).
 ///
-/// (Johnson, (3.49).) Outside it falls as (a/r)². It starts the cone cracks of Hertz. It is steep, so that a plate's bending strength is
-/// not what to compare it with; what the body's bending adds at the edge is not in it.
+/// Outside the contact it decreases as (a/r)². It initiates Hertzian cone cracks. Because of its steep gradient it must
+/// not be compared with the bending strength of a plate. The bending stress of the body at the edge is not included.
 pub fn ring_tension(poisson: f64, contact_radius: f64) -> f64 {
     (1.0 - 2.0 * poisson) / (2.0 * PI * contact_radius * contact_radius)
 }

@@ -1,31 +1,33 @@
-//! One layer at one wavenumber: how the state at its faces is coupled, and the field between them.
+//! One layer at one wavenumber: relation of the states at its two faces, and the field between them.
 //!
 //! A field u_r = U(z) J₁(ξr), u_z = W(z) J₀(ξr), σ_zz = S(z) J₀(ξr), σ_rz = T(z) J₁(ξr) has the state
 //!
 //! y = (φ, W, s, t) = (U/ξ, W, S/ξ⁴, T/ξ³),
 //!
-//! in which Hooke's law and equilibrium are, with k = ξ², M = λ + 2μ and E′ = E/(1 − ν²),
+//! for which Hooke's law and equilibrium are, with k = ξ², M = λ + 2μ and E′ = E/(1 − ν²),
 //!
 //! φ′ = W + k t/μ,   W′ = −(λ/M) k φ + k² s/M,   s′ = −t,   t′ = E′ φ + (λ/M) k s.
 //!
-//! At k = 0 these are the equations of a thin plate: all four are of one order for long waves, and nothing cancels, however
-//! small k is. The matrix G of y′ = G y has the double eigenvalues ±ξ, (G² − k)² = 0. So exp(zG) is a cubic in G.
+//! At k = 0 these are the equations of a thin plate. For long waves all four entries have the same order of magnitude,
+//! and there is no cancellation for any small k. The matrix G of y′ = G y has the double eigenvalues ±ξ, (G² − k)² = 0.
+//! So exp(zG) is a cubic polynomial in G.
 //!
-//! For short waves exp(zG) overflows. There the field is a sum of four solutions that decay from the faces: with s = ξz from the
-//! upper one, over e^{−s},
+//! For short waves exp(zG) overflows. There the field is a sum of four solutions that decay from the faces. Divided by
+//! e^{−s} with s = ξz, the two that decay from the upper face are
 //!
 //! (U, W, S, T) = (1, 1, −2μξ, −2μξ)   and   (s − 1 + 2ν, s + 2 − 2ν, −2μξ (1 + s), −2μξ s),
 //!
-//! and their mirror images from the lower one. The second is a half-space under a pressure of 2μξ.
+//! and the other two are their mirror images. The second solution is a half-space under a pressure of 2μξ.
 
 use nalgebra::{Matrix2, Matrix4, Vector2, Vector4};
 
 use super::Layer;
 
-/// Up to this ξh the cubic in G is used. Its rounding grows as e^{2ξh}, that of the decaying solutions as (ξh)⁻³.
+/// Value of ξh below which the cubic in G is used. Rounding errors grow as e^{2ξh} with the cubic and as (ξh)⁻³ with
+/// the decaying solutions.
 const THIN: f64 = 1.0;
 
-/// A layer, lengths in thicknesses of the stack and stresses in a common modulus.
+/// A layer in scaled units: lengths in thicknesses of the stack, stresses in a common modulus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scaled {
     pub thickness: f64,
@@ -33,33 +35,34 @@ pub(super) struct Scaled {
     pub poisson: f64,
 }
 
-/// U, W, S, T at a depth.
+/// Amplitudes U, W, S, T at a depth.
 pub(super) type Amplitudes = [f64; 4];
 
-/// The field within a layer.
+/// Field within a layer.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Field {
-    /// y, Gy, G²y, G³y at the upper face.
+    /// State y at the upper face, with Gy, G²y and G³y.
     Thin([Vector4<f64>; 4]),
-    /// Amounts of the solutions that decay from the upper and from the lower face.
+    /// Amplitudes of the solutions that decay from the upper and from the lower face.
     Thick { from_above: Vector2<f64>, from_below: Vector2<f64> },
 }
 
-/// How a layer's field follows from the displacements (φ, W) of its upper face, what is below being known.
+/// Matrices that give a layer's field from the displacements (φ, W) of its upper face, for known layers below.
 pub(super) enum Coupling {
     Thin(Matrix4<f64>),
     Thick { of_above: Matrix2<f64>, of_below: Matrix2<f64> },
 }
 
-/// Mirroring across a plane of constant z turns W and σ_rz round; their places in (φ, W) and in (s, t) are the same.
+/// Mirrors a matrix of (φ, W) or (s, t) at a plane of constant z. This changes the sign of W and of σ_rz, the second
+/// row in both cases.
 fn mirrored(m: Matrix2<f64>) -> Matrix2<f64> {
     Matrix2::new(m[(0, 0)], m[(0, 1)], -m[(1, 0)], -m[(1, 1)])
 }
 
-/// The coefficients of 1, G, G², G³ in exp(zG).
+/// Coefficients of 1, G, G², G³ in exp(zG), with x = ξz.
 fn cubic(z: f64, x: f64) -> [f64; 4] {
     let (cosh, sinh_over) = if x == 0.0 { (1.0, 1.0) } else { (x.cosh(), x.sinh() / x) };
-    // (cosh x − sinh x/x)/x², as a series where that cancels: Σ 2(k + 1) x^{2k}/(2k + 3)!.
+    // (cosh x − sinh x/x)/x², as a series where this form loses digits: Σ 2(k + 1) x^{2k}/(2k + 3)!.
     let g = if x > THIN {
         (cosh - sinh_over) / (x * x)
     } else {
@@ -104,7 +107,8 @@ impl Scaled {
         generator
     }
 
-    /// (φ, W) and (s, t) of the solutions that decay from the upper face, ξz = s below it, without e^{−s}.
+    /// Matrices of (φ, W) and of (s, t) of the solutions that decay from the upper face, at ξz = s below it, without
+    /// e^{−s}.
     fn decaying(&self, x: f64, s: f64) -> (Matrix2<f64>, Matrix2<f64>) {
         let nu = self.poisson;
         let displacements = Matrix2::new(1.0 / x, (s - 1.0 + 2.0 * nu) / x, 1.0, s + 2.0 * (1.0 - nu));
@@ -113,7 +117,8 @@ impl Scaled {
         (displacements, tractions)
     }
 
-    /// The matrix (s, t) over (φ, W) at the upper face, from that at the lower one; and the field for it. `None` if singular.
+    /// Computes the matrix from (φ, W) to (s, t) at the upper face from the same matrix at the lower face, and the
+    /// coupling for the field. `None` if a matrix is singular.
     pub fn up(&self, x: f64, below: &Matrix2<f64>) -> Option<(Matrix2<f64>, Coupling)> {
         let own = x * self.thickness;
         if own < THIN {
@@ -135,7 +140,8 @@ impl Scaled {
         Some((tractions * of_above, Coupling::Thick { of_above, of_below }))
     }
 
-    /// The field, and the displacements of the lower face, from those of the upper one and the matrix there.
+    /// Computes the field and the displacements of the lower face, from the displacements and the matrix at the upper
+    /// face.
     pub fn down(
         &self,
         x: f64,
@@ -163,7 +169,7 @@ impl Scaled {
         }
     }
 
-    /// The amplitudes at a depth in the layer, over the common modulus.
+    /// Amplitudes at a depth in the layer, in scaled units.
     pub fn amplitudes(&self, x: f64, field: &Field, depth: f64) -> Amplitudes {
         let s = x * depth;
         let [phi, w, sigma, tau] = match field {
@@ -185,7 +191,7 @@ impl Scaled {
         [x * phi, w, x.powi(4) * sigma, x.powi(3) * tau]
     }
 
-    /// The amplitudes in a half-space of this material under a unit pressure.
+    /// Amplitudes in a half-space of this material under a unit pressure.
     pub fn half_space(&self, x: f64, depth: f64) -> Amplitudes {
         let (s, decay) = (x * depth, (-x * depth).exp());
         let compliance = decay / (2.0 * self.shear() * x);

@@ -1,4 +1,4 @@
-//! The local field at one depth.
+//! Local field at one depth.
 
 use std::f64::consts::PI;
 
@@ -9,31 +9,32 @@ use super::resultants::along_section;
 use super::section::Bending;
 use super::{Cylindrical, Response, Wave};
 
-/// The local field at one depth of a stack: the field of each wavenumber.
+/// Local field at one depth of a stack, with the amplitudes of each wavenumber.
 #[derive(Debug, Clone)]
 pub struct Level<'a> {
     local: &'a LocalField,
     depth: f64,
     bending: Bending,
-    /// Under the contact, and of the body: σ_rr + σ_θθ, σ_rr − σ_θθ, σ_zz, σ_rz for each wavenumber, times ξ dξ/(2π).
+    /// Amplitudes of the field under the contact, then of the body's field: σ_rr + σ_θθ, σ_rr − σ_θθ, σ_zz, σ_rz for
+    /// each wavenumber, times ξ dξ/(2π).
     waves: Vec<([f64; 4], [f64; 4])>,
 }
 
-/// Signs of the stresses mirrored from the depth H − z, where bending is antisymmetric.
+/// Signs of the stresses mirrored from the depth H − z in pure bending, which is antisymmetric.
 const ANTISYMMETRIC: [f64; 4] = [-1.0, -1.0, -1.0, 1.0];
 
 impl LocalField {
-    /// Whether the half-space's part is taken out at a depth (m).
+    /// Whether the half-space's part is separated at a depth (m).
     fn is_shallow(&self, depth: f64) -> bool {
         depth < SHALLOW * self.stack.layers()[0].thickness
     }
 
-    /// e^{−ξd}, with the d (m) by which waves decay at a depth.
+    /// Length d (m) in the decay factor e^{−ξd} of waves at a depth.
     fn decay(&self, depth: f64) -> f64 {
         if self.is_shallow(depth) { 2.0 * self.stack.layers()[0].thickness - depth } else { depth }
     }
 
-    /// What waves have at a depth, without the half-space's part where that is taken out.
+    /// Amplitudes of a wave at a depth, without the half-space's part where it is separated.
     fn rest(&self, wave: &Wave, depth: f64) -> [f64; 4] {
         let mut rest = components(&wave.response(&self.stack, depth));
         if self.is_shallow(depth) {
@@ -43,7 +44,7 @@ impl LocalField {
         rest
     }
 
-    /// The half-space's part of the body's field, where that is taken out.
+    /// Half-space's part of the body's field; zero where it is not separated.
     fn half_space(&self, radius: f64, depth: f64) -> Cylindrical {
         if !self.is_shallow(depth) {
             return Cylindrical::default();
@@ -60,7 +61,7 @@ impl<'a> Level<'a> {
         let mut decay = local.decay(depth);
         match &local.carrier {
             Carrier::Plate { .. } => decay = decay.min(height),
-            // As the pressure's transform: up to the last wavenumber.
+            // The terms decay only with the transform of the pressure, so all wavenumbers are summed.
             Carrier::Layerwise { .. } | Carrier::Sections { .. } => decay = 0.0,
             Carrier::BentSolid { .. } => decay = decay.min(local.decay(height - depth)),
             Carrier::Solid { .. } => {}
@@ -88,7 +89,7 @@ impl<'a> Level<'a> {
         Self { local, depth, bending, waves: waves.collect() }
     }
 
-    /// The field at a radius from the line of the force, m.
+    /// Computes the field at a radius from the line of the force, m.
     pub fn at(&self, radius: f64) -> PointField {
         let local = self.local;
         let reach = local.reach();
@@ -114,7 +115,7 @@ impl<'a> Level<'a> {
         PointField { hertz, coefficients, largest: local.largest }
     }
 
-    /// What the body has besides the sum over wavenumbers.
+    /// Part of the body's field that is not in the sum over wavenumbers, in closed form.
     fn closed(&self, radius: f64) -> [f64; 4] {
         let Self { local, depth, bending, .. } = self;
         let height = local.stack.thickness();
@@ -143,7 +144,7 @@ impl<'a> Level<'a> {
     }
 }
 
-/// σ_rr + σ_θθ, σ_rr − σ_θθ, σ_zz, σ_rz.
+/// Stresses σ_rr + σ_θθ, σ_rr − σ_θθ, σ_zz, σ_rz.
 pub(super) fn components(response: &Response) -> [f64; 4] {
     [response.sum, response.difference, response.sigma_zz, response.sigma_rz]
 }
@@ -154,7 +155,7 @@ impl Cylindrical {
     }
 }
 
-/// J₀, J₁, J₂.
+/// Bessel functions J₀, J₁, J₂.
 fn bessel(x: f64) -> [f64; 3] {
     let (j0, j1) = (libm::j0(x), libm::j1(x));
     // J₂ = x²/8 − …, rounded to 1e-16 of 1.

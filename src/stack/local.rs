@@ -1,17 +1,22 @@
-//! What a body's stresses lack near the hit: the exact field under Hertz's pressure over the contact, less what the body has already.
+//! Local field that the computed stresses of a body lack near the impact point: the exact field under Hertz's pressure
+//! over the contact disc, minus the field that the body's model already contains.
 //!
-//! Both are those of an infinite stack at rest, and differ near the hit alone. In wavenumbers,
+//! Both are static fields of an infinite stack, and they differ only near the impact point. As integrals over
+//! wavenumbers,
 //!
 //! Δσ = (1/2π) ∫ ξ [A P_c − A_w P_w] J(ξr) dξ,
 //!
-//! with A of the stack at the point's depth, P_c of Hertz's pressure over the contact radius r_c, A_w and P_w of the body
-//! ([`Carrier`]). Long waves of A are those of a thin plate, L/ξ²: the integrals exist together only. Therefore
+//! with A for the stack at the depth of the point, P_c for Hertz's pressure over the contact radius r_c, and A_w and
+//! P_w for the body ([`Carrier`]). For long waves A tends to L/ξ² of a thin plate, so that only the difference of both
+//! terms can be integrated. Therefore
 //!
-//! - under a plate theory both lose L/ξ² of one smooth pressure, (1 + ξa) e^{−ξa}; what is left of A decays as e^{−ξz} and is summed
-//!   by Gauss's rule; what is left of the plate is elementary ([`Pressure`]);
-//! - in the loaded layer, but for its lower end, the half-space's part is Hertz's field in closed form, and the rest of A decays as
-//!   e^{−ξ(2h − z)}, h being the thickness of that layer: so the surface has no slowly convergent integral;
-//! - the rest is even and analytic in r_c: a short Chebyshev series in r_c².
+//! - under a plate theory, L/ξ² times the transform of one smooth pressure, (1 + ξa) e^{−ξa}, is subtracted from both
+//!   terms. The rest of A decays as e^{−ξz} and is integrated by Gauss's rule. The rest of the plate's term is
+//!   elementary ([`Pressure`]);
+//! - in the loaded layer, except near its lower face, the half-space's part is Hertz's field in closed form. The rest
+//!   of A decays as e^{−ξ(2h − z)}, where h is the thickness of that layer. So there is no slowly convergent integral
+//!   at the surface;
+//! - the rest is even and analytic in r_c: it is a short Chebyshev series in r_c².
 
 use std::f64::consts::PI;
 
@@ -22,120 +27,125 @@ use super::{Layerwise, LayerwiseWave, Section, Stack, Wave};
 use crate::element::gauss_legendre;
 use crate::form::hertz_wave;
 
-/// How a body carries the force.
+/// Type of the body's model, and the pressure of the force on it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Carrier {
-    /// A plate of Kirchhoff's or of Mindlin's theory.
+    /// Plate of Kirchhoff's or Mindlin's theory.
     ///
-    /// Where the force is the pressure times the mean of w + s h² ∇·θ, with s h² the `reading` (m²), it also bends the plate: moments
-    /// have the transform P_w (1 + s h² ξ²), shear forces P_w. Kirchhoff's plate has a reading of 0. Under a point force the moment is
-    /// infinite on the axis: there the field is that at 1e-9 thicknesses.
+    /// If the displacement under the force is the mean of w + s h² ∇·θ, with s h² the `reading` (m²), the force also
+    /// bends the plate. Then moments have the transform P_w (1 + s h² ξ²) and shear forces P_w. The reading of
+    /// Kirchhoff's plate is 0. Under a point force the moment is infinite on the axis; the field there is evaluated at
+    /// a radius of 1e-9 thicknesses.
     Plate {
-        /// Of the force.
+        /// Pressure of the force on the plate.
         pressure: Pressure,
-        /// s h², m².
+        /// Reading s h², m².
         reading: f64,
     },
-    /// A plate of the layerwise theory of the same stack.
+    /// Plate of the layerwise theory of the same stack.
     Layerwise {
-        /// Of the force: a spread one over the stack's thickness or more, for which the sum over waves converges.
+        /// Pressure of the force: a spread one over the stack's thickness or more, so that the sum over waves
+        /// converges.
         pressure: Pressure,
-        /// The theory.
+        /// Layerwise theory of the stack.
         theory: Layerwise,
-        /// Of the disc over which its stresses are read as a mean; `None` where they are read as they are.
+        /// Pressure with the weights of the disc over which the stresses are averaged; `None` if they are not averaged.
         smoothing: Option<Pressure>,
     },
-    /// A solid that resolves the thickness.
+    /// Solid model that resolves the thickness.
     Solid {
-        /// Of the force.
+        /// Pressure of the force on the solid.
         pressure: Pressure,
     },
-    /// A solid of one layer that bends alone: half of the force is on each face.
+    /// Solid model of one layer with bending only: half of the force acts on each face.
     BentSolid {
-        /// Of the force.
+        /// Pressure of the force on the solid.
         pressure: Pressure,
     },
-    /// A body that is read by the resultants of its sections, as means over a disc: stresses along the face by their mean and
-    /// moment over the thickness, those across it by the shear force on a parabola; of several layers each by its own mean and moments. Both
-    /// pressures are spread ones over half the thickness of the loaded layer or more, for which the sum over waves converges.
+    /// Body whose stresses are computed from section resultants averaged over a disc. In-plane stresses follow from
+    /// their mean and moment over the thickness, transverse shear stresses from the shear force with a parabolic
+    /// distribution. In a stack of several layers, each layer has separate means and moments. Both pressures are spread
+    /// ones over half the thickness of the loaded layer or more, so that the sum over waves converges.
     Sections {
-        /// Of the force.
+        /// Pressure of the force on the body.
         pressure: Pressure,
-        /// Of the disc over which the mean is taken.
+        /// Pressure with the weights of the disc over which the resultants are averaged.
         smoothing: Pressure,
-        /// What the body is.
+        /// Model of the body.
         body: Sections,
     },
 }
 
-/// What carries a force through sections.
+/// Model of a body evaluated by its section resultants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Sections {
-    /// A plate, with its reading as of [`Carrier::Plate`], m².
+    /// Plate with a reading as in [`Carrier::Plate`].
     Plate {
-        /// s h².
+        /// Reading s h², m².
         reading: f64,
     },
-    /// A solid that resolves the thickness, of one layer or several.
+    /// Solid that resolves the thickness, with one layer or several.
     Solid,
-    /// A solid that bends alone, whose sections have no mean.
+    /// Solid with bending only, whose sections have no mean in-plane stress.
     BentSolid,
 }
 
-/// Thicknesses outside of the body's disc up to which waves are summed.
+/// Distance from the edge of the body's disc, in stack thicknesses, up to which the field is summed over waves.
 const REACH: f64 = 4.0;
 
-/// Depth over the loaded layer's thickness down to which the half-space's part is taken out.
+/// Depth, divided by the thickness of the loaded layer, down to which the half-space's part is separated.
 pub(super) const SHALLOW: f64 = 0.9;
 
-/// Exponents in e^{−ξz} from which on nothing is left: 1e-7 of a stress of 1/z².
+/// Exponent ξz at which the sum over wavenumbers is truncated. The error is 1e-7 of a stress of 1/z².
 pub(super) const END: f64 = 22.0;
 
-/// Points of Gauss's rule on one panel, and the angle by which its waves turn at most: (e·PANEL/8·POINTS)^{2·POINTS}, 1e-12. Long panels
-/// take the fewest points for an angle.
+/// Number of Gauss points on one panel of wavenumbers.
 const POINTS: usize = 32;
+/// Largest phase of the waves over one panel, rad. The error of the rule is (e·PANEL/(8·POINTS))^{2·POINTS} = 1e-12.
+/// Long panels need the fewest points per phase.
 const PANEL: f64 = 60.0;
 
-/// Points of it where nothing turns.
+/// Number of Gauss points for integrands that do not oscillate.
 const FEW_POINTS: usize = 16;
 
-/// Most terms of Chebyshev's series.
+/// Maximum number of terms of the Chebyshev series.
 const MOST_TERMS: usize = 24;
 
 /// One wavenumber of the quadrature.
 #[derive(Debug, Clone)]
 pub(super) struct Node {
     pub wavenumber: f64,
-    /// ξ dξ/(2π), 1/m².
+    /// Weight ξ dξ/(2π), 1/m².
     pub weight: f64,
     pub wave: Wave,
-    /// The layerwise theory's, where it carries the force.
+    /// Solution of the layerwise theory, if it carries the force.
     pub layerwise: Option<LayerwiseWave>,
-    /// P_w, times that of the mean where one is taken.
+    /// P_w, times the transform of the averaging disc if there is one.
     pub carried: f64,
-    /// (1 + ξa) e^{−ξa}, a being the stack's thickness.
+    /// (1 + ξa) e^{−ξa}, where a is the thickness of the stack.
     pub smooth: f64,
-    /// P_c: of Chebyshev's polynomials of 2 (r_c/largest)² − 1.
+    /// Coefficients of P_c in Chebyshev polynomials of 2 (r_c/largest)² − 1.
     pub contact: Vec<f64>,
 }
 
-/// The local field of a body: by [`LocalField::at`] a table for each point, made once, which gives the stresses for any contact radius.
+/// Local field of a body. [`LocalField::at`] makes a table for a point once, from which the stresses for any contact
+/// radius follow.
 #[derive(Debug, Clone)]
 pub struct LocalField {
     pub(super) stack: Stack,
     pub(super) section: Section,
     pub(super) carrier: Carrier,
-    /// The largest contact radius, m.
+    /// Largest contact radius, m.
     pub(super) largest: f64,
     pub(super) nodes: Vec<Node>,
-    /// Gauss's, on \[−1, 1\].
+    /// Gauss rule on \[−1, 1\].
     pub(super) rule: Vec<(f64, f64)>,
-    /// Outside of the body's disc, m.
+    /// Distance from the edge of the body's disc up to which the field is summed over waves, m.
     reach: f64,
 }
 
 impl Carrier {
-    /// The pressure that the body is under.
+    /// Pressure that acts on the body.
     pub fn pressure(&self) -> &Pressure {
         match self {
             Self::Plate { pressure, .. }
@@ -148,7 +158,7 @@ impl Carrier {
 }
 
 impl Carrier {
-    /// The radius (m) within which the body's field is that of its own disc.
+    /// Radius (m) within which the body's field depends on its disc.
     fn reach(&self) -> f64 {
         match self {
             Self::Sections { pressure, smoothing, .. }
@@ -164,16 +174,18 @@ impl LocalField {
         Self::within(REACH * stack.thickness(), stack, carrier, largest)
     }
 
-    /// The same where no point is farther from the line of the force than a radius, m.
+    /// Same as [`LocalField::new`], with the field summed over waves up to the distance `reach` (m) from the edge of
+    /// the body's disc.
     pub fn within(reach: f64, stack: Stack, carrier: Carrier, largest: f64) -> Self {
-        // The rest has its singularities at r_c² = −z² and beyond: Bernstein's ellipse, for 1e-9.
+        // The series has singularities at r_c² = −z² and farther away. The Bernstein ellipse determines the number of
+        // terms for an error of 1e-9.
         let centre = 1.0 + 2.0 * (SHALLOW * stack.layers()[0].thickness / largest).powi(2);
         let decay = (centre + (centre * centre - 1.0).sqrt()).ln();
         let terms = ((20.7 / decay).ceil() + 1.0).clamp(4.0, MOST_TERMS as f64) as usize;
         Self::with_contacts(reach, stack, carrier, (largest, Chebyshev::new(terms)))
     }
 
-    /// The same on the line of the force, at one contact radius alone, m.
+    /// Same as [`LocalField::new`], on the line of the force and for one contact radius (m).
     pub fn on_axis(stack: Stack, carrier: Carrier, contact_radius: f64) -> Self {
         Self::with_contacts(0.0, stack, carrier, (contact_radius.max(f64::MIN_POSITIVE), Chebyshev::at_end()))
     }
@@ -210,31 +222,34 @@ impl LocalField {
         Self { stack, section, carrier, largest, nodes, rule: few, reach }
     }
 
-    /// The radius (m) beyond which the field is taken as σ_rr = −σ_θθ ∝ r⁻²: the stretch by the mean of σ_zz, and the warping that goes with
-    /// the shear force, which plate theories do not have.
+    /// Radius (m) beyond which the field is extrapolated as σ_rr = −σ_θθ ∝ r⁻². This far field is due to the in-plane
+    /// strain from the mean of σ_zz and to the warping of sections under the shear force. Plate theories do not contain
+    /// either.
     ///
-    /// On one layer under a plate theory it is there 0.3% of the largest tension on the lower face, and the rest of the field 1e-4.
+    /// For one layer under a plate theory, the field at this radius is 0.3% of the largest tension on the lower face,
+    /// and the terms that decay faster are 1e-4.
     pub fn reach(&self) -> f64 {
         self.reach + self.carrier.reach()
     }
 
-    /// The field at a radius from the line of the force and a depth below the loaded face, m, between the faces.
+    /// Computes the field at a radius from the line of the force and a depth below the loaded face, m, between the
+    /// faces.
     pub fn at(&self, radius: f64, depth: f64) -> PointField {
         self.at_depth(depth).at(radius)
     }
 
-    /// The field at a depth (m), for many radii: they share what the waves have there.
+    /// Prepares the field at a depth (m) for many radii. The amplitudes of the waves at this depth are computed once.
     pub fn at_depth(&self, depth: f64) -> Level<'_> {
         Level::new(self, depth)
     }
 }
 
-/// The ends of the panels, 1/m, for waves that turn by no more than over a length, m: finer towards 0, where the layers of a stack with a
-/// soft one begin to slide; with the number of these.
+/// Number of fine panels, and the ends of all panels, 1/m, for waves over the given length (m). Panels are finer
+/// towards 0, where the stiff layers of a stack with a soft layer begin to slide on each other.
 fn panels(stack: &Stack, length: f64) -> (usize, Vec<f64>) {
     let moduli = stack.layers().iter().map(|layer| layer.young);
     let (least, most) = moduli.fold((f64::INFINITY, 0.0_f64), |(least, most), e| (least.min(e), most.max(e)));
-    // (Panels are wide: one more where there is any.)
+    // Panels are wide, so there is one more refinement if the moduli differ.
     let quarterings = (1.0 + (most / least).log(16.0)).ceil() as i32;
     let quarterings = if quarterings > 1 { quarterings } else { 0 };
     let end = END / (SHALLOW * stack.layers()[0].thickness);
@@ -245,11 +260,12 @@ fn panels(stack: &Stack, length: f64) -> (usize, Vec<f64>) {
     (quarterings as usize, ends)
 }
 
-/// What makes coefficients of Chebyshev's polynomials of 2q − 1 for functions of q in [0, 1], by interpolation at their roots.
+/// Computes coefficients of Chebyshev polynomials of 2q − 1 for functions of q in [0, 1], by interpolation at their
+/// roots.
 struct Chebyshev {
-    /// q at the roots.
+    /// Values of q at the roots.
     roots: Vec<f64>,
-    /// The weights of the values at the roots in each coefficient.
+    /// For each coefficient: weights of the values at the roots.
     weights: Vec<Vec<f64>>,
 }
 
@@ -265,7 +281,7 @@ impl Chebyshev {
         }
     }
 
-    /// The value at q = 1 alone, as a constant.
+    /// The value at q = 1 only, as a constant.
     fn at_end() -> Self {
         Self { roots: vec![1.0], weights: vec![vec![1.0]] }
     }

@@ -1,4 +1,4 @@
-//! The local field at one point for any contact radius.
+//! Local field at one point for any contact radius.
 
 use super::half_space;
 use crate::scene::Vec3;
@@ -6,18 +6,18 @@ use crate::scene::Vec3;
 /// Stresses in cylindrical coordinates about the line of the force, Pa; tension is positive, z points into the body.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Cylindrical {
-    /// σ_rr.
+    /// Radial stress σ_rr.
     pub rr: f64,
-    /// σ_θθ.
+    /// Hoop stress σ_θθ.
     pub tt: f64,
-    /// σ_zz.
+    /// Axial stress σ_zz.
     pub zz: f64,
-    /// σ_rz.
+    /// Shear stress σ_rz.
     pub rz: f64,
 }
 
 impl Cylindrical {
-    /// The sum with another one times a factor.
+    /// Adds `factor` times another stress.
     pub fn plus(&self, factor: f64, other: &Self) -> Self {
         Self {
             rr: self.rr + factor * other.rr,
@@ -27,7 +27,7 @@ impl Cylindrical {
         }
     }
 
-    /// xx, yy, zz, yz, xz, xy in Cartesian coordinates in which the unit vectors along r and z (into the body) are given.
+    /// Returns xx, yy, zz, yz, xz, xy in Cartesian coordinates, from the unit vectors along r and z (into the body).
     ///
     /// σ = σ_θθ 1 + (σ_rr − σ_θθ) r rᵀ + (σ_zz − σ_θθ) z zᵀ + σ_rz (r zᵀ + z rᵀ).
     pub fn cartesian(&self, radial: Vec3, inward: Vec3) -> [f64; 6] {
@@ -41,38 +41,39 @@ impl Cylindrical {
     }
 }
 
-/// The local field at one point: a polynomial in the square of the contact radius and, in the loaded layer, Hertz's field.
+/// Local field at one point: a polynomial in the square of the contact radius and, in the loaded layer, Hertz's field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointField {
-    /// Where Hertz's field is added.
+    /// Position at which Hertz's field is added, if it is.
     pub(super) hertz: Option<Shallow>,
-    /// Of Chebyshev's polynomials of 2 (r_c/largest)² − 1: σ_rr + σ_θθ, σ_rr − σ_θθ, σ_zz, σ_rz, Pa.
+    /// Coefficients of Chebyshev polynomials of 2 (r_c/largest)² − 1: σ_rr + σ_θθ, σ_rr − σ_θθ, σ_zz, σ_rz, Pa.
     pub(super) coefficients: Vec<[f64; 4]>,
-    /// The largest contact radius, m.
+    /// Largest contact radius, m.
     pub(super) largest: f64,
 }
 
-/// A point in the loaded layer, m, where the half-space of this Poisson's ratio has a part.
+/// Point in the loaded layer (radius and depth in m) at which Hertz's field of a half-space is added.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Shallow {
     pub poisson: f64,
     pub radius: f64,
     pub depth: f64,
-    /// Of Hertz's field there.
+    /// Factor of Hertz's field there.
     pub factor: f64,
 }
 
 impl PointField {
-    /// The stresses that 1 N adds at a contact radius, m. Beyond the largest one that was provided for, what is not Hertz's half-space
-    /// stays as it is there.
+    /// Stresses that 1 N adds at a contact radius, m. For a contact radius above the largest one prepared, the part
+    /// other than Hertz's half-space field is evaluated at the largest one.
     pub fn stress(&self, contact_radius: f64) -> Cylindrical {
         let smooth = self.smooth_stress(contact_radius);
         let Some(Shallow { poisson, radius, depth, factor }) = self.hertz else { return smooth };
         smooth.plus(factor, &half_space::hertz(poisson, radius, depth, contact_radius))
     }
 
-    /// The same without Hertz's field of the loaded layer: on the loaded face without the contact's pressure and its ring of tension
-    /// ([`half_space::ring_tension`]), which are steep, and which one does not compare with the strength in bending.
+    /// Same as [`PointField::stress`], without Hertz's field of the loaded layer. On the loaded face this excludes the
+    /// contact pressure and its ring of tension ([`half_space::ring_tension`]). These have steep gradients and are not
+    /// comparable with a bending strength.
     pub fn smooth_stress(&self, contact_radius: f64) -> Cylindrical {
         let t = Self::variable(contact_radius, self.largest);
         // Clenshaw's recurrence.
@@ -86,23 +87,23 @@ impl PointField {
         of_bessel([sum, difference, zz, rz])
     }
 
-    /// The coefficients of that, of Chebyshev's polynomials T_0, T_1 and so on of [`Self::variable`].
+    /// Coefficients of [`Self::smooth_stress`] in the Chebyshev polynomials T_0, T_1 and so on of [`Self::variable`].
     pub fn smooth_coefficients(&self) -> impl Iterator<Item = Cylindrical> {
         self.coefficients.iter().map(|coefficient| of_bessel(*coefficient))
     }
 
-    /// The largest contact radius, m.
+    /// Largest contact radius for which the field was prepared, m.
     pub fn largest(&self) -> f64 {
         self.largest
     }
 
-    /// What the polynomials are of: 2 (r_c/largest)² − 1, no more than 1.
+    /// Argument of the Chebyshev polynomials: 2 (r_c/largest)² − 1, at most 1.
     pub fn variable(contact_radius: f64, largest: f64) -> f64 {
         2.0 * (contact_radius / largest).powi(2).min(1.0) - 1.0
     }
 }
 
-/// From σ_rr + σ_θθ, σ_rr − σ_θθ, σ_zz, σ_rz.
+/// Stresses from σ_rr + σ_θθ, σ_rr − σ_θθ, σ_zz, σ_rz.
 fn of_bessel([sum, difference, zz, rz]: [f64; 4]) -> Cylindrical {
     Cylindrical { rr: 0.5 * (sum + difference), tt: 0.5 * (sum - difference), zz, rz }
 }

@@ -1,7 +1,7 @@
-//! Axisymmetric pressures of total force 1 on the loaded face: their transforms, and what a thin plate of infinite extent has under
-//! them.
+//! Axisymmetric pressures of total force 1 on the loaded face: their transforms, and the integrals for an infinite thin
+//! plate under them.
 //!
-//! With Q(r) the force within r, the integrals over wavenumbers that a plate's stresses need are elementary:
+//! With Q(r) the force within r, the integrals over wavenumbers for the stresses of a plate are elementary:
 //!
 //! ∫ P J₁(ξr) dξ = Q/r,   ∫ (P − P′) J₀(ξr)/ξ dξ = V − V′ with dV/dr = −Q/r,   ∫ P J₂(ξr)/ξ dξ = r⁻² ∫₀^r Q ρ dρ.
 
@@ -11,40 +11,40 @@ use super::Cylindrical;
 use super::half_space::hertz;
 use crate::form::{Spread, hertz_wave};
 
-/// How a force of 1 N is distributed.
+/// Distribution of a force of 1 N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pressure {
     /// A point force.
     Point,
     /// Hertz's pressure over a disc.
     Hertz {
-        /// m; positive.
+        /// Radius of the disc, m; positive.
         radius: f64,
     },
-    /// A smoother pressure over a wider disc with the same moments.
+    /// A smoother pressure over a larger disc with the same low moments as Hertz's pressure.
     Spread {
-        /// Its shape.
+        /// Shape of the pressure.
         spread: Spread,
-        /// Of the wider disc, m; positive.
+        /// Radius of the larger disc, m; positive.
         radius: f64,
     },
 }
 
-/// A pressure at a radius.
+/// Values of a pressure at a radius.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Plane {
-    /// p, 1/m².
+    /// Pressure p, 1/m².
     pub density: f64,
-    /// Q/(πr²), 1/m²: the mean of p within r.
+    /// Mean of p within r: Q/(πr²), 1/m².
     pub mean: f64,
-    /// V, which is −ln r (r in m) outside of the disc.
+    /// Potential V, which is −ln r (r in m) outside the disc.
     pub potential: f64,
-    /// r⁻² ∫₀^r Q ρ dρ.
+    /// Average r⁻² ∫₀^r Q ρ dρ.
     pub average: f64,
 }
 
 impl Pressure {
-    /// P at a wavenumber, 1/m.
+    /// Hankel transform P at a wavenumber, 1/m.
     pub fn transform(&self, wavenumber: f64) -> f64 {
         match self {
             Self::Point => 1.0,
@@ -53,7 +53,7 @@ impl Pressure {
         }
     }
 
-    /// The radius (m) beyond which there is none of it.
+    /// Radius (m) of the disc outside which the pressure is zero.
     pub fn radius(&self) -> f64 {
         match self {
             Self::Point => 0.0,
@@ -61,13 +61,15 @@ impl Pressure {
         }
     }
 
-    /// The stresses in a half-space at a radius and a depth, m, with the points of a rule on \[−1, 1\].
+    /// Stresses in a half-space at a radius and a depth, m, by a quadrature rule on \[−1, 1\].
     ///
-    /// A spread pressure is a sum of Hertz's over smaller discs, by Sonine's integral (DLMF 10.22.19): for the disc's radius R
+    /// A spread pressure is a superposition of Hertz's pressures over smaller discs, by Sonine's integral (DLMF
+    /// 10.22.19). For a disc of radius R
     ///
     /// Λ_m(ξR) ∝ ∫ sin⁴θ cos^{2m−4}θ Λ_{3/2}(ξR sin θ) dθ from 0 to π/2,
     ///
-    /// whose factor makes Λ_m(0) = 1. On the surface Hertz's stress has a root where the disc's edge meets the point: there the points crowd.
+    /// with a factor that makes Λ_m(0) = 1. On the surface, Hertz's stress has a square-root singularity if the edge of
+    /// a smaller disc passes through the point. The quadrature points are clustered there.
     pub(super) fn half_space(&self, poisson: f64, r: f64, depth: f64, rule: &[(f64, f64)]) -> Cylindrical {
         let (spread, radius) = match self {
             Self::Point => return hertz(poisson, r, depth, 0.0),
@@ -80,7 +82,7 @@ impl Pressure {
             for (at, weight) in rule {
                 let s = 0.5 * (1.0 + at);
                 let (sin, cos) = (edge + length * s * s).sin_cos();
-                // ∫ sin⁴ cos² = π/32, and the next one is (2m − 3)/(2m + 2) of one.
+                // ∫ sin⁴ cos² = π/32; the integral for m + 1 is (2m − 3)/(2m + 2) times the integral for m.
                 let (mut whole, mut part) = (PI / 32.0, 0.0);
                 for (m, of_part) in spread.parts() {
                     part += of_part * cos.powi(2 * m - 4) / whole;
@@ -92,7 +94,7 @@ impl Pressure {
         sum
     }
 
-    /// The integrals at a radius, m; of a point force at a positive one.
+    /// Values of the pressure and its integrals at a radius, m; for a point force the radius must be positive.
     pub(super) fn plane(&self, r: f64) -> Plane {
         let unit = |radius: f64| PI * radius * radius;
         match self {
@@ -113,7 +115,7 @@ impl Pressure {
                 let of_parts = |f: &dyn Fn(i32) -> f64| spread.parts().iter().map(|(m, w)| w * f(*m)).sum::<f64>();
                 let q = (r / radius).powi(2);
                 if q >= 1.0 {
-                    // Weights sum to 1: those of 1/(m + 1) make the second moment.
+                    // The weights w_m sum to 1; Σ w_m/(m + 1) determines the second moment.
                     return outside(r, *radius, 1.0 / of_parts(&|m| 1.0 / f64::from(m + 1)));
                 }
                 let inside = 1.0 - q;
@@ -130,18 +132,19 @@ impl Pressure {
     }
 }
 
-/// Outside of a disc, over which (1 − Q) ρ dρ has the integral R²/(2n).
+/// Values outside a disc, over which ∫ (1 − Q) ρ dρ = R²/(2n).
 fn outside(r: f64, radius: f64, n: f64) -> Plane {
     let q = (r / radius).powi(2);
     Plane { density: 0.0, mean: 1.0 / (PI * r * r), potential: -r.ln(), average: 0.5 - 0.5 / (n * q) }
 }
 
-/// The transform (1 + ξa) e^{−ξa} of a pressure p = 3a³/(2π (r² + a²)^{5/2}): smooth, and with both sides elementary.
+/// Transform (1 + ξa) e^{−ξa} of the pressure p = 3a³/(2π (r² + a²)^{5/2}), with x = ξa. The pressure is smooth, and
+/// both functions are elementary.
 pub(super) fn smooth_transform(x: f64) -> f64 {
     (1.0 + x) * (-x).exp()
 }
 
-/// V and r⁻² ∫ Q ρ dρ of that pressure.
+/// V and r⁻² ∫ Q ρ dρ of the pressure of [`smooth_transform`].
 pub(super) fn smooth_plane(r: f64, a: f64) -> (f64, f64) {
     let rho = r.hypot(a);
     (a / rho - (a + rho).ln(), 0.5 - a * a / (rho * (rho + a)))
@@ -152,7 +155,8 @@ mod tests {
     use super::*;
     use crate::element::adaptive;
 
-    /// By quadrature of the transforms against Bessel's functions, and of p: inside and outside, at the centre too.
+    /// The integrals agree with quadratures of the transforms times Bessel functions, and of p: inside, outside and at
+    /// the centre.
     #[test]
     fn integrals_are_those_of_the_transform() {
         let discs = [
@@ -177,7 +181,7 @@ mod tests {
                     assert!((found.mean * PI * r * r - force).abs() < 1e-11, "{pressure:?} {r}: {found:?} {force}");
                     assert!((found.average * r * r - moment).abs() < 1e-11, "{pressure:?} {r}: {found:?} {moment}");
                 }
-                // What lies beyond 300: P falls with x⁻² for Hertz's pressure.
+                // Contribution beyond 300: P decreases as x⁻² for Hertz's pressure.
                 let tail = 3e-5;
                 assert!((found.potential - smooth_potential - potential).abs() < tail, "{pressure:?} {r} {potential}");
                 assert!((found.average - smooth_average - average).abs() < tail, "{pressure:?} {r}: {average}");

@@ -1,20 +1,22 @@
-//! The stresses that sections carry: along the face by mean and moment, across it by shear force on a parabola. Of several layers each has
-//! its own.
+//! Stresses computed from section resultants: in-plane stresses from their mean and moment, transverse shear stresses
+//! from the shear force with a parabolic distribution. In a stack of several layers, each layer has separate
+//! resultants.
 
 use super::level::components;
 use super::local::{LocalField, Node, Sections};
 
-/// Points of the sum over a layer: pressures that are as wide as it is thick have no waves that are shorter than its half.
+/// Number of points of the integral over a layer. A pressure at least as wide as the layer is thick has no waves
+/// shorter than half the thickness.
 const POINTS: usize = 12;
 
-/// The weight w(z, z′) of the parabola ∫ w(z, z′) σ(z′) dz′ that has the mean, the first and the second moment of σ over a layer; heights
-/// from its middle over its thickness.
+/// Weight w(z, z′) for which the parabola ∫ w(z, z′) σ(z′) dz′ has the mean and the first and second moments of σ over
+/// a layer. Heights are measured from the middle of the layer, divided by its thickness.
 pub fn on_parabola(z: f64, from: f64) -> f64 {
     1.0 + 12.0 * z * from + 180.0 * (z * z - 1.0 / 12.0) * (from * from - 1.0 / 12.0)
 }
 
-/// The response of one wavenumber at a depth (m), as the sections of a body have it: σ_rr + σ_θθ, σ_rr − σ_θθ, σ_zz, σ_rz. Several layers
-/// are those of a solid.
+/// Response of one wavenumber at a depth (m), computed from the section resultants of a body: σ_rr + σ_θθ, σ_rr − σ_θθ,
+/// σ_zz, σ_rz. A stack of several layers must be a solid.
 pub(super) fn along_section(local: &LocalField, node: &Node, depth: f64, body: Sections) -> [f64; 4] {
     let stack = &local.stack;
     if let Sections::Plate { reading } = body {
@@ -27,7 +29,7 @@ pub(super) fn along_section(local: &LocalField, node: &Node, depth: f64, body: S
     let height = stack.layers()[layer].thickness;
     let place = within / height - 0.5;
     let is_one = stack.layers().len() == 1;
-    // Of σ along the face, and of the shear: ∫σ dz/h and ∫σ ζ dz/h², with ζ from the middle.
+    // In-plane stresses: ∫σ dz/h and ∫σ ζ dz/h², with ζ from the middle. Shear stress: its mean or parabola.
     let (mut mean, mut moment, mut shear) = ([0.0; 2], [0.0; 2], 0.0);
     let rule = crate::element::gauss_legendre(POINTS);
     for (at, weight) in &rule {
@@ -51,7 +53,7 @@ pub(super) fn along_section(local: &LocalField, node: &Node, depth: f64, body: S
 mod tests {
     use super::*;
 
-    /// Parabolas are their own.
+    /// The parabola of a quadratic function is the function.
     #[test]
     fn parabolas_stay() {
         for f in [|_: f64| 1.0, |z: f64| z - 0.3, |z: f64| 2.0 * z * z + z] {

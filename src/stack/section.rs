@@ -1,39 +1,40 @@
-//! The limit of long waves: the stack as a thin plate.
+//! Long-wave limit of the stack: the field of a thin plate.
 //!
-//! Of ∇w = −∂w/∂r each layer has the stretch −(z − z_n) Δw, with z_n the depth without any. In the wavenumber ξ a plate under a unit
-//! pressure moves by W = 1/(Dξ⁴); so
+//! With u_r = −(z − z_n) ∂w/∂r, each layer has the in-plane strain ε_rr + ε_θθ = −(z − z_n) Δw, where z_n is the depth
+//! of the neutral plane. At the wavenumber ξ a unit pressure causes the deflection W = 1/(Dξ⁴). Hence
 //!
-//! σ_rr + σ_θθ = E/(1 − ν) (z − z_n)/(Dξ²),   σ_rr − σ_θθ = −2μ (z − z_n)/(Dξ²),   σ_rz = (1/Dξ) ∫₀^z E/(1 − ν²) (z′ − z_n) dz′,
+//! σ_rr + σ_θθ = E/(1 − ν) (z − z_n)/(Dξ²),   σ_rr − σ_θθ = −2μ (z − z_n)/(Dξ²),
+//! σ_rz = (1/Dξ) ∫₀^z E/(1 − ν²) (z′ − z_n) dz′,
 //!
-//! where σ_rz follows from equilibrium and σ_zz is neglected. The bending moments and shear forces of a Reissner–Mindlin plate are
-//! the same, since shear deformation does not alter the equilibrium under a given axisymmetric load. One layer has
-//! σ_rr + σ_θθ = 6(1 + ν)/(ξh)² on its lower face, by Kirchhoff's theory.
+//! where σ_rz follows from equilibrium and σ_zz is neglected. The bending moments and shear forces of a
+//! Reissner–Mindlin plate are the same, since shear deformation does not change the equilibrium under a given
+//! axisymmetric load. For one layer, σ_rr + σ_θθ = 6(1 + ν)/(ξh)² on the lower face, as in Kirchhoff's theory.
 
 use super::{Response, Stack};
 use crate::element::gauss_legendre;
 
-/// A stack's section in the theory of thin plates.
+/// Cross-section of a stack in thin-plate theory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
-    /// D, N m: the flexural rigidity.
+    /// Flexural rigidity D, N m.
     pub rigidity: f64,
-    /// z_n, m: the depth that bending does not stretch.
+    /// Depth z_n of the neutral plane of bending, m.
     pub neutral_depth: f64,
 }
 
-/// Stresses of a thin plate at a depth over powers of the wavenumber, for a unit transform of the pressure.
+/// Stresses of a thin plate at a depth, without their powers of the wavenumber, for a unit transform of the pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bending {
-    /// ξ² (σ_rr + σ_θθ), 1/m².
+    /// Stress sum ξ² (σ_rr + σ_θθ), 1/m².
     pub sum: f64,
-    /// ξ² (σ_rr − σ_θθ), 1/m².
+    /// Stress difference ξ² (σ_rr − σ_θθ), 1/m².
     pub difference: f64,
-    /// ξ σ_rz, 1/m.
+    /// Shear stress ξ σ_rz, 1/m.
     pub shear: f64,
 }
 
 impl Section {
-    /// The section of a stack.
+    /// Computes the section of a stack.
     pub fn new(stack: &Stack) -> Self {
         // ∫ E/(1 − ν²) (z − z_0)^n dz about the upper face, then about the neutral depth.
         let (mut above, mut stretch, mut first) = (0.0, 0.0, 0.0);
@@ -54,11 +55,13 @@ impl Section {
         Self { rigidity, neutral_depth }
     }
 
-    /// κ of each layer in the layerwise theory, by which the shear of long waves has the energy of σ_rz above: (∫σ dz)²/(h ∫σ² dz).
+    /// Shear factor κ of each layer in the layerwise theory: (∫σ dz)²/(h ∫σ² dz) with σ = σ_rz as above, times a
+    /// factor. The first part makes the shear energy of long waves equal to the energy of σ_rz. It is 5/6 for one layer
+    /// and for both plies about a thin interlayer. It is near 1 in a layer between layers that carry the bending.
     ///
-    /// It is 5/6 of one layer and of both plies about a thin one, near 1 where the layers beside carry the bending. Waves are then as fast
-    /// as with Mindlin's 5/(6 − ν) for one layer, times 6/(6 − ν e) with e = E′ over the largest: the correction belongs to the layers
-    /// that bend ([`crate::space::plate::Settings::shear_factor`]).
+    /// The factor is 6/(6 − ν e), where e is E′ divided by the largest E′. It is significant only in the layers that
+    /// carry the bending. For one layer, waves then have the same speed as with Mindlin's κ = 5/(6 − ν)
+    /// ([`crate::space::plate::Settings::shear_factor`]).
     pub fn shear_factors(&self, stack: &Stack) -> Vec<f64> {
         let plane = |layer: &super::Layer| layer.young / (1.0 - layer.poisson.powi(2));
         let stiffest = stack.layers().iter().map(plane).fold(0.0, f64::max);
@@ -74,16 +77,16 @@ impl Section {
         self.bending(stack, depth).shear
     }
 
-    /// Its mean over a layer, 1/m.
+    /// Mean of ξ σ_rz over a layer, 1/m.
     pub fn mean_shear(&self, stack: &Stack, layer: usize) -> f64 {
         self.shear_in(stack, layer)[0]
     }
 
-    /// Its mean over a layer, and that of its square.
+    /// Mean of ξ σ_rz over a layer, and mean of its square.
     fn shear_in(&self, stack: &Stack, layer: usize) -> [f64; 2] {
         let above: f64 = stack.layers()[..layer].iter().map(|layer| layer.thickness).sum();
         let (mut mean, mut square) = (0.0, 0.0);
-        // The square is of the fourth degree.
+        // The square is a polynomial of degree 4.
         for (at, weight) in gauss_legendre(3) {
             let shear = self.shear(stack, above + 0.5 * stack.layers()[layer].thickness * (1.0 + at));
             mean += 0.5 * weight * shear;
@@ -92,7 +95,7 @@ impl Section {
         [mean, square]
     }
 
-    /// What a thin plate has at a wavenumber (1/m) and a depth (m).
+    /// Response of a thin plate at a wavenumber (1/m) and a depth (m).
     pub fn response(&self, stack: &Stack, wavenumber: f64, depth: f64) -> Response {
         let bending = self.bending(stack, depth);
         let square = wavenumber * wavenumber;
@@ -107,7 +110,7 @@ impl Section {
         }
     }
 
-    /// The stresses at a depth; an interface is the upper layer's.
+    /// Stresses at a depth; an interface belongs to the upper layer.
     pub(super) fn bending(&self, stack: &Stack, depth: f64) -> Bending {
         let (at, _) = stack.layer_at(depth);
         let (mut above, mut shear) = (0.0, 0.0);

@@ -1,19 +1,20 @@
-//! A stack at one wavenumber.
+//! Solution for a stack at one wavenumber.
 //!
-//! From the free face up, the matrix that gives the tractions over the displacements at each interface (that of what is below) goes
-//! through the layers; from the loaded face down, the displacements follow. No step overflows, and none subtracts large numbers.
+//! The matrices from displacements to tractions at the interfaces, each for all layers below, are computed from the
+//! free face up. Then the displacements follow from the loaded face down. No step overflows, and none subtracts large
+//! numbers.
 
 use nalgebra::{Matrix2, Vector2};
 
 use super::layer::{Amplitudes, Field, Scaled};
 use super::{Response, Stack};
 
-/// The solution at one wavenumber for a unit transform of the pressure.
+/// Solution at one wavenumber for a unit transform of the pressure.
 #[derive(Debug, Clone)]
 pub struct Wave {
-    /// ξ times the stack's thickness.
+    /// Wavenumber ξ times the stack's thickness.
     x: f64,
-    /// Of displacements over what they are in scaled units, m/Pa.
+    /// Factor from scaled displacements to displacements, m/Pa.
     compliance: f64,
     fields: Vec<Field>,
 }
@@ -23,7 +24,7 @@ impl Wave {
         let mut below = Matrix2::zeros();
         let mut couplings = Vec::with_capacity(layers.len());
         for layer in layers.iter().rev() {
-            // No matrix of a stable solid is singular.
+            // For a stable solid, no matrix is singular.
             let Some((above, coupling)) = layer.up(x, &below) else { break };
             couplings.push((above, coupling));
             below = above;
@@ -39,26 +40,27 @@ impl Wave {
         Self { x, compliance, fields }
     }
 
-    /// The field at a depth (m) in the stack that this is a wave of.
+    /// Field at a depth (m) in `stack`, which must be the stack of this wave.
     pub fn response(&self, stack: &Stack, depth: f64) -> Response {
         let (layer, within) = stack.layer_at(depth);
         self.response_in(stack, layer, within)
     }
 
-    /// The field in a layer at a depth from its upper face (m), up to both of its faces.
+    /// Field in a layer at a depth below its upper face (m), including both faces.
     pub fn response_in(&self, stack: &Stack, layer: usize, depth: f64) -> Response {
         let scaled = &stack.scaled[layer];
         let amplitudes = scaled.amplitudes(self.x, &self.fields[layer], depth / stack.thickness);
         self.of_amplitudes(scaled, amplitudes)
     }
 
-    /// The field at a depth (m) in a half-space of the first layer's material.
+    /// Field at a depth (m) in a half-space of the first layer's material.
     pub(super) fn half_space(&self, stack: &Stack, depth: f64) -> Response {
         let scaled = &stack.scaled[0];
         self.of_amplitudes(scaled, scaled.half_space(self.x, depth / stack.thickness))
     }
 
-    /// By Hooke's law σ_rr + σ_θθ = E/(1 − ν) ξU + 2ν/(1 − ν) σ_zz, which has no 1 − 2ν to divide by, and σ_rr − σ_θθ = −2μ ξU.
+    /// Uses Hooke's law σ_rr + σ_θθ = E/(1 − ν) ξU + 2ν/(1 − ν) σ_zz, which has no division by 1 − 2ν, and
+    /// σ_rr − σ_θθ = −2μ ξU.
     fn of_amplitudes(&self, layer: &Scaled, [u, w, sigma, tau]: Amplitudes) -> Response {
         let (strain, nu) = (self.x * u, layer.poisson);
         Response {

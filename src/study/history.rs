@@ -1,52 +1,55 @@
-//! What is measured of a run: its energy, and its acceleration against that of a reference.
+//! Measurements of an impact simulation: its energy balance, and its acceleration compared with a reference.
 
 use crate::impact::step::Step;
 use crate::record::episodes::Episodes;
 
-/// The acceleration of a run, and the largest tension where it is known.
+/// Time history of the impactor's acceleration in a run, with the largest tension where it is known.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct History {
     time: Vec<f64>,
     acceleration: Vec<f64>,
     contacts: Vec<Contact>,
-    /// The largest principal stress of the body at each time, Pa; empty where it is not known.
+    /// Largest principal stress of the body at each time, Pa; empty if it is not known.
     tension: Vec<f64>,
 }
 
-/// One contact of a run.
+/// One contact episode of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
-    /// s.
+    /// Start of the contact, s.
     pub start: f64,
-    /// s; the last time where it has not ended by then.
+    /// End of the contact, s; the last time of the history if the contact has not ended.
     pub end: f64,
-    /// ∫ F dt, N s.
+    /// Impulse ∫ F dt, N s.
     pub impulse: f64,
 }
 
-/// By how much one history differs from another.
+/// Relative differences between a time history and another one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Difference {
-    /// Of the acceleration at most, up to the end of the other's first contact, over the other's peak up to there.
+    /// Largest difference of the acceleration up to the end of the other history's first contact, over the other's peak
+    /// acceleration up to that time.
     pub first: f64,
-    /// Of the acceleration at most, over all, over the other's peak.
+    /// Largest difference of the acceleration over all compared times, over the other's peak acceleration.
     pub whole: f64,
-    /// Of the largest tension up to the end of the other's first contact, over the other's; NaN where one has none.
+    /// Relative difference of the largest tension up to the end of the other's first contact; NaN if a history has no
+    /// tension.
     pub tension: f64,
 }
 
 impl History {
-    /// An acceleration (m/s²) at ascending times (s), and the contacts in it.
+    /// History of an acceleration (m/s²) at ascending times (s), with its contacts.
     pub fn new(time: Vec<f64>, acceleration: Vec<f64>, contacts: Vec<Contact>) -> Self {
         Self { time, acceleration, contacts, tension: Vec::new() }
     }
 
-    /// The same with the largest tension (Pa) at each time.
+    /// Adds the largest tension (Pa) at each time.
     pub fn with_tension(self, tension: Vec<f64>) -> Self {
         Self { tension, ..self }
     }
 
-    /// The same of an impactor's mass (kg), its contacts where the acceleration is positive, their impulses by the trapezoidal rule.
+    /// History of an acceleration (m/s²) at ascending times (s), for an impactor's mass (kg). Contacts are the
+    /// intervals of positive acceleration; their impulses are integrated by the trapezoidal rule.
     pub fn of_series(time: Vec<f64>, acceleration: Vec<f64>, mass: f64) -> Self {
         let mut contacts: Vec<Contact> = Vec::new();
         for n in 1..time.len() {
@@ -65,23 +68,23 @@ impl History {
         Self { time, acceleration, contacts, tension: Vec::new() }
     }
 
-    /// Number of times.
+    /// Number of recorded times.
     pub fn rows(&self) -> usize {
         self.time.len()
     }
 
-    /// The first contact.
+    /// The first contact; `None` if there is no contact.
     pub fn first(&self) -> Option<Contact> {
         self.contacts.first().copied()
     }
 
-    /// Duration of the first contact, s, if it is over.
+    /// Duration of the first contact, s; `None` if it has not ended.
     pub(super) fn contact(&self) -> Option<f64> {
         let is_over = self.contacts.len() > 1 || self.acceleration.last().is_some_and(|last| *last <= 0.0);
         self.first().filter(|_| is_over).map(|contact| contact.end - contact.start)
     }
 
-    /// End of the first contact, s, or the last time where there is none.
+    /// End of the first contact, s; the last time if there is no contact.
     fn first_end(&self) -> f64 {
         self.first().map_or(self.last(), |contact| contact.end)
     }
@@ -90,7 +93,7 @@ impl History {
         self.time.last().copied().unwrap_or_default()
     }
 
-    /// Number of times up to one.
+    /// Number of times up to `until` (s).
     fn within(&self, until: f64) -> usize {
         self.time.partition_point(|time| *time <= until * (1.0 + 1e-12))
     }
@@ -111,16 +114,16 @@ impl History {
         known.fold(f64::NAN, |largest, tension| largest.max(*tension))
     }
 
-    /// Time of the first contact's peak, s.
+    /// Time of the largest acceleration in the first contact, s.
     fn first_peak(&self) -> f64 {
         let first = &self.acceleration[..self.within(self.first_end())];
         let peak = (0..first.len()).fold(0, |best, n| if first[n] > first[best] { n } else { best });
         self.time.get(peak).copied().unwrap_or(f64::INFINITY)
     }
 
-    /// The acceleration at a time within the history, linear between its steps.
+    /// Acceleration at a time within the history, linear between its steps.
     fn at(&self, time: f64) -> f64 {
-        // A time that is met but for rounding is met.
+        // A time equal to a step's time up to rounding counts as that step's time.
         let after = self.time.partition_point(|known| *known < time * (1.0 - 1e-12));
         let (Some(&t1), Some(&a1)) = (self.time.get(after), self.acceleration.get(after)) else { return f64::NAN };
         if after == 0 || t1 <= time {
@@ -130,8 +133,8 @@ impl History {
         a0 + (a1 - a0) * (time - t0) / (t1 - t0)
     }
 
-    /// The acceleration at a time within a contact: by the cubic through two steps on either side where there is contact at these. A straight line
-    /// would be off by what lies between the steps, which their values tell.
+    /// Acceleration at a time within a contact, m/s²: the cubic through two steps on either side if all four are in
+    /// contact, otherwise linear. Linear interpolation would add the error between exact steps.
     fn between(&self, time: f64) -> f64 {
         let after = self.time.partition_point(|known| *known < time * (1.0 - 1e-12));
         let around = after.wrapping_sub(2)..after + 2;
@@ -148,8 +151,8 @@ impl History {
         values.iter().enumerate().map(|(n, a)| a * weight(n)).sum()
     }
 
-    /// How far this history is off another one: at its own times and at the other's first peak, which steps may leap over. Times beyond the
-    /// other's last are not compared.
+    /// Relative differences from another history, at this history's times and at the other's first peak, where this
+    /// history may have no step. Times beyond the other's last time are not compared.
     pub fn difference(&self, other: &Self) -> Difference {
         let (first_end, first_peak, last) = (other.first_end(), other.first_peak(), other.last());
         let mut difference = Difference::default();
@@ -175,7 +178,7 @@ impl History {
     }
 }
 
-/// Makes a history of steps.
+/// Records a time history from the steps of a run.
 #[derive(Debug, Clone)]
 pub struct Recorder {
     history: History,
@@ -183,19 +186,19 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Of an impactor's mass, kg.
+    /// Starts a recording for an impactor's mass, kg.
     pub fn new(mass: f64) -> Self {
         Self { history: History::default(), episodes: Episodes::new(mass) }
     }
 
-    /// Takes the next step.
+    /// Adds the next step.
     pub fn push(&mut self, step: &Step) {
         self.history.time.push(step.time);
         self.history.acceleration.push(step.impactor.acceleration);
         self.episodes.push(step);
     }
 
-    /// What was recorded.
+    /// Returns the recorded history.
     pub fn finish(mut self) -> History {
         let contacts = self.episodes.all().iter();
         self.history.contacts = contacts.map(|e| Contact { start: e.start, end: e.end, impulse: e.impulse }).collect();
@@ -203,26 +206,26 @@ impl Recorder {
     }
 }
 
-/// What was measured of a run; of a run that was stopped, up to the step before.
+/// Measurements of a run; for a run that was stopped, up to the last completed step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
     /// Steps taken.
     pub steps: usize,
     /// Time reached, s.
     pub time: f64,
-    /// Largest |total + dissipated − external − initial| over the initial energy.
+    /// Largest |total + dissipated − external − initial energy| over the initial energy.
     pub energy_error: f64,
-    /// Largest total + dissipated − external over the initial energy.
+    /// Largest (total + dissipated − external) energy over the initial energy.
     pub growth: f64,
-    /// Largest difference of the acceleration from the reference's, at the run's own times up to the end of the reference's
-    /// first contact episode and at its peak, over that peak.
+    /// Largest difference of the acceleration from the reference, over the reference's peak. Compared at the run's
+    /// times up to the end of the reference's first contact episode, and at its peak.
     pub first_error: f64,
-    /// The same over the whole run, over the reference's peak.
+    /// Largest difference of the acceleration over the whole run, over the reference's peak.
     pub whole_error: f64,
 }
 
 impl Measured {
-    /// Of a run that was not made.
+    /// Values for a run that was not made.
     pub(super) const NOTHING: Self = Self {
         steps: 0,
         time: f64::NAN,
@@ -245,11 +248,11 @@ pub(super) struct Measure<'a> {
 }
 
 impl<'a> Measure<'a> {
-    /// Without a reference, the errors of the acceleration are zero.
+    /// Starts a measurement. Without a reference, the errors of the acceleration are zero.
     pub(super) fn new(reference: Option<&'a History>) -> Self {
         Self {
             reference,
-            // Times and forces are asked for, not impulses.
+            // Only times and accelerations are used, so the impulses may be zero.
             own: Recorder::new(0.0),
             initial: 0.0,
             lowest: f64::INFINITY,
@@ -270,7 +273,7 @@ impl<'a> Measure<'a> {
         self.own.push(step);
     }
 
-    /// What was measured, and the run's own history.
+    /// Returns the measurements and the run's history.
     pub(super) fn finish(self) -> (Measured, History) {
         let Self { initial, lowest, highest, .. } = self;
         let own = self.own.finish();
@@ -294,7 +297,7 @@ mod tests {
     use super::*;
     use crate::impact::step::{Contact, Energy, Motion};
 
-    /// A step with an acceleration, a force that has its sign, and a total energy.
+    /// A step with a given acceleration, a contact force equal to its positive part, and a total energy.
     fn step(number: usize, time: f64, acceleration: f64, total: f64) -> Step {
         Step {
             number,
@@ -321,7 +324,7 @@ mod tests {
         }
     }
 
-    /// ⟨sin t⟩ up to t = 9: episodes 0 to π and 2π to 9.
+    /// Reference ⟨sin t⟩ up to t = 9, with contact episodes 0 to π and 2π to 9.
     fn reference() -> History {
         let mut recorder = Recorder::new(2.0);
         (0..=9000).for_each(|n| recorder.push(&step(n, 1e-3 * n as f64, (1e-3 * n as f64).sin(), 1.0)));
@@ -333,7 +336,7 @@ mod tests {
         let sine = |tension: f64| {
             let time: Vec<f64> = (0..=6).map(f64::from).collect();
             let acceleration = time.iter().map(|t| t.sin()).collect();
-            // What comes after the first contact does not count.
+            // Tension after the first contact must not count.
             let all = time.iter().map(|t| if *t < 4.5 { tension * t.sin() } else { 1e3 }).collect();
             History::of_series(time, acceleration, 1.0).with_tension(all)
         };
@@ -344,19 +347,20 @@ mod tests {
     #[test]
     fn errors_are_split_at_the_end_of_the_first_episode() {
         let reference = reference();
-        // The rate is left out of the steps, which makes the end of the contact good to a step.
+        // The steps have no approach rate, so the end of the contact is accurate to one step only.
         assert!((reference.contact().unwrap() - std::f64::consts::PI).abs() < 1e-3);
         let mut measure = Measure::new(Some(&reference));
-        // Off by 1% before π, by 3% after; beyond the reference's end nothing is compared.
+        // Errors of 1% before π and 3% after; nothing is compared beyond the reference's end.
         for n in 0..20 {
             let t = 0.5 * n as f64;
             measure.push(&step(n, t, if t < 3.2 { 1.01 } else { 1.03 } * t.sin(), 1.0 + 1e-3 * t));
         }
         let measured = measure.finish().0;
-        // At t = 1.5 and 8; the reference's peak is 1 to (1e-3)²/8 of rounding its maximum to a step.
+        // The largest errors are at t = 1.5 and 8. The reference's peak is 1 up to (1e-3)²/8, because its maximum is
+        // taken at a step.
         assert!((measured.first_error - 0.01 * 1.5_f64.sin()).abs() < 1e-6, "{measured:?}");
         assert!((measured.whole_error - 0.03 * 8_f64.sin()).abs() < 1e-6, "{measured:?}");
-        // The balance is total + 0.25; it rises from 1.25 by 9.5e-3.
+        // The energy balance is total + 0.25; it rises from 1.25 by 9.5e-3.
         assert!((measured.energy_error - 9.5e-3 / 1.25).abs() < 1e-12);
         assert!((measured.growth - 1.0 - 9.5e-3 / 1.25).abs() < 1e-12);
         assert_eq!((measured.steps, measured.time), (19, 9.5));
@@ -371,25 +375,25 @@ mod tests {
         assert!(Measure::new(None).finish().0.first_error == 0.0);
     }
 
-    /// What lies between exact steps is no error of theirs, to the cubic's: t⁴/24 (9/16 of a step's fourth power) there.
+    /// With exact steps only the interpolation error of the cubic remains: 9/16 step⁴/24 for sin t at the midpoint.
     #[test]
     fn the_peak_between_exact_steps_is_as_they_tell() {
         let reference = reference();
         for step in [0.4, 0.2, 0.1] {
-            // Halfway between two steps lies the peak.
+            // The peak is halfway between two steps.
             let time: Vec<f64> = (-3..=3).map(|n| FRAC_PI_2 + step * (f64::from(n) + 0.5)).collect();
             let acceleration = time.iter().map(|t| t.sin()).collect();
             let found = History::of_series(time, acceleration, 1.0).difference(&reference).first;
             let of_cubic = 9.0 / 16.0 * step.powi(4) / 24.0;
-            // The reference's own steps of 1e-3 leave 1e-7.
+            // The reference's steps of 1e-3 add an error of 1e-7.
             assert!((found - of_cubic).abs() < 0.05 * of_cubic + 3e-7, "{step}: {found:e}, {of_cubic:e}");
         }
-        // A lone step in a contact tells nothing of its neighbours.
+        // A single step in a contact has no neighbours for the cubic: linear interpolation is used.
         let coarse = History::of_series(vec![0.0, 1.0, 4.0], vec![0.0, 1.0, 0.0], 1.0);
         assert_eq!(coarse.between(2.5), 0.5);
     }
 
-    /// A series of which nothing but times and accelerations are known.
+    /// Contacts found from times and accelerations alone.
     #[test]
     fn contacts_are_where_the_acceleration_is_positive() {
         let known = reference();
@@ -398,7 +402,7 @@ mod tests {
         for (found, is) in foreign.contacts.iter().zip(&known.contacts) {
             assert!((found.start - is.start).abs() < 1e-3 && (found.end - is.end).abs() < 1e-3, "{found:?}, {is:?}");
         }
-        // 2 ∫ sin over half a period; the trapezoidal rule is off by (1e-3)²/12 of it.
+        // The exact impulse is 2 ∫ sin over half a period; the relative error of the trapezoidal rule is (1e-3)²/12.
         assert!((foreign.contacts[0].impulse - 4.0).abs() < 1e-6);
         let Difference { first, whole, .. } = foreign.difference(&known);
         assert_eq!([first, whole], [0.0; 2]);

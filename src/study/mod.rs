@@ -1,4 +1,4 @@
-//! Many impacts of one scene: how the answer depends on the scene, and on how it is computed.
+//! Studies of many impacts of one scene: how the results depend on the scene, and on the numerical method.
 
 pub mod chart;
 pub mod history;

@@ -1,42 +1,44 @@
-//! Which steps each scheme of a study takes, and how far its runs go: as many as some minutes allow.
+//! Plans a stability study: the time steps of each scheme and the end time of the runs, within a work budget of some
+//! minutes.
 
-/// Steps a contact, at the finest, of the reference; the runs begin at twice its step.
-const FINEST: f64 = 1024.0;
+/// Number of steps per contact of the finest reference. The runs of the study begin at twice its step.
+const FINEST_STEPS_PER_CONTACT: f64 = 1024.0;
 
-/// Steps a contact at the coarsest.
+/// Number of steps per contact of the coarsest run.
 const COARSEST: f64 = 1.0;
 
-/// How often the reference's step may be doubled to save work.
+/// Largest number of times that the reference's step is doubled to save work.
 const DOUBLINGS: u32 = 3;
 
-/// Unknowns times implicit steps of a study: some minutes on one core.
+/// Budget of a study, unknowns times implicit steps: some minutes on one core.
 const BUDGET: f64 = 2e8;
 
-/// Unknowns that a step costs at least, in what a small body's step costs besides.
-const LEAST: f64 = 1000.0;
+/// Least number of unknowns assumed for the cost of a step. It stands for the fixed cost of a step of a small body.
+const MIN_UNKNOWNS: f64 = 1000.0;
 
-/// What an explicit step costs, which solves nothing, as a part of an implicit one.
+/// Cost of an explicit step, which solves no system, relative to an implicit one.
 const EXPLICIT: f64 = 0.25;
 
-/// Contact times after the first touch that a run goes on for at least, if the scene's does.
+/// Least duration of a run after the first touch, in contact times, unless the scene ends earlier.
 const LEAST_CONTACTS: f64 = 1.5;
 
-/// Parts of the limit at which a scheme is run beside the ladder: where it should hold, and where not any more.
+/// Steps, relative to the stability limit, that are added to the ladder: one that should be stable and one that should
+/// not.
 const AROUND: [f64; 2] = [0.95, 1.05];
 
-/// The ladder's finest step for a scheme with a limit, at most this part of it.
+/// Upper bound of the ladder's finest step, relative to the stability limit of the scheme.
 const BELOW: f64 = 0.7;
 
-/// A scheme to be planned for.
+/// Properties of a scheme that its plan depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Demand {
-    /// The step that theory allows, s: infinite, or 0 where it allows none.
+    /// Theoretical stability limit of the time step, s: infinite if always stable, 0 if never.
     pub limit: f64,
-    /// Whether it has the lumped mass, and so needs a reference of its own.
+    /// Whether the scheme uses the lumped mass, and so needs a separate reference.
     pub is_explicit: bool,
 }
 
-/// What a study is planned from.
+/// Properties of a scene that a study is planned from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Occasion {
     /// Contact time on a half-space, s.
@@ -45,32 +47,32 @@ pub(super) struct Occasion {
     pub touch: f64,
     /// The scene's end, s.
     pub end: f64,
-    /// The scene's step, s, which the ladder is made to meet.
+    /// Time step of the scene, s. The ladder is shifted so that it contains this step.
     pub step: Option<f64>,
     /// Unknowns of the body.
     pub unknowns: usize,
 }
 
-/// Steps of a study.
+/// Planned steps and end time of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Plan {
     /// End of the runs, s.
     pub end: f64,
     /// Step of the reference, s.
     pub reference: f64,
-    /// Step of the reference with the lumped mass, s, where it can be had.
+    /// Step of the reference with the lumped mass, s; `None` if no such reference is needed or affordable.
     pub explicit_reference: Option<f64>,
     /// Steps of each scheme, s, ascending.
     pub steps: Vec<Vec<f64>>,
-    /// What was left out, and why.
+    /// Messages about what was left out, and why.
     pub notes: Vec<String>,
 }
 
 impl Plan {
-    /// The plan for schemes on an occasion.
+    /// Plans a study of the given schemes.
     pub(super) fn new(occasion: &Occasion, demands: &[Demand]) -> Self {
         let Occasion { contact, touch, end, unknowns, .. } = *occasion;
-        let affordable = BUDGET / (unknowns as f64).max(LEAST);
+        let affordable = BUDGET / (unknowns as f64).max(MIN_UNKNOWNS);
         let floor = end.min(touch + LEAST_CONTACTS * contact);
         let mut plan = (0..=DOUBLINGS)
             .map(|doublings| Self::at(occasion, demands, (doublings, 0.5 * affordable / floor)))
@@ -90,7 +92,8 @@ impl Plan {
         plan
     }
 
-    /// The plan with the reference's step doubled so often; what costs more implicit steps a second than `most` is left out.
+    /// The plan whose reference step is doubled `doublings` times. Steps below a limit are left out if they cost more
+    /// than `most` implicit steps per second of simulated time.
     fn at(occasion: &Occasion, demands: &[Demand], (doublings, most): (u32, f64)) -> Self {
         let base = f64::from(1 << doublings) * occasion.base();
         let mut plan =
@@ -112,7 +115,7 @@ impl Plan {
             }
             let mut step = if is_affordable { wanted } else { 2.0 * base };
             while step <= (1.0 + 1e-9) * occasion.contact / COARSEST && step <= 0.5 * occasion.end {
-                // Next to the limit stand the steps around it.
+                // The steps around the limit replace steps of the ladder close to them.
                 let is_near = |other: &f64| (step / other).ln().abs() < 1.2_f64.ln();
                 if !steps.iter().any(is_near) {
                     steps.push(step);
@@ -128,7 +131,8 @@ impl Plan {
         plan
     }
 
-    /// Implicit steps a second that cost as much as all runs together; those that theory sees blow up end soon.
+    /// Number of implicit steps per second of simulated time that cost as much as all runs together. Runs beyond the
+    /// stability limit are not counted, because they are stopped early.
     fn cost(&self, demands: &[Demand]) -> f64 {
         let runs = self.steps.iter().zip(demands).flat_map(|(steps, demand)| {
             let limit = if demand.limit == 0.0 { f64::INFINITY } else { demand.limit };
@@ -140,21 +144,22 @@ impl Plan {
 }
 
 impl Demand {
-    /// What a step costs, as a part of an implicit one.
+    /// Cost of a step relative to an implicit one.
     fn weight(&self) -> f64 {
         if self.is_explicit { EXPLICIT } else { 1.0 }
     }
 }
 
 impl Occasion {
-    /// About a [`FINEST`]th of a contact: the scene's own step times or over a power of two, where it gives one.
+    /// Finest reference step, s: about 1/[`FINEST_STEPS_PER_CONTACT`] of a contact. If the scene gives a step, the result is that step
+    /// times a power of two.
     fn base(&self) -> f64 {
-        let base = self.contact / FINEST;
+        let base = self.contact / FINEST_STEPS_PER_CONTACT;
         self.step.map_or(base, |step| step / (step / base).log2().round().exp2())
     }
 }
 
-/// The largest step of the ladder on `base` that is well below a limit, but not above twice the base.
+/// The largest step of the ladder on `base` that is at most [`BELOW`] times the limit, and at most twice the base.
 fn finest(base: f64, limit: f64) -> f64 {
     let mut step = 2.0 * base;
     while step > BELOW * limit {
@@ -197,11 +202,12 @@ mod tests {
             let plan = Plan::new(&Occasion { step: Some(step), ..SMALL }, &[ALWAYS]);
             let off = (step / plan.reference).log2();
             assert!((off - off.round()).abs() < 1e-9, "{step}");
-            assert!((SMALL.contact / plan.reference / FINEST).log2().abs() < 0.51);
+            assert!((SMALL.contact / plan.reference / FINEST_STEPS_PER_CONTACT).log2().abs() < 0.51);
         }
     }
 
-    /// Below a limit there are runs, close to it on both sides, and above; and a reference finer than all with the lumped mass.
+    /// The plan has steps below a limit, close to it on both sides, and above; and a finer reference with the lumped
+    /// mass.
     #[test]
     fn limits_are_bracketed() {
         for limit in [4e-7, 1.3e-6, 4e-5] {
@@ -218,13 +224,14 @@ mod tests {
         }
     }
 
-    /// Whatever the size, the work stays within the budget, by an earlier end, then coarser steps; and it is said.
+    /// For any number of unknowns the work stays within the budget, first by an earlier end, then by coarser steps; a
+    /// note says so.
     #[test]
     fn large_bodies_get_fewer_steps() {
         for unknowns in [10, 3000, 30_000, 150_000] {
             let demands = [ALWAYS, ALWAYS, ALWAYS, NEVER, implicit(3e-6), explicit(1e-6)];
             let plan = Plan::new(&Occasion { unknowns, end: 0.1, ..SMALL }, &demands);
-            let work = plan.cost(&demands) * plan.end * (unknowns as f64).max(LEAST);
+            let work = plan.cost(&demands) * plan.end * (unknowns as f64).max(MIN_UNKNOWNS);
             assert!(work <= 1.001 * BUDGET || plan.reference > 7.9 * SMALL.base(), "{unknowns}: {work:e}");
             assert!(plan.end >= LEAST_CONTACTS * SMALL.contact && !plan.notes.is_empty());
             assert_eq!(plan.reference > 1.5 * SMALL.base(), plan.notes.iter().any(|note| note.contains("ladder")));

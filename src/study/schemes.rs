@@ -1,8 +1,9 @@
-//! The schemes that a study compares, and what they are called.
+//! The time integration schemes that a study compares, and their names.
 
 use crate::scene::Scheme;
 
-/// The schemes side by side, those that are stable at every step first; the scene's own one last where it is none of them.
+/// The schemes to compare, unconditionally stable ones first. The scene's own scheme is appended if it is not among
+/// them.
 pub(super) fn compared(own: Scheme) -> Vec<Scheme> {
     let mut schemes = vec![
         Scheme::Newmark { beta: 0.25, gamma: 0.5 },
@@ -20,12 +21,12 @@ pub(super) fn compared(own: Scheme) -> Vec<Scheme> {
     schemes
 }
 
-/// Whether it needs the lumped mass.
+/// Whether the scheme uses the lumped mass.
 pub(super) fn is_explicit(scheme: Scheme) -> bool {
     matches!(scheme, Scheme::CentralDifference { .. })
 }
 
-/// The name and parameters by which a scene asks for the scheme.
+/// The name and parameters of the scheme as written in a scene file.
 pub fn name(scheme: Scheme) -> String {
     match scheme {
         Scheme::Newmark { beta, gamma } => format!("newmark beta={} gamma={}", short(beta), short(gamma)),
@@ -35,7 +36,7 @@ pub fn name(scheme: Scheme) -> String {
     }
 }
 
-/// What the scheme is called among people.
+/// The common name of the scheme, for tables and charts.
 pub fn label(scheme: Scheme) -> String {
     match scheme {
         Scheme::Newmark { beta: 0.25, gamma: 0.5 } => "average acceleration".to_owned(),
@@ -47,7 +48,7 @@ pub fn label(scheme: Scheme) -> String {
     }
 }
 
-/// Four digits at most.
+/// Rounds to four decimals.
 fn short(value: f64) -> f64 {
     (value * 1e4).round() / 1e4
 }

@@ -1,8 +1,8 @@
-//! Where each scheme holds and where it fails on a scene: schemes × steps.
+//! Finds where each time integration scheme is stable and accurate on a scene: runs of schemes × time steps.
 //!
-//! Every pair is a run of the scene. Its energy is measured by the ledger; its acceleration against that of a reference with the same
-//! mass matrix in finer steps: the energy-conserving scheme, or for the lumped mass the central difference, so that what is measured is
-//! the error of the time integration alone.
+//! Every pair is a run of the scene. Its energy is measured by the energy balance. Its acceleration is compared with a
+//! reference that has the same mass matrix and finer steps: the energy-conserving scheme, or the central difference for
+//! the lumped mass. The measured error is therefore the error of the time integration alone.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -22,93 +22,96 @@ use super::plan::{Demand, Occasion, Plan};
 use super::schemes::{compared, is_explicit, label};
 use super::verdict::{Ending, Verdict};
 
-/// Steps a contact at which average acceleration has the force of an impact on a half-space to 0.6% (at 10, to 2.2%). A body that
-/// vibrates during the contact needs more.
-pub const ENOUGH: f64 = 20.0;
+/// Number of steps per contact at which average acceleration has a force error of 0.6% for an impact on a half-space
+/// (2.2% at 10 steps). A body that vibrates during the contact needs more.
+pub const STEPS_PER_CONTACT: f64 = 20.0;
 
-/// A study.
+/// Result of a stability study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
-    /// Duration of the reference's first contact episode, s; that on a half-space where it did not end.
+    /// Duration of the reference's first contact episode, s; the contact time on a half-space if the episode did not
+    /// end.
     pub contact: f64,
     /// End of the runs, s.
     pub end: f64,
-    /// What counts as right: a part of the initial energy, and of the peak of the acceleration.
+    /// Tolerance on the energy error (over the initial energy) and on the acceleration error (over the peak
+    /// acceleration).
     pub tolerance: f64,
     /// The reference with the consistent mass.
     pub reference: Reference,
-    /// That with the lumped one, and by how much its acceleration differs from the other's in the first contact episode, over the
-    /// peak: what lumping changes.
+    /// The reference with the lumped mass, and the effect of lumping: the difference of its acceleration from the
+    /// consistent reference in the first contact episode, over the peak.
     pub explicit: Option<(Reference, f64)>,
-    /// One a scheme.
+    /// Results of each scheme.
     pub rows: Vec<Row>,
-    /// What was left out, and why.
+    /// Messages about what was left out, and why.
     pub notes: Vec<String>,
-    /// Whether a signal ended it.
+    /// Whether a signal interrupted the study.
     pub is_interrupted: bool,
 }
 
 impl Study {
-    /// Runs that were planned and not made.
+    /// Number of planned runs that were not made.
     pub fn left_out(&self) -> usize {
         self.rows.iter().map(Row::left_out).sum()
     }
 
-    /// Runs that were planned.
+    /// Number of planned runs.
     pub fn planned(&self) -> usize {
         self.rows.iter().map(|row| row.runs.len()).sum()
     }
 }
 
-/// The run that others are measured by.
+/// The run that other runs are compared with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reference {
-    /// Its scheme.
+    /// Time integration scheme.
     pub scheme: Scheme,
     /// Δt, s.
     pub step: f64,
-    /// What was measured of it, without a reference of its own.
+    /// Measurements of the run. A reference with the consistent mass is itself compared with nothing, so its
+    /// acceleration errors are zero.
     pub measured: Measured,
-    /// Estimate of its own error in the first contact episode, over the peak: half of the difference from the same scheme in
-    /// steps twice as large, where that was run.
+    /// Estimated error of the reference in the first contact episode, over the peak: half of the difference from the
+    /// same scheme with steps twice as large. `None` if that run was not made.
     pub error: Option<f64>,
 }
 
-/// The runs of a scheme.
+/// All runs of one scheme.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     /// The scheme.
     pub scheme: Scheme,
-    /// Below this step theory has it stable, s: infinite for always, 0 for never.
+    /// Theoretical stability limit of the time step, s: infinite if always stable, 0 if never.
     pub limit: f64,
-    /// Its runs, by ascending step.
+    /// Runs in ascending order of step.
     pub runs: Vec<Run>,
 }
 
-/// One scheme at one step.
+/// One run: a scheme at one time step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
     /// Δt, s.
     pub step: f64,
-    /// What was measured.
+    /// Measurements of the run.
     pub measured: Measured,
-    /// What that means.
+    /// Verdict drawn from the measurements.
     pub verdict: Verdict,
 }
 
 impl Row {
-    /// The largest step up to which all runs that were made hold, s.
+    /// Largest step up to which all completed runs are stable and accurate, s.
     pub fn holds(&self) -> Option<f64> {
         let made = self.runs.iter().filter(|run| run.verdict != Verdict::LeftOut);
         made.take_while(|run| run.verdict == Verdict::Holds).last().map(|run| run.step)
     }
 
-    /// Runs that were planned and not made: the finest, which take the longest.
+    /// Number of planned runs that were not made. They are the finest, which take the longest.
     fn left_out(&self) -> usize {
         self.runs.iter().filter(|run| run.verdict == Verdict::LeftOut).count()
     }
 
-    /// The smallest step at which energy is made from nothing, s.
+    /// Smallest step at which a run gains energy, s.
     pub fn grows(&self) -> Option<f64> {
         let fails = |run: &&Run| matches!(run.verdict, Verdict::Grows(_) | Verdict::Gains);
         self.runs.iter().find(fails).map(|run| run.step)
@@ -118,29 +121,30 @@ impl Row {
 /// One run of a plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Job {
-    /// Number of its scheme.
+    /// Index of the scheme.
     row: usize,
-    /// Number of its step among those of the scheme.
+    /// Index of the step among the steps of the scheme.
     column: usize,
-    /// What it is expected to take, s.
+    /// Expected wall time, s.
     expected: f64,
 }
 
-/// How far a study is.
+/// Progress of a study.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// Runs that are done.
+    /// Number of completed runs.
     pub done: usize,
-    /// Runs that are planned.
+    /// Number of planned runs.
     pub planned: usize,
 }
 
-/// Runs the scene by all schemes, beginning with the runs that are expected to be the shortest. The references come first; then no run is begun
-/// that is expected to end after more than `budget` (s), but for the shortest one. `interrupted` tells, the same on all ranks, whether
-/// to leave off; `told` hears of each run. `None` where it was interrupted before the first run was done. Collective.
+/// Runs the scene with all schemes, in ascending order of expected wall time. The references are run first. After them,
+/// a run is started only if it is expected to end within `budget` (s); the shortest run is always made. `interrupted`
+/// returns whether to stop, the same on all ranks; `told` is called after each run. Returns `None` if interrupted
+/// before the first run is done. Collective.
 ///
 /// # Errors
-/// All that a run of the scene by the energy-conserving scheme in small steps may have; PETSc's.
+/// Same as a run of the scene with the energy-conserving scheme in small steps, or if a PETSc call fails.
 pub fn stability(
     mesh: &Mesh,
     scene: &Scene,
@@ -175,7 +179,7 @@ pub fn stability(
     let Some((mut reference, history)) = bench.reference(Scheme::Energy, plan.reference, None)? else {
         return Ok(None);
     };
-    // Wall time of a step, s, implicit and explicit.
+    // Wall time of an implicit and of an explicit step, s.
     let implicit = start.elapsed().as_secs_f64() / reference.measured.steps.max(1) as f64;
     let (mut explicit_step, mut explicit) = (implicit, None);
     if let Some(step) = plan.explicit_reference {
@@ -209,7 +213,7 @@ pub fn stability(
             expected: a_step * plan.end / step,
         }));
     }
-    // Rank 0's clock is everyone's.
+    // All ranks use the clock of rank 0.
     let root = mesh.comm.mpi().process_at_rank(0);
     jobs.iter_mut().for_each(|job| root.broadcast_into(&mut job.expected));
     jobs.sort_by(|a, b| a.expected.total_cmp(&b.expected));
@@ -258,7 +262,7 @@ pub fn stability(
 }
 
 impl Reference {
-    /// The error, from the runs.
+    /// Estimates the reference's error from the runs.
     fn estimate(&mut self, rows: &[Row]) {
         let row = rows.iter().find(|row| row.scheme == self.scheme);
         let is_whole = |run: &Run| run.verdict.reason().is_none() && run.verdict != Verdict::LeftOut;
@@ -268,27 +272,27 @@ impl Reference {
     }
 }
 
-/// One body for many runs.
+/// One body that is reused for many runs.
 struct Bench<'a> {
     mesh: &'a Mesh,
     scene: Scene,
-    /// There except while a run has it, or after an error.
+    /// `None` only while a run owns the body, or after an error.
     body: Option<Body>,
-    /// The lumped mass while the body has the consistent one.
+    /// The lumped mass while the body uses the consistent mass.
     lumped: Option<Lumped>,
     interrupted: &'a mut dyn FnMut() -> bool,
 }
 
 impl<'a> Bench<'a> {
-    /// With the body of the scene, whose gate is opened and whose steps are solved by the condensed Newton's method: as by the full
-    /// one, but faster.
+    /// Prepares the scene's body for many runs. The energy gate is switched off. Steps are solved by the condensed
+    /// Newton method, which has the same results as the full one but is faster.
     fn new(mesh: &'a Mesh, scene: &Scene, body: Body, interrupted: &'a mut dyn FnMut() -> bool) -> Result<Self> {
         let lumped = if body.lumped.is_none() { Some(Lumped::new(&Description::new(scene), mesh)?) } else { None };
         let solver = Solver { newton: Newton::Condensed, energy_gate: None };
         Ok(Self { mesh, scene: Scene { solver, ..scene.clone() }, body: Some(body), lumped, interrupted })
     }
 
-    /// The body with the mass that a scheme needs.
+    /// Returns the body with the mass matrix of a scheme.
     fn body(&mut self, scheme: Scheme) -> &mut Body {
         let body = self.body.as_mut().expect("every run that did not end the study has handed it back");
         if is_explicit(scheme) != body.lumped.is_some() {
@@ -297,7 +301,7 @@ impl<'a> Bench<'a> {
         body
     }
 
-    /// What theory allows the scheme, s. Collective.
+    /// Theoretical stability limit of a scheme's time step, s. Collective.
     fn limit(&mut self, scheme: Scheme) -> Result<f64> {
         let mesh = self.mesh;
         let impactor = self.scene.impactor.clone();
@@ -308,7 +312,8 @@ impl<'a> Bench<'a> {
         limit
     }
 
-    /// A run that must not fail, with its history, measured against another one where there is one; `None` where it is interrupted. Collective.
+    /// Makes a reference run, for which instability is an error. Returns it with its history, compared with `other` if
+    /// given; `None` if interrupted. Collective.
     fn reference(
         &mut self,
         scheme: Scheme,
@@ -328,7 +333,7 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// A run and how it ended; `None` where it was interrupted. Collective.
+    /// Makes a run and returns how it ended; `None` if interrupted. Collective.
     fn run(&mut self, scheme: Scheme, step: f64, mut observe: impl FnMut(&Step)) -> Result<Option<Ending>> {
         self.body(scheme);
         self.scene.time = Time { step: Some(step), scheme, ..self.scene.time };
@@ -338,7 +343,7 @@ impl<'a> Bench<'a> {
             observe(step);
             Ok(if (self.interrupted)() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
         });
-        // An error that one rank alone may have comes first: the others do not wait for it in what follows.
+        // An error on one rank alone is returned at once: the other ranks do not join the collective calls below.
         if let Err(error) = &ended
             && !error.is_everywhere()
         {

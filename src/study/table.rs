@@ -1,13 +1,14 @@
-//! A study of stability as tables: all of it as CSV, and its gist as lines of text.
+//! Writes a stability study as tables: the complete results as CSV, and a summary as lines of text.
 
 use super::schemes::{label, name};
-use super::stability::{ENOUGH, Reference, Row, Study};
+use super::stability::{STEPS_PER_CONTACT, Reference, Row, Study};
 
 /// Columns of the CSV, with their units.
 pub const COLUMNS: &str = "scheme,step_s,steps_per_contact,stable_step_s,steps,time_s,energy_error,growth,\
                       force_error_first,force_error,verdict,reason\n";
 
-/// One line a run, by scheme and ascending step. Errors are parts of the initial energy and of the reference's peak acceleration.
+/// One line per run, ordered by scheme and ascending step. Errors are relative to the initial energy and to the
+/// reference's peak acceleration.
 pub fn csv(study: &Study) -> String {
     let mut text = COLUMNS.to_owned();
     for row in &study.rows {
@@ -33,12 +34,13 @@ pub fn csv(study: &Study) -> String {
     text
 }
 
-/// As a field of a CSV: commas and quotes are no end of it.
+/// Quotes a text as one CSV field, so that commas and quotes do not end it.
 fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('"', "\"\""))
 }
 
-/// What was run, and for each scheme how far it holds and what theory has to say; no line is wider than 80 characters.
+/// Summary of a study: what was run, and for each scheme the largest accurate step and the theoretical limit. No line
+/// is wider than 80 characters.
 pub fn gist(study: &Study) -> Vec<String> {
     let mut lines =
         entry("runs", &format!("first contact {:.4} ms, end at {:.4} ms", 1e3 * study.contact, 1e3 * study.end));
@@ -58,12 +60,12 @@ pub fn gist(study: &Study) -> Vec<String> {
         lines.extend(entry("incomplete", &what));
     }
     lines.extend(table(study));
-    let enough = study.contact / ENOUGH;
-    lines.push(format!("steps: in a contact; {ENOUGH} of {enough:.2e} s resolve one with a half-space"));
+    let enough = study.contact / STEPS_PER_CONTACT;
+    lines.push(format!("steps: in a contact; {STEPS_PER_CONTACT} of {enough:.2e} s resolve one with a half-space"));
     lines
 }
 
-/// Characters that a line of the gist has at most.
+/// Largest number of characters in a line of the summary.
 const WIDTH: usize = 80;
 
 /// A text with a heading of at most eleven characters, in lines of [`WIDTH`].
@@ -73,7 +75,7 @@ fn entry(head: &str, text: &str) -> Vec<String> {
     textwrap::wrap(text, options).into_iter().map(|line| line.into_owned()).collect()
 }
 
-/// A line a scheme.
+/// Table with one line per scheme.
 fn table(study: &Study) -> Vec<String> {
     let line = |cells: [&str; 6]| {
         let [scheme, right, right_count, gains, gains_count, theory] = cells;
@@ -97,7 +99,7 @@ fn table(study: &Study) -> Vec<String> {
     lines
 }
 
-/// Up to which step theory has a scheme stable.
+/// Theoretical stability limit of a scheme, as text.
 pub fn theory(row: &Row) -> String {
     match row.limit {
         0.0 => "at no step".to_owned(),
@@ -118,7 +120,7 @@ mod tests {
     use crate::study::stability::Run;
     use crate::study::{Measured, Verdict};
 
-    /// The longest names and numbers: columns stay apart, in 80 characters.
+    /// With the longest names and numbers, columns stay separate and lines stay within 80 characters.
     #[test]
     fn the_gist_is_read_at_80_columns() {
         let measured = Measured::NOTHING;
@@ -147,7 +149,7 @@ mod tests {
         assert!(lines.iter().all(|line| line.chars().count() <= WIDTH), "{lines:#?}");
         let text = lines.join("\n");
         assert!(text.contains("incomplete 3 of 9 runs were left out"), "{text}");
-        // A run that was not made is no run that fails.
+        // A run that was left out does not count as a failed run.
         for line in [
             "scheme                          Δt (s)  steps   Δt (s)  steps  stable",
             "Newmark β = 0.3025, γ = 0.6125 1.23e-8  81301  1.23e-7   8130  up to 3.48e-9 s",

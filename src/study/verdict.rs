@@ -1,4 +1,4 @@
-//! What a run shows of its scheme and step.
+//! Verdict on a scheme and time step, drawn from one run.
 
 use std::fmt;
 
@@ -7,33 +7,34 @@ use super::history::Measured;
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Ending {
-    /// At its end.
+    /// The run reached its end.
     Whole,
-    /// The energy gate has stopped it, for this reason.
+    /// The energy gate stopped the run, for this reason.
     Unstable(String),
-    /// A step was not solved or the contact law was left, for this reason.
+    /// A step was not solved or the range of the contact law was left, for this reason.
     Unsolved(String),
 }
 
-/// What a run shows of its scheme and step.
+/// Verdict on a scheme and time step.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Verdict {
-    /// Energy and contact force are right within the tolerance.
+    /// The errors of energy and contact force are within the tolerance.
     Holds,
-    /// The force in the first contact episode is off by more than the tolerance, or that part of the energy is lost.
+    /// The force in the first contact episode differs by more than the tolerance, or more than the tolerance of the
+    /// energy is lost.
     Inaccurate,
-    /// More than the tolerance's part of the energy is made from nothing.
+    /// The energy grows by more than the tolerance, relative to the initial energy.
     Gains,
-    /// The motion grows without bound: why the run was stopped.
+    /// The motion grows without bound; the reason why the run was stopped.
     Grows(String),
-    /// The run could not be made: why.
+    /// The run could not be completed; the reason.
     Refused(String),
-    /// The run was not made: the study was interrupted, or its time was over.
+    /// The run was not made because the study was interrupted or its time budget was used up.
     LeftOut,
 }
 
 impl Verdict {
-    /// The verdict on a run. `tolerance` is a part of the initial energy, and of the peak of the reference's acceleration.
+    /// Judges a run. `tolerance` is relative to the initial energy, and to the peak of the reference's acceleration.
     pub(super) fn new(ending: Ending, measured: &Measured, tolerance: f64) -> Self {
         let gains = measured.growth - 1.0 > tolerance;
         match ending {
@@ -46,7 +47,7 @@ impl Verdict {
         }
     }
 
-    /// Why the run was stopped, where it was.
+    /// Reason why the run was stopped, if it was.
     pub fn reason(&self) -> Option<&str> {
         match self {
             Self::Grows(reason) | Self::Refused(reason) => Some(reason),

@@ -1,8 +1,8 @@
-//! Faults in layers and materials.
+//! Scenes with faulty layers and materials.
 
 use super::{BadScene, MESH, SMALL, edit, varied};
 
-/// A good laminate, and all that a material may have.
+/// A good laminate with every key that a material may have.
 pub const LAMINATE: &str = r#"[body]
 size = [0.5, 0.5]
 temperature = 20.0
@@ -42,7 +42,7 @@ speed = 1.0
 end = 0.003
 "#;
 
-/// A mesh of two materials.
+/// A mesh body of two materials.
 const VOLUMES: &str = r#"[body]
 mesh = "meshes/two.msh"
 

@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-/// A mesh that must be refused, and what the refusal says.
+/// A mesh that must be refused, and the expected message.
 pub struct BadMesh {
-    /// What is wrong.
+    /// Description of the fault.
     pub name: &'static str,
-    /// The file.
+    /// Content of the mesh file.
     pub bytes: Vec<u8>,
-    /// Parts of the message.
+    /// Texts that the message must contain.
     pub fragments: Vec<&'static str>,
 }
 
-/// Two hexahedra one on the other, 0 ≤ z ≤ 2, between tops and bottoms of unit squares.
+/// Two stacked hexahedra, 0 ≤ z ≤ 2, with unit squares as tops and bottoms.
 pub const TWO: &str = r#"$MeshFormat
 2.2 0 8
 $EndMeshFormat
@@ -56,7 +56,7 @@ fn edit(name: &'static str, good: &str, (from, to): (&str, &str), fragments: &[&
     BadMesh { name, bytes: good.replacen(from, to, 1).into_bytes(), fragments: fragments.to_vec() }
 }
 
-/// Without what lies between the middle of a section and `to`.
+/// A mesh without the text between the middle of a section and `to`.
 fn gap(name: &'static str, mesh: &str, section: &str, to: &str, fragments: &[&'static str]) -> BadMesh {
     let text = sample(mesh);
     let place = |mark: &str| text.find(mark).unwrap_or_else(|| panic!("{mesh} has no {mark}"));
@@ -66,7 +66,7 @@ fn gap(name: &'static str, mesh: &str, section: &str, to: &str, fragments: &[&'s
     BadMesh { name, bytes: format!("{}{rest}", &text[..middle]).into_bytes(), fragments: fragments.to_vec() }
 }
 
-/// All of them.
+/// All faulty meshes.
 #[rustfmt::skip]
 pub fn table() -> Vec<BadMesh> {
     let (old, new) = (sample("block-tet22.msh"), sample("block-tet41.msh"));
@@ -121,7 +121,7 @@ pub fn table() -> Vec<BadMesh> {
 }
 
 impl BadMesh {
-    /// A second edit.
+    /// Applies a second edit.
     fn with(self, (from, to): (&str, &str), fragments: &[&'static str]) -> Self {
         let text = String::from_utf8(self.bytes).expect("text");
         edit(self.name, &text, (from, to), fragments)

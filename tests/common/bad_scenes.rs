@@ -1,4 +1,4 @@
-//! Scenes that must be refused, each one edit away from a good one.
+//! Scenes that must be refused; each differs from a good one by one edit.
 
 #[path = "good_scenes.rs"]
 mod good_scenes;
@@ -7,15 +7,15 @@ pub mod layers;
 
 pub use good_scenes::{GOOD, MESH, QUARTER, SMALL};
 
-/// A scene that must be refused, and what the refusal says.
+/// A scene that must be refused, and the expected message.
 pub struct BadScene {
-    /// What is wrong.
+    /// Description of the fault.
     pub name: &'static str,
-    /// The scene's text.
+    /// Text of the scene.
     pub text: String,
     /// Overrides, `KEY=VALUE`.
     pub overrides: Vec<String>,
-    /// Parts of the whole message.
+    /// Texts that the whole message must contain.
     pub fragments: Vec<&'static str>,
     /// The key that the message names.
     pub key: &'static str,
@@ -23,7 +23,7 @@ pub struct BadScene {
     pub line: usize,
 }
 
-/// Replaces the one place of `from` in `good`; the faulty line is the one that begins with `at`.
+/// Replaces the only occurrence of `from` in `good`; the faulty line is the one that begins with `at`.
 fn edit(
     name: &'static str,
     good: &str,
@@ -63,7 +63,7 @@ fn varied(
     }
 }
 
-/// All of them.
+/// All faulty scenes.
 pub fn table() -> Vec<BadScene> {
     let mut all = grammar();
     all.extend(body());
@@ -169,7 +169,7 @@ fn supports() -> Vec<BadScene> {
     ]
 }
 
-/// Theories, reductions and modal coordinates that do not go with the rest.
+/// Theories, reductions and modal coordinates that do not fit the rest of the scene.
 #[rustfmt::skip]
 fn theories() -> Vec<BadScene> {
     vec![
@@ -194,7 +194,7 @@ fn theories() -> Vec<BadScene> {
     ]
 }
 
-/// A plate that a quarter does not stand for.
+/// Plates that cannot be represented by a quarter.
 #[rustfmt::skip]
 fn symmetry() -> Vec<BadScene> {
     let without = |name, (from, to), part| edit(name, QUARTER, (from, to), &["does not have two planes of symmetry", part], ("body.symmetry", "symmetry"));
@@ -276,7 +276,7 @@ fn rest() -> Vec<BadScene> {
     ]
 }
 
-/// Numbers that are no impact.
+/// Values that are implausible for an impact.
 #[rustfmt::skip]
 fn implausible() -> Vec<BadScene> {
     vec![
@@ -295,7 +295,7 @@ fn implausible() -> Vec<BadScene> {
     ]
 }
 
-/// Probes and fields.
+/// Faulty probes and fields.
 #[rustfmt::skip]
 fn output() -> Vec<BadScene> {
     let probes = |entries: &str| format!("probes = [{entries}]");
@@ -343,7 +343,7 @@ fn overrides() -> Vec<BadScene> {
 }
 
 impl BadScene {
-    /// For a line that does not begin like the first of its kind.
+    /// Sets the faulty line, if it is not the first line that begins with the key.
     fn on_line(mut self, line: usize) -> Self {
         self.line = line;
         self

@@ -1,14 +1,14 @@
 //! Command lines of sweeps that must be refused before anything is computed.
 
-/// What the user types, and what must come of it.
+/// The command line, and its expected outcome.
 pub struct BadSweep {
-    /// What is wrong.
+    /// Description of the fault.
     pub name: &'static str,
     /// The arguments, after the scene `box.toml`; the output is out.h5.
     pub line: &'static str,
-    /// Parts of the whole message.
+    /// Texts that the whole message must contain.
     pub fragments: &'static [&'static str],
-    /// Whether to try on several ranks too.
+    /// Whether the test also runs on several ranks.
     pub on_ranks: bool,
 }
 
@@ -16,7 +16,7 @@ const fn bad(name: &'static str, line: &'static str, fragments: &'static [&'stat
     BadSweep { name, line, fragments, on_ranks }
 }
 
-/// All of them; each ends with status 2.
+/// All faulty sweeps; each ends with status 2.
 #[rustfmt::skip]
 pub const TABLE: [BadSweep; 24] = [
     bad("nothing is varied", "-o out.h5", &["--vary"], false),

@@ -4,11 +4,11 @@ use std::fmt::Write;
 
 use ricochet::element::Shape;
 
-/// Gmsh's text (MSH 2.2) of a box centred on the origin and cut into bricks: hexahedra, or six tetrahedra each around
-/// the brick's diagonal (Kuhn 1960). Surfaces are "side", "top" and "bottom".
+/// Gmsh text (MSH 2.2) of a box centred on the origin and divided into bricks. The cells are hexahedra, or six
+/// tetrahedra for each brick around its diagonal (Kuhn 1960). Surfaces are "side", "top" and "bottom".
 ///
-/// Vertices are moved at random by up to `distortion` of a brick's edge, and stay in the faces they lie in. Half of
-/// the tetrahedra are listed mirrored.
+/// Vertices are moved at random by up to `distortion` of a brick's edge, and stay in their faces. Half of the
+/// tetrahedra are listed in mirrored order.
 pub fn bricks(shape: Shape, size: [f64; 3], cells: [usize; 3], distortion: f64) -> String {
     let number = |v: [usize; 3]| 1 + v[0] + (cells[0] + 1) * (v[1] + (cells[1] + 1) * v[2]);
     let mut nodes = String::new();
@@ -62,12 +62,12 @@ pub fn bricks(shape: Shape, size: [f64; 3], cells: [usize; 3], distortion: f64) 
     )
 }
 
-/// All triples below the counts.
+/// All index triples below the counts.
 fn lattice([nx, ny, nz]: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
     (0..nz).flat_map(move |k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])))
 }
 
-/// A number in (−1, 1) that looks random and is the same for the same index.
+/// A pseudo-random number in (−1, 1), always the same for the same index.
 fn random(index: usize) -> f64 {
     let mixed = (index as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

@@ -1,14 +1,14 @@
-//! The paper's glass under its impactor, as scenes.
+//! Scenes with the paper's glass and impactor.
 #![allow(dead_code, reason = "not every test that shares this module uses all of it")]
 
 /// Young's modulus (Pa), Poisson's ratio and density (kg/m³) of the glass.
 pub const GLASS: (f64, f64, f64) = (70e9, 0.23, 2500.0);
 
-/// m0, kg.
+/// Impactor mass m0, kg.
 pub const MASS: f64 = 52.0;
 
-/// The scene of a body (`size` and the like), with `impactor`'s lines beside radius and material, `time`'s lines and the
-/// tables of `rest`.
+/// A scene with a body (`size` and similar keys), the lines of `impactor` in addition to radius and material, the lines
+/// of `time`, and the tables of `rest`.
 pub fn scene(body: &str, impactor: &str, time: &str, rest: &str) -> String {
     let (young, poisson, density) = GLASS;
     format!(

@@ -1,6 +1,6 @@
-//! Scenes that are right, of which others are edits.
+//! Good scenes, from which the faulty ones are made by edits.
 
-/// A good scene with a box, and every table that there is.
+/// A good scene with a box and with every kind of table.
 pub const GOOD: &str = r#"title = "Plate"
 
 [body]
@@ -103,7 +103,7 @@ speed = 1
 end = 0.02
 "#;
 
-/// A good scene of which a quarter stands for the whole.
+/// A good scene whose body is represented by a quarter.
 pub const QUARTER: &str = r#"[body]
 young = 70e9
 poisson = 0.23

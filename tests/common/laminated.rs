@@ -1,16 +1,16 @@
-//! A relaxing laminate that an independent program computed (tests/fixtures/laminated).
+//! Reference results of a viscoelastic laminate from an independent program (tests/fixtures/laminated).
 
-/// Its force, and the shear of its interlayer.
+/// Reference force, and the shear data of its interlayer.
 pub struct Reference {
-    /// t, s, and F, N.
+    /// Time t (s) and force F (N).
     pub force: Vec<[f64; 2]>,
-    /// The same of finer cells, in the first contact.
+    /// The same with finer cells, during the first contact.
     pub finer: Vec<[f64; 2]>,
-    /// `shear` and `prony` of the interlayer, as a scene has them.
+    /// Keys `shear` and `prony` of the interlayer, as in a scene.
     pub chain: String,
 }
 
-/// What is to be met, and with which interlayer.
+/// Reads the reference results and the interlayer.
 pub fn reference() -> Reference {
     let rows = |series: &str| {
         let row = |line: &str| {

@@ -1,4 +1,4 @@
-//! Runs of a scene on the model that it asks for.
+//! Runs of a scene with the model that it asks for.
 #![allow(dead_code, reason = "not every test that shares this module uses all of it")]
 
 use std::ops::ControlFlow;
@@ -9,28 +9,28 @@ use ricochet::model::{Model, Simulation};
 use ricochet::record::episodes::{Episode, Episodes};
 use ricochet::scene::{Model as Theory, Scene};
 
-/// What a run tells.
+/// Results of a run.
 pub struct Ran {
     pub theory: Theory,
     pub steps: Vec<Step>,
     pub contacts: Vec<Episode>,
-    /// The estimate of the whole history's error.
+    /// Estimated error of the whole time history.
     pub error: f64,
     pub unknowns: usize,
     pub vectors: Option<usize>,
 }
 
-/// The scene of a text.
+/// Parses the text of a scene.
 pub fn parse(text: &str) -> Scene {
     Scene::parse("test", text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0
 }
 
-/// Runs it. Collective.
+/// Runs the scene of a text. Collective.
 pub fn run(comm: &Comm, text: &str) -> Ran {
     run_scene(comm, &parse(text))
 }
 
-/// Runs it. Collective.
+/// Runs a scene. Collective.
 pub fn run_scene(comm: &Comm, scene: &Scene) -> Ran {
     let model = Model::new(comm, scene).unwrap_or_else(|error| panic!("{error}"));
     let (theory, unknowns, vectors) = (model.theory, model.unknowns, model.vectors);
@@ -48,12 +48,12 @@ pub fn run_scene(comm: &Comm, scene: &Scene) -> Ran {
 }
 
 impl Ran {
-    /// Peak of the acceleration, m/s².
+    /// Peak of the impactor's acceleration, m/s².
     pub fn peak(&self) -> f64 {
         self.steps.iter().map(|step| step.impactor.acceleration).fold(0.0, f64::max)
     }
 
-    /// Acceleration at a time, linear between steps.
+    /// Acceleration at a time, linear between time steps.
     pub fn at(&self, time: f64) -> f64 {
         let next = self.steps.partition_point(|step| step.time <= time).clamp(1, self.steps.len() - 1);
         let (a, b) = (&self.steps[next - 1], &self.steps[next]);
@@ -61,8 +61,8 @@ impl Ran {
         a.impactor.acceleration + part * (b.impactor.acceleration - a.impactor.acceleration)
     }
 
-    /// Acceleration at a time by the cubic through two steps on either side, where there is contact at these. The steps of modal coordinates are so long
-    /// that a straight line is off by up to 0.6% of the peak.
+    /// Acceleration at a time by the cubic through two time steps on either side, if there is contact at these. The
+    /// time steps in modal coordinates are so long that linear interpolation errs by up to 0.6% of the peak.
     pub fn between(&self, time: f64) -> f64 {
         let after = self.steps.partition_point(|step| step.time < time * (1.0 - 1e-12));
         let around = self.steps.get(after.wrapping_sub(2)..after + 2).unwrap_or_default();
@@ -78,7 +78,7 @@ impl Ran {
         around.iter().enumerate().map(|(n, step)| step.impactor.acceleration * weight(n)).sum()
     }
 
-    /// Largest difference of the accelerations over this one's peak: in its first contact, and over all.
+    /// Largest difference of the accelerations over this run's peak: in its first contact, and over all time.
     pub fn difference(&self, other: &Self) -> (f64, f64) {
         let (peak, end) = (self.peak(), self.contacts.first().map_or(0.0, |contact| contact.end));
         let (mut first, mut all) = (0.0_f64, 0.0_f64);

@@ -1,10 +1,10 @@
-//! Pages of HTML, read strictly.
+//! Strict reading of HTML pages.
 
 use scraper::{Html, Selector};
 
-/// A page of its own, without an error, whose figures and tables are named.
+/// Checks that a page is self-contained and without errors, and that its figures and tables have names.
 pub fn strictly(text: &str) -> Html {
-    // Nothing from elsewhere, and nothing that runs: the only address is the name of SVG.
+    // The page loads nothing from elsewhere and runs nothing: the only address is the name of SVG.
     assert_eq!(text.matches("://").count(), text.matches("xmlns=\"http://www.w3.org/2000/svg\"").count());
     let page = Html::parse_document(text);
     assert!(page.errors.is_empty(), "{:?}", page.errors);
@@ -27,24 +27,24 @@ pub fn strictly(text: &str) -> Html {
     page
 }
 
-/// The texts of all elements that a selector finds, with plain spaces.
+/// Texts of all elements that match a selector, with plain spaces.
 pub fn select<'a>(page: &'a Html, selector: &str) -> impl Iterator<Item = String> + use<'a> {
     let selector = Selector::parse(selector).unwrap();
     let texts: Vec<String> = page.select(&selector).map(|element| element.text().collect::<String>()).collect();
     texts.into_iter().map(|text| text.replace('\u{a0}', " "))
 }
 
-/// How many elements a selector finds.
+/// Number of elements that match a selector.
 pub fn count(page: &Html, selector: &str) -> usize {
     select(page, selector).count()
 }
 
-/// All that is to be read, with plain spaces.
+/// All text of the page, with plain spaces.
 fn words_of(page: &Html) -> String {
     select(page, "body").collect()
 }
 
-/// All of these words are on the page.
+/// Checks that all of these texts are on the page.
 #[track_caller]
 pub fn says(page: &Html, all: &[&str]) {
     let text = words_of(page);

@@ -17,7 +17,7 @@ pub const YOUNG: f64 = 70e9;
 pub const POISSON: f64 = 0.23;
 pub const MASS: f64 = 2.0;
 
-/// One kind of element, and the bricks that the body is cut into.
+/// One kind of element, and the bricks into which the body is divided.
 #[derive(Debug, Clone, Copy)]
 pub struct Kind {
     pub shape: Shape,
@@ -35,22 +35,23 @@ pub const KINDS: [Kind; 4] = [
 pub const SIZE: [f64; 3] = [0.3, 0.2, 0.1];
 
 pub const FREE: &str = "";
-/// Motion along the height alone.
+/// Clamped sides, which allow motion along the height only.
 pub const SIDEWAYS: &str = "[[support]]\nsurface = \"side\"\nkind = \"clamped\"\ncomponents = [\"x\", \"y\"]\n";
-/// Springs so stiff that the largest frequency is theirs in part.
+/// Springs so stiff that they contribute to the largest frequency.
 pub const HELD: &str = "[[support]]\nsurface = \"bottom\"\nkind = \"clamped\"\ncomponents = [\"y\", \"z\"]\n\
     [[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = [5e13, 1e13, 2e13]\n";
 pub const ON_PAD: &str = "[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nnormal = [0.0, 0.0, -1.0]\nstiffness = 5e13\n\
     [[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\ndamping = [1e5, 0.0, 2e6]\n";
 
-/// A body on all ranks of a communicator.
+/// A body distributed over all ranks of a communicator.
 pub struct Parts {
     pub body: Body,
     pub lumped: Lumped,
     pub scene: Scene,
 }
 
-/// The scene's mesh, of bricks whose vertices are moved by a part of their edges. Collective.
+/// Makes the body from the scene's mesh. It consists of bricks whose vertices are moved by a fraction of their edges.
+/// Collective.
 pub fn parts(comm: &Comm, kind: Kind, size: [f64; 3], distortion: f64, supports: &str) -> Parts {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("body.msh");
@@ -71,14 +72,14 @@ fn text(file: &Path, order: usize, size: [f64; 3], supports: &str) -> String {
     )
 }
 
-/// F′ at the peak of the impact on a half-space, which no impact on a body exceeds by much.
+/// Contact stiffness F′ at the peak of the impact on a half-space. No impact on a body exceeds it by much.
 pub fn peak_contact(scene: &Scene) -> LinearContact {
     let impactor = &scene.impactor;
     let peak = hertz::peak_indentation(impactor.stiffness, impactor.mass, impactor.speed);
     LinearContact { tangent: Hertz { stiffness: impactor.stiffness }.tangent(peak), mass: impactor.mass }
 }
 
-/// ω_max of the parts, with lumped or consistent mass. Collective.
+/// Largest frequency ω_max of the parts, with lumped or consistent mass. Collective.
 pub fn largest(parts: &mut Parts, consistent: bool, contact: Option<LinearContact>) -> LargestFrequency {
     let inertia = if consistent { Inertia::Consistent } else { Inertia::Lumped(&parts.lumped.mass) };
     largest_frequency(&mut parts.body, inertia, contact).unwrap()

@@ -1,4 +1,4 @@
-//! Scenes, meshes and readings for the tests of the patch.
+//! Scenes, meshes and displacement averages for the tests of the contact patch.
 
 use std::path::{Path, PathBuf};
 
@@ -9,16 +9,16 @@ use ricochet::scene::{Fault, Scene};
 
 use super::field;
 
-/// Edges of the box that most tests use, m.
+/// Edges of the box in most tests, m.
 pub const SIZE: [f64; 3] = [0.4, 0.3, 0.1];
 
-/// Of the body, Pa.
+/// Young's modulus of the body, Pa.
 pub const YOUNG: f64 = 70e9;
 
-/// Of the body.
+/// Poisson's ratio of the body.
 pub const POISSON: f64 = 0.23;
 
-/// A scene whose impact is so weak that no radius is too small, hit from above.
+/// A scene with an impact from above, so weak that no patch radius is too small.
 pub fn scene(geometry: &str, order: usize, point: [f64; 3]) -> Scene {
     let text = format!(
         "[body]\nyoung = {YOUNG:e}\npoisson = {POISSON}\ndensity = 2500.0\n{geometry}\norder = {order}\n\
@@ -30,29 +30,29 @@ pub fn scene(geometry: &str, order: usize, point: [f64; 3]) -> Scene {
     scene
 }
 
-/// The lines of a scene for a box.
+/// Lines of a scene for a box.
 pub fn boxed(size: [f64; 3], cells: [usize; 3]) -> String {
     format!("size = {size:?}\ncells = {cells:?}\nsymmetry = \"none\"")
 }
 
-/// The line for a mesh with this text, written into a file.
+/// Writes the text of a mesh into a file, and returns the scene's line for it.
 pub fn made(file: &Path, text: &str) -> String {
     std::fs::write(file, text).unwrap();
     format!("mesh = {file:?}")
 }
 
-/// A mesh of the project.
+/// Path of a mesh of the project.
 pub fn sample(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("meshes").join(name)
 }
 
-/// A rotation about no axis of the mesh.
+/// A rotation about an axis that is none of the mesh's axes.
 pub fn turn(x: [f64; 3]) -> [f64; 3] {
     let rotation = nalgebra::Rotation3::from_euler_angles(0.4, -1.1, 2.3);
     (rotation * nalgebra::Vector3::from(x)).into()
 }
 
-/// The mesh in a file's text, turned.
+/// The mesh of a file's text, rotated.
 pub fn turned(text: &str) -> String {
     let (head, rest) = text.split_once("$Nodes\n").unwrap();
     let (nodes, tail) = rest.split_once("$EndNodes").unwrap();
@@ -70,7 +70,7 @@ pub fn turned(text: &str) -> String {
     format!("{head}$Nodes\n{count}\n{nodes}$EndNodes{tail}")
 }
 
-/// aᵀu of a field. Collective.
+/// aᵀu, where u is the interpolant of a field. Collective.
 pub fn reading(mesh: &Mesh, a: &Localization, of: impl Fn([f64; 3]) -> [f64; 3]) -> f64 {
     let mut u = a.vector.duplicate().unwrap();
     field::interpolate(mesh, &mut u, of);
@@ -79,7 +79,7 @@ pub fn reading(mesh: &Mesh, a: &Localization, of: impl Fn([f64; 3]) -> [f64; 3])
     value
 }
 
-/// The fault of the patch's radius that a patch is refused with, on all ranks. Collective.
+/// The fault of the patch radius with which a patch is refused, on all ranks. Collective.
 pub fn refused(mesh: &Mesh, scene: &Scene, radius: Option<f64>) -> Fault {
     match Localization::patch(mesh, scene, radius) {
         Err(Error::Fault(fault)) => {

@@ -1,4 +1,4 @@
-//! The program run as a user runs it: alone or under mpirun, with a limit on its time.
+//! Runs the program like a user: alone or under mpirun, with a time limit.
 
 use std::fs::{self, File};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
@@ -7,7 +7,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// A small box that runs in a tenth of a second: 50 steps of a solid, 150 unknowns.
+/// A small box whose run takes a tenth of a second: 50 time steps of a solid, 150 unknowns.
 #[allow(dead_code, reason = "not every test that shares this module runs it")]
 pub const BOX: &str = r#"title = "Small plate"
 [body]
@@ -35,10 +35,11 @@ localization = "point"
 newton = "full"
 "#;
 
-/// Longer than anything takes on a machine with many times its load: only what hangs reaches it.
+/// Time limit of a run. Everything ends sooner even on a machine with many times its load; only a program that hangs
+/// reaches it.
 pub const LIMIT: Duration = Duration::from_secs(300);
 
-/// How the program ended, and what it said.
+/// Exit status and output of the program.
 #[derive(Debug)]
 #[allow(dead_code, reason = "not every test that shares this module reads all")]
 pub struct Outcome {
@@ -49,14 +50,14 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Standard error without the lines of progress, which come where a machine is slow.
+    /// Standard error without the lines of progress, which appear on slow machines.
     pub fn told(&self) -> String {
         let is_progress = |line: &&str| line.starts_with("step ") || line.ends_with(" so far)");
         self.stderr.lines().filter(|line| !is_progress(line)).map(|line| format!("{line}\n")).collect()
     }
 }
 
-/// The program in `folder`, on so many ranks under mpirun, or alone where `ranks` is 0.
+/// The program in `folder`, under mpirun on this number of ranks, or alone if `ranks` is 0.
 pub fn ricochet(folder: &Path, ranks: usize) -> Command {
     let program = env!("CARGO_BIN_EXE_ricochet");
     let mut command = match ranks {
@@ -71,7 +72,7 @@ pub fn ricochet(folder: &Path, ranks: usize) -> Command {
     command
 }
 
-/// A started program; its output goes to files, so that nobody waits for a reader.
+/// A started program. Its output goes to files, so it does not block without a reader.
 pub struct Started {
     pub child: Child,
     output: [std::path::PathBuf; 2],
@@ -87,18 +88,18 @@ pub fn start(command: &mut Command) -> Started {
     let output = ["stdout", "stderr"].map(|name| folder.path().join(name));
     let [stdout, stderr] = output.each_ref().map(|path| File::create(path).expect("a temporary file"));
     mpi_test::keep_files_in(folder.path(), command);
-    // A group of its own, so that a signal to it reaches mpirun's helpers and nobody else.
+    // A separate process group, so that a signal to it reaches only mpirun and its helpers.
     let child = command.stdin(Stdio::null()).stdout(stdout).stderr(stderr).process_group(0).spawn();
     Started { child: child.expect("the program starts"), output, _folder: folder }
 }
 
 impl Started {
-    /// What it has said on standard error so far.
+    /// Standard error so far.
     pub fn said(&self) -> String {
         String::from_utf8_lossy(&fs::read(&self.output[1]).unwrap_or_default()).into_owned()
     }
 
-    /// Waits for the end; a program that passes the limit is killed and fails the test.
+    /// Waits for the end. A program that exceeds the limit is killed and fails the test.
     pub fn wait(mut self, limit: Duration) -> Outcome {
         let status = wait(&mut self.child, limit);
         let text =
@@ -111,7 +112,7 @@ impl Started {
     }
 }
 
-/// A test that fails leaves nothing running: its folder goes with it.
+/// Kills the program if its test fails, because its folder is deleted too.
 impl Drop for Started {
     fn drop(&mut self) {
         if let Ok(None) = self.child.try_wait() {
@@ -128,7 +129,7 @@ fn wait(child: &mut Child, limit: Duration) -> Option<ExitStatus> {
         }
         std::thread::sleep(Duration::from_millis(5));
     }
-    // mpirun ends its ranks at SIGTERM.
+    // mpirun ends its ranks on SIGTERM.
     send("TERM", &format!("-{}", child.id()));
     std::thread::sleep(Duration::from_secs(3));
     send("KILL", &format!("-{}", child.id()));
@@ -141,7 +142,7 @@ pub fn send(signal: &str, target: &str) {
     let _ = Command::new("kill").args([&format!("-{signal}"), "--", target]).stderr(Stdio::null()).status();
 }
 
-/// The processes whose parent is this one.
+/// The child processes of a process.
 #[allow(dead_code, reason = "not every test that shares this module ends ranks")]
 pub fn children(parent: u32) -> Vec<String> {
     let parent = parent.to_string();
@@ -151,20 +152,20 @@ pub fn children(parent: u32) -> Vec<String> {
         .filter(|name| name.bytes().all(|byte| byte.is_ascii_digit()))
         .filter(|process| {
             let stat = fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
-            // After the name in brackets: state, parent.
+            // Fields after the name in brackets: state, parent.
             let fields = stat.rsplit(')').next().unwrap_or_default().split_whitespace().nth(1);
             fields == Some(parent.as_str())
         })
         .collect()
 }
 
-/// Runs to the end.
+/// Runs the program to its end.
 #[allow(dead_code, reason = "not every test that shares this module runs to the end")]
 pub fn run(command: &mut Command) -> Outcome {
     start(command).wait(LIMIT)
 }
 
-/// Does the work of all items on a few threads; the messages of those that fail.
+/// Does the work for all items on a few threads; returns the messages of those that fail.
 #[allow(dead_code, reason = "not every test that shares this module has many items")]
 pub fn on_threads<T: Sync>(
     threads: usize,
@@ -189,7 +190,7 @@ pub fn on_threads<T: Sync>(
     failures.into_inner().unwrap_or_else(|e| e.into_inner())
 }
 
-/// Waits until a file has been written to so many times more.
+/// Waits until a file has been written to this number of times more.
 #[allow(dead_code, reason = "not every test that shares this module waits for files")]
 pub fn wait_for_writes(path: &Path, count: usize) {
     let written = || path.metadata().and_then(|data| data.modified()).expect("the file is there");
@@ -203,7 +204,7 @@ pub fn wait_for_writes(path: &Path, count: usize) {
     }
 }
 
-/// Waits until a process has taken SIGTERM, the 15th signal, into its own hands.
+/// Waits until a process has installed a handler for SIGTERM, the 15th signal.
 #[allow(dead_code, reason = "not every test that shares this module sends signals")]
 pub fn wait_for_handlers(process: u32) {
     let takes_sigterm = || {

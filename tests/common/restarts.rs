@@ -1,4 +1,4 @@
-//! Runs that are ended at a checkpoint, what cannot go on, and what two results have alike.
+//! Runs that are ended at a checkpoint, restarts that are refused, and comparisons of two results.
 #![allow(dead_code, reason = "not every test that shares this module uses all of it")]
 
 use crate::results;
@@ -12,13 +12,13 @@ use tempfile::TempDir;
 use crate::program::{BOX, LIMIT, Outcome, ricochet, run, send, start};
 use crate::results::{is_complete, number, words};
 
-/// As [`BOX`] with the condensed step, some thousands of steps of it.
+/// Same as [`BOX`] with the condensed Newton's method, and some thousands of time steps.
 pub fn scene(more: &str) -> String {
     BOX.replace("newton = \"full\"", "newton = \"condensed\"").replace("end = 1e-3", "end = 0.1") + more
 }
 
-/// Starts a run, sends it a signal when there is a new checkpoint beside out.h5, and tells how it ended. (mpirun hands SIGUSR1 on, and ends
-/// itself and its ranks at SIGTERM.)
+/// Starts a run, sends it a signal when there is a new checkpoint next to out.h5, and returns its outcome. (mpirun
+/// forwards SIGUSR1; on SIGTERM it ends itself and its ranks.)
 pub fn ended(folder: &TempDir, ranks: usize, line: &str, signal: &str) -> Outcome {
     let checkpoint = folder.path().join("out.checkpoint.h5");
     let written = || fs::metadata(&checkpoint).and_then(|file| file.modified()).ok();
@@ -33,7 +33,7 @@ pub fn ended(folder: &TempDir, ranks: usize, line: &str, signal: &str) -> Outcom
     started.wait(LIMIT)
 }
 
-/// [`ended`] in order, with a checkpoint of the last step.
+/// Same as [`ended`], with an orderly end and a checkpoint of the last time step.
 pub fn interrupted(folder: &TempDir, ranks: usize, line: &str, signal: &str) -> Outcome {
     let outcome = ended(folder, ranks, line, signal);
     assert_eq!(outcome.status, Some(130), "{line}: {outcome:#?}");
@@ -41,7 +41,7 @@ pub fn interrupted(folder: &TempDir, ranks: usize, line: &str, signal: &str) -> 
     outcome
 }
 
-/// [`ended`] by a kill, alone; the time of its checkpoint, s.
+/// Same as [`ended`] by a kill, without mpirun; returns the time of the checkpoint, s.
 pub fn killed(folder: &TempDir, line: &str) -> f64 {
     let outcome = ended(folder, 0, line, "KILL");
     assert_eq!(outcome.signal, Some(9), "{line}: {outcome:#?}");
@@ -49,14 +49,15 @@ pub fn killed(folder: &TempDir, line: &str) -> f64 {
     file.attr("time").unwrap().read_scalar().unwrap()
 }
 
-/// The datasets under a group, at any depth.
+/// Paths of all datasets under a group.
 fn datasets(group: &hdf5::Group) -> Vec<String> {
     let of_groups = group.groups().unwrap().iter().flat_map(datasets).collect::<Vec<_>>();
     group.datasets().unwrap().iter().map(|dataset| dataset.name()).chain(of_groups).collect()
 }
 
-/// What two complete results have alike: every series, those of probes too, and the contacts, to a part of each one's largest value (of
-/// energies of the total's, since some are rounding); bit for bit also what they took. Returns the largest difference.
+/// Compares two complete results: every series, probes included, and the contacts, to a fraction of each series'
+/// largest value. Energies are compared to a fraction of the total energy, since some of them are rounding. With a
+/// tolerance of 0 the comparison is bit for bit and includes the run's counts. Returns the largest difference.
 pub fn check_alike(path: &Path, whole: &Path, tolerance: f64) -> f64 {
     assert!(is_complete(path) && is_complete(whole));
     let [part, whole] = [path, whole].map(results::open);
@@ -72,15 +73,15 @@ pub fn check_alike(path: &Path, whole: &Path, tolerance: f64) -> f64 {
         let scale =
             if name.contains("/energy/") { largest(&read(&whole, "series/energy/total")) } else { largest(&of_whole) };
         assert_eq!(values.len(), of_whole.len(), "{name}");
-        // Stresses are differences of displacements, most of which is motion as a whole: they magnify what these are off by. Where the largest
-        // is may then jump between points of the same stress.
+        // Stresses are differences of displacements, which are mostly rigid motion: they magnify the displacements'
+        // errors. The place of the largest stress may then jump between points of equal stress.
         let is_of_stress = name.contains("/stress/");
         if is_of_stress && name.ends_with("/point") && tolerance > 0.0 {
             continue;
         }
         let tolerance = if is_of_stress { 1e3 * tolerance } else { tolerance };
         for (n, (a, b)) in values.iter().zip(&of_whole).enumerate() {
-            // Not true of NaN.
+            // False for NaN.
             assert!((a - b).abs() <= tolerance * scale, "{name}[{n}]: {a:e} and {b:e}, of {scale:e}");
         }
         if scale > 0.0 && !is_of_stress {
@@ -95,7 +96,7 @@ pub fn check_alike(path: &Path, whole: &Path, tolerance: f64) -> f64 {
     most
 }
 
-/// A command that is refused alone and on two ranks, in one message with some words.
+/// Checks that a command is refused, alone and on two ranks, in one message with these words.
 pub fn refused(folder: &TempDir, line: &str, status: i32, words_of: &[&str]) {
     for ranks in [0, 2] {
         let outcome = run(ricochet(folder.path(), ranks).args(words(line)));

@@ -1,4 +1,4 @@
-//! Scenes put into folders, run, and their results read back.
+//! Writes scenes into folders, runs them, and reads the results.
 #![allow(dead_code, reason = "not every test that shares this module uses all of it")]
 
 use std::fs;
@@ -11,12 +11,13 @@ use tempfile::TempDir;
 
 use crate::program::{BOX, Outcome, ricochet, run};
 
-/// As [`BOX`], for minutes.
+/// Same as [`BOX`], with a run of minutes.
 pub fn long() -> String {
     BOX.replace("end = 1e-3", "end = 10").replace("[4, 4, 1]", "[8, 8, 1]")
 }
 
-/// A window pane under a steel ball, whose model takes many seconds: Mindlin's plate on a basis of a thousand vectors.
+/// A window pane under a steel ball, whose model takes many seconds: Mindlin's plate with a basis of a thousand
+/// vectors.
 pub fn pane() -> String {
     BOX.replace("model = \"solid\"\nreduction = \"none\"\n", "")
         .replace("[0.5, 0.5, 0.02]", "[1.0, 1.5, 0.008]")
@@ -27,15 +28,15 @@ pub fn pane() -> String {
         + "[accuracy]\ntolerance = 1e-2\n[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = [0, 0, 5e8]\n"
 }
 
-/// A folder with a scene in it.
+/// A folder that contains a scene.
 pub fn folder(scene: &str) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("scene.toml"), scene).unwrap();
     folder
 }
 
-/// A result that is open in a copy, with what goes with it. A program that another test starts at the same moment inherits the files that
-/// this process has open, and with them their locks.
+/// A copy of a result and of its related files, opened for reading. A copy is needed because a program that another
+/// test starts at the same moment inherits the open files of this process, and with them their locks.
 pub struct Opened {
     file: hdf5::File,
     _folder: TempDir,
@@ -49,7 +50,7 @@ impl Deref for Opened {
     }
 }
 
-/// Opens a result to be read.
+/// Opens a result for reading.
 pub fn open(path: impl AsRef<Path>) -> Opened {
     let (path, copies) = (path.as_ref(), tempfile::tempdir().unwrap());
     let file = hdf5::File::open(copied(path, copies.path())).unwrap();
@@ -64,7 +65,7 @@ pub fn change(path: &Path, work: impl FnOnce(&hdf5::File)) {
     fs::copy(copy, path).unwrap();
 }
 
-/// Copies a result and all files beside it whose names begin as its own; where it is then.
+/// Copies a result and all files next to it whose names begin in the same way; returns the new path.
 fn copied(path: &Path, to: &Path) -> PathBuf {
     let stem = path.file_stem().unwrap().to_string_lossy().into_owned();
     let parent = path.parent().filter(|parent| *parent != Path::new("")).unwrap_or(Path::new("."));
@@ -94,7 +95,7 @@ pub fn number<T: hdf5::H5Type>(file: &hdf5::File, name: &str) -> T {
     file.attr(name).unwrap().read_scalar().unwrap()
 }
 
-/// A series of a result.
+/// A time series of a result.
 pub fn column(path: &Path, name: &str) -> Vec<f64> {
     open(path).dataset(&format!("series/{name}")).unwrap().read_raw().unwrap()
 }

@@ -1,24 +1,24 @@
-//! A series that follows from the number of the step, for the tests of results and of figures.
+//! A series computed from the step number, for the tests of results and of figures.
 
 use ricochet::impact::step::{Contact, Energy, Motion, Step};
 use ricochet::record::provenance::{Cost, Provenance};
 
-/// What such a run costs.
+/// Costs of such a run.
 pub const COST: Cost =
     Cost { model: 0.125, setup: 0.25, steps: 1.5, total: 2.0, newton_iterations: 42, solves: 21, error_estimate: 1e-3 };
 
-/// Steps of half a contact, and of the gap after it.
+/// Number of time steps in half a contact, and in the gap after it.
 pub const HALF_PERIOD: usize = 2000;
 
-/// Of the impactor, kg.
+/// Mass of the impactor, kg.
 const MASS: f64 = 2e-3;
 
-/// A step whose values all follow from its number; in contact at first for half of [`HALF_PERIOD`].
+/// A time step whose values all follow from its number. The first half of [`HALF_PERIOD`] is in contact.
 pub fn step(number: usize) -> Step {
     let t = number as f64;
     let alpha = (t / HALF_PERIOD as f64 * std::f64::consts::PI).cos();
     let phase = t / HALF_PERIOD as f64 * std::f64::consts::PI;
-    // ∫ cos of all contacts so far, by which the impactor slows down.
+    // ∫ cos over all contacts so far, which determines how much the impactor has slowed down.
     let contacts = ((phase / std::f64::consts::PI + 0.5) / 2.0).floor();
     let rest = (phase - 2.0 * std::f64::consts::PI * contacts).min(0.5 * std::f64::consts::PI);
     let impulse = 1e-5 * HALF_PERIOD as f64 / std::f64::consts::PI * (2.0 * contacts + rest.sin());
@@ -48,7 +48,7 @@ pub fn step(number: usize) -> Step {
     }
 }
 
-/// Where a result of such steps comes from; its scene is longer than the 64 KiB that HDF5 gives a plain attribute.
+/// Provenance of a result of such steps. Its scene is longer than the 64 KiB that HDF5 allows for a plain attribute.
 pub fn provenance(title: &str, planned_rows: Option<usize>) -> Provenance {
     Provenance {
         run_id: 0x0123_4567_89ab_cdef,

@@ -1,4 +1,4 @@
-//! From a scene's text to an impact that is ready to run.
+//! Makes an impact that is ready to run from the text of a scene.
 
 use std::ops::ControlFlow;
 
@@ -9,7 +9,7 @@ use ricochet::impact::step::Step;
 use ricochet::mesh::Mesh;
 use ricochet::scene::Scene;
 
-/// The impact of a scene. Collective.
+/// Makes the impact of a scene. Collective.
 pub fn start(comm: &Comm, text: &str) -> (Mesh, SteppedImpact) {
     let (scene, _) = Scene::parse("test", text, &[]).unwrap_or_else(|error| panic!("{}", error));
     let mesh = Mesh::new(comm, &scene.body).unwrap();

@@ -1,4 +1,4 @@
-//! The largest stresses, put by hand into a result that has none.
+//! Adds largest stresses to a result that has none.
 
 use hdf5_metno as hdf5;
 use hdf5_metno::types::VarLenUnicode;
@@ -6,10 +6,11 @@ use hdf5_metno::types::VarLenUnicode;
 /// Largest stresses of the lower and the upper face, Pa.
 pub const PEAKS: [f64; 2] = [41e6, 12e6];
 
-/// Where the lower face has it, m.
+/// Place of the largest stress of the lower face, m.
 pub const POINT: [f64; 3] = [0.01, -0.02, -0.01];
 
-/// Adds stresses to a result: on each face half a wave over the rows, and on the ring of the contact. Returns the time of the largest, s.
+/// Adds stresses to a result: half a wave over the rows on each face, and the ring of the contact. Returns the time of
+/// the largest stress, s.
 pub fn add(file: &hdf5::File, strength_passed_at: f64) -> f64 {
     let time = file.dataset("series/time").unwrap().read_raw::<f64>().unwrap();
     let rows = time.len();

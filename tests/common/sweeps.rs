@@ -1,4 +1,4 @@
-//! Sweeps read back, for tests.
+//! Runs of sweeps, and reading of their results.
 #![allow(dead_code, reason = "not every test that shares this module uses all of it")]
 
 use crate::results;
@@ -8,31 +8,32 @@ use std::path::Path;
 use hdf5_metno as hdf5;
 use hdf5_metno::types::FixedUnicode;
 
-/// The small box with a support, so that its stiffness can be varied; by the theory, the basis and the coordinates that are the default.
+/// The small box with a support, so that its stiffness can be varied; with the default theory, basis and coordinates.
 pub fn supported() -> String {
     let text = crate::program::BOX.replace("newton = \"full\"", "newton = \"condensed\"");
     text.replace("model = \"solid\"\nreduction = \"none\"\n", "")
         + "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\n"
 }
 
-/// A dataset as numbers.
+/// A dataset, as numbers.
 pub fn numbers(path: &Path, name: &str) -> Vec<f64> {
     let dataset = results::open(path).dataset(name).unwrap_or_else(|error| panic!("{name}: {error}"));
     dataset.read_raw().unwrap()
 }
 
-/// A dataset of the members.
+/// A dataset with one value for each member.
 pub fn members(path: &Path, name: &str) -> Vec<f64> {
     numbers(path, &format!("members/{name}"))
 }
 
-/// Why members failed.
+/// Error messages of the members.
 pub fn messages(path: &Path) -> Vec<String> {
     let dataset = results::open(path).dataset("members/message").unwrap();
     dataset.read_raw::<FixedUnicode<400>>().unwrap().iter().map(|message| message.to_string()).collect()
 }
 
-/// All datasets of numbers in a group and below it, by their paths, as the bits of their values; none without a unit.
+/// Collects all numeric datasets in a group and below it: paths and the bits of the values. Every dataset must have a
+/// unit.
 fn collect(group: &hdf5::Group, into: &mut BTreeMap<String, Vec<u64>>) {
     for dataset in group.datasets().unwrap() {
         assert!(dataset.attr("units").is_ok(), "{} has no unit", dataset.name());
@@ -43,7 +44,7 @@ fn collect(group: &hdf5::Group, into: &mut BTreeMap<String, Vec<u64>>) {
     group.groups().unwrap().iter().for_each(|group| collect(group, into));
 }
 
-/// All numbers of a file but for the wall times.
+/// All numbers of a file except the wall times.
 pub fn content(path: &Path) -> BTreeMap<String, Vec<u64>> {
     let mut all = BTreeMap::new();
     collect(&results::open(path), &mut all);

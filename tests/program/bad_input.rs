@@ -1,5 +1,5 @@
-//! What a user gets wrong, through the program itself: one message that names the place, the right exit status, and no
-//! file touched; alone and under mpirun.
+//! Tests of user errors in the program itself, alone and under mpirun: one message that names the place, the right exit
+//! status, and no file changed.
 
 use crate::bad_meshes;
 use crate::bad_scenes;
@@ -16,15 +16,15 @@ use crate::program::{BOX, on_threads, ricochet, run};
 pub const TESTS: &[PlainTest] =
     tests![scenes, meshes, scenes_on_a_good_mesh, theories, sweeps, files_and_command_lines];
 
-/// What the user does, and what must come of it.
+/// A user's input, and its expected outcome.
 struct Case {
     name: String,
-    /// Files of the folder.
+    /// Names and contents of the files in the folder.
     files: Vec<(String, Vec<u8>)>,
     arguments: Vec<String>,
     status: i32,
     fragments: Vec<String>,
-    /// What is at out.h5 before.
+    /// Content of out.h5 before the run.
     before: Before,
     ranks: &'static [usize],
 }
@@ -32,7 +32,7 @@ struct Case {
 #[derive(Clone, Copy)]
 enum Before {
     Nothing,
-    /// Something else than a result.
+    /// A file that is not a result.
     Sentinel,
     /// An earlier result.
     Result,
@@ -41,7 +41,7 @@ enum Before {
 const ALONE: &[usize] = &[0];
 const BOTH: &[usize] = &[0, 2];
 
-/// A scene that is good with [`TWO`] as its mesh.
+/// A scene that is good if its mesh is [`TWO`].
 const ON_MESH: &str = r#"[body]
 young = 70e9
 poisson = 0.23
@@ -68,7 +68,7 @@ localization = "point"
 newton = "full"
 "#;
 
-/// Words that no user may see.
+/// Words that must not be shown to users.
 const FORBIDDEN: [&str; 5] = ["panicked", "PETSC ERROR", "RUST_BACKTRACE", "stack backtrace", "HDF5-DIAG"];
 
 /// The bytes of a real result.
@@ -89,7 +89,7 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     entries.map(|path| (named(&path), fs::read(&path).unwrap_or_default())).collect()
 }
 
-/// Messages of the program's own: each begins a line.
+/// Number of messages of the program. Each begins on a new line.
 fn messages(stderr: &str) -> usize {
     stderr.lines().filter(|line| line.starts_with("error: ") || line.starts_with("  × ")).count()
 }
@@ -125,7 +125,7 @@ fn check(case: &Case, ranks: usize) -> Result<(), String> {
     must(!banner, "MPI speaks where nobody has asked for it".to_owned());
     let mut after = files(folder.path());
     if ranks > 1 {
-        // Where another rank has ended the first one, the file of its lock stays, which locks nothing then.
+        // If another rank has ended the first one, its lock file remains; it then locks nothing.
         after.remove(".out.h5.lock");
     }
     must(after == before, "files have changed".to_owned());
@@ -135,7 +135,7 @@ fn check(case: &Case, ranks: usize) -> Result<(), String> {
     Err(format!("{} on {ranks} ranks: {}\n{outcome:#?}", case.name, faults.join("; ")))
 }
 
-/// All cases, each on its numbers of ranks; three at a time, as each waits for MPI's start most of its time.
+/// Runs all cases on their numbers of ranks, three at a time, as each one mostly waits for MPI to start.
 fn check_all(cases: &[Case]) {
     earlier_result();
     let jobs: Vec<(&Case, usize)> = cases.iter().flat_map(|case| case.ranks.iter().map(move |r| (case, *r))).collect();
@@ -147,7 +147,7 @@ fn words(text: &str) -> Vec<String> {
     text.split_whitespace().map(str::to_owned).collect()
 }
 
-/// A wrong scene, in its text: the message names key and line.
+/// Errors in the text of a scene: the message names the key and the line.
 fn scenes() {
     let table = bad_scenes::table();
     let case = |(n, bad): (usize, bad_scenes::BadScene)| {
@@ -162,7 +162,7 @@ fn scenes() {
             status: 2,
             fragments,
             before: [Before::Nothing, Before::Sentinel, Before::Result][n % 3],
-            // The text is read and checked in one way: some of every kind show that the ranks agree.
+            // All ranks read and check the text in the same way: a few cases of every kind show that they agree.
             ranks: if n % 12 == 5 { BOTH } else { ALONE },
         }
     };
@@ -171,7 +171,7 @@ fn scenes() {
     check_all(&cases);
 }
 
-/// A wrong mesh file: the message names the key, its line and the file.
+/// Faulty mesh files: the message names the key, its line and the file.
 fn meshes() {
     let case = |(n, bad): (usize, bad_meshes::BadMesh)| {
         let mut fragments = vec!["scene.toml:5: body.mesh: ".to_owned(), "mesh".to_owned()];
@@ -183,7 +183,8 @@ fn meshes() {
             status: 2,
             fragments,
             before: [Before::Nothing, Before::Result][n % 2],
-            // Every third is enough for what rank 0 finds before PETSc reads; what comes later is at the table's end.
+            // Every third case is enough for errors that rank 0 finds before PETSc reads the mesh. The later errors are
+            // at the end of the table.
             ranks: if n % 3 == 0 || n > 33 { BOTH } else { ALONE },
         }
     };
@@ -191,7 +192,7 @@ fn meshes() {
     check_all(&cases);
 }
 
-/// What the scene asks of a good mesh that the mesh does not have.
+/// Scenes that ask a good mesh for something it does not have.
 fn scenes_on_a_good_mesh() {
     let case = |name: &str, set: &str, fragments: &[&str]| Case {
         name: name.to_owned(),
@@ -234,7 +235,7 @@ fn scenes_on_a_good_mesh() {
     ]);
 }
 
-/// Theories that do not stand for a scene: the message names `body.model`, and why.
+/// Theories that cannot model a scene: the message names `body.model` and the reason.
 fn theories() {
     let case = |name: &str, model: &str, set: &str, fragment: &str| Case {
         name: name.to_owned(),
@@ -289,7 +290,7 @@ fn theories() {
     ]);
 }
 
-/// Sweeps that cannot be begun, and files that are no sweeps.
+/// Sweeps that cannot start, and files that are not sweeps.
 fn sweeps() {
     let case = |name: &str, line: &str, status, fragments: &[&str], before, ranks| Case {
         name: name.to_owned(),
@@ -320,7 +321,7 @@ fn sweeps() {
     check_all(&cases);
 }
 
-/// Files that cannot be read or written, and command lines that mean nothing.
+/// Files that cannot be read or written, and meaningless command lines.
 fn files_and_command_lines() {
     let good = |name: &str, line: &str, status: i32, fragments: &[&str], before: Before, ranks| Case {
         name: name.to_owned(),
@@ -343,7 +344,7 @@ fn files_and_command_lines() {
         good("no folder", "run box.toml -o no/out.h5", 4, &["no/out.h5: there is no folder no"], Result, BOTH),
         good("a folder", "run box.toml -o ..", 4, &["error: ..: "], Nothing, ALONE),
         good("a folder by name", "run box.toml -o /tmp", 4, &["/tmp: is a folder"], Nothing, BOTH),
-        // Also to root, a folder of the kernel's refuses new files.
+        // This folder of the kernel refuses new files even from root.
         good("no permission", "run box.toml -o /proc/out.h5", 4, &["/proc/out.h5: cannot be created"], Nothing, BOTH),
         good("the scene itself", "run box.toml -o box.toml", 4, &["box.toml: is no readable HDF5 file, so it is not replaced"], Nothing, BOTH),
         good("somebody's notes", "run box.toml -o out.h5", 4, &["out.h5: is no readable HDF5 file"], Sentinel, BOTH),

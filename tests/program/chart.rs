@@ -1,4 +1,5 @@
-//! `ricochet chart`: methods timed and measured, peers beside them, and runs that are not done twice.
+//! Tests of `ricochet chart`: methods are timed and their errors measured, results of other programs are compared, and
+//! no run is done twice.
 
 use mpi_test::{PlainTest, tests};
 use std::fs;
@@ -11,7 +12,7 @@ pub const TESTS: &[PlainTest] =
     tests![errors_fall_and_peers_are_measured, a_killed_chart_goes_on, what_is_wrong_is_told, a_reference_may_be_given];
 pub const LONG: &[PlainTest] = tests![errors_fall_with_the_tolerance];
 
-/// A small plate that flies off after one short contact.
+/// A small free plate with one short contact.
 const SCENE: &str = "title = \"Ball on a plate\"\n[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.2, 0.2, 0.01]\n\
     [impactor]\nmass = 0.05\nradius = 0.02\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n[time]\nend = 4e-4\n";
 
@@ -27,13 +28,13 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
-/// The lines of a chart's table by column: method, setting, first error, and all but times.
+/// Lines of a chart's table, with these columns: method, setting, first error, and everything except the times.
 fn table(path: &Path) -> Vec<Line> {
     let mut table = csv::Reader::from_path(path.join("work-precision.csv")).unwrap();
     let head = table.headers().unwrap().clone();
     let line = |line: Result<csv::StringRecord, csv::Error>| {
         let line = line.unwrap();
-        // Times, and what goes by them.
+        // Times, and the column that depends on them.
         let varies = |name: &str| ["build_s", "run_s", "total_s", "is_front"].contains(&name);
         let rest: Vec<&str> = head.iter().zip(&line).filter(|(name, _)| !varies(name)).map(|x| x.1).collect();
         (line[0].to_owned(), line[1].to_owned(), line[7].parse().unwrap(), rest.join(","))
@@ -41,24 +42,26 @@ fn table(path: &Path) -> Vec<Line> {
     table.records().map(line).collect()
 }
 
-/// A line of the table: method, setting, first error, and all but times.
+/// A line of the table: method, setting, first error, and everything except the times.
 type Line = (String, String, f64, String);
 
-/// Kirchhoff's plate is some per cent off, so that references that agree to a tenth of that are soon found.
+/// Errors fall, and a peer is measured. Kirchhoff's plate has an error of some per cent, so two references that agree
+/// to a tenth of it are found quickly.
 fn errors_fall_and_peers_are_measured() {
     let lines = charted("kirchhoff");
     let kirchhoff = errors(&lines, "kirchhoff");
     assert!(kirchhoff.len() >= 3 && kirchhoff.iter().all(|error| *error < 0.5), "{lines:?}");
 }
 
-/// Errors fall with the tolerance down to where the solid itself takes minutes.
+/// Errors fall with the tolerance. Smaller tolerances, at which the solid takes minutes, are left out.
 fn errors_fall_with_the_tolerance() {
     let lines = charted("mindlin,auto,newmark");
     let met = errors(&lines, "auto").into_iter().zip([1e-1, 1e-2, 1e-3, 1e-4]).all(|(error, most)| error <= most);
     assert!(met && !errors(&lines, "auto").is_empty(), "{lines:?}");
     let mindlin = errors(&lines, "mindlin");
     assert!(mindlin.len() >= 3 && mindlin[mindlin.len() - 1] < 0.1 * mindlin[0], "{mindlin:?}");
-    // Newmark's method of order two: from 20 to 60 and 200 steps a contact at the theory's own error or above.
+    // Newmark's method is of order two: from 20 to 60 and 200 time steps in a contact, at or above the theory's own
+    // error.
     let stepped = errors(&lines, "mindlin/newmark");
     assert!(stepped[1] < 0.3 * stepped[0], "{stepped:?}");
 }
@@ -67,11 +70,12 @@ fn errors(lines: &[Line], method: &str) -> Vec<f64> {
     lines.iter().filter(|line| line.0 == method).map(|line| line.2).collect()
 }
 
-/// The table of a chart of these methods and a peer, which is measured by the same reference; what was charted can be read.
+/// Makes the chart of these methods and a peer, which is measured against the same reference; returns its table. The
+/// chart's files must be readable.
 fn charted(only: &str) -> Vec<Line> {
     let folder = folder();
     let path = folder.path();
-    // A peer that is a twentieth of the peak off: a run of our own, multiplied.
+    // The peer is a run of this program, multiplied so that its error is a twentieth of the peak.
     ricochet(path).args(["run", "ball.toml", "-o", "own.h5", "--set", "accuracy.tolerance=1e-3"]).assert().success();
     let history = ricochet::record::read::history(&path.join("own.h5")).unwrap();
     let rows: String =
@@ -83,7 +87,7 @@ fn charted(only: &str) -> Vec<Line> {
     ricochet(path).args(chart).assert().success();
     let chart = path.join("chart");
     let lines = table(&chart);
-    // The peer's error is that of its factor; its own steps are off by less than 1e-3, and so is the reference.
+    // The peer's error comes from the factor. The time-step errors of the run and of the reference are less than 1e-3.
     assert!((errors(&lines, "Peer")[0] - 0.05).abs() < 2e-3, "{lines:?}");
     let summary = fs::read_to_string(chart.join("summary.md")).unwrap();
     assert!(
@@ -96,11 +100,11 @@ fn charted(only: &str) -> Vec<Line> {
     lines
 }
 
-/// Killed half-way and started again: the same table, and nothing is done twice.
+/// A chart that is killed halfway and started again gives the same table, and no run is done twice.
 fn a_killed_chart_goes_on() {
     let folder = folder();
     let path = folder.path();
-    // Its errors are no matter here.
+    // The errors of this run do not matter here.
     ricochet(path).args(["run", "ball.toml", "-o", "own.h5", "--set", "body.model=mindlin"]).assert().success();
     let only = "kirchhoff,mindlin/newmark";
     let arguments = |output| ["chart", "ball.toml", "-o", output, "--only", only, "--reference", "own.h5"];
@@ -128,14 +132,14 @@ fn a_killed_chart_goes_on() {
     }
     child.kill().unwrap();
     child.wait().unwrap();
-    // The last of them may have been cut off.
+    // The last file may be incomplete.
     let before: Vec<_> =
         kept().into_iter().map(|path| (fs::metadata(&path).unwrap().modified().unwrap(), path)).collect();
     assert!(!path.join("killed/work-precision.csv").exists());
     ricochet(path).args(arguments("killed")).assert().success();
     let again = before.iter().filter(|(when, path)| fs::metadata(path).unwrap().modified().unwrap() != *when).count();
     assert!(again <= 1, "{again} of {} runs were done twice", before.len());
-    // All but the times, which are in their own columns, and the front, which goes by them.
+    // Everything is compared except the times, which have separate columns, and the front, which depends on them.
     let [whole, killed] = ["whole", "killed"].map(|name| table(&path.join(name)));
     assert_eq!(whole, killed);
 }
@@ -147,7 +151,7 @@ fn what_is_wrong_is_told() {
     fs::write(path.join("short.csv"), "time,acceleration\n0,1\n").unwrap();
     let other = ["run", "ball.toml", "-o", "other.h5", "--set", "impactor.speed=2", "--set", "body.model=half-space"];
     ricochet(path).args(other).assert().success();
-    // What stands in the folder and is none of this program's stays.
+    // Files in the folder that are not from this program stay.
     fs::create_dir(path.join("full")).unwrap();
     fs::write(path.join("full/summary.md"), "my notes").unwrap();
     for (arguments, status, part) in [
@@ -170,7 +174,7 @@ fn what_is_wrong_is_told() {
     }
 }
 
-/// A reference that is given is the only one; bodies without modes are stepped.
+/// A given reference is the only one used. Bodies without modes are integrated with time steps.
 fn a_reference_may_be_given() {
     let folder = folder();
     let path = folder.path();
@@ -185,12 +189,12 @@ fn a_reference_may_be_given() {
     ricochet(path).args(fine).args(cells).assert().success();
     let chart = ["chart", "pad.toml", "-o", "chart", "--only", "solid/energy", "--reference", "fine.h5"];
     ricochet(path).args(chart).args(cells).assert().success();
-    // The same folder is for the same scene.
+    // The same folder cannot be used for another scene.
     let other = ricochet(path).args(chart).args(["--set", "body.cells=[4,4,1]"]).assert().code(4);
     assert!(String::from_utf8_lossy(&other.get_output().stderr).contains("holds results of another scene"));
     let lines = table(&path.join("chart"));
     assert!(lines.len() >= 4 && lines.iter().all(|line| line.0 == "solid/energy"), "{lines:?}");
-    // Order two, until the reference's own steps are met.
+    // Order two, until the error of the reference's own time steps is reached.
     assert!(lines[2].2 < 0.3 * lines[0].2, "{lines:?}");
     assert!(fs::read_to_string(path.join("chart/summary.md")).unwrap().contains("Reference: fine.h5."));
     let build = fs::read_dir(path.join("chart/runs")).unwrap().next().unwrap().unwrap();

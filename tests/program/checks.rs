@@ -1,4 +1,4 @@
-//! `check`: what a mesh measures, what looks wrong with it, facts for programs, and an answer within seconds.
+//! Tests of `check`: measurements of a mesh, warnings, facts for other programs, and an answer within seconds.
 
 use std::fs;
 
@@ -19,7 +19,7 @@ pub const TESTS: &[PlainTest] = tests![
     a_slow_scene_is_answered_soon,
 ];
 
-/// Of a body from a mesh, with supports on a surface.
+/// A scene with a mesh body and supports on a surface.
 fn scene(surface: &str, point: &str) -> String {
     format!(
         "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500\nmesh = \"body.msh\"\norder = 1\n\
@@ -48,7 +48,7 @@ fn a_mesh_is_measured() {
     let folder = with_mesh("side", "[0, 0, 0.5]", &sample("block-tet41.msh"));
     for ranks in [0, 2] {
         let facts = facts(&good(&folder, ranks, "check scene.toml --json"));
-        // Sums of some hundred products of the coordinates.
+        // Tolerance for sums of some hundred products of the coordinates.
         let is = |value: &Value, exact: f64| (number(value) - exact).abs() < 1e-12 * exact.abs();
         assert!(is(&facts["mass"], 2500.0) && is(&facts["volume"], 1.0), "{facts:#}");
         assert!((0..3).all(|i| is(&facts["bounds"][0][i], -0.5) && is(&facts["bounds"][1][i], 0.5)), "{facts:#}");
@@ -65,17 +65,17 @@ fn a_mesh_is_measured() {
 }
 
 fn what_looks_wrong_with_a_mesh_is_warned_of() {
-    // The upper of the two hexahedra with nodes of its own.
+    // The upper one of the two hexahedra has separate nodes.
     let apart = TWO
         .replace("12\n1 0 0 0", "16\n1 0 0 0")
         .replace("12 0 1 2\n", "12 0 1 2\n13 0 0 1.5\n14 1 0 1.5\n15 1 1 1.5\n16 0 1 1.5\n")
         .replace("3 5 2 3 1 5 6 7 8 9", "3 5 2 3 1 13 14 15 16 9");
-    // All six of its faces.
+    // All six faces of the upper hexahedron.
     let whole = "1 3 2 1 1 9 10 11 12\n4 3 2 1 1 1 2 3 4\n5 3 2 1 1 1 2 6 5\n6 3 2 1 1 5 6 10 9\n7 3 2 1 1 2 3 7 6\n8 3 2 1 1 6 7 11 10\n\
                  9 3 2 1 1 3 4 8 7\n10 3 2 1 1 7 8 12 11\n11 3 2 1 1 4 1 5 8\n12 3 2 1 1 8 5 9 12";
     let covered = TWO.replace("$Elements\n3", "$Elements\n12").replace("1 3 2 1 1 9 10 11 12", whole);
     let large = sample("block-tet41.msh").replace("0.5", "500");
-    // Only two of its four nodes there.
+    // The upper hexahedron shares only two of its four nodes with the lower one.
     let open = TWO
         .replace("12\n1 0 0 0", "14\n1 0 0 0")
         .replace("12 0 1 2\n", "12 0 1 2\n13 1 1 1\n14 0 1 1\n")
@@ -114,13 +114,14 @@ fn odd_values_are_warned_of_and_computed() {
 }
 
 fn two_physical_volumes_are_refused() {
-    // In version 2.2 by the elements' first tags, in 4.1 by the groups of the volumes, of which one may be in two.
+    // Regions are given in version 2.2 by the elements' first tags, in 4.1 by the groups of the volumes. A volume may
+    // be in two groups.
     let by_elements = TWO.replace("3 5 2 3 1 5", "3 5 2 4 1 5");
     let modern = sample("block-tet41.msh");
     let volume = modern.lines().find(|line| line.contains(" 1 4 6 ")).unwrap();
     let in_two = modern.replacen(volume, &volume.replacen(" 1 4 6 ", " 2 4 7 6 ", 1), 1);
     good(&with_mesh("side", "[0, 0, 0.5]", &in_two), 0, "check scene.toml");
-    // A second volume in a group of its own, which has the last element.
+    // A second volume in another group, which has the last element.
     let other = volume.replacen("1 ", "2 ", 1).replacen(" 1 4 6 ", " 1 7 6 ", 1);
     let mut lines: Vec<String> = modern.lines().map(str::to_owned).collect();
     let at = |lines: &[String], start: &str| lines.iter().position(|line| line.starts_with(start)).unwrap();
@@ -155,11 +156,11 @@ fn facts_for_programs() {
     assert_eq!(facts["title"], "Small plate");
     assert_eq!((&facts["model"]["theory"], &facts["model"]["unknowns"]), (&"solid".into(), &150.into()));
     assert!((number(&facts["mass"]) - 12.5).abs() < 1e-12);
-    // Of an impact of 52 kg on a half-space, k0 by (15): docs/scene.md.
+    // Contact stiffness of an impact of 52 kg on a half-space, with k0 by (15): docs/scene.md.
     assert!((number(&facts["contact"]["stiffness"]) / 1.669e10 - 1.0).abs() < 1e-3, "{facts:#}");
 }
 
-/// A pane whose model takes much longer than the patience of `check`.
+/// `check` answers soon even for a pane whose model takes much longer than its time limit.
 fn a_slow_scene_is_answered_soon() {
     let pane = results::pane().replace("tolerance = 1e-2", "tolerance = 1e-3");
     let folder = folder(&pane);

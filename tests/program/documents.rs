@@ -1,4 +1,4 @@
-//! Commands and their output in README and docs are what the program says.
+//! Tests that the commands and outputs in README and docs match the program.
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,8 @@ use crate::program::run;
 pub const TESTS: &[PlainTest] =
     tests![consoles_say_what_the_program_says, the_scene_of_the_readme_is_the_one_that_ships];
 
-/// Digits of estimates may differ between versions of PETSc and processors; peaks and times have five digits.
+/// Relative tolerance for numbers. Digits of error estimates may differ between versions of PETSc and processors; peaks
+/// and times have five digits.
 const TOLERANCE: f64 = 0.02;
 
 fn root() -> &'static Path {
@@ -33,7 +34,7 @@ fn blocks<'a>(page: &'a str, kind: &str) -> Vec<&'a str> {
     page.split(start.as_str()).skip(1).map(|rest| rest.split("```").next().unwrap()).collect()
 }
 
-/// A line's words; numbers by themselves.
+/// Words of a line; each number is a separate word.
 fn words(line: &str) -> Vec<String> {
     let number = Regex::new(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?").unwrap();
     let mut words = Vec::new();
@@ -56,7 +57,8 @@ fn is_alike(expected: &str, said: &str) -> bool {
         })
 }
 
-/// `$ ricochet …`, then what it says on standard output, line by line; … stands for any number of lines.
+/// Checks blocks of `$ ricochet …` followed by the program's standard output, line by line; … stands for any number of
+/// lines.
 fn consoles_say_what_the_program_says() {
     let folder = tempfile::tempdir().unwrap();
     std::os::unix::fs::symlink(root().join("scenes"), folder.path().join("scenes")).unwrap();

@@ -1,4 +1,4 @@
-//! Runs that are ended before their time: by a kill, a signal, a failure of the solver, a full disk.
+//! Tests of runs that end early: by a kill, a signal, a failure of the solver, or a full disk.
 
 use crate::results;
 use mpi_test::{PlainTest, tests};
@@ -36,7 +36,7 @@ fn begun(folder: &TempDir, ranks: usize) -> Started {
     started
 }
 
-/// The rows of a run that was ended are the first ones of the whole run.
+/// Checks that the rows of a run that was ended are the first rows of the whole run.
 fn check_prefix(path: &Path) -> usize {
     assert!(!is_complete(path));
     let time = column(path, "time");
@@ -47,7 +47,7 @@ fn check_prefix(path: &Path) -> usize {
     good(&whole, 0, "run scene.toml");
     let (part, whole) = (column(path, "contact/force"), column(&whole.path().join("scene.h5"), "contact/force"));
     let rows = time.len().min(part.len()).min(whole.len());
-    // Equal up to the rounding of another number of ranks.
+    // Equal except for rounding, which differs with the number of ranks.
     let largest = whole.iter().fold(0.0, |m, x| f64::max(m, *x));
     assert!((0..rows).all(|n| (part[n] - whole[n]).abs() <= 1e-9 * largest));
     time.len()
@@ -66,13 +66,13 @@ fn a_killed_run_leaves_a_readable_prefix() {
         let rows = check_prefix(&folder.path().join("out.h5"));
         assert!(rows >= 1);
         most = most.max(rows);
-        // Nothing stands in the way of a next run.
+        // The next run is not hindered.
         good(&folder, 0, "run scene.toml -o out.h5 --set time.end=1e-4");
     }
     assert!(most > 1, "no run came far: {most} rows");
 }
 
-/// Status 130, a file that is whole up to there, and one line that says so.
+/// Checks for status 130, a file that is complete up to the interruption, and one line of output about it.
 fn check_interrupted(folder: &TempDir, outcome: &Outcome) {
     assert_eq!(outcome.status, Some(130), "{outcome:#?}");
     let path = folder.path().join("out.h5");
@@ -93,7 +93,8 @@ fn sigterm_ends_a_run_in_order() {
     check_interrupted(&folder, &started.wait(LIMIT));
 }
 
-/// Ended by SIGINT after its first line of progress, which is due after a second; the next one would come two seconds later.
+/// SIGINT is sent after the first line of progress, which appears after a second; the next one would appear two seconds
+/// later.
 fn sigint_ends_a_run_in_order_and_progress_is_sparse() {
     let folder = folder(&long());
     let started = begun(&folder, 0);
@@ -107,13 +108,14 @@ fn sigint_ends_a_run_in_order_and_progress_is_sparse() {
     check_interrupted(&folder, &outcome);
     let lines: Vec<&str> = outcome.stderr.lines().filter(|line| line.starts_with("step ")).collect();
     assert_eq!(lines.len(), 1, "{outcome:#?}");
-    // A thousand steps and more by then.
+    // By then the run has done a thousand time steps or more.
     assert!(lines[0].contains(", t = ") && lines[0].contains(" of 10000.000 ms, F = "), "{lines:?}");
     assert!(lines[0].ends_with(" s left"), "{lines:?}");
     assert!(!outcome.stderr.contains('\r') && !outcome.stderr.contains('\u{1b}'));
 }
 
-/// In modal coordinates steps are told once they are all there: those up to the signal, of a run of minutes.
+/// In modal coordinates the steps are written only when all are computed. After a signal, those computed so far are
+/// written; the whole run would take minutes.
 fn sigterm_ends_a_run_in_modal_coordinates() {
     let scene = results::folder(&BOX.replace("reduction = \"none\"\n", "").replace("newton = \"full\"", ""));
     let line = "run scene.toml -o out.h5 --set time.end=90 --set time.step=1e-5";
@@ -136,13 +138,13 @@ fn sigterm_ends_a_run_in_modal_coordinates() {
     assert!(force.iter().any(|force| *force > 0.0) && time.windows(2).all(|pair| pair[1] > pair[0]));
 }
 
-/// Progress from the first second, and an end in order, while the model of a thin pane is made.
+/// While the model of a thin pane is made, progress is shown from the first second, and a signal ends the run in order.
 fn a_signal_ends_the_making_of_a_model() {
     let pane = results::pane();
     for (command, signal) in [("run", "TERM"), ("run", "INT"), ("run", "USR1"), ("check --full", "TERM")] {
         let folder = folder(&pane);
         let output = if command == "run" { "-o out.h5" } else { "" };
-        // Some seconds of making, of which the first second says nothing.
+        // Making the model takes some seconds; nothing is shown in the first one.
         let given = format!("{command} scene.toml {output} --set accuracy.tolerance=2e-3");
         let started = start(ricochet(folder.path(), 0).args(words(&given)));
         let begin = Instant::now();
@@ -186,7 +188,8 @@ fn a_killed_rank_ends_all() {
     assert!(check_prefix(&folder.path().join("out.h5")) >= 1);
 }
 
-/// Up to the contact, after five steps through a gap of 0.1 mm, each step is linear and one iteration is enough.
+/// Before the contact, which comes after five time steps through a gap of 0.1 mm, each step is linear and one iteration
+/// is enough.
 fn a_solver_that_fails_says_where_and_the_rows_so_far_are_kept() {
     for ranks in [0, 2] {
         let folder = folder(BOX);
@@ -205,7 +208,7 @@ fn a_solver_that_fails_says_where_and_the_rows_so_far_are_kept() {
     }
 }
 
-/// Who removes the folder under a run is told, and the run ends.
+/// If the folder is removed during a run, the run ends with a message.
 fn a_removed_folder_ends_a_run() {
     for ranks in [0, 2] {
         let folder = folder(&long());
@@ -225,7 +228,8 @@ fn a_removed_folder_ends_a_run() {
     }
 }
 
-/// A checkpoint that finds no room is told and ends nothing: a limit on the size of files that the series keeps.
+/// A checkpoint that does not fit on the disk gives a message, and the run continues. The test limits the size of
+/// files; the series stay below the limit.
 fn a_checkpoint_without_room_costs_nothing() {
     let scene = BOX.replace("[4, 4, 1]", "[12, 12, 2]").replace("order = 1", "order = 2");
     let folder = folder(&scene.replace("newton = \"full\"", "newton = \"condensed\""));
@@ -242,12 +246,13 @@ fn a_checkpoint_without_room_costs_nothing() {
     assert!(is_complete(&folder.path().join("out.h5")) && left.len() == 2, "{left:?}");
 }
 
-/// The result of a run in modal coordinates, whose steps are all there before the first is written, is replaced when the new one is whole.
+/// A full disk does not destroy an older result. A run in modal coordinates writes its first step only when all are
+/// computed; the old result is replaced when the new one is complete.
 fn a_full_disk_costs_no_older_result() {
     let folder = folder(&BOX.replace("reduction = \"none\"\n", "").replace("newton = \"full\"", ""));
     good(&folder, 0, "run scene.toml -o out.h5");
     let before = std::fs::read(folder.path().join("out.h5")).unwrap();
-    // The signal of the limit, which ends programs that do not know it, is left to the program.
+    // The signal of the size limit ends programs that do not handle it; the program must handle it.
     let program = env!("CARGO_BIN_EXE_ricochet");
     let limited = format!("ulimit -f 512; exec '{program}' run scene.toml -o out.h5 --set time.end=0.2");
     let outcome =
@@ -259,13 +264,14 @@ fn a_full_disk_costs_no_older_result() {
     assert_eq!(left.len(), 2, "{left:?}");
 }
 
-/// A limit on the size of files stands for a full disk: 32 MiB, where the planned rows need more.
+/// A full disk is reported in one line. A limit on the size of files stands for it: 32 MiB, where the planned rows need
+/// more.
 fn a_full_disk_is_told_in_one_line() {
     let folder = folder(&BOX.replace("end = 1e-3", "end = 20"));
     let program = env!("CARGO_BIN_EXE_ricochet");
     let limited = format!("trap '' XFSZ; ulimit -f 32768; exec '{program}' run scene.toml -o out.h5");
     let alone = run(Command::new("bash").args(["-c", &limited]).current_dir(folder.path()).env("OMP_NUM_THREADS", "1"));
-    // mpirun's own files are not limited.
+    // The files of mpirun are not limited.
     let two = run(mpi_test::mpirun(2).args(["bash", "-c", &limited]).current_dir(folder.path()));
     for outcome in [alone, two] {
         assert_eq!(outcome.status, Some(4), "{outcome:#?}");

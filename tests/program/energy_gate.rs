@@ -1,4 +1,4 @@
-//! A scheme that grows, run as a user runs it: it is stopped, and what it wrote until then can be read.
+//! Test of an unstable scheme in the program: the run is stopped, and the rows written before can be read.
 
 use crate::program::{BOX, ricochet, run};
 use crate::results::{column, folder, is_complete, words};

@@ -1,4 +1,4 @@
-//! Fields of runs, read back as ParaView reads them: PyPI's vtk, by scripts/readers.
+//! Tests of field output, read like ParaView does: with PyPI's vtk, by scripts/readers.
 
 use crate::bricks;
 use crate::results;
@@ -21,7 +21,7 @@ pub const TESTS: &[PlainTest] = tests![
 ];
 pub const BY_VTK: &[PlainTest] = tests![vtk_reads_what_the_series_tells];
 
-/// What VTK tells of a result's fields, by the ways into them.
+/// VTK's description of a result's fields, for each way of opening them.
 fn by_vtk(result: &Path) -> Value {
     let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/readers");
     let output = Command::new(scripts.join("python"))
@@ -37,13 +37,15 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
 }
 
-/// What a case is made of: overrides, the mesh file where there is one, and VTK's type of the cells.
+/// A test case: overrides, localisation, the mesh file if there is one, and VTK's type of the cells.
 type Case = (&'static str, &'static str, Option<(Shape, usize)>, u64);
 
 const SIZE: [f64; 3] = [0.5, 0.4, 0.05];
 
-/// On every kind of body and of steps: as many frames as every fifth step, at its time; the bounds and the volume of the whole body at rest; and,
-/// under a force at a point, nowhere more deflection than there, which is the series' own. With a patch it is that to the patch's dent.
+/// VTK reads the same data as the series, for every kind of body and of time integration. There is one frame for every
+/// fifth time step, at its time. The bounds and the volume are taken from the whole undeformed body. Under a point
+/// force, no point deflects more than the loaded one, whose deflection is in the series. With a patch the same holds
+/// except for the dent of the patch.
 fn vtk_reads_what_the_series_tells() {
     let scene = plate(&format!("size = {SIZE:?}"), "end = 1e-3", &sides(1e9, 0.0)) + "[output]\nfields = 5\n";
     let folder = folder(&scene);
@@ -78,7 +80,7 @@ fn vtk_reads_what_the_series_tells() {
             let frames = ways[way].as_array().unwrap_or_else(|| panic!("{way}: {ways}"));
             assert_eq!(frames.len(), (time.len() - 1) / 5 + 1, "{line}: {way}");
             for (n, frame) in frames.iter().enumerate() {
-                // The XDMF has the time as text.
+                // The XDMF file has the time as text.
                 assert!((number(&frame["time"]) - time[5 * n]).abs() <= 1e-15 * time[5 * n], "{way}: {frame}");
                 for axis in 0..3 {
                     let bounds = [0, 1].map(|end| number(&frame["bounds"][2 * axis + end]));
@@ -90,8 +92,9 @@ fn vtk_reads_what_the_series_tells() {
                 let up = number(&frame["largest"]["displacement"][2]);
                 let felt = deflection[5 * n];
                 let largest = deflection.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
-                // A patch reads a mean, and what a wide disc does not resolve is in the contact law; beside the point of a mesh without
-                // symmetry another one may be deflected more.
+                // The tolerance depends on the localisation. A patch gives a mean deflection, and the part that a wide
+                // disc does not resolve is in the contact law. On a mesh without symmetry, a point next to the loaded
+                // one may deflect more.
                 let dent = if localization.is_empty() {
                     0.03
                 } else if mesh.is_some() {
@@ -112,7 +115,7 @@ fn vtk_reads_what_the_series_tells() {
             let peak = frames.iter().map(|frame| number(&frame["largest"]["principal_stress"][0])).fold(0.0, f64::max);
             assert!(peak > 1e6, "{line}: {way}: {peak:e} Pa");
         }
-        // One answer by all ways, and units.
+        // All ways of opening give the same data; then the units are checked.
         assert_eq!(ways["result"], ways["vtkhdf"]);
         let file = results::open(&result);
         for (field, units) in [("displacement", "m"), ("velocity", "m/s"), ("principal_stress", "Pa")] {
@@ -122,8 +125,9 @@ fn vtk_reads_what_the_series_tells() {
     }
 }
 
-/// With the local field of the contact, on every kind of body: on both faces under the hit, and beside it. Without it they differ by a tenth and
-/// more below, and by the pressure of the contact above. What is left is rounding.
+/// Fields near the impact point agree with probes, for every kind of body, because they include the local field of the
+/// contact: on both faces under the impact point, and away from it. Without the local field they would differ by a
+/// tenth and more below, and by the contact pressure above. The remaining difference is rounding.
 fn fields_near_the_hit_are_what_probes_read() {
     let points = [[0.0, 0.0, -0.025], [0.0, 0.0, 0.025], [0.25, 0.2, -0.025]];
     let probes = points.iter().enumerate().map(|(n, point)| format!("{{ name = \"{n}\", point = {point:?} }}"));
@@ -154,7 +158,7 @@ fn fields_near_the_hit_are_what_probes_read() {
     }
 }
 
-/// Fields know no partition: points, cells and values are the same on any number of ranks.
+/// Fields do not depend on the partition: points, cells and values are the same on any number of ranks.
 fn ranks_write_the_same_fields() {
     let scene = BOX.replace("order = 1", "order = 2").replace("[4, 4, 1]", "[6, 5, 1]") + "[output]\nfields = 10\n";
     let folder = folder(&scene);
@@ -172,13 +176,13 @@ fn ranks_write_the_same_fields() {
         let (others, other_cells) = read(ranks);
         assert_eq!(cells, other_cells);
         for (a, b) in alone.iter().zip(&others) {
-            // As the series: the residual's tolerance, and rounding that bending amplifies.
+            // Same tolerance as for the series: the residual's tolerance, and rounding that bending amplifies.
             assert!(difference(a, b) < 1e-7, "{ranks}");
         }
     }
 }
 
-/// Killed at any moment, both files can be read: the fields have all of the frames that they tell.
+/// After a kill at any moment both files can be read, and the fields have all frames that they announce.
 fn a_kill_leaves_fields_that_can_be_read() {
     let scene = long().replace("end = 10", "end = 1")
         + "[output]\nfields = 2\nprobes = [{ name = \"a\", point = [0.1, 0, -0.01] }]\n";
@@ -210,7 +214,8 @@ fn a_kill_leaves_fields_that_can_be_read() {
     }
 }
 
-/// Names that fields would take from the result, and places where they cannot be written, are told before anything is computed.
+/// Fields whose file names conflict with the result, or that cannot be written, are refused before anything is
+/// computed.
 fn names_that_fields_cannot_have() {
     let folder = folder(&(BOX.to_owned() + "[output]\nfields = 10\n"));
     fs::create_dir(folder.path().join("taken.xdmf")).unwrap();

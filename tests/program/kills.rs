@@ -1,4 +1,5 @@
-//! Kills at any moment: the result is readable each time, and the run that goes on from it ends as one that nobody killed.
+//! Tests of kills at any moment: the result is always readable, and the continued run ends like one that was not
+//! killed.
 
 use crate::results;
 use mpi_test::{PlainTest, tests};
@@ -12,17 +13,18 @@ use crate::results::{column, folder, good, is_complete, words};
 pub const TESTS: &[PlainTest] = tests![kills_cost_nothing, kills_of_a_rank_cost_nothing];
 pub const LONG: &[PlainTest] = tests![a_hundred_kills_cost_nothing, more_kills_of_a_rank_cost_nothing];
 
-/// As [`BOX`] with the condensed step, to an end, s: some tenths of a second with its checkpoints, which come often.
+/// Same as [`BOX`] with the condensed Newton's method, up to a time `end` (s): a run of some tenths of a second with
+/// frequent checkpoints.
 fn scene(end: &str) -> String {
     BOX.replace("newton = \"full\"", "newton = \"condensed\"").replace("end = 1e-3", &format!("end = {end}"))
         + "\n[output]\ncheckpoint_steps = 60\nfields = 70\nprobes = [{ name = \"under\", point = [0.05, 0, -0.01] }]\n"
 }
 
-/// Numbers that look random, the same in every run of the test.
+/// Pseudo-random numbers, the same in every run of the test.
 struct Random(u64);
 
 impl Random {
-    /// Below `end`.
+    /// The next number, in 0..`end`.
     fn next(&mut self, end: u64) -> u64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) % end
@@ -34,7 +36,7 @@ const SERIES: [&str; 5] =
 
 const FIELDS: [&str; 2] = ["PointData/displacement", "PointData/principal_stress"];
 
-/// What is compared of a result: its times, its series, and its frames' times and fields.
+/// The compared content of a result: its times, its series, and the times and fields of its frames.
 struct Content {
     time: Vec<f64>,
     series: Vec<Vec<f64>>,
@@ -54,12 +56,12 @@ impl Content {
         }
     }
 
-    /// Whether it is the beginning of the whole run, each value to a part of the largest of its kind.
+    /// Checks that this is the beginning of the whole run, to a fraction of the largest value of each series.
     fn check_begins(&self, whole: &Self, tolerance: f64) {
         let check = |part: &[f64], whole: &[f64], name: &str| {
             let scale = whole.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
             assert!(part.len() <= whole.len(), "{name}: {} values", part.len());
-            // Not true of NaN.
+            // False for NaN.
             let alike = part.iter().zip(whole).all(|(a, b)| (a - b).abs() <= tolerance * scale);
             assert!(alike, "{name}");
         };
@@ -79,19 +81,19 @@ impl Content {
     }
 }
 
-/// What is killed, how often, and in what runs.
+/// Settings of a test: number of kills, and the runs that are killed.
 struct Plan {
-    /// Under mpirun, where one of the ranks is killed and that ends the others; 0 is the program alone.
+    /// Number of ranks under mpirun, where one rank is killed and its end stops the others; 0 is the program alone.
     ranks: usize,
     kills: usize,
-    /// Of the scene, s.
+    /// End time of the scene, s.
     end: &'static str,
-    /// To a part of the largest value of the whole run, which nobody killed.
+    /// Allowed difference from the run that was not killed, over its largest value.
     tolerance: f64,
 }
 
-/// Waits for the moment of the next kill: every second one comes soon after a new checkpoint, the others at any time from before the first
-/// row to beyond the end of a run that takes `time`.
+/// Waits for the moment of the next kill. Every second kill comes soon after a new checkpoint. The others come at any
+/// time from before the first row to after the end of a run that takes `time`.
 fn wait_for_moment(number: usize, random: &mut Random, (checkpoint, time): (&Path, Duration), child: &mut Child) {
     if number.is_multiple_of(2) {
         return std::thread::sleep(time.mul_f64(1.2e-6 * random.next(1_000_000) as f64));
@@ -109,19 +111,20 @@ fn kill(plan: &Plan) {
     let whole = folder(&scene(end));
     let begin = Instant::now();
     good(&whole, ranks, "run scene.toml -o out.h5");
-    // On a busy machine everything takes longer, and kills come later.
+    // Kill times scale with the measured duration of a run, which is longer on a busy machine.
     let time = begin.elapsed();
     let whole = Content::read(&whole.path().join("out.h5"));
     let mut random = Random(4711);
     let (mut kills, mut runs, mut gone_on, mut unread) = (0, 0, 0, 0);
-    // Until a run has gone on, too: a few kills may all miss, by their random moments.
+    // Also continue until at least one run has resumed: a few kills at random moments may all come before a checkpoint
+    // or after the end.
     while kills < many || gone_on == 0 && kills < 10 * many {
         let folder = folder(&scene(end));
         let [out, checkpoint] = ["out.h5", "out.checkpoint.h5"].map(|name| folder.path().join(name));
         runs += 1;
         loop {
             let line = if out.exists() { "run scene.toml --restart out.h5" } else { "run scene.toml -o out.h5" };
-            // (Of a run that was killed after its last row the checkpoint may still be there.)
+            // (If a run was killed after its last row, its checkpoint may still be there.)
             let had_checkpoint = checkpoint.exists() && !(out.exists() && is_complete(&out));
             let mut started = start(ricochet(folder.path(), ranks).args(words(line)));
             wait_for_moment(kills, &mut random, (&checkpoint, time), &mut started.child);
@@ -135,7 +138,7 @@ fn kill(plan: &Plan) {
             }
             let outcome = started.wait(LIMIT);
             if outcome.status == Some(0) {
-                // A checkpoint is never lost: the run that comes to its end has gone on from it.
+                // A checkpoint is never lost: if there was one, the run that reaches its end has continued from it.
                 assert_eq!(outcome.stderr.contains("continuing from t = "), had_checkpoint, "{outcome:#?}");
                 gone_on += usize::from(had_checkpoint);
                 break;
@@ -166,7 +169,7 @@ fn kill(plan: &Plan) {
     assert!(gone_on > 0 && unread < kills, "every second kill waits for a checkpoint: {gone_on}, {unread}");
 }
 
-/// Alone, bit for bit.
+/// Without mpirun, the continued run is equal bit for bit.
 fn kills_cost_nothing() {
     kill(&Plan { ranks: 0, kills: 16, end: "0.02", tolerance: 0.0 });
 }
@@ -175,7 +178,8 @@ fn a_hundred_kills_cost_nothing() {
     kill(&Plan { ranks: 0, kills: 100, end: "0.06", tolerance: 0.0 });
 }
 
-/// Of one of two ranks. Their sums come in one order, but nothing promises it: the rounding of some hundred steps.
+/// Kills of one of two ranks. The order of the sums over ranks is not guaranteed, so the tolerance covers the rounding
+/// of some hundred time steps.
 const OF_A_RANK: Plan = Plan { ranks: 2, kills: 4, end: "0.008", tolerance: 1e-9 };
 
 fn kills_of_a_rank_cost_nothing() {

@@ -1,4 +1,4 @@
-//! Laws of contact as a user gives them.
+//! Tests of contact laws given by a user.
 
 use crate::program::{ricochet, run};
 use crate::results::{column, difference, folder, good, open, text, words};
@@ -8,12 +8,13 @@ use mpi_test::{PlainTest, tests};
 pub const TESTS: &[PlainTest] =
     tests![a_table_comes_from_a_file_and_stays_in_the_result, tables_of_other_units_are_told, laws_are_swept];
 
-/// A pane under a soft impactor.
+/// A pane under a soft impactor, with a tabulated law.
 const SOFT: &str = "[body]\nmodel = \"mindlin\"\nreduction = 10\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
                     size = [1.0, 1.0, 0.02]\n[impactor]\nmass = 50.0\nspeed = 1.0\n[contact]\nlaw = \"table\"\n\
                     table = \"curves/tyre.csv\"\n[time]\nend = 0.01\nstep = 1e-4\n";
 
-/// With the file that it names, of F = 2e5 α from 0 to `end` in units of so many m and N.
+/// A folder with the scene and its table file, of F = 2e5 α from 0 to `end`. `units` are the table's units in m and in
+/// N.
 fn with_table(end: f64, units: [f64; 2]) -> tempfile::TempDir {
     let folder = folder(SOFT);
     let points =
@@ -24,7 +25,7 @@ fn with_table(end: f64, units: [f64; 2]) -> tempfile::TempDir {
     folder
 }
 
-/// The file is found beside the scene, on all ranks; the result repeats itself without it, to the same bits.
+/// All ranks find the table file next to the scene. The result can be repeated without the file, with the same bits.
 fn a_table_comes_from_a_file_and_stays_in_the_result() {
     let folder = with_table(0.1, [1.0; 2]);
     for ranks in [0, 2] {
@@ -36,7 +37,7 @@ fn a_table_comes_from_a_file_and_stays_in_the_result() {
         );
         let [table, spring] =
             ["table.h5", "spring.h5"].map(|name| column(&folder.path().join(name), "impactor/acceleration"));
-        // A table of a line's points is the line, but for rounding.
+        // A table with points on a line is the line, except for rounding.
         assert!(difference(&table, &spring) < 1e-9 && table.iter().any(|a| *a > 1.0));
     }
     std::fs::remove_dir_all(folder.path().join("curves")).unwrap();
@@ -51,7 +52,8 @@ fn a_table_comes_from_a_file_and_stays_in_the_result() {
     assert!(outcome.stderr.matches("tyre.csv cannot be read").count() == 1 && outcome.stderr.contains("contact.table"));
 }
 
-/// mm for m, or N for kN, use little of a table and are warned of; m for mm, or kN for N, cannot hold the impact and are refused.
+/// A table in wrong units is noticed. With mm for m, or N for kN, the impact uses a small part of the table, and there
+/// is a warning. With m for mm, or kN for N, the table is too short for the impact and is refused.
 fn tables_of_other_units_are_told() {
     for units in [[1e-3, 1.0], [1.0, 1e-3]] {
         let said = good(&with_table(0.1, units), 0, "check scene.toml");
@@ -66,7 +68,8 @@ fn tables_of_other_units_are_told() {
         assert_eq!(outcome.status, Some(2), "{outcome:?}");
         assert!(outcome.stderr.contains("and the impactor has 2.500e1 J"), "{outcome:?}");
     }
-    // Too short for a wall: told beforehand, and a reason to stop where the pane does not give way enough.
+    // The table is too short for an impact on a rigid wall. `check` warns of this, and a run stops if the pane does not
+    // yield enough.
     let said = good(&with_table(0.01, [1.0; 2]), 0, "check scene.toml");
     assert!(said.stdout.contains("contact.table ends at an indentation of 0.01 m"), "{said:?}");
     let folder = with_table(0.004, [1.0; 2]);
@@ -75,7 +78,7 @@ fn tables_of_other_units_are_told() {
     assert!(outcome.stderr.contains("the end of contact.table"), "{outcome:?}");
 }
 
-/// A key of the law is a key like others: members of a sweep have its values.
+/// A key of the law can be varied in a sweep like any other key.
 fn laws_are_swept() {
     let folder = with_table(0.1, [1.0; 2]);
     good(&folder, 0, "sweep scene.toml --vary contact.damping=0,0.5,1 -o s.h5");

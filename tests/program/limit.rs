@@ -1,4 +1,4 @@
-//! `ricochet limit` through the program itself: its answers are those of runs around them, on any number of ranks.
+//! Tests of `ricochet limit`: its answers agree with runs close to them, on any number of ranks.
 
 use mpi_test::{PlainTest, tests};
 use serde_json::Value;
@@ -20,7 +20,7 @@ pub const TESTS: &[PlainTest] = tests![
     a_signal_ends_it,
 ];
 
-/// Runs of a simple case.
+/// Largest number of runs for a simple case.
 const FEW: u64 = 15;
 
 /// A pane on springs, as Mindlin's plate.
@@ -37,13 +37,13 @@ fn of(facts: &Value, path: &str) -> f64 {
     facts.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}: {facts:#}"))
 }
 
-/// The largest tension of a run with a value, Pa.
+/// Largest tensile stress of a run with this value, Pa.
 fn tension(folder: &TempDir, key: &str, value: f64) -> f64 {
     good(folder, 0, &format!("run scene.toml --set {key}={value} -o run.h5"));
     number(&results::open(folder.path().join("run.h5")), "largest_stress")
 }
 
-/// The limit, and a straight line between two runs beside it.
+/// The limit agrees with linear interpolation between two runs close to it.
 fn the_limit_is_that_of_runs_around_it() {
     for strength in [45e6, 120e6] {
         let folder = pane(strength);
@@ -53,19 +53,21 @@ fn the_limit_is_that_of_runs_around_it() {
         let [below, above] = [low, high].map(|value| tension(&folder, "impactor.speed", value));
         assert!(below < strength && strength < above, "{below} {above} {facts:#}");
         let between = low + (high - low) * (strength - below) / (above - below);
-        // The root is found to a twentieth of the tolerance, 5e-4; the rest is between the runs.
+        // The root is found to a twentieth of the tolerance, 5e-4; the rest is the interpolation error between the
+        // runs.
         assert!((speed / between - 1.0).abs() < 1e-3, "{speed} {between}");
         assert!(facts["runs"].as_u64().unwrap() < FEW, "{facts:#}");
         assert_eq!((&facts["outcome"], &facts["limit"]["face"]), (&"reached".into(), &"lower".into()));
         assert_eq!((&facts["key"], &facts["unit"]), (&"impactor.speed".into(), &"m/s".into()));
-        // The estimated error of such a run is 1e-2 to 2e-2, and the tension goes about with the speed.
+        // The estimated error of such a run is 1e-2 to 2e-2, and the tension is about proportional to the speed.
         let uncertainty = of(&facts, "/limit/uncertainty") / speed;
         assert!((5e-3..5e-2).contains(&uncertainty), "{facts:#}");
         assert!(of(&facts, "/limit/peak_force") > 0.0 && of(&facts, "/limit/time") > 0.0);
     }
 }
 
-/// On stiffer supports the tension rises, falls and rises again, by the second contact.
+/// With increasing support stiffness the tension rises, falls, and rises again because of the second contact. The lower
+/// one of the two limits is found.
 fn the_lower_one_of_two_limits() {
     let folder = pane(175e6);
     let line = |range: &str| format!("limit scene.toml --vary support.0.stiffness={range} --json");

@@ -1,4 +1,4 @@
-//! Nothing that is there is lost: files of others, runs that can be continued, figures, what stands in a pipe.
+//! Tests that no data are lost: files of other programs, runs that can be continued, figures, and output to a pipe.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -62,7 +62,7 @@ fn only_runs_are_replaced() {
     good(&folder, 0, "run scene.toml -o run.h5");
 }
 
-/// What has the name of a run's checkpoint or fields, and a result that is to be a figure.
+/// A file with the name of a run's checkpoint, of its fields or of a figure is replaced only if it is of that kind.
 fn files_beside_a_result_are_replaced_by_their_kind_alone() {
     let folder = folder(&supported());
     let path = |name: &str| folder.path().join(name);
@@ -84,7 +84,7 @@ fn files_beside_a_result_are_replaced_by_their_kind_alone() {
         refused(&folder, line, 4, &[name, why]);
         assert!(fs::read(path(name)).unwrap() == before, "{name} has changed");
     }
-    // A run's own are.
+    // The files of an earlier run are replaced.
     good(&folder, 0, "run scene.toml -o d.h5 --set output.fields=5");
     good(&folder, 0, "run scene.toml -o d.h5 --set output.fields=5");
 }
@@ -127,7 +127,7 @@ fn a_dangling_link_is_followed() {
     assert!(is_complete(&folder.path().join("results/there.h5")));
 }
 
-/// A limit on the size of files stands for a full disk.
+/// A figure is complete or not there. A limit on the size of files stands for a full disk.
 fn a_figure_is_whole_or_not_there() {
     let folder = folder(BOX);
     good(&folder, 0, "run scene.toml -o out.h5");
@@ -173,7 +173,7 @@ fn a_scene_that_cannot_be_read_is_an_error_of_input() {
     refused(&folder, "check .", 4, &["the scene cannot be read"]);
 }
 
-/// HDF5 wants the names of its files as text: that is told before the work.
+/// A file name that is not valid text is reported before the work begins, because HDF5 takes file names as text.
 fn a_name_that_is_no_text_is_told_at_once() {
     let folder = folder(BOX);
     for line in ["run scene.toml", "sweep scene.toml --vary impactor.speed=1,2"] {
@@ -193,13 +193,14 @@ fn what_cannot_be_said_is_an_error_of_output() {
         let told = "error: standard output: cannot be written: No space left on device";
         assert!(outcome.stderr.contains(told), "{line}: {outcome:#?}");
     }
-    // A reader who has gone is no error.
+    // It is no error if the reader of a pipe closes it.
     let outcome = bash(folder.path(), "set -o pipefail; ricochet info out.h5 | head -n 1");
     assert_eq!(outcome.status, Some(0), "{outcome:#?}");
     assert_eq!(words(&outcome.stdout).next(), Some("title"));
 }
 
-/// A library that PETSc needs is spoilt on one rank of two: one message with the cause and the rank, and no rank waits for the other.
+/// A library that PETSc needs is damaged on one of two ranks: there is one message with the cause and the rank, and no
+/// rank waits for the other.
 fn a_rank_without_petsc_ends_all() {
     let folder = folder(BOX);
     let find = "LD_DEBUG=files ricochet check scene.toml 2>&1 | sed -n 's/.*file=\\(lib[^ ]*\\) \\[0\\]; *needed by [^ ]*libpetsc.*/\\1/p' | head -1";
@@ -228,8 +229,9 @@ fn a_rank_without_petsc_ends_all() {
     }
 }
 
-/// What one process reduces and steps in modal coordinates loads no PETSc: a plate with probes and fields, one hit off its centre, a laminate, a
-/// solid of splines; and their checks, limits and sweeps, with bases of their own and with one for all.
+/// Runs of one process with reduction and modal coordinates do not load PETSc: a plate with probes and fields, a plate
+/// hit off its centre, a laminate, a solid of splines; and their checks, limits and sweeps, with separate bases and
+/// with a common one.
 fn plates_need_no_petsc() {
     let springs = glass::sides(1e9, 0.0);
     let read = "[output]\nfields = 50\nprobes = [{ name = \"middle\", point = [0.0, 0.0, 0.0] }]\n";
@@ -267,7 +269,7 @@ fn plates_need_no_petsc() {
     assert!(run_under_loader(&folder(BOX), run).stderr.contains("libpetsc"), "what is stepped needs it");
 }
 
-/// Runs a line that succeeds; the loader tells of each library.
+/// Runs a line that succeeds; the loader reports each library that it loads.
 fn run_under_loader(folder: &TempDir, line: &str) -> Outcome {
     let outcome = run(ricochet(folder.path(), 0).env("LD_DEBUG", "files").args(words(line)));
     let said = outcome.stderr.lines().filter(|line| !line.contains("file=") && !line.contains("calling"));

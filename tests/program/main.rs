@@ -1,4 +1,4 @@
-//! The program as a user runs it: alone, under `mpirun`, and what other programs read of its results.
+//! Tests of the program as a user runs it: alone and under `mpirun`; and of its results as other programs read them.
 
 #[path = "../common/bad_meshes.rs"]
 mod bad_meshes;

@@ -1,4 +1,4 @@
-//! Mesh files damaged at random: whatever is in one, `ricochet check` ends by itself, soon, and with a status of its own.
+//! Tests with randomly damaged mesh files: `ricochet check` always ends, soon, and with one of its own exit statuses.
 
 use mpi_test::{PlainTest, tests};
 use std::fs;
@@ -12,7 +12,7 @@ use proptest::test_runner::TestCaseError;
 pub const TESTS: &[PlainTest] =
     tests![tetrahedra_old_format, tetrahedra_new_format, hexahedra, binary, undamaged_files_are_read];
 
-/// Runs for each mesh: a run waits for MPI's start most of its half second.
+/// Number of runs for each mesh. A run takes half a second, mostly for the start of MPI.
 const CASES: u32 = 16;
 
 const SCENE: &str = r#"[body]
@@ -40,7 +40,7 @@ localization = "point"
 newton = "full"
 "#;
 
-/// Damage at a place that is given as a part of the whole.
+/// A kind of damage. Its place is given as a fraction of the whole file.
 #[derive(Debug, Clone)]
 enum Damage {
     CutOff(f64),
@@ -55,7 +55,7 @@ fn damage() -> impl Strategy<Value = Damage> {
     use Damage::*;
     let part = 0.0..1.0f64;
     let words = ["0", "-1", "1", "2", "4", "7", "99", "1000000", "99999999999", "-2147483648", "nan", "1e308", "x", ""];
-    // Half of the words are other digits, which leave the grammar as it was and lead references astray.
+    // Half of the replacements are other digits or numbers, which keep the grammar valid and make references wrong.
     prop_oneof![
         part.clone().prop_map(CutOff),
         (part.clone(), any::<u8>()).prop_map(|(at, byte)| Byte(at, byte)),
@@ -81,7 +81,7 @@ fn damaged(good: &[u8], damage: &Damage) -> Vec<u8> {
         Damage::Word(at, word) => {
             let line = &mut lines[place(at, count)];
             let mut words: Vec<&[u8]> = line.split(|byte| *byte == b' ').collect();
-            // The digits behind the line's choose the word in it.
+            // The fractional part of the line position selects the word in the line.
             let n = place((at * count as f64).fract(), words.len());
             words[n] = word.as_bytes();
             *line = words.join(&b' ');
@@ -104,7 +104,7 @@ fn check(good: &[u8]) {
     fs::write(folder.path().join("scene.toml"), SCENE).unwrap();
     proptest!(config, |(damage in damage())| {
         fs::write(folder.path().join("mesh.msh"), damaged(good, &damage)).unwrap();
-        // Passing the limit is a panic, and so a failure.
+        // Exceeding the time limit is a panic, and so a failure.
         let outcome = start(ricochet(folder.path(), 0).args(["check", "scene.toml"])).wait(Duration::from_secs(5));
         let known = matches!(outcome.status, Some(0 | 2 | 3 | 4));
         let messages = outcome.stderr.lines().filter(|line| line.starts_with("error: ") || line.starts_with("  × ")).count();
@@ -131,7 +131,7 @@ fn binary() {
     check(&binary_two());
 }
 
-/// What is damaged above is good: the same answer for text and binary, but for the file's name.
+/// The undamaged files are good: text and binary give the same answer, except for the file's name.
 fn undamaged_files_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let mut answers = Vec::new();

@@ -1,5 +1,5 @@
-//! Probes of runs through the program: what the impactor feels, quarters, ranks, bases, steps chosen by the error, and the tension in
-//! a plate away from the hit, of solid and plate theory.
+//! Tests of probes: agreement with the impactor's displacement, of quarters with wholes, of ranks, of bases and of
+//! adaptive time steps; and the tension in a plate away from the impact point, by solid and by plate theory.
 
 use crate::bricks;
 use crate::results;
@@ -22,20 +22,20 @@ pub const TESTS: &[PlainTest] = tests![
 
 const COLUMNS: [(&str, &str); 3] = [("displacement", "m"), ("velocity", "m/s"), ("principal_stress", "Pa")];
 
-/// `[output]` with probes numbered by their points.
+/// An `[output]` table with probes at these points, named by their numbers.
 fn probes(points: &[[f64; 3]]) -> String {
     let list: Vec<String> =
         (0..).zip(points).map(|(n, x): (usize, _)| format!("{{ name = \"{n}\", point = {x:?} }}")).collect();
     format!("[output]\nprobes = [{}]\n", list.join(", "))
 }
 
-/// Runs the scene of a folder with overrides; where the result is.
+/// Runs the scene of a folder with overrides; returns the path of the result.
 fn solved(folder: &tempfile::TempDir, name: &str, ranks: usize, overrides: &str) -> PathBuf {
     good(folder, ranks, &format!("run scene.toml -o {name}.h5 {overrides}"));
     folder.path().join(format!("{name}.h5"))
 }
 
-/// Rows of three of a probe, with their unit checked.
+/// Rows of three values of a probe; checks their unit.
 fn rows(result: &Path, probe: usize, (name, units): (&str, &str)) -> Vec<[f64; 3]> {
     let dataset = results::open(result).dataset(&format!("series/probe/{probe}/{name}")).unwrap();
     assert_eq!((text(&dataset, "units"), dataset.shape()[1]), (units.to_owned(), 3));
@@ -46,8 +46,9 @@ fn component(rows: &[[f64; 3]], i: usize) -> Vec<f64> {
     rows.iter().map(|row| row[i]).collect()
 }
 
-/// Under a force at a point aᵀu is the displacement of the point that is hit, whatever the body is made of and however it is stepped. And
-/// velocities are the rates of displacements: of Newmark's average acceleration exactly by the trapezium.
+/// A probe at the impact point gives the impactor's displacement. With a point force, aᵀu is the displacement of that
+/// point, for any body and any time integration. Velocities are the rates of displacements: with Newmark's average
+/// acceleration they agree exactly by the trapezoidal rule.
 fn a_probe_at_the_point_reads_what_the_impactor_feels() {
     let supports = sides(1e9, 2e5);
     let body = "size = [0.5, 0.4, 0.02]\ncells = [6, 6, 1]";
@@ -82,23 +83,24 @@ fn a_probe_at_the_point_reads_what_the_impactor_feels() {
             .map(|n| (u[n][2] - u[n - 1][2]) / (time[n] - time[n - 1]) - 0.5 * (v[n][2] + v[n - 1][2]))
             .fold(0.0_f64, |m, off| m.max(off.abs()));
         println!("{name}: {} rows, {off:.1e}, rates {:.1e}", time.len(), rate / largest);
-        // Rounding of sums over the basis or the unknowns; that of a difference over a short step.
+        // Tolerances: rounding of sums over the basis or the unknowns; and rounding of a difference over a short time
+        // step.
         assert!(off < 1e-9, "{name}: {off:e}");
         assert!(rate < trapezium * largest, "{name}: {rate:e} of {largest:e} m/s");
-        // The other probe moves with it, and tells its principal stresses in order.
+        // The other probe moves too, and gives its principal stresses in order.
         let stresses = rows(&result, 1, COLUMNS[2]);
         assert!(stresses.iter().all(|s| s[0] >= s[1] && s[1] >= s[2]));
         assert!(stresses.iter().any(|s| s[0] > 1e5) && stresses.len() == time.len(), "{name}");
     }
 }
 
-/// In all four quarters, by a quarter and by the whole on one, two and three ranks.
+/// Probes in all four quarters agree between a quarter and the whole plate, on one, two and three ranks.
 fn quarters_and_ranks_agree() {
     let points = [[0.3, 0.2, -0.02], [-0.3, 0.2, -0.02], [-0.31, -0.22, 0.0], [0.3, -0.2, 0.02], [0.0, 0.0, -0.02]];
     let body = "model = \"solid\"\nsize = [1.5, 1.2, 0.04]\ncells = [8, 6, 2]\ngrading = [6, 6, 1]";
     let scene = plate(body, "end = 4e-3\nstep = 4e-5\nscheme = \"newmark\"", &sides(1e9, 0.0));
     let folder = folder(&(scene + &probes(&points)));
-    // The last vectors of a larger basis would be of rounding.
+    // The last vectors of a larger basis would consist of rounding errors.
     for reduction in ["none", "20"] {
         let with = |more: &str| format!("--set body.reduction={reduction} {more}");
         let quarter = solved(&folder, "quarter", 0, &with(""));
@@ -112,14 +114,14 @@ fn quarters_and_ranks_agree() {
                 (0..points.len()).flat_map(|probe| rows(result, probe, quantity)).flatten().collect()
             };
             let off = difference(&all(&quarter), &all(other));
-            // What rounding in the entries of K may grow to.
+            // Tolerance for rounding errors in the entries of K.
             assert!(off < 1e-7, "{reduction}, {}, {}: {off:e}", other.display(), quantity.0);
         }
-        // Displacements along the plate are those of the quarter turned round.
+        // Displacements along the plate equal the quarter's displacements with the sign reversed.
         let [right, left] = [0, 1].map(|probe| rows(&quarter, probe, COLUMNS[0]));
         assert!(right.iter().zip(&left).all(|(a, b)| a[0] == -b[0] && a[1] == b[1] && a[2] == b[2]));
     }
-    // Splines of a whole have other cells than those of a quarter.
+    // Spline cells differ between a whole plate and a quarter.
     for model in ["mindlin", "solid"] {
         let scene = plate(&format!("model = \"{model}\"\nsize = [1.5, 1.2, 0.04]"), "end = 3e-3", &sides(1e9, 0.0));
         fs::write(folder.path().join("scene.toml"), scene + &probes(&points)).unwrap();
@@ -131,13 +133,13 @@ fn quarters_and_ranks_agree() {
             let [a, b] = [&quarter, &whole].map(|result| component(&rows(result, probe, quantity), i));
             let off = difference(&a, &b);
             println!("{model}, probe {probe}, {} {i}: {off:.1e}", quantity.0);
-            // The probe in the middle plane has no stress to speak of.
+            // The probe in the middle plane has almost no stress.
             assert!(off < 3e-2 || (probe == 2 && i == 0), "{model}, probe {probe}, {} {i}: {off:e}", quantity.0);
         }
     }
 }
 
-/// A basis that is made for the force holds the stresses away from it too, the better the larger it is.
+/// A basis made for the force also represents the stresses away from it, and more accurately if it is larger.
 fn bases_tend_to_all_unknowns() {
     let points = [[0.3, 0.2, -0.05], [0.5, 0.0, -0.05], [0.1, 0.1, 0.05], [0.0, 0.0, -0.05]];
     let body = "model = \"solid\"\nsize = [1.5, 1.5, 0.1]\ncells = [12, 12, 2]\ngrading = [3, 3, 1]";
@@ -156,11 +158,12 @@ fn bases_tend_to_all_unknowns() {
     assert!(errors[0] > errors[1] && errors[1] > 3.0 * errors[2] && errors[2] < 1e-3, "{errors:?}");
 }
 
-/// The 0.1 m plate of the paper: bottom, two to six thicknesses from the hit.
+/// Probes in the paper's 0.1 m plate: on the bottom, two to six thicknesses from the impact point.
 const AWAY: [[f64; 3]; 5] =
     [[0.2, 0.0, -0.05], [0.3, 0.0, -0.05], [0.4, 0.1, -0.05], [-0.25, 0.25, -0.05], [0.0, -0.6, -0.05]];
 
-/// Largest difference of the tension at a probe, over its largest value, between rows of one result and lines between those of another.
+/// Largest difference of the tension at a probe, over its largest value, between rows of one result and linear
+/// interpolation of another.
 fn off(reference: &Path, other: &Path, probe: usize) -> f64 {
     let [a, b] = [reference, other].map(|result| component(&rows(result, probe, COLUMNS[2]), 0));
     let [t, s] = [reference, other].map(|result| column(result, "time"));
@@ -173,8 +176,9 @@ fn off(reference: &Path, other: &Path, probe: usize) -> f64 {
     t.iter().zip(&a).filter(|(t, _)| **t <= end).fold(0.0_f64, |m, (t, a)| m.max((at(*t) - a).abs())) / largest
 }
 
-/// A solid's tension at the bottom is that of Reissner's and Mindlin's plate away from the hit, and converges: of splines with the tolerance, of
-/// hexahedra, whose stresses are recovered, with the cells.
+/// Away from the impact point, the tension at the bottom of a solid equals the tension of Reissner's and Mindlin's
+/// plate, and it converges: for splines with the tolerance; for hexahedra, whose stresses are recovered, with the cell
+/// size.
 fn tension_at_the_bottom_is_that_of_mindlins_plate() {
     let scene = plate("size = [1.5, 1.5, 0.1]", "end = 3e-3", &sides(1e9, 0.0));
     let folder = folder(&(scene + &probes(&AWAY)));
@@ -192,7 +196,7 @@ fn tension_at_the_bottom_is_that_of_mindlins_plate() {
     let of_splines = [0, 1].map(|i| worst(&splines[2], &splines[i]));
     let of_meshes = meshes.each_ref().map(|mesh| worst(&splines[2], mesh));
     println!("solid and plate {to_plate:.1e}; splines {of_splines:.4?}; hexahedra {of_meshes:.4?}");
-    // What the theories differ by; waves as short as the plate is thick are in both.
+    // The difference between the theories; waves as short as the plate is thick occur in both.
     assert!(to_plate < 0.03, "{to_plate}");
     assert!(of_splines[1] < 0.015 && of_splines[1] < 0.7 * of_splines[0], "{of_splines:?}");
     assert!(
@@ -201,7 +205,7 @@ fn tension_at_the_bottom_is_that_of_mindlins_plate() {
     );
 }
 
-/// A point that a mesh file does not hold is a fault of its key, on any number of ranks; nothing is written.
+/// A point outside a mesh is an error of its key, on any number of ranks; nothing is written.
 fn probes_outside_of_a_mesh_are_refused() {
     let body = "mesh = \"bricks.msh\"";
     let scene = plate(body, "end = 1e-3", "").replace("speed = 1.0", "speed = 1.0\npoint = [0, 0, 0.05]");

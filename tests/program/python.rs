@@ -1,5 +1,5 @@
-//! The Python package (`scripts/python`) runs the program and reads what it writes; the examples of docs/python.md and the notebook run as they
-//! stand.
+//! Tests of the Python package (`scripts/python`), which runs the program and reads its output. The examples of
+//! docs/python.md and the notebook run unchanged.
 
 mod examples;
 mod figures;
@@ -61,22 +61,23 @@ fn repository() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The search path with the program that is tested in front.
+/// The search path, with the tested program first.
 fn search_path() -> std::ffi::OsString {
     let program = Path::new(env!("CARGO_BIN_EXE_ricochet")).parent().unwrap();
     let others = std::env::var_os("PATH").unwrap();
     std::env::join_paths(std::iter::once(program.to_owned()).chain(std::env::split_paths(&others))).unwrap()
 }
 
-/// What Debian's Python answers to some lines, with the package in this repository.
+/// Output of Debian's Python for some lines of code, with the package of this repository.
 fn python(folder: &Path, lines: &str) -> Result<Vec<String>, String> {
-    // Debian's Python: the one that the packages are installed for.
+    // The packages are installed for Debian's Python.
     answer(Command::new("/usr/bin/python3").env("PYTHONPATH", repository().join("scripts/python")), folder, lines)
 }
 
-/// What a Python answers to some lines, the package at hand and `bits` to tell numbers exactly; its last line on standard error where it fails.
+/// Output of a Python for some lines of code, with the package imported and a function `bits` that prints numbers
+/// exactly. If it fails, returns its last line on standard error.
 fn answer(python: &mut Command, folder: &Path, lines: &str) -> Result<Vec<String>, String> {
-    // It may start mpirun.
+    // The code may start mpirun.
     mpi_test::keep_files_in(folder, python);
     let head = "import matplotlib\nmatplotlib.use('agg')\nimport matplotlib.pyplot as plt, numpy as np, ricochet\n\
         def bits(values): return np.asarray(values, '<f8').tobytes().hex()\n";
@@ -134,7 +135,8 @@ fn runs_are_read_as_they_are_written() {
     assert_eq!(told[23], drawn);
 }
 
-/// As a kill within a flush leaves it: the time, which is written last, is shorter than the rest, and so is a column of the contacts.
+/// A killed run is read up to its last complete row. A kill within a flush leaves the time, which is written last,
+/// shorter than the rest, and also a column of the contacts.
 fn a_run_that_was_killed_is_read_up_to_its_last_whole_row() {
     let folder = folder(BOX);
     good(&folder, 0, "run scene.toml");
@@ -154,7 +156,8 @@ fn a_run_that_was_killed_is_read_up_to_its_last_whole_row() {
     assert_eq!(told.unwrap(), ["{30} 0".to_owned(), bits(&force[..30])]);
 }
 
-/// Of two keys, one of words, the second of three parts: members that are missing are NaN.
+/// Sweeps over two keys, one of them with text values, are read, and so is the second of three parts; missing members
+/// are NaN.
 fn sweeps_and_their_parts_are_read() {
     let folder = folder(&supported());
     let vary = "--vary support.0.stiffness=1e7..1e11:3 --vary time.scheme=newmark,energy --log --series -o s.h5";
@@ -188,7 +191,8 @@ fn sweeps_and_their_parts_are_read() {
     assert_eq!(told[7], bits(&[peaks[1], peaks[4]]));
 }
 
-/// From a path, from text and on two ranks; into a file, and into memory, which leaves nothing on the disk.
+/// Scenes are run from a path, from text and on two ranks, into a file and into memory. The last leaves nothing on the
+/// disk.
 fn scenes_are_run_as_by_the_command_line() {
     let folder = folder(BOX);
     good(&folder, 0, "run scene.toml -o expected.h5 --set impactor.speed=2");
@@ -213,13 +217,13 @@ fn scenes_are_run_as_by_the_command_line() {
         assert_eq!(*line, format!("{} True", force("expected.h5")));
     }
     let on_ranks = told[4].strip_prefix("2 True ").unwrap();
-    // Equal but for the rounding of sums over ranks.
+    // Equal except for the rounding of sums over ranks.
     let expected = column(&folder.path().join("expected.h5"), "contact/force");
     assert!(results::difference(&numbers_of(on_ranks), &expected) < 1e-9);
     assert_eq!(told[5], "[] expected.h5 made.h5");
 }
 
-/// Texts, arrays, tables and removed keys reach the scene as such.
+/// Texts, arrays, tables and removed keys are passed to the scene unchanged.
 fn values_are_set_as_toml() {
     let folder = folder(&supported());
     let told = python(
@@ -271,12 +275,13 @@ fn errors_have_the_programs_message_and_status() {
     assert!(told.iter().any(|line| line.starts_with("INFO ")), "{told:#?}");
 }
 
-/// An interrupt that reaches Python alone, as in a notebook: the program ends with a checkpoint, and Python with KeyboardInterrupt.
+/// An interrupt that reaches Python alone, as in a notebook, ends the program with a checkpoint and Python with
+/// KeyboardInterrupt.
 fn an_interrupt_ends_the_program_in_order() {
     let folder = folder(&restarts::scene("[output]\ncheckpoint_steps = 10\n"));
     let error = python(
         folder.path(),
-        // Jobs in the background of a shell inherit that interrupts are ignored.
+        // Background jobs of a shell inherit that interrupts are ignored.
         "import os, signal, threading, time\n\
          signal.signal(signal.SIGINT, signal.default_int_handler)\n\
          def interrupt():\n\
@@ -289,7 +294,7 @@ fn an_interrupt_ends_the_program_in_order() {
     assert!(!is_complete(&folder.path().join("out.h5")));
     let told = python(folder.path(), "print(ricochet.Run('out.h5').time[-1])").unwrap();
     let end: f64 = told[0].parse().unwrap();
-    // The checkpoint is of the last step, which a run that was killed would not have.
+    // The checkpoint is of the last time step. A killed run would not have it.
     let checkpoint = results::open(folder.path().join("out.checkpoint.h5"));
     assert_eq!(checkpoint.attr("time").unwrap().read_scalar::<f64>().unwrap(), end);
 }
@@ -299,7 +304,7 @@ fn the_package_has_the_programs_version() {
     assert_eq!(python(folder.path(), "print(ricochet.__version__)").unwrap(), [env!("CARGO_PKG_VERSION")]);
 }
 
-/// What `bits` was made from.
+/// The numbers from which `bits` made this text.
 fn numbers_of(bits: &str) -> Vec<f64> {
     let number = |digits: &str| f64::from_bits(u64::from_str_radix(digits, 16).unwrap().swap_bytes());
     (0..bits.len() / 16).map(|n| number(&bits[16 * n..16 * n + 16])).collect()

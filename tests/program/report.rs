@@ -1,4 +1,4 @@
-//! `ricochet report` through the program itself: what the page says of results of all kinds, and that it is a sound one.
+//! Tests of `ricochet report`: the content of the page for results of all kinds, and its validity.
 
 use std::fs;
 use std::path::Path;
@@ -31,7 +31,7 @@ pub const IN_A_BROWSER: &[PlainTest] = tests![pages_are_sound_in_a_browser];
 
 const PANE: &str = include_str!("../../scenes/pane.toml");
 
-/// Reports on out.h5, and reads the page strictly.
+/// Makes the report of out.h5, and reads the page strictly.
 fn report(folder: &TempDir) -> Html {
     good(folder, 0, "report out.h5 -o report.html");
     let text = fs::read_to_string(folder.path().join("report.html")).unwrap();
@@ -75,7 +75,7 @@ fn a_plate_in_modal_coordinates() {
     assert_eq!(count(&page, "figure"), 8);
 }
 
-/// Whatever stands in a scene is text, in HTML and in SVG.
+/// Any text in a scene stays text, in HTML and in SVG.
 fn a_solid_in_steps_with_markup_in_its_names() {
     let title = r#"</title><script>alert("1")</script> & <b>'x'</b>"#;
     let scene = BOX.replace("\"Small plate\"", &format!("'''{title}'''"))
@@ -93,7 +93,7 @@ fn a_solid_in_steps_with_markup_in_its_names() {
             "Loads: none but the impact.",
         ],
     );
-    // In both shapes of both figures of the probes.
+    // In the wide and the narrow form of both figures of the probes.
     assert_eq!(select(&page, "svg text").filter(|text| text.trim() == "<i>&amp;").count(), 4);
 }
 
@@ -112,7 +112,7 @@ fn an_interrupted_run_is_called_so() {
     assert_eq!(select(&page, ".verdict.open").count(), 1);
 }
 
-/// A half-space has no faces, but a ring around the contact.
+/// A half-space has no faces, but has a ring around the contact.
 fn a_half_space_has_no_faces() {
     let folder = folder(
         &PANE.replace("[body]", "[body]\nmodel = \"half-space\"").replace("[output]", "").replace("probes = ", "# "),
@@ -126,7 +126,7 @@ fn a_half_space_has_no_faces() {
     says(&page, &["The scene has no probes.", "the only contact"]);
 }
 
-/// A result of the small box with stresses, and with a strength in its scene.
+/// A result of the small box with added stresses, and with a strength in its scene.
 fn with_strength(strength: &str, passed_at: f64) -> TempDir {
     let folder = folder(BOX);
     good(&folder, 0, "run scene.toml -o out.h5 --set output.stress=false");
@@ -138,7 +138,7 @@ fn with_strength(strength: &str, passed_at: f64) -> TempDir {
     folder
 }
 
-/// 41 MPa on the lower face, 12 MPa on the upper one, with an error of 5%.
+/// The tension is compared with the strength: 41 MPa on the lower face, 12 MPa on the upper one, with an error of 5%.
 fn tension_is_held_against_the_strength() {
     for (strength, passed_at, verdict, text) in [
         (
@@ -149,7 +149,7 @@ fn tension_is_held_against_the_strength() {
         ),
         ("tension = 42e6", f64::NAN, "open", "Strength not exceeded, but within the error."),
         ("tension = 40e6", 4e-4, "bad", "the strength is first exceeded at 0.4000 ms"),
-        // The upper face uses more of its own.
+        // The upper face uses a larger fraction of its strength.
         (
             "[strength.face]\nupper = 10e6\nlower = 100e6",
             2e-4,
@@ -162,7 +162,7 @@ fn tension_is_held_against_the_strength() {
         let verdicts: Vec<String> = select(&page, &format!(".verdict.{verdict}")).collect();
         assert!(verdicts.len() == 1 && verdicts[0].contains(text), "{strength}: {verdicts:?}");
         says(&page, &["(10, −20, −10) mm", "Hertz’s radial tension reaches 90.00 MPa", "5.0 % of the peak"]);
-        // Both faces, and what is their limit, in both shapes.
+        // Both faces and their limits are drawn, in both forms of the figure.
         let drawn = select(&page, "svg text").filter(|text| text.trim().starts_with("strength ")).count();
         assert_eq!(drawn, if strength.contains("face") { 4 } else { 2 });
     }
@@ -170,7 +170,8 @@ fn tension_is_held_against_the_strength() {
     assert_eq!(select(&report(&folder), ".verdict").count(), 0);
 }
 
-/// Two interlayers of one material, at a temperature that makes its times a hundredth; and the constants at t → 0.
+/// The report shows the Prony series of viscoelastic layers. There are two interlayers of one material, at a
+/// temperature that shortens its relaxation times to a hundredth; and the constants at t → 0.
 fn layers_that_relax_have_their_chains() {
     let layer = |thickness: f64, material: &str| {
         format!("[[body.layer]]\nthickness = {thickness}\nmaterial = \"{material}\"\n")
@@ -193,12 +194,13 @@ fn layers_that_relax_have_their_chains() {
     let shifted = "The times above are those at 71.6 °C: the given ones, which hold at T₀, times a_T = 0.01000";
     says(&page, &[shifted, "C₁ = 4, C₂ = 51.6 K and T₀ = 20 °C"]);
     says(&page, &[relaxing, "Layer 2: Young’s modulus at t → 0", "Layer 3: Young’s modulus"]);
-    // The shorter time first.
+    // The shorter relaxation time comes first.
     let cells: Vec<String> = select(&page, "td").collect();
     assert!(cells.windows(2).any(|moduli| moduli == ["12.00", "7.500"]), "{cells:?}");
 }
 
-/// Without what later versions have added, and with a scene that this one does not know.
+/// A report can be made from results without the additions of later versions, and with a scene that this version does
+/// not understand.
 fn earlier_results_have_a_report() {
     let folder = folder(BOX);
     good(&folder, 0, "run scene.toml -o out.h5");
@@ -245,7 +247,7 @@ fn what_is_no_result_of_a_run_is_refused() {
     assert_eq!(there(), before + 1);
 }
 
-/// On narrow and wide screens and in print; `-o out/report` keeps the pictures.
+/// Pages are valid on narrow and wide screens and in print; `-o out/report` keeps the pictures.
 fn pages_are_sound_in_a_browser() {
     let reader = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/readers/page.py");
     let plate = folder(PANE);
@@ -260,7 +262,7 @@ fn pages_are_sound_in_a_browser() {
     }
 }
 
-/// Eight probes with long names, and supports of every kind.
+/// A scene with eight probes with long names, and supports of every kind.
 fn many() -> String {
     let probe = |n: usize| format!("{{ name = \"a probe with a long name, {n}\", point = [0.1, 0.0{n}, -0.01] }}");
     let probes: Vec<String> = (0..8).map(probe).collect();

@@ -1,4 +1,5 @@
-//! Runs that go on where they were ended: from a checkpoint, on any number of ranks, to the series of a run that was not.
+//! Tests of restarts: runs continue from a checkpoint, on any number of ranks, and give the series of an uninterrupted
+//! run.
 
 use mpi_test::{PlainTest, tests};
 use std::fs;
@@ -23,12 +24,12 @@ pub const TESTS: &[PlainTest] = tests![
     one_run_at_a_time_writes_a_result
 ];
 
-/// Of the largest value, what other numbers of ranks may change: they sum in another order, 1e-16 of the largest terms a step, and several
-/// contacts make more of it: up to 6e-9 was seen.
+/// Largest relative change from another number of ranks. It comes from the order of sums, 1e-16 of the largest terms in
+/// each time step, which several contacts amplify. The largest value seen is 6e-9.
 const RANKS: f64 = 1e-7;
 
-/// Ended by a signal and gone on with, bit for bit the run that was not ended: every scheme, dampers, pads, loads, supports that are moved,
-/// chosen steps, a basis.
+/// A run that a signal has ended and that is continued equals the uninterrupted run bit for bit: for every scheme,
+/// dampers, pads, loads, moving supports, adaptive time steps and a basis.
 fn restarted_series_are_those_of_one_run() {
     let damper = "\n[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e8\ndamping = 1e4\n";
     let pad = "\n[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nstiffness = 1e9\nnormal = [0, 0, -1]\n";
@@ -46,7 +47,8 @@ fn restarted_series_are_those_of_one_run() {
         ("a basis", "", "--set body.reduction=20 --set time.scheme=newmark --set time.step=2e-6"),
     ];
     for (name, more, settings) in cases {
-        // Pads keep a factor while it serves, and go on with a new one: within the tolerance of their Newton's method.
+        // Pads keep a factorisation while it converges, and a restart makes a new one: the results agree within the
+        // tolerance of Newton's method.
         let tolerance = if name == "a pad" { 1e-10 } else { 0.0 };
         let folder = folder(&scene(more));
         good(&folder, 0, &format!("run scene.toml -o whole.h5 {settings}"));
@@ -61,7 +63,7 @@ fn restarted_series_are_those_of_one_run() {
     }
 }
 
-/// Probes and fields too, into another file and into the same one.
+/// Probes and fields continue too, into another file and into the same one.
 fn probes_and_fields_go_on() {
     let read =
         "\n[output]\nfields = 7\nprobes = [{ name = \"under\", point = [0.05, 0, -0.01] }]\ncheckpoint_steps = 100\n";
@@ -93,13 +95,14 @@ fn probes_and_fields_go_on() {
     }
 }
 
-/// By how much the maps of two results differ, over the largest tension; but for a few, points have it at the same time.
+/// Largest difference of the tension maps of two results, over the largest tension. Except for a few points, the times
+/// of the largest tension must agree.
 fn maps_apart(path: &Path, other: &Path) -> f64 {
     let [file, other] = [path, other].map(|path| hdf5_metno::File::open(path).unwrap());
     let read = |file: &hdf5_metno::File, name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
     let both = |name: &str| [&file, &other].map(|file| read(file, &format!("stress_map/lower/{name}")));
     let [one, two] = both("time");
-    // Chosen steps end at other times, but for rounding.
+    // Adaptive time steps end at other times, because of rounding.
     let end = one.iter().copied().fold(0.0, f64::max);
     let same = one.iter().zip(&two).filter(|(one, two)| (*one - *two).abs() <= RANKS * end).count();
     assert!(10 * same >= 9 * one.len(), "{same} of {} points", one.len());
@@ -108,18 +111,19 @@ fn maps_apart(path: &Path, other: &Path) -> f64 {
     difference(&one, &two)
 }
 
-/// The paper's Newton's method keeps its factor while that serves, and goes on with a new one: alike to its tolerance.
+/// The paper's Newton's method keeps its factorisation while it converges, and a restart makes a new one: the results
+/// agree to its tolerance.
 fn the_full_newton_goes_on_within_its_tolerance() {
     let folder = folder(&BOX.replace("end = 1e-3", "end = 0.05"));
     good(&folder, 0, "run scene.toml -o whole.h5");
     interrupted(&folder, 0, "run scene.toml -o out.h5 --set output.checkpoint_steps=50", "TERM");
     good(&folder, 0, "run scene.toml --restart out.h5");
-    // 1e-10 of the largest force a step at most, and mostly far less: 3e-13 was seen.
+    // At most 1e-10 of the largest force in each time step, and mostly far less: 3e-13 was seen.
     let apart = check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), 1e-9);
     println!("the full Newton's method: {apart:e} apart");
 }
 
-/// One rank, two, three and one again: nodes are known by where they lie.
+/// One rank, two, three and one again: nodes are identified by their positions.
 fn ranks_may_change() {
     let damper = "\n[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e8\ndamping = 1e4\n";
     for (settings, most) in [("", 3), ("--set body.order=2 --set time.step=", 2), ("--set body.symmetry=auto", 2)] {
@@ -138,8 +142,8 @@ fn ranks_may_change() {
     }
 }
 
-/// A small basis is the same on other ranks but for rounding and goes on there; the last vectors of a larger one are rounding in part: it goes
-/// on only where it was made.
+/// A small basis is the same on other ranks, except for rounding, and a run can continue there. The last vectors of a
+/// larger basis are partly rounding errors, so the run continues only on the number of ranks where the basis was made.
 fn a_basis_goes_on_where_it_is_the_same() {
     let damper = "\n[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e8\ndamping = 1e4\n";
     let scene = scene(damper).replace("[4, 4, 1]", "[8, 8, 1]").replace("step = 2e-5", "step = 2e-6");
@@ -174,7 +178,7 @@ fn a_basis_goes_on_where_it_is_the_same() {
     }
 }
 
-/// A later end, and another file for what follows.
+/// A restart may have a later end time, and another file for the continuation.
 fn the_end_and_the_file_may_change() {
     let folder = folder(&scene(""));
     good(&folder, 0, "run scene.toml -o whole.h5 --set time.end=0.12");
@@ -185,7 +189,7 @@ fn the_end_and_the_file_may_change() {
     assert!(before == fs::read(folder.path().join("out.h5")).unwrap(), "the result that was gone on from has changed");
 }
 
-/// What cannot go on says why, in one message, and leaves everything as it was.
+/// A run that cannot continue gives the reason in one message, and changes nothing.
 fn what_cannot_go_on_says_why() {
     let folder = folder(&scene(""));
     let path = |name: &str| folder.path().join(name);
@@ -208,7 +212,7 @@ fn what_cannot_go_on_says_why() {
         assert_eq!(outcome.status, Some(4), "{outcome:#?}");
         assert!(outcome.stderr.contains(why), "{line}: {outcome:#?}");
     }
-    // Cut at every kind of place: in the superblock, in the headers, in the numbers, just before the end.
+    // The file is cut at every kind of place: in the superblock, in the headers, in the numbers, just before the end.
     let length = whole[1].len();
     for part in [0, 4, 100, 800, length / 8, length / 3, length / 2, length - 3000, length - 8, length - 1] {
         fs::write(path("out.checkpoint.h5"), &whole[1][..part]).unwrap();
@@ -223,7 +227,7 @@ fn what_cannot_go_on_says_why() {
     assert!(outcome.stderr.contains("is complete: there is nothing to continue"), "{outcome:#?}");
 }
 
-/// A run that was ended before any checkpoint begins anew, and one in modal coordinates has none.
+/// A run that was ended before any checkpoint begins anew. A run in modal coordinates has no checkpoint.
 fn without_a_checkpoint_it_begins_anew() {
     let folder = folder(&scene(""));
     good(&folder, 0, "run scene.toml -o whole.h5");
@@ -240,7 +244,7 @@ fn without_a_checkpoint_it_begins_anew() {
     check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), 0.0);
 }
 
-/// A result is run again from itself, with its options for PETSc, to the same numbers; and tells what it holds.
+/// A result file can be run again, with its PETSc options, and gives the same numbers. It also lists its content.
 fn a_result_is_run_again_from_itself() {
     let folder = folder(&scene("").replace("end = 0.1", "end = 0.01"));
     good(&folder, 0, "run scene.toml -o out.h5 --set time.step=1e-5 -- -ksp_type cg -pc_type jacobi -ksp_rtol 1e-11");
@@ -259,7 +263,7 @@ fn a_result_is_run_again_from_itself() {
     refused(&folder, "run out.h5", 2, &["-o OUT.h5"]);
 }
 
-/// Where the mesh file has changed since, a result is not run again from itself.
+/// If the mesh file has changed since, a result file cannot be run again.
 fn a_result_knows_its_mesh() {
     let folder = folder(
         "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500\nmesh = \"plate.msh\"\n[impactor]\nmass = 1\nradius = 0.05\n\
@@ -273,7 +277,7 @@ fn a_result_knows_its_mesh() {
     fs::rename(folder.path().join("out.h5"), folder.path().join("elsewhere/out.h5")).unwrap();
     good(&folder, 0, "run elsewhere/out.h5 -o again.h5");
     check_alike(&folder.path().join("again.h5"), &folder.path().join("elsewhere/out.h5"), 0.0);
-    // From another folder too, and as a sweep.
+    // Also from another folder, and as a sweep.
     for line in ["run out.h5 -o again.h5", "sweep out.h5 --vary impactor.speed=1,2 -o speeds.h5"] {
         let outcome = run(ricochet(&folder.path().join("elsewhere"), 0).args(words(line)));
         assert_eq!(outcome.status, Some(0), "{line}: {outcome:#?}");
@@ -284,7 +288,7 @@ fn a_result_knows_its_mesh() {
     refused(&folder, "run elsewhere/out.h5 -o again.h5", 2, &["plate.msh", "out.h5"]);
 }
 
-/// Two runs on one output: the second is refused, whatever the first one does at that moment.
+/// Of two runs with the same output the second is refused, whatever the first is doing.
 fn one_run_at_a_time_writes_a_result() {
     let folder = folder(&scene("").replace("end = 0.1", "end = 10"));
     let line = "run scene.toml -o out.h5";

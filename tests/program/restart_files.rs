@@ -1,4 +1,5 @@
-//! What lies beside a result, whose it is, and what of it a restart refuses or leaves as it was.
+//! Tests of the files next to a result: to which result they belong, and which of them a restart refuses or leaves
+//! unchanged.
 
 use crate::results;
 use mpi_test::{PlainTest, tests};
@@ -25,7 +26,7 @@ pub const TESTS: &[PlainTest] = tests![
     parts_of_killed_runs_are_cleared
 ];
 
-/// The names in a folder but for the scene.
+/// Names of the files in a folder except the scene.
 fn names(folder: &TempDir) -> Vec<String> {
     let entries = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let mut all: Vec<_> = entries.filter(|name| name != "scene.toml").collect();
@@ -33,20 +34,20 @@ fn names(folder: &TempDir) -> Vec<String> {
     all
 }
 
-/// What the files of a folder hold, but for the scene and what runs that were killed leave for the next one to clear.
+/// Contents of the files in a folder, except the scene and the remains of killed runs, which the next run removes.
 fn files(folder: &TempDir) -> Vec<(String, Vec<u8>)> {
     let shown = names(folder).into_iter().filter(|name| !name.starts_with('.'));
     shown.map(|name| (name.clone(), fs::read(folder.path().join(name)).unwrap())).collect()
 }
 
-/// The checkpoint of an older run goes when a new one's result takes its place, and not before; one that is put beside a result of another
-/// run is refused.
+/// The checkpoint of an older run is removed when the new run's result replaces the old one, and not before. A
+/// checkpoint next to the result of another run is refused.
 fn a_checkpoint_goes_with_its_result() {
     let folder = folder(&scene(""));
     let path = |name: &str| folder.path().join(name);
     interrupted(&folder, 0, "run scene.toml -o out.h5 --set output.checkpoint_steps=100", "TERM");
     let older = files(&folder);
-    // It fails before its first step.
+    // This run fails before its first time step.
     let outcome = run(ricochet(folder.path(), 0).args(words("run scene.toml -o out.h5 --force -- -ksp_type nonsense")));
     assert_eq!(outcome.status, Some(2), "{outcome:#?}");
     assert!(files(&folder) == older);
@@ -72,12 +73,13 @@ fn a_checkpoint_goes_with_its_result() {
     assert!(column(&path("out.h5"), "time").windows(2).all(|pair| pair[1] > pair[0]));
 }
 
-/// Fields go on also where no frame follows the checkpoint: into the same file, cut to the frames up to it, and into another.
+/// Fields continue even if no frame follows the checkpoint: in the same file, cut to the frames up to the checkpoint,
+/// and in another file.
 fn fields_go_on_without_a_new_frame() {
     let folder = folder(&scene("\n[output]\nfields = 100\n").replace("end = 0.1", "end = 10"));
     let time = killed(&folder, "run scene.toml -o out.h5 --set output.checkpoint_steps=1010");
     let steps = (time / 2e-5).round() as usize;
-    // Five steps later, before the next hundred.
+    // Five time steps later, before the next hundred.
     let end = format!("--set time.end={:e}", (steps + 5) as f64 * 2e-5);
     good(&folder, 0, &format!("run scene.toml -o whole.h5 {end}"));
     good(&folder, 0, &format!("run scene.toml --restart out.h5 -o more.h5 {end}"));
@@ -98,7 +100,7 @@ fn fields_go_on_without_a_new_frame() {
     }
 }
 
-/// Where a restart fails before its first step, what was there stays; the message names the checkpoint.
+/// A restart that fails before its first time step replaces nothing; the message names the checkpoint.
 fn a_restart_that_fails_replaces_nothing() {
     let folder = folder(&scene("\n[output]\nfields = 50\n"));
     for step in ["", "--set time.step= --set time.scheme=newmark"] {
@@ -109,7 +111,7 @@ fn a_restart_that_fails_replaces_nothing() {
             "TERM",
         );
         let path = folder.path().join("out.checkpoint.h5");
-        // As of another version: sealed, but for one of its numbers.
+        // A checkpoint of another version: it is sealed, but one of its numbers is missing.
         let whole = fs::read(&path).unwrap();
         fs::write(&path, &whole[..whole.len() - 16]).unwrap();
         let mut name = String::new();
@@ -131,7 +133,7 @@ fn a_restart_that_fails_replaces_nothing() {
     }
 }
 
-/// Status 0 of a complete run only where nothing else is wanted than what is there.
+/// Status 0 for a complete run is given only if the command asks for the result that is there.
 fn a_complete_run_is_done_only_where_nothing_else_is_wanted() {
     let folder = folder(&scene("").replace("end = 0.1", "end = 1e-3"));
     good(&folder, 0, "run scene.toml -o out.h5");
@@ -152,7 +154,8 @@ fn a_complete_run_is_done_only_where_nothing_else_is_wanted() {
     assert!(files(&folder) == before);
 }
 
-/// An end at the checkpoint leaves no step to take, and the summary is that of the run; one before it is refused.
+/// If the end time equals the checkpoint's time, no step is left, and the summary describes the run. An earlier end
+/// time is refused.
 fn an_end_at_the_checkpoint_and_one_before_it() {
     let folder = folder(&scene("").replace("end = 0.1", "end = 10"));
     let time = killed(&folder, "run scene.toml -o out.h5 --set output.checkpoint_steps=500");
@@ -164,13 +167,13 @@ fn an_end_at_the_checkpoint_and_one_before_it() {
     let whole = good(&folder, 0, &format!("run scene.toml -o whole.h5 {end}"));
     let outcome = good(&folder, 0, &format!("run scene.toml --restart out.h5 {end}"));
     check_alike(&folder.path().join("out.h5"), &folder.path().join("whole.h5"), 0.0);
-    // All but the line with the file and its times.
+    // All lines except the one with the file and its times.
     let lines = |text: &str| text.lines().filter(|line| !line.contains(".h5: ")).map(str::to_owned).collect::<Vec<_>>();
     assert_eq!(lines(&outcome.stdout), lines(&whole.stdout));
     assert!(!lines(&whole.stdout).is_empty() && !folder.path().join("out.checkpoint.h5").exists());
 }
 
-/// A mesh that has changed is refused, though its nodes are the same; other options for PETSc are told.
+/// A changed mesh is refused, even with the same nodes; other PETSc options are reported.
 fn another_mesh_and_other_options() {
     let folder = folder(
         "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500\nmesh = \"plate.msh\"\n[impactor]\nmass = 1\nradius = 0.05\n\
@@ -194,7 +197,8 @@ fn another_mesh_and_other_options() {
     assert!(outcome.stderr.contains("note: out.h5 was begun with other options for PETSc: "), "{outcome:#?}");
 }
 
-/// Results whose names differ share nothing: neither checkpoints nor fields. Links share the file that they lead to, and all beside it.
+/// Results with different names share neither checkpoints nor fields. Links share the file to which they point, and all
+/// files next to it.
 fn results_share_nothing_but_links() {
     let folder = folder(&scene("\n[output]\nfields = 100\n"));
     let path = |name: &str| folder.path().join(name);
@@ -224,7 +228,7 @@ fn results_share_nothing_but_links() {
     assert!(!path("k.checkpoint.h5").exists() && path("k.1e7.checkpoint.h5").exists());
 }
 
-/// What a run that was killed has begun is cleared by the next one on the same result, and nothing else.
+/// Unfinished files of a killed run are removed by the next run with the same result, and nothing else is.
 fn parts_of_killed_runs_are_cleared() {
     let folder = folder(&scene("\n[output]\nfields = 100\n").replace("end = 0.1", "end = 1e-3"));
     for name in [".out.h5.4711.part", ".out.checkpoint.h5.1.part", ".out.vtkhdf.12.part", ".out.xdmf.123.part"] {

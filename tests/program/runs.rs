@@ -1,4 +1,4 @@
-//! Good runs, through the program itself.
+//! Tests of successful runs of the program.
 
 use crate::bad_meshes;
 use crate::results;
@@ -22,7 +22,7 @@ pub const TESTS: &[PlainTest] = tests![
     a_reader_who_leaves_early_is_no_error
 ];
 
-/// Steps of [`BOX`].
+/// Number of time steps of [`BOX`].
 const STEPS: usize = 50;
 
 fn a_result_tells_where_it_comes_from() {
@@ -30,7 +30,7 @@ fn a_result_tells_where_it_comes_from() {
     let line = "run scene.toml --set output.every=7 --set impactor.speed=2 -- -snes_rtol 0 -snes_maxit 9";
     let outcome = good(&folder, 2, line);
     assert!(outcome.stdout.contains("peak acceleration") && outcome.stdout.contains("scene.h5"), "{outcome:#?}");
-    // A misspelt option is told, and the run goes on.
+    // A misspelt option gives a warning, and the run continues.
     assert!(outcome.stderr.contains("WARN PETSc has not used the option -snes_maxit\n"), "{outcome:#?}");
     assert!(!outcome.stderr.contains('\u{1b}'));
     let file = results::open(folder.path().join("scene.h5"));
@@ -53,7 +53,7 @@ fn a_result_tells_where_it_comes_from() {
     assert_eq!(time.len(), 8);
     assert!(time.iter().enumerate().all(|(n, t)| (t - 1.4e-4 * n as f64).abs() < 1e-15), "{time:?}");
 
-    // The stored text alone repeats the run.
+    // The stored text is sufficient to repeat the run.
     let again = results::folder(&text(&file, "scene"));
     good(&again, 2, "run scene.toml -o again.h5");
     let [first, second] = [folder.path().join("scene.h5"), again.path().join("again.h5")];
@@ -82,8 +82,8 @@ fn ranks_agree() {
     }
 }
 
-/// The same tetrahedra in both of Gmsh's formats. In 2.2 an element carries also the number of its geometric entity, which
-/// is not a physical group: the bottom is entity 1, and "side" is group 1.
+/// The same tetrahedra in both Gmsh formats. In 2.2 an element also has the number of its geometric entity, which is
+/// not a physical group: the bottom is entity 1, and "side" is group 1.
 fn mesh_formats_agree() {
     let scene = BOX.replace("size = [0.5, 0.5, 0.02]\ncells = [4, 4, 1]", "mesh = \"mesh.msh\"")
         + "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e12\n";
@@ -94,7 +94,7 @@ fn mesh_formats_agree() {
         good(&folder, 0, "run scene.toml");
         column(&folder.path().join("scene.h5"), "contact/force")
     });
-    // The bottom held as well changes the force by 3e-4.
+    // If the bottom were supported too, the force would change by 3e-4.
     assert!(difference(&forces[0], &forces[1]) < 1e-9);
 }
 
@@ -108,7 +108,7 @@ fn check_and_run_agree_on_unknowns_and_memory() {
     };
     let (unknowns, estimate) = (before(" unknowns"), before(" MB: matrices"));
 
-    // What the program takes without a mesh to speak of is not the scene's.
+    // The memory that the program needs for a very small mesh does not belong to the scene.
     let small = results::folder(BOX);
     let own = peak_memory(ricochet(small.path(), 0).args(words("run scene.toml")));
     let all = peak_memory(ricochet(folder.path(), 0).args(words("run scene.toml")));
@@ -116,7 +116,7 @@ fn check_and_run_agree_on_unknowns_and_memory() {
     assert_eq!(number::<u64>(&file, "unknowns") as f64, unknowns + 1.0);
     let ratio = (all - own) / estimate;
     println!("memory: estimated {estimate} MB, measured {all:.0} − {own:.0} MB, ratio {ratio:.2}");
-    // An estimate to choose a machine by: neither half nor double of what is taken.
+    // The estimate serves to choose a machine: it must be between half and double the measured memory.
     assert!((0.5..2.0).contains(&ratio), "estimated {estimate} MB, measured {all:.0} − {own:.0} MB");
 }
 
@@ -152,14 +152,14 @@ fn help_and_version() {
     let help = good(&folder, 0, "--help").stdout;
     assert!(["run", "check", "plot"].iter().all(|command| help.contains(&format!("\n  {command} "))), "{help}");
     assert!(good(&folder, 0, "run --help").stdout.contains("--set <KEY=VALUE>"));
-    // With the commit, which a test cannot know.
+    // The version includes the commit, which a test cannot know.
     let version = good(&folder, 0, "--version").stdout;
     assert!(version.starts_with(concat!("ricochet ", env!("CARGO_PKG_VERSION"), " (")), "{version}");
-    // One answer, not one a rank.
+    // One answer, not one from each rank.
     assert_eq!(good(&folder, 2, "--version").stdout.lines().count(), 1);
 }
 
-/// A pty by `script` of util-linux.
+/// The terminal is a pty made by `script` of util-linux.
 fn a_terminal_shows_a_bar() {
     let folder = folder(&long().replace("end = 10", "end = 5e-3"));
     let command = format!("{} run scene.toml", env!("CARGO_BIN_EXE_ricochet"));

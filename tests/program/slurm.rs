@@ -1,5 +1,5 @@
-//! The jobs in `scripts/slurm`, run with stand-ins for what the queue provides: `srun` starts as many ranks as the job has tasks, and
-//! `scontrol` keeps what it is told.
+//! Tests of the jobs in `scripts/slurm`, with replacements for the commands of the queue: `srun` starts one rank for
+//! each task of the job, and `scontrol` records its arguments.
 
 use crate::results;
 use mpi_test::{PlainTest, tests};
@@ -31,7 +31,7 @@ fn repository() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// A job in a folder, of two tasks.
+/// A job of two tasks in a folder.
 fn job(folder: &TempDir, name: &str, line: &str) -> Command {
     let stand_ins = folder.path().join("stand-ins");
     fs::create_dir_all(&stand_ins).unwrap();
@@ -45,7 +45,7 @@ fn job(folder: &TempDir, name: &str, line: &str) -> Command {
     let mut command = Command::new("bash");
     let of_mpi = mpi_test::mpirun(1);
     command.envs(of_mpi.get_envs().filter_map(|(name, value)| Some((name, value?))));
-    // That is for the job to set.
+    // The job must set this variable.
     command.env_remove("OMP_NUM_THREADS").env("PATH", path).env("SLURM_JOB_ID", "4711").env("SLURM_NTASKS", "2");
     command.arg(repository().join("scripts/slurm").join(name)).args(words(line)).current_dir(folder.path());
     command
@@ -67,7 +67,7 @@ fn a_job_runs_on_its_tasks() {
     let path = folder.path().join("out.h5");
     assert!(is_complete(&path));
     assert_eq!(number::<u64>(&results::open(&path), "ranks"), 2);
-    // The queue sees what ricochet says.
+    // The queue gets the exit status of ricochet.
     ended(&run(&mut job(&folder, "job.sbatch", "run missing.toml -o out.h5")), 4);
 }
 
@@ -82,7 +82,7 @@ fn an_array_computes_a_sweep_in_parts() {
         ended(&task(id, "3"), 0);
         assert!(folder.path().join(format!("k.{id}-of-3.h5")).exists());
     }
-    // An array from 0, or a part of one, is refused, lest its parts be other parts.
+    // An incomplete array, or one that starts at 0, is refused, because its parts would be other parts.
     for (id, count) in [("0", "3"), ("2", "1")] {
         ended(&task(id, count), 2);
     }
@@ -100,7 +100,7 @@ fn some_seconds() -> String {
 
 const REQUEUE: &str = "out.h5 scene.toml";
 
-/// A job that gets a signal while its run is on its way.
+/// Sends a signal to a job during its run.
 fn signalled(folder: &TempDir, signal: &str) -> Outcome {
     let started = start(&mut job(folder, "requeue.sbatch", REQUEUE));
     let begin = Instant::now();
@@ -112,7 +112,7 @@ fn signalled(folder: &TempDir, signal: &str) -> Outcome {
     started.wait(LIMIT)
 }
 
-/// At the limit the job queues again, and its next start goes on: the result is that of a run that was let alone.
+/// At the time limit the job is queued again, and its next start continues: the result equals an uninterrupted run's.
 fn a_run_beyond_the_limit_goes_on_in_the_next_job() {
     let folder = folder(&some_seconds());
     ended(&signalled(&folder, "USR1"), 130);
@@ -126,12 +126,12 @@ fn a_run_beyond_the_limit_goes_on_in_the_next_job() {
 
     ended(&run(&mut job(&folder, "job.sbatch", "run scene.toml -o whole.h5")), 0);
     let force = |name: &str| column(&folder.path().join(name), "contact/force");
-    // A new factorisation of the same matrix: equal but for rounding.
+    // A new factorisation of the same matrix: equal except for rounding.
     assert!(difference(&force("out.h5"), &force("whole.h5")) < 1e-9);
 }
 
-/// A run that ends in order without a checkpoint, as in modal coordinates, would begin anew in every job: it is not queued again, also beside
-/// an older checkpoint.
+/// A run that ends in order without a checkpoint, as in modal coordinates, would begin anew in every job. So it is not
+/// queued again, even next to an older checkpoint.
 fn a_run_without_a_checkpoint_is_not_queued_again() {
     let folder = folder(BOX);
     let path = |name: &str| folder.path().join(name);
@@ -157,7 +157,7 @@ fn a_run_without_a_checkpoint_is_not_queued_again() {
     }
 }
 
-/// A job that is cancelled writes its checkpoint and does not come back by itself.
+/// A cancelled job writes its checkpoint and is not queued again.
 fn a_cancelled_job_stays_away() {
     let folder = folder(&some_seconds());
     ended(&signalled(&folder, "TERM"), 130);
@@ -166,7 +166,7 @@ fn a_cancelled_job_stays_away() {
     assert!(is_complete(&folder.path().join("out.h5")));
 }
 
-/// What the solver refuses would be refused again.
+/// A run that the solver refuses would be refused again.
 fn a_run_that_fails_is_not_queued_again() {
     let folder = folder(BOX);
     let line = format!("{REQUEUE} --set impactor.gap=1e-4 -- -snes_max_it 1");

@@ -1,4 +1,4 @@
-//! `ricochet stability` through the program itself: what it writes, and that its verdicts are those of theory.
+//! Tests of `ricochet stability`: its output, and the agreement of its verdicts with theory.
 
 use mpi_test::{PlainTest, tests};
 use std::fs;
@@ -31,7 +31,7 @@ struct Line {
     reason: String,
 }
 
-/// Three times the first contact of a plate of 150 unknowns.
+/// Three times the duration of the first contact, for a plate of 150 unknowns.
 fn scene() -> String {
     BOX.replace("end = 1e-3", "end = 2e-3")
 }
@@ -43,7 +43,7 @@ fn lines(path: &Path) -> Vec<Line> {
     let place = |name: &str| header.iter().position(|column| *column == name).unwrap();
     lines
         .map(|line| {
-            // The reason is the last column, and the only one with commas in it.
+            // The reason is the last column, and the only one with commas.
             let fields: Vec<&str> = line.splitn(header.len(), ',').collect();
             let number = |name: &str| fields[place(name)].parse::<f64>().unwrap();
             Line {
@@ -76,22 +76,24 @@ fn verdicts_are_those_of_theory() {
     let average = of(&lines, "newmark beta=0.25 gamma=0.5");
     assert_eq!(average[0].verdict, "holds");
     assert!(average.iter().all(|line| line.limit == f64::INFINITY && line.verdict != "grows"), "{average:#?}");
-    // Second order: over the two finest steps, of which the reference's own error is a quarter.
+    // Second order over the two smallest time steps. The reference's own error is a quarter of theirs.
     let order = (average[1].force_error / average[0].force_error).log2();
     assert!((1.7..2.7).contains(&order), "{order}: {average:#?}");
 
-    // The ledger of the energy-conserving scheme closes to rounding.
+    // The energy balance of the energy-conserving scheme is exact to rounding.
     assert!(of(&lines, "energy").iter().all(|line| line.energy_error < 1e-9));
-    // Generalised-α loses the more, the less it leaves of high frequencies; here at 9 steps a contact.
+    // Generalised-α loses more energy if it keeps less of the high frequencies (smaller rho_inf); here with 9 time
+    // steps in a contact.
     let lost = |rho: &str| of(&lines, &format!("generalized-alpha rho_inf={rho}"))[5].energy_error;
     assert!(lost("0") > 2.0 * lost("0.5") && lost("0.5") > 2.0 * lost("0.8"), "{lines:#?}");
 
-    // γ < 1/2: every vibration grows in some hundred steps, and where there are fewer, energy is gained all the same.
+    // γ < 1/2: every vibration grows in some hundred time steps. If there are fewer steps, energy is gained
+    // nevertheless.
     let growing = of(&lines, "newmark beta=0.25 gamma=0.45");
     assert!(growing.iter().all(|line| line.limit == 0.0 && line.growth > 1.005), "{growing:#?}");
     assert!(growing.iter().filter(|line| line.verdict == "grows").count() >= 3, "{growing:#?}");
 
-    // Below the limit it holds, at 0.95 of it as well; from 1.05 on it grows.
+    // The verdict is "holds" below the limit, also at 0.95 of it, and "grows" from 1.05 on.
     for scheme in ["central-difference", "newmark beta=0.1667 gamma=0.5"] {
         let found = of(&lines, scheme);
         let limit = found[0].limit;
@@ -115,7 +117,7 @@ fn verdicts_are_those_of_theory() {
     assert_eq!(refused.status, Some(2), "{refused:#?}");
     assert!(refused.stderr.contains(&format!("stable up to a step of {limit:.3e} s")), "{refused:#?}");
 
-    // Nothing but the three files, and the gist of them on the terminal.
+    // Only the three files, and their main results on the terminal.
     let mut names: Vec<_> =
         fs::read_dir(&study).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
@@ -133,7 +135,7 @@ fn verdicts_are_those_of_theory() {
     }
 }
 
-/// Two ranks find the same; what grows does so from rounding, which is theirs.
+/// Two ranks give the same results. Unstable runs grow from rounding, which differs.
 fn ranks_agree() {
     let folder = folder(&scene());
     let [alone, two] = [0, 2].map(|ranks| {
@@ -143,14 +145,14 @@ fn ranks_agree() {
     assert_eq!(alone.len(), two.len());
     for (a, b) in alone.iter().zip(&two) {
         assert_eq!((&a.scheme, &a.verdict), (&b.scheme, &b.verdict));
-        // ω_max is estimated from the same start on any number of ranks, to rounding.
+        // The estimate of ω_max starts from the same vector on any number of ranks, to rounding.
         assert!((a.step / b.step - 1.0).abs() < 1e-9);
         if a.verdict == "grows" {
             continue;
         }
         assert_eq!(a.steps, b.steps);
         for (x, y) in [(a.energy_error, b.energy_error), (a.force_error, b.force_error)] {
-            // Rounding, amplified a millionfold by bending, in differences of 1e-6 and more.
+            // Rounding, which bending amplifies a millionfold, in differences of 1e-6 and more.
             assert!((x - y).abs() < 1e-8 + 1e-4 * x, "{a:?} {b:?}");
         }
     }
@@ -180,12 +182,13 @@ fn an_interrupted_study_ends_in_order() {
     assert_eq!(outcome.status, Some(130), "{outcome:#?}");
     let told: Vec<&str> = outcome.stderr.lines().filter(|line| line.starts_with("interrupted: ")).collect();
     assert_eq!(told.len(), 1, "{outcome:#?}");
-    // All the files or none.
+    // All files or none.
     let files = fs::read_dir(folder.path().join("study")).unwrap().count();
     assert_eq!(files, if told[0].contains("is written") { 3 } else { 0 }, "{outcome:#?}");
 }
 
-/// The shortest run is made whatever the budget; the rest is in the table as left out, and named. On two ranks the first one's clock counts.
+/// The shortest run is made whatever the budget. The other runs are in the table as left out, and named. On two ranks
+/// the clock of the first one counts.
 fn a_budget_leaves_the_finest_steps_out() {
     let folder = folder(&scene());
     for ranks in [0, 2] {
@@ -193,13 +196,13 @@ fn a_budget_leaves_the_finest_steps_out() {
         let lines = lines(&folder.path().join(format!("{ranks}/stability.csv")));
         let made: Vec<&Line> = lines.iter().filter(|line| line.verdict != "left out").collect();
         assert!(made.len() == 1 && lines.len() > 60, "{lines:#?}");
-        // No other run of its scheme takes larger steps.
+        // No other run of its scheme has larger time steps.
         let own = of(&lines, &made[0].scheme);
         assert_eq!(own[own.len() - 1].step, made[0].step);
         assert!(lines.iter().all(|line| line.verdict != "left out" || (line.steps == 0.0 && line.growth.is_nan())));
         let count = format!("incomplete {} of {} runs were left out", lines.len() - 1, lines.len());
         assert!(outcome.stdout.contains(&count), "{count}: {}", outcome.stdout);
-        // Which run is the shortest is measured; no other scheme has any.
+        // The shortest run is found by measurement; no other scheme has any run.
         let left_out = outcome.stdout.matches(": all steps, to keep to the 0 s of --budget").count();
         let mut schemes: Vec<&str> = lines.iter().map(|line| line.scheme.as_str()).collect();
         schemes.dedup();
@@ -214,7 +217,8 @@ fn a_budget_leaves_the_finest_steps_out() {
     }
 }
 
-/// Where the scene itself cannot be computed, there is nothing to compare: the run's own message and status.
+/// If the scene itself cannot be computed, there is nothing to compare: the message and status are the same as for the
+/// run.
 fn a_scene_beyond_the_contact_law_fails_as_its_run_does() {
     let folder = folder(&scene());
     let line = "--set contact.patch_radius=0.02 --set impactor.speed=100 --set impactor.radius=5";

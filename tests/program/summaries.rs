@@ -1,4 +1,4 @@
-//! What `run` and `info` say of a result, and how much.
+//! Tests of the summaries that `run` and `info` print of a result.
 
 use std::fs;
 
@@ -50,14 +50,15 @@ fn the_largest_values_are_those_of_the_series() {
         assert!(text.contains(line), "{line} is not in {text}");
     }
     assert!(said.contains("peak force ") && said.contains("probe \"below\": displacement "), "{said}");
-    // Contacts know their peak whatever rows are recorded.
+    // Contacts store their peak whatever rows are recorded.
     let rare = good(&folder, 0, "run scene.toml -o rare.h5 --set output.every=1000").stdout;
     let force =
         |text: &str| text.split("peak force ").nth(1).and_then(|rest| rest.split(';').next()).map(str::to_owned);
     assert_eq!(force(&rare), force(&said));
 }
 
-/// A thin plate on its edges that deflects by more than its thickness; the same one thick; and a free box that flies away as a whole.
+/// Large deflections give a warning: a thin plate, supported at its edges, that deflects by more than its thickness.
+/// There is none for the same plate made thick, and for a free box that flies away.
 fn large_deflections_are_warned_of() {
     let pane = pane().replace("tolerance = 1e-2", "tolerance = 1e-1").replace("end = 1e-3", "end = 0.02");
     let free = pane.split("[[support]]").next().unwrap();
@@ -68,14 +69,14 @@ fn large_deflections_are_warned_of() {
         assert_eq!(outcome.status, Some(0), "{outcome:#?}");
         let largest =
             column(&folder.path().join("out.h5"), "contact/surface_displacement").into_iter().fold(0.0, f64::max);
-        // The free box moves by more than its thickness too, but is not bent.
+        // The free box moves by more than its thickness too, but does not bend.
         assert_eq!(largest > 0.5 * size, is_large || scene == free, "{largest} m");
         let is_warned = outcome.stderr.contains("the model is geometrically linear: it neglects membrane forces");
         assert_eq!(is_warned, is_large, "{largest} m: {outcome:#?}");
     }
 }
 
-/// What a run warns of, a sweep tells once, with the member that it concerns most.
+/// A sweep repeats each warning of its runs once, with the member that it concerns most.
 fn a_sweep_repeats_the_warnings_of_its_members() {
     let pane = pane().replace("tolerance = 1e-2", "tolerance = 1e-1").replace("end = 1e-3", "end = 0.02");
     let folder = folder(&pane.replace("[1.0, 1.5, 0.008]", "[0.5, 0.5, 0.008]"));
@@ -95,7 +96,7 @@ fn a_sweep_repeats_the_warnings_of_its_members() {
         &line.replace("s.h5", "rough.h5 --set body.reduction=4 --set body.model=mindlin --set accuracy.tolerance=1e-4"),
     );
     assert!(rough.stderr.contains("the estimated error in the first contact is "), "{rough:#?}");
-    // With another unit in the scene, for all of them.
+    // A wrong unit in the scene concerns all members.
     let odd = good(&folder, 0, "sweep scene.toml --vary impactor.speed=0.1,0.2 -o odd.h5 --set impactor.young=210");
     assert_eq!(odd.stderr.matches("warning: 2 of 2 members, most of all ").count(), 1, "{odd:#?}");
 }
@@ -126,7 +127,7 @@ fn a_run_by_default_keeps_off_the_result_of_another_scene() {
         &["plate.h5: holds the result of another scene", "-o names this one's result"],
     );
     assert!(fs::read(folder.path().join("plate.h5")).unwrap() == before);
-    // The same scene by another way, and by name.
+    // The same scene by another path, and by name.
     good(&folder, 0, "run ./b/../a/plate.toml");
     good(&folder, 0, "run b/plate.toml -o plate.h5");
 }
@@ -142,7 +143,7 @@ fn completions_schema_and_manual() {
     let page = fs::read_to_string(folder.path().join("pages/ricochet-run.1")).unwrap();
     assert!(page.contains(".TH ricochet-run 1") && page.contains("restart"), "{page}");
     good(&folder, 0, "man -o pages");
-    // Files of others stay.
+    // Files that are not from this program stay.
     fs::write(folder.path().join("pages/ricochet-run.1"), "my notes").unwrap();
     fs::write(folder.path().join("pages/stability.csv"), "my table").unwrap();
     for (line, why) in [

@@ -1,4 +1,4 @@
-//! `ricochet sweep` through the program itself: what it writes, on how many ranks whatsoever, whole or in parts.
+//! Tests of `ricochet sweep`: its output, on any number of ranks, whole or in parts.
 
 use crate::results;
 use mpi_test::{PlainTest, tests};
@@ -24,10 +24,11 @@ pub const TESTS: &[PlainTest] = tests![
     what_no_figure_shows_is_said
 ];
 
-/// Six members.
+/// A grid of six members.
 const GRID: &str = "--vary support.0.stiffness=1e7..1e11:3 --vary time.scheme=newmark,energy --log";
 
-/// In modal coordinates and in steps, whole, on two ranks, and put together of parts.
+/// Probes are kept with the series, in modal coordinates and in time steps: in a whole sweep, on two ranks, and
+/// combined from parts.
 fn probes_are_kept_with_series() {
     let probes = "[output]\nprobes = [{ name = \"below\", point = [0.1, 0, -0.01] }, { name = \"above\", point = [0.1, 0, 0.01] }]\n";
     let folder = folder(&(supported() + probes));
@@ -90,7 +91,8 @@ fn members_are_the_runs_of_their_scenes() {
         assert!((peak[n] - force[n] / 52.0).abs() < 1e-12 * peak[n]);
         let impulse: f64 = numbers(&single, "contacts/impulse").iter().sum();
         let velocity = column(&single, "impactor/velocity");
-        // The last step is a recorded one only every third time; with Newmark's γ = 1/2 the impulse is the momentum given.
+        // The last step is a recorded one only every third time. With Newmark's γ = 1/2 the impulse equals the momentum
+        // transferred.
         assert!((members(&sweep, "impulse")[n] - impulse).abs() < 1e-12 * impulse);
         if scheme == "newmark" {
             let momentum = 52.0 * (velocity[0] - members(&sweep, "rebound_speed")[n]);
@@ -121,7 +123,7 @@ fn any_number_of_ranks_writes_the_same() {
     assert_eq!(members(&file(&folder, "few.h5"), "status"), [1.0, 1.0]);
 }
 
-/// Members on one merged basis against the same on bases of their own.
+/// Members on one merged basis agree with the same members on separate bases.
 fn a_family_answers_as_its_members() {
     let scene = supported().replace("step = 2e-5\n", "").replace("end = 1e-3", "end = 6e-3");
     let folder = folder(&scene.replace("cells = [4, 4, 1]\norder = 1\n", "").replace("localization = \"point\"\n", ""));
@@ -159,7 +161,7 @@ fn a_family_answers_as_its_members() {
     assert!(several > 0);
 }
 
-/// Neither what else is varied of the support nor a theory without supports is taken for the family's.
+/// A family varies one property only: it does not cover other changes of the support, nor a theory without supports.
 fn families_are_of_one_property() {
     let scene = supported().replace("step = 2e-5\n", "").replace("cells = [4, 4, 1]\norder = 1\n", "");
     let folder = folder(&scene.replace("localization = \"point\"\n", ""));
@@ -170,7 +172,7 @@ fn families_are_of_one_property() {
         let set = format!("--set body.model=mindlin --set support.0.stiffness=6e8 --set support.0.damping={damping}");
         good(&folder, 0, &format!("run scene.toml {set} -o run.h5"));
         let own = column(&file(&folder, "run.h5"), "impactor/acceleration").into_iter().fold(0.0, f64::max);
-        // The tolerance of both.
+        // The tolerance of both runs.
         assert!((peaks[n] / own - 1.0).abs() < 2e-2, "{n}: {} {own}", peaks[n]);
     }
     assert!((peaks[38] / peaks[39] - 1.0).abs() > 2e-2, "{peaks:?}");
@@ -178,7 +180,8 @@ fn families_are_of_one_property() {
     assert_eq!(members(&file(&folder, "h.h5"), "status"), [1.0; 20]);
 }
 
-/// Members in which other layers relax alike: a with b, or a with c. Each is its own run, but for a part of the tolerance.
+/// Each member is reduced with its own pairing of layers of equal relaxation: a with b, or a with c. Each member agrees
+/// with its own run within a part of the tolerance.
 fn layers_that_relax_alike_are_those_of_the_member() {
     let relaxing = |name: &str, shear: &str| {
         format!(
@@ -205,12 +208,13 @@ fn layers_that_relax_alike_are_those_of_the_member() {
     for (shear, peak) in ["1e5", "3e7"].into_iter().zip(&peaks) {
         good(&folder, 0, &format!("run scene.toml --set material.a.shear={shear} -o run.h5"));
         let own = column(&file(&folder, "run.h5"), "contact/force").into_iter().fold(0.0, f64::max);
-        // A fifth of the tolerance, by other cells and vectors; with another member's pairing of layers it was 8% and more.
+        // A fifth of the tolerance, because cells and basis vectors differ. With another member's pairing of layers the
+        // difference was 8% and more.
         assert!((peak / own - 1.0).abs() < 1e-2, "{shear} Pa: {peak} {own}");
     }
 }
 
-/// The same with error-controlled steps, which tell their steps late.
+/// Members with error-controlled time steps, which report their steps late.
 fn members_with_controlled_steps() {
     let scene = supported().replace("step = 2e-5\n", "");
     let folder = folder(&scene);
@@ -236,7 +240,7 @@ fn shards_put_together_are_the_whole() {
     assert!(said.stdout.contains("s.h5: 7 of 7 members, 7 of them were there"), "{said:?}");
     assert_eq!(said.stderr.matches("members taken over from s.").count(), 3, "{said:?}");
     assert_eq!(content(&file(&folder, "s.h5")), content(&file(&folder, "whole.h5")));
-    // Two of three parts: the rest is computed. Then a part of another sweep.
+    // Two of three parts are there: the rest is computed. Then follows a part of another sweep.
     std::fs::remove_file(file(&folder, "s.h5")).unwrap();
     std::fs::remove_file(file(&folder, "s.3-of-3.h5")).unwrap();
     let said = good(&folder, 0, &format!("{line} -o s.h5"));
@@ -253,7 +257,8 @@ fn shards_put_together_are_the_whole() {
     assert!(outcome.stderr.contains("it cannot be a part of s.h5"), "{outcome:?}");
 }
 
-/// At a gate of 1e-9 a force that is a polynomial in each step, and so not exact in the contact, is stopped; at 1 it is not.
+/// A failed member is recorded as a result. In modal coordinates the force is a polynomial in each step and so not
+/// exact in the contact: an energy gate of 1e-9 stops the run, a gate of 1 does not.
 fn a_member_that_fails_is_a_result() {
     let folder = folder(&supported());
     let line = "sweep scene.toml --vary solver.energy_gate=1,1e-9,0.5 --series -o s.h5";
@@ -275,7 +280,7 @@ fn a_member_that_fails_is_a_result() {
     assert!(results::open(&path).group("series/1").is_err());
 }
 
-/// A time step that is not stable shows on the mesh only.
+/// An unstable time step is detected only with the mesh.
 fn a_member_whose_scene_is_wrong_on_its_mesh_is_named() {
     let folder = folder(&supported());
     let line = "sweep scene.toml --vary time.scheme=newmark,central-difference -o s.h5";
@@ -308,15 +313,15 @@ fn one_key_is_drawn_as_a_curve_and_two_as_a_map() {
     for word in ["support.0.stiffness (N/m³)", "peak acceleration (m/s²)", "in contact", "10¹²", "Small plate"] {
         assert!(svg.contains(word), "{word}");
     }
-    // The curve runs through its panel from the first to the last member.
+    // The curve extends through its panel from the first to the last member.
     let one = figure(folder.path(), "one.png");
     let blue = (0..1600).filter(|x| (0..500).any(|y| one.get_pixel(*x, y).0 == [0, 114, 178])).count();
     assert!(blue > 800, "{blue}");
-    // The eight cells of the map: eight colours, the lightest and the darkest at opposite corners of the plot.
+    // The map has eight cells: eight colours, the lightest and the darkest at opposite corners of the plot.
     let two = figure(folder.path(), "two.png");
     let grey = |p: [u8; 3]| p.iter().map(|c| i32::from(*c)).sum::<i32>();
     let at = |x: u32, y: u32| two.get_pixel(x, y).0;
-    // Two columns, the fast key's; four rows, the slow key's, upwards.
+    // Two columns for the fast key; four rows for the slow key, upwards.
     let cells: Vec<i32> = [400, 1100].into_iter().flat_map(|x| [180, 380, 580, 780].map(|y| grey(at(x, y)))).collect();
     let distinct: std::collections::BTreeSet<_> = cells.iter().collect();
     assert!(distinct.len() >= 6, "{cells:?}");
@@ -324,7 +329,8 @@ fn one_key_is_drawn_as_a_curve_and_two_as_a_map() {
     assert_eq!(cells.iter().max(), [&cells[3], &cells[7]].into_iter().max());
 }
 
-/// Peaks over three decades: colours by their logarithm, so that the middle row is half-way; and a short logarithmic axis has labels.
+/// Peaks over three decades have logarithmic colours, so that the middle row is halfway; and a short logarithmic axis
+/// has labels.
 fn a_map_over_decades_has_logarithmic_colours() {
     let folder = folder(&supported());
     let half_space = "--set body.model=half-space --set contact.localization=patch --log";
@@ -338,7 +344,7 @@ fn a_map_over_decades_has_logarithmic_colours() {
     let two = figure(folder.path(), "two.png");
     let grey = |y: u32| two.get_pixel(400, y).0.iter().map(|c| i32::from(*c)).sum::<i32>();
     let (weak, middle, strong) = (grey(780), grey(480), grey(180));
-    // On a linear scale the middle one is as light as the weakest.
+    // On a linear scale the middle row would be as light as the weakest.
     assert!(weak - middle > 150 && middle - strong > 150, "{weak} {middle} {strong}");
     let svg = std::fs::read_to_string(file(&folder, "two.svg")).unwrap();
     for label in ["10\u{207b}\u{b2}", "10\u{2070}", "10", "12", "14"] {

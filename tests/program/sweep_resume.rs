@@ -1,4 +1,4 @@
-//! Sweeps that are ended before their time, and continued.
+//! Tests of sweeps that are ended early and continued.
 
 use crate::program;
 use crate::results;
@@ -20,7 +20,7 @@ pub const TESTS: &[PlainTest] = tests![
 
 const LINE: &str = "sweep scene.toml --vary support.0.stiffness=1e6..1e12:8 --log";
 
-/// Takes members out, as if they had not been computed: their statuses alone, as a kill within a flush may leave it.
+/// Removes members as if they had not been computed. Only their statuses are changed, as a kill within a flush may do.
 fn forget(path: &Path, gone: &[usize]) {
     results::change(path, |file| {
         for &member in gone {
@@ -46,7 +46,7 @@ fn what_is_missing_is_computed_and_nothing_else() {
     }
 }
 
-/// Starts a sweep, and waits until its file is there and has been written to so many times more.
+/// Starts a sweep, and waits until its file is there and has been written to this number of times more.
 fn begun(folder: &tempfile::TempDir, ranks: usize, line: &str, writes: usize) -> program::Started {
     let path = folder.path().join("s.h5");
     let started = start(ricochet(folder.path(), ranks).args(words(&format!("{line} -o s.h5"))));
@@ -70,7 +70,7 @@ fn a_signal_keeps_what_is_done() {
         // Half a minute of work.
         let line = LINE.replace(":8", ":5000") + " --set time.end=0.05";
         let started = begun(&folder, ranks, &line, 1);
-        // To one rank, which is not rank 0 where there are two.
+        // The signal goes to one rank, which is not rank 0 if there are two.
         let ranks = children(started.child.id());
         send("TERM", ranks.get(1).unwrap_or(&started.child.id().to_string()));
         let outcome = started.wait(Duration::from_secs(10));
@@ -82,15 +82,16 @@ fn a_signal_keeps_what_is_done() {
     }
 }
 
-/// After a kill the file can be read and continued, and ends as if nothing had been.
+/// After a kill the file can be read and continued, and ends as if nothing had happened.
 fn a_kill_spoils_nothing() {
     let folder = folder(&supported());
     let path = folder.path().join("s.h5");
-    // Longer than two flushes of a second each take.
+    // The sweep takes longer than two flushes, one second apart.
     let many = "sweep scene.toml --vary support.0.stiffness=1e6..1e12:400 --log --set time.end=0.05";
     good(&folder, 0, &format!("{many} -o whole.h5"));
     let whole = content(&folder.path().join("whole.h5"));
-    // Before the first members, and later and later until there are some: how many writes come before them is the machine's matter.
+    // Kills come before the first members, and later and later until there are some. The number of earlier writes
+    // depends on the machine.
     for writes in 0.. {
         let _ = std::fs::remove_file(&path);
         let mut started = begun(&folder, 0, many, writes);
@@ -106,7 +107,8 @@ fn a_kill_spoils_nothing() {
     }
 }
 
-/// Limits on the size of files stand for a disk that is full at one moment or another of a sweep.
+/// A full disk does not damage the sweep. Limits on the size of files stand for a disk that is full at some moment of a
+/// sweep.
 fn a_full_disk_spoils_nothing() {
     let folder = folder(&supported());
     let path = folder.path().join("s.h5");

@@ -1,4 +1,4 @@
-//! Sweeps over the temperature of a laminate.
+//! Tests of sweeps over the temperature of a laminate.
 
 use mpi_test::{PlainTest, tests};
 
@@ -12,8 +12,9 @@ pub const TESTS: &[PlainTest] = tests![
     temperatures_between_bodies_are_within_their_estimates,
 ];
 
-/// So many temperatures that the answers of a few bodies are interpolated: at some that are between these no peak is further from that of a
-/// run of its own, of a tenth of the tolerance, than its estimate says. Two ranks find the same.
+/// Sweeps over many temperatures, which interpolate between the results of a few bodies. At some temperatures in
+/// between, the peak is compared with the peak of a separate run with a tenth of the tolerance. No difference exceeds
+/// the estimate. Two ranks give the same results.
 fn temperatures_between_bodies_are_within_their_estimates() {
     let folder = folder(&pane(&[6.9e6, 3.9e6, 2.3e6]));
     let outcome = good(&folder, 0, "sweep scene.toml --vary body.temperature=0..46:47 -o s.h5 -vv");
@@ -22,7 +23,7 @@ fn temperatures_between_bodies_are_within_their_estimates() {
     assert!(bodies.is_some_and(|bodies: usize| bodies < 24), "{said:?}");
     let sweep = folder.path().join("s.h5");
     let (peaks, estimates) = (members(&sweep, "peak_force"), members(&sweep, "first_contact_error"));
-    // Bodies are at both ends, in the middle, and so on by halves.
+    // Bodies are computed at both ends, in the middle, and further by bisection.
     for member in [3, 27, 45] {
         let temperature = member;
         let set = format!("--set body.temperature={temperature} --set accuracy.tolerance=2e-3");
@@ -35,8 +36,8 @@ fn temperatures_between_bodies_are_within_their_estimates() {
     assert_eq!(members(&folder.path().join("two.h5"), "peak_force"), peaks);
 }
 
-/// Temperatures so close that one basis serves both: no peak is further from that of a run of its own, of a quarter of the tolerance, than its
-/// estimate says.
+/// Sweeps over temperatures so close that one basis serves for both. Each peak is compared with the peak of a separate
+/// run with a quarter of the tolerance. No difference exceeds the estimate.
 fn temperatures_on_a_shared_basis_are_within_their_estimates() {
     let folder = folder(&pane(&[6.9e6, 3.9e6, 2.3e6]));
     good(&folder, 0, "sweep scene.toml --vary body.temperature=20,20.1 -o s.h5");
@@ -57,7 +58,8 @@ fn temperatures_on_a_shared_basis_are_within_their_estimates() {
     }
 }
 
-/// A layerwise pane whose interlayer has terms of some moduli (Pa), a decade apart from 10 µs on.
+/// A layerwise pane whose interlayer has Prony terms with these moduli (Pa); the relaxation times begin at 10 µs and
+/// are a decade apart.
 fn pane(moduli: &[f64]) -> String {
     let glass = "[[body.layer]]\nthickness = 0.005\nmaterial = \"glass\"\n";
     let term = |(n, modulus): (usize, &f64)| format!("{{ modulus = {modulus:e}, time = 1e{} }}", n as i32 - 5);
@@ -74,7 +76,7 @@ fn pane(moduli: &[f64]) -> String {
     )
 }
 
-/// Far from the glass transition the shift is extrapolated.
+/// Far from the glass transition the time–temperature shift is extrapolated, which is noted.
 fn temperatures_beyond_the_shift_are_noted() {
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/laminate.toml");
     let folder = folder(&std::fs::read_to_string(scene).unwrap());
@@ -85,8 +87,8 @@ fn temperatures_beyond_the_shift_are_noted() {
     }
 }
 
-/// Temperatures of a laminate, also where one follows no term of the chain. Each member's force is that
-/// of its own run within the tolerances of both.
+/// Each temperature of a laminate uses its own relaxation times, also at a temperature where no term of the Prony
+/// series has to be followed in time. Each member's force agrees with its own run within the tolerances of both.
 fn temperatures_have_the_relaxation_of_their_own() {
     let laminate = r#"
         title = "Laminate"

@@ -1,4 +1,4 @@
-//! The largest tension as a user meets it: in summaries, results and sweeps, with a strength, and where there is none.
+//! Tests of the largest tension in the program: in summaries, results and sweeps, with and without a strength.
 
 use crate::program::{ricochet, run};
 use crate::results::{change, column, folder, good, number, open, text, words};
@@ -13,12 +13,13 @@ pub const TESTS: &[PlainTest] = tests![
     tensions_at_clamped_edges_have_no_estimate
 ];
 
-/// A pane whose tension is some 60 MPa.
+/// A pane with a tension of some 60 MPa.
 const PANE: &str = "[body]\nmodel = \"mindlin\"\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.5, 0.5, 0.02]\n\
                     [[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\n\
                     [impactor]\nmass = 52.0\nspeed = 1.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\n[time]\nend = 5e-4\n";
 
-/// The attributes are those of the series, with 2 ranks as with one; ν and R alone make the ring of F and α.
+/// The attributes agree with the series, with 2 ranks as with one. The tension of the contact ring follows from F and α
+/// with only ν and R.
 fn results_tell_the_largest_tension() {
     let folder = folder(PANE);
     let mut found = Vec::new();
@@ -52,8 +53,9 @@ fn results_tell_the_largest_tension() {
     good(&folder, 0, "plot out.h5 --quantity stress -o stress.svg");
 }
 
-/// Of a plate in modal coordinates, of one stepped in its unknowns and of a mesh, where all steps can be folded by hand: the map's largest
-/// value and its time are those of the history, and rows that are left out count.
+/// For a plate in modal coordinates, a plate integrated in its unknowns, and a mesh: the map's largest value and its
+/// time agree with the time history. Rows that are not recorded count too. In the last two cases the test computes the
+/// maximum over all steps directly.
 fn maps_have_the_largest_tension_at_each_point() {
     let folder = folder(PANE);
     let stepped = "--set body.reduction=none --set time.step=1e-5 --set time.scheme=newmark";
@@ -72,7 +74,7 @@ fn maps_have_the_largest_tension_at_each_point() {
             let row = (0..history.len()).fold(0, |best, row| if history[row] > history[best] { row } else { best });
             let best = (0..tension.len()).filter(|point| !tension[*point].is_nan());
             let best = best.max_by(|one, other| tension[*one].total_cmp(&tension[*other])).unwrap();
-            // Single precision: 1e-4 is some times its bound for sums of a hundred products.
+            // Single precision: 1e-4 is several times its error bound for sums of a hundred products.
             let apart = (tension[best] / history[row] - 1.0).abs();
             assert!(apart < 1e-4, "{settings} {face}: {} {}", tension[best], history[row]);
             assert!(
@@ -104,7 +106,8 @@ fn maps_have_the_largest_tension_at_each_point() {
     assert!(open(folder.path().join("without.h5")).group("stress_map").is_err());
 }
 
-/// A strength for nothing is an error with the key, on one rank and on two, and no result is begun.
+/// A strength for a face or body that does not exist is an error with the key, on one rank and on two, and no result is
+/// started.
 fn strengths_are_of_faces_that_are_there() {
     let folder = folder(PANE);
     for (more, key) in [
@@ -125,7 +128,7 @@ fn strengths_are_of_faces_that_are_there() {
     }
 }
 
-/// Each member's is that of its run, to what another basis may change.
+/// Each member's largest tension equals the value of its run, except for the effect of another basis.
 fn sweeps_have_a_column_for_it() {
     let folder = folder(PANE);
     good(&folder, 0, "sweep scene.toml --vary impactor.speed=0.5,1 --set strength.face.lower=50e6 -o sweep.h5");
@@ -143,12 +146,13 @@ fn sweeps_have_a_column_for_it() {
     for (speed, tension) in ["0.5", "1"].iter().zip(tensions) {
         good(&folder, 0, &format!("run scene.toml -o run.h5 --force --set impactor.speed={speed}"));
         let alone: f64 = number(&open(folder.path().join("run.h5")), "largest_stress");
-        // Half of the tolerance is the bases'.
+        // Half of the tolerance is for the error of the bases.
         assert!((tension / alone - 1.0).abs() < 5e-3, "{speed}: {tension} {alone}");
     }
 }
 
-/// A tolerance for stresses where none is estimated is said to be one for the acceleration; near an edge nothing is added.
+/// If there is no estimate for stresses, a message says that their tolerance is used for the acceleration. Near an edge
+/// nothing is added.
 fn what_has_no_estimate_is_told() {
     let folder = folder(PANE);
     let said = good(&folder, 0, "check scene.toml --set accuracy.quantity=stress --set impactor.point=[0,0.24,0.01]");
@@ -162,8 +166,9 @@ fn what_has_no_estimate_is_told() {
     });
 }
 
-/// A plate that breaks at its clamped edge: what is estimated is the tension under the hit, and at the edge solids find more the smaller their cells are.
-/// With its edges simply supported it is under the hit, and has an estimate.
+/// A plate that breaks at its clamped edge has no error estimate. The estimate is for the tension under the impact
+/// point, and at a clamped edge solids give higher values with smaller cells. With simply supported edges the largest
+/// tension is under the impact point, and has an estimate.
 fn tensions_at_clamped_edges_have_no_estimate() {
     let folder = folder(
         "[body]\nmodel = \"mindlin\"\nyoung = 210e9\npoisson = 0.3\ndensity = 7850.0\nsize = [0.2, 0.2, 0.01]\n\

@@ -1,28 +1,29 @@
-//! Tools that some tests need; `scripts/test --all` installs them. A test whose tool is missing is ignored and says so.
+//! Tools that some tests need; `scripts/test --all` installs them. A test whose tool is missing is ignored, with the
+//! reason.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
 
 use mpi_test::Missing;
 
-/// Why a command cannot be run.
+/// The reason why a command cannot be run, if there is one.
 pub fn command(name: &str) -> Missing {
     let found =
         std::env::split_paths(&std::env::var_os("PATH").unwrap_or_default()).any(|folder| folder.join(name).is_file());
     (!found).then(|| format!("needs {name}"))
 }
 
-/// Why a page cannot be read in a browser and in print.
+/// The reason why a page cannot be read in a browser and in print, if there is one.
 pub fn browser() -> Missing {
     command("chromium").or_else(|| command("pdftotext"))
 }
 
-/// Why Debian's Python cannot import modules.
+/// The reason why Debian's Python cannot import modules, if there is one.
 pub fn python(modules: &[&str]) -> Missing {
     can_import("/usr/bin/python3", modules)
 }
 
-/// Why the Python of scripts/readers cannot import VTK.
+/// The reason why the Python of scripts/readers cannot import VTK, if there is one.
 pub fn vtk() -> Missing {
     can_import(&Path::new(env!("CARGO_MANIFEST_DIR")).join("out/readers-venv/bin/python").to_string_lossy(), &["vtk"])
 }

@@ -1,4 +1,4 @@
-//! Properties of the elements on their reference cells and of the geometry of facets.
+//! Properties of the elements on their reference cells, and of the geometry of facets.
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -22,17 +22,17 @@ fn gradients(element: &Element, xi: [f64; 3]) -> Vec<[f64; 3]> {
     out
 }
 
-/// Σ values × coordinates of the vertices.
+/// Σ shape function values × vertex coordinates.
 fn position(shape: Shape, x: &[[f64; 3]], xi: [f64; 3]) -> Vector3<f64> {
     values(&Element::new(shape, 1), xi).iter().zip(x).map(|(value, &vertex)| *value * Vector3::from(vertex)).sum()
 }
 
-/// A point of the box around the reference cells; a facet's has ζ = 0.
+/// A point of the box around the reference cell; ζ = 0 for a facet.
 fn within(shape: Shape, xi: [f64; 3]) -> [f64; 3] {
     if shape.dimension() == 2 { [xi[0], xi[1], 0.] } else { xi }
 }
 
-/// A facet's vertices: the reference ones, each moved by up to `shift` in space.
+/// Vertices of a facet: the reference vertices, each moved by up to `shift` in space.
 fn facet(shape: Shape, shift: f64) -> impl Strategy<Value = Vec<[f64; 3]>> {
     let vertices = shape.reference_vertices();
     prop::collection::vec(prop::array::uniform3(-shift..shift), vertices.len()).prop_map(move |shifts| {
@@ -75,7 +75,7 @@ fn nodes_are_the_means_of_their_vertices_and_vertices_come_first() {
     }
 }
 
-/// The vertices of the faces, in any order around.
+/// Vertices of the faces, in either orientation.
 fn faces(shape: Shape) -> &'static [&'static [usize]] {
     match shape {
         Shape::Tetrahedron => &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[2, 0, 3]],
@@ -96,7 +96,7 @@ proptest! {
     fn values_sum_to_1_and_gradients_to_0(xi in prop::array::uniform3(-1f64..1.)) {
         for element in elements() {
             let xi = within(element.shape(), xi);
-            // Rounding of up to 27 terms of size 1 (simplices: the box reaches outside, terms up to 20).
+            // Rounding of up to 27 terms of size 1 (simplices: the box extends beyond the cell, terms up to 20).
             prop_assert!((values(&element, xi).iter().sum::<f64>() - 1.).abs() < 1e-13);
             for d in 0..3 {
                 let sum: f64 = gradients(&element, xi).iter().map(|g| g[d]).sum();
@@ -117,7 +117,7 @@ proptest! {
                     xi[d] += sign * step;
                     values(&element, xi)
                 };
-                // Central differences are exact for quadratics: rounding 1e-15 over the step is left.
+                // Central differences are exact for quadratics: the error is rounding, 1e-15, divided by the step.
                 for ((forward, back), exact) in shifted(1.).iter().zip(shifted(-1.)).zip(&exact) {
                     prop_assert!(((forward - back) / (2. * step) - exact[d]).abs() < 1e-10);
                 }
@@ -125,7 +125,8 @@ proptest! {
         }
     }
 
-    /// What the localisation relies on: on a face, a cell's functions are those of the facet's element.
+    /// The shape functions of a cell on a face equal the functions of the facet's element. The localisation vector
+    /// relies on this.
     #[test]
     fn functions_of_a_facet_are_the_trace_of_the_cells(xi in prop::array::uniform2(0f64..0.5)) {
         for (cell, facet) in [
@@ -154,7 +155,8 @@ proptest! {
         }
     }
 
-    /// A point over the facet, along its normal and nearer than its curvature's radius, projects back.
+    /// A point at a distance along the facet's normal, less than the radius of curvature, is projected back to the foot
+    /// of the normal.
     #[test]
     fn closest_point_is_found_back(
         triangle in facet(Shape::Triangle, 0.2),
@@ -185,7 +187,7 @@ proptest! {
                 end[d] += step;
                 (position(shape, x, end) - position(shape, x, [xi[0], xi[1], 0.])) / step
             };
-            // The map is linear along either coordinate: its differences are its tangents.
+            // The map is linear in each coordinate, so its differences are its tangents.
             let (one, other) = (along(0), along(1));
             let n = Vector3::from(normal(shape, x, [xi[0], xi[1], 0.]));
             prop_assert!((n.norm() - 1.).abs() < 1e-14);
@@ -196,7 +198,8 @@ proptest! {
 }
 
 proptest! {
-    // Warped quadrilaterals where one start ends in the farther of two minima are rare: hundreds of cases to meet one.
+    // For a warped quadrilateral, one start may end in the farther of two minima. This is rare: it takes hundreds of
+    // cases to meet one.
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
     #[test]
@@ -216,8 +219,8 @@ proptest! {
     }
 }
 
-/// A patch and a point that lies as far from it as its centre of curvature, to a thousandth, so that the minimum is
-/// nearly flat: without the patch's curvature an iteration closes a few per cent of the gap a step.
+/// The distance of a point from a patch equals the radius of curvature, to a thousandth, so the minimum is nearly flat.
+/// An iteration that ignores the curvature of the patch reduces the error by only a few per cent in a step.
 #[test]
 fn a_nearly_flat_minimum_is_found() {
     let x = [

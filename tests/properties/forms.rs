@@ -11,7 +11,7 @@ const GLASS: Material = Material { young: 70e9, poisson: 0.23, density: 2500. };
 
 const CELLS: [Shape; 2] = [Shape::Tetrahedron, Shape::Hexahedron];
 
-/// A distorted cell: reference vertices moved by up to 0.15 of an edge, then stretched, turned and shifted.
+/// A distorted cell: the reference vertices are moved by up to 0.15 of an edge, then stretched, rotated and shifted.
 fn cell(shape: Shape) -> impl Strategy<Value = Vec<[f64; 3]>> {
     let vertices = shape.reference_vertices();
     let shift = if shape == Shape::Hexahedron { 0.3 } else { 0.15 };
@@ -22,7 +22,7 @@ fn cell(shape: Shape) -> impl Strategy<Value = Vec<[f64; 3]>> {
     })
 }
 
-/// Edges stretched by 0.3 to 1, a rotation, an offset.
+/// An affine map: edges stretched by 0.3 to 1, a rotation, an offset.
 fn affine() -> impl Strategy<Value = (Matrix3<f64>, Vector3<f64>)> {
     let triple = |range: std::ops::Range<f64>| prop::array::uniform3(range);
     (triple(0.3..1.), triple(-3.0..3.), triple(-1.0..1.)).prop_map(|(stretch, angles, offset)| {
@@ -31,7 +31,7 @@ fn affine() -> impl Strategy<Value = (Matrix3<f64>, Vector3<f64>)> {
     })
 }
 
-/// The means of the vertices: where the nodes lie in space.
+/// Positions of the nodes, which are means of vertices.
 fn nodes(shape: Shape, order: usize, x: &[[f64; 3]]) -> Vec<Vector3<f64>> {
     let mean = |of: &&[usize]| of.iter().map(|&v| Vector3::from(x[v])).sum::<Vector3<f64>>() / of.len() as f64;
     Element::new(shape, order).node_vertices().iter().map(mean).collect()
@@ -48,7 +48,7 @@ fn matrix(
 ) -> DMatrix<f64> {
     let mut forms = SolidForms::new(shape, order, GLASS);
     let size = 3 * forms.nodes();
-    // Forms overwrite: what stood there before must not show.
+    // The forms overwrite their output: its earlier content must have no effect.
     let mut out = vec![f64::NAN; size * size];
     form(&mut forms, &mut out).expect("the cell is not tangled");
     DMatrix::from_row_slice(size, size, &out)
@@ -62,7 +62,7 @@ fn mass(shape: Shape, order: usize, x: &[[f64; 3]]) -> DMatrix<f64> {
     matrix(shape, order, |forms, out| forms.mass(x, out))
 }
 
-/// ∫ f dx over a cell by a rule of degree 8, written without the forms.
+/// ∫ f dx over a cell with a quadrature rule of degree 8, computed independently of the forms.
 fn integral(shape: Shape, x: &[[f64; 3]], f: impl Fn(Vector3<f64>) -> f64) -> f64 {
     let geometry = Element::new(shape, 1);
     let rule = Quadrature::exact(shape, 8);
@@ -112,7 +112,7 @@ proptest! {
                 for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
                     let shift = interpolate(&points, |_| axis);
                     let turn = interpolate(&points, |x| axis.cross(x));
-                    // Rounding of a row sum against the largest entry, fields of size 1.
+                    // Rounding of a row sum relative to the largest entry, for fields of size 1.
                     prop_assert!((&k * shift).amax() < 1e-13 * k.amax());
                     prop_assert!((&k * turn).amax() < 1e-13 * k.amax());
                 }
@@ -138,7 +138,7 @@ proptest! {
         }
     }
 
-    /// u = (xy, yz, zx) lies in the quadratic spaces of affine cells: its energies are exact.
+    /// u = (xy, yz, zx) is in the quadratic spaces of affine cells: its energies are exact.
     #[test]
     fn energies_of_a_quadratic_field_on_affine_cells((stretch, offset) in affine()) {
         let Lame { lambda, mu } = GLASS.lame();
@@ -163,7 +163,8 @@ proptest! {
         }
     }
 
-    /// The load of a field of the space is mass times field over density; its sum is the resultant.
+    /// For a force density that is a field of the space, the load is the mass matrix times the field, over the density.
+    /// The sum of the load is the resultant.
     #[test]
     fn load_of_a_linear_force(
         tetrahedron in cell(Shape::Tetrahedron), hexahedron in cell(Shape::Hexahedron),
@@ -206,7 +207,8 @@ proptest! {
         }
     }
 
-    /// Distorted cells around inner nodes: a linear displacement held on the boundary goes through them unchanged.
+    /// Patch test with distorted cells around inner nodes: a linear displacement prescribed on the boundary is
+    /// reproduced exactly inside.
     #[test]
     fn patch_test(
         shifts in prop::collection::vec(prop::array::uniform3(-0.15f64..0.15), 27),
@@ -238,7 +240,7 @@ fn grid_cells(shape: Shape) -> Vec<Vec<usize>> {
             let corner = |cube: [usize; 3], x: &[f64; 3]| number([0, 1, 2].map(|d| cube[d] + usize::from(x[d] > 0.)));
             cubes.map(|cube| corners.iter().map(|x| corner(cube, x)).collect()).collect()
         }
-        // Kuhn's six: along the edges in each order; an odd order is turned over for a positive volume.
+        // Kuhn's six tetrahedra, one for each order of the edges. An odd permutation is reversed for a positive volume.
         _ => cubes
             .flat_map(|cube| {
                 [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]].map(|order| {
@@ -258,10 +260,10 @@ fn grid_cells(shape: Shape) -> Vec<Vec<usize>> {
     }
 }
 
-/// Largest error of the inner nodes' displacement.
+/// Largest error of the displacement of the inner nodes.
 fn patch_error(shape: Shape, order: usize, vertices: &[[f64; 3]], gradient: Matrix3<f64>) -> f64 {
     let element = Element::new(shape, order);
-    // A node is known by the vertices whose mean it is.
+    // A node is identified by the vertices whose mean it is.
     let mut numbers: BTreeMap<Vec<usize>, usize> = BTreeMap::new();
     let mut points: Vec<Vector3<f64>> = Vec::new();
     let mut inner: Vec<usize> = Vec::new();
@@ -310,7 +312,8 @@ fn patch_error(shape: Shape, order: usize, vertices: &[[f64; 3]], gradient: Matr
     (solution - exact.select_rows(&inner)).amax()
 }
 
-/// The bottom of a cube turned by half a turn: the determinant is ζ², positive at the Gauss points of order 1.
+/// The bottom of the cube is turned by 180°: the determinant is ζ², which is positive at the Gauss points of order 1,
+/// but the cell is tangled.
 #[test]
 fn a_hexahedron_twisted_by_half_a_turn_is_tangled() {
     let mut x: Vec<[f64; 3]> = Shape::Hexahedron.reference_vertices().to_vec();

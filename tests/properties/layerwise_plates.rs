@@ -1,10 +1,11 @@
-//! Layerwise plates at rest: against the infinite stack's waves, one plate, and plies that slide.
+//! Layerwise plates at rest: comparison with the waves of an infinite stack, with a single plate, and with sliding
+//! plies.
 
 use crate::plates::{Operator, a, answer, navier, plate, rigidity, scene, series};
 use ricochet::scene::Scene;
 use ricochet::space::plate::PlateTheory;
 
-/// A rectangle with layers (m) of glass, soft and glass, between Navier's edges.
+/// A rectangular laminate of glass, a soft layer and glass (thicknesses in m), with Navier's edge supports.
 fn laminate([x, y]: [f64; 2], layers: [f64; 3], soft: &str) -> Scene {
     let layer = |(thickness, material): (f64, &str)| {
         format!("[[body.layer]]\nthickness = {thickness}\nmaterial = \"{material}\"\n")
@@ -19,8 +20,8 @@ fn laminate([x, y]: [f64; 2], layers: [f64; 3], soft: &str) -> Scene {
     Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0
 }
 
-/// The layerwise plate between Navier's edges: each wave is the infinite stack's in that theory, with the moments of load and reading; of symmetric and other
-/// stacks.
+/// A layerwise plate with Navier's edge supports: each wave has the response of the infinite stack in the same theory,
+/// including the moments of the load and of the displacement average. Symmetric and unsymmetric stacks are tested.
 #[test]
 fn navier_layerwise() {
     for layers in [[0.012, 0.002, 0.012], [0.016, 0.002, 0.008]] {
@@ -34,13 +35,13 @@ fn navier_layerwise() {
                 series([0.9, 0.7], 500, |xi| theory.read(&theory.wave(xi)) * spread.square(xi * laminate.radius));
             1.0 - answer(&plate, 0.0) / exact
         });
-        // As Mindlin's plate on like cells.
+        // Same tolerances as for Mindlin's plate on similar cells.
         assert!(errors[0].abs() < 4e-3 && errors[1].abs() < 4e-4, "{layers:?}: {errors:?}");
     }
 }
 
-/// The softer the interlayer, the further two plies slide: at rest from one plate, which an interlayer of glass makes, to the sum of both plies'
-/// rigidities.
+/// With a softer interlayer two plies slide more. At rest, the compliance increases from the value of one plate (with
+/// an interlayer of glass) to the value for the sum of the plies' rigidities.
 #[test]
 fn softer_interlayers_let_plies_slide() {
     let yields = |soft: &str| {
@@ -52,15 +53,16 @@ fn softer_interlayers_let_plies_slide() {
     let one = plate(&scene("size = [0.9, 0.7, 0.021]", "", &navier()), PlateTheory::Mindlin, 1.0);
     let whole = answer(&one, 0.0) + one.local.unwrap().compliance;
     let (deflection, compliance) = yields("young = 70.0001e9\npoisson = 0.23");
-    // Cells of both leave some 1e-4.
+    // The discretisation errors of the two plates are some 1e-4.
     let off = (deflection + compliance) / whole - 1.0;
     println!("an interlayer of glass: {off:e}");
     assert!(off.abs() < 5e-4, "{off:e}");
-    // They all resist a change of volume, so that the interlayer is not pressed together.
+    // All these interlayers resist a change of volume, so they are not compressed.
     let softer = [1e9, 1e8, 1e7, 1e6, 1e5, 1e4].map(|shear| yields(&format!("bulk = 2e9\nshear = {shear:e}")).0);
     assert!(softer.is_sorted() && softer[0] > deflection, "{softer:?}");
     let sliding = series([0.9, 0.7], 1000, |xi| 1.0 / (2.0 * rigidity(0.01) * xi.powi(4)));
     println!("{softer:?} {sliding:e}");
-    // Shear of the plies, (ξh)² of longest waves, and what is left of the interlayer's hold, A r² G/(h E h ξ²) of the plies' own rigidity.
+    // Sources of the difference: shear of the plies, (ξh)² of the longest waves; and the remaining coupling by the
+    // interlayer, A r² G/(h E h ξ²) of the plies' own rigidity.
     assert!((softer[5] / sliding - 1.0).abs() < 1e-2, "{softer:?} {sliding:e}");
 }

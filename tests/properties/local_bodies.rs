@@ -14,7 +14,7 @@ const SCENE: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsiz
                      [impactor]\nmass = 52.0\nradius = 0.05\nstiffness = 2e10\nspeed = 1.0\n[time]\nend = 1e-3\n\
                      [[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = [1e9, 1e9, 1e9]\n";
 
-/// The displacement under a force of 1 N on the whole plate.
+/// The static displacement under a force of 1 N on the whole plate.
 fn at_rest(system: &System) -> Vec<f64> {
     let n = system.localization.len();
     let mut stiffness = DMatrix::zeros(n, n);
@@ -30,7 +30,7 @@ fn at_rest(system: &System) -> Vec<f64> {
     stiffness.cholesky().expect("a plate that is held").solve(&force).iter().copied().collect()
 }
 
-/// σ_rr and σ_θθ on the lower face, with and without the field of a contact of h/25, times h².
+/// σ_rr and σ_θθ on the lower face, with and without the local field of a contact of radius h/25, times h².
 fn tensions(points: &dyn PointEvaluator, system: &System, carrier: Carrier, r: f64) -> [[f64; 2]; 2] {
     let h = 0.1;
     let stack = Stack::new(&[Layer { thickness: h, young: 70e9, poisson: 0.23 }]).expect("an elastic layer");
@@ -40,8 +40,9 @@ fn tensions(points: &dyn PointEvaluator, system: &System, carrier: Carrier, r: f
     [[body[0] + h * h * local.rr, body[1] + h * h * local.tt], body]
 }
 
-/// Mindlin's plate has a sixth less tension under the hit than splines that bend alone, both on their wide discs; with their local fields they
-/// agree within 1.5%. So far are the plates from their limits with these cells: cells of half the size change them by 0.6% and 0.3%.
+/// Without local fields, the tension under the impact point is a sixth lower for Mindlin's plate than for splines,
+/// which carry the bending only; both are loaded by wide discs. With their local fields they agree within 1.5%. This is
+/// the discretisation error of both: cells of half the size change them by 0.6% and 0.3%.
 #[test]
 fn plates_and_solids_agree_under_the_hit() {
     let scene = Scene::parse("test", SCENE, &[]).expect("a scene").0;

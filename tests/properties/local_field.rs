@@ -1,4 +1,5 @@
-//! The local field under a hit: against an independent solid, closed forms, and plain integrals.
+//! The local field under the impact point: comparison with an independent solid, with closed forms, and with direct
+//! integration.
 
 use std::f64::consts::PI;
 
@@ -22,9 +23,10 @@ fn values(stress: Cylindrical) -> [f64; 4] {
     [stress.rr, stress.tt, stress.zz, stress.rz]
 }
 
-/// Finite elements of a thick circular plate less Kirchhoff's plate (scripts/independent/thick_plate.py): at the hit, within, and on both faces.
-/// Cells of twice the size change them by 7e-4, the plate's edge adds (h/R)² = 1e-3 of a curvature of 1: 1e-3 of 1/h², where the
-/// pressure has 48 and the lower face 0.6 to 2.
+/// Comparison with the difference of finite elements of a thick circular plate and Kirchhoff's plate
+/// (scripts/independent/thick_plate.py): at the impact point, inside, and on both faces. Cells of twice the size change
+/// the reference by 7e-4. The edge of the plate adds (h/R)² = 1e-3 for a curvature of 1. So the tolerance is 1e-3 of
+/// 1/h², where the pressure is 48 and the stresses on the lower face are 0.6 to 2.
 #[test]
 fn differences_of_a_solid_and_a_plate() {
     let text = include_str!("../fixtures/independent/thick-plate.csv");
@@ -42,7 +44,7 @@ fn differences_of_a_solid_and_a_plate() {
     println!("largest difference: {most:.1e}");
 }
 
-/// The six stresses over Bessel's functions.
+/// The stresses rr, tt, zz, rz from the sum and the difference of rr and tt, and zz and rz.
 fn inverted([sum, difference, zz, rz]: [f64; 4]) -> [f64; 4] {
     [0.5 * (sum + difference), 0.5 * (sum - difference), zz, rz]
 }
@@ -51,7 +53,8 @@ fn four(response: &Response) -> [f64; 4] {
     [response.sum, response.difference, response.sigma_zz, response.sigma_rz]
 }
 
-/// Mean and moment along the face and the shear force's parabola, by a finer rule than the library's.
+/// Sections of a wave: the mean and the moment of the in-plane stresses, and the parabola of the shear force, by a
+/// finer rule than the library's.
 fn sections(stack: &Stack, wave: &Wave, z: f64, has_mean: bool) -> [f64; 4] {
     let h = stack.thickness();
     let (mut mean, mut moment, mut shear) = ([0.0; 2], [0.0; 2], 0.0);
@@ -69,7 +72,7 @@ fn sections(stack: &Stack, wave: &Wave, z: f64, has_mean: bool) -> [f64; 4] {
     [along(0), along(1), 0.0, 1.5 * (1.0 - (2.0 * place / h).powi(2)) * shear]
 }
 
-/// (1/2π) ∫ ξ [A P_c − A_w P_w] J dξ as it stands, up to an end.
+/// (1/2π) ∫ ξ [A P_c − A_w P_w] J dξ, computed directly up to an end.
 fn plain(stack: &Stack, carrier: &Carrier, (r, z): (f64, f64), contact: f64, end: f64) -> [f64; 4] {
     let section = Section::new(stack);
     let mut f = |x: f64| {
@@ -127,8 +130,10 @@ fn carriers(stack: &Stack) -> Vec<Carrier> {
     ]
 }
 
-/// For every carrier, in the layer's middle and on its lower face, for two contacts. What a plate has beyond ξ = 200 is missing of the sum:
-/// P_w J₁, and s ξ P_w J₀ with a reading of s, 1e-5; 3e-4 with Hertz's pressure. So is ξ P_w on the loaded lower face of the bent solid, 1e-5.
+/// Direct integration for every carrier, in the middle of the layer and on its lower face, for two contacts. The
+/// integral is cut off at ξ = 200. The remaining part of a plate's field is missing: P_w J₁, and s ξ P_w J₀ with a
+/// displacement average of weight s, in all 1e-5; 3e-4 with Hertz's pressure. For the bent solid, ξ P_w on the loaded
+/// lower face is missing too, 1e-5.
 #[test]
 fn integrals_as_they_stand() {
     let stacks = [(one_layer(1.0, 0.3), true), (laminate(1e-3, 0.45), false), (laminate(1e-6, 0.4999), false)];
@@ -146,7 +151,7 @@ fn integrals_as_they_stand() {
                     let tail = match carrier {
                         Carrier::Plate { pressure: Pressure::Hertz { .. }, .. } => 3e-4,
                         Carrier::Plate { .. } | Carrier::Layerwise { .. } => 3e-5,
-                        // Twelve points over the thickness where waves of half of it are left.
+                        // Quadrature with twelve points over the thickness, where waves of half the thickness remain.
                         Carrier::Sections { .. } => 3e-5,
                         Carrier::BentSolid { .. } => 1e-5,
                         Carrier::Solid { .. } => 1e-6,
@@ -161,7 +166,8 @@ fn integrals_as_they_stand() {
     }
 }
 
-/// A layer of a thousand contacts is a half-space: what is left is (r_c/h)² of a stress of 1/h².
+/// A layer with a thickness of a thousand contact radii is a half-space. The remaining difference is (r_c/h)² of a
+/// stress of 1/h².
 #[test]
 fn a_thick_layer_is_a_half_space() {
     let (contact, patch) = (1e-3, 3e-3);
@@ -175,7 +181,8 @@ fn a_thick_layer_is_a_half_space() {
     }
 }
 
-/// Depth by depth on the axis (Johnson, (3.45)); on the surface (3.42, 3.43); and the transform in between.
+/// Hertz's field at several depths on the axis (Johnson, (3.45)), on the surface (3.42, 3.43), and by its transform in
+/// between.
 #[test]
 fn hertz_field() {
     let (nu, a) = (0.23, 0.2);
@@ -200,7 +207,7 @@ fn hertz_field() {
         assert!(values(found).iter().zip(&exact).all(|(a, b)| (a - b).abs() < size), "{r}: {found:?} {exact:?}");
     }
     assert!((hertz(nu, a, 0.0, a).rr / ring_tension(nu, a) - 1.0).abs() < 1e-12);
-    // In a wavenumber: the short waves of any stack.
+    // As an integral over wavenumbers: the short waves of any stack.
     for (r, z) in [(0.1, 0.1), (0.2, 0.05), (0.5, 0.3), (0.05, 0.4)] {
         let mut f = |x: f64| {
             let (s, weight) = (x * z, x / (2.0 * PI) * hertz_wave(x * a) * (-x * z).exp());
@@ -212,18 +219,20 @@ fn hertz_field() {
         let found = values(hertz(nu, r, z, a));
         assert!(found.iter().zip(&exact).all(|(a, b)| (a - b).abs() < 1e-8), "{r} {z}: {found:?} {exact:?}");
     }
-    // A contact of no radius: a point force.
+    // A contact of radius zero is a point force.
     let [point, small] = [0.0, 1e-3].map(|a| values(hertz(nu, 0.6, 0.8, a)));
     assert!(point.iter().zip(&small).all(|(a, b)| (a - b).abs() < 1e-5), "{point:?} {small:?}");
     assert_eq!(hertz(nu, 0.0, 0.0, 0.0), Cylindrical::default());
 }
 
-/// A point load has the lower-face tension of Kirchhoff's plate under a uniform disc of 0.3253 h (Westergaard's fit says 0.325).
+/// Under a point load the tension on the lower face equals the tension of Kirchhoff's plate under a uniform disc of
+/// radius 0.3253 h (Westergaard's fit: 0.325).
 #[test]
 fn the_disc_that_stands_for_a_point_load() {
     let (nu, h) = (0.23, 1.0);
     let field = LocalField::new(one_layer(h, nu), Carrier::Plate { pressure: Pressure::Point, reading: 0.0 }, 0.1);
-    // On the axis the plate has 6 (1 + ν)/(2π) (½ − ln R) under the disc, at a radius r under a point force −ln r in the bracket's place.
+    // On the axis of a disc, the plate's stress is 6 (1 + ν)/(2π) (½ − ln R). At a radius r from a point force, the
+    // bracket is −ln r.
     let r = 1e-6_f64;
     let unit = 6.0 * (1.0 + nu) / (2.0 * PI);
     let found = field.at(r, h).stress(0.0);
@@ -231,7 +240,8 @@ fn the_disc_that_stands_for_a_point_load() {
     assert!((radius - 0.3253).abs() < 5e-5, "{radius}");
 }
 
-/// In the stresses of solids with Hertz's pressure over h/4 and h/8 a difference of 0.452 MPa was measured; the formula has 0.465 MPa.
+/// In the stresses of solids, the difference between Hertz's pressure over h/4 and over h/8 was measured as 0.452 MPa;
+/// the formula gives 0.465 MPa.
 #[test]
 fn patches_of_a_quarter_and_an_eighth() {
     let layer = Layer { thickness: 0.1, young: 70e9, poisson: 0.23 };
@@ -241,7 +251,7 @@ fn patches_of_a_quarter_and_an_eighth() {
     assert!((found - 0.465e6).abs() < 0.5e3, "{found:e}");
 }
 
-/// Tables for small contacts and large ones agree, at all depths; the series are cut at 1e-9 of the field.
+/// Tables for small and for large contacts agree at all depths; the series are cut off at 1e-9 of the field.
 #[test]
 fn tables_for_any_largest_contact() {
     let pressure = Pressure::Spread { spread: Spread::new(0.0), radius: 2.0 };
@@ -254,7 +264,8 @@ fn tables_for_any_largest_contact() {
     }
 }
 
-/// On the line of the force one contact radius alone has the stresses that the table has for it, cut at 1e-9 of the field; without a radius too.
+/// On the line of the force, the stresses computed for a single contact radius agree with the table, cut off at 1e-9 of
+/// the field; also for a radius of zero.
 #[test]
 fn one_contact_radius_on_the_axis() {
     let smoothing = Pressure::Spread { spread: Spread::new(0.0), radius: 3.0 };
@@ -272,7 +283,8 @@ fn one_contact_radius_on_the_axis() {
     }
 }
 
-/// Without Hertz's field the loaded face has no jump at the contact's edge, and no pressure but the layer's own.
+/// Without Hertz's field, the stresses on the loaded face have no jump at the edge of the contact, and their only
+/// pressure comes from the layer.
 #[test]
 fn the_smooth_part_on_the_loaded_face() {
     let pressure = Pressure::Spread { spread: Spread::new(0.0), radius: 2.0 };
@@ -282,14 +294,15 @@ fn the_smooth_part_on_the_loaded_face() {
         let [all, smooth] = [point.stress(0.1), point.smooth_stress(0.1)].map(values);
         let contact = values(hertz(0.23, r, 0.0, 0.1));
         assert!((0..4).all(|i| (all[i] - smooth[i] - contact[i]).abs() < 1e-13 * 48.0), "{r}: {all:?} {smooth:?}");
-        // The summed waves' 1e-7.
+        // The tolerance of the summed waves is 1e-7.
         assert!(smooth[2].abs() < 1e-6 && smooth[3].abs() < 1e-6, "{r}: {smooth:?}");
         let near = values(field.at(r + 1e-3, 0.0).smooth_stress(0.1));
         assert!((0..2).all(|i| (near[i] - smooth[i]).abs() < 1e-2), "{r}: {near:?} {smooth:?}");
     }
 }
 
-/// Where waves are summed no longer, the field goes on without a jump; 1e-4 of the largest tension on the lower face, 2/h².
+/// Beyond the radius up to which waves are summed, the field continues without a jump, to 1e-4 of the largest tension
+/// on the lower face, 2/h².
 #[test]
 fn far_from_the_hit() {
     let pressure = Pressure::Spread { spread: Spread::new(0.0), radius: 2.0 };
@@ -300,7 +313,7 @@ fn far_from_the_hit() {
     }
 }
 
-/// The components along any axes: those of a turned tensor.
+/// Components in Cartesian axes equal the components of the rotated tensor.
 #[test]
 fn cartesian_components() {
     let stress = Cylindrical { rr: 3.0, tt: -2.0, zz: 5.0, rz: 0.7 };
@@ -313,7 +326,7 @@ fn cartesian_components() {
     assert!(turned.iter().zip(exact).all(|(a, b)| (a - b).abs() < 1e-15), "{turned:?}");
 }
 
-/// What it costs, with --nocapture: nothing is asserted.
+/// Prints the cost of the field with --nocapture; nothing is asserted.
 #[test]
 fn cost() {
     let pressure = Pressure::Spread { spread: Spread::new(0.0), radius: 2.0 };

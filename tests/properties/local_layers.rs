@@ -1,4 +1,5 @@
-//! Tensions on the faces of layers, at rest: solids of splines on coarse cells, on finer ones, and the layerwise plate.
+//! Static tensile stresses on the faces of layers: solids of splines on coarse and on finer cells, and the layerwise
+//! plate.
 
 use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
@@ -10,7 +11,7 @@ use ricochet::space::plate::{self, Plate, PlateTheory};
 use ricochet::space::spline::{self, SplineSolid};
 use ricochet::stack::{Carrier, LocalField};
 
-/// A quarter of a small pane on springs, 10 mm of glass on a soft interlayer on 10 mm of glass.
+/// A quarter of a small pane on springs: 10 mm of glass, a soft interlayer, 10 mm of glass.
 const SCENE: &str = "[body]\nsize = [0.16, 0.16]\nsymmetry = \"quarter\"\n\
     [[body.layer]]\nthickness = 0.01\nmaterial = \"glass\"\n[[body.layer]]\nthickness = 0.00076\nmaterial = \"interlayer\"\n\
     [[body.layer]]\nthickness = 0.01\nmaterial = \"glass\"\n[material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
@@ -18,10 +19,11 @@ const SCENE: &str = "[body]\nsize = [0.16, 0.16]\nsymmetry = \"quarter\"\n\
     [[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = [0.0, 0.0, 1e9]\n\
     [time]\nend = 1e-3\n[impactor]\nmass = 5.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n";
 
-/// The same, hit on its other face.
+/// The same pane, hit on its other face.
 const FROM_BELOW: &str = "point = [0.0, 0.0, -0.01038]\ndirection = [0.0, 0.0, 1.0]\n";
 
-/// Heights of the lower face of the ply that is hit, and of the lowest face, where it is hit from above, m. Points on the former are the ply's.
+/// Heights, m, of the lower face of the ply that is hit and of the lowest face, for an impact from above. Points at the
+/// first height belong to the ply.
 const FACES: [f64; 2] = [0.00038, -0.01038];
 
 /// Radius of the contact, m.
@@ -31,7 +33,7 @@ fn scene(rest: &str) -> Scene {
     Scene::parse("test", &format!("{SCENE}{rest}"), &[]).expect("a scene").0
 }
 
-/// The displacement under a force of 1 N on the whole body.
+/// The static displacement under a force of 1 N on the whole body.
 fn at_rest(system: &System) -> Vec<f64> {
     let n = system.localization.len();
     let held: Vec<bool> = (0..n).map(|i| system.held.iter().any(|(j, _)| *j == i)).collect();
@@ -47,12 +49,12 @@ fn at_rest(system: &System) -> Vec<f64> {
     (0..n).map(|i| u[(i, 0)]).collect()
 }
 
-/// The tension of a displacement at a point, Pa.
+/// Tension of a displacement at a point, Pa.
 fn tension(forms: &[(usize, f64)], u: &[f64]) -> f64 {
     forms.iter().map(|(j, value)| u[*j] * value).sum()
 }
 
-/// The tensions for 1 N on faces under the hit, at these heights, as they are read, Pa.
+/// Tensions under the impact point on faces at these heights, for 1 N, as the program evaluates them, Pa.
 fn read(scene: &Scene, points: impl PointEvaluator + 'static, u: &[f64], heights: [f64; 2]) -> [f64; 2] {
     let evaluator = Evaluator::of_grid(scene, points);
     heights.map(|z| {
@@ -68,8 +70,9 @@ fn solid(scene: &Scene, cell_size_factor: f64) -> (SplineSolid, Vec<f64>) {
     (solid, u)
 }
 
-/// Where one cell spans each layer, the tension is that of cells of two thirds of the size to 0.5%, and the layerwise plate's to 1%: by means of
-/// each layer's own sections. At a point of these cells it is 11% too high on the face beside the soft layer.
+/// With one cell through each layer, the tension agrees with cells of two thirds of the size to 0.5%, and with the
+/// layerwise plate to 1%, because it is evaluated from the section forces and moments of each layer. Evaluated at a
+/// point in these cells it is 11% too high on the face next to the soft layer.
 #[test]
 fn faces_beside_a_soft_layer_are_read_as_means() {
     let scene = scene("");
@@ -94,7 +97,7 @@ fn faces_beside_a_soft_layer_are_read_as_means() {
     assert!(at_point / finer[0] > 1.08, "{at_point} {finer:?}");
 }
 
-/// A pane that is its own mirror image has the same tensions where it is hit from below, on points between layers too.
+/// A symmetric pane has the same tensions if it is hit from below, also at points between layers.
 #[test]
 fn faces_of_layers_hit_from_below() {
     let [above, below] = [("", 1.0), (FROM_BELOW, -1.0)].map(|(rest, sign)| {
@@ -103,7 +106,7 @@ fn faces_of_layers_hit_from_below() {
         read(&scene, solid.points, &u, FACES.map(|z| sign * z))
     });
     for (above, below) in above.iter().zip(&below) {
-        // Rounding, through a factorisation.
+        // Rounding, amplified by a factorisation.
         assert!((above / below - 1.0).abs() < 1e-6, "{above} {below}");
     }
 }

@@ -1,4 +1,5 @@
-//! What needs no PETSc: elements, integrals, scenes, files of results. Properties of random cases, exact values.
+//! Tests without PETSc: elements, integrals, scenes, result files. They check properties of random cases, and exact
+//! values.
 
 #[path = "../common/bad_scenes.rs"]
 mod bad_scenes;
@@ -33,7 +34,8 @@ mod surfaces;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A process that one test starts inherits the files, and their locks, that another has open: one test at a time.
+/// Lets one test run at a time: a process started by one test inherits the files, and their locks, that another test
+/// has open.
 pub fn alone() -> MutexGuard<'static, ()> {
     static ALONE: Mutex<()> = Mutex::new(());
     ALONE.lock().unwrap_or_else(PoisonError::into_inner)

@@ -1,11 +1,11 @@
-//! Parts of a plate between planes of symmetry, and images of it, answer as the whole.
+//! Parts of a plate between planes of symmetry, and mirror images of a plate, give the same results as the whole plate.
 
 use nalgebra::DVector;
 use ricochet::space::evaluate::PointEvaluator;
 
 use crate::plates::{Operator, THEORIES, a, answer, elastic, held, plate, scene};
 
-/// Springs, dampers, a foundation and clamps, symmetric.
+/// Symmetric supports: springs, dampers, a foundation and clamps.
 const SYMMETRIC: [&str; 3] = [
     "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = [2e9, 1e9, 3e9]\ndamping = [2e4, 1e4, 3e5]\n",
     "[[support]]\nsurface = \"side\"\nkind = \"clamped\"\ncomponents = [\"z\"]\n\
@@ -13,7 +13,7 @@ const SYMMETRIC: [&str; 3] = [
     "[[support]]\nsurface = \"x-min\"\nkind = \"clamped\"\n[[support]]\nsurface = \"x-max\"\nkind = \"clamped\"\n",
 ];
 
-/// A quarter answers as the whole, at rest and at a rate.
+/// A quarter gives the same results as the whole, statically and at a Laplace parameter s (1/s).
 #[test]
 fn a_quarter_answers_as_the_whole() {
     for (rest, theory) in SYMMETRIC.iter().flat_map(|rest| THEORIES.map(|theory| (rest, theory))) {
@@ -25,18 +25,21 @@ fn a_quarter_answers_as_the_whole() {
         assert_eq!((quarter.system.copies, whole.system.copies), (4.0, 1.0));
         for rate in [0.0, 1e3, 1e4] {
             let [one, other] = [&quarter, &whole].map(|plate| answer(plate, rate));
-            // What the cells at the hit leave in both: most at a point, and of quick waves.
+            // The discretisation error of the cells at the impact point, which differs between the two. It is largest
+            // for a point force and for fast waves.
             assert!((one / other - 1.0).abs() < 1e-3, "{theory:?} {rate}: {one:e} {other:e}");
             let [one, other] = [&quarter, &whole]
                 .map(|plate| a(plate).dot(&Operator::new(plate, rate).solve(plate, &plate.system.load)));
-            // Smooth, with splines of degree 5 on cells that differ: the whole has some of half the size at the hit.
+            // The field is smooth, with splines of degree 5 on different cells: some cells of the whole plate at the
+            // impact point have half the size.
             assert!((one / other - 1.0).abs() < 1e-5, "{theory:?} {rate}: {one:e} {other:e}");
         }
     }
 }
 
-/// Symmetric and antisymmetric motions of a part are together those of the whole: under the hit and at points on all sides of the planes,
-/// at a rate. One plane alone, or both, with the hit on one of them or on none.
+/// The symmetric and antisymmetric motions of a part add up to the motion of the whole, under the impact point and at
+/// points on all sides of the planes, at a Laplace parameter s. There is one plane or both, with the impact point on
+/// one of them or on none.
 #[test]
 fn classes_of_motions_answer_as_the_whole() {
     let one_plane = "[[support]]\nsurface = \"x-min\"\nkind = \"clamped\"\n";
@@ -66,10 +69,11 @@ fn classes_of_motions_answer_as_the_whole() {
                 let force: Vec<f64> = plate.system.localization.iter().map(|a| a / plate.system.copies).collect();
                 (operator.solve(plate, &force), of_load)
             });
-            // What the cells at the hit leave in both: most at a point.
+            // The discretisation error of the cells at the impact point, which differs between the two; it is largest
+            // for a point force.
             let [one, other] = [0, 1].map(|i| a([&parts, &whole][i]).dot(&moved[i].0));
             assert!((one / other - 1.0).abs() < 1e-3, "{theory:?} {rate}: {one:e} {other:e}");
-            // Elsewhere it is smooth.
+            // Elsewhere the field is smooth.
             for point in [[0.2, 0.15, 0.015], [-0.2, 0.1, -0.015], [0.25, -0.1, 0.005], [-0.05, -0.17, 0.01]] {
                 let at = |i: usize, u: &DVector<f64>| {
                     let forms = [&parts, &whole][i].points.at(point);
@@ -94,7 +98,7 @@ fn classes_of_motions_answer_as_the_whole() {
     }
 }
 
-/// Mirror images, and the same plate lying along other axes or hit from below, answer alike.
+/// Mirror images, and the same plate along other axes or hit from below, give the same results.
 #[test]
 fn images_answer_alike() {
     let support = |names: [&str; 2]| held(names[0], r#"["x", "y", "z"]"#) + &elastic(names[1], "[2e9, 2e9, 2e9]");
@@ -112,7 +116,7 @@ fn images_answer_alike() {
             answer(&plate(&scene(&format!("size = {size:?}"), &impactor, &support(names)), theory, 1.5), 1e3)
         });
         for answer in answers {
-            // Rounding times the operator's condition.
+            // Rounding times the condition number of the operator.
             assert!((answer / answers[0] - 1.0).abs() < 1e-9, "{theory:?}: {answers:?}");
         }
     }

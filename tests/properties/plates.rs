@@ -1,4 +1,4 @@
-//! Plates as small linear systems: exact solutions, symmetries, sums, and the scenes that they do not stand for.
+//! Plates as small linear systems: exact solutions, symmetries, sums, and scenes that cannot be modelled as plates.
 
 use std::f64::consts::PI;
 
@@ -40,7 +40,7 @@ fn dense(entries: &CsrMatrix<f64>, n: usize) -> DMatrix<f64> {
     matrix
 }
 
-/// K + C/T + M/T² with held unknowns, and its factor.
+/// K + C/T + M/T² with constrained unknowns, and its factorisation.
 pub struct Operator {
     matrix: DMatrix<f64>,
     free: Vec<usize>,
@@ -56,7 +56,7 @@ impl Operator {
         Self { matrix, free }
     }
 
-    /// The displacement under a load, with held unknowns at their values.
+    /// The displacement under a load, with the constrained unknowns at their values.
     pub fn solve(&self, plate: &Plate, load: &[f64]) -> DVector<f64> {
         let mut u = DVector::zeros(plate.system.load.len());
         plate.system.held.iter().for_each(|(i, value)| u[*i] = *value);
@@ -72,7 +72,7 @@ pub fn a(plate: &Plate) -> DVector<f64> {
     DVector::from_column_slice(&plate.system.localization)
 }
 
-/// Reading under a unit force on the whole plate.
+/// Displacement average under a unit force on the whole plate.
 pub fn answer(plate: &Plate, rate: f64) -> f64 {
     a(plate).dot(&Operator::new(plate, rate).solve(plate, &plate.system.localization)) / plate.system.copies
 }
@@ -85,7 +85,7 @@ pub fn elastic(surface: &str, stiffness: &str) -> String {
     format!("[[support]]\nsurface = \"{surface}\"\nkind = \"elastic\"\nstiffness = {stiffness}\n")
 }
 
-/// The edges held as Navier's series wants it: w, and the rotation along the edge.
+/// Edge supports for Navier's series: w and the rotation along the edge are constrained.
 pub fn navier() -> String {
     held("x-min", r#"["y", "z"]"#)
         + &held("x-max", r#"["y", "z"]"#)
@@ -93,7 +93,7 @@ pub fn navier() -> String {
         + &held("y-max", r#"["x", "z"]"#)
 }
 
-/// Navier's series for a force in the centre: 4/(ab) Σ over odd waves of the infinite plate's own response.
+/// Navier's series for a force in the centre: 4/(ab) Σ of the infinite plate's response over odd waves.
 pub fn series(edges: [f64; 2], waves: usize, response: impl Fn(f64) -> f64) -> f64 {
     let numbers = || (1..waves).step_by(2).map(|m| m as f64);
     let sum: f64 = numbers()
@@ -103,12 +103,12 @@ pub fn series(edges: [f64; 2], waves: usize, response: impl Fn(f64) -> f64) -> f
     4.0 / (edges[0] * edges[1]) * sum
 }
 
-/// Kirchhoff's point deflection: errors like the cell at the hit squared.
+/// Kirchhoff's deflection at the loaded point: the error is proportional to the square of the cell size there.
 #[test]
 fn navier_kirchhoff() {
     let scene = scene("size = [1.2, 0.9, 0.04]", "", &navier());
     let bending = rigidity(0.04);
-    // Cut off where waves of 1/2000 of the edges leave 1e-7.
+    // The sum is cut off at waves of 1/2000 of the edges; the remainder is 1e-7.
     let exact = series([1.2, 0.9], 2000, |xi| 1.0 / (bending * xi.powi(4)));
     let errors = [1.0, 0.5].map(|cell_size_factor| {
         let plate = plate(&scene, PlateTheory::Kirchhoff, cell_size_factor);
@@ -119,7 +119,7 @@ fn navier_kirchhoff() {
     assert!(errors[0] < 2e-4 && order > 1.7, "{errors:?}, order {order}");
 }
 
-/// Mindlin's disc, with the reading of ∇·θ in load and displacement: Γ_M P².
+/// Mindlin's plate under a disc load, with the average of ∇·θ in the load and in the displacement: Γ_M P².
 #[test]
 fn navier_mindlin() {
     let h = 0.04;
@@ -139,13 +139,13 @@ fn navier_mindlin() {
             });
             1.0 - answer(&plate, 0.0) / exact
         });
-        // Cells of one and a half radii, of three quarters, and of a quarter, growing towards the edges.
+        // Cell sizes are one and a half, three quarters, and a quarter of the disc radius, growing towards the edges.
         let bounds = [2e-3, 2e-4, 4e-5];
         assert!(errors.iter().zip(bounds).all(|(error, bound)| (-1e-7..bound).contains(error)), "{errors:?}");
     }
 }
 
-/// Three motions without energy, of all that the splines can do.
+/// A free plate has exactly three motions without energy in the whole spline space.
 #[test]
 fn a_free_plate_has_three_rigid_motions() {
     let scene = scene("size = [0.4, 0.3, 0.03]\nsymmetry = \"none\"", "point = [0.05, 0.02, 0.015]", "");
@@ -158,13 +158,14 @@ fn a_free_plate_has_three_rigid_motions() {
         let mut squares: Vec<f64> = SymmetricEigen::new(elastic).eigenvalues.iter().copied().collect();
         squares.sort_by(f64::total_cmp);
         let (first, last) = (squares[3], squares[n - 1]);
-        // Rounding is that of the largest eigenvalue.
+        // Rounding is relative to the largest eigenvalue.
         assert!(squares[2].abs() < 1e-12 * last && first > 0.0, "{theory:?}: {:?} {last:e}", &squares[..4]);
         assert!(first > 100.0 * squares[2].abs(), "{theory:?}: {:?}", &squares[..4]);
     }
 }
 
-/// Of every plate: a is the translation's dual, K knows no translation, M is the mass.
+/// For every plate and a translation: the product with the localisation vector a is 1, K gives zero, and M gives the
+/// mass.
 #[test]
 fn a_translation_is_a_translation() {
     let scenes = [
@@ -187,13 +188,14 @@ fn a_translation_is_a_translation() {
     }
 }
 
-/// Deflections of a clamped plate under pressure tend to Kirchhoff's as it gets thin, with the same number of cells: no locking.
+/// Deflections of a clamped plate under pressure tend to Kirchhoff's as the plate becomes thin, with the same number of
+/// cells: there is no locking.
 #[test]
 fn thin_plates_do_not_lock() {
     let mut errors = Vec::new();
     for thickness in [1e-1, 1e-2, 1e-3, 1e-4] {
         let point = 0.5 * thickness;
-        // Slow and soft, so that the waves of the impact ask for no cells.
+        // The contact is so soft that the impact's waves do not require finer cells.
         let text = format!("point = [0, 0, {point:e}]");
         let rest = held("side", r#"["x", "y", "z"]"#) + "[[load.traction]]\nsurface = \"top\"\nvalue = [0, 0, -1]\n";
         let mut scene = scene(&format!("size = [1, 1, {thickness:e}]"), &text, &rest);
@@ -208,13 +210,14 @@ fn thin_plates_do_not_lock() {
         assert!(kirchhoff.abs() < 1e-6, "{thickness}: {kirchhoff:e}");
         errors.push(mindlin);
     }
-    // Shear adds a part like (h/L)²; at 1e-4 that is less than what the mesh leaves, whatever the thickness.
+    // Shear adds a part proportional to (h/L)²; at 1e-4 it is less than the discretisation error, which does not depend
+    // on the thickness.
     assert!(errors[0] > 0.1 && errors[0] < 0.3, "{errors:?}");
     assert!((errors[0] / errors[1]).log10() > 1.8 && (errors[1] / errors[2]).log10() > 1.8, "{errors:?}");
     assert!(errors[3].abs() < 2e-5, "{errors:?}");
 }
 
-/// Sums over edges and faces, of quarters and wholes.
+/// Resultants over edges and faces, of quarters and whole plates.
 #[test]
 fn resultants() {
     let rest = "[load]\nbody_force = [0, 0, -2e4]\n[[load.traction]]\nsurface = \"top\"\nvalue = [0, 0, -3e3]\n\
@@ -245,7 +248,8 @@ fn resultants() {
     }
 }
 
-/// Stiff springs hold like clamps: against w for the simple support, and against rotations too for the clamped one.
+/// Stiff springs act like clamps: springs against w like a simple support, and springs also against rotations like a
+/// clamped edge.
 #[test]
 fn stiff_springs_tend_to_clamps() {
     let body = "size = [0.6, 0.4, 0.03]";
@@ -259,7 +263,7 @@ fn stiff_springs_tend_to_clamps() {
     }
 }
 
-/// A clamp's displacement moves the plate with it; the later one stands.
+/// The prescribed displacement of a clamp moves the whole plate. Where two clamps differ, the later one holds.
 #[test]
 fn displaced_clamps_carry_the_plate() {
     let rest = held("side", r#"["x", "y", "z"]"#) + &held("side", r#"["z"]"#) + "displacement = [0, 0, -2e-3]\n";
@@ -272,7 +276,7 @@ fn displaced_clamps_carry_the_plate() {
     }
 }
 
-/// Each reason not to be a plate.
+/// Every reason why a scene cannot be modelled as a plate.
 #[test]
 fn scenes_that_are_no_plates() {
     const BODY: &str = "size = [0.6, 0.4, 0.03]";

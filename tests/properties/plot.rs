@@ -1,4 +1,4 @@
-//! Figures of results.
+//! Tests of figures of results.
 
 use crate::alone;
 use crate::sample::{COST, provenance, step};
@@ -38,7 +38,7 @@ fn svg_has_a_title_a_line_and_the_contacts_of_each_file() {
         let lines = svg.matches("<polyline").zip(svg.split("<polyline").skip(1));
         let of_colour: Vec<&str> =
             lines.map(|(_, line)| line.split('>').next().unwrap()).filter(|line| line.contains(colour)).collect();
-        // One in the legend, of two points; one in the plot.
+        // Each colour has one line in the legend, with two points, and one in the plot.
         assert_eq!(of_colour.len(), 2, "{colour}");
         assert_eq!(of_colour[0].matches(',').count(), 2);
         assert!(of_colour[1].matches(',').count() > 1000);
@@ -59,7 +59,7 @@ fn png_decodes_to_a_white_sheet_with_the_curves_on_it() {
     for corner in [(0, 0), (1599, 0), (0, 999), (1599, 999)] {
         assert_eq!(png.get_pixel(corner.0, corner.1).0, [255; 3]);
     }
-    // Columns that hold the curve's colour: all of the plot's, for a curve from end to end.
+    // Columns of pixels that contain the curve's colour: the whole width of the plot, for a curve from end to end.
     let blue = |x: u32| (0..1000).any(|y| png.get_pixel(x, y).0 == [0, 114, 178]);
     assert!((0..1600).filter(|x| blue(*x)).count() > 1200);
 }
@@ -100,7 +100,7 @@ fn errors_say_what_is_wrong_with_which_file() {
     }
 }
 
-/// A result of 100 steps with a probe, whose components are 1, 2 and 3 times the number of the step.
+/// A result of 100 steps with a probe, whose components are 1, 2 and 3 times the step number.
 fn probed(folder: &Path) -> PathBuf {
     let path = folder.join("probed.h5");
     let names = ["edge".to_owned()];
@@ -145,14 +145,15 @@ fn every_quantity_has_its_unit_and_its_components() {
         let svg = fs::read_to_string(&out).unwrap();
         let texts: Vec<&str> = svg.split("</text>").filter_map(|text| text.rsplit('>').next()).map(str::trim).collect();
         assert!(texts.contains(&axis), "{name}: {texts:?}");
-        // Components have the legend, and the run's title is above it.
+        // If there are components, the legend names them and the run's title is above it.
         let legend = if parts.is_empty() { vec!["Plate"] } else { [&["Plate"], parts].concat() };
         assert_eq!(texts[..legend.len()], legend, "{name}");
-        // Two points in the legend, more in the plot; so many curves that they are dashed have other pieces.
+        // Lines have two points in the legend and more in the plot. Dashed lines, used for many curves, consist of more
+        // pieces.
         let lines = svg.split("<polyline").skip(1).map(|line| line.split("/>").next().unwrap().matches(',').count());
         assert!(parts.len() > 5 || lines.filter(|points| *points > 10).count() == parts.len().max(1), "{name}");
     }
-    // The components are the columns: the second is twice the first.
+    // The columns are the components: the second is twice the first.
     let found = ricochet::record::quantity::quantity(&file, "probe/edge/displacement").unwrap();
     assert_eq!((found.time.len(), found.parts.len()), (100, 3));
     for (part, factor) in found.parts.iter().zip([1.0, 2.0, 3.0]) {
@@ -191,7 +192,8 @@ fn an_unknown_quantity_is_refused_with_those_there_are() {
     assert!(!out.exists());
 }
 
-/// A bitmap has no other font for what DejaVu Sans lacks: no boxes, which are the glyph of all that is missing. An SVG keeps the text.
+/// A bitmap has only the font DejaVu Sans: letters that it lacks are replaced (for example by question marks), and not
+/// drawn as boxes, the glyph for missing letters. An SVG keeps the text.
 #[test]
 fn letters_that_the_font_lacks_are_no_boxes() {
     let _alone = alone();

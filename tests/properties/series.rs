@@ -1,4 +1,4 @@
-//! The result file: what is written can be read, whatever happens to the process in between.
+//! The result file: everything written can be read, even if the process ends in between.
 
 use crate::alone;
 use crate::sample::{COST, HALF_PERIOD, provenance, step};
@@ -53,7 +53,7 @@ fn values(file: &hdf5::File, path: &str, units: &str) -> Vec<f64> {
     dataset.read_raw().unwrap()
 }
 
-/// The rows that all datasets have, each checked against every `every`-th step.
+/// Number of rows that all datasets have; each row is checked against every `every`-th step.
 fn checked_rows(file: &hdf5::File, every: usize) -> usize {
     let rows = values(file, "series/time", "s").len();
     for (path, units, value) in SERIES {
@@ -66,17 +66,17 @@ fn checked_rows(file: &hdf5::File, every: usize) -> usize {
     rows
 }
 
-/// The contacts of the steps up to `last`.
+/// Checks the contacts of the steps up to `last`.
 fn check_contacts(file: &hdf5::File, last: usize) {
     let [start, end, peak_force, peak_time, impulse] =
         CONTACTS.map(|(name, units)| values(file, &format!("contacts/{name}"), units));
-    // In contact around every full period of the cosine.
+    // There is contact around each maximum of the cosine.
     let half = HALF_PERIOD as f64 / 2.0;
     let count = (last as f64 / half + 1.0) as usize / 4 + 1;
     assert_eq!(start.len(), count);
     for n in 0..count {
         let middle = 4.0 * half * n as f64;
-        // The zeros lie on steps, but for the rounding of the cosine there.
+        // The zeros are at steps, except for the rounding of the cosine.
         let near = |found: f64, steps: f64| (found - 1e-5 * steps).abs() < 1e-12;
         let starts = (middle - half).max(0.0);
         let ends = (middle + half).min(last as f64);
@@ -96,7 +96,7 @@ fn check_contacts(file: &hdf5::File, last: usize) {
 #[test]
 fn everything_written_is_read_back() {
     let _alone = alone();
-    // One chunk that fits, one that the series outgrows twice, and none planned.
+    // One chunk that fits, one that the series exceeds twice, and no planned length.
     for planned in [Some(2501), Some(1000), None] {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out.h5");
@@ -144,7 +144,7 @@ fn first_step_is_on_the_disk_at_once_and_a_drop_writes_the_rest() {
     let mut writer = SeriesWriter::create(&path, &provenance("", None)).unwrap();
     assert!(!path.exists());
     writer.push(&step(0)).unwrap();
-    // A copy, since this process shares what HDF5 has not yet flushed.
+    // A copy, because this process shares the data that HDF5 has not flushed yet.
     let copy = folder.path().join("copy.h5");
     fs::copy(&path, &copy).unwrap();
     assert_eq!(checked_rows(&hdf5::File::open(&copy).unwrap(), 1), 1);
@@ -166,7 +166,7 @@ fn start(job: &str, path: &Path) -> Child {
         .unwrap()
 }
 
-/// What the other tests start in a process of its own; without a job, nothing.
+/// The child process that the other tests start; it does nothing without a job.
 #[test]
 fn child() {
     let Ok(job) = std::env::var("RICOCHET_TEST_JOB") else {
@@ -187,7 +187,7 @@ fn child() {
             writer.flush().unwrap();
         }
     }
-    // The parent kills it before.
+    // The parent kills the process before this ends.
     std::thread::sleep(Duration::from_secs(60));
 }
 
@@ -198,7 +198,7 @@ fn killed_process_leaves_a_prefix_of_the_series() {
     let path = folder.path().join("out.h5");
     let mut most = 0;
     for moment in 0..24 {
-        // Flushing almost all the time, so that most kills fall into a flush.
+        // The child flushes almost all the time, so that most kills fall into a flush.
         let mut child = start("40", &path);
         while !path.exists() {
             std::thread::sleep(Duration::from_micros(200));
@@ -277,7 +277,8 @@ fn creation_replaces_an_older_result_only_when_it_succeeds() {
     assert_eq!(fs::read(&scene).unwrap(), b"title = 'x'");
     assert_eq!(fs::read(&read_only).unwrap(), bytes);
 
-    // A run that fails before its first step replaces nothing, and a scene that HDF5 cannot hold neither.
+    // An old result is not replaced by a run that fails before its first step, nor by one whose scene HDF5 cannot
+    // store.
     check_writable(&old, Kind::Run).unwrap();
     drop(SeriesWriter::create(&old, &provenance("new", None)).unwrap());
     SeriesWriter::create(&old, &provenance("new", None)).unwrap().finish(&COST, false).unwrap();

@@ -1,4 +1,5 @@
-//! Stacks of layers: against the closed forms of one layer, of thin plates and of half-spaces, and against their own equations.
+//! Stacks of layers: comparison with closed forms of one layer, of thin plates and of half-spaces, and with the
+//! governing equations.
 
 use ricochet::stack::{Layer, Layerwise, Response, Section, Stack};
 
@@ -12,7 +13,7 @@ fn laminate(young: f64, poisson: f64) -> Stack {
     stack(&[(0.010, 70e9, 0.23), (0.00076, young, poisson), (0.008, 70e9, 0.23)])
 }
 
-/// Stacks of one to five layers, stiff and soft, thin and thick, one nearly incompressible.
+/// Stacks of one to five layers: stiff and soft, thin and thick, one nearly incompressible.
 fn stacks() -> Vec<Stack> {
     vec![
         stack(&[(0.1, 70e9, 0.23)]),
@@ -26,7 +27,7 @@ fn stacks() -> Vec<Stack> {
 
 /// T of the lower face of one layer: the Airy solution.
 fn lower_face(poisson: f64, x: f64) -> f64 {
-    // sinh² x − x² = (sinh x − x)(sinh x + x), the first by its series where it cancels.
+    // sinh² x − x² = (sinh x − x)(sinh x + x); the first factor by its series where it cancels.
     let less = if x < 2.0 {
         let (mut term, mut sum) = (x.powi(3) / 6.0, 0.0);
         for k in 2..20 {
@@ -37,12 +38,12 @@ fn lower_face(poisson: f64, x: f64) -> f64 {
     } else {
         x.sinh() - x
     };
-    // Over sinh x, which overflows.
+    // Divided by sinh x, which overflows.
     let over = if x < 300.0 { x.sinh() / (less * (x.sinh() + x)) } else { 2.0 * (-x).exp() };
     (1.0 + poisson) * 2.0 * x * over
 }
 
-/// 1e-12 of the closed form, from plates to half-spaces, for one layer and for the same one in five pieces.
+/// One layer, and the same layer in five pieces, agree with the closed form to 1e-12, from plates to half-spaces.
 #[test]
 fn one_material_is_one_layer() {
     let (h, poisson) = (0.1, 0.23);
@@ -57,7 +58,7 @@ fn one_material_is_one_layer() {
     }
 }
 
-/// The displacement of the loaded face is Γ, 1e-12: docs/theories.md.
+/// The displacement of the loaded face is Γ of docs/theories.md, to 1e-12.
 #[test]
 fn the_loaded_face_moves_as_a_layers() {
     let (h, young, poisson) = (0.02, 70e9, 0.23);
@@ -75,12 +76,13 @@ fn values(response: &Response) -> [f64; 6] {
     [u_r, u_z, sum, difference, sigma_zz, sigma_rz]
 }
 
-/// Long waves: a thin plate, apart by O(ξ²) with digits left for all of that, soft layers or not.
+/// For long waves the stack is a thin plate. The difference is O(ξ²), with soft layers or without, and is not hidden by
+/// rounding.
 #[test]
 fn long_waves_are_those_of_a_thin_plate() {
     for stack in stacks() {
         let section = Section::new(&stack);
-        // A soft layer slides unless waves are longer than √(E/G).
+        // A soft layer slides unless the waves are longer than √(E/G).
         let softest = stack.layers().iter().map(|layer| layer.young / stack.layers()[0].young).fold(1.0, f64::min);
         for part in [0.0, 0.2, 0.7, 1.0] {
             let depth = part * stack.thickness();
@@ -99,7 +101,7 @@ fn long_waves_are_those_of_a_thin_plate() {
     }
 }
 
-/// Short waves see the first layer alone, as a half-space; nothing overflows.
+/// Short waves see only the first layer, as a half-space; nothing overflows.
 #[test]
 fn short_waves_are_those_of_a_half_space() {
     for stack in stacks() {
@@ -128,7 +130,8 @@ fn short_waves_are_those_of_a_half_space() {
     }
 }
 
-/// The loaded face has a pressure of 1 and no shear, the lower face neither; interfaces are continuous. Rounding of the largest.
+/// The loaded face has a pressure of 1 and no shear, the lower face has neither, and interfaces are continuous, to
+/// rounding of the largest value.
 #[test]
 fn faces_and_interfaces() {
     for stack in stacks() {
@@ -136,7 +139,7 @@ fn faces_and_interfaces() {
         for x in [1e-4, 1e-2, 0.3, 1.0, 3.0, 12.0, 50.0] {
             let wave = stack.wave(x / stack.thickness());
             let (top, bottom) = (wave.response(&stack, 0.0), wave.response(&stack, stack.thickness()));
-            // Shear is of 1/x.
+            // The shear stress is of size 1/x.
             let size = 1e-11 * (1.0 + 1.0 / x);
             assert!((top.sigma_zz + 1.0).abs() < size && top.sigma_rz.abs() < size, "{stack:?} {x}: {top:?}");
             assert!(bottom.sigma_zz.abs() < size && bottom.sigma_rz.abs() < size, "{stack:?} {x}: {bottom:?}");
@@ -153,8 +156,8 @@ fn faces_and_interfaces() {
     }
 }
 
-/// Hooke's law and equilibrium within layers, from displacements and stresses at neighbouring depths: central differences of the fourth
-/// order, whose error and rounding are below 1e-7 of the largest term.
+/// Hooke's law and equilibrium hold within layers. They are checked by fourth-order central differences of
+/// displacements and stresses, whose error and rounding are below 1e-7 of the largest term.
 #[test]
 fn hookes_law_and_equilibrium() {
     for stack in stacks() {
@@ -178,7 +181,8 @@ fn hookes_law_and_equilibrium() {
                         difference + 2.0 * shear * k * u,
                         sigma - lambda * dilatation - 2.0 * shear * slope(1),
                         tau - shear * (slope(0) - k * w),
-                        // σ_zz′ + k σ_rz = 0, and of σ_rr′ + (σ_rr − σ_θθ)/r the amplitude −k (sum − difference)/2 with J₁.
+                        // σ_zz′ + k σ_rz = 0; and σ_rr′ + (σ_rr − σ_θθ)/r has the amplitude −k (sum − difference)/2
+                        // with J₁.
                         (slope(4) + k * tau) / k,
                         (slope(5) - k * radial) / k,
                     ];
@@ -194,8 +198,9 @@ fn hookes_law_and_equilibrium() {
     }
 }
 
-/// Another solution in hundreds of digits (scripts/independent/stack.py), with soft layers of E ratios down to 1e-6 and ν up to 0.4999, from
-/// plates to half-spaces: 1e-12 of what is largest across the stack. Short waves that have decayed are rounding of it.
+/// Comparison with another solution in hundreds of digits (scripts/independent/stack.py), with soft layers of E ratios
+/// down to 1e-6 and ν up to 0.4999, from plates to half-spaces: 1e-12 of the largest value across the stack. Short
+/// waves that have decayed are below its rounding.
 #[test]
 fn other_solutions_of_laminates() {
     let text = include_str!("../fixtures/independent/stacks.csv");
@@ -212,7 +217,8 @@ fn other_solutions_of_laminates() {
             _ => stacks().swap_remove(5),
         };
         let h = stack.thickness();
-        // Of displacements and of stresses; a shear stress, far below the others in long waves, by itself there.
+        // Scales: the largest displacement and the largest stress. In long waves the shear stress is far below the
+        // other stresses and has a separate scale.
         let of = |i: usize| of_wave.iter().map(|(_, row)| row[2 + i].abs()).fold(0.0, f64::max);
         let shear = if of_wave[0].1[0] < 30.0 { of(5) } else { of(4) };
         let largest = [of(0), of(1), of(2), of(3), of(4), shear];
@@ -229,7 +235,7 @@ fn other_solutions_of_laminates() {
     println!("largest error: {worst:.1e}");
 }
 
-/// One layer is Mindlin's plate: the moments of a thin plate, and its shear deflection besides.
+/// For one layer the layerwise theory is Mindlin's plate: the moments of a thin plate, plus its shear deflection.
 #[test]
 fn one_layer_of_the_layerwise_theory() {
     let (h, young, nu, kappa) = (0.02, 70e9, 0.23, 0.87);
@@ -248,8 +254,9 @@ fn one_layer_of_the_layerwise_theory() {
     assert_eq!(Layerwise::new(&stack, &[]), None);
 }
 
-/// The layerwise theory over the exact solution, the loaded face's u_z of 10/0.76/10 mm with interlayers of a bulk modulus of 2 GPa; by an
-/// independent code of high-order elements across the thickness, to its printed digits.
+/// The layerwise theory over the exact solution: u_z of the loaded face of 10/0.76/10 mm with interlayers of a bulk
+/// modulus of 2 GPa. The known ratios are from an independent code of high-order elements across the thickness; the
+/// tolerance follows from its printed digits.
 #[test]
 fn the_layerwise_theory_in_long_and_short_waves() {
     let waves = [5.0, 10.0, 20.0, 40.0, 80.0, 160.0];
@@ -273,9 +280,10 @@ fn the_layerwise_theory_in_long_and_short_waves() {
     }
 }
 
-/// Two plies of ν = 0 that do not shear, with an interlayer of shear stiffness G/h alone: the beam with partial interaction of N. M. Newmark, C. P.
-/// Siess & I. M. Viest (Tests and analysis of composite beams with incomplete interaction, Proc. Soc. Exp. Stress Anal. 9, 1951), exact for a sine
-/// load: D = ΣD_i + γ A r², A = E h₁h₂/(h₁ + h₂), γ = 1/(1 + ξ² A h/G).
+/// Two plies of ν = 0 that do not shear, with an interlayer that has only the shear stiffness G/h. The reference is the
+/// beam with partial interaction of N. M. Newmark, C. P. Siess & I. M. Viest (Tests and analysis of composite beams
+/// with incomplete interaction, Proc. Soc. Exp. Stress Anal. 9, 1951), exact for a sine load: D = ΣD_i + γ A r², A = E
+/// h₁h₂/(h₁ + h₂), γ = 1/(1 + ξ² A h/G).
 #[test]
 fn beams_with_partial_interaction() {
     let (young, [upper, h, lower]) = (70e9, [0.010, 0.00076, 0.006]);
@@ -290,14 +298,14 @@ fn beams_with_partial_interaction() {
             let alone = young * (upper.powi(3) + lower.powi(3)) / 12.0;
             let exact = 1.0 / ((alone + partial * along * arm * arm) * wavenumber.powi(4));
             let found = theory.response(&theory.wave(wavenumber), 0.0).u_z;
-            // The interlayer's own stiffness along the beam, 2G h over E (h₁ + h₂) at most: 1.4e-4.
+            // The interlayer's own stiffness along the beam, at most 2G h over E (h₁ + h₂): 1.4e-4.
             assert!((found / exact - 1.0).abs() < 2e-4, "{shear:e} {wavenumber}: {found:e} {exact:e}");
         }
     }
 }
 
-/// κ of layers: one layer and two plies about a thin one have Mindlin's 5/(6 − ν), a soft interlayer 1; cut layers have together the shear of
-/// the whole.
+/// Shear factors κ of layers: one layer, and two plies with a thin layer between them, have Mindlin's 5/(6 − ν); a soft
+/// interlayer has 1. A layer cut into pieces has the same shear stiffness as the whole.
 #[test]
 fn shear_factors_of_layers() {
     let factors = |layers: &[(f64, f64, f64)]| {
@@ -307,9 +315,10 @@ fn shear_factors_of_layers() {
     let mindlin = 5.0 / (6.0 - 0.23);
     assert!((factors(&[(0.02, 70e9, 0.23)])[0] - mindlin).abs() < 1e-12);
     let laminate = factors(&[(0.01, 70e9, 0.23), (0.00076, 3e7, 0.49), (0.01, 70e9, 0.23)]);
-    // The interlayer takes some of the parabola's top, a part of h/H = 0.037 of the plies' shear; its own E is 4e-4 of theirs.
+    // The interlayer takes the top of the shear stress parabola, a part h/H = 0.037 of the plies' shear; its own E is
+    // 4e-4 of theirs.
     assert!((laminate[0] - mindlin).abs() < 5e-3 && (laminate[1] - 1.0).abs() < 1e-3, "{laminate:?}");
-    // The static shear deflection goes with Σ (∫σ dz)²/(κ h): as of one layer.
+    // The static shear deflection is proportional to Σ (∫σ dz)²/(κ h), which must equal the value of one layer.
     let parts = [0.002, 0.007, 0.011];
     let cut = stack(&parts.map(|h| (h, 70e9, 0.23)));
     let section = Section::new(&cut);

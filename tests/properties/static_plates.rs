@@ -1,4 +1,5 @@
-//! Plates under a small load at rest: what a thin plate and the local field have together, against a thick circular plate and Roark's table.
+//! Plates under a static load on a small area: the sum of a thin plate and the local field is compared with a thick
+//! circular plate and with Roark's table.
 
 use std::f64::consts::PI;
 
@@ -15,12 +16,13 @@ fn layer() -> Stack {
     Stack::new(&[Layer { thickness: 1.0, young: 1.0, poisson: POISSON }]).expect("an elastic layer")
 }
 
-/// Radius of the plate and of the disc that carries the force on the thin one, over the thickness (scripts/independent/thick_plate.py).
+/// Radius of the plate, and of the disc that carries the force on the thin plate, over the thickness
+/// (scripts/independent/thick_plate.py).
 const RADIUS: f64 = 30.0;
 const DISC: f64 = 2.0;
 
-/// σ_rr and σ_θθ on the lower face of Kirchhoff's simply supported circular plate (S. Timoshenko & S. Woinowsky-Krieger, *Theory of Plates
-/// and Shells*, §16) under 1 N on the disc, by the force within each radius.
+/// σ_rr and σ_θθ on the lower face of Kirchhoff's simply supported circular plate under 1 N on the disc, from the force
+/// within each radius (S. Timoshenko & S. Woinowsky-Krieger, *Theory of Plates and Shells*, §16).
 fn thin_plate(r: f64) -> [f64; 2] {
     let force = |rho: f64| {
         let inside = (1.0 - (rho / DISC).powi(2)).max(0.0);
@@ -39,8 +41,8 @@ fn thin_plate(r: f64) -> [f64; 2] {
     [3.0 * (sum + apart), 3.0 * (sum - apart)]
 }
 
-/// Under the load and up to 2.4 thicknesses from it, within 0.01% of axisymmetric finite elements, whose own error is less. What a thin plate
-/// has alone is 8% low under the load.
+/// Under the load, and up to 2.4 thicknesses from it, the result is within 0.01% of axisymmetric finite elements, whose
+/// own error is smaller. The thin plate alone is 8% too low under the load.
 #[test]
 fn a_thick_circular_plate() {
     let pressure = Pressure::Spread { spread: Spread::new(0.0), radius: DISC };
@@ -63,8 +65,9 @@ fn a_thick_circular_plate() {
     assert!(lowest < 0.93, "{lowest}");
 }
 
-/// The radius of the disc on a thin plate that has the tension of the solid under a uniform pressure over a radius, in thicknesses:
-/// ∫ ξ [P T/(6 (1 + ν)) − Λ/ξ²] dξ + V = ½ − ln r, with Λ = (1 + ξ) e^{−ξ} and V = 1 − ln 2 its logarithmic potential in the middle.
+/// The radius, in thicknesses, of the disc on a thin plate that has the same tension as a solid under uniform pressure
+/// over `radius`: ∫ ξ [P T/(6 (1 + ν)) − Λ/ξ²] dξ + V = ½ − ln r, with Λ = (1 + ξ) e^{−ξ} and its logarithmic potential
+/// in the middle, V = 1 − ln 2.
 fn equivalent_radius(radius: f64) -> f64 {
     let stack = layer();
     let mut f = |x: f64| {
@@ -76,9 +79,9 @@ fn equivalent_radius(radius: f64) -> f64 {
     (0.5 - (apart + 1.0 - 2.0_f64.ln())).exp()
 }
 
-/// H. M. Westergaard's √(1.6 r² + h²) − 0.675 h (Roark's *Formulas for Stress and Strain*, table 11.2, for r < h/2) is a fit: it is within 1.3%
-/// of the radius and, on a plate of ten thicknesses' radius, within 0.4% of the tension (1 + ν) ln(a/r) + 1. Of a point load both have
-/// four digits.
+/// H. M. Westergaard's √(1.6 r² + h²) − 0.675 h (Roark's *Formulas for Stress and Strain*, table 11.2, for r < h/2) is
+/// a fit. It is within 1.3% of the radius. On a plate with a radius of ten thicknesses it is within 0.4% of the tension
+/// (1 + ν) ln(a/r) + 1. For a point load both agree to four digits.
 #[test]
 fn roark_s_equivalent_radius() {
     for radius in [0.0, 0.1, 0.2, 0.3, 0.4, 0.5] {
@@ -91,7 +94,7 @@ fn roark_s_equivalent_radius() {
     assert!((equivalent_radius(0.0) - 0.3253).abs() < 5e-5, "{}", equivalent_radius(0.0));
 }
 
-/// Cells are known before a plate is made, for all sizes.
+/// The cells are known before a plate is made, for all sizes.
 #[test]
 fn cells_are_known_beforehand() {
     let scene = scene("size = [0.5, 0.7, 0.02]", "", "");

@@ -1,4 +1,4 @@
-//! The largest stresses read back from a result.
+//! Tests of reading the largest stresses from a result.
 
 use std::path::{Path, PathBuf};
 
@@ -44,7 +44,7 @@ fn stresses_have_faces_places_and_the_largest_of_all() {
     assert_eq!(stresses.strength_passed_at, None);
 }
 
-/// A run that was killed has neither the attributes of its end nor rows of one length.
+/// A killed run has neither the attributes of its end nor rows of equal length: the stresses are read from the rows.
 #[test]
 fn rows_tell_what_the_attributes_do_not() {
     let _alone = alone();

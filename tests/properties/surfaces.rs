@@ -1,4 +1,4 @@
-//! Properties of the integrals over facets and of the contact's linearisation.
+//! Properties of the integrals over facets and of the linearisation of the contact.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
@@ -11,7 +11,7 @@ use ricochet::space::finite_element::FacetRule;
 const FACETS: [Shape; 2] = [Shape::Triangle, Shape::Quadrilateral];
 const K: [f64; 3] = [2e9, 3e9, 5e9];
 
-/// Four points of which a triangle takes three: the square [−1, 1]², each moved by up to 0.2 in space.
+/// Four points, of which a triangle uses three: the corners of the square [−1, 1]², each moved by up to 0.2 in space.
 fn points() -> impl Strategy<Value = Vec<[f64; 3]>> {
     prop::collection::vec(prop::array::uniform3(-0.2f64..0.2), 4).prop_map(|shifts| {
         let square = Shape::Quadrilateral.reference_vertices();
@@ -24,7 +24,7 @@ fn vertices(shape: Shape, points: &[[f64; 3]]) -> &[[f64; 3]] {
     &points[..shape.reference_vertices().len()]
 }
 
-/// A whole facet.
+/// The surface element of a whole facet.
 fn facet(shape: Shape, order: usize, x: &[[f64; 3]]) -> SurfaceElement {
     FacetRule::new(shape, order).element(x, &Extent::All)
 }
@@ -53,7 +53,7 @@ fn tangent(pad: &PadElement, u: &DVector<f64>) -> DMatrix<f64> {
     DMatrix::from_row_slice(u.len(), u.len(), &out)
 }
 
-/// `derivative` in every direction by central differences.
+/// Derivative of `f` in every direction by central differences.
 fn differences(u: &DVector<f64>, step: f64, f: impl Fn(&DVector<f64>) -> DVector<f64>) -> DMatrix<f64> {
     let columns: Vec<DVector<f64>> = (0..u.len())
         .map(|i| {
@@ -68,7 +68,7 @@ fn differences(u: &DVector<f64>, step: f64, f: impl Fn(&DVector<f64>) -> DVector
     DMatrix::from_columns(&columns)
 }
 
-/// u − ū at the pad's quadrature points, component by component.
+/// u − ū at the quadrature points of the pad, component by component.
 fn relative(shape: Shape, order: usize, u: &DVector<f64>, at: [f64; 3]) -> Vec<f64> {
     let element = Element::new(shape, order);
     let mut values = vec![0.; element.nodes()];
@@ -98,14 +98,14 @@ proptest! {
                     let e = DVector::from_fn(s.nrows(), |i, _| f64::from(u8::from(i % 3 == c)));
                     let row = &s * &e;
                     prop_assert!((row.dot(&e) / (k * area) - 1.).abs() < 1e-13);
-                    // Components do not mix.
+                    // Components are not coupled.
                     prop_assert!(row.iter().enumerate().all(|(i, &r)| i % 3 == c || r == 0.));
                 }
             }
         }
     }
 
-    /// A flat polygon's area is that of its triangles.
+    /// The area of a flat polygon equals the area of its triangles.
     #[test]
     fn area_of_flat_facets(points in points(), lift in prop::array::uniform2(-1f64..1.)) {
         let flat: Vec<[f64; 3]> = points
@@ -125,7 +125,7 @@ proptest! {
         }
     }
 
-    /// A traction that is a field of the space acts as springs stretched by that field.
+    /// A traction that is a field of the space acts like springs stretched by that field.
     #[test]
     fn traction_of_a_linear_field(points in points()) {
         let field = |x: [f64; 3]| [1. + x[1], x[2] - 2. * x[0], 3. * x[1]];
@@ -159,8 +159,8 @@ proptest! {
                 let pad = pad(&facet, normal, at);
                 let u = DVector::from_column_slice(&u[..facet.unknowns]);
                 let step = 1e-5;
-                // Away from the kink the potential is quadratic: differences are exact but for rounding over the step.
-                // No shape function exceeds 1, so no point crosses its kink.
+                // Away from the kink the potential is quadratic: differences are exact except for rounding over the
+                // step. No shape function exceeds 1, so no point crosses its kink.
                 if relative(shape, order, &u, at).iter().any(|g| g.abs() < 2. * step) {
                     continue;
                 }
@@ -177,7 +177,8 @@ proptest! {
         }
     }
 
-    /// Pressed in everywhere it is a spring; pulled off everywhere it is nothing; it acts where n has a component only.
+    /// A pad that is pressed in everywhere is a spring. A pad that is open everywhere has no force. It acts only in
+    /// components where n is not zero.
     #[test]
     fn pad_is_a_spring_or_nothing(
         points in points(),
@@ -231,14 +232,15 @@ proptest! {
         state[6] = indentation - localisation.dot(&state);
         let force = |u: &DVector<f64>| &localisation * law.force(localisation.dot(u));
         let matrix = &localisation * localisation.transpose() * law.tangent(indentation);
-        // Error of the differences: (step/α)²/24 and rounding over step/α, below 1e-8 for α ≥ 1000 steps.
+        // Error of the differences: (step/α)²/24, and rounding over step/α; below 1e-8 for α ≥ 1000 steps.
         let slope = differences(&state, 1e-5 * indentation, force);
         prop_assert!((slope - &matrix).amax() < 1e-8 * matrix.amax());
     }
 }
 
-/// Potential and resultant of a given field on the bottom of the plate 0.5×0.5 m, 10×10 squares cut into triangles: the
-/// independent FEniCS solution's values for its case of a pad, where 526 of 1200 points are loaded.
+/// Potential and resultant of a given field on the bottom of a plate of 0.5×0.5 m, with 10×10 squares divided into
+/// triangles. The expected values are from the independent FEniCS solution for its pad case, where 526 of 1200 points
+/// are loaded.
 #[test]
 fn pad_of_the_reference_plate() {
     let field = |x: f64, y: f64| 1e-3 * (x + 0.37 * y + 0.031);
@@ -250,7 +252,7 @@ fn pad_of_the_reference_plate() {
             let along = |i: usize| i as f64 * 0.05 - 0.25;
             [along(square % 10 + i), along(square / 10 + j), -0.01]
         };
-        // As dolfin cuts a box: along the diagonal of the first vertex.
+        // The squares are divided like dolfin divides a box: along the diagonal of the first vertex.
         for x in [[at(0, 0), at(1, 1), at(1, 0)], [at(0, 0), at(0, 1), at(1, 1)]] {
             let nodal = element.node_vertices().iter().flat_map(|of| {
                 let mean = |d: usize| of.iter().map(|&v| x[v][d]).sum::<f64>() / of.len() as f64;

@@ -1,6 +1,6 @@
-//! What the library computes, on one to three ranks: each test runs in this program under `mpirun`.
+//! Tests of the library's computations on one to three ranks: each test runs in this program under `mpirun`.
 //!
-//! A module names the numbers of ranks that its tests run on: more than one where what it tests is distributed.
+//! A module states the numbers of ranks of its tests: more than one if the tested computation is distributed.
 
 #[path = "../common/bricks.rs"]
 mod bricks;
@@ -93,7 +93,7 @@ fn session() -> Session {
     Session::start(&[]).expect("the first session").expect("PETSc starts")
 }
 
-/// Adds the tests of modules under their own names.
+/// Adds the tests of modules, with the modules' names.
 macro_rules! with {
     ($suite:expr, $($theme:ident::$module:ident),* $(,)?) => {
         $suite$(.group(concat!(stringify!($theme), "::", stringify!($module)), $theme::$module::RANKS, $theme::$module::TESTS))*
@@ -101,7 +101,7 @@ macro_rules! with {
 }
 
 fn main() -> ExitCode {
-    // What tests have dropped is destroyed before the next one.
+    // Objects that a test has dropped are destroyed before the next test.
     let suite = Suite::new(session).between(|session| session.world().collect_garbage().expect("PETSc destroys"));
     with!(
         suite,
@@ -160,7 +160,8 @@ fn main() -> ExitCode {
     .group("body::lumped", &[1], body::lumped::ALONE)
     .group("body::layers", &[1], body::layers::ALONE)
     .group("body::layerwise", &[1], body::layerwise::ALONE)
-    // Three ranks on fewer cores wait for each other most of the time: meshes and the paper's plates are enough every day.
+    // Three ranks on fewer cores wait for each other most of the time. In everyday runs, meshes and the paper's plates
+    // on three ranks are enough; the tests below are long.
     .long_group("mesh::symmetry", &[3], mesh::symmetry::TESTS)
     .long_group("contact::laws", &[3], contact::laws::TESTS)
     .long_group("contact::localisation", &[3], contact::localisation::TESTS)

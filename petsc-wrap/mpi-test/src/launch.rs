@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-/// `mpirun -n ranks`, made fit for machines with fewer cores than ranks, for containers and for root.
+/// `mpirun -n ranks`, with settings for machines with fewer cores than ranks, for containers and for root.
 pub fn mpirun(ranks: usize) -> Command {
     let mut command = Command::new("mpirun");
     command
@@ -12,15 +12,16 @@ pub fn mpirun(ranks: usize) -> Command {
         .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
         .env("OMPI_MCA_rmaps_base_oversubscribe", "1")
         .env("OMPI_MCA_hwloc_base_binding_policy", "none")
-        // A rank that waits for a message lets others work: without it, three ranks on two cores take turns of the scheduler's length.
+        // A waiting rank yields its core. Without this, three ranks on two cores alternate with the period of the
+        // scheduler.
         .env("OMPI_MCA_mpi_yield_when_idle", "1")
         .env("OMPI_MCA_btl_vader_single_copy_mechanism", "none")
         .env("OMP_NUM_THREADS", "1");
     command
 }
 
-/// Gives a command a folder of its own for MPI's session files. If several mpiruns share one, the one that ends removes files of one that is starting, which
-/// then fails.
+/// Gives a command a separate folder for MPI's session files. If several mpiruns share a folder, one that ends removes
+/// files of another one that is starting, which then fails.
 pub fn keep_files_in(folder: &Path, command: &mut Command) {
     command.env("OMPI_MCA_orte_tmpdir_base", folder);
 }

@@ -1,10 +1,11 @@
-//! Tests that run under `mpirun` on several numbers of ranks, with the command line of `cargo test` (names, filters, `--list`).
+//! Runs tests under `mpirun` on several numbers of ranks, with the command line of `cargo test` (names, filters,
+//! `--list`).
 //!
-//! MPI can be initialised once a process, so the threads of the standard harness are of no use to such tests. A test program with
-//! `harness = false` describes its tests as a [`Suite`]. Each test becomes one trial for every number of ranks, such as
-//! `vectors::dot::on_2_ranks`. The program starts itself again under `mpirun -n 2` when the first such trial is due; these
-//! processes then wait, without using the processor, for the names of further tests. A filter that matches nothing
-//! starts no mpirun.
+//! MPI can be initialised only once in a process, so such tests cannot run in the threads of the standard harness. A
+//! test program with `harness = false` describes its tests as a [`Suite`]. Each test becomes one trial for every number
+//! of ranks, for example `vectors::dot::on_2_ranks`. When the first trial for two ranks is due, the program starts
+//! itself again under `mpirun -n 2`. These processes then wait, without using the processor, for the names of further
+//! tests. A filter that matches nothing starts no mpirun.
 
 mod cores;
 mod launch;
@@ -23,13 +24,13 @@ pub use launch::{keep_files_in, mpirun};
 use cores::Cores;
 use pool::Pool;
 
-/// A named test of what [`Suite::new`]'s `start` makes once a process.
+/// A named test. Its argument is the value that the `start` function of [`Suite::new`] makes once in each process.
 pub type Test<T> = (&'static str, fn(&T));
 
 /// A named test that runs in the test program itself, without MPI.
 pub type PlainTest = (&'static str, fn());
 
-/// Tests by their own names: `tests![a, b]` is `[("a", a), ("b", b)]`.
+/// Tests with the names of their functions: `tests![a, b]` is `[("a", a), ("b", b)]`.
 #[macro_export]
 macro_rules! tests {
     ($($name:ident),* $(,)?) => { &[$((stringify!($name), $name)),*] };
@@ -56,7 +57,7 @@ impl<T> Suite<T> {
         Self { start, between: |_| (), groups: Vec::new() }
     }
 
-    /// Calls `tidy` on all ranks after each test.
+    /// Makes all ranks call `tidy` after each test.
     pub fn between(self, tidy: fn(&T)) -> Self {
         Self { between: tidy, ..self }
     }
@@ -67,13 +68,14 @@ impl<T> Suite<T> {
         self
     }
 
-    /// As [`Suite::group`], for tests that take long: they are ignored unless `--include-ignored` or `--ignored` is given.
+    /// Same as [`Suite::group`], for tests that take long: they are ignored unless `--include-ignored` or `--ignored`
+    /// is given.
     pub fn long_group(mut self, module: &'static str, ranks: &'static [usize], tests: &'static [Test<T>]) -> Self {
         self.groups.push(Group { module, ranks, tests, is_long: true });
         self
     }
 
-    /// Runs what the command line selects; under `mpirun`, this process's part of it.
+    /// Runs the tests that the command line selects; under `mpirun`, this process's part of them.
     pub fn run(self) -> ExitCode {
         let tests = self.groups.iter().flat_map(|group| {
             group.tests.iter().map(|(name, test)| worker::Named { name: full_name(group.module, name), test: *test })
@@ -95,7 +97,7 @@ impl<T> Suite<T> {
                 }
             }
         }
-        // Tests on few ranks first: those that fill the machine do not wait for one that does not.
+        // Tests on few ranks come first, so that tests that use the whole machine do not wait for one that does not.
         due.sort_by_key(|(ranks, _)| *ranks);
         let outcome = libtest_mimic::run(&arguments, due.into_iter().map(|(_, trial)| trial).collect());
         if let Err(message) = pool.finish() {
@@ -115,11 +117,11 @@ pub fn run<T: 'static>(ranks: &'static [usize], start: fn() -> T, tests: &'stati
     Suite::new(start).group("", ranks, tests).run()
 }
 
-/// Why a test cannot run here, if so: most often a tool that is not installed.
+/// The reason why a test cannot run here, if there is one: most often a tool that is not installed.
 pub type Missing = Option<String>;
 
-/// Tests that run in the test program itself: the same command line and the same report of times, and groups that say at run time why
-/// they are ignored.
+/// Tests that run in the test program itself, with the same command line and report of times. Its groups can state at
+/// run time why they are ignored.
 #[derive(Default)]
 pub struct PlainSuite {
     trials: Vec<Trial>,
@@ -131,12 +133,14 @@ impl PlainSuite {
         self.add(module, tests, None)
     }
 
-    /// As [`PlainSuite::group`], for tests that take long: they are ignored unless `--include-ignored` or `--ignored` is given.
+    /// Same as [`PlainSuite::group`], for tests that take long: they are ignored unless `--include-ignored` or
+    /// `--ignored` is given.
     pub fn long_group(self, module: &'static str, tests: &'static [PlainTest]) -> Self {
         self.add(module, tests, Some("long".to_owned()))
     }
 
-    /// As [`PlainSuite::group`], for tests that need what may be missing: they are then ignored, and say why.
+    /// Same as [`PlainSuite::group`], for tests with requirements that may be missing: they are then ignored, with the
+    /// reason.
     pub fn group_unless(self, missing: Missing, module: &'static str, tests: &'static [PlainTest]) -> Self {
         self.add(module, tests, missing)
     }
@@ -156,7 +160,7 @@ impl PlainSuite {
         self
     }
 
-    /// Runs what the command line selects.
+    /// Runs the tests that the command line selects.
     pub fn run(self) -> ExitCode {
         libtest_mimic::run(&Arguments::from_args(), self.trials).exit_code()
     }

@@ -1,28 +1,28 @@
-//! What the test program and its ranks tell each other: one line of JSON a message.
+//! Messages between the test program and its ranks: one line of JSON for each message.
 
 use std::io::{self, BufRead, Write};
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// To a rank.
+/// Message to a rank.
 #[derive(Debug, Serialize, Deserialize)]
 pub enum Order {
     /// Run the test of this name.
     Run(String),
 }
 
-/// From a rank.
+/// Message from a rank.
 #[derive(Debug, Serialize, Deserialize)]
 pub enum Report {
-    /// The first message: which rank this is.
+    /// The first message, which tells the rank's number.
     Ready {
-        /// Its number.
+        /// Number of the rank.
         rank: usize,
     },
     /// The test has passed on this rank.
     Passed {
-        /// What it has taken of the processor, s.
+        /// Processor time used by the test, s.
         processor: f64,
     },
     /// The test has panicked on this rank, which ends.
@@ -40,7 +40,7 @@ pub fn send(message: &impl Serialize, to: &mut impl Write) -> io::Result<()> {
     to.flush()
 }
 
-/// Waits for a message; `None` at the end of the connection.
+/// Waits for a message; returns `None` at the end of the connection.
 pub fn receive<M: DeserializeOwned>(from: &mut impl BufRead) -> io::Result<Option<M>> {
     let mut line = String::new();
     if from.read_line(&mut line)? == 0 {

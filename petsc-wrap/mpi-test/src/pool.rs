@@ -1,4 +1,4 @@
-//! The ranks of a test program: started when they are first needed, kept for the next test.
+//! The ranks of a test program: they are started when first needed and kept for the next test.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -17,27 +17,27 @@ use crate::message::{Order, Report, receive, send};
 use crate::times;
 use crate::worker::ROLE;
 
-/// Longer than any test takes on a busy machine.
+/// Time limit of a test: longer than any test takes on a busy machine.
 const LIMIT: Duration = Duration::from_secs(900);
 
-/// Longer than mpirun takes to start and to end.
+/// Time limit for the start and the end of mpirun: longer than they take.
 const STARTUP: Duration = Duration::from_secs(120);
 
-/// Ranks that wait for a test, by their number.
+/// Ranks that wait for a test, by number of ranks.
 pub struct Pool {
     cores: Cores,
-    /// Whether output is shown at once, and not of failed tests alone.
+    /// Whether output is shown immediately, and not only for failed tests.
     shows_output: bool,
     idle: Mutex<HashMap<usize, Vec<Ranks>>>,
 }
 
 impl Pool {
-    /// None so far.
+    /// Creates a pool without ranks.
     pub fn new(cores: Cores, shows_output: bool) -> Self {
         Self { cores, shows_output, idle: Mutex::default() }
     }
 
-    /// Runs a test on so many ranks, once there are cores for them, and notes its times under `name`.
+    /// Runs a test on `count` ranks, once there are cores for them, and records its times under `name`.
     pub fn run(&self, count: usize, test: &str, name: &str) -> Result<(), Failed> {
         let run = || {
             let waiting = self.idle().get_mut(&count).and_then(Vec::pop);
@@ -54,10 +54,10 @@ impl Pool {
         self.cores.with(count, || times::timed(name, run))
     }
 
-    /// Ends all ranks that wait.
+    /// Ends all waiting ranks.
     ///
     /// # Errors
-    /// What they have said, where they do not end in order: their context is dropped then, and MPI is finalised.
+    /// Their output, if they do not end normally. At the end they drop their context and finalise MPI.
     pub fn finish(&self) -> Result<(), String> {
         let all: Vec<Ranks> = self.idle().drain().flat_map(|(_, ranks)| ranks).collect();
         all.into_iter().try_for_each(Ranks::finish)
@@ -72,7 +72,7 @@ impl Pool {
 struct Ranks {
     mpirun: Child,
     connections: Vec<Connection>,
-    /// What they print, where it is not shown at once.
+    /// Their output, if it is not shown immediately.
     output: Option<File>,
     _folder: TempDir,
 }
@@ -113,7 +113,7 @@ impl Ranks {
         Ok(ranks)
     }
 
-    /// Runs a test on all of them; they are gone where it fails.
+    /// Runs a test on all of these ranks; they are ended if it fails.
     fn run(&mut self, test: &str) -> Result<f64, Failed> {
         if let Some(output) = &mut self.output {
             output.seek(SeekFrom::End(0)).map_err(|error| error.to_string())?;
@@ -126,7 +126,7 @@ impl Ranks {
             match receive(reports) {
                 Ok(Some(Report::Passed { processor })) => taken += processor,
                 Ok(Some(Report::Failed { message })) => failures.push(format!("rank {rank}: {message}")),
-                // Ended with the one that failed, or by itself.
+                // This rank ended together with the one that failed, or on its own.
                 Ok(_) => failures.push(format!("rank {rank} ended")),
                 Err(error) => failures.push(format!("rank {rank}: no answer within {LIMIT:?} ({error})")),
             }
@@ -137,10 +137,10 @@ impl Ranks {
         if failures.is_empty() {
             return Ok(taken);
         }
-        // The rank that failed may not be the one that was heard first.
+        // The failed rank may not be the first one that was heard.
         self.end();
         for Connection { rank, reports } in &mut self.connections {
-            // Whoever is stuck has no more to say.
+            // A rank that hangs sends no more messages.
             let _ = reports.get_ref().set_read_timeout(Some(Duration::from_secs(1)));
             if let Ok(Some(Report::Failed { message })) = receive(reports) {
                 failures.push(format!("rank {rank}: {message}"));
@@ -157,14 +157,14 @@ impl Ranks {
         Err(format!("{} rank(s) did not end in order\n{}", self.connections.len(), self.printed()))
     }
 
-    /// Gives no more orders.
+    /// Closes the sending side of the connections, so that the ranks get no more orders.
     fn dismiss(&self) {
         for connection in &self.connections {
             let _ = connection.reports.get_ref().shutdown(std::net::Shutdown::Write);
         }
     }
 
-    /// Waits for mpirun, which ends when a rank fails, but not for ever; whether it ends well.
+    /// Waits for mpirun, with a time limit; it ends when a rank fails. Returns whether it ended successfully.
     fn end(&mut self) -> bool {
         let begin = Instant::now();
         while begin.elapsed() < Duration::from_secs(30) {

@@ -1,4 +1,4 @@
-//! A rank under `mpirun`: waits for the names of tests and runs them.
+//! A rank under `mpirun`, which waits for the names of tests and runs them.
 
 use std::any::Any;
 use std::io::BufReader;
@@ -10,13 +10,13 @@ use std::process::ExitCode;
 use crate::message::{Order, Report, receive, send};
 use crate::times;
 
-/// Set for the processes under `mpirun`: the socket from which they take orders, or [`ALONE`].
+/// Environment variable of the processes under `mpirun`: the socket from which they take orders, or [`ALONE`].
 pub const ROLE: &str = "MPI_TEST_WORKER";
 
-/// Value of [`ROLE`] for a process that runs all tests by itself, such as under a debugger or valgrind.
+/// Value of [`ROLE`] for a process that runs all tests alone, for example under a debugger or valgrind.
 const ALONE: &str = "alone";
 
-/// What this process does, where it is not the test program itself.
+/// Role of this process, if it is not the test program itself.
 pub enum Role {
     /// Runs every test, as the only rank.
     Alone,
@@ -25,7 +25,7 @@ pub enum Role {
 }
 
 impl Role {
-    /// As the environment says.
+    /// Returns the role that the environment gives.
     pub fn of_this_process() -> Option<Self> {
         let value = std::env::var_os(ROLE)?;
         Some(if value == ALONE { Self::Alone } else { Self::Rank(PathBuf::from(value)) })
@@ -38,10 +38,10 @@ pub struct Named<T> {
     pub test: fn(&T),
 }
 
-/// Exit status after a panic, as of any Rust program.
+/// Exit status after a panic, the same as for any Rust program.
 const PANICKED: i32 = 101;
 
-/// Starts and runs tests.
+/// Makes the context and runs the tests of this role.
 pub fn work<T>(role: &Role, start: fn() -> T, between: fn(&T), tests: &[Named<T>]) -> ExitCode {
     let context = start();
     match role {
@@ -62,7 +62,7 @@ pub fn work<T>(role: &Role, start: fn() -> T, between: fn(&T), tests: &[Named<T>
 fn obey<T>(mut stream: &UnixStream, context: &T, between: fn(&T), tests: &[Named<T>]) {
     let mut orders = BufReader::new(stream);
     send(&Report::Ready { rank: rank() }, &mut stream).expect("the test program listens");
-    // Without the test program there is nothing left to do.
+    // If the test program has gone, there is nothing left to do.
     while let Ok(Some(Order::Run(name))) = receive(&mut orders) {
         let before = times::of_processor();
         let run = || {
@@ -77,14 +77,14 @@ fn obey<T>(mut stream: &UnixStream, context: &T, between: fn(&T), tests: &[Named
             }
             Err(panic) => {
                 let _ = send(&Report::Failed { message: text(&*panic).to_owned() }, &mut stream);
-                // The other ranks may wait in a collective call: mpirun ends them when this one is gone.
+                // The other ranks may be waiting in a collective call: mpirun ends them when this rank has ended.
                 std::process::exit(PANICKED);
             }
         }
     }
 }
 
-/// This process's number, as mpirun and its like tell it.
+/// This process's rank, as set by mpirun or a similar launcher.
 fn rank() -> usize {
     ["OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"]
         .into_iter()

@@ -1,4 +1,4 @@
-//! The bindings to the functions of PETSc's library.
+//! Generates the bindings to the functions of PETSc's library.
 
 use std::path::PathBuf;
 
@@ -8,10 +8,10 @@ use super::fail;
 use super::functions::FUNCTIONS;
 use super::petsc::Petsc;
 
-/// What bindgen calls the library with its functions.
+/// Name that bindgen gives to the struct of the loaded library.
 const LIBRARY: &str = "Library";
 
-/// Writes them.
+/// Writes the bindings.
 pub fn generate(petsc: &Petsc, mpi: &[PathBuf]) {
     let include = petsc.include.iter().chain(mpi).map(|i| format!("-I{}", i.display()));
     let bindings = bindgen::Builder::default()
@@ -21,7 +21,7 @@ pub fn generate(petsc: &Petsc, mpi: &[PathBuf]) {
         .allowlist_var("PETSC_(DETERMINE|DEFAULT|COMM_WORLD|VERSION_.*)|PetscTrFree|PetscErrorPrintf")
         .blocklist_type("MPI_.*|ompi_.*|_?MPI.*")
         .blocklist_item("MPI_.*|ompi_.*")
-        // Where PETSc is configured with strict error codes they are an enum, of the same size.
+        // If PETSc is configured with strict error codes, they are an enum of the same size.
         .blocklist_type("PetscErrorCode")
         .raw_line("pub type PetscErrorCode = ::std::os::raw::c_int;")
         .allowlist_recursively(true)
@@ -40,7 +40,7 @@ pub fn generate(petsc: &Petsc, mpi: &[PathBuf]) {
     write("functions.rs", &functions(&bindings));
 }
 
-/// Which of the things that PETSc has changed are the new ones: `src/versions.rs`.
+/// Sets the cfg flags that tell `src/versions.rs` which of PETSc's changes are present.
 fn tell_changes(bindings: &str) {
     let arguments = |name: &str| {
         let list = bindings.split(&format!("fn {name}(")).nth(1).and_then(|rest| rest.split(')').next());
@@ -58,7 +58,7 @@ fn tell_changes(bindings: &str) {
     }
 }
 
-/// A function for each method of the loaded library, by the same name.
+/// Writes a function for each method of the loaded library, with the same name.
 fn functions(bindings: &str) -> String {
     let file = syn::parse_file(bindings).unwrap_or_else(|error| fail(&format!("the bindings are no Rust: {error}")));
     let methods = file.items.iter().filter_map(|item| match item {
@@ -66,7 +66,7 @@ fn functions(bindings: &str) -> String {
         _ => None,
     });
     let of_petsc = methods.flatten().filter_map(|item| match item {
-        // What makes the library has no library yet.
+        // Constructors of the library have no `self` and are left out.
         syn::ImplItem::Fn(method) if method.sig.receiver().is_some() => Some(&method.sig),
         _ => None,
     });

@@ -1,6 +1,6 @@
-//! The functions that petsc-wrap calls.
+//! The list of PETSc functions that petsc-wrap calls.
 
-/// They alone are in the bindings.
+/// Only these functions are in the bindings.
 pub const FUNCTIONS: &[&str] = &[
     "DMCreateLabel",
     "DMGetCoordinateSection",

@@ -1,7 +1,8 @@
 //! Finds PETSc and MPI, refuses builds that cannot work, and generates the bindings.
 //!
-//! PETSc is not linked: its library and the hundred that this one needs are loaded when PETSc is first wanted. So a program starts without
-//! them where it does not want PETSc, and can set its environment before OpenBLAS, one of them, starts threads.
+//! PETSc is not linked: its library and the hundred libraries that it needs are loaded when PETSc is first used. So a
+//! program that does not use PETSc starts without them. A program can also set its environment before OpenBLAS, one of
+//! these libraries, starts threads.
 
 mod bindings;
 mod functions;

@@ -1,23 +1,23 @@
-//! PETSc on this machine: where it is, and whether it can serve.
+//! Finds PETSc on this machine and checks that it can be used.
 
 use std::path::{Path, PathBuf};
 
 use super::{fail, listed};
 
-/// The oldest version that petsc-wrap is written for.
+/// The oldest supported version of PETSc.
 const OLDEST: (u32, u32) = (3, 18);
 
-/// Where PETSc is.
+/// Location of PETSc.
 pub struct Petsc {
     /// The folders of its headers.
     pub include: Vec<PathBuf>,
-    /// Where its library is, and what that is called.
+    /// Folder and name of its library.
     folder: PathBuf,
     name: String,
 }
 
 impl Petsc {
-    /// Who sets PETSC_DIR means that PETSc and no other.
+    /// Finds PETSc. If PETSC_DIR is set, only that PETSc is accepted.
     pub fn find() -> Result<Self, String> {
         match std::env::var("PETSC_DIR") {
             Ok(dir) if !dir.is_empty() => in_folder(Path::new(&dir)),
@@ -25,7 +25,7 @@ impl Petsc {
         }
     }
 
-    /// Its shared library, by the name that stays when it is updated.
+    /// Path of its shared library, with the name that does not change in updates.
     pub fn library(&self) -> PathBuf {
         let (major, minor) = self.version();
         let names = [format!("lib{}.so.{major}.{minor}", self.name), format!("lib{}.so", self.name)];
@@ -85,7 +85,7 @@ fn in_folder(dir: &Path) -> Result<Petsc, String> {
         ));
     }
     let folder = build.join("lib");
-    // Debian's names tell its builds apart.
+    // Debian's builds differ in these names.
     let names = ["petsc", "petsc_real", "petsc64_real"];
     let name = names.into_iter().find(|name| folder.join(format!("lib{name}.so")).exists()).unwrap_or(names[0]);
     Ok(Petsc { include, folder, name: name.to_owned() })
@@ -106,7 +106,7 @@ fn from_pkg_config() -> Result<Petsc, String> {
     Err(format!("PETSc was not found. On Debian: apt-get install petsc-dev. Tried: {}", listed(&reasons)))
 }
 
-/// The library among those that pkg-config names whose name begins as PETSc's does.
+/// The library reported by pkg-config whose name begins with "petsc".
 fn of_package(package: pkg_config::Library) -> Result<Petsc, String> {
     let name = package.libs.into_iter().find(|name| name.starts_with("petsc"));
     let name = name.ok_or("pkg-config names no library of PETSc")?;
@@ -116,7 +116,7 @@ fn of_package(package: pkg_config::Library) -> Result<Petsc, String> {
     Ok(Petsc { include: package.include_paths, folder, name })
 }
 
-/// The value of a macro of a header, empty where it has none.
+/// Value of a macro in a header; empty if the header does not define it.
 fn defined<'a>(header: &'a str, name: &str) -> Option<&'a str> {
     header.lines().find_map(|line| {
         let mut words = line.split_whitespace();

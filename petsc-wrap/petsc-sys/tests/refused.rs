@@ -1,10 +1,11 @@
-//! Builds of PETSc that cannot work are refused in one sentence, when the bindings are built.
+//! Tests that builds of PETSc that cannot work are refused in one sentence when the bindings are built.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The build script as it was compiled last, beside this test: `release/build/petsc-sys-*/build-script-main`.
+/// The build script as it was last compiled, in the same target folder as this test:
+/// `release/build/petsc-sys-*/build-script-main`.
 fn build_script() -> PathBuf {
     let profile = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("build");
     let folders = fs::read_dir(profile).unwrap().map(|entry| entry.unwrap().path());
@@ -13,7 +14,7 @@ fn build_script() -> PathBuf {
     scripts.max_by_key(|path| path.metadata().unwrap().modified().unwrap()).expect("cargo has built the script")
 }
 
-/// What the script says of a PETSc whose version and configuration are these.
+/// The message of the script for a PETSc with this version and configuration.
 fn said(folder: &Path, version: (u32, u32), configuration: &str) -> String {
     let include = folder.join("arch/include");
     fs::create_dir_all(&include).unwrap();
@@ -44,7 +45,7 @@ fn builds_that_cannot_work_are_refused() {
     assert!(without_library.ends_with("/libpetsc.so: PETSc must be built with shared libraries"), "{without_library}");
 }
 
-/// Who sets PETSC_DIR means that PETSc: no other is taken in its place.
+/// If PETSC_DIR is set, no other PETSc is used instead.
 #[test]
 fn a_folder_without_petsc_is_refused() {
     let folder = tempfile::tempdir().unwrap();

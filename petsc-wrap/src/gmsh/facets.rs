@@ -1,4 +1,4 @@
-//! The facets that a Gmsh file lists, found among the faces of this rank's cells.
+//! Finds the facets of a Gmsh file among the faces of this rank's cells.
 
 use std::io::{Read, Seek};
 
@@ -11,24 +11,25 @@ use crate::plex::Plex;
 
 use super::walk::Walk;
 
-/// A facet whose vertices this rank has.
+/// A facet whose vertices are all on this rank.
 struct Facet {
-    /// The points of its vertices, ascending; −1 behind three.
+    /// Mesh points of its vertices, ascending; the fourth is −1 for a triangle.
     vertices: [Int; 4],
-    /// Its place among the file's facets.
+    /// Position in the file's list of facets.
     number: usize,
     region: i32,
 }
 
-/// Facets of a file.
+/// The facets of a file whose vertices are all on this rank.
 pub(super) struct Facets {
     listed: Vec<Facet>,
-    /// How many the file has.
+    /// Number of facets in the file.
     total: usize,
 }
 
 impl Facets {
-    /// Walks through the elements once more. `vertices` are the numbers of this rank's vertices, ascending, `first` is the point of the first.
+    /// Reads the elements of the file once more. `vertices` are the numbers of this rank's vertices, ascending; `first`
+    /// is the mesh point of the first one.
     pub fn read<R: Read + Seek>(walk: &mut Walk<R>, vertices: &[Int], first: Int) -> std::result::Result<Self, String> {
         let mut facets = Self { listed: Vec::new(), total: 0 };
         walk.elements(|element| {
@@ -50,11 +51,11 @@ impl Facets {
         Ok(facets)
     }
 
-    /// Calls `found` with each face of this rank that the file lists, and its region, and tells whether every facet is a face on some rank.
-    /// Collective.
+    /// Calls `found` for each face of this rank that the file lists, with its region. Returns whether every facet of
+    /// the file is a face on some rank. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn find(&self, plex: &Plex, found: impl FnMut(Int, i32)) -> Result<bool> {
         let mut mine = vec![0_u64; self.total.div_ceil(64)];
         let searched = self.search(plex, &mut mine, found);
@@ -64,7 +65,7 @@ impl Facets {
         Ok(all.iter().map(|bits| bits.count_ones() as usize).sum::<usize>() == self.total)
     }
 
-    /// Sets the bits of the facets that are faces of this rank.
+    /// Sets the bits of the facets that are faces on this rank.
     fn search(&self, plex: &Plex, bits: &mut [u64], mut found: impl FnMut(Int, i32)) -> Result<()> {
         for face in plex.points(2)? {
             let (mut vertices, mut count) = ([-1; 4], 0);

@@ -1,4 +1,4 @@
-//! Meshes from Gmsh files, of which each rank keeps its part.
+//! Reads meshes from Gmsh files; each rank keeps its part.
 
 mod facets;
 mod nodes;
@@ -23,17 +23,17 @@ use walk::Walk;
 
 /// A mesh from a Gmsh file.
 pub struct GmshMesh {
-    /// The mesh, spread over the ranks.
+    /// The mesh, distributed over the ranks.
     pub plex: Plex,
-    /// Shape of all its cells.
+    /// Shape of all cells.
     pub shape: CellType,
     /// The physical surfaces that the file names, on every rank.
     pub surfaces: Vec<PhysicalGroup>,
     /// The physical volumes that the file names, on every rank.
     pub named_volumes: Vec<PhysicalGroup>,
-    /// How many regions the cells are in that differ in their physical groups.
+    /// Number of regions of the cells, where two regions differ in their physical groups.
     pub volumes: usize,
-    /// How many parts the cells make that share no node.
+    /// Number of parts of the mesh that share no node.
     pub parts: usize,
 }
 
@@ -42,23 +42,24 @@ pub struct GmshMesh {
 pub struct PhysicalGroup {
     /// The value of its faces in the label `Face Sets`, or of its cells in the label `Cell Sets`.
     pub number: Int,
-    /// Its name.
+    /// Name of the group.
     pub name: String,
 }
 
 impl Plex {
-    /// A mesh of tetrahedra or of hexahedra, of first order, from a Gmsh file (2.2 or 4.1, text or binary), spread over the ranks as by
-    /// [`Self::distribute`]; on one rank its cells are in the file's order.
+    /// Reads a mesh of first-order tetrahedra or hexahedra from a Gmsh file (2.2 or 4.1, text or binary) and
+    /// distributes it over the ranks like [`Self::distribute`]. On one rank the cells are in the file's order.
     ///
-    /// The faces of physical group n have the value n of the label `Face Sets`, in files of version 4.1 for every group that they are in, in
-    /// those of 2.2 for the first. So have cells in the label `Cell Sets`.
+    /// The label `Face Sets` has the value n on the faces of physical group n. In version 4.1 a face gets the values of
+    /// all its groups, in version 2.2 only the first. The same holds for cells and the label `Cell Sets`.
     ///
-    /// Every rank reads the file, piece by piece, checks it and keeps a part of as many elements as the others', facets among them; the cells
-    /// of these parts are the mesh that is distributed. Nobody may write to the file meanwhile. Collective.
+    /// Every rank reads the whole file, piece by piece, checks it, and keeps an equal share of its elements, facets
+    /// included. The cells of these shares form the mesh that is then distributed. Nobody may write to the file during
+    /// the call. Collective.
     ///
     /// # Errors
-    /// [`Error::MeshFile`], on all ranks, for a file that is not there or does not keep what its format promises. PETSc's, on one rank alone, where
-    /// hexahedra do not fit together.
+    /// [`Error::MeshFile`], on all ranks, if the file does not exist or does not follow its format. If a PETSc call
+    /// fails, on one rank alone, for hexahedra that do not fit together.
     pub fn gmsh(comm: &Comm, path: &Path) -> Result<GmshMesh> {
         let refused = |message: String| Error::MeshFile { path: path.to_owned(), message };
         let (ranks, rank) = (comm.size(), comm.rank());
@@ -83,7 +84,7 @@ impl Plex {
         Ok(GmshMesh { plex, shape, surfaces, named_volumes, volumes: share.volumes, parts })
     }
 
-    /// Labels cells, which are the mesh's in their order, and faces by their physical groups. Collective.
+    /// Labels cells and faces by their physical groups. `cells` are the cells of the mesh, in its order. Collective.
     fn label_groups(&self, walk: &mut Walk<File>, cells: Cells) -> std::result::Result<(), String> {
         let Cells { mut vertices, regions } = cells;
         vertices.sort_unstable();
@@ -108,7 +109,8 @@ impl Plex {
     }
 }
 
-/// The value where no rank has an error; otherwise the error of the lowest rank that has one, on every rank. Collective.
+/// Returns the value if no rank has an error; otherwise, on every rank, the error of the lowest rank that has one.
+/// Collective.
 fn agree<T>(comm: &Comm, mine: std::result::Result<T, String>) -> std::result::Result<T, String> {
     let (rank, mut first) = (if mine.is_err() { comm.rank() } else { comm.size() }, 0);
     comm.mpi().all_reduce_into(&rank, &mut first, SystemOperation::min());
@@ -117,6 +119,6 @@ fn agree<T>(comm: &Comm, mine: std::result::Result<T, String>) -> std::result::R
     }
     let message = mine.err().filter(|_| rank == first).unwrap_or_default();
     let message = String::from_utf8_lossy(&comm.all_gather(message.as_bytes())).into_owned();
-    // Of what all ranks see rank 0 tells.
+    // An error that all ranks see is reported by rank 0, without a rank number.
     Err(if first == 0 { message } else { format!("{message} (on rank {first})") })
 }

@@ -1,51 +1,52 @@
-//! Which nodes a Gmsh file has, in which order, and which of them its elements use.
+//! Numbers and order of the nodes of a Gmsh file, and their use by its elements.
 
-/// A list over the span of the nodes' numbers may be this many times as long as their count, and some.
+/// The lookup table is as long as the span of the node numbers. Its longest allowed length is `SPARSEST` × number of
+/// nodes + `SPAN_ALWAYS`.
 const SPARSEST: usize = 64;
 const SPAN_ALWAYS: usize = 1 << 20;
 
-/// A number that no node has.
+/// Marks a number that no node has.
 const ABSENT: u32 = u32::MAX;
 
-/// The nodes: first added, then closed, then looked up by elements.
+/// The nodes of a file: they are first added, then closed, then looked up by elements.
 pub(super) struct Nodes {
     numbers: Numbers,
     use_: Option<Use>,
 }
 
-/// From a node's number to its index: its place in the file.
+/// Map from a node's number to its index, which is its position in the file.
 enum Numbers {
-    /// As Gmsh writes them: no list is needed.
+    /// Consecutive numbers, which Gmsh writes by default: no list is needed.
     Consecutive { first: usize, count: usize },
-    /// Any others, while they are added.
+    /// Any other numbers, while nodes are being added.
     Listed(Vec<u32>),
-    /// The index by the number, from the least number.
+    /// The index for each number, starting at the smallest number.
     Table { first: usize, count: usize, indices: Vec<u32> },
 }
 
-/// What one rank finds out for all.
+/// How elements use the nodes. One rank finds this out for all ranks.
 struct Use {
     states: Vec<State>,
-    /// For each node one of the same connected part; for the part's root itself.
+    /// For each node, another node of the same connected part; the root of a part refers to itself.
     joined: Vec<u32>,
 }
 
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 enum State {
     Unused,
-    /// Used by a point, a line or a facet only.
+    /// Used only by points, lines or facets.
     Loose,
     InCell,
 }
 
 impl Nodes {
-    /// None yet. `is_judge`: whether it is to be told which are used, and how they hang together.
+    /// No nodes yet. `is_judge`: whether this rank finds out which nodes are used and how they are connected.
     pub fn new(is_judge: bool) -> Self {
         let use_ = is_judge.then(|| Use { states: Vec::new(), joined: Vec::new() });
         Self { numbers: Numbers::Consecutive { first: 0, count: 0 }, use_ }
     }
 
-    /// A node, by a number of 31 bits.
+    /// Adds a node. Its number has at most 31 bits.
     pub fn add(&mut self, number: usize) {
         match &mut self.numbers {
             Numbers::Consecutive { first, count } if *count == 0 => (*first, *count) = (number, 1),
@@ -60,7 +61,7 @@ impl Nodes {
         }
     }
 
-    /// All nodes are known; `span` are the least and the largest number where the file tells them.
+    /// Closes the list after the last node. `span` is the smallest and the largest number, if the file tells them.
     pub fn close(&mut self, span: Option<(usize, usize)>) -> Result<(), String> {
         let (least, largest) = match &self.numbers {
             Numbers::Listed(list) => {
@@ -97,7 +98,7 @@ impl Nodes {
         Ok(())
     }
 
-    /// How many.
+    /// Number of nodes.
     pub fn count(&self) -> usize {
         match &self.numbers {
             Numbers::Consecutive { count, .. } | Numbers::Table { count, .. } => *count,
@@ -105,7 +106,7 @@ impl Nodes {
         }
     }
 
-    /// The index of a node that an element uses; `None` where there is none of that number.
+    /// Returns the index of a node used by an element; `None` if no node has this number.
     pub fn find(&self, number: usize) -> Option<u32> {
         match &self.numbers {
             Numbers::Consecutive { first, count } => {
@@ -118,7 +119,7 @@ impl Nodes {
         }
     }
 
-    /// An element, a cell or not, uses nodes that are there.
+    /// Notes that an element, which may be a cell or not, uses these existing nodes.
     pub fn use_in(&mut self, corners: &[u32], is_cell: bool) {
         let Some(of_nodes) = &mut self.use_ else { return };
         let state = if is_cell { State::InCell } else { State::Loose };
@@ -133,8 +134,9 @@ impl Nodes {
         }
     }
 
-    /// How many parts of the body share no node, and 0 where that is not for this rank to say. There must be cells; a node outside all of them that
-    /// other elements use would be a vertex without stiffness. Nothing is known of the nodes' use from here on.
+    /// Returns the number of parts of the body that share no node, and 0 on ranks that do not find this out. There must
+    /// be cells. A node used only by elements other than cells is an error, because it would be a vertex without
+    /// stiffness. The record of the nodes' use is dropped here.
     pub fn judge(&mut self) -> Result<usize, String> {
         let Some(Use { states, joined }) = self.use_.take() else { return Ok(0) };
         if !states.contains(&State::InCell) {
@@ -166,7 +168,7 @@ impl Use {
 
     fn root(&mut self, mut index: u32) -> u32 {
         while self.joined[index as usize] != index {
-            // Each node on the way comes nearer to the root.
+            // Path halving: each node on the way is linked closer to the root.
             self.joined[index as usize] = self.joined[self.joined[index as usize] as usize];
             index = self.joined[index as usize];
         }

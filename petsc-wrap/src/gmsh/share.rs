@@ -1,4 +1,4 @@
-//! What each rank keeps of a Gmsh file: its share of nodes and cells, by their order in the file.
+//! The share of nodes and cells of a Gmsh file that each rank keeps, by their order in the file.
 
 use std::collections::BTreeSet;
 use std::io::{Read, Seek};
@@ -9,38 +9,38 @@ use crate::plex::CellType;
 
 use super::walk::Walk;
 
-/// Those of `total` things in a row that one of some ranks has.
+/// The range of `total` consecutive items that belongs to one rank.
 fn share(total: usize, ranks: usize, rank: usize) -> Range<usize> {
     let begin = |rank: usize| (total as u128 * rank as u128 / ranks as u128) as usize;
     begin(rank)..begin(rank + 1)
 }
 
-/// What a rank keeps, and what it has seen of the whole.
+/// The part of the file that a rank keeps, and numbers of the whole file.
 #[derive(Default)]
 pub(super) struct Share {
-    /// Coordinates of this rank's share of them.
+    /// Coordinates of this rank's share of the nodes.
     pub places: Vec<[f64; 3]>,
-    /// Tetrahedra and hexahedra of the whole mesh.
+    /// Numbers of tetrahedra and of hexahedra in the whole mesh.
     pub counts: [usize; 2],
     /// This rank's cells.
     pub cells: Cells,
-    /// How many regions the cells are in that differ in their physical groups.
+    /// Number of regions of the cells, where two regions differ in their physical groups.
     pub volumes: usize,
-    /// How many parts of the mesh share no node; rank 0 alone knows.
+    /// Number of parts of the mesh that share no node; known to rank 0 alone.
     pub parts: usize,
 }
 
-/// Some cells of one shape.
+/// Cells of one shape.
 #[derive(Default)]
 pub(super) struct Cells {
-    /// Their vertices by number over all ranks, one cell after the other.
+    /// Global numbers of their vertices, cell after cell.
     pub vertices: Vec<Int>,
-    /// The region of each.
+    /// Region of each cell.
     pub regions: Vec<i32>,
 }
 
 impl Share {
-    /// Walks from the nodes through the elements.
+    /// Reads the nodes and then the elements.
     pub fn take<R: Read + Seek>(walk: &mut Walk<R>, ranks: usize, rank: usize) -> Result<Self, String> {
         let mut taken = Self::default();
         let mut own_nodes = None;

@@ -1,6 +1,8 @@
-//! A way through a Gmsh file, on which everything in it is checked: a file that does not keep what its format promises is refused.
+//! A reader that goes through a Gmsh file and checks everything in it: a file that does not follow its format is
+//! refused.
 //!
-//! The sections come in the order in which Gmsh writes them. Formats: Gmsh's manual, "MSH file format", 2.2 and 4.1, text and binary.
+//! The sections come in the order in which Gmsh writes them. Formats: Gmsh's manual, "MSH file format", 2.2 and 4.1,
+//! text and binary.
 
 use std::collections::{HashMap, HashSet};
 use std::io::{Read, Seek};
@@ -11,40 +13,40 @@ use super::PhysicalGroup;
 use super::nodes::Nodes;
 use super::words::{Place, Words};
 
-/// Physical groups of an entity, and tags of an element, at most; bytes of a physical name.
+/// Largest number of physical groups of an entity and of tags of an element; below: most bytes of a physical name.
 const TAGS: usize = 16;
 const NAME: usize = 127;
 
-/// A position in a file, and what was learnt on the way there.
+/// A position in a file, and what has been read before it.
 pub(super) struct Walk<R> {
     pub words: Words<R>,
     /// Whether the format is 4.1.
     is_modern: bool,
-    /// The named groups of faces, and those of cells.
+    /// The named groups of faces and of cells.
     pub named: [Vec<PhysicalGroup>; 2],
     pub nodes: Nodes,
     /// Numbers of the geometric entities (4.1), by dimension.
     entities: [HashSet<i32>; 4],
     /// Physical groups of the geometric surfaces and volumes (4.1), by their numbers.
     groups: [HashMap<i32, Vec<i32>>; 2],
-    /// Where the elements begin.
+    /// Position where the elements begin.
     elements: Place,
 }
 
 /// A point, line, facet or cell.
 pub(super) struct Element<'a> {
-    /// How many elements the file announces, and which of them this is.
+    /// Number of elements that the file announces, and the position of this one among them.
     pub total: usize,
     pub number: usize,
     pub dimension: usize,
     /// Indices of its nodes.
     pub corners: &'a [u32],
-    /// Its geometric entity (4.1), or its physical group (2.2): [`Walk::groups`] tells what that means.
+    /// Its geometric entity (4.1), or its physical group (2.2). [`Walk::groups`] returns the groups of a region.
     pub region: i32,
 }
 
 impl<R: Read + Seek> Walk<R> {
-    /// Walks up to the nodes. `is_judge`: whether it is to find out how the elements use them.
+    /// Reads up to the nodes. `is_judge`: whether this rank finds out how the elements use the nodes.
     pub fn begin(source: R, is_judge: bool) -> Result<Self, String> {
         let mut walk = Self {
             words: Words::new(source)?,
@@ -70,7 +72,7 @@ impl<R: Read + Seek> Walk<R> {
         Ok(walk)
     }
 
-    /// Walks through the nodes, to the elements. `visit` gets how many there are, the index of each and its place.
+    /// Reads the nodes, up to the elements. `visit` gets the number of nodes, and the index and coordinates of each.
     pub fn nodes(&mut self, visit: impl FnMut(usize, usize, [f64; 3])) -> Result<(), String> {
         if self.is_modern { self.nodes_41(visit) } else { self.nodes_22(visit) }?;
         self.words.expect("$EndNodes")?;
@@ -80,14 +82,14 @@ impl<R: Read + Seek> Walk<R> {
         Ok(())
     }
 
-    /// Walks through the elements, once more if this was done before. What `visit` objects to is an error there.
+    /// Reads the elements; this may be repeated. An error of `visit` is reported with the position in the file.
     pub fn elements(&mut self, visit: impl FnMut(&Element) -> Result<(), String>) -> Result<(), String> {
         self.words.go_to(self.elements)?;
         if self.is_modern { self.elements_41(visit) } else { self.elements_22(visit) }?;
         self.words.expect("$EndElements")
     }
 
-    /// The physical groups of an element of dimension 2 or 3 in a region.
+    /// Physical groups of an element of dimension 2 or 3 in a region.
     pub fn groups<'a>(&'a self, dimension: usize, region: &'a i32) -> &'a [i32] {
         match (self.is_modern, *region) {
             (true, _) => self.groups[dimension - 2].get(region).map_or(&[], Vec::as_slice),
@@ -96,7 +98,7 @@ impl<R: Read + Seek> Walk<R> {
         }
     }
 
-    /// The section $MeshFormat.
+    /// Reads the section $MeshFormat.
     fn format(&mut self) -> Result<(), String> {
         if self.words.word().as_deref() != Ok("$MeshFormat") {
             return Err("it is not a Gmsh mesh: it does not begin with $MeshFormat".to_owned());
@@ -119,7 +121,7 @@ impl<R: Read + Seek> Walk<R> {
         self.words.expect("$EndMeshFormat")
     }
 
-    /// The next section's mark, comments passed over.
+    /// Returns the mark of the next section and skips comments.
     fn section(&mut self) -> Result<String, String> {
         loop {
             match self.words.word()? {
@@ -228,7 +230,7 @@ impl<R: Read + Seek> Walk<R> {
         self.nodes.close(Some(span))
     }
 
-    /// Dimension and number of the entity that a block is of.
+    /// Reads the dimension and the number of a block's entity.
     fn entity(&mut self) -> Result<(usize, i32), String> {
         let (dimension, number) = (self.words.int()?, self.words.int()?);
         match usize::try_from(dimension).ok().and_then(|d| Some((d, self.entities.get(d)?))) {
@@ -237,7 +239,7 @@ impl<R: Read + Seek> Walk<R> {
         }
     }
 
-    /// Blocks must hold what was promised, no more, and at the `end` no less.
+    /// Checks that the blocks hold no more items than announced and, at the `end`, no fewer.
     fn check_sum(&self, sum: usize, total: usize, end: bool) -> Result<(), String> {
         if sum > total || end && sum < total {
             return self.words.error(format!("the blocks hold {sum} in all, where {total} were announced"));
@@ -249,7 +251,8 @@ impl<R: Read + Seek> Walk<R> {
         let total = self.words.written_count()?;
         let mut sum = 0;
         while sum < total {
-            // Text: number, kind, count of tags, for each element. Binary: kind, count of elements, count of tags, for a block.
+            // Text: number, kind and number of tags of each element. Binary: kind, number of elements and number of
+            // tags of a block.
             let head = [self.words.int()?, self.words.int()?, self.words.int()?];
             let (kind, count) = if self.words.binary { (head[0], head[1]) } else { (head[1], 1) };
             let tags = match usize::try_from(head[2]) {
@@ -264,7 +267,8 @@ impl<R: Read + Seek> Walk<R> {
             sum += count as usize;
             self.check_sum(sum, total, false)?;
             for number in first..sum {
-                // The first tag is the physical group, 0 for none; a block's elements begin with their number.
+                // The first tag is the physical group, 0 for none. In a binary block each element begins with its
+                // number.
                 let mut region = 0;
                 for tag in 0..tags + usize::from(self.words.binary) {
                     let group = self.words.int()?;
@@ -320,7 +324,7 @@ impl<R: Read + Seek> Walk<R> {
         }
     }
 
-    /// Reads the nodes of an element, of which the rest is known.
+    /// Reads the nodes of an element whose other data are known.
     fn element(
         &mut self,
         known: Element,

@@ -1,30 +1,30 @@
-//! The words and numbers of a Gmsh file, in text, or binary between words, read piece by piece.
+//! Reads the words and numbers of a Gmsh file, piece by piece. The numbers are text, or binary between words.
 
 use std::hash::{DefaultHasher, Hasher};
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 
-/// No word and no line of a Gmsh file that is read as text is near as long.
+/// Longest word or line accepted, in bytes. Gmsh's text files have none nearly as long.
 const LONGEST: usize = 1000;
 
-/// Bytes that are held of the file at a time.
+/// Number of bytes of the file that are in memory at a time.
 const PIECE: usize = 1 << 18;
 
 const CUT_OFF: &str = "the file ends too early: it is cut off";
 
-/// A position in a file. Errors are messages that begin with the line, or the byte of a binary file.
+/// A position in a file. Error messages begin with the line number, or with the byte position in a binary file.
 pub(super) struct Words<R> {
     source: R,
     piece: Vec<u8>,
-    /// How much of the piece is filled.
+    /// Number of bytes of the piece that are filled.
     end: usize,
     at: usize,
-    /// Where the last item began.
+    /// Start of the last item.
     start: usize,
-    /// What lies before the piece.
+    /// Bytes and lines before the piece.
     before: Place,
     hasher: DefaultHasher,
-    /// Whether numbers are binary, of this machine's (little-endian) byte order.
+    /// Whether numbers are binary, in this machine's (little-endian) byte order.
     pub binary: bool,
 }
 
@@ -36,7 +36,7 @@ pub(super) struct Place {
 }
 
 impl<R: Read + Seek> Words<R> {
-    /// At the beginning of a file that can be read.
+    /// Starts at the beginning of a readable file.
     pub fn new(source: R) -> Result<Self, String> {
         let (piece, hasher) = (vec![0; PIECE], DefaultHasher::new());
         let mut words =
@@ -45,14 +45,14 @@ impl<R: Read + Seek> Words<R> {
         Ok(words)
     }
 
-    /// `what` is wrong with the last item.
+    /// Returns an error that says `what` is wrong with the last item.
     pub fn error<T>(&self, what: impl std::fmt::Display) -> Result<T, String> {
         let Place { bytes, lines } = self.place(self.start);
         let place = if self.binary { format!("byte {bytes}") } else { format!("line {}", 1 + lines) };
         Err(format!("{place}: {what}"))
     }
 
-    /// Where the next item begins, or the blanks before it.
+    /// Position of the next item, or of the blanks before it.
     pub fn here(&self) -> Place {
         self.place(self.at)
     }
@@ -62,26 +62,26 @@ impl<R: Read + Seek> Words<R> {
         Place { bytes: self.before.bytes + at, lines: self.before.lines + lines }
     }
 
-    /// Goes back to a place.
+    /// Goes back to an earlier position.
     pub fn go_to(&mut self, place: Place) -> Result<(), String> {
         self.source.seek(SeekFrom::Start(place.bytes as u64)).map_err(unreadable)?;
         (self.before, self.end, self.at, self.start) = (place, 0, 0, 0);
         Ok(())
     }
 
-    /// A number that differs, in all likelihood, where files differ in what was read so far.
+    /// A hash of everything read so far: different files almost certainly have different values.
     pub fn digest(&self) -> u64 {
         self.hasher.finish()
     }
 
-    /// Reads on, and forgets what lies before the last item; whether there was any more.
+    /// Reads more of the file and drops everything before the last item. Returns whether there was more.
     fn read_on(&mut self) -> Result<bool, String> {
         let Place { bytes, lines } = self.place(self.start);
         self.before = Place { bytes, lines };
         self.piece.copy_within(self.start..self.end, 0);
         (self.at, self.end, self.start) = (self.at - self.start, self.end - self.start, 0);
         let begin = self.end;
-        // All that has room, so that the digest does not depend on the source's pieces.
+        // Fills the whole piece, so that the digest does not depend on the pieces that the source delivers.
         while self.end < self.piece.len() {
             match self.source.read(&mut self.piece[self.end..]) {
                 Ok(0) => break,
@@ -94,7 +94,7 @@ impl<R: Read + Seek> Words<R> {
         Ok(self.end > begin)
     }
 
-    /// The next word in the piece; what follows begins behind the blank at its end, where binary numbers may begin.
+    /// The next word in the piece. Reading continues after the one blank that ends it, where binary numbers may begin.
     fn find_word(&mut self) -> Result<Range<usize>, String> {
         loop {
             let blanks = self.piece[self.at..self.end].iter().take_while(|byte| byte.is_ascii_whitespace()).count();
@@ -110,7 +110,8 @@ impl<R: Read + Seek> Words<R> {
         self.find_end(|byte| byte.is_ascii_whitespace())
     }
 
-    /// From the last item's start to before the next byte that ends it, or to the end of the file, or to where it is too long.
+    /// The range from the start of the last item to the next byte that ends it, to the end of the file, or to where the
+    /// item is too long.
     fn find_end(&mut self, ends: impl Fn(&u8) -> bool) -> Result<Range<usize>, String> {
         let mut length = 0;
         loop {
@@ -127,20 +128,20 @@ impl<R: Read + Seek> Words<R> {
         std::str::from_utf8(&self.piece[place.clone()]).ok().filter(|_| place.len() <= LONGEST)
     }
 
-    /// The next word, which is text in a binary file too.
+    /// Reads the next word, which is text in a binary file too.
     pub fn word(&mut self) -> Result<String, String> {
         let place = self.find_word()?;
         self.text(place).map(str::to_owned).map_or_else(|| self.error("this is no text of a Gmsh file"), Ok)
     }
 
-    /// The rest of the line.
+    /// Reads the rest of the line.
     pub fn line(&mut self) -> Result<String, String> {
         self.start = self.at;
         let place = self.find_end(|byte| *byte == b'\n')?;
         self.text(place).map(str::to_owned).map_or_else(|| self.error("this is no text in UTF-8"), Ok)
     }
 
-    /// Exactly this word.
+    /// Reads the next word, which must be this one.
     pub fn expect(&mut self, word: &str) -> Result<(), String> {
         match self.word()? {
             found if found == word => Ok(()),
@@ -167,18 +168,18 @@ impl<R: Read + Seek> Words<R> {
         Ok(std::array::from_fn(|i| self.piece[self.start + i]))
     }
 
-    /// A whole number of 32 bits.
+    /// Reads an integer of 32 bits.
     pub fn int(&mut self) -> Result<i32, String> {
         if self.binary { self.raw().map(i32::from_le_bytes) } else { self.parsed("a whole number") }
     }
 
-    /// A count, in words even where the file is binary.
+    /// Reads a count, which is text even in a binary file.
     pub fn written_count(&mut self) -> Result<usize, String> {
         let count: i32 = self.parsed("a count")?;
         usize::try_from(count).or_else(|_| self.error(format!("{count} is not a count")))
     }
 
-    /// A count or a number of a node, of 64 bits but of a value that 32 hold.
+    /// Reads a count or a node number: 64 bits in a binary file, with a value that fits in 32 bits.
     pub fn size(&mut self) -> Result<usize, String> {
         if !self.binary {
             return self.written_count();
@@ -187,7 +188,7 @@ impl<R: Read + Seek> Words<R> {
         i32::try_from(size).map(|size| size as usize).or_else(|_| self.error(format!("{size} is too large")))
     }
 
-    /// A real number; it may be infinite or no number.
+    /// Reads a real number, which may be infinite or NaN.
     pub fn real(&mut self) -> Result<f64, String> {
         if self.binary { self.raw().map(f64::from_le_bytes) } else { self.parsed("a number") }
     }
@@ -203,7 +204,7 @@ mod tests {
 
     use super::{PIECE, Words};
 
-    /// Gives one byte at a time.
+    /// A source that delivers one byte at a time.
     struct Slow(Cursor<Vec<u8>>);
 
     impl Read for Slow {
@@ -219,7 +220,7 @@ mod tests {
         }
     }
 
-    /// Words lie across the ends of pieces, and lines are counted over them.
+    /// Words that cross the boundary of two pieces are read whole, and lines are counted across pieces.
     #[test]
     fn words_are_whole_across_pieces() {
         let lines: Vec<String> = (0..PIECE / 5).map(|i| format!("{i}  {}.5\n", i * i)).collect();

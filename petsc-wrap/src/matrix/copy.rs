@@ -1,4 +1,4 @@
-//! Copies of a matrix: as it is, with other values, with one triangle.
+//! Copies of a matrix: identical, with other values, or with one triangle only.
 
 use petsc_sys as sys;
 
@@ -9,10 +9,10 @@ use crate::error::{Result, check, require};
 use crate::text::int;
 
 impl MatrixView {
-    /// A matrix of the same layout and entries, values copied. Collective.
+    /// Returns a matrix of the same layout, pattern and values. Collective.
     ///
     /// # Errors
-    /// For a [`Matrix::closure`], which has no entries; PETSc's.
+    /// If the matrix is a [`Matrix::closure`], which has no entries, or if a PETSc call fails.
     pub fn duplicate(&self) -> Result<Matrix> {
         // SAFETY: the matrix is valid.
         let name = unsafe { type_name(self.raw()) }?;
@@ -25,13 +25,14 @@ impl MatrixView {
         Ok(unsafe { Matrix::from_raw(raw, self.comm()) })
     }
 
-    /// This matrix of [`Matrix::csr`] with other values in the place of its own, given as there. Collective.
+    /// Returns a copy of this matrix of [`Matrix::csr`] with other values, given in the same form. Collective.
     ///
     /// # Errors
-    /// Rows on this rank that have not the entries of the matrix, which the other ranks do not learn; PETSc's.
+    /// If the rows on this rank do not have the pattern of the matrix, or if a PETSc call fails. The other ranks do not
+    /// learn of it.
     ///
     /// # Panics
-    /// When there are not as many offsets, columns and values.
+    /// If the numbers of offsets, columns and values do not fit each other.
     pub fn with_values(&self, offsets: &[Int], columns: &[Int], values: &[f64]) -> Result<Matrix> {
         self.require_assembled_aij()?;
         let mut matrix = self.duplicate()?;
@@ -48,33 +49,34 @@ impl MatrixView {
             matrix.assemble()?;
             return Ok(matrix);
         }
-        // SAFETY: the matrix is ours and used for nothing else meanwhile.
+        // SAFETY: this function owns the matrix, and it is used for nothing else during the call.
         let is_same = unsafe { Pattern::of(matrix.raw()) }?.is(offsets, columns);
         require(is_same, "the rows have not the entries of the matrix")?;
         let mut array = std::ptr::null_mut();
         // SAFETY: an assembled AIJ matrix of one rank, whose values lie in the order of its rows.
         check(unsafe { sys::MatSeqAIJGetArray(matrix.raw(), &raw mut array) })?;
-        // SAFETY: it has as many values, and the slices do not overlap.
+        // SAFETY: the array has this number of values, and the slices do not overlap.
         unsafe { std::ptr::copy_nonoverlapping(values.as_ptr(), array, values.len()) };
         // SAFETY: the array is the one just taken.
         check(unsafe { sys::MatSeqAIJRestoreArray(matrix.raw(), &raw mut array) })?;
         Ok(matrix)
     }
 
-    /// A copy of this symmetric matrix that stores one triangle by square blocks of the given size: its products read less than
-    /// half of the memory. Collective.
+    /// Returns a copy of this symmetric matrix that stores one triangle in square blocks of the given size. Its
+    /// products read less than half of the memory. Collective.
     ///
     /// # Errors
-    /// A matrix that is not square, assembled and AIJ; rows that are not whole blocks; PETSc's.
+    /// If the matrix is not square, assembled and AIJ, if its rows are not whole blocks, or if a PETSc call fails.
     ///
     /// # Panics
-    /// Where this rank's rows are not of such blocks.
+    /// If this rank's rows do not consist of such blocks.
     pub fn upper_triangle(&self, block: usize) -> Result<Matrix> {
         self.require_assembled_aij()?;
         self.require_square()?;
         let (range, size) = (self.row_range(), int(block)?);
         require(block > 0 && (range.end - range.start) % size == 0, "the rows are not whole blocks")?;
-        // Block rows, their numbers and values from the diagonal on. (PETSc's own conversion takes as long as assembling.)
+        // Block rows: column numbers and values from the diagonal on. (PETSc's own conversion takes as long as
+        // assembling.)
         let (mut count, mut row) = (0, Row::default());
         for first in range.clone().step_by(block) {
             self.row_into(first, &mut row)?;
@@ -105,8 +107,9 @@ impl MatrixView {
         let local = (range.end - range.start) as usize;
         let matrix = Matrix::create(self.comm(), (local, local), c"sbaij")?;
         let (i, j, v) = (offsets.as_ptr(), columns.as_ptr(), values.as_ptr());
-        // SAFETY: there is an offset more than block rows, they lie within the columns, each of which has a block of values; PETSc copies
-        // them. It ignores the call that is not of the matrix's type.
+        // SAFETY: there is one offset more than block rows. The offsets lie within the columns, and each column has a
+        // block of values. PETSc copies all of them, and ignores the one of the two calls that is not for the matrix's
+        // type.
         check(unsafe { sys::MatSeqSBAIJSetPreallocationCSR(matrix.raw(), size, i, j, v) })?;
         // SAFETY: as above.
         check(unsafe { sys::MatMPISBAIJSetPreallocationCSR(matrix.raw(), size, i, j, v) })?;

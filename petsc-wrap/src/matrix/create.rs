@@ -1,4 +1,4 @@
-//! New matrices.
+//! Creation of matrices.
 
 use petsc_sys as sys;
 
@@ -10,33 +10,35 @@ use crate::object::{Lent, Object};
 use crate::text::int;
 
 impl Matrix {
-    /// An AIJ matrix without entries, `local` = rows and columns of this rank, with room for `diagonal[i]` entries of
-    /// row `i` in this rank's columns and `off_diagonal[i]` in the others'. An entry without room is an error. Collective.
+    /// Creates an AIJ matrix without entries. `local` is the number of rows and columns of this rank. There is room for
+    /// `diagonal[i]` entries of row `i` in this rank's columns and for `off_diagonal[i]` in the others'. Setting an
+    /// entry without room is an error. Collective.
     ///
     /// # Errors
-    /// A negative count; PETSc's.
+    /// If a count is negative, or if a PETSc call fails.
     ///
     /// # Panics
-    /// When there are not as many counts as rows.
+    /// If the numbers of counts and rows differ.
     pub fn aij(comm: &Comm, local: (usize, usize), diagonal: &[Int], off_diagonal: &[Int]) -> Result<Self> {
         assert_eq!((diagonal.len(), off_diagonal.len()), (local.0, local.0));
         require(diagonal.iter().chain(off_diagonal).all(|count| *count >= 0), "a count of entries is negative")?;
         let matrix = Self::create(comm, local, c"aij")?;
-        // SAFETY: the slices hold one count a local row; PETSc ignores the call that is not of the matrix's type.
+        // SAFETY: the slices hold one count for each local row; PETSc ignores the call that is not for the matrix's
+        // type.
         check(unsafe { sys::MatSeqAIJSetPreallocation(matrix.raw(), 0, diagonal.as_ptr()) })?;
         // SAFETY: as above.
         check(unsafe { sys::MatMPIAIJSetPreallocation(matrix.raw(), 0, diagonal.as_ptr(), 0, off_diagonal.as_ptr()) })?;
         Ok(matrix)
     }
 
-    /// The assembled AIJ matrix with these rows of this rank, and as many columns: its row `i` has the `columns`, ascending, and `values`
-    /// from `offsets[i]` to `offsets[i + 1]`. Collective.
+    /// Creates the assembled AIJ matrix with these rows of this rank, and the same number of columns. Row `i` has the
+    /// `columns`, ascending, and `values` from `offsets[i]` to `offsets[i + 1]`. Collective.
     ///
     /// # Errors
-    /// A column out of range, or not beyond the one before it in its row; PETSc's.
+    /// If a column is out of range, or not larger than the one before it in its row, or if a PETSc call fails.
     ///
     /// # Panics
-    /// When the offsets are not those of as many columns and values.
+    /// If the offsets do not fit the numbers of columns and values.
     pub fn csr(comm: &Comm, offsets: &[Int], columns: &[Int], values: &[f64]) -> Result<Self> {
         let rows = offsets.len().checked_sub(1).expect("an offset more than rows");
         let last = offsets[rows] as usize;
@@ -46,16 +48,17 @@ impl Matrix {
         require(offsets.windows(2).all(ascends), "the columns of a row do not ascend")?;
         if comm.size() == 1 {
             check_indices(columns, rows)?;
-            // PETSc counts them anew when it assembles.
+            // PETSc writes new counts to this array when it assembles.
             let mut own = offsets.to_vec();
             let (i, j) = (own.as_mut_ptr(), columns.as_ptr().cast_mut());
             let (mut raw, n) = (std::ptr::null_mut(), int(rows)?);
-            // SAFETY: the offsets are one more than the rows and lie within the columns and values, through which PETSc does not write
-            // where the rows are full. It keeps the pointers: the matrix is only copied from, and is gone before the slices are.
+            // SAFETY: the offsets are one more than the rows and lie within the columns and values. PETSc does not
+            // write to columns and values if the rows are full. It keeps the pointers: the matrix is only copied, and
+            // is destroyed before the slices go.
             check(unsafe {
                 sys::MatCreateSeqAIJWithArrays(comm.petsc()?, n, n, i, j, values.as_ptr().cast_mut(), &raw mut raw)
             })?;
-            // (Entries set row by row take many times as long.)
+            // (Setting entries row by row takes many times as long.)
             // SAFETY: the new matrix is ours.
             return unsafe { Self::from_raw(raw, comm) }.duplicate();
         }
@@ -69,14 +72,15 @@ impl Matrix {
         Ok(matrix)
     }
 
-    /// An AIJ matrix of zeros, `local` = rows and columns of this rank, with an entry wherever some rank names its row and column;
-    /// pairs may come more than once, and with any rank's rows. Collective.
+    /// Creates an AIJ matrix of zeros, with an entry for each pair of a row and a column given on any rank. `local` is
+    /// the number of rows and columns of this rank. Pairs may be repeated, and their rows may belong to any rank.
+    /// Collective.
     ///
     /// # Errors
-    /// An index out of range; PETSc's.
+    /// If an index is out of range, or if a PETSc call fails.
     ///
     /// # Panics
-    /// When there are not as many rows as columns.
+    /// If the numbers of rows and columns in the pairs differ.
     pub fn of_pairs(comm: &Comm, local: (usize, usize), mut rows: Vec<Int>, mut columns: Vec<Int>) -> Result<Self> {
         assert_eq!(rows.len(), columns.len());
         let mut matrix = Self::create(comm, local, c"aij")?;
@@ -86,7 +90,8 @@ impl Matrix {
         check_indices(&rows, size.0)?;
         check_indices(&columns, size.1)?;
         let count = int(rows.len())? as sys::PetscCount;
-        // SAFETY: both hold as many indices, within the matrix; PETSc may overwrite them, and does not keep them.
+        // SAFETY: both hold this number of indices, within the matrix; PETSc may overwrite them, and does not keep
+        // them.
         check(unsafe { sys::MatSetPreallocationCOO(matrix.raw(), count, rows.as_mut_ptr(), columns.as_mut_ptr()) })?;
         // SAFETY: the matrix has its entries.
         check(unsafe { sys::MatZeroEntries(matrix.raw()) })?;
@@ -108,38 +113,41 @@ impl Matrix {
         Ok(matrix)
     }
 
-    /// Takes over a matrix of PETSc's.
+    /// Takes ownership of a PETSc matrix.
     ///
     /// # Safety
-    /// `raw` is a reference to a valid matrix on `comm`, its type set and its layouts set up (`MatSetUp` or a preallocation), which nobody else
-    /// releases. Nobody else uses the matrix while this lives, but for solvers of this crate.
+    /// `raw` is a reference to a valid matrix on `comm`, its type set and its layouts set up (`MatSetUp` or a
+    /// preallocation), which nobody else releases. While this lives, nobody else uses the matrix, except for solvers of
+    /// this crate.
     pub unsafe fn from_raw(raw: sys::Mat, comm: &Comm) -> Self {
-        // SAFETY: by the caller.
+        // SAFETY: guaranteed by the caller.
         Self(unsafe { Object::new(raw, comm) })
     }
 
-    /// A matrix that stays another's.
+    /// A matrix that still belongs to another owner.
     ///
     /// # Safety
-    /// As of [`Self::from_raw`], but that its owner keeps the reference during `'a`.
+    /// Same as [`Self::from_raw`], except that the owner keeps the reference during `'a`.
     pub(crate) unsafe fn lent<'a>(raw: sys::Mat, comm: &Comm) -> Lent<'a, Self> {
-        // SAFETY: by the caller.
+        // SAFETY: guaranteed by the caller.
         Lent::new(Self(unsafe { Object::lent(raw, comm) }))
     }
 
-    /// The Kronecker product of this matrix with the identity of the given size, for products with vectors: one stored entry serves
-    /// all components of an unknown. It keeps this matrix's entries and takes them over, so that they stay as they are. Collective.
+    /// Returns the Kronecker product of this matrix with the identity of the given size, for products with vectors: one
+    /// stored entry serves all components of an unknown. The product takes ownership of this matrix and uses its
+    /// entries, so they cannot change any more. Collective.
     ///
     /// # Errors
-    /// A matrix that is not assembled or not AIJ; no component; more rows than PETSc's integers count; PETSc's.
+    /// If the matrix is not assembled or not AIJ, if `components` is 0, if there are more rows than PETSc's integers
+    /// can count, or if a PETSc call fails.
     pub fn by_component(self, components: usize) -> Result<Self> {
         self.require_assembled_aij()?;
         require(components > 0, "a product with the identity of no component")?;
         let (rows, columns) = self.size();
-        // PETSc multiplies sizes unchecked.
+        // PETSc multiplies the sizes without an overflow check.
         int(rows.max(columns).saturating_mul(components))?;
         if components == 1 {
-            // PETSc would return this very matrix.
+            // PETSc would return this same matrix.
             return Ok(self);
         }
         let mut raw = std::ptr::null_mut();
@@ -149,10 +157,10 @@ impl Matrix {
         Ok(unsafe { Self::from_raw(raw, self.comm()) })
     }
 
-    /// Destroys it at once. Collective.
+    /// Destroys the object immediately. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn destroy(self) -> Result<()> {
         self.0.destroy()
     }

@@ -22,12 +22,12 @@ use crate::object::{Object, viewed};
 use crate::text::{from_c, int};
 use crate::vector::VectorView;
 
-/// What happens to an entry that is there already.
+/// Treatment of an entry that already has a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Insert {
     /// The values are summed.
     Add,
-    /// The new value stays.
+    /// The new value replaces the old one.
     Replace,
 }
 
@@ -40,7 +40,7 @@ impl Insert {
     }
 }
 
-/// A sparse matrix distributed by rows; its methods are those of [`MatrixView`].
+/// A sparse matrix distributed by rows. The view [`MatrixView`] has its methods.
 ///
 /// ```
 /// # fn main() -> petsc_wrap::Result<()> {
@@ -56,7 +56,7 @@ impl Insert {
 /// ```
 pub struct Matrix(Object<sys::_p_Mat>);
 
-/// A [`Matrix`], or one that PETSc lends to a closure: what it refers to cannot be moved, swapped or replaced.
+/// A [`Matrix`], or one that PETSc lends to a closure: the object behind it cannot be moved, swapped or replaced.
 #[repr(transparent)]
 pub struct MatrixView([Object<sys::_p_Mat>]);
 
@@ -72,21 +72,22 @@ impl MatrixView {
         self.raw()
     }
 
-    /// The ranks it lives on.
+    /// The communicator of this object.
     pub fn comm(&self) -> &Comm {
         self.inner().comm()
     }
 
-    /// Who owns which rows.
+    /// Distribution of the rows over the ranks.
     pub(crate) fn row_layout(&self) -> Layout<'_> {
         let mut ranges = std::ptr::null();
         // SAFETY: the matrix is valid and has its layouts, so this cannot fail.
         unsafe { sys::MatGetOwnershipRanges(self.raw(), &raw mut ranges) };
-        // SAFETY: the array of a matrix's layout stays as long as the layout, which only a call on `&mut self` exchanges.
+        // SAFETY: the array of a matrix's layout stays as long as the layout, which only a call on `&mut self`
+        // exchanges.
         unsafe { Layout::from_raw(self.comm(), ranges) }
     }
 
-    /// Who owns which columns.
+    /// Distribution of the columns over the ranks.
     pub(crate) fn column_layout(&self) -> Layout<'_> {
         let mut ranges = std::ptr::null();
         // SAFETY: as in `row_layout`.
@@ -95,12 +96,13 @@ impl MatrixView {
         unsafe { Layout::from_raw(self.comm(), ranges) }
     }
 
-    /// Refuses a matrix whose rows are not laid out as its columns.
+    /// Returns an error if rows and columns have different layouts.
     pub(crate) fn require_square(&self) -> Result<()> {
         self.row_layout().require_same(self.column_layout())
     }
 
-    /// Refuses a matrix whose entries are not stored by rows: PETSc calls functions that other types do not have.
+    /// Returns an error if the matrix is not stored by rows (AIJ): PETSc would call functions that other types do not
+    /// have.
     pub(crate) fn require_aij(&self) -> Result<()> {
         // SAFETY: the matrix is valid.
         let name = unsafe { type_name(self.raw()) }?;
@@ -112,10 +114,10 @@ impl MatrixView {
         require(self.is_assembled()?, "the matrix is not assembled")
     }
 
-    /// Whether it is assembled: entries set since then are not part of it yet.
+    /// Whether the matrix is assembled. Entries set since the last assembly are not part of it yet.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn is_assembled(&self) -> Result<bool> {
         let mut assembled = sys::FALSE;
         // SAFETY: the matrix is valid.
@@ -123,7 +125,7 @@ impl MatrixView {
         Ok(assembled == sys::TRUE)
     }
 
-    /// Global size: rows, columns.
+    /// Global numbers of rows and of columns.
     pub fn size(&self) -> (usize, usize) {
         let (mut rows, mut columns) = (0, 0);
         // SAFETY: the matrix is valid and has its layout, so this cannot fail.
@@ -139,14 +141,14 @@ impl MatrixView {
         begin..end
     }
 
-    /// Adds or replaces a dense block (`values` by rows), on any rank's rows.
-    /// [`Self::assemble`] must follow. This is `MatSetValues`.
+    /// Adds or replaces a dense block (`values` by rows), on rows of any rank. [`Self::assemble`] must follow. This is
+    /// `MatSetValues`.
     ///
     /// # Errors
-    /// An index out of range; PETSc's, e.g. for an entry without room.
+    /// If an index is out of range, or if a PETSc call fails, e.g. for an entry without room.
     ///
     /// # Panics
-    /// When there are not rows × columns values.
+    /// If the number of values is not rows × columns.
     pub fn set_values(&mut self, rows: &[Int], columns: &[Int], values: &[f64], mode: Insert) -> Result<()> {
         assert_eq!(rows.len().checked_mul(columns.len()), Some(values.len()));
         self.require_aij()?;
@@ -160,10 +162,10 @@ impl MatrixView {
         })
     }
 
-    /// Sends entries to their ranks and closes the pattern. Collective.
+    /// Sends entries to their ranks and fixes the pattern. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn assemble(&mut self) -> Result<()> {
         let kind = sys::MatAssemblyType::MAT_FINAL_ASSEMBLY;
         // SAFETY: the matrix is valid.
@@ -175,7 +177,7 @@ impl MatrixView {
     /// y ← self·x. Collective.
     ///
     /// # Errors
-    /// Layouts that differ; a matrix that is not assembled; PETSc's.
+    /// If the layouts differ, the matrix is not assembled, or a PETSc call fails.
     pub fn mult(&self, x: &VectorView, y: &mut VectorView) -> Result<()> {
         self.column_layout().require_same(x.layout())?;
         self.row_layout().require_same(y.layout())?;
@@ -183,10 +185,10 @@ impl MatrixView {
         check(unsafe { sys::MatMult(self.raw(), x.raw(), y.raw()) })
     }
 
-    /// self ← other, both with the same entries. Collective.
+    /// self ← other, both with the same pattern. Collective.
     ///
     /// # Errors
-    /// Layouts or entries that differ; a matrix that is not assembled or not AIJ; PETSc's.
+    /// If the layouts or patterns differ, a matrix is not assembled or not AIJ, or a PETSc call fails.
     pub fn copy_from(&mut self, other: &MatrixView) -> Result<()> {
         self.require_like(other)?;
         require(self.has_entries_of(other)?, "the matrices have not the same entries")?;
@@ -194,10 +196,10 @@ impl MatrixView {
         check(unsafe { sys::MatCopy(other.raw(), self.raw(), sys::MatStructure::SAME_NONZERO_PATTERN) })
     }
 
-    /// self ← self + factor·other; the entries of `other` must be among those of `self`. Collective.
+    /// self ← self + factor·other; `self` must have an entry wherever `other` has one. Collective.
     ///
     /// # Errors
-    /// Layouts that differ; a matrix that is not assembled or not AIJ; PETSc's.
+    /// If the layouts differ, a matrix is not assembled or not AIJ, or a PETSc call fails.
     pub fn axpy(&mut self, factor: f64, other: &MatrixView) -> Result<()> {
         self.require_like(other)?;
         let structure = sys::MatStructure::SUBSET_NONZERO_PATTERN;
@@ -205,7 +207,7 @@ impl MatrixView {
         check(unsafe { sys::MatAXPY(self.raw(), factor, other.raw(), structure) })
     }
 
-    /// Refuses another layout or type, and what is not assembled.
+    /// Returns an error if the other matrix has another layout or type, or if either is not assembled.
     fn require_like(&self, other: &Self) -> Result<()> {
         self.row_layout().require_same(other.row_layout())?;
         self.column_layout().require_same(other.column_layout())?;
@@ -213,7 +215,8 @@ impl MatrixView {
         other.require_assembled_aij()
     }
 
-    /// Whether this rank's rows have their entries in the same places as those of `other`, an assembled AIJ matrix like this one.
+    /// Whether this rank's rows have their entries in the same places as the rows of `other`, an assembled AIJ matrix
+    /// like this one.
     fn has_entries_of(&self, other: &Self) -> Result<bool> {
         let (mine, others) = (Blocks::of(self)?, Blocks::of(other)?);
         for (a, b) in mine.raw.into_iter().zip(others.raw) {
@@ -226,11 +229,11 @@ impl MatrixView {
         Ok(mine.numbers == others.numbers)
     }
 
-    /// Sets rows and columns to zero except for `diagonal` on the diagonal; the entries stay in the pattern. Each rank
-    /// may name any rows. Collective.
+    /// Sets rows and columns to zero, and their diagonal entries to `diagonal`. The entries stay in the pattern. Each
+    /// rank may give any rows. Collective.
     ///
     /// # Errors
-    /// A row out of range; a matrix that is not square, assembled and AIJ; PETSc's.
+    /// If a row is out of range, the matrix is not square, assembled and AIJ, or a PETSc call fails.
     pub fn zero_rows_columns(&mut self, rows: &[Int], diagonal: f64) -> Result<()> {
         self.require_assembled_aij()?;
         self.require_square()?;
@@ -241,34 +244,35 @@ impl MatrixView {
         check(unsafe { sys::MatZeroRowsColumns(self.raw(), n, rows.as_ptr(), diagonal, none, none) })
     }
 
-    /// Says that the matrix is, and stays, symmetric and positive definite, so that Cholesky's method applies.
+    /// Declares that the matrix is, and stays, symmetric and positive definite, so that Cholesky's method can be used.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn declare_positive_definite(&mut self) -> Result<()> {
         self.set_option(sys::MatOption::MAT_SYMMETRIC)?;
         self.set_option(sys::MatOption::MAT_SYMMETRY_ETERNAL)?;
         self.set_option(sys::MatOption::MAT_SPD)
     }
 
-    /// Says that unknowns come in blocks, as the components at a node; copies of the matrix know it too. Collective.
+    /// Declares that unknowns come in blocks, such as the components at a node. Copies of the matrix keep the block
+    /// size. Collective.
     ///
     /// # Errors
-    /// A matrix that is not AIJ; blocks of nothing; PETSc's, e.g. where a rank's rows are not whole blocks.
+    /// If the matrix is not AIJ, `size` is 0, or a PETSc call fails, e.g. because a rank's rows are not whole blocks.
     pub fn set_block_size(&mut self, size: usize) -> Result<()> {
-        // Other types store blocks of their own size.
+        // Other types have a block size of their storage.
         self.require_aij()?;
-        // PETSc divides by it.
+        // PETSc divides by the size.
         require(size > 0, "blocks of nothing")?;
         let size = int(size)?;
         // SAFETY: the matrix is valid and has its layout.
         check(unsafe { sys::MatSetBlockSize(self.raw(), size) })
     }
 
-    /// Tells algebraic multigrid which vectors it must not lose on its coarse levels. Collective.
+    /// Sets the vectors that algebraic multigrid must represent on its coarse levels. Collective.
     ///
     /// # Errors
-    /// A space of vectors of another layout than that of the rows; PETSc's.
+    /// If the vectors of the space have another layout than the rows, or if a PETSc call fails.
     pub fn set_near_null_space(&mut self, space: &NullSpace) -> Result<()> {
         space.require_layout(self.row_layout())?;
         // SAFETY: both are valid; PETSc counts its own references.
@@ -287,22 +291,23 @@ impl MatrixView {
 /// The matrix is valid.
 unsafe fn type_name(matrix: sys::Mat) -> Result<String> {
     let mut name = std::ptr::null();
-    // SAFETY: by the caller.
+    // SAFETY: guaranteed by the caller.
     check(unsafe { sys::MatGetType(matrix, &raw mut name) })?;
     // SAFETY: the name is static or null.
     Ok(unsafe { from_c(name) })
 }
 
-/// Variants of AIJ, chosen by an option, begin with its name.
+/// Whether a type is AIJ or one of its variants, whose names begin with the same letters and which an option can
+/// choose.
 fn is_name_of_aij(name: &str) -> bool {
     ["seqaij", "mpiaij"].iter().any(|aij| name.starts_with(aij))
 }
 
-/// Whether a matrix is stored by rows, every entry by itself.
+/// Whether a matrix is stored by rows, with single entries (AIJ).
 ///
 /// # Safety
 /// The matrix is valid.
 pub(crate) unsafe fn is_aij(matrix: sys::Mat) -> Result<bool> {
-    // SAFETY: by the caller.
+    // SAFETY: guaranteed by the caller.
     Ok(is_name_of_aij(&unsafe { type_name(matrix) }?))
 }

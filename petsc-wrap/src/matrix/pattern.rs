@@ -1,4 +1,4 @@
-//! Where AIJ matrices have their entries.
+//! Patterns (places of the entries) of AIJ matrices.
 
 use petsc_sys as sys;
 
@@ -6,10 +6,10 @@ use super::MatrixView;
 use crate::Int;
 use crate::error::{Result, check, require};
 
-/// The sequential matrices of which this rank's part of an AIJ matrix consists.
+/// The sequential matrices that make up this rank's part of an AIJ matrix.
 pub(super) struct Blocks<'a> {
     pub raw: Vec<sys::Mat>,
-    /// Global numbers of the columns of the second one, in which other ranks' columns are.
+    /// Global column numbers of the second matrix, which holds the columns of other ranks.
     pub numbers: &'a [Int],
 }
 
@@ -27,33 +27,34 @@ impl<'a> Blocks<'a> {
         let numbers = if columns == 0 {
             &[]
         } else {
-            // SAFETY: PETSc numbers as many columns, anew only when it assembles.
+            // SAFETY: PETSc has this number of column numbers, and changes them only when it assembles.
             unsafe { std::slice::from_raw_parts(numbers, columns as usize) }
         };
         Ok(Self { raw: vec![own, others], numbers })
     }
 }
 
-/// Where a sequential AIJ matrix has its entries.
+/// Pattern of a sequential AIJ matrix.
 pub(super) struct Pattern<'a> {
     pub offsets: &'a [Int],
     pub columns: &'a [Int],
 }
 
 impl Pattern<'_> {
-    /// Of an assembled AIJ matrix on one rank, or a part of one on several.
+    /// Pattern of an assembled AIJ matrix on one rank, or of a sequential part of one on several ranks.
     ///
     /// # Safety
-    /// The matrix is valid, and neither changes nor goes while this lives.
+    /// The matrix is valid, and neither changes nor is destroyed while this lives.
     pub unsafe fn of(matrix: sys::Mat) -> Result<Self> {
         let (mut rows, mut offsets, mut columns) = (0, std::ptr::null(), std::ptr::null());
         let (no, mut is_done) = (sys::FALSE, sys::FALSE);
-        // SAFETY: the matrix is valid and the out-pointers too; from zero on, as they are, PETSc returns its own arrays.
+        // SAFETY: the matrix and the out-pointers are valid. For indices from zero and the matrix as it is stored,
+        // PETSc returns its own arrays.
         check(unsafe {
             sys::MatGetRowIJ(matrix, 0, no, no, &raw mut rows, &raw mut offsets, &raw mut columns, &raw mut is_done)
         })?;
         require(is_done == sys::TRUE, "PETSc does not tell the entries of this type of matrix")?;
-        // SAFETY: there is an offset more than rows.
+        // SAFETY: there is one offset more than rows.
         let offsets = unsafe { std::slice::from_raw_parts(offsets, rows as usize + 1) };
         let count = offsets[rows as usize] as usize;
         let columns = if count == 0 {

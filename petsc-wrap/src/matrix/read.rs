@@ -1,4 +1,4 @@
-//! What is read of a matrix: rows, the diagonal, sums.
+//! Reading a matrix: rows, the diagonal, sums.
 
 use petsc_sys as sys;
 
@@ -9,7 +9,8 @@ use crate::vector::VectorView;
 
 /// A copy of a row of a matrix.
 ///
-/// A copy, since a solver may write to its matrix (`-ksp_diagonal_scale`), and PETSc has one buffer for all rows of a distributed matrix.
+/// It is a copy because a solver may write to its matrix (`-ksp_diagonal_scale`), and because PETSc has one buffer for
+/// all rows of a distributed matrix.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Row {
     /// Global column numbers, ascending.
@@ -19,20 +20,20 @@ pub struct Row {
 }
 
 impl MatrixView {
-    /// A copy of one of this rank's rows, sorted by column.
+    /// Returns a copy of one of this rank's rows, sorted by column.
     ///
     /// # Errors
-    /// Another rank's row; a matrix that is not assembled or not AIJ; PETSc's.
+    /// If the row belongs to another rank, the matrix is not assembled or not AIJ, or a PETSc call fails.
     pub fn row(&self, row: Int) -> Result<Row> {
         let mut copy = Row::default();
         self.row_into(row, &mut copy)?;
         Ok(copy)
     }
 
-    /// [`Self::row`] in the place of another, whose memory it uses again.
+    /// Same as [`Self::row`], but reuses the memory of an existing row.
     ///
     /// # Errors
-    /// As of [`Self::row`].
+    /// Same as [`Self::row`].
     pub fn row_into(&self, row: Int, into: &mut Row) -> Result<()> {
         self.require_assembled_aij()?;
         let (mut n, mut columns, mut values) = (0, std::ptr::null(), std::ptr::null());
@@ -46,14 +47,14 @@ impl MatrixView {
             // SAFETY: as above.
             into.values.extend_from_slice(unsafe { std::slice::from_raw_parts(values, n as usize) });
         }
-        // SAFETY: gives back what was got.
+        // SAFETY: returns what was obtained above.
         check(unsafe { sys::MatRestoreRow(self.raw(), row, &raw mut n, &raw mut columns, &raw mut values) })
     }
 
-    /// Square root of the sum of squares of all entries. Collective.
+    /// Frobenius norm: the square root of the sum of squares of all entries. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn norm_frobenius(&self) -> Result<f64> {
         let mut value = 0.0;
         // SAFETY: the matrix is valid and assembled.
@@ -64,7 +65,7 @@ impl MatrixView {
     /// Copies the diagonal into a vector with the layout of the rows. Collective.
     ///
     /// # Errors
-    /// A vector of another layout; a matrix that is not square, assembled and AIJ; PETSc's.
+    /// If the vector has another layout, the matrix is not square, assembled and AIJ, or a PETSc call fails.
     pub fn diagonal(&self, into: &mut VectorView) -> Result<()> {
         self.require_assembled_aij()?;
         self.require_square()?;
@@ -76,7 +77,7 @@ impl MatrixView {
     /// Sum of the diagonal. Collective.
     ///
     /// # Errors
-    /// A matrix that is not square, assembled and AIJ; PETSc's.
+    /// If the matrix is not square, assembled and AIJ, or if a PETSc call fails.
     pub fn trace(&self) -> Result<f64> {
         self.require_assembled_aij()?;
         self.require_square()?;
@@ -86,12 +87,12 @@ impl MatrixView {
         Ok(value)
     }
 
-    /// Entries stored on all ranks. Collective.
+    /// Number of stored entries on all ranks. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn entries(&self) -> Result<u64> {
-        // SAFETY: a struct of floating-point numbers, for which zero bits are a value.
+        // SAFETY: a struct of floating-point numbers, for which all-zero bits are a valid value.
         let mut info: sys::MatInfo = unsafe { std::mem::zeroed() };
         // SAFETY: the matrix is valid and assembled.
         check(unsafe { sys::MatGetInfo(self.raw(), sys::MatInfoType::MAT_GLOBAL_SUM, &raw mut info) })?;

@@ -1,4 +1,4 @@
-//! Values on points of a mesh, by name.
+//! Labels: named values on points of a mesh.
 
 use petsc_sys as sys;
 
@@ -7,26 +7,27 @@ use crate::Int;
 use crate::error::{Result, check, require};
 use crate::text::to_c;
 
-/// A point of this rank, and a value that a label is to give it.
+/// A point of this rank and the value that a label gives it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LabelledPoint {
-    /// The point.
+    /// Number of the point.
     pub point: Int,
-    /// The value.
+    /// Value of the label.
     pub value: Int,
 }
 
-/// Labels by which PETSc finds its way in a mesh.
+/// Returns an error for labels that PETSc itself uses for the topology of a mesh.
 fn check_free(name: &str) -> Result<()> {
     require(!["depth", "celltype"].contains(&name.replace('\0', "").as_str()), "PETSc needs this label for itself")
 }
 
 impl Plex {
-    /// Adds values to a label, which is made where the mesh has none of that name. Each rank labels its own points: one that several have is
-    /// labelled where they do.
+    /// Adds values to a label, which is created if the mesh has none of that name. Each rank labels its own points. A
+    /// point that several ranks have is labelled only on the ranks that give it.
     ///
     /// # Errors
-    /// A point that this rank does not have; a label by which PETSc itself finds its way in the mesh; PETSc's.
+    /// If this rank does not have a point, if PETSc itself uses the label for the mesh's topology, or if a PETSc call
+    /// fails.
     pub fn label(&self, name: &str, points: impl IntoIterator<Item = LabelledPoint>) -> Result<()> {
         check_free(name)?;
         let label = self.make_label(name)?;
@@ -38,7 +39,7 @@ impl Plex {
         Ok(())
     }
 
-    /// The label of that name, new if need be; it belongs to the mesh.
+    /// Returns the label of that name, created if needed; it belongs to the mesh.
     fn make_label(&self, name: &str) -> Result<sys::DMLabel> {
         let name = to_c(name);
         let mut label = std::ptr::null_mut();
@@ -52,13 +53,13 @@ impl Plex {
     /// Puts all faces on the boundary of the whole mesh into a label. Collective.
     ///
     /// # Errors
-    /// A label by which PETSc itself finds its way in the mesh; PETSc's.
+    /// If PETSc itself uses the label for the mesh's topology, or if a PETSc call fails.
     pub fn label_boundary(&self, name: &str) -> Result<()> {
         check_free(name)?;
         let label = self.make_label(name)?;
         // SAFETY: mesh and label are valid.
         check(unsafe { sys::DMPlexMarkBoundaryFaces(self.raw(), 1, label) })?;
-        // A face between ranks has one cell on either.
+        // A face between ranks has only one cell on each of them, so PETSc has marked it.
         let faces = self.points(2)?;
         for face in self.shared_points()?.into_iter().filter(|point| faces.contains(point)) {
             // SAFETY: the label is valid.
@@ -70,7 +71,7 @@ impl Plex {
     /// Whether a point carries a label, whatever its value.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn has_label(&self, name: &str, point: Int) -> Result<bool> {
         self.check_point(point)?;
         let name = to_c(name);
@@ -81,10 +82,10 @@ impl Plex {
         Ok(value != -1)
     }
 
-    /// Whether a label gives a point this value, maybe among others; none does where there is no such label.
+    /// Whether a label gives a point this value, possibly among others. `false` if there is no such label.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn has_label_value(&self, name: &str, value: Int, point: Int) -> Result<bool> {
         self.check_point(point)?;
         let name = to_c(name);

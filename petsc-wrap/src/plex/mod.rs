@@ -1,4 +1,4 @@
-//! Unstructured meshes: how they are made, topology, labels, numbering of unknowns.
+//! Unstructured meshes: creation, topology, labels, and numbering of unknowns.
 
 mod create;
 mod labels;
@@ -20,7 +20,7 @@ pub struct Plex(Object<sys::_p_DM>);
 
 pub use labels::LabelledPoint;
 
-/// Shapes of cells and faces that are told apart.
+/// Shape of a cell or of a face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CellType {
     /// Three vertices.
@@ -39,12 +39,13 @@ pub enum CellType {
 pub struct Numbering {
     chart: Range<Int>,
     first: Vec<Int>,
-    /// Unknowns that this rank owns.
+    /// Number of unknowns that this rank owns.
     pub owned: usize,
 }
 
 impl Numbering {
-    /// Global number of the first unknown on a point, and whether this rank owns it; of no meaning on a point without.
+    /// Global number of the first unknown on a point, and whether this rank owns it. Undefined for a point without
+    /// unknowns.
     pub fn first(&self, point: Int) -> (Int, bool) {
         // PETSc's encoding of another rank's number n: −(n + 1).
         match self.first[(point - self.chart.start) as usize] {
@@ -59,12 +60,12 @@ impl Plex {
         self.0.raw()
     }
 
-    /// Takes over a mesh of PETSc's.
+    /// Takes ownership of a PETSc mesh.
     ///
     /// # Safety
     /// `raw` is a reference to a valid mesh of type `plex` on `comm`, set up, which nobody else releases or changes.
     pub unsafe fn from_raw(raw: sys::DM, comm: &Comm) -> Self {
-        // SAFETY: by the caller.
+        // SAFETY: guaranteed by the caller.
         Self(unsafe { Object::new(raw, comm) })
     }
 
@@ -73,7 +74,7 @@ impl Plex {
         self.raw()
     }
 
-    /// The ranks it lives on.
+    /// The communicator of this object.
     pub fn comm(&self) -> &Comm {
         self.0.comm()
     }
@@ -81,7 +82,7 @@ impl Plex {
     /// Topological dimension.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn dimension(&self) -> Result<usize> {
         let mut value = 0;
         // SAFETY: the mesh is valid.
@@ -92,7 +93,7 @@ impl Plex {
     /// This rank's points of a dimension: 0 vertices, 1 edges, 2 faces, 3 cells.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn points(&self, dimension: usize) -> Result<Range<Int>> {
         let (dimension, mut begin, mut end) = (int(dimension)?, 0, 0);
         // SAFETY: the mesh is valid.
@@ -112,10 +113,10 @@ impl Plex {
     fn shared_points(&self) -> Result<Vec<Int>> {
         let (mut owners, mut roots, mut leaves) = (std::ptr::null_mut(), 0, 0);
         let (mut local, mut degrees) = (std::ptr::null(), std::ptr::null());
-        // SAFETY: the mesh is valid; what tells the owners of points belongs to it.
+        // SAFETY: the mesh is valid; the star forest with the owners of points belongs to it.
         check(unsafe { sys::DMGetPointSF(self.raw(), &raw mut owners) })?;
         let (roots_out, leaves_out, remote) = (&raw mut roots, &raw mut leaves, std::ptr::null_mut());
-        // SAFETY: as above; where the other ranks' points are is not asked for.
+        // SAFETY: as above; the locations of the other ranks' points are not requested.
         check(unsafe { sys::PetscSFGetGraph(owners, roots_out, leaves_out, &raw mut local, remote) })?;
         // A mesh on one rank has no such graph.
         if roots < 0 {
@@ -125,15 +126,15 @@ impl Plex {
         check(unsafe { sys::PetscSFComputeDegreeBegin(owners, &raw mut degrees) })?;
         // SAFETY: as above.
         check(unsafe { sys::PetscSFComputeDegreeEnd(owners, &raw mut degrees) })?;
-        // SAFETY: a number for each point that could be another rank's too, in an array of PETSc's.
+        // SAFETY: PETSc's array has a number for each point that other ranks could have too.
         let owned = (0..roots).filter(|&point| unsafe { *degrees.add(point as usize) } > 0);
-        // Without a list they are the first points.
-        // SAFETY: as many points as there are, in an array of PETSc's.
+        // Without a list, the points of other ranks are the first ones.
+        // SAFETY: PETSc's array holds this number of points.
         let others = (0..leaves).map(|i| if local.is_null() { i } else { unsafe { *local.add(i as usize) } });
         Ok(owned.chain(others).collect())
     }
 
-    /// Refuses a point that this rank does not have: PETSc checks that in debugging builds only.
+    /// Returns an error for a point that this rank does not have: PETSc checks this in debugging builds only.
     fn check_point(&self, point: Int) -> Result<()> {
         let chart = self.chart()?;
         if chart.contains(&point) {
@@ -145,7 +146,7 @@ impl Plex {
     /// Shape of a point.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn cell_type(&self, point: Int) -> Result<CellType> {
         self.check_point(point)?;
         let mut kind = sys::DMPolytopeType(0);
@@ -160,10 +161,10 @@ impl Plex {
         })
     }
 
-    /// The points that bound a point, of the next lower dimension.
+    /// The points of the next lower dimension that bound a point.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn cone(&self, point: Int) -> Result<&[Int]> {
         self.check_point(point)?;
         let (mut len, mut data) = (0, std::ptr::null());
@@ -178,29 +179,29 @@ impl Plex {
         Ok(unsafe { std::slice::from_raw_parts(data, len as usize) })
     }
 
-    /// The point and everything that bounds it, vertices in PETSc's order for the shape.
+    /// The point and all points that bound it, with vertices in PETSc's order for the shape.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn closure(&self, point: Int) -> Result<Vec<Int>> {
         self.check_point(point)?;
         let (mut len, mut data) = (0, std::ptr::null_mut());
         let cone = sys::TRUE;
         // SAFETY: the mesh is valid and has the point; PETSc allocates.
         check(unsafe { sys::DMPlexGetTransitiveClosure(self.raw(), point, cone, &raw mut len, &raw mut data) })?;
-        // Pairs of point and orientation.
+        // The array holds pairs of a point and its orientation.
         // SAFETY: PETSc filled `len` pairs.
         let points = (0..len as usize).map(|i| unsafe { *data.add(2 * i) }).collect();
-        // SAFETY: gives back what was got.
+        // SAFETY: returns what was obtained above.
         check(unsafe { sys::DMPlexRestoreTransitiveClosure(self.raw(), point, cone, &raw mut len, &raw mut data) })?;
         Ok(points)
     }
 
-    /// Coordinates of this rank's vertices, in the order of `points(0)`; `None` where the mesh carries more than
-    /// vertex coordinates (curved cells). Collective.
+    /// Coordinates of this rank's vertices, in the order of `points(0)`. `None` if the mesh has more than vertex
+    /// coordinates (curved cells). Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn vertex_coordinates(&self) -> Result<Option<Vec<[f64; 3]>>> {
         let (mut section, mut coordinates) = (std::ptr::null_mut(), std::ptr::null_mut());
         // SAFETY: the mesh is valid; both are borrowed from it.
@@ -231,16 +232,16 @@ impl Plex {
         check(unsafe { sys::VecGetArrayRead(coordinates, &raw mut data) })?;
         // SAFETY: each place has three coordinates within the array.
         let list = places.iter().map(|place| [0, 1, 2].map(|i| unsafe { *data.add(place + i) })).collect();
-        // SAFETY: gives back what was got.
+        // SAFETY: returns what was obtained above.
         check(unsafe { sys::VecRestoreArrayRead(coordinates, &raw mut data) })?;
         Ok(Some(list))
     }
 
-    /// Numbers `per_point(dimension)` unknowns on each point, contiguous on each rank; a point shared by ranks is numbered
-    /// by its owner. Collective.
+    /// Numbers `per_point(dimension)` unknowns on each point, contiguously on each rank. The owner numbers a point that
+    /// several ranks share. Collective.
     ///
     /// # Errors
-    /// More unknowns than PETSc's integers number, on all ranks; PETSc's.
+    /// If there are more unknowns than PETSc's integers can number (on all ranks), or if a PETSc call fails.
     pub fn number(&self, per_point: impl Fn(usize) -> usize) -> Result<Numbering> {
         let raw = self.raw();
         let counts = [0, 1, 2, 3].map(per_point);
@@ -249,7 +250,7 @@ impl Plex {
             let points = self.points(dimension)?;
             mine = mine.saturating_add((*count as u64).saturating_mul((points.end - points.start).max(0) as u64));
         }
-        // PETSc sums unchecked. A double holds every number up to 2⁵³ and does not wrap.
+        // PETSc sums without an overflow check. A double holds every integer up to 2⁵³ and does not wrap.
         self.comm().mpi().all_reduce_into(&(mine as f64), &mut all, SystemOperation::sum());
         require(all < Int::MAX as f64, "more unknowns than PETSc's integers number")?;
         let Range { start: begin, end } = self.chart()?;
@@ -290,13 +291,13 @@ impl Plex {
     }
 }
 
-/// Where a section has a point's entries; `None` for a point that it does not have.
+/// Range of a point's entries in a section; `None` for a point that the section does not have.
 ///
 /// # Safety
 /// The section is valid.
 unsafe fn place_of(section: sys::PetscSection, point: Int) -> Result<Option<Range<Int>>> {
     let (mut begin, mut end, mut first, mut count) = (0, 0, 0, 0);
-    // SAFETY: by the caller, here and below.
+    // SAFETY: guaranteed by the caller, here and below.
     check(unsafe { sys::PetscSectionGetChart(section, &raw mut begin, &raw mut end) })?;
     if !(begin..end).contains(&point) {
         return Ok(None);

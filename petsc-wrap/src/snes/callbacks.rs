@@ -1,4 +1,4 @@
-//! What PETSc calls during a solve: Rust closures behind C functions.
+//! C functions that PETSc calls during a solve, and which call Rust closures.
 
 use std::any::Any;
 use std::error::Error as StdError;
@@ -13,13 +13,13 @@ use crate::error::{Result, USER_ERROR, check, require};
 use crate::matrix::{Matrix, MatrixView};
 use crate::vector::{Vector, VectorView};
 
-/// What stopped a closure.
+/// The error or the panic that stopped a closure.
 pub(super) enum Stop {
     Error(Box<dyn StdError>),
     Panic(Box<dyn Any + Send>),
 }
 
-/// Runs a closure without letting a panic through to C.
+/// Runs a closure and catches a panic, which must not reach C.
 fn guard<T>(closure: impl FnOnce() -> CallbackResult<T>) -> std::result::Result<T, Stop> {
     match catch_unwind(AssertUnwindSafe(closure)) {
         Ok(Ok(value)) => Ok(value),
@@ -28,9 +28,10 @@ fn guard<T>(closure: impl FnOnce() -> CallbackResult<T>) -> std::result::Result<
     }
 }
 
-/// The closures and what they need, on the stack for a solve.
+/// The closures of a solve and the data they need, on the stack.
 ///
-/// The line search calls back into the residual, so callbacks borrow single fields through the raw pointer, never all.
+/// The line search calls back into the residual, so callbacks borrow single fields through the raw pointer, never the
+/// whole struct.
 pub(super) struct Context<R, J, L> {
     pub comm: Comm,
     pub residual: R,
@@ -40,18 +41,19 @@ pub(super) struct Context<R, J, L> {
 }
 
 impl<R, J, L> Context<R, J, L> {
-    /// Keeps what stopped a closure, unless an inner closure was stopped first, and tells PETSc.
+    /// Stores the error or panic that stopped a closure, unless an earlier one is stored, and returns PETSc's error
+    /// code.
     ///
     /// # Safety
     /// `this` is a solve's context, and nobody holds a reference to its field `stop`.
     unsafe fn keep(this: *mut Self, stop: Stop) -> sys::PetscErrorCode {
-        // SAFETY: by the caller.
+        // SAFETY: guaranteed by the caller.
         unsafe { (*this).stop.get_or_insert(stop) };
         USER_ERROR
     }
 }
 
-/// The callbacks of a solve, for as long as this lives.
+/// Installs the callbacks of a solve for as long as this lives.
 pub(super) struct Callbacks<'a> {
     pub snes: &'a Snes,
 }
@@ -64,22 +66,23 @@ impl Callbacks<'_> {
         L: for<'a> FnMut(&mut Trial<'a>) -> CallbackResult<f64>,
     {
         let (raw, pointer) = (self.snes.raw(), context.cast::<c_void>());
-        // SAFETY: the callbacks cast the context back to its type, and are taken away before it goes.
+        // SAFETY: the callbacks cast the context back to its type, and are removed before the context goes.
         check(unsafe { sys::SNESSetFunction(raw, std::ptr::null_mut(), Some(call_residual::<R, J, L>), pointer) })?;
         // SAFETY: as above.
         check(unsafe { sys::SNESSetJacobian(raw, matrix, matrix, Some(call_jacobian::<R, J, L>), pointer) })?;
-        // SAFETY: as above; of no effect where the line search is not of type shell.
+        // SAFETY: as above; no effect if the line search is not of type shell.
         check(unsafe { sys::set_line_search(self.snes.line_search()?, Some(call_search::<R, J, L>), pointer) })
     }
 }
 
 impl Drop for Callbacks<'_> {
-    /// PETSc would call the solver's functions later too: a matrix-free Jacobian (`-snes_mf`) in a solve with the linear solver, say.
+    /// Removes the callbacks. PETSc would call them later too, for example from a matrix-free Jacobian (`-snes_mf`) in
+    /// a solve with the linear solver.
     fn drop(&mut self) {
         let (raw, none) = (self.snes.raw(), std::ptr::null_mut());
-        // SAFETY: the solver is valid here and below, and these callbacks do not look at a context.
+        // SAFETY: the solver is valid here and below, and the new callbacks do not use a context.
         unsafe { sys::SNESSetFunction(raw, std::ptr::null_mut(), Some(no_residual), none) };
-        // SAFETY: as above; null leaves the matrices as they are.
+        // SAFETY: as above; null leaves the matrices unchanged.
         unsafe { sys::SNESSetJacobian(raw, std::ptr::null_mut(), std::ptr::null_mut(), Some(no_jacobian), none) };
         if let Ok(search) = self.snes.line_search() {
             // SAFETY: as above.
@@ -106,7 +109,7 @@ unsafe extern "C" fn no_search(_: sys::SNESLineSearch, _: *mut c_void) -> sys::P
     USER_ERROR
 }
 
-/// Whether PETSc lends the same object twice, once to be written.
+/// Returns an error if PETSc lends the same object twice, once for writing.
 fn require_different<T>(a: *mut T, b: *mut T) -> Result<()> {
     require(a != b, "PETSc asks for a result in the place of an argument")
 }
@@ -125,7 +128,7 @@ where
     let (comm, residual) = unsafe { (&(*context).comm, &mut (*context).residual) };
     let outcome = guard(|| {
         require_different(x, f)?;
-        // SAFETY: PETSc keeps both during this call; f is the caller's alone.
+        // SAFETY: PETSc keeps both during this call; only the caller uses f.
         let (x, mut f) = unsafe { (Vector::lent(x, comm), Vector::lent(f, comm)) };
         residual(&x, &mut f)?;
         let undefined = f.read()?.iter().any(|value| value.is_nan());
@@ -133,7 +136,7 @@ where
     });
     match outcome {
         Ok(false) => 0,
-        // SAFETY: the solver is the one that called; PETSc turns it into a reason on all ranks.
+        // SAFETY: the solver is the one that called; PETSc turns the domain error into a reason on all ranks.
         Ok(true) => unsafe { sys::SNESSetFunctionDomainError(snes) },
         // SAFETY: no reference to `stop` is live.
         Err(stop) => unsafe { Context::keep(context, stop) },
@@ -154,12 +157,12 @@ where
     // SAFETY: as in `call_residual`.
     let (comm, jacobian) = unsafe { (&(*context).comm, &mut (*context).jacobian) };
     let outcome = guard(|| {
-        // SAFETY: PETSc keeps both during this call; the solver, borrowed, owns the matrix.
+        // SAFETY: PETSc keeps both during this call; the borrowed solver owns the matrix.
         let (x, mut j) = unsafe { (Vector::lent(x, comm), Matrix::lent(matrix, comm)) };
-        // An untouched matrix keeps its state counter, by which PETSc sees that the factorisation still holds.
+        // An unchanged matrix keeps its state counter, which tells PETSc that the factorisation is still valid.
         jacobian(&x, &mut j, &mut Progress::new(snes))?;
         if operator != matrix {
-            // A matrix-free operator (`-snes_mf_operator`) takes its point when it is assembled.
+            // A matrix-free operator (`-snes_mf_operator`) stores its linearisation point when it is assembled.
             let kind = sys::MatAssemblyType::MAT_FINAL_ASSEMBLY;
             // SAFETY: the operator is valid during this call, here and below.
             check(unsafe { sys::MatAssemblyBegin(operator, kind) })?;
@@ -183,7 +186,7 @@ where
     // SAFETY: as in `call_residual`, which this calls and which borrows other fields.
     let (comm, closure) = unsafe { (&(*context).comm, &mut (*context).search) };
     let outcome = guard(|| {
-        // SAFETY: PETSc's line search, during its own call.
+        // SAFETY: the line search is PETSc's, and is used during its own call.
         let mut trial = unsafe { Trial::new(search, comm) }?;
         let length = closure(&mut trial)?;
         Ok(trial.accept(length)?)

@@ -21,7 +21,7 @@ use crate::object::{Lent, Object};
 use crate::text::{from_c, int, option_name, to_c};
 use crate::vector::VectorView;
 
-/// What a closure returns.
+/// Result of a closure that PETSc calls.
 pub type CallbackResult<T> = std::result::Result<T, Box<dyn StdError>>;
 
 /// A nonlinear solver that keeps its Jacobian matrix and linear solver from solve to solve.
@@ -54,34 +54,34 @@ pub struct Snes {
     jacobian: Option<Matrix>,
 }
 
-/// When a nonlinear solver stops; `None` leaves a limit as it is.
+/// Stopping criteria of a nonlinear solver; `None` leaves a limit unchanged.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SnesTolerances {
     /// Euclidean norm of the residual.
     pub absolute: Option<f64>,
-    /// The same relative to that at the start.
+    /// Euclidean norm of the residual relative to its norm at the start.
     pub relative: Option<f64>,
-    /// Norm of a step relative to that of x.
+    /// Norm of a step relative to the norm of x.
     pub step: Option<f64>,
-    /// Iterations.
+    /// Largest number of iterations.
     pub iterations: Option<usize>,
-    /// Evaluations of the residual.
+    /// Largest number of evaluations of the residual.
     pub evaluations: Option<usize>,
 }
 
-/// For how many Jacobians a preconditioner serves.
+/// Number of Jacobians for which a preconditioner is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lag {
-    /// It is rebuilt for every n-th Jacobian.
+    /// The preconditioner is rebuilt for every n-th Jacobian.
     Every(usize),
-    /// It is kept.
+    /// The preconditioner is kept.
     Keep,
-    /// It is rebuilt for the next Jacobian, and then kept.
+    /// The preconditioner is rebuilt for the next Jacobian, and then kept.
     RebuildThenKeep,
 }
 
 impl Lag {
-    /// PETSc's number.
+    /// PETSc's code of this choice.
     fn raw(self) -> Result<Int> {
         match self {
             Self::Every(jacobians) => int(jacobians),
@@ -91,14 +91,14 @@ impl Lag {
     }
 }
 
-/// The line search of a solve without one of its own.
+/// Type of the line search of a solve that has no search closure.
 type NoSearch = fn(&mut Trial<'_>) -> CallbackResult<f64>;
 
 impl Snes {
-    /// A solver with PETSc's defaults. Collective.
+    /// Creates a solver with PETSc's defaults. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn new(comm: &Comm) -> Result<Self> {
         let mut raw = std::ptr::null_mut();
         // SAFETY: the communicator is valid and the out-pointer too.
@@ -116,7 +116,7 @@ impl Snes {
         self.raw()
     }
 
-    /// The ranks it lives on.
+    /// The communicator of this object.
     pub fn comm(&self) -> &Comm {
         self.object.comm()
     }
@@ -124,16 +124,16 @@ impl Snes {
     /// Chooses the method (`newtonls`, `newtontr`, …).
     ///
     /// # Errors
-    /// PETSc's, e.g. for an unknown name.
+    /// If a PETSc call fails, e.g. for an unknown name.
     pub fn set_type(&mut self, name: &str) -> Result<()> {
         // SAFETY: the solver is valid; PETSc copies the string.
         check(unsafe { sys::SNESSetType(self.raw(), to_c(name).as_ptr()) })
     }
 
-    /// Options of this solver begin with the prefix: empty, or ending in an underscore.
+    /// Sets the prefix of this solver's options: empty, or a name that ends in an underscore.
     ///
     /// # Errors
-    /// PETSc's, e.g. for a prefix that begins with a dash.
+    /// If a PETSc call fails, e.g. for a prefix that begins with a dash.
     pub fn set_options_prefix(&mut self, prefix: &str) -> Result<()> {
         let prefix = option_name(prefix)?;
         // SAFETY: the solver is valid; PETSc copies the string.
@@ -147,10 +147,10 @@ impl Snes {
         Ok(search)
     }
 
-    /// Chooses the line search (`bt`, `basic`, …); `shell` is the closure of [`Self::solve_with_search`].
+    /// Chooses the line search (`bt`, `basic`, …); `shell` calls the closure of [`Self::solve_with_search`].
     ///
     /// # Errors
-    /// PETSc's, e.g. for an unknown name.
+    /// If a PETSc call fails, e.g. for an unknown name.
     pub fn set_line_search_type(&mut self, name: &str) -> Result<()> {
         // SAFETY: the line search is valid; PETSc copies the string.
         check(unsafe { sys::SNESLineSearchSetType(self.line_search()?, to_c(name).as_ptr()) })
@@ -159,54 +159,56 @@ impl Snes {
     /// The linear solver.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn ksp(&mut self) -> Result<Lent<'_, Ksp>> {
         let mut ksp = std::ptr::null_mut();
-        // SAFETY: the linear solver belongs to the solver, is on its ranks and stays while that is borrowed.
+        // SAFETY: the linear solver belongs to the nonlinear solver, is on the same ranks, and stays while the
+        // nonlinear solver is borrowed.
         check(unsafe { sys::SNESGetKSP(self.raw(), &raw mut ksp) })?;
-        // SAFETY: as above; what it calls back outside a solve are functions that return an error.
+        // SAFETY: as above; outside a solve its callbacks are functions that return an error.
         Ok(unsafe { Ksp::lent(ksp, self.comm()) })
     }
 
-    /// When to stop.
+    /// Sets the stopping criteria.
     ///
     /// # Errors
-    /// PETSc's, e.g. for a negative tolerance.
+    /// If a PETSc call fails, e.g. for a negative tolerance.
     pub fn set_tolerances(&mut self, tolerances: SnesTolerances) -> Result<()> {
         let same = f64::from(sys::PETSC_DEFAULT);
         let [absolute, relative, step] =
             [tolerances.absolute, tolerances.relative, tolerances.step].map(|limit| limit.unwrap_or(same));
         let count = |limit: Option<usize>| limit.map_or(Ok(sys::PETSC_DEFAULT as Int), int);
         let (iterations, evaluations) = (count(tolerances.iterations)?, count(tolerances.evaluations)?);
-        // SAFETY: the solver is valid; PETSc's mark leaves the other limits as they are.
+        // SAFETY: the solver is valid; PETSc's default mark leaves the other limits unchanged.
         check(unsafe { sys::SNESSetTolerances(self.raw(), absolute, relative, step, iterations, evaluations) })
     }
 
-    /// The residual's Euclidean norm below which a solve has converged.
+    /// Euclidean norm of the residual below which a solve has converged.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn absolute_tolerance(&self) -> Result<f64> {
         let (mut value, none) = (0.0, std::ptr::null_mut());
         let (raw, unasked) = (self.raw(), std::ptr::null_mut());
-        // SAFETY: the solver is valid; null asks for nothing.
+        // SAFETY: the solver is valid; a null pointer requests nothing.
         check(unsafe { sys::SNESGetTolerances(raw, &raw mut value, none, none, unasked, unasked) })?;
         Ok(value)
     }
 
-    /// For how many Jacobians a preconditioner serves.
+    /// Sets the number of Jacobians for which a preconditioner is used.
     ///
     /// # Errors
-    /// PETSc's, e.g. for every zeroth.
+    /// If a PETSc call fails, e.g. for `Every(0)`.
     pub fn set_preconditioner_lag(&mut self, lag: Lag) -> Result<()> {
         // SAFETY: the solver is valid.
         check(unsafe { sys::SNESSetLagPreconditioner(self.raw(), lag.raw()?) })
     }
 
-    /// Takes over the matrix for the Jacobian, all its entries present. Collective.
+    /// Takes ownership of the matrix for the Jacobian, which must have all its entries. Collective.
     ///
     /// # Errors
-    /// A matrix that is not square and AIJ, on other ranks, or of another layout than the one before; PETSc's.
+    /// If the matrix is not square and AIJ, is on other ranks, or has another layout than the one before, or if a PETSc
+    /// call fails.
     pub fn set_jacobian(&mut self, matrix: Matrix) -> Result<()> {
         matrix.require_aij()?;
         matrix.require_square()?;
@@ -220,23 +222,24 @@ impl Snes {
         Ok(())
     }
 
-    /// Whatever the options database says of this solver, its line search and its linear solver. Collective.
+    /// Applies the options database to this solver, its line search and its linear solver. Collective.
     ///
     /// # Errors
-    /// PETSc's, e.g. for unknown types among the options.
+    /// If a PETSc call fails, e.g. for unknown types among the options.
     pub fn set_from_options(&mut self) -> Result<()> {
         // SAFETY: the solver is valid.
         check(unsafe { sys::SNESSetFromOptions(self.raw()) })
     }
 
-    /// Solves residual(x) = 0 from the given x; returns the iterations. Collective.
+    /// Solves residual(x) = 0 from the given x; returns the number of iterations. Collective.
     ///
     /// - `residual(x, f)` writes f; a NaN in it stops the solve.
-    /// - `jacobian(x, j, progress)` writes and assembles j; where it leaves j untouched, the last factorisation is used again.
+    /// - `jacobian(x, j, progress)` writes and assembles j. If it leaves j unchanged, the last factorisation is used
+    ///   again.
     ///
     /// # Errors
-    /// A solver without its Jacobian; x of another layout; [`Error::Callback`] with a closure's own error, [`Error::Diverged`], or PETSc's.
-    /// A closure's panic is resumed.
+    /// If the solver has no Jacobian, x has another layout, or a PETSc call fails; [`Error::Callback`] with a closure's
+    /// own error; [`Error::Diverged`]. A panic of a closure is resumed.
     pub fn solve<R, J>(&mut self, x: &mut VectorView, residual: R, jacobian: J) -> Result<usize>
     where
         R: FnMut(&VectorView, &mut VectorView) -> CallbackResult<()>,
@@ -246,10 +249,11 @@ impl Snes {
         self.solve_with_search(x, residual, jacobian, none)
     }
 
-    /// [`Self::solve`] where `search(trial)` chooses the step length λ of x ← x + λ·direction, if the line search is of type `shell`. Collective.
+    /// Same as [`Self::solve`], but `search(trial)` chooses the step length λ of x ← x + λ·direction, if the line
+    /// search is of type `shell`. Collective.
     ///
     /// # Errors
-    /// As of [`Self::solve`].
+    /// Same as [`Self::solve`].
     pub fn solve_with_search<R, J, L>(
         &mut self,
         x: &mut VectorView,
@@ -269,7 +273,7 @@ impl Snes {
         let comm = self.comm().clone();
         let mut context = Context { comm, residual, jacobian, search, stop: None };
         let pointer = std::ptr::from_mut(&mut context);
-        // From here on PETSc knows the context; `callbacks` takes it away from PETSc however this ends.
+        // From here on PETSc knows the context. Dropping `callbacks` removes it, whatever the outcome.
         let callbacks = Callbacks { snes: self };
         let solved = callbacks.set(matrix.raw(), pointer).and_then(|()| {
             // SAFETY: all are valid; b = 0. The closures cannot reach the solver or x, which are borrowed.
@@ -291,10 +295,10 @@ impl Snes {
         Ok(reason)
     }
 
-    /// Whether a linear solve that failed has ended the last solve.
+    /// Whether the last solve ended because a linear solve failed.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn linear_solve_failed(&self) -> Result<bool> {
         Ok(self.reason()? == sys::SNESConvergedReason::SNES_DIVERGED_LINEAR_SOLVE)
     }
@@ -325,10 +329,10 @@ impl Snes {
         Err(Error::Diverged(Diverged { solver: "SNES", reason, iterations, norm }))
     }
 
-    /// Destroys it at once, with its Jacobian and its factor. Collective.
+    /// Destroys the solver immediately, with its Jacobian and its factor. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn destroy(self) -> Result<()> {
         self.object.destroy()?;
         self.jacobian.map_or(Ok(()), Matrix::destroy)

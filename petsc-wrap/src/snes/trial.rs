@@ -1,4 +1,4 @@
-//! What a closure sees of a solver that has called it.
+//! The state of a solver that a closure can use while the solver calls it.
 
 use std::marker::PhantomData;
 
@@ -11,22 +11,22 @@ use crate::ksp::iterations_of;
 use crate::object::Lent;
 use crate::vector::Vector;
 
-/// A solver between two of its iterations, as the closure for the Jacobian sees it.
+/// A solver between two iterations, as seen by the closure for the Jacobian.
 pub struct Progress<'a> {
     snes: sys::SNES,
     solver: PhantomData<&'a mut Snes>,
 }
 
 impl Progress<'_> {
-    /// Of a solver that has called a closure, which the result must not outlive.
+    /// `snes` is a solver that has called a closure. The result must not outlive that call.
     pub(super) fn new(snes: sys::SNES) -> Self {
         Self { snes, solver: PhantomData }
     }
 
-    /// Iterations of the last linear solve.
+    /// Number of iterations of the last linear solve.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn linear_iterations(&self) -> Result<usize> {
         let mut ksp = std::ptr::null_mut();
         // SAFETY: the solver is the one that calls; the linear solver belongs to it.
@@ -35,10 +35,10 @@ impl Progress<'_> {
         unsafe { iterations_of(ksp) }
     }
 
-    /// For how many Jacobians, beginning with this one, a preconditioner serves.
+    /// Sets the number of Jacobians, beginning with this one, for which a preconditioner is used.
     ///
     /// # Errors
-    /// PETSc's, e.g. for every zeroth.
+    /// If a PETSc call fails, e.g. for `Every(0)`.
     pub fn set_preconditioner_lag(&mut self, lag: Lag) -> Result<()> {
         // SAFETY: the solver is the one that calls.
         check(unsafe { sys::SNESSetLagPreconditioner(self.snes, lag.raw()?) })
@@ -47,8 +47,8 @@ impl Progress<'_> {
 
 /// A Newton direction along which a line search looks for its step length.
 ///
-/// The residual is meant as the gradient of a potential Π: [`Trial::slope`] is dΠ/dλ. A trial belongs to the call of one closure: its lifetime is
-/// that call's alone, so that none can take the place of another.
+/// The residual is taken as the gradient of a potential Π, so [`Trial::slope`] is dΠ/dλ. The lifetime of a trial is the
+/// call of one closure, so no trial can replace another.
 pub struct Trial<'a> {
     search: sys::SNESLineSearch,
     snes: sys::SNES,
@@ -58,17 +58,19 @@ pub struct Trial<'a> {
     y: Lent<'a, Vector>,
     w: Lent<'a, Vector>,
     g: Lent<'a, Vector>,
-    /// The λ for which w and g hold point and residual.
+    /// The λ at which w and g hold the point and the residual; `None` if there is none yet.
     at: Option<f64>,
     call: PhantomData<fn(&'a ()) -> &'a ()>,
 }
 
 impl Trial<'_> {
+    /// Wraps a line search.
+    ///
     /// # Safety
-    /// During the call of a solver's line search, which lasts longer than this.
+    /// Used only during the call of a solver's line search.
     pub(super) unsafe fn new(search: sys::SNESLineSearch, comm: &Comm) -> Result<Self> {
         let mut snes = std::ptr::null_mut();
-        // SAFETY: by the caller.
+        // SAFETY: guaranteed by the caller.
         check(unsafe { sys::SNESLineSearchGetSNES(search, &raw mut snes) })?;
         let mut raw = [std::ptr::null_mut(); 5];
         let [x, f, y, w, g] = &mut raw;
@@ -81,10 +83,10 @@ impl Trial<'_> {
         Ok(Self { search, snes, x, f, y, w, g, at: None, call: PhantomData })
     }
 
-    /// Residual·direction at x + λ·direction. Collective.
+    /// Scalar product of the residual and the direction at x + λ·direction. Collective.
     ///
     /// # Errors
-    /// The residual closure's, or PETSc's.
+    /// If the residual closure or a PETSc call fails.
     pub fn slope(&mut self, length: f64) -> Result<f64> {
         if length == 0.0 {
             return Ok(-self.f.dot(&self.y)?);
@@ -105,13 +107,13 @@ impl Trial<'_> {
         Ok(())
     }
 
-    /// Moves the solver's point and residual there.
+    /// Moves the solver's point and residual to this step length.
     pub(super) fn accept(&mut self, length: f64) -> Result<()> {
         self.evaluate(length)?;
         self.x.copy_from(&self.w)?;
         self.f.copy_from(&self.g)?;
         let (x, f, y) = (self.x.norm()?, self.f.norm()?, length.abs() * self.y.norm()?);
-        // SAFETY: PETSc's line search, during its own call, here and below.
+        // SAFETY: the line search is PETSc's, and is used during its own call, here and below.
         check(unsafe { sys::SNESLineSearchSetLambda(self.search, length) })?;
         // SAFETY: as above.
         check(unsafe { sys::SNESLineSearchSetNorms(self.search, x, f, y) })?;

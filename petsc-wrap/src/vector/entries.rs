@@ -1,4 +1,4 @@
-//! A rank's entries of a vector as a slice.
+//! Access to a rank's entries of a vector as a slice.
 
 use std::ops::{Deref, DerefMut};
 
@@ -8,26 +8,26 @@ use super::VectorView;
 use crate::error::{Result, check};
 
 impl VectorView {
-    /// This rank's entries, read-only, until the guard goes.
+    /// This rank's entries, read-only, until the guard is dropped.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn read(&self) -> Result<ReadGuard<'_>> {
         let mut data = std::ptr::null();
-        // SAFETY: the vector is valid; the guard restores.
+        // SAFETY: the vector is valid; the guard restores the array.
         check(unsafe { sys::VecGetArrayRead(self.raw(), &raw mut data) })?;
         let readers = &self.inner().readers;
         readers.set(readers.get() + 1);
         Ok(ReadGuard { vector: self, data, len: self.local_len() })
     }
 
-    /// This rank's entries, writable, until the guard goes.
+    /// This rank's entries, writable, until the guard is dropped.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn write(&mut self) -> Result<WriteGuard<'_>> {
         let mut data = std::ptr::null_mut();
-        // SAFETY: the vector is valid; the guard restores.
+        // SAFETY: the vector is valid; the guard restores the array.
         check(unsafe { sys::VecGetArray(self.raw(), &raw mut data) })?;
         let len = self.local_len();
         Ok(WriteGuard { vector: self, data, len })
@@ -55,7 +55,7 @@ impl Deref for ReadGuard<'_> {
 
 impl Drop for ReadGuard<'_> {
     fn drop(&mut self) {
-        // SAFETY: gives back what `read` got.
+        // SAFETY: returns what `read` obtained.
         unsafe { sys::VecRestoreArrayRead(self.vector.raw(), &raw mut self.data) };
         let readers = &self.vector.inner().readers;
         readers.set(readers.get() - 1);
@@ -93,7 +93,7 @@ impl DerefMut for WriteGuard<'_> {
 
 impl Drop for WriteGuard<'_> {
     fn drop(&mut self) {
-        // SAFETY: gives back what `write` got.
+        // SAFETY: returns what `write` obtained.
         unsafe { sys::VecRestoreArray(self.vector.raw(), &raw mut self.data) };
     }
 }

@@ -17,7 +17,8 @@ use crate::text::int;
 
 pub use entries::{ReadGuard, WriteGuard};
 
-/// A vector distributed by contiguous ranges over the ranks of its communicator; its methods are those of [`VectorView`].
+/// A vector distributed by contiguous ranges over the ranks of its communicator. The view [`VectorView`] has its
+/// methods.
 ///
 /// ```
 /// # fn main() -> petsc_wrap::Result<()> {
@@ -32,26 +33,26 @@ pub use entries::{ReadGuard, WriteGuard};
 /// ```
 pub struct Vector(Inner);
 
-/// A [`Vector`], or one that PETSc lends to a closure: what it refers to cannot be moved, swapped or replaced.
+/// A [`Vector`], or one that PETSc lends to a closure: the object behind it cannot be moved, swapped or replaced.
 ///
-/// Two vectors fit each other when they live on the same ranks and each rank has as many entries of one as of the other; all methods that
-/// take another vector return [`crate::Error::Invalid`], on all ranks, where they do not.
+/// Two vectors fit each other if they live on the same ranks and have the same number of entries on each rank. All
+/// methods that take another vector return [`crate::Error::Invalid`], on all ranks, if it does not fit.
 #[repr(transparent)]
 pub struct VectorView([Inner]);
 
 struct Inner {
     object: Object<sys::_p_Vec>,
-    /// Read guards that are alive.
+    /// Number of read guards that are alive.
     readers: Cell<usize>,
 }
 
 viewed!(Vector as VectorView of Inner);
 
 impl Vector {
-    /// A vector of zeros with `local` entries on this rank. Collective.
+    /// Creates a vector of zeros with `local` entries on this rank. Collective.
     ///
     /// # Errors
-    /// PETSc's; more entries than PETSc's integers count.
+    /// If there are more entries than PETSc's integers can count, or if a PETSc call fails.
     pub fn new(comm: &Comm, local: usize) -> Result<Self> {
         let local = int(local)?;
         let mut raw = std::ptr::null_mut();
@@ -66,29 +67,29 @@ impl Vector {
         Ok(vector)
     }
 
-    /// Takes over a vector of PETSc's.
+    /// Takes ownership of a PETSc vector.
     ///
     /// # Safety
-    /// `raw` is a reference to a valid vector on `comm`, set up, of type `seq` or `mpi`, which nobody else releases. Nobody else uses the vector
-    /// while this lives.
+    /// `raw` is a reference to a valid vector on `comm`, set up, of type `seq` or `mpi`, which nobody else releases.
+    /// Nobody else uses the vector while this lives.
     pub unsafe fn from_raw(raw: sys::Vec, comm: &Comm) -> Self {
-        // SAFETY: by the caller.
+        // SAFETY: guaranteed by the caller.
         Self(Inner { object: unsafe { Object::new(raw, comm) }, readers: Cell::new(0) })
     }
 
-    /// A vector that stays another's.
+    /// A vector that still belongs to another owner.
     ///
     /// # Safety
-    /// As of [`Self::from_raw`], but that its owner keeps the reference during `'a`.
+    /// Same as [`Self::from_raw`], except that the owner keeps the reference during `'a`.
     pub(crate) unsafe fn lent<'a>(raw: sys::Vec, comm: &Comm) -> Lent<'a, Self> {
-        // SAFETY: by the caller.
+        // SAFETY: guaranteed by the caller.
         Lent::new(Self(Inner { object: unsafe { Object::lent(raw, comm) }, readers: Cell::new(0) }))
     }
 
-    /// Destroys it at once. Collective.
+    /// Destroys the object immediately. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn destroy(self) -> Result<()> {
         self.0.object.destroy()
     }
@@ -104,12 +105,12 @@ impl VectorView {
         self.raw()
     }
 
-    /// The ranks it lives on.
+    /// The communicator of this object.
     pub fn comm(&self) -> &Comm {
         self.inner().object.comm()
     }
 
-    /// Who owns which entries.
+    /// Distribution of the entries over the ranks.
     pub(crate) fn layout(&self) -> Layout<'_> {
         let mut ranges = std::ptr::null();
         // SAFETY: the vector is valid and set up, so this cannot fail.
@@ -118,15 +119,15 @@ impl VectorView {
         unsafe { Layout::from_raw(self.comm(), ranges) }
     }
 
-    /// Whether some [`ReadGuard`] looks at its memory.
+    /// Whether a [`ReadGuard`] of this vector is alive.
     pub(crate) fn is_read(&self) -> bool {
         self.inner().readers.get() > 0
     }
 
-    /// A vector of the same layout, filled with zeros. Collective.
+    /// Returns a vector of zeros with the same layout. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn duplicate(&self) -> Result<Vector> {
         let mut raw = std::ptr::null_mut();
         // SAFETY: the vector is valid.
@@ -137,7 +138,7 @@ impl VectorView {
         Ok(vector)
     }
 
-    /// Entries on all ranks.
+    /// Number of entries on all ranks.
     pub fn len(&self) -> usize {
         let mut size = 0;
         // SAFETY: the vector is valid and set up, so this cannot fail.
@@ -145,7 +146,7 @@ impl VectorView {
         size as usize
     }
 
-    /// Whether it has no entry on any rank.
+    /// Whether the vector has no entry on any rank.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -158,10 +159,10 @@ impl VectorView {
         begin..end
     }
 
-    /// Sets every entry.
+    /// Sets every entry to the value.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn fill(&mut self, value: f64) -> Result<()> {
         // SAFETY: the vector is valid.
         check(unsafe { sys::VecSet(self.raw(), value) })
@@ -170,7 +171,7 @@ impl VectorView {
     /// self ← other.
     ///
     /// # Errors
-    /// Layouts that differ; PETSc's.
+    /// If the layouts differ, or if a PETSc call fails.
     pub fn copy_from(&mut self, other: &VectorView) -> Result<()> {
         self.layout().require_same(other.layout())?;
         // SAFETY: both vectors are valid.
@@ -180,7 +181,7 @@ impl VectorView {
     /// self ← self + factor·other.
     ///
     /// # Errors
-    /// Layouts that differ; PETSc's.
+    /// If the layouts differ, or if a PETSc call fails.
     pub fn axpy(&mut self, factor: f64, other: &VectorView) -> Result<()> {
         self.layout().require_same(other.layout())?;
         // SAFETY: both vectors are valid and, by the borrow rules, different.
@@ -190,7 +191,7 @@ impl VectorView {
     /// self ← factor·self + other.
     ///
     /// # Errors
-    /// Layouts that differ; PETSc's.
+    /// If the layouts differ, or if a PETSc call fails.
     pub fn aypx(&mut self, factor: f64, other: &VectorView) -> Result<()> {
         self.layout().require_same(other.layout())?;
         // SAFETY: both vectors are valid and, by the borrow rules, different.
@@ -200,7 +201,7 @@ impl VectorView {
     /// self ← factor·self.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn scale(&mut self, factor: f64) -> Result<()> {
         // SAFETY: the vector is valid.
         check(unsafe { sys::VecScale(self.raw(), factor) })
@@ -209,7 +210,7 @@ impl VectorView {
     /// selfᵀother, the same on every rank. Collective.
     ///
     /// # Errors
-    /// Layouts that differ; PETSc's.
+    /// If the layouts differ, or if a PETSc call fails.
     pub fn dot(&self, other: &VectorView) -> Result<f64> {
         self.layout().require_same(other.layout())?;
         let mut value = 0.0;
@@ -218,39 +219,39 @@ impl VectorView {
         Ok(value)
     }
 
-    /// Entry by entry self ← self·other.
+    /// self ← self·other, entry by entry.
     ///
     /// # Errors
-    /// Layouts that differ; PETSc's.
+    /// If the layouts differ, or if a PETSc call fails.
     pub fn pointwise_mult(&mut self, other: &VectorView) -> Result<()> {
         self.layout().require_same(other.layout())?;
         // SAFETY: both vectors are valid; PETSc lets the result be one of the factors.
         check(unsafe { sys::VecPointwiseMult(self.raw(), self.raw(), other.raw()) })
     }
 
-    /// Entry by entry self ← self/other, 0 where other is 0.
+    /// self ← self/other, entry by entry; 0 if the entry of `other` is 0.
     ///
     /// # Errors
-    /// Layouts that differ; PETSc's.
+    /// If the layouts differ, or if a PETSc call fails.
     pub fn pointwise_divide(&mut self, other: &VectorView) -> Result<()> {
         self.layout().require_same(other.layout())?;
         // SAFETY: both vectors are valid; PETSc lets the result be the dividend.
         check(unsafe { sys::VecPointwiseDivide(self.raw(), self.raw(), other.raw()) })?;
-        // In newer versions 0/0 is 1.
+        // In newer versions of PETSc 0/0 is 1.
         let (mut quotients, divisors) = (self.write()?, other.read()?);
         let of_zero = quotients.iter_mut().zip(divisors.iter()).filter(|(_, divisor)| **divisor == 0.0);
         of_zero.for_each(|(quotient, _)| *quotient = 0.0);
         Ok(())
     }
 
-    /// selfᵀother with each of the others, in one reduction; the same on every rank. Collective.
+    /// selfᵀother for each of the others, in one reduction; the same on every rank. Collective.
     ///
     /// # Errors
-    /// Layouts that differ; PETSc's.
+    /// If the layouts differ, or if a PETSc call fails.
     pub fn dots(&self, others: &[Vector]) -> Result<Vec<f64>> {
         let raw = self.raw_of(others)?;
         let mut values = vec![0.0; others.len()];
-        // SAFETY: all vectors are valid, and there are as many of them as places for values.
+        // SAFETY: all vectors are valid, and there is one place for a value for each of them.
         check(unsafe { sys::VecMDot(self.raw(), int(raw.len())?, raw.as_ptr(), values.as_mut_ptr()) })?;
         Ok(values)
     }
@@ -258,10 +259,10 @@ impl VectorView {
     /// self ← self + Σ factor·other.
     ///
     /// # Errors
-    /// Layouts that differ; PETSc's.
+    /// If the layouts differ, or if a PETSc call fails.
     ///
     /// # Panics
-    /// When there are not as many factors as vectors.
+    /// If the numbers of factors and vectors differ.
     pub fn add_combination(&mut self, factors: &[f64], others: &[Vector]) -> Result<()> {
         assert_eq!(factors.len(), others.len());
         let mut raw = self.raw_of(others)?;
@@ -269,7 +270,7 @@ impl VectorView {
         check(unsafe { sys::VecMAXPY(self.raw(), int(raw.len())?, factors.as_ptr(), raw.as_mut_ptr()) })
     }
 
-    /// Vectors of this one's layout.
+    /// Raw handles of vectors, which must have this one's layout.
     fn raw_of(&self, others: &[Vector]) -> Result<Vec<sys::Vec>> {
         let of_one = |other: &Vector| {
             self.layout().require_same(other.layout())?;
@@ -281,7 +282,7 @@ impl VectorView {
     /// Euclidean norm. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn norm(&self) -> Result<f64> {
         self.norm_of(sys::NormType::NORM_2)
     }
@@ -289,7 +290,7 @@ impl VectorView {
     /// Largest absolute value. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn norm_max(&self) -> Result<f64> {
         self.norm_of(sys::NormType::NORM_INFINITY)
     }
@@ -304,10 +305,10 @@ impl VectorView {
     /// Adds to or replaces entries by global index. [`Self::assemble`] must follow.
     ///
     /// # Errors
-    /// An index out of range, or PETSc's.
+    /// If an index is out of range, or if a PETSc call fails.
     ///
     /// # Panics
-    /// When there are not as many values as indices.
+    /// If the numbers of values and indices differ.
     pub fn set_values(&mut self, indices: &[Int], values: &[f64], mode: Insert) -> Result<()> {
         assert_eq!(indices.len(), values.len());
         check_indices(indices, self.len())?;
@@ -319,7 +320,7 @@ impl VectorView {
     /// Sends entries to their ranks. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn assemble(&mut self) -> Result<()> {
         // SAFETY: the vector is valid.
         check(unsafe { sys::VecAssemblyBegin(self.raw()) })?;

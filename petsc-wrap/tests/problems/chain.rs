@@ -2,10 +2,10 @@
 
 use petsc_wrap::{Insert, Int, Ksp, Matrix, Session, Vector};
 
-/// Unknowns on each rank.
+/// Number of unknowns on each rank.
 pub const LOCAL: usize = 40;
 
-/// tridiag(−1, 2, −1) with `ends` in the first and last place of the diagonal.
+/// tridiag(−1, 2, −1), with the value `ends` in the first and last diagonal entry.
 pub fn laplacian(session: &Session, ends: f64) -> Matrix {
     let counts = (vec![3; LOCAL], vec![1; LOCAL]);
     let mut matrix = Matrix::aij(&session.world(), (LOCAL, LOCAL), &counts.0, &counts.1).unwrap();
@@ -21,7 +21,7 @@ pub fn laplacian(session: &Session, ends: f64) -> Matrix {
     matrix
 }
 
-/// Largest error of a solution that is known: sines of the numbers of the unknowns.
+/// Largest error of a solve whose exact solution is known: the sines of the numbers of the unknowns.
 pub fn error_of_solve(session: &Session, ksp: &mut Ksp, matrix: &Matrix) -> f64 {
     let mut exact = Vector::new(&session.world(), LOCAL).unwrap();
     let begin = exact.range().start as usize;

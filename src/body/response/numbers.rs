@@ -1,4 +1,4 @@
-//! A response as numbers that ranks send each other.
+//! A response as plain numbers, for communication between ranks.
 
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -8,18 +8,18 @@ use crate::body::modes::Free;
 use crate::body::shapes::Shapes;
 use crate::contact::Patch;
 
-/// The numbers of a [`Response`].
+/// Plain numbers of a [`Response`].
 #[derive(Serialize, Deserialize)]
 pub struct Numbers {
-    /// Re and Im of λ and of the output, by coordinate.
+    /// Real and imaginary parts of λ and of the output, for each coordinate.
     modes: Vec<[f64; 4]>,
-    /// Re and Im of Y, by columns.
+    /// Real and imaginary parts of Y, by columns.
     places: Vec<[f64; 2]>,
     free: [f64; 3],
     residual: f64,
-    /// What is beside z, a vector each.
+    /// Displacements that do not depend on z, as four vectors.
     others: [Vec<f64>; 4],
-    /// The stresses under the hit, by columns of three.
+    /// Stress forms on the face opposite the impact point, by columns of three.
     hit_stress: Vec<f64>,
     hit_local: [f64; 3],
     compliance: f64,

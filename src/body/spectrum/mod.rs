@@ -1,4 +1,4 @@
-//! The largest natural frequency of a body, which bounds the step of a scheme that is not stable at every step
+//! The largest natural frequency of a body, which bounds the time step of conditionally stable schemes
 //! ([`critical_frequency`](crate::scheme::critical_frequency): 2/ω_max for the central difference).
 
 mod pencil;
@@ -11,55 +11,57 @@ use crate::error::Result;
 
 use pencil::Pencil;
 
-/// Relative error of ω_max² that is aimed at: 0.5% of ω_max.
+/// Intended relative error of ω_max²; it corresponds to 0.5% of ω_max.
 const TOLERANCE: f64 = 0.01;
 
-/// Probability of a larger error, over the starts of Lanczos' method.
+/// Probability of a larger error, over the random starts of Lanczos' method.
 const RISK: f64 = 1e-3;
 
-/// Vectors of the basis at most: more than [`enough`] asks for any body whose unknowns 32 bits can number.
-const MOST: usize = 120;
+/// Largest number of basis vectors: more than [`enough`] requires for any body whose unknowns are numbered with 32
+/// bits.
+const MAX_VECTORS: usize = 120;
 
-/// Which M a scheme has.
+/// Mass matrix of a scheme.
 #[derive(Clone, Copy)]
 pub enum Inertia<'a> {
-    /// Its diagonal, kg.
+    /// Lumped: diagonal of M, kg.
     Lumped(&'a Vector),
-    /// The body's.
+    /// Consistent: M of the body.
     Consistent,
 }
 
-/// An impactor that stays on the body: K + F′ â âᵀ with â = (−a, 1), and a mass more.
+/// An impactor that stays in contact with the body. It adds F′ â âᵀ with â = (−a, 1) to K, and one mass to M.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinearContact {
-    /// F′, N/m.
+    /// Tangent stiffness F′ of the contact, N/m.
     pub tangent: f64,
-    /// m0, kg.
+    /// Mass m0 of the impactor, kg.
     pub mass: f64,
 }
 
-/// ω_max between two numbers, rad/s; both are 0 where nothing is free to move.
+/// Lower and upper estimate of ω_max, rad/s; both are 0 if no unknown is free to move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LargestFrequency {
-    /// Not above ω_max: the root of the largest Ritz value θ.
+    /// Lower bound of ω_max: the square root of the largest Ritz value θ.
     pub ritz: f64,
     /// √(θ + residual): an eigenvalue lies within the residual of θ.
     pub bound: f64,
-    /// Vectors of the basis.
+    /// Number of basis vectors.
     pub vectors: usize,
 }
 
-/// ω_max of K x = ω² M x, K that of the body and its elastic supports; held unknowns are out, and pads count as if pressed
-/// everywhere, since pressing stiffens them. Damping is left out. Collective.
+/// Computes ω_max of K x = ω² M x. K contains the body and its elastic supports. Constrained unknowns are excluded.
+/// Pads count as pressed everywhere, because pressing stiffens them. Damping is left out. Collective.
 ///
-/// Lanczos' method in the inner product of M, each vector made orthogonal to all others twice (B. N. Parlett, The Symmetric
-/// Eigenvalue Problem, 1998, chapters 6 and 13), from a start that looks random and is the same on any number of ranks. It stops
-/// once the residual is below 1% of θ and the basis is so large that, for a random start, θ falls short of ω_max² by more than
-/// 1% with a probability below 10⁻³, whatever the spectrum (J. Kuczyński & H. Woźniakowski, Estimating the largest eigenvalue by
-/// the power and Lanczos algorithms with a random start, SIAM J. Matrix Anal. Appl. 13, 1992): at 50 to 90 vectors.
+/// The method is Lanczos' method in the inner product of M, with each vector orthogonalised against all others twice
+/// (B. N. Parlett, The Symmetric Eigenvalue Problem, 1998, chapters 6 and 13). The start is pseudo-random and equal on
+/// any number of ranks. The iteration stops when the residual is below 1% of θ and the basis is large enough. Large
+/// enough means: for a random start, θ falls short of ω_max² by more than 1% with a probability below 10⁻³, whatever
+/// the spectrum (J. Kuczyński & H. Woźniakowski, Estimating the largest eigenvalue by the power and Lanczos algorithms
+/// with a random start, SIAM J. Matrix Anal. Appl. 13, 1992). This takes 50 to 90 vectors.
 ///
 /// # Errors
-/// PETSc's.
+/// If a PETSc call fails.
 pub fn largest_frequency(
     body: &mut Body,
     inertia: Inertia,
@@ -67,17 +69,17 @@ pub fn largest_frequency(
 ) -> Result<LargestFrequency> {
     let mut pencil = Pencil::new(body, inertia, contact)?;
     let dimension = pencil.dimension()?;
-    // The next vector of the basis before it is normalised, and its product with M.
+    // Next vector of the basis before normalisation, and its product with M.
     let (mut x, mut momentum) = (pencil.vector()?, pencil.vector()?);
     let mut q = pencil.random(&mut x)?;
     let mut q_momentum = pencil.mass((&x, q), &mut momentum)?;
     let mut length = (x.dot(&momentum)? + q * q_momentum).sqrt();
     let (mut basis, mut basis_q) = (Vec::new(), Vec::new());
     let (mut diagonal, mut beside) = (Vec::new(), Vec::new());
-    // Size of the diagonal's entries.
+    // Largest diagonal entry.
     let mut scale = 0.0_f64;
     let mut found = LargestFrequency { ritz: 0.0, bound: 0.0, vectors: 0 };
-    while basis.len() < MOST.min(dimension) {
+    while basis.len() < MAX_VECTORS.min(dimension) {
         let mut last = x.duplicate()?;
         last.axpy(1.0 / length, &x)?;
         let last_q = q / length;
@@ -95,11 +97,11 @@ pub fn largest_frequency(
             entry -= shares[shares.len() - 1];
         }
         diagonal.push(entry);
-        // A product with M that is nothing but rounding may be negative.
+        // Rounding may make this product with M negative.
         length = (x.dot(&momentum)? + q * q_momentum).max(0.0).sqrt();
         scale = scale.max(entry);
         let vectors = basis.len();
-        // The basis holds all that the start can reach.
+        // The basis spans all motions that the start vector can reach.
         let whole = vectors == dimension || length <= f64::EPSILON.sqrt() * scale;
         if whole || vectors >= enough(dimension) {
             let (theta, share) = largest_ritz_value(&diagonal, &beside);
@@ -117,13 +119,15 @@ pub fn largest_frequency(
     Ok(found)
 }
 
-/// Vectors that give [`TOLERANCE`] up to [`RISK`]: 1.648 √n exp(−(2k − 1) √ε) bounds the risk of an error ε after k of them.
+/// Returns the number of vectors that gives [`TOLERANCE`] up to [`RISK`]. The risk of an error ε after k vectors is at
+/// most 1.648 √n exp(−(2k − 1) √ε).
 fn enough(dimension: usize) -> usize {
     let exponent = (1.648 * (dimension as f64).sqrt() / RISK).ln() / TOLERANCE.sqrt();
     (0.5 * (exponent + 1.0)).ceil() as usize
 }
 
-/// Largest eigenvalue of a symmetric tridiagonal matrix, and the size of the last entry of its unit eigenvector.
+/// Returns the largest eigenvalue of a symmetric tridiagonal matrix, and the absolute value of the last entry of its
+/// unit eigenvector.
 fn largest_ritz_value(diagonal: &[f64], beside: &[f64]) -> (f64, f64) {
     let mut matrix = DMatrix::from_diagonal(&diagonal.to_vec().into());
     for (i, &value) in beside.iter().enumerate() {
@@ -156,7 +160,7 @@ mod tests {
         for n in [10, 1000, 1_000_000, i32::MAX as usize] {
             let risk = |k: usize| 1.648 * (n as f64).sqrt() * (-TOLERANCE.sqrt() * (2 * k - 1) as f64).exp();
             assert!(risk(enough(n)) <= RISK && risk(enough(n) - 1) > RISK);
-            assert!(enough(n) < MOST);
+            assert!(enough(n) < MAX_VECTORS);
         }
     }
 }

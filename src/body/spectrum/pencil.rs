@@ -1,4 +1,4 @@
-//! K and M of the body, with the impactor on it or without, as operators.
+//! Operators K and M of a body, with or without the impactor attached.
 
 use petsc_wrap::{Ksp, Matrix, Vector};
 
@@ -8,7 +8,8 @@ use crate::error::Result;
 
 use super::{Inertia, LinearContact};
 
-/// K x = λ M x with held unknowns taken out. A motion is the body's x and the impactor's q; q = 0 without contact.
+/// Eigenproblem K x = λ M x without the constrained unknowns. A motion consists of x of the body and q of the impactor;
+/// q = 0 without contact.
 pub struct Pencil<'a> {
     body: &'a mut Body,
     mass: Mass<'a>,
@@ -18,7 +19,7 @@ pub struct Pencil<'a> {
 
 enum Mass<'a> {
     Diagonal(&'a Vector),
-    /// Held rows are those of the identity.
+    /// Constrained rows are rows of the identity.
     Matrix {
         matrix: Matrix,
         solver: Ksp,
@@ -26,7 +27,7 @@ enum Mass<'a> {
 }
 
 impl<'a> Pencil<'a> {
-    /// Factorises M where it is consistent. Collective.
+    /// Creates the operators and factorises M if it is consistent. Collective.
     pub fn new(body: &'a mut Body, inertia: Inertia<'a>, contact: Option<LinearContact>) -> Result<Self> {
         let mass = match inertia {
             Inertia::Lumped(diagonal) => Mass::Diagonal(diagonal),
@@ -39,18 +40,18 @@ impl<'a> Pencil<'a> {
         Ok(Self { body, mass, contact, product })
     }
 
-    /// A vector of the body's unknowns. Collective.
+    /// Creates a vector of the body's unknowns. Collective.
     pub fn vector(&self) -> Result<Vector> {
         Ok(self.product.duplicate()?)
     }
 
-    /// Free unknowns, the impactor's among them. Collective.
+    /// Number of free unknowns, including the impactor. Collective.
     pub fn dimension(&self) -> Result<usize> {
         let free = &self.body.clamps.free;
         Ok(free.dot(free)?.round() as usize + usize::from(self.contact.is_some()))
     }
 
-    /// Force on body and impactor, K (x, q). Collective.
+    /// Computes K (x, q), the forces on body and impactor, and returns the force on the impactor. Collective.
     pub fn stiffness(&mut self, (x, q): (&Vector, f64), force: &mut Vector) -> Result<f64> {
         let body = &mut *self.body;
         body.elastic.mult(x, force)?;
@@ -71,7 +72,7 @@ impl<'a> Pencil<'a> {
         Ok(on_impactor)
     }
 
-    /// M (x, q). Collective.
+    /// Computes M (x, q) and returns the impactor's part. Collective.
     pub fn mass(&self, (x, q): (&Vector, f64), momentum: &mut Vector) -> Result<f64> {
         match &self.mass {
             Mass::Diagonal(diagonal) => {
@@ -83,7 +84,7 @@ impl<'a> Pencil<'a> {
         Ok(self.impactor_mass() * q)
     }
 
-    /// (x, q) from M (x, q). Collective.
+    /// Computes (x, q) from M (x, q) and returns q. Collective.
     pub fn solve_mass(&mut self, (momentum, of_impactor): (&Vector, f64), x: &mut Vector) -> Result<f64> {
         match &mut self.mass {
             Mass::Diagonal(diagonal) => {
@@ -95,7 +96,8 @@ impl<'a> Pencil<'a> {
         Ok(of_impactor / self.impactor_mass())
     }
 
-    /// A motion whose parts, scaled by the roots of M's diagonal, look like independent normal deviates. Collective.
+    /// Computes a random motion and returns q. Scaled by the square roots of M's diagonal, its components are similar
+    /// to independent normal deviates. Collective.
     pub fn random(&mut self, x: &mut Vector) -> Result<f64> {
         x.copy_from(&self.body.deviates)?;
         match &self.mass {
@@ -108,7 +110,7 @@ impl<'a> Pencil<'a> {
         Ok(if self.contact.is_some() { normal(0) / self.impactor_mass().sqrt() } else { 0.0 })
     }
 
-    /// Any number without an impactor, which then never moves.
+    /// Mass of the impactor. Without an impactor any number would do, because q remains zero.
     fn impactor_mass(&self) -> f64 {
         self.contact.map_or(1.0, |contact| contact.mass)
     }

@@ -1,4 +1,4 @@
-//! What a run's steps cost.
+//! Estimates the cost of the time steps of a run.
 
 use petsc_wrap::{FactorEstimate, Int, estimate_cholesky};
 
@@ -9,53 +9,55 @@ use crate::scene::Scene;
 use crate::scheme::Implicit;
 use crate::solve::Method as Solution;
 
-/// How the systems of a step are solved, and what that takes.
+/// Solution of the linear systems of a step, and its cost.
 enum Linear {
-    /// Not at all.
+    /// No linear systems.
     None,
-    /// By a factor, of which MUMPS alone tells what it will take.
+    /// By a Cholesky factorisation. Its cost is known only with MUMPS.
     Cholesky(Option<FactorEstimate>),
-    /// By iterations with multigrid.
+    /// By conjugate gradients with multigrid.
     Multigrid,
-    /// By iterations with an incomplete factor.
+    /// By conjugate gradients with an incomplete factorisation.
     Incomplete,
 }
 
-/// Memory of S with its multigrid while that is set up, over that of S, on one rank and on several; as measured on 3e5 and 1e6 unknowns.
-const OF_MULTIGRID: [f64; 2] = [1.8, 2.9];
+/// Peak memory for S and its multigrid over the memory of S, on one rank and on several. Measured with 3e5 and 1e6
+/// unknowns.
+const MULTIGRID_MEMORY_FACTOR: [f64; 2] = [1.8, 2.9];
 
-/// The same of S with one triangle of it and its incomplete factor.
-const OF_INCOMPLETE: f64 = 2.2;
+/// Same for S with one of its triangles and its incomplete factor.
+const INCOMPLETE_MEMORY_FACTOR: f64 = 2.2;
 
-/// Memory for the fields of a whole body, a node of the modelled quarter, bytes: measured. Of it most is what recovers the stresses there.
-const OF_FIELDS: f64 = 4.5e3;
+/// Memory for the fields of a whole body per node of the modelled quarter, bytes. Measured; most of it is used to
+/// recover stresses.
+const FIELD_BYTES_PER_NODE: f64 = 4.5e3;
 
-/// Memory of an entry of a matrix: its value and its column, bytes.
+/// Memory per matrix entry, for its value and its column index, bytes.
 const ENTRY: f64 = (size_of::<f64>() + size_of::<Int>()) as f64;
 
-/// What a run's steps take.
+/// Cost of the time steps of a run.
 pub(super) struct Cost {
-    /// How a step is solved.
+    /// Description of the solver of a step.
     pub solver: String,
-    /// Memory, in words.
+    /// Description of the required memory.
     pub memory: Option<String>,
-    /// Memory of fields, bytes.
+    /// Memory for fields, bytes.
     pub fields: Option<f64>,
 }
 
 impl Cost {
-    /// Of modal coordinates.
+    /// Cost with modal coordinates.
     pub fn modal() -> Self {
         let solver = "modal coordinates: two scalar equations per step".to_owned();
         Self { solver, memory: None, fields: None }
     }
 
-    /// Of a body's steps. Collective.
+    /// Cost of the time steps of a body. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn of_steps(scene: &Scene, body: &mut Body, plan: &Plan) -> Result<Self> {
-        // Asks all ranks where there are pads.
+        // Queries all ranks if there are pads.
         let method = Method::of(scene.solver.newton, body);
         let is_iterative = matches!(body.method, Solution::Multigrid { .. }) && method != Method::Full;
         let linear = match Implicit::new(scene.time.scheme) {
@@ -72,13 +74,13 @@ impl Cost {
         let entries = body.elastic.entries()?;
         let boundary: u64 =
             body.support.iter().chain(&body.damping).map(|m| m.entries()).sum::<petsc_wrap::Result<_>>()?;
-        let fields = scene.output.fields.is_some().then(|| OF_FIELDS * body.unknowns() as f64 / 3.0);
+        let fields = scene.output.fields.is_some().then(|| FIELD_BYTES_PER_NODE * body.unknowns() as f64 / 3.0);
         let (solver, memory) = words(body, &method, plan, (entries as f64, boundary as f64), linear);
         Ok(Self { solver, memory: Some(memory), fields })
     }
 }
 
-/// The solver and its memory.
+/// Descriptions of the solver and of its memory.
 fn words(
     body: &Body,
     method: &Method,
@@ -86,11 +88,11 @@ fn words(
     (entries, boundary): (f64, f64),
     linear: Linear,
 ) -> (String, String) {
-    // Those of one motion, or of two with what is kept to go back to.
+    // Vectors of one motion; with controlled steps, of two motions and their saved states.
     let vectors = if matches!(plan, Plan::Equal { .. }) { 30.0 } else { 100.0 } * 8.0 * body.unknowns() as f64;
-    // For products: one triangle of K, and M by node.
+    // For products: one triangle of K, and M by nodes.
     let products = 0.6 * entries;
-    // K, M and S; in the full method also Ŝ and the Newton matrix; three dense ones for pads.
+    // K, M and S; in the full method also Ŝ and the Newton matrix; three dense matrices for pads.
     let (name, matrices, dense) = match method {
         Method::Condensed => ("condensed Newton: one solve and a scalar equation a step".to_owned(), 3.0, 0.0),
         Method::CondensedOnPads(pushed) => {
@@ -115,8 +117,8 @@ fn words(
         Linear::Multigrid | Linear::Incomplete => {
             let sizes = if matches!(plan, Plan::Equal { .. }) { 1.0 } else { 5.0 };
             let (of_solver, preconditioner) = match linear {
-                Linear::Incomplete => (OF_INCOMPLETE, "incomplete factors"),
-                _ => (OF_MULTIGRID[usize::from(body.comm().size() > 1)], "multigrid (GAMG)"),
+                Linear::Incomplete => (INCOMPLETE_MEMORY_FACTOR, "incomplete factors"),
+                _ => (MULTIGRID_MEMORY_FACTOR[usize::from(body.comm().size() > 1)], "multigrid (GAMG)"),
             };
             let operators = sizes * of_solver * entries;
             let matrices = ENTRY * (2.0 * entries + products + boundary + operators) + sizes * dense + vectors;
@@ -126,7 +128,8 @@ fn words(
             return (solver, format!("about {:.0} MB over all ranks", 1e-6 * matrices));
         }
     };
-    // In chosen steps those in contact, those of the error estimate, and the larger ones out of contact.
+    // With controlled steps there are factors for steps in contact, for the error estimate, and for the larger steps
+    // out of contact.
     let (factors, note) = match plan {
         Plan::Equal { .. } => (1.0, ""),
         Plan::Controlled { .. } => (5.0, ", in up to five step sizes"),

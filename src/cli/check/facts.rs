@@ -1,4 +1,4 @@
-//! A report for programs: JSON.
+//! Prints a report as JSON, for other programs.
 
 use serde::Serialize;
 
@@ -9,7 +9,7 @@ use super::super::notes::describe_model;
 use super::Report;
 use super::text::{contact_time, support_line};
 
-/// Numbers in SI units; what is not known is null.
+/// Facts of a report. Numbers are in SI units; unknown values are null.
 #[derive(Serialize)]
 struct Facts<'a> {
     title: &'a str,
@@ -19,7 +19,7 @@ struct Facts<'a> {
     surfaces: Vec<Area<'a>>,
     supports: Vec<String>,
     model: Option<ModelFacts<'a>>,
-    /// Why there is no model.
+    /// Reason if there is no model.
     model_missing: Option<&'a str>,
     contact: ContactFacts,
     solver: Option<&'a str>,
@@ -41,17 +41,17 @@ struct ModelFacts<'a> {
     reason: Option<&'a str>,
     unknowns: usize,
     vectors: Option<usize>,
-    /// Over the peak of the acceleration, in the first contact.
+    /// Estimated error in the first contact, over the peak of the acceleration.
     first_contact_error: Option<f64>,
     error_is_of: Vec<&'static str>,
 }
 
-/// On a half-space.
+/// Contact on a half-space.
 #[derive(Serialize)]
 struct ContactFacts {
-    /// The law's name in the scene.
+    /// Name of the contact law in the scene.
     law: &'static str,
-    /// Of Hertz's law.
+    /// Contact stiffness of Hertz's law; null for other laws.
     stiffness: Option<f64>,
     duration: f64,
     peak_force: f64,
@@ -96,6 +96,6 @@ pub(super) fn json(report: &Report) -> String {
         warnings: &report.warnings,
         notes: &report.notes,
     };
-    // Names and numbers: nothing here fails to be written.
+    // Names and numbers only: serialisation cannot fail.
     serde_json::to_string_pretty(&facts).unwrap_or_default()
 }

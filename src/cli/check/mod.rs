@@ -1,4 +1,4 @@
-//! `ricochet check`: what a scene asks for, and what it will cost.
+//! `ricochet check`: reports how a scene is solved, and at what cost.
 
 mod cost;
 mod facts;
@@ -24,21 +24,22 @@ use super::notes::{self, Verdict, verdict};
 use super::{Check, say};
 use cost::Cost;
 
-/// How long a model may take without `--full`, s: a check is to answer within five seconds.
+/// Time after which the construction of a model stops without `--full`, s. A check should answer within five seconds.
 const PATIENCE: f64 = 3.0;
 
-/// Unknowns whose matrices are made without `--full`, and the size of a mesh file that is read, bytes: about a second's work.
+/// Largest number of unknowns for which matrices are assembled without `--full`: about one second of work.
 const MOST_UNKNOWNS: f64 = 8e4;
+/// Size of the largest mesh file that is read without `--full`, bytes: about one second of work.
 const LARGEST_FILE: u64 = 8_000_000;
 
-/// What is known of a scene before it is run.
+/// Facts about a scene before it is run.
 struct Report<'a> {
     scene: &'a Scene,
-    /// The model, or why there is none.
+    /// The model, or the reason why there is none.
     model: std::result::Result<Model, String>,
-    /// kg.
+    /// Mass of the body, kg.
     mass: Option<f64>,
-    /// Of a mesh from a file.
+    /// Measures of a mesh from a file.
     measures: Option<Measures>,
     plan: Option<Plan>,
     cost: Option<Cost>,
@@ -46,10 +47,10 @@ struct Report<'a> {
     notes: Vec<String>,
 }
 
-/// Checks a scene and prints what will be solved. Collective.
+/// Checks a scene and prints how it will be solved. Collective.
 ///
 /// # Errors
-/// All that is wrong with the scene; PETSc's.
+/// If the scene is wrong, or if a PETSc call fails.
 pub fn check(comm: &Comm, arguments: &Check) -> Result<()> {
     let begin = Instant::now();
     let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
@@ -61,7 +62,7 @@ pub fn check(comm: &Comm, arguments: &Check) -> Result<()> {
     Ok(())
 }
 
-/// All that can be known of a scene before a deadline. Collective.
+/// Collects the facts about a scene that can be found before a deadline. Collective.
 fn report<'a>(comm: &Comm, (scene, source): (&'a Scene, &Source), deadline: Option<Instant>) -> Result<Report<'a>> {
     let bytes = mesh_bytes(comm, scene);
     let model = model(comm, scene, bytes, deadline)?;
@@ -112,7 +113,7 @@ fn report<'a>(comm: &Comm, (scene, source): (&'a Scene, &Source), deadline: Opti
     Ok(report)
 }
 
-/// The model, or why it was not made. Collective.
+/// Builds the model, or returns the reason why it was not built. Collective.
 fn model(
     comm: &Comm,
     scene: &Scene,
@@ -138,7 +139,7 @@ fn model(
     }
 }
 
-/// Size of the mesh file as rank 0 sees it, which alone reads it; `None` without one. Collective.
+/// Size of the mesh file, bytes, as seen by rank 0, which alone reads it. `None` without a mesh file. Collective.
 fn mesh_bytes(comm: &Comm, scene: &Scene) -> Option<u64> {
     let Geometry::Gmsh(path) = &scene.body.geometry else { return None };
     let mut bytes = if comm.is_root() { std::fs::metadata(path).map_or(0, |file| file.len()) } else { 0 };
@@ -146,7 +147,7 @@ fn mesh_bytes(comm: &Comm, scene: &Scene) -> Option<u64> {
     Some(bytes)
 }
 
-/// What makes a scene too large for a quick look.
+/// Reason why a scene is too large for a quick check; `None` if it is not.
 fn too_large(scene: &Scene, bytes: Option<u64>) -> Option<String> {
     match &scene.body.geometry {
         Geometry::Gmsh(_) => {
@@ -163,7 +164,7 @@ fn too_large(scene: &Scene, bytes: Option<u64>) -> Option<String> {
     }
 }
 
-/// Mass of a box, kg.
+/// Mass of a box, kg; `None` for a mesh file.
 fn box_mass(scene: &Scene) -> Option<f64> {
     match &scene.body.geometry {
         Geometry::Box { .. } => scene.body.mass(),
@@ -171,7 +172,7 @@ fn box_mass(scene: &Scene) -> Option<f64> {
     }
 }
 
-/// Mass of a body of solid elements, kg: 1ᵀM1 counts it once for each component.
+/// Mass of a body of solid elements, kg. 1ᵀM1 counts it once for each component.
 fn mass(body: &Body) -> Result<f64> {
     let mut ones = body.load.duplicate()?;
     let mut product = body.load.duplicate()?;

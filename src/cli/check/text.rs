@@ -1,4 +1,4 @@
-//! A report as lines of text.
+//! Prints a report as lines of text.
 
 use crate::contact::{ForceLaw, Patch, Reason};
 use crate::description::{Description, Part, Portion};
@@ -43,7 +43,7 @@ fn print_scene(report: &Report) {
     }
     let geometry = match &scene.body.geometry {
         Geometry::Box { size, .. } => {
-            // To the nanometre: a thickness may be a sum, with its rounding.
+            // Rounded to a nanometre: a thickness may be a sum with rounding.
             let [x, y, z] = size.map(|edge| (1e9 * edge).round() / 1e9);
             format!("box {x} × {y} × {z} m")
         }
@@ -91,7 +91,8 @@ fn print_scene(report: &Report) {
     }
 }
 
-/// What a mesh can be held against: bounds, volume, surfaces.
+/// Prints the bounds, the volume and the surfaces of a mesh, so that the user can compare them with the intended
+/// geometry.
 fn print_measures(measures: &Measures) {
     let [[x0, y0, z0], [x1, y1, z1]] = measures.bounds.map(|corner| corner.map(short));
     say(format_args!("           x {x0} to {x1} m, y {y0} to {y1} m, z {z0} to {z1} m; {} m³", short(measures.volume)));
@@ -101,7 +102,7 @@ fn print_measures(measures: &Measures) {
     say(format_args!("           whole boundary: {} m²", short(measures.area)));
 }
 
-/// The law of the contact.
+/// Description of the contact law.
 fn law(impactor: &Impactor) -> String {
     let law = match &impactor.force_law {
         ForceLaw::Hertz(law) => format!("k0 = {:.4e} N/m^1.5", law.stiffness),
@@ -190,7 +191,7 @@ fn described(scheme: Scheme) -> String {
     }
 }
 
-/// A number of the scene without what rounding adds to it.
+/// A number of the scene without rounding errors.
 fn plain(value: f64) -> String {
     let rounded = format!("{value:.9e}").parse().unwrap_or(value);
     if rounded != 0.0 && !(1e-4..1e6).contains(&f64::abs(rounded)) {
@@ -200,12 +201,12 @@ fn plain(value: f64) -> String {
     }
 }
 
-/// Contact time on a half-space, s.
+/// Duration of a contact on a half-space, s.
 pub(super) fn contact_time(scene: &Scene) -> f64 {
     scene.impactor.contact_time()
 }
 
-/// A surface, or which part of it.
+/// Description of a surface or of a part of it.
 fn place(surface: &str, within: Option<Within>) -> String {
     match within {
         None => surface.to_owned(),
@@ -238,7 +239,7 @@ pub(super) fn support_line(support: &Support) -> String {
     line
 }
 
-/// One number where all components are alike.
+/// One number if all components are equal, otherwise all three.
 fn by_component(values: Vec3) -> String {
     if values.iter().all(|value| *value == values[0]) {
         format!("{:e}", values[0])
@@ -247,7 +248,7 @@ fn by_component(values: Vec3) -> String {
     }
 }
 
-/// What is followed of each relaxing part.
+/// Description of the relaxation terms used for each viscoelastic part.
 fn relaxations(scene: &Scene) -> Vec<String> {
     let words = |part: &Part| {
         let place = match &part.portion {

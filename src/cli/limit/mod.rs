@@ -1,4 +1,4 @@
-//! `ricochet limit`: the lowest value of a key at which the largest tension just reaches the strength.
+//! `ricochet limit`: finds the lowest value of a key at which the largest tension reaches the strength.
 
 mod report;
 mod table;
@@ -24,15 +24,16 @@ use report::Report;
 use table::{header, line};
 use trial::{Trial, trial};
 
-/// Searches the limit; returns the exit status. Every answer is a good one: also that there is no limit in the range. Collective.
+/// Searches for the limit; returns the exit status. It is also a valid answer that there is no limit in the range.
+/// Collective.
 ///
 /// # Errors
-/// All that [`Error`] names.
+/// Any [`Error`].
 pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
     let range = Range::parse(&arguments.vary).map_err(Error::Usage)?;
     let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides).map_err(of_base)?;
     check(&scene, &range)?;
-    // Before the first run: a value that makes no scene.
+    // Values that do not give a valid scene are found before the first run.
     let has_output = arguments.output.is_some();
     for value in range.values() {
         if has_output {
@@ -41,7 +42,7 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
             at(&source, &range, value)?
         };
     }
-    // Of rank 0: held to the end.
+    // On rank 0: held until the end.
     let mut lock = None;
     decided(comm, || {
         if let Some(output) = &arguments.output {
@@ -93,7 +94,7 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
     Ok(status)
 }
 
-/// Whether the scene has what a limit is of.
+/// Refuses scenes without strength, and theories without faces.
 fn check(scene: &Scene, range: &Range) -> Result<()> {
     let is_varied = range.key.starts_with("strength.");
     if !scene.strength.is_given() && !is_varied {
@@ -106,12 +107,13 @@ fn check(scene: &Scene, range: &Range) -> Result<()> {
     Ok(())
 }
 
-/// The scene at a value, with its own output.
+/// The scene at a value, with its output.
 fn at_with_output(source: &Source, range: &Range, value: f64) -> Result<(Scene, Source)> {
     varied(source, range, value, None)
 }
 
-/// The scene at a value; what a run of the search would not keep is taken out: a probe may lie outside of a thinner plate.
+/// The scene at a value, without fields and probes, which the runs of the search do not keep. A probe could also lie
+/// outside a thinner plate.
 fn at(source: &Source, range: &Range, value: f64) -> Result<(Scene, Source)> {
     let (mut scene, source) = varied(source, range, value, Some("output.probes=[]"))?;
     scene.output.fields = None;
@@ -122,18 +124,18 @@ fn varied(source: &Source, range: &Range, value: f64, more: Option<&str>) -> Res
     let given = format!("{}={}", range.key, written(value));
     let all: Vec<String> = more.map(str::to_owned).into_iter().chain([given.clone()]).collect();
     Ok(Scene::varied(source, &all).map_err(|error| {
-        // Of the key itself the message has the value already.
+        // If the error concerns the key itself, the message already contains the value.
         if error.message().contains(&given) { error } else { error.remarked(&of_value(range, value)) }
     })?)
 }
 
-/// What a message calls a run.
+/// Words for the value of a run, for messages.
 fn of_value(range: &Range, value: f64) -> String {
     let unit = unit(&range.key);
     format!("at {} = {}{}", range.key, written(value), if unit == "1" { String::new() } else { format!(" {unit}") })
 }
 
-/// An error with the value at which it has come.
+/// Adds the value of the run to the message of an error.
 fn named(error: Error, range: &Range, value: f64) -> Error {
     let at_value = |message: String| format!("{message} ({})", of_value(range, value));
     match error {

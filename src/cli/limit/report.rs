@@ -1,4 +1,4 @@
-//! What the search has found, for readers and for programs.
+//! Reports the result of the search, as text or as JSON.
 
 use std::path::Path;
 
@@ -11,21 +11,21 @@ use super::super::{coordinate, say, short};
 use super::table::{UNCERTAINTY, VALUE, significant};
 use super::trial::{Trial, Utilisation};
 
-/// How the ratio lies on the range.
+/// Position of the range relative to the strength.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum Outcome {
-    /// The strength is reached first at the value.
+    /// The strength is reached for the first time at the value.
     Reached,
-    /// It is passed at the lower end already, and from the value on no more.
+    /// The strength is exceeded from the lower end up to the value.
     PassedUpToValue,
-    /// It is passed at the lower end already, and everywhere.
+    /// The strength is exceeded in the whole range.
     PassedEverywhere,
-    /// It is reached nowhere.
+    /// The strength is reached nowhere in the range.
     ReachedNowhere,
 }
 
-/// All facts, in SI units; what is not known is null.
+/// All facts, in SI units; unknown values are null.
 #[derive(Debug, Serialize)]
 pub(super) struct Report<'a> {
     key: &'a str,
@@ -33,13 +33,14 @@ pub(super) struct Report<'a> {
     range: [f64; 2],
     outcome: Outcome,
     limit: Option<LimitFacts<'a>>,
-    /// The run of the largest ratio, and that of the smallest.
+    /// Run with the largest ratio of tension to strength.
     largest: RunFacts<'a>,
+    /// Run with the smallest ratio of tension to strength.
     smallest: RunFacts<'a>,
     runs: usize,
-    /// Runs that were added to the grid where a lower limit might hide.
+    /// Number of runs added to the grid where a lower limit could be hidden.
     added: usize,
-    /// Whether no interval below is left in which the curvature of the ratio allows a lower limit.
+    /// Whether the curvature of the ratio excludes a lower limit in all intervals below.
     is_lowest_by_curvature: bool,
     samples: Vec<RunFacts<'a>>,
     #[serde(skip)]
@@ -77,11 +78,11 @@ impl<'a> From<&'a Trial> for RunFacts<'a> {
 }
 
 impl<'a> Report<'a> {
-    /// Of a search that had at least one run.
+    /// Report on a search with at least one run.
     pub fn new(range: &'a Range, tolerance: f64, found: &Found, trials: &'a [Trial]) -> Self {
         let at = found.root.and_then(|root| trials.iter().find(|trial| trial.value == root.at.value).zip(Some(root)));
         let limit = at.map(|(Trial { value, utilisation }, root)| {
-            // No better than the tolerance, whatever the estimate says.
+            // Not smaller than the tolerance, even if the estimated error is.
             let error = utilisation.error_estimate.max(tolerance) + utilisation.ratio.ln().abs();
             LimitFacts {
                 value: *value,
@@ -122,7 +123,7 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// Prints it as one JSON object, with the result that is to be written.
+    /// Prints the report as one JSON object, with the path of the result to be written.
     pub fn print_json(&self, output: Option<&Path>) {
         #[derive(Serialize)]
         struct WithOutput<'a> {
@@ -131,11 +132,11 @@ impl<'a> Report<'a> {
             output: Option<&'a Path>,
         }
         let facts = WithOutput { report: self, output: output.filter(|_| self.limit.is_some()) };
-        // Names and numbers: nothing here fails to be written. What is no number is null.
+        // Names and numbers only: serialisation cannot fail. NaN becomes null.
         say(format_args!("{}", serde_json::to_string_pretty(&facts).unwrap_or_default()));
     }
 
-    /// Prints it in a few lines.
+    /// Prints the report in a few lines.
     pub fn print(&self) {
         let [from, to] = self.range.map(|end| self.shown(end));
         let of = |run: &RunFacts| format!("{}, at {} = {}", short(run.ratio), self.key, self.shown(run.value));
@@ -191,7 +192,7 @@ impl<'a> Report<'a> {
         say(format_args!("{below}: {lower} were computed, and {rest}{added}"));
     }
 
-    /// What is to be known of the answer, for standard error.
+    /// Warnings about the answer, for standard error.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks: Vec<String> = self.warnings.iter().map(|warning| format!("warning: {warning}")).collect();
         if self.limit.as_ref().is_some_and(|limit| limit.is_jump) {

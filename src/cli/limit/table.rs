@@ -1,4 +1,4 @@
-//! The table of runs, which shows how far the search is.
+//! Table of the runs, which shows the progress of the search.
 
 use crate::scene::unit;
 use crate::study::limit::Range;
@@ -6,13 +6,13 @@ use crate::study::limit::Range;
 use super::super::short;
 use super::trial::{Trial, Utilisation};
 
-/// The head of the table of runs.
+/// Header line of the table of runs.
 pub(super) fn header(range: &Range) -> String {
     let (key, width) = column(range);
     format!("{:>4}  {key:>width$}  {:>8}  {:>11}  {:<8}  {:>8}", "run", "ratio", "tension/MPa", "face", "time/ms")
 }
 
-/// A run in the table.
+/// Line of a run in the table.
 pub(super) fn line(range: &Range, number: usize, Trial { value, utilisation }: &Trial) -> String {
     let Utilisation { ratio, tension, face, time, .. } = utilisation;
     let (width, value) = (column(range).1, significant(*value, VALUE));
@@ -20,7 +20,7 @@ pub(super) fn line(range: &Range, number: usize, Trial { value, utilisation }: &
     format!("{number:>4}  {value:>width$}  {ratio:>8.4}  {tension:>11}  {face:<8}  {time:>8}")
 }
 
-/// The head of the key's column, and its width.
+/// Header of the key's column, and its width in characters.
 fn column(range: &Range) -> (String, usize) {
     let key = with_unit(range);
     let width = key.len().max(10);
@@ -34,11 +34,12 @@ fn with_unit(range: &Range) -> String {
     }
 }
 
-/// Digits of values, and of their uncertainties.
+/// Number of significant digits of values.
 pub(super) const VALUE: usize = 5;
+/// Number of significant digits of uncertainties.
 pub(super) const UNCERTAINTY: usize = 2;
 
-/// So many digits, without zeros at their end.
+/// Formats a number with a given number of significant digits, without trailing zeros.
 pub(super) fn significant(value: f64, digits: usize) -> String {
     let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
     if rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs()) { format!("{rounded}") } else { format!("{rounded:e}") }

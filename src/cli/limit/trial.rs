@@ -1,4 +1,4 @@
-//! One run of the search: how much of the strength is used.
+//! One run of the search: computes the ratio of tension to strength.
 
 use std::rc::Rc;
 
@@ -20,40 +20,41 @@ use super::super::interrupt::Interrupt;
 use super::super::notes::{Verdict, missing_faces, verdict};
 use super::super::summary::Summary;
 
-/// A value of the key and what came of it.
+/// A value of the key, with the result of its run.
 #[derive(Debug, Clone)]
 pub(super) struct Trial {
     /// Value of the key.
     pub value: f64,
-    /// The run there.
+    /// Result of the run.
     pub utilisation: Utilisation,
 }
 
-/// Where and when the largest part of the strength is used.
+/// Largest ratio of tension to strength in a run, with its place and time.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Utilisation {
-    /// Tension over strength.
+    /// Ratio of tension to strength.
     pub ratio: f64,
-    /// The name of the face.
+    /// Name of the face.
     pub face: String,
-    /// Pa.
+    /// Tension, Pa.
     pub tension: f64,
-    /// Of the face, Pa.
+    /// Strength of the face, Pa.
     pub strength: f64,
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// m.
+    /// Position, m.
     pub point: Vec3,
-    /// Over all of the run, N.
+    /// Peak contact force of the whole run, N.
     pub peak_force: f64,
-    /// Estimated error of the acceleration history over its peak; NaN where there is no estimate.
+    /// Estimated error of the acceleration history over its peak, or of the tension if it is larger; NaN without an
+    /// estimate.
     pub error_estimate: f64,
-    /// What a run would warn of.
+    /// Warnings that `ricochet run` would print for this scene.
     pub warnings: Vec<String>,
 }
 
 impl Utilisation {
-    /// Before the first step.
+    /// State before the first step.
     fn new() -> Self {
         let none = f64::NAN;
         Self {
@@ -69,13 +70,13 @@ impl Utilisation {
         }
     }
 
-    /// Takes a step.
+    /// Takes a step into account.
     fn take(&mut self, step: &Step, tensions: &[FaceTension], faces: &[String], strengths: &[Option<f64>]) {
         self.peak_force = self.peak_force.max(step.contact.force);
         for ((tension, face), strength) in tensions.iter().zip(faces).zip(strengths) {
             let Some(strength) = *strength else { continue };
             let ratio = tension.largest / strength;
-            // Not true of NaN, with which it begins.
+            // False for NaN, the initial value.
             if ratio.is_nan() || self.ratio >= ratio {
                 continue;
             }
@@ -86,10 +87,10 @@ impl Utilisation {
     }
 }
 
-/// Runs a scene for the largest ratio of tension to strength. Collective.
+/// Runs a scene and returns its largest ratio of tension to strength. Collective.
 ///
 /// # Errors
-/// Those of a run; [`Error::Usage`] where no face has a strength.
+/// Same as a run; [`Error::Usage`] if no face has a strength.
 pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: &Rc<Interrupt>) -> Result<Utilisation> {
     let follower = Follower::new(comm, interrupt.clone());
     let model = Model::watched(comm, scene, &follower).map_err(|error| error.in_scene(source))?;
@@ -126,7 +127,7 @@ pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: 
     if flow.is_break() {
         return Err(Error::Interrupted);
     }
-    // (A maximum takes no notice of NaN, where the stress' is not estimated.)
+    // The maximum ignores NaN if the error of the stress is not estimated.
     most.error_estimate = impact.error().total().map_or(f64::NAN, |errors| errors.history.max(errors.stress));
     warnings.extend(summary.warning());
     warnings.extend(summary.warning_of_end());
@@ -147,7 +148,7 @@ pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: 
     Ok(most)
 }
 
-/// That a theory has no faces.
+/// Message for a theory without faces.
 pub(super) fn without_faces(theory: scene::Model) -> String {
     format!(
         "the theory \"{}\" is a formula and has no faces, so no strength is reached there: choose body.model = \"mindlin\" or \"solid\"",

@@ -1,4 +1,4 @@
-//! What is told of a model before the first step.
+//! Messages about a model before the first step.
 
 use petsc_wrap::Comm;
 
@@ -11,13 +11,13 @@ use crate::solve::linear::has_mumps;
 use super::super::notes::{self, Verdict, describe_model, verdict};
 use super::super::{note, tell};
 
-/// The texts, made while the model is there.
+/// Texts of the messages, prepared while the model exists.
 pub(super) struct Announcement {
-    /// Why the result is poor.
+    /// Warning that the estimated error is above the tolerance.
     pub poor: Option<String>,
     described: String,
     reason: Option<String>,
-    /// Warnings of the scene's geometry.
+    /// Warnings about the geometry of the scene.
     warnings: Vec<String>,
     of_measure: Option<String>,
     patch: Option<Patch>,
@@ -25,10 +25,10 @@ pub(super) struct Announcement {
 }
 
 impl Announcement {
-    /// Of a model.
+    /// Prepares the messages about a model.
     ///
     /// # Errors
-    /// [`Error::Solve`] where the result would be of no use, unless that is what is asked for (`force`).
+    /// [`Error::Solve`] if the result would be of no use, unless `force` is set.
     pub fn new(model: &Model, scene: &Scene, force: bool) -> Result<Self> {
         let poor = match verdict(model, scene) {
             Some(Verdict { message, is_useless: true }) if !force => {
@@ -49,10 +49,10 @@ impl Announcement {
         })
     }
 
-    /// Prints them.
+    /// Prints the messages.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn print(&self, comm: &Comm, scene: &Scene, impact: &Simulation) -> Result<()> {
         if let Some(message) = &self.poor {
             tell(format_args!("warning: {message}"));

@@ -1,4 +1,4 @@
-//! `ricochet run`: a scene to a result.
+//! `ricochet run`: computes a scene and writes a result.
 
 mod announcement;
 mod output;
@@ -27,11 +27,11 @@ pub(super) use solve::{Beginning, Written, solve};
 /// Runs a scene; returns the exit status. Collective.
 ///
 /// # Errors
-/// All that [`Error`] names.
+/// Any [`Error`].
 pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
     let Loaded { scene, source, is_of_result } = load(comm, &arguments.scene, &arguments.overrides)?;
     let given = arguments.output.as_ref().or(arguments.restart.as_ref());
-    // A pipe is there for one reader, and its name tells nothing.
+    // A pipe can be read only once, and has no useful name.
     let is_file_by_name = arguments.scene.metadata().map_or(true, |there| there.is_file());
     let unnamed = match given {
         None if is_of_result => Some("the scene of a result"),
@@ -44,9 +44,9 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
     }
     let output = given.cloned().unwrap_or_else(|| default_output(&arguments.scene));
     let from = arguments.restart.as_deref().unwrap_or(&output);
-    // Of rank 0: held to the end, and what it goes on from.
+    // On rank 0: the lock, held until the end, and the checkpoint from which the run continues.
     let (mut lock, mut moment) = (None, None);
-    // Before minutes of work whose result could not be written.
+    // Checked before minutes of work whose result could not be written.
     let start = decided(comm, || {
         let is_continued = arguments.restart.as_ref().is_some_and(|result| is_same(result, &output));
         let replaced = match (is_continued, arguments.force) {
@@ -63,7 +63,7 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
         Ok(match Past::read((result, &output), (&scene, &source))? {
             Past::Complete => {
                 tell(format_args!("{} is complete: there is nothing to continue", from.display()));
-                // Of a run that was killed between its last row and this.
+                // A run that was killed after its last row may have left a checkpoint.
                 checkpoint::remove(from)?;
                 Start::Nothing
             }
@@ -88,14 +88,14 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
     solved.map_err(|error| error.in_scene(&source))
 }
 
-/// What is to be done of a scene.
+/// Part of a scene that must be computed.
 #[derive(Debug, Serialize, Deserialize)]
 enum Start {
-    /// Its result is complete.
+    /// Nothing: the result is complete.
     Nothing,
-    /// All of it.
+    /// The whole run.
     Anew,
-    /// What is behind a checkpoint.
+    /// The steps after a checkpoint.
     GoOn,
 }
 

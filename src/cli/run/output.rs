@@ -1,4 +1,4 @@
-//! Whether a result may be written where it is asked for.
+//! Checks whether a result may be written to its file.
 
 use std::path::Path;
 
@@ -7,20 +7,20 @@ use crate::record::target::{Kind, check_writable, is_same};
 use crate::record::{checkpoint, fields, read};
 use crate::scene::Scene;
 
-/// What may happen to an earlier run at the place of a result.
+/// Treatment of an earlier run in the file of a result.
 pub(in crate::cli) enum Replaced {
     /// It is continued.
     ByItself,
     /// It is replaced.
     Anyway,
-    /// It is replaced unless it was interrupted and can be continued.
+    /// It is replaced, unless it was interrupted and can be continued.
     UnlessInterrupted,
 }
 
-/// Whether a run can be written, with its checkpoint and its fields.
+/// Checks that a run can be written, with its checkpoint and its fields.
 ///
 /// # Errors
-/// [`Error::Io`] where it cannot.
+/// [`Error::Io`] if it cannot.
 pub(in crate::cli) fn check_output(scene: &Scene, output: &Path, replaced: Replaced) -> Result<()> {
     check_writable(output, Kind::Run)?;
     if !matches!(replaced, Replaced::ByItself) {
@@ -47,13 +47,13 @@ fn check_not_interrupted(output: &Path) -> Result<()> {
     Err(Error::io(output, reason))
 }
 
-/// Refuses to replace the result of a scene of the same name in another folder, where the user has not named the result.
+/// Refuses to replace the result of a scene with the same name in another folder, if the user has not named the result.
 pub(super) fn check_own(output: &Path, folder: &Path) -> Result<()> {
     if !output.exists() {
         return Ok(());
     }
     let other = read::provenance(output)?.folder;
-    // A folder that was moved says nothing.
+    // If that folder no longer exists, nothing can be concluded.
     if !Path::new(&other).exists() || is_same(Path::new(&other), &Path::new(".").join(folder)) {
         return Ok(());
     }

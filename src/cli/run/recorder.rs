@@ -1,4 +1,4 @@
-//! What happens with every step of a run: rank 0 writes it, all ranks agree whether to go on.
+//! Processes every step of a run: rank 0 writes it, and all ranks agree whether to go on.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -24,13 +24,13 @@ use super::super::recording::Recording;
 use super::super::summary::Summary;
 use super::super::{note, tell};
 
-/// What rank 0 keeps of a run.
+/// Data that rank 0 records during a run.
 pub(super) struct Recorder {
     pub writer: SeriesWriter,
     pub recording: Option<Recording>,
     pub progress: Progress,
     pub summary: Summary,
-    /// Of the faces, in their order, Pa.
+    /// Strengths of the faces, in the order of the faces, Pa.
     pub strengths: Vec<Option<f64>>,
 }
 
@@ -46,24 +46,24 @@ impl Recorder {
         Ok(())
     }
 
-    /// Closes the result and tells what came of the run. `flow` is how the steps ended; `None` where they failed: what was computed is
-    /// kept all the same.
+    /// Closes the result and prints the outcome of the run. `flow` says how the steps ended; `None` if they failed. The
+    /// computed steps are kept in any case.
     ///
     /// # Errors
-    /// Those of writing.
+    /// If writing fails.
     pub fn finish(mut self, scene: &Scene, flow: Option<ControlFlow<()>>, end: &End<'_>) -> Result<()> {
         self.progress.finish();
         let is_complete = flow == Some(ControlFlow::Continue(()));
         let episodes = self.writer.episodes().clone();
-        // Where nothing was computed, all is left as it is.
+        // If nothing was computed, existing fields are left as they are.
         let fields = self.recording.as_mut().filter(|_| is_complete || self.writer.has_begun());
         let recorded = fields.map_or(Ok(()), Recording::flush);
         let error_estimate = end.estimate.total().map_or(f64::NAN, |errors| errors.stress);
         self.writer.set_largest(self.summary.largest_tension().with_error(error_estimate, scene));
-        // Where the run has failed already, that is what is told: a full disk fails the steps first and then the end.
+        // If the steps have failed, the caller reports that error: a full disk first fails the steps and then the end.
         self.writer.finish(end.cost, is_complete).and(recorded)?;
         let Some(flow) = flow else { return Ok(()) };
-        // Of a file system that cannot be read at once, the run is as good.
+        // If the file cannot be read back at once, the run is still valid.
         let extremes = extremes(end.output).ok().flatten();
         if end.has_summary {
             self.summary.print(&episodes, extremes.as_ref(), end.cost, &end.estimate.causes(), end.output);
@@ -91,21 +91,21 @@ impl Recorder {
     }
 }
 
-/// What is known at the end of a run.
+/// Facts about the end of a run.
 pub(super) struct End<'a> {
-    /// Time that it took, and its number of solves.
+    /// Wall times and number of solves.
     pub cost: &'a Cost,
-    /// Its estimated errors.
+    /// Estimated errors.
     pub estimate: &'a ErrorEstimate,
-    /// The result.
+    /// Path of the result.
     pub output: &'a Path,
     /// Whether the summary is printed.
     pub has_summary: bool,
-    /// Whether a warning before the first step has said that the tolerance is missed.
+    /// Whether a warning before the first step has already said that the tolerance is missed.
     pub was_warned: bool,
 }
 
-/// What happens with every step.
+/// Processes every step on all ranks.
 pub(super) struct Watch {
     pub comm: Comm,
     pub interrupt: Rc<Interrupt>,
@@ -120,7 +120,7 @@ impl Observer for Watch {
         let is_late = self.recorder.is_some() && self.keeping.is_due_by_time();
         let (interrupted, [late, failed]) = self.interrupt.poll(&self.comm, [is_late, written.is_err()]);
         if failed {
-            // Rank 0 tells it, and all end in order.
+            // Rank 0 reports the error, and all ranks end in order.
             return Err(Error::Unwritten(written.err().map_or(String::new(), |error| error.to_string())));
         }
         self.keeping.step(step, late);

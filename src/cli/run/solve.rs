@@ -1,4 +1,4 @@
-//! A run from its scene to its closed result.
+//! Computes a run from its scene to the closed result.
 
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -30,33 +30,33 @@ use super::super::{note, tell, warn_of_unused_options};
 use super::announcement::Announcement;
 use super::recorder::{End, Recorder, Watch};
 
-/// Where a run begins.
+/// Start of a run.
 pub(in crate::cli) enum Beginning<'a> {
-    /// At time 0.
+    /// From t = 0.
     Anew,
-    /// Behind a checkpoint.
+    /// From a checkpoint.
     Checkpoint {
-        /// The result that it is beside.
+        /// The result that the checkpoint belongs to.
         result: &'a Path,
-        /// What it holds, on rank 0.
+        /// Contents of the checkpoint, on rank 0.
         moment: Option<Box<Moment>>,
     },
 }
 
-/// How a run is written.
+/// Options for writing a run.
 pub(in crate::cli) struct Written<'a> {
-    /// The result.
+    /// Path of the result.
     pub output: &'a Path,
-    /// Whether it is computed even if its estimated error makes it useless.
+    /// Whether the run is computed even if its estimated error makes it useless.
     pub force: bool,
-    /// Whether its summary is printed.
+    /// Whether the summary is printed.
     pub has_summary: bool,
 }
 
-/// Computes a run, or what is missing of it, and writes it; returns the exit status. Collective.
+/// Computes a run, or the missing part of it, and writes it; returns the exit status. Collective.
 ///
 /// # Errors
-/// All that [`Error`] names.
+/// Any [`Error`].
 pub(in crate::cli) fn solve(
     comm: &Comm,
     (scene, source): (&Scene, &Source),
@@ -64,12 +64,12 @@ pub(in crate::cli) fn solve(
     &Written { output, force, has_summary }: &Written<'_>,
 ) -> Result<i32> {
     if !scene.time.modal {
-        // Part of the program's start, not of the run. (In modal coordinates most bodies need no PETSc.)
+        // Counted as the start of the program, not as part of the run. In modal coordinates most bodies need no PETSc.
         comm.session().petsc()?;
     }
     let begin = Instant::now();
     if comm.is_root() {
-        // Before the model, which may take long for such values.
+        // Before the model is built, which may take long with such values.
         let odd = notes::texts(notes::of_values(scene, source));
         odd.iter().for_each(|warning| tell(format_args!("warning: {warning}")));
     }
@@ -118,7 +118,7 @@ pub(in crate::cli) fn solve(
             warn_of_unused_options(comm)?;
         }
     }
-    // First of all: an error of one rank alone must not wait for the others in a collective call.
+    // Checked first: an error of a single rank must not wait for the others in a collective call.
     let is_alone = |error: &Error| !error.is_everywhere() || matches!(error, Error::Unwritten(_));
     if stepped.as_ref().err().is_some_and(is_alone) {
         return stepped.map(|_| 0);
@@ -135,7 +135,7 @@ pub(in crate::cli) fn solve(
     })
 }
 
-/// Opens the result on rank 0, and sets the simulation to where it begins. Collective.
+/// Opens the result on rank 0, and sets the simulation to its start. Collective.
 fn record(
     comm: &Comm,
     scene: &Scene,
@@ -181,13 +181,13 @@ fn record(
     }))
 }
 
-/// The radial tension at the edge of the contact times α/F, 1/m²: (1 − 2ν)/(2πR).
+/// Radial tension at the edge of the contact times α/F, 1/m²: (1 − 2ν)/(2πR).
 fn ring(scene: &Scene) -> Option<f64> {
     let radius = scene.impactor.radius.filter(|_| scene.output.stress)?;
     Some((1.0 - 2.0 * scene.body.struck().poisson) / (2.0 * PI * radius))
 }
 
-/// Refuses a strength of a face that the body does not have.
+/// Refuses the strength of a face that the body does not have.
 fn check_strength(scene: &Scene, faces: &[String]) -> Result<()> {
     let wrong = scene.strength.by_face.keys().find(|name| !faces.contains(name));
     let key = match wrong {

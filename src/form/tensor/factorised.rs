@@ -1,9 +1,10 @@
-//! Products with the matrix of a sum of forms on a rectangle, from its integrals along the axes alone.
+//! Products with the matrix of a sum of forms on a rectangle, computed from its one-dimensional integrals along the
+//! axes.
 //!
-//! Each form is a sum of terms A ⊗ B, A along the first axis and B along the second. So K x takes a few products of narrow bands along each
-//! axis, in the place of one with all entries of the matrix, of which there are several times as many (sum factorisation: S. A. Orszag,
-//! Spectral methods for problems in complex geometries, J. Comput. Phys. 37, 1980; of splines: P. Antolin, A. Buffa, F. Calabrò, M. Martinelli &
-//! G. Sangalli, Comput. Methods Appl. Mech. Eng. 285, 2015).
+//! Each form is a sum of terms A ⊗ B, with A along the first axis and B along the second. So K x takes a few products
+//! with narrow band matrices along each axis. The full matrix has several times as many entries. This is sum
+//! factorisation (S. A. Orszag, Spectral methods for problems in complex geometries, J. Comput. Phys. 37, 1980; for
+//! splines: P. Antolin, A. Buffa, F. Calabrò, M. Martinelli & G. Sangalli, Comput. Methods Appl. Mech. Eng. 285, 2015).
 
 use std::ops::Range;
 
@@ -11,45 +12,45 @@ use nalgebra::DMatrix;
 
 use super::{Known, Square, Tensor};
 
-/// The matrix of a sum of forms, as products along the axes.
+/// Matrix of a sum of forms, stored as products along the axes.
 #[derive(Debug)]
 pub struct SumFactorised {
-    /// Of each field.
+    /// Unknowns of each field.
     fields: Vec<Grid>,
     /// Products along the first axis.
     first: Vec<AlongFirst>,
-    /// What is then summed and multiplied along the second axis.
+    /// Sums of these products, each multiplied along the second axis.
     second: Vec<AlongSecond>,
 }
 
-/// The coefficients of a field: functions along the second axis run fastest.
+/// Coefficients of a field; the functions along the second axis run fastest.
 #[derive(Debug)]
 struct Grid {
     unknowns: Range<usize>,
     functions: [usize; 2],
 }
 
-/// The product of a field's coefficients with integrals along the first axis.
+/// Product of a field's coefficients with integrals along the first axis.
 #[derive(Debug)]
 struct AlongFirst {
     field: usize,
-    /// The number of the integrals among those that are known.
+    /// Index of the integrals in [`Known`].
     integrals: usize,
     band: Band,
 }
 
-/// A sum of such products, times integrals along the second axis: added to a field.
+/// Sum of products along the first axis, multiplied with integrals along the second axis and added to a field.
 #[derive(Debug)]
 struct AlongSecond {
     field: usize,
-    /// The number of the integrals among those that are known.
+    /// Index of the integrals in [`Known`].
     integrals: usize,
     band: Band,
-    /// Numbers of [`SumFactorised::first`] with factors.
+    /// Indices in [`SumFactorised::first`], with factors.
     terms: Vec<(usize, f64)>,
 }
 
-/// A matrix by its diagonals.
+/// Band matrix, stored by its diagonals.
 #[derive(Debug)]
 struct Band {
     rows: usize,
@@ -65,11 +66,11 @@ struct Diagonal {
 }
 
 impl Band {
-    /// From the first to the last entry of each diagonal that are not zero.
+    /// Stores each diagonal from its first to its last non-zero entry.
     fn new(matrix: &DMatrix<f64>) -> Self {
         let (rows, columns) = matrix.shape();
         let diagonal = |start: usize| {
-            // Diagonals from the lower left to the upper right.
+            // Diagonals from the lower left corner to the upper right corner.
             let (row, column) = (rows.saturating_sub(1 + start), (start + 1).saturating_sub(rows));
             let all: Vec<f64> =
                 (0..(rows - row).min(columns - column)).map(|k| matrix[(row + k, column + k)]).collect();
@@ -85,7 +86,7 @@ impl Band {
         self.diagonals.iter().map(|diagonal| diagonal.values.len()).sum()
     }
 
-    /// to ← A x of rows of `length` entries each.
+    /// to ← A x, where x and `to` have rows of `length` entries each.
     #[inline(always)]
     fn of_rows(&self, length: usize, x: &[f64], to: &mut [f64]) {
         to.fill(0.0);
@@ -97,7 +98,7 @@ impl Band {
         }
     }
 
-    /// to ← to + x Aᵀ of rows of `length` entries each.
+    /// to ← to + x Aᵀ, where x has rows of `length` entries each.
     #[inline(always)]
     fn add_within_rows(&self, length: usize, x: &[f64], to: &mut [f64]) {
         for (to, x) in to.chunks_exact_mut(self.rows).zip(x.chunks_exact(length)) {
@@ -110,7 +111,7 @@ impl Band {
 }
 
 impl Tensor<2> {
-    /// The matrix of a sum of forms as [`Tensor::matrix`] has it, for products alone.
+    /// Matrix of a sum of forms, the same as [`Tensor::matrix`], for products only.
     pub fn factorised(&self, forms: &[Square<2>]) -> SumFactorised {
         let grid = |field: usize| Grid {
             unknowns: self.first(field)..self.first(field + 1),
@@ -120,7 +121,7 @@ impl Tensor<2> {
         let mut all = SumFactorised { fields: (0..count).map(grid).collect(), first: Vec::new(), second: Vec::new() };
         let mut known = Known::new();
         for (to, from) in (0..count).flat_map(|to| (0..count).map(move |from| (to, from))) {
-            // (Terms have a column for each function of the first field that is named.)
+            // The matrices of the terms have a column for each function of the first field in the pair.
             for term in self.terms([from, to], forms, &mut known) {
                 let [along_first, along_second] = term.axes;
                 let same = |one: &AlongFirst| (one.field, one.integrals) == (from, along_first);
@@ -149,7 +150,7 @@ impl SumFactorised {
         self.fields.last().map_or(0, |grid| grid.unknowns.end)
     }
 
-    /// Multiplications for a product with one column.
+    /// Number of multiplications for a product with one column.
     pub fn multiplications(&self) -> usize {
         let of_first = |one: &AlongFirst| one.band.entries() * self.fields[one.field].functions[1];
         let of_second = |one: &AlongSecond| {
@@ -158,7 +159,7 @@ impl SumFactorised {
         self.first.iter().map(of_first).sum::<usize>() + self.second.iter().map(of_second).sum::<usize>()
     }
 
-    /// Multiplies with columns of as many entries as there are unknowns, one after the other.
+    /// Multiplies the matrix with columns that are stored one after the other, each with one entry per unknown.
     pub fn multiply(&self, columns: &[f64]) -> Vec<f64> {
         let mut product = vec![0.0; columns.len()];
         pulp::Arch::new().dispatch(Multiplying { matrix: self, columns, product: &mut product });
@@ -191,7 +192,7 @@ impl SumFactorised {
     }
 }
 
-/// A product with some columns: compiled for the vectors of each kind of processor.
+/// Product with columns, compiled for the vector instructions of each kind of processor.
 struct Multiplying<'a> {
     matrix: &'a SumFactorised,
     columns: &'a [f64],

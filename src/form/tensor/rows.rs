@@ -1,20 +1,20 @@
-//! Symmetric sparse matrices by their upper triangle.
+//! Symmetric sparse matrices assembled from their upper triangle.
 
 use nalgebra_sparse::CsrMatrix;
 
-/// The upper triangle of a symmetric matrix, row by row, columns ascending.
+/// Upper triangle of a symmetric matrix, row by row, with ascending columns.
 #[derive(Default)]
 pub struct Rows {
-    /// The end of each row.
+    /// End of each row in `columns` and `values`.
     pub ends: Vec<usize>,
-    /// Of its entries.
+    /// Column of each entry.
     pub columns: Vec<usize>,
-    /// The entries.
+    /// Value of each entry.
     pub values: Vec<f64>,
 }
 
 impl Rows {
-    /// With the lower triangle.
+    /// Returns the full matrix, with the lower triangle added.
     pub fn mirrored(self) -> CsrMatrix<f64> {
         let Self { ends, columns, values } = self;
         let count = ends.len();
@@ -30,7 +30,8 @@ impl Rows {
         let mut next = offsets[..count].to_vec();
         let total = offsets[count];
         let (mut all_columns, mut all_values) = (vec![0; total], vec![0.0; total]);
-        // A row has its lower part from the rows before, in their order, when its own turn comes.
+        // When row i is reached, its lower part is complete: the rows before it have filled it in ascending order of
+        // columns.
         for i in 0..count {
             let (own, values) = (&columns[row(i)], &values[row(i)]);
             let place = next[i]..next[i] + own.len();

@@ -1,4 +1,4 @@
-//! Sums over tensor products against integrals known in closed form.
+//! Tests of sums over tensor products against numerical quadrature and exact values.
 
 use super::*;
 use crate::element::gauss_legendre;
@@ -11,7 +11,7 @@ fn tensor() -> Tensor<3> {
     Tensor::new(vec![field([2, 3, 1]), field([3, 2, 2])])
 }
 
-/// Points and weights, exact up to degree 9, of a place.
+/// Quadrature points and weights of a place, exact up to degree 9.
 fn points(place: [Along; 3]) -> Vec<([f64; 3], f64)> {
     let axes = [0, 1, 2].map(|axis| match place[axis] {
         Along::At(x) => vec![(x, 1.0)],
@@ -44,7 +44,7 @@ const PLACES: [[Along; 3]; 5] = [
     [Along::All, Along::Within([-0.1, 0.2]), Along::All],
 ];
 
-/// Sums over points of products of the functions' values there.
+/// The assembled integrals are equal to a quadrature with values at points.
 #[test]
 fn integrals_are_those_by_quadrature() {
     let tensor = tensor();
@@ -81,7 +81,7 @@ fn integrals_are_those_by_quadrature() {
     assert!((DVector::from_vec(tensor.vector(&linear)) - &vector).amax() < 1e-13 * vector.amax());
 }
 
-/// A line is its points.
+/// The vector of a line is the sum of the vectors of its points.
 #[test]
 fn lines_are_sums_of_points() {
     let tensor = tensor();
@@ -101,7 +101,8 @@ fn lines_are_sums_of_points() {
     }
 }
 
-/// Whatever the derivatives and the place, entries are among those of the products of the same fields.
+/// For all derivatives and places, the non-zero entries are among the non-zero entries of the undifferentiated
+/// products.
 #[test]
 fn patterns_are_nested() {
     let tensor = tensor();
@@ -116,7 +117,7 @@ fn patterns_are_nested() {
     }
 }
 
-/// Unknowns are numbered by field and function, and sums of a field's functions are 1.
+/// Unknowns are numbered by field and function, and the functions of a field sum to 1.
 #[test]
 fn numbers_and_ones() {
     let tensor = tensor();
@@ -133,7 +134,8 @@ fn numbers_and_ones() {
     assert!((sum - 3.0).abs() < 1e-14);
 }
 
-/// Products along the axes are those with the matrix: of fields of different degrees, with forms on edges and parts, and splines of one parity.
+/// Products along the axes are equal to products with the matrix, for fields of different degrees and for forms on
+/// edges and within intervals.
 #[test]
 fn products_along_the_axes_are_those_of_the_matrix() {
     let field = |degrees: [usize; 2]| [0, 1].map(|axis| Spline::new(BREAKS[axis], degrees[axis], degrees[axis] - 1));

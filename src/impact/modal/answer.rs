@@ -1,22 +1,23 @@
-//! What a body does over a step of one size: the answers to its state and to the force, from tables.
+//! Tabulated response of body and impactor over a step of one size, to the initial state and to the contact force.
 
 use nalgebra::Complex;
 
 use crate::body::Modes;
 use crate::scheme::modal::{doubled, free_weights, phi, tripled, weights};
 
-/// The parts of a step at which its table looks: where the force is unknown (1/2 and 1), and where it is checked.
+/// Fractions of a step at which its table is evaluated. The force is unknown at 1/2 and 1, and is checked at 1/4 and
+/// 3/4.
 pub const LOOKS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 
-/// The numbers of 1/2 and 1 among [`LOOKS`].
+/// Indices of 1/2 and 1 in [`LOOKS`].
 pub const NODES: [usize; 2] = [1, 3];
 
-/// The impactor as a free body.
+/// The impactor as a free rigid body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeBody {
-    /// Mass, kg.
+    /// Mass m0 of the impactor on the modelled part, kg.
     pub mass: f64,
-    /// What its weight accelerates it by, m/s².
+    /// Acceleration by its weight along the direction of travel, m/s².
     pub gravity: f64,
     /// Speed at t = 0, m/s.
     pub speed: f64,
@@ -24,27 +25,27 @@ pub struct FreeBody {
     pub gap: f64,
 }
 
-/// The state of a body in modal coordinates, and of the impactor.
+/// State of a body in modal coordinates, and of the impactor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
-    /// z.
+    /// Complex modal coordinates z.
     pub modes: Vec<Complex<f64>>,
-    /// X, m, and Ẋ, m/s, of the free motions.
+    /// Rigid-body displacement X, m, and its velocity Ẋ, m/s.
     pub free: [f64; 2],
-    /// q, m, and q̇, m/s.
+    /// Position q, m, and velocity q̇, m/s, of the impactor.
     pub impactor: [f64; 2],
-    /// ∫F dt, N s.
+    /// Impulse of the contact force, ∫F dt, N s.
     pub impulse: f64,
-    /// ∫∫F dt dt, N s².
+    /// Double integral of the contact force, ∫∫F dt dt, N s².
     pub way: f64,
     /// Time, s.
     pub time: f64,
-    /// 1 where the loads have moved the body before t = 0, also in the modes that are left out; otherwise 0.
+    /// 1 if the body is in equilibrium with its loads at t = 0, including the modes left out; otherwise 0.
     pub settled: f64,
 }
 
 impl State {
-    /// At rest, but for the impactor's speed (m/s).
+    /// State of rest, except for the impactor's speed (m/s).
     pub fn start(modes: &Modes, speed: f64) -> Self {
         let zero = Complex::new(0.0, 0.0);
         Self {
@@ -58,7 +59,7 @@ impl State {
         }
     }
 
-    /// At rest under the loads, which have moved what is held by x = f/ω² or, with dampers, by z = −g/λ.
+    /// State of rest under the loads: a vibration is displaced by x = f/ω² or, with dampers, by z = −g/λ.
     pub fn equilibrium(modes: &Modes, speed: f64) -> Self {
         let at_rest = |mode: &crate::body::Mode| match mode.load.norm_sqr() {
             0.0 => mode.load,
@@ -67,13 +68,13 @@ impl State {
         Self { modes: modes.modes.iter().map(at_rest).collect(), settled: 1.0, ..Self::start(modes, speed) }
     }
 
-    /// Re Σ c z + X, m: the surface's displacement but for its spring.
+    /// Displacement of the surface Re Σ c z + X, m, without the static displacement of the modes left out.
     pub fn surface(&self, modes: &Modes) -> f64 {
         let moved: f64 = modes.modes.iter().zip(&self.modes).map(|(mode, z)| real_product(mode.output, *z)).sum();
         moved + self.free[0]
     }
 
-    /// δ after a time (s) without force, m.
+    /// Approach δ after a time (s) without contact force, m.
     pub fn flown(&self, modes: &Modes, impactor: &FreeBody, time: f64) -> f64 {
         let moved: f64 = modes
             .modes
@@ -95,18 +96,18 @@ impl State {
     }
 }
 
-/// The rate of [`State::surface`], which is asked for at each step, as a form on the state.
+/// Time derivative of [`State::surface`] as a linear form on the state, prepared once because every step evaluates it.
 pub struct SurfaceRate {
-    /// c λ of each coordinate.
+    /// Product c λ of each coordinate.
     of_modes: Vec<Complex<f64>>,
-    /// Re Σ c b, m/(N s).
+    /// Coefficient of the contact force, Re Σ c b, m/(N s).
     of_force: f64,
-    /// Re Σ c g, m/s.
+    /// Contribution of the loads, Re Σ c g, m/s.
     of_load: f64,
 }
 
 impl SurfaceRate {
-    /// Of a body.
+    /// Prepares the form for the modes of a body.
     pub fn new(modes: &Modes) -> Self {
         let sum = |of: &dyn Fn(&crate::body::Mode) -> Complex<f64>| -> f64 {
             modes.modes.iter().map(|mode| real_product(mode.output, of(mode))).sum()
@@ -118,51 +119,53 @@ impl SurfaceRate {
         }
     }
 
-    /// The rate under a force (N), m/s.
+    /// Rate of the surface displacement under a contact force (N), m/s.
     pub fn at(&self, state: &State, force: f64) -> f64 {
         let moved: f64 = self.of_modes.iter().zip(&state.modes).map(|(row, z)| real_product(*row, *z)).sum();
         moved + self.of_force * force + self.of_load + state.free[1]
     }
 }
 
-/// Re(a b).
+/// Real part of the product a b.
 pub(super) fn real_product(a: Complex<f64>, b: Complex<f64>) -> f64 {
     a.re * b.re - a.im * b.im
 }
 
-/// One look at a step: δ there is δ of the state left alone, less the answers to the force's three values.
+/// Response at one point of [`LOOKS`]: δ of the unforced motion minus the responses to the three force values.
 struct Look {
     tau: f64,
-    /// What loads move the surface away from the impactor, whose weight moves it closer, m.
+    /// Displacement of the surface away from the impactor due to the loads, minus the displacement of the impactor due
+    /// to its weight, m.
     load: f64,
-    /// δ's answer to F at 0, h/2 and h, m/N.
+    /// Decrease of δ for F of 1 N at 0, h/2 and h, m/N.
     answers: [f64; 3],
-    /// What the coordinates do by themselves, where forces beside F act on them.
+    /// Response of each coordinate; filled only if foundation forces act in addition to F.
     coordinates: Vec<Coordinate>,
 }
 
-/// z(τh) of a coordinate: e^{λτh} z + g, and the weights of its inputs at 0, h/2 and h.
+/// Response z(τh) of a coordinate: e^{λτh} z + g, and the weights of its inputs at 0, h/2 and h.
 struct Coordinate {
     growth: Complex<f64>,
     load: Complex<f64>,
     weights: [Complex<f64>; 3],
 }
 
-/// What a step of the size h does.
+/// Response of body and impactor over a step of size h.
 pub struct Answer {
-    /// h, s.
+    /// Step size h, s.
     pub step: f64,
     looks: Vec<Look>,
-    /// Re and Im of c e^{λτh} at all looks, by coordinate: four sums at a time, which a processor's vectors hold.
+    /// Real and imaginary parts of c e^{λτh} at all points of [`LOOKS`], for each coordinate. Four sums at a time fit
+    /// the vector registers of a processor.
     rows: Vec<[[f64; 4]; 2]>,
-    /// e^{λh}, and the weights of the force's values with b h in them, by coordinate.
+    /// For each coordinate: e^{λh}, and the weights of the force values, including the factor b h.
     growth: Vec<Complex<f64>>,
     inputs: Vec<[Complex<f64>; 3]>,
     loads: Vec<Complex<f64>>,
 }
 
 impl Answer {
-    /// The tables of a step, s.
+    /// Computes the tables of a step (s).
     pub fn new(modes: &Modes, impactor: &FreeBody, step: f64) -> Self {
         let count = modes.modes.len();
         let mut looks: Vec<Look> = LOOKS
@@ -218,7 +221,7 @@ impl Answer {
         answer
     }
 
-    /// δ at every look, m, with no force: `gap` in m.
+    /// Approach δ at the points of [`LOOKS`] without contact force, m; `gap` in m.
     pub fn free(&self, state: &State, gap: f64) -> [f64; 4] {
         let mut moved = [0.0; 4];
         for ([real, imaginary], z) in self.rows.iter().zip(&state.modes) {
@@ -232,18 +235,18 @@ impl Answer {
         })
     }
 
-    /// How much δ falls at a look for F of 1 N at 0, h/2 and h, m/N.
+    /// Decrease of δ at a point of [`LOOKS`] for F of 1 N at 0, h/2 and h, m/N.
     pub fn answers(&self, look: usize) -> [f64; 3] {
         self.looks[look].answers
     }
 
-    /// z at a look without any force but the loads.
+    /// Coordinates z at a point of [`LOOKS`] with no force except the loads.
     pub fn left_alone(&self, look: usize, state: &State) -> Vec<Complex<f64>> {
         let coordinates = self.looks[look].coordinates.iter().zip(&state.modes);
         coordinates.map(|(Coordinate { growth, load, .. }, z)| growth * z + load).collect()
     }
 
-    /// What inputs at 0, h/2 and h add to z at a look.
+    /// Contribution of inputs at 0, h/2 and h to z at a point of [`LOOKS`].
     pub fn driven(&self, look: usize, inputs: &[Vec<Complex<f64>>; 3]) -> Vec<Complex<f64>> {
         let [a, b, c] = inputs;
         let of = |(i, Coordinate { weights, .. }): (usize, &Coordinate)| {
@@ -252,7 +255,7 @@ impl Answer {
         self.looks[look].coordinates.iter().enumerate().map(of).collect()
     }
 
-    /// The state at the end under the force's three values, N.
+    /// Advances the state to the end of the step under the three values of the contact force, N.
     pub fn advance(&self, state: &mut State, modes: &Modes, impactor: &FreeBody, force: [f64; 3]) {
         let h = self.step;
         let left_alone = state.modes.iter_mut().zip(&self.growth).zip(&self.loads);

@@ -1,7 +1,8 @@
-//! Where the energy is, in modal coordinates.
+//! Energy balance in modal coordinates.
 //!
-//! The linear part is exact: what the force's quadratic F does on body and impactor, −∫F δ̇ dt, arrives there to rounding. Energy is
-//! made only where that is not what the contact's potential V loses and its damping takes: ΔV + ∫F_d δ̇ dt − ∫F δ̇ dt over a step.
+//! The linear part is exact: the energy of body and impactor changes by the work of the quadratic force F, −∫F δ̇ dt,
+//! to rounding. The numerical energy of a step is therefore ΔV + ∫F_d δ̇ dt − ∫F δ̇ dt, where V is the potential of the
+//! contact and F_d its damping force.
 
 use nalgebra::DVector;
 
@@ -14,21 +15,22 @@ use crate::scheme::modal::{quadratic, slopes};
 use super::answer::State;
 use super::motion::Taken;
 
-/// What was exchanged since t = 0, J of the modelled part.
+/// Sums of the exchanged energy since t = 0, J, for the modelled part.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct EnergyBalance {
     numerical: f64,
-    /// Lost in the contact's damping.
+    /// Energy dissipated by the damping of the contact.
     of_contact: f64,
     initial: Option<f64>,
-    /// What the loads had done before t = 0.
+    /// Product of the loads with the displacement at t = 0.
     before: Option<f64>,
 }
 
 impl EnergyBalance {
-    /// Counts a step; `potential` is what that of the contact's law has risen by, J.
+    /// Accounts for a step; `potential` is the change of the contact law's potential, J.
     pub fn account(&mut self, taken: &Taken, law: &Law, potential: f64) {
-        // ∫F δ̇ dt = [F δ] − ∫Ḟ δ dt; δ is a quartic through its five values, Ḟ is linear: Boole's rule is exact for it.
+        // ∫F δ̇ dt = [F δ] − ∫Ḟ δ dt. Since δ is the quartic through its five values and Ḟ is linear, Boole's rule is
+        // exact.
         let [a, b, c] = taken.force;
         let slope = |tau: f64| 4.0 * b - 3.0 * a - c + 2.0 * tau * (2.0 * a - 4.0 * b + 2.0 * c);
         let weights = [7.0, 32.0, 12.0, 32.0, 7.0];
@@ -47,8 +49,8 @@ impl EnergyBalance {
         self.numerical += potential + damped - (ends - inside) + taken.made;
     }
 
-    /// The energies, of the whole body, at a state with its vibration, a force (N), a potential of the contact (J), and one of springs where there are
-    /// none (J).
+    /// Returns the energies of the whole body at a state with its vibration. The last argument is the contact force
+    /// (N), the potential of the contact (J) and the energy of springs that lifted-off foundations do not have (J).
     pub fn energy(
         &mut self,
         (modes, parameters): (&Modes, &ImpactParameters),
@@ -76,7 +78,7 @@ impl EnergyBalance {
             + of_weight;
         let total = kinetic + elastic + support + impactor + contact;
         let initial = *self.initial.get_or_insert(total - external);
-        // Without dampers, relaxation and waves that go off, what the integration made is what the balance is off by.
+        // Without dampers, viscoelastic parts and outgoing waves, the residual of the balance is the numerical energy.
         let off = total - external - initial;
         let (dissipated, numerical) = match forms.damped.is_some() || forms.is_open {
             false => (self.of_contact, off + self.of_contact),
@@ -97,10 +99,10 @@ impl EnergyBalance {
     }
 }
 
-/// x and v of the vibrations.
+/// Displacements x and velocities v of the vibrations.
 pub(super) type Vibration = (DVector<f64>, DVector<f64>);
 
-/// The vibration at a state.
+/// Returns the vibration of a state.
 pub(super) fn coordinates(modes: &Modes, state: &State) -> Vibration {
     let z = &state.modes;
     if let Some([places, speeds]) = &modes.forms.damped {

@@ -1,4 +1,4 @@
-//! The tension under the hit on the other face, step by step: by it the error of stresses is estimated.
+//! Tension on the face opposite the impact point, at every step; it serves to estimate the error of the stresses.
 
 use nalgebra::{Complex, DMatrix};
 
@@ -7,25 +7,27 @@ use crate::form::stress::largest_in_plane;
 
 use super::motion::Motion;
 
-/// What reads the tension of a motion; it is read at each step of each run, so that nothing is made for it there.
+/// Linear forms for the tension opposite the impact point. They are prepared once, because every step of every run
+/// evaluates them.
 pub struct HitTension {
-    /// σ_a, σ_b and σ_ab.
+    /// Stress components σ_a, σ_b and σ_ab.
     stresses: [Reading; 3],
-    /// What they lack for 1 N on the modelled part, Pa.
+    /// Correction of these components for 1 N on the modelled part, Pa.
     local: [f64; 3],
 }
 
-/// A linear form on the state of a motion.
+/// A linear form on the state of the motion, Pa.
 struct Reading {
-    /// On Re z and Im z of the modes; the first is empty where it has no part.
+    /// Coefficients of Re z and Im z of the modes; `real` is empty if only Im z contributes.
     real: Vec<f64>,
     imaginary: Vec<f64>,
-    /// On ∫∫F dt dt, t²/2, F and the loads' own displacements.
+    /// Coefficients of ∫∫F dt dt, t²/2, F and the static displacement under the loads.
     others: [f64; 4],
 }
 
 impl HitTension {
-    /// Of a body's modes, where it is read, for so many parts of the whole.
+    /// Builds the forms from the modes of a body; `None` if the body has no such stresses. `copies` is the number of
+    /// equal parts of the whole body.
     pub fn new(modes: &Modes, copies: f64) -> Option<Self> {
         let (shapes, local) = modes.hit_stress.as_ref()?;
         let of_places = modes.forms.damped.as_ref().map(|[places, _]| on_modes(&shapes.moving, places));
@@ -45,7 +47,7 @@ impl HitTension {
         Some(Self { stresses, local: local.map(|stress| copies * stress) })
     }
 
-    /// The tension, Pa.
+    /// The largest tensile stress in the plane of the face, Pa.
     pub fn at(&self, motion: &Motion) -> f64 {
         let (state, force) = (&motion.state, motion.force);
         let others = [state.way, 0.5 * state.time * state.time, force, state.settled];
@@ -59,7 +61,8 @@ impl HitTension {
     }
 }
 
-/// Three rows times the places of each mode, all sums side by side.
+/// Product of three rows (the columns of `rows` hold their entries) with the displacements of each mode, three sums for
+/// each mode.
 fn on_modes(rows: &DMatrix<f64>, places: &DMatrix<Complex<f64>>) -> Vec<[Complex<f64>; 3]> {
     let of_mode = |column: nalgebra::DVectorView<Complex<f64>>| {
         let mut sums = [Complex::new(0.0, 0.0); 3];

@@ -1,9 +1,10 @@
-//! What unilateral foundations do in a step: λ, by which their springs pull too much where the body has lifted off, as forces beside
-//! the contact's.
+//! Unilateral foundations in a step. The modes contain two-way springs; where the body has lifted off, the excess pull
+//! λ of these springs is applied as an additional force.
 //!
-//! Over a step each point's λ is, as the contact's force, the quadratic in time through its values at 0, h/2 and h, and at the latter two
-//! it satisfies λ = k⟨−g⟩. Foundations are soft against what a body's mass resists in a step: forces and displacements are found by turns,
-//! with the contact's own equations solved in each. Where that does not close in, the step is too large.
+//! Over a step, λ of each point is a quadratic in time through its values at 0, h/2 and h, like the contact force. At
+//! h/2 and h it satisfies λ = k⟨−g⟩. A foundation is soft compared with the inertia of the body in a step, so forces
+//! and displacements are found by fixed-point iteration. The contact's own equations are solved in each iteration. If
+//! the iteration does not converge, the step is too large.
 
 use nalgebra::{Complex, DVector};
 
@@ -11,50 +12,51 @@ use crate::body::{ModalFoundation, Modes};
 
 use super::answer::{Answer, LOOKS, NODES, State, real_product};
 
-/// What the next turn would change of the forces, over those of springs everywhere, when they are found.
+/// Convergence tolerance: estimated change of the forces in the next iteration, relative to the forces of springs at
+/// all points.
 const FOUND: f64 = 1e-11;
 
-/// Turns at most; and from which on each must halve the change.
-const MOST: usize = 60;
-const FIRST: usize = 4;
+/// Largest number of iterations; and the iteration from which on each must halve the change.
+const MAX_ITERATIONS: usize = 60;
+const FIRST_CHECKED_ITERATION: usize = 4;
 
-/// How much less a turn may take of the change than in the step before.
+/// Safety factor on the convergence ratio of the last step, when it is used for the first iteration of a step.
 const CAUTION: f64 = 10.0;
 
-/// The foundations of a body on its way.
+/// State of the unilateral foundations of a body in motion.
 pub struct Lift<'a> {
     modes: &'a Modes,
     foundation: &'a ModalFoundation,
-    /// At the state reached.
+    /// Forces at the state reached.
     now: Pull,
     last: Option<Last>,
 }
 
-/// The forces of a foundation.
+/// Forces of a foundation.
 #[derive(Clone)]
 struct Pull {
-    /// λ of its points less that in equilibrium, N.
+    /// Excess pull λ of the points minus its value in equilibrium, N.
     at_points: DVector<f64>,
-    /// What they are along the vibrations.
+    /// Generalised forces on the vibrations.
     along: DVector<f64>,
 }
 
-/// What the last step leaves to the next.
+/// Results of the last step, which serve as the first guess for the next.
 struct Last {
-    /// The forces at 0, h/2 and h.
+    /// Forces at 0, h/2 and h.
     pulls: [Pull; 3],
-    /// h, s.
+    /// Step size h, s.
     step: f64,
-    /// What a turn left of the change.
+    /// Convergence ratio: change in the last iteration over the change in the one before.
     ratio: Option<f64>,
 }
 
-/// A step's forces.
+/// Foundation forces of a step.
 pub struct Pulled {
-    /// At h/2 and h.
+    /// Forces at h/2 and h.
     pulls: [Pull; 2],
     ratio: Option<f64>,
-    /// Energy that the step makes, with dampers, J: what potential the springs gain where they are none, and its work.
+    /// Numerical energy of the step, J, for bodies with dampers (otherwise 0): −Δ(½ λ²/k) minus the work of λ.
     pub made: f64,
 }
 
@@ -65,7 +67,7 @@ impl Pull {
         Self { at_points, along }
     }
 
-    /// Σ w p.
+    /// Linear combination Σ w p of three sets of forces.
     fn sum(weights: [f64; 3], pulls: [&Self; 3]) -> Self {
         let of = |part: fn(&Self) -> &DVector<f64>| {
             let mut sum = part(pulls[0]) * weights[0];
@@ -78,7 +80,7 @@ impl Pull {
 }
 
 impl<'a> Lift<'a> {
-    /// At a state; `None` without foundations.
+    /// Sets up the foundations at a state; `None` if there are none.
     pub fn new(modes: &'a Modes, state: &State) -> Option<Self> {
         let foundation = modes.foundation.as_ref()?;
         let points = &foundation.points;
@@ -86,13 +88,13 @@ impl<'a> Lift<'a> {
         Some(Self { modes, foundation, now, last: None })
     }
 
-    /// The energy that springs have, and foundations have not, J.
+    /// Energy of the springs that the foundations do not have where the body has lifted off, J.
     pub fn energy(&self) -> f64 {
         self.foundation.points.energy(&self.now.at_points)
     }
 
-    /// Solves a step from a state. `free` is δ at the looks without any force; `contact` finds what it wants to know and F at 0, h/2 and h
-    /// from that δ under the foundations' forces. `None` where either is not found.
+    /// Solves a step from a state. `free` is δ at [`LOOKS`] without any force. `contact` receives δ at [`LOOKS`] under
+    /// the foundation forces; it returns a result of its own and F at 0, h/2 and h. `None` if either is not found.
     pub fn solve<T>(
         &self,
         table: &Answer,
@@ -108,7 +110,7 @@ impl<'a> Lift<'a> {
             last.ratio.map(|ratio| CAUTION * ratio * longer * longer)
         });
         let mut before = f64::INFINITY;
-        for turn in 0..MOST {
+        for turn in 0..MAX_ITERATIONS {
             let inputs = self.inputs([&self.now, &pulls[0], &pulls[1]]);
             let moved = [0, 1, 2, 3].map(|look| self.moved(table, look, &inputs));
             let (found, force) = contact([0, 1, 2, 3].map(|look| free[look] - moved[look]))?;
@@ -132,7 +134,7 @@ impl<'a> Lift<'a> {
                 let ratio = if turn > 0 { ratio } else { self.last.as_ref().and_then(|last| last.ratio) };
                 return Some((found, Pulled { pulls, ratio, made }));
             }
-            if !change.is_finite() || turn >= FIRST && change > 0.5 * before {
+            if !change.is_finite() || turn >= FIRST_CHECKED_ITERATION && change > 0.5 * before {
                 return None;
             }
             before = change;
@@ -141,7 +143,8 @@ impl<'a> Lift<'a> {
         None
     }
 
-    /// Takes a step whose other forces the state has already.
+    /// Completes a step: adds the effect of the foundation forces to a state that already contains the effect of the
+    /// other forces.
     pub fn advance(&mut self, table: &Answer, state: &mut State, pulled: Pulled) {
         let Pulled { pulls: [middle, end], ratio, .. } = pulled;
         let driven = table.driven(NODES[1], &self.inputs([&self.now, &middle, &end]));
@@ -150,7 +153,7 @@ impl<'a> Lift<'a> {
         self.last = Some(Last { pulls: [begin, middle, end], step: table.step, ratio });
     }
 
-    /// The forces at the middle and the end of a step, by the last step's carried on.
+    /// First guess of the forces at the middle and the end of a step: extrapolation of the last step's quadratic.
     fn guess(&self, step: f64) -> [Pull; 2] {
         let Some(Last { pulls, step: last, .. }) = &self.last else { return [self.now.clone(), self.now.clone()] };
         [0.5, 1.0].map(|part| {
@@ -160,7 +163,7 @@ impl<'a> Lift<'a> {
         })
     }
 
-    /// What the forces drive the coordinates by.
+    /// Inputs of the modal coordinates due to the foundation forces.
     fn inputs(&self, pulls: [&Pull; 3]) -> [Vec<Complex<f64>>; 3] {
         pulls.map(|pull| match &self.foundation.inputs {
             None => pull.along.iter().map(|f| Complex::new(*f, 0.0)).collect(),
@@ -168,7 +171,7 @@ impl<'a> Lift<'a> {
         })
     }
 
-    /// The same with those of the contact.
+    /// Inputs due to the foundation forces and the contact force.
     fn with_contact(&self, inputs: &[Vec<Complex<f64>>; 3], force: [f64; 3]) -> [Vec<Complex<f64>>; 3] {
         [0, 1, 2].map(|node| {
             let both = self.modes.modes.iter().zip(&inputs[node]);
@@ -176,13 +179,14 @@ impl<'a> Lift<'a> {
         })
     }
 
-    /// How far inputs move the surface away from the impactor at a look, m.
+    /// Displacement of the surface away from the impactor due to inputs, at a point of [`LOOKS`], m.
     fn moved(&self, table: &Answer, look: usize, inputs: &[Vec<Complex<f64>>; 3]) -> f64 {
         let driven = table.driven(look, inputs);
         self.modes.modes.iter().zip(driven).map(|(mode, z)| real_product(mode.output, z)).sum()
     }
 
-    /// −Δ(½ λ²/k) less the work of λ over a step, J, where dampers leave no other account of it.
+    /// Numerical energy −Δ(½ λ²/k) minus the work of λ over a step, J. It is needed only with dampers; without them the
+    /// residual of the energy balance contains it.
     fn made(&self, table: &Answer, state: &State, pulls: [&Pull; 3], inputs: &[Vec<Complex<f64>>; 3]) -> f64 {
         let points = &self.foundation.points;
         if self.modes.forms.damped.is_none() {
@@ -196,7 +200,7 @@ impl<'a> Lift<'a> {
         let places: Vec<DVector<f64>> =
             std::iter::once(self.modes.places(&state.modes)).chain((0..LOOKS.len()).map(at)).collect();
         let [a, b, c] = pulls.map(|pull| -&pull.along);
-        // ∫λ ġ dt = [λ g] − ∫λ̇ g dt: λ̇ is linear, g by Boole's rule.
+        // ∫λ ġ dt = [λ g] − ∫λ̇ g dt, where λ̇ is linear and g is integrated by Boole's rule.
         let weights = [7.0, 32.0, 12.0, 32.0, 7.0];
         let slope = |tau: f64| (&b * 4.0 - &a * 3.0 - &c) + (&a * 2.0 - &b * 4.0 + &c * 2.0) * (2.0 * tau);
         let inside: f64 = (0..5).map(|k| weights[k] / 90.0 * slope(0.25 * k as f64).dot(&places[k])).sum();

@@ -1,8 +1,10 @@
-//! One impact on a body in modal coordinates: its linear part exact, contacts begun and ended where they are, steps by the error.
+//! An impact on a body in modal coordinates: exact linear propagation, located beginnings and ends of contacts, error
+//! control.
 //!
-//! A step h resolves frequencies up to a few over h. Faster modes answer the force as springs do, so that no step is unstable:
-//! which modes those are goes with the largest step. A run in steps chosen by the error is made twice, in steps of which one's
-//! largest is half of the other's, and the difference is the estimate of the error, by the steps and by the modes left out.
+//! A step h resolves frequencies up to a few over h. Faster modes respond to the force quasi-statically, as springs, so
+//! every step size is stable. The largest step therefore decides which modes move. A run with error control is computed
+//! at least twice, with largest steps that differ by a factor of two. The difference estimates the error of the steps
+//! and of the modes left out.
 
 mod answer;
 mod energy_balance;
@@ -37,40 +39,42 @@ pub use motion::Steps;
 use reading::{FacesOfSteps, Reader};
 pub use trace::Trace;
 
-/// Modes up to this over the largest step take part in the motion.
-const RESOLVED: f64 = 3.0;
+/// Largest ω h of a mode that takes part in the motion, where h is the largest step.
+const LARGEST_PHASE_PER_STEP: f64 = 3.0;
 
-/// Largest step, as a part of the contact time on a half-space, for an error of 1; it goes with the third root of the error.
-const FIRST: f64 = 0.15;
+/// Largest step for a tolerance of 1, relative to the contact time on a half-space. The step is proportional to the
+/// cube root of the tolerance.
+const FIRST_STEP_FACTOR: f64 = 0.15;
 
-/// First guess of the peak force, as a part of that on a half-space.
-const OF_HALF_SPACE: f64 = 0.3;
+/// First guess of the peak force, relative to the peak force on a half-space.
+const FIRST_PEAK_FACTOR: f64 = 0.3;
 
-/// Errors over the difference from steps twice as long, and from steps half as long. The force has an order of 3 at least (3.7 was measured over
-/// three contacts). The largest tension is that of the steps, and lies between two of them: of order 2.
-const OF_FORCE: f64 = 1.0 / 7.0;
-const OF_FORCE_BY_HALVES: f64 = 8.0 / 7.0;
-const OF_TENSION: f64 = 1.0 / 3.0;
-const OF_TENSION_BY_HALVES: f64 = 4.0 / 3.0;
+/// Ratios of the error to the difference from a run with steps twice as long, and from a run with steps half as long.
+/// For the force they assume order 3 (measured over three contacts: 3.7). For the tension they assume order 2, since
+/// its largest value is read at the steps while the true maximum lies between two of them.
+const FORCE_ERROR_FACTOR: f64 = 1.0 / 7.0;
+const FORCE_ERROR_FACTOR_BY_HALVES: f64 = 8.0 / 7.0;
+const TENSION_ERROR_FACTOR: f64 = 1.0 / 3.0;
+const TENSION_ERROR_FACTOR_BY_HALVES: f64 = 4.0 / 3.0;
 
-/// Halvings of the largest step at most.
+/// Largest number of halvings of the largest step.
 const REFINEMENTS: usize = 14;
 
-/// Part of the tolerance that the steps may take.
-pub const OF_STEPS: f64 = 0.3;
+/// Share of the tolerance that the time steps may use.
+pub const TIME_STEP_SHARE: f64 = 0.3;
 
-/// Steps between two questions whether to go on.
+/// Number of steps between two calls of [`Observer::is_interrupted`].
 const ASK_EVERY: usize = 1024;
 
-/// Steps of one run at most.
+/// Largest number of steps of one run.
 const MOST_STEPS: usize = 10_000_000;
 
-/// An impact on a modal body, which it owns or borrows.
+/// An impact on a modal body; the body is owned or borrowed.
 pub struct ModalImpact<B> {
     body: B,
     parameters: ImpactParameters,
     end: f64,
-    /// Given step, s.
+    /// Step size of the scene, s; `None` for steps with error control.
     step: Option<f64>,
     initial: Initial,
     tolerance: f64,
@@ -79,23 +83,23 @@ pub struct ModalImpact<B> {
     gate: Gate,
     has_energies: bool,
     readout: Option<Readout>,
-    /// The force of the last run, and its steps.
+    /// Contact force of the last run, and its time steps.
     last: Option<(Trace, Steps)>,
-    /// What the runs have cost so far.
+    /// Cost of the runs so far.
     pub count: Count,
 }
 
-/// A run that is done.
+/// Result of a run.
 struct Done {
     trace: Trace,
     steps: Vec<Observed>,
     sizes: Steps,
-    /// What is still to be read of the steps.
+    /// Data of all steps from which the stresses on the faces are still to be evaluated.
     faces: Option<FacesOfSteps>,
 }
 
 impl<B: Borrow<ModalBody>> ModalImpact<B> {
-    /// An impactor and the times of a scene, on a body.
+    /// Sets up the impactor and the times of a scene with a body.
     pub fn new(scene: &Scene, body: B) -> Self {
         let impactor = &scene.impactor;
         Self {
@@ -104,7 +108,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             end: scene.time.end,
             step: scene.time.step,
             initial: scene.time.initial,
-            tolerance: OF_STEPS * scene.tolerance,
+            tolerance: TIME_STEP_SHARE * scene.tolerance,
             measure: scene.measure,
             contact_time: impactor.contact_time(),
             gate: Gate::new(scene),
@@ -115,20 +119,21 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         }
     }
 
-    /// Impactor and contact.
+    /// Parameters of impactor and contact.
     pub fn parameters(&self) -> &ImpactParameters {
         &self.parameters
     }
 
-    /// Runs before a closure, as [`TimeIntegration::run_watched`].
+    /// Runs with a closure as the observer; see [`TimeIntegration::run_watched`].
     ///
     /// # Errors
-    /// As there.
+    /// Same as [`TimeIntegration::run_watched`].
     pub fn run(&mut self, mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
         self.observed(&mut observe)
     }
 
-    /// All steps are there before the first is told: those up to an interruption are told to their end.
+    /// Runs with an observer. All steps are computed before the first is passed on. After an interruption or a break of
+    /// the observer, all steps computed so far are still passed on.
     fn observed(&mut self, observer: &mut dyn Observer) -> Result<ControlFlow<()>> {
         let Done { trace, mut steps, sizes, faces } = self.done(true, observer)?;
         self.last = Some((trace, sizes));
@@ -144,29 +149,31 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         Ok(flow)
     }
 
-    /// Leaves the energies of the steps at zero, which take a good part of the time, but where the scene has an energy gate.
+    /// Leaves the energies of the steps at zero, since they take a large part of the computing time; no effect if the
+    /// scene has an energy gate.
     #[must_use]
     pub fn without_energies(self) -> Self {
         Self { has_energies: self.gate.is_set(), ..self }
     }
 
-    /// The force of the last run, with the steps it took.
+    /// Contact force of the last run, with its time steps.
     pub fn force(&self) -> Option<&(Trace, Steps)> {
         self.last.as_ref()
     }
 
-    /// The force alone, in the given steps or those of the scene; with the steps it took.
+    /// Computes only the contact force, in the given time steps or those of the scene; returns it with the time steps
+    /// used.
     ///
     /// # Errors
-    /// As [`ModalImpact::run`].
+    /// Same as [`ModalImpact::run`].
     pub fn trace(&mut self, steps: Option<Steps>) -> Result<(Trace, Steps)> {
         self.trace_watched(steps, &mut |_: &Step| Ok(ControlFlow::Continue(())))
     }
 
-    /// The same before somebody who may break it off: then the force is that up to there.
+    /// Same as [`Self::trace`] with an observer that may interrupt the run; the force then ends at the interruption.
     ///
     /// # Errors
-    /// As [`ModalImpact::run`].
+    /// Same as [`ModalImpact::run`].
     pub fn trace_watched(&mut self, steps: Option<Steps>, observer: &mut dyn Observer) -> Result<(Trace, Steps)> {
         let done = match steps {
             Some(steps) => self.once(steps, false, observer)?,
@@ -175,14 +182,15 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         Ok((done.trace, done.sizes))
     }
 
-    /// A run in the scene's steps; with them as observers see them, or with the force alone.
+    /// Runs in the time steps of the scene. If `observed`, the steps are stored for observers; otherwise only the
+    /// force.
     fn done(&mut self, observed: bool, observer: &mut dyn Observer) -> Result<Done> {
         match self.step {
             Some(step) => {
                 let guess = Steps { largest: step, defect: None, peak: self.guess() };
                 let done = self.once(guess, observed, observer)?;
                 let peak = done.trace.peak();
-                // A contact that is harder than thought is stiffer, too.
+                // A larger force than expected means a stiffer contact, which needs other modes.
                 if peak <= guess.peak {
                     Ok(done)
                 } else {
@@ -193,24 +201,27 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         }
     }
 
-    /// A force that a contact may reach, N.
+    /// First guess of the peak force, N.
     fn guess(&self) -> f64 {
-        OF_HALF_SPACE * self.parameters.hardest()
+        FIRST_PEAK_FACTOR * self.parameters.hardest()
     }
 
-    /// Halves the steps until the tolerance is met in the first contact.
+    /// Halves the time steps until the tolerance is met in the first contact.
     fn controlled(&mut self, observed: bool, observer: &mut dyn Observer) -> Result<Done> {
         let contact = self.contact_time;
-        let resolving = RESOLVED / self.body.borrow().stiffened();
-        let mut largest = (2.0 * FIRST * self.tolerance.cbrt() * contact).min(0.5 * self.end).min(resolving);
-        // What a step may be off by goes with its length as the error does.
-        let defect = |largest: f64, peak: f64| peak * (largest / (FIRST * contact)).powi(3).min(0.1);
+        let resolving = LARGEST_PHASE_PER_STEP / self.body.borrow().stiffened();
+        let mut largest = (2.0 * FIRST_STEP_FACTOR * self.tolerance.cbrt() * contact).min(0.5 * self.end).min(resolving);
+        // The allowed defect within a step is proportional to the cube of the step size, as the error is.
+        let defect = |largest: f64, peak: f64| peak * (largest / (FIRST_STEP_FACTOR * contact)).powi(3).min(0.1);
         let guess = self.guess();
         let coarse = Steps { largest, defect: Some(defect(largest, guess)), peak: guess };
         let mut coarse = self.once(coarse, false, observer)?;
-        // The first run is no more than a measure. A later one counts as soon as a finer one shows that its steps are short enough: twice the step
-        // may be too long for the order of convergence. Observers see the second run, which counts as a rule, and of others only the one that does.
-        // (Trials, which nobody observes, keep the finer steps and are compared between their nodes, too: bases and cells are judged by such differences.)
+        // The first run only serves for comparison. A later run is accepted as the coarser one as soon as a finer run
+        // shows that its steps are short enough, because a doubled step may be too long for the assumed order of
+        // convergence. Observers receive the second run, which is accepted in most cases; of later runs, only the
+        // accepted one is repeated for them.
+        // (Trial runs have no observer. They return the finer run and are also compared between the steps, because
+        // their differences are used to estimate the errors of bases and cells.)
         for refinement in 0..REFINEMENTS {
             largest *= 0.5;
             let peak = coarse.trace.peak();
@@ -221,8 +232,8 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
                 true => fine.trace.difference_at_steps(&coarse.trace),
                 false => fine.trace.difference(&coarse.trace),
             };
-            let by_halves = errors(difference, OF_FORCE_BY_HALVES, OF_TENSION_BY_HALVES);
-            let by_doubles = errors(difference, OF_FORCE, OF_TENSION);
+            let by_halves = errors(difference, FORCE_ERROR_FACTOR_BY_HALVES, TENSION_ERROR_FACTOR_BY_HALVES);
+            let by_doubles = errors(difference, FORCE_ERROR_FACTOR, TENSION_ERROR_FACTOR);
             let is_met = |error: &Errors| error.of(self.measure) <= self.tolerance;
             if observed && refinement > 0 && is_met(&by_halves) && !observer.is_interrupted() {
                 self.count_errors(by_halves);
@@ -245,28 +256,29 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         self.count.stress_error = Some(error.stress).filter(|error| !error.is_nan());
     }
 
-    /// The modes that move in some steps.
+    /// Returns the modes that take part in the motion for given time steps.
     ///
     /// # Errors
-    /// As [`ModalBody::modes`].
+    /// Same as [`ModalBody::modes`].
     pub fn modes(&self, steps: &Steps) -> Result<Rc<Modes>> {
         let Law { force_law, compliance, .. } = &self.parameters.law;
         let tangent = force_law.steepest(force_law.indentation(steps.peak));
-        // Rounded down, so that impacts whose tolerances differ by little move in the same modes.
+        // Rounded down to a power of two, so that impacts with slightly different tolerances use the same modes.
         let accuracy = self.tolerance.log2().floor().exp2();
         let closed = Closed { tangent, compliance: *compliance, mass: self.parameters.mass, accuracy, end: self.end };
         let body: &ModalBody = self.body.borrow();
-        let resolved = RESOLVED / steps.largest;
+        let resolved = LARGEST_PHASE_PER_STEP / steps.largest;
         match steps.defect {
             Some(_) => body.modes_of_chosen_steps(body.faster() * resolved, &closed),
             None => body.modes(resolved, &closed),
         }
     }
 
-    /// One run; with the steps as observers see them, or with the force alone.
+    /// Computes one run in given time steps. If `observed`, the steps are stored for observers; otherwise only the
+    /// force.
     fn once(&mut self, steps: Steps, observed: bool, observer: &mut dyn Observer) -> Result<Done> {
         let (parameters, modes) = (self.parameters.clone(), self.modes(&steps)?);
-        // The springs of the modes left out are in the law.
+        // The compliance of the modes left out is part of the contact law.
         let law = Law { compliance: parameters.law.compliance - modes.residual, ..parameters.law.clone() };
         let ImpactParameters { mass, speed, gap, weight, .. } = parameters;
         let state = match self.initial {
@@ -276,7 +288,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
                 State::equilibrium(&modes, speed)
             }
         };
-        // The gap is that to the surface as the loads leave it.
+        // The gap is measured from the surface as displaced by the loads.
         let gap = gap - state.surface(&modes);
         let impactor = FreeBody { mass, gravity: weight / mass, speed, gap };
         let mut motion = Motion::new(&modes, law.clone(), impactor, steps, state);
@@ -296,14 +308,14 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             done.steps.push(see(0, &motion, energy_balance.as_mut()));
         }
         let mut number = 0;
-        // What is left but for rounding is nothing.
+        // A remaining time within rounding of the end counts as zero.
         while self.end - motion.state.time > 1e-12 * self.end {
             number += 1;
             let before = energy_balance.as_ref().map(|_| law.potential(motion.approach));
             let taken = motion.advance(self.end).map_err(|error| at(error, number, motion.state.time))?;
             let time = motion.state.time;
             let shown = motion.approach - modes.residual * motion.force;
-            // Bodies that are apart are within any law.
+            // While the bodies are apart, the law is always valid.
             if shown > 0.0 {
                 let rate = motion.rate() - modes.residual * motion.rise();
                 parameters.admit(shown, rate).map_err(|error| at(error, number, time))?;
@@ -337,7 +349,7 @@ impl<B: Borrow<ModalBody>> TimeIntegration for ModalImpact<B> {
         self.step.map(|step| Plan::Equal { step })
     }
 
-    /// Not known: a contact begins and ends between the steps of a size.
+    /// Always `None`: a contact begins and ends between the regular steps, which adds steps.
     fn steps(&self) -> Option<usize> {
         None
     }
@@ -355,7 +367,7 @@ impl<B: Borrow<ModalBody>> TimeIntegration for ModalImpact<B> {
         Ok(())
     }
 
-    /// Has no checkpoints: it is done anew.
+    /// Does nothing: a modal run has no checkpoints and starts from the beginning.
     fn resume(&mut self, _: &Checkpoint) -> Result<()> {
         Ok(())
     }
@@ -365,7 +377,7 @@ impl<B: Borrow<ModalBody>> TimeIntegration for ModalImpact<B> {
     }
 }
 
-/// The errors of a run, as parts of its difference from another one.
+/// Errors of a run, as fractions of its difference from another run.
 fn errors(difference: Errors, of_force: f64, of_tension: f64) -> Errors {
     Errors { stress: of_tension * difference.stress, ..of_force * difference }
 }
@@ -374,7 +386,7 @@ fn parameters(impactor: &Impactor, body: &ModalBody) -> ImpactParameters {
     ImpactParameters::of(impactor, body.copies, body.compliance)
 }
 
-/// The moment as observers see it.
+/// Returns the present step for the observers.
 fn seen(
     number: usize,
     motion: &Motion,
@@ -383,7 +395,7 @@ fn seen(
 ) -> Step {
     let (state, force) = (&motion.state, motion.force);
     let approach = motion.approach - modes.residual * force;
-    // δ = δ_modes − r F.
+    // The true approach is δ = δ_modes − r F, where r is the static compliance of the modes left out.
     let law = motion.law();
     Step {
         number,

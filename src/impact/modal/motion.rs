@@ -1,4 +1,4 @@
-//! The motion in modal coordinates, step by step: contact and flight, with the moments between them found.
+//! Time integration in modal coordinates, step by step, with the beginning and the end of each contact located in time.
 
 use crate::body::Modes;
 use crate::contact::Law;
@@ -8,67 +8,69 @@ use super::answer::{Answer, FreeBody, LOOKS, State, SurfaceRate};
 use super::lift::{Lift, Pulled};
 use super::stage::{Stage, solve, solve_damped};
 
-/// Halvings of the step at most.
+/// Largest number of halvings of the step.
 const LEVELS: usize = 40;
 
-/// Which steps are taken.
+/// Choice of the time steps.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Steps {
-    /// The largest, s.
+    /// Largest step, s.
     pub largest: f64,
-    /// Allowed difference of law and force within a step, N; `None` for steps of one size.
+    /// Allowed difference between the contact law and the quadratic force within a step, N; `None` for steps of one
+    /// size.
     pub defect: Option<f64>,
-    /// Force up to which the contact's stiffness counts among the frequencies that a step resolves, N.
+    /// Expected peak force, N. The contact stiffness at this force decides how many modes the steps resolve.
     pub peak: f64,
 }
 
-/// One step taken: the force's three values, N.
+/// One accepted step.
 pub struct Taken {
-    /// Its size, s.
+    /// Step size, s.
     pub step: f64,
-    /// F at its begin, middle and end, N.
+    /// Contact force F at the beginning, middle and end of the step, N.
     pub force: [f64; 3],
-    /// δ at its begin and at the looks, m.
+    /// Approach δ at the beginning of the step and at [`LOOKS`], m.
     pub approach: [f64; 5],
-    /// Energy that unilateral foundations make in it, with dampers, J.
+    /// Numerical energy of the unilateral foundations in the step, J; computed only for bodies with dampers.
     pub made: f64,
 }
 
-/// Body and impactor on their way.
+/// Motion of the body and the impactor.
 pub struct Motion<'a> {
     modes: &'a Modes,
     surface_rate: SurfaceRate,
     law: Law,
     impactor: FreeBody,
     steps: Steps,
-    /// Tables by halvings of the largest step.
+    /// Response tables, by the number of halvings of the largest step.
     tables: Vec<Option<Answer>>,
     level: usize,
-    /// The last step's force, to go on from.
+    /// Force values (N) and size (s) of the last step; `None` after the end of a contact.
     last: Option<([f64; 3], f64)>,
     touching: bool,
-    /// Whether the contact has no step yet. Its first one must not be its last: between two steps without force it would not be seen.
+    /// Whether the contact has no step yet. Its first step must not be its last: its force is zero at both ends, so a
+    /// contact of one step would not be visible in the output.
     begun: bool,
-    /// Whether a contact was just found to be none.
+    /// Whether an apparent contact has just proved to have no force.
     grazing: bool,
-    /// Unilateral foundations.
+    /// Unilateral foundations, if there are any.
     lift: Option<Lift<'a>>,
-    /// Halvings from which on the forces of these are found.
+    /// Number of halvings from which on the foundation forces converge.
     coarsest: usize,
-    /// The state reached.
+    /// State reached: modal coordinates, rigid-body motion and impactor.
     pub state: State,
-    /// F, N.
+    /// Contact force F on the modelled part, N.
     pub force: f64,
-    /// δ of the modes, m.
+    /// Approach δ_modes, m: computed without the static displacement of the modes left out.
     pub approach: f64,
-    /// Steps tried.
+    /// Number of steps tried.
     pub solves: usize,
-    /// Newton iterations.
+    /// Number of Newton iterations.
     pub iterations: usize,
 }
 
 impl<'a> Motion<'a> {
-    /// At t = 0; `law` in terms of the approach that the modes show.
+    /// Starts the motion at t = 0; `law` is the contact law in terms of δ_modes.
     pub fn new(modes: &'a Modes, law: Law, impactor: FreeBody, steps: Steps, state: State) -> Self {
         Self {
             modes,
@@ -92,37 +94,37 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// δ̇ of the modes, m/s.
+    /// Rate of δ_modes, m/s.
     pub fn rate(&self) -> f64 {
         self.state.impactor[1] - self.surface_rate.at(&self.state, self.force)
     }
 
-    /// The contact's law, in terms of the approach that the modes show.
+    /// Contact law in terms of δ_modes.
     pub fn law(&self) -> &Law {
         &self.law
     }
 
-    /// The energy of springs where unilateral foundations have none, J.
+    /// Energy of springs that unilateral foundations do not have where the body has lifted off, J.
     pub fn absent_energy(&self) -> f64 {
         self.lift.as_ref().map_or(0.0, Lift::energy)
     }
 
-    /// Ḟ, N/s.
+    /// Rate of the contact force, Ḟ, N/s.
     pub fn rise(&self) -> f64 {
         match self.last {
             _ if self.force == 0.0 => 0.0,
-            // Damping makes it go with δ̈, which the step's quadratic has in it.
+            // With damping, Ḟ depends on δ̈; it follows from the force's quadratic over the last step.
             Some(([a, b, c], step)) if self.law.damping > 0.0 => (a - 4.0 * b + 3.0 * c) / step,
             _ => self.law.tangent(self.approach) * self.rate(),
         }
     }
 
-    /// Takes a step, not beyond `end` (s).
+    /// Takes a step that does not pass `end` (s).
     ///
     /// # Errors
-    /// [`Error::Solve`] where no step is small enough.
+    /// [`Error::Solve`] if no step is small enough.
     pub fn advance(&mut self, end: f64) -> Result<Taken> {
-        // Contact found and lost again, then a step.
+        // A contact may be found and lost again before a step is accepted.
         for _ in 0..8 {
             let left = end - self.state.time;
             let taken = if self.touching { self.press(left)? } else { self.fly(left)? };
@@ -133,10 +135,11 @@ impl<'a> Motion<'a> {
         Err(Error::Solve("it is not found whether there is contact".into()))
     }
 
-    /// The table of a step of the level's size or of what is left, whichever is shorter.
+    /// Returns the response table of a step; its size is the step of the present level or `left` (s), whichever is
+    /// shorter.
     fn table(&mut self, left: f64) -> Answer {
         let step = self.steps.largest * 0.5_f64.powi(self.level as i32);
-        // What is left but for rounding is a step of its own.
+        // The last step takes all of the remaining time, so that rounding does not leave a tiny further step.
         if step > left * (1.0 - 1e-9) {
             return Answer::new(self.modes, &self.impactor, left);
         }
@@ -150,7 +153,7 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// A step without contact; `None` where contact begins at once.
+    /// Takes a step without contact; `None` if contact begins immediately.
     fn fly(&mut self, left: f64) -> Result<Option<Taken>> {
         self.level = self.coarsest;
         let (table, free, pulled) = loop {
@@ -172,15 +175,16 @@ impl<'a> Motion<'a> {
             return Ok(Some(taken));
         };
         if std::mem::take(&mut self.grazing) && look == 0 {
-            // δ rises by so little that no force comes of it before the first look.
+            // δ rises so little that the force remains zero up to the first point of [`LOOKS`].
+            let until = LOOKS[0] * table.step;
             self.put_back(table);
-            let table = Answer::new(self.modes, &self.impactor, LOOKS[0] * self.steps.largest.min(left));
+            let table = Answer::new(self.modes, &self.impactor, until);
             let (free, pulled) = self.flight(&table).ok_or_else(not_followed)?;
             return Ok(Some(self.take(&table, [0.0; 3], free, pulled)));
         }
         (self.touching, self.begun) = (true, true);
         self.force = self.law.damped(self.approach, self.rate()).force;
-        // As small as it has to be, for F = t^{3/2} has no quadratic.
+        // Contact begins with small steps, since F ∝ t^{3/2} is not close to a quadratic.
         self.level = if self.steps.defect.is_some() { 3 } else { 0 }.max(self.coarsest);
         let (mut low, mut high) =
             (if look == 0 { 0.0 } else { LOOKS[look - 1] * table.step }, LOOKS[look] * table.step);
@@ -200,7 +204,7 @@ impl<'a> Motion<'a> {
         Ok(Some(taken))
     }
 
-    /// δ at the looks of a step without contact, m, and what foundations do meanwhile; `None` where that is not found.
+    /// Approach δ at [`LOOKS`] of a step without contact, m, with the foundation forces; `None` if these are not found.
     fn flight(&self, table: &Answer) -> Option<([f64; 4], Option<Pulled>)> {
         let free = table.free(&self.state, self.impactor.gap);
         match &self.lift {
@@ -212,7 +216,7 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// δ after a time (s) without contact, m.
+    /// Approach δ after a time (s) without contact, m.
     fn flown(&self, time: f64) -> f64 {
         if self.lift.is_none() || time <= 0.0 {
             return self.state.flown(self.modes, &self.impactor, time);
@@ -221,7 +225,7 @@ impl<'a> Motion<'a> {
         self.flight(&table).map_or(f64::NAN, |(free, _)| free[3])
     }
 
-    /// A step in contact; `None` where it has ended already.
+    /// Takes a step in contact; `None` if the contact has ended already.
     fn press(&mut self, left: f64) -> Result<Option<Taken>> {
         loop {
             let table = self.table(left);
@@ -269,7 +273,7 @@ impl<'a> Motion<'a> {
             let taken = self.take(&table, stage.force, stage.approach, pulled);
             self.put_back(table);
             self.begun = false;
-            // The defect falls with the third power of the step: an eighth of it is what the next size will show.
+            // The defect is proportional to the cube of the step: doubling the step multiplies it by eight.
             if self.steps.defect.is_some() && stage.defect < worst / 12.0 {
                 self.level = level.saturating_sub(1);
             }
@@ -277,12 +281,12 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// A step to the end of the contact, about between two times (s): of the size at which δ is zero at its end, with the force there.
-    /// `None` where it is not found.
+    /// Takes the step that ends the contact: δ and the force are zero at its end. Its size is sought roughly between
+    /// the times `before` and `length` (s). `None` if it is not found.
     fn release(&mut self, (before, length): (f64, f64), guess: f64) -> Option<Taken> {
         let solved = |motion: &Self, step: f64| {
             let table = Answer::new(motion.modes, &motion.impactor, step);
-            // At the end of a contact δ falls along an arc: at the middle it has lost half or less.
+            // Near the end of a contact δ(t) is concave: at the middle of the step at least half of it is left.
             let first = [motion.guess(step)[0].max(0.5 * motion.approach), 0.0];
             let stage = motion.solve(&table, first, true);
             (table, stage)
@@ -291,12 +295,12 @@ impl<'a> Motion<'a> {
             Some((stage, _)) => stage.approach[3],
             None => f64::NAN,
         };
-        // The force of the shorter step is another one, so that δ may pass zero a little later.
+        // A shorter step has a different force, so δ may become zero slightly later than in the longer step.
         let later = [1.0, 1.1, 1.3, 1.7].map(|part| part * length);
         let (mut high, beyond) = later.into_iter().map(|t| (t, end(t))).find(|(_, beyond)| *beyond < 0.0)?;
         let (mut low, mut at) = match if before > 0.0 { end(before) } else { 0.0 } {
             above if above > 0.0 => (before, (above, beyond)),
-            // δ at the begin may be zero itself.
+            // δ at the beginning of the step may itself be zero.
             _ if self.approach > 0.0 => (0.0, (self.approach, beyond)),
             _ => return None,
         };
@@ -308,7 +312,8 @@ impl<'a> Motion<'a> {
         Some(taken)
     }
 
-    /// The forces over a step, from a guess of δ at its middle and its end; `held` takes the contact's last one for zero.
+    /// Solves for the forces over a step, from a guess of δ at its middle and its end (m). If `held`, the contact force
+    /// at the end of the step is zero.
     fn solve(&self, table: &Answer, guess: [f64; 2], held: bool) -> Option<(Stage, Option<Pulled>)> {
         let contact = |free: [f64; 4]| {
             if self.law.damping > 0.0 {
@@ -333,7 +338,7 @@ impl<'a> Motion<'a> {
         self.approach = self.approach.min(0.0);
     }
 
-    /// δ at the middle and the end of a step, by the last one's force carried on.
+    /// First guess of δ at the middle and the end of a step, m: linear extrapolation with the present rate.
     fn guess(&self, step: f64) -> [f64; 2] {
         let linear = [0.5, 1.0].map(|tau| self.approach + tau * step * self.rate());
         if self.last.is_none() { linear.map(|x| x.max(0.0)) } else { linear }
@@ -351,30 +356,30 @@ impl<'a> Motion<'a> {
     }
 }
 
-/// That foundations are too stiff for any step.
+/// Error for foundation forces that do not converge at any step size.
 fn not_followed() -> Error {
     Error::Solve("the forces of the pads are not found at any step".into())
 }
 
-/// Where δ is zero before a look at which it is not positive any more, as a part of the step: on the parabola through that look and
-/// the two values before it.
+/// Estimates where δ becomes zero, as a fraction of the step. `look` is the first point of [`LOOKS`] at which δ is not
+/// positive. The estimate is the zero of the parabola through this value and the two values before it.
 fn zero(approach: &[f64; 4], begin: f64, look: usize) -> f64 {
     let value = |k: usize| if k == 0 { begin } else { approach[k - 1] };
-    // Looks are quarters of the step.
+    // The points of [`LOOKS`] are quarters of the step.
     let last = look + 1;
     let (c, b, a) = (
         value(last),
         value(last - 1),
         if last >= 2 { value(last - 2) } else { return 0.25 * begin / (begin - approach[0]) },
     );
-    // In quarters before the last look.
+    // In quarters of the step before the last point.
     let (slope, bend) = (0.5 * (4.0 * b - 3.0 * c - a), 0.5 * (a - 2.0 * b + c));
     let back = -2.0 * c / (slope + (slope * slope - 4.0 * bend * c).max(0.0).sqrt());
     0.25 * (last as f64 - back.clamp(0.0, 1.0))
 }
 
-/// A zero between two places, with the values there, by the method of false position in Illinois' variant; from a guess where there is
-/// one.
+/// Finds a zero between two points with known values by the method of false position (Illinois variant), starting from
+/// a guess if there is one.
 fn find(
     guess: Option<f64>,
     low: &mut f64,

@@ -1,4 +1,5 @@
-//! What is read of a body in modal coordinates: probes and fields step by step, the faces' stresses for all steps of a run at once.
+//! Reads values from a body in modal coordinates: probes and fields at each step, stresses on faces for all steps of a
+//! run at once.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -16,9 +17,9 @@ use super::motion::Motion;
 /// Reads the steps of one run.
 pub struct Reader<'a> {
     modes: &'a Modes,
-    /// What the probes' forms are of the modes.
+    /// The linear forms of the probes, expressed in the modes.
     probes: Option<(Shapes, &'a ProbeForms)>,
-    /// After how many steps all coordinates are wanted.
+    /// Interval in steps at which all coordinates are read for fields.
     fields: Option<usize>,
     faces: Option<FacesOfSteps>,
     contact: ContactSize,
@@ -26,24 +27,25 @@ pub struct Reader<'a> {
     is_here: bool,
 }
 
-/// What is to be known of each step for the faces: they are read when it is known that the run counts.
+/// Data of all steps for the stresses on the faces. The stresses are evaluated after the run has been accepted.
 pub struct FacesOfSteps {
     stresses: StressesOfSteps,
-    /// Of the steps so far, one after the other.
+    /// Weights of the steps so far, one step after the other.
     weights: Vec<f64>,
 }
 
-/// Stresses at the sampled points for 1 of each of a step's weights.
+/// Stresses at the sampled points for a unit value of each of a step's weights.
 enum StressesOfSteps {
-    /// A column for each weight.
+    /// Dense matrix with a column for each weight.
     All(DMatrix<f64>),
     OnLines(LineStresses),
-    /// Of the body's coordinates on its basis, which these columns make of Re z, Im z and a step's other weights.
+    /// Stresses in terms of the body's coordinates on its basis. These columns map Re z, Im z and the other weights of
+    /// a step to the coordinates.
     OnBasis(DMatrix<f64>),
 }
 
 impl StressesOfSteps {
-    /// `None` where another rank reads.
+    /// Builds the map from the modes; `None` if another rank reads.
     fn new(faces: &FaceStresses, modes: &Modes) -> Option<Self> {
         let Shapes { moving, free: [way, of_load], residual, rest } = &modes.shapes;
         if faces.dense().is_some() && moving.nrows() == moving.ncols() && moving.is_identity(0.0) {
@@ -59,7 +61,7 @@ impl StressesOfSteps {
         Some(Self::All(DMatrix::from_row_slice(entries.len() / count.max(1), count, entries) * shapes))
     }
 
-    /// How many weights there are.
+    /// Number of weights of a step.
     fn weights(&self) -> usize {
         match self {
             Self::All(stresses) => stresses.ncols(),
@@ -68,7 +70,7 @@ impl StressesOfSteps {
         }
     }
 
-    /// A search of all steps, where there is one.
+    /// Returns a search over all steps, if the faces support it.
     fn search<'a>(&self, faces: &'a FaceStresses) -> Option<TensionSearch<'a>> {
         match self {
             Self::All(stresses) => {
@@ -79,7 +81,7 @@ impl StressesOfSteps {
         }
     }
 
-    /// The stresses of one step.
+    /// Stresses of one step.
     fn apply(&self, faces: &FaceStresses, weights: &[f64]) -> Vec<f64> {
         match self {
             Self::OnBasis(_) => faces.map.apply(weights),
@@ -96,7 +98,7 @@ impl<'a> Reader<'a> {
                 let rows = DMatrix::from_row_slice(forms.map.len(), *count, rows);
                 Some((modes.shapes.mapped(&rows), forms))
             }
-            // Another rank reads.
+            // Another rank reads the probes.
             Map::Sparse(_) => None,
         };
         let probes = readout.probes.as_ref().and_then(of_modes);
@@ -115,7 +117,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reads a step, of its motion, with x of the vibrations where it is known.
+    /// Reads a step; `places` are the displacements x of the vibrations, if they are known already.
     pub fn read(&mut self, step: &Step, motion: &Motion, places: Option<DVector<f64>>) -> Reading {
         let mut reading = Reading::default();
         if !self.is_here {
@@ -124,7 +126,7 @@ impl<'a> Reader<'a> {
         if let Some(faces) = &mut self.faces {
             let state = &motion.state;
             if let StressesOfSteps::OnBasis(_) = faces.stresses {
-                // Those of all steps are multiplied by the columns at once.
+                // The weights of all steps are multiplied by the columns together, after the run.
                 faces.weights.extend(state.modes.iter().map(|z| z.re));
                 faces.weights.extend(state.modes.iter().map(|z| z.im));
             } else {
@@ -144,14 +146,14 @@ impl<'a> Reader<'a> {
         reading
     }
 
-    /// What takes all steps.
+    /// Returns the data of all steps for the stresses on the faces.
     pub fn finish(self) -> Option<FacesOfSteps> {
         self.faces
     }
 }
 
 impl FacesOfSteps {
-    /// Adds the largest tensions on the faces to the steps, and to the last one the map of all.
+    /// Stores the largest tensions on the faces in the steps, and the tension map over all steps in the last one.
     pub fn read(&self, readout: &Readout, steps: &mut [Observed]) {
         let Some(faces) = readout.faces.as_ref() else { return };
         let contacts: Vec<ContactNow> = steps.iter().map(|step| contact(&readout.contact, &step.step)).collect();
@@ -180,7 +182,8 @@ impl FacesOfSteps {
     }
 }
 
-/// The body's coordinates on its basis for 1 of Re z and of Im z of each mode, of ∫∫F dt dt, t²/2, F and the loads' own displacements, a column each.
+/// Coordinates of the body on its basis, one column for a unit value of Re z and of Im z of each mode, of ∫∫F dt dt,
+/// t²/2, F and the static displacement under the loads.
 fn columns_on_basis(modes: &Modes) -> DMatrix<f64> {
     let Shapes { free: [way, of_load], residual, rest, .. } = &modes.shapes;
     let count = modes.modes.len();
@@ -202,7 +205,7 @@ fn columns_on_basis(modes: &Modes) -> DMatrix<f64> {
     columns
 }
 
-/// Values and their rates, with the static answer of the modes that are left out.
+/// Values of the forms `shapes` and their time derivatives, including the static response of the modes left out.
 pub fn values(modes: &Modes, shapes: &Shapes, motion: &Motion) -> [DVector<f64>; 2] {
     let (state, force) = (&motion.state, motion.force);
     let (x, v) = coordinates(modes, state);

@@ -1,28 +1,30 @@
-//! The contact's force over one step: the quadratic in time that satisfies the contact law at the middle and the end.
+//! Contact force over one step: the quadratic in time that satisfies the contact law at the middle and the end of the
+//! step.
 
 use crate::contact::{Damped, Law};
 use crate::scheme::modal::{SLOPES, quadratic, slopes};
 
 use super::answer::{Answer, LOOKS, NODES};
 
-/// Newton iterations at most: a few serve, and steps that need more are too large.
-const MOST: usize = 40;
+/// Largest number of Newton iterations. A few are enough; a step that needs more is too large.
+const MAX_ITERATIONS: usize = 40;
 
-/// A step's solution.
+/// Solution of a step.
 #[derive(Debug, Clone, Copy)]
 pub struct Stage {
-    /// F at 0, h/2 and h, N.
+    /// Contact force F at 0, h/2 and h, N.
     pub force: [f64; 3],
-    /// δ at the looks, m.
+    /// Approach δ at [`LOOKS`], m.
     pub approach: [f64; 4],
-    /// Largest difference of law and quadratic at h/4 and 3h/4, N.
+    /// Largest difference between the contact law and the quadratic at h/4 and 3h/4, N.
     pub defect: f64,
-    /// Newton iterations.
+    /// Number of Newton iterations.
     pub iterations: usize,
 }
 
-/// Solves δ_i + Σ_j s_ij Φ(δ_j) = δ*_i at h/2 and h from a guess of both (m), δ* the approach under the first value of the force alone;
-/// `held` takes the last force for zero. `None` where Newton's method does not converge.
+/// Solves δ_i + Σ_j s_ij Φ(δ_j) = δ*_i at h/2 and h from a guess of both (m). Here δ* is the approach under the first
+/// value of the force alone, which is known. If `held`, the last force is zero. `None` if Newton's method does not
+/// converge.
 pub fn solve(law: &Law, answer: &Answer, free: [f64; 4], first: f64, guess: [f64; 2], held: bool) -> Option<Stage> {
     let known = NODES.map(|k| free[k] - answer.answers(k)[0] * first);
     let s = NODES.map(|k| [answer.answers(k)[1], answer.answers(k)[2]]);
@@ -35,13 +37,13 @@ pub fn solve(law: &Law, answer: &Answer, free: [f64; 4], first: f64, guess: [f64
     let mut x = guess;
     let mut at = [0, 1].map(|i| law_at(i, x[i]));
     let mut r = residual(x, at.map(|(f, _)| f));
-    for iteration in 1..=MOST {
+    for iteration in 1..=MAX_ITERATIONS {
         let rounding = 4.0 * f64::EPSILON * (x[0].abs() + x[1].abs() + known[0].abs() + known[1].abs());
         let t = at.map(|(_, tangent)| tangent);
         let jacobian = [[1.0 + s[0][0] * t[0], s[0][1] * t[1]], [s[1][0] * t[0], 1.0 + s[1][1] * t[1]]];
         let change = solve_pair(jacobian, r)?;
         if size(r) <= rounding {
-            // The last correction goes to the forces, which a stiff contact needs to more digits than δ has.
+            // The last correction is applied to the forces. A stiff contact needs them to more digits than δ provides.
             let force = [0, 1].map(|i| (at[i].0 - t[i] * change[i]).max(0.0));
             return Some(finish(answer, free, [first, force[0], force[1]], iteration, |_, at| law.force(at)));
         }
@@ -51,7 +53,7 @@ pub fn solve(law: &Law, answer: &Answer, free: [f64; 4], first: f64, guess: [f64
             x = [0, 1].map(|i| start[i] - part * change[i]);
             at = [0, 1].map(|i| law_at(i, x[i]));
             r = residual(x, at.map(|(f, _)| f));
-            // Rounding may stop the descent before the residual does.
+            // Rounding can end the decrease of the residual before the bound is reached.
             if size(r) < old || part < 1e-3 {
                 break;
             }
@@ -65,9 +67,10 @@ pub fn solve(law: &Law, answer: &Answer, free: [f64; 4], first: f64, guess: [f64
     None
 }
 
-/// The same where the force goes with δ̇, too, which is that of the quartic through δ at the begin of the step and at the looks.
+/// Same as [`solve`] for a force that also depends on δ̇. The rate is the derivative of the quartic through δ at the
+/// beginning of the step and at [`LOOKS`].
 ///
-/// Newton's method on the forces at h/2 and h: F_i = Φ(δ_i, δ̇_i), with δ and δ̇ linear in them.
+/// Newton's method is applied to the forces at h/2 and h: F_i = Φ(δ_i, δ̇_i), where δ and δ̇ are linear in the forces.
 pub fn solve_damped(
     law: &Law,
     answer: &Answer,
@@ -83,13 +86,14 @@ pub fn solve_damped(
         };
         [begin, look(0), look(1), look(2), look(3)]
     };
-    // What forces of 1 N change of δ and δ̇ at the two nodes.
+    // Changes of δ and of δ̇ at the five points of the step for a force of 1 N at h/2 or at h.
     let moved = [1, 2].map(|j| [0, 1, 2, 3, 4].map(|k: usize| if k == 0 { 0.0 } else { -answer.answers(k - 1)[j] }));
     let turned = moved.map(|values| slopes(values, answer.step));
     let at = |f: [f64; 2]| {
         let all = approaches(f);
         let rates = slopes(all, answer.step);
-        // A node's place among the five is one after its look's.
+        // The five points begin with the start of the step, so a node's index among them is its index in LOOKS plus
+        // one.
         NODES.map(|look| (all[look + 1], law.damped(all[look + 1], rates[look + 1])))
     };
     let residual =
@@ -98,10 +102,10 @@ pub fn solve_damped(
     let mut f = [law.force(guess[0]), if held { 0.0 } else { law.force(guess[1]) }];
     let mut now = at(f);
     let mut r = residual(f, &now);
-    for iteration in 1..=MOST {
+    for iteration in 1..=MAX_ITERATIONS {
         let largest = |part: fn(&Damped) -> f64| part(&now[0].1).max(part(&now[1].1));
         let extent = begin.abs() + now[0].0.abs() + now[1].0.abs();
-        // Slopes of a quartic magnify the rounding of its values.
+        // The derivative of the quartic amplifies the rounding of its values.
         let steepest = largest(|at| at.stiffness) + SLOPES[4][3].abs() / answer.step * largest(|at| at.viscosity);
         let rounding = 8.0 * f64::EPSILON * (size(f) + first + steepest * extent);
         let finished = |f: [f64; 2]| {
@@ -135,14 +139,14 @@ pub fn solve_damped(
     None
 }
 
-/// x of the two equations A x = r by Cramer's rule; `None` where it is not finite.
+/// Solution x of the two equations A x = r by Cramer's rule; `None` if it is not finite.
 fn solve_pair(a: [[f64; 2]; 2], r: [f64; 2]) -> Option<[f64; 2]> {
     let determinant = a[0][0] * a[1][1] - a[0][1] * a[1][0];
     let x = [(a[1][1] * r[0] - a[0][1] * r[1]) / determinant, (a[0][0] * r[1] - a[1][0] * r[0]) / determinant];
     x.iter().all(|x| x.is_finite()).then_some(x)
 }
 
-/// A step with its forces; `force_at` is the law's at a look and its δ.
+/// Returns the stage of given forces; `force_at` is the contact law's force at a point of [`LOOKS`] and its δ.
 fn finish(
     answer: &Answer,
     free: [f64; 4],

@@ -1,25 +1,26 @@
-//! A force as a run gives it: quadratics in time, one a step.
+//! Contact force of a run as a function of time: one quadratic for each step.
 
 use crate::impact::Errors;
 use crate::scheme::modal::quadratic;
 
-/// Part of the largest tension from which a tension is near it: what two histories differ by before they rise does not change their peaks.
+/// Fraction of the largest tension above which a tension is near the peak. Differences between two histories before
+/// that do not change their peaks.
 const NEAR_PEAK: f64 = 0.9;
 
-/// F(t), N.
+/// Contact force F(t) on the modelled part, N, with the tension opposite the impact point.
 #[derive(Debug, Clone, Default)]
 pub struct Trace {
-    /// Begin and size of each step, s, and its three values.
+    /// Beginning and size of each step, s, and the force at its beginning, middle and end, N.
     steps: Vec<(f64, f64, [f64; 3])>,
-    /// The tension under the hit on the other face, where it is read: s, Pa.
+    /// Time (s) and tension on the face opposite the impact point (Pa), if it is read.
     tension: Vec<(f64, f64)>,
-    /// Whether there was a force, and when the first contact ended, s.
+    /// Whether there has been a force, and the end of the first contact, s.
     has_touched: bool,
     end: Option<f64>,
 }
 
 impl Trace {
-    /// Adds a step.
+    /// Adds a step: beginning and size, s, and force at its beginning, middle and end, N.
     pub fn push(&mut self, begin: f64, step: f64, force: [f64; 3]) {
         self.steps.push((begin, step, force));
         self.has_touched |= force[1] > 0.0;
@@ -28,34 +29,35 @@ impl Trace {
         }
     }
 
-    /// Up to when tensions count, s: traces are compared up to the later one of their first contacts' ends, and ends that are twice as far
-    /// apart are of other motions.
+    /// Time up to which tensions are needed, s. Two traces are compared up to the later end of their first contacts. If
+    /// these ends differ by a factor of two, the motions are different anyway.
     pub fn needs_tension_until(&self) -> f64 {
         2.0 * self.first_end()
     }
 
-    /// Adds a tension (Pa) at a time, s.
+    /// Adds a tension (Pa) at a time (s).
     pub fn push_tension(&mut self, time: f64, tension: f64) {
         self.tension.push((time, tension));
     }
 
-    /// Largest of the values.
+    /// Largest of the force values, N.
     pub fn peak(&self) -> f64 {
         self.steps.iter().flat_map(|(_, _, force)| *force).fold(0.0, f64::max)
     }
 
-    /// F at a time.
+    /// Contact force F at a time (s), N.
     pub fn at(&self, time: f64) -> f64 {
         Cursor::default().force(self, time)
     }
 
-    /// End of the first contact, s; infinite while it lasts.
+    /// End of the first contact, s; infinite if it has not ended.
     pub fn first_end(&self) -> f64 {
         self.end.unwrap_or(f64::INFINITY)
     }
 
-    /// Largest difference to another trace in tension in the first contact, over the peak, at times at which one of them is near its own: at the
-    /// peak of one it is at least as large as the two peaks differ. NaN where a trace has no tension.
+    /// Largest difference in tension to another trace in the first contact, relative to the peak. Only times at which
+    /// one of the two is near its own peak count. The result is never less than the difference of the two peaks. NaN if
+    /// a trace has no tension.
     fn difference_of_tension(&self, other: &Self) -> f64 {
         let end = self.first_end().max(other.first_end());
         let within = |trace: &Self| trace.tension.iter().filter(|(time, _)| *time <= end).copied().collect::<Vec<_>>();
@@ -74,7 +76,8 @@ impl Trace {
         near_peak.map(|(one, another)| (one - another).abs() / most).fold(0.0, f64::max)
     }
 
-    /// Largest difference to another trace over the peak: that in force and, up to a step's length, in time.
+    /// Largest difference to another trace, relative to the peak of this one, at the middles and ends of the steps of
+    /// both.
     pub fn difference(&self, other: &Self) -> Errors {
         Errors {
             stress: self.difference_of_tension(other),
@@ -82,13 +85,15 @@ impl Trace {
         }
     }
 
-    /// The same to a trace in longer steps, in force at the middles and ends of these alone: there its law is met, and between them its
-    /// quadratics are off by more.
+    /// Same as [`Self::difference`] to a trace in longer steps, but with the force compared only at the middles and
+    /// ends of the longer steps. There the longer steps satisfy the contact law; between these points their quadratics
+    /// have larger errors.
     pub fn difference_at_steps(&self, longer: &Self) -> Errors {
         Errors { stress: self.difference_of_tension(longer), ..self.off_at_steps_of(longer, self) }
     }
 
-    /// Largest difference in force between two traces over this one's peak, at the middles and ends of the first one's steps.
+    /// Largest difference in force between two traces, relative to the peak of `self`, at the middles and ends of the
+    /// steps of `one`.
     fn off_at_steps_of(&self, one: &Self, another: &Self) -> Errors {
         let peak = self.peak().max(f64::MIN_POSITIVE);
         let end = one.first_end().max(another.first_end());
@@ -106,15 +111,16 @@ impl Trace {
     }
 }
 
-/// A place in a trace that is read at times one after the other: mostly it stays or goes on by one.
+/// Reading position in a trace. It is fast for times in sequence, because the position then usually remains or advances
+/// by one.
 #[derive(Default)]
 struct Cursor {
-    /// How many steps begin, or tensions lie, before the last time asked for.
+    /// Number of steps that begin, or of tensions, before the last time asked for.
     passed: usize,
 }
 
 impl Cursor {
-    /// Counts the sorted entries before a time.
+    /// Returns the number of sorted entries before a time.
     fn pass<T>(&mut self, entries: &[T], is_before: impl Fn(&T) -> bool) -> usize {
         while entries.get(self.passed).is_some_and(&is_before) {
             self.passed += 1;
@@ -125,14 +131,14 @@ impl Cursor {
         self.passed
     }
 
-    /// F at a time.
+    /// Contact force F at a time (s), N.
     fn force(&mut self, trace: &Trace, time: f64) -> f64 {
         let next = self.pass(&trace.steps, |(begin, _, _)| *begin <= time);
         let Some((begin, step, force)) = trace.steps.get(next.saturating_sub(1)) else { return 0.0 };
         quadratic(*force, ((time - begin) / step).clamp(0.0, 1.0))
     }
 
-    /// The tension at a time, linear between those that are known; NaN where there is none.
+    /// Tension at a time (s), Pa, by linear interpolation; NaN if the trace has no tension.
     fn tension(&mut self, trace: &Trace, time: f64) -> f64 {
         let known = &trace.tension;
         let next = self.pass(known, |(at, _)| *at < time).min(known.len().saturating_sub(1));
@@ -147,7 +153,8 @@ impl Cursor {
 mod tests {
     use super::*;
 
-    /// Longer steps that are right where their law is met have no error, however far their quadratics are off between.
+    /// Longer steps that are exact where they satisfy the law have no error, whatever the error of their quadratics in
+    /// between.
     #[test]
     fn longer_steps_are_judged_where_they_meet_the_law() {
         let sampled = |step: f64| {
@@ -161,12 +168,12 @@ mod tests {
         let (shorter, longer) = (sampled(0.2), sampled(0.4));
         let at_steps = shorter.difference_at_steps(&longer);
         assert!(at_steps.history < 1e-15 && at_steps.first_contact < 1e-15, "{at_steps:?}");
-        // The cubic term of a sine that a quadratic lacks: h³/(72 √3) at most, with h = 0.4, and 0.4³/384·3 at a quarter.
+        // Interpolation error of a sine by a quadratic: at most h³/(72 √3), with h = 0.4, and 0.4³/384·3 at a quarter.
         let everywhere = shorter.difference(&longer).history;
         assert!(everywhere > 1e-4 && everywhere < 0.4_f64.powi(3) / 72.0, "{everywhere}");
     }
 
-    /// A cursor finds what a search in the whole trace finds, at times in any order.
+    /// A cursor gives the same values as a search in the whole trace, for times in any order.
     #[test]
     fn cursors_read_as_searches_do() {
         let mut trace = Trace::default();
@@ -179,7 +186,7 @@ mod tests {
         let (mut force, mut tension) = (Cursor::default(), Cursor::default());
         for time in [-1.0, 0.0, 0.03, 0.1, 0.17, 2.9, 2.95, 1.0, 0.4, 3.99, 4.5, 0.05] {
             assert_eq!(force.force(&trace, time), Cursor::default().force(&trace, time));
-            // The linear interpolant of a cosine, off by h²/8 at most, and what is beyond the ends as there.
+            // Linear interpolation of a cosine has an error of at most h²/8; beyond the ends the value is constant.
             let exact = f64::clamp(time, 0.1, 4.0).cos();
             assert!((tension.tension(&trace, time) - exact).abs() < 0.1 * 0.1 / 8.0 + 1e-15, "{time}");
         }

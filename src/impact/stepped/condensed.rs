@@ -1,9 +1,10 @@
-//! The condensed Newton step: body and impactor answer a force along a straight line, so one scalar equation remains.
+//! Condensed Newton step: body and impactor respond linearly to a force, so that only one scalar equation remains.
 //!
-//! While S = K + c1 C + c2 M is constant, the stage's increment is E = E* + w F with E* = S⁻¹g, w = S⁻¹a, and the impactor's
-//! E*_q − F/(c2 m0). The approach is then δ = δ* − s F, s = aᵀw + 1/(c2 m0), and F follows from δ + s F(δ) = δ*. The left side rises
-//! with δ, so a Newton iteration that keeps a bracket always converges, across the kink at δ = 0 and for any step. By the
-//! formula of Sherman and Morrison this is the solution of the full Newton system with its block âF′âᵀ. Pads add unknowns to that
+//! While S = K + c1 C + c2 M is constant, the stage's increment of the body is E = E* + w F with E* = S⁻¹g and
+//! w = S⁻¹a, and the increment of the impactor is E*_q − F/(c2 m0). The approach is then δ = δ* − s F with
+//! s = aᵀw + 1/(c2 m0), and F follows from δ + s F(δ) = δ*. The left side increases with δ. Therefore Newton's method
+//! with a bracket always converges, across the kink at δ = 0 and for any step size. By the formula of Sherman and
+//! Morrison the result is the solution of the full Newton system with its block âF′âᵀ. Pads add unknowns to this
 //! equation ([`super::pad_condensed`]).
 
 use petsc_wrap::{Comm, Int, Ksp, Vector};
@@ -16,24 +17,24 @@ use crate::solve::linear::is_direct;
 use super::implicit::{Problem, Solved};
 use super::pad_condensed::{PadStep, Response};
 
-/// The factorised S of one step size, and what a unit force does.
+/// Factorised S for one step size, and the response to a unit force.
 pub struct Condensed {
     ksp: Ksp,
-    /// w, m/N, of the free unknowns.
+    /// Response w, m/N, of the free unknowns.
     answer: Vector,
-    /// s, m/N.
+    /// Compliance s of body and impactor, m/N.
     compliance: f64,
-    /// 1/(c2 m0), m/N.
+    /// Compliance of the impactor, 1/(c2 m0), m/N.
     of_impactor: f64,
-    /// Where pads push.
+    /// Part that treats the pads, if there are any.
     pads: Option<PadStep>,
-    /// Whether its linear solves are direct ones.
+    /// Whether the linear solves use a direct solver.
     pub is_direct: bool,
 }
 
 impl Condensed {
-    /// Assembles and factorises S for a stage of a step (s); `pushed` are the unknowns that pads push ([`crate::body::Pads::pushed`]), whose
-    /// residual (N) counts as none below `tolerance`. Collective.
+    /// Assembles and factorises S for a stage of a step (s). `pushed` are the unknowns on which pads act
+    /// ([`crate::body::Pads::pushed`]); residuals of their equations below `tolerance` (N) count as zero. Collective.
     pub(super) fn new(
         comm: &Comm,
         body: &Body,
@@ -58,11 +59,12 @@ impl Condensed {
         Ok(Self { ksp, answer, compliance, of_impactor, pads, is_direct })
     }
 
-    /// Solves a step, iteratively from a guess of E, which it replaces. Collective.
+    /// Solves a step; an iterative solver starts from the guess of E in `increment`, which is overwritten by the
+    /// solution. Collective.
     pub(super) fn solve(&mut self, problem: &Problem, increment: &mut Vector) -> Result<Solved> {
         let Self { ksp, answer, compliance, of_impactor, pads, is_direct } = self;
         let (a, of_impactor, compliance) = (problem.direction, *of_impactor, *compliance);
-        // E* is what a body does without the force, which the guess has.
+        // E* is the increment without the contact force; the guess contains the force, so its effect is subtracted.
         if !*is_direct {
             increment.axpy(-problem.force.at(problem.force.from).0, answer)?;
         }
@@ -78,10 +80,10 @@ impl Condensed {
     }
 }
 
-/// F of δ + s F(δ) = δ*, with the iterations it took. NaN in gives NaN out.
+/// Returns F of δ + s F(δ) = δ* and the number of iterations. A NaN argument gives a NaN result.
 fn solve_scalar(law: &StageForce, free: f64, compliance: f64) -> (f64, usize) {
-    /// Bisections from 1e308 down to rounding, and then some.
-    const MOST: usize = 200;
+    /// Bound on the iterations: enough bisections from 1e308 down to rounding.
+    const MAX_ITERATIONS: usize = 200;
     let (mut high, most) = (free, law.at(free).0);
     let mut low = free - compliance * most;
     if most == 0.0 || !low.is_finite() {
@@ -89,11 +91,11 @@ fn solve_scalar(law: &StageForce, free: f64, compliance: f64) -> (f64, usize) {
     }
     let mut approach = law.from.clamp(low, high);
     let mut force = 0.0;
-    for iteration in 1..=MOST {
+    for iteration in 1..=MAX_ITERATIONS {
         let (value, tangent) = law.at(approach);
         let left = approach + compliance * value - free;
         let change = left / (1.0 + compliance * tangent);
-        // The last correction goes to the force, which a stiff contact needs to more digits than δ has.
+        // The last correction is applied to the force. A stiff contact needs it to more digits than δ provides.
         force = value - tangent * change;
         if left.abs() <= 2.0 * f64::EPSILON * (approach.abs() + free.abs()) || !left.is_finite() {
             return (force, iteration);
@@ -110,7 +112,7 @@ fn solve_scalar(law: &StageForce, free: f64, compliance: f64) -> (f64, usize) {
         }
         approach = next;
     }
-    (force, MOST)
+    (force, MAX_ITERATIONS)
 }
 
 #[cfg(test)]
@@ -118,7 +120,7 @@ mod tests {
     use super::*;
     use crate::contact::{ForceLaw, Hertz, Law};
 
-    /// Over decades of stiffness, compliance and approach the equation is solved to rounding, in few iterations.
+    /// For stiffness, compliance and approach over many decades the equation is solved to rounding in few iterations.
     #[test]
     fn the_scalar_equation_is_solved_wherever_it_starts() {
         for stiffness in [1e3, 1e10, 1e20] {
@@ -134,7 +136,7 @@ mod tests {
                         let (force, iterations) = solve_scalar(&stage, free, compliance);
                         let approach = free - compliance * force;
                         let (again, tangent) = stage.at(approach);
-                        // The rounding of δ, seen through the force's slope.
+                        // Rounding of δ multiplied by the slope of the force.
                         let rounding = 1e-15 * (tangent + 1.0 / compliance) * (free.abs() + from.abs());
                         assert!(
                             (again - force).abs() <= 1e-12 * force + 8.0 * rounding,

@@ -1,13 +1,15 @@
-//! Steps chosen by the error of the acceleration history.
+//! Time integration in steps of controlled size: the error of the acceleration history is estimated by step doubling.
 //!
-//! A twin takes every second step with double the size. Of a scheme of second order a third of the difference between the two
-//! accelerations is the error of the finer one; half of it is taken, since the impact's own discontinuities lower the order that is
-//! seen. Of a scheme of first order all of it is. This is an estimate of the whole error so far, not of one step's: what waves lose on their way to the edges and back shows
-//! only when they return. While the first contact episode lasts, nothing is told; where it shows too large an error the
-//! run begins anew with smaller steps.
+//! A second (coarse) trajectory takes one step of double size for every two steps of the fine trajectory. For a scheme
+//! of second order the error of the fine trajectory is a third of the difference of their accelerations. Half of the
+//! difference is taken, because the discontinuities of the impact reduce the observed order. For a scheme of first
+//! order all of the difference is taken. This estimates the accumulated error, not the error of one step: errors of
+//! waves on their way to the edges and back show only when the waves return. During the first contact no step is passed
+//! to the observer. If the error becomes too large there, the run starts again with smaller steps.
 //!
-//! Steps are powers of two times a base, so that few factorisations serve. Out of contact they grow with the clearance;
-//! a step that would lead into contact is taken again in smaller ones, so that contact begins and ends in the smallest.
+//! Steps are powers of two times a base step, so that few factorisations are needed. Out of contact they grow with the
+//! clearance. A step that would lead into contact is repeated in smaller steps, so that contact begins and ends in the
+//! smallest ones.
 
 use std::ops::ControlFlow;
 
@@ -29,32 +31,33 @@ use crate::impact::parameters::ImpactParameters;
 use crate::impact::reading::Reader;
 use crate::impact::step::at;
 
-/// Levels of the levels' steps in contact, out of it, and the largest, well away from the body.
+/// Levels of the steps in contact, out of contact, and far away from the body: a step is 2^level times the base step.
 const LEVELS: [usize; 3] = [0, 1, 3];
 
-/// First guess: the step in contact times times a half-space's contact time and the root of the tolerance.
-const FIRST: f64 = 0.12;
+/// First guess of the step in contact for a tolerance of 1, relative to the contact time on a half-space. The step is
+/// proportional to the square root of the tolerance.
+const FIRST_STEP_FACTOR: f64 = 0.12;
 
-/// Of the tolerance, what a restart aims at.
+/// Fraction of the tolerance that a restart aims at.
 const AIM: f64 = 0.6;
 
-/// Of the peak so far, what the acceleration has to fall below for the peak to be over.
+/// Fraction of the peak so far below which the acceleration has to fall for the peak to be over.
 const PAST: f64 = 0.8;
 
-/// For schemes of first and of second order: the part of the difference that is the error, and the order that is seen, which the
-/// beginning and the end of contact lower.
+/// For schemes of first and of second order: the fraction of the difference that is the error, and the observed order.
+/// The beginning and the end of contact reduce the observed order.
 const SEEN: [(f64, f64); 2] = [(1.0, 0.9), (0.5, 1.7)];
 
-/// How often the first contact may be taken again: each time the steps shrink to 0.8 or less.
+/// Largest number of restarts of the first contact; each one reduces the steps by a factor of 0.8 or less.
 const MOST_RESTARTS: usize = 12;
 
-/// Steps of a run at least: it ends with a pair of them, and may pass its end by one.
-const LEAST: f64 = 20.0;
+/// Smallest number of steps of a run. A run ends with a pair of steps and may pass its end by one.
+const MIN_STEPS: f64 = 20.0;
 
-/// More steps than anyone waits for.
+/// Limit of the number of steps of a run.
 const MOST_STEPS: f64 = 1e7;
 
-/// What a controlled run is made of beside the body.
+/// Parts of a run in controlled steps, except for the body.
 pub struct Controlled<'a> {
     pub comm: &'a Comm,
     pub parameters: &'a ImpactParameters,
@@ -64,33 +67,33 @@ pub struct Controlled<'a> {
     pub reader: &'a mut Option<Reader>,
     /// End of the run, s.
     pub end: f64,
-    /// Wanted error of the acceleration over its peak.
+    /// Allowed error of the acceleration over its peak.
     pub tolerance: f64,
     /// Order of the scheme, 1 or 2.
     pub order: usize,
 }
 
-/// A moment that a run goes on from.
+/// A state from which a run continues.
 pub struct Resumed {
     doubling: StepDoubling,
-    /// Until when (s) the smallest steps are taken.
+    /// Time up to which the smallest steps are taken, s.
     careful: f64,
 }
 
 impl Resumed {
-    /// The moment.
+    /// State of the fine trajectory.
     pub(super) fn moment(&self) -> &Moment {
         &self.doubling.fine.now
     }
 }
 
-/// What a first guess of the step in contact is, s.
+/// First guess of the step in contact, s.
 ///
 /// # Errors
-/// A fault of `time.end` where the run would take too many of them.
+/// A fault of `time.end` if the run would take too many steps.
 pub(super) fn first_step(parameters: &ImpactParameters, tolerance: f64, end: f64) -> Result<f64> {
     let contact = parameters.law.force_law.contact_time(parameters.mass, parameters.speed);
-    let step = (FIRST * tolerance.sqrt() * contact).min(end / LEAST);
+    let step = (FIRST_STEP_FACTOR * tolerance.sqrt() * contact).min(end / MIN_STEPS);
     if end / step <= MOST_STEPS {
         return Ok(step);
     }
@@ -102,15 +105,15 @@ pub(super) fn first_step(parameters: &ImpactParameters, tolerance: f64, end: f64
 }
 
 impl Controlled<'_> {
-    /// The moment of a checkpoint. Collective.
+    /// Restores the state of a checkpoint. Collective.
     pub(super) fn resumed(&mut self, body: &mut Body, checkpoint: &Checkpoint) -> Result<Resumed> {
         let (mut doubling, mut careful) = (StepDoubling::new(body, self.parameters)?, 0.0);
         self.visit(&mut doubling, &mut careful, body, &mut Visitor::restore(checkpoint))?;
         Ok(Resumed { doubling, careful })
     }
 
-    /// Runs to the end or until the observer breaks off, from a moment of an earlier run where there is one; returns which, and the fine
-    /// trajectory. Collective.
+    /// Runs to the end or until the observer breaks off, and returns which of the two, with the fine trajectory. The
+    /// run starts from `resumed`, if it is given. Collective.
     pub(super) fn run(
         mut self,
         body: &mut Body,
@@ -126,17 +129,17 @@ impl Controlled<'_> {
         if self.gate.tell(&start, observer)?.is_break() {
             return Ok((ControlFlow::Break(()), doubling.fine));
         }
-        // Steps that are not told yet, while the first episode may still be taken back.
+        // Steps that are not passed to the observer yet, because the first contact may be repeated.
         let mut held = Some(Vec::new());
         let ended = self.advance_to_end(&mut doubling, 0.0, body, &mut held, observer);
-        // What was computed is kept, whatever has ended the run.
+        // All computed steps are passed on, whatever has ended the run.
         for step in held.into_iter().flatten() {
             let _ = self.gate.tell(&step, observer)?;
         }
         Ok((ended?, doubling.fine))
     }
 
-    /// To a checkpoint or from it, when the first contact stands.
+    /// Saves the run to a checkpoint or restores it; only after the first contact has been accepted.
     fn visit(
         &mut self,
         doubling: &mut StepDoubling,
@@ -151,7 +154,8 @@ impl Controlled<'_> {
         self.count.visit(visitor)
     }
 
-    /// `careful` is until when (s) the smallest steps are taken, after a larger one led into contact.
+    /// Integrates to the end. `careful` is the time (s) up to which the smallest steps are taken, after a larger step
+    /// led into contact.
     fn advance_to_end(
         &mut self,
         doubling: &mut StepDoubling,
@@ -191,7 +195,7 @@ impl Controlled<'_> {
             let error = doubling.difference().map(|difference| part * difference);
             self.count.error = error;
             if let Some(steps) = held {
-                // Relative to a peak that is still to come the error means nothing.
+                // Before the peak is reached, an error relative to the largest acceleration so far has no meaning.
                 let past_peak = doubling.fine.acceleration(self.parameters) < PAST * doubling.peak;
                 let complete = self.is_over(doubling) || (past_peak && !doubling.is_touching());
                 if let Some(error) = error.filter(|error| (past_peak || complete) && *error > self.tolerance) {
@@ -217,7 +221,7 @@ impl Controlled<'_> {
             }
             let mut flow = ControlFlow::Continue(());
             for step in &told {
-                // All that are accepted already are told before a break is heeded.
+                // All accepted steps are passed on, even if the observer breaks off before the last one.
                 if self.gate.tell(step, observer)?.is_break() {
                     flow = ControlFlow::Break(());
                 }
@@ -232,7 +236,7 @@ impl Controlled<'_> {
         Ok(ControlFlow::Continue(()))
     }
 
-    /// Lets the observer have a checkpoint, and know whether the run ends with it.
+    /// Offers the observer a checkpoint and tells it whether the run ends here.
     fn settle(
         &mut self,
         doubling: &mut StepDoubling,
@@ -247,7 +251,7 @@ impl Controlled<'_> {
         })
     }
 
-    /// The beginning again, in steps smaller by a factor. Collective.
+    /// Restarts from the initial state, in steps smaller by a factor. Collective.
     fn again(&mut self, body: &mut Body, factor: f64) -> Result<StepDoubling> {
         let base = factor * self.step_sizes.step(LEVELS[0]);
         tracing::info!(base, "the first contact again, in smaller steps");
@@ -264,18 +268,18 @@ impl Controlled<'_> {
     }
 
     fn is_over(&self, doubling: &StepDoubling) -> bool {
-        // A part of a step that rounding leaves is none.
+        // The remaining time counts as zero if it is within rounding.
         doubling.fine.time >= self.end - 1e-9 * self.step_sizes.step(LEVELS[0])
     }
 
-    /// The level of the next steps: the larger ones where the impactor is off and will be after them.
+    /// Level of the next steps: larger steps if the impactor is away from the body and remains so during them.
     fn level(&self, doubling: &StepDoubling) -> usize {
         if doubling.is_touching() {
             return LEVELS[0];
         }
         let clearance = -doubling.fine.now.approach.max(doubling.coarse.now.approach);
         let rate = doubling.fine.now.rate;
-        // Farther away than twice what the surface has moved to and fro, contact is not near.
+        // Contact is not near if the clearance is more than twice the range of the surface's motion.
         let far = clearance > 2.0 * (doubling.surface[1] - doubling.surface[0]);
         let stays_off = |level: usize| {
             let way = rate * 2.0 * self.step_sizes.step(level);
@@ -285,7 +289,7 @@ impl Controlled<'_> {
         candidates.iter().rev().copied().find(|level| stays_off(*level)).unwrap_or(LEVELS[0])
     }
 
-    /// Two steps of the fine trajectory, which are returned, and one of the coarse.
+    /// Takes two steps of the fine trajectory, which are returned, and one step of the coarse one.
     fn advance(&mut self, doubling: &mut StepDoubling, level: usize, body: &mut Body) -> Result<Vec<Observed>> {
         let mut told = Vec::with_capacity(2);
         doubling.has_touched = false;
@@ -298,7 +302,7 @@ impl Controlled<'_> {
         Ok(told)
     }
 
-    /// A step of a trajectory at a level.
+    /// Advances a trajectory by one step of a level.
     fn step(&mut self, trajectory: &mut Trajectory, level: usize, body: &mut Body) -> Result<()> {
         let stepper = self.step_sizes.at(level, body)?;
         let time = trajectory.time + stepper.step();

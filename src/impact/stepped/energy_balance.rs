@@ -1,12 +1,15 @@
-//! Where the energy is, step by step.
+//! Energy balance of each step.
 //!
-//! With D, Δa, Δv, ΔF the changes over a step of the family α_m, α_f, β, γ, the discrete equations give exactly
+//! Let D, Δa, Δv, ΔF be the changes over a step of the family α_m, α_f, β, γ. The discrete equations then give exactly
 //!
-//! ΔE + D·C v̄ + F_d D_δ − D·f = ΔV − (F − F_d) D_δ + Δψ − p·D − (1/2 − α_f) D·(K D + C Δv) − (1 − γ − α_m) D·M Δa − Δt² (β − γ/2) Δa·M((1−γ) a_n + γ a_{n+1})
+//! ΔE + D·C v̄ + F_d D_δ − D·f = ΔV − (F − F_d) D_δ + Δψ − p·D − (1/2 − α_f) D·(K D + C Δv)
+//! − (1 − γ − α_m) D·M Δa − Δt² (β − γ/2) Δa·M((1−γ) a_n + γ a_{n+1})
 //!
-//! over body and impactor with their loads f, E the total energy, v̄ the mean velocity, V and ψ the potentials of contact and pads, F and p the forces
-//! that the step used, F_d the part of F that is damping. The left side is what came and went; the right side is what the scheme itself made or lost. It is zero
-//! for the midpoint rule with discrete gradients but for what relaxing parts add ([`super::relaxation`]). (For the central difference: β = 0, with the lumped mass.)
+//! over body and impactor with their loads f. E is the total energy, v̄ the mean velocity, V and ψ the potentials of
+//! contact and pads, F and p the forces used in the step, and F_d the damping part of F. The left side is the balance
+//! of stored, dissipated and supplied energy. The right side is the energy gained or lost by the scheme. It is zero for
+//! the midpoint rule with discrete gradients, except for the contribution of viscoelastic parts
+//! ([`super::relaxation`]). (The central difference is the case β = 0, with the lumped mass.)
 
 use petsc_wrap::Vector;
 
@@ -20,32 +23,32 @@ use crate::impact::checkpoint::Visitor;
 use crate::impact::parameters::ImpactParameters;
 use crate::impact::step::Energy;
 
-/// What a step exchanged, J.
+/// Energies exchanged in a step, J.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Exchange {
-    /// Lost in dampers and in the contact: D·C v̄ + F_d D_δ.
+    /// Dissipated by dampers, viscoelastic parts and the contact: D·C v̄ + F_d D_δ and the dashpots.
     pub dissipated: f64,
-    /// Done by loads: D·f.
+    /// Work of the loads, D·f, and of the impactor's weight.
     pub external: f64,
-    /// Made (or, negative, lost) by the scheme.
+    /// Gained (negative: lost) by the scheme.
     pub numerical: f64,
 }
 
-/// What did work over a step.
+/// Forces of a step and the increment on which they do work.
 pub struct Work<'a> {
-    /// D, m.
+    /// Increment D, m.
     pub increment: &'a Vector,
-    /// F, N.
+    /// Contact force F, N.
     pub force: f64,
-    /// The part of F that is the contact's damping, N.
+    /// Damping part of F, N.
     pub damping: f64,
-    /// What relaxing parts took.
+    /// Energies exchanged by the viscoelastic parts.
     pub relaxed: Relaxed,
-    /// p, N.
+    /// Pad forces p, N.
     pub pads: Option<&'a Vector>,
 }
 
-/// The exchange of one step. `work` is overwritten. Collective.
+/// Energies exchanged in one step; `work` is overwritten. Collective.
 pub(super) fn exchange(
     body: &Body,
     parameters: &ImpactParameters,
@@ -99,21 +102,21 @@ pub(super) fn exchange(
     Ok(exchange)
 }
 
-/// The sums since t = 0.
+/// Sums of the exchanged energies since t = 0.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct EnergyBalance {
     sum: Exchange,
 }
 
 impl EnergyBalance {
-    /// Counts a step.
+    /// Adds the energies of a step.
     pub(super) fn account(&mut self, step: Exchange) {
         self.sum.dissipated += step.dissipated;
         self.sum.external += step.external;
         self.sum.numerical += step.numerical;
     }
 
-    /// To a checkpoint or from it.
+    /// Saves the sums to a checkpoint or restores them.
     pub(super) fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         let Exchange { dissipated, external, numerical } = &mut self.sum;
         visitor.number("dissipated", dissipated)?;
@@ -121,12 +124,12 @@ impl EnergyBalance {
         visitor.number("numerical", numerical)
     }
 
-    /// The energies of a moment of the whole body. Collective.
+    /// Energies of the whole body, the impactor and the contact at a moment. Collective.
     pub(super) fn energy(&self, body: &Body, parameters: &ImpactParameters, at: &Moment) -> Result<Energy> {
         let Moment { state, products, .. } = at;
         let copies = parameters.copies;
         let kinetic = copies * 0.5 * products.momentum.dot(&state.v)?;
-        // Of u less its translation, as K u is made.
+        // Computed from u without its translation, like K u.
         let bent = products.elastic.dot(&state.u)? - at.surface * products.elastic.dot(&body.translation)?;
         let relaxing = stored_beyond(body, &at.lags, &state.u, at.surface)?;
         let elastic = copies * (0.5 * bent + relaxing);

@@ -1,10 +1,11 @@
-//! The body at rest under its loads, supports and pads, before the hit: K u + p(u) = f.
+//! Equilibrium of the body under its loads, supports and pads, before the impact: K u + p(u) = f.
 //!
-//! K alone may be singular: a pane on strips is held by nothing along its plane, and pads let go. So each iteration minimises the
-//! potential with a penalty on the way from the last one, ½ ε |u − uₙ|² in the norm of M (R. T. Rockafellar, Monotone operators and the
-//! proximal point algorithm, SIAM J. Control Optim. 14, 1976): a step of an implicit scheme from rest. What vibrates with ω comes nearer
-//! by the factor ε/(ε + ω²) or better; what nothing holds stays where it is, as long as nothing pushes it. On pads an iteration is one of
-//! the semi-smooth Newton method, as far along its direction as the potential falls.
+//! K alone may be singular: a pane on strips is not supported along its plane, and pads can lift off. Therefore each
+//! iteration minimises the potential plus a penalty on the distance from the last iterate, ½ ε |u − uₙ|² in the norm of
+//! M (R. T. Rockafellar, Monotone operators and the proximal point algorithm, SIAM J. Control Optim. 14, 1976). This is
+//! a step of an implicit scheme from rest. The error of a vibration of frequency ω decreases by the factor ε/(ε + ω²)
+//! or better; unsupported motions remain where they are unless they are loaded. On pads an iteration is one of the
+//! semi-smooth Newton method, with a step length that minimises the potential.
 
 use petsc_wrap::{Comm, Ksp, Vector};
 
@@ -19,37 +20,37 @@ use super::line_search::step_length;
 use super::state::{Impactor, Moment};
 use crate::impact::parameters::ImpactParameters;
 
-/// The steps, s: ε = 4/Δt². Long ones first, in which slow vibrations come to rest. On pads the body falls by about g Δt²/4 and is
-/// pushed back in each: shorter ones then take out what that leaves of rounding.
+/// Time steps Δt, s: ε = 4/Δt². Long steps come first and bring slow vibrations to rest; shorter steps then reduce the
+/// residual further.
 const STEPS: [f64; 4] = [2.0, 0.2, 0.02, 0.002];
 
-/// Where the impactor is meanwhile, m.
-const FAR: f64 = 1e6;
+/// Gap of the impactor during the search, m: far away, so that it does not touch the body.
+const FAR_GAP: f64 = 1e6;
 
-/// The forces left over, as a part of the loads.
+/// Residual forces that count as zero, relative to the loads.
 const TOLERANCE: f64 = 1e-13;
 
-/// What they may be where rounding does not let them become less.
+/// Largest residual forces that are accepted if rounding prevents smaller ones, relative to the loads.
 const ROUNDING: f64 = 1e-7;
 
-/// Iterations with one step at most.
-const MOST: usize = 50;
+/// Largest number of iterations with one time step or penalty.
+const MAX_ITERATIONS: usize = 50;
 
-/// ε on pads, 1/s².
+/// Penalties ε on pads, 1/s².
 const PENALTIES: [f64; 2] = [1.0, 1e4];
 
-/// How far a body may sink into pads, m: what goes further is falling, or tips over.
+/// Largest displacement of a body on pads, m; a body that moves further is falling or tips over.
 const DEEPEST: f64 = 1.0;
 
-/// u in equilibrium. Collective.
+/// Returns u in equilibrium. Collective.
 ///
 /// # Errors
-/// A fault of `time.initial` where there is no equilibrium; PETSc's.
+/// A fault of `time.initial` if there is no equilibrium; if a PETSc call fails.
 pub(super) fn find(comm: &Comm, body: &mut Body, parameters: &ImpactParameters) -> Result<Vector> {
     if body.pads.is_some() {
         return find_on_pads(body);
     }
-    let parameters = ImpactParameters { speed: 0.0, gap: FAR, weight: 0.0, ..parameters.clone() };
+    let parameters = ImpactParameters { speed: 0.0, gap: FAR_GAP, weight: 0.0, ..parameters.clone() };
     body.equilibrium = None;
     let (mut now, mut next) = (Moment::zero(body)?, Moment::zero(body)?);
     initial::start(body, &parameters, &mut now)?;
@@ -62,7 +63,7 @@ pub(super) fn find(comm: &Comm, body: &mut Body, parameters: &ImpactParameters) 
         }
         let scheme = (newmark(0.25, 0.5), step);
         let mut stepper = ImplicitStepper::new(comm, body, &parameters, scheme, (Newton::Condensed, tolerance))?;
-        for _ in 0..MOST {
+        for _ in 0..MAX_ITERATIONS {
             if left <= tolerance {
                 break;
             }
@@ -74,12 +75,13 @@ pub(super) fn find(comm: &Comm, body: &mut Body, parameters: &ImpactParameters) 
             unbalanced(body, 0.0, &mut next)?;
             let before = std::mem::replace(&mut left, next.inertia.norm()?);
             std::mem::swap(&mut now, &mut next);
-            // Rounding is all that is left, or what only a longer step brings nearer.
+            // Only rounding is left, or motions that only longer steps bring to rest.
             if left > 0.5 * before {
                 break;
             }
         }
-        // What the longest step does not slow down is falling: shorter ones would do the same.
+        // If the longest step hardly reduces the residual forces, the body is falling; shorter steps would not change
+        // this.
         if left > 0.5 * loads {
             return Err(no_equilibrium());
         }
@@ -90,7 +92,7 @@ pub(super) fn find(comm: &Comm, body: &mut Body, parameters: &ImpactParameters) 
     Ok(now.state.u)
 }
 
-/// The same on pads. Collective.
+/// Same as [`find`] for a body on pads. Collective.
 fn find_on_pads(body: &mut Body) -> Result<Vector> {
     let [mut u, mut trial, mut change, mut out, mut momentum] = {
         let zeros = || body.load.duplicate();
@@ -102,11 +104,12 @@ fn find_on_pads(body: &mut Body) -> Result<Vector> {
     let mut left = loads;
     let mut is_first = true;
     for penalty in PENALTIES {
-        for _ in 0..MOST {
+        for _ in 0..MAX_ITERATIONS {
             if left <= TOLERANCE * loads {
                 break;
             }
-            // A body that touches its pads is best begun with as if it pressed them everywhere.
+            // The first iteration takes the pads as pressed everywhere, which is a good start for a body that touches
+            // its pads.
             let matrix = body.operator_on_pads(penalty, (!is_first).then_some(&u))?;
             is_first = false;
             let mut solver: Ksp = body.solver(&matrix)?;
@@ -126,7 +129,7 @@ fn find_on_pads(body: &mut Body) -> Result<Vector> {
             if u.norm_max()? > DEEPEST || !left.is_finite() {
                 return Err(no_equilibrium());
             }
-            // Rounding is all that is left.
+            // Only rounding is left.
             if left <= ROUNDING * loads && left > 0.5 * before {
                 break;
             }
@@ -135,10 +138,10 @@ fn find_on_pads(body: &mut Body) -> Result<Vector> {
     if left > ROUNDING * loads { Err(no_equilibrium()) } else { Ok(u) }
 }
 
-/// The forces on the free unknowns at a displacement, f − K u − p(u). Collective.
+/// Forces on the free unknowns at a displacement, f − K u − p(u). Collective.
 fn left_over(body: &mut Body, u: &Vector, product: &mut Vector) -> Result<Vector> {
     let mut force = body.load.duplicate()?;
-    // add_force adds p: the sign is turned by what follows.
+    // add_force adds p; aypx below changes the sign.
     if let Some(pads) = &mut body.pads {
         pads.add_force(None, u, &mut force)?;
     }
@@ -154,7 +157,7 @@ fn left_over(body: &mut Body, u: &Vector, product: &mut Vector) -> Result<Vector
     Ok(force)
 }
 
-/// Takes all speed and acceleration out.
+/// Sets all velocities, accelerations and inertia forces to zero.
 fn stop(moment: &mut Moment) -> Result<()> {
     moment.state.v.fill(0.0)?;
     moment.state.a.fill(0.0)?;

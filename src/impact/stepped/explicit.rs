@@ -1,4 +1,5 @@
-//! One step of the central difference with lumped mass: nothing is solved, the force is that at the new place.
+//! One step of the central difference method with lumped mass: no system is solved, and the force is evaluated at the
+//! new displacement.
 
 use petsc_wrap::Vector;
 
@@ -13,13 +14,14 @@ use super::stable_step::stable_step;
 use super::state::{Impactor, Moment};
 use crate::impact::parameters::ImpactParameters;
 
-/// Of the estimated limit, the step that is taken where none is given: room for what the estimate leaves open.
-const OF_LIMIT: f64 = 0.95;
+/// Step taken if none is given, relative to the estimated stability limit. The margin covers the uncertainty of the
+/// estimate.
+const STEP_OVER_LIMIT: f64 = 0.95;
 
-/// The central difference at one step size.
+/// The central difference method at one step size.
 pub struct ExplicitStepper {
     scheme: CentralDifference,
-    /// v_{n+1/2}, m/s; then D, m.
+    /// First v_{n+1/2}, m/s; then D, m.
     half: Vector,
     force: Vector,
     pads: Option<Vector>,
@@ -32,10 +34,10 @@ impl ExplicitStepper {
         Ok(Self { scheme: CentralDifference { step }, half: zeros()?, force: zeros()?, pads })
     }
 
-    /// Takes a step: writes the state at its end, returns what was exchanged over it. Collective.
+    /// Takes a step: writes the state at its end and returns the energies exchanged over it. Collective.
     ///
     /// # Panics
-    /// When the body has no lumped mass.
+    /// If the body has no lumped mass.
     pub(super) fn advance(
         &mut self,
         body: &mut Body,
@@ -49,13 +51,13 @@ impl ExplicitStepper {
         to.state.q.position = position;
         to.state.v.copy_from(&self.half)?;
         to.update(body, parameters.gap)?;
-        // Only the velocity at the middle of the step is known: it is extrapolated with the old acceleration.
+        // Only the velocity at the middle of the step is known; it is extrapolated with the old acceleration.
         let rate = match parameters.law.damping {
             0.0 => 0.0,
             _ => q_half - to.surface_rate(body)? + 0.5 * scheme.step * from.acceleration(body)?,
         };
         let contact = parameters.law.damped(to.approach, rate);
-        // f + a F − K u − p at the new place; the dampers' force is part of the correction.
+        // Force f + a F − K u − p at the new displacement; the dampers' force is part of the correction.
         let force = &mut self.force;
         force.copy_from(&body.load)?;
         force.axpy(1.0, &body.support_load)?;
@@ -80,7 +82,7 @@ impl ExplicitStepper {
         if let Some(product) = &mut to.products.damping {
             body.apply_damping(&to.state.v, product)?;
         }
-        // The energy balance's D.
+        // Increment D for the energy balance.
         self.half.copy_from(&to.state.u)?;
         self.half.axpy(-1.0, &state.u)?;
         let (force, damping) = (contact.force, contact.force - contact.elastic);
@@ -91,7 +93,7 @@ impl ExplicitStepper {
     }
 }
 
-/// u_{n+1} and v_{n+1/2} of the body.
+/// Computes u_{n+1} and v_{n+1/2} of the body.
 fn predict(scheme: CentralDifference, from: &Moment, to: &mut Moment, half: &mut Vector) -> Result<()> {
     let (u, v, a) = (from.state.u.read()?, from.state.v.read()?, from.state.a.read()?);
     let (mut new, mut half) = (to.state.u.write()?, half.write()?);
@@ -101,7 +103,7 @@ fn predict(scheme: CentralDifference, from: &Moment, to: &mut Moment, half: &mut
     Ok(())
 }
 
-/// u̇_{n+1} and ü_{n+1} of the body, from v_{n+1/2} and the force.
+/// Computes u̇_{n+1} and ü_{n+1} of the body from v_{n+1/2} and the force.
 fn correct(
     scheme: CentralDifference,
     lumped: &Lumped,
@@ -118,10 +120,11 @@ fn correct(
     Ok(())
 }
 
-/// The step (s) of an explicit run: the given one if it is stable or `allow_unstable` is set, or else what is stable. Collective.
+/// Returns the step (s) of an explicit run. A given step must be stable unless `allow_unstable` is set; without a given
+/// step, a stable one is chosen. Collective.
 ///
 /// # Errors
-/// A fault of `time.step`; PETSc's.
+/// A fault of `time.step` if it is not stable; if a PETSc call fails.
 pub(super) fn step(
     body: &mut Body,
     parameters: &ImpactParameters,
@@ -131,7 +134,7 @@ pub(super) fn step(
         return Ok(step);
     }
     let limit = stable_step(body, parameters, Scheme::CentralDifference { allow_unstable })?;
-    let Some(step) = given else { return Ok(OF_LIMIT * limit) };
+    let Some(step) = given else { return Ok(STEP_OVER_LIMIT * limit) };
     if step <= limit {
         return Ok(step);
     }

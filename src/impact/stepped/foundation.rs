@@ -1,17 +1,20 @@
-//! The nonlinear equations of a step on pads, condensed to the unknowns that pads and contact push: small, dense, on one rank.
+//! Nonlinear equations of a step on pads, condensed to the unknowns on which pads and contact act: a small dense system
+//! on one rank.
 //!
-//! With z = (e, δ) the increments of the pads' unknowns and the approach, φ = (p, F) the forces on them, and the compliance
+//! Let z = (e, δ) be the increments of the pads' unknowns and the approach, and φ = (p, F) the forces on them. With the
+//! compliance
 //!
 //! Ĝ = (G, −g; −gᵀ, s),   G = PᵀS⁻¹P,  g = Pᵀw,
 //!
-//! z = z* − Ĝφ has to meet φ = f(z). This is the zero of the gradient r = f(z) − φ of a strictly convex potential, whose Hessian
-//! is Ĝ⁻¹ + D with the semi-smooth derivative D of f (L. Qi & J. Sun, A nonsmooth version of Newton's method, Math. Program. 58,
-//! 1993). The forces are what is iterated, and z follows from them by a product with Ĝ: so r is free of Ĝ's condition number, and it
-//! is the residual of the full equations.
+//! z = z* − Ĝφ has to satisfy φ = f(z). The solution is the zero of the gradient r = f(z) − φ of a strictly convex
+//! potential, whose Hessian is Ĝ⁻¹ + D with the semi-smooth derivative D of f (L. Qi & J. Sun, A nonsmooth version of
+//! Newton's method, Math. Program. 58, 1993). The iteration updates the forces and computes z from them by a product
+//! with Ĝ. Therefore r does not suffer from the condition number of Ĝ, and it is the residual of the full equations.
 //!
-//! D changes in few points from one iteration to the next, as from step to step. So a factor of Ĝ⁻¹ + D is kept and
-//! preconditions conjugate gradients. With M the matrix of the kept factor, M times the search direction follows from the
-//! recurrence of that direction, and only the difference of the two D is ever multiplied.
+//! D changes at few points from one iteration to the next and from step to step. Therefore a factor of Ĝ⁻¹ + D is kept
+//! as the preconditioner of the conjugate gradient method. With M the matrix of the kept factor, M times the search
+//! direction satisfies the same recurrence as the direction. Thus only the difference of the two D has to be
+//! multiplied.
 
 use std::convert::Infallible;
 
@@ -22,79 +25,80 @@ use crate::scheme::StageForce;
 
 use super::line_search::step_length;
 
-/// A bound for what cannot converge.
+/// Bound on the Newton iterations, for equations that do not converge.
 const MAX_ITERATIONS: usize = 1000;
 
-/// The residual of Newton's linear equations, as a part of the one before.
+/// Residual to which Newton's linear equations are solved, relative to their right-hand side.
 const FORCING: f64 = 1e-4;
 
-/// Roundings in z, in what D is multiplied by and in the sum over points.
+/// Rounding of the residual in units of displacement times the largest D: in z, in the products with D, and in the sum
+/// over points.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Rank of Ĝ over the iterations of conjugate gradients from which a new factor is cheaper.
+/// Size of the system divided by the number of conjugate gradient iterations at which a new factor is cheaper.
 const RENEW: usize = 20;
 
-/// The points of pads in the order of Ĝ.
+/// Quadrature points of pads, numbered by the columns of Ĝ.
 pub struct Points {
-    /// w, N/m, by point.
+    /// Stiffness w of each point, N/m.
     pub weights: Vec<f64>,
-    /// s ū, m, by point.
+    /// Offset s ū of each point, m.
     pub offsets: Vec<f64>,
-    /// How many unknowns each point has.
+    /// Number of unknowns of each point.
     pub counts: Vec<usize>,
-    /// Columns of Ĝ, point by point; held unknowns have numbers behind those.
+    /// Columns of Ĝ for the unknowns, point after point; constrained unknowns have numbers beyond the last column.
     pub columns: Vec<usize>,
-    /// s φ_a, likewise.
+    /// Coefficients s φ_a of these unknowns, in the same order.
     pub values: Vec<f64>,
 }
 
-/// What a step adds.
+/// Data of one step.
 pub struct Step<'a> {
-    /// F(δ).
+    /// Contact force F(δ).
     pub contact: &'a StageForce,
-    /// s (u_n − ū) at the points, m.
+    /// Penetration s (u_n − ū) at the points, m.
     pub penetration: &'a [f64],
-    /// Norm of r that counts as none, N.
+    /// Norm of r that counts as zero, N.
     pub tolerance: f64,
 }
 
-/// How a solution ended.
+/// Result of the Newton iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Convergence {
-    /// Newton iterations.
+    /// Number of Newton iterations.
     pub iterations: usize,
-    /// |r|, N.
+    /// Norm of the residual r, N.
     pub residual: f64,
-    /// Whether that is small enough, or what rounding leaves.
+    /// Whether the residual is below the tolerance or at the level of rounding.
     pub converged: bool,
 }
 
 /// The condensed equations of one step size.
 pub struct Reduced {
     points: Points,
-    /// Ĝ, m/N; the contact's row is the last.
+    /// Compliance Ĝ, m/N; the last row belongs to the contact.
     compliance: DMatrix<f64>,
-    /// Ĝ⁻¹, which serves for directions alone.
+    /// Inverse Ĝ⁻¹, used only for search directions.
     stiffness: DMatrix<f64>,
     kept: Option<Kept>,
-    /// φ, N: of the last step, until the next is solved.
+    /// Forces φ, N: the solution of the last step, which is the first guess for the next.
     pub forces: DVector<f64>,
-    /// D by point, and F′, N/m.
+    /// Tangent D of each point, and F′ as the last entry, N/m.
     tangents: Vec<f64>,
 }
 
-/// A factor of Ĝ⁻¹ + D, with its D.
+/// A factor of Ĝ⁻¹ + D, with the D it was computed from.
 struct Kept {
     factor: Cholesky<f64, Dyn>,
     tangents: Vec<f64>,
 }
 
 impl Reduced {
-    /// From Ĝ; `None` where it is not positive definite to rounding.
+    /// Builds the equations from Ĝ; `None` if Ĝ is not positive definite to rounding.
     pub(super) fn new(points: Points, compliance: DMatrix<f64>) -> Option<Self> {
         let size = compliance.nrows();
         let mut raised = compliance.clone();
-        // What rounding in the columns of Ĝ may have made negative.
+        // A slightly larger diagonal compensates the rounding in the columns of Ĝ, which can make eigenvalues negative.
         (0..size).for_each(|i| raised[(i, i)] *= 1.0 + 1e-12);
         let stiffness = raised.cholesky()?.inverse();
         Some(Self {
@@ -107,7 +111,8 @@ impl Reduced {
         })
     }
 
-    /// s (u − ū) at the points, m, of displacements in the order of the columns, the contact's idle.
+    /// Penetration s (u − ū) at the points, m. The displacements are in the order of the columns of Ĝ; the entry of the
+    /// contact is not used.
     pub(super) fn penetration(&self, displacement: &[f64]) -> Vec<f64> {
         let at_point = |columns: &[usize], values: &[f64]| {
             columns.iter().zip(values).map(|(i, v)| v * displacement[*i]).sum::<f64>()
@@ -116,9 +121,9 @@ impl Reduced {
         entries.map(|((columns, values), offset)| at_point(columns, values) - offset).collect()
     }
 
-    /// Solves for the forces, from a guess of them. `at` is z under forces `applied`.
+    /// Solves for the forces, starting from the forces of the last step. `at` is z under the forces `applied`.
     pub(super) fn solve(&mut self, step: &Step, at: &DVector<f64>, applied: &DVector<f64>) -> Convergence {
-        // What rounding of the displacements is measured by.
+        // Scale of the rounding of the displacements.
         let largest = step.penetration.iter().chain(at.iter()).fold(0.0_f64, |max, value| max.max(value.abs()));
         let mut outcome = Convergence { iterations: 0, residual: f64::NAN, converged: false };
         loop {
@@ -126,7 +131,7 @@ impl Reduced {
             let r = self.push(step, &z) - &self.forces;
             let last = std::mem::replace(&mut outcome.residual, r.norm());
             let rounding = ROUNDING * largest * self.points.stiffest(self.tangents[self.points.weights.len()]);
-            // Where rounding may be all that is left, iterations go on while they make it less.
+            // If only rounding may be left, iterations go on while they reduce the residual.
             let idle = outcome.residual <= rounding && outcome.residual >= 0.5 * last;
             outcome.converged = outcome.residual <= step.tolerance || idle;
             if outcome.converged || !outcome.residual.is_finite() || outcome.iterations == MAX_ITERATIONS {
@@ -145,10 +150,10 @@ impl Reduced {
         }
     }
 
-    /// f(z), N; leaves its tangents.
+    /// Computes f(z), N, and stores its tangents.
     fn push(&mut self, step: &Step, z: &DVector<f64>) -> DVector<f64> {
         let StageForce { gradient, theta, .. } = *step.contact;
-        // Points see the displacement at the stage, or, for a mean force, at the two ends of the step.
+        // Points use the displacement at the stage or, for a mean force, at the two ends of the step.
         let scale = if gradient { 1.0 / theta } else { 1.0 };
         let mut forces = DVector::zeros(z.len());
         let last = z.len() - 1;
@@ -165,7 +170,7 @@ impl Reduced {
         forces
     }
 
-    /// x of (Ĝ⁻¹ + D) x = b to a part of |b|, or of a tolerance where that is more.
+    /// Solves (Ĝ⁻¹ + D) x = b to a residual relative to |b|, or to a fraction of the tolerance if this is larger.
     fn direction(&mut self, b: DVector<f64>, tolerance: f64) -> DVector<f64> {
         let most = 4 + b.len() / RENEW;
         let wanted = (FORCING * b.norm()).max(0.1 * tolerance);
@@ -184,7 +189,7 @@ impl Reduced {
         }
         let mut matrix = self.stiffness.clone();
         self.points.add_tangent_matrix(&self.tangents, &mut matrix);
-        // Positive definite but for rounding, where a descent along −r is what is left.
+        // The matrix is positive definite except for rounding; if the factorisation fails, the direction is −r.
         let Some(factor) = matrix.cholesky() else {
             self.kept = None;
             return b;
@@ -195,7 +200,8 @@ impl Reduced {
     }
 }
 
-/// x of (M + Δ) x = b to a residual, with the factor of M as preconditioner; `None` where `most` iterations do not do.
+/// Solves (M + Δ) x = b to a residual `wanted`, with the factor of M as preconditioner; `None` if `most` iterations are
+/// not enough.
 fn conjugate_gradients(
     factor: &Cholesky<f64, Dyn>,
     add_difference: impl Fn(&DVector<f64>, &mut DVector<f64>),
@@ -207,7 +213,7 @@ fn conjugate_gradients(
     let mut residual = b.clone();
     let mut direction = factor.solve(&residual);
     let mut old = residual.dot(&direction);
-    // M times the direction: it obeys the direction's recurrence.
+    // The product of M with the direction satisfies the recurrence of the direction.
     let mut product = residual.clone();
     for _ in 0..most {
         let mut image = product.clone();
@@ -230,7 +236,7 @@ fn conjugate_gradients(
 }
 
 impl Points {
-    /// Columns and values, by point.
+    /// Columns and values of each point.
     fn entries(&self) -> impl Iterator<Item = (&[usize], &[f64])> {
         self.counts.iter().scan(0, |end, count| {
             let start = std::mem::replace(end, *end + count);
@@ -238,7 +244,7 @@ impl Points {
         })
     }
 
-    /// Adds D x to `out`, D of tangents by point, the contact's last.
+    /// Adds D x to `out`; `tangents` has D of each point and then of the contact.
     fn add_tangent(&self, tangents: &[f64], x: &DVector<f64>, out: &mut DVector<f64>) {
         let last = x.len() - 1;
         for ((columns, values), tangent) in self.entries().zip(tangents).filter(|(_, tangent)| **tangent != 0.0) {
@@ -248,8 +254,8 @@ impl Points {
         out[last] += tangents[self.weights.len()] * x[last];
     }
 
-    /// Norm of the largest D, all points pressed but the contact's F′ as it is: what rounding of displacements is seen through,
-    /// since a point may be pressed by no more than that.
+    /// Norm of the largest possible D, with all points pressed and the contact's F′ as given. It bounds how rounding of
+    /// displacements appears in the forces, because any of the points may be pressed.
     fn stiffest(&self, contact: f64) -> f64 {
         let at_point = |((_, values), weight): ((&[usize], &[f64]), &f64)| {
             let sum: f64 = values.iter().map(|value| value.abs()).sum();
@@ -259,7 +265,7 @@ impl Points {
         (pads + contact * contact).sqrt()
     }
 
-    /// Adds D to a matrix.
+    /// Adds D to a matrix; `tangents` is as in [`Self::add_tangent`].
     fn add_tangent_matrix(&self, tangents: &[f64], out: &mut DMatrix<f64>) {
         let last = out.nrows() - 1;
         for ((columns, values), tangent) in self.entries().zip(tangents).filter(|(_, tangent)| **tangent != 0.0) {
@@ -271,7 +277,7 @@ impl Points {
     }
 }
 
-/// A point's entries in the columns before the contact's: the free ones.
+/// Entries of a point for its free unknowns, which have columns before the contact's.
 fn moving<'a>(columns: &'a [usize], values: &'a [f64], last: usize) -> impl Iterator<Item = (usize, f64)> {
     columns.iter().copied().zip(values.iter().copied()).filter(move |(i, _)| *i < last)
 }
@@ -281,7 +287,7 @@ mod tests {
     use super::*;
     use crate::contact::{ForceLaw, Hertz, Law};
 
-    /// A chain of ten unknowns under thirty points, and a contact: G = exp(−|i − j|/4) and the like, m/N times 1e-9.
+    /// Test system of ten unknowns under thirty points, and a contact: G = exp(−|i − j|/4) times 1e-9 m/N.
     fn chain(stiffness: f64) -> Reduced {
         let n = 10;
         let kernel = |i: usize, j: usize| 1e-9 * (-0.25 * (i as f64 - j as f64).abs()).exp();
@@ -294,7 +300,7 @@ mod tests {
         for q in 0..30 {
             let i = (q / 3).min(n - 2);
             let part = 0.1 + 0.4 * (q % 3) as f64;
-            // The last unknown's neighbour is held.
+            // The neighbour of the last unknown is constrained.
             columns.extend([i, if q < 27 { i + 1 } else { n + 1 }]);
             values.extend([1.0 - part, part]);
         }
@@ -303,14 +309,14 @@ mod tests {
             .unwrap()
     }
 
-    /// Over decades of stiffness, from any guess, the forces are those of the displacements that they lead to.
+    /// For stiffnesses over many decades and from any guess, the forces agree with the displacements that they cause.
     #[test]
     fn forces_and_displacements_agree_wherever_newton_starts() {
         for stiffness in [1e5, 1e9, 1e13, 1e17] {
             for gradient in [false, true] {
                 let mut reduced = chain(stiffness);
                 for trial in 0..20 {
-                    // Displacements of all signs, which change with the trial: the forces of the last are a bad guess.
+                    // Displacements of both signs that change with the trial, so that the last forces are a bad guess.
                     let wave = |i: usize| 1e-4 * (1.7 * i as f64 + 2.3 * f64::from(trial)).sin();
                     let force_law = ForceLaw::Hertz(Hertz { stiffness: 1e10 });
                     let law = Law { force_law, compliance: 0.0, damping: 0.0 };
@@ -327,7 +333,7 @@ mod tests {
                     let at = DVector::from_fn(11, |i, _| wave(i));
                     let outcome = reduced.solve(&step, &at, &DVector::zeros(11));
                     assert!(outcome.converged && outcome.iterations < 40, "{stiffness:e}: {outcome:?}");
-                    // From the definitions, not from the solver's own sums.
+                    // From the definitions, independently of the sums in the solver.
                     let z = &at - &reduced.compliance * &reduced.forces;
                     let scale = if gradient { 2.0 } else { 1.0 };
                     let mut expected = DVector::zeros(11);
@@ -343,7 +349,7 @@ mod tests {
                             expected[*i] += reduced.points.weights[q] * depth * value;
                         }
                     }
-                    // The tolerance; thirty points up to four times as stiff show sixteen roundings of 1e-4 m.
+                    // The tolerance, plus sixteen roundings of 1e-4 m at thirty points up to four times as stiff.
                     let left = (&expected - &reduced.forces).norm();
                     assert!(left <= 2e-8 + 8e-18 * stiffness, "{stiffness:e}: {left:e} N");
                 }

@@ -1,12 +1,12 @@
-//! The paper's Newton step: body and impactor in one matrix, which holds the block âF′âᵀ.
+//! The paper's Newton step: body and impactor in one matrix, which contains the block âF′âᵀ.
 //!
-//! Unknowns are the stage's increments E = (E_u, E_q); â = (−a, 1) restricted to the unknowns that are free:
+//! Unknowns are the stage's increments E = (E_u, E_q). The vector â is (−a, 1) restricted to the free unknowns:
 //!
 //! R(E) = Ŝ E − g + p + â F(δ_n + âᵀE),   R′ = Ŝ + p′ + â F′ âᵀ,   Ŝ = diag(K + c1 C + c2 M, c2 m0).
 //!
-//! The impactor's row is the last one, owned by the last rank. R is the gradient of a strictly convex potential, since Ŝ
-//! is positive definite and p and F do not decrease; so Newton's direction always descends, and a line search that brackets the
-//! zero of the slope converges from anywhere, across the kinks of contact and pads.
+//! The impactor's row is the last one and belongs to the last rank. R is the gradient of a strictly convex potential,
+//! since Ŝ is positive definite and p and F do not decrease. Therefore Newton's direction always descends. A line
+//! search that brackets the zero of the slope converges from any start, also across the kinks of contact and pads.
 
 use mpi::traits::{Communicator, Root};
 use petsc_wrap::{CallbackResult, Comm, Gather, Insert, Int, Matrix, MatrixView, Vector, VectorView};
@@ -19,36 +19,37 @@ use crate::solve::Newton;
 use super::implicit::{Problem, Solved};
 use super::line_search::step_length;
 
-/// A bound for what cannot converge. Contact takes three to six; a pad takes more the more of its points change sides in
-/// a step, some hundred when it is as stiff as the body and the step is large.
+/// Bound on the Newton iterations, for equations that do not converge. Contact takes three to six. A pad takes more if
+/// many of its points open or close in a step: about a hundred if it is as stiff as the body and the step is large.
 const MAX_ITERATIONS: usize = 1000;
 
-/// The Newton solver of a run: its matrix pattern and symbolic factorisation serve all steps.
+/// Newton solver of a run; its matrix pattern and symbolic factorisation are used for all steps.
 pub struct Full {
     comm: Comm,
     newton: Newton,
-    /// Ŝ, with held unknowns taken out.
+    /// Matrix Ŝ without the constrained unknowns.
     constant: Matrix,
-    /// â as a vector, and as its entries, all of them on every rank; those of this rank's rows lie in the range.
+    /// The vector â, and its nonzero entries, complete on every rank. `rows` is the range of the entries in this rank's
+    /// rows.
     direction: Vector,
     entries: (Vec<Int>, Vec<f64>),
     rows: std::ops::Range<usize>,
-    /// F′ in the Jacobian as it stands.
+    /// F′ that the Jacobian contains at present.
     tangent: f64,
-    /// Increments and their known part, laid out with the impactor's row.
+    /// Increments and known part, with the impactor's row; `displacement` is work space without it.
     increment: Vector,
     known: Vector,
     displacement: Vector,
-    /// Residual that counts as none, N, but for rounding.
+    /// Residual that counts as zero, N, except for rounding.
     tolerance: f64,
 }
 
 impl Full {
-    /// Assembles Ŝ for a stage of a step (s), and the pattern of the Newton matrix. Collective.
+    /// Assembles Ŝ for a stage of a step (s), and the sparsity pattern of the Newton matrix. Collective.
     pub(super) fn new(comm: &Comm, body: &Body, stage: (Affine, f64), mass: f64, tolerance: f64) -> Result<Self> {
         let (all, _): (Vec<Int>, Vec<f64>) = body.localization.entries.iter().copied().unzip();
         let free = Gather::new(&body.clamps.free, &all)?.fetch(&body.clamps.free)?.to_vec();
-        // A held unknown takes no force; what it adds to δ is constant and part of δ_n.
+        // Constrained unknowns take no force; their contribution to δ is constant and part of δ_n.
         let of_body = body.localization.entries.iter().zip(&free).filter(|(_, free)| **free != 0.0);
         let (indices, values): (Vec<Int>, Vec<f64>) =
             of_body.map(|((index, value), _)| (*index, -value)).chain([(body.unknowns() as Int, 1.0)]).unzip();
@@ -80,7 +81,7 @@ impl Full {
         })
     }
 
-    /// Solves a step from a guess of E, which it replaces. Collective.
+    /// Solves a step from a guess of E in `increment`, which is overwritten by the solution. Collective.
     pub(super) fn solve(&mut self, problem: Problem, increment: &mut Vector) -> petsc_wrap::Result<Solved> {
         let Problem { u, known, known_impactor, force, pads, guess, largest, .. } = problem;
         self.newton.set_absolute_tolerance(self.tolerance.max(largest))?;
@@ -90,7 +91,7 @@ impl Full {
         let (displacement, current) = (std::cell::RefCell::new(&mut self.displacement), &mut self.tangent);
         let (rows, approach) = (self.rows.clone(), force.from);
         let pads = std::cell::RefCell::new(pads);
-        // Pads take the displacement at the stage, or, for a mean force, at the two ends of the step.
+        // Pads use the displacement at the stage or, for a mean force, at the two ends of the step.
         let (from, scale) = if force.gradient { (Some(u), 1.0 / force.theta) } else { (None, 1.0) };
         let displaced = |d: &VectorView| -> petsc_wrap::Result<()> {
             let mut displacement = displacement.borrow_mut();
@@ -119,7 +120,7 @@ impl Full {
                 displaced(d)?;
                 pads.add_tangent(from, &displacement.borrow(), scale, j)?;
             }
-            // âF′âᵀ, entry by entry as in the paper, each rank its own rows.
+            // Adds âF′âᵀ entry by entry, as in the paper; each rank sets its own rows.
             let (indices, values) = entries;
             let mine = &values[rows.clone()];
             let block: Vec<f64> = mine.iter().flat_map(|a| values.iter().map(move |b| tangent * a * b)).collect();
@@ -136,7 +137,7 @@ impl Full {
         Ok(Solved { increment: impactor(&self.comm, &self.increment)?, force, iterations })
     }
 
-    /// A failure told with its residual.
+    /// Converts an error of the solver; divergence is reported with its residual.
     pub(super) fn describe(&self, error: petsc_wrap::Error) -> Error {
         match error {
             petsc_wrap::Error::Diverged(failure) => Error::Solve(format!(
@@ -152,7 +153,7 @@ impl Full {
     }
 }
 
-/// Ŝ with room for ââᵀ, whose entries couple the impactor and all of `coupled` with one another.
+/// Assembles Ŝ with room for ââᵀ, which couples the impactor and all unknowns in `coupled` with one another.
 fn constant(comm: &Comm, body: &Body, (stage, step): (Affine, f64), mass: f64, coupled: &[Int]) -> Result<Matrix> {
     let operator = body.operator_of_step(step, stage.c1, stage.c2)?;
     let rows = operator.row_range();
@@ -199,7 +200,7 @@ fn constant(comm: &Comm, body: &Body, (stage, step): (Affine, f64), mass: f64, c
     Ok(matrix)
 }
 
-/// Body's and impactor's values in one vector, the impactor's last.
+/// Writes the values of body and impactor into one vector, the impactor's value last.
 fn pack((body, impactor): (&Vector, f64), out: &mut Vector) -> petsc_wrap::Result<()> {
     let body = body.read()?;
     let mut out = out.write()?;
@@ -211,7 +212,7 @@ fn pack((body, impactor): (&Vector, f64), out: &mut Vector) -> petsc_wrap::Resul
     Ok(())
 }
 
-/// The body's values of a vector with the impactor's row.
+/// Copies the body's values from a vector with the impactor's row.
 fn unpack(from: &VectorView, body: &mut Vector) -> petsc_wrap::Result<()> {
     let from = from.read()?;
     let mut body = body.write()?;
@@ -220,7 +221,7 @@ fn unpack(from: &VectorView, body: &mut Vector) -> petsc_wrap::Result<()> {
     Ok(())
 }
 
-/// The impactor's value of such a vector, on every rank. Collective.
+/// Returns the impactor's value of such a vector, on every rank. Collective.
 fn impactor(comm: &Comm, from: &Vector) -> petsc_wrap::Result<f64> {
     let last = comm.size() - 1;
     let mut value = if comm.rank() == last { *from.read()?.last().expect("the impactor's row") } else { 0.0 };

@@ -1,4 +1,4 @@
-//! One step of an implicit scheme: its equation set up, solved, and the state at its end.
+//! One step of an implicit scheme: sets up its equation, solves it, and computes the state at the end of the step.
 
 use petsc_wrap::{Comm, Int, Vector};
 
@@ -16,59 +16,60 @@ use super::state::{Impactor, Moment, State};
 use crate::impact::checkpoint::Visitor;
 use crate::impact::parameters::ImpactParameters;
 
-/// What rounding leaves of the residual, as a part of its largest term: more than the tolerance where a slow impactor
-/// meets a body that is bent or moves for other reasons.
+/// Rounding of the residual relative to its largest term. It can exceed the tolerance if a slow impactor hits a body
+/// that is deformed or moving for other reasons.
 const ROUNDING: f64 = 100.0 * f64::EPSILON;
 
-/// A step's equations S E + p = g + a F, c2 m0 E_q = g_q − F for the stage's increments E and E_q.
+/// Equations of a step, S E + p = g + a F and c2 m0 E_q = g_q − F, for the stage's increments E and E_q.
 pub struct Problem<'a> {
-    /// u_n.
+    /// Displacement u_n at the start of the step.
     pub u: &'a Vector,
-    /// g, N.
+    /// Known part g of the body's equation, N.
     pub known: &'a Vector,
-    /// g_q, N.
+    /// Known part g_q of the impactor's equation, N.
     pub known_impactor: f64,
-    /// a.
+    /// Localisation vector a.
     pub direction: &'a Vector,
-    /// F at the stage.
+    /// Contact force F as a function of the approach at the stage.
     pub force: &'a StageForce,
-    /// p.
+    /// Pads, which exert the force p.
     pub pads: Option<&'a mut Pads>,
-    /// Where to start, m.
+    /// Initial guess of E_q, m.
     pub guess: f64,
-    /// What rounding leaves of the residual, N.
+    /// Rounding of the residual, N.
     pub largest: f64,
 }
 
-/// What a solver returns beside E.
+/// Result of a solver, in addition to E.
 pub struct Solved {
-    /// E_q, m.
+    /// Impactor's increment E_q, m.
     pub increment: f64,
-    /// F, N.
+    /// Contact force F, N.
     pub force: f64,
-    /// Newton iterations, of the condensed equations in the condensed step.
+    /// Number of Newton iterations; in the condensed step, of the condensed equations.
     pub iterations: usize,
 }
 
-/// Who solves the equations of one step size.
+/// Solver of the equations for one step size.
 enum Solver {
     Condensed(Box<Condensed>),
     Full(Box<Full>),
 }
 
-/// How a body's steps are solved.
+/// Solution method for the steps of a body.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Method {
-    /// All unknowns by Newton's method.
+    /// Newton's method for all unknowns.
     Full,
-    /// One solve and a scalar equation.
+    /// One linear solve and a scalar equation.
     Condensed,
-    /// Two solves, and Newton's method on these unknowns, which pads push: their global numbers.
+    /// Two linear solves, and Newton's method for the unknowns on which pads act, given by their global numbers.
     CondensedOnPads(Vec<Int>),
 }
 
 impl Method {
-    /// What is asked for, but for pads of so many unknowns that the full Newton's method is cheaper. Collective.
+    /// Returns the requested method; the full Newton's method replaces the condensed one if pads act on more than
+    /// `pad_condensed::MOST_UNKNOWNS` unknowns, where it is cheaper. Collective.
     pub fn of(newton: scene::Newton, body: &Body) -> Self {
         let pushed = body.pads.as_ref().map(Pads::pushed).unwrap_or_default();
         match newton {
@@ -86,31 +87,34 @@ pub struct ImplicitStepper {
     solver: Solver,
     known: Vector,
     work: Vector,
-    /// p at the stage, where there are pads.
+    /// Pad forces p at the stage, if there are pads.
     pads: Option<Vector>,
-    /// The relaxing parts, where there are any.
+    /// Viscoelastic parts, if there are any.
     relaxing: Option<Relaxing>,
-    /// M D; before, C E.
+    /// Product M D; before that, C E.
     weighed: Vector,
-    /// Whether products may follow from those of the last moment: in the condensed step without pads, of a direct solver, whose residual is
-    /// rounding; where held unknowns, in whose equations there are other forces, stay at zero and are none of the translation's, so that
-    /// those forces are in no energy; and not in the midpoint rule, in which an error of K u changes its sign from step to step and stays,
-    /// where other schemes damp it; and not where forces relax.
+    /// Whether K u and M u̇ may be updated from the previous step instead of being recomputed. This requires:
+    /// - the condensed step without pads and with a direct solver, whose residual is rounding;
+    /// - constrained unknowns that stay at zero and take no part in the translation, so that the reaction forces in
+    ///   their equations do not contribute to the energies;
+    /// - a scheme other than the midpoint rule, in which an error of K u changes sign from step to step and persists,
+    ///   while the other schemes damp it;
+    /// - no viscoelastic parts.
     may_follow: bool,
-    /// Whether a step has no iterations over all unknowns, which start from a guess.
+    /// Whether a step needs no iterations over all unknowns, which would start from a guess.
     is_direct: bool,
-    /// Steps since K u was made of u.
+    /// Number of steps since K u was recomputed from u.
     followed: usize,
 }
 
-/// Steps after which K u and M u̇ are made anew of u and u̇, lest rounding pile up in them.
+/// Number of steps after which K u and M u̇ are recomputed from u and u̇, so that rounding does not accumulate.
 const FOLLOWED: usize = 100;
 
 impl ImplicitStepper {
     /// Sets up the solver. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub(super) fn new(
         comm: &Comm,
         body: &Body,
@@ -138,13 +142,14 @@ impl ImplicitStepper {
         Ok(Self { scheme, step, solver, known, work, pads, relaxing, weighed, may_follow, is_direct, followed: 0 })
     }
 
-    /// What it remembers of the steps before, to a checkpoint or from it. (What the full Newton's method and
-    /// that of pads keep of their factors is not carried: they go on within their tolerance.)
+    /// Saves the memory of previous steps to a checkpoint or restores it. (The factors kept by the full Newton's method
+    /// and by the pads are not saved; the solution is reproduced within the tolerance.)
     pub(super) fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         visitor.count("followed", &mut self.followed)
     }
 
-    /// Takes a step: writes the state at its end, and what was exchanged over it. Returns the Newton iterations. Collective.
+    /// Takes a step and writes the state at its end. Returns the exchanged energies and the number of Newton
+    /// iterations. Collective.
     pub(super) fn advance(
         &mut self,
         body: &mut Body,
@@ -155,7 +160,7 @@ impl ImplicitStepper {
         let (scheme, step, theta) = (self.scheme, self.step, self.scheme.theta());
         let stage = scheme.stage(step);
         let (state, products) = (&from.state, &from.products);
-        // g = f − K u_n − M a* − C v*, with a* and v* what the stage has of them for E = 0.
+        // g = f − K u_n − M a* − C v*, where a* and v* are the stage's acceleration and velocity for E = 0.
         let known = &mut self.known;
         known.copy_from(&body.load)?;
         known.axpy(1.0, &body.support_load)?;
@@ -218,7 +223,7 @@ impl ImplicitStepper {
         self.followed = if self.may_follow { (self.followed + 1) % FOLLOWED } else { 0 };
         let follows = self.followed > 0;
         if follows {
-            // K E by the equation just solved, S E = g + a F, but for c2 M E.
+            // K E follows from the solved equation S E = g + a F by subtraction of C E here and of c2 M E in `follow`.
             self.known.axpy(solved.force, &body.localization.vector)?;
             if let Some(damping) = &body.damping {
                 damping.mult(&self.work, &mut self.weighed)?;
@@ -238,7 +243,7 @@ impl ImplicitStepper {
             if scheme.gradient {
                 pads.add_force(Some(&state.u), &to.state.u, force)?;
             } else {
-                // The known part has served.
+                // The known part is not needed any more and serves as work space.
                 self.known.copy_from(&state.u)?;
                 self.known.axpy(theta, &self.work)?;
                 pads.add_force(None, &self.known, force)?;
@@ -260,13 +265,14 @@ impl ImplicitStepper {
         Ok((exchange, solved.iterations))
     }
 
-    /// The products at the end of a step from those at its start, K D + c2 M D in `known`: M alone, which couples no components, is applied.
-    /// To ü, since M ü carried on from step to step would have a life of its own, which grows.
+    /// Computes the products at the end of a step from the products at its start; `known` contains K D + c2 M D. Only M
+    /// is applied, which couples no displacement components. It is applied to ü, because M ü carried on from step to
+    /// step would accumulate a growing error.
     fn follow(&mut self, body: &Body, parameters: &ImpactParameters, (from, to): (&Moment, &mut Moment)) -> Result<()> {
         let (stage, end) = (self.scheme.stage(self.step), self.scheme.end(self.step));
         let (momentum, [of_v, of_a]) = (&from.products.momentum, end.a);
         body.apply_mass(&to.state.a, &mut to.inertia)?;
-        // M D from ü = c2 D + of_v u̇_n + of_a ü_n.
+        // Computes M D from ü = c2 D + of_v u̇_n + of_a ü_n.
         self.weighed.copy_from(&to.inertia)?;
         self.weighed.axpy(-of_v, momentum)?;
         self.weighed.axpy(-of_a, &from.inertia)?;
@@ -283,7 +289,7 @@ impl ImplicitStepper {
         Ok(out.axpy(end.c1, &self.weighed)?)
     }
 
-    /// u, u̇ and ü at the end of a step, from D in `work`.
+    /// Computes u, u̇ and ü at the end of a step from D in `work`.
     fn end(&self, from: &Moment, to: &mut State, impactor: f64) -> Result<()> {
         let (state, end) = (&from.state, self.scheme.end(self.step));
         to.u.copy_from(&state.u)?;

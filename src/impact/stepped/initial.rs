@@ -1,4 +1,4 @@
-//! The state at t = 0.
+//! State at t = 0.
 
 use crate::body::Body;
 use crate::error::Result;
@@ -6,16 +6,17 @@ use crate::error::Result;
 use super::state::{Impactor, Moment};
 use crate::impact::parameters::ImpactParameters;
 
-/// In equilibrium where the body knows of one, without acceleration; otherwise undeformed and at rest, held unknowns at ū, with the
-/// acceleration of the forces, M ü = a F + f − K u − p(u). Collective.
+/// Sets the state at t = 0. If the body has an equilibrium, it starts there without acceleration. Otherwise it is
+/// undeformed and at rest, with constrained unknowns at ū, and the acceleration follows from the forces:
+/// M ü = a F + f − K u − p(u). Collective.
 ///
 /// # Errors
-/// PETSc's.
+/// If a PETSc call fails.
 pub(super) fn start(body: &mut Body, parameters: &ImpactParameters, moment: &mut Moment) -> Result<()> {
     moment.state.u.copy_from(body.equilibrium.as_ref().unwrap_or(&body.clamps.displacement))?;
     moment.state.q = Impactor { position: 0.0, velocity: parameters.speed, acceleration: 0.0 };
     moment.update(body, parameters.gap)?;
-    // Nothing, unless a held surface is pushed towards the impactor from the start.
+    // Zero, unless a prescribed displacement pushes the surface against the impactor at t = 0.
     let contact = parameters.force(moment.approach, moment.rate);
     moment.state.q.acceleration = (parameters.weight - contact) / parameters.mass;
     if body.equilibrium.is_some() {
@@ -35,14 +36,14 @@ pub(super) fn start(body: &mut Body, parameters: &ImpactParameters, moment: &mut
     Ok(())
 }
 
-/// The forces on the free unknowns of a moment, a F + f − K u − C u̇ − p(u), in the place of its inertia. Collective.
+/// Stores the forces on the free unknowns, a F + f − K u − C u̇ − p(u), in the inertia of a moment. Collective.
 ///
 /// # Errors
-/// PETSc's.
+/// If a PETSc call fails.
 pub(super) fn unbalanced(body: &mut Body, contact: f64, moment: &mut Moment) -> Result<()> {
     let force = &mut moment.inertia;
     force.fill(0.0)?;
-    // add_force adds p: the sign is turned by what follows.
+    // add_force adds p; aypx below changes the sign.
     if let Some(pads) = &mut body.pads {
         pads.add_force(None, &moment.state.u, force)?;
     }

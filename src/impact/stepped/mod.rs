@@ -1,4 +1,4 @@
-//! An impact on a body's unknowns, in steps of one size or of chosen sizes.
+//! An impact integrated in the unknowns of a body, in time steps of equal or of controlled size.
 
 mod condensed;
 mod controlled;
@@ -44,24 +44,25 @@ pub use state::{Impactor, State};
 use step_sizes::StepSizes;
 use trajectory::Trajectory;
 
-/// Newton's residual, as a part of the largest force that a half-space would see.
+/// Newton residual that counts as zero, relative to the upper bound of the contact force on a half-space.
 const FORCE_TOLERANCE: f64 = 1e-10;
 
-/// aᵀu on the same basis is off by less of the size of its terms: the rounding of a sum of two thousand of them. On bases of 20 and 40
-/// vectors made on other ranks it was 5e-9 and 1e-7, and the acceleration after it 1e-4 of its peak; on one of 10, which is the same but
-/// for rounding, 4e-15 and 1e-13.
+/// Largest relative difference of aᵀu for which a recomputed basis counts as the same as the checkpoint's: the rounding
+/// of a sum of two thousand terms. Measured for bases recomputed on another number of ranks: with 20 and 40 vectors the
+/// difference was 5e-9 and 1e-7 and changed the later acceleration by 1e-4 of its peak. With 10 vectors the bases
+/// agreed to rounding; the difference was 4e-15 and the acceleration changed by 1e-13.
 const SAME_BASIS: f64 = 1e-12;
 
-/// Puts a body into equilibrium where the scene wants it to start there. Collective.
+/// Finds the equilibrium of a body under its loads, if the scene starts from it. Collective.
 ///
 /// # Errors
-/// A fault of `time.initial` where there is none; PETSc's.
+/// A fault of `time.initial` if there is no equilibrium; if a PETSc call fails.
 pub fn settle(scene: &Scene, body: &mut Body) -> Result<()> {
     body.equilibrium = match scene.time.initial {
         Initial::Rest => None,
         Initial::Equilibrium => {
             let parameters = ImpactParameters::new(&scene.impactor, body);
-            // At rest for long, all that relaxes has done so.
+            // In equilibrium the viscoelastic parts are fully relaxed.
             let relaxations = std::mem::take(&mut body.relaxations);
             let rest = equilibrium::find(&body.comm().clone(), body, &parameters);
             body.relaxations = relaxations;
@@ -71,7 +72,7 @@ pub fn settle(scene: &Scene, body: &mut Body) -> Result<()> {
     Ok(())
 }
 
-/// A body under an impactor, ready to run.
+/// A body and an impactor, ready for a run.
 pub struct SteppedImpact {
     comm: Comm,
     body: Body,
@@ -81,42 +82,42 @@ pub struct SteppedImpact {
     end: f64,
     plan: Plan,
     trajectory: Trajectory,
-    /// Order of the scheme.
+    /// Order of accuracy of the scheme, 1 or 2.
     order: usize,
     resumed: Resumed,
     reader: Option<Reader>,
-    /// What the runs have cost so far.
+    /// Cost of the runs so far.
     pub count: Count,
 }
 
-/// What the next run goes on from.
+/// Starting point of the next run.
 enum Resumed {
-    /// Rest.
+    /// The initial state.
     No,
-    /// The state that the impact is in.
+    /// The state reached, for steps of equal size.
     Equal,
-    /// A moment of chosen steps.
+    /// A state of a run in steps of controlled size.
     Chosen(Box<controlled::Resumed>),
 }
 
 impl SteppedImpact {
-    /// An impact of the scene on its body: sets up the initial state. Collective.
+    /// Sets up the impact of a scene on its body, in its initial state. Collective.
     ///
     /// # Errors
-    /// A fault of the scene where an explicit step is not stable, or where there is no equilibrium; PETSc's.
+    /// A fault of the scene if an explicit step is not stable or if there is no equilibrium; if a PETSc call fails.
     pub fn new(scene: &Scene, mut body: Body) -> Result<Self> {
         let (comm, end) = (&body.comm().clone(), scene.time.end);
         settle(scene, &mut body)?;
         let mut parameters = ImpactParameters::new(&scene.impactor, &body);
         if let Some(rest) = &body.equilibrium {
-            // The gap is that to the surface as the loads leave it.
+            // The gap is measured from the surface as displaced by the loads.
             parameters.gap -= body.localization.vector.dot(rest)?;
         }
         let plan = Plan::new(scene, &mut body, &parameters)?;
         let newton_tolerance = FORCE_TOLERANCE * parameters.hardest();
         let (methods, base) = ((scene.time.scheme, scene.solver.newton), plan.step());
         let mut step_sizes = StepSizes::new(comm, parameters.clone(), methods, newton_tolerance, base);
-        // Here, so that wrong options for PETSc are found before anything is written.
+        // Set up here, so that wrong PETSc options are found before any output is written.
         step_sizes.at(0, &body)?;
         Ok(Self {
             step_sizes,
@@ -134,35 +135,35 @@ impl SteppedImpact {
         })
     }
 
-    /// Which steps it takes.
+    /// Plan of the time steps.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// The body.
+    /// The body under the impactor.
     pub fn body(&self) -> &Body {
         &self.body
     }
 
-    /// The body, for another impact on it.
+    /// Returns the body, for another impact on it.
     pub fn into_body(self) -> Body {
         self.body
     }
 
-    /// The state reached.
+    /// State of body and impactor at the time reached.
     pub fn state(&self) -> &State {
         &self.trajectory.now.state
     }
 
-    /// Takes another state for the initial one of steps of one size. Collective.
+    /// Replaces the initial state, for steps of equal size. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn set_state(&mut self, state: State) -> Result<()> {
         self.trajectory.set_state(state, &mut self.body, &self.parameters)
     }
 
-    /// What takes chosen steps of it, and the body; `None` for steps of one size.
+    /// Returns the integration in steps of controlled size, and the body; `None` for steps of equal size.
     fn controlled(&mut self) -> Option<(Controlled<'_>, &mut Body)> {
         let Plan::Controlled { tolerance, .. } = self.plan else { return None };
         let Self { comm, body, parameters, step_sizes, gate, count, reader, end, order, .. } = self;
@@ -171,10 +172,10 @@ impl SteppedImpact {
         Some((controlled, body))
     }
 
-    /// Runs before a closure, as [`TimeIntegration::run_watched`].
+    /// Runs with a closure as the observer; see [`TimeIntegration::run_watched`].
     ///
     /// # Errors
-    /// As there.
+    /// Same as [`TimeIntegration::run_watched`].
     pub fn run(&mut self, mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
         self.run_watched(&mut observe)
     }
@@ -205,7 +206,7 @@ impl SteppedImpact {
         Ok(flow)
     }
 
-    /// A run in equal steps, to a checkpoint or from it.
+    /// Saves a run in equal steps to a checkpoint or restores it.
     fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         let Self { body, trajectory, step_sizes, gate, count, .. } = self;
         trajectory.visit(visitor)?;
@@ -240,7 +241,7 @@ impl TimeIntegration for SteppedImpact {
         Ok(())
     }
 
-    /// Refuses, with [`Error::Output`], a checkpoint that is of another kind of run, or on another basis.
+    /// Returns [`Error::Output`] for a checkpoint of another kind of run or on another basis.
     fn resume(&mut self, checkpoint: &Checkpoint) -> Result<()> {
         self.resumed = match self.controlled() {
             Some((mut controlled, body)) => Resumed::Chosen(Box::new(controlled.resumed(body, checkpoint)?)),
@@ -253,7 +254,7 @@ impl TimeIntegration for SteppedImpact {
             Resumed::Chosen(resumed) => resumed.moment(),
             _ => &self.trajectory.now,
         };
-        // The last vectors of a basis are made of rounding in part, which is another one on other ranks.
+        // The last vectors of a basis depend on rounding, which differs with the number of ranks.
         if self.body.nodes.is_none() && moment.misfit(&self.body)? > SAME_BASIS {
             let message = "the recomputed basis differs from the checkpoint's (was it written on another number of ranks?): run without --restart to begin anew";
             return Err(Error::Output(message.to_owned()));

@@ -1,8 +1,9 @@
-//! The condensed step of a body on pads: what is not linear stays on the unknowns that the pads push.
+//! Condensed step of a body on pads: the nonlinear equations are reduced to the unknowns on which the pads act.
 //!
-//! E = E* + w F − S⁻¹P p with P the columns of those unknowns. Rank 0 gathers PᵀE*, solves the small dense equations
-//! ([`super::foundation`]) and sends what it found, so that all ranks have the same; one more solve with S gives E. Then the
-//! pads are asked at that E: pads far stiffer than the body see the rounding of a solve, and take another pass.
+//! E = E* + w F − S⁻¹P p, where the columns of P select those unknowns. Rank 0 gathers PᵀE*, solves the small dense
+//! equations ([`super::foundation`]) and broadcasts the result, so that all ranks have the same. One more solve with S
+//! gives E. Then the pad forces are evaluated at this E. Pads that are much stiffer than the body amplify the rounding
+//! of the solve and need a further pass.
 
 use mpi::traits::{Communicator, Root};
 use nalgebra::{DMatrix, DVector};
@@ -15,58 +16,61 @@ use crate::error::{Error, Result};
 use super::foundation::{Points, Reduced, Step};
 use super::implicit::{Problem, Solved};
 
-/// Unknowns up to which the dense matrices are small beside a factor of S, and a product with them beside a solve.
+/// Largest number of unknowns for which the dense matrices are small compared with a factor of S, and a product with
+/// them is cheap compared with a solve.
 pub(super) const MOST_UNKNOWNS: usize = 1200;
 
-/// Passes after which rounding is all that can be left.
+/// Number of passes after which only rounding can be left.
 const PASSES: usize = 4;
 
-/// Part of the tolerance to which the small equations are solved: iterations cost little there, a further pass a solve.
-const FIRST: f64 = 0.01;
+/// Fraction of the tolerance to which the small equations are solved first. Their iterations cost little, while a
+/// further pass costs a solve.
+const FIRST_TOLERANCE_FACTOR: f64 = 0.01;
 
-/// The pads' part of the condensed step of one step size.
+/// Part of the condensed step that treats the pads, for one step size.
 pub struct PadStep {
     comm: Comm,
-    /// The unknowns that the pads push.
+    /// Unknowns on which the pads act.
     pushed: Vec<Int>,
-    /// Of rank 0: those; one for the contact's place, of no meaning; held unknowns of the pads.
+    /// Unknowns gathered on rank 0: `pushed`; one unused entry at the contact's place; the constrained unknowns of the
+    /// pads.
     gather: Gather,
-    /// On rank 0.
+    /// Condensed equations, on rank 0 only.
     reduced: Option<Reduced>,
-    /// P p, N, and S⁻¹ of it, m.
+    /// Pad forces P p, N, and S⁻¹ of them, m.
     load: Vector,
     correction: Vector,
-    /// Residual that counts as none, N, but for rounding.
+    /// Residual that counts as zero, N, except for rounding.
     tolerance: f64,
 }
 
-/// The linear response that all condensed steps have.
+/// Linear response of body and impactor, common to all condensed steps.
 pub struct Response<'a> {
-    /// S.
+    /// Solver with S.
     pub ksp: &'a mut Ksp,
-    /// w, m/N.
+    /// Response w of the body to a unit force, m/N.
     pub answer: &'a Vector,
-    /// s, m/N.
+    /// Compliance s of body and impactor, m/N.
     pub compliance: f64,
-    /// 1/(c2 m0), m/N.
+    /// Compliance of the impactor, 1/(c2 m0), m/N.
     pub of_impactor: f64,
 }
 
-/// What rank 0 tells the others of a pass.
+/// Result of a pass, which rank 0 sends to the others.
 #[derive(Debug, Clone, Copy, Default)]
 struct Told {
-    /// F, N.
+    /// Contact force F, N.
     force: f64,
-    /// Whether p has changed.
+    /// Whether the pad forces p have changed.
     pushes: bool,
     converged: bool,
     iterations: usize,
-    /// N.
+    /// Norm of the residual, N.
     residual: f64,
 }
 
 impl PadStep {
-    /// Solves for the columns of G, one for each of the `pushed` unknowns, of which there must be one. Collective.
+    /// Solves for the columns of G, one for each unknown in `pushed`, which must not be empty. Collective.
     pub(super) fn new(comm: &Comm, pads: &Pads, pushed: Vec<Int>, response: Response, tolerance: f64) -> Result<Self> {
         let points = pads.points();
         let (mut load, mut correction) = (response.answer.duplicate()?, response.answer.duplicate()?);
@@ -87,7 +91,7 @@ impl PadStep {
             }
         }
         if comm.is_root() {
-            // Each column has its own rounding; the matrix is symmetric.
+            // Averages the matrix with its transpose: it is symmetric, but the columns have independent rounding.
             compliance = 0.5 * (&compliance + compliance.transpose());
             let of_contact = gather.fetch(response.answer)?;
             for i in 0..n {
@@ -105,14 +109,14 @@ impl PadStep {
         Ok(Self { comm: comm.clone(), pushed, gather, reduced, load, correction, tolerance })
     }
 
-    /// Solves a step, from E* in `increment`, which becomes E. Collective.
+    /// Solves a step from E* in `increment`, which is replaced by E. Collective.
     pub(super) fn solve(&mut self, response: Response, problem: &Problem, increment: &mut Vector) -> Result<Solved> {
         let free_impactor = response.of_impactor * problem.known_impactor;
         let tolerance = self.tolerance.max(problem.largest);
         let displacement = self.gather.fetch(problem.u)?.to_vec();
         let penetration = self.reduced.as_ref().map_or_else(Vec::new, |reduced| reduced.penetration(&displacement));
-        let mut step = Step { contact: problem.force, penetration: &penetration, tolerance: FIRST * tolerance };
-        // φ that E has already.
+        let mut step = Step { contact: problem.force, penetration: &penetration, tolerance: FIRST_TOLERANCE_FACTOR * tolerance };
+        // Forces φ whose effect E contains already.
         let mut applied = DVector::zeros(self.pushed.len() + 1);
         let (mut force, mut iterations) = (0.0, 0);
         for _ in 0..PASSES {
@@ -139,7 +143,7 @@ impl PadStep {
         Ok(Solved { increment: free_impactor - response.of_impactor * force, force, iterations })
     }
 
-    /// Finds the forces on rank 0 and leaves their change on the pads in `load`. Collective.
+    /// Finds the forces on rank 0 and stores the change of the pad forces in `load`. Collective.
     fn pass(&mut self, step: &Step, increment: &Vector, approach: f64, applied: &mut DVector<f64>) -> Result<Told> {
         let mut told = Told::default();
         let n = self.pushed.len();
@@ -167,7 +171,7 @@ impl PadStep {
 }
 
 impl Told {
-    /// What rank 0 has, on every rank. Collective.
+    /// Returns the values of rank 0 on every rank. Collective.
     fn shared(self, comm: &Comm) -> Self {
         let flag = |yes: bool| f64::from(u8::from(yes));
         let mut values = [self.force, flag(self.pushes), flag(self.converged), self.iterations as f64, self.residual];
@@ -177,7 +181,8 @@ impl Told {
     }
 }
 
-/// The unknowns in the order of Ĝ's columns, held ones behind; the contact's place is filled with one of them.
+/// Unknowns in the order of Ĝ's columns, followed by the constrained ones; the contact's place is filled with an
+/// arbitrary unknown.
 fn in_columns(pushed: &[Int], points: &PadPoints) -> Vec<Int> {
     let mut held: Vec<Int> =
         points.unknowns.iter().zip(&points.free).filter(|(_, free)| !**free).map(|(unknown, _)| *unknown).collect();
@@ -186,10 +191,10 @@ fn in_columns(pushed: &[Int], points: &PadPoints) -> Vec<Int> {
     pushed.iter().chain(&pushed[..1]).chain(&held).copied().collect()
 }
 
-/// The points with columns for their unknowns.
+/// Returns the points with column numbers for their unknowns.
 fn numbered(points: PadPoints, unknowns: &[Int], n: usize) -> Points {
     let (pushed, held) = (&unknowns[..n], &unknowns[n + 1..]);
-    // Every unknown of a point is in one of the two lists, which are sorted.
+    // Every unknown of a point is in one of the two sorted lists.
     let column = |(unknown, free): (&Int, &bool)| match free {
         true => pushed.partition_point(|other| other < unknown),
         false => n + 1 + held.partition_point(|other| other < unknown),

@@ -1,4 +1,4 @@
-//! Which steps a run takes.
+//! Choice of the time steps of a run.
 
 use crate::body::Body;
 use crate::error::Result;
@@ -8,28 +8,30 @@ use crate::scheme::critical_frequency;
 use super::{controlled, explicit};
 use crate::impact::parameters::ImpactParameters;
 
-/// Which steps a run takes.
+/// Choice of the time steps of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Plan {
-    /// All of one size.
+    /// Steps of one size.
     Equal {
-        /// Δt, s.
+        /// Step size Δt, s.
         step: f64,
     },
-    /// Chosen by the error.
+    /// Steps controlled by the estimated error.
     Controlled {
-        /// The first guess of the step in contact, s.
+        /// First guess of the step in contact, s.
         first: f64,
-        /// Wanted error of the acceleration over its peak.
+        /// Allowed error of the acceleration over its peak.
         tolerance: f64,
     },
 }
 
 impl Plan {
-    /// The steps of a scene: as it says, stable ones of an explicit scheme, or chosen. Collective.
+    /// Returns the plan of a scene: the given step, a stable step of an explicit scheme, or steps controlled by the
+    /// error. Collective.
     ///
     /// # Errors
-    /// A fault of `time.step` where an explicit step is not stable; PETSc's.
+    /// A fault of `time.step` if an explicit step is not stable, or of another key if the steps cannot be chosen; if a
+    /// PETSc call fails.
     pub fn new(scene: &Scene, body: &mut Body, parameters: &ImpactParameters) -> Result<Self> {
         Ok(match (scene.time.scheme, scene.time.step) {
             (Scheme::CentralDifference { allow_unstable }, given) => {
@@ -45,7 +47,7 @@ impl Plan {
         })
     }
 
-    /// The step, or the first guess of the one in contact, s.
+    /// Step size, or first guess of the step in contact, s.
     pub fn step(&self) -> f64 {
         match *self {
             Self::Equal { step } | Self::Controlled { first: step, .. } => step,
@@ -53,7 +55,7 @@ impl Plan {
     }
 }
 
-/// Refuses to choose steps for a scheme that does not bear them all.
+/// Returns an error for a scheme that is not stable at every step size.
 fn check_stable(scheme: Scheme) -> Result<()> {
     let Scheme::Newmark { beta, gamma } = scheme else { return Ok(()) };
     let (key, message) = match critical_frequency(beta, gamma) {
@@ -68,8 +70,8 @@ fn check_stable(scheme: Scheme) -> Result<()> {
         .into())
 }
 
-/// Steps that reach the end; the last may pass it by less than a step.
+/// Number of steps that reach the end; the last may pass it by less than a step.
 pub fn steps(end: f64, step: f64) -> usize {
-    // A part of 1e-9 of a step is rounding in end/step.
+    // A fraction of 1e-9 of a step is rounding in end/step.
     (end / step - 1e-9).ceil().max(1.0) as usize
 }

@@ -1,8 +1,9 @@
-//! Relaxing parts of a body over a step, exactly for displacements that are linear over it.
+//! Viscoelastic parts of a body over a step, exact for displacements that are linear in time over the step.
 //!
-//! Each term keeps the stretch of its spring, w = u − z, and D w. Over a step w⁺ = E w + φ Δu ([`Decay`]), so that the body's force K u +
-//! Σ G_i D w_i changes by (K + Σ G_i φ_i D) Δu − Σ G_i (1 − E_i) D w_i. Stored are ½ Σ G_i wᵀD w; the dashpots take the rest of the work.
-//! A translation of all of the body is left out of Δu: D knows none, but its rounding does.
+//! Each term of the generalised Maxwell chain stores the stretch of its spring, w = u − z, and D w. Over a step
+//! w⁺ = E w + φ Δu ([`Decay`]), so that the body's force K u + Σ G_i D w_i changes by (K + Σ G_i φ_i D)
+//! Δu − Σ G_i (1 − E_i) D w_i. The stored energy is ½ Σ G_i wᵀD w; the dashpots dissipate the rest of the work. A
+//! translation of the whole body is subtracted from Δu: it does not change D Δu, except for its rounding.
 
 use petsc_wrap::Vector;
 
@@ -12,35 +13,36 @@ use crate::material::Decay;
 
 use crate::impact::checkpoint::Visitor;
 
-/// The state of one term.
+/// State of one Maxwell term.
 pub struct Lag {
-    /// w, m.
+    /// Stretch w of the spring, m.
     stretch: Vector,
-    /// D w, m².
+    /// Product D w, m².
     distortion: Vector,
 }
 
-/// What relaxing parts exchanged over a step, J.
+/// Energies exchanged by the viscoelastic parts over a step, J.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Relaxed {
-    /// Taken by the dashpots.
+    /// Dissipated by the dashpots.
     pub dissipated: f64,
-    /// What is stored and dissipated, less the work of the mean of the forces at both ends, which a scheme counts.
+    /// Stored plus dissipated energy, minus the work of the mean of the forces at both ends, which the scheme accounts
+    /// for.
     pub numerical: f64,
 }
 
-/// All terms of a body with their factors for one step size.
+/// All terms of a body, with their factors for one step size.
 pub struct Relaxing {
-    /// By relaxation and term: G, Pa, and the factors.
+    /// For each relaxation, and each of its terms: modulus G, Pa, and the factors of a step.
     terms: Vec<Vec<(f64, Decay)>>,
     /// Δu without the translation, m.
     bent: Vector,
-    /// D Δu.
+    /// Product D Δu.
     moved: Vector,
 }
 
 impl Lag {
-    /// Of all terms of a body that has rested.
+    /// States of all terms of a body that has been at rest.
     pub(super) fn all(body: &Body) -> Result<Vec<Self>> {
         let count: usize = body.relaxations.iter().map(|relaxation| relaxation.chain.terms.len()).sum();
         (0..count).map(|_| Ok(Self { stretch: body.load.duplicate()?, distortion: body.load.duplicate()? })).collect()
@@ -51,7 +53,7 @@ impl Lag {
         Ok(self.distortion.copy_from(&other.distortion)?)
     }
 
-    /// To a checkpoint or from it.
+    /// Saves the states to a checkpoint or restores them.
     pub(super) fn visit(lags: &mut [Self], visitor: &mut Visitor) -> Result<()> {
         for (number, lag) in lags.iter_mut().enumerate() {
             visitor.vector(&format!("stretch.{number}"), &mut lag.stretch)?;
@@ -61,7 +63,7 @@ impl Lag {
     }
 }
 
-/// The moduli of a body's terms, in the order of their lags.
+/// Moduli of a body's terms, in the order of their states.
 fn moduli(body: &Body) -> impl Iterator<Item = f64> {
     body.relaxations.iter().flat_map(|relaxation: &Relaxation| relaxation.chain.terms.iter().map(|term| term.modulus))
 }
@@ -71,7 +73,8 @@ pub(super) fn add_force(body: &Body, lags: &[Lag], out: &mut Vector) -> Result<(
     moduli(body).zip(lags).try_for_each(|(modulus, lag)| Ok(out.axpy(modulus, &lag.distortion)?))
 }
 
-/// Σ G_i (½ wᵀD w − ½ uᵀD w), J: what the terms store beyond half of the product of u with their force. Collective.
+/// Σ G_i (½ wᵀD w − ½ uᵀD w), J: energy stored by the terms minus half of the product of u with their force.
+/// Collective.
 pub(super) fn stored_beyond(body: &Body, lags: &[Lag], u: &Vector, surface: f64) -> Result<f64> {
     let mut sum = 0.0;
     for (modulus, lag) in moduli(body).zip(lags) {
@@ -83,7 +86,7 @@ pub(super) fn stored_beyond(body: &Body, lags: &[Lag], u: &Vector, surface: f64)
 }
 
 impl Relaxing {
-    /// For a step size, s; `None` for a body without relaxing terms.
+    /// Sets up the terms for a step size (s); `None` for a body without viscoelastic parts.
     pub(super) fn new(body: &Body, step: f64) -> Result<Option<Self>> {
         if moduli(body).next().is_none() {
             return Ok(None);
@@ -95,7 +98,7 @@ impl Relaxing {
         Ok(Some(Self { terms, bent: body.load.duplicate()?, moved: body.load.duplicate()? }))
     }
 
-    /// out ← out + factor Σ G_i (1 − E_i) D w_i: what the force loses over a step without motion.
+    /// out ← out + factor Σ G_i (1 − E_i) D w_i: the loss of force over a step without motion.
     pub(super) fn add_lost(&self, lags: &[Lag], factor: f64, out: &mut Vector) -> Result<()> {
         let terms = self.terms.iter().flatten().zip(lags);
         terms
@@ -103,7 +106,7 @@ impl Relaxing {
             .try_for_each(|((modulus, decay), lag)| Ok(out.axpy(factor * modulus * decay.lost, &lag.distortion)?))
     }
 
-    /// The lags after a step by an increment Δu (m). Collective.
+    /// Computes the states after a step by an increment Δu (m). Collective.
     pub(super) fn advance(&mut self, body: &Body, increment: &Vector, from: &[Lag], to: &mut [Lag]) -> Result<Relaxed> {
         let Self { terms, bent, moved } = self;
         bent.copy_from(increment)?;

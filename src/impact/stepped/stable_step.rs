@@ -1,4 +1,4 @@
-//! The largest step that theory allows a scheme on a body, known before anything is run.
+//! Stability limit of a scheme on a body, known before a run.
 
 use crate::body::{Body, Inertia, LinearContact, largest_frequency};
 use crate::error::Result;
@@ -7,11 +7,12 @@ use crate::scheme::critical_frequency;
 
 use crate::impact::parameters::ImpactParameters;
 
-/// Ω_crit/ω_max (s) of the body with the impactor on it, at the stiffness that an impact on a half-space would reach; infinite
-/// for schemes that are stable at every step, 0 for those that are at none. M is the lumped one where the body has it. Collective.
+/// Returns the stability limit Ω_crit/ω_max (s) of the body with the impactor on it, at the contact stiffness of an
+/// impact on a half-space. It is infinite for unconditionally stable schemes, 0 for schemes that are never stable. M is
+/// the lumped mass if the body has one. Collective.
 ///
 /// # Errors
-/// PETSc's.
+/// If a PETSc call fails.
 pub fn stable_step(body: &mut Body, parameters: &ImpactParameters, scheme: Scheme) -> Result<f64> {
     let critical = match scheme {
         Scheme::Newmark { beta, gamma } => critical_frequency(beta, gamma),
@@ -28,7 +29,8 @@ pub fn stable_step(body: &mut Body, parameters: &ImpactParameters, scheme: Schem
     let mut tangent = law.steepest(peak);
     let mut largest = largest_frequency(body, inertia(), Some(LinearContact { tangent, mass: *mass }));
     if let (Ok(found), true) = (&largest, law.damping > 0.0) {
-        // The damper's velocity is extrapolated: with c of the damper the step bears (ω Δt)²/4 + c Δt/m = 1, as a spring of 2 c ω has it.
+        // The damper's velocity is extrapolated. With the damper's constant c the stability limit is
+        // (ω Δt)²/4 + c Δt/m = 1, the same as for an additional spring of stiffness 2 c ω.
         let damper = law.damped(peak, *speed).viscosity;
         tangent += 2.0 * damper * found.bound;
         largest = largest_frequency(body, inertia(), Some(LinearContact { tangent, mass: *mass }));

@@ -1,4 +1,4 @@
-//! The state of body and impactor at one time, and the forces in it.
+//! State of body and impactor at one time, and the forces in it.
 
 use petsc_wrap::{Matrix, Vector};
 
@@ -10,30 +10,30 @@ use crate::impact::checkpoint::Visitor;
 
 /// Displacement, velocity and acceleration of body and impactor.
 pub struct State {
-    /// u, m.
+    /// Displacement u, m.
     pub u: Vector,
-    /// u̇, m/s.
+    /// Velocity u̇, m/s.
     pub v: Vector,
-    /// ü, m/s².
+    /// Acceleration ü, m/s².
     pub a: Vector,
-    /// The impactor, the same on all ranks.
+    /// State of the impactor, the same on all ranks.
     pub q: Impactor,
 }
 
-/// The impactor along its direction of travel.
+/// Motion of the impactor along its direction of travel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Impactor {
-    /// q, m.
+    /// Position q, m.
     pub position: f64,
-    /// q̇, m/s.
+    /// Velocity q̇, m/s.
     pub velocity: f64,
-    /// q̈, m/s².
+    /// Acceleration q̈, m/s².
     pub acceleration: f64,
 }
 
-/// The operators applied to a state, kept so that each is applied once a step.
+/// Products of the operators with a state, stored so that each operator is applied once a step.
 pub struct Products {
-    /// K u of the body alone, with the forces of what relaxes, N.
+    /// K u of the body without supports, plus the forces of the viscoelastic terms, N.
     pub elastic: Vector,
     /// K u of the elastic supports, N.
     pub support: Option<Vector>,
@@ -60,10 +60,10 @@ impl Products {
         Ok(Self { elastic: zeros()?, support: of(&body.support)?, damping: of(&body.damping)?, momentum: zeros()? })
     }
 
-    /// All of them anew from u, with aᵀu (m), and u̇. Collective.
+    /// Recomputes all products from u and u̇; `surface` is aᵀu, m. Collective.
     pub(super) fn update(&mut self, body: &Body, state: &State, surface: f64) -> Result<()> {
-        // K u knows no translation, but its rounding does: on a body that has flown off that is 1e-9 of the energy. The
-        // momentum's place is free until it is made anew below.
+        // A translation does not change K u, except for its rounding: 1e-9 of the energy for a body that has moved far
+        // away. So the translation is subtracted first. The momentum serves as work space until it is recomputed below.
         let bent = &mut self.momentum;
         bent.copy_from(&state.u)?;
         bent.axpy(-surface, &body.translation)?;
@@ -78,8 +78,9 @@ impl Products {
         Ok(())
     }
 
-    /// The same after a step by what it has changed, without K u made anew: the supports' part, C u̇ and, with `change`, the change of all
-    /// of K u, which is the elastic part's but for that of the supports; M u̇ is the caller's. Collective.
+    /// Updates the products after a step without recomputing K u. `change` is the change of K u including the supports;
+    /// the supports' part is subtracted from it to update the elastic part. The supports' part and C u̇ are recomputed;
+    /// the caller updates M u̇. Collective.
     pub(super) fn follow(&mut self, body: &Body, from: &Self, state: &State, change: &Vector) -> Result<()> {
         self.elastic.copy_from(&from.elastic)?;
         self.elastic.axpy(1.0, change)?;
@@ -94,7 +95,7 @@ impl Products {
         Ok(())
     }
 
-    /// out ← out + factor (K u + C u̇), the supports' part of K included.
+    /// out ← out + factor (K u + C u̇), including the supports' part of K.
     pub(super) fn add_internal(&self, factor: f64, out: &mut Vector) -> Result<()> {
         for product in [Some(&self.elastic), self.support.as_ref(), self.damping.as_ref()].into_iter().flatten() {
             out.axpy(factor, product)?;
@@ -103,35 +104,35 @@ impl Products {
     }
 }
 
-/// A state with its products: the two ends of a step.
+/// A state with its products, at one end of a step.
 pub struct Moment {
-    /// u, u̇, ü, q.
+    /// State u, u̇, ü, q.
     pub state: State,
-    /// K u, C u̇, M u̇.
+    /// Products K u, C u̇, M u̇.
     pub products: Products,
-    /// The terms of relaxing parts.
+    /// States of the viscoelastic terms.
     pub lags: Vec<Lag>,
     /// M ü of the free unknowns, N.
     pub inertia: Vector,
-    /// aᵀu, m.
+    /// Displacement of the surface under the impactor, aᵀu, m.
     pub surface: f64,
-    /// δ = q − gap − aᵀu, m.
+    /// Approach δ = q − gap − aᵀu, m.
     pub approach: f64,
-    /// δ̇ = q̇ − aᵀu̇, m/s.
+    /// Rate of the approach, δ̇ = q̇ − aᵀu̇, m/s.
     pub rate: f64,
     /// Potential of the pads, J.
     pub pads: f64,
 }
 
 impl Moment {
-    /// At rest at u = 0.
+    /// State of rest at u = 0.
     pub(super) fn zero(body: &Body) -> Result<Self> {
         let (state, products) = (State::zero(body)?, Products::zero(body)?);
         let (lags, inertia) = (Lag::all(body)?, body.load.duplicate()?);
         Ok(Self { state, products, lags, inertia, surface: 0.0, approach: 0.0, rate: 0.0, pads: 0.0 })
     }
 
-    /// All but the inertia anew, after u, u̇ and q have changed. Collective.
+    /// Recomputes everything except the inertia, after a change of u, u̇ and q. Collective.
     pub(super) fn update(&mut self, body: &mut Body, gap: f64) -> Result<()> {
         self.place(body, gap)?;
         self.products.update(body, &self.state, self.surface)?;
@@ -142,7 +143,7 @@ impl Moment {
         Ok(())
     }
 
-    /// Surface, approach and its rate anew, after u, u̇ and q have changed. Collective.
+    /// Recomputes surface displacement, approach and its rate, after a change of u, u̇ and q. Collective.
     pub(super) fn place(&mut self, body: &Body, gap: f64) -> Result<()> {
         self.surface = body.localization.vector.dot(&self.state.u)?;
         self.approach = self.state.q.position - gap - self.surface;
@@ -150,17 +151,17 @@ impl Moment {
         Ok(())
     }
 
-    /// aᵀu̇, m/s. Collective.
+    /// Velocity of the surface under the impactor, aᵀu̇, m/s. Collective.
     pub(super) fn surface_rate(&self, body: &Body) -> Result<f64> {
         Ok(body.localization.vector.dot(&self.state.v)?)
     }
 
-    /// δ̈ = q̈ − aᵀü, m/s². Collective.
+    /// Second time derivative of the approach, δ̈ = q̈ − aᵀü, m/s². Collective.
     pub(super) fn acceleration(&self, body: &Body) -> Result<f64> {
         Ok(self.state.q.acceleration - body.localization.vector.dot(&self.state.a)?)
     }
 
-    /// To a checkpoint or from it.
+    /// Saves the state to a checkpoint or restores it.
     pub(super) fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         let Self { state, products, lags, inertia, surface, approach, rate, pads } = self;
         let vectors = [
@@ -193,7 +194,8 @@ impl Moment {
         numbers.into_iter().try_for_each(|(name, number)| visitor.number(name, number))
     }
 
-    /// How far aᵀu on a body that every rank has all of is from the one that is kept, over the size of its terms.
+    /// Relative difference between aᵀu on a body that every rank has completely and the stored value, over the sum of
+    /// its absolute terms.
     pub(super) fn misfit(&self, body: &Body) -> Result<f64> {
         let (a, u) = (body.localization.vector.read()?, self.state.u.read()?);
         let terms = || a.iter().zip(u.iter()).map(|(a, u)| a * u);
@@ -201,7 +203,7 @@ impl Moment {
         Ok(if size > 0.0 { (terms().sum::<f64>() - self.surface).abs() / size } else { 0.0 })
     }
 
-    /// Becomes a copy of another moment of the same body.
+    /// Overwrites this with another moment of the same body.
     pub(super) fn copy_from(&mut self, other: &Self) -> Result<()> {
         let (state, from) = (&mut self.state, &other.state);
         for (to, from) in [(&mut state.u, &from.u), (&mut state.v, &from.v), (&mut state.a, &from.a)] {

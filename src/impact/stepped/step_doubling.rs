@@ -1,4 +1,4 @@
-//! A trajectory and its twin at double steps, and how the two differ.
+//! Step doubling: a fine trajectory, a coarse one in steps of double size, and their difference.
 
 use petsc_wrap::Vector;
 
@@ -10,20 +10,21 @@ use crate::impact::checkpoint::Visitor;
 use crate::impact::observer::Observed;
 use crate::impact::parameters::ImpactParameters;
 
-/// The fine and the coarse trajectory, and how they differ.
+/// The fine and the coarse trajectory, and their difference.
 pub struct StepDoubling {
-    /// The one that is told.
+    /// Trajectory whose steps the observer receives.
     pub fine: Trajectory,
-    /// Its twin.
+    /// Trajectory in steps of double size.
     pub coarse: Trajectory,
-    /// Whether the fine one has been in contact over the last two steps.
+    /// Whether the fine trajectory has been in contact in the last two steps.
     pub has_touched: bool,
-    /// Largest acceleration and largest difference of the two so far, m/s².
+    /// Largest acceleration so far, and largest difference of the two accelerations so far, m/s².
     pub peak: f64,
     difference: f64,
-    /// Range so far of aᵀu, less the motion of a free body as a whole, m.
+    /// Range so far (lowest, highest) of aᵀu without the rigid-body motion of an unsupported body, m.
     pub surface: [f64; 2],
-    /// What gives that motion of a free body from u, along the direction of travel.
+    /// Vector whose product with u is this rigid-body motion along the direction of travel; `None` for a supported
+    /// body.
     mean: Option<Vector>,
 }
 
@@ -39,7 +40,7 @@ impl StepDoubling {
         self.coarse.copy_from(&other.coarse)
     }
 
-    /// To a checkpoint or from it.
+    /// Saves both trajectories and their difference to a checkpoint or restores them.
     pub(super) fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         visitor.within("fine", |visitor| self.fine.visit(visitor))?;
         visitor.within("coarse", |visitor| self.coarse.visit(visitor))?;
@@ -53,7 +54,7 @@ impl StepDoubling {
         self.fine.now.approach.max(self.coarse.now.approach) >= 0.0
     }
 
-    /// Takes what the steps told and how the two differ after them. Collective.
+    /// Updates the peak and the difference of the two trajectories after the steps `told`. Collective.
     pub(super) fn compare(&mut self, parameters: &ImpactParameters, told: &[Observed]) -> Result<()> {
         for Observed { step, .. } in told {
             self.peak = self.peak.max(step.impactor.acceleration);
@@ -67,13 +68,14 @@ impl StepDoubling {
         Ok(())
     }
 
-    /// Largest difference of the two accelerations over the peak, once there is a peak.
+    /// Largest difference of the two accelerations over the peak; `None` before there is a peak.
     pub(super) fn difference(&self) -> Option<f64> {
         (self.peak > 0.0).then(|| self.difference / self.peak)
     }
 }
 
-/// M t / tᵀM t for the translation t: the mean displacement of a body along it. Collective.
+/// Returns M t / tᵀM t for the translation t; its product with u is the mean displacement of the body along t.
+/// Collective.
 fn mean_displacement(body: &Body) -> Result<Vector> {
     let mut mean = body.load.duplicate()?;
     body.apply_mass(&body.translation, &mut mean)?;

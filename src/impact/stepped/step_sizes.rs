@@ -1,4 +1,4 @@
-//! Steppers of several step sizes, each set up when it is first needed and kept.
+//! Steppers for several step sizes; each is set up when it is first needed, and kept.
 
 use petsc_wrap::Comm;
 
@@ -26,12 +26,12 @@ enum Kind {
 }
 
 impl Stepper {
-    /// Δt, s.
+    /// Step size Δt, s.
     pub(super) fn step(&self) -> f64 {
         self.step
     }
 
-    /// What it remembers of the steps before, to a checkpoint or from it.
+    /// Saves the memory of previous steps to a checkpoint or restores it.
     fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         match &mut self.kind {
             Kind::Implicit(stepper) => stepper.visit(visitor),
@@ -39,10 +39,11 @@ impl Stepper {
         }
     }
 
-    /// Takes a step: writes the state at its end. Returns what was exchanged over it, and the Newton iterations. Collective.
+    /// Takes a step and writes the state at its end. Returns the energies exchanged over it, and the number of Newton
+    /// iterations. Collective.
     ///
     /// # Errors
-    /// [`crate::Error::Solve`] where the step is not solved; PETSc's.
+    /// [`crate::Error::Solve`] if the step cannot be solved; if a PETSc call fails.
     pub(super) fn advance(
         &mut self,
         body: &mut Body,
@@ -57,15 +58,15 @@ impl Stepper {
     }
 }
 
-/// Steps of 2^level times a base.
+/// Steppers with step sizes of 2^level times a base step.
 pub struct StepSizes {
     comm: Comm,
     parameters: ImpactParameters,
     scheme: scene::Scheme,
     newton: scene::Newton,
-    /// What counts as zero in the full Newton's method, N.
+    /// Residual that counts as zero in Newton's method, N.
     tolerance: f64,
-    /// The step of level 0, s.
+    /// Step size of level 0, s.
     base: f64,
     steppers: Vec<Option<Stepper>>,
 }
@@ -81,15 +82,15 @@ impl StepSizes {
         Self { comm: comm.clone(), parameters, scheme, newton, tolerance, base, steppers: Vec::new() }
     }
 
-    /// The step of a level, s.
+    /// Step size of a level, s.
     pub(super) fn step(&self, level: usize) -> f64 {
         self.base * (1_u64 << level) as f64
     }
 
-    /// The stepper of a level, set up if need be. Collective.
+    /// Returns the stepper of a level; sets it up if necessary. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub(super) fn at(&mut self, level: usize, body: &Body) -> Result<&mut Stepper> {
         if self.steppers.len() <= level {
             self.steppers.resize_with(level + 1, || None);
@@ -115,10 +116,11 @@ impl StepSizes {
         Ok(slot.as_mut().expect("just set up"))
     }
 
-    /// The base and what the steppers remember, to a checkpoint or from it; those that are not set up are. Collective.
+    /// Saves the base step and the memory of the steppers to a checkpoint or restores them; on restoring, missing
+    /// steppers are set up. Collective.
     ///
     /// # Errors
-    /// Those of [`Visitor`]; PETSc's.
+    /// Same as [`Visitor`]; if a PETSc call fails.
     pub(super) fn visit(&mut self, visitor: &mut Visitor, body: &Body) -> Result<()> {
         let mut base = self.base;
         visitor.number("base", &mut base)?;
@@ -137,10 +139,10 @@ impl StepSizes {
         Ok(())
     }
 
-    /// Another base, which forgets all steppers. Collective.
+    /// Changes the base step, which removes all steppers. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub(super) fn rebase(&mut self, base: f64) -> Result<()> {
         self.base = base;
         self.steppers.clear();

@@ -1,4 +1,4 @@
-//! The motion of body and impactor as one choice of steps gives it.
+//! Motion of body and impactor in one sequence of time steps.
 
 use crate::body::Body;
 use crate::error::Result;
@@ -13,33 +13,34 @@ use crate::impact::parameters::ImpactParameters;
 use crate::impact::reading::{Reader, Reading};
 use crate::impact::step::{Contact, Motion, Step, at};
 
-/// The moment reached, and what was exchanged on the way.
+/// The moment reached, and the energies exchanged since t = 0.
 pub struct Trajectory {
-    /// The moment reached.
+    /// State and products at the time reached.
     pub now: Moment,
     next: Moment,
     energy_balance: EnergyBalance,
-    /// Time, s.
+    /// Time reached, s.
     pub time: f64,
-    /// Steps taken.
+    /// Number of steps taken.
     pub steps: usize,
 }
 
 impl Trajectory {
-    /// At t = 0. Collective.
+    /// Starts a trajectory at t = 0. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub(super) fn new(body: &mut Body, parameters: &ImpactParameters) -> Result<Self> {
         let mut now = Moment::zero(body)?;
         initial::start(body, parameters, &mut now)?;
         Ok(Self { now, next: Moment::zero(body)?, energy_balance: EnergyBalance::default(), time: 0.0, steps: 0 })
     }
 
-    /// One step, to a time (s); returns the Newton iterations. Collective.
+    /// Takes one step, to a time (s); returns the number of Newton iterations. Collective.
     ///
     /// # Errors
-    /// [`crate::Error::Solve`] where the step is not solved or leaves the contact law; PETSc's.
+    /// [`crate::Error::Solve`] if the step cannot be solved or the contact law becomes invalid,
+    /// [`crate::Error::Unstable`] if the motion has blown up; if a PETSc call fails.
     pub(super) fn advance(
         &mut self,
         stepper: &mut Stepper,
@@ -56,20 +57,20 @@ impl Trajectory {
         Ok(iterations)
     }
 
-    /// Becomes a copy of another one of the same body.
+    /// Overwrites this with another trajectory of the same body.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub(super) fn copy_from(&mut self, other: &Self) -> Result<()> {
         self.now.copy_from(&other.now)?;
         (self.energy_balance, self.time, self.steps) = (other.energy_balance, other.time, other.steps);
         Ok(())
     }
 
-    /// To a checkpoint or from it.
+    /// Saves the trajectory to a checkpoint or restores it.
     ///
     /// # Errors
-    /// Those of [`Visitor`].
+    /// Same as [`Visitor`].
     pub(super) fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         self.now.visit(visitor)?;
         self.energy_balance.visit(visitor)?;
@@ -77,10 +78,10 @@ impl Trajectory {
         visitor.count("steps", &mut self.steps)
     }
 
-    /// Takes another state in place of the one reached. Collective.
+    /// Replaces the state reached. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub(super) fn set_state(&mut self, state: State, body: &mut Body, parameters: &ImpactParameters) -> Result<()> {
         body.apply_mass(&state.a, &mut self.now.inertia)?;
         body.clamps.zero(&mut self.now.inertia)?;
@@ -88,15 +89,15 @@ impl Trajectory {
         self.now.update(body, parameters.gap)
     }
 
-    /// F over the impactor's mass, m/s².
+    /// Contact force over the impactor's mass, m/s².
     pub(super) fn acceleration(&self, parameters: &ImpactParameters) -> f64 {
         parameters.force(self.now.approach, self.now.rate) / parameters.mass
     }
 
-    /// The moment as observers see it. Collective.
+    /// Returns the present step for the observers. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub(super) fn observed(
         &self,
         body: &Body,

@@ -1,4 +1,4 @@
-//! The elastic body: its theory, its elements, and where its shape comes from.
+//! Checks the elastic body: theory, elements, and origin of the geometry.
 
 use std::path::{Path, PathBuf};
 
@@ -7,11 +7,11 @@ use super::super::{Model, Reduction, SceneError, Source, Vec3, raw};
 use super::numbers::show;
 use super::{composition, word};
 
-/// A body's shape, before it is cut into cells.
+/// Shape of a body before it is cut into cells.
 pub(super) enum Outline {
     /// Edge lengths of a box centred on the origin, m.
     Box(Vec3),
-    /// A mesh file.
+    /// Path of a mesh file.
     Gmsh(PathBuf),
 }
 
@@ -21,10 +21,10 @@ pub(super) fn order(source: &Source, raw: &raw::Body) -> Result<usize, SceneErro
     source.whole("body.order", order, 1..=2)
 }
 
-/// Most vectors of a basis that can be asked for.
+/// Largest number of basis vectors that a scene can ask for.
 const MOST_VECTORS: usize = 2000;
 
-/// The theory, and what is made of a linear body.
+/// Theory and reduction of the body.
 pub(super) fn theory(source: &Source, raw: &raw::Body) -> Result<(Model, Reduction), SceneError> {
     let model = match word(source, "body.model", &raw.model, &raw::MODELS)? {
         "half-space" => Model::HalfSpace,
@@ -57,7 +57,10 @@ pub(super) fn theory(source: &Source, raw: &raw::Body) -> Result<(Model, Reducti
     Ok((model, reduction))
 }
 
-/// The edges of a box, m: with layers the third is the sum of their thicknesses.
+/// Edge lengths of a box, m. With layers, the third one is the sum of their thicknesses.
+///
+/// # Errors
+/// If the number of edges does not fit the layers.
 fn edges(source: &Source, raw: &raw::Body, size: Edges) -> Result<Vec3, SceneError> {
     match (size, composition::thickness(source, raw)?) {
         (Edges::All(size), None) => Ok(size),

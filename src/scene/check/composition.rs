@@ -1,4 +1,4 @@
-//! What the body is made of: one material by the keys of `body`, layers, or materials of a mesh's physical volumes.
+//! Checks the materials of the body: one material by the keys of `body`, layers, or the physical volumes of a mesh.
 
 use std::collections::BTreeMap;
 
@@ -9,27 +9,27 @@ use super::material::{self, Named};
 use crate::form;
 use crate::material::Material;
 
-/// The keys of a single material.
-const SHORT: [&str; 3] = ["young", "poisson", "density"];
+/// Keys of `body` that give a single material.
+const SINGLE_MATERIAL_KEYS: [&str; 3] = ["young", "poisson", "density"];
 
-/// What is known of a body's materials before it is known where it is hit.
+/// Materials of a body, before the impacted one is known.
 pub(super) struct Materials {
-    /// Where they are.
+    /// Materials and where they are.
     pub parts: Parts,
-    /// The name of each part's material, in the order of the parts; none of a single one.
+    /// Names of the materials of the parts, in the order of the parts; empty for a single material.
     names: Vec<String>,
-    /// The key of each material's stiffness.
+    /// Key of the stiffness of each material, by the material's name.
     keys: BTreeMap<String, String>,
 }
 
-/// What is hit: the composition, and the keys of the struck material's stiffness and density.
+/// Composition of the body, and the keys of the stiffness and the density of the impacted material.
 pub(super) struct Struck {
     pub composition: Composition,
     pub stiffness_key: String,
     pub density_key: String,
 }
 
-/// The thickness of all layers, m, where there are any.
+/// Sum of the thicknesses of all layers, m; `None` without layers.
 pub(super) fn thickness(source: &Source, raw: &raw::Body) -> Result<Option<f64>, SceneError> {
     let mut sum = None;
     for (number, layer) in raw.layer.0.iter().enumerate() {
@@ -43,7 +43,7 @@ pub(super) fn thickness(source: &Source, raw: &raw::Body) -> Result<Option<f64>,
 pub(super) fn materials(source: &Source, raw: &raw::Scene) -> Result<Materials, SceneError> {
     let named = material::all(source, raw)?;
     let given = [raw.body.young, raw.body.poisson, raw.body.density];
-    let short = SHORT.iter().zip(given).find(|(_, given)| given.is_some());
+    let short = SINGLE_MATERIAL_KEYS.iter().zip(given).find(|(_, given)| given.is_some());
     let is_mesh = raw.body.mesh.is_some();
     if let (Some((key, _)), Some(name)) = (short, raw.material.keys().next()) {
         let (path, with) = (format!("body.{key}"), format!("material.{name}"));
@@ -73,7 +73,7 @@ pub(super) fn materials(source: &Source, raw: &raw::Scene) -> Result<Materials, 
     Ok(Materials { parts: Parts::Volumes(volumes), names, keys })
 }
 
-/// The material that the keys of `body` give.
+/// Material given by the keys of `body`.
 fn single(source: &Source, raw: &raw::Body) -> Result<form::Material, SceneError> {
     let required = |key: &str, given: Option<Number>| {
         let help = format!("add `{key} = …` to the table `body`; docs/scene.md has all keys");
@@ -129,7 +129,8 @@ fn layers(
 }
 
 impl Materials {
-    /// Of a box the layer at the point that is hit, which the direction leads into; of a mesh the material that the scene says.
+    /// Determines the impacted material. In a box: the layer at the impact point. In a mesh: the material named by the
+    /// scene.
     pub(super) fn struck(self, source: &Source, raw: &raw::Scene, outline: &Outline) -> Result<Struck, SceneError> {
         let Self { parts, names, keys } = self;
         let number = match (&parts, outline) {
@@ -153,7 +154,8 @@ impl Materials {
     }
 }
 
-/// The number of the layer that is hit: of a hit across the layers the first or the last, otherwise the one at the point.
+/// Index of the impacted layer: the first or the last one if the impact is across the layers, otherwise the one at the
+/// point.
 fn struck_layer(raw: &raw::Scene, size: [f64; 3], layers: &[Layer]) -> usize {
     let direction = raw.impactor.direction.map_or([0.0, 0.0, -1.0], |direction| direction.numbers());
     let height = match raw.impactor.point {
@@ -161,7 +163,7 @@ fn struck_layer(raw: &raw::Scene, size: [f64; 3], layers: &[Layer]) -> usize {
         None => faces::struck_centre(size, direction)[2],
     };
     let mut bottom = 0.5 * size[2];
-    // On an interface, the layer above counts; a point off the body by rounding is in the last one.
+    // On an interface, the layer above counts. A point that is outside the body by rounding is in the last layer.
     let is_above = |layer: &Layer| {
         bottom -= layer.thickness;
         height >= bottom - 1e-9 * size[2]

@@ -1,4 +1,4 @@
-//! The contact: where its force acts, and how it goes with the indentation.
+//! Checks the contact: where its force acts, and the force law.
 
 use super::super::values::{FileOrPoints, Number};
 use super::super::{Contact, SceneError, Source, raw};
@@ -6,22 +6,23 @@ use super::numbers::show;
 use super::{table, word};
 use crate::contact::{ForceLaw, Power, Table};
 
-/// Part of the impactor's energy that a table holds at least.
+/// Smallest part of the impactor's energy that a table must be able to absorb.
 const LEAST_CAPACITY: f64 = 0.01;
 
-/// What a table is to be like.
+/// Expected contents of a table file.
 const HELP_OF_TABLE: &str = "lines of indentation in m and force in N, from 0, 0 on: neither may fall";
 
-/// Damping times speed above which the impactor would stick: less than a twentieth of its speed is left at this.
+/// Largest damping d times impact speed. Beyond it the impactor would practically stick: at this value less than a
+/// twentieth of its speed is left.
 const LARGEST_DAMPING: f64 = 100.0;
 
-/// Exponents above are walls.
+/// Largest exponent of a power law. Laws with a larger one act like a rigid wall.
 const LARGEST_EXPONENT: f64 = 10.0;
 
-/// Where the contact's force acts.
+/// Localisation of the contact force: a patch or a point.
 ///
 /// # Errors
-/// A radius that is no radius, or that a point has not.
+/// If a radius is not positive, or if a point force has one.
 pub(super) fn localization(source: &Source, raw: &raw::Contact) -> Result<Contact, SceneError> {
     let kind = word(source, "contact.localization", &raw.localization, &raw::LOCALIZATIONS)?;
     let radii = [
@@ -41,10 +42,10 @@ pub(super) fn localization(source: &Source, raw: &raw::Contact) -> Result<Contac
     Ok(Contact::Patch { radius, disc })
 }
 
-/// The law in terms of the indentation where it is not Hertz's; `None` where it is.
+/// Force law other than Hertz's; `None` for Hertz's law.
 ///
 /// # Errors
-/// Keys of another law; numbers out of range; a table that is none.
+/// If keys of another law are given, a number is out of range, or the table is not valid.
 pub(super) fn law(
     source: &Source,
     raw: &raw::Contact,
@@ -88,10 +89,10 @@ fn power(source: &Source, raw: &raw::Contact) -> Result<ForceLaw, SceneError> {
     Ok(ForceLaw::Power(Power { stiffness, exponent }))
 }
 
-/// The points of a table's file as an array in TOML.
+/// Points of a table file, written as a TOML array.
 ///
 /// # Errors
-/// A file that cannot be read.
+/// If the file cannot be read.
 pub fn table_in_file(source: &Source, file: &str) -> Result<String, SceneError> {
     let points = table::read(&source.folder().join(file))
         .map_err(|message| source.error("contact.table", message, HELP_OF_TABLE))?;
@@ -116,10 +117,10 @@ fn points(source: &Source, raw: &raw::Contact) -> Result<Table, SceneError> {
     Table::new(&points).map_err(wrong)
 }
 
-/// d of the damping.
+/// Damping d of Hunt and Crossley's factor, s/m.
 ///
 /// # Errors
-/// A number out of range.
+/// If the number is out of range.
 pub(super) fn damping(source: &Source, raw: &raw::Contact, speed: f64) -> Result<f64, SceneError> {
     let Number(damping) = raw.damping.unwrap_or(Number(0.0));
     let help = "a number in s/m, 0 or more: about 1.5 times the part of the speed that is lost, over the speed";
@@ -135,10 +136,10 @@ pub(super) fn damping(source: &Source, raw: &raw::Contact, speed: f64) -> Result
     Ok(damping)
 }
 
-/// Refuses a table that cannot hold an impactor's energy (J): its units are others.
+/// Refuses a table that cannot absorb the energy (J) of the impactor: its units are probably wrong.
 ///
 /// # Errors
-/// That.
+/// If the capacity of the table is below [`LEAST_CAPACITY`] times the energy.
 pub(super) fn check_capacity(source: &Source, law: &ForceLaw, energy: f64) -> Result<(), SceneError> {
     let ForceLaw::Table(table) = law else { return Ok(()) };
     if table.capacity() >= LEAST_CAPACITY * energy {

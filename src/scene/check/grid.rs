@@ -1,36 +1,37 @@
-//! The grid planes of a box: its cells, graded towards the impact point.
+//! Grid planes of a box: its cells, graded towards the impact point.
 
 use super::super::values::{ByComponent, Three, Whole};
 use super::super::{Composition, Contact, Impactor, Parts, SceneError, Source, Vec3, faces, layout, raw};
 use super::layers;
 use super::numbers::show;
 
-/// The most hexahedra in a box: quadratic ones have 24 unknowns each, which leaves room in 32-bit indices.
+/// Largest number of hexahedra in a box. Quadratic ones have 24 unknowns each, so that all unknowns fit in 32-bit
+/// indices with room to spare.
 const MOST_CELLS: usize = 10_000_000;
 
-/// The most cells along an edge.
+/// Largest number of cells along an edge.
 const MOST_ALONG_EDGE: usize = 10_000;
 
-/// The largest ratio of cells along an edge.
+/// Largest allowed ratio of the largest to the smallest cell along an edge.
 const LARGEST_RATIO: f64 = 1e4;
 
-/// What decides on a box's cells, besides what is given of them.
+/// Data that determine the cells of a box, in addition to the keys that give them.
 #[derive(Clone, Copy)]
 pub(super) struct Hit<'a> {
     /// Edge lengths, m.
     pub size: Vec3,
-    /// What it is made of.
+    /// Materials of the box.
     pub composition: &'a Composition,
-    /// Where and how it is hit.
+    /// Impact point, direction and contact stiffness.
     pub impactor: &'a Impactor,
-    /// The patch that the cells are to resolve.
+    /// The contact, whose patch the cells must resolve.
     pub contact: Contact,
     /// Polynomial degree of the elements.
     pub order: usize,
 }
 
 impl Hit<'_> {
-    /// The thickness of the layer that is hit, or of the box, m.
+    /// Thickness of the impacted layer, or of the box without layers that differ, m.
     pub fn thickness(&self) -> f64 {
         match &self.composition.parts {
             Parts::Layers(layers) if !self.composition.interfaces().is_empty() => {
@@ -41,7 +42,10 @@ impl Hit<'_> {
     }
 }
 
-/// The grid planes across each axis.
+/// Coordinates of the grid planes across each axis, m.
+///
+/// # Errors
+/// If a number is out of range, or if cells are so thin that their coordinates do not differ.
 pub(super) fn check(source: &Source, raw: &raw::Body, hit: Hit) -> Result<[Vec<f64>; 3], SceneError> {
     let Hit { size, impactor: Impactor { point, .. }, .. } = hit;
     let given = raw.cells.map(|cells| whole_cells(source, cells)).transpose()?;
@@ -93,31 +97,31 @@ fn ratios(source: &Source, ByComponent(ratios): ByComponent) -> Result<Vec3, Sce
     }
 }
 
-/// Cells where none are given.
+/// Default cells.
 mod default {
     use super::{Contact, Hit, Vec3, faces, layers, layout};
 
-    /// Cells along a long edge under a force at a point, which no mesh resolves.
+    /// Number of cells along a long edge for a point force, which no mesh resolves.
     const UNIFORM: f64 = 20.0;
 
-    // The constants of a mesh that resolves the patch.
+    // Constants of a mesh that resolves the patch.
 
-    /// Radius of the patch over the thickness, where it is left out.
+    /// Default radius of the patch over the thickness.
     const PATCH: f64 = 0.25;
-    /// The least such radius over the shortest edge, however near to an edge the point is.
+    /// Smallest default radius of the patch over the shortest edge, for points near an edge.
     const LEAST_PATCH: f64 = 1.0 / 64.0;
-    /// The smallest cell over the radius.
+    /// Smallest cell over the radius of the patch.
     const SMALLEST: f64 = 0.5;
-    /// Growth from cell to cell along the struck face, and into the body.
-    const GROWTH: [f64; 2] = [1.4, 1.5];
-    /// The largest cell over the shortest edge, for elements of order 1 and 2: it has to carry the flexural waves.
+    /// Growth factor from cell to cell: along the impacted face, and into the body.
+    const CELL_GROWTH: [f64; 2] = [1.4, 1.5];
+    /// Largest cell over the shortest edge, for elements of order 1 and 2. The cells must resolve the flexural waves.
     const LARGEST: [f64; 2] = [0.75, 1.5];
-    /// The smallest cell over the thickness, at most: two layers.
+    /// Largest allowed ratio of the smallest cell to the thickness: it gives at least two layers of cells.
     const LAYER: f64 = 0.4;
-    /// The most cells of the whole body.
-    const MOST: usize = 30_000;
+    /// Largest number of cells in the whole body.
+    const MAX_CELLS: usize = 30_000;
 
-    /// The grid planes across each axis.
+    /// Coordinates of the default grid planes across each axis, m.
     pub(super) fn planes(hit: Hit) -> [Vec<f64>; 3] {
         let Hit { size, composition, impactor, contact, order } = hit;
         let interfaces = composition.interfaces();
@@ -131,19 +135,19 @@ mod default {
         let axis = faces::struck_axis(size, impactor.point, impactor.direction);
         let longest = size.into_iter().fold(size[0], f64::max);
         let thinnest = size.into_iter().fold(hit.thickness(), f64::min);
-        // What is hit lies like a body of its own on softer layers.
+        // The impacted layer lies like a separate body on softer layers.
         let depth = if axis == 2 { hit.thickness() } else { size[axis] };
         // The disc has to fit on the face.
         let reach = (0..3).filter(|i| *i != axis).map(|i| 0.5 * size[i] - impactor.point[i].abs());
         let fitting = || reach.fold(PATCH * depth, f64::min).max(LEAST_PATCH * thinnest);
-        // Not so small that coordinates would not differ.
+        // Not so small that coordinates would be equal after rounding.
         let smallest = (SMALLEST * radius.unwrap_or_else(fitting)).max(1e-12 * longest).max(f64::MIN_POSITIVE);
         let mut smallest = size.map(|edge| smallest.min(0.5 * edge));
         smallest[axis] = smallest[axis].min(LAYER * depth);
-        let mut growth = [GROWTH[0]; 3];
-        growth[axis] = GROWTH[1];
-        // Smaller than that there would be too many in any case.
-        let mut largest = (LARGEST[order - 1] * thinnest).max(longest / MOST as f64).max(f64::MIN_POSITIVE);
+        let mut growth = [CELL_GROWTH[0]; 3];
+        growth[axis] = CELL_GROWTH[1];
+        // A smaller value would give more than `MAX_CELLS` cells along the longest edge.
+        let mut largest = (LARGEST[order - 1] * thinnest).max(longest / MAX_CELLS as f64).max(f64::MIN_POSITIVE);
         loop {
             let planes: [Vec<f64>; 3] = std::array::from_fn(|i| match i {
                 2 if !interfaces.is_empty() && axis == 2 => {
@@ -152,10 +156,10 @@ mod default {
                 2 if !interfaces.is_empty() => layers::uniform(&interfaces, depth.min(largest)),
                 _ => layout::growing(size[i], impactor.point[i], smallest[i], growth[i], largest),
             });
-            if planes.iter().map(|planes| planes.len() - 1).product::<usize>() <= MOST {
+            if planes.iter().map(|planes| planes.len() - 1).product::<usize>() <= MAX_CELLS {
                 return planes;
             }
-            // The far cells are coarsened first.
+            // Distant cells are coarsened first.
             if largest < longest {
                 largest *= 1.1;
             } else {
@@ -164,11 +168,11 @@ mod default {
         }
     }
 
-    /// Two cells through the thinnest edge; along the others 20, or fewer where these would be shorter than half the
-    /// thickness. All are even, so that a centred hit has its planes of symmetry between cells.
+    /// Two cells through the thinnest edge. Along the others 20, or fewer if these would be shorter than half the
+    /// thickness. All numbers are even, so that the planes of symmetry of a centred impact lie between cells.
     fn uniform(size: Vec3) -> [Vec<f64>; 3] {
         let thickness = size.into_iter().fold(f64::INFINITY, f64::min);
-        // 0.6 / 0.1 is a little less than 6: the rounding is undone. The cast is of a number from 1 to 10.
+        // 0.6 / 0.1 is rounded to slightly less than 6; the factor corrects this. The cast is of a number from 1 to 10.
         let pairs = |edge: f64| (edge / thickness * (1.0 + 1e-9)).min(UNIFORM / 2.0).floor() as usize;
         size.map(|edge| layout::uniform(edge, 2 * pairs(edge)))
     }
@@ -217,7 +221,8 @@ mod tests {
         }
     }
 
-    /// Of all sizes: at the point cells of half the radius, growing within bounds, the waves carried where the number allows.
+    /// For various sizes: cells at the impact point are at most half the patch radius, grow within bounds, and resolve
+    /// the flexural waves.
     #[test]
     fn under_a_patch_the_cells_resolve_it() {
         let chosen = Contact::Patch { radius: None, disc: None };
@@ -242,7 +247,7 @@ mod tests {
                     .position(|x| *x == point[i])
                     .unwrap_or_else(|| panic!("{size:?}: no plane at the point"));
                 let beside = edges[at.saturating_sub(1)..(at + 1).min(edges.len())].iter();
-                // 1e-8 for what rounding leaves of a length.
+                // 1e-8: rounding of lengths.
                 assert!(beside.fold(0.0, |m, e| f64::max(m, *e)) <= 0.5 * patch * (1.0 + 1e-8), "{size:?}, axis {i}");
                 assert!(
                     edges.iter().all(|e| *e <= [0.75, 1.5][order - 1] * thinnest * (1.0 + 1e-8)),

@@ -1,4 +1,4 @@
-//! The impactor: what it is, where it hits, and how.
+//! Checks the impactor: mass, radius, speed, impact point, direction and contact stiffness.
 
 use super::super::values::{Number, Three};
 use super::super::{Impactor, STANDARD_GRAVITY, SceneError, Source, Vec3, faces, raw};
@@ -41,12 +41,12 @@ pub(super) fn check(
         point: point(source, raw, outline, direction)?,
         direction,
         gap,
-        // Without −0 where the weight acts across the direction.
+        // Avoids −0 if the weight acts perpendicular to the direction.
         gravity: if raw.gravity == Some(true) { 0.0 - STANDARD_GRAVITY * direction[2] } else { 0.0 },
     })
 }
 
-/// The given speed, or that after a fall from a height: v² = 2 g h.
+/// Given speed, or the speed after a free fall from a height h: v² = 2 g h. In m/s.
 fn speed(source: &Source, raw: &raw::Impactor) -> Result<f64, SceneError> {
     match (raw.speed, raw.drop_height) {
         (Some(Number(speed)), None) => {
@@ -67,7 +67,7 @@ fn speed(source: &Source, raw: &raw::Impactor) -> Result<f64, SceneError> {
     }
 }
 
-/// Checks what is given of the elastic constants, wanted or not.
+/// Checks the elastic constants that are given, also if they are not used.
 fn elastic_constants(source: &Source, raw: &raw::Impactor) -> Result<(), SceneError> {
     if let Some(Number(young)) = raw.young {
         source.positive("impactor.young", young, "Young's modulus in Pa")?;
@@ -82,7 +82,7 @@ fn elastic_constants(source: &Source, raw: &raw::Impactor) -> Result<(), SceneEr
     Ok(())
 }
 
-/// The given contact stiffness of Hertz's law, or (15).
+/// Contact stiffness of Hertz's law: given, or computed by (15). In N/m^1.5.
 fn stiffness(
     source: &Source,
     raw: &raw::Impactor,

@@ -1,19 +1,20 @@
-//! The grid planes across layers: each interface is one.
+//! Grid planes across layers. Each interface is a grid plane.
 
 use super::super::{SceneError, Source, layout, raw};
 use super::grid::Hit;
 
-/// Cells in a layer at least, over its thickness in those of the layer that is hit.
+/// Number of cells across the impacted layer. It sets the cell size of the other layers.
 const EACH: f64 = 2.0;
 
-/// Cells of one size in each layer: as many as its part of the thickness of the layer that is hit, which has two.
+/// Cells of equal size in each layer. The impacted layer (thickness `struck`, m) has two; the others have a number in
+/// proportion to their thickness, at least one.
 pub(super) fn uniform(interfaces: &[f64], struck: f64) -> Vec<f64> {
     let cells = |thickness: f64| (EACH * thickness / struck).round().max(1.0) as usize;
     cut(interfaces, |_, thickness| cells(thickness))
 }
 
-/// The same but for the layer with the face at `hit`, in which cells grow from there: by the smallest cell, the growth and the largest
-/// (m), as of [`layout::growing`].
+/// Same as [`uniform`], except for the outer layer with the face at height `hit`. Its cells grow from that face, with
+/// the smallest cell (m), growth factor and largest cell (m) of [`layout::growing`].
 pub(super) fn growing(
     interfaces: &[f64],
     hit: f64,
@@ -30,7 +31,7 @@ pub(super) fn growing(
     let (thickness, middle) = (high - low, 0.5 * (low + high));
     let mut graded = layout::growing(thickness, hit - middle, smallest, growth, largest);
     graded.iter_mut().for_each(|plane| *plane += middle);
-    // The ends without the rounding of a sum.
+    // Both ends, without the rounding of the sum.
     let last = graded.len() - 1;
     (graded[0], graded[last]) = (low, high);
     let others = plain.into_iter().filter(|plane| *plane < low || *plane > high);
@@ -39,10 +40,10 @@ pub(super) fn growing(
     all
 }
 
-/// So many cells in all, the thickest ones cut first.
+/// A given number of cells over all layers; the thickest cells are divided first.
 ///
 /// # Errors
-/// Fewer cells than layers; a grading across them.
+/// If there are fewer cells than layers, or if cells are graded across layers.
 pub(super) fn given(
     source: &Source,
     raw: &raw::Body,
@@ -71,7 +72,7 @@ pub(super) fn given(
     Ok(cut(&interfaces, |i, _| counts[i] as usize))
 }
 
-/// Each layer cut into as many equal cells as a number of layer and thickness (m) asks for.
+/// Cuts each layer into equal cells. `cells` gives their number from the index of the layer and its thickness (m).
 fn cut(interfaces: &[f64], cells: impl Fn(usize, f64) -> usize) -> Vec<f64> {
     let mut planes = vec![interfaces[0]];
     for (i, ends) in interfaces.windows(2).enumerate() {
@@ -92,13 +93,13 @@ mod tests {
     fn interfaces_are_planes() {
         let plain = uniform(&INTERFACES, 0.01);
         let expected = [-0.0104, -0.0054, -0.0004, 0.0004, 0.0054, 0.0104];
-        // Rounding of a sum.
+        // Tolerance: rounding of a sum.
         assert!(plain.len() == 6 && plain.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-17), "{plain:?}");
         for hit in [0.0104, -0.0104] {
             let planes = growing(&INTERFACES, hit, (0.001, 1.5, 0.015), 0.01);
             assert!(INTERFACES.iter().all(|height| planes.contains(height)), "{planes:?}");
             assert!(planes.windows(2).all(|pair| pair[0] < pair[1]), "{planes:?}");
-            // The cell at the hit is the smallest but for the interlayer, of at most the given size; the other ply has its two.
+            // The cell at the impacted face has at most the given size. The other ply has its two cells.
             let at_hit =
                 planes.iter().map(|plane| (plane - hit).abs()).filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min);
             assert!(at_hit <= 0.001 * (1.0 + 1e-12), "{planes:?}");

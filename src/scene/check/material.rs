@@ -1,4 +1,4 @@
-//! Materials by name: their moduli, and how these relax.
+//! Checks the materials that have names: moduli, relaxation, temperature shift.
 
 use std::collections::BTreeMap;
 
@@ -10,17 +10,17 @@ use super::table;
 use crate::form;
 use crate::material::{self, Material, Maxwell, Wlf};
 
-/// What a file of terms is to be like.
+/// Expected contents of a file of relaxation terms.
 const HELP_OF_FILE: &str = "a file with lines of time (s) and modulus (Pa), the times ascending";
 
 /// A checked material.
 pub(super) struct Named {
     pub material: Material,
-    /// The key of its stiffness.
+    /// Key of the stiffness of the material.
     pub key: String,
 }
 
-/// All `[material.NAME]`, with their relaxation times at the body's temperature.
+/// All `[material.NAME]` tables. Relaxation times are shifted to the temperature of the body.
 pub(super) fn all(source: &Source, raw: &raw::Scene) -> Result<BTreeMap<String, Named>, SceneError> {
     let temperature = temperature(source, raw)?;
     let named = |(name, given): (&String, &raw::Material)| {
@@ -36,7 +36,7 @@ pub(super) fn all(source: &Source, raw: &raw::Scene) -> Result<BTreeMap<String, 
     raw.material.iter().map(named).collect()
 }
 
-/// `body.temperature`, °C.
+/// `body.temperature`, °C. `None` if not given.
 pub(super) fn temperature(source: &Source, raw: &raw::Scene) -> Result<Option<f64>, SceneError> {
     let path = "body.temperature";
     let Some(Number(temperature)) = raw.body.temperature else { return Ok(None) };
@@ -101,7 +101,7 @@ fn one(source: &Source, path: &str, raw: &raw::Material, temperature: Option<f64
     Err(source.error(&key("bulk"), message, "a bulk modulus in Pa below 1e15 times that"))
 }
 
-/// Poisson's ratio in its range.
+/// Poisson's ratio, checked to be in its range.
 pub(super) fn poisson(source: &Source, path: &str, value: f64) -> Result<f64, SceneError> {
     source.finite(path, &[value])?;
     if value > -1.0 && value < 0.5 {
@@ -111,7 +111,7 @@ pub(super) fn poisson(source: &Source, path: &str, value: f64) -> Result<f64, Sc
     Err(source.error(path, format!("{value} is out of range"), help))
 }
 
-/// A shift of times that there are none of.
+/// Refuses a temperature shift if there are no relaxation times.
 fn refuse_idle_shift(source: &Source, path: &str, raw: &raw::Material) -> Result<(), SceneError> {
     if raw.wlf.is_none() || raw.prony.is_some() {
         return Ok(());
@@ -120,7 +120,7 @@ fn refuse_idle_shift(source: &Source, path: &str, raw: &raw::Material) -> Result
     Err(source.error(&format!("{path}.wlf"), "there are no relaxation times to shift", help))
 }
 
-/// How times depend on the temperature, where that is given.
+/// Temperature dependence of relaxation times; `None` if not given.
 fn wlf(source: &Source, path: &str, raw: &raw::Material) -> Result<Option<Wlf>, SceneError> {
     let Some(raw::Wlf { c1, c2, reference }) = raw.wlf else { return Ok(None) };
     let key = |name: &str| format!("{path}.wlf.{name}");
@@ -133,7 +133,7 @@ fn wlf(source: &Source, path: &str, raw: &raw::Material) -> Result<Option<Wlf>, 
     Ok(Some(wlf))
 }
 
-/// log₁₀ a_T.
+/// Decimal logarithm of the shift factor a_T; 0 without a shift or a temperature.
 fn shift(source: &Source, path: &str, wlf: Option<Wlf>, temperature: Option<f64>) -> Result<f64, SceneError> {
     let (Some(wlf), Some(temperature)) = (wlf, temperature) else { return Ok(0.0) };
     wlf.log_shift(temperature).ok_or_else(|| {
@@ -143,7 +143,7 @@ fn shift(source: &Source, path: &str, wlf: Option<Wlf>, temperature: Option<f64>
     })
 }
 
-/// The terms as they are given.
+/// Relaxation terms as given in the scene or in a file, not shifted.
 fn terms(source: &Source, path: &str, given: &Option<FileOrTerms>) -> Result<Vec<material::Term>, SceneError> {
     let Some(given) = given else { return Ok(Vec::new()) };
     let (pairs, is_file) = match given {
@@ -172,15 +172,15 @@ fn terms(source: &Source, path: &str, given: &Option<FileOrTerms>) -> Result<Vec
     Ok(pairs.into_iter().map(|[time, modulus]| material::Term { modulus, time }).collect())
 }
 
-/// The pairs of time and modulus of a file.
+/// Pairs of time (s) and modulus (Pa) of a file.
 fn in_file(source: &Source, path: &str, name: &str) -> Result<Vec<[f64; 2]>, SceneError> {
     table::read(&source.folder().join(name)).map_err(|message| source.error(path, message, HELP_OF_FILE))
 }
 
-/// A source with the terms of its materials in the place of their files.
+/// Replaces the files of relaxation terms in a source by the terms themselves.
 ///
 /// # Errors
-/// A file that cannot be read.
+/// If a file cannot be read.
 pub(in crate::scene) fn with_series(source: Source) -> Result<Source, SceneError> {
     let raw = super::decode(&source)?;
     let mut found = Vec::new();

@@ -1,4 +1,4 @@
-//! From typed values to a checked scene: ranges, defaults, and what keys mean together.
+//! From typed values to a checked scene: ranges, defaults, and keys that depend on each other.
 
 mod body;
 mod composition;
@@ -31,7 +31,7 @@ pub(super) use contact::table_in_file;
 pub(super) use material::with_series;
 pub(super) use numbers::show;
 
-/// The scene of a source, with mesh files relative to `folder`.
+/// Checks a source and returns its scene. Mesh files are relative to `folder`.
 ///
 /// # Errors
 /// The first fault found.
@@ -138,7 +138,7 @@ fn load(source: &Source, raw: &raw::Load, outline: &Outline) -> Result<Load, Sce
     Ok(Load { body_force, gravity, traction })
 }
 
-/// The one of `words` that was given, or the first of them where nothing was.
+/// The given word if it is one of `words`; the first of `words` if none was given.
 fn word<'a>(source: &Source, path: &str, given: &Option<String>, words: &[&'a str]) -> Result<&'a str, SceneError> {
     let Some(given) = given else {
         return Ok(words[0]);
@@ -149,7 +149,7 @@ fn word<'a>(source: &Source, path: &str, given: &Option<String>, words: &[&'a st
     })
 }
 
-/// A surface's name is checked for a box; the names of a mesh file are known once it is read.
+/// Checks the name of a surface of a box. The names in a mesh file are known only after it has been read.
 fn surface(source: &Source, path: &str, name: &str, outline: &Outline) -> Result<(), SceneError> {
     match outline {
         Outline::Box(_) if !faces::SURFACES.contains(&name) => Err(source.error(

@@ -1,19 +1,20 @@
-//! What rules modal coordinates out, and what there is in them alone.
+//! Conditions under which a scene can or must use modal coordinates.
 
 use super::super::values::WordOrWhole;
 use super::super::{Geometry, Impactor, Model, Reduction, SceneError, Source, Support, SupportKind, Time, raw};
 
-/// √(k/(ρ h)) of pads, times the contact time on a half-space, up to which a basis was seen to learn what a body does that lets go of them.
+/// Largest √(k/(ρ h)) T of pads for which a basis represents the lift-off of the body, as observed. T is the contact
+/// time on a half-space.
 const STIFFEST: f64 = 300.0;
 
-/// The stiffness of pads up to which a basis serves, N/m³.
+/// Largest pad stiffness for which a basis is accurate, N/m³. Infinite for a mesh file.
 pub(super) fn stiffest(geometry: &Geometry, density: f64, impactor: &Impactor) -> f64 {
     let Geometry::Box { size, .. } = geometry else { return f64::INFINITY };
     let thickness = size.iter().copied().fold(f64::INFINITY, f64::min);
     density * thickness * (STIFFEST / impactor.contact_time()).powi(2)
 }
 
-/// The first key that rules modal coordinates out, with the reason; `stiffest` is that of [`stiffest`].
+/// First key that excludes modal coordinates, with the reason. `stiffest` is the result of [`stiffest`].
 pub(super) fn against(
     raw: &raw::Scene,
     (model, reduction): (Model, Reduction),
@@ -34,7 +35,7 @@ pub(super) fn against(
     without_modes(supports, stiffest)
 }
 
-/// The first support that leaves the body without modes, with the reason.
+/// First support that does not allow modal coordinates, with the reason.
 fn without_modes(supports: &[Support], stiffest: f64) -> Option<(String, String)> {
     supports
         .iter()
@@ -42,10 +43,10 @@ fn without_modes(supports: &[Support], stiffest: f64) -> Option<(String, String)
         .find_map(|(i, support)| against_modes(support, stiffest).map(|reason| (format!("support.{i}.kind"), reason)))
 }
 
-/// Refuses a basis for a body that has none.
+/// Refuses a given number of basis vectors for a body that has no basis.
 ///
 /// # Errors
-/// A number of vectors beside supports that leave the body without modes.
+/// If a number of vectors is given and a support does not allow modal coordinates.
 pub(super) fn basis(
     source: &Source,
     reduction: Reduction,
@@ -61,7 +62,7 @@ pub(super) fn basis(
     }
 }
 
-/// Why a support leaves the body without modes.
+/// Reason why a support does not allow modal coordinates; `None` if it does.
 fn against_modes(support: &Support, stiffest: f64) -> Option<String> {
     match support.kind {
         SupportKind::Pad { stiffness, normal } if (0..3).any(|i| normal[i] != 0.0 && stiffness[i] > stiffest) => {
@@ -76,10 +77,12 @@ fn against_modes(support: &Support, stiffest: f64) -> Option<String> {
     }
 }
 
-/// Refuses what only modal coordinates have with another scheme, and what they have not.
+/// Refuses bodies that require modal coordinates with another scheme, and schemes that a body does not support.
 ///
 /// # Errors
-/// A theory without unknowns under a scheme that steps unknowns; the same for the explicit scheme on any body but a mesh of solid elements.
+/// - If a theory without unknowns is used with a scheme for unknowns.
+/// - If a reduced body on pads is used with another scheme.
+/// - If the explicit scheme is used with a plate theory or a reduced body.
 pub(super) fn only(
     source: &Source,
     raw: &raw::Scene,

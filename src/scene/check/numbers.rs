@@ -1,17 +1,19 @@
-//! Checks of one number, or of a few that stand at one key.
+//! Checks of single numbers and short lists of numbers.
 
 use std::ops::RangeInclusive;
 
 use super::super::{SceneError, Source, Vec3};
 
-/// A number as a person writes it.
+/// Formats a number as a person would write it.
 pub(in crate::scene) fn show(value: f64) -> String {
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }
 
 impl Source {
+    /// Checks that all values are finite.
+    ///
     /// # Errors
-    /// A value that is infinite or not a number.
+    /// If a value is infinite or not a number.
     pub(super) fn finite(&self, path: &str, values: &[f64]) -> Result<(), SceneError> {
         match values.iter().find(|value| !value.is_finite()) {
             Some(value) => Err(self.error(path, format!("{value} is not finite"), "a finite number")),
@@ -19,7 +21,7 @@ impl Source {
         }
     }
 
-    /// The value, which is finite and positive; `help` says what it means and in which unit.
+    /// Returns the value if it is finite and positive. `help` says its meaning and its unit.
     pub(super) fn positive(&self, path: &str, value: f64, help: &str) -> Result<f64, SceneError> {
         self.finite(path, &[value])?;
         if value > 0.0 {
@@ -30,7 +32,7 @@ impl Source {
         }
     }
 
-    /// The values, which are finite and not negative.
+    /// Returns the values if they are finite and not negative.
     pub(super) fn not_negative(&self, path: &str, values: Vec3, help: &str) -> Result<Vec3, SceneError> {
         self.finite(path, &values)?;
         match values.into_iter().find(|value| *value < 0.0) {
@@ -42,7 +44,7 @@ impl Source {
         }
     }
 
-    /// The whole number, which lies in `range`.
+    /// Returns the whole number if it is in `range`.
     pub(super) fn whole(&self, path: &str, value: i64, range: RangeInclusive<usize>) -> Result<usize, SceneError> {
         usize::try_from(value).ok().filter(|value| range.contains(value)).ok_or_else(|| {
             let message = format!("{value} is out of range");
@@ -51,10 +53,10 @@ impl Source {
         })
     }
 
-    /// The vector at length one. A component below 1e-12 of that is rounding, and made zero.
+    /// The vector scaled to length one. A component below 1e-12 of the length is rounding, and set to zero.
     pub(super) fn unit(&self, path: &str, vector: Vec3) -> Result<Vec3, SceneError> {
         self.finite(path, &vector)?;
-        // Scaled first, so that no square overflows or vanishes.
+        // Scaled first, so that no square overflows or underflows.
         let largest = vector.into_iter().fold(0.0_f64, |l, v| l.max(v.abs()));
         if largest == 0.0 {
             let help = "three numbers [x, y, z], not all zero; the length does not matter";

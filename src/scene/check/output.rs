@@ -1,11 +1,11 @@
-//! What is written: how often, and at which points of the body.
+//! Checks the output: how often results are written, and at which points of the body.
 
 use super::super::values::{Number, Whole};
 use super::super::{Output, Probe, SceneError, Source, Vec3, faces, raw};
 use super::body::Outline;
 use super::numbers::show;
 
-/// Wall time between two checkpoints, where a scene gives none.
+/// Default wall time between two checkpoints, min.
 const CHECKPOINT_MINUTES: f64 = 10.0;
 
 pub(super) fn check(source: &Source, raw: &raw::Scene, outline: &Outline) -> Result<Output, SceneError> {
@@ -36,13 +36,13 @@ pub(super) fn check(source: &Source, raw: &raw::Scene, outline: &Outline) -> Res
         checkpoint_steps: checkpoint_steps.map(|n| steps("checkpoint_steps", n)).transpose()?,
         checkpoint_minutes: (minutes > 0.0).then_some(minutes),
         fields,
-        // An explicit step is cheaper than a look at the stresses.
+        // Reading the stresses costs more than an explicit step.
         stress: stress.unwrap_or(raw.time.scheme.as_deref() != Some("central-difference")),
         probes: checked,
     })
 }
 
-/// A name that no probe before has, and that can be that of a group in the results.
+/// Returns the name of a probe if it differs from all earlier ones and can be the name of a group in the results.
 fn name(source: &Source, number: usize, name: &str, before: &[Probe]) -> Result<String, SceneError> {
     let path = format!("output.probes.{number}.name");
     let help = "a name of its own, without \"/\": results have it as /series/probe/<name>";
@@ -55,7 +55,7 @@ fn name(source: &Source, number: usize, name: &str, before: &[Probe]) -> Result<
     Ok(name.to_owned())
 }
 
-/// The point of a box; those of a mesh file are looked for once it is read.
+/// Returns the point of a probe if it is in the box. Points in a mesh file are located after the mesh has been read.
 fn point(source: &Source, number: usize, point: Vec3, outline: &Outline) -> Result<Vec3, SceneError> {
     let path = format!("output.probes.{number}.point");
     source.finite(&path, &point)?;

@@ -1,40 +1,42 @@
-//! Values that are numbers but no impact: each is refused under the key that is to blame, before it ends in a message about another.
+//! Refuses values that are valid numbers but cannot describe an impact. The error names the key to blame.
 
 use super::super::{Body, Geometry, Impactor, SceneError, Source};
 use super::numbers::show;
 use crate::contact::{ForceLaw, Hertz, hertz};
 
-/// Contacts that a run may be long: no run that anybody waits for is longer.
+/// Longest allowed run, in contact times on a half-space.
 const LONGEST: f64 = 1e8;
 
-/// Part of a contact that a run is long at least: in less the force is rounding.
+/// Shortest allowed run, in contact times on a half-space. In a shorter one the force is only rounding.
 const SHORTEST: f64 = 1e-4;
 
-/// Waves in the softest foams are faster, m/s.
+/// Wave speed below which the material is to blame, m/s. Waves in the softest foams are faster.
 const SLOWEST: f64 = 10.0;
 
-/// Radius of the contact on a half-space over the longest edge of the body. Soft contacts of small bodies come to some hundred; what is above
-/// is off by powers of ten.
+/// Largest allowed radius of the contact on a half-space over the longest edge of the body. Soft contacts of small
+/// bodies reach some hundred. Larger values are wrong by powers of ten.
 const LARGEST: f64 = 1e3;
 
-/// Radius of the impactor over the longest edge of the body from which the body is too small, and not the impactor too large.
+/// Radius of the impactor over the longest edge of the body above which the size of the body is to blame.
 const SPECK: f64 = 1e4;
 
-/// Radius above which the impactor is to blame, m: flatter than any.
+/// Radius above which the impactor is to blame, m. No impactor is so flat.
 const FLAT: f64 = 1e4;
 
-/// Densities that no solid has, kg/m³.
+/// Density below which the density is to blame, kg/m³. No solid is lighter.
 const LIGHTEST: f64 = 1e-2;
+/// Density above which the density is to blame, kg/m³. No solid is heavier.
 const HEAVIEST: f64 = 1e6;
 
 /// Speed of light, m/s.
 const LIGHT: f64 = 3e8;
 
-/// A contact stiffness that is given, over that of two bodies of the plate's material, or the inverse, from which it is to blame.
+/// Ratio of a given contact stiffness to the stiffness for two bodies of the plate's material, or its inverse, from
+/// which the given stiffness is to blame.
 const STRANGE: f64 = 1e6;
 
-/// Keys that a contact on a half-space goes by, besides its stiffness: where one of them was overridden, a message tells.
-const OF_CONTACT: [&str; 9] = [
+/// Keys that determine the contact on a half-space. If one of them was overridden, the error message says so.
+const CONTACT_KEYS: [&str; 9] = [
     "impactor.stiffness",
     "impactor.mass",
     "impactor.speed",
@@ -46,18 +48,21 @@ const OF_CONTACT: [&str; 9] = [
     "contact.table",
 ];
 
-/// The keys of the stiffness and the density of the material that is hit.
+/// Keys of the stiffness and the density of the impacted material.
 #[derive(Clone, Copy)]
 pub(super) struct Keys<'a> {
     pub stiffness: &'a str,
     pub density: &'a str,
 }
 
-/// A speed, an extent and an end that an impact can have; of the impactor also whether its contact stiffness is given.
+/// Checks that the speed, the extent of the contact and the end of the run are possible. `is_stiffness_given` says
+/// whether the scene gives the contact stiffness of the impactor.
 ///
 /// # Errors
-/// Waves faster than light; an impactor faster than waves in the body; a contact larger than the body; a run of very many contacts, or of
-/// next to none.
+/// - If waves in the body are faster than light.
+/// - If the impactor is faster than waves in the body.
+/// - If the contact is more than [`LARGEST`] times as large as the body.
+/// - If the run is very many contacts long, or a very small part of one.
 pub(super) fn check(
     source: &Source,
     (body, keys): (&Body, Keys),
@@ -75,7 +80,7 @@ pub(super) fn check(
     if impactor.speed > wave {
         let message =
             format!("the impactor's {:.3e} m/s are faster than waves in the body, {wave:.3e} m/s", impactor.speed);
-        // In no solid are waves as slow as that.
+        // No solid has waves as slow as `SLOWEST`.
         let (key, help) = match wave < SLOWEST {
             true if struck.density > HEAVIEST => (keys.density, "the density in kg/m3, as 2500 for glass"),
             true => (keys.stiffness, "Young's modulus in Pa, so that 70 GPa are 70e9, and the density in kg/m3"),
@@ -94,7 +99,7 @@ pub(super) fn check(
             let help = format!("in N/m^1.5: two bodies of the plate's material would have {natural:.1e}");
             source.error_with("impactor.stiffness", &["impactor.radius"], message, help)
         }
-        false => source.error_with(key, &OF_CONTACT, message, help),
+        false => source.error_with(key, &CONTACT_KEYS, message, help),
     };
     if let (Geometry::Box { size, .. }, Some(ball)) = (&body.geometry, Ball::of(impactor)) {
         let edge = size.iter().copied().fold(0.0, f64::max);
@@ -128,18 +133,18 @@ pub(super) fn check(
 /// An impactor whose contact obeys Hertz's law.
 #[derive(Clone, Copy)]
 struct Ball {
-    /// kg.
+    /// Mass, kg.
     mass: f64,
-    /// m.
+    /// Radius of the rounded end, m.
     radius: f64,
-    /// N/m^1.5.
+    /// Contact stiffness k0, N/m^1.5.
     stiffness: f64,
-    /// m/s.
+    /// Impact speed, m/s.
     speed: f64,
 }
 
 impl Ball {
-    /// `None` where the contact has another law.
+    /// `None` if the contact has another law.
     fn of(impactor: &Impactor) -> Option<Self> {
         let Impactor { mass, radius, force_law: ForceLaw::Hertz(Hertz { stiffness }), speed, .. } = *impactor else {
             return None;
@@ -147,13 +152,13 @@ impl Ball {
         Some(Self { mass, radius: radius?, stiffness, speed })
     }
 
-    /// Hertz's radius of the contact at the peak of an impact on a half-space, m.
+    /// Hertz's contact radius at the peak of an impact on a half-space, m.
     fn contact(&self) -> f64 {
         (self.radius * hertz::peak_indentation(self.stiffness, self.mass, self.speed)).sqrt()
     }
 }
 
-/// The key whose value, replaced by an ordinary one, makes the contact smaller than the body.
+/// Key to blame for a contact far larger than the body: with an ordinary value of it, the contact is small enough.
 fn culprit(body: &Body, ball: &Ball, edge: f64, volume: f64) -> &'static str {
     if SPECK * edge < ball.radius && ball.radius < FLAT {
         return "body.size";
@@ -162,7 +167,7 @@ fn culprit(body: &Body, ball: &Ball, edge: f64, volume: f64) -> &'static str {
     if heavy.contact() <= LARGEST * edge {
         return "impactor.mass";
     }
-    // k0 goes with the root of R.
+    // k0 is proportional to √R.
     let small = edge.min(ball.radius);
     let blunt = Ball { radius: small, stiffness: ball.stiffness * (small / ball.radius).sqrt(), ..*ball };
     if blunt.contact() <= LARGEST * edge { "impactor.radius" } else { "body.size" }

@@ -1,17 +1,17 @@
-//! What a viscoelastic body cannot do.
+//! Checks that the theory and the scheme can treat a viscoelastic body.
 
 use super::super::{SceneError, Source, raw};
 
-/// The key of the first material that relaxes.
+/// Key of the first viscoelastic material.
 pub(super) fn key(raw: &raw::Scene) -> Option<String> {
     let relaxes = raw.material.iter().find(|(_, material)| material.prony.is_some());
     relaxes.map(|(name, _)| format!("material.{name}.prony"))
 }
 
-/// Refuses theories and schemes that do not follow relaxation.
+/// Refuses theories and schemes that do not treat relaxation.
 ///
 /// # Errors
-/// Those.
+/// If a material is viscoelastic and the scene names such a theory or the explicit scheme.
 pub(super) fn check(source: &Source, raw: &raw::Scene, key: Option<&str>) -> Result<(), SceneError> {
     let Some(key) = key else { return Ok(()) };
     let theory = raw.body.model.as_deref().unwrap_or("auto");

@@ -1,4 +1,4 @@
-//! The tension that the material bears, and what the accuracy is for.
+//! Checks the strength of the material, and the quantity for which the accuracy is given.
 
 use super::super::strength::{Strength, face_names};
 use super::super::values::Number;
@@ -12,7 +12,7 @@ pub(super) fn check(
     outline: &Outline,
     (composition, impactor): (&Composition, &Impactor),
 ) -> Result<Strength, SceneError> {
-    // Those of layers where it is hit across them.
+    // The faces of the layers if the box is hit across them.
     let names = match outline {
         Outline::Box(size) if faces::struck_axis(*size, impactor.point, impactor.direction) == 2 => {
             face_names(composition.interfaces().len().saturating_sub(1))
@@ -43,7 +43,7 @@ pub(super) fn check(
     Ok(strength)
 }
 
-/// What `accuracy.tolerance` is for.
+/// Quantity to which `accuracy.tolerance` applies.
 pub(super) fn measure(source: &Source, raw: &raw::Scene) -> Result<Measure, SceneError> {
     let key = "accuracy.quantity";
     match word(source, key, &raw.accuracy.quantity, &raw::QUANTITIES)? {

@@ -1,4 +1,4 @@
-//! One support on one surface.
+//! Checks one support on one surface.
 
 use super::super::values::{ByComponent, List};
 use super::super::{SceneError, Source, Support, SupportKind, Vec3, raw};
@@ -54,7 +54,7 @@ pub(super) fn check(
     })
 }
 
-/// Refuses those of `keys` that are given, since a support of this kind has no use for them.
+/// Refuses those of `keys` that are given but not used by a support of this kind.
 fn refuse(source: &Source, raw: &raw::Support, number: usize, kind: &str, keys: &[&str]) -> Result<(), SceneError> {
     for key in keys {
         let (given, owner) = match *key {

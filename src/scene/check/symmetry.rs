@@ -1,5 +1,5 @@
-//! Whether a scene has two planes of symmetry, so that a quarter of the body does for the whole, or the body has planes that the impact
-//! does not share.
+//! Finds planes of symmetry of a scene. With two of them, a quarter of the body is enough. Otherwise the body may still
+//! have planes of symmetry that the impact does not share.
 
 use super::super::faces::{Face, along, faces, struck_axis};
 use super::super::{
@@ -8,7 +8,7 @@ use super::super::{
 };
 use super::word;
 
-/// What of a scene has to be symmetric.
+/// Parts of a scene that must be symmetric.
 pub(super) struct Parts<'a> {
     pub composition: &'a Composition,
     pub geometry: &'a Geometry,
@@ -17,7 +17,7 @@ pub(super) struct Parts<'a> {
     pub load: &'a Load,
 }
 
-/// What part of the body is solved.
+/// Part of the body that is solved.
 pub(super) fn check(source: &Source, raw: &raw::Body, parts: &Parts) -> Result<Symmetry, SceneError> {
     let path = "body.symmetry";
     let asked = word(source, path, &raw.symmetry, &raw::SYMMETRIES)?;
@@ -39,7 +39,7 @@ pub(super) fn check(source: &Source, raw: &raw::Body, parts: &Parts) -> Result<S
 
 const NAMES: [&str; 3] = ["x", "y", "z"];
 
-/// The axes normal to the two planes of symmetry through the impact point, or what breaks the symmetry.
+/// Axes normal to the two planes of symmetry through the impact point, or the reason why there is no symmetry.
 fn planes(parts: &Parts) -> Result<[usize; 2], String> {
     let Parts { geometry, composition, impactor, supports, load } = parts;
     let Geometry::Box { size, planes, .. } = geometry else {
@@ -70,8 +70,9 @@ fn planes(parts: &Parts) -> Result<[usize; 2], String> {
     Ok(axes)
 }
 
-/// The axes across which the body with its supports and loads is its own mirror image, where the impactor moves along the normal of a
-/// face. On a foundation that lets go the motion is no sum of symmetric and antisymmetric ones.
+/// Axes across which the body with its supports and loads is its own mirror image. Empty unless the impactor moves
+/// along the normal of a face. Also empty on pads: with lift-off, the motion is not a sum of symmetric and
+/// antisymmetric motions.
 fn symmetric_axes(parts: &Parts) -> Vec<usize> {
     let Parts { geometry, impactor, supports, load, .. } = parts;
     let Geometry::Box { size, .. } = geometry else { return Vec::new() };
@@ -83,7 +84,7 @@ fn symmetric_axes(parts: &Parts) -> Vec<usize> {
     axes.into_iter().filter(|&axis| mirrored_body(supports, load, axis).is_ok()).collect()
 }
 
-/// Whether supports and loads have their mirror image across an axis, or which has not.
+/// Checks that each support and each load has its mirror image across an axis. The error names the first one without.
 fn mirrored_body(supports: &[Support], load: &Load, axis: usize) -> Result<(), String> {
     let name = NAMES[axis];
     let without = |number: usize| {
@@ -106,21 +107,22 @@ fn mirrored_body(supports: &[Support], load: &Load, axis: usize) -> Result<(), S
     Ok(())
 }
 
-/// The first term that is not there as often as its mirror image.
+/// Index of the first term that does not occur as often as its mirror image.
 fn unmatched<T: PartialEq>(terms: &[(usize, T)], image: impl Fn(&T) -> T) -> Option<usize> {
     let count = |of: &T| terms.iter().filter(|(_, term)| term == of).count();
     terms.iter().find(|(_, term)| count(term) != count(&image(term))).map(|(number, _)| *number)
 }
 
-/// An elastic support, a pad, or a clamp of a part of a face. Their terms add up, so that their order does not matter.
+/// An elastic support, a pad, or a clamp on a part of a face. The terms of several supports add up, so their order does
+/// not matter.
 #[derive(PartialEq)]
 struct Spring {
     face: Face,
     within: Option<Within>,
     stiffness: Vec3,
-    /// What a clamp holds.
+    /// Components that a clamp constrains.
     components: [bool; 3],
-    /// Into a pad.
+    /// Direction into a pad.
     normal: Option<Vec3>,
     damping: Vec3,
     displacement: Vec3,
@@ -138,7 +140,7 @@ impl Spring {
     }
 }
 
-/// The springs on each face, with their support's number.
+/// Springs on each face, with the index of their support.
 fn springs(supports: &[Support]) -> Vec<(usize, Spring)> {
     let mut springs = Vec::new();
     for (number, support) in supports.iter().enumerate() {
@@ -176,7 +178,7 @@ impl Pull {
     }
 }
 
-/// The tractions on each face, with their number.
+/// Tractions on each face, with their index.
 fn tractions(load: &Load) -> Vec<(usize, Pull)> {
     let entries = load.traction.iter().enumerate();
     let on_faces = |(number, entry): (usize, &Traction)| {
@@ -206,8 +208,8 @@ fn mirrored_part(within: Within, axis: usize) -> Within {
     }
 }
 
-/// A clamp of whole surfaces that holds what its mirror image does not. On an edge or a corner the last of the clamps there counts,
-/// so that each of the box's faces, edges and corners is looked at: a place is −1, 0 or 1 along each axis.
+/// First clamp of whole surfaces with constraints that differ from their mirror image. On an edge or a corner the last
+/// clamp counts, so each face, edge and corner of the box is checked. A place is −1, 0 or 1 along each axis.
 fn uneven_clamp(supports: &[Support], axis: usize) -> Option<usize> {
     for mut place in (0..27i8).map(|n| [n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1]) {
         for component in 0..3 {
@@ -224,7 +226,8 @@ fn uneven_clamp(supports: &[Support], axis: usize) -> Option<usize> {
     None
 }
 
-/// The clamped support that holds a component at a place of the surface, and its ū.
+/// Index of the clamp that constrains a component at a place of the surface, and the prescribed displacement ū there,
+/// m.
 fn held(supports: &[Support], place: [i8; 3], component: usize) -> Option<(usize, f64)> {
     let touches = |&(axis, upper): &Face| place[axis] == if upper { 1 } else { -1 };
     supports.iter().enumerate().rev().find_map(|(number, support)| match support.kind {

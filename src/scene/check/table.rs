@@ -1,15 +1,15 @@
-//! A file with columns of indentation and force.
+//! Reads files with two columns of numbers, such as indentation and force.
 
 use std::path::Path;
 
-/// Larger files are no measured curves, bytes.
+/// Largest file size, bytes. Measured curves are smaller.
 const LARGEST: u64 = 1 << 20;
 
-/// The points of a file, m and N: two columns between commas, semicolons or tabs, with which a decimal comma is read, too. A first line without
-/// numbers is a header; `#` begins a comment.
+/// Rows of a file with two columns, separated by commas, semicolons or tabs. With semicolons or tabs, a decimal comma
+/// is accepted too. A first line without numbers is a header; `#` begins a comment.
 ///
 /// # Errors
-/// What cannot be read, with the file's name and the line.
+/// If the file cannot be read; the message has the name of the file and the line.
 pub(super) fn read(path: &Path) -> Result<Vec<[f64; 2]>, String> {
     let shown = path.display();
     let wrong = |error: &dyn std::fmt::Display| format!("{shown} cannot be read: {error}");

@@ -1,14 +1,14 @@
-//! The end of the run, the step and the scheme.
+//! Checks the end of the run, the time step and the scheme.
 
 use super::super::values::Number;
 use super::super::{Initial, Load, SceneError, Scheme, Source, Support, SupportKind, Time, raw};
 use super::numbers::show;
 use super::word;
 
-/// More steps than anyone waits for: a step that small is a slip.
+/// Largest number of steps. A smaller time step is a mistake.
 const MOST_STEPS: f64 = 1e9;
 
-/// `against` is what rules modal coordinates out, a key with the reason.
+/// Checks the table `time`. `against` is the key that excludes modal coordinates, with the reason.
 pub(super) fn check(source: &Source, raw: &raw::Time, against: Option<(String, String)>) -> Result<Time, SceneError> {
     let end = source.positive("time.end", raw.end.0, "the end of the run in s")?;
     let step = raw.step.map(|Number(step)| step_within(source, step, end)).transpose()?;
@@ -17,7 +17,7 @@ pub(super) fn check(source: &Source, raw: &raw::Time, against: Option<(String, S
         let help = "another scheme, as \"newmark\", or another value of that key".to_owned();
         return Err(source.conflict("time.scheme", key, reason.clone(), help));
     }
-    // A parameter of a scheme asks for that scheme.
+    // A parameter of a scheme selects that scheme.
     let parameters = raw.beta.is_some() || raw.gamma.is_some() || raw.rho_inf.is_some() || raw.allow_unstable.is_some();
     let modal = asked || (raw.scheme.is_none() && against.is_none() && !parameters);
     let initial = match word(source, "time.initial", &raw.initial, &raw::INITIALS)? {
@@ -27,10 +27,10 @@ pub(super) fn check(source: &Source, raw: &raw::Time, against: Option<(String, S
     Ok(Time { end, step, initial, modal, scheme: scheme(source, raw)? })
 }
 
-/// Refuses an equilibrium of loads along an axis along which no support acts.
+/// Refuses an initial equilibrium if loads act along an axis along which no support acts.
 ///
 /// # Errors
-/// That; what holds no more than a part of a body is found when the body is made.
+/// If there is such an axis. Loads on an unsupported part of a body are found later, when the body is built.
 pub(super) fn equilibrium(source: &Source, time: &Time, load: &Load, supports: &[Support]) -> Result<(), SceneError> {
     if time.initial == Initial::Rest {
         return Ok(());

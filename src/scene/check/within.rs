@@ -1,10 +1,10 @@
-//! A part of a surface.
+//! Checks a part of a surface.
 
 use super::super::faces::{Face, faces};
 use super::super::{SceneError, Source, Vec3, Within, raw};
 use super::body::Outline;
 
-/// The part of a surface that `path` names, which of a box is not empty.
+/// Part of a surface given by the key `path`. On a box it is checked not to be empty.
 pub(super) fn check(
     source: &Source,
     path: &str,
@@ -66,7 +66,7 @@ fn in_box(source: &Source, path: &str, corners: &[Vec3]) -> Result<Within, Scene
     }
 }
 
-/// Whether a part holds some area of a face of a box.
+/// Whether a part of a surface covers some area of a face of a box.
 fn meets(within: &Within, size: Vec3, (axis, is_upper): Face) -> bool {
     let height = if is_upper { 0.5 * size[axis] } else { -0.5 * size[axis] };
     let near = 1e-9 * size[axis];

@@ -1,14 +1,16 @@
-//! One factorisation that several ranks share: each has a factor of its own part of the body, and all have one of the interface between the
-//! parts (substructuring: Przemieniecki, AIAA J. 1, 1963).
+//! Parallel factorisation by substructuring: each rank factorises its part of the body, and all ranks share a factor of
+//! the interface between the parts (Przemieniecki, AIAA J. 1, 1963).
 //!
-//! With the unknowns i inside the parts and b on the interface between them, A = [A_ii A_ib; A_bi A_bb], and A_ii has a block for each rank,
+//! With the unknowns i in the interior of the parts and b on the interface, A = [A_ii A_ib; A_bi A_bb], and A_ii has
+//! one block per rank,
 //!
 //! ```text
 //! S = A_bb − Σ A_bi A_ii⁻¹ A_ib,    S x_b = f_b − Σ A_bi A_ii⁻¹ f_i,    x_i = A_ii⁻¹ (f_i − A_ib x_b),
 //! ```
 //!
-//! with sums over the ranks. With A_ii = L Lᵀ, only the forward substitution L⁻¹ is needed before x_b, and only the backward one L⁻ᵀ after it: a
-//! solve reads the rank's factor twice, as one on a single rank does, and sums a vector on the interface over the ranks once.
+//! with sums over the ranks. With A_ii = L Lᵀ, only the forward substitution L⁻¹ is needed before x_b, and only the
+//! backward substitution L⁻ᵀ after it. So a solve reads the factor of the rank twice, the same as on a single rank, and
+//! sums one vector on the interface over the ranks.
 
 mod partial;
 mod split;
@@ -22,26 +24,28 @@ use super::triangle::DenseCholesky;
 use partial::PartialCholesky;
 use split::Split;
 
-/// The factors of a symmetric positive definite matrix, of this rank's part and of the interface.
+/// Factors of a symmetric positive definite matrix: of this rank's part and of the interface.
 pub(super) struct Substructures {
     comm: Comm,
     split: Split,
     part: PartialCholesky,
-    /// Of S, the same on every rank.
+    /// Factor of S, the same on every rank.
     interface: DenseCholesky,
-    /// This rank's unknowns inside, then those of the interface that they are coupled to.
+    /// Values of this rank's interior unknowns, then of the interface unknowns coupled to them.
     local: Vec<f64>,
-    /// On the interface: what this rank adds to a right-hand side, and the sum of all ranks, which becomes x_b.
+    /// Right-hand side on the interface: the contribution of this rank.
     mine: Vec<f64>,
+    /// Sum of the contributions of all ranks, which becomes x_b.
     all: Vec<f64>,
 }
 
 impl Substructures {
-    /// Whether the interface is small enough for each rank to have all of its factor: it has no more entries than the rows of a rank. Then it is
-    /// much smaller than the factor of a part. Collective.
+    /// Whether the interface is small enough for each rank to store its whole factor: the factor must have no more
+    /// entries than the interior rows of the largest rank. It is then much smaller than the factor of a part.
+    /// Collective.
     ///
     /// # Errors
-    /// PETSc's, e.g. for a matrix that is not AIJ.
+    /// If a PETSc call fails, e.g. for a matrix that is not AIJ.
     pub fn is_suitable(matrix: &MatrixView) -> Result<bool> {
         let split = Split::new(matrix)?;
         let mine: usize = split.rows.iter().map(Vec::len).sum();
@@ -50,15 +54,15 @@ impl Substructures {
         Ok(triangle(split.interface.len()) as u64 <= most)
     }
 
-    /// Of an assembled matrix; `None` where it is not positive definite. Collective.
+    /// Factorises an assembled matrix; `None` if it is not positive definite. Collective.
     ///
     /// # Errors
-    /// PETSc's, e.g. for a matrix that is not AIJ.
+    /// If a PETSc call fails, e.g. for a matrix that is not AIJ.
     pub fn new(matrix: &MatrixView) -> Result<Option<Self>> {
         let comm = matrix.comm().clone();
         let split = Split::new(matrix)?;
         let count = split.interface.len();
-        // All ranks go on, or none.
+        // Either all ranks continue or none.
         let (part, mut least) = (PartialCholesky::new(&split.rows, &split.bounds), 0_u64);
         comm.mpi().all_reduce_into(&u64::from(part.is_some()), &mut least, SystemOperation::min());
         let (Some(part), 1) = (part, least) else { return Ok(None) };
@@ -80,10 +84,10 @@ impl Substructures {
         Ok(Some(Self { comm, split, part, interface, local, mine, all }))
     }
 
-    /// x ← A⁻¹ b, of this rank's entries. Collective.
+    /// Computes x ← A⁻¹ b for this rank's entries. Collective.
     ///
     /// # Panics
-    /// When there are not as many entries as this rank has rows.
+    /// If `b` or `x` has fewer entries than this rank has rows.
     pub fn solve(&mut self, b: &[f64], x: &mut [f64]) {
         let Self { comm, split, part, interface, local, mine, all } = self;
         let (inside, coupled) = local.split_at_mut(split.rows.len());
@@ -105,7 +109,7 @@ impl Substructures {
     }
 }
 
-/// Entries of a triangle of a full matrix, its diagonal among them.
+/// Number of entries of a triangle of a full matrix, including its diagonal.
 fn triangle(count: usize) -> usize {
     count * (count + 1) / 2
 }

@@ -1,7 +1,9 @@
-//! The Cholesky factor of a matrix of which a part of the unknowns is eliminated and the others, the last ones, stay.
+//! Partial Cholesky factor of a matrix: the interior unknowns are eliminated, and the last ones, the interface
+//! unknowns, are retained.
 //!
-//! With A_ii = L Lᵀ, W = A_bi L⁻ᵀ: [L; W] are the columns that are eliminated, and W Wᵀ = A_bi A_ii⁻¹ A_ib is what that takes off A_bb.
-//! faer factorises the matrix with a diagonal in the place of A_bb, which changes neither L nor W.
+//! With A_ii = L Lᵀ and W = A_bi L⁻ᵀ, the eliminated columns of the factor are [L; W]. The elimination subtracts
+//! W Wᵀ = A_bi A_ii⁻¹ A_ib from A_bb. faer factorises the matrix with a diagonal in place of A_bb. This changes neither
+//! L nor W.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
@@ -17,29 +19,32 @@ use pulp::{Simd, WithSimd};
 use super::split::Entry;
 use crate::solve::triangle::{TOGETHER, products, subtract};
 
-/// More than the magnitudes of the interface, so that what is left of it after the elimination is positive definite.
+/// Factor of the bounds in the diagonal that replaces A_bb. It is above 1, so that the retained part is positive
+/// definite after the elimination.
 const MARGIN: f64 = 2.0;
 
-/// The factor.
+/// Partial factor, with the work space for sweeps.
 pub(super) struct PartialCholesky {
-    /// Unknowns that are eliminated.
+    /// Number of eliminated unknowns.
     inside: usize,
-    /// The unknown in each place of the order of elimination; those that stay are last, as they were.
+    /// Unknown at each position of the order of elimination; the retained unknowns are last and in their original
+    /// order.
     order: Vec<usize>,
     symbolic: SymbolicCholesky<usize>,
-    /// By supernodes: each has its columns one after the other, full.
+    /// Entries by supernodes; each supernode has dense columns, one after the other.
     entries: Vec<f64>,
-    /// The diagonal in the place of A_bb.
+    /// Diagonal in place of A_bb.
     diagonal: Vec<f64>,
-    /// A vector in the order of elimination.
+    /// Work vector in the order of elimination.
     ordered: Vec<f64>,
-    /// The rows of a supernode.
+    /// Work vector for the rows of a supernode.
     work: Vec<f64>,
 }
 
 impl PartialCholesky {
-    /// Of the lower triangle of a matrix, `rows` being those that are eliminated, from their diagonals on; `bounds`, one for each unknown that stays,
-    /// are no less than what the elimination takes off its diagonal. `None` where it is not positive definite.
+    /// Factorises a symmetric matrix. `rows` are the rows of the eliminated unknowns, from the diagonal on. `bounds`,
+    /// one for each retained unknown, must be at least the amount that the elimination subtracts from its diagonal.
+    /// `None` if the matrix is not positive definite.
     pub fn new(rows: &[Vec<Entry>], bounds: &[f64]) -> Option<Self> {
         let (inside, count) = (rows.len(), rows.len() + bounds.len());
         let diagonal: Vec<f64> = bounds.iter().map(|bound| MARGIN * bound).collect();
@@ -89,10 +94,10 @@ impl PartialCholesky {
         Some(partial)
     }
 
-    /// Subtracts W Wᵀ from a full symmetric matrix; `places` are those of the unknowns that stay in its rows.
+    /// Subtracts W Wᵀ from a full symmetric matrix; `places` are the rows of the retained unknowns in it.
     pub fn subtract_from(&self, matrix: &mut [f64], places: &[usize]) {
         let (staying, count) = (places.len(), matrix.len().isqrt());
-        // The factor of what is left of the diagonal.
+        // Cholesky factor of the retained part.
         let mut left = Mat::<f64>::zeros(staying, staying);
         for node in supernodes(&self.symbolic, &self.entries) {
             for column in (0..node.columns).filter(|column| node.first + column >= self.inside) {
@@ -111,12 +116,12 @@ impl PartialCholesky {
         }
     }
 
-    /// f_i, f_b → L⁻¹ f_i, f_b − W L⁻¹ f_i.
+    /// Computes (f_i, f_b) → (L⁻¹ f_i, f_b − W L⁻¹ f_i).
     pub fn forward(&mut self, x: &mut [f64]) {
         self.sweep(x, Direction::Forward);
     }
 
-    /// y_i, x_b → L⁻ᵀ (y_i − Wᵀ x_b), x_b.
+    /// Computes (y_i, x_b) → (L⁻ᵀ (y_i − Wᵀ x_b), x_b).
     pub fn backward(&mut self, x: &mut [f64]) {
         self.sweep(x, Direction::Backward);
     }
@@ -130,11 +135,11 @@ impl PartialCholesky {
     }
 }
 
-/// The order of elimination: those that are eliminated so that little is filled in (Amestoy, Davis and Duff, SIAM J. Matrix Anal. Appl. 17,
-/// 1996), then those that stay. `None` where there are too many to count.
+/// Order of elimination: the eliminated unknowns, ordered for little fill-in (Amestoy, Davis and Duff, SIAM J. Matrix
+/// Anal. Appl. 17, 1996), then the retained ones. `None` if there are too many for the integer type.
 ///
-/// Those that stay count as coupled to each other, so that what is near them goes late: else what it is coupled to would be filled in with all of
-/// them.
+/// The retained unknowns are treated as coupled to each other, so that unknowns near them are eliminated late.
+/// Otherwise the neighbours of these would get fill-in with all retained unknowns.
 fn order(rows: &[Vec<Entry>], staying: usize) -> Option<Vec<usize>> {
     let (inside, count) = (rows.len(), rows.len() + staying);
     let (mut offsets, mut places) = (vec![0], Vec::new());
@@ -149,7 +154,7 @@ fn order(rows: &[Vec<Entry>], staying: usize) -> Option<Vec<usize>> {
     let pattern = SymbolicSparseColMatRef::new_checked(count, count, &offsets, None, &places);
     let (mut order, mut inverse) = (vec![0; count], vec![0; count]);
     let mut scratch = MemBuffer::new(amd::order_scratch::<usize>(count, places.len()));
-    // No row is left out for being long.
+    // No row is treated as dense.
     let control = amd::Control { dense: -1.0, ..Default::default() };
     amd::order(&mut order, &mut inverse, pattern, control, MemStack::new(&mut scratch)).ok()?;
     order.retain(|unknown| *unknown < inside);
@@ -157,15 +162,15 @@ fn order(rows: &[Vec<Entry>], staying: usize) -> Option<Vec<usize>> {
     Some(order)
 }
 
-/// Columns of a factor with the same rows below them.
+/// Supernode: columns of a factor with the same rows below them.
 #[derive(Clone, Copy)]
 struct Supernode<'a> {
-    /// The first of the columns.
+    /// First of the columns.
     first: usize,
     columns: usize,
-    /// The rows below, ascending.
+    /// Row numbers below the columns, ascending.
     below: &'a [usize],
-    /// Its columns one after the other, each of the rows of the columns and those below.
+    /// Entries of the columns, one column after the other, each with the rows of the columns and the rows below.
     entries: &'a [f64],
 }
 
@@ -174,7 +179,7 @@ impl<'a> Supernode<'a> {
         self.columns + self.below.len()
     }
 
-    /// The values of its columns among those of all unknowns, of which those inside are eliminated, in a place to work at.
+    /// Copies the values of the columns to the work array. Columns of unknowns below `inside` are eliminated.
     #[inline(always)]
     fn taken<'w>(&self, inside: usize, x: &[f64], work: &'w mut [f64]) -> Taken<'w> {
         let eliminated = self.columns.min(inside - self.first);
@@ -183,7 +188,7 @@ impl<'a> Supernode<'a> {
         Taken { eliminated, whole: eliminated - eliminated % TOGETHER, work }
     }
 
-    /// Which row of the factor is one of its own.
+    /// Row number in the factor of a row of the supernode.
     fn row(&self, number: usize) -> usize {
         if number < self.columns { self.first + number } else { self.below[number - self.columns] }
     }
@@ -194,7 +199,7 @@ impl<'a> Supernode<'a> {
         &self.entries[number * rows..(number + 1) * rows]
     }
 
-    /// `TOGETHER` columns, each from the first one's row on.
+    /// A group of [`TOGETHER`] columns, each from the diagonal row of the first one on.
     #[inline(always)]
     fn group(&self, first: usize) -> [&'a [f64]; TOGETHER] {
         std::array::from_fn(|k| &self.column(first + k)[first..])
@@ -208,7 +213,7 @@ fn supernodes<'a>(
 ) -> impl DoubleEndedIterator<Item = Supernode<'a>> {
     let symbolic = match symbolic.raw() {
         SymbolicCholeskyRaw::Supernodal(symbolic) => Some(symbolic),
-        // That of a matrix without rows alone, for the other kind is asked for.
+        // Only a matrix without rows is simplicial, since supernodes are requested.
         SymbolicCholeskyRaw::Simplicial(_) => None,
     };
     symbolic.into_iter().flat_map(move |symbolic| {
@@ -226,13 +231,13 @@ fn supernodes<'a>(
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Direction {
-    /// By L⁻¹.
+    /// Multiplication with L⁻¹.
     Forward,
-    /// By L⁻ᵀ.
+    /// Multiplication with L⁻ᵀ.
     Backward,
 }
 
-/// A sweep over the columns that are eliminated, compiled for the vectors of each kind of processor.
+/// Sweep over the eliminated columns, compiled for the vector instructions of each kind of processor.
 struct Sweep<'a, N> {
     nodes: N,
     inside: usize,
@@ -247,9 +252,9 @@ impl<'n, N: DoubleEndedIterator<Item = Supernode<'n>>> WithSimd for Sweep<'_, N>
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { nodes, inside, direction, x, work } = self;
-        // (The columns of what stays are last; one supernode may have of both.)
+        // The retained columns are last; one supernode may contain both kinds.
         let nodes = nodes.take_while(|node| node.first < inside);
-        // (Loops, since closures are not compiled for these vectors.)
+        // Loops are used because closures are not compiled for these vector instructions.
         match direction {
             Direction::Forward => {
                 for node in nodes {
@@ -257,7 +262,7 @@ impl<'n, N: DoubleEndedIterator<Item = Supernode<'n>>> WithSimd for Sweep<'_, N>
                 }
             }
             Direction::Backward => {
-                // (A list, since what is taken from the front cannot be taken from the back.)
+                // A list is needed because an iterator with `take_while` cannot be reversed.
                 let nodes: Vec<Supernode> = nodes.collect();
                 for node in nodes.iter().rev() {
                     backward(simd, node, inside, x, work);
@@ -267,13 +272,13 @@ impl<'n, N: DoubleEndedIterator<Item = Supernode<'n>>> WithSimd for Sweep<'_, N>
     }
 }
 
-/// What a sweep begins a supernode with.
+/// Data at the start of a supernode in a sweep.
 struct Taken<'a> {
-    /// How many of its columns are eliminated.
+    /// Number of its columns that are eliminated.
     eliminated: usize,
-    /// How many of these go together.
+    /// Number of these columns that are processed in whole groups.
     whole: usize,
-    /// The values of its columns, and room for those of the rows below.
+    /// Values of its columns, and space for the rows below.
     work: &'a mut [f64],
 }
 
@@ -329,7 +334,8 @@ fn backward<S: Simd>(simd: S, node: &Supernode, inside: usize, x: &mut [f64], wo
 mod tests {
     use super::*;
 
-    /// Sweeps and what elimination leaves, against full matrices: unknowns in a ring with chords, of which the last six stay.
+    /// Sweeps and the Schur complement agree with dense matrices, for unknowns in a ring with chords. The last six are
+    /// retained.
     #[test]
     fn elimination_of_a_part() {
         const COUNT: usize = 53;
@@ -363,7 +369,8 @@ mod tests {
         let exact: Vec<f64> = (0..COUNT).map(|i| (0.7 * i as f64).sin() + 1.0).collect();
         let mut x: Vec<f64> = (0..COUNT).map(|i| (0..COUNT).map(|j| full[(i, j)] * exact[j]).sum()).collect();
         part.forward(&mut x);
-        // What is left acts on those that stay alone. (The rounding of some dozen operations on numbers below a hundred, here and below.)
+        // The Schur complement acts on the retained unknowns only. The tolerances here and below are the rounding of
+        // some dozen operations on numbers below a hundred.
         for i in 0..staying {
             let of_exact: f64 = (0..staying).map(|j| left[(i, j)] * exact[INSIDE + j]).sum();
             assert!((x[INSIDE + i] - of_exact).abs() < 1e-12, "{i}: {} {of_exact}", x[INSIDE + i]);

@@ -1,34 +1,37 @@
-//! Which unknowns are inside a rank's part of a matrix, and which on the interface between the parts.
+//! Division of the unknowns of a distributed matrix into the interior of each rank's part and the interface between the
+//! parts.
 
 use petsc_wrap::{Int, MatrixView, Result, Row};
 
-/// A rank's rows of a symmetric matrix, by where their unknowns are.
+/// A rank's rows of a symmetric matrix, divided into interior and interface.
 pub(super) struct Split {
-    /// The unknowns of the interface, ascending; the same on every rank.
+    /// Unknowns of the interface, ascending; the same on every rank.
     pub interface: Vec<Int>,
-    /// Those of them that are this rank's.
+    /// Interface unknowns that belong to this rank.
     pub own: Vec<OwnUnknown>,
-    /// This rank's other unknowns, by their place among its rows.
+    /// This rank's other (interior) unknowns, as positions among its rows.
     pub inside: Vec<usize>,
-    /// The rows of those inside: of each, its entries from the diagonal on, ascending. Columns are counted in the order of `inside`, then of `coupled`.
+    /// Rows of the interior unknowns, each with its entries from the diagonal on, ascending. Columns are numbered in
+    /// the order of `inside`, then of `coupled`.
     pub rows: Vec<Vec<Entry>>,
-    /// The places in the interface that the unknowns inside are coupled to, ascending.
+    /// Positions in the interface of the unknowns that are coupled to interior ones, ascending.
     pub coupled: Vec<usize>,
-    /// Sum of the magnitudes of the row's entries on the interface, of each of `coupled`: no less than what elimination takes off the diagonal.
+    /// For each of `coupled`: sum of the magnitudes of its row's entries on the interface. This is at least the amount
+    /// that the elimination subtracts from the diagonal.
     pub bounds: Vec<f64>,
 }
 
-/// An unknown of the interface that this rank has.
+/// An interface unknown of this rank.
 pub(super) struct OwnUnknown {
-    /// Among this rank's rows.
+    /// Position among this rank's rows.
     pub row: usize,
-    /// In the interface.
+    /// Position in the interface.
     pub place: usize,
-    /// Entries of its row on the interface, by their places there.
+    /// Entries of its row on the interface, with positions in the interface as columns.
     entries: Vec<Entry>,
 }
 
-/// An entry of a row.
+/// Entry of a row.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Entry {
     pub column: usize,
@@ -36,10 +39,11 @@ pub(super) struct Entry {
 }
 
 impl Split {
-    /// Of an assembled symmetric matrix: those unknowns of a rank are on the interface that are coupled to a later rank's. Collective.
+    /// Divides an assembled symmetric matrix. An unknown is on the interface if it is coupled to an unknown of a later
+    /// rank. Collective.
     ///
     /// # Errors
-    /// PETSc's, e.g. for a matrix that is not AIJ.
+    /// If a PETSc call fails, e.g. for a matrix that is not AIJ.
     pub fn new(matrix: &MatrixView) -> Result<Self> {
         let comm = matrix.comm();
         let range = matrix.row_range();
@@ -47,7 +51,7 @@ impl Split {
         for number in range.clone() {
             matrix.row_into(number, &mut row)?;
             let local = (number - range.start) as usize;
-            // Columns ascend.
+            // Columns are ascending.
             let is_coupled = row.columns.last().is_some_and(|last| *last >= range.end);
             if is_coupled {
                 outer.push(number)
@@ -74,7 +78,7 @@ impl Split {
 
         let mut place_inside = vec![usize::MAX; range.len()];
         inside.iter().enumerate().for_each(|(place, local)| place_inside[*local] = place);
-        // The columns on the interface come last, once it is known which are coupled.
+        // Columns on the interface are numbered last, when all coupled ones are known.
         let (mut rows, mut coupled) = (Vec::with_capacity(inside.len()), Vec::new());
         for (place, local) in inside.iter().enumerate() {
             matrix.row_into(range.start + *local as Int, &mut row)?;
@@ -106,7 +110,7 @@ impl Split {
         Ok(Self { interface, own, inside, rows, coupled, bounds })
     }
 
-    /// Adds this rank's rows of A_bb to a full matrix, row by row.
+    /// Adds this rank's rows of A_bb to a full matrix, stored by rows.
     pub fn add_own(&self, to: &mut [f64]) {
         let count = self.interface.len();
         for own in &self.own {

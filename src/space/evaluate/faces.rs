@@ -1,9 +1,10 @@
-//! The largest tension on the faces of a body, from stresses at points that are dense enough for it.
+//! Largest tension on the faces of a body, from stresses at sufficiently dense points.
 //!
-//! On a box these are the face that is hit ("upper") and the one opposite ("lower"), or both faces of each layer ("1-upper", "1-lower" and so
-//! on from the hit down), on the points of a grid; between these a parabola
-//! along each axis tells how much higher the largest value lies. The faces of stiff layers have the stresses in their plane. Those of soft layers have
-//! all stresses: there shear across the face is most of them. On a mesh from a file faces are its named surfaces, at their nodes.
+//! The faces of a box are the impacted face ("upper") and the opposite face ("lower"), or both faces of each layer
+//! ("1-upper", "1-lower" and so on from the impacted face). Their points form a grid; a parabola along each axis
+//! estimates the maximum between points. On the faces of stiff layers only the in-plane stresses are used. On the faces
+//! of soft layers all stresses are used, since transverse shear is dominant there. On a mesh from a file, the faces are
+//! its named surfaces, evaluated at their nodes.
 
 mod grid;
 
@@ -24,66 +25,70 @@ use super::{ContactNow, Form, LineStresses, LocalPoint, Map, NearHit, StressMap,
 
 pub use grid::FaceGrid;
 
-/// Thicknesses about the hit within which a face of a box is read at the hit alone, by a mean: a contact's largest tension is there, and
-/// nearby the stresses of coarse cells are off.
-const NEAR: f64 = 1.25;
+/// Distance from the impact point, divided by the thickness, within which a face of a box is evaluated only at the
+/// impact point, by a mean. The largest tension of a contact is there, and the stresses of coarse cells nearby are
+/// inaccurate.
+const NEAR_HIT_OVER_THICKNESS: f64 = 1.25;
 
-/// Thicknesses about the hit within which faces get the local field.
+/// Distance from the impact point within which faces include the local field, divided by the larger of the thickness
+/// and the contact radius.
 const REACH: f64 = 2.0;
 
-/// Difference of two stresses over them that may be rounding.
+/// Relative difference of two stresses that may be due to rounding.
 pub(super) const ALIKE: f64 = 1e-6;
 
-/// Where stresses are read for the largest tension on each face; one rank has them.
+/// Points and stresses for the largest tension on each face; held by one rank.
 #[derive(Clone)]
 pub struct FaceStresses {
-    /// The coordinates of the body that they need.
+    /// Coordinates of the body that the map uses.
     pub columns: Vec<Int>,
-    /// Stresses at the sampled points: of a box three at each, those in the plane of the face, a, b and ab, or those across it.
+    /// Stresses at the sampled points. On a box, three for each point: the in-plane stresses a, b and ab, or the
+    /// stresses across the face.
     pub map: StressMap,
-    /// The faces.
+    /// Faces.
     pub faces: Vec<Face>,
-    /// Of the map, what many searches share.
+    /// Data derived from the map, shared by many searches.
     pub(super) rows: OnceCell<Rc<StressRows>>,
-    /// Of faces with grids, what such searches choose steps by.
+    /// Data of faces with grids, with which such searches select steps.
     pub(super) screen: OnceCell<Option<Rc<Screen>>>,
 }
 
-/// Difference of two coordinates that may be rounding, m.
+/// Largest difference of two equal coordinates due to rounding, m.
 const SAME_PLACE: f64 = 1e-9;
 
-/// The points of one face.
+/// Points of one face.
 #[derive(Debug, Clone)]
 pub struct Face {
-    /// Its name.
+    /// Name of the face.
     pub name: String,
-    /// Where stresses are read, m.
+    /// Positions at which stresses are evaluated, m.
     pub points: Vec<Vec3>,
-    /// The number of its first point among those sampled.
+    /// Number of its first point among the sampled points.
     pub first: usize,
-    /// The same of the stresses across the face, shear along a and along b and the normal stress, where these are read too.
+    /// Number of the first sampled point of the stresses across the face (shear along a, shear along b, normal stress),
+    /// if these are used too.
     pub across: Option<usize>,
-    /// What points near the hit lack, by their numbers.
+    /// Local field at points near the impact point, by point number.
     pub local: Vec<(usize, LocalPoint)>,
-    /// Which of its points are not read.
+    /// For each point, whether it is left out.
     pub left_out: Vec<bool>,
-    /// 1, or −1 where the stresses are the opposite of those sampled: on a plate that bends.
+    /// 1, or −1 if the stresses are opposite to the sampled stresses (on a plate in bending).
     pub sign: f64,
-    /// Points along two axes where they form a grid, the second's fastest.
+    /// Lines of the points along two axes, if they form a grid; the index along the second axis varies fastest.
     pub grid: Option<FaceGrid>,
 }
 
-/// The largest tension on a face at one time.
+/// Largest tension on a face at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FaceTension {
-    /// The largest principal stress, Pa.
+    /// Largest principal stress, Pa.
     pub largest: f64,
-    /// Where it is, m; of a quarter in the part that is modelled.
+    /// Position, m; for a quarter, in the modelled part.
     pub point: Vec3,
 }
 
 impl Default for FaceStresses {
-    /// Of a rank that does not read.
+    /// Data of a rank that evaluates no stresses.
     fn default() -> Self {
         let map = StressMap::Forms { map: Map::Sparse(Vec::new()), components: 3 };
         Self::new(map, Vec::new())
@@ -91,7 +96,7 @@ impl Default for FaceStresses {
 }
 
 impl Face {
-    /// Adds what points of a mesh near the hit lack.
+    /// Adds the local field at points of a mesh near the impact point.
     pub(super) fn add_local(&mut self, near: &NearHit, recovered: &Recovered) {
         for (number, x) in self.points.iter().enumerate() {
             if near.distance(*x) > REACH * near.width() {
@@ -104,7 +109,8 @@ impl Face {
 }
 
 impl Face {
-    /// The largest principal stress at one of its points, of the stresses sampled by number and the contact; NaN where it is not read.
+    /// Largest principal stress at a point, from the sampled stresses (by number) and the contact; NaN if the point is
+    /// left out.
     pub(super) fn value<S: AsRef<[f64]>>(
         &self,
         point: usize,
@@ -128,7 +134,7 @@ impl Face {
         let Some(first) = self.across else { return largest_in_plane(in_plane) };
         let (across, normal) = (sampled(first + point), 3 - a - b);
         let across = across.as_ref();
-        // Where a plate bends, shear is the same on both faces, and the normal stress the opposite.
+        // On a plate in bending, transverse shear is the same on both faces, and the normal stress is opposite.
         let shear = [(0, a), (1, b)].map(|(i, axis)| across[i] + lacking(place(axis, normal)));
         with_shear(in_plane, [shear[0], shear[1], self.sign * across[2] + lacking(normal)])
     }
@@ -137,8 +143,9 @@ impl Face {
         self.local.binary_search_by_key(&point, |(of, _)| *of).ok().map(|at| &self.local[at].1)
     }
 
-    /// The largest value of points, which are read, with the numbers of all that have it but for rounding, as points that mirror each other do. Its
-    /// place is that of them with the largest x, then y, then z; on a grid it is lifted by the neighbours there.
+    /// Largest value of some points that are not left out, and the numbers of all points with the same value up to
+    /// rounding, such as mirror images. The position is the one of these points with the largest x, then y, then z. On
+    /// a grid the value is increased by interpolation with the neighbours there.
     pub(super) fn largest(
         &self,
         points: impl Iterator<Item = usize>,
@@ -158,27 +165,29 @@ impl Face {
         (alike.into_iter().map(|(point, _)| point).collect(), found)
     }
 
-    /// The numbers of the points that are read.
+    /// Numbers of the points that are not left out.
     pub(super) fn read_points(&self) -> impl Iterator<Item = usize> {
         (0..self.points.len()).filter(|point| !self.left_out[*point])
     }
 }
 
-/// Whether a place has the larger x, or with the same x the larger y, or z.
+/// Whether a position has the larger x; if x is equal, the larger y, then z.
 fn is_farther(one: Vec3, other: Vec3) -> bool {
     let differences = one.iter().zip(other).map(|(one, other)| one - other);
     differences.into_iter().find(|difference| difference.abs() > SAME_PLACE).is_some_and(|difference| difference > 0.0)
 }
 
 impl FaceTension {
-    /// Nothing was read.
+    /// Value if no stress was evaluated.
     pub const UNKNOWN: Self = Self { largest: f64::NAN, point: [f64::NAN; 3] };
 }
 
-/// Part of a layer's thickness by which its faces are read within it, lest they be the next layer's.
+/// Distance from a face of a layer, divided by its thickness, at which the face is evaluated, so that it does not
+/// belong to the next layer.
 pub(super) const WITHIN: f64 = 1e-9;
 
-/// A face of a layer: its name, the layer's number from the hit down, where it is along the axis across it, and where it is read, m.
+/// A face of a layer: its name, the number of the layer counted from the impacted face, its coordinate along the normal
+/// axis, and the coordinate at which it is evaluated, m.
 struct Level {
     name: String,
     layer: usize,
@@ -186,7 +195,7 @@ struct Level {
     read_at: f64,
 }
 
-/// The faces of layers between ends (ascending, m), from the one that is farthest from the hit.
+/// Faces of layers between ends (ascending, m), starting with the face farthest from the impact point.
 fn levels(ends: &[f64], is_hit_from_above: bool) -> Vec<Level> {
     let mut ends = ends.to_vec();
     if is_hit_from_above {
@@ -203,17 +212,17 @@ fn levels(ends: &[f64], is_hit_from_above: bool) -> Vec<Level> {
     levels
 }
 
-/// How the stresses at a point of a face are read.
+/// How the stresses at a point of a face are evaluated.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PointReading {
-    /// As means about the hit.
+    /// As means near the impact point.
     pub is_smoothed: bool,
-    /// All six components, not only those in the plane of the face.
+    /// All six components, not only the in-plane ones.
     pub is_whole: bool,
 }
 
-/// The faces of a box across an axis, or of its layers between ends along it (which of them are soft being known from the hit down), with the
-/// forms of the stresses at their points, three each.
+/// Faces of a box normal to an axis, or of its layers, with the forms of the stresses at their points, three each.
+/// `layers` are the ends of the layers; `soft` says for each layer, from the impacted face, whether it is soft.
 pub(super) fn of_box(
     (struck, hit): (usize, Vec3),
     (layers, soft): (&[f64], &[bool]),
@@ -231,11 +240,11 @@ pub(super) fn of_box(
     let is_smoothed = |x: Vec3| is_hit(x) && near.is_some_and(|near| near.is_smoothed(x, size));
     let has_hit = is_smoothed(hit);
     let is_left_out =
-        |x: &Vec3| has_hit && !is_hit(*x) && near.is_some_and(|near| near.distance(*x) < NEAR * near.thickness());
+        |x: &Vec3| has_hit && !is_hit(*x) && near.is_some_and(|near| near.distance(*x) < NEAR_HIT_OVER_THICKNESS * near.thickness());
     let local = |points: &[Vec3]| -> Vec<(usize, LocalPoint)> {
         let reached = points.iter().enumerate().filter_map(|(number, x)| {
             let near = near.filter(|near| near.distance(*x) <= REACH * near.width() && !is_left_out(x))?;
-            // (The ring of tension at the contact's edge is told by itself.)
+            // The ring of tension at the edge of the contact is reported separately.
             Some((number, near.at(*x, is_smoothed(*x))?.without_ring()))
         });
         reached.collect()
@@ -251,7 +260,7 @@ pub(super) fn of_box(
     let count = levels.len();
     for (number, Level { name, layer, height, read_at }) in levels.into_iter().enumerate() {
         let read = grid.points(struck, read_at);
-        // A body that bends alone has the opposite stresses on the other side of its middle.
+        // In pure bending, the stresses on the other side of the middle plane are opposite.
         let opposite = (bends_alone && number >= count / 2).then(|| &faces[count - 1 - number]);
         let (first, across, sign) = match opposite {
             Some(Face { first, across, .. }) => (*first, *across, -1.0),
@@ -279,8 +288,8 @@ pub(super) fn of_box(
     (faces, forms)
 }
 
-/// The named surfaces of a mesh, or of a box that is hit along an axis its two faces, named after so many layers, and the nodes on them, face by
-/// face.
+/// Faces of a mesh, and the nodes on them, face by face. The faces are the named surfaces or, for a box impacted along
+/// an axis, its two outer faces, named according to the number of layers.
 pub(super) fn of_mesh(mesh: &Whole, hit: Option<(usize, Vec3)>, layers: usize) -> (Vec<Face>, Vec<usize>) {
     let named: Vec<(String, &Vec<usize>)> = match hit {
         None => mesh.surfaces.iter().map(|(name, nodes)| (name.clone(), nodes)).collect(),
@@ -307,13 +316,13 @@ pub(super) fn of_mesh(mesh: &Whole, hit: Option<(usize, Vec3)>, layers: usize) -
 }
 
 impl FaceStresses {
-    /// Of the stresses at the sampled points and the faces.
+    /// Faces with the map of the stresses at their sampled points.
     pub(super) fn new(map: StressMap, faces: Vec<Face>) -> Self {
         Self { columns: Vec::new(), map, faces, rows: OnceCell::new(), screen: OnceCell::new() }
     }
 
-    /// The largest tension on each face at a time (s), of the stresses at the sampled points and the contact; and the tensions at all
-    /// points, where at those of the largest this one counts.
+    /// Largest tension on each face at a time (s), from the stresses at the sampled points and the contact, and the
+    /// tensions at all points. At the points of the largest tension, the map contains the interpolated maximum.
     pub fn tensions(&self, stresses: &[f64], contact: &ContactNow, time: f64) -> (Vec<FaceTension>, TensionMap) {
         let components = self.map.components();
         let sampled = |number: usize| &stresses[components * number..components * (number + 1)];
@@ -330,7 +339,7 @@ impl FaceStresses {
         (found, TensionMap::of_step(all, time))
     }
 
-    /// The stresses on lines, where the body moves on a basis and has them.
+    /// Stresses on lines, if the body is reduced to a basis and has them.
     pub fn on_lines(&self) -> Option<&LineStresses> {
         match &self.map {
             StressMap::Lines(lines) => Some(lines),
@@ -338,7 +347,8 @@ impl FaceStresses {
         }
     }
 
-    /// The map as a dense matrix, where the body moves on a basis: how many coordinates there are, and the entries row by row.
+    /// The map as a dense matrix, if the body is reduced to a basis: the number of coordinates, and the entries row by
+    /// row.
     pub fn dense(&self) -> Option<(usize, &[f64])> {
         match &self.map {
             StressMap::Forms { map: Map::Dense(count, entries), .. } => Some((*count, entries)),

@@ -1,4 +1,4 @@
-//! Cells on which fields are written: a solid's own, or hexahedra between the lines of a box.
+//! Grid on which fields are written: the mesh of a solid, or hexahedra between lines of a box.
 
 use crate::element::{Element, Shape};
 use crate::mesh::{Whole, add_image};
@@ -9,23 +9,24 @@ use crate::scene::Vec3;
 pub struct Grid {
     /// Shape of the cells.
     pub shape: Shape,
-    /// Order of the elements on them.
+    /// Order of the elements.
     pub order: usize,
     /// Coordinates of the points, m.
     pub points: Vec<Vec3>,
-    /// Points of the cells, one after the other, in VTK's order.
+    /// Point numbers of the cells, cell by cell, in VTK's order.
     pub cells: Vec<usize>,
-    /// For each point, that of the modelled part whose image it is, and the signs of its displacement.
+    /// For each point, the number of its original in the modelled part, and the signs that map the displacement of the
+    /// original to the point.
     pub(super) images: Vec<(usize, Vec3)>,
 }
 
 impl Grid {
-    /// A mesh's own.
+    /// Grid of a mesh.
     pub(super) fn of_mesh(mesh: &Whole) -> Self {
         Self::new(mesh.shape, mesh.order, mesh.nodes.clone(), mesh.cells.clone())
     }
 
-    /// Hexahedra between lines across all axes, m; the first axis' run slowest.
+    /// Hexahedra between lines normal to all axes, m. Point numbers vary slowest along the first axis.
     pub(super) fn of_lines(lines: &[Vec<f64>; 3]) -> Self {
         let [nx, ny, nz] = lines.each_ref().map(Vec::len);
         let at = |i: usize, j: usize, k: usize| (i * ny + j) * nz + k;
@@ -49,12 +50,12 @@ impl Grid {
         Self { shape, order, points, cells, images }
     }
 
-    /// Points of each cell.
+    /// Number of points of each cell.
     pub fn points_each(&self) -> usize {
         Element::new(self.shape, self.order).nodes()
     }
 
-    /// With its mirror image across the plane where a coordinate is zero.
+    /// The grid and its mirror image across the plane where a coordinate is zero.
     pub(super) fn with_image(mut self, axis: usize) -> Self {
         for point in add_image((self.shape, self.order), &mut self.points, &mut self.cells, axis) {
             let (of, mut signs) = self.images[point];
@@ -70,7 +71,7 @@ mod tests {
     use super::*;
     use crate::element::{Quadrature, Table};
 
-    /// Of a quarter and its images the cells fill the box, none inside out, and no point stands twice.
+    /// The cells of a quarter and its mirror images fill the box. No cell is inverted, and no point is duplicated.
     #[test]
     fn a_quarter_and_its_images_are_the_whole() {
         let lines = [vec![0.0, 0.2, 0.5], vec![0.0, 0.3], vec![-0.1, 0.0, 0.1]];

@@ -1,8 +1,10 @@
-//! Stresses at the crossings of lines on a face, from coefficients of splines: of these there are several times fewer than stresses.
+//! Stresses at the crossings of lines on a face, computed from spline coefficients, which are several times fewer than
+//! the stresses.
 //!
-//! A spline is a product of functions along the axes, of which few are not zero at a place. So a body's coordinates give the coefficients,
-//! by products of matrices, and the coefficients give the stresses axis by axis. Where the lines lie on both sides of a plane of symmetry, a
-//! part of the stresses is the same on both but for its sign: it is computed on one.
+//! A spline is a product of functions along the axes; only a few functions are non-zero at a position. The coordinates
+//! of the body give the coefficients by matrix products, and the coefficients give the stresses axis by axis. If the
+//! lines lie on both sides of a plane of symmetry, a term of the stresses is the same on both sides up to its sign, and
+//! is computed on one side only.
 
 use std::ops::Range;
 use std::rc::Rc;
@@ -15,81 +17,84 @@ use crate::form::spline::WIDTH;
 
 use super::Map;
 
-/// Steps whose stresses follow from their coefficients together: their numbers lie side by side.
+/// Number of steps whose stresses are computed together; their values are adjacent in memory.
 pub const TOGETHER: usize = 8;
 
-/// Numbers of steps that go together.
+/// Values of several steps that are computed together.
 pub type Together = [f64; TOGETHER];
 
-/// The functions of an axis at a place: those that are not zero there, from a first one on.
+/// Functions of an axis that are non-zero at a position; their numbers are consecutive.
 #[derive(Debug, Clone, Copy)]
 pub struct AtPlace {
-    /// The first one's number.
+    /// Number of the first function.
     pub first: usize,
-    /// How many there are.
+    /// Number of functions.
     pub count: usize,
-    /// Their values, or those of a derivative.
+    /// Values of the functions or of a derivative.
     pub values: [f64; WIDTH],
 }
 
-/// Lines across an axis.
+/// Lines normal to an axis.
 #[derive(Debug, Clone, Default)]
 pub struct Lines {
-    /// Where splines are to be known, m.
+    /// Coordinates at which splines are evaluated, m.
     pub places: Vec<f64>,
-    /// Each line's place by its number, and whether the line is that place's image.
+    /// For each line, the number of its coordinate in `places`, and whether the line is the mirror image of that
+    /// coordinate.
     pub lines: Vec<(usize, bool)>,
 }
 
-/// A derivative of a field, and what it adds to the stresses.
+/// A derivative of a field, and its contribution to the stresses.
 #[derive(Debug, Clone)]
 pub struct LinePart {
-    /// The number of the field's coefficients among [`FaceLines::fields`].
+    /// Number of the coefficients of the field in [`FaceLines::fields`].
     pub field: usize,
-    /// Functions of the field along the second axis, which is the fastest.
+    /// Number of functions of the field along the second axis, whose index varies fastest.
     pub functions: usize,
-    /// Of each place along both axes.
+    /// Functions at each coordinate along both axes.
     pub along: [Vec<AtPlace>; 2],
-    /// Along which axes images have the opposite sign.
+    /// Axes along which the value at a mirror image has the opposite sign.
     pub flips: [bool; 2],
-    /// What it is multiplied with in σ_a, σ_b and σ_ab, Pa.
+    /// Factors in σ_a, σ_b and σ_ab, Pa.
     pub stresses: [f64; 3],
 }
 
-/// How the stresses σ_a, σ_b and σ_ab at the crossings of lines along a face's axes a and b, the second's fastest, come of a body's unknowns.
+/// Stresses σ_a, σ_b and σ_ab at the crossings of lines along the axes a and b of a face, as functions of the unknowns
+/// of a body. Crossings are numbered with the second axis fastest.
 #[derive(Debug, Clone)]
 pub struct FaceLines {
-    /// The unknowns that are the coefficients of each field.
+    /// Unknowns that are the coefficients of each field.
     pub fields: Vec<Range<usize>>,
-    /// What the stresses are sums of.
+    /// Terms of the stresses.
     pub parts: Vec<LinePart>,
-    /// The lines along both axes.
+    /// Lines along both axes.
     pub lines: [Lines; 2],
 }
 
-/// Such stresses of a body's coordinates.
+/// Stresses on lines as functions of the coordinates of a body.
 #[derive(Clone)]
 pub struct LineStresses {
     face: Rc<FaceLines>,
-    /// How many coordinates there are.
+    /// Number of coordinates.
     count: usize,
-    /// Of each field.
+    /// Coefficients of each field.
     coefficients: Vec<Coefficients>,
-    /// Crossings whose stresses are read otherwise, with these for 1 of each coordinate, a row each.
+    /// Crossings whose stresses are evaluated separately; for each, a matrix with a row for each stress component and a
+    /// column for each coordinate.
     apart: Vec<(usize, DMatrix<f64>)>,
 }
 
-/// The coefficients of a field.
+/// Coefficients of a field as functions of the coordinates.
 #[derive(Clone)]
 struct Coefficients {
-    /// The coordinates that they depend on: those of one class of motions.
+    /// Coordinates of one symmetry class, on which they depend.
     coordinates: Vec<usize>,
-    /// For 1 of each of these, a column each.
+    /// A column of coefficients for a unit value of each of these coordinates.
     columns: DMatrix<f64>,
 }
 
 impl Lines {
-    /// At some places, m; `is_mirrored` where those below 0 are images.
+    /// Lines at some coordinates, m. If `is_mirrored`, those below 0 are mirror images.
     pub fn new(at: &[f64], is_mirrored: bool) -> Self {
         let mut all = Self::default();
         for &x in at {
@@ -110,7 +115,7 @@ impl FaceLines {
         self.lines[0].lines.len() * self.lines[1].lines.len()
     }
 
-    /// Sets the stresses at all crossings, from the coefficients of all fields.
+    /// Computes the stresses at all crossings from the coefficients of all fields.
     fn stresses(&self, coefficients: &[Together], at_places: &mut [[Together; 3]], stresses: &mut [[Together; 3]]) {
         stresses.fill([[0.0; TOGETHER]; 3]);
         for flips in [[false, false], [false, true], [true, false], [true, true]] {
@@ -121,7 +126,7 @@ impl FaceLines {
         }
     }
 
-    /// The sum of the parts of the same signs at all places.
+    /// Sums the terms with the same signs at all coordinates.
     #[inline(always)]
     fn sum(&self, flips: [bool; 2], coefficients: &[Together], at_places: &mut [[Together; 3]]) {
         at_places.fill([[0.0; TOGETHER]; 3]);
@@ -151,7 +156,7 @@ impl FaceLines {
         }
     }
 
-    /// Adds what is at the places to the stresses on the lines.
+    /// Adds the values at the coordinates to the stresses on the lines.
     #[inline(always)]
     fn spread(&self, flips: [bool; 2], at_places: &[[Together; 3]], stresses: &mut [[Together; 3]]) {
         let [a, b] = &self.lines;
@@ -166,7 +171,7 @@ impl FaceLines {
     }
 }
 
-/// Adds the parts of the same signs: compiled for the vectors of each kind of processor.
+/// Task that adds the terms with the same signs. It is compiled for the vector units of each kind of processor.
 struct PartsOfSigns<'a> {
     face: &'a FaceLines,
     flips: [bool; 2],
@@ -198,14 +203,14 @@ fn add(sum: &mut Together, factor: f64, more: &Together) {
 }
 
 impl Coefficients {
-    /// Of a matrix without the columns that are zero.
+    /// Coefficients from a matrix, without its zero columns.
     fn new(coordinates: impl Iterator<Item = usize>, columns: &DMatrix<f64>) -> Self {
         let all: Vec<usize> = coordinates.collect();
         let used: Vec<usize> = (0..all.len()).filter(|k| columns.column(*k).amax() > 0.0).collect();
         Self { coordinates: used.iter().map(|k| all[*k]).collect(), columns: columns.select_columns(&used) }
     }
 
-    /// A column for each coefficient, a row for each of some steps.
+    /// Coefficients as a matrix with a column for each coefficient and a row for each step.
     fn of_steps(&self, (count, steps): (usize, usize), coordinates: &[f64]) -> Vec<f64> {
         let (rows, own) = (self.columns.nrows(), self.coordinates.len());
         let each = coordinates.chunks_exact(count).flat_map(|all| self.coordinates.iter().map(|k| all[*k]));
@@ -220,7 +225,8 @@ impl Coefficients {
 }
 
 impl LineStresses {
-    /// On a basis: vector by vector the values of all unknowns; `apart` are crossings that are read by forms on that basis, three each.
+    /// Stresses for the coordinates of a basis. Each basis vector holds the values of all unknowns. `apart` lists
+    /// crossings that are evaluated by three forms on that basis.
     pub fn new(face: FaceLines, apart: Vec<(usize, Map)>, basis: &[Vec<f64>]) -> Self {
         let of_field = |field: &Range<usize>| {
             let columns = DMatrix::from_fn(field.len(), basis.len(), |row, vector| basis[vector][field.start + row]);
@@ -235,17 +241,18 @@ impl LineStresses {
         Self { face: Rc::new(face), count: basis.len(), coefficients, apart }
     }
 
-    /// How many coordinates there are.
+    /// Number of coordinates.
     pub fn coordinates(&self) -> usize {
         self.count
     }
 
-    /// How many crossings there are.
+    /// Number of crossings.
     pub fn crossings(&self) -> usize {
         self.face.crossings()
     }
 
-    /// The same of other coordinates, a column each of what they are of these ones.
+    /// The same stresses as functions of new coordinates. Each column of `shapes` holds the present coordinates for a
+    /// unit value of a new one.
     pub fn mapped(&self, shapes: &DMatrix<f64>) -> Self {
         let of_field = |Coefficients { coordinates, columns }: &Coefficients| {
             let shapes = Coefficients::new(0..shapes.ncols(), &shapes.select_rows(coordinates));
@@ -259,8 +266,8 @@ impl LineStresses {
         }
     }
 
-    /// Hands over the stresses of some steps, of their coordinates one step after the other: eight steps at a time, of which
-    /// the last ones may be fewer.
+    /// Calls `visit` with the number of steps and their stresses, for eight steps at a time; the last call may have
+    /// fewer. `coordinates` holds the coordinates step by step.
     pub fn each(&self, coordinates: &[f64], mut visit: impl FnMut(usize, &[[Together; 3]])) {
         let steps = coordinates.len() / self.count.max(1);
         let of_steps = |field: &Coefficients| field.of_steps((self.count, steps), coordinates);
@@ -275,7 +282,7 @@ impl LineStresses {
             let of_rows = products.iter().flat_map(|products| products.chunks_exact(steps));
             together.extend(of_rows.map(|of_row| {
                 let rest = &of_row[begin..];
-                // (Whole ones are copied without a call.)
+                // A full chunk is copied without a function call.
                 let few = || std::array::from_fn(|i| rest.get(i).copied().unwrap_or_default());
                 rest.first_chunk().copied().unwrap_or_else(few)
             }));
@@ -292,7 +299,7 @@ impl LineStresses {
         }
     }
 
-    /// As forms on the coordinates, which are zero at the crossings that are left out.
+    /// The stresses as forms on the coordinates. The forms are zero at the crossings that are left out.
     pub fn dense(&self, left_out: &[bool]) -> Map {
         let count = self.count;
         let mut entries = vec![0.0; 3 * self.crossings() * count];
@@ -309,7 +316,7 @@ impl LineStresses {
         Map::Dense(count, entries)
     }
 
-    /// The stresses of one step, crossing by crossing.
+    /// Stresses of one step, crossing by crossing.
     pub fn apply(&self, coordinates: &[f64]) -> Vec<f64> {
         let mut all = Vec::with_capacity(3 * self.crossings());
         self.each(coordinates, |_, stresses| {

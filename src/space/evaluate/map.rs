@@ -1,18 +1,18 @@
-//! Linear forms on the coordinates in which a body moves: its unknowns, or those on a basis.
+//! Linear forms on the coordinates of a body: its unknowns, or the reduced coordinates of a basis.
 
 use super::Form;
 
-/// Some forms, one after the other.
+/// A sequence of linear forms.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Map {
-    /// On the unknowns.
+    /// Forms on the unknowns.
     Sparse(Vec<Form>),
-    /// On a basis: so many coefficients a form.
+    /// Forms on a basis: the number of coefficients of a form, and the coefficients form by form.
     Dense(usize, Vec<f64>),
 }
 
 impl Map {
-    /// Forms on the unknowns, or, with a basis, on its coordinates: vector by vector the values of all unknowns.
+    /// Forms on the unknowns or, with a basis, on its coordinates. Each basis vector holds the values of all unknowns.
     pub fn new(forms: impl Iterator<Item = Form>, basis: Option<&[Vec<f64>]>) -> Self {
         match basis {
             None => Self::Sparse(forms.collect()),
@@ -20,12 +20,12 @@ impl Map {
                 let count = basis.len();
                 let mut forms: Vec<Form> = forms.collect();
                 let needed = renumbered(&mut forms);
-                // Unknown by unknown, so that a form adds up rows.
+                // Rows by unknown, so that a form is a sum of rows.
                 let by_unknown: Vec<f64> =
                     needed.iter().flat_map(|&unknown| basis.iter().map(move |vector| vector[unknown])).collect();
                 let mut coefficients = vec![0.0; forms.len() * count];
                 for (form, row) in forms.iter().zip(coefficients.chunks_exact_mut(count.max(1))) {
-                    // Compiled for the vectors of each kind of processor.
+                    // Compiled for the vector units of each kind of processor.
                     pulp::Arch::new().dispatch(|| add(form, &by_unknown, row));
                 }
                 Self::Dense(count, coefficients)
@@ -33,7 +33,7 @@ impl Map {
         }
     }
 
-    /// How many.
+    /// Number of forms.
     pub fn len(&self) -> usize {
         match self {
             Self::Sparse(forms) => forms.len(),
@@ -41,12 +41,12 @@ impl Map {
         }
     }
 
-    /// Whether there is none.
+    /// Whether there are no forms.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Their values.
+    /// Values of the forms.
     pub fn apply(&self, coordinates: &[f64]) -> Vec<f64> {
         match self {
             Self::Sparse(forms) => {
@@ -60,7 +60,7 @@ impl Map {
     }
 }
 
-/// The unknowns that some forms need, ascending, and the forms on these.
+/// Renumbers the unknowns that the forms use, and returns these unknowns, ascending.
 pub fn renumbered(forms: &mut [Form]) -> Vec<usize> {
     let mut needed: Vec<usize> = forms.iter().flatten().map(|(unknown, _)| *unknown).collect();
     needed.sort_unstable();
@@ -71,7 +71,7 @@ pub fn renumbered(forms: &mut [Form]) -> Vec<usize> {
     needed
 }
 
-/// Adds the rows of a form's unknowns, times its values.
+/// Adds the rows of the unknowns of a form, times its values.
 #[inline(always)]
 fn add(form: &Form, by_unknown: &[f64], sums: &mut [f64]) {
     let count = sums.len();

@@ -1,4 +1,4 @@
-//! What the points of a body do, linear in its unknowns: displacement and stress, wherever one asks for them.
+//! Displacements and stresses at any points of a body, as linear functions of its unknowns.
 
 mod faces;
 mod grid;
@@ -38,41 +38,41 @@ use faces::WITHIN;
 use smoothed::smoothed;
 use stress_map::Recovered;
 
-/// A linear form on a body's unknowns: entries by unknown, which may come more than once.
+/// A linear form on the unknowns of a body: pairs of unknown and coefficient. An unknown may occur more than once.
 pub type Form = Vec<(usize, f64)>;
 
-/// What is read at a point.
+/// Linear forms for the displacement and the stress at a point.
 #[derive(Debug, Clone, Default)]
 pub struct Forms {
-    /// The displacement along x, y, z, m.
+    /// Displacement along x, y, z, m.
     pub displacement: [Form; 3],
-    /// The stresses xx, yy, zz, yz, xz, xy, Pa.
+    /// Stresses xx, yy, zz, yz, xz, xy, Pa.
     pub stress: [Form; 6],
-    /// What these lack near the hit.
+    /// Local field near the impact point, which these stresses lack.
     pub local: Option<LocalPoint>,
 }
 
-/// What reads a body between the lines of a grid, in its modelled part.
+/// A body on a grid, or a plate, that can be evaluated at points of its modelled part.
 pub trait PointEvaluator {
-    /// The forms at a point, m.
+    /// Forms of the displacement and stress at a point, m.
     fn at(&self, x: Vec3) -> Forms;
 
-    /// How it carries the contact's force, where that is known.
+    /// How the body carries the contact force, if known.
     fn hit(&self) -> Option<Hit>;
 
-    /// Coordinates along the axes on which fields are written, m.
+    /// Coordinates along the axes for the grid on which fields are written, m.
     fn field_lines(&self) -> [Vec<f64>; 3];
 
-    /// The stresses along the face at one of its points, m; an unknown may come more than once.
+    /// In-plane stresses at a point of a face, m. An unknown may occur more than once.
     fn face_stress(&self, x: Vec3) -> [Form; 6];
 
-    /// All stresses at a point of a face, m; an unknown may come more than once.
+    /// All stresses at a point of a face, m. An unknown may occur more than once.
     fn whole_stress(&self, x: Vec3) -> [Form; 6] {
         self.at(x).stress
     }
 
-    /// The stresses along the face at a height (m, along the axis across it) at the crossings of lines along its axes, ascending. `None` where
-    /// they are read point by point.
+    /// In-plane stresses of a face at a height (m, along the axis normal to it) at the crossings of lines along its
+    /// axes, ascending. `None` if they are evaluated point by point.
     fn face_lines(&self, _lines: [&[f64]; 2], _height: f64) -> Option<FaceLines> {
         None
     }
@@ -80,22 +80,24 @@ pub trait PointEvaluator {
     /// Ends of the cells along the axes, ascending, m.
     fn cell_lines(&self) -> [Vec<f64>; 3];
 
-    /// Whether stresses on both faces are opposite.
+    /// Whether the stresses on the two faces are opposite.
     fn bends_alone(&self) -> bool;
 
-    /// How many unknowns there are.
+    /// Number of unknowns.
     fn unknowns(&self) -> usize;
 
-    /// Hands over the stresses at a point as the section there carries them: those along the face by their mean and their moment over the
-    /// thickness, those across it by their shear force on a parabola.
+    /// Passes the stresses at a point, as carried by the section there, to `add`. In-plane stresses follow from their
+    /// mean and moment over the thickness; transverse shear stresses follow from the shear force, with a parabolic
+    /// distribution.
     fn add_section_stress(&self, x: Vec3, add: &mut smoothed::Add);
 
-    /// The same of the normal stresses; others may come too.
+    /// Same as [`Self::add_section_stress`] for the normal stresses. Other components may be passed too.
     fn add_normal_section_stress(&self, x: Vec3, add: &mut smoothed::Add) {
         self.add_section_stress(x, add);
     }
 
-    /// The weighted sum of these over points on the line through `x` along an axis: their coordinates (m) and weights.
+    /// Weighted sum of these stresses over points on the line through `x` along an axis, given by their coordinates (m)
+    /// and weights.
     fn add_normal_section_stress_along(&self, x: Vec3, axis: usize, line: &[(f64, f64)], add: &mut smoothed::Add) {
         for (at, weight) in line {
             let mut place = x;
@@ -107,16 +109,18 @@ pub trait PointEvaluator {
     }
 }
 
-/// A body whose points are read. Of a quarter it is the whole.
+/// A body that can be evaluated at points. If a quarter is modelled, the whole body can be evaluated.
 pub struct Evaluator {
     kind: Kind,
-    /// The neighbourhood of the hit, where stresses lack the local field.
+    /// Neighbourhood of the impact point, where the local field is added to the stresses.
     near: Option<Box<NearHit>>,
-    /// Axes across planes of symmetry beyond which there are images.
+    /// Axes normal to planes of symmetry beyond which there are mirror images.
     mirrors: Vec<usize>,
-    /// Heights along z between layers of a box, and there those at which the layer that is nearer to the hit is read, m.
+    /// Heights along z of the interfaces between layers of a box. For each, the height at which the layer nearer to the
+    /// impact point is evaluated, m.
     interfaces: Vec<[f64; 2]>,
-    /// The mean stresses under the hit on the other face, which the error of stresses and the search for the largest tension want.
+    /// Mean stresses on the other face opposite the impact point. They are needed for the error of the stresses and for
+    /// the search for the largest tension.
     under_hit: OnceCell<Box<[Form; 6]>>,
 }
 
@@ -126,11 +130,12 @@ enum Kind {
 }
 
 impl Evaluator {
-    /// Of a solid on a mesh; stresses are recovered at its nodes ([`super::finite_element::Recovery`]), and interpolated between them.
+    /// Evaluator of a solid on a mesh. Stresses are recovered at its nodes ([`super::finite_element::Recovery`]) and
+    /// interpolated between them.
     pub fn of_mesh(scene: &Scene, mesh: Whole, patch: Option<&Patch>) -> Self {
         let parts: Vec<Material> =
             Description::new(scene).parts.iter().map(|part| part.material.instantaneous).collect();
-        // Images and all, so that patches on a plane of symmetry are whole.
+        // The mesh includes its mirror images, so that recovery patches on a plane of symmetry are complete.
         let mesh = mirrors(scene).into_iter().fold(mesh, Whole::with_image);
         let near = patch.and_then(|patch| NearHit::of_patch_on_mesh(scene, patch.radius)).map(Box::new);
         Self {
@@ -142,7 +147,7 @@ impl Evaluator {
         }
     }
 
-    /// Of splines or a plate.
+    /// Evaluator of splines or a plate.
     pub fn of_grid(scene: &Scene, points: impl PointEvaluator + 'static) -> Self {
         let near = points.hit().and_then(|hit| NearHit::new(scene, hit)).map(Box::new);
         let layers = scene.hit_layers();
@@ -157,7 +162,8 @@ impl Evaluator {
         }
     }
 
-    /// What reads the largest tension on each face, in the body's unknowns or on a basis: vector by vector the values of all unknowns.
+    /// Evaluator of the largest tension on each face, in the unknowns of the body or, with `basis`, in its reduced
+    /// coordinates. Each basis vector holds the values of all unknowns.
     pub fn faces(&self, scene: &Scene, basis: Option<&[Vec<f64>]>) -> FaceStresses {
         let (faces, map) = match (&self.kind, scene.struck_axis()) {
             (Kind::Grid(points), Some(struck)) => {
@@ -166,7 +172,7 @@ impl Evaluator {
                 let grid = FaceGrid::of_box(hit, &lines, &self.mirrors);
                 let lower = -lines[struck].last().copied().unwrap_or_default().copysign(hit.1[struck]);
                 let at_lines = [0, 1].map(|i| &grid.lines[i][..]);
-                // Where both faces share their points: the lower one, the last, has them.
+                // If both faces share their points, these belong to the lower face, which is the last.
                 let on_lines = basis.filter(|_| points.bends_alone());
                 let on_lines = on_lines.and_then(|basis| Some((points.face_lines(at_lines, lower)?, basis)));
                 let (faces, forms) = faces::of_box(
@@ -193,8 +199,8 @@ impl Evaluator {
                             }
                         }
                         let lines = LineStresses::new(lines, apart, basis);
-                        if basis.len() < LONG {
-                            // (Where both faces share their points they leave out the same.)
+                        if basis.len() < LONG_BASIS {
+                            // If both faces share their points, both leave out the same points.
                             let map = lines.dense(&faces[faces.len() - 1].left_out);
                             StressMap::Forms { map, components: 3 }
                         } else {
@@ -224,7 +230,7 @@ impl Evaluator {
         FaceStresses::new(map, faces)
     }
 
-    /// Estimated error of the tension under the hit by how it is read; none where it is not read near the hit.
+    /// Estimated error of the tension opposite the impact point due to the averaging; zero if no mean is used.
     pub fn error_of_mean(&self) -> ErrorOfMean {
         match (&self.kind, &self.near) {
             (Kind::Grid(_), Some(near)) => near.error_of_mean(),
@@ -232,8 +238,9 @@ impl Evaluator {
         }
     }
 
-    /// The stresses σ_a, σ_b and σ_ab under the hit on the other face of a box, along its axes, as forms on all unknowns, and what they lack
-    /// for 1 N: by them the error of stresses is estimated. `None` where they are not read so.
+    /// Stresses σ_a, σ_b and σ_ab on the other face of a box opposite the impact point, along its axes: forms on all
+    /// unknowns, and the missing local stresses for 1 N. The error of the stresses is estimated from them. `None` if
+    /// they are not evaluated as means.
     pub fn hit_stress(&self, scene: &Scene) -> Option<(Vec<Vec<f64>>, [f64; 3])> {
         let (Kind::Grid(points), Some(near)) = (&self.kind, &self.near) else { return None };
         let x = near.under_hit();
@@ -253,8 +260,8 @@ impl Evaluator {
         Some((components.map(dense).to_vec(), components.map(|component| local[component])))
     }
 
-    /// The forms at a point (m); `None` outside of a mesh. Splines go on beyond their ends. A point between layers of a box is of the one that
-    /// is nearer to the hit.
+    /// Forms at a point (m); `None` outside a mesh. Splines are extrapolated beyond their ends. At an interface between
+    /// layers of a box, the layer nearer to the impact point is evaluated.
     pub fn at(&self, mut point: Vec3) -> Option<Forms> {
         for [height, nearer] in &self.interfaces {
             if (point[2] - height).abs() < (nearer - height).abs() {
@@ -290,7 +297,7 @@ impl Evaluator {
         self.near.as_ref().is_some_and(|near| near.is_smoothed(x, half))
     }
 
-    /// The stresses of a body on a grid at a point of its modelled part: near the hit as means.
+    /// Stresses of a body on a grid at a point of its modelled part; means near the impact point.
     fn stress(&self, points: &dyn PointEvaluator, x: Vec3) -> [Form; 6] {
         match &self.near {
             Some(near) if self.is_smoothed(points, x) => {
@@ -302,7 +309,7 @@ impl Evaluator {
     }
 }
 
-/// Axes across planes of symmetry: where their coordinates are positive is the modelled part.
+/// Axes normal to planes of symmetry. The modelled part has positive coordinates along them.
 fn mirrors(scene: &Scene) -> Vec<usize> {
     match scene.body.symmetry {
         Symmetry::Quarter { axes } => axes.to_vec(),
@@ -310,14 +317,14 @@ fn mirrors(scene: &Scene) -> Vec<usize> {
     }
 }
 
-/// Entries of a form times a factor, added to another one.
+/// Adds the entries of a form, times a factor, to another form.
 pub(super) fn add(to: &mut Form, factor: f64, form: &[(usize, f64)]) {
     if factor != 0.0 {
         to.extend(form.iter().map(|(unknown, value)| (*unknown, factor * value)));
     }
 }
 
-/// The form with one entry for each unknown, ascending.
+/// The same form with one entry for each unknown, ascending.
 pub(super) fn summed(mut form: Form) -> Form {
     form.sort_by_key(|(unknown, _)| *unknown);
     form.dedup_by(|next, first| {
@@ -331,13 +338,14 @@ pub(super) fn summed(mut form: Form) -> Form {
     form
 }
 
-/// Vectors of a basis from which on the stresses on lines are computed from coefficients at each step: below, all stresses at once are cheaper.
-const LONG: usize = 256;
+/// Number of basis vectors from which the stresses on lines are computed from spline coefficients at each step. For
+/// fewer vectors, a dense map to all stresses is cheaper.
+const LONG_BASIS: usize = 256;
 
-/// Pieces of a cell's edge at whose ends the largest tension is looked for.
+/// Number of pieces of a cell's edge, at whose ends the largest tension is searched.
 const FACE_PIECES: usize = 2;
 
-/// Ends of cells, each once, and of so many equal pieces of each.
+/// Ends of all cells, without repetition, and of the equal pieces into which each cell is divided.
 pub(super) fn divided(breaks: &[f64], pieces: usize) -> Vec<f64> {
     let cells = breaks.windows(2).filter(|pair| pair[0] < pair[1]);
     let inner =

@@ -1,4 +1,4 @@
-//! What a body's own stresses lack near the hit: the local field under the contact, wherever stresses are read.
+//! Local field under the contact, which the stresses of a discretised body lack near the impact point.
 
 use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;
@@ -8,59 +8,66 @@ use crate::form::{Material, Spread};
 use crate::scene::{Contact, Geometry, Impactor, Scene, Vec3, faces};
 use crate::stack::{Carrier, Cylindrical, Layer, Layerwise, LocalField, PointField, Pressure, Sections, Stack};
 
-/// Part of the thickness about the hit within which stresses are read as means over a disc.
+/// Distance from the impact point, divided by the thickness, within which stresses are evaluated as means over a disc.
 const SMOOTHED: f64 = 2.0;
 
-/// Thicknesses about the hit within which the local field is added, or contact radii where the contact is wider than the body is thick.
+/// Distance from the impact point within which the local field is added, divided by the thickness, or by the contact
+/// radius if that is larger.
 const REACH: f64 = 4.0;
 
-/// Thicknesses between the hit and the nearest edge from which a box is a layer about it.
+/// Smallest distance of the impact point from the nearest edge, divided by the thickness, for which a box is treated as
+/// an infinite layer.
 const LEAST_ROOM: f64 = 1.0;
 
-/// Cells in the radius of the disc of means at least: with as many the mean under a force at rest is good to 0.1%, on the coarsest plates of
-/// a tolerance of 1e-2. With four and more the disc is so wide that the plate's own motion within it counts.
+/// Smallest ratio of the radius of the averaging disc to the cell size. With 3, the mean under a static force is
+/// accurate to 0.1%, on the coarsest plates of a tolerance of 1e-2. With 4 and more the disc is so wide that the motion
+/// of the plate within it matters.
 const CELLS: f64 = 3.0;
 
-/// Estimated error of a tension under the hit by such a mean: larger than it is at rest, fitted to impacts in which less was below the true
-/// error of one solid. With fewer cells, where there is no room for more, it grows by the power of their size that was measured at rest with a
-/// coarser quadrature (0.3% with three cells, 1.1% with two).
-const OF_MEAN: f64 = 2.5e-3;
+/// Estimated relative error of a tension opposite the impact point due to such a mean. It is larger than under a static
+/// force: it was fitted to impacts, and a smaller value was below the true error of one solid. With fewer cells in the
+/// disc, for lack of room, the error grows with the power `ORDER_OF_MEAN` of the cell size. This power was measured
+/// under a static force with a coarser quadrature (0.3% with three cells, 1.1% with two).
+const MEAN_ERROR: f64 = 2.5e-3;
 const ORDER_OF_MEAN: f64 = 3.2;
 
-/// The same over the square of the disc's radius over that of the body's own disc: the plate's own motion within it. Fitted to plates of
-/// which the disc of means is 2 to 2.7 times as wide as their own.
-const OF_WIDE_MEAN: f64 = 8e-4;
+/// Estimated relative error due to the motion of the plate within the averaging disc, for a disc as wide as the loaded
+/// disc of the body. It grows with the square of the ratio of the two radii. Fitted to plates whose averaging disc is 2
+/// to 2.7 times as wide as their loaded disc.
+const WIDE_MEAN_ERROR: f64 = 8e-4;
 
-/// Contact radii over the thickness for which tables are made at least: members of a sweep share them.
+/// Contact radius, divided by the thickness, up to which tables are computed at least. The members of a sweep share
+/// these tables.
 const LEAST_TABLE: f64 = 0.4;
 
-/// Largest contact radius over that of the same impact on a half-space.
+/// Ratio of the largest contact radius to the contact radius of the same impact on a half-space.
 const WIDEST: f64 = 1.2;
 
-/// How a body carries the contact's force.
+/// How a body carries the contact force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hit {
-    /// The pressure that the body is under.
+    /// Pressure applied to the body.
     pub pressure: Pressure,
-    /// What carries it.
+    /// Mechanical model of the body.
     pub body: HitBody,
-    /// The longest edge of the cells about the hit, m.
+    /// Longest edge of the cells at the impact point, m.
     pub cell: f64,
 }
 
-/// What carries the contact's force.
+/// Mechanical model of the body that carries the contact force.
 #[derive(Debug, Clone, PartialEq)]
 pub enum HitBody {
-    /// A body of one layer.
+    /// Body of one layer.
     OneLayer(Sections),
-    /// A layerwise plate.
+    /// Layerwise plate.
     Layerwise(Layerwise),
-    /// A solid of several layers, which resolves them.
+    /// Solid of several layers, which are resolved.
     Layers(Stack),
 }
 
 impl Hit {
-    /// The longest of the cells that hold a point, along the axes of a face, m; `lines` are the ends of the cells along each axis.
+    /// Longest edge, along the axes of a face, of the cells that contain a point, m. `lines` holds the ends of the
+    /// cells along each axis.
     pub fn cell(lines: &[Vec<f64>; 3], struck: usize, point: Vec3) -> f64 {
         let of_axis = |axis: usize| {
             let holds = |ends: &&[f64]| ends[0] <= point[axis] && point[axis] <= ends[1];
@@ -70,71 +77,73 @@ impl Hit {
     }
 }
 
-/// How wide the contact is.
+/// Size of the contact area.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ContactSize {
-    /// R of Hertz's contact, m: its radius is √(Rα).
+    /// Radius of curvature R of Hertz's contact, m; the contact radius is √(Rα).
     pub curvature: Option<f64>,
-    /// A given radius, m.
+    /// Prescribed contact radius, m.
     pub given: f64,
 }
 
-/// The contact at one time.
+/// State of the contact at one time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ContactNow {
-    /// F of the whole body, N.
+    /// Force F on the whole body, N.
     pub force: f64,
-    /// Radius of the contact, m.
+    /// Contact radius, m.
     pub radius: f64,
 }
 
-/// Distance from the line of the force and depth, by their bits, and whether stresses are read as means.
+/// Bits of the distance from the line of the force and of the depth, and whether stresses are evaluated as means.
 type Reading = ([u64; 2], bool);
 
-/// The neighbourhood of the hit on a layer.
+/// Neighbourhood of the impact point of a body, modelled as an infinite stack of layers.
 pub struct NearHit {
     hit: Hit,
     stack: Stack,
-    /// The axis across the face that is hit.
+    /// Axis normal to the impacted face.
     pub struck: usize,
     point: Vec3,
-    /// Distance of the hit from the nearest edge, m.
+    /// Distance of the impact point from the nearest edge, m.
     room: f64,
     largest: f64,
     by_sections: OnceCell<LocalField>,
     as_it_is: OnceCell<LocalField>,
-    /// What a mesh has of the field of its patch beyond a wide disc's on a plate: what recovery loses of it.
+    /// Field of the patch load of a mesh minus the field of a wide disc on a plate. Stress recovery cannot reproduce
+    /// it.
     patch: OnceCell<LocalField>,
-    /// The fields so far: points on both sides of a diagonal have the same.
+    /// Fields evaluated so far. Points that mirror each other across a diagonal have the same field.
     fields: RefCell<HashMap<Reading, Rc<PointField>>>,
-    /// That of the patch by distance and depth: samples of a mesh are read from several nodes, and have images.
+    /// Field `patch` by distance and depth. Samples of a mesh are used by several nodes and have mirror images.
     of_patch: RefCell<HashMap<[u64; 2], Cylindrical>>,
 }
 
-/// The local field at one point.
+/// Local field at one point.
 #[derive(Debug, Clone)]
 pub struct LocalPoint {
     field: Rc<PointField>,
-    /// Unit vectors away from the line of the force, and into the body.
+    /// Unit vectors radially away from the line of the force, and into the body.
     radial: Vec3,
     inward: Vec3,
-    /// Whether Hertz's own field, with its ring of tension, is part of it.
+    /// Whether Hertz's own field, with its ring of tension, is included.
     has_ring: bool,
-    /// What recovery loses of the field that the body has, for 1 N, Pa.
+    /// Part of the body's field that is lost by stress recovery, for 1 N, Pa.
     lost: [f64; 6],
 }
 
-/// Estimated errors of the tension under the hit by its mean over a disc, over the peak.
+/// Estimated errors, relative to the peak, of the tension opposite the impact point due to averaging over a disc.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ErrorOfMean {
-    /// By the cells within the disc.
+    /// Error due to the cells within the disc.
     pub of_cells: f64,
-    /// By its width.
+    /// Error due to the width of the disc.
     pub of_width: f64,
 }
 
 impl ContactSize {
-    /// Of a scene: the patch where one is given, otherwise Hertz's contact of a round impactor, otherwise a point.
+    /// Contact size of a scene: the prescribed patch radius, otherwise Hertz's contact of a round impactor, otherwise a
+    /// point.
     pub fn new(scene: &Scene) -> Self {
         match scene.contact {
             Contact::Patch { radius: Some(given), .. } => Self { curvature: None, given },
@@ -142,25 +151,25 @@ impl ContactSize {
         }
     }
 
-    /// The radius at an indentation, m.
+    /// Contact radius at an indentation, m.
     pub fn radius(&self, indentation: f64) -> f64 {
         self.curvature.map_or(self.given, |curvature| (curvature * indentation.max(0.0)).sqrt())
     }
 
-    /// The contact under a force (N) with an indentation, m.
+    /// Contact under a force (N) with an indentation (m).
     pub fn now(&self, force: f64, indentation: f64) -> ContactNow {
         ContactNow { force, radius: self.radius(indentation) }
     }
 
-    /// A radius that the contact hardly exceeds, m.
+    /// Upper estimate of the contact radius, m.
     fn largest(&self, impactor: &Impactor) -> f64 {
         WIDEST * self.radius(impactor.peak_indentation())
     }
 }
 
 impl NearHit {
-    /// Of a box of one material or of layers that is hit on a face, as on an infinite stack; `None` nearer than its thickness to
-    /// an edge.
+    /// Neighbourhood in a box of one material or of layers that is impacted on a face. It is modelled as an infinite
+    /// stack. `None` if an edge is nearer than the thickness of the box.
     pub fn new(scene: &Scene, hit: Hit) -> Option<Self> {
         let struck = scene.struck_axis()?;
         let Geometry::Box { size, .. } = &scene.body.geometry else { return None };
@@ -193,7 +202,8 @@ impl NearHit {
         })
     }
 
-    /// Of a mesh of a box under a patch of a radius, m: where the box is a layer about the hit, free below.
+    /// Neighbourhood in a mesh of a box under a patch of a radius, m. `None` unless the impact is normal and both faces
+    /// are free of supports.
     pub fn of_patch_on_mesh(scene: &Scene, radius: f64) -> Option<Self> {
         let body = HitBody::OneLayer(Sections::Solid);
         let near = Self::new(scene, Hit { pressure: Pressure::Hertz { radius }, body, cell: 0.0 })?;
@@ -202,33 +212,35 @@ impl NearHit {
         (is_normal && scene.supports.iter().all(|support| is_free(&support.surface))).then_some(near)
     }
 
-    /// h, m.
+    /// Thickness h, m.
     pub fn thickness(&self) -> f64 {
         self.stack.thickness()
     }
 
-    /// What the extent of the local field goes with: the thickness or, if that is larger, the largest contact radius, m.
+    /// Length to which the extent of the local field is proportional, m: the thickness or, if larger, the largest
+    /// contact radius.
     pub fn width(&self) -> f64 {
         self.thickness().max(self.largest)
     }
 
-    /// Radius of the disc of means, m: that of the body's own disc or more where cells are coarse, as far as there is room about the hit.
+    /// Radius of the averaging disc, m: the radius of the loaded disc, or more if cells are coarse, at most the
+    /// distance to the edge.
     pub fn smoothing(&self) -> f64 {
         let disc = self.hit.pressure.radius();
         let disc = if disc > 0.0 { disc } else { 2.0 * self.thickness() };
         disc.max(CELLS * self.hit.cell).min(self.room)
     }
 
-    /// Estimated error of the tension under the hit by how it is read.
+    /// Estimated error of the tension opposite the impact point due to averaging.
     pub fn error_of_mean(&self) -> ErrorOfMean {
         let (own, disc) = (self.hit.pressure.radius(), self.smoothing());
         ErrorOfMean {
-            of_cells: OF_MEAN * (CELLS * self.hit.cell / disc).powf(ORDER_OF_MEAN),
-            of_width: if own > 0.0 { OF_WIDE_MEAN * (disc / own).powi(2) } else { 0.0 },
+            of_cells: MEAN_ERROR * (CELLS * self.hit.cell / disc).powf(ORDER_OF_MEAN),
+            of_width: if own > 0.0 { WIDE_MEAN_ERROR * (disc / own).powi(2) } else { 0.0 },
         }
     }
 
-    /// The point under the hit on the other face, m.
+    /// Point on the other face opposite the impact point, m.
     pub fn under_hit(&self) -> Vec3 {
         let mut x = self.point;
         x[self.struck] = -x[self.struck];
@@ -240,16 +252,17 @@ impl NearHit {
         (0..3).filter(|&axis| axis != self.struck).map(|axis| (x[axis] - self.point[axis]).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// Whether stresses at a point are read as means, for which the disc is within the body.
+    /// Whether stresses at a point are evaluated as means; the averaging disc must lie within the body.
     pub fn is_smoothed(&self, x: Vec3, half: Vec3) -> bool {
         let disc = self.smoothing() * (1.0 - 1e-9);
         let fits = (0..3).filter(|&axis| axis != self.struck).all(|axis| x[axis].abs() + disc <= half[axis]);
-        // (The sum over waves goes as far as those of the loaded layer.)
+        // The sum over waves converges only for a disc of about half the thickness of the loaded layer or more.
         let is_wide = disc >= 0.45 * self.stack.layers()[0].thickness;
         fits && is_wide && self.distance(x) <= SMOOTHED * self.thickness()
     }
 
-    /// What a point (m) lacks whose stresses are read as means of the sections', or as they are; `None` far away.
+    /// Local field at a point (m) that is to be added to its stresses, which are means of the section stresses or point
+    /// values; `None` far away.
     pub fn at(&self, x: Vec3, is_smoothed: bool) -> Option<LocalPoint> {
         let radius = self.distance(x);
         if radius > REACH * self.width() {
@@ -257,7 +270,7 @@ impl NearHit {
         }
         let Hit { pressure, body, .. } = &self.hit;
         let pressure = *pressure;
-        // Under a point force the plate's moments have no limit.
+        // Under a point force the moments of a plate are unbounded.
         if pressure == Pressure::Point && !is_smoothed && radius < 0.5 * self.thickness() {
             return None;
         }
@@ -285,14 +298,15 @@ impl NearHit {
         Some(LocalPoint { field, radial, inward, has_ring: true, lost: [0.0; 6] })
     }
 
-    /// What the point under the hit on the other face lacks for 1 N at a contact's radius (m) whose stresses are read as means, Pa.
+    /// Local stresses for 1 N that are to be added to the mean stresses at the point opposite the impact point, for a
+    /// contact radius (m), Pa.
     pub fn lack_under_hit(&self, contact_radius: f64) -> [f64; 6] {
         let field = LocalField::on_axis(self.stack.clone(), self.carrier_of_means(), contact_radius);
         let [radial, inward] = self.directions(self.under_hit());
         field.at(0.0, self.thickness()).stress(contact_radius).cartesian(radial, inward)
     }
 
-    /// How the body carries the force whose stresses are read as means.
+    /// Model of the body that corresponds to stresses evaluated as means.
     fn carrier_of_means(&self) -> Carrier {
         let pressure = self.hit.pressure;
         let smoothing = Pressure::Spread { spread: Spread::new(0.0), radius: self.smoothing() };
@@ -305,8 +319,8 @@ impl NearHit {
         }
     }
 
-    /// What a point of a mesh lacks whose stresses are recovered from samples at some places, with their weights: polynomials do not follow
-    /// the field of the patch.
+    /// Local field at a point of a mesh whose stresses are recovered from samples at some positions, with their
+    /// weights. The polynomials of the recovery cannot follow the field of the patch; the lost part is included.
     pub fn recovered(&self, x: Vec3, samples: impl Iterator<Item = (Vec3, f64)>) -> Option<LocalPoint> {
         let point = self.at(x, false)?;
         let mut lost = self.of_patch(x);
@@ -316,7 +330,7 @@ impl NearHit {
         Some(LocalPoint { lost, ..point })
     }
 
-    /// The field of the patch for 1 N less that of a wide disc on a plate, which polynomials follow, Pa.
+    /// Field of the patch minus the field of a wide disc on a plate, which polynomials can follow, for 1 N, Pa.
     fn of_patch(&self, x: Vec3) -> [f64; 6] {
         let field = self.patch.get_or_init(|| {
             let pressure = Pressure::Spread { spread: Spread::new(0.0), radius: 2.0 * self.thickness() };
@@ -332,12 +346,12 @@ impl NearHit {
         stress.cartesian(radial, inward)
     }
 
-    /// Depth below the face that is hit, m.
+    /// Depth below the impacted face, m.
     fn depth(&self, x: Vec3) -> f64 {
         0.5 * self.thickness() - self.point[self.struck].signum() * x[self.struck]
     }
 
-    /// Unit vectors away from the line of the force, and into the body.
+    /// Unit vectors radially away from the line of the force, and into the body.
     fn directions(&self, x: Vec3) -> [Vec3; 2] {
         let mut inward = [0.0; 3];
         inward[self.struck] = -self.point[self.struck].signum();
@@ -353,19 +367,19 @@ impl NearHit {
 }
 
 impl LocalPoint {
-    /// A field along unit vectors away from the line of the force and into the body.
+    /// Local field of a point, with unit vectors radially away from the line of the force and into the body.
     pub fn new(field: PointField, radial: Vec3, inward: Vec3) -> Self {
         Self { field: Rc::new(field), radial, inward, has_ring: true, lost: [0.0; 6] }
     }
 
-    /// The same without Hertz's own field, whose ring of tension is told by itself.
+    /// The same without Hertz's own field, whose ring of tension is reported separately.
     #[must_use]
     pub fn without_ring(self) -> Self {
         Self { has_ring: false, ..self }
     }
 
-    /// Without the ring: for 1 N the coefficients of Chebyshev's polynomials of 2 (r_c/largest)² − 1, Pa, up to the largest contact
-    /// radius (m) of the field. `None` with the ring, which is no polynomial.
+    /// Coefficients for 1 N of Chebyshev's polynomials of 2 (r_c/largest)² − 1, Pa, up to the largest contact radius
+    /// (m) of the field, which is returned first. `None` with the ring, which is not a polynomial.
     pub(super) fn polynomial(&self) -> Option<(f64, Vec<[f64; 6]>)> {
         let coefficients = self.field.smooth_coefficients().map(|field| field.cartesian(self.radial, self.inward));
         let mut coefficients: Vec<[f64; 6]> = coefficients.collect();
@@ -376,7 +390,7 @@ impl LocalPoint {
         (!self.has_ring).then(|| (self.field.largest(), coefficients))
     }
 
-    /// The stresses that the contact adds, Pa.
+    /// Stresses added by the contact, Pa.
     pub fn stress(&self, contact: &ContactNow) -> [f64; 6] {
         let field = match self.has_ring {
             true => self.field.stress(contact.radius),

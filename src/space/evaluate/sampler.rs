@@ -1,4 +1,4 @@
-//! Fields of a whole body at one time, from the coordinates in which it moves.
+//! Fields of a whole body at one time, from its coordinates (unknowns or reduced coordinates).
 
 use std::rc::Rc;
 
@@ -8,39 +8,40 @@ use super::stress_map::Recovered;
 use super::{ContactNow, ContactSize, Evaluator, Grid, Kind, LocalPoint, Map, NearHit};
 use crate::space::finite_element::Nodes;
 
-/// The fields at all points of a grid, three values a point.
+/// Fields at all points of a grid, three values for each point.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Fields {
-    /// m.
+    /// Displacement, m.
     pub displacement: Vec<f64>,
-    /// m/s.
+    /// Velocity, m/s.
     pub velocity: Vec<f64>,
-    /// The largest first, Pa.
+    /// Principal stresses, the largest first, Pa.
     pub principal_stress: Vec<f64>,
 }
 
-/// A grid, and what its points do.
+/// A grid, with the maps from the coordinates of a body to the fields at its points.
 pub struct FieldSampler {
-    /// How wide the contact is.
+    /// Size of the contact area.
     pub contact: ContactSize,
     grid: Grid,
-    /// Displacements of the modelled part's points.
+    /// Displacements of the points of the modelled part.
     displacement: Map,
     stress: Stress,
-    /// What the stresses of points near the hit lack, by their numbers.
+    /// Local field at points near the impact point, by point number.
     local: Vec<(usize, LocalPoint)>,
 }
 
-/// How stresses come about.
+/// How stresses are computed.
 enum Stress {
-    /// Six forms a point.
+    /// Six forms for each point.
     Forms(Map),
-    /// Of a mesh, at each node that is no image, from the displacements of the points.
+    /// Recovery at the original nodes of a mesh (not mirror images) from the displacements of the points.
     Recovered(Recovered, Rc<Nodes>),
 }
 
 impl FieldSampler {
-    /// Of a body in its unknowns, or on a basis: vector by vector the values of all unknowns.
+    /// Sampler of a body in its unknowns or, with `basis`, in its reduced coordinates. Each basis vector holds the
+    /// values of all unknowns.
     pub fn new(evaluator: &Evaluator, contact: ContactSize, basis: Option<&[Vec<f64>]>) -> Self {
         let part = match &evaluator.kind {
             Kind::Nodes(nodes) => Self::of_nodes(nodes, evaluator.near.as_deref(), contact, basis),
@@ -52,7 +53,7 @@ impl FieldSampler {
     fn of_nodes(nodes: &Rc<Nodes>, near: Option<&NearHit>, contact: ContactSize, basis: Option<&[Vec<f64>]>) -> Self {
         let all = (0..nodes.mesh.nodes.len()).flat_map(|node| (0..3).map(move |axis| (node, axis)));
         let displacement = Map::new(all.map(|(node, axis)| nodes.displacement(node, axis)), basis);
-        // Images have the same principal values.
+        // Mirror images have the same principal stresses.
         let is_original = |node: usize| nodes.mesh.originals[node] == node;
         let recovered = Recovered::new(nodes.clone(), nodes.recovery.weights(&nodes.mesh, is_original));
         let mut local = Vec::new();
@@ -81,12 +82,12 @@ impl FieldSampler {
         Self { contact, grid, displacement, stress: Stress::Forms(stress), local }
     }
 
-    /// The grid.
+    /// Grid of the points.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
 
-    /// The fields, of the coordinates of displacement and velocity, and of the contact.
+    /// Fields for the coordinates of displacement and velocity and the state of the contact.
     pub fn fields(&self, [displacement, velocity]: [&[f64]; 2], contact: &ContactNow) -> Fields {
         let moved = self.displacement.apply(displacement);
         let mut stresses: Vec<[f64; 6]> = match &self.stress {

@@ -1,8 +1,9 @@
-//! A body's stresses near the hit, averaged over a disc.
+//! Stresses near the impact point, averaged over a disc.
 //!
-//! Cells that are fine enough for the force are coarse for the field of the pressure that presses them: at its centre plates and boxes
-//! of splines are off by some per cent. Their means over a disc are not: such a mean is as good as the force, whose own reading is one.
-//! The weight is that of a [`Spread`] point force, whose second and fourth moments are zero, so that waves pass it but for O((ξR)⁶).
+//! Cells that are fine enough for the force are coarse for the stresses under the applied pressure: at its centre,
+//! plates and boxes of splines have errors of several per cent. The means over a disc do not: such a mean is as
+//! accurate as the force, which is itself computed from a mean displacement. The weight is the density of a [`Spread`]
+//! point force, whose second and fourth moments are zero. The mean of a wave is therefore exact up to O((ξR)⁶).
 
 use std::f64::consts::PI;
 
@@ -12,15 +13,16 @@ use crate::scene::Vec3;
 
 use super::{Form, PointEvaluator};
 
-/// Points of Gauss's rule along a cell: the stresses of splines are polynomials within cells alone. With four the mean on the coarsest
-/// plates of a tolerance of 1e-2 is that of the limit to 1e-4; a rule in polar coordinates, which knows no cells, needs two thousand points for that.
+/// Number of Gauss points along a cell; stresses of splines are polynomials only within a cell. With four, the mean on
+/// the coarsest plates of a tolerance of 1e-2 differs by 1e-4 from the limit. A rule in polar coordinates, which
+/// ignores cells, needs two thousand points for that.
 const ALONG: usize = 4;
 
-/// Takes entries of the stresses' forms: component, unknown, value.
+/// Receives an entry of the forms of the stresses: component, unknown, value.
 pub type Add<'a> = dyn FnMut(usize, usize, f64) + 'a;
 
-/// The weighted mean of the stresses that the sections of a body carry, over a disc about a point along two axes. Points beyond planes of
-/// symmetry, which are those across the axes `mirrors`, count by their images.
+/// Weighted mean of the section stresses over a disc about a point along two axes. Points beyond planes of symmetry,
+/// which are normal to the axes `mirrors`, are evaluated at their mirror images.
 pub(super) fn smoothed(
     points: &dyn PointEvaluator,
     mirrors: &[usize],
@@ -35,7 +37,7 @@ pub(super) fn smoothed(
         if mirrors.contains(&axis) {
             lines.extend(cells[axis].iter().map(|x| -x));
         }
-        // Of a corner one quadrant stands for all.
+        // At a corner of the modelled part, one quadrant represents all four.
         let from = if is_corner { 0.0 } else { centre[axis] - radius };
         rule_by_cells(&lines, (from, centre[axis] + radius))
     });
@@ -50,7 +52,7 @@ pub(super) fn smoothed(
             let line: Vec<(f64, f64)> = second.iter().filter_map(of_place).collect();
             let mut place = centre;
             place[axes[0]] = *x;
-            // Of points in all quadrants shear stresses cancel.
+            // Shear stresses cancel over the four quadrants.
             points.add_normal_section_stress_along(place, axes[1], &line, &mut |component, unknown, value| {
                 if component < 3 {
                     sums[component][unknown] += value;
@@ -82,17 +84,17 @@ pub(super) fn smoothed(
     entries(sums)
 }
 
-/// The entries that are not zero.
+/// Non-zero entries.
 fn entries(sums: [Vec<f64>; 6]) -> [Form; 6] {
     sums.map(|sum| sum.into_iter().enumerate().filter(|(_, value)| *value != 0.0).collect())
 }
 
-/// The weight times R² at r²/R² < 1.
+/// Weight times R² at r²/R² < 1.
 fn density(spread: &Spread, square: f64) -> f64 {
     spread.over_hertz(square) * 1.5 / PI * (1.0 - square).sqrt()
 }
 
-/// Points with weights between two ends, by Gauss's rule on each cell between lines in any order, m.
+/// Points and weights between two ends (m), by Gauss's rule on each cell between lines, which may be in any order.
 fn rule_by_cells(lines: &[f64], (from, to): (f64, f64)) -> Vec<(f64, f64)> {
     let mut ends: Vec<f64> = lines.iter().copied().filter(|x| from < *x && *x < to).collect();
     ends.extend([from, to]);
@@ -102,7 +104,7 @@ fn rule_by_cells(lines: &[f64], (from, to): (f64, f64)) -> Vec<(f64, f64)> {
         let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
         rule.iter().map(move |(node, weight)| (middle + half * node, half * weight)).collect::<Vec<_>>()
     };
-    // Lines that stand twice make cells of no width.
+    // Repeated lines make cells of zero width.
     ends.windows(2).filter(|pair| pair[1] - pair[0] > 1e-9 * (to - from)).flat_map(of_cell).collect()
 }
 
@@ -110,8 +112,8 @@ fn rule_by_cells(lines: &[f64], (from, to): (f64, f64)) -> Vec<(f64, f64)> {
 mod tests {
     use super::*;
 
-    /// The rule's weights sum to one, and the moments of r² and r⁴ vanish, as those of a point force do, on cells that the disc's edge cuts
-    /// anywhere: to what the weight's second derivative, which jumps there, leaves.
+    /// The weights sum to one, and the moments of r² and r⁴ vanish as for a point force, wherever the edge of the disc
+    /// cuts the cells. The remaining error is due to the second derivative of the weight, which jumps at the edge.
     #[test]
     fn moments_of_the_weight() {
         let spread = Spread::new(0.0);

@@ -1,4 +1,4 @@
-//! Stresses at many points, from the coordinates in which a body moves.
+//! Stresses at many points as functions of the coordinates of a body (unknowns or reduced coordinates).
 
 use std::rc::Rc;
 
@@ -7,35 +7,35 @@ use crate::space::finite_element::Nodes;
 
 use super::{Form, LineStresses, Map};
 
-/// Stresses at points, some components each, linear in a body's coordinates.
+/// Stresses at points, several components each, linear in the coordinates of a body.
 #[derive(Clone)]
 pub enum StressMap {
-    /// By forms, a component each.
+    /// A linear form for each component.
     Forms {
-        /// The forms, point by point.
+        /// Forms, point by point.
         map: Map,
-        /// How many a point has.
+        /// Number of components of a point.
         components: usize,
     },
-    /// Three components along a face at the crossings of lines on it.
+    /// Three in-plane components at the crossings of lines on a face.
     Lines(LineStresses),
     /// Six components at nodes of a mesh whose unknowns are the coordinates.
     Recovered(Rc<Recovered>),
 }
 
-/// Recovery at some nodes of a mesh, from samples in the cells about them.
+/// Stress recovery at some nodes of a mesh, from samples in the surrounding cells.
 pub struct Recovered {
     nodes: Rc<Nodes>,
-    /// Weights of the samples at each node, which are numbered by `cells`.
+    /// Weights of the samples at each node. Samples are numbered by their position in `cells`.
     weights: Vec<Form>,
-    /// Cells whose samples have weights, ascending.
+    /// Cells whose samples are used, ascending.
     cells: Vec<usize>,
-    /// Gradients of the shape functions, cell by cell, sample by sample, node by node, 1/m.
+    /// Gradients of the shape functions, by cell, then sample, then node, 1/m.
     gradients: Vec<Vec3>,
 }
 
 impl Recovered {
-    /// At some nodes, in their order.
+    /// Recovery at some nodes, in the given order.
     pub fn at(nodes: &Rc<Nodes>, wanted: &[usize]) -> Self {
         let mut is_wanted = vec![false; nodes.mesh.nodes.len()];
         wanted.iter().for_each(|&node| is_wanted[node] = true);
@@ -43,7 +43,8 @@ impl Recovered {
         Self::new(nodes.clone(), wanted.iter().map(|&node| std::mem::take(&mut weights[node])).collect())
     }
 
-    /// Of all nodes, or of those whose weights of all samples are given ([`crate::space::finite_element::Recovery::weights`]).
+    /// Recovery with given weights of the samples of all cells for each node
+    /// ([`crate::space::finite_element::Recovery::weights`]).
     pub fn new(nodes: Rc<Nodes>, mut weights: Vec<Form>) -> Self {
         let each = nodes.recovery.samples_each();
         let mut cells: Vec<usize> = weights.iter().flatten().map(|(sample, _)| sample / each).collect();
@@ -59,14 +60,14 @@ impl Recovered {
         Self { nodes, weights, cells, gradients }
     }
 
-    /// The places of the samples that the stresses at a node are made of, m, with their weights.
+    /// Positions (m) and weights of the samples from which the stresses at a node are recovered.
     pub fn samples(&self, number: usize) -> impl Iterator<Item = (Vec3, f64)> {
         let (recovery, each) = (&self.nodes.recovery, self.nodes.recovery.samples_each());
         let place = move |sample: usize| recovery.place(self.cells[sample / each] * each + sample % each);
         self.weights[number].iter().map(move |(sample, weight)| (place(*sample), *weight))
     }
 
-    /// The stresses, of the displacement along an axis at a node, m.
+    /// Recovered stresses, Pa. `displacement` returns the displacement (m) of a node along an axis.
     pub fn stresses(&self, displacement: impl Fn(usize, usize) -> f64) -> Vec<[f64; 6]> {
         let (mesh, each) = (&self.nodes.mesh, self.nodes.recovery.samples_each());
         let mut sampled = Vec::with_capacity(each * self.cells.len());
@@ -94,7 +95,7 @@ impl Recovered {
 }
 
 impl StressMap {
-    /// Recovered stresses on a basis: vector by vector the values of all unknowns.
+    /// Recovered stresses projected onto a basis. Each basis vector holds the values of all unknowns.
     pub fn on_basis(recovered: &Recovered, basis: &[Vec<f64>]) -> Self {
         let mesh = &recovered.nodes.mesh;
         let columns: Vec<Vec<[f64; 6]>> =
@@ -103,7 +104,7 @@ impl StressMap {
         Self::Forms { map: Map::Dense(basis.len(), entries.collect()), components: 6 }
     }
 
-    /// How many components a point has.
+    /// Number of components of a point.
     pub fn components(&self) -> usize {
         match self {
             Self::Forms { components, .. } => *components,
@@ -112,7 +113,7 @@ impl StressMap {
         }
     }
 
-    /// The stresses at all points, one after the other.
+    /// Stresses at all points, point by point.
     pub fn apply(&self, coordinates: &[f64]) -> Vec<f64> {
         match self {
             Self::Forms { map, .. } => map.apply(coordinates),

@@ -1,35 +1,36 @@
-//! The largest tension over time at each point of the faces.
+//! Largest tension over time at each point of the faces.
 
-/// Tensions at the points of all faces, face by face: of one step, or the largest of many.
+/// Tensions at the points of all faces, face by face: of one step, or the largest of many steps.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TensionMap {
-    /// Pa; −∞ at a point that is not read. Single precision is enough for a map: what a strength is held against is read in double.
+    /// Tension, Pa; −∞ at a point that is left out. Single precision suffices for a map; values compared with a
+    /// strength are kept in double precision.
     pub tension: Vec<f32>,
-    /// When, s: one for each point, or one for all.
+    /// Time of the tension, s: one for each point, or one for all.
     pub time: Vec<f64>,
 }
 
 impl TensionMap {
-    /// Of the tensions (Pa) at one time, s.
+    /// Tensions (Pa) at one time, s.
     pub fn of_step(tension: Vec<f32>, time: f64) -> Self {
         Self { tension, time: vec![time] }
     }
 
-    /// Of many steps: the largest tension at each point (Pa) with its time, s.
+    /// Largest tension of many steps at each point (Pa), with its time, s.
     ///
     /// # Panics
-    /// If there are not as many times as tensions.
+    /// If the numbers of times and tensions differ.
     pub fn of_steps(tension: Vec<f32>, time: Vec<f64>) -> Self {
         assert_eq!(tension.len(), time.len(), "each tension has a time");
         Self { tension, time }
     }
 
-    /// When the tension at a point was reached, s.
+    /// Time at which the tension at a point was reached, s.
     pub fn time_at(&self, point: usize) -> f64 {
         if self.time.len() == 1 { self.time[0] } else { self.time[point] }
     }
 
-    /// Takes later steps: the tensions that are larger replace those that are there, which keep their times otherwise.
+    /// Includes later steps: larger tensions and their times replace the present ones.
     pub fn take(&mut self, later: &Self) {
         if later.tension.is_empty() {
             return;
@@ -53,7 +54,8 @@ impl TensionMap {
 mod tests {
     use super::TensionMap;
 
-    /// Steps one by one give what the steps together do; equal tensions keep the earlier time, and what is no number is nothing.
+    /// Step by step, the result is the same as for all steps together. Equal tensions keep the earlier time, and NaN is
+    /// ignored.
     #[test]
     fn larger_tensions_replace_smaller_ones() {
         let mut map = TensionMap::default();

@@ -1,4 +1,4 @@
-//! One loop that hands the kernels' blocks to a sink, and the sparsity of what they add up to.
+//! Loop that passes element blocks from a kernel to a sink, and the sparsity pattern of their sum.
 
 use petsc_wrap::{Comm, Insert, Int, Matrix, Vector};
 
@@ -6,24 +6,25 @@ use crate::error::Result;
 use crate::form::Tangled;
 use crate::mesh::{Elements, mean};
 
-/// The unknowns of an element's nodes, node-major: 3·node + component.
+/// Unknowns of the nodes of an element, ordered by node: 3·node + component.
 pub fn unknowns(nodes: &[Int], out: &mut Vec<Int>) {
     out.clear();
     out.extend(nodes.iter().flat_map(|node| [3 * node, 3 * node + 1, 3 * node + 2]));
 }
 
-/// Why an assembly stopped.
+/// Reason why an assembly stopped.
 pub enum Stopped {
-    /// A cell is tangled; its centre, m.
+    /// A cell is tangled (inverted); its centre, m.
     Tangled([f64; 3]),
     /// The sink failed.
     Sink(crate::Error),
 }
 
-/// For each chosen element: the kernel's dense block (`size` values), handed with the element's unknowns to the sink.
+/// Calls `kernel` for each chosen element, and passes its dense block (`size` values) with the unknowns of the element
+/// to `sink`.
 ///
-/// The kernel gets the element's index and vertex coordinates and overwrites the block; a block of (3n)² values is a
-/// matrix by rows, one of 3n a vector.
+/// The kernel receives the index and the vertex coordinates of the element and overwrites the block. A block of (3n)²
+/// values is a row-major matrix; a block of 3n values is a vector.
 pub fn assemble(
     elements: &Elements,
     chosen: impl IntoIterator<Item = usize>,
@@ -42,24 +43,24 @@ pub fn assemble(
     Ok(())
 }
 
-/// A sink that adds to a matrix by `MatSetValues`.
+/// Sink that adds blocks to a matrix by `MatSetValues`.
 pub fn into_matrix(matrix: &mut Matrix) -> impl FnMut(&[Int], &[f64]) -> Result<()> {
     |indices, block| Ok(matrix.set_values(indices, indices, block, Insert::Add)?)
 }
 
-/// A sink that adds to a vector.
+/// Sink that adds blocks to a vector.
 pub fn into_vector(vector: &mut Vector) -> impl FnMut(&[Int], &[f64]) -> Result<()> {
     |indices, block| Ok(vector.set_values(indices, block, Insert::Add)?)
 }
 
-/// A matrix of zeros with an entry wherever unknowns of two nodes of a chosen element meet; `owned` nodes are this rank's.
-/// Collective.
+/// Matrix of zeros with an entry for each pair of unknowns of nodes that share a chosen element. `owned` is the number
+/// of nodes of this rank. Collective.
 ///
-/// The pattern is found for nodes, a ninth of its entries. The zeros stand in order before the first value comes, so that adding an
-/// element's block moves nothing.
+/// The sparsity pattern is computed for nodes, with a ninth of the entries. The zeros are stored in order before the
+/// first value is added, so that adding an element's block moves no entries.
 ///
 /// # Errors
-/// PETSc's.
+/// If a PETSc call fails.
 pub fn zeros(
     comm: &Comm,
     owned: usize,
@@ -72,7 +73,8 @@ pub fn zeros(
     Ok(matrix)
 }
 
-/// A node matrix as one that acts on each of three components alike, with room for entries that couple them: the rows of this rank.
+/// Expansion of a node matrix to a matrix that acts on each of three components alike, with stored entries for their
+/// coupling. Holds the rows of this rank.
 pub(super) struct Components {
     comm: Comm,
     offsets: Vec<Int>,
@@ -81,10 +83,10 @@ pub(super) struct Components {
 }
 
 impl Components {
-    /// Of a matrix with a row a node.
+    /// Expansion of a matrix with one row for each node.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn new(graph: &Matrix) -> Result<Self> {
         let mut count = 0;
         for node in graph.row_range() {
@@ -107,29 +109,30 @@ impl Components {
         Ok(Self { comm: graph.comm().clone(), offsets, columns, values })
     }
 
-    /// Its pattern alone. Collective.
+    /// Matrix of zeros with the sparsity pattern of the expansion. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn zeros(&self) -> Result<Matrix> {
         let mut matrix = Matrix::csr(&self.comm, &self.offsets, &self.columns, &vec![0.0; self.values.len()])?;
         matrix.set_block_size(3)?;
         Ok(matrix)
     }
 
-    /// It, like a matrix of its pattern. Collective.
+    /// Matrix of the expansion, which shares the sparsity pattern of `other`. Collective.
     ///
     /// # Errors
-    /// PETSc's.
+    /// If a PETSc call fails.
     pub fn like(&self, other: &Matrix) -> Result<Matrix> {
         Ok(other.with_values(&self.offsets, &self.columns, &self.values)?)
     }
 }
 
-/// A matrix of zeros with a row a node and an entry wherever two nodes share a chosen element. Collective.
+/// Matrix of zeros with one row for each node, and an entry for each pair of nodes that share a chosen element.
+/// Collective.
 ///
 /// # Errors
-/// PETSc's.
+/// If a PETSc call fails.
 pub(super) fn node_graph(
     comm: &Comm,
     owned: usize,

@@ -1,4 +1,4 @@
-//! Unknowns that clamps (2) and planes of symmetry hold.
+//! Unknowns constrained by clamps (2) and planes of symmetry.
 
 use petsc_wrap::{Insert, Int, Vector};
 
@@ -8,11 +8,11 @@ use crate::error::Result;
 use crate::mesh::Mesh;
 use crate::scene::Vec3;
 
-/// The unknowns of clamps and of planes of symmetry, with ū a function of the node's reference position; where two clamps hold one
-/// unknown, the later one's ū stands. Collective.
+/// Unknowns constrained by clamps and planes of symmetry. The prescribed displacement ū is a function of the reference
+/// position of the node. If two clamps constrain an unknown, the later one applies. Collective.
 ///
 /// # Errors
-/// PETSc's.
+/// If a PETSc call fails.
 pub fn held(mesh: &Mesh, clamps: &[Clamp], value: impl Fn(&Clamp, Vec3) -> Vec3) -> Result<Clamps> {
     let mut free = Vector::new(&mesh.comm, 3 * mesh.owned_nodes)?;
     free.fill(1.0)?;

@@ -1,4 +1,4 @@
-//! The facets of a mesh as elements of its surface.
+//! Facets of a mesh as elements of its surface.
 
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
@@ -16,29 +16,31 @@ use crate::scene::Vec3;
 use crate::space::clip::{AreaPoint, Clipped, clip, normal};
 use crate::space::{Add, Space, Visit};
 
-/// Quadrature on facets of one shape with elements of one order.
+/// Quadrature rule on facets of one shape, with elements of one order.
 pub struct FacetRule {
     element: Element,
-    /// A rule of degree 2·order: exact on triangles and parallelograms. Of order 2, that on triangles has six points.
+    /// Rule of degree 2·order, which is exact on triangles and parallelograms. For order 2 it has six points on
+    /// triangles.
     table: Table,
     degree: usize,
 }
 
 impl FacetRule {
-    /// For a facet's shape and an order of 1 or 2.
+    /// Rule for a shape of facets and an order of 1 or 2.
     pub fn new(shape: Shape, order: usize) -> Self {
         let (element, degree) = (Element::new(shape, order), 2 * order);
         Self { table: Table::new(&element, &Quadrature::exact(shape, degree)), element, degree }
     }
 
-    /// Three unknowns a node, node by node, and no points.
+    /// Element with three unknowns for each node, node by node, and without quadrature points.
     fn without_points(&self) -> SurfaceElement {
         let unknowns = 3 * self.element.nodes();
         let of_component = [0, 1, 2].map(|component| (component..unknowns).step_by(3).collect());
         SurfaceElement { unknowns, of_component, points: Vec::new() }
     }
 
-    /// What an extent of space has of a facet with these vertices (m): three unknowns a node, node by node.
+    /// Element of the portion of a facet with these vertices (m) within an extent of space. It has three unknowns for
+    /// each node, node by node.
     pub fn element(&self, x: &[Vec3], extent: &Extent) -> SurfaceElement {
         let mut element = self.without_points();
         self.fill(x, extent, &mut element.points);
@@ -67,20 +69,20 @@ impl FacetRule {
     }
 }
 
-/// A mesh whose facets are integrated over.
+/// A mesh as a space: integrals are taken over its cells and facets.
 pub struct FiniteElements<'a> {
     mesh: &'a Mesh,
     rule: FacetRule,
 }
 
 impl<'a> FiniteElements<'a> {
-    /// On a mesh.
+    /// Space on a mesh.
     pub fn new(mesh: &'a Mesh) -> Self {
         Self { mesh, rule: FacetRule::new(mesh.facets.shape, mesh.facets.order) }
     }
 }
 
-/// The same values for all three components.
+/// Sets a quadrature point; the shape functions of all three components are the same.
 fn set(point: &mut SurfacePoint, position: Vec3, area: f64, values: &[f64]) {
     (point.position, point.area) = (position, area);
     for shape in &mut point.shape {
@@ -89,7 +91,7 @@ fn set(point: &mut SurfacePoint, position: Vec3, area: f64, values: &[f64]) {
     }
 }
 
-/// A facet in its plane.
+/// A facet projected onto its plane.
 struct Projected {
     origin: Vector3<f64>,
     axes: [Vector3<f64>; 2],

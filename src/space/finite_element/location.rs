@@ -1,4 +1,4 @@
-//! Where the impactor hits a mesh, and the vector a there.
+//! Impact point on a mesh, and the localisation vector a there.
 
 use petsc_wrap::{Insert, Int, Vector};
 
@@ -8,7 +8,7 @@ use crate::mesh::{Mesh, Site};
 use crate::scene::{Fault, Impactor, Vec3};
 
 impl Localization {
-    /// The vector with a weight by node, ascending, times the direction. Collective.
+    /// Localisation with weights by ascending node, times the direction. Collective.
     pub(super) fn of_nodes(mesh: &Mesh, weights: &[(Int, f64)], direction: Vec3) -> Result<Self> {
         let entries: Vec<(Int, f64)> = weights
             .iter()
@@ -27,14 +27,14 @@ impl Localization {
     }
 }
 
-/// Where the impactor hits. Collective.
+/// Location of the impact point on the mesh. Collective.
 ///
 /// # Errors
-/// A fault of the scene where the point is off the surface or the direction leads out of the body.
+/// A fault of the scene, if the point is off the surface or the direction leads out of the body.
 pub(super) fn site(mesh: &Mesh, impactor: &Impactor) -> Result<Site> {
     let direction = impactor.direction;
     let site = mesh.locate(impactor.point, direction);
-    // Far above rounding, far below any cell.
+    // This tolerance is far above rounding errors and far below the size of any cell.
     if site.distance > 1e-6 * mesh.diameter {
         let [x, y, z] = site.x;
         return Err(Fault::new(

@@ -1,4 +1,4 @@
-//! Lumped mass and damping of a body: diagonals, for steps that solve nothing.
+//! Lumped mass and damping matrices of a body: diagonal matrices, for explicit time steps without a linear solve.
 
 use petsc_wrap::Vector;
 
@@ -14,13 +14,13 @@ use crate::scene::Vec3;
 use crate::space::{Add, Space};
 
 impl Lumped {
-    /// Sums the cells' and facets' lumped matrices ([`lump`]). Collective.
+    /// Sums the lumped matrices of cells and facets ([`lump`]). Collective.
     ///
     /// # Errors
-    /// A fault of the mesh, a tangled cell; PETSc's.
+    /// A fault of the mesh, if a cell is tangled (inverted). If a PETSc call fails.
     ///
     /// # Panics
-    /// When the mesh has not the surfaces that the description names: building a [`Body`](crate::body::Body) finds that out.
+    /// If the mesh lacks a surface that the description names. Building a [`Body`](crate::body::Body) checks this.
     pub fn new(description: &Description, mesh: &Mesh) -> Result<Self> {
         Ok(Self { mass: mass(&description.parts, mesh)?, damping: damping(description, mesh)? })
     }

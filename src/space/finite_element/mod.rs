@@ -1,6 +1,6 @@
-//! Finite elements on a mesh: three unknowns a node, distributed over the ranks.
+//! Finite elements on a mesh, with three unknowns for each node, distributed over the ranks.
 //!
-//! P1, P2, Q1 and Q2 on DMPlex, the space of the paper.
+//! Elements P1, P2, Q1 and Q2 on DMPlex: the discretisation of the paper.
 
 mod assembly;
 mod clamps;
@@ -35,11 +35,11 @@ use assembly::{Components, node_graph};
 use volume::{distortion, mass_by_node, stiffness};
 
 impl Body {
-    /// Assembles a scene's body of solid elements, three unknowns a node. Collective.
+    /// Assembles a scene's body of solid elements, with three unknowns for each node. Collective.
     ///
     /// # Errors
-    /// A fault of the scene that shows only on the mesh: a surface that is not there, a tangled cell, an impact point
-    /// off the body. PETSc's.
+    /// A fault of the scene that can only be detected on the mesh: a missing surface, a tangled (inverted) cell, or an
+    /// impact point off the surface. If a PETSc call fails.
     pub fn solid(scene: &Scene, mesh: &Mesh) -> Result<Self> {
         check_surfaces(scene, mesh)?;
         let localization = match scene.contact {
@@ -106,27 +106,29 @@ impl Body {
     }
 }
 
-/// Unknowns from which on a factor takes more memory and time than iterations do.
+/// Number of unknowns from which a Cholesky factor needs more memory and time than iterations.
 const LARGE: usize = 300_000;
 
-/// Where iterations stop, as a part of the tolerance, in steps of a hundredth of a contact or larger.
-const OF_TOLERANCE: f64 = 1e-4;
+/// Relative tolerance of the iterations divided by the tolerance of the scene, for time steps of at least a hundredth
+/// of the contact duration.
+const SOLVER_TOLERANCE_FACTOR: f64 = 1e-4;
 
-/// How a body of so many unknowns is solved.
+/// Solution method for a body with a given number of unknowns.
 fn method(scene: &Scene, unknowns: usize) -> Method {
     if unknowns < LARGE { Method::Cholesky } else { by_iterations(scene) }
 }
 
-/// How a body too large for a factor is solved. What iterations leave is a part of what a step moves, and adds up over a contact's steps:
-/// the more there are, the less may be left.
+/// Solution method of a body too large for a factor. The iteration error of a step is a fraction of the displacement in
+/// the step, and accumulates over the steps of a contact. With more steps, the tolerance must therefore be smaller.
 pub fn by_iterations(scene: &Scene) -> Method {
     let impactor = &scene.impactor;
     let contact = impactor.contact_time();
     let part = scene.time.step.map_or(1.0, |step| (100.0 * step / contact).min(1.0));
-    Method::Multigrid { tolerance: OF_TOLERANCE * part * scene.tolerance }
+    Method::Multigrid { tolerance: SOLVER_TOLERANCE_FACTOR * part * scene.tolerance }
 }
 
-/// Translations and rotations: what K maps to nothing, or to little where supports are soft or clamped parts few. Collective.
+/// Translations and rotations: the null space of K, or near null space if supports are soft or clamped parts small.
+/// Collective.
 fn rigid_motions(mesh: &Mesh, nodes: &[Vec3]) -> Result<NullSpace> {
     let mut coordinates = Vector::new(&mesh.comm, 3 * nodes.len())?;
     coordinates.write()?.copy_from_slice(nodes.as_flattened());
@@ -135,7 +137,7 @@ fn rigid_motions(mesh: &Mesh, nodes: &[Vec3]) -> Result<NullSpace> {
     Ok(motions)
 }
 
-/// By where the nodes lie, not by their numbers.
+/// Random normal deviates for each unknown, which depend on the position of the node, not on its number.
 fn deviates_of_nodes(mesh: &Mesh) -> Result<Vector> {
     let mut deviates = Vector::new(&mesh.comm, 3 * mesh.owned_nodes)?;
     for cell in 0..mesh.cells.len() {
@@ -149,7 +151,7 @@ fn deviates_of_nodes(mesh: &Mesh) -> Result<Vector> {
     Ok(deviates)
 }
 
-/// Every surface that the scene names must be one of the mesh.
+/// Checks that the mesh has every surface that the scene names.
 fn check_surfaces(scene: &Scene, mesh: &Mesh) -> Result<()> {
     let supports = scene.supports.iter().enumerate().map(|(i, s)| (format!("support.{i}.surface"), &s.surface));
     let tractions =
@@ -171,7 +173,7 @@ fn check_surfaces(scene: &Scene, mesh: &Mesh) -> Result<()> {
     Ok(())
 }
 
-/// Every part of a surface that the scene names must have an area. Collective.
+/// Checks that every part of a surface that the scene names has a non-zero area. Collective.
 fn check_parts(scene: &Scene, space: &FiniteElements) -> Result<()> {
     let supports = scene.supports.iter().enumerate().map(|(i, s)| (format!("support.{i}"), &s.surface, s.within));
     let tractions = scene.load.traction.iter().enumerate();
@@ -192,7 +194,7 @@ fn check_parts(scene: &Scene, space: &FiniteElements) -> Result<()> {
     Ok(())
 }
 
-/// d at every node.
+/// Vector with the direction d at every node.
 fn translation(mesh: &Mesh, direction: Vec3) -> Result<Vector> {
     let mut vector = Vector::new(&mesh.comm, 3 * mesh.owned_nodes)?;
     for node in vector.write()?.chunks_exact_mut(3) {

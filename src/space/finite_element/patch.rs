@@ -1,8 +1,8 @@
-//! Localisation by a patch: the contact force as Hertz's pressure over a disc of the surface.
+//! Localisation by a patch: the contact force is Hertz's pressure over a disc of the surface.
 //!
-//! The disc lies in the plane normal to the surface at the impact point, and the surface is projected onto it. The
-//! same vector a loads and reads, so that energy and momentum stay exact; what an elastic half-space would yield
-//! under the patch belongs to Hertz's law, and is taken out of it by c_l.
+//! The disc lies in the tangent plane of the surface at the impact point, and the surface is projected onto it. The
+//! same vector a applies the load and defines the displacement, so that energy and momentum balances are exact. The
+//! compliance of an elastic half-space under the patch is already contained in Hertz's law, and is subtracted by c_l.
 
 use std::collections::BTreeMap;
 
@@ -16,23 +16,24 @@ use crate::form::PressureForms;
 use crate::mesh::{Mesh, Site};
 use crate::scene::{Fault, Scene, Vec3};
 
-/// Where the scene gives the radius.
+/// Key of the radius in a scene.
 const KEY: &str = "contact.patch_radius";
 
-/// What may be missing of the total of a patch: far above the quadrature's error.
+/// Tolerated deviation of the total of a patch from 1, far above the quadrature error.
 const MISSING: f64 = 1e-10;
 
-/// By how much a patch is made smaller until it has room.
+/// Factor by which a patch is repeatedly reduced until it fits on the surface.
 const SMALLER: f64 = 0.8;
 
 impl Localization {
-    /// The consistent load vector of Hertz's pressure with total 1 over a disc around the impact point, times the
-    /// direction of travel. Without a radius (m) one is chosen for the thickness, the cells and the contact, and made
-    /// smaller until it has room on the surface. Collective.
+    /// Consistent load vector of Hertz's pressure with total 1 over a disc around the impact point, times the direction
+    /// of travel. Without a given radius (m), a radius is chosen from the thickness, the cells and the contact, and
+    /// reduced until the disc fits on the surface. Collective.
     ///
     /// # Errors
-    /// A fault of the scene where the point is off the surface, the direction leads out of the body, the patch
-    /// reaches past the surface, or the contact law would soften to nothing even on a thin plate; PETSc's.
+    /// A fault of the scene, if the point is off the surface, if the direction leads out of the body, if the patch
+    /// extends beyond the surface, or if the contact stiffness would vanish even on a thin plate. If a PETSc call
+    /// fails.
     pub fn patch(mesh: &Mesh, scene: &Scene, radius: Option<f64>) -> Result<Self> {
         let (struck, impactor) = (scene.body.struck(), &scene.impactor);
         let site = site(mesh, impactor)?;
@@ -56,7 +57,7 @@ impl Localization {
     }
 }
 
-/// Weights of a patch whose radius the scene gives. Collective.
+/// Weights of a patch whose radius the scene prescribes. Collective.
 fn weights_of_given(mesh: &Mesh, axes: &Axes, radius: f64, least: f64) -> Result<Vec<(Int, f64)>> {
     if radius < least {
         let message = format!(
@@ -78,13 +79,13 @@ fn weights_of_given(mesh: &Mesh, axes: &Axes, radius: f64, least: f64) -> Result
     Err(Fault::new(KEY, message, help).into())
 }
 
-/// The patch, or the first smaller one that has room, and its weights. Collective.
+/// The patch, or the first smaller one that fits on the surface, and its weights. Collective.
 fn fit(mesh: &Mesh, axes: &Axes, mut patch: Patch, least: f64) -> Result<(Patch, Vec<(Int, f64)>)> {
     // No patch is wider than the body.
     if patch.radius > mesh.diameter {
         patch = patch.cut_to(mesh.diameter);
     }
-    // Where no radius is too small, an impact on the very edge of the surface ends it.
+    // If no radius is too small, this bound ends the loop for an impact on the very edge of the surface.
     while patch.radius >= least.max(1e-6 * mesh.diameter) {
         let (weights, share) = weights(mesh, axes, patch.radius);
         if is_whole(share) {
@@ -105,7 +106,7 @@ fn is_whole(share: f64) -> bool {
     (share - 1.0).abs() < MISSING
 }
 
-/// Coordinates about the impact point: two in the plane of the patch, and the outward normal.
+/// Coordinate axes at the impact point: two in the plane of the patch, and the outward normal.
 struct Axes {
     origin: Vector3<f64>,
     axes: [Vector3<f64>; 3],
@@ -126,11 +127,11 @@ impl Axes {
     }
 }
 
-/// ∫ p φ dA by node, ascending, where it is not zero, over its sum; and that sum as a part of what it would be with
-/// the whole patch on the surface. The same on all ranks. Collective.
+/// Non-zero weights ∫ p φ dA by ascending node, divided by their sum; and the ratio of this sum to its value for a
+/// patch that lies entirely on the surface. The same on all ranks. Collective.
 ///
-/// Facets farther from the plane than the patch is wide are of another part of the surface. On a quarter of the body
-/// a quarter of the patch carries a quarter of the force: the sum is 1 all the same.
+/// Facets farther from the plane than the radius of the patch belong to another part of the surface. On a quarter of
+/// the body, a quarter of the patch carries a quarter of the force; the weights still sum to 1.
 fn weights(mesh: &Mesh, axes: &Axes, radius: f64) -> (Vec<(Int, f64)>, f64) {
     let facets = &mesh.facets;
     let forms = PressureForms::new(facets.shape, facets.order);

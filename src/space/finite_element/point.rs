@@ -1,4 +1,4 @@
-//! The paper's localisation: the contact force at one point of the surface.
+//! Localisation of the paper: the contact force acts at one point of the surface.
 
 use petsc_wrap::Int;
 
@@ -10,10 +10,11 @@ use crate::scene::Impactor;
 
 impl Localization {
     /// Shape functions at the impact point times the direction of travel: one entry for each node of the facet that
-    /// holds the point and each component of the direction. Collective.
+    /// contains the point, and for each component of the direction. Collective.
     ///
     /// # Errors
-    /// A fault of the scene where the point is off the surface or the direction leads out of the body; PETSc's.
+    /// A fault of the scene, if the point is off the surface or the direction leads out of the body. If a PETSc call
+    /// fails.
     pub fn point(mesh: &Mesh, impactor: &Impactor) -> Result<Self> {
         let site = site(mesh, impactor)?;
         let mut weights: Vec<(Int, f64)> = site.nodes.into_iter().zip(site.weights).collect();

@@ -1,4 +1,4 @@
-//! A mesh of solid elements, read at its points.
+//! Displacements and stresses at points of a mesh of solid elements.
 
 use crate::form::Material;
 use crate::mesh::Whole;
@@ -7,30 +7,31 @@ use crate::scene::Vec3;
 use super::Recovery;
 use crate::space::evaluate::{Form, Forms, add, summed};
 
-/// A mesh and what recovers its stresses.
+/// A mesh, with the stress recovery at its nodes.
 pub struct Nodes {
-    /// The mesh, with the images of a quarter.
+    /// The mesh; for a quarter, with its mirror images.
     pub mesh: Whole,
-    /// What recovers stresses at its nodes.
+    /// Stress recovery at its nodes.
     pub recovery: Recovery,
-    /// Hooke's law of each part of the body: stresses over ∂u_i/∂x_j. Of a relaxing part it is that at t → 0.
+    /// Hooke's law of each part of the body: stresses as functions of ∂u_i/∂x_j. For viscoelastic parts, at t → 0.
     laws: Vec<[[f64; 9]; 6]>,
 }
 
 impl Nodes {
-    /// Of a mesh, with the elastic constants of each part of the body.
+    /// Evaluator of a mesh, with the elastic constants of each part of the body.
     pub fn new(mesh: Whole, parts: &[Material]) -> Self {
         let stiffness: Vec<f64> = parts.iter().map(|part| part.young).collect();
         let laws = parts.iter().map(Material::stress_of_gradient).collect();
         Self { recovery: Recovery::new(&mesh, &stiffness), mesh, laws }
     }
 
-    /// The displacement along an axis at a node.
+    /// Displacement of a node along an axis, as a form.
     pub fn displacement(&self, node: usize, axis: usize) -> Form {
         vec![(3 * self.mesh.numbers[node] as usize + axis, self.mesh.signs[node][axis])]
     }
 
-    /// The forms at a point, and the places of the samples that its stresses are made of, with their weights; `None` outside of the mesh.
+    /// Forms at a point, with the positions and weights of the samples from which its stresses are recovered; `None`
+    /// outside the mesh.
     pub fn at(&self, point: Vec3) -> Option<(Forms, Vec<(Vec3, f64)>)> {
         let (cell, values) = self.mesh.locate(point)?;
         let nodes = self.mesh.cell(cell);
@@ -61,7 +62,7 @@ impl Nodes {
         Some((forms, places))
     }
 
-    /// The stress of a gradient of the displacement in a cell, entry 3i + j being ∂u_i/∂x_j.
+    /// Stresses for a displacement gradient in a cell; entry 3i + j is ∂u_i/∂x_j.
     pub fn stress(&self, cell: usize, gradient: &[f64; 9]) -> [f64; 6] {
         self.laws[self.mesh.parts_of_cells[cell]].map(|row| row.iter().zip(gradient).map(|(a, b)| a * b).sum())
     }

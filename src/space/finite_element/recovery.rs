@@ -1,10 +1,11 @@
-//! Stresses at the nodes of a mesh: superconvergent patch recovery (O. C. Zienkiewicz & J. Z. Zhu, The superconvergent patch recovery
-//! and a posteriori error estimates, part 1, Int. J. Numer. Methods Eng. 33, 1992).
+//! Stresses at the nodes of a mesh by superconvergent patch recovery (O. C. Zienkiewicz & J. Z. Zhu, The
+//! superconvergent patch recovery and a posteriori error estimates, part 1, Int. J. Numer. Methods Eng. 33, 1992).
 //!
-//! About each vertex a polynomial of the elements' order is fitted by least squares to the stresses at Gauss points of the cells that
-//! meet there, and taken at the vertex; at a node between vertices the mean of theirs is. A patch of few cells, as at an edge of the
-//! body, takes the neighbours of its cells too. Terms that its points do not tell apart from lower ones, as z² in a single layer of
-//! cells, are left out.
+//! Around each vertex, a polynomial of the order of the elements is fitted by least squares to the stresses at Gauss
+//! points of the adjacent cells. The stress at the vertex is the value of this polynomial. At a node between vertices,
+//! it is the mean of the values of their polynomials. A patch of few cells, for example at an edge of the body, is
+//! extended by the neighbours of its cells. Terms that cannot be distinguished from lower ones at the samples, such as
+//! z² in a single layer of cells, are left out.
 
 use std::collections::BTreeSet;
 
@@ -14,28 +15,30 @@ use crate::scene::Vec3;
 
 use crate::space::evaluate::{Form, summed};
 
-/// Samples of a patch over the terms of its polynomial, at least.
-const ENOUGH: usize = 2;
+/// Smallest ratio of the number of samples of a patch to the number of terms of its polynomial.
+const LEAST_SAMPLES_PER_TERM: usize = 2;
 
-/// What is left of a term at the samples without the lower terms, over the term itself, from which it counts.
+/// Smallest norm at the samples of a term without its components along lower terms, divided by the norm of the term,
+/// for which the term is used.
 const INDEPENDENT: f64 = 0.02;
 
-/// A mesh with the points at which stresses are sampled.
+/// Stress recovery on a mesh, with the points at which stresses are sampled.
 pub struct Recovery {
     /// Gradients of the shape functions at the samples of a cell.
     table: Table,
-    /// Where all samples are, m.
+    /// Positions of all samples, m.
     places: Vec<Vec3>,
-    /// Cells about each vertex; none about other nodes.
+    /// Cells around each vertex; empty for other nodes.
     about: Vec<Vec<usize>>,
-    /// Vertices whose mean each node is.
+    /// Vertices whose polynomials are averaged at each node.
     vertices: Vec<Vec<usize>>,
 }
 
 impl Recovery {
-    /// Of a mesh: 2³ Gauss points in a hexahedron, in a tetrahedron its middle (order 1) or four points (order 2). Stresses jump between
-    /// materials: a patch has cells of one part of the body, about a vertex between two of them those of the stiffer part. `stiffness` is each
-    /// part's, Pa.
+    /// Recovery on a mesh. A hexahedron has 2³ Gauss points as samples; a tetrahedron has its centroid (order 1) or
+    /// four points (order 2). Stresses jump between materials. Therefore a patch contains cells of only one part of the
+    /// body; at a vertex between two parts, the cells of the stiffer part. `stiffness` is the stiffness of each part,
+    /// Pa.
     pub fn new(mesh: &Whole, stiffness: &[f64]) -> Self {
         let element = Element::new(mesh.shape, mesh.order);
         let degree = match mesh.shape {
@@ -64,26 +67,26 @@ impl Recovery {
         Self { table, places, about, vertices }
     }
 
-    /// Samples of each cell.
+    /// Number of samples of each cell.
     pub fn samples_each(&self) -> usize {
         self.table.points()
     }
 
-    /// Where a sample is, m; they are numbered cell by cell.
+    /// Position of a sample, m; samples are numbered cell by cell.
     pub fn place(&self, sample: usize) -> Vec3 {
         self.places[sample]
     }
 
-    /// ∂φ/∂x of a cell's shape functions at one of its samples, 1/m.
+    /// Gradients ∂φ/∂x of the shape functions of a cell at one of its samples, 1/m.
     pub fn gradients(&self, mesh: &Whole, cell: usize, sample: usize) -> Vec<Vec3> {
         let jacobian = self.table.jacobian(sample, &mesh.x(cell));
-        // Tangled cells are refused where the body is assembled.
+        // Tangled (inverted) cells are rejected when the body is assembled.
         let to_space = jacobian.try_inverse().unwrap_or_default().transpose();
         let gradients = self.table.gradients(sample).iter();
         gradients.map(|&gradient| (to_space * nalgebra::Vector3::from(gradient)).into()).collect()
     }
 
-    /// Each wanted node's stress as a sum over the samples, numbered cell by cell; the others' stay empty.
+    /// Weights of the samples, numbered cell by cell, in the stress at each wanted node; empty for other nodes.
     pub fn weights(&self, mesh: &Whole, is_wanted: impl Fn(usize) -> bool) -> Vec<Form> {
         let mut of_vertex = vec![Vec::new(); mesh.nodes.len()];
         for node in (0..mesh.nodes.len()).filter(|&node| is_wanted(node)) {
@@ -104,7 +107,7 @@ impl Recovery {
     fn patch(&self, mesh: &Whole, vertex: usize) -> Patch {
         let terms = monomials(mesh.order, [0.0; 3]).len();
         let mut cells: BTreeSet<usize> = self.about[vertex].iter().copied().collect();
-        while cells.len() * self.samples_each() < ENOUGH * terms {
+        while cells.len() * self.samples_each() < LEAST_SAMPLES_PER_TERM * terms {
             let before = cells.len();
             let corners = self.vertices_of(mesh, &cells);
             let part = cells.first().map(|cell| mesh.parts_of_cells[*cell]);
@@ -125,16 +128,17 @@ impl Recovery {
     }
 }
 
-/// A polynomial fitted to samples, by terms that are orthonormal on them.
+/// A polynomial fitted to samples, with terms that are orthonormal at the samples.
 struct Patch {
     order: usize,
     origin: Vec3,
-    /// Half of the patch's extent along each axis, m.
+    /// Half of the extent of the patch along each axis, m.
     size: Vec3,
     samples: Vec<usize>,
-    /// For each monomial its parts along the terms before it and, where it is a term itself, its length without them.
+    /// For each monomial, its components along the previous terms and, if it is used as a term, the norm of the
+    /// remainder.
     parts: Vec<(Vec<f64>, Option<f64>)>,
-    /// The terms' values at the samples.
+    /// Values of the terms at the samples.
     terms: Vec<Vec<f64>>,
 }
 
@@ -174,7 +178,7 @@ impl Patch {
         monomials(self.order, [0, 1, 2].map(|axis| (x[axis] - self.origin[axis]) / self.size[axis]))
     }
 
-    /// Weights of the samples in the polynomial's value at a point.
+    /// Weights of the samples in the value of the polynomial at a point.
     fn at(&self, x: Vec3) -> Vec<f64> {
         let mut values: Vec<f64> = Vec::with_capacity(self.terms.len());
         for (monomial, (parts, left)) in self.monomials(x).into_iter().zip(&self.parts) {
@@ -192,7 +196,7 @@ fn length(values: &[f64]) -> f64 {
     values.iter().map(|value| value * value).sum::<f64>().sqrt()
 }
 
-/// All monomials up to an order of 1 or 2, by ascending degree.
+/// All monomials up to the order 1 or 2, by ascending degree.
 fn monomials(order: usize, [x, y, z]: Vec3) -> Vec<f64> {
     let mut all = vec![1.0, x, y, z];
     if order > 1 {

@@ -1,4 +1,4 @@
-//! Integrals over the cells.
+//! Integrals over the cells of a mesh.
 
 use petsc_wrap::{Insert, Int, Matrix};
 
@@ -10,7 +10,8 @@ use crate::form::{Lame, SolidForms};
 use crate::mesh::Mesh;
 use crate::scene::{Fault, Vec3};
 
-/// K, of relaxing parts what is left after all relaxation, summed over all cells into a matrix of zeros. Collective.
+/// Stiffness matrix K summed over all cells into a matrix of zeros; viscoelastic parts have their fully relaxed moduli.
+/// Collective.
 pub(super) fn stiffness(parts: &[Part], mesh: &Mesh, mut matrix: Matrix) -> Result<Matrix> {
     let mut forms = forms(parts, mesh);
     let size = (3 * mesh.cells.nodes_each()).pow(2);
@@ -20,7 +21,7 @@ pub(super) fn stiffness(parts: &[Part], mesh: &Mesh, mut matrix: Matrix) -> Resu
     Ok(matrix)
 }
 
-/// D of the cells of some parts: the stiffness of their distortion for a shear modulus of 1 Pa. Collective.
+/// Distortion matrix D of the cells of some parts: their deviatoric stiffness for a shear modulus of 1 Pa. Collective.
 pub(super) fn distortion(mesh: &Mesh, is_of: impl Fn(usize) -> bool) -> Result<Matrix> {
     let Mesh { comm, owned_nodes, cells, parts_of_cells, .. } = mesh;
     let chosen: Vec<usize> = (0..cells.len()).filter(|i| is_of(parts_of_cells[*i])).collect();
@@ -33,7 +34,8 @@ pub(super) fn distortion(mesh: &Mesh, is_of: impl Fn(usize) -> bool) -> Result<M
     Ok(matrix)
 }
 
-/// M, alike in all three components, summed with one entry for a pair of nodes into a matrix of zeros. Collective.
+/// Mass matrix M with one entry for each pair of nodes, the same for all three components, summed into a matrix of
+/// zeros. Collective.
 pub(super) fn mass_by_node(parts: &[Part], mesh: &Mesh, mut matrix: Matrix) -> Result<Matrix> {
     let cells = &mesh.cells;
     let mut forms = forms(parts, mesh);
@@ -49,7 +51,7 @@ pub(super) fn mass_by_node(parts: &[Part], mesh: &Mesh, mut matrix: Matrix) -> R
     Ok(matrix)
 }
 
-/// The kernels of each part's material on the mesh's cells.
+/// Element forms with the material of each part, on the cells of the mesh.
 pub(super) fn forms(parts: &[Part], mesh: &Mesh) -> Vec<SolidForms> {
     let of_part = |part: &Part| {
         let (lame, density) = (part.material.relaxed(), part.material.instantaneous.density);
@@ -58,7 +60,7 @@ pub(super) fn forms(parts: &[Part], mesh: &Mesh) -> Vec<SolidForms> {
     parts.iter().map(of_part).collect()
 }
 
-/// A tangled cell on one rank made a fault on all of them. Collective.
+/// Turns a tangled (inverted) cell on one rank into a fault on all ranks. Collective.
 pub(super) fn everywhere(mesh: &Mesh, done: std::result::Result<(), Stopped>) -> Result<()> {
     let done = match done {
         Err(Stopped::Sink(error)) => return Err(error),

@@ -1,12 +1,12 @@
-//! Whether a plate takes a scene's supports and loads.
+//! Check whether a plate can carry the supports and loads of a scene.
 
 use crate::scene::{Scene, Support, SupportKind, Vec3, faces};
 
 use super::PlateTheory;
 use super::geometry::{NAMES, PlateGeometry};
 
-/// Why a plate cannot take the scene's supports and loads: a clause. A plate bends, and is neither stretched in its plane nor pressed
-/// together across it.
+/// Checks the supports and loads of a scene; the error is a clause that says why a plate cannot carry them. A plate
+/// bends, but is neither stretched in its plane nor compressed across its thickness.
 pub(super) fn check(scene: &Scene, geometry: &PlateGeometry, theory: PlateTheory) -> Result<(), String> {
     if geometry.in_plane(scene.load.force_on(scene.body.struck().density)) != [0.0; 2] {
         return Err("load.body_force has a part in the plate's plane".into());
@@ -49,7 +49,8 @@ pub(super) fn check(scene: &Scene, geometry: &PlateGeometry, theory: PlateTheory
     if theory == PlateTheory::Kirchhoff { check_slopes(scene, geometry) } else { Ok(()) }
 }
 
-/// Kirchhoff's slope along a side is that of the deflection there: it is held with it or not at all.
+/// Checks the clamped slopes of a Kirchhoff plate. The slope along a side follows from the deflection there, so it can
+/// be constrained only together with the deflection.
 fn check_slopes(scene: &Scene, geometry: &PlateGeometry) -> Result<(), String> {
     let held = |support: &Support, face: &faces::Face, component: usize| match support.kind {
         SupportKind::Clamped { components } if support.within.is_none() => {

@@ -1,4 +1,4 @@
-//! Unknowns that clamps (2) and planes of symmetry hold.
+//! Unknowns constrained by clamps (2) and planes of symmetry.
 
 use super::PlateTheory;
 use super::geometry::PlateGeometry;
@@ -9,7 +9,8 @@ use crate::form::tensor::Tensor;
 use crate::space::grid::Face;
 use crate::space::parity::ParityClass;
 
-/// Unknowns of clamped sides, the last clamp's value for each, and those of planes of symmetry, of all classes; ascending.
+/// Constrained unknowns of clamped sides, with the value of the last clamp for each, and of planes of symmetry. For all
+/// symmetry classes, ascending.
 pub(super) fn held(
     tensor: &Tensor<2>,
     geometry: &PlateGeometry,
@@ -42,18 +43,18 @@ fn held_in_class(
             values[unknown] = Some(if value == 0.0 { 0.0 } else { value * one[unknown] });
         }
     };
-    // Of all layers that turn by themselves.
+    // Rotations of all layers that rotate independently.
     let rotations = |axis: usize, of_end: usize| {
         let each = (0..(tensor.fields() / 2).max(1)).map(|k| 2 * k);
         let first = theory.rotation_at_end(axis, of_end);
         each.filter_map(move |beyond| first.map(|(field, depth)| (field + beyond, depth)))
     };
     let mirrors = geometry.mirrors();
-    // A displacement has its mirror image, and is even.
+    // A prescribed displacement applies to the mirror image too, and so is even.
     let given = if class == [Parity::Even; 2] { 1.0 } else { 0.0 };
     for clamp in clamps {
         for Face { axis, is_upper } in Face::of_surface(&clamp.surface, &mirrors) {
-            // The check of the scene leaves no clamp to a face.
+            // The check of the scene excludes clamps on a face.
             let Some(side) = geometry.axes.iter().position(|other| *other == axis) else { continue };
             if clamp.components[geometry.normal] {
                 hold((DEFLECTION, 0), side, is_upper, given * geometry.across(clamp.displacement));
@@ -64,7 +65,8 @@ fn held_in_class(
         }
     }
     for axis in (0..2).filter(|&axis| geometry.halved[axis]) {
-        // An even deflection has no slope across the plane; an odd one is zero on it, and so is the slope along it.
+        // An even deflection has no slope across the plane. An odd one is zero on the plane, and so is the slope along
+        // it.
         match class[axis] {
             Parity::Even => rotations(axis, axis).for_each(|place| hold(place, axis, false, 0.0)),
             Parity::Odd => {

@@ -1,4 +1,4 @@
-//! The boundary layers of free edges.
+//! Boundary layers of free edges in Mindlin's theory.
 
 use super::Points;
 use crate::description::Clamp;
@@ -6,11 +6,12 @@ use crate::form::plate::{AREA, EDGE_STRIP, mindlin_edge};
 use crate::form::tensor::{Along, Square};
 use crate::space::grid::Face;
 
-/// Twice the elastic energy that Mindlin's theory lacks along free edges.
+/// Corrections of twice the elastic energy of Mindlin's theory along free edges.
 ///
-/// A clamp of the rotation along an edge leaves no boundary layer there; where it holds the rotation across the edge too, there is no
-/// twist, and nothing to be left out. Springs have the layer: they are far softer than the plate's sections, or, as a clamp of a part
-/// of a side, hold the twist itself.
+/// If the rotation along an edge is clamped, there is no boundary layer. If the rotation across the edge is clamped
+/// too, there is no twist, and the correction is zero anyway. An edge on springs has the boundary layer: the springs
+/// are far softer than the sections of the plate, or, if they represent a clamp of part of a side, they constrain the
+/// twist itself.
 pub(super) fn forms(points: &Points, shear_factor: f64, clamps: &[Clamp]) -> Vec<Square<2>> {
     let Points { geometry, section, .. } = points;
     let width = EDGE_STRIP * section.thickness;

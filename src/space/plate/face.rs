@@ -1,4 +1,4 @@
-//! Stresses at the crossings of lines on a face of a plate: products of functions along the axes.
+//! Stresses at the crossings of grid lines on a face of a plate, as products of functions along the axes.
 
 use crate::form::plate::{Section, rotation};
 use crate::form::{Parity, Spline};
@@ -7,13 +7,13 @@ use crate::space::evaluate::{AtPlace, FaceLines, LinePart, Lines};
 use super::points::Points;
 
 impl Points {
-    /// The stresses along the face, σ_a, σ_b and σ_ab, at a height (m, along the scene's axis across the plate), at the crossings of lines
-    /// along the axes of the plane.
+    /// In-plane stresses σ_a, σ_b and σ_ab at the crossings of lines along the axes of the plane. `height` (m) is along
+    /// the axis of the scene normal to the plate.
     pub(super) fn stress_on_lines(&self, lines: [&[f64]; 2], height: f64) -> FaceLines {
         let height = self.geometry.sign * height;
         let Section { young, poisson, .. } = self.section;
         let (plane, shear) = (young / (1.0 - poisson * poisson), 0.5 * young / (1.0 + poisson));
-        // u_a and u_b along a and b, and what of them is in σ_a, σ_b and σ_ab.
+        // Derivatives of u_a and u_b along a and b, with their factors in σ_a, σ_b and σ_ab.
         let slopes = [
             (0, [1, 0], [plane, plane * poisson, 0.0]),
             (1, [0, 1], [plane * poisson, plane, 0.0]),
@@ -35,7 +35,7 @@ impl Points {
                         all.fields.push(of_field);
                     }
                     let flips = [0, 1].map(|i| {
-                        // A rotation is a slope: odd where the deflection is even.
+                        // A rotation is a slope: it is odd if the deflection is even.
                         let is_slope = part.field == rotation(i, [0, 0]).field;
                         let is_turned = (part.derivatives[i] + usize::from(is_slope)) % 2 == 1;
                         (class[i] == Parity::Odd) != is_turned
@@ -65,7 +65,8 @@ mod tests {
     use crate::space::evaluate::{LineStresses, PointEvaluator};
     use crate::space::plate::{Plate, PlateTheory, Settings};
 
-    /// On a quarter, and on a whole plate whose motions fall into four classes, the stresses on lines are those of each point's own form.
+    /// On a quarter, and on a whole plate with four symmetry classes, the stresses on lines equal the stresses
+    /// evaluated point by point.
     #[test]
     fn stresses_on_lines_are_those_of_their_points() {
         for point in [[0.0, 0.0], [0.07, -0.05]] {
@@ -78,7 +79,7 @@ mod tests {
             let settings = Settings { cell_size_factor: 2.4, ..Settings::default() };
             let points = Plate::new(&scene, PlateTheory::Mindlin, &settings).expect("a plate").points;
             let count = points.all_unknowns();
-            // Vectors of one class each, and one of all of them.
+            // One vector in each symmetry class, and one in all of them.
             let classes = points.geometry.classes.len();
             let number = |i: usize| ((i * 7919) % 101) as f64 / 50.0 - 1.0;
             let basis: Vec<Vec<f64>> = (0..=classes)
@@ -107,7 +108,7 @@ mod tests {
                 let forms = points.face_stress(x);
                 for (form, found) in [0, 1, 5].map(|component| &forms[component]).into_iter().zip(found) {
                     let exact: f64 = form.iter().map(|(unknown, value)| value * moved[*unknown]).sum();
-                    // Rounding of some hundred products.
+                    // Rounding error of some hundred products.
                     assert!((exact - found).abs() < 1e-12 * largest, "{x:?}: {exact} {found}");
                     seen += 1;
                 }

@@ -1,11 +1,12 @@
-//! Where a plate is hit.
+//! Localisation vector of a plate: where and how it is loaded and its displacement evaluated.
 
 use super::{Local, Points};
 use crate::form::Spread;
 use crate::form::plate::{deflection, rotation};
 use crate::form::tensor::Part;
 
-/// a of all classes: a point for Kirchhoff's theory, a disc for the others, where moments are read beside the deflection.
+/// Localisation vector a of all symmetry classes: a point for Kirchhoff's theory, a disc for the others, with moments
+/// in addition to the deflection.
 pub(super) fn localization(points: &Points) -> Vec<f64> {
     let Points { geometry, section, local, laminate, .. } = points;
     match (laminate, local) {
@@ -27,11 +28,12 @@ pub(super) fn localization(points: &Points) -> Vec<f64> {
     }
 }
 
-/// A pressure on a disc of a radius (m), for parts with their factors.
+/// Contribution of a pressure on a disc of a radius (m) for derivatives of fields with their factors.
 fn on_disc(points: &Points, (spread, radius): (&Spread, f64), parts: &[(f64, Part<2>)]) -> Vec<f64> {
     let geometry = &points.geometry;
     let mut a = vec![0.0; points.all_unknowns()];
-    // What a quarter has of the disc, as often as there are quarters; else all of it.
+    // For a quarter, only the quadrant of the disc in the modelled part is integrated and multiplied by the number of
+    // quarters. Otherwise the whole disc is integrated.
     let copies = if geometry.is_quarter { geometry.copies() } else { 1.0 };
     let lines = points.lines_of_whole();
     for (x, line) in spread.strips(geometry.hit, radius, [0, 1].map(|i| &lines[geometry.axes[i]][..])) {

@@ -1,5 +1,5 @@
-//! A box hit on a face, as a thin plate: small linear systems of Kirchhoff's theory, of Reissner's and Mindlin's, or of the latter for
-//! each of its layers.
+//! A box impacted on a face, modelled as a thin plate: small linear systems of Kirchhoff's theory, Reissner–Mindlin
+//! theory, or the layerwise theory (Reissner–Mindlin theory in each layer).
 
 mod boundary;
 mod cells;
@@ -17,7 +17,7 @@ mod waves;
 
 pub use cells::crossing;
 pub(super) use cells::{contact_time, wavelength};
-pub use laminate::{Laminate, OF_CONTACT, contact_wavelength, mismatch};
+pub use laminate::{Laminate, MODULI_TIME_OVER_CONTACT, contact_wavelength, mismatch};
 pub use points::Points;
 pub use theory::PlateTheory;
 pub use waves::{classes_of_motions, infinite_plate};
@@ -41,41 +41,41 @@ use crate::form::plate::{DEFLECTION, Section};
 use crate::form::tensor::Square;
 use crate::scene::{Fault, Scene};
 
-/// Choices that a scene does not make.
+/// Options of a plate model that are not part of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Size of all cells over the default's.
+    /// Factor on the size of all cells; 1 is the default size.
     pub cell_size_factor: f64,
-    /// Size of the largest cells over that.
+    /// Additional factor on the size of the largest cells alone.
     pub largest_cell_factor: f64,
-    /// κ of Mindlin's theory; left out, 5/(6 − ν).
+    /// Shear factor κ of Mindlin's theory. Default: 5/(6 − ν).
     pub shear_factor: Option<f64>,
-    /// Radius of Mindlin's disc over the thickness, where it has room.
+    /// Radius of Mindlin's disc divided by the thickness, if the disc fits within the plate.
     pub disc: f64,
-    /// The same in m, in the place of that: what a scene gives.
+    /// Radius of the disc in m, as prescribed by a scene. It takes precedence over `disc`.
     pub disc_radius: Option<f64>,
-    /// Whether the layers of the layerwise theory that bend do not shear, and have no local field under the impactor: as Kirchhoff's
-    /// theory has one layer.
+    /// Whether the stiff layers of the layerwise theory are rigid in shear and the local field under the impactor is
+    /// neglected. These are the assumptions of Kirchhoff's theory for a single layer.
     pub is_thin: bool,
 }
 
-/// κ = 5/(6 − ν), which gives the speed of long waves to one order more than Reissner's static 5/6 (Stephen, Mindlin plate theory: best
-/// shear coefficient and higher spectra validity, J. Sound Vib. 202, 1997).
+/// Default shear factor κ = 5/(6 − ν), which gives the speed of long waves to one order more than Reissner's static 5/6
+/// (Stephen, Mindlin plate theory: best shear coefficient and higher spectra validity, J. Sound Vib. 202, 1997).
 fn shear_factor(poisson: f64) -> f64 {
     5.0 / (6.0 - poisson)
 }
 
 impl Settings {
-    /// Cells for an error of less than half of a tolerance, as measured on plates.
+    /// Settings with a cell size for an error of less than half of a tolerance, as measured on plates.
     pub fn new(tolerance: f64, theory: PlateTheory) -> Self {
         let parts = tolerance / 1e-2;
         let of_mindlin = 1.2 * if parts > 1.0 { parts.cbrt() } else { parts.powf(0.25) };
-        // w alone is smoother than what presses it: no shear.
+        // Kirchhoff's theory has no shear: its deflection w is smoother than the load, so larger cells suffice.
         let cell_size_factor = if theory == PlateTheory::Kirchhoff { 1.4 * of_mindlin } else { of_mindlin };
         Self { cell_size_factor: cell_size_factor.clamp(0.3, 2.4), ..Self::default() }
     }
 
-    /// Radius of the disc over a thickness (m) where it has room.
+    /// Radius of the disc divided by a thickness (m), if the disc fits within the plate.
     pub(super) fn disc_over(&self, thickness: f64) -> f64 {
         self.disc_radius.map_or(self.disc, |radius| radius / thickness)
     }
@@ -94,64 +94,66 @@ impl Default for Settings {
     }
 }
 
-/// Entries of a matrix for each multiplication along the axes from which on its products are made along these. An entry of a matrix that is larger
-/// than the cache takes about as long as one of these.
+/// Smallest ratio of the stored entries of a matrix to the multiplications of its sum-factorised form for which the
+/// latter is used. For a matrix larger than the cache, a stored entry takes about as long as one of these
+/// multiplications.
 const LEAST_SAVING: usize = 2;
 
-/// Entries of a matrix that is larger than the cache.
+/// Number of entries from which a matrix counts as larger than the cache.
 const LARGE: usize = 100_000;
 
-/// Radius of Mindlin's disc over the thickness, at least.
+/// Smallest radius of Mindlin's disc divided by the thickness.
 const LEAST_DISC: f64 = 0.5;
 
-/// A plate's system, and how it was made.
+/// A plate's linear system and the data from which it was made.
 ///
-/// The unknowns are coefficients of splines: of w along the impactor's direction (m), then of Mindlin's rotations θ along the two
-/// axes of the plane, ascending (rad), of several layers one after the other. At its ends Kirchhoff's w has slopes among its coefficients. The compliance is −c_M times the
-/// copies, or 0 for Kirchhoff's theory.
+/// The unknowns are spline coefficients: first of the deflection w along the impactor's direction (m), then of
+/// Mindlin's rotations θ along the two axes of the plane, ascending (rad). With several layers, the pairs of rotations
+/// follow one another. In Kirchhoff's theory the coefficients of w include its slopes at the ends. The compliance of
+/// the system is −c_M times the number of copies, or 0 for Kirchhoff's theory.
 #[derive(Debug, Clone)]
 pub struct Plate {
-    /// The body's side of M ü + C u̇ + K u = a F + f.
+    /// System of M ü + C u̇ + K u = a F + f.
     pub system: System,
-    /// Cells along both axes of the modelled part.
+    /// Number of cells along both axes of the modelled part.
     pub cells: [usize; 2],
-    /// How Mindlin's plate is hit.
+    /// Local contact model of Mindlin's plate.
     pub local: Option<Local>,
-    /// The layers of a plate that has several, and how it is hit.
+    /// Layers and local contact model of a plate with several layers.
     pub laminate: Option<Laminate>,
-    /// What its points do.
+    /// Evaluator of displacements and stresses at points of the plate.
     pub points: Points,
 }
 
-/// What a plate is before its matrices.
+/// Data of a plate from which its matrices are made.
 struct Outline {
     geometry: PlateGeometry,
     laminate: Option<Laminate>,
     section: Section,
     local: Option<Local>,
-    /// The ends of the cells along both axes, m.
+    /// Ends of the cells along both axes, m.
     in_plane: [Vec<f64>; 2],
 }
 
-/// What stands for the local field on a Reissner–Mindlin plate; see [`layer`].
+/// Model of the local field under the impactor on a Reissner–Mindlin plate; see [`layer`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Local {
-    /// κ.
+    /// Shear factor κ.
     pub shear_factor: f64,
-    /// The pressure on the disc.
+    /// Pressure on the disc.
     pub spread: Spread,
-    /// The disc's radius, m.
+    /// Radius of the disc, m.
     pub radius: f64,
-    /// s: the surface is read as w + s h² ∇·θ.
+    /// Dimensionless s: the displacement of the surface is evaluated as w + s h² ∇·θ.
     pub reading: f64,
-    /// c_M of the whole plate, m/N: α = δ − c_M F.
+    /// Local compliance c_M of the whole plate, m/N: α = δ − c_M F.
     pub compliance: f64,
 }
 
-/// Why a plate theory does not stand for a scene: one clause.
+/// Checks whether a plate theory can model a scene.
 ///
 /// # Errors
-/// That clause.
+/// The reason why it cannot: one clause.
 pub fn admits(scene: &Scene, theory: PlateTheory) -> std::result::Result<(), String> {
     let geometry = geometry(scene, theory)?;
     if theory == PlateTheory::Layerwise {
@@ -160,7 +162,7 @@ pub fn admits(scene: &Scene, theory: PlateTheory) -> std::result::Result<(), Str
     Ok(())
 }
 
-/// That a theory does not stand for a scene.
+/// Fault for a scene that a theory cannot model.
 fn fault(theory: PlateTheory, reason: &str) -> Fault {
     let message = format!("{} cannot model this scene: {reason}", theory.plate());
     Fault::new("body.model", message, "model = \"solid\"")
@@ -185,7 +187,7 @@ fn geometry(scene: &Scene, theory: PlateTheory) -> std::result::Result<PlateGeom
 }
 
 impl Outline {
-    /// Of a scene and its description.
+    /// Outline of the plate of a scene and its description.
     fn new(scene: &Scene, description: &Description, theory: PlateTheory, settings: &Settings) -> Result<Self> {
         let fault = |reason: String| fault(theory, &reason);
         let geometry = geometry(scene, theory).map_err(fault)?;
@@ -210,10 +212,10 @@ impl Outline {
 }
 
 impl Plate {
-    /// How many cells a scene's plate would have along both axes of the modelled part.
+    /// Number of cells that a scene's plate would have along both axes of the modelled part.
     ///
     /// # Errors
-    /// As [`Plate::new`].
+    /// Same as [`Plate::new`].
     pub fn cells(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<[usize; 2]> {
         let outline = Outline::new(scene, &Description::new(scene), theory, settings)?;
         Ok(outline.in_plane.each_ref().map(|lines| lines.len() - 1))
@@ -222,7 +224,7 @@ impl Plate {
     /// Builds a scene's plate.
     ///
     /// # Errors
-    /// A fault of `body.model` where the theory does not stand for the scene, or where the plate would take very many cells.
+    /// A fault of `body.model` if the theory cannot model the scene, or if the plate would need too many cells.
     pub fn new(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<Self> {
         let description = Description::new(scene);
         let Outline { geometry, laminate, section, local, in_plane } =
@@ -249,7 +251,7 @@ impl Plate {
         if let Some(local) = &local {
             elastic.extend(edges::forms(&points, local.shear_factor, &description.clamps));
         }
-        // Loads, and a motion of the whole along the impact, are even.
+        // Loads and the translation along the impact direction are even.
         let even = |mut vector: Vec<f64>| {
             vector.resize(points.all_unknowns(), 0.0);
             vector
@@ -259,7 +261,8 @@ impl Plate {
         let mut factorised = Vec::new();
         let mut of_forms = |operator: Operator, forms: &[Square<2>]| {
             let matrix = points.tensor.matrix(forms);
-            // (The half of the unknowns of a square that is symmetric about its diagonal has no such axes; whether its supports are, too, is not known yet.)
+            // A square that is symmetric about its diagonal is reduced to half of its unknowns, which have no product
+            // form along the axes. Whether its supports are symmetric too is not known yet.
             if exchange.is_none() || matrix.nnz() > LARGE {
                 let along_axes = points.tensor.factorised(forms);
                 if along_axes.multiplications() < matrix.nnz() / LEAST_SAVING {
@@ -306,8 +309,8 @@ impl Plate {
 }
 
 impl Plate {
-    /// The longest cell at the hit over the radius of Mindlin's disc; twice that where splines are smooth across the hit, which resolve it
-    /// half as well as those that end there.
+    /// Length of the longest cell at the impact point divided by the radius of Mindlin's disc. The length is doubled
+    /// where the splines are smooth across the impact point: they resolve it half as well as splines that end there.
     pub fn cell_over_disc(&self) -> Option<f64> {
         let (radius, geometry) = (self.local?.radius, &self.points.geometry);
         let hit = geometry.hit_in_part();
@@ -337,7 +340,8 @@ mod tests {
     use super::*;
     use crate::form::plate::rotation;
 
-    /// The same springs against a rotation of all layers, which is their sum; the mass, and the instantaneous stiffness of layers that relax.
+    /// Checks the stiffness of springs against a rotation of all layers, which is the sum over the layers; the mass;
+    /// and the instantaneous stiffness of viscoelastic layers.
     #[test]
     fn layers_have_the_sums_of_their_parts() {
         let scene = |interlayer: &str, layers: [f64; 3]| {
@@ -363,7 +367,7 @@ mod tests {
             let relaxing = plate(&scene(chain, layers));
             let [(distortion, chain)] = &relaxing.system.relaxations[..] else { panic!("one relaxation") };
             let laminate = relaxing.laminate.as_ref().expect("layers");
-            // Shear factors are those of the contact's modulus.
+            // The shear factors must be those for the modulus at the contact time.
             let [stiff, soft] = [chain.instantaneous(), chain.equilibrium].map(|shear| {
                 let elastic = plate(&scene(&format!("shear = {shear:e}"), layers)).laminate.expect("layers");
                 relaxing.points.tensor.matrix(&elastic.with_shear_factors_of(laminate).elastic())
@@ -379,7 +383,7 @@ mod tests {
                 let k = [2e9, 3e9][axis];
                 let sum = energy(relaxing.system.support.as_ref().expect("springs"), &turned);
                 let exact = k * 0.03_f64.powi(3) / 12.0 * 0.4;
-                // Rounding of some hundred points.
+                // Rounding error of some hundred points.
                 assert!((sum / exact - 1.0).abs() < 1e-12, "{layers:?} {axis}: {sum} {exact}");
             }
             let translation = &relaxing.system.translation;
@@ -388,14 +392,15 @@ mod tests {
             assert!((mass / exact - 1.0).abs() < 1e-12 && energy(distortion, translation).abs() < 1e-12);
             let u: Vec<f64> = (0..translation.len()).map(|i| ((i * 7919) % 101) as f64 / 50.0 - 1.0).collect();
             let relaxed = energy(&relaxing.system.elastic, &u);
-            // Rounding of E and ν to G and K.
+            // Rounding error of converting E and ν to G and K.
             assert!((relaxed / energy(&soft, &u) - 1.0).abs() < 1e-9, "{relaxed} {}", energy(&soft, &u));
             let whole = relaxed + (chain.instantaneous() - chain.equilibrium) * energy(distortion, &u);
             assert!((whole / energy(&stiff, &u) - 1.0).abs() < 1e-9, "{whole} {}", energy(&stiff, &u));
         }
     }
 
-    /// Springs along the sides against a rotation of all of Mindlin's plate along one axis: k h³/12 a unit of length.
+    /// Stiffness of springs along the sides against a rotation of Mindlin's whole plate along one axis: k h³/12 per
+    /// unit of length.
     #[test]
     fn springs_resist_rotations() {
         let text = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.6, 0.4, 0.03]\nsymmetry = \"none\"\n\
@@ -409,7 +414,7 @@ mod tests {
             let one = plate.points.tensor.one(rotation(axis, [0, 0]).field);
             let sum: f64 = support.triplet_iter().map(|(i, j, value)| one[i] * value * one[j]).sum();
             let exact = k * 0.03_f64.powi(3) / 12.0 * (0.4 + 0.6);
-            // Rounding of some hundred points.
+            // Rounding error of some hundred points.
             assert!((sum / exact - 1.0).abs() < 1e-12, "{sum} {exact}");
         }
     }

@@ -1,8 +1,9 @@
-//! A plate's displacement and stress at its points.
+//! Displacement and stress at points of a plate.
 //!
-//! A point at the height ζ along w moves by ζ θ in the plane, Kirchhoff's θ being −∇w; of several layers as of their
-//! [`crate::form::layerwise`]. Stresses are plane, those of bending: across the plate there is none but shear, which of one layer is on the
-//! parabola that is zero on both faces, of several in each layer as long waves have it.
+//! The in-plane displacement at the height ζ along w is ζ θ, with θ = −∇w in Kirchhoff's theory; for several layers see
+//! [`crate::form::layerwise`]. Stresses are the plane stresses of bending. The only stress across the plate is the
+//! transverse shear. For one layer it is parabolic, with zeros on both faces; for several layers it has the
+//! distribution of long waves in each layer.
 
 use super::geometry::PlateGeometry;
 use super::{Laminate, Local, PlateTheory};
@@ -16,15 +17,17 @@ use crate::space::evaluate::{Add, FaceLines, Form, Forms, Hit, HitBody, PointEva
 use crate::space::grid::GridField;
 use crate::stack::{Pressure, Sections};
 
-/// Hexahedra in a cell of splines along each axis, where fields are written: splines of degree 5 bend within a cell.
+/// Number of hexahedra along each axis of a spline cell in which fields are written, since splines of degree 5 bend
+/// within a cell.
 const PIECES: usize = 3;
 
-/// A plate's discretisation, to be read anywhere in the modelled part.
+/// Discretisation of a plate that can be evaluated anywhere in the modelled part.
 #[derive(Debug, Clone)]
 pub struct Points {
     pub(super) geometry: PlateGeometry,
     pub(super) section: Section,
-    /// The ends of the cells along the scene's axes, m: across the plate its two faces.
+    /// Ends of the cells along the axes of the scene, m. Across the plate: the two faces, or all faces and interfaces
+    /// of the layers.
     pub(super) lines: [Vec<f64>; 3],
     pub(super) tensor: Tensor<2>,
     pub(super) theory: PlateTheory,
@@ -32,25 +35,26 @@ pub struct Points {
     pub(super) laminate: Option<Laminate>,
 }
 
-/// The material at a height.
+/// Material law at a height.
 struct Law {
-    /// E/(1 − ν²), Pa.
+    /// Plane-stress modulus E/(1 − ν²), Pa.
     plane: f64,
     poisson: f64,
-    /// μ, Pa.
+    /// Shear modulus μ, Pa.
     shear: f64,
-    /// Shear stress along the normal over the shear strain of the theory, Pa, and the number of that strain's rotation; `None` for
-    /// Kirchhoff's theory.
+    /// Ratio of the transverse shear stress to the shear strain of the theory (Pa), and the number of the rotation in
+    /// that strain; `None` for Kirchhoff's theory.
     across: Option<(f64, usize)>,
 }
 
 impl Points {
-    /// The ends of the cells along the axes of the plane, m.
+    /// Ends of the cells along the axes of the plane, m.
     pub(super) fn lines_in_plane(&self) -> [&[f64]; 2] {
         self.geometry.axes.map(|axis| &self.lines[axis][..])
     }
 
-    /// The displacement along an axis of the plane, differentiated: ζ times the rotation, or the sum over several.
+    /// Derivative of the displacement along an axis of the plane, as terms with factors: ζ times the rotation, or a sum
+    /// over several rotations.
     pub(super) fn turned(&self, axis: usize, derivatives: [usize; 2], height: f64) -> Vec<(f64, Part<2>)> {
         match (self.theory, &self.laminate) {
             (_, Some(Laminate { profile, .. })) => {
@@ -66,7 +70,7 @@ impl Points {
         }
     }
 
-    /// The material at a height; an interface is that of the layer which is nearer to the hit.
+    /// Material law at a height. An interface belongs to the layer nearer to the impact point.
     fn law(&self, height: f64) -> Law {
         let plane = |Material { young, poisson, .. }: Material| young / (1.0 - poisson * poisson);
         let shear = |Material { young, poisson, .. }: Material| 0.5 * young / (1.0 + poisson);
@@ -88,12 +92,12 @@ impl Points {
         }
     }
 
-    /// Unknowns of all classes; each has those of the tensor.
+    /// Number of unknowns of all symmetry classes; each class has all unknowns of the tensor-product space.
     pub(super) fn all_unknowns(&self) -> usize {
         self.geometry.classes.len() * self.tensor.unknowns()
     }
 
-    /// The lines of all that is read, along the scene's axes, m.
+    /// Lines of the whole region that is evaluated, along the axes of the scene, m.
     pub(super) fn lines_of_whole(&self) -> [Vec<f64>; 3] {
         let mut lines = self.lines.clone();
         for (i, axis) in self.geometry.axes.into_iter().enumerate() {
@@ -102,12 +106,13 @@ impl Points {
         lines
     }
 
-    /// A part at a point of the plane in each class: the class' first unknown, the point's mirror image in the modelled part, and the
-    /// part's sign at the point over that there.
+    /// A derivative of a field at a point of the plane, for each symmetry class: the first unknown of the class, the
+    /// mirror image of the point in the modelled part, and the ratio (±1) of the value at the point to the value at the
+    /// image.
     fn in_classes(&self, part: Part<2>, point: [f64; 2]) -> impl Iterator<Item = (usize, [f64; 2], f64)> + '_ {
         let is_beyond = [0, 1].map(|i| self.geometry.halved[i] && point[i] < 0.0);
         let image = [0, 1].map(|i| if is_beyond[i] { -point[i] } else { point[i] });
-        // A rotation is a slope: odd where the deflection is even.
+        // A rotation is a slope: it is odd if the deflection is even.
         let is_turned =
             [0, 1].map(|i| (part.derivatives[i] + usize::from(layerwise::is_rotation(part.field, i))) % 2 == 1);
         self.geometry.classes.iter().enumerate().map(move |(number, class)| {
@@ -117,7 +122,7 @@ impl Points {
         })
     }
 
-    /// Hands runs of entries of weight · (part of v at a point) to a visitor, each with its first unknown.
+    /// Calls `visit` with runs of consecutive entries of weight · (part of v at a point), each with its first unknown.
     fn each_at(&self, part: Part<2>, point: [f64; 2], weight: f64, mut visit: impl FnMut(usize, &[f64])) {
         for (start, image, sign) in self.in_classes(part, point) {
             self.tensor.each_at(part, image, sign * weight, |first, values| visit(start + first, values));
@@ -131,7 +136,7 @@ impl Points {
         });
     }
 
-    /// Adds factor · Σ weight · (part of v) of places and weights on a line along the second axis.
+    /// Adds factor · Σ weight · (part of v) for coordinates and weights on a line along the second axis.
     pub(super) fn add_line(&self, (part, factor): (Part<2>, f64), x: f64, line: &[(f64, f64)], sum: &mut [f64]) {
         let [below, above]: [Vec<(f64, f64)>; 2] =
             [true, false].map(|is_below| line.iter().copied().filter(|(y, _)| (*y < 0.0) == is_below).collect());
@@ -146,7 +151,7 @@ impl Points {
         }
     }
 
-    /// The displacement at a point, with parts at points of the plane as they are read.
+    /// Displacement at a point, where `read` evaluates a derivative of a field at a point of the plane.
     fn displacement_by(&self, x: Vec3, read: impl Fn(Part<2>, [f64; 2], f64) -> Form) -> [Form; 3] {
         let PlateGeometry { axes, normal, sign, .. } = self.geometry;
         let (point, height) = self.seen(x);
@@ -159,7 +164,7 @@ impl Points {
         displacement
     }
 
-    /// A part at a point in all classes, as a form.
+    /// A derivative of a field at a point in all symmetry classes, as a form.
     fn form(&self, part: Part<2>, point: [f64; 2], factor: f64) -> Form {
         let mut form = Form::new();
         self.each_at(part, point, factor, |first, values| {
@@ -168,7 +173,8 @@ impl Points {
         form
     }
 
-    /// Hands over a part times a factor at a point, to each of some components times another factor.
+    /// Passes a derivative of a field at a point, times a factor, to `add` for each of some components, times the
+    /// factor of the component.
     fn put(&self, x: Vec3, to: &[(usize, f64)], (factor, part): (f64, Part<2>), add: &mut Add) {
         let (point, _) = self.seen(x);
         self.each_at(part, point, factor, |first, values| {
@@ -178,7 +184,7 @@ impl Points {
         });
     }
 
-    /// Hands over the stresses along the plane at a point.
+    /// Passes the in-plane stresses at a point to `add`.
     fn add_stress_in_plane(&self, x: Vec3, add: &mut Add) {
         self.add_normal_section_stress(x, add);
         let axes = self.geometry.axes;
@@ -193,7 +199,7 @@ impl Points {
         }
     }
 
-    /// Coordinates in the plane, and ζ.
+    /// Coordinates in the plane, and the height ζ.
     fn seen(&self, x: Vec3) -> ([f64; 2], f64) {
         let PlateGeometry { axes, normal, sign, .. } = self.geometry;
         (axes.map(|axis| x[axis]), sign * x[normal])
@@ -221,7 +227,7 @@ impl GridField for Points {
 
     fn body_force(&self, parts: &[BodyPart]) -> Vec<f64> {
         let force = match &self.laminate {
-            // Of one material there is the same force everywhere.
+            // The body force of a single material is uniform.
             None => parts.first().map_or([0.0; 3], |part| part.force).map(|force| force * self.section.thickness),
             Some(laminate) => [0, 1, 2].map(|axis| laminate.force(axis)),
         };
@@ -313,7 +319,7 @@ impl PointEvaluator for Points {
         }
     }
 
-    /// Line by line: of each there is one product of functions along both axes.
+    /// Evaluates line by line: each line needs one product of the functions along both axes.
     fn add_normal_section_stress_along(&self, x: Vec3, axis: usize, line: &[(f64, f64)], add: &mut Add) {
         let axes = self.geometry.axes;
         debug_assert_eq!(axis, axes[1]);
@@ -356,7 +362,7 @@ impl PointEvaluator for Points {
     }
 
     fn face_lines(&self, lines: [&[f64]; 2], height: f64) -> Option<FaceLines> {
-        // Layers have more faces than the two.
+        // With several layers there are more faces than the two outer ones.
         self.laminate.is_none().then(|| self.stress_on_lines(lines, height))
     }
 

@@ -1,10 +1,10 @@
-//! Plates whose two axes may be exchanged: squares that are hit at their centre.
+//! Plates whose two axes may be exchanged: squares impacted at the centre.
 
 use super::Points;
 use crate::form::layerwise::exchanged_field;
 
-/// The number of each unknown where the axes are exchanged, of a quarter of a plate with the same cells along both; whether that leaves
-/// its supports and loads as they are is not looked at.
+/// Number of each unknown after an exchange of the axes, for a quarter of a plate with the same cells along both axes;
+/// else `None`. Does not check whether the supports and loads have this symmetry.
 pub(super) fn exchange(points: &Points) -> Option<Vec<usize>> {
     let [x, y] = points.lines_in_plane();
     if !points.geometry.is_quarter || x != y {

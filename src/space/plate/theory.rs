@@ -1,4 +1,4 @@
-//! The theories: their fields, and which coefficients are rotations at an edge.
+//! Plate theories: their fields, and the coefficients that are rotations at an edge.
 
 use crate::form::Spline;
 use crate::form::plate::{
@@ -6,24 +6,25 @@ use crate::form::plate::{
 };
 use crate::form::tensor::{Square, Tensor};
 
-/// What a plate is made to be.
+/// Theory of a plate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlateTheory {
-    /// No shear, no rotary inertia; hit at a point.
+    /// Kirchhoff's theory: no shear, no rotary inertia; loaded at a point.
     Kirchhoff,
-    /// Shear and rotary inertia; hit on a disc.
+    /// Reissner–Mindlin theory: shear and rotary inertia; loaded on a disc.
     Mindlin,
-    /// The same in each layer of its own ([`crate::form::layerwise`]).
+    /// Reissner–Mindlin theory in each layer ([`crate::form::layerwise`]).
     Layerwise,
 }
 
-/// Degree of the deflection, with as many continuous derivatives but one. Of 3 to 5, C¹ cubics (bicubic Hermite elements) among
-/// them, the highest needs the fewest unknowns for an error of 0.1% of an impact's history. At 1% degree 4 is as good; at 0.01% it has
-/// three to five times the error on as many cells.
+/// Degree p of the splines of the deflection, which have p − 1 continuous derivatives. Among the degrees 3 to 5,
+/// including C¹ cubics (bicubic Hermite elements), the highest needs the fewest unknowns for an error of 0.1% of the
+/// time history of an impact. For 1%, degree 4 is as good. For 0.01%, degree 4 has three to five times the error on the
+/// same number of cells.
 pub(super) const DEGREE: usize = 5;
 
 impl PlateTheory {
-    /// What its plate is called.
+    /// Name of the plate of this theory for messages.
     pub fn plate(self) -> &'static str {
         match self {
             Self::Kirchhoff => "Kirchhoff's plate",
@@ -32,16 +33,17 @@ impl PlateTheory {
         }
     }
 
-    /// Whether sections shear: then the plate is hit on a disc.
+    /// Whether the theory includes transverse shear. The plate is then loaded on a disc.
     pub(super) fn shears(self) -> bool {
         self != Self::Kirchhoff
     }
 
-    /// The theory's fields between the lines of a grid, with so many rotations along each axis where it has several layers.
+    /// Fields of the theory between the lines of a grid, with `rotations` rotations along each axis.
     ///
-    /// Mindlin's w lies in splines of degree p, each rotation in those of one degree and one continuous derivative less along its
-    /// own axis: then ∇w is among the rotations and nothing locks (Beirão da Veiga, Buffa, Lovadina, Martinelli & Sangalli, An
-    /// isogeometric method for the Reissner–Mindlin plate bending problem, Comput. Methods Appl. Mech. Eng. 209–212, 2012).
+    /// Mindlin's w is approximated by splines of degree p. Each rotation has one degree and one continuous derivative
+    /// less along its own axis. Then ∇w is contained in the space of the rotations, and there is no shear locking
+    /// (Beirão da Veiga, Buffa, Lovadina, Martinelli & Sangalli, An isogeometric method for the Reissner–Mindlin plate
+    /// bending problem, Comput. Methods Appl. Mech. Eng. 209–212, 2012).
     pub(super) fn tensor(self, lines: &[Vec<f64>; 2], rotations: usize) -> Tensor<2> {
         let splines = |degree: usize| lines.each_ref().map(|lines| Spline::new(lines, degree, degree - 1));
         Tensor::new(match self {
@@ -55,7 +57,7 @@ impl PlateTheory {
         })
     }
 
-    /// Twice the elastic energy of one layer; κ is Mindlin's.
+    /// Forms of twice the elastic energy of one layer; `shear_factor` is Mindlin's κ.
     pub(super) fn elastic(self, section: &Section, shear_factor: f64) -> Vec<Square<2>> {
         match self {
             Self::Kirchhoff => kirchhoff_elastic(section),
@@ -63,7 +65,7 @@ impl PlateTheory {
         }
     }
 
-    /// Twice the kinetic energy of one layer.
+    /// Forms of twice the kinetic energy of one layer.
     pub(super) fn mass(self, section: &Section) -> Vec<Square<2>> {
         match self {
             Self::Kirchhoff => kirchhoff_mass(section),
@@ -71,8 +73,9 @@ impl PlateTheory {
         }
     }
 
-    /// Where the rotation along an axis, the first of several, is a coefficient at an end of an axis: the field, and how many functions
-    /// from the end. `None` where it follows from the deflection's.
+    /// Coefficient that is the rotation along `axis` at an end of the axis `of_end`: its field and its position counted
+    /// from the end. If there are several rotations, this is the first. `None` if the rotation follows from the
+    /// deflection.
     pub(super) fn rotation_at_end(self, axis: usize, of_end: usize) -> Option<(usize, usize)> {
         match self {
             Self::Kirchhoff => (axis == of_end).then_some((DEFLECTION, 1)),
@@ -106,7 +109,8 @@ mod tests {
         full.select_rows(free).select_columns(free)
     }
 
-    /// The squares of the lowest circular frequencies, ascending; held are w and the slope along the edge, on all of them.
+    /// Squares of the lowest circular frequencies, ascending. The deflection w and the slope along the edge are zero on
+    /// all edges.
     fn frequencies(theory: PlateTheory, cells: usize, modes: usize) -> Vec<f64> {
         let tensor = theory.tensor(&EDGES.map(|edge| uniform(edge, cells)), 1);
         let n = tensor.unknowns();
@@ -132,8 +136,9 @@ mod tests {
         values
     }
 
-    /// Of a wave sin x sin y: Dξ⁴/ρh, and the lower root of det(K − ω²M) = 0 with K = [[S, S], [S, Dξ⁴ + S]], S = κμhξ² and
-    /// M = diag(ρh, ρh³ξ²/12) in w and the potential of θ.
+    /// Squares of the exact circular frequencies. For a wave sin x sin y: Dξ⁴/ρh in Kirchhoff's theory; in Mindlin's,
+    /// the lower root of det(K − ω²M) = 0 with K = [[S, S], [S, Dξ⁴ + S]], S = κμhξ² and M = diag(ρh, ρh³ξ²/12) in w
+    /// and the potential of θ.
     fn exact(theory: PlateTheory, modes: usize) -> Vec<f64> {
         let wave = |m: i32, n: i32| {
             let square = [m, n].iter().zip(EDGES).map(|(m, edge)| (PI * f64::from(*m) / edge).powi(2)).sum::<f64>();
@@ -153,11 +158,12 @@ mod tests {
         values
     }
 
-    /// The rotation of one end of a free strip of a length over the torque there, its width 10 h: ends stay straight.
+    /// Rotation of one end of a free strip of a given length, divided by the torque there. The width is 10 h, and the
+    /// ends remain straight.
     fn torsion(length: f64, poisson: f64, edge: bool) -> f64 {
         let section = Section { thickness: 0.1, poisson, ..SECTION };
         let (width, kappa) = (1.0, 5.0 / (6.0 - poisson));
-        // Cells of one size for all lengths: their error at the ends is the same.
+        // The cell size is the same for all lengths, so that the error at the ends is the same.
         let lines = [uniform(length, (4.0 * length).round() as usize), uniform(width, 10)];
         let tensor = PlateTheory::Mindlin.tensor(&lines, 1);
         let mut forms = mindlin_elastic(&section, kappa);
@@ -169,7 +175,7 @@ mod tests {
         }
         let all: Vec<usize> = (0..tensor.unknowns()).collect();
         let elastic = dense(&tensor.matrix(&forms), &all, all.len());
-        // The coefficients of the straight line w = y: means of as many knots in a row as the degree.
+        // Coefficients of the straight line w = y: means of as many successive knots as the degree.
         let [x, y] = tensor.splines(DEFLECTION).each_ref().map(Spline::functions);
         let end = [lines[1][0], width].map(|end| vec![end; DEGREE]);
         let knots = [&end[0][..], &lines[1], &end[1][..]].concat();
@@ -188,8 +194,9 @@ mod tests {
         1.0 / (values.dot(&within) - coupling.dot(&factor.solve(&coupling)))
     }
 
-    /// Saint-Venant's G b h³/3 (1 − 0.6302 h/b), for two lengths, so that the ends have no part in it. Without the edges' energy Mindlin's
-    /// theory has 1 − 2h/(√(12κ) b). The first is met within 5e-5, a fiftieth of their difference at ν = 0.45.
+    /// The twisting stiffness agrees with Saint-Venant's G b h³/3 (1 − 0.6302 h/b). It is computed from the difference
+    /// of two lengths, so that the ends have no effect. Without the energy of the edges, Mindlin's theory has 1 −
+    /// 2h/(√(12κ) b). The tolerance 5e-5 is a fiftieth of the difference of the two formulas at ν = 0.45.
     #[test]
     fn strips_have_the_twisting_stiffness_of_solids() {
         for poisson in [0.0, 0.23, 0.45] {
@@ -203,8 +210,9 @@ mod tests {
         }
     }
 
-    /// Squares of frequencies converge with the order 2 (p + 1 − m), m the derivatives in the energy; Mindlin's rotations, of degree
-    /// p − 1 with one derivative, reach the same 2 (p − 1) = 8.
+    /// Squares of frequencies converge with the order 2 (p + 1 − m), where m is the order of the derivatives in the
+    /// energy: 8 for Kirchhoff's plate. Mindlin's rotations, of degree p − 1 with one derivative, reach the same order
+    /// 2 (p − 1) = 8.
     #[test]
     fn simply_supported_frequencies() {
         for theory in [PlateTheory::Kirchhoff, PlateTheory::Mindlin] {

@@ -1,4 +1,4 @@
-//! The waves of an infinite plate under the impactor, by which a finite one is known before its first echo.
+//! Waves of an infinite plate under the impactor, which describe a finite plate before its first echo.
 
 use std::f64::consts::PI;
 
@@ -12,51 +12,52 @@ use crate::scene::Scene;
 use super::geometry::PlateGeometry;
 use super::{Local, PlateTheory, Points};
 
-/// Wavenumbers of Mindlin's waves that are looked at, each over the one before.
+/// Ratio of successive wavenumbers at which Mindlin's waves are evaluated.
 const STEP: f64 = 1.05;
 
-/// The last of them times the disc's radius: waves that are shorter hardly move what is read, the mean over the disc.
+/// Largest wavenumber times the radius of the disc. Shorter waves hardly change the mean displacement over the disc.
 const SHORTEST: f64 = 40.0;
 
-/// The part of the density of long waves below which nothing is left.
-const LEAST: f64 = 1e-4;
+/// Fraction of the largest modal density below which the density is neglected.
+const NEGLECTED_DENSITY: f64 = 1e-4;
 
-/// What the infinite plate of a scene's section, one layer, does under a force at a point.
+/// Response of the infinite plate with the scene's section, as a single layer, to a force at a point.
 ///
 /// # Errors
-/// A fault of `body.model` where the theory does not stand for the scene.
+/// A fault of `body.model` if the theory cannot model the scene.
 pub fn infinite_plate(scene: &Scene, theory: PlateTheory) -> Result<InfinitePlate> {
     let geometry = super::geometry(scene, theory).map_err(|reason| super::fault(theory, &reason))?;
     Ok(of_section(&geometry, &Section::new(geometry.thickness, &scene.body.struck()), None))
 }
 
-/// How many classes of motions a scene's plate has that do not couple.
+/// Number of uncoupled symmetry classes of a scene's plate.
 ///
 /// # Errors
-/// A fault of `body.model` where the theory does not stand for the scene.
+/// A fault of `body.model` if the theory cannot model the scene.
 pub fn classes_of_motions(scene: &Scene, theory: PlateTheory) -> Result<usize> {
     Ok(super::geometry(scene, theory).map_err(|reason| super::fault(theory, &reason))?.classes.len())
 }
 
-/// That of a plate. Waves of layers that slide are slower than those which its coordinates stand for.
+/// Response of the infinite plate for a discretised plate. `None` for several layers: if layers slide, the waves are
+/// slower than this model assumes.
 pub(super) fn of_points(points: &Points) -> Option<InfinitePlate> {
     let is_known = points.laminate.is_none();
     is_known.then(|| of_section(&points.geometry, &points.section, points.local.as_ref()))
 }
 
-/// Of the modelled part of a plate, with all of its classes of motions.
+/// Response of the infinite plate for the modelled part of a plate, with all its symmetry classes.
 fn of_section(geometry: &PlateGeometry, section: &Section, local: Option<&Local>) -> InfinitePlate {
     let (edges, copies) = (geometry.edges, geometry.copies());
     let classes = geometry.classes.len() as f64;
     let material = Material { young: section.young, poisson: section.poisson, density: section.density };
-    // ξ² = ω √(ρh/D) of long waves.
+    // ξ² = ω √(ρh/D) for long waves.
     let slowness = (section.density * section.thickness / section.rigidity()).sqrt();
     let thin = copies * slowness / (4.0 * PI * section.density * section.thickness);
     let Spectrum { density, yielding } = match local {
         None => Spectrum { density: vec![(0.0, thin)], yielding: Vec::new() },
         Some(local) => of_mindlin(section, local, copies, thin),
     };
-    // A wave of the wavenumber ξ fits an area A into A ξ²/4π modes below it.
+    // An area A has A ξ²/4π modes with wavenumbers below ξ.
     InfinitePlate {
         density,
         yielding,
@@ -69,15 +70,17 @@ fn of_section(geometry: &PlateGeometry, section: &Section, local: Option<&Local>
 
 /// A wave of Mindlin's plate.
 struct Wave {
-    /// ω, rad/s.
+    /// Circular frequency ω, rad/s.
     frequency: f64,
-    /// r² P²: the square of what is read on the disc over the moving mass of a unit of area, m²/kg.
+    /// r² P², m²/kg: square of the displacement read on the disc for a unit amplitude of w, divided by the moving mass
+    /// per unit of area.
     of_force: f64,
 }
 
-/// The waves of a wavenumber ξ (1/m), the bending one and that of thickness shear.
+/// Bending wave and thickness-shear wave of a wavenumber ξ (1/m).
 ///
-/// With w and θ = ∇ψ of a wave: M = diag(ρh, ρh³ξ²/12) and K = [[S, S], [S, Dξ⁴ + S]], S = κμhξ². What is read is w − s h² ξ² ψ.
+/// For w and θ = ∇ψ of a wave: M = diag(ρh, ρh³ξ²/12) and K = [[S, S], [S, Dξ⁴ + S]], S = κμhξ². The displacement read
+/// is w − s h² ξ² ψ.
 fn waves(section: &Section, local: &Local, wavenumber: f64) -> [Wave; 2] {
     let mass = section.density * section.thickness;
     let square = wavenumber * wavenumber;
@@ -96,16 +99,17 @@ fn waves(section: &Section, local: &Local, wavenumber: f64) -> [Wave; 2] {
     })
 }
 
-/// What the waves of all wavenumbers do, by their frequency.
+/// Response of the waves of all wavenumbers, by frequency.
 struct Spectrum {
-    /// ω (rad/s), ascending, and ν there (s/kg).
+    /// Pairs of ω (rad/s), ascending, and the modal density ν (s/kg).
     density: Vec<(f64, f64)>,
-    /// ω (rad/s) of waves that are faster than any contact, with what they yield to a resting force, m/N.
+    /// Pairs of ω (rad/s) and the static compliance (m/N) of waves that are faster than any contact.
     yielding: Vec<(f64, f64)>,
 }
 
-/// ν = (1/2π) ξ dξ/dω r² P² of the bending waves, and as springs, (1/2π) r² P²/ω² ξ dξ, the waves of thickness shear and the bending ones
-/// beyond the last ω. `longest` is ν of the thin plate, s/kg, and `copies` how many modelled parts make the plate.
+/// Spectrum of a Mindlin plate. The bending waves have the density ν = (1/2π) ξ dξ/dω r² P². The thickness-shear waves,
+/// and the bending waves beyond the last ω, are springs with the compliance (1/2π) r² P²/ω² ξ dξ. `longest` is ν of the
+/// thin plate, s/kg; `copies` is the number of modelled parts in the whole plate.
 fn of_mindlin(section: &Section, local: &Local, copies: f64, longest: f64) -> Spectrum {
     let first = 0.01 / section.thickness;
     let mut density = vec![(waves(section, local, first)[0].frequency, longest)];
@@ -130,7 +134,7 @@ fn of_mindlin(section: &Section, local: &Local, copies: f64, longest: f64) -> Sp
         let value = copies * wavenumber * slope * bending.of_force / (2.0 * PI);
         density.push((bending.frequency, value));
         largest = largest.max(value);
-        is_complete = value < LEAST * largest && wavenumber * local.radius > PI;
+        is_complete = value < NEGLECTED_DENSITY * largest && wavenumber * local.radius > PI;
     }
     Spectrum { density, yielding }
 }

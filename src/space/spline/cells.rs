@@ -1,4 +1,5 @@
-//! The cells of a block: of one size around the hit, growing with the distance from it to what carries the waves of the contact.
+//! Cells of a box: of constant size near the impact point, growing with the distance from it to the size that resolves
+//! the waves of the contact.
 
 use super::DEGREE;
 use super::geometry::BoxGeometry;
@@ -9,43 +10,43 @@ use crate::scene::{Composition, Layer, Parts, Scene};
 use crate::space::grading::{Side, Sizes};
 use crate::space::plate::{contact_time, wavelength};
 
-/// Cells at the hit over the radius of the disc that is pressed.
-const OF_DISC: f64 = 0.375;
+/// Size of the cells at the impact point divided by the radius of the loaded disc.
+const CELL_OVER_DISC: f64 = 0.375;
 
-/// Cells over the distance from the hit, along the struck face and into the body.
-const GROWTH: [f64; 2] = [0.5, 1.6];
+/// Cell size divided by the distance from the impact point, along the impacted face and into the body.
+const CELL_GROWTH: [f64; 2] = [0.5, 1.6];
 
-/// The largest cell, in lengths of the waves of the contact's frequency.
-const OF_WAVE: f64 = 0.085;
+/// Size of the largest cell divided by the length of the waves at the frequency of the contact.
+const CELL_OVER_WAVELENGTH: f64 = 0.085;
 
-/// Size of the cells over the default's from which one across the thickness will do. One was measured to leave 0.03% to 0.4% of the force,
-/// which larger cells, of which there is one too, do not show.
+/// Cell size factor from which one cell across the thickness is used. One cell causes an error of 0.03% to 0.4% of the
+/// force (measured). A comparison with larger cells does not reveal it, since there is also one cell.
 const ONE_ACROSS: f64 = 1.5;
 
-/// Unknowns at most: each has about a thousand entries in the matrix.
-const MOST: f64 = 4e4;
+/// Largest number of unknowns; each has about a thousand entries in the matrix.
+const MAX_UNKNOWNS: f64 = 4e4;
 
-/// The lines across each axis of the modelled part, for a place that is hit. Where splines would be smooth across the hit, its
-/// line stands twice: with one continuous derivative less they resolve it as those of a quarter, which end there.
+/// Lines normal to each axis of the modelled part. If splines would be smooth across the impact point, its line is
+/// repeated: with one continuous derivative less, they resolve it as well as the splines of a quarter, which end there.
 ///
 /// # Errors
-/// Why there are none: a clause.
+/// A clause that says why there are no such lines.
 pub(super) fn lines(
     geometry: &BoxGeometry,
     scene: &Scene,
     patch: &PatchModel,
     cell_size_factor: f64,
 ) -> Result<[Vec<f64>; 3], String> {
-    let largest = OF_WAVE * shortest_wave(geometry, scene);
+    let largest = CELL_OVER_WAVELENGTH * shortest_wave(geometry, scene);
     let sides: [[Side; 2]; 3] = std::array::from_fn(|axis| {
         let [low, high] = geometry.ends(axis);
         let hit = geometry.hit[axis];
-        let growth = cell_size_factor * GROWTH[usize::from(axis == geometry.struck)];
+        let growth = cell_size_factor * CELL_GROWTH[usize::from(axis == geometry.struck)];
         let lengths = [hit - low, high - hit];
-        // At least one cell on the longer side.
+        // At least one cell on the longer side, or two if the factor is below `ONE_ACROSS` across the thickness.
         let longest = lengths[0].max(lengths[1]);
         let is_halved = axis == geometry.struck && cell_size_factor < ONE_ACROSS;
-        let at_hit = (cell_size_factor * OF_DISC * patch.disc).min(if is_halved { 0.5 * longest } else { longest });
+        let at_hit = (cell_size_factor * CELL_OVER_DISC * patch.disc).min(if is_halved { 0.5 * longest } else { longest });
         let sizes = Sizes { hit: at_hit, largest: cell_size_factor * largest, growth };
         lengths.map(|length| Side { length, sizes })
     });
@@ -57,13 +58,13 @@ pub(super) fn lines(
         if folds(axis) { 0.5 * all } else { all }
     };
     let unknowns = 3.0 * (0..3).map(functions).product::<f64>();
-    if !(1.0..=MOST).contains(&unknowns) {
+    if !(1.0..=MAX_UNKNOWNS).contains(&unknowns) {
         return Err(format!("it would take {unknowns:.0} unknowns"));
     }
     let lines: [Vec<f64>; 3] = std::array::from_fn(|axis| {
         let hit = geometry.hit[axis];
         if folds(axis) {
-            // As many, alike above and below the middle.
+            // The same number of cells, equal in size.
             let (cells, [low, high]) = (folded(&sides[axis]), geometry.ends(axis));
             return (0..=cells).map(|i| low + (high - low) * i as f64 / cells as f64).collect();
         }
@@ -75,7 +76,8 @@ pub(super) fn lines(
         let mut lines: Vec<f64> = below.iter().rev().map(|d| hit - d).collect();
         lines.extend(std::iter::repeat_n(hit, times));
         lines.extend(above.iter().map(|d| hit + d));
-        // The ends, without the rounding of a difference, and with what is left of an edge beside the hit.
+        // Sets the ends exactly. This removes the rounding of a difference, and includes the piece between the impact
+        // point and an edge that is too short for a cell.
         let last = lines.len() - 1;
         [lines[0], lines[last]] = geometry.ends(axis);
         lines
@@ -87,14 +89,15 @@ pub(super) fn lines(
     Ok(lines)
 }
 
-/// Lines across layers, from a hit on the uppermost or the lowermost face: of each layer as many cells as the sizes ask for, and one at least.
+/// Lines across layers, for an impact on the uppermost or the lowermost face. Each layer has the number of cells
+/// according to the cell sizes, at least one.
 fn in_layers(interfaces: &[f64], hit: f64, sides: &[Side; 2]) -> Vec<f64> {
     let (is_from_below, side) = if sides[0].length < sides[1].length { (true, sides[1]) } else { (false, sides[0]) };
     let sign = if is_from_below { 1.0 } else { -1.0 };
     let mut lines = vec![interfaces[0]];
     for ends in interfaces.windows(2) {
         let [from, to] = [ends[0], ends[1]].map(|end| side.count((sign * (end - hit)).max(0.0)));
-        // The cast is of a small number.
+        // The value is small enough for the cast.
         let cells = ((to - from).abs() * (1.0 - 1e-9)).ceil().max(1.0) as usize;
         lines.extend((1..cells).map(|i| hit + sign * side.distance(from + (to - from) * i as f64 / cells as f64)));
         lines.push(ends[1]);
@@ -102,13 +105,15 @@ fn in_layers(interfaces: &[f64], hit: f64, sides: &[Side; 2]) -> Vec<f64> {
     lines
 }
 
-/// Cells across a thickness whose functions are folded: as many as without, and no more than there may be of such.
+/// Number of cells across a thickness whose functions are folded: the same as without folding, limited to the largest
+/// number that folding supports.
 fn folded(sides: &[Side; 2]) -> usize {
     let cells = sides.iter().map(Side::cells).sum::<f64>();
     cells.min((2 * WIDTH - DEGREE) as f64) as usize
 }
 
-/// Flexural waves of the thinnest plate that the box is, or shear waves where these are shorter, m.
+/// Shortest wavelength of the contact, m: flexural waves of the box as a plate of its shortest edge, or shear waves if
+/// these are shorter.
 fn shortest_wave(geometry: &BoxGeometry, scene: &Scene) -> f64 {
     let body = &scene.body;
     let thickness = geometry.size.into_iter().fold(f64::INFINITY, f64::min);
@@ -121,7 +126,8 @@ fn shortest_wave(geometry: &BoxGeometry, scene: &Scene) -> f64 {
     wavelength(&section, time).min(shear * time)
 }
 
-/// A plate with the mass of layers and the stiffness that they have while they slide on each other: its waves are the shortest.
+/// Plate with the mass of the layers and with their stiffness when they slide on each other without friction. Its waves
+/// are the shortest.
 fn sliding(composition: &Composition, thickness: f64) -> Section {
     let struck = composition.struck;
     let density = composition.density().unwrap_or(struck.density);

@@ -1,4 +1,4 @@
-//! Unknowns that clamps (2) and planes of symmetry hold.
+//! Unknowns constrained by clamps (2) and planes of symmetry.
 
 use crate::description::Clamp;
 use crate::form::Spline;
@@ -6,10 +6,11 @@ use crate::form::tensor::Tensor;
 use crate::scene::faces;
 use crate::space::grid::Face;
 
-/// Unknowns of clamped faces, the last clamp's value for each, and those of planes of symmetry; ascending.
+/// Constrained unknowns of clamped faces, with the value of the last clamp for each, and of planes of symmetry;
+/// ascending.
 pub fn held(tensor: &Tensor<3>, mirrors: &[usize], clamps: &[Clamp]) -> Vec<(usize, f64)> {
     let mut values = vec![None; tensor.unknowns()];
-    // At an end of an axis one function alone is not zero, and functions sum to one.
+    // At an end of an axis only one function is non-zero, and the functions sum to one.
     let mut hold = |component: usize, face: Face, value: f64| {
         let counts = tensor.splines(component).each_ref().map(Spline::functions);
         let [first, second] = faces::along(face.axis);

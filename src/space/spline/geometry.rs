@@ -1,27 +1,28 @@
-//! A box, and where it is hit.
+//! Geometry of a box and its impact point.
 
 use crate::scene::{Contact, Geometry, Scene, Symmetry, Vec3, faces};
 
-/// The shortest edge over the longest, at least: rounding goes with the fourth power of the ratio, and is 1e-3 of the deflection here.
+/// Smallest ratio of the shortest edge to the longest. The rounding error is proportional to the fourth power of the
+/// inverse ratio, and is 1e-3 of the deflection at this limit.
 const THINNEST: f64 = 1.0 / 2000.0;
 
-/// A box, where it is hit, and which part of it is modelled.
+/// A box, its impact point, and its modelled part.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct BoxGeometry {
-    /// Edge lengths of the whole, m.
+    /// Edge lengths of the whole box, m.
     pub size: Vec3,
-    /// Where it is hit, m.
+    /// Impact point, m.
     pub hit: Vec3,
-    /// The axis across the face that is hit.
+    /// Axis normal to the impacted face.
     pub struck: usize,
-    /// Heights along z between layers that differ, ends included, m; empty for one material.
+    /// Heights along z of the interfaces between different layers, including both ends, m; empty for one material.
     pub interfaces: Vec<f64>,
-    /// Axes across planes of symmetry: where their coordinates are positive is the modelled part.
+    /// Axes normal to planes of symmetry. The modelled part has positive coordinates along them.
     pub mirrors: Vec<usize>,
 }
 
 impl BoxGeometry {
-    /// Why the body is no such box.
+    /// Geometry of a scene's box, or the reason why splines cannot model it.
     pub fn new(scene: &Scene) -> std::result::Result<Self, String> {
         let (Geometry::Box { size, .. }, Some(struck)) = (&scene.body.geometry, scene.struck_axis()) else {
             return Err("the body is from a mesh file, not a box".into());
@@ -48,17 +49,17 @@ impl BoxGeometry {
         Ok(Self { size: *size, hit: scene.impactor.point, struck, interfaces, mirrors })
     }
 
-    /// How many of the modelled part make the whole.
+    /// Number of copies of the modelled part in the whole box.
     pub fn copies(&self) -> f64 {
         if self.mirrors.is_empty() { 1.0 } else { 4.0 }
     }
 
-    /// The axes along the face that is hit.
+    /// Axes along the impacted face.
     pub fn plane(&self) -> [usize; 2] {
         faces::along(self.struck)
     }
 
-    /// Ends of the modelled part along an axis.
+    /// Ends of the modelled part along an axis, m.
     pub fn ends(&self, axis: usize) -> [f64; 2] {
         let half = 0.5 * self.size[axis];
         [if self.mirrors.contains(&axis) { 0.0 } else { -half }, half]

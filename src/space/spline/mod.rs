@@ -1,9 +1,9 @@
 //! A box of tensor-product splines, as an elastic body in three dimensions.
 //!
-//! The displacement along an axis lies in splines of one degree less along that axis than along the others, so that the strains of a
-//! bent plate, ∂u_x/∂z and ∂u_z/∂x, are alike and cancel (as in Beirão da Veiga, Buffa, Lovadina, Martinelli & Sangalli, An
-//! isogeometric method for the Reissner–Mindlin plate bending problem, Comput. Methods Appl. Mech. Eng. 209–212, 2012): fewer unknowns
-//! with half of the error.
+//! Each displacement component has splines of one degree less along its own axis than along the other axes. So the two
+//! parts of a shear strain, ∂u_x/∂z and ∂u_z/∂x, lie in the same space and can cancel in a bent plate (as in Beirão da
+//! Veiga, Buffa, Lovadina, Martinelli & Sangalli, An isogeometric method for the Reissner–Mindlin plate bending
+//! problem, Comput. Methods Appl. Mech. Eng. 209–212, 2012). This halves the error with fewer unknowns.
 
 mod cells;
 mod clamps;
@@ -13,7 +13,7 @@ mod patch;
 mod points;
 
 use super::grid::{GridField, GridSpace};
-use super::{OF_CONTACT, SurfaceTerms};
+use super::{MODULI_TIME_OVER_CONTACT, SurfaceTerms};
 use crate::body::System;
 use crate::description::{Description, Part, Portion};
 use crate::error::Result;
@@ -29,56 +29,57 @@ use clamps::held;
 use geometry::BoxGeometry;
 use patch::PatchModel;
 
-/// Degree of the splines, with all derivatives continuous but one. Of 3 to 5 it takes the least time for an error of 0.1% to 0.5% of an
-/// impact's history.
+/// Degree p of the splines, which have p − 1 continuous derivatives. Among the degrees 3 to 5, it takes the least time
+/// for an error of 0.1% to 0.5% of the time history of an impact.
 const DEGREE: usize = 4;
 
-/// Choices that a scene does not make.
+/// Options of a spline model that are not part of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Size of all cells over the default's.
+    /// Factor on the size of all cells; 1 is the default size.
     pub cell_size_factor: f64,
 }
 
 impl Settings {
-    /// For an error of less than half of a tolerance, as measured on plates.
+    /// Settings for an error of less than half of a tolerance, as measured on plates.
     pub fn new(tolerance: f64) -> Self {
         Self { cell_size_factor: (1.35 * (tolerance / 1e-2).powf(0.22)).clamp(0.3, 2.0) }
     }
 }
 
-/// A box's system, and how it was made.
+/// A box's linear system and the data from which it was made.
 #[derive(Debug, Clone)]
 pub struct SplineSolid {
-    /// The body's side of M ü + C u̇ + K u = a F + f. The unknowns are coefficients of splines, m: component by component, the last
-    /// axis fastest.
+    /// System of M ü + C u̇ + K u = a F + f. The unknowns are spline coefficients (m), component by component, with the
+    /// last axis fastest.
     pub system: System,
-    /// Cells along each axis of the modelled part.
+    /// Number of cells along each axis of the modelled part.
     pub cells: [usize; 3],
-    /// What its points do.
+    /// Evaluator of displacements and stresses at points of the box.
     pub points: Points,
 }
 
-/// Why splines on a box do not stand for a scene's body: a clause.
+/// Checks whether splines on a box can model a scene's body.
 ///
 /// # Errors
-/// That clause.
+/// The reason why they cannot: a clause.
 pub fn admits(scene: &Scene) -> std::result::Result<(), String> {
     let geometry = BoxGeometry::new(scene)?;
     match PatchModel::new(&geometry, scene) {
         Ok(patch) => {
             cells::lines(&geometry, scene, &patch, Settings::new(scene.tolerance).cell_size_factor).map(|_| ())
         }
-        // What is wrong with the patch is wrong with any mesh.
+        // A fault of the patch applies to any mesh too, so it is no reason against splines.
         Err(_) => Ok(()),
     }
 }
 
 impl SplineSolid {
-    /// Builds a scene's box.
+    /// Builds the spline model of a scene's box.
     ///
     /// # Errors
-    /// A fault of `body.model` where splines do not stand for the scene's body, of `contact.patch_radius` where there is no patch.
+    /// A fault of `body.model` if splines cannot model the scene's body, or of the patch or impact point if there is no
+    /// valid patch.
     pub fn new(scene: &Scene, settings: &Settings) -> Result<Self> {
         let fault = |reason: String| {
             let message = format!("splines on a box do not stand for this scene: {reason}");
@@ -100,7 +101,7 @@ impl SplineSolid {
             (tensor.matrix(&forms), chain.clone())
         };
         let relaxations = description.relaxations().into_iter().map(relaxation).collect();
-        let points = Points::new(tensor, lines, parts, (&geometry, &patch), OF_CONTACT * scene.impactor.contact_time());
+        let points = Points::new(tensor, lines, parts, (&geometry, &patch), MODULI_TIME_OVER_CONTACT * scene.impactor.contact_time());
         let terms = SurfaceTerms::new(&GridSpace { field: &points, mirrors: &geometry.mirrors }, &description)?;
         let copies = geometry.copies();
         let system = System {
@@ -130,15 +131,15 @@ impl SplineSolid {
     }
 }
 
-/// Whether a box has a plane of symmetry across both axes of the struck face, and the same cells along both; whether its supports and loads stay
-/// as they are where these change places is not looked at.
+/// Whether a box has planes of symmetry normal to both axes of the impacted face, and the same cells along both. Does
+/// not check whether its supports and loads are unchanged by an exchange of these axes.
 fn may_exchange(geometry: &BoxGeometry, points: &Points) -> bool {
     let [first, second] = geometry.plane();
     let lines = GridField::lines(points);
     geometry.mirrors.len() == 2 && lines[first] == lines[second]
 }
 
-/// The number of each unknown where two axes with the same splines change places.
+/// Number of each unknown after an exchange of two axes with the same splines.
 fn exchange(tensor: &Tensor<3>, [first, second]: [usize; 2]) -> Vec<usize> {
     let mut partners = Vec::with_capacity(tensor.unknowns());
     for component in 0..3 {
@@ -156,7 +157,7 @@ fn exchange(tensor: &Tensor<3>, [first, second]: [usize; 2]) -> Vec<usize> {
     partners
 }
 
-/// The body moved as a whole by one in a direction.
+/// Unknowns of a unit translation of the whole body in a direction.
 fn translation(tensor: &Tensor<3>, direction: Vec3) -> Vec<f64> {
     let mut sum = vec![0.0; tensor.unknowns()];
     for (component, d) in direction.into_iter().enumerate() {
@@ -165,7 +166,7 @@ fn translation(tensor: &Tensor<3>, direction: Vec3) -> Vec<f64> {
     sum
 }
 
-/// Where a part is, for integrals along the axes.
+/// Portion of the domain that a part occupies, for integrals along the axes.
 fn place(part: &Part) -> [Along; 3] {
     match part.portion {
         Portion::Layer(ends) => [Along::All, Along::All, Along::Within(ends)],
@@ -178,8 +179,9 @@ fn inner(interfaces: &[f64]) -> Vec<f64> {
     interfaces.iter().skip(1).take(interfaces.len().saturating_sub(2)).copied().collect()
 }
 
-/// The three components between the lines; of a body that bends alone across an axis, those of its parities. Across interfaces (heights
-/// along z that are lines) strains jump: their lines are repeated until the splines are continuous and no more.
+/// Spline spaces of the three components between the lines. For a body in pure bending across the axis `bends`, they
+/// have the parities of bending. Strains jump across interfaces (heights along z that are lines). There the lines are
+/// repeated until the splines are only continuous.
 fn tensor(lines: &[Vec<f64>; 3], interfaces: &[f64], bends: Option<usize>) -> Tensor<3> {
     let spline = |component: usize, axis: usize| {
         let degree = if axis == component { DEGREE - 1 } else { DEGREE };
@@ -206,7 +208,8 @@ mod tests {
     const EDGES: [f64; 3] = [0.3, 0.24, 0.05];
     const MATERIAL: Material = Material { young: 70e9, poisson: 0.4, density: 2500.0 };
 
-    /// The lowest squared frequency of a box between walls on which it slides, with cells along two axes, by inverse iteration.
+    /// Lowest squared frequency of a box between frictionless walls, with `cells` cells along two axes, by inverse
+    /// iteration.
     fn square(cells: usize) -> f64 {
         let lines = |axis: usize, cells: usize| (0..=cells).map(|i| EDGES[axis] * i as f64 / cells as f64).collect();
         let tensor = tensor(&[lines(0, cells), lines(1, cells), lines(2, 1)], &[], None);
@@ -230,7 +233,8 @@ mod tests {
         u.dot(&(&elastic * &u)) / u.dot(&(&mass * &u))
     }
 
-    /// With splines of degree p − 1 along one axis strains are good to the order p − 1, and squares of frequencies to twice that.
+    /// For splines of degree p − 1 along one axis, strains have the order p − 1, and squared frequencies twice that
+    /// order.
     #[test]
     fn order_of_frequencies() {
         // A shear wave along the two longer axes.

@@ -1,4 +1,4 @@
-//! Where a box of splines is loaded and read, and what of that belongs to Hertz's law.
+//! Loaded disc of a box of splines, and the compliance that remains for the contact law.
 
 use super::Points;
 use super::geometry::BoxGeometry;
@@ -10,37 +10,39 @@ use crate::form::elastic::displacement;
 use crate::scene::{Contact, Fault, Scene, Vec3, faces};
 use crate::space::plate::crossing;
 
-/// Radius of the disc over the thickness, where the body is a plate around it and where it is not.
-const OF_THICKNESS: [f64; 2] = [2.0, 1.0];
+/// Radius of the disc divided by the thickness: where the body is a plate around the impact point, and where it is not.
+const DISC_OVER_THICKNESS: [f64; 2] = [2.0, 1.0];
 
-/// How far the disc is kept from the radius at which the contact law has no stiffness left.
+/// Safety factor on the radius at which the contact stiffness vanishes.
 const MARGIN: f64 = 1.25;
 
-/// Where the body is loaded and read.
+/// Model of the loaded disc, over which the displacement is averaged too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PatchModel {
-    /// The patch that is stood for; `None` for the limit of a small one.
+    /// Patch that the disc represents; `None` for the limit of a small patch.
     pub patch: Option<Patch>,
-    /// Its pressure, spread over a disc.
+    /// Pressure of the patch, spread over the disc.
     pub spread: Spread,
     /// Radius of the disc, m.
     pub disc: f64,
-    /// c of the contact law for the whole body, m/N.
+    /// Compliance c of the contact law for the whole body, m/N.
     pub compliance: f64,
-    /// Whether the body bends alone: displacements along the face are odd across the thickness, those across it even. What else there is,
-    /// squeezing, is then a constant of the contact law, as on an infinite layer at rest.
+    /// Whether the body is modelled in pure bending: in-plane displacements are odd across the thickness, normal
+    /// displacements even. The remaining deformation, squeezing, is then a constant of the contact law, as for an
+    /// infinite layer under a static load.
     pub bends: bool,
-    /// Whether stresses near the hit lack the local field of a layer. (Nearer than a thickness to an edge they have none.)
+    /// Whether the body is a single layer, so that its local field is added to the stresses near the impact point. (The
+    /// field is omitted if an edge is nearer than the thickness.)
     pub is_layer: bool,
-    /// The same of several layers together.
+    /// The same for a body of one or several layers.
     pub is_stack: bool,
 }
 
 impl PatchModel {
-    /// The patch of the scene, or the limit of a small one, on a disc for which the face has room.
+    /// Model of the scene's patch, or of the limit of a small patch, on a disc that fits on the face.
     ///
     /// # Errors
-    /// A fault of the scene where there is none.
+    /// A fault of the scene, if there is no such disc.
     pub fn new(geometry: &BoxGeometry, scene: &Scene) -> Result<Self> {
         let (struck, impactor) = (scene.body.struck(), &scene.impactor);
         let thickness = scene.body.struck_thickness(geometry.size[geometry.struck]);
@@ -67,7 +69,7 @@ impl PatchModel {
         }
         let is_stack = is_layer(geometry, scene);
         let is_layer = geometry.interfaces.is_empty() && is_stack;
-        let is_plate = is_layer && room >= OF_THICKNESS[0] * thickness;
+        let is_plate = is_layer && room >= DISC_OVER_THICKNESS[0] * thickness;
         let bends = is_plate && is_bent(geometry, scene);
         let half_space = unit_compliance(&struck, impactor.direction[geometry.struck]);
         let compliance = |disc: f64| {
@@ -77,9 +79,9 @@ impl PatchModel {
             half_space * spread.compliance() / disc + (of_layer - of_squeezing) / (struck.young * thickness)
         };
         let mass = scene.body.mass().unwrap_or_default();
-        // Discs on which the contact law has no stiffness left: on a half-space, and at least.
+        // Radii of the disc at which the contact stiffness vanishes: on a half-space, and the smallest for any body.
         let limits = |disc: f64| limits(&struck, impactor, mass, thickness, disc * compliance(disc));
-        let by_rule = OF_THICKNESS[usize::from(!is_plate)] * thickness;
+        let by_rule = DISC_OVER_THICKNESS[usize::from(!is_plate)] * thickness;
         let mut disc = given_disc.unwrap_or(by_rule).min(room).max(radius);
         let (mut wanted, mut least) = limits(disc);
         for _ in 0..20 {
@@ -102,7 +104,7 @@ impl PatchModel {
         Ok(Self { patch, spread, disc, compliance: compliance(disc), bends, is_layer, is_stack })
     }
 
-    /// a: the spread pressure on the disc of the struck face, with total 1, times the direction.
+    /// Localisation vector a: the spread pressure on the disc of the impacted face, with total 1, times the direction.
     pub fn localization(&self, geometry: &BoxGeometry, points: &Points, direction: Vec3) -> Vec<f64> {
         let plane = geometry.plane();
         let centre = plane.map(|axis| geometry.hit[axis]);
@@ -119,18 +121,19 @@ impl PatchModel {
     }
 }
 
-/// Whether the body is a layer around the point, for a force along its normal: free below. How wide it is there is not asked.
+/// Whether the body is a free layer around the impact point: the impact is normal, and no support is on either face.
+/// The distance to the edges is not checked.
 fn is_layer(geometry: &BoxGeometry, scene: &Scene) -> bool {
     let is_free = |surface: &str| faces(surface).iter().all(|(axis, _)| *axis != geometry.struck);
     let is_normal = (scene.impactor.direction[geometry.struck].abs() - 1.0).abs() < 1e-9;
     is_normal && scene.supports.iter().all(|support| is_free(&support.surface))
 }
 
-/// [`crossing`] up to which squeezing is as good as at rest; up to 0.024 it was measured to be.
+/// Largest [`crossing`] for which squeezing is treated as quasi-static. This was verified up to 0.024.
 const SLOW: f64 = 0.03;
 
-/// Whether nothing but the hit squeezes or stretches a plate, and that slowly: no load along its face or on one of its sides, no
-/// displacement of a support along it.
+/// Whether a plate is squeezed or stretched only by the impact, and slowly: there is no traction, no body force along
+/// the face, and no support that displaces or stretches the plate along it.
 fn is_bent(geometry: &BoxGeometry, scene: &Scene) -> bool {
     let across = |v: Vec3| (0..3).all(|axis| axis == geometry.struck || v[axis] == 0.0);
     crossing(scene) <= SLOW

@@ -1,4 +1,4 @@
-//! Displacement and stress at the points of a box of splines.
+//! Displacement and stress at points of a box of splines.
 
 use crate::description::Part as BodyPart;
 use crate::element::gauss_legendre;
@@ -15,13 +15,13 @@ use super::geometry::BoxGeometry;
 use super::patch::PatchModel;
 use super::{DEGREE, inner, place as place_of};
 
-/// Hexahedra in a cell of splines along each axis, where fields are written.
+/// Number of hexahedra along each axis of a spline cell in which fields are written.
 const PIECES: usize = 2;
 
-/// Points of fields at most, but for one at each crossing of lines.
+/// Largest number of points of the fields, unless there is only one at each crossing of lines.
 const MOST_POINTS: usize = 20_000;
 
-/// How many of a stress's two directions are across a face.
+/// Number of the two directions of a stress component that are normal to a face.
 fn across_face(component: usize, across: usize) -> usize {
     (0..3)
         .flat_map(|i| (i..3).map(move |j| (i, j)))
@@ -29,31 +29,32 @@ fn across_face(component: usize, across: usize) -> usize {
         .map_or(0, |(i, j)| usize::from(i == across) + usize::from(j == across))
 }
 
-/// A box's discretisation, to be read anywhere in the modelled part.
+/// Discretisation of a box that can be evaluated anywhere in the modelled part.
 #[derive(Debug, Clone)]
 pub struct Points {
     pub(super) tensor: Tensor<3>,
     pub(super) lines: [Vec<f64>; 3],
-    /// Hooke's law of each part, from below: stresses over ∂u_i/∂x_j. Of a relaxing part it is that at t → 0.
+    /// Hooke's law of each part, from below: stresses as functions of ∂u_i/∂x_j. For viscoelastic parts, at t → 0.
     laws: Vec<[[f64; 9]; 6]>,
-    /// Heights between the parts, m: there the upper one's law counts, as the upper cell's strains do.
+    /// Heights of the interfaces between the parts, m. At an interface the law of the upper part applies, like the
+    /// strains of the upper cell.
     interfaces: Vec<f64>,
-    /// The pressure, and the radius of the disc that it is on, m.
+    /// Pressure on the loaded disc, and the radius of the disc, m.
     spread: Spread,
     disc: f64,
-    /// Whether it is a layer, or a stack of layers, about the hit.
+    /// Whether the body is a layer, or a stack of layers, around the impact point.
     is_layer: bool,
-    /// Several layers, from the hit down.
+    /// Stack of several layers, from the impacted face.
     stack: Option<Stack>,
-    /// Where it is hit, m, and the axis across that face.
+    /// Impact point, m, and the axis normal to the impacted face.
     hit: Vec3,
     struck: usize,
-    /// Whether it bends alone: then its other half has the opposite stresses along the face.
+    /// Whether the body is modelled in pure bending. The other half then has the opposite in-plane stresses.
     bends: bool,
 }
 
 impl Points {
-    /// Layers that relax have the modulus of a time (s) in the local field of the contact.
+    /// Evaluator of a box. In the local field of the contact, viscoelastic layers have their modulus at `time`, s.
     pub(super) fn new(
         tensor: Tensor<3>,
         lines: [Vec<f64>; 3],
@@ -80,7 +81,8 @@ impl Points {
         }
     }
 
-    /// The ends of the part at a height across the face that is hit, m: of one part those of the box.
+    /// Ends of the part at a height along the axis normal to the impacted face, m; for a single part, the ends of the
+    /// box.
     fn layer_at(&self, height: f64) -> [f64; 2] {
         let half = self.lines[self.struck].last().copied().unwrap_or_default();
         let number = self.interfaces.partition_point(|end| *end <= height);
@@ -88,13 +90,13 @@ impl Points {
         [below, self.interfaces.get(number).copied().unwrap_or(half)]
     }
 
-    /// Hooke's law at a point; on the top of the box, of its last part.
+    /// Hooke's law at a point; on top of the box, the law of its last part.
     fn law(&self, x: Vec3) -> &[[f64; 9]; 6] {
         &self.laws[self.interfaces.partition_point(|height| *height <= x[2])]
     }
 }
 
-/// The layers of a box from the hit down, as they are a time (s) after a step of the strain.
+/// Layers of a box from the impacted face, with their moduli at a time (s) after a step of the strain.
 fn stack(parts: &[BodyPart], geometry: &BoxGeometry, time: f64) -> Option<Stack> {
     let layer = |(part, ends): (&BodyPart, &[f64])| {
         let Material { young, poisson, .. } = part.material.at(time);
@@ -194,7 +196,7 @@ impl PointEvaluator for Points {
         let height = x[across] - middle;
         // Stresses times z² are of degree DEGREE + 2.
         let rule = gauss_legendre(if self.interfaces.is_empty() { DEGREE / 2 + 1 } else { DEGREE / 2 + 2 });
-        // A body that bends alone has the opposite stresses in its other half.
+        // In pure bending, the stresses in the other half are opposite.
         let from = if self.bends { 0.0 } else { low };
         let both = if self.bends { 2.0 } else { 1.0 };
         let inside = lines.iter().copied().filter(|z| from < *z && *z <= high);
@@ -205,12 +207,12 @@ impl PointEvaluator for Points {
                 at[across] = 0.5 * (ends[0] + ends[1] + (ends[1] - ends[0]) * node);
                 let part = 0.5 * (ends[1] - ends[0]) * weight / thickness;
                 let mean = if self.bends { 0.0 } else { part };
-                // σ(z) = ∫σ dz/h + 12 z ∫σ z dz/h³ along the face, and across it 3/2 (1 − (2z/h)²) ∫σ dz/h.
+                // In-plane: σ(z) = ∫σ dz/h + 12 z ∫σ z dz/h³. Transverse shear: 3/2 (1 − (2z/h)²) ∫σ dz/h.
                 let along = mean + both * part * 12.0 * height * (at[across] - middle) / (thickness * thickness);
                 let shear = if self.interfaces.is_empty() {
                     both * part * 1.5 * (1.0 - (height / (0.5 * thickness)).powi(2))
                 } else {
-                    // At the faces of a layer there is shear: the parabola of the same three moments.
+                    // Shear is non-zero at the faces of a layer: the parabola with the same three moments.
                     part * on_parabola(height / thickness, (at[across] - middle) / thickness)
                 };
                 for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {

@@ -1,4 +1,4 @@
-//! What other programs have found of the scene, as a table.
+//! Reads the results of other programs for the same scene from a table.
 
 use std::path::Path;
 
@@ -12,7 +12,9 @@ use crate::record::stress::Stresses;
 use crate::scene::{Body, Geometry, Scene, differences};
 use crate::study::history::{Contact, History};
 
-/// A line of the table: `name`, `setting`, either `seconds` or `build` and `run`, and either `error` (and `whole_error`) or `series`.
+/// A line of the table: `name`, `setting`, either `seconds` or `build` and `run` (wall times, s), and either `error`
+/// (and `whole_error`) or `series`. Errors are relative to the reference's peak; `series` is a file name relative to
+/// the table's folder.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Line {
@@ -28,39 +30,39 @@ struct Line {
     series: String,
 }
 
-/// A line of a series.
+/// A line of a time series: time (s) and acceleration (m/s²) of the impactor.
 #[derive(Debug, Deserialize)]
 struct Row {
     time: f64,
     acceleration: f64,
-    /// The largest tension, Pa.
+    /// Largest tension, Pa.
     tension: Option<f64>,
 }
 
-/// A peer's run.
+/// A run of another program (a peer).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Foreign {
-    /// Its method.
+    /// Name of the method.
     pub name: String,
-    /// What it says of its setting.
+    /// Description of its settings.
     pub setting: String,
-    /// Wall time before the steps, and of them, s.
+    /// Wall time before the first step and of the steps, s.
     pub seconds: [f64; 2],
-    /// What it found.
+    /// Result of the run.
     pub found: Found,
 }
 
-/// What a peer found.
+/// Result of a peer's run.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Found {
-    /// Errors as it says.
+    /// Errors as stated in the table.
     Errors(Errors),
-    /// Its acceleration.
+    /// Time history of the acceleration.
     History(History),
 }
 
 impl Foreign {
-    /// Its errors against a reference.
+    /// Errors relative to a reference.
     pub fn errors(&self, reference: &History) -> Errors {
         match &self.found {
             Found::Errors(errors) => *errors,
@@ -69,10 +71,10 @@ impl Foreign {
     }
 }
 
-/// Reads a table of peers' runs, whose series are beside it; `mass` (kg) is the impactor's.
+/// Reads a table of peers' runs. Their series are read from the table's folder; `mass` (kg) is the impactor's.
 ///
 /// # Errors
-/// [`Error::Io`] with the line and what is wrong in it.
+/// [`Error::Io`] with the line and the fault in it.
 pub fn foreign(path: &Path, mass: f64) -> Result<Vec<Foreign>> {
     let mut table = csv::Reader::from_path(path).map_err(|e| Error::io(path, e))?;
     let mut all = Vec::new();
@@ -106,7 +108,7 @@ pub fn foreign(path: &Path, mass: f64) -> Result<Vec<Foreign>> {
     Ok(all)
 }
 
-/// What is wrong with a line of a table, which has columns between commas.
+/// Describes the fault in a line of a table, with the column number if it is known.
 fn fault(error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::Deserialize { pos, err } => {
@@ -118,10 +120,11 @@ fn fault(error: &csv::Error) -> String {
     }
 }
 
-/// A series: a result of ricochet, or a table of `time`, `acceleration` and, if known, `tension`; `mass` (kg) is the impactor's.
+/// Reads a time series: a result file of ricochet (`.h5`), or a CSV table of `time`, `acceleration` and optionally
+/// `tension`. `mass` (kg) is the impactor's.
 ///
 /// # Errors
-/// [`Error::Io`] with what is wrong.
+/// [`Error::Io`] if the file cannot be read or is not such a series.
 pub fn history(path: &Path, mass: f64) -> Result<History> {
     if path.extension().is_some_and(|extension| extension == "h5") {
         let read::History { time, acceleration, contacts, impulses, .. } = read::history(path)?;
@@ -148,15 +151,15 @@ pub fn history(path: &Path, mass: f64) -> Result<History> {
     if time.is_empty() {
         return Err(Error::io(path, "holds no series"));
     }
-    // A column that is there in some rows only is none.
+    // A tension column that is filled in some rows only is ignored.
     let tension = if tension.len() == time.len() { tension } else { Vec::new() };
     Ok(History::of_series(time, acceleration, mass).with_tension(tension))
 }
 
-/// A history that others can be compared with, from the file `path`.
+/// Returns a history, read from the file `path`, if other histories can be compared with it.
 ///
 /// # Errors
-/// [`Error::Io`] where it has no contact in it.
+/// [`Error::Io`] if it has fewer than two rows or no contact.
 pub fn comparable(path: &Path, history: History) -> Result<History> {
     let why = match (history.rows(), history.peak()) {
         (rows @ 0..2, _) => format!("has {rows} rows, and a history at least two"),
@@ -166,7 +169,8 @@ pub fn comparable(path: &Path, history: History) -> Result<History> {
     Err(Error::io(path, why))
 }
 
-/// Refuses the result `path` of another impact than that of a scene, whose text is `text`: model, cells, steps and tolerances may differ.
+/// Refuses the result `path` if it belongs to another impact than `scene`, whose text is `text`. Model, cells, time
+/// steps and tolerances may differ.
 ///
 /// # Errors
 /// [`Error::Io`] with the keys that differ.
@@ -176,7 +180,7 @@ pub fn check_same_impact(path: &Path, scene: &Scene, text: &str) -> Result<()> {
     let Body { composition, temperature, geometry, .. } = other.body;
     let geometry = match (geometry, &scene.body.geometry) {
         (Geometry::Box { size, .. }, Geometry::Box { size: same, .. }) if size == *same => scene.body.geometry.clone(),
-        // A mesh may be a finer one of the same body.
+        // A mesh file may be a finer mesh of the same body.
         (Geometry::Gmsh(_), Geometry::Gmsh(_)) => scene.body.geometry.clone(),
         (geometry, _) => geometry,
     };

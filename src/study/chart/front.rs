@@ -1,11 +1,12 @@
-//! Which points no other one beats, and which are best at a given error.
+//! Finds the points on the front of time against error, and the fastest methods at a given error.
 
 use super::Point;
 
-/// Errors at which methods are compared, of the acceleration in the first contact over its peak.
+/// Levels of error at which methods are compared: the error of the acceleration in the first contact over its peak.
 pub const LEVELS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 
-/// The points that no other one beats in both time and error, by ascending time; `error` tells which error counts. Peers' do not.
+/// Indices of the points on the Pareto front of time and error, by ascending time. The function `error` selects the
+/// error; points of peers are ignored.
 pub fn front(points: &[Point], error: impl Fn(&Point) -> f64) -> Vec<usize> {
     let mut order: Vec<usize> =
         (0..points.len()).filter(|n| !points[*n].is_foreign && error(&points[*n]).is_finite()).collect();
@@ -21,7 +22,7 @@ pub fn front(points: &[Point], error: impl Fn(&Point) -> f64) -> Vec<usize> {
     order
 }
 
-/// The quickest points whose error in the first contact is at most `level`, one a method, the quickest first.
+/// The fastest point of each method whose error in the first contact is at most `level`, in ascending order of time.
 pub fn best(points: &[Point], level: f64) -> Vec<&Point> {
     let mut all: Vec<&Point> = points.iter().filter(|point| point.errors.history.first <= level).collect();
     all.sort_by(|a, b| a.total().total_cmp(&b.total()));

@@ -1,19 +1,19 @@
-//! Which methods a scene has, and the settings of each, from coarse to fine.
+//! Lists the methods that apply to a scene, and the settings of each from coarse to fine.
 
 use crate::scene::{Contact, Geometry, Scene};
 
-/// A way to compute a scene.
+/// A method of computing a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Method {
-    /// Words joined by `/`: the theory, and what differs from the default.
+    /// Words joined by `/`: the theory, then the differences from the default.
     pub name: String,
-    /// Overrides `KEY=VALUE` of the cleared scene, from coarse to fine.
+    /// Overrides `KEY=VALUE` of the cleared scene for each setting, from coarse to fine.
     pub rungs: Vec<Vec<String>>,
-    /// What the coarsest may take, s, before more is known.
+    /// Assumed wall time of the coarsest setting, s, before any run has been timed.
     pub guess: f64,
 }
 
-/// Keys that say how a scene is computed, not what it is.
+/// Keys that define how a scene is computed, not the physical problem.
 const NUMERICAL: [&str; 15] = [
     "body.model",
     "body.reduction",
@@ -32,52 +32,54 @@ const NUMERICAL: [&str; 15] = [
     "output.probes",
 ];
 
-/// Those of its cells.
+/// Keys of the cells, which are numerical settings too.
 const CELLS: [&str; 3] = ["body.cells", "body.grading", "body.order"];
 
-/// The overrides that take out of a scene what its methods set.
+/// Overrides that remove from a scene the keys set by the methods.
 pub fn cleared(scene: &Scene) -> Vec<String> {
     let cells = CELLS.iter().filter(|_| converges(scene));
     NUMERICAL.iter().chain(cells).map(|key| format!("{key}=")).collect()
 }
 
-/// Whether finer cells lead to one answer: a box under a patch. A mesh file, and cells under a force at a point, are what they are.
+/// Whether refining the cells converges to one solution: a box under a patch. A mesh file cannot be refined, and the
+/// displacement under a point force diverges.
 fn converges(scene: &Scene) -> bool {
     matches!((&scene.body.geometry, scene.contact), (Geometry::Box { .. }, Contact::Patch { .. }))
 }
 
-/// Steps a contact on a half-space.
+/// Numbers of time steps per contact on a half-space.
 const STEPS: [f64; 5] = [20.0, 60.0, 200.0, 600.0, 2000.0];
 
-/// Those of the unreduced solid, with the part of the thickness that the patch's radius is: what the cells under it resolve.
+/// Settings of the unreduced solid: steps per contact on a half-space, and radius of the patch over the thickness. The
+/// cells under the patch resolve its radius.
 const REFINED: [(f64, f64); 5] = [(20.0, 0.5), (60.0, 0.5), (60.0, 0.25), (200.0, 0.25), (600.0, 0.125)];
 
 const TOLERANCES: [f64; 8] = [3e-1, 1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4];
-/// What the coarsest setting takes on a plate, s, by orders of magnitude: of a plate or a formula, of a box of splines, of a solid in its
-/// steps, and of these by the full Newton's method.
+/// Assumed wall time of the coarsest setting on a plate, s, as an order of magnitude: of a plate theory or a formula,
+/// of a box of splines, of a solid stepped in its unknowns, and of the last with the full Newton method.
 const GUESSES: [f64; 4] = [0.03, 0.3, 3.0, 30.0];
 
 const DECADES: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 const VECTORS: [usize; 5] = [8, 16, 32, 64, 128];
 
-/// A body on so many vectors is stepped by Newmark's method.
+/// Number of basis vectors of a reduced body that is stepped by Newmark's method.
 const STEPPED: usize = 64;
 
-/// What the settings of a scene are made of.
+/// Properties of a scene from which the settings of its methods are derived.
 pub struct Ladder {
-    /// A contact on a half-space, s.
+    /// Contact time on a half-space, s.
     contact: f64,
-    /// Thickness under the impactor, m, where the patch's radius is free.
+    /// Thickness under the impactor, m, if the scene leaves the radius of the patch free.
     thickness: Option<f64>,
-    /// Whether the body has modes.
+    /// Whether the body can be computed in modal coordinates.
     is_linear: bool,
     is_box: bool,
-    /// Whether it is of one elastic material.
+    /// Whether the body is of one elastic material.
     is_uniform: bool,
 }
 
 impl Ladder {
-    /// Of a scene that is cleared.
+    /// Derives the settings from a cleared scene.
     pub fn new(scene: &Scene) -> Self {
         let impactor = &scene.impactor;
         let thickness = match (&scene.body.geometry, scene.struck_axis(), scene.contact) {
@@ -93,27 +95,27 @@ impl Ladder {
         }
     }
 
-    /// The plate theory whose cells and basis are refined, which is Mindlin's in each layer.
+    /// The plate theory whose cells and basis are refined: Mindlin's, or the layerwise one for several layers.
     fn plate(&self) -> &'static str {
         if self.is_uniform { "mindlin" } else { "layerwise" }
     }
 
-    /// Whether the body has modes.
+    /// Whether the body can be computed in modal coordinates.
     pub fn is_linear(&self) -> bool {
         self.is_linear
     }
 
-    /// A step of so many a contact on a half-space, s, as a setting.
+    /// A time step as a setting, from the number of steps per contact on a half-space.
     pub fn step(&self, a_contact: f64) -> String {
         format!("time.step={:.2e}", self.contact / a_contact)
     }
 
-    /// All methods that may stand for the scene.
+    /// All methods that apply to the scene.
     pub fn methods(&self) -> Vec<Method> {
         let mut methods = vec![self.by("auto", &["body.model=auto"], &DECADES.map(tolerance))];
         let plate = self.plate();
         if self.is_box && self.is_linear {
-            // A formula has one answer, and a plate that neglects shear is soon off by that alone.
+            // A formula has one solution, and the theory error of a plate without shear soon exceeds its other errors.
             let by_theory =
                 [("half-space", &DECADES[1..2]), ("infinite-plate", &DECADES[1..2]), ("kirchhoff", &TOLERANCES[..4])];
             for (theory, tolerances) in
@@ -156,7 +158,7 @@ impl Ladder {
         methods
     }
 
-    /// One more setting a rung.
+    /// A method with fixed settings and one varied setting per rung.
     fn by(&self, name: &str, fixed: &[&str], varied: &[String]) -> Method {
         let rung = |varied: &String| {
             let fixed = fixed.iter().map(|setting| (*setting).to_owned());
@@ -165,7 +167,7 @@ impl Ladder {
         Method { name: name.to_owned(), rungs: varied.iter().map(rung).collect(), guess: guess(name) }
     }
 
-    /// The unreduced solid, its steps and, where they are free, its cells refined together.
+    /// The unreduced solid. Its time steps and, if the scene leaves them free, its cells are refined together.
     fn refined(&self, name: &str, settings: &[&str]) -> Method {
         let rung = |&(a_contact, part): &(f64, f64)| {
             let fixed = ["body.model=solid", "body.reduction=none"].iter().chain(settings);
@@ -175,13 +177,13 @@ impl Ladder {
             rung
         };
         let mut rungs: Vec<Vec<String>> = REFINED.iter().map(rung).collect();
-        // Without cells to refine, steps alone.
+        // If the cells are given, only the steps are refined.
         rungs.dedup();
         Method { name: name.to_owned(), rungs, guess: guess(name) }
     }
 }
 
-/// By a method's name.
+/// Assumed wall time of a method's coarsest setting, s, by the method's name.
 fn guess(name: &str) -> f64 {
     let words: Vec<&str> = name.split('/').collect();
     GUESSES[match words[..] {
@@ -204,7 +206,7 @@ fn patch(radius: f64) -> String {
     format!("contact.patch_radius={radius:.3e}")
 }
 
-/// What a method's settings are beside those that its name says.
+/// A method's settings without those that its name already tells.
 pub fn settings_of(settings: &[String]) -> String {
     let said = ["body.model=", "time.scheme=", "solver.newton=", "body.reduction=none"];
     let rest = settings.iter().filter(|setting| !said.iter().any(|start| setting.starts_with(start)));
@@ -237,7 +239,7 @@ mod tests {
         methods(text).iter().map(|method| method.name.clone()).collect::<Vec<_>>().join(" ")
     }
 
-    /// Every setting is a scene, whatever the scene itself asks for.
+    /// Every setting gives a valid scene, whatever the scene itself asks for.
     #[test]
     fn all_settings_are_scenes() {
         let all = names(PLATE);
@@ -252,7 +254,8 @@ mod tests {
         assert_eq!(names(&asked), all);
     }
 
-    /// Laminates are charted with the layerwise plate; of the closed forms the half-space of the struck layer is left.
+    /// Laminates are charted with the layerwise plate. Of the closed forms only the half-space of the struck layer
+    /// remains.
     #[test]
     fn layers_have_a_theory_of_their_own() {
         let layers = PLATE
@@ -268,7 +271,7 @@ mod tests {
         assert!(!found.contains("mindlin"), "{found}");
     }
 
-    /// Cells under a point, and bodies without modes, stay what they are.
+    /// Cells under a point force, and bodies without modal coordinates, are not refined.
     #[test]
     fn what_does_not_converge_is_not_refined() {
         let point = PLATE.replace("[impactor]", "cells = [4, 4, 2]\n[contact]\nlocalization = \"point\"\n[impactor]");

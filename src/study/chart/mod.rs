@@ -1,7 +1,7 @@
-//! Speed against accuracy: what an answer of a given accuracy costs on a scene, by every method that has one.
+//! Charts speed against accuracy: the cost of a result of given accuracy on a scene, for every method that applies.
 //!
-//! Each method is run from coarse to fine, each setting timed and its acceleration measured against that of a reference, which is
-//! itself refined until two of them agree to a tenth of the smallest error that is charted.
+//! Each method is run from coarse to fine. Each setting is timed, and its acceleration is compared with a reference.
+//! The reference is refined until two references agree to a tenth of the smallest error in the chart.
 
 mod foreign;
 mod front;
@@ -20,57 +20,59 @@ pub use timing::{Recording, Timed, spent, time};
 use crate::error::Result;
 use crate::study::history::{Difference, History};
 
-/// What came of a setting: numbers, or a reason why there are none.
+/// Result of a setting: numbers, or the reason why there are none.
 pub type Attempt = std::result::Result<Timed, String>;
 
-/// Computes a setting, or knows what it was; `None` where that was interrupted. The times of all ranks are the same. Collective.
+/// Computes a setting or returns a stored result; `None` if interrupted. The times are the same on all ranks.
+/// Collective.
 pub type Bench<'a> = dyn FnMut(&str, &[String]) -> Result<Option<Attempt>> + 'a;
 
-/// A run, or a peer's.
+/// A point of the chart: one run of this program or of a peer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
-    /// The method's name.
+    /// Name of the method.
     pub method: String,
-    /// What was set, or what a peer says of it.
+    /// The settings, or a peer's description of them.
     pub setting: String,
-    /// The tolerance that the program itself was to find the means for.
+    /// Tolerance given to the program, if it was to choose the numerical settings itself (`auto`).
     pub auto: Option<f64>,
-    /// Whether another program made it.
+    /// Whether the run is from another program.
     pub is_foreign: bool,
-    /// Wall time before the first step, and of the steps, s.
+    /// Wall time before the first step and of the steps, s.
     pub seconds: [f64; 2],
-    /// What the body was made of.
+    /// Theory, number of unknowns and number of basis vectors, as text; empty for a peer.
     pub body: String,
-    /// Steps, or solves.
+    /// Number of steps or of solves.
     pub solves: usize,
-    /// The program's own estimate of the error of the whole history.
+    /// The program's estimate of the error of the whole history, over the peak.
     pub estimate: Option<f64>,
-    /// What it is off by.
+    /// Errors relative to the reference.
     pub errors: Errors,
 }
 
-/// What a run is off by, each over the reference's value; NaN where that is not known.
+/// Errors of a run, each relative to the reference's value; NaN if not known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
-    /// Largest difference of the acceleration over its peak, in the first contact and over all, and that of the largest tension.
+    /// Largest difference of the acceleration in the first contact and over the whole history, over its peak, and
+    /// difference of the largest tension.
     pub history: Difference,
-    /// Largest acceleration.
+    /// Error of the largest acceleration.
     pub peak: f64,
-    /// Impulse of the first contact.
+    /// Error of the impulse of the first contact.
     pub impulse: f64,
-    /// Duration of the first contact.
+    /// Error of the duration of the first contact.
     pub contact: f64,
 }
 
 impl Point {
-    /// Wall time, s.
+    /// Total wall time, s.
     pub fn total(&self) -> f64 {
         self.seconds[0] + self.seconds[1]
     }
 }
 
 impl Errors {
-    /// Of a history against the reference's.
+    /// Errors of a history compared with the reference.
     pub fn of(history: &History, reference: &History) -> Self {
         let relative = |own: Option<f64>, other: Option<f64>| match (own, other) {
             (Some(own), Some(other)) => (own / other - 1.0).abs(),
@@ -86,43 +88,44 @@ impl Errors {
         }
     }
 
-    /// Of which the acceleration's alone are known.
+    /// Errors if only those of the acceleration are known, in the first contact and over the whole history.
     pub fn known(first: f64, whole: f64) -> Self {
         let history = Difference { first, whole, tension: f64::NAN };
         Self { history, peak: f64::NAN, impulse: f64::NAN, contact: f64::NAN }
     }
 }
 
-/// A run that was done.
+/// A completed run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
-    /// The method's name.
+    /// Name of the method.
     pub method: String,
-    /// What was set.
+    /// Overrides `KEY=VALUE` of the run.
     pub settings: Vec<String>,
-    /// What came of it.
+    /// Result and timing of the run.
     pub timed: Timed,
 }
 
 /// All runs of a chart.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Runs {
-    /// Those that were done.
+    /// Completed runs.
     pub done: Vec<Run>,
-    /// What was not, and why.
+    /// Messages about the runs that were left out, and why.
     pub left_out: Vec<String>,
-    /// Whether the work was interrupted.
+    /// Whether a signal interrupted the work.
     pub is_interrupted: bool,
 }
 
-/// A finer setting takes so many times as long as the one before it, before more is known.
-const GROWTH: f64 = 4.0;
+/// Assumed factor in wall time from one setting to the next finer one, before two settings have been timed.
+const ASSUMED_TIME_FACTOR: f64 = 4.0;
 
-/// Runs all methods, each from coarse to fine: of their next settings always the one that is expected to take the shortest, until that
-/// would pass `budget` (s, of all runs). `told` hears how many more settings are over. Collective.
+/// Runs all methods, each from coarse to fine. The next run is always the setting with the shortest expected time,
+/// until it would exceed `budget` (s, for all runs). `told` is called with the number of settings that are now finished
+/// or left out. Collective.
 ///
 /// # Errors
-/// Those of `bench`.
+/// Same as `bench`.
 pub fn runs(methods: &[Method], budget: f64, bench: &mut Bench, told: &mut dyn FnMut(usize)) -> Result<Runs> {
     let mut runs = Runs::default();
     let begin = |method: &Method| Progress { left: method.rungs.len(), guess: method.guess, ..Progress::default() };
@@ -165,14 +168,14 @@ pub fn runs(methods: &[Method], budget: f64, bench: &mut Bench, told: &mut dyn F
     Ok(runs)
 }
 
-/// How a method's settings have grown.
+/// Growth of the wall times of a method's settings.
 #[derive(Debug, Clone, Default)]
 struct Progress {
-    /// What the last two have taken, s.
+    /// Wall times of the last two settings, s.
     last: [f64; 2],
-    /// Settings that are left.
+    /// Number of settings left.
     left: usize,
-    /// What the first may take, s.
+    /// Assumed time of the first setting, s.
     guess: f64,
 }
 
@@ -182,13 +185,13 @@ impl Progress {
         self.left -= 1;
     }
 
-    /// What the next setting may take, s.
+    /// Expected time of the next setting, s.
     fn expected(&self) -> f64 {
         let [before, last] = self.last;
         if last == 0.0 {
             return self.guess;
         }
-        last * if before > 0.0 { (last / before).max(1.0) } else { GROWTH }
+        last * if before > 0.0 { (last / before).max(1.0) } else { ASSUMED_TIME_FACTOR }
     }
 }
 
@@ -204,7 +207,7 @@ mod tests {
         Timed { spent, ..Timed::default() }
     }
 
-    /// The quickest first; what is expected to take too long is left out; reasons are kept.
+    /// The fastest settings are run first; those expected to take too long are left out; reasons are kept.
     #[test]
     fn the_budget_cuts_the_finest() {
         let methods = [method("cheap", 4), method("dear", 4), method("none", 2)];
@@ -219,9 +222,9 @@ mod tests {
             }))
         };
         let found = runs(&methods, 40.0, &mut bench, &mut |_| {}).unwrap();
-        // The expected times are 0 for all; then 0.4 s for cheap, 4 s for dear.
+        // The expected times are 0 for all at first; then 0.4 s for cheap and 4 s for dear.
         assert_eq!(asked, ["cheap0", "dear0", "none0", "none1", "cheap1", "cheap2", "cheap3", "dear1"], "{found:?}");
-        // 11.4 s spent and 100 s expected.
+        // 11.4 s are spent and the next setting is expected to take 100 s.
         assert!(found.left_out.iter().any(|line| line.contains("dear: its 2 finest")), "{found:?}");
         assert_eq!(found.left_out.iter().filter(|line| line.contains("refused")).count(), 2);
         assert!(!found.is_interrupted);

@@ -1,50 +1,51 @@
-//! What errors are measured by: the solid itself, refined until two references agree.
+//! Computes the reference of a chart: the solid, refined until two references agree.
 
 use crate::error::{Error, Result};
 use crate::study::history::{Difference, History};
 
 use super::{Bench, Ladder, Run, Timed};
 
-/// Tolerances of the solid in modal coordinates.
+/// Tolerances of the references of a solid in modal coordinates.
 const TOLERANCES: [f64; 6] = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5];
 
-/// Steps a contact on a half-space: of modal coordinates, whose own error is then below 1e-7, as is that of a straight line between two
-/// of them.
+/// Number of steps per contact on a half-space for references in modal coordinates. Their error is then below 1e-7, and
+/// so is the error of linear interpolation between two steps.
 const MODAL: f64 = 4000.0;
 
-/// Those of a body without modes, refined by factors of two.
+/// Numbers of steps per contact for references of a body without modal coordinates.
 const STEPPED: [f64; 6] = [500.0, 1000.0, 2000.0, 4000.0, 8000.0, 16000.0];
 
-/// Two references agree if they differ by less than this part of the smallest error.
+/// Largest difference of two references that agree, relative to the smallest error of the runs.
 const AGREEMENT: f64 = 0.1;
 
-/// A finer reference may take so many times as long as the last one, before more is known.
-const GROWTH: f64 = 5.0;
+/// Assumed factor in wall time from one reference to the next, before two have been timed.
+const ASSUMED_TIME_FACTOR: f64 = 5.0;
 
-/// What errors are measured by.
+/// The reference that errors are measured against.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reference {
-    /// What was set.
+    /// The settings, as text.
     pub setting: String,
-    /// Its acceleration; empty on ranks but the first.
+    /// Time history of the acceleration; empty on all ranks except the first.
     pub history: History,
-    /// By how much the one before it differs; NaN where it was given.
+    /// Difference from the previous, coarser reference; NaN if the reference was given by the user.
     pub agreement: Difference,
 }
 
 impl Reference {
-    /// Errors below this are not known, in the first contact and over all.
+    /// Smallest errors that the reference resolves, in the first contact and over the whole history.
     pub fn floor(&self) -> Difference {
         let Difference { first, whole, tension } = self.agreement;
         Difference { first: first / AGREEMENT, whole: whole / AGREEMENT, tension: tension / AGREEMENT }
     }
 }
 
-/// Refines references until two agree to a tenth of the smallest error of the runs, or a finer one would take longer than `budget` (s) in
-/// all. `decide` makes the first rank's answer every rank's. `None` where it was interrupted. Collective.
+/// Refines references until two agree to a tenth of the smallest error of the runs, or until a finer one would exceed
+/// `budget` (s, for all references). `decide` returns the first rank's decision on all ranks. Returns `None` if
+/// interrupted. Collective.
 ///
 /// # Errors
-/// That of a reference, where there are no two; those of `bench`.
+/// The error of a reference, if fewer than two could be computed; or the same as `bench`.
 pub fn refine(
     ladder: &Ladder,
     runs: &[Run],
@@ -65,14 +66,15 @@ pub fn refine(
         };
         let timed = match outcome {
             Ok(timed) => timed,
-            // Too fine for what it needs; or too coarse.
+            // After two references a failure means that this setting is too fine. Before, it may be too coarse, and
+            // finer ones are tried.
             Err(_) if best.is_some() => break,
             Err(why) => {
                 reason = why;
                 continue;
             }
         };
-        let growth = found.as_ref().map_or(GROWTH, |(before, _)| (timed.spent / before.spent).max(1.5));
+        let growth = found.as_ref().map_or(ASSUMED_TIME_FACTOR, |(before, _)| (timed.spent / before.spent).max(1.5));
         (spent, expected) = (spent + timed.spent, growth * timed.spent);
         let setting = settings.join(" ");
         if let Some((before, _)) = found.replace((timed.clone(), setting.clone())) {
@@ -88,7 +90,7 @@ pub fn refine(
     best.map(Some).ok_or_else(|| Error::Solve(format!("no two references to measure by: {reason}")))
 }
 
-/// The settings of the references.
+/// Settings of the references, from coarse to fine.
 fn rungs(ladder: &Ladder) -> Vec<Vec<String>> {
     let solid = "body.model=solid".to_owned();
     if ladder.is_linear() {
@@ -99,7 +101,7 @@ fn rungs(ladder: &Ladder) -> Vec<Vec<String>> {
     STEPPED.map(rung).to_vec()
 }
 
-/// The smallest errors of the runs.
+/// Smallest errors of the runs relative to a reference.
 fn smallest(runs: &[Run], reference: &History) -> Difference {
     let none = f64::INFINITY;
     let mut smallest = Difference { first: none, whole: none, tension: none };

@@ -1,10 +1,10 @@
-//! A chart as tables: all of it as CSV, and its gist as text.
+//! Writes a chart as tables: the complete results as CSV, and a summary as text.
 
 use super::front::{LEVELS, best, front};
 use super::{Errors, Point, Reference};
 use crate::study::history::Difference;
 
-/// A line of the CSV. Errors are over the reference's values.
+/// A line of the CSV. Errors are relative to the reference's values; times are in s.
 #[derive(serde::Serialize)]
 struct Line<'a> {
     method: &'a str,
@@ -25,7 +25,7 @@ struct Line<'a> {
     is_front: bool,
 }
 
-/// One line a point, in the order of the methods.
+/// One line per point, in the order of the methods. `floor` is the smallest error that the reference resolves.
 pub fn csv(points: &[Point], floor: Difference) -> String {
     let front = front(points, |point| point.errors.history.first);
     let mut table = csv::Writer::from_writer(Vec::new());
@@ -49,13 +49,14 @@ pub fn csv(points: &[Point], floor: Difference) -> String {
             is_resolved: floor.first.is_finite().then_some(history.first >= floor.first),
             is_front: front.contains(&n),
         };
-        // Into memory, of plain fields.
+        // Writing plain fields to memory cannot fail.
         table.serialize(line).expect("a line of a table");
     }
     String::from_utf8(table.into_inner().expect("a table in memory")).expect("fields are UTF-8")
 }
 
-/// Which method wins at which error and by how much, where the settings of `auto` stand, and what was left out.
+/// Summary: the fastest method at each level of error and its margin, the results of `auto`, and the runs that were
+/// left out.
 pub fn summary(title: &str, points: &[Point], reference: &Reference, left_out: &[String]) -> String {
     let floor = reference.floor();
     let mut text = format!("# Speed against accuracy: {title}\n\n");
@@ -81,7 +82,7 @@ pub fn summary(title: &str, points: &[Point], reference: &Reference, left_out: &
     text
 }
 
-/// What a level takes; nothing where the reference cannot tell.
+/// Row of the summary for one level of error; empty cells if the reference does not resolve the level.
 fn row(points: &[Point], level: f64, floor: f64) -> Vec<String> {
     let none = || "–".to_owned();
     let best = best(points, level);
@@ -89,7 +90,8 @@ fn row(points: &[Point], level: f64, floor: f64) -> Vec<String> {
         return [per_cent(level)].into_iter().chain((0..8).map(|_| none())).collect();
     };
     let slower = |seconds: f64| format!("{:.1}", seconds / first.total());
-    // `auto` is one of the others under another name, and peers have a column of their own.
+    // The next method excludes `auto`, which is another name of one of the others, and peers, which have their own
+    // column.
     let next = best.iter().skip(1).find(|point| !point.is_foreign && point.auto.is_none());
     let auto = points.iter().find(|point| point.auto.is_some_and(|tolerance| (tolerance / level - 1.0).abs() < 1e-6));
     let peer = best.iter().find(|point| point.is_foreign);
@@ -142,7 +144,7 @@ mod tests {
         Reference { setting: "finest".into(), history: History::default(), agreement }
     }
 
-    /// Whoever it is: `auto`, or another program.
+    /// The fastest point may also be `auto` or another program.
     #[test]
     fn nobody_is_quicker_than_the_quickest() {
         let mut auto = point("auto", 0.01, 5e-3);

@@ -1,4 +1,4 @@
-//! One setting's time, and what came of it.
+//! Times one setting and records its result.
 
 use std::rc::Rc;
 use std::time::Instant;
@@ -16,48 +16,53 @@ use crate::scene::Scene;
 use crate::space::evaluate::FaceTension;
 use crate::study::history::{History, Recorder};
 
-/// Repetitions that will do where they take so long, s, and the time after which there are no more, s.
-const WILL_DO: (usize, f64) = (5, 0.3);
-const ENOUGH: f64 = 3.0;
+/// Number of repetitions that are enough if they have taken longer than [`ENOUGH_SECONDS`] in all.
+const ENOUGH_REPETITIONS: usize = 5;
 
-/// What came of a setting.
+/// Total time of [`ENOUGH_REPETITIONS`] that is long enough to time them, s.
+const ENOUGH_SECONDS: f64 = 0.3;
+
+/// Total time after which no further repetition is made, s.
+const MOST_SECONDS: f64 = 3.0;
+
+/// Timing and result of a setting.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Timed {
-    /// Median wall time of what comes before the first step, s.
+    /// Median wall time before the first step, s.
     pub build: f64,
     /// Median wall time of the steps, s.
     pub run: f64,
-    /// What all repetitions took, s.
+    /// Wall time of all repetitions, s.
     pub spent: f64,
-    /// The theory that was taken.
+    /// Name of the theory that was used.
     pub model: String,
-    /// What was made of it.
+    /// Description of the reduction: number of Krylov vectors, or none.
     pub reduction: String,
-    /// Unknowns of the theory, the impactor's included.
+    /// Number of unknowns of the theory, including the impactor's.
     pub unknowns: usize,
-    /// Steps taken, or solves.
+    /// Number of steps or of solves.
     pub solves: usize,
-    /// Newton iterations.
+    /// Number of Newton iterations.
     pub iterations: usize,
-    /// Estimated error of the whole history; NaN where there is none.
+    /// Estimated error of the whole history, over the peak; NaN if there is no estimate.
     pub estimate: f64,
-    /// The acceleration; empty on ranks but the first where it was read from a file.
+    /// Time history of the acceleration. If it was read from a file, it is empty on all ranks except the first.
     pub history: History,
 }
 
-/// The steps of a run, with what was read at them.
+/// The steps of a run, with the readings at each.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recording {
-    /// Names of the faces whose largest tension is read; on rank 0.
+    /// Names of the faces whose largest tension is read; only on rank 0.
     pub faces: Vec<String>,
-    /// The steps.
+    /// Steps in ascending order of time.
     pub steps: Vec<Step>,
-    /// The reading of each.
+    /// Readings at each step.
     pub readings: Vec<Reading>,
 }
 
 impl Recording {
-    /// The history of an impactor's mass (kg).
+    /// The time history, for an impactor's mass (kg).
     fn history(&self, mass: f64) -> History {
         let mut recorder = Recorder::new(mass);
         self.steps.iter().for_each(|step| recorder.push(step));
@@ -68,11 +73,11 @@ impl Recording {
     }
 }
 
-/// Runs a scene, a few times where it is `repeated`, without writing anything; the last time is recorded. `None` where it was interrupted.
-/// Collective.
+/// Runs a scene without writing files, several times if `repeated`; the last repetition is recorded. Returns `None` if
+/// interrupted. Collective.
 ///
 /// # Errors
-/// Those of the run.
+/// Same as a run.
 pub fn time(
     comm: &Comm,
     scene: &Scene,
@@ -99,7 +104,7 @@ pub fn time(
         let mut recording = Recording { faces: simulation.faces().to_vec(), ..Recording::default() };
         let take = |step: &Step, reading: &Reading| {
             recording.steps.push(*step);
-            // (Without the maps, which all steps together would have no room for.)
+            // Stress maps are left out: those of all steps together would not fit in memory.
             let Reading { probes, faces, .. } = reading;
             recording.readings.push(Reading { probes: probes.clone(), faces: faces.clone(), ..Reading::default() });
         };
@@ -127,14 +132,14 @@ pub fn time(
     }
 }
 
-/// Whether so many repetitions that have taken so long, s, are enough: an odd number, of which there is a median.
+/// Whether `count` repetitions that took `spent` seconds in all are enough. The count must be odd, to have a median.
 fn is_enough(count: usize, spent: f64) -> bool {
-    count % 2 == 1 && (count >= WILL_DO.0 && spent > WILL_DO.1 || spent > ENOUGH)
+    count % 2 == 1 && (count >= ENOUGH_REPETITIONS && spent > ENOUGH_SECONDS || spent > MOST_SECONDS)
 }
 
-/// What all repetitions of a run of so many seconds take, s.
+/// Expected wall time of all repetitions of a run of `seconds`, s.
 pub fn spent(seconds: f64) -> f64 {
-    // (A clock may tell nothing of the shortest.)
+    // The clock may not resolve the shortest runs.
     let all = |count: usize| count as f64 * seconds.max(1e-6);
     (1..)
         .map(|count| (count, all(count)))

@@ -1,41 +1,41 @@
-//! The lowest change of sign of a function that is computed at few places.
+//! Finds the lowest sign change of an expensive function from few evaluations.
 
-/// A place and the function there.
+/// A place on the search axis and the function's value there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Point {
     /// Place on the axis of the search.
     pub place: f64,
-    /// The function: negative before the root.
+    /// Value of the function: negative before the root.
     pub function: f64,
 }
 
-/// The places that were computed.
+/// Result of a scan.
 #[derive(Debug)]
 pub(super) struct Scan {
-    /// Ascending, up to the first that is not negative.
+    /// Computed points, ascending, up to the first at which the function is not negative.
     pub points: Vec<Point>,
-    /// The number of the first point at which the function is not negative; at least 1.
+    /// Index of the first point at which the function is not negative; at least 1.
     pub crossing: Option<usize>,
-    /// How many places were added to those of the grid.
+    /// Number of places added to those of the grid.
     pub added: usize,
-    /// Whether no interval before it is left in doubt.
+    /// Whether no interval before the crossing may still hide a lower root.
     pub is_complete: bool,
 }
 
-/// Curvature that is assumed over that of the parabola through three points.
+/// Safety factor on the curvature of the parabola through three points.
 const SAFETY: f64 = 2.0;
-/// Places beside those of the grid, at most.
-const MOST: usize = 16;
-/// How far a maximum may rise above the points beside it unseen, over the tolerance.
+/// Largest number of places added to those of the grid.
+const MAX_ADDED: usize = 16;
+/// Rise of a maximum above the interval's end points that may be missed, relative to the tolerance.
 const UNSEEN: f64 = 0.25;
-/// Where in an interval a place is added: at least and at most this part of it from its beginning.
+/// Range in which a place is added within an interval, as parts of its length from its beginning.
 const WITHIN: [f64; 2] = [0.2, 0.8];
 
-/// Computes a function, which is negative at the first place, at the ascending places of a grid up to the first change of sign, and then
-/// between them where a lower one may hide.
+/// Scans a function that is negative at the first place. It is computed at the ascending places of a grid up to the
+/// first change of sign, and then at places between them where the curvature allows a lower root.
 ///
 /// # Errors
-/// The first one of the function.
+/// The first error of the function.
 pub(super) fn scan<E>(
     grid: &[f64],
     tolerance: f64,
@@ -49,7 +49,7 @@ pub(super) fn scan<E>(
         }
     }
     let mut added = 0;
-    while added < MOST {
+    while added < MAX_ADDED {
         let Some(place) = doubtful(&points, UNSEEN * tolerance) else { break };
         let at = points.partition_point(|point| point.place < place);
         points.insert(at, Point { place, function: function(place)? });
@@ -67,7 +67,8 @@ fn is_crossed(point: Option<&Point>) -> bool {
     point.is_some_and(|point| point.function >= 0.0)
 }
 
-/// Where to look in the interval between negative points whose curvature allows the highest maximum, if that is not negative.
+/// A place in the interval of negative points whose curvature allows the highest maximum; `None` if no such maximum
+/// reaches zero.
 fn doubtful(points: &[Point], unseen: f64) -> Option<f64> {
     let highest = points.windows(2).enumerate().filter_map(|(number, pair)| {
         let [a, b] = [pair[0], pair[1]];
@@ -82,7 +83,8 @@ fn doubtful(points: &[Point], unseen: f64) -> Option<f64> {
     highest.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| place)
 }
 
-/// How far the parabolas through an interval's ends and a point beside them are bent down, at most; 0 where none is.
+/// Largest downward curvature of the parabolas through an interval's ends and one neighbouring point; 0 if none bends
+/// down.
 fn curvature(points: &[Point], interval: usize) -> f64 {
     let of_three = |first: usize| {
         let three = points.get(first..first + 3)?;
@@ -93,7 +95,7 @@ fn curvature(points: &[Point], interval: usize) -> f64 {
     [interval.checked_sub(1), Some(interval)].into_iter().flatten().filter_map(of_three).fold(0.0, f64::max)
 }
 
-/// The highest value of a parabola that is bent down so far and goes through two points, between them.
+/// Largest value between two points of the parabola through them with the given downward curvature.
 fn highest(a: Point, b: Point, curvature: f64) -> f64 {
     let sagitta = curvature * (b.place - a.place).powi(2) / 8.0;
     let rise = b.function - a.function;
@@ -103,7 +105,7 @@ fn highest(a: Point, b: Point, curvature: f64) -> f64 {
     0.5 * (a.function + b.function) + sagitta + rise * rise / (16.0 * sagitta)
 }
 
-/// The place of its highest value, not too near to either point.
+/// Place of the parabola's largest value, kept away from both points by [`WITHIN`].
 fn vertex(a: Point, b: Point, curvature: f64) -> f64 {
     let width = b.place - a.place;
     let part = 0.5 + (b.function - a.function) / (curvature * width * width);

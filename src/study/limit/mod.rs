@@ -1,8 +1,8 @@
-//! The lowest value of one key of a scene at which the largest tension just reaches the strength.
+//! Finds the lowest value of one key of a scene at which the largest tension reaches the strength.
 //!
-//! What is searched is the ratio of tension to strength as a function of the value: the lowest root of its logarithm. The values of a
-//! coarse grid are computed in ascending order up to the first change of sign (`bracket`). Intervals before it whose curvature allows a
-//! maximum beyond the strength are refined; then the bracket is narrowed by Chandrupatla's method (`root`).
+//! The search finds the lowest root of ln(tension / strength) as a function of the value. The values of a coarse grid
+//! are computed in ascending order up to the first change of sign (`bracket`). Intervals before it whose curvature
+//! allows a maximum beyond the strength are refined. Then the bracket is narrowed by Chandrupatla's method (`root`).
 
 mod bracket;
 mod range;
@@ -12,55 +12,55 @@ pub use range::Range;
 
 use bracket::{Scan, scan};
 
-/// Part of the tolerance to which the root is found: what is left of it is the runs' own.
-const OF_ROOT: f64 = 0.05;
+/// Share of the tolerance to which the root is found. The rest is for the errors of the runs.
+const ROOT_SHARE: f64 = 0.05;
 
-/// Ratios below this are taken for it: an impact that misses the body has no logarithm.
+/// Lower bound of the ratio in its logarithm: an impact that misses the body has the ratio 0.
 const LEAST_RATIO: f64 = 1e-3;
 
-/// One value of the key and the ratio of tension to strength there.
+/// A value of the key and the ratio of tension to strength there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Value of the key.
+    /// Value of the key, in the key's unit.
     pub value: f64,
     /// Largest ratio of tension to strength.
     pub ratio: f64,
 }
 
-/// What a search has found.
+/// Result of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
-    /// The lowest root; `None` where the ratio is on one side of 1 on the whole range.
+    /// The lowest root; `None` if the ratio stays on one side of 1 in the whole range.
     pub root: Option<Root>,
-    /// All values that were computed, ascending; their number is that of the runs.
+    /// All computed values, ascending. Each is one run.
     pub samples: Vec<Sample>,
-    /// How many of them were added to the grid where a lower root might hide.
+    /// Number of samples added to the grid where a lower root might hide.
     pub added: usize,
-    /// Whether no interval is left in which the curvature allows a root below the one that was found.
+    /// Whether no interval is left whose curvature allows a root below the one found.
     pub is_complete: bool,
 }
 
 /// The lowest value at which the ratio is 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Root {
-    /// The value, and the ratio there; it is among the samples.
+    /// The value and the ratio there; it is one of the samples.
     pub at: Sample,
-    /// Whether the ratio rises there, so that lower values do not reach the strength.
+    /// Whether the ratio increases with the value at the root, so that lower values do not reach the strength.
     pub is_rising: bool,
-    /// Whether the ratio jumps across 1 there without a value near 1.
+    /// Whether the ratio jumps across 1 at the root, without a value near 1.
     pub is_jump: bool,
-    /// Change of the value over a small change of the logarithm of the ratio.
+    /// Change of the value per small change of the logarithm of the ratio, |d value / d ln ratio|, in the key's unit.
     pub sensitivity: f64,
 }
 
-/// Finds the lowest value in a range at which `ratio` is 1, with an error of a small part of the relative tolerance.
+/// Finds the lowest value in a range at which `ratio` is 1, with an error of a small share of the relative tolerance.
 ///
 /// # Errors
-/// The first one of `ratio`.
+/// The first error of `ratio`.
 pub fn search<E>(range: &Range, tolerance: f64, mut ratio: impl FnMut(f64) -> Result<f64, E>) -> Result<Found, E> {
     let mut samples: Vec<Sample> = Vec::new();
     let mut sign = None;
-    // Negative before the root, whichever way the ratio crosses 1.
+    // The sign makes the function negative before the root, whether the ratio rises or falls there.
     let mut function = |place: f64| {
         let value = range.value(place);
         let ratio = ratio(value)?;
@@ -69,7 +69,7 @@ pub fn search<E>(range: &Range, tolerance: f64, mut ratio: impl FnMut(f64) -> Re
         Ok(logarithm * *sign.get_or_insert(if logarithm < 0.0 { 1.0 } else { -1.0 }))
     };
     let Scan { points, crossing, added, is_complete } = scan(&range.grid(), tolerance, &mut function)?;
-    let part = OF_ROOT * tolerance;
+    let part = ROOT_SHARE * tolerance;
     let target = root::Target { function: part, relative: part, jump: tolerance };
     let narrowed = match crossing {
         Some(at) => Some(root::narrow([points[at - 1], points[at]], &target, range, &mut function)?),
@@ -84,10 +84,10 @@ pub fn search<E>(range: &Range, tolerance: f64, mut ratio: impl FnMut(f64) -> Re
     Ok(Found { root, samples, added, is_complete })
 }
 
-/// Change of the value over that of the logarithm of the ratio about a sample, from the nearest other one whose ratio differs by clearly
-/// more than the runs' errors.
+/// Estimates |d value / d ln ratio| at a sample, from the nearest other sample whose ratio differs by clearly more than
+/// the errors of the runs.
 fn sensitivity(samples: &[Sample], at: Sample, tolerance: f64) -> f64 {
-    /// Differences of ratios over the tolerance from which a slope can be told.
+    /// Least difference of ln ratio, relative to the tolerance, from which a slope is computed.
     const CLEAR: f64 = 5.0;
     let logarithm = |sample: &Sample| sample.ratio.max(LEAST_RATIO).ln();
     let change = |sample: &Sample| (logarithm(sample) - logarithm(&at)).abs();

@@ -1,15 +1,16 @@
-//! `KEY=A..B`: one key and the ends of the range that is searched.
+//! Parses `KEY=A..B`: one key and the ends of the range that is searched.
 
-/// What is wrong with a key that has no range.
+/// Error message for an argument without a range.
 const FORM: &str =
     "it has the form KEY=A..B, the key of a number and the ends of its range, for example impactor.speed=0.1..10";
-/// Ends that differ by this factor are searched in logarithms.
+/// Ratio of the ends from which a range is searched on a logarithmic axis.
 const WIDE: f64 = 4.0;
-/// Intervals of the grid: of a decade in logarithms, and in any case at least and at most.
-const OF_DECADE: f64 = 3.0;
-const FEWEST: f64 = 6.0;
-const MOST: f64 = 12.0;
-/// Digits of the values that are computed, so that a message can repeat them.
+/// Number of grid intervals: per decade on a logarithmic axis, and in any case at least [`MIN_INTERVALS`] and at most
+/// [`MAX_INTERVALS`].
+const INTERVALS_PER_DECADE: f64 = 3.0;
+const MIN_INTERVALS: f64 = 6.0;
+const MAX_INTERVALS: f64 = 12.0;
+/// Number of significant digits of computed values, few enough for a message to repeat them exactly.
 const DIGITS: usize = 10;
 
 /// One key and the range that is searched.
@@ -17,17 +18,17 @@ const DIGITS: usize = 10;
 pub struct Range {
     /// Dotted path of the key.
     pub key: String,
-    /// The lower end.
+    /// Lower end, in the key's unit.
     pub from: f64,
-    /// The upper end.
+    /// Upper end, in the key's unit.
     pub to: f64,
 }
 
 impl Range {
-    /// Takes `KEY=A..B` apart.
+    /// Parses `KEY=A..B`.
     ///
     /// # Errors
-    /// What is wrong, as a message that quotes `given`.
+    /// If the text does not have this form or the range is empty; the message quotes `given`.
     pub fn parse(given: &str) -> Result<Self, String> {
         let wrong = |why: String| format!("--vary {given}: {why}");
         let (key, values) = given.split_once('=').ok_or_else(|| wrong(FORM.into()))?;
@@ -57,12 +58,13 @@ impl Range {
         Ok(Self { key: key.to_owned(), from, to })
     }
 
-    /// Whether places are logarithms.
+    /// Whether the search axis is logarithmic.
     fn is_log(&self) -> bool {
         self.from > 0.0 && self.to >= WIDE * self.from
     }
 
-    /// The value at a place of the axis on which the search works: a logarithm, or a part of the range.
+    /// Value at a place of the search axis. A place is a natural logarithm of the value, or a part (0 to 1) of the
+    /// range.
     pub(super) fn value(&self, place: f64) -> f64 {
         let [first, last] = self.ends();
         if place <= first {
@@ -76,7 +78,7 @@ impl Range {
         rounded.clamp(self.from, self.to)
     }
 
-    /// By how much the place may change for a relative change of the value.
+    /// Change of the place that corresponds to a relative change of the value.
     pub(super) fn width(&self, relative: f64, place: f64) -> f64 {
         if self.is_log() { relative } else { relative * self.value(place).abs() / (self.to - self.from) }
     }
@@ -85,16 +87,16 @@ impl Range {
         if self.is_log() { [self.from.ln(), self.to.ln()] } else { [0.0, 1.0] }
     }
 
-    /// Places of the first grid, ascending, both ends included.
+    /// Places of the coarse grid, ascending, including both ends.
     pub(super) fn grid(&self) -> Vec<f64> {
         let [first, last] = self.ends();
-        let wanted = if self.is_log() { OF_DECADE * (self.to / self.from).log10() } else { FEWEST };
-        let intervals = wanted.ceil().clamp(FEWEST, MOST);
+        let wanted = if self.is_log() { INTERVALS_PER_DECADE * (self.to / self.from).log10() } else { MIN_INTERVALS };
+        let intervals = wanted.ceil().clamp(MIN_INTERVALS, MAX_INTERVALS);
         let place = |n: usize| first + (last - first) * n as f64 / intervals;
         (0..=intervals as usize).map(place).collect()
     }
 
-    /// The values of the first grid, ascending, both ends included.
+    /// Values of the coarse grid, ascending, including both ends.
     pub fn values(&self) -> Vec<f64> {
         self.grid().into_iter().map(|place| self.value(place)).collect()
     }

@@ -1,48 +1,48 @@
-//! A bracket made narrow: Chandrupatla's method (Advances in Engineering Software 28, 1997, 145–149), which interpolates by an inverse
-//! parabola where that is safe and halves the bracket where it is not. It begins with the secant, as the logarithm of a ratio over that of
-//! a speed is almost a straight line.
+//! Narrows a bracket by Chandrupatla's method (Advances in Engineering Software 28, 1997, 145–149): inverse quadratic
+//! interpolation where it is safe, bisection where it is not. The first step is a secant step, because the logarithm of
+//! a stress ratio is almost linear in the logarithm of a speed.
 
 use super::Range;
 use super::bracket::Point;
 
-/// When a root is found.
+/// Stopping criteria of the root search.
 pub(super) struct Target {
-    /// The function is at most this.
+    /// Largest accepted absolute value of the function.
     pub function: f64,
-    /// The value is known to this part of itself.
+    /// Relative accuracy of the value.
     pub relative: f64,
-    /// A change of the function within that part that is a jump.
+    /// Change of the function across a bracket of that accuracy above which it is a jump.
     pub jump: f64,
 }
 
-/// What came of it.
+/// Result of narrowing a bracket.
 pub(super) struct Narrowed {
-    /// The root; the function was computed there.
+    /// Place of the root; the function was computed there.
     pub place: f64,
     /// Whether the function jumps there.
     pub is_jump: bool,
 }
 
-/// Parts of the bracket that a step stays away from its ends.
+/// Smallest distance of a new place from the bracket's ends, relative to the bracket.
 const MARGIN: f64 = 0.02;
-/// Halvings that make any bracket narrow.
-const MOST: usize = 60;
+/// Largest number of iterations; as halvings they make any bracket narrow.
+const MAX_ITERATIONS: usize = 60;
 
-/// Narrows a bracket: the function is negative at its first end and not at its second.
+/// Narrows a bracket whose function is negative at its first end and not negative at its second.
 ///
 /// # Errors
-/// The first one of the function.
+/// The first error of the function.
 pub(super) fn narrow<E>(
     bracket: [Point; 2],
     target: &Target,
     range: &Range,
     function: &mut impl FnMut(f64) -> Result<f64, E>,
 ) -> Result<Narrowed, E> {
-    // The newest point, the end across the root from it, and the point before it.
+    // The newest point, the end on the other side of the root, and the previous point.
     let [mut before, mut newest] = bracket;
     let mut across = before;
     let mut part = secant(newest, across);
-    for _ in 0..MOST {
+    for _ in 0..MAX_ITERATIONS {
         let best = if newest.function.abs() < across.function.abs() { newest } else { across };
         let slope = (newest.function - across.function) / (newest.place - across.place);
         let width = range.width(target.relative, best.place);
@@ -50,7 +50,7 @@ pub(super) fn narrow<E>(
         let is_small = best.function.abs() <= target.function;
         if is_narrow || is_small && best.function.abs() <= width * slope.abs() {
             let is_jump = is_narrow && (newest.function - across.function).abs() > target.jump;
-            // At a jump the strength is passed on one side alone.
+            // At a jump the returned place is the end at which the function is not negative.
             let passed = if newest.function >= 0.0 { newest } else { across };
             return Ok(Narrowed { place: if is_jump { passed.place } else { best.place }, is_jump });
         }
@@ -72,7 +72,7 @@ fn secant(a: Point, b: Point) -> f64 {
     a.function / (a.function - b.function)
 }
 
-/// The part of the bracket from the newest point on.
+/// Position of the next place in the bracket from `a` (newest) to `b`, as a part of its length.
 fn step(a: Point, b: Point, c: Point) -> f64 {
     let xi = (a.place - b.place) / (c.place - b.place);
     let phi = (a.function - b.function) / (c.function - b.function);

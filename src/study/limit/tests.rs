@@ -1,4 +1,4 @@
-//! The search on functions whose roots are known.
+//! Tests of the search on functions with known roots.
 
 use proptest::prelude::*;
 
@@ -6,8 +6,8 @@ use super::{Found, Range, search};
 
 const TOLERANCE: f64 = 1e-2;
 
-/// Runs of a simple case.
-const FEW: usize = 15;
+/// Upper bound of the number of runs in a simple case.
+const MAX_RUNS: usize = 15;
 
 fn range(from: f64, to: f64) -> Range {
     Range { key: "key".to_owned(), from, to }
@@ -43,26 +43,26 @@ fn one_root_of_a_power_takes_few_runs() {
     for (power, exact) in [(0.6, 0.28), (1.0, 0.74), (1.0, 9.9), (1.2, 0.11), (2.5, 3.0)] {
         let found = find(0.1, 10.0, |speed| (speed / exact).powf(power));
         let (value, is_rising) = root(&found);
-        assert!(is_rising && is_near(value, exact, 1e-3) && found.samples.len() < FEW, "{found:?}");
+        assert!(is_rising && is_near(value, exact, 1e-3) && found.samples.len() < MAX_RUNS, "{found:?}");
         let sensitivity = found.root.unwrap().sensitivity;
         assert!(is_near(sensitivity, exact / power, 0.5), "{sensitivity}");
     }
-    // A thicker plate.
+    // The ratio falls with the value, as it does with the thickness of a plate.
     let found = find(0.005, 0.05, |thickness| (thickness / 0.012).powi(-2));
-    assert!(!root(&found).1 && is_near(root(&found).0, 0.012, 1e-3) && found.samples.len() < FEW, "{found:?}");
+    assert!(!root(&found).1 && is_near(root(&found).0, 0.012, 1e-3) && found.samples.len() < MAX_RUNS, "{found:?}");
 }
 
 #[test]
 fn the_lowest_of_two_and_three_roots() {
-    // A maximum between two values of the grid, 0, 1, …, 6.
+    // A maximum between two values of the grid 0, 1, …, 6.
     let found = find(0.0, 6.0, |x| 1.02 - 0.1 * (x - 2.5).powi(2));
     assert!(is_near(root(&found).0, 2.5 - 0.2_f64.sqrt(), 1e-3), "{found:?}");
-    // Behind it the ratio reaches 1 again.
+    // The ratio reaches 1 again beyond the maximum.
     let bump = |x: f64| 0.5 + 0.52 * (-(x - 1.5_f64).powi(2)).exp() + 0.1 * (x - 3.0).max(0.0).powi(2);
     let found = find(0.0, 6.0, bump);
     let exact = 1.5 - (0.52_f64 / 0.5).ln().sqrt();
     assert!(is_near(root(&found).0, exact, 1e-3) && found.samples.len() < 20, "{found:?}");
-    // The same upside down: a minimum.
+    // The reciprocal has a minimum there.
     let found = find(0.0, 6.0, |x| 1.0 / bump(x));
     assert!(!root(&found).1 && is_near(root(&found).0, exact, 1e-3), "{found:?}");
 }
@@ -80,7 +80,7 @@ fn nowhere_and_everywhere() {
     assert!(found.root.is_none() && found.is_complete && found.samples.len() == 7, "{found:?}");
     let found = find(0.1, 10.0, |speed| 20.0 * speed);
     assert!(found.root.is_none() && found.is_complete && found.samples.len() == 7, "{found:?}");
-    // A key without effect, and an impact that misses.
+    // A key without effect, and an impact that misses the body.
     for constant in [0.0, 0.999, 1.5] {
         let found = find(0.0, 1.0, |_| constant);
         assert!(found.root.is_none() && found.is_complete && found.samples.len() == 7, "{found:?}");
@@ -90,7 +90,7 @@ fn nowhere_and_everywhere() {
 #[test]
 fn ends_may_be_roots() {
     assert!(is_near(root(&find(1.0, 10.0, |x| x / 10.0)).0, 10.0, 1e-3));
-    // The strength is reached at the lower end, and passed from there on.
+    // The strength is reached exactly at the lower end and exceeded everywhere else: there is no change of sign.
     assert!(find(1.0, 10.0, |x| x).root.is_none());
 }
 
@@ -111,23 +111,23 @@ fn the_first_error_ends_it() {
     assert_eq!((failed, runs), (Err("third"), 3));
 }
 
-/// Between −1 and 1, as a run's rounding, bases and cells make it.
+/// Noise between −1 and 1, like the rounding, basis and discretisation errors of runs.
 fn noise(value: f64) -> f64 {
     (1e6 * value).sin()
 }
 
 proptest! {
-    /// Any power law is met with few runs, also where runs differ by noise.
+    /// Any power law takes few runs, also with noise.
     #[test]
     fn powers(exact in 0.11..9.9_f64, power in 0.3..3.0_f64, rises: bool, amplitude in 0.0..1e-4_f64) {
         let power = if rises { power } else { -power };
         let found = find(0.1, 10.0, |x| (x / exact).powf(power) * (1.0 + amplitude * noise(x)));
         let (value, is_rising) = root(&found);
         prop_assert_eq!(is_rising, rises);
-        prop_assert!(is_near(value, exact, 1e-3) && found.samples.len() < FEW, "{:?}", found);
+        prop_assert!(is_near(value, exact, 1e-3) && found.samples.len() < MAX_RUNS, "{:?}", found);
     }
 
-    /// A plateau of noise below the strength hides no root, and does not cost many runs.
+    /// A noisy plateau below the strength hides no root and does not cost many runs.
     #[test]
     fn plateaus(height in 0.9..0.999_f64, edge in 2.0..5.0_f64) {
         let ratio = |x: f64| (height + (x - edge).max(0.0).powi(2)) * (1.0 + 1e-4 * noise(x));
@@ -136,7 +136,7 @@ proptest! {
         prop_assert!(is_near(root(&found).0, exact, 5e-3) && found.samples.len() < 25, "{:?}", found);
     }
 
-    /// Waves that are wide against the grid: the lowest of many roots.
+    /// The lowest of many roots of a wave that is long compared with the grid.
     #[test]
     fn waves(phase in 0.0..6.2_f64, length in 4.0..9.0_f64, mean in 0.75..0.95_f64) {
         let ratio = |x: f64| mean + 0.3 * (x * std::f64::consts::TAU / length + phase).sin();
@@ -146,7 +146,7 @@ proptest! {
         match (fine, found.root) {
             (Some(exact), Some(root)) => prop_assert!((root.at.value - exact).abs() < 0.02, "{} {:?}", exact, found),
             (None, None) => {}
-            // A maximum within the tolerance of 1 may be missed.
+            // A maximum within a quarter of the tolerance of 1 may be missed.
             (Some(exact), None) => {
                 let top = mean + 0.3;
                 prop_assert!(top < 1.0 + 0.25 * TOLERANCE || exact > 5.8, "{} {:?}", exact, found);

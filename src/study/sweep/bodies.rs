@@ -1,4 +1,5 @@
-//! The bodies of a sweep, each made once: members that differ in the impactor, the gap, the times or the tolerance share one.
+//! Makes each body of a sweep once: members that differ only in the impactor, the gap, the times or the tolerance share
+//! it.
 
 use std::rc::Rc;
 
@@ -14,49 +15,51 @@ use crate::error::{Error, Result};
 use crate::impact::step::Step;
 use crate::impact::{self, Errors, ModalImpact, Reading, Readout, TimeIntegration as _, joined};
 use crate::model::watch::{Until, Watch};
-use crate::model::{Dynamics, LARGE, Linearity, Model, OF_BASIS, OF_SMALLER};
+use crate::model::{Dynamics, LARGE, Linearity, Model, BASIS_SHARE, ERROR_FACTOR_OF_SMALLER};
 use crate::record::stress::{LargestTension, strengths};
 use crate::scene::{self, Scene, SupportKind};
 use crate::space::evaluate::ContactSize;
 
-/// Bodies that are kept at most; then all are dropped.
-const MOST: usize = 64;
+/// Largest number of bodies kept; when it is reached, all are dropped.
+const MAX_BODIES: usize = 64;
 
-/// Of the part of the tolerance that a basis may take, how much more before another one is made for a member.
+/// Factor by which a member may exceed the share of the tolerance for the basis before another basis is made for it.
 const SLACK: f64 = 2.0;
 
-/// What members share.
+/// Bodies and bases that the members of a sweep share.
 pub struct Bodies<'a> {
     comm: Comm,
     grouping: &'a Grouping,
     scene_of: &'a dyn Fn(usize) -> Result<Scene>,
-    /// What auto is for all members, with the errors that it found, where it was asked.
+    /// The theory that `auto` selected for all members, with its estimated errors, if any member asks for `auto`.
     theory: Option<(scene::Model, Errors)>,
-    /// Whether steps are to have their energies.
+    /// Whether the energies are computed at each step.
     has_energies: bool,
     kept: ByBody<Kept>,
-    /// By what their line shares; `None` where no merged basis served.
+    /// Families by the body that their line shares; `None` if no merged basis was good enough.
     families: ByBody<Option<Family>>,
-    /// The same of those that relax, by the line.
+    /// Interpolated viscoelastic bodies by their line; `None` if the interpolation was not possible.
     relaxing: ByBody<Option<Interpolated>>,
 }
 
-/// A body on a basis, and on another one by which each member's error is estimated, with that over the difference of the two.
+/// A body reduced to a basis. The error of each member is estimated as the given factor times the difference from a
+/// second basis.
 struct Kept {
     body: ModalBody,
     theory: scene::Model,
     judge: Option<(ModalBody, f64)>,
     unknowns: usize,
-    /// What is read of it: the faces.
+    /// Readout of the stresses on faces.
     readout: Option<Readout>,
-    /// Error by theory and cells, as far as they are known, and by the merging of bases.
+    /// Estimated errors by theory and discretisation, as far as known, and by merging bases.
     of_model: Errors,
-    /// Interpolated: it has the member's own chains already, and no energies.
+    /// Whether the body is interpolated. It then already has the member's Maxwell chains, and it has no energies.
     is_interpolated: bool,
 }
 
 impl<'a> Bodies<'a> {
-    /// For members on these ranks, those that were made to find `theory`, which auto is for all; `scene_of` is a member's scene by its number.
+    /// Prepares the bodies for members on these ranks. `theory` is the theory that `auto` selected for all members,
+    /// with the models made to select it. `scene_of` returns a member's scene by its number.
     pub fn new(
         comm: &Comm,
         grouping: &'a Grouping,
@@ -77,7 +80,8 @@ impl<'a> Bodies<'a> {
         };
         for (scene, model) in theory.into_iter().flat_map(|found| found.made) {
             let of_theory = bodies.error_of_theory(&scene);
-            // (Members that relax differently share a basis that is made with a margin.)
+            // Members with different relaxation share a basis that is made with a margin, so their models are not
+            // reused.
             if let (false, Ok(kept)) = (scene.body.composition.is_viscoelastic(), Kept::of(model, of_theory)) {
                 bodies.kept.get_or_insert_with(BodyOf::new(&scene), || kept);
             }
@@ -85,10 +89,10 @@ impl<'a> Bodies<'a> {
         bodies
     }
 
-    /// Computes a member in modal coordinates, on a kept basis if it is good enough. Collective.
+    /// Computes a member in modal coordinates, on a stored basis if that is accurate enough. Collective.
     ///
     /// # Errors
-    /// Those of a run.
+    /// Same as a run.
     pub fn simulate(
         &mut self,
         index: usize,
@@ -107,9 +111,9 @@ impl<'a> Bodies<'a> {
             None => self.of_body(scene, interrupted)?,
         };
         let poor = match &tried {
-            Ok(Some(tried)) => tried.first > SLACK * OF_BASIS * scene.tolerance,
+            Ok(Some(tried)) => tried.first > SLACK * BASIS_SHARE * scene.tolerance,
             Ok(None) => false,
-            // A patch or a basis made for another impact may not bear this one.
+            // A patch or a basis made for another impact may be unsuitable for this one.
             Err(_) => true,
         };
         let tried = if poor { self.make(scene, watch)?.simulate(scene, self.has_energies, interrupted) } else { tried };
@@ -118,7 +122,7 @@ impl<'a> Bodies<'a> {
         Ok(Some(tried.outcome))
     }
 
-    /// On the basis made for a body.
+    /// Computes a member on the basis made for its body.
     fn of_body(&mut self, scene: &Scene, interrupted: &Rc<dyn Fn() -> bool>) -> Result<Result<Option<Tried>>> {
         let (body, comm) = (BodyOf::new(scene), self.comm.clone());
         let watch = &Until(&comm, &**interrupted);
@@ -129,23 +133,24 @@ impl<'a> Bodies<'a> {
             Some(index) => self.make(&shared((self.scene_of)(index)?), watch),
             None => self.make(scene, watch),
         };
-        // What is wrong with the hardest member need not be wrong with this one.
+        // A fault of the most demanding member need not apply to this one.
         let kept = made.or_else(|_| self.make(scene, watch))?;
-        if self.kept.len() >= MOST {
+        if self.kept.len() >= MAX_BODIES {
             self.kept.clear();
         }
         let kept = self.kept.get_or_insert_with(body, || kept);
         Ok(kept.simulate(scene, self.has_energies, interrupted))
     }
 
-    /// Makes on all ranks together what members to be computed are interpolated between. Collective on `ranks`, each of which is watched by itself.
+    /// Makes, on all ranks together, the bodies between which members are interpolated. Collective on `ranks`; each
+    /// rank's interruption is watched separately.
     ///
     /// # Errors
-    /// Those of a model.
+    /// Same as making a model.
     pub fn prepare(&mut self, ranks: &Comm, todo: &[usize], watch: &dyn Watch) -> Result<()> {
         let (mut seen, all) = (ByBody::default(), self.grouping.lines());
         for &index in todo {
-            if seen.len() == all || self.relaxing.len() >= MOST {
+            if seen.len() == all || self.relaxing.len() >= MAX_BODIES {
                 break;
             }
             let scene = (self.scene_of)(index)?;
@@ -158,9 +163,10 @@ impl<'a> Bodies<'a> {
         Ok(())
     }
 
-    /// Whether a line's members are interpolated: at least [`family::LEAST`] that differ in their relaxation alone.
+    /// Whether the members of a line are interpolated: at least [`family::MIN_VALUES`] members that differ in their
+    /// relaxation alone.
     fn interpolates(&self, line: &Line, scene: &Scene) -> bool {
-        line.count >= family::LEAST
+        line.count >= family::MIN_VALUES
             && !self.has_energies
             && self.grouping.is_of_relaxations()
             && interpolated::admits(&self.named(scene.clone()))
@@ -179,17 +185,17 @@ impl<'a> Bodies<'a> {
         Ok(())
     }
 
-    /// The member's body by interpolation, where that serves.
+    /// The member's body by interpolation, if that is possible.
     fn interpolated(&mut self, index: usize, scene: &Scene, watch: &dyn Watch) -> Result<Option<Kept>> {
         let Some(line) = self.grouping.line_of(index, scene) else { return Ok(None) };
         if !self.interpolates(&line, scene) {
             return Ok(None);
         }
-        // Of the theory that `auto` has chosen.
+        // The error must be looked up before `auto` is replaced by the selected theory.
         let of_theory = self.error_of_theory(scene);
         let scene = &self.named(scene.clone());
         if self.relaxing.get(&line.body).is_none() {
-            if self.relaxing.len() >= MOST {
+            if self.relaxing.len() >= MAX_BODIES {
                 self.relaxing.clear();
             }
             self.make_interpolated(&self.comm.clone(), &line.body, watch)?;
@@ -206,27 +212,29 @@ impl<'a> Bodies<'a> {
         }))
     }
 
-    /// The scene of a line's member with a value, of the theory that all have; members ascend by their values.
+    /// Scene of the member of a line with a given value, with the theory of all members. The line is in ascending order
+    /// of values.
     fn scene_on(&self, line: &[(f64, usize)], value: f64) -> Result<Scene> {
         let at = line.partition_point(|(other, _)| *other < value).min(line.len() - 1);
         Ok(self.named((self.scene_of)(line[at].1)?))
     }
 
-    /// On the basis of all that differ in one support, or in their relaxation, alone, where they are many.
+    /// The body on the merged basis of all members that differ only in one support or in their relaxation, if they are
+    /// at least [`family::MIN_VALUES`].
     fn of_family(&mut self, index: usize, scene: &Scene, watch: &dyn Watch) -> Result<Option<Kept>> {
         let Some(Line { body, value, count }) = self.grouping.line_of(index, scene) else { return Ok(None) };
         let is_open = scene.body.model == scene::Model::Auto && self.theory.is_none();
-        if count < family::LEAST || is_open || scene.is_on_pads() {
+        if count < family::MIN_VALUES || is_open || scene.is_on_pads() {
             return Ok(None);
         }
         if self.families.get(&body).is_none() {
-            if self.families.len() >= MOST {
+            if self.families.len() >= MAX_BODIES {
                 self.families.clear();
             }
             let all = self.grouping.members_on(&body);
             let values: Vec<f64> = all.iter().map(|(value, _)| *value).collect();
             let scene_of = |value: f64| self.scene_on(&all, value);
-            // What one of its bodies cannot, the others may by themselves.
+            // If one body of the family fails, the other members may still be computed separately.
             let family = match Family::new(&self.comm, &values, &scene_of, watch) {
                 Ok(family) => family,
                 Err(Error::Solve(_) | Error::Fault(_)) => None,
@@ -239,12 +247,12 @@ impl<'a> Bodies<'a> {
         let family = self.families.get(&body).and_then(Option::as_ref);
         Ok(family.map(|family| {
             let ([body, larger], of_merging) = family.at(value, &chains(scene));
-            // In the first contact it was tested to be no more than that.
-            let first_contact = of_merging.min(OF_BASIS * scene.tolerance);
+            // The test of the merged basis limits its error in the first contact to this.
+            let first_contact = of_merging.min(BASIS_SHARE * scene.tolerance);
             Kept {
                 body,
                 theory,
-                judge: Some((larger, OF_SMALLER)),
+                judge: Some((larger, ERROR_FACTOR_OF_SMALLER)),
                 unknowns: family.unknowns,
                 readout: family.readout.clone(),
                 of_model: of_theory.joined(Errors { first_contact, history: of_merging, stress: f64::NAN }),
@@ -253,7 +261,7 @@ impl<'a> Bodies<'a> {
         }))
     }
 
-    /// A scene with the theory that auto found for all.
+    /// A scene with the theory that `auto` selected for all members.
     pub fn named(&self, scene: Scene) -> Scene {
         match (scene.body.model, self.theory) {
             (scene::Model::Auto, Some((theory, _))) => {
@@ -264,7 +272,7 @@ impl<'a> Bodies<'a> {
         }
     }
 
-    /// The errors of the theory that auto found for all; 0 where a scene names its own.
+    /// Estimated errors of the theory that `auto` selected for all members; 0 if the scene names its theory.
     pub fn error_of_theory(&self, scene: &Scene) -> Errors {
         match (scene.body.model, self.theory) {
             (scene::Model::Auto, Some((_, error))) => error,
@@ -279,7 +287,8 @@ impl<'a> Bodies<'a> {
 }
 
 impl Kept {
-    /// Of a model in modal coordinates, with the errors of the theory for all members.
+    /// Takes the body from a model in modal coordinates. `of_theory` are the errors of the theory selected for all
+    /// members.
     fn of(model: Model, of_theory: Errors) -> Result<Self> {
         let of_model = of_theory.max(model.error_beside_basis());
         let Model { theory, dynamics, judge, unknowns, gauges, .. } = model;
@@ -292,7 +301,7 @@ impl Kept {
         }
     }
 
-    /// `None` where it was interrupted.
+    /// Computes a member on this body; `None` if interrupted.
     fn simulate(&self, scene: &Scene, has_energies: bool, interrupted: &Rc<dyn Fn() -> bool>) -> Result<Option<Tried>> {
         let mut steps = Vec::new();
         let relaxing = chains(scene);
@@ -325,7 +334,7 @@ impl Kept {
             let each = steps.iter().map(|step| linearity.over_thickness(linearity.deflection(step)));
             each.fold(0.0, f64::max)
         });
-        // What of it is the supports' own, the energies alone tell.
+        // Only the energies tell which part of the deflection is due to the compliance of the supports.
         let yields = scene.supports.iter().any(|support| !matches!(support.kind, SupportKind::Clamped { .. }));
         if self.is_interpolated && yields && deflection > LARGE {
             return Err(Error::Solve(
@@ -345,7 +354,8 @@ impl Kept {
         let of_patch = Errors::throughout(self.body.patch.map_or(0.0, |patch| patch.error()));
         let all = of_basis.joined(self.of_model).joined(of_patch);
         let (error_estimate, first_error) = (joined(impact.count.error.unwrap_or(0.0), all.history), all.first_contact);
-        // Of given steps there is no estimate, which counts for nothing; of chosen ones there has to be one.
+        // Given steps have no error estimate, and their error counts as 0. Adaptive steps without an estimate of the
+        // stress error give NaN.
         let of_steps = if impact.count.error.is_some() { f64::NAN } else { 0.0 };
         if !tension.value.is_nan() {
             tension = tension.with_error(joined(impact.count.stress_error.unwrap_or(of_steps), all.stress), scene);
@@ -356,10 +366,10 @@ impl Kept {
     }
 }
 
-/// A member computed.
+/// Result of computing a member.
 struct Tried {
     steps: Vec<Step>,
-    /// Estimated error by the basis in the first contact.
+    /// Estimated error of the basis in the quantity that the tolerance applies to.
     first: f64,
     outcome: Computed,
 }

@@ -1,4 +1,4 @@
-//! What is kept of each body of a sweep. A hash finds it; the descriptions themselves are compared.
+//! A map from the bodies of a sweep to stored values. A hash finds the entry; the descriptions themselves are compared.
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -9,9 +9,9 @@ use crate::form;
 use crate::material::Maxwell;
 use crate::model::rate;
 use crate::scene::{self, Contact, Impactor, Initial, Load, Scene, Support, Vec3};
-use crate::space::OF_CONTACT;
+use crate::space::MODULI_TIME_OVER_CONTACT;
 
-/// All of a scene that its body depends on.
+/// All properties of a scene that its body depends on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyOf {
     body: scene::Body,
@@ -22,29 +22,32 @@ pub struct BodyOf {
     load: Load,
     initial: Initial,
     stress: bool,
-    /// Bulk moduli of the materials that relax, Pa, to some digits.
+    /// Bulk moduli of the viscoelastic materials, Pa, as rounded text.
     bulk: Vec<String>,
-    /// For each of these the first that relaxes alike: one chain has one D.
+    /// For each viscoelastic material, the index of the first one with the same chain. Materials with one chain share
+    /// one matrix D.
     alike: Vec<usize>,
-    /// What the local field of the contact is made with: rounded, since it counts for little.
+    /// Constants of the local contact field. They are rounded, because their influence is small.
     local: Vec<String>,
-    /// The rates at which vectors of a basis are made for the chains, in hundredths of the first: on a basis of fewer rates a body may lack shapes
-    /// that the larger basis lacks, too, by which its error is estimated.
+    /// Shifts at which the basis vectors are made for the chains, in hundredths of the first shift. A basis with fewer
+    /// shifts may lack shapes of the body. The larger basis would lack them too, so the error estimate would not show
+    /// it.
     rates: Vec<u32>,
 }
 
-/// The tolerance of a basis for members of different chains over theirs: estimates were seen to differ by a factor of two from 0 to 50 °C. (Chains
-/// that share a local field hardly differ.)
-const OF_RELAXING: f64 = 0.6;
+/// Tolerance of a basis shared by members with different chains, relative to their tolerance. Error estimates were
+/// measured to differ by a factor of two from 0 to 50 °C. Chains that share a local field hardly differ.
+const SHARED_BASIS_TOLERANCE: f64 = 0.6;
 
-/// The scene that a basis is made for which all its family shares: where members relax differently, with a margin for these.
+/// The scene for which a family's shared basis is made: with a margin on the tolerance if the members differ in their
+/// relaxation.
 pub(super) fn shared(scene: Scene) -> Scene {
     let differ = scene.body.composition.is_viscoelastic() && !has_local_field(&scene);
-    let margin = if differ { OF_RELAXING } else { 1.0 };
+    let margin = if differ { SHARED_BASIS_TOLERANCE } else { 1.0 };
     Scene { tolerance: margin * scene.tolerance, ..scene }
 }
 
-/// What a member's run follows of the relaxation of each part that has one.
+/// The Maxwell chains of a member's viscoelastic parts, in their order.
 pub(super) fn chains(scene: &Scene) -> Vec<Maxwell> {
     if !scene.body.composition.is_viscoelastic() {
         return Vec::new();
@@ -52,21 +55,23 @@ pub(super) fn chains(scene: &Scene) -> Vec<Maxwell> {
     Description::new(scene).relaxations().into_iter().map(|(chain, _)| chain.clone()).collect()
 }
 
-/// What a modulus may differ by, over the tolerance, in bodies that share their local constants. Over a fall to a thirtieth a laminate's peak
-/// force was seen to change by some 30% with them: 0.1 for each part of the modulus, half of which is left at the ends.
-const OF_TOLERANCE: f64 = 4.0;
+/// Largest relative difference, over the tolerance, of the moduli of bodies that share local constants. The local
+/// constants changed a laminate's peak force by some 30% when the modulus fell to a thirtieth: 0.1 per unit of the
+/// modulus' logarithm. Rounding leaves half of the difference.
+const LARGEST_MODULUS_DIFFERENCE: f64 = 4.0;
 
 impl BodyOf {
-    /// Of a scene. Of the chains of relaxing materials, and the temperature, there are those moduli alone by which the local field of the
-    /// contact is made: each member gives the body its own chains ([`ModalBody::with_chains`](crate::body::ModalBody::with_chains)).
+    /// The description of a scene's body. The chains of viscoelastic materials and the temperature are left out, except
+    /// for the moduli of the local contact field: each member gives the body its chains
+    /// ([`ModalBody::with_chains`](crate::body::ModalBody::with_chains)).
     pub fn new(scene: &Scene) -> Self {
-        let time = OF_CONTACT * scene.impactor.contact_time();
+        let time = MODULI_TIME_OVER_CONTACT * scene.impactor.contact_time();
         let materials = scene.body.composition.materials().into_iter().filter(|_| has_local_field(scene));
         let moduli = materials.filter_map(|material| Some(rounded(material.shear.as_ref()?.at(time), scene.tolerance)));
         Self { local: moduli.collect(), rates: rates_of(scene), ..Self::relaxing_anyhow(scene) }
     }
 
-    /// The same for bodies that differ in the chains of relaxing materials, and are tested for each.
+    /// The description for bodies that differ in the chains of viscoelastic materials and are tested for each of them.
     pub fn of_relaxations(scene: &Scene) -> Self {
         let time = scene.body.composition.is_viscoelastic().then(|| scene.impactor.contact_time());
         Self {
@@ -83,7 +88,7 @@ impl BodyOf {
             if let Some(chain) = material.shear.take() {
                 alike.push(chains.iter().position(|other| *other == chain).unwrap_or(chains.len()));
                 chains.push(chain);
-                // What a shear modulus leaves of its digits.
+                // Rounded, because the bulk modulus is computed from constants that depend on the shear modulus.
                 bulk.push(format!("{:.8e}", material.bulk()));
                 material.instantaneous = form::Material { young: 0.0, poisson: 0.0, ..material.instantaneous };
             }
@@ -100,12 +105,13 @@ impl BodyOf {
     }
 }
 
-/// Whether a body is made with moduli of the contact's time: a solid's field under the hit is its own, but for stresses.
+/// Whether a body depends on the moduli at the contact time. A solid resolves the field under the impactor itself, so
+/// it needs them for stresses only.
 pub(super) fn has_local_field(scene: &Scene) -> bool {
     scene.body.model != scene::Model::Solid || scene.output.stress
 }
 
-/// As [`BodyOf::rates`]; none of a body that does not relax.
+/// Shifts as in [`BodyOf::rates`]; empty for an elastic body.
 fn rates_of(scene: &Scene) -> Vec<u32> {
     let chains = chains(scene);
     if chains.is_empty() {
@@ -116,13 +122,13 @@ fn rates_of(scene: &Scene) -> Vec<u32> {
     all.into_iter().map(|rate| (100.0 * rate / first).round() as u32).collect()
 }
 
-/// A value, as far as [`OF_TOLERANCE`] asks for it.
+/// A value rounded to a width of [`LARGEST_MODULUS_DIFFERENCE`] times the tolerance in its logarithm.
 fn rounded(value: f64, tolerance: f64) -> String {
-    let width = OF_TOLERANCE * tolerance;
+    let width = LARGEST_MODULUS_DIFFERENCE * tolerance;
     format!("{:.3e}", ((value.ln() / width).round() * width).exp())
 }
 
-/// A map from bodies.
+/// A map with bodies as keys.
 #[derive(Debug)]
 pub struct ByBody<T>(HashMap<u64, Vec<(BodyOf, T)>>);
 
@@ -133,13 +139,13 @@ impl<T> Default for ByBody<T> {
 }
 
 impl<T> ByBody<T> {
-    /// What is kept of a body.
+    /// The value stored for a body.
     pub fn get(&self, body: &BodyOf) -> Option<&T> {
         let alike = self.0.get(&body.hash())?;
         alike.iter().find(|(other, _)| other == body).map(|(_, kept)| kept)
     }
 
-    /// What is kept of a body, made where it is missing.
+    /// The value stored for a body; it is made if missing.
     pub fn get_or_insert_with(&mut self, body: BodyOf, make: impl FnOnce() -> T) -> &mut T {
         let alike = self.0.entry(body.hash()).or_default();
         let place = alike.iter().position(|(other, _)| *other == body).unwrap_or_else(|| {
@@ -149,17 +155,17 @@ impl<T> ByBody<T> {
         &mut alike[place].1
     }
 
-    /// All that is kept.
+    /// All stored values.
     pub fn values(&self) -> impl Iterator<Item = &T> {
         self.0.values().flatten().map(|(_, kept)| kept)
     }
 
-    /// How many bodies there are.
+    /// Number of bodies.
     pub fn len(&self) -> usize {
         self.0.values().map(Vec::len).sum()
     }
 
-    /// Forgets all.
+    /// Removes all entries.
     pub fn clear(&mut self) {
         self.0.clear();
     }
@@ -169,7 +175,8 @@ impl<T> ByBody<T> {
 mod tests {
     use super::*;
 
-    /// A pane as a solid, whose members share a basis whatever their moduli, with a chain of its interlayer.
+    /// A laminated pane as a solid, with a Prony series of its interlayer. Its members share a basis for any moduli at
+    /// the contact time.
     fn pane(prony: &str) -> BodyOf {
         let glass = "[[body.layer]]\nthickness = 0.005\nmaterial = \"glass\"\n";
         let text = format!(
@@ -183,7 +190,7 @@ mod tests {
         BodyOf::new(&Scene::parse("test", &text, &[]).expect("a scene").0)
     }
 
-    /// A basis for one rate is none for a body that falls to a small part of its modulus.
+    /// A basis made at one shift is not shared with a body whose modulus falls to a small part.
     #[test]
     fn bodies_of_other_rates_have_other_bases() {
         let little = pane("{ modulus = 1e6, time = 1e-4 }");

@@ -1,4 +1,4 @@
-//! What is kept of a member: how it ended, its peaks and its contacts.
+//! Computes a member of a sweep and keeps its status, peak values and contacts.
 
 use std::rc::Rc;
 use std::time::Instant;
@@ -15,20 +15,21 @@ use crate::scene::{Scene, Source};
 /// A member to compute.
 #[derive(Debug, Clone)]
 pub struct Task {
-    /// Its number.
+    /// Number of the member.
     pub index: usize,
-    /// Its scene.
+    /// Scene of the member.
     pub scene: Scene,
-    /// The text of its scene.
+    /// Text of the scene, for messages.
     pub source: Source,
-    /// Whether its series is kept.
+    /// Whether the member's time series is stored.
     pub has_series: bool,
 }
 
-/// Computes a member; `None` where it was interrupted. A member that fails is a result too. Collective on `comm`.
+/// Computes a member; `None` if interrupted. A failed member is a result too. Collective on `comm`.
 ///
 /// # Errors
-/// What no member can be computed with: options that PETSc does not understand.
+/// If no member can be computed: errors of usage (such as options that PETSc does not understand), of files or of the
+/// output.
 pub fn digest(
     comm: &Comm,
     task: &Task,
@@ -54,7 +55,7 @@ pub fn digest(
             member.status = Status::Done;
             member
         }
-        // Another rank may be at another member.
+        // Other ranks may be computing other members, so the error is marked as one of this rank alone.
         Err(error @ (Error::Usage(_) | Error::Io { .. } | Error::Output(_))) => {
             return Err(Error::Alone(Box::new(error)));
         }

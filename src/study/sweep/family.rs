@@ -1,5 +1,5 @@
-//! Members that differ in the stiffness or the damping of one support, or in the relaxation of interlayers: one basis, made at a few values,
-//! for all of them.
+//! Makes one basis for all members that differ only in the stiffness or damping of one support, or in the relaxation of
+//! interlayers. It is merged from bodies made at a few values.
 
 use petsc_wrap::Comm;
 
@@ -8,30 +8,30 @@ use crate::error::Result;
 use crate::impact::{Errors, ModalImpact, Readout};
 use crate::material::Maxwell;
 use crate::model::watch::Watch;
-use crate::model::{Built, CellSize, Gauges, OF_BASIS, Operators, build, cell_size, rate, reduce};
+use crate::model::{Built, CellSize, Gauges, BASIS_SHARE, Operators, build, cell_size, rate, reduce};
 use crate::scene::Scene;
 
-/// Fewer values than this are computed one by one.
-pub const LEAST: usize = 20;
+/// Least number of values for which a merged basis is made. Fewer are computed one by one.
+pub const MIN_VALUES: usize = 20;
 
-/// Values at which bodies are made, at most.
-const MOST: usize = 33;
+/// Largest number of values at which bodies are made.
+const MAX_BODIES: usize = 33;
 
-/// Values over those at which bodies are made, at least: merging costs about as much as making one more.
-const OF_VALUES: usize = 4;
+/// Least number of values per body made: merging costs about as much as making one more body.
+const VALUES_PER_BODY: usize = 4;
 
-/// Weight of the directions of a basis, over the tolerance, down to which they are taken.
+/// Smallest weight of the directions kept in the basis, relative to the tolerance.
 const DEPTH: f64 = 0.03;
 
-/// A merged basis with what was found of its errors.
+/// A merged basis with its tested errors.
 pub struct Family {
     merged: Merged,
-    /// Up to a value, the error over the whole history at the middle of the values around it, where the basis was tested; with those of
-    /// the cells and of the bodies' own bases.
+    /// Pairs (upper end of an interval of values, error over the whole history). The merged basis is tested at the
+    /// middle of the interval; the discretisation error and the errors of the bodies' own bases are added.
     errors: Vec<(f64, f64)>,
-    /// Unknowns of the bodies.
+    /// Number of unknowns of the bodies before reduction.
     pub unknowns: usize,
-    /// What is read of the bodies: the faces.
+    /// Readout of the stresses on faces.
     pub readout: Option<Readout>,
 }
 
@@ -40,17 +40,17 @@ struct Sample {
     body: Assembled,
     snapshots: Columns,
     own: Projection,
-    /// Of that, over the whole history.
+    /// Error of its own basis over the whole history.
     error: f64,
     scene: Scene,
 }
 
 impl Family {
-    /// Makes bodies at the first and the last value, and between them wherever the basis does not serve at the middle. `None` where
-    /// that takes too many. Collective.
+    /// Makes bodies at the first and the last value, and between them wherever the merged basis is not accurate enough
+    /// at the middle. Returns `None` if that takes too many bodies or they cannot share a basis. Collective.
     ///
     /// # Errors
-    /// Those of a model.
+    /// Same as making a model.
     pub fn new(
         comm: &Comm,
         values: &[f64],
@@ -65,7 +65,7 @@ impl Family {
                 Built::Given(_) => None,
             })
         };
-        // The cells of all are the finer ones of the two ends.
+        // All bodies have the finer of the cells of the two end values.
         let (mut size, mut of_cells) = (1.0_f64, 0.0_f64);
         for place in [0, last] {
             let Some((built, scene)) = operators(place, 1.0)? else { return Ok(None) };
@@ -84,7 +84,7 @@ impl Family {
             Ok(Sample { body, snapshots, own, error: reduced.error.history, scene })
         };
         let mut ends = [make(0)?, make(last)?];
-        // A layer's modulus may ask for other cells, whose vectors have no common basis.
+        // The end values of a layer's modulus may lead to different cells, whose basis vectors cannot be merged.
         let unknowns = ends[0].body.linear().unknowns();
         if ends[1].body.linear().unknowns() != unknowns {
             return Ok(None);
@@ -101,9 +101,10 @@ impl Family {
         };
         let mut of_basis = ends[0].error.max(ends[1].error);
         let mut merged = merge(&pool)?;
-        // Local constants are those of the first end: where the other one asks for others, each body has its own.
+        // The local contact constants are those of the first end. If they are not accurate enough for the last end,
+        // each member gets its own body.
         let of_last = off(&merged, values[last], &ends[1])?;
-        if of_last.of(ends[1].scene.measure) > OF_BASIS * ends[1].scene.tolerance {
+        if of_last.of(ends[1].scene.measure) > BASIS_SHARE * ends[1].scene.tolerance {
             return Ok(None);
         }
         let (mut open, mut errors, mut made) = (vec![(0, last)], Vec::new(), 2);
@@ -112,7 +113,7 @@ impl Family {
                 errors.push((values[to], 0.0));
                 continue;
             }
-            if made == MOST.min(values.len() / OF_VALUES) {
+            if made == MAX_BODIES.min(values.len() / VALUES_PER_BODY) {
                 return Ok(None);
             }
             let middle = from.midpoint(to);
@@ -120,7 +121,7 @@ impl Family {
             if sample.body.linear().unknowns() != unknowns {
                 return Ok(None);
             }
-            let tolerance = OF_BASIS * sample.scene.tolerance;
+            let tolerance = BASIS_SHARE * sample.scene.tolerance;
             let found = off(&merged, values[middle], &sample)?;
             let (first, all) = (found.of(sample.scene.measure), found.history);
             of_basis = of_basis.max(sample.error);
@@ -147,14 +148,15 @@ impl Family {
         Ok(Some(Self { merged, errors, unknowns, readout }))
     }
 
-    /// The body at a value and with the chains there, on the basis and on the larger one, with the error found near that value.
+    /// The body at a value with the given chains, on the basis and on the larger one, with the error of the interval
+    /// that contains the value.
     pub fn at(&self, value: f64, chains: &[Maxwell]) -> ([ModalBody; 2], f64) {
         let near = self.errors.iter().find(|(to, _)| value <= *to).map_or(0.0, |(_, error)| *error);
         (self.merged.at(value).map(|body| ModalBody::of(&body.with_chains(chains))), near)
     }
 }
 
-/// How far the merged basis is off a body's own one, which was not among those it was made of.
+/// Difference of the force on the merged basis from the force on the body's own basis.
 fn off(merged: &Merged, value: f64, sample: &Sample) -> Result<Errors> {
     let chains: Vec<Maxwell> = sample.body.linear().chains().into_iter().cloned().collect();
     let [basis, _] = merged.at(value).map(|body| body.with_chains(&chains));

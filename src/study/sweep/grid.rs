@@ -1,10 +1,10 @@
-//! The members of a sweep: every combination of the values of its keys.
+//! Lists the members of a sweep: every combination of the values of its keys.
 
-use super::vary::{MOST, Variation};
+use super::vary::{MAX_VALUES, Variation};
 use crate::record::sweep::{Key, Values};
 use crate::scene::unit;
 
-/// Every combination of the values of some keys, the last key's changing fastest.
+/// Every combination of the values of some keys; the last key changes fastest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
     variations: Vec<Variation>,
@@ -12,10 +12,10 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The grid over some keys, at least one.
+    /// The grid over at least one key.
     ///
     /// # Errors
-    /// What is wrong: a key twice, or more members than a sweep may have.
+    /// If a key is given twice, or if there are more members than a sweep may have.
     pub fn new(variations: Vec<Variation>) -> Result<Self, String> {
         for (n, variation) in variations.iter().enumerate() {
             if variations[..n].iter().any(|other| other.key == variation.key) {
@@ -23,19 +23,19 @@ impl Grid {
             }
         }
         let members = variations.iter().try_fold(1_usize, |all, variation| all.checked_mul(variation.texts.len()));
-        match members.filter(|members| *members <= MOST) {
+        match members.filter(|members| *members <= MAX_VALUES) {
             Some(members) => Ok(Self { variations, members }),
-            None => Err(format!("a sweep has at most {MOST} members")),
+            None => Err(format!("a sweep has at most {MAX_VALUES} members")),
         }
     }
 
-    /// How many members there are.
+    /// Number of members.
     pub fn len(&self) -> usize {
         self.members
     }
 
-    /// The key of one support's stiffness or damping, of the temperature, or of a material's shear modulus, given as numbers, where there is
-    /// just one such key and its values differ.
+    /// The one varied key whose values are on a line: stiffness or damping of a support, the temperature, or the shear
+    /// modulus of a material, given as numbers. `None` if no such key or several are varied.
     pub fn line(&self) -> Option<&str> {
         let on_line = |variation: &&Variation| {
             let mut words = variation.key.split('.');
@@ -53,35 +53,35 @@ impl Grid {
         on.next().is_none().then_some(first.key.as_str())
     }
 
-    /// A member's value of a key that is varied over numbers.
+    /// A member's value of a key, if the key is varied over numbers.
     pub fn number(&self, member: usize, key: &str) -> Option<f64> {
         let places = self.places(member);
         let at = self.variations.iter().position(|variation| variation.key == key)?;
         self.variations[at].numbers.as_ref().map(|numbers| numbers[places[at]])
     }
 
-    /// Whether a key is among those varied.
+    /// Whether a key is varied.
     pub fn varies(&self, key: &str) -> bool {
         self.variations.iter().any(|variation| variation.key == key)
     }
 
-    /// Whether there is none; there always is one.
+    /// Whether the grid has no members; it always has at least one.
     pub fn is_empty(&self) -> bool {
         self.members == 0
     }
 
-    /// The member that has the first value of the key at a place, and all else as another one.
+    /// The member with the first value of the key at index `place`, and all other values as in `member`.
     pub fn with_first(&self, member: usize, place: usize) -> usize {
         let stride: usize = self.variations[place + 1..].iter().map(|variation| variation.texts.len()).product();
         member - stride * self.places(member)[place]
     }
 
-    /// The values of a member as `KEY=VALUE`, a key each.
+    /// The values of a member as `KEY=VALUE`, one per key.
     pub fn values(&self, member: usize) -> Vec<String> {
         self.pairs(member, |variation| &variation.contents)
     }
 
-    /// What a message calls a member.
+    /// Name of a member in messages.
     pub fn name(&self, member: usize) -> String {
         format!("member {member}: {}", self.pairs(member, |variation| &variation.texts).join(", "))
     }
@@ -91,12 +91,12 @@ impl Grid {
         each.map(|(variation, place)| format!("{}={}", variation.key, of(variation)[place])).collect()
     }
 
-    /// What the values of a key are, as they were given; nothing where it is not varied.
+    /// The values of a key as given by the user; empty if the key is not varied.
     pub fn texts(&self, key: &str) -> &[String] {
         self.variations.iter().find(|variation| variation.key == key).map_or(&[], |variation| &variation.texts)
     }
 
-    /// Has the scenes of a key's values hold these contents.
+    /// Replaces the values of a key in the scenes by `contents`.
     pub fn set_contents(&mut self, key: &str, contents: Vec<String>) {
         let found = self.variations.iter_mut().find(|variation| variation.key == key);
         if let Some(variation) = found.filter(|variation| variation.texts.len() == contents.len()) {
@@ -104,7 +104,7 @@ impl Grid {
         }
     }
 
-    /// The keys as a result holds them: with the value of every member.
+    /// The keys as stored in a result, with the value of every member.
     pub fn keys(&self) -> Vec<Key> {
         let places: Vec<Vec<usize>> = (0..self.members).map(|member| self.places(member)).collect();
         let key = |(n, variation): (usize, &Variation)| Key {
@@ -119,7 +119,7 @@ impl Grid {
         self.variations.iter().enumerate().map(key).collect()
     }
 
-    /// Which value of each key a member has.
+    /// Index of a member's value for each key.
     fn places(&self, member: usize) -> Vec<usize> {
         let mut rest = member;
         let mut places: Vec<usize> = self

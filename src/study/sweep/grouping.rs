@@ -1,4 +1,4 @@
-//! Which members of a sweep share a body, and which of them asks most of it.
+//! Groups the members of a sweep that share a body, and finds the most demanding member of each group.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -13,49 +13,51 @@ use crate::scene::{self, Scene, Support, SupportKind};
 
 use super::by_body::{BodyOf, ByBody};
 
-/// The families of members that differ in the impactor, the gap, the times or the tolerance alone, by their body; with the
-/// member that asks most, by its tolerance and then by its contact, for which the family's basis is made: so that no result depends on
-/// the order of members.
+/// Families of members that differ only in the impactor, the gap, the times or the tolerance, by their body. Each
+/// family's basis is made for its most demanding member, by tolerance and then by contact time. No result therefore
+/// depends on the order of members.
 #[derive(Debug, Default)]
 pub struct Grouping {
     families: ByBody<Member>,
     ends: Vec<usize>,
-    /// What is varied of a support, where it is one thing, with each member's value.
+    /// The varied property of a line, if exactly one is varied, with each member's value.
     line: Option<(Property, Vec<f64>)>,
-    /// Members by all that their bodies depend on but for that value: the hardest of each value, by the value.
+    /// Lines by all properties of the body except the varied one: the most demanding member of each value, in order of
+    /// the values.
     lines: ByBody<BTreeMap<Ordered, Member>>,
 }
 
-/// The theory for all members.
+/// The theory selected for all members.
 pub struct Found {
-    /// The theory.
+    /// The selected theory.
     pub theory: scene::Model,
-    /// The first member that asks for it, where others that were asked do with less.
+    /// First member that needs this theory, if other tested members need a lower one.
     pub asked_by: Option<usize>,
-    /// The largest errors that `auto` found for it.
+    /// Largest errors that `auto` estimated for this theory.
     pub errors: Errors,
-    /// The models of it that were made on the way, each for its own body's basis, with the scenes.
+    /// Models of this theory that were made to select it, with their scenes; each has the basis of its own body.
     pub(super) made: Vec<(Scene, Model)>,
 }
 
-/// Members that differ in one support's stiffness or damping, or in what a relaxing interlayer's shear depends on, alone.
+/// A line of members that differ only in one support's stiffness or damping, or in the relaxation of an interlayer's
+/// shear modulus.
 pub struct Line {
-    /// What they share.
+    /// Description of the body without the varied property.
     pub body: BodyOf,
-    /// One member's value.
+    /// Value of one member.
     pub value: f64,
-    /// How many values there are.
+    /// Number of different values on the line.
     pub count: usize,
 }
 
-/// What bodies on a line differ in.
+/// The property in which the bodies of a line differ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Property {
-    /// The stiffness of the support of this number.
+    /// Stiffness of the support with this index.
     Stiffness(usize),
-    /// Its damping.
+    /// Damping of the support with this index.
     Damping(usize),
-    /// The relaxation of interlayers: the temperature, or a modulus after all relaxation.
+    /// Relaxation of interlayers: the temperature, or the long-term (equilibrium) shear modulus.
     Relaxation,
 }
 
@@ -67,16 +69,16 @@ struct Member {
 }
 
 impl Member {
-    /// Whether it asks more of a body: by its tolerance, then by its contact.
+    /// Whether this member demands more of a body: a smaller tolerance, then a shorter contact.
     fn is_harder(&self, other: &Self) -> bool {
         (self.tolerance, self.contact, self.index) < (other.tolerance, other.contact, other.index)
     }
 }
 
 impl Grouping {
-    /// Counts a member, with its value on the line of [`Grid::line`](super::Grid::line).
+    /// Adds a member, with its value on the line of [`Grid::line`](super::Grid::line).
     pub fn count(&mut self, index: usize, scene: &Scene, on_line: Option<(Property, f64)>) {
-        // Damping makes a contact harder from its first moment on.
+        // Contact damping makes the contact stiffer from the first touch on, so it counts as a shorter contact.
         let contact = scene.impactor.contact_time() / (1.0 + scene.impactor.damping * scene.impactor.speed);
         let member = Member { index, contact, tolerance: scene.tolerance };
         let harder = |most: &mut Member| {
@@ -84,7 +86,7 @@ impl Grouping {
                 *most = member;
             }
         };
-        // Bodies that do not relax are the same at all temperatures.
+        // Elastic bodies are the same at all temperatures.
         let differ = |(property, _): &(Property, f64)| {
             *property != Property::Relaxation || scene.body.composition.is_viscoelastic()
         };
@@ -105,7 +107,7 @@ impl Grouping {
         self.families.get(&BodyOf::new(scene)).map(|member| member.index)
     }
 
-    /// The line that a member is on, and where.
+    /// The line of a member, with the member's value.
     pub fn line_of(&self, index: usize, scene: &Scene) -> Option<Line> {
         let (property, values) = self.line.as_ref()?;
         let body = without(scene, *property);
@@ -113,26 +115,27 @@ impl Grouping {
         Some(Line { body, value: values[index], count })
     }
 
-    /// How many lines there are.
+    /// Number of lines.
     pub fn lines(&self) -> usize {
         self.lines.len()
     }
 
-    /// Whether lines are of bodies that differ in their relaxation.
+    /// Whether the bodies of a line differ in their relaxation.
     pub fn is_of_relaxations(&self) -> bool {
         matches!(self.line, Some((Property::Relaxation, _)))
     }
 
-    /// The values of a line, ascending, each with the hardest member.
+    /// The values of a line, ascending, each with its most demanding member.
     pub fn members_on(&self, line: &BodyOf) -> Vec<(f64, usize)> {
         let all = self.lines.get(line).into_iter().flatten();
         all.map(|(value, member)| (value.0, member.index)).collect()
     }
 
-    /// The theory that auto finds for all members, the highest that the first, the last and the hardest of them ask for. Collective.
+    /// The theory for all members: the highest one that `auto` selects for the first, the last and the most demanding
+    /// member. Collective.
     ///
     /// # Errors
-    /// Those of a model.
+    /// Same as making a model.
     pub fn theory(&self, comm: &Comm, scene_of: impl Fn(usize) -> Result<Scene>, watch: &dyn Watch) -> Result<Found> {
         let hardest = self.families.values().copied().reduce(|a, b| if b.is_harder(&a) { b } else { a });
         let mut asked = self.ends.clone();
@@ -151,7 +154,9 @@ impl Grouping {
             }
             if model.theory == found.theory {
                 found.errors = found.errors.max(model.error_beside_basis());
-                // What several ranks have made together is read by one of them; of layers `auto` asks more than the theory by its name.
+                // A model made by several ranks together can be read by only one of them. For layers `auto` uses a
+                // smaller tolerance for cells and basis than the layerwise theory called by its name. Such models are
+                // not kept.
                 let is_alike = comm.size() == 1 && model.theory != scene::Model::Layerwise;
                 if is_alike && self.representative(&scene) == Some(index) {
                     found.made.push((scene, model));
@@ -166,7 +171,7 @@ impl Grouping {
     }
 }
 
-/// A scene's body without a property.
+/// The description of a scene's body without a property.
 fn without(scene: &Scene, property: Property) -> BodyOf {
     let mut scene = scene.clone();
     match property {
@@ -186,7 +191,7 @@ fn without(scene: &Scene, property: Property) -> BodyOf {
     BodyOf::new(&scene)
 }
 
-/// A finite value in its order.
+/// A finite value with a total order.
 #[derive(Debug, Clone, Copy)]
 struct Ordered(f64);
 

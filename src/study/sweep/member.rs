@@ -1,4 +1,4 @@
-//! How a member of a sweep is computed.
+//! Computes a member of a sweep.
 
 use std::rc::Rc;
 
@@ -13,27 +13,27 @@ use crate::model::{Linearity, Model, Simulation};
 use crate::record::stress::{LargestTension, strengths};
 use crate::scene::Scene;
 
-/// What a simulation knows beside its steps.
+/// Results of an impact simulation in addition to its steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Computed {
-    /// Estimated error of the acceleration history over its peak; NaN where there is no estimate.
+    /// Estimated error of the acceleration history over its peak; NaN if there is no estimate.
     pub error_estimate: f64,
-    /// The same in the first contact alone, as far as it is known before the first step.
+    /// Estimated error in the first contact over the peak, as far as it is known before the first step.
     pub first_error: f64,
-    /// Largest deflection under the impactor over the thickness; NaN where that is not known.
+    /// Largest deflection under the impactor over the thickness; NaN if it is not known.
     pub deflection: f64,
-    /// Number of unknowns, the impactor's included.
+    /// Number of unknowns, including the impactor's.
     pub unknowns: usize,
-    /// The largest tension of all faces.
+    /// Largest tension on all faces.
     pub tension: LargestTension,
 }
 
-/// Computes the impact of a scene to its end, on a body among those kept where it is there, and gives each accepted
-/// step to `observe`, with what the scene's probes have read at it. `interrupted` is asked now and then
-/// whether to leave off, and keeps to its answer; then the outcome is `None`. Collective on `comm`.
+/// Computes the impact of a scene to its end, on a stored body if there is one. `observe` is called with each accepted
+/// step and the readings of the scene's probes. `interrupted` is asked at intervals whether to stop, and must not
+/// revoke a stop; the result is then `None`. Collective on `comm`.
 ///
 /// # Errors
-/// Those of a run: a fault of the scene, a step that is not solved, the energy gate, PETSc's.
+/// Same as a run: a fault of the scene, a step that is not solved, the energy gate, or a failed PETSc call.
 pub fn simulate(
     comm: &Comm,
     (index, scene): (usize, &Scene),
@@ -41,7 +41,7 @@ pub fn simulate(
     interrupted: Rc<dyn Fn() -> bool>,
     mut observe: impl FnMut(&Step, &[Probe]),
 ) -> Result<Option<Computed>> {
-    // Bodies that are shared are not read at their points.
+    // Shared bodies have no probes or fields.
     if scene.time.modal && !scene.output.has_points() {
         return match bodies.simulate(index, scene, &interrupted, &mut |step| observe(step, &[])) {
             Err(Error::Interrupted) => Ok(None),

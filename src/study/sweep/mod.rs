@@ -1,4 +1,4 @@
-//! A scene with some of its keys varied: every member an impact of its own, on one rank alone.
+//! Runs a scene with some of its keys varied: every member is a separate impact, computed on one rank.
 
 mod bodies;
 mod by_body;

@@ -1,7 +1,8 @@
-//! Members spread over the ranks as they become free.
+//! Distributes the members of a sweep over the ranks as they become free.
 //!
-//! Rank 0 hands the members out, takes the results, and computes members too: it looks for messages between members and, by the
-//! question whether to leave off, during one. The others always have a member in reserve, so that they need not wait for it.
+//! Rank 0 distributes the members, receives the results, and computes members too. It polls for messages between
+//! members and, when a computation asks whether to stop, during a member. The other ranks always have one member in
+//! reserve, so that they do not wait.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -18,46 +19,47 @@ use crate::agree::{decoded, encoded};
 use crate::error::{Error, Result};
 use crate::record::sweep::Member;
 
-/// What rank 0 does with a member that has come in; it is called without one now and then.
+/// Called on rank 0 with each received member, and at intervals with `None`.
 pub type Kept = Box<dyn FnMut(Option<Member>) -> Result<()>>;
 
-/// Computes the member of a number; `None` where it left off as the question told it to.
+/// Computes the member with a given number; `None` if its callback told it to stop.
 pub type Compute<'a> = dyn FnMut(usize, Rc<dyn Fn() -> bool>) -> Result<Option<Member>> + 'a;
 
-/// Members that a rank has at once: one at work, and one in reserve.
-const AT_ONCE: usize = 2;
-/// Between two looks for messages while a member is computed.
+/// Number of members assigned to a rank at once: one in work and one in reserve.
+const MEMBERS_PER_RANK: usize = 2;
+/// Interval between polls for messages while a member is computed.
 const LOOK_EVERY: Duration = Duration::from_millis(2);
-/// Between two looks while there is nothing else to do.
+/// Interval between polls while a rank is idle.
 const IDLE: Duration = Duration::from_micros(200);
 
-/// Rank 0's word to another rank.
+/// Message from rank 0 to another rank.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 enum Order {
-    /// Compute the member of this number.
+    /// Compute the member with this number.
     Compute(usize),
-    /// Take leave when the member at work is done.
+    /// Stop after the member in work.
     Stop,
 }
 
-/// Another rank's word to rank 0.
+/// Message from another rank to rank 0.
 #[derive(Serialize, Deserialize)]
 enum Report {
     /// A member is computed.
     Done(Box<Member>),
-    /// A signal has come.
+    /// The rank has received a signal.
     GivesUp,
-    /// Nothing comes after this.
+    /// Last message of the rank.
     Bye,
 }
 
-/// What tells their messages from those of PETSc.
+/// MPI tag of these messages, which separates them from PETSc's.
 const TAG: i32 = 1;
 
-/// Has `compute` compute the members `todo` (read on rank 0), each on one rank. `kept` gets the results on rank 0. Breaks off, on all ranks, when `signalled` says so on any. Collective.
+/// Computes the members `todo` (read on rank 0) with `compute`, each on one rank. `kept` receives the results on rank
+/// 0. All ranks stop early if `signalled` returns true on any; the result is then `Break`. Collective.
 ///
 /// # Errors
-/// Those of `compute` and of `kept`, on the rank that has them.
+/// Same as `compute` and `kept`, on the rank where they fail.
 pub fn schedule(
     comm: &Comm,
     todo: Vec<usize>,
@@ -75,7 +77,7 @@ pub fn schedule(
     Ok(if broke_off { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
 }
 
-/// Asks `look` at most every [`LOOK_EVERY`], and gives its last answer in between.
+/// Wraps `look`: it is called at most once every [`LOOK_EVERY`], and its last result is returned in between.
 fn now_and_then(look: impl Fn() -> bool + 'static) -> Rc<dyn Fn() -> bool> {
     let last = RefCell::new((Instant::now(), false));
     Rc::new(move || {
@@ -87,7 +89,7 @@ fn now_and_then(look: impl Fn() -> bool + 'static) -> Rc<dyn Fn() -> bool> {
     })
 }
 
-/// Rank 0's part; tells whether the sweep was broken off.
+/// Work of rank 0; returns whether the sweep was stopped early.
 fn hand_out(mut desk: Desk, compute: &mut Compute) -> Result<bool> {
     let mut own = desk.next_for(0);
     let desk = Rc::new(RefCell::new(desk));
@@ -109,20 +111,20 @@ fn hand_out(mut desk: Desk, compute: &mut Compute) -> Result<bool> {
     desk.failed.take().map_or(Ok(desk.stopped), Err)
 }
 
-/// Rank 0's view of the work.
+/// State of the schedule on rank 0.
 struct Desk {
     comm: Comm,
-    /// Members that no rank has yet, those that come to each rank: neighbours, which share most.
+    /// Members not yet assigned, one queue per rank. Each queue has neighbouring members, which share most.
     queues: Vec<VecDeque<usize>>,
     signalled: Box<dyn Fn() -> bool>,
     kept: Kept,
-    /// Members that each rank has.
+    /// Number of members assigned to each rank and not yet returned.
     out: Vec<usize>,
-    /// Ranks that have been told to stop.
+    /// Whether each rank has been told to stop.
     dismissed: Vec<bool>,
-    /// Ranks that have left.
+    /// Number of ranks that have sent their last message.
     gone: usize,
-    /// Whether the sweep is broken off.
+    /// Whether the sweep is stopped early.
     stopped: bool,
     failed: Option<Error>,
 }
@@ -143,20 +145,20 @@ impl Desk {
         }
     }
 
-    /// The next member for a rank; where none is left for it, the last one of the rank that has the most.
+    /// The next member for a rank from its queue; if that is empty, the last member of the longest queue.
     fn next_for(&mut self, rank: usize) -> Option<usize> {
         let own = self.queues[rank].pop_front();
         own.or_else(|| self.queues.iter_mut().max_by_key(|queue| queue.len())?.pop_back())
     }
 
-    /// Gives each of the others its first members, in turn.
+    /// Sends each other rank its first members, in turn.
     fn begin(&mut self) {
-        for _ in 0..AT_ONCE {
+        for _ in 0..MEMBERS_PER_RANK {
             (1..self.comm.size()).for_each(|rank| self.order(rank));
         }
     }
 
-    /// Gives a rank another member, or, when it has none left, its leave.
+    /// Sends a rank another member, or tells it to stop if it has none left.
     fn order(&mut self, rank: usize) {
         if self.dismissed[rank] {
             return;
@@ -183,7 +185,7 @@ impl Desk {
         self.comm.mpi().process_at_rank(rank as i32).send_with_tag(&encoded(&order)[..], TAG);
     }
 
-    /// Takes what has come in; tells whether the sweep is broken off.
+    /// Processes all received messages; returns whether the sweep is stopped early.
     fn serve(&mut self) -> bool {
         let comm = self.comm.clone();
         while let Some(message) = comm.mpi().any_process().immediate_matched_probe_with_tag(TAG) {
@@ -220,19 +222,20 @@ impl Desk {
         (1..self.comm.size()).for_each(|rank| self.dismiss(rank));
     }
 
-    /// Whether a rank is still at work. After an error of rank 0 alone nobody is waited for: it ends them all.
+    /// Whether a rank is still at work. After an error of rank 0 no rank is waited for, because that error ends them
+    /// all.
     fn is_waiting(&self) -> bool {
         self.failed.is_none() && self.gone + 1 < self.comm.size()
     }
 }
 
-/// Members in their order in so many parts of about the same length.
+/// Splits the members, in their order, into parts of about equal length, one per rank.
 fn shares(todo: Vec<usize>, ranks: usize) -> Vec<VecDeque<usize>> {
     let (count, mut rest) = (todo.len(), todo.into_iter());
     (0..ranks).map(|rank| rest.by_ref().take((rank + 1) * count / ranks - rank * count / ranks).collect()).collect()
 }
 
-/// Another rank's part.
+/// Work of the other ranks.
 fn take(bench: Bench, compute: &mut Compute) -> Result<()> {
     let comm = bench.comm.clone();
     let root = comm.mpi().process_at_rank(0);
@@ -255,14 +258,14 @@ fn take(bench: Bench, compute: &mut Compute) -> Result<()> {
     }
 }
 
-/// Another rank's view of the work.
+/// State of the schedule on another rank.
 struct Bench {
     comm: Comm,
     queue: VecDeque<usize>,
     signalled: Box<dyn Fn() -> bool>,
-    /// Whether rank 0 has said so.
+    /// Whether rank 0 has told this rank to stop.
     stopped: bool,
-    /// Whether rank 0 knows of the signal.
+    /// Whether rank 0 has been told of the signal.
     gave_up: bool,
 }
 
@@ -271,7 +274,7 @@ impl Bench {
         Self { comm: comm.clone(), queue: VecDeque::new(), signalled, stopped: false, gave_up: false }
     }
 
-    /// Takes rank 0's orders; tells whether to leave off.
+    /// Processes the orders of rank 0; returns whether to stop the current member.
     fn look(&mut self) -> bool {
         let root = self.comm.mpi().process_at_rank(0);
         while let Some(message) = root.immediate_matched_probe_with_tag(TAG) {

@@ -1,21 +1,21 @@
-//! Parts of a sweep for separate jobs, each with a file of its own beside that of the whole.
+//! Splits a sweep into parts for separate jobs; each part has a file next to the file of the whole sweep.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// One of `n` parts, `1 ≤ i ≤ n`: the members i − 1, i − 1 + n, …
+/// Part i of `n`, `1 ≤ i ≤ n`: the members i − 1, i − 1 + n, …
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// Its number, from 1.
+    /// Number of the part, from 1.
     pub i: usize,
-    /// How many there are.
+    /// Number of parts.
     pub n: usize,
 }
 
 impl FromStr for Shard {
     type Err = String;
 
-    /// From `i/n`.
+    /// Parses `i/n`.
     fn from_str(given: &str) -> Result<Self, String> {
         between(given, "/").ok_or_else(|| "a shard is i/n with whole numbers 1 ≤ i ≤ n, as 2/4".to_owned())
     }
@@ -28,21 +28,21 @@ fn between(text: &str, separator: &str) -> Option<Shard> {
 }
 
 impl Shard {
-    /// `OUT.i-of-n.h5` for `OUT.h5`.
+    /// File of the part: `OUT.i-of-n.h5` for `OUT.h5`.
     pub fn path(self, whole: &Path) -> PathBuf {
         let (stem, ending) = names(whole);
         whole.with_file_name(format!("{stem}{}-of-{}{ending}", self.i, self.n))
     }
 }
 
-/// What stands before and after `i-of-n` in the name of a part.
+/// The text before and after `i-of-n` in the file name of a part.
 fn names(whole: &Path) -> (String, String) {
     let stem = whole.file_stem().unwrap_or_default().to_string_lossy();
     let ending = whole.extension().map_or(String::new(), |ending| format!(".{}", ending.to_string_lossy()));
     (format!("{stem}."), ending)
 }
 
-/// The files beside `whole` that are named as parts of it, by their names.
+/// The files next to `whole` that are named as parts of it, sorted by name.
 pub fn parts(whole: &Path) -> Vec<PathBuf> {
     let (stem, ending) = names(whole);
     let folder = whole.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -50,7 +50,7 @@ pub fn parts(whole: &Path) -> Vec<PathBuf> {
         let middle = name.strip_prefix(&stem).and_then(|rest| rest.strip_suffix(&ending));
         middle.is_some_and(|middle| between(middle, "-of-").is_some())
     };
-    // A folder that cannot be listed has no parts that could be read.
+    // A folder that cannot be listed counts as empty.
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
     let mut parts: Vec<PathBuf> = names.filter(is_part).map(|name| whole.with_file_name(name)).collect();

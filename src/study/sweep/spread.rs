@@ -1,4 +1,4 @@
-//! Work that a sweep's members share, spread over the ranks.
+//! Distributes work that a sweep's members share over the ranks.
 
 use petsc_wrap::Comm;
 use serde::Serialize;
@@ -7,11 +7,11 @@ use serde::de::DeserializeOwned;
 use crate::agree::of_all;
 use crate::error::{Error, Result};
 
-/// What is made of each number below a count, each on one rank, on all of them: a number on the rank that is the rest of its division by the number
-/// of ranks. Collective.
+/// Calls `make` for each number below `count`, each on one rank, and returns all results on all ranks. Number n is
+/// computed on rank n modulo the number of ranks. Collective.
 ///
 /// # Errors
-/// The error of the lowest number that has one.
+/// The error of the lowest number that failed.
 pub fn spread<T: Serialize + DeserializeOwned>(
     ranks: &Comm,
     count: usize,
@@ -30,6 +30,6 @@ pub fn spread<T: Serialize + DeserializeOwned>(
         }
     }
     let mut all: Vec<_> = of_all(ranks, &made).into_iter().map(Vec::into_iter).collect();
-    // (A rank that has an error has made nothing after it, and nothing after it is asked for.)
+    // A rank stops at its first error. Its later numbers are not needed, because the lowest error is returned.
     (0..count).map(|number| all[number % ranks.size()].next().unwrap_or(Err(Error::Interrupted))).collect()
 }

@@ -1,35 +1,36 @@
-//! `KEY=A..B:N` and `KEY=A,B,C`: one key of a scene and the values it takes.
+//! Parses `KEY=A..B:N` and `KEY=A,B,C`: one key of a scene and its values.
 
 use std::collections::HashSet;
 
-/// What is wrong with a key that has no values.
+/// Error message for an argument without values.
 const FORM: &str = "it has the form KEY=A..B:N or KEY=A,B,C";
-/// Digits to which a value between two ends is rounded (counted from the first of the larger end), so that round steps between round ends give round values.
+/// Number of significant digits of values between two ends, counted from the first digit of the larger end. Rounding
+/// gives round values for round steps between round ends.
 const DIGITS: f64 = 15.0;
-/// Values of one range, and members of one sweep, at most: a bound on memory.
-pub(super) const MOST: usize = 1_000_000;
+/// Largest number of values of a range, and of members of a sweep: a bound on memory.
+pub(super) const MAX_VALUES: usize = 1_000_000;
 
-/// One key and the values it takes.
+/// One key and its values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variation {
     /// Dotted path of the key.
     pub key: String,
-    /// Each value as it was given.
+    /// Each value as given by the user.
     pub texts: Vec<String>,
-    /// Each value as the scene has it: the same, but for files, whose place their content takes.
+    /// Each value as used in the scene: the same, except that the content of a file replaces its name.
     pub contents: Vec<String>,
-    /// The values as numbers, if all of them are finite ones.
+    /// The values as numbers, if all of them are finite numbers.
     pub numbers: Option<Vec<f64>>,
     /// Whether the values belong on a logarithmic axis.
     pub is_log: bool,
 }
 
 impl Variation {
-    /// Takes `KEY=A..B:N` (N numbers from A to B, both included) or `KEY=A,B,C` (each value as it stands) apart. `log`
-    /// spaces a range logarithmically, and marks a list of positive numbers as such.
+    /// Parses `KEY=A..B:N` (N numbers from A to B, including both) or `KEY=A,B,C` (each value as given). `log` spaces a
+    /// range logarithmically, and marks a list of positive numbers as logarithmic.
     ///
     /// # Errors
-    /// What is wrong, as a message that quotes `given`.
+    /// If the text does not have this form; the message quotes `given`.
     pub fn parse(given: &str, log: bool) -> Result<Self, String> {
         let wrong = |why: &str| format!("--vary {given}: {why}");
         let (key, values) = given.split_once('=').ok_or_else(|| wrong(FORM))?;
@@ -51,12 +52,13 @@ impl Variation {
     }
 }
 
-/// `A` and `B:N` of a range. A path as `../plate.msh` is none.
+/// `A` and `B:N` of a range. A path such as `../plate.msh` is not a range.
 fn as_range(values: &str) -> Option<(&str, &str)> {
     values.split_once("..").filter(|(from, to)| !from.trim().is_empty() && !values.contains(',') && !to.contains('/'))
 }
 
-/// The range that is meant by two numbers with something else than two dots between them, and a number of values.
+/// Guesses the intended range from two numbers that are separated by something other than two dots, and a number of
+/// values.
 fn meant(values: &str) -> Option<String> {
     let (ends, count) = values.rsplit_once(':')?;
     let is_number = |text: &str| text.trim().parse().is_ok_and(|number: f64| number.is_finite());
@@ -83,8 +85,8 @@ fn range(from: &str, to: &str, log: bool) -> Result<Vec<String>, String> {
         .trim()
         .parse()
         .ok()
-        .filter(|count| (2..=MOST).contains(count))
-        .ok_or_else(|| format!("{:?} is no number of values: 2 to {MOST}, both ends included", count.trim()))?;
+        .filter(|count| (2..=MAX_VALUES).contains(count))
+        .ok_or_else(|| format!("{:?} is no number of values: 2 to {MAX_VALUES}, both ends included", count.trim()))?;
     if from == to {
         return Err("both ends of the range are the same".into());
     }
@@ -94,7 +96,7 @@ fn range(from: &str, to: &str, log: bool) -> Result<Vec<String>, String> {
     Ok((0..count).map(|n| written(at((from, to), n, count - 1, log))).collect())
 }
 
-/// Value `n` of 0 to `last` of a range: the ends exactly.
+/// Value `n` of 0 to `last` of a range; the ends are exact.
 fn at((from, to): (f64, f64), n: usize, last: usize, log: bool) -> f64 {
     let part = |n: usize| n as f64 / last as f64;
     let between = |a: f64, b: f64| a * part(last - n) + b * part(n);
@@ -109,14 +111,15 @@ fn at((from, to): (f64, f64), n: usize, last: usize, log: bool) -> f64 {
     }
 }
 
-/// The nearest number that ends with the digit at which `size` has its last of [`DIGITS`].
+/// Rounds a value at the last decimal place that `size` has with [`DIGITS`] significant digits.
 fn rounded(value: f64, size: f64) -> f64 {
     let power = |value: f64| value.abs().log10().floor();
     let digits = DIGITS - 1.0 - (power(size) - power(value));
     if digits < 0.0 { 0.0 } else { format!("{value:.*e}", digits as usize).parse().unwrap_or(value) }
 }
 
-/// A number as TOML has it, which reads back the same: a small whole one without a point, since some keys want whole numbers.
+/// Formats a number as TOML so that it reads back as the same number. Small whole numbers have no decimal point,
+/// because some keys require integers.
 pub fn written(value: f64) -> String {
     let size = value.abs();
     if value.fract() == 0.0 && size < 1e6 {
@@ -128,7 +131,7 @@ pub fn written(value: f64) -> String {
     }
 }
 
-/// The values of a list; commas within brackets belong to a value.
+/// Splits a list into its values; commas within brackets belong to a value.
 fn list(values: &str) -> Result<Vec<String>, String> {
     let mut depth = 0_i32;
     let parts = values.split(|letter| {
@@ -139,7 +142,7 @@ fn list(values: &str) -> Result<Vec<String>, String> {
     if parts.iter().any(String::is_empty) {
         return Err("a value of the list is empty".into());
     }
-    // The same number may be written in several ways.
+    // The same number may be written in different ways.
     let value = |text: &String| text.parse::<f64>().map_or_else(|_| text.clone(), written);
     let mut seen = HashSet::new();
     match parts.iter().find(|part| !seen.insert(value(part))) {
@@ -172,7 +175,7 @@ mod tests {
         assert_eq!(points.texts, ["[0,0,0.05]", "[0.1, 0,0.05]"]);
         let meshes = Variation::parse("body.mesh=../a.msh", false).unwrap();
         assert_eq!(meshes.texts, ["../a.msh"]);
-        // What is written reads back as it was given.
+        // Values keep the text that was given.
         assert_eq!(Variation::parse("a=1e-05,2e30", false).unwrap().texts, ["1e-05", "2e30"]);
         assert_eq!(Variation::parse("a=1e20..2e20:2", false).unwrap().texts, ["1e20", "2e20"]);
         assert!(Variation::parse("a=1,10", true).unwrap().is_log && !Variation::parse("a=0,1", true).unwrap().is_log);
@@ -207,7 +210,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whole steps between whole ends, scaled by a power of ten, are found to the last bit.
+        /// Integer steps between integer ends, scaled by a power of ten, are exact to the last bit.
         #[test]
         fn round_ranges_have_round_values(from in -1000_i64..1000, step in 1_i64..1000, count in 2_usize..50, power in -9_i32..9) {
             let to = from + step * (count as i64 - 1);
@@ -218,7 +221,7 @@ mod tests {
             }
         }
 
-        /// The ends are those that were given; the ratio of neighbours is constant to rounding.
+        /// The ends are exact; the ratio of neighbours is constant up to rounding.
         #[test]
         fn logarithmic_ranges_have_exact_ends_and_equal_ratios(a in -30.0..30.0_f64, b in -30.0..30.0_f64, count in 3_usize..40) {
             let (from, to) = (10f64.powf(a), 10f64.powf(b));
@@ -226,11 +229,11 @@ mod tests {
             let found = numbers(&format!("key={from:?}..{to:?}:{count}"), true);
             prop_assert_eq!((found[0], found[count - 1], found.len()), (from, to, count));
             let ratio = (to / from).powf(1.0 / (count - 1) as f64);
-            // 30 decades amplify the rounding of the logarithm, 4e-15, by ln 10.
+            // The rounding error of the logarithm, 4e-15 over 30 decades, is amplified by ln 10.
             prop_assert!(found.windows(2).all(|pair| (pair[1] / pair[0] / ratio - 1.0).abs() < 1e-13));
         }
 
-        /// Any text is a variation or a message, and each value of one reads back as the number it stands for.
+        /// Any text is parsed or refused with a message, and a parsed variation has as many numbers as texts.
         #[test]
         fn no_text_is_too_strange(given in "[a-z.]{0,6}=?[-0-9.,:e\\[\\]x]{0,12}", log: bool) {
             if let Ok(found) = Variation::parse(&given, log) {

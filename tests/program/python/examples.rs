@@ -1,4 +1,5 @@
-//! What users copy runs: scenes as dictionaries, the examples of docs/python.md, the package from pip, the notebook.
+//! Tests that everything users may copy runs: scenes as dictionaries, the examples of docs/python.md, the package from
+//! pip, the notebook.
 
 use std::fs;
 use std::path::PathBuf;
@@ -23,14 +24,14 @@ pub(super) fn scenes_as_dicts_are_run() {
     assert_eq!(told.unwrap(), [bits(&column(&folder.path().join("scene.h5"), "contact/force"))]);
 }
 
-/// The parts of docs/python.md that a word after three backticks marks.
+/// The code blocks of docs/python.md with this word after the three backticks.
 fn examples(marked: &str) -> Vec<String> {
     let text = fs::read_to_string(repository().join("docs/python.md")).unwrap();
     let parts = text.split("```").skip(1).step_by(2);
     parts.filter_map(|part| part.strip_prefix(marked)?.strip_prefix('\n')).map(str::to_owned).collect()
 }
 
-/// One after the other, on the scene and the sweep that the page has.
+/// The examples run one after the other, with the scene and the sweep of the page.
 pub(super) fn the_examples_of_the_documentation_run() {
     let folder = folder("");
     fs::write(folder.path().join("frame.toml"), examples("toml").concat()).unwrap();
@@ -49,7 +50,7 @@ pub(super) fn the_examples_of_the_documentation_run() {
     }
 }
 
-/// Into an environment of its own, with what PyPI has of the packages that it needs.
+/// pip installs the package into a separate environment, with the packages from PyPI that it needs.
 pub(super) fn pip_installs_the_package() {
     let folder = folder(BOX);
     let run = |command: &mut Command| {
@@ -70,7 +71,7 @@ pub(super) fn pip_installs_the_package() {
     assert_eq!(told[1], format!("{force} {force}"));
 }
 
-/// Each cell runs, the figures are there, and the momentum that the notebook works out is that of the contacts.
+/// Each cell runs, the figures are there, and the momentum computed by the notebook equals the impulse of the contacts.
 pub(super) fn the_notebook_runs() {
     let output = Command::new("scripts/example").current_dir(repository()).env("PATH", search_path()).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -83,6 +84,6 @@ pub(super) fn the_notebook_runs() {
     let momentum =
         said.split(" N s").take(2).map(|part| part.rsplit(['"', ' ']).next().unwrap().parse::<f64>().unwrap());
     let momentum: Vec<f64> = momentum.collect();
-    // In modal coordinates the impulse of a step is the momentum given, to rounding.
+    // In modal coordinates the impulse of a step equals the momentum transferred, to rounding.
     assert!((momentum[0] - momentum[1]).abs() < 1e-9 * momentum[1] && momentum[1] > 52.0, "{momentum:?}");
 }

@@ -1,4 +1,4 @@
-//! What the Python package draws.
+//! Tests of the figures that the Python package draws.
 
 use crate::results::{folder, good};
 use crate::sweeps::{numbers, supported};
@@ -30,13 +30,13 @@ pub(super) fn sweeps_are_drawn_as_curves_and_maps() {
                 read("k.h5", "peak_acceleration")
             ),
             format!("support.0.stiffness (N/m3) | impactor.speed (m/s) | {}", read("both.h5", "peak_force")),
-            // Cells reach half a step beyond the values, on both logarithmic axes.
+            // Cells extend half a step beyond the values, on both logarithmic axes.
             "True True".to_owned(),
         ]
     );
 }
 
-/// Texts become names of ticks, in the order in which they were given; numbers are drawn in their own order.
+/// Text values become names of ticks, in the given order; numbers are drawn in ascending order.
 pub(super) fn sweeps_over_texts_are_drawn_with_names() {
     let folder = folder(&supported());
     let schemes = "--vary time.scheme=newmark,energy,modal --set time.end=4e-4";
@@ -66,7 +66,7 @@ pub(super) fn sweeps_over_texts_are_drawn_with_names() {
     assert_eq!(told[3], format!("{} newmark energy modal 1000000000.0 10000000.0", bits(&of_both)));
 }
 
-/// Each plot makes a figure, unless axes are given: then nothing is drawn elsewhere.
+/// Each plot makes a new figure. If axes are given, nothing is drawn elsewhere.
 pub(super) fn plots_have_axes_of_their_own() {
     let folder = folder(&supported());
     good(&folder, 0, "run scene.toml -o run.h5");

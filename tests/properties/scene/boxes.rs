@@ -1,4 +1,4 @@
-//! How a scene's box is cut: into which cells, and whether into quarters.
+//! Cells of a scene's box, and its division into quarters.
 
 use crate::bad_scenes::{QUARTER, SMALL};
 use ricochet::Result;
@@ -9,7 +9,7 @@ fn parse(text: &str, overrides: &[&str]) -> Result<Scene> {
     Ok(Scene::parse("scene.toml", text, &overrides)?.0)
 }
 
-/// To the rounding of coordinates over a cell.
+/// Whether all cells have the same size, to the rounding of the coordinates.
 fn is_uniform(planes: &[f64]) -> bool {
     let cell = planes[1] - planes[0];
     planes.windows(2).all(|pair| ((pair[1] - pair[0]) / cell - 1.0).abs() < 1e-13)
@@ -35,12 +35,12 @@ fn cells_are_those_given_and_graded_as_given() -> Result<()> {
     assert_eq!(numbers(&graded), [7, 4, 3]);
     let [x, y, z] = planes(&graded);
     assert!(is_uniform(x));
-    // Halves of 0.75 m in parts of 1 and 2; 0.1 m in parts of 4, 2 and 1 from below. Three roundings.
+    // Halves of 0.75 m divided 1:2, and 0.1 m divided 4:2:1 from below. The tolerance is three roundings.
     for (found, expected) in [(y, vec![-0.75, -0.25, 0.0, 0.25, 0.75]), (z, vec![-0.05, 0.05 / 7.0, 0.25 / 7.0, 0.05])]
     {
         assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-15), "{found:?}");
     }
-    // Left out: the numbers of the default mesh.
+    // Without the key, the numbers of cells are the default ones.
     let left_out = parse(SMALL, &[])?;
     let graded = parse(SMALL, &["body.grading=3"])?;
     assert_eq!(numbers(&graded), numbers(&left_out));
@@ -52,7 +52,8 @@ fn cells_are_those_given_and_graded_as_given() -> Result<()> {
     Ok(())
 }
 
-/// A patch of any radius gets cells of at most half of it, on a body of any kind; a force at a point the uniform ones.
+/// For a patch of any radius the default cells are at most half of it, for any body; for a point force they are
+/// uniform.
 #[test]
 fn cells_left_out_resolve_the_patch() -> Result<()> {
     for (overrides, radius) in [
@@ -68,7 +69,7 @@ fn cells_left_out_resolve_the_patch() -> Result<()> {
             let at = at.unwrap_or_else(|| panic!("{overrides:?}: no plane at {x}"));
             let cells = planes[at.saturating_sub(1)..(at + 2).min(planes.len())].windows(2);
             let largest = cells.map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-            // 1e-8 for what rounding leaves of a length.
+            // 1e-8 for the rounding of a length.
             assert!(largest <= 0.5 * radius * (1.0 + 1e-8), "{overrides:?}: {largest}");
         }
         assert!(numbers(&scene).iter().product::<usize>() <= 30_000);
@@ -89,10 +90,10 @@ fn symmetric_scenes_are_quartered() -> Result<()> {
         (vec![], [0, 1]),
         (vec!["impactor.direction=[1,0,0]"], [1, 2]),
         (vec!["impactor.direction=[0,-1,0]", "body.cells=[4,5,2]"], [0, 2]),
-        // Rounding is no tilt, and no shift.
+        // A direction or a point off by rounding is neither tilted nor shifted.
         (vec!["impactor.direction=[1e-13,0,-1]", "impactor.point=[1e-10,-1e-10,0.05]"], [0, 1]),
         (vec![PARTNERS], [0, 1]),
-        // The four sides one by one, whatever the order, are what "side" is.
+        // The four sides given separately, in any order, are the same as "side".
         (
             vec![
                 "support=[{surface='y-max',kind='elastic',stiffness=1},{surface='x-min',kind='elastic',stiffness=2},\
@@ -107,14 +108,14 @@ fn symmetric_scenes_are_quartered() -> Result<()> {
             ],
             [0, 1],
         ),
-        // Pads on both ends push against each other.
+        // Pads on two opposite ends.
         (
             vec![
                 "support=[{surface='x-max',kind='pad',stiffness=1,normal=[1,0,0]},{surface='x-min',kind='pad',stiffness=1,normal=[-1,0,0]}]",
             ],
             [0, 1],
         ),
-        // Faces with two names; two springs that pull apart are one that does not.
+        // Faces with two names; two springs in opposite directions add up to a symmetric support.
         (
             vec![
                 "impactor.direction=[1,0,0]",
@@ -140,7 +141,7 @@ fn symmetric_scenes_are_quartered() -> Result<()> {
     ] {
         let scene = parse(QUARTER, &overrides)?;
         assert_eq!(scene.body.symmetry, Symmetry::Quarter { axes }, "{overrides:?}");
-        // Both cut planes are planes of the grid, which is its own mirror image.
+        // Both symmetry planes are planes of the grid, which is symmetric.
         for axis in axes {
             let planes = &planes(&scene)[axis];
             assert!(planes.iter().eq(planes.iter().rev().map(|x| -x).collect::<Vec<_>>().iter()), "{planes:?}");
@@ -161,7 +162,7 @@ fn other_scenes_are_whole_and_tell_why() -> Result<()> {
             "support=[{surface='y-max',kind='elastic',stiffness=1}]",
             "support.0 on \"y-max\" has no mirror image across y = 0",
         ),
-        // A partner of another stiffness, damping, kind, sign.
+        // The opposite support differs in stiffness, damping, kind or sign.
         (
             "support=[{surface='x-max',kind='elastic',stiffness=1},{surface='x-min',kind='elastic',stiffness=2}]",
             "support.0",
@@ -182,14 +183,14 @@ fn other_scenes_are_whole_and_tell_why() -> Result<()> {
             "support=[{surface='x-max',kind='elastic',stiffness=1,displacement=[0,1,0]},{surface='x-min',kind='elastic',stiffness=1,displacement=[0,1,0]}]",
             "y = 0",
         ),
-        // One sign only is resisted.
+        // Only one sign is resisted.
         ("support=[{surface='bottom',kind='pad',stiffness=1,normal=[0.1,0,-1]}]", "support.0 on \"bottom\""),
         ("support=[{surface='side',kind='clamped',displacement=[0,1,0]}]", "y = 0"),
         (
             "support=[{surface='x-max',kind='clamped',components=['x']},{surface='x-min',kind='clamped',components=['x','y']}]",
             "x = 0",
         ),
-        // On the edges between them the last one counts, and that is another one on each side.
+        // On the edges between the surfaces the last support counts, and it differs between the two sides.
         (
             "support=[{surface='x-max',kind='clamped',components=['z']},{surface='side',kind='clamped',components=['z'],displacement=[0,0,1]},\
           {surface='x-min',kind='clamped',components=['z']}]",

@@ -1,9 +1,9 @@
-//! Values that a scene may have and that are hardly what was meant.
+//! Values of a scene that are allowed but implausible.
 
 use crate::bad_scenes::SMALL;
 use ricochet::scene::{Scene, doubts};
 
-/// The lines of the doubts.
+/// The doubts about a scene, one line each.
 fn doubted(overrides: &[&str]) -> Vec<String> {
     let overrides: Vec<String> = overrides.iter().map(|&given| given.into()).collect();
     let (scene, source) = Scene::parse("scene.toml", SMALL, &overrides).unwrap();
@@ -15,7 +15,7 @@ fn doubted(overrides: &[&str]) -> Vec<String> {
 #[test]
 fn values_in_other_units_are_told_with_their_key_and_a_remedy() {
     for (overrides, parts) in [
-        // In GPa and in MPa; the first is refused at higher speeds.
+        // Given in GPa and in MPa; the first is refused at higher speeds.
         (&["body.young=210", "impactor.speed=0.1"][..], [":2: body.young: 210 Pa", "70 GPa are 70e9"]),
         (&["body.young=70000"], [":2: body.young: 70000 Pa is softer", "(set by --set body.young=70000)"]),
         (&["body.young=1e15"], ["body.young: ", "stiffer than diamond"]),
@@ -39,7 +39,8 @@ fn values_in_other_units_are_told_with_their_key_and_a_remedy() {
     }
 }
 
-/// Rubber, aluminium foam, a flat hammer, a rigid impactor, many bounces, few steps.
+/// Unusual but plausible values are not doubted: rubber, aluminium foam, a flat hammer, a rigid impactor, many bounces,
+/// few steps.
 #[test]
 fn unusual_values_are_not_doubted() {
     for overrides in [

@@ -1,4 +1,5 @@
-//! Every fault in a scene is refused with a message that names the key and the line and says what would be right.
+//! Tests that every fault in a scene is refused with a message that names the key and the line and states what would be
+//! right.
 
 use crate::bad_scenes::{BadScene, GOOD, MESH, QUARTER, SMALL, layers, table};
 use ricochet::scene::{Scene, SceneError};

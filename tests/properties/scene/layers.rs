@@ -1,4 +1,4 @@
-//! Layers and materials of a scene, as the rest of the program asks for them.
+//! Layers and materials of a scene, in the form in which the program uses them.
 
 use crate::bad_scenes::SMALL;
 use crate::bad_scenes::layers::LAMINATE;
@@ -21,7 +21,7 @@ fn layers_make_the_thickness() {
     let mass = 0.25 * (2500.0 * 0.0201 + 1100.0 * 0.00076);
     assert!((scene.body.mass().expect("a mass") / mass - 1.0).abs() < 1e-14);
     assert_eq!((scene.body.struck().young, scene.body.struck_thickness(size[2])), (70e9, 0.010));
-    // From below the last one is hit.
+    // An impact from below hits the last layer.
     let below = self::scene(&["impactor.direction=[0, 0, 1]"]);
     assert_eq!(below.body.struck_thickness(size[2]), 0.0101);
     assert!(scene.time.modal, "a relaxing body moves in modal coordinates");
@@ -35,7 +35,7 @@ fn layers_make_the_thickness() {
         .collect();
     assert!(ends.windows(2).all(|pair| pair[0][1] == pair[1][0]), "{ends:?}");
     assert_eq!((ends[0][0], ends[2][1]), (-0.5 * size[2], 0.5 * size[2]));
-    // From below: the layer of 10.1 mm first.
+    // From below, the layer of 10.1 mm is the first.
     assert!((ends[0][1] - ends[0][0] - 0.0101).abs() < 1e-16);
 }
 
@@ -53,7 +53,8 @@ fn temperature_shifts_the_times() {
     assert!((warm[0] / 1e-7 - 1.0).abs() < 1e-12 && (warm[1] / 1e-6 - 1.0).abs() < 1e-12, "{warm:?}");
 }
 
-/// The terms of a file are those of a list, the text is as good without the file, and what a file lacks is told.
+/// Prony terms in a file equal those in a list. The stored text of the scene does not need the file. A message says if
+/// the file lacks something.
 #[test]
 fn terms_in_a_file() {
     let folder = tempfile::tempdir().unwrap();
@@ -78,7 +79,7 @@ fn terms_in_a_file() {
     }
 }
 
-/// A term far too fast for the run, and one far too slow, are not followed; `check` says so by these words.
+/// Terms far too fast or too slow for the impact simulation are not followed in time; `check` says so with these words.
 #[test]
 fn terms_that_the_run_cannot_tell_are_pruned() {
     let prony = "material.interlayer.prony=[{ modulus = 7e6, time = 1e-9 }, { modulus = 4e6, time = 1e-4 }, { modulus = 1e6, time = 1e5 }]";
@@ -104,7 +105,7 @@ fn layers_alike_are_one() {
         Scene::parse("test", &text, &["body.temperature=".to_owned()]).unwrap_or_else(|error| panic!("{error}")).0;
     let parts = Description::new(&scene).parts;
     assert!(parts.len() == 1 && parts[0].portion == Portion::All && scene.time.modal);
-    // As a box of one material has it.
+    // The same as for a box of one material.
     let whole = Scene::parse("test", SMALL, &["body.size=[0.5, 0.5, 0.02086]".into()]).unwrap().0;
     assert_eq!(Description::new(&whole).parts, parts);
 }

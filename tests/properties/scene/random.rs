@@ -1,4 +1,4 @@
-//! Properties of the scene's reader over random scenes, random texts and random overrides.
+//! Properties of the scene reader with random scenes, random texts and random overrides.
 
 use crate::bad_scenes::{GOOD, MESH, QUARTER, SMALL};
 use proptest::prelude::*;
@@ -6,7 +6,7 @@ use ricochet::Error;
 use ricochet::form::Material;
 use ricochet::scene::{Geometry, Scene, Scheme, SupportKind, Vec3};
 
-/// Positive numbers over the scales that scenes have.
+/// Positive numbers over the range that scenes have.
 fn positive() -> impl Strategy<Value = f64> {
     (0.1..1.0f64, -6..12i32).prop_map(|(digits, exponent)| digits * 10f64.powi(exponent))
 }
@@ -15,7 +15,7 @@ fn vector(entry: impl Strategy<Value = f64>) -> impl Strategy<Value = Vec3> {
     proptest::array::uniform(entry)
 }
 
-/// A box, a point on one of its faces and a direction into it.
+/// A box, a point on one of its faces and a direction into the box.
 fn hit() -> impl Strategy<Value = (Vec3, Vec3, Vec3)> {
     let face = (0..3usize, any::<bool>());
     (vector(1e-3..10.0), vector(-1.0..1.0), vector(-1.0..1.0), face, 0.01..1.0).prop_map(
@@ -29,7 +29,7 @@ fn hit() -> impl Strategy<Value = (Vec3, Vec3, Vec3)> {
     )
 }
 
-/// Runs the reader to its end, a refusal's report included, and the stored text through it again.
+/// Reads a scene to the end, including the report of a refusal, and reads the stored text again.
 fn survive(text: &str, overrides: &[String]) {
     match Scene::parse("random.toml", text, overrides) {
         Ok((scene, source)) => {
@@ -45,7 +45,7 @@ fn survive(text: &str, overrides: &[String]) {
     }
 }
 
-/// Bits of scenes, to be put where they do not belong.
+/// Pieces of scenes, to be inserted in wrong places.
 fn scrap() -> impl Strategy<Value = String> {
     prop_oneof![
         "\\PC{0,4}",
@@ -81,7 +81,8 @@ proptest! {
         (size, point, direction) in hit(),
         cells in proptest::array::uniform3(1..200usize),
         order in 1..=2usize,
-        // No impact is faster than waves, wider than a thousand bodies or a hundred million contacts long.
+        // Limits of a scene: no impact is faster than waves, a thousand times wider than the body, or a hundred million
+        // contacts long.
         (young, density, mass, radius, young2) in (1e7..1e12f64, 1.0..2e4f64, 1e-3..1e3f64, 1e-3..1.0f64, 1e7..1e12f64),
         (speed, gap, end) in (1e-3..20.0f64, positive(), 1e-6..100.0f64),
         (poisson, poisson2) in (-0.999..0.4999f64, -0.999..=0.5f64),
@@ -152,13 +153,13 @@ proptest! {
         let impactor = &scene.impactor;
         prop_assert_eq!((impactor.mass, impactor.radius, impactor.speed, impactor.gap), (mass, Some(radius), speed, gap));
         prop_assert_eq!(impactor.point, point);
-        // (15), written another way; room for the rounding of some ten operations.
+        // Equation (15), written in another way, with a tolerance for the rounding of some ten operations.
         let modulus = 1.0 / ((1.0 - poisson.powi(2)) / young + (1.0 - poisson2.powi(2)) / young2);
         let expected = 4.0 * modulus * radius.sqrt() / 3.0;
         prop_assert!((impactor.stiffness / expected - 1.0).abs() < 1e-14);
         let dot = |a: Vec3, b: Vec3| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let length = dot(direction, direction).sqrt();
-        // Unit length and parallel, to rounding.
+        // Of unit length and parallel, to rounding.
         prop_assert!((dot(impactor.direction, impactor.direction) - 1.0).abs() < 1e-15);
         prop_assert!((dot(impactor.direction, direction) / length - 1.0).abs() < 1e-15);
         prop_assert_eq!(scene.load.body_force, force);

@@ -1,4 +1,4 @@
-//! The JSON schema says what the program takes: the documented keys, and words that are accepted.
+//! Tests that the JSON schema matches the program: the documented keys, and the words that are accepted.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::bad_scenes::{GOOD, SMALL};
 use ricochet::scene::{Scene, schema};
 
-/// The keys of a table and of those in it, with their schemas.
+/// The keys of a table and of its subtables, with their schemas.
 fn keys<'a>(root: &'a Value, table: &'a Value, path: &str, into: &mut Vec<(String, &'a Value)>) {
     let resolved = |value: &'a Value| match value["$ref"].as_str() {
         Some(reference) => root.pointer(reference.trim_start_matches('#')).expect("the schema has what it refers to"),
@@ -15,7 +15,7 @@ fn keys<'a>(root: &'a Value, table: &'a Value, path: &str, into: &mut Vec<(Strin
     };
     for (name, value) in resolved(table)["properties"].as_object().expect("a table") {
         let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
-        // A table, those of an array, or one that may be left out.
+        // A table, the tables of an array, or an optional table.
         let candidates = [&value["items"], &value["anyOf"][0]];
         let entry = candidates.into_iter().find(|entry| entry["$ref"].is_string()).unwrap_or(value);
         let of_name = &value["additionalProperties"];
@@ -60,7 +60,7 @@ fn every_word_of_the_schema_is_accepted() {
             words += 1;
             let good = if path.starts_with("support") { GOOD } else { SMALL };
             let key = path.replacen("support.", "support.0.", 1);
-            // A word may be at odds with another key, but is never unknown.
+            // A word may contradict another key, but must be known.
             if let Err(error) = Scene::parse("scene.toml", good, &[format!("{key}={word}")]) {
                 assert!(!error.to_string().contains("is not one of its values"), "{key} = {word}: {error}");
             }
@@ -78,7 +78,7 @@ fn required_keys_are_those_without_which_a_scene_is_refused() {
         let listed = &schema["$defs"][table]["required"];
         assert_eq!(listed, &serde_json::json!(required));
     }
-    // A body without materials has these keys, which a laminate has not.
+    // A body without layers requires these keys, which a laminate does not have, so they are not required in general.
     assert_eq!(schema["$defs"]["Body"]["required"], Value::Null);
     for required in [vec!["young", "poisson", "density"], vec!["end"]] {
         for key in required {

@@ -1,4 +1,4 @@
-//! What a scene comes to: defaults, the scenes of the paper, overrides, the keys of the reference.
+//! Values of scenes after reading: defaults, the scenes of the paper, overrides, the keys of the reference.
 
 use std::path::Path;
 
@@ -58,7 +58,8 @@ fn defaults_are_those_of_the_reference() -> Result<()> {
     Ok(())
 }
 
-/// Points on the box's faces but for a typed number's digits are on them; of a mesh file the mesh will tell.
+/// Points that are on a face of the box, up to the digits of typed numbers, are placed on it. For a mesh file this is
+/// checked with the mesh.
 #[test]
 fn probes_and_fields() -> Result<()> {
     let probes = "output.probes=[{ name = \"bottom ½\", point = [0.1, 0, -0.05000000001] }, { point = [-0.75, 1e-13, 0], name = \"side\" }]";
@@ -82,7 +83,7 @@ fn probes_and_fields() -> Result<()> {
     Ok(())
 }
 
-/// Modal coordinates unless something rules them out; Newmark's method then.
+/// Modal coordinates are the default unless something excludes them; then it is Newmark's method.
 #[test]
 fn modal_coordinates_are_the_default_where_nothing_rules_them_out() -> Result<()> {
     for (good, given, modal) in [
@@ -105,12 +106,12 @@ fn modal_coordinates_are_the_default_where_nothing_rules_them_out() -> Result<()
         assert_eq!(time.modal, modal, "{given}");
         assert_eq!(time.scheme == Scheme::Newmark { beta: 0.25, gamma: 0.5 }, !given.ends_with("energy"), "{given}");
     }
-    // Without unknowns there is nothing to step, whatever the reduction.
+    // Without unknowns there is nothing to integrate in time steps, whatever the reduction.
     assert!(parse(SMALL, &["body.model=infinite-plate", "body.reduction=none"])?.time.modal);
     Ok(())
 }
 
-/// To the rounding of coordinates over a cell.
+/// Whether all cells have the same size, to the rounding of the coordinates.
 fn is_uniform(planes: &[f64]) -> bool {
     let cell = planes[1] - planes[0];
     planes.windows(2).all(|pair| ((pair[1] - pair[0]) / cell - 1.0).abs() < 1e-13)
@@ -139,7 +140,7 @@ fn the_paper_s_scenes_have_the_paper_s_plates_and_impactor() -> Result<()> {
         assert_eq!((scene.impactor.mass, scene.impactor.radius), (52.0, Some(0.05)));
         assert_eq!(scene.impactor.point, [0.0, 0.0, size[2] / 2.0]);
         assert_eq!((scene.time.end, scene.time.step), (end, Some(2e-5)));
-        // k0 of the reference solutions; the last digits may differ by the order of the operations.
+        // k0 of the reference solutions; the last digits may differ with the order of the operations.
         assert!((scene.impactor.stiffness / 16690188300.054407 - 1.0).abs() < 1e-14);
         assert_eq!(scene.supports.len(), 1);
         let stiffness = [1e7; 3];
@@ -223,7 +224,7 @@ fn an_error_found_later_points_into_the_scene() -> Result<()> {
 #[test]
 fn the_reference_lists_every_key() {
     let reference = include_str!("../../../docs/scene.md");
-    // The keys that a table knows are named when it is given one that it does not.
+    // If a table gets an unknown key, the message names the known ones.
     for table in [
         "",
         "body.",
@@ -259,7 +260,8 @@ fn the_reference_s_example_is_a_scene() -> Result<()> {
     Ok(())
 }
 
-/// A fault at the end of a line that no terminal shows, and one in a line beside such a line.
+/// A very long line is not printed in full: neither if the fault is at its end, nor if the fault is in a neighbouring
+/// line.
 #[test]
 fn long_lines_are_not_drawn() {
     let probes: String = (0..4000).map(|i| format!("{{ name = \"p{i}\", point = [0, 0, 0] }}, ")).collect();
@@ -271,7 +273,8 @@ fn long_lines_are_not_drawn() {
     }
 }
 
-/// A clamp of a part is as stiff as what it has of the surface asks for, however large the box is that was typed.
+/// The stiffness of a clamp on a part of a surface follows from the part that lies on the surface, however large the
+/// given box is.
 #[test]
 fn parts_are_as_wide_as_what_they_have_of_the_surface() {
     let width = |surface: &str, within: &str| {

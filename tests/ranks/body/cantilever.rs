@@ -1,4 +1,5 @@
-//! Free vibrations of a strip of steel under an elastomer (code_aster, case V2.02.151): frequencies and damping ratios of the reduced body.
+//! Free vibrations of a steel strip under an elastomer (code_aster, case V2.02.151): frequencies and damping ratios of
+//! the reduced body.
 
 use mpi_test::{Test, tests};
 use nalgebra::Complex;
@@ -13,19 +14,21 @@ pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] =
     tests![frequencies_and_damping_of_a_strip, a_slender_strip_has_the_damping_of_a_beam];
 
-/// Hz and damping ratios of the case: its closed form of a composite beam, with the table's moduli at real frequencies.
+/// Frequencies (Hz) and damping ratios of the case: its closed form of a composite beam, with the table's moduli at
+/// real frequencies.
 const EXPECTED: [(f64, f64); 3] = [(33.09, 0.01178), (211.36, 0.01814), (601.64, 0.01883)];
 
-/// Pa, and kg/m³.
+/// Young's modulus (Pa) and density (kg/m³) of the steel.
 const STEEL: (f64, f64) = (210e9, 7800.0);
 
 /// The elastomer's bulk modulus, Pa, and density, kg/m³.
 const ELASTOMER: (f64, f64) = (8.333333e8, 1200.0);
 
-/// Vectors of the basis. The third ratio needs them: with 40 it is 3% high, with 80 0.9% and with 160 0.2%, while frequencies hardly change.
+/// Number of basis vectors. The third damping ratio needs this many: with 40 its error is 3%, with 80 0.9% and with 160
+/// 0.2%, while the frequencies hardly change.
 const VECTORS: usize = 120;
 
-/// Lengths, m.
+/// Dimensions of a strip, m.
 #[derive(Clone, Copy)]
 struct Strip {
     length: f64,
@@ -34,22 +37,25 @@ struct Strip {
     elastomer: f64,
 }
 
-/// Its section is whole up to the clamp, where the elastomer's end is held too, and free to contract: a strip of 2 mm, whose width is in no
-/// frequency of a beam. (Of 10 mm, and with a free end of the elastomer, the ratios are 8% lower.)
+/// The strip of the case. The whole section is clamped, including the end of the elastomer, and is free to contract.
+/// The width is 2 mm; the width does not enter the frequencies of a beam. (With a width of 10 mm and a free end of the
+/// elastomer, the ratios are 8% lower.)
 const STRIP: Strip = Strip { length: 0.15, width: 0.002, steel: 0.001, elastomer: 0.002 };
 
-/// Of the same frequencies, at half the thickness over the length of waves.
+/// A strip with the same frequencies, and half the ratio of thickness to wavelength.
 const SLENDER: Strip = Strip { length: 0.075, width: 5e-4, steel: 2.5e-4, elastomer: 5e-4 };
 
-/// Relaxation times, s, and shear moduli, Pa, of the chain, by scripts/independent/fit_chain.py. With its bulk modulus the chain's E″ is within
-/// 1.1% of the table's at the three frequencies, its E′ within 8%, of which the strip feels 3%: no causal material has both of the table's.
+/// Relaxation times (s) and shear moduli (Pa) of the Prony series, fitted by scripts/independent/fit_chain.py. With the
+/// bulk modulus, E″ is within 1.1% of the table's at the three frequencies, and E′ within 8%, which changes the strip
+/// by 3%. No causal material has both of the table's moduli.
 fn chain() -> Vec<(f64, f64)> {
     let lines = include_str!("../../fixtures/laminated/cantilever.csv").lines().skip(1);
     lines.filter_map(|line| line.split_once(',')).map(|(a, b)| (a.parse().unwrap(), b.parse().unwrap())).collect()
 }
 
-/// Complex rates of the three lowest bending vibrations of a beam of the same layers, 1/s: s² = −(D/μ) (β/L)⁴ with the bending stiffness D of
-/// the composite section (Euler–Bernoulli) for E at the rate s itself, as a freely decaying vibration has it.
+/// Complex eigenvalues s of the three lowest bending vibrations of a beam with the same layers, 1/s: s² = −(D/μ)
+/// (β/L)⁴. The bending stiffness D of the composite section (Euler–Bernoulli) is for E(s) at s itself, as for a freely
+/// decaying vibration.
 fn of_a_beam(strip: &Strip) -> [Complex<f64>; 3] {
     let (h, c) = (strip.steel, strip.elastomer);
     let mass = STEEL.1 * h + ELASTOMER.1 * c;
@@ -65,7 +71,7 @@ fn of_a_beam(strip: &Strip) -> [Complex<f64>; 3] {
     // Roots of cos β cosh β = −1.
     [1.875_104_07, 4.694_091_13, 7.854_757_44].map(|root: f64| {
         let mut rate = Complex::new(0.0, 600.0);
-        // Damping moves E little: each round gains two digits and more.
+        // Damping changes E little: each iteration gains two digits or more.
         for _ in 0..50 {
             rate = Complex::<f64>::i() * (stiffness(rate) / mass).sqrt() * (root / strip.length).powi(2);
         }
@@ -73,7 +79,7 @@ fn of_a_beam(strip: &Strip) -> [Complex<f64>; 3] {
     })
 }
 
-/// Rates with positive frequency and more damping than vibrations of the steel alone have, 1/s.
+/// Eigenvalues with positive frequency and with more damping than vibrations of the steel alone, 1/s.
 fn vibrations(session: &Session, strip: &Strip) -> Vec<Complex<f64>> {
     let terms: Vec<String> =
         chain().iter().map(|(time, modulus)| format!("{{ modulus = {modulus:e}, time = {time:e} }}")).collect();
@@ -104,7 +110,8 @@ fn vibrations(session: &Session, strip: &Strip) -> Vec<Complex<f64>> {
         panic!("a solid has operators")
     };
     assert_eq!(built.body.linear().chains()[0].terms.len(), 9, "all terms are followed");
-    // Vectors at the rate of the third vibration, and at lower ones, where the elastomer has other moduli.
+    // Basis vectors for a shift at the frequency of the third vibration, and for lower shifts, where the elastomer has
+    // other moduli.
     let mut krylov = DirectSum::new(built.body.linear(), 3800.0).unwrap();
     krylov.grow(built.body.linear(), VECTORS).unwrap();
     let body = ModalBody::of(&krylov.projection(built.body.linear()).unwrap());
@@ -113,7 +120,7 @@ fn vibrations(session: &Session, strip: &Strip) -> Vec<Complex<f64>> {
     rates.into_iter().filter(|rate| rate.im > 0.0 && -rate.re > 5e-3 * rate.norm()).collect()
 }
 
-/// The vibration whose rate is nearest. Strips vibrate across too.
+/// The eigenvalue nearest in magnitude. Strips also vibrate sideways.
 fn nearest(rates: &[Complex<f64>], wanted: f64) -> Complex<f64> {
     let off = |rate: &Complex<f64>| (rate.norm() - wanted).abs();
     *rates.iter().min_by(|a, b| off(a).total_cmp(&off(b))).expect("a vibration")
@@ -123,8 +130,8 @@ fn damping(rate: Complex<f64>) -> f64 {
     -rate.re / rate.norm()
 }
 
-/// The case's own numbers: frequencies within 0.5%, damping ratios within 3%. Of the third's 2.6%, 1.9% are the chain's, whose E′ is below the table's
-/// there.
+/// Comparison with the case's numbers: frequencies within 0.5%, damping ratios within 3%. The third ratio differs by
+/// 2.6%; 1.9% comes from the Prony series, whose E′ is below the table's there.
 fn frequencies_and_damping_of_a_strip(session: &Session) {
     let rates = vibrations(session, &STRIP);
     let beam = of_a_beam(&STRIP);
@@ -136,13 +143,14 @@ fn frequencies_and_damping_of_a_strip(session: &Session) {
         println!("  {frequency} Hz {off_frequency:+.2e}, ratio {off_ratio:+.2e}; of the same material {off_beam:+.2e}");
         assert!(off_frequency.abs() < 5e-3, "{frequency}: {off_frequency}");
         assert!(off_ratio.abs() < 0.03, "{frequency}: {off_ratio}");
-        // What a beam neglects goes with (h k)², 0.02 for the third.
+        // Effects neglected by a beam are proportional to (h k)², 0.02 for the third vibration.
         assert!(off_beam.abs() < 0.01, "{frequency}: {off_beam}");
     }
 }
 
-/// At half the thickness over the length of waves a beam neglects a quarter: frequencies and ratios are nearer to it. (What is left of the third is
-/// the basis: 0.8% with 160 vectors.)
+/// With half the ratio of thickness to wavelength, the effects neglected by a beam are a quarter: frequencies and
+/// ratios are closer to the beam's. (The remaining difference of the third is the error of the basis: 0.8% with 160
+/// vectors.)
 fn a_slender_strip_has_the_damping_of_a_beam(session: &Session) {
     let rates = vibrations(session, &SLENDER);
     for beam in of_a_beam(&SLENDER) {

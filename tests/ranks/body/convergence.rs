@@ -1,4 +1,4 @@
-//! Manufactured solutions: elements, loads and supports converge at the order of theory.
+//! Manufactured solutions: with elements, loads and supports the solution converges with the theoretical order.
 
 use crate::bricks;
 use mpi_test::{Test, tests};
@@ -21,7 +21,7 @@ pub const TESTS: &[Test<Session>] = tests![held_boundary, mixed_boundary];
 const SIZE: [f64; 3] = [1.0, 0.8, 0.6];
 const MATERIAL: Material = Material { young: 70e9, poisson: 0.3, density: 2500.0 };
 
-/// u_i = sin(k_i·x + φ_i): every term of div σ is there, and no symmetry. A wave is at least seven cells long.
+/// u_i = sin(k_i·x + φ_i): the field has every term of div σ and no symmetry. A wavelength is at least seven cells.
 const WAVES: [[f64; 3]; 3] = [[1.9, -1.2, 1.4], [1.3, 1.8, -2.1], [-1.6, 1.1, 2.2]];
 const PHASES: [f64; 3] = [0.3, -0.8, 1.1];
 
@@ -41,7 +41,7 @@ fn stress_on_z(x: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|i| mu * (slope(i, 2) + slope(2, i)) + if i == 2 { lambda * divergence } else { 0.0 })
 }
 
-/// −div σ = −(λ + μ) ∇ div u − μ Δu, the body force that the field needs.
+/// −div σ = −(λ + μ) ∇ div u − μ Δu, the body force of the manufactured field.
 fn body_force(x: [f64; 3]) -> [f64; 3] {
     let Lame { lambda, mu } = MATERIAL.lame();
     let curvature = |i: usize, j: usize, l: usize| -WAVES[i][j] * WAVES[i][l] * angle(i, x).sin();
@@ -52,12 +52,12 @@ fn body_force(x: [f64; 3]) -> [f64; 3] {
     })
 }
 
-/// What the boundary is: supports and loads of the scene.
+/// Boundary conditions: supports and loads of the scene.
 const HELD: &str = "[[support]]\nsurface = \"side\"\nkind = \"clamped\"\n\
                     [[support]]\nsurface = \"top\"\nkind = \"clamped\"\n\
                     [[support]]\nsurface = \"bottom\"\nkind = \"clamped\"\n";
 
-/// The springs are as stiff as the body, so that both sides of (11) count.
+/// The springs are as stiff as the body, so that both sides of (11) matter.
 const SPRING: [f64; 3] = [6e10, 9e10, 15e10];
 const SPRING_DISPLACEMENT: [f64; 3] = [0.4, -0.7, 0.5];
 const TRACTION: [f64; 3] = [3e10, -5e10, 7e10];
@@ -80,7 +80,7 @@ struct Family {
 const FAMILIES: [Family; 3] = [
     Family { name: "box", geometry: |n, _| format!("size = {SIZE:?}\ncells = {:?}", [n; 3]) },
     Family { name: "tetrahedra", geometry: |n, folder| file(Shape::Tetrahedron, n, 0.0, folder) },
-    // Moved by up to a fifth of an edge at every level: the cells do not tend to parallelepipeds.
+    // Vertices are moved by up to a fifth of an edge on every mesh, so the cells do not tend to parallelepipeds.
     Family { name: "distorted hexahedra", geometry: |n, folder| file(Shape::Hexahedron, n, 0.2, folder) },
 ];
 
@@ -103,7 +103,7 @@ fn mixed_boundary(session: &Session) {
     }
 }
 
-/// Asserts order + 1 in L2 between two meshes.
+/// Checks convergence of order p + 1 in L2 between two meshes, for elements of order p.
 fn study(session: &Session, family: &Family, boundary: &str) {
     let folder = tempfile::tempdir().unwrap();
     let world = session.world();
@@ -119,9 +119,10 @@ fn study(session: &Session, family: &Family, boundary: &str) {
         if world.is_root() {
             println!("{:20} order {order}: L2 {coarse:.2e}, {fine:.2e}, observed order {observed:.2}", family.name);
         }
-        // The next term of the error is a tenth of the first at these meshes, hence the tenth that may be missing.
+        // The next term of the error is a tenth of the first on these meshes, so the observed order may be lower by
+        // 0.1.
         assert!(observed >= order as f64 + 0.9, "{} of order {order}: {observed}", family.name);
-        // An order alone would not see a wrong field that converges: the error itself is small.
+        // The error itself must be small too: a wrong field could converge with the right order.
         assert!(fine < 5e-3, "{} of order {order}: {fine:e}", family.name);
     }
 }
@@ -142,7 +143,7 @@ fn solve(comm: &Comm, geometry: &str, order: usize, boundary: &str) -> f64 {
     let body = Body::solid(&scene, &mesh).unwrap();
     let clamps = held(&mesh, &Description::new(&scene).clamps, |_, x| displacement(x)).unwrap();
 
-    // Loads: the scene's constant ones, and beside them what is missing to those of the field.
+    // Loads: the constant ones of the scene, plus the difference to the loads of the field.
     let mut load = body.load.duplicate().unwrap();
     load.copy_from(&body.load).unwrap();
     load.axpy(1.0, &body.support_load).unwrap();
@@ -150,7 +151,7 @@ fn solve(comm: &Comm, geometry: &str, order: usize, boundary: &str) -> f64 {
     add_body_force(&mesh, &mut load, |x| minus(body_force(x), given));
     if let [traction] = &scene.load.traction[..] {
         add_traction(&mesh, "top", &mut load, |x| minus(stress_on_z(x), traction.value));
-        // σ·n + k (u − ū) = what is added here, n = −e_z.
+        // The added traction is σ·n + k (u − ū), n = −e_z.
         add_traction(&mesh, "bottom", &mut load, |x| {
             let (u, stress) = (displacement(x), stress_on_z(x));
             [0, 1, 2].map(|i| -stress[i] + SPRING[i] * (u[i] - SPRING_DISPLACEMENT[i]))
@@ -158,7 +159,7 @@ fn solve(comm: &Comm, geometry: &str, order: usize, boundary: &str) -> f64 {
     }
     load.assemble().unwrap();
 
-    // u = u_D + w, with u_D the held values: K w = f − K u_D on the free unknowns.
+    // u = u_D + w, with the prescribed values u_D: K w = f − K u_D on the free unknowns.
     let mut stiffness = body.combination(0.0, 0.0).unwrap();
     let mut product = load.duplicate().unwrap();
     stiffness.mult(&clamps.displacement, &mut product).unwrap();
@@ -193,7 +194,7 @@ fn add_traction(mesh: &Mesh, surface: &str, load: &mut Vector, f: impl Fn([f64; 
     assert!(assemble(&mesh.facets, chosen, 3 * mesh.facets.nodes_each(), kernel, into_vector(load)).is_ok());
 }
 
-/// ‖u_h − u‖ / ‖u‖ in L2, by a rule whose own error is of a higher order.
+/// ‖u_h − u‖ / ‖u‖ in L2, by a quadrature rule whose own error is of a higher order.
 fn error(mesh: &Mesh, solution: &Vector) -> f64 {
     let cells = &mesh.cells;
     let table =

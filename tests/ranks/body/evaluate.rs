@@ -1,4 +1,4 @@
-//! Displacements and stresses at the points of bodies: exact fields, static bars and plates, the order of recovered stresses.
+//! Displacements and stresses at points of bodies: exact fields, static bars and plates, order of recovered stresses.
 
 use crate::bricks;
 use crate::glass;
@@ -40,7 +40,7 @@ fn parse(text: &str) -> Scene {
     Scene::parse("test", text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0
 }
 
-/// A box cut into bricks, or tetrahedra, that are distorted by a part of their edges. Collective.
+/// A box divided into bricks or tetrahedra, which are distorted by a fraction of their edges. Collective.
 fn bricked(comm: &Comm, (shape, order): (Shape, usize), cells: [usize; 3], distortion: f64) -> (Scene, Mesh) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("bricks.msh");
@@ -54,7 +54,7 @@ fn bricked(comm: &Comm, (shape, order): (Shape, usize), cells: [usize; 3], disto
     (scene, mesh)
 }
 
-/// All unknowns of a vector on the ranks that want them. Collective.
+/// All unknowns of a vector on the ranks that request them. Collective.
 fn gathered(vector: &Vector, wanted: bool) -> Vec<f64> {
     let all: Vec<Int> = if wanted { (0..vector.len() as Int).collect() } else { Vec::new() };
     Gather::new(vector, &all).unwrap().fetch(vector).unwrap().to_vec()
@@ -68,7 +68,7 @@ fn read(forms: &Forms, u: &[f64]) -> ([f64; 3], [f64; 6]) {
     (forms.displacement.each_ref().map(|form| value(form, u)), forms.stress.each_ref().map(|form| value(form, u)))
 }
 
-/// Stresses of a displacement's slopes.
+/// Stresses from the gradient of a displacement.
 fn hooke(slope: impl Fn(usize, usize) -> f64) -> [f64; 6] {
     let Lame { lambda, mu } = material().lame();
     let divergence: f64 = (0..3).map(|i| slope(i, i)).sum();
@@ -79,7 +79,8 @@ fn hooke(slope: impl Fn(usize, usize) -> f64) -> [f64; 6] {
     stress
 }
 
-/// On any mesh, in a single layer of cells too: inside, on faces, edges and corners, and at all nodes.
+/// Linear fields are exact on any mesh, also with a single layer of cells: inside, on faces, edges and corners, and at
+/// all nodes.
 fn linear_fields_are_exact(session: &Session) {
     let comm = session.world();
     const SLOPE: [[f64; 3]; 3] = [[1e-4, 3e-5, -2e-5], [7e-5, -5e-5, 1e-5], [4e-5, 6e-5, 2e-4]];
@@ -98,7 +99,7 @@ fn linear_fields_are_exact(session: &Session) {
             let (moved, stress) = read(&evaluator.at(point).expect("a point of the box"), &u);
             let off = (0..3).map(|i| (moved[i] - linear(point)[i]).abs()).fold(0.0, f64::max);
             assert!(off < 1e-16, "{kind:?} {cells:?} {point:?}: {off:e}");
-            // Rounding of displacements of 2e-4 over cells of 0.2, seen through the modulus.
+            // Rounding of displacements of 2e-4 over cells of 0.2, multiplied by the modulus.
             let off = stress.iter().zip(exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / exact[2];
             assert!(off < 1e-11, "{kind:?} {cells:?} {point:?}: {stress:?}, not {exact:?}");
         }
@@ -116,7 +117,7 @@ fn linear_fields_are_exact(session: &Session) {
     }
 }
 
-/// u_i = sin(k_i·x + φ_i), of about a quarter of a wave along each edge.
+/// u_i = sin(k_i·x + φ_i), about a quarter of a wavelength along each edge.
 const WAVES: [[f64; 3]; 3] = [[1.9, -1.2, 1.4], [1.3, 1.8, -2.1], [-1.6, 1.1, 2.2]];
 const PHASES: [f64; 3] = [0.3, -0.8, 1.1];
 
@@ -124,9 +125,10 @@ fn angle(i: usize, x: [f64; 3]) -> f64 {
     (0..3).map(|j| WAVES[i][j] * x[j]).sum::<f64>() + PHASES[i]
 }
 
-/// Of the nodal values of a smooth field, against its own derivative, at all nodes. Slopes in the cells are good to the order of the elements;
-/// hexahedra have Gauss points at which they are one better, and so have elements of order 1 in patches that are alike on all sides. On the faces
-/// these have what a line carries on from the cells beside them.
+/// Stresses recovered from the nodal values of a smooth field are compared with the exact ones at all nodes. Gradients
+/// in the cells converge with the order of the elements. Hexahedra have Gauss points where the order is one higher, and
+/// so do elements of order 1 in symmetric patches. On the faces, elements of order 1 use linear extrapolation from the
+/// neighbouring cells.
 fn order_of_recovered_stresses(session: &Session) {
     let comm = session.world();
     for (kind, distortion, least) in [
@@ -165,7 +167,7 @@ fn order_of_recovered_stresses(session: &Session) {
     }
 }
 
-/// The displacement under the body's loads at rest. Collective.
+/// The static displacement under the body's loads. Collective.
 fn at_rest(body: &Body) -> Vector {
     let (mut right, mut u) = (body.load.duplicate().unwrap(), body.load.duplicate().unwrap());
     right.copy_from(&body.load).unwrap();
@@ -181,7 +183,8 @@ fn of_system(session: &Session, system: &System) -> Vec<f64> {
     gathered(&at_rest(&Body::of(&session.alone(), system).unwrap()), true)
 }
 
-/// σ = p along x and nothing else, u = (p/E) (x + a/2, −ν (y + b/2), −ν (z + c/2)): splines and elements hold it.
+/// The exact solution is in the spaces of splines and elements: σ = p along x only, u = (p/E) (x + a/2, −ν (y + b/2),
+/// −ν (z + c/2)).
 fn a_bar_under_tension(session: &Session) {
     let comm = session.world();
     let held = |face: &str, axis: &str| {
@@ -210,7 +213,7 @@ fn a_bar_under_tension(session: &Session) {
         for x in [[0.0; 3], [0.2, -0.1, 0.03], [0.45, 0.15, 0.1], [-0.45, -0.15, -0.1], [0.45, 0.0, -0.1]] {
             let (moved, stress) = read(&evaluator.at(x).unwrap(), &u);
             let exact = [x[0] + 0.45, -poisson * (x[1] + 0.15), -poisson * (x[2] + 0.1)].map(|x| 3e6 / young * x);
-            // Rounding times the operator's condition.
+            // Rounding times the condition number of the operator.
             assert!(
                 (0..3).all(|i| (moved[i] - exact[i]).abs() < 1e-9 * 4e-5),
                 "{name} {x:?}: {moved:?}, not {exact:?}"
@@ -222,8 +225,9 @@ fn a_bar_under_tension(session: &Session) {
     }
 }
 
-/// Navier's series for a pressure on a plate whose sides hold w and the rotation along themselves: the moments of both theories, since
-/// Mindlin's rotations are −∇w of Kirchhoff's there; what shear adds to the deflection has a series of its own. Over sin sin waves of p.
+/// Navier's series for a pressure on a plate whose sides constrain w and the rotation along the side. Both theories
+/// have the same moments, since Mindlin's rotations here are Kirchhoff's −∇w; the shear deflection has a separate
+/// series. The sums are over the sine waves of p.
 fn naviers_plate_under_pressure(session: &Session) {
     let (edges, h, pressure) = ([1.2, 0.9], 0.04_f64, 1e4);
     let held = |surface: &str, components: &str| {
@@ -246,7 +250,7 @@ fn naviers_plate_under_pressure(session: &Session) {
         let evaluator = Evaluator::of_grid(&scene, plate.points);
         for x in [[0.0, 0.0, -0.02], [0.35, -0.2, -0.02], [-0.35, -0.2, 0.01], [-0.41, 0.3, 0.02], [0.2, 0.35, 0.0]] {
             let (moved, stress) = read(&evaluator.at(x).unwrap(), &u);
-            // Deflection down, its slopes, and the curvatures κ = −∂²w of Kirchhoff's part; the shear forces D ∂ Δw.
+            // Downward deflection and its gradient; curvatures κ = −∂²w of Kirchhoff's part; shear forces D ∂ Δw.
             let (mut w, mut slope, mut curved, mut force) = (0.0, [0.0; 2], [0.0; 3], [0.0; 2]);
             for (m, n) in (1..400).step_by(2).flat_map(|m| (1..400).step_by(2).map(move |n| (m, n))) {
                 let (k, l) = (PI * f64::from(m) / edges[0], PI * f64::from(n) / edges[1]);
@@ -264,11 +268,11 @@ fn naviers_plate_under_pressure(session: &Session) {
                 ];
                 force = [force[0] + load / xi * k * cx * sy, force[1] + load / xi * l * sx * cy];
             }
-            // Below the middle plane is where a plate that bends downwards is stretched.
+            // A plate that bends downwards is stretched below the middle plane.
             let height = -x[2];
             let exact = [-height * slope[0], -height * slope[1], -w];
             let largest = exact.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
-            // The series' tail, and cells of splines of degree 5.
+            // The remainder of the series, and the discretisation error of splines of degree 5.
             assert!(
                 (0..3).all(|i| (moved[i] - exact[i]).abs() < 1e-5 * largest),
                 "{theory:?} {x:?}: {moved:?}, not {exact:?}"
@@ -284,19 +288,20 @@ fn naviers_plate_under_pressure(session: &Session) {
             let off = (0..3).map(|i| (found[i] - exact[i]).abs()).fold(0.0, f64::max) / scale;
             assert!(off < 1e-3, "{theory:?} {symmetry} {x:?}: {found:?}, not {exact:?}: {off:e}");
             assert_eq!(stress[2], 0.0);
-            // A parabola across the thickness of Mindlin's, whose mean is the shear force's; up is where w is negative.
+            // Mindlin's shear stress is taken as a parabola across the thickness, whose mean follows from the shear
+            // force. Upwards, w is negative.
             let parabola =
                 if theory == PlateTheory::Mindlin { 1.5 / h * (1.0 - (2.0 * height / h).powi(2)) } else { 0.0 };
             for i in 0..2 {
                 let (found, exact) = (stress[place(i, 2)], -parabola * force[i]);
-                // The forces' series falls with a power less than the moments'.
+                // The series of the shear forces converges by one power more slowly than the series of the moments.
                 assert!((found - exact).abs() < 3e-3 * pressure / h, "{theory:?} {x:?}: {found}, not {exact}");
             }
         }
     }
 }
 
-/// A mesh tells what is in it.
+/// Points outside a mesh are recognised, and return no value.
 fn points_outside_are_none(session: &Session) {
     let comm = session.world();
     for kind in [KINDS[1], KINDS[2]] {

@@ -1,4 +1,4 @@
-//! Square bodies by half of their unknowns: they move as the whole does.
+//! Square bodies with the diagonal symmetry use half of their unknowns: the results equal the results for the whole.
 
 use crate::glass;
 use mpi_test::{Test, tests};
@@ -28,7 +28,7 @@ fn solid(scene: &Scene) -> SplineSolid {
     SplineSolid::new(scene, &Settings { cell_size_factor: 1.3 }).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// u under the loads and the contact's force of 1 kN at a rate of 3e3 1/s, with held unknowns at their values.
+/// u for the loads and a contact force of 1 kN at s = 3e3 1/s, with the constrained unknowns at their values.
 fn moved(session: &Session, system: &System) -> Vec<f64> {
     let body = Body::of(&session.alone(), system).unwrap();
     let rate = 3e3;
@@ -57,7 +57,7 @@ fn half_of_a_square_box_moves_as_the_whole(session: &Session) {
     }
 }
 
-/// The same of a system of few unknowns, none of them held, by full matrices.
+/// The same for a system with few unknowns, none of them constrained, with dense matrices.
 fn moved_of_few(system: &System) -> Vec<f64> {
     let rate = 3e3;
     let mut operator = DMatrix::from(&system.mass) * (rate * rate) + DMatrix::from(&system.elastic);
@@ -93,17 +93,19 @@ fn half_of_a_square_plate_moves_as_the_whole(_: &Session) {
 
 fn moves_as_the_whole(system: &System, moved: impl Fn(&System) -> Vec<f64>) {
     let (exchange, half) = Exchange::of(system).expect("its own image");
-    // Those on the diagonal are their own images: as many as there are along an edge, through the thickness of a box.
+    // Unknowns on the diagonal are their own images. Their number is about that along an edge, times the thickness of a
+    // box.
     let (left, all) = (half.load.len(), system.load.len());
     assert!(left <= all / 2 + 2 * all.isqrt(), "{left} of {all} unknowns");
     let [u, of_half] = [system, &half].map(&moved);
     let largest = u.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
     let off = u.iter().zip(exchange.whole(&of_half)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest;
-    // Rounding of a condition number of some 1e5.
+    // Rounding for a condition number of some 1e5.
     assert!(off < 1e-9, "{off:e} of {largest:e}");
 }
 
-/// Other edges, and supports that the diagonal does not image on each other.
+/// Boxes with different edges, or with supports that the diagonal does not map onto each other, do not use this
+/// symmetry.
 fn boxes_without_a_diagonal(_: &Session) {
     let oblong = scene("size = [0.5, 0.4, 0.1]\nsymmetry = \"quarter\"", &glass::sides(1e9, 0.0));
     assert!(solid(&oblong).system.exchange.is_none());

@@ -1,4 +1,4 @@
-//! Long Krylov bases: orthonormal in the mass, and the operators projected onto them.
+//! Large Krylov bases: orthonormality in the mass matrix, and the operators projected onto the basis.
 
 use crate::glass;
 use mpi_test::{Test, tests};
@@ -24,7 +24,7 @@ fn parse(pane: &str, supports: &str) -> Scene {
     Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0
 }
 
-/// A thin pane by Mindlin's theory on springs, some two thousand unknowns, with dampers of c, N s/m³.
+/// A thin pane by Mindlin's theory on springs, with some two thousand unknowns and dampers of c, N s/m³.
 fn body(damping: f64) -> LocalBody {
     let scene = parse("size = [0.5, 0.5, 0.004]\nmodel = \"mindlin\"", &glass::sides(1e9, damping));
     let settings = Settings::new(1e-1, PlateTheory::Mindlin);
@@ -32,7 +32,7 @@ fn body(damping: f64) -> LocalBody {
     LocalBody::new(plate.system)
 }
 
-/// A larger pane on no springs, in coarse cells.
+/// A larger, unsupported pane with coarse cells.
 fn free() -> LocalBody {
     let pane = "size = [1.0, 1.5, 0.01]\nmodel = \"mindlin\"";
     let scene = parse(pane, "");
@@ -46,8 +46,8 @@ fn grown(body: &LocalBody, vectors: usize) -> Krylov {
     krylov
 }
 
-/// Splines on few cells couple nearly all unknowns: their matrices are taken as full ones. The first vector is what a force does at the rate,
-/// and the projection is that by the body's own products.
+/// Splines on few cells couple nearly all unknowns, so their matrices are treated as dense. The first basis vector is
+/// the response to a force at the shift, and the projection equals the one computed with the body's own products.
 fn nearly_full_matrices_are_solved_with_and_projected(_: &Session) {
     let rate = 1e4;
     for support in [1e9, 1e6] {
@@ -66,7 +66,8 @@ fn nearly_full_matrices_are_solved_with_and_projected(_: &Session) {
         let products = basis.products(&body.apply(Operator::Elastic, basis).unwrap());
         // Rounding of sums of some hundred products.
         assert!((products - &projection.elastic).amax() < 1e-12 * projection.elastic.amax());
-        // S q₁ is along a where nothing is held, to the rounding of K's largest entries.
+        // For an unsupported body S q₁ is parallel to the localisation vector a, to the rounding of K's largest
+        // entries.
         let first = basis.range(0..1);
         let mut image = body.apply(Operator::Elastic, &first).unwrap();
         image.add(rate * rate, &body.apply(Operator::Mass, &first).unwrap());
@@ -81,7 +82,7 @@ fn nearly_full_matrices_are_solved_with_and_projected(_: &Session) {
     }
 }
 
-/// Beyond 256 vectors one pass of two takes the last two vectors only.
+/// Beyond 256 vectors, one of the two orthogonalisation passes uses the last two vectors only.
 fn long_bases_are_orthonormal(_: &Session) {
     let body = body(0.0);
     let krylov = grown(&body, 330);
@@ -97,7 +98,7 @@ fn off_orthonormal(body: &LocalBody, basis: &Columns) -> f64 {
     (products - DMatrix::identity(basis.count(), basis.count())).amax()
 }
 
-/// Vectors that are made orthogonal in blocks are orthonormal too, and the first of them stay the same as the basis grows.
+/// Vectors orthogonalised in blocks are orthonormal too, and the first ones do not change as the basis grows.
 fn blocks_make_orthonormal_bases(_: &Session) {
     let body = body(0.0);
     let mut blocks = Krylov::new(&body, Start { in_blocks: true, ..Start::from(1e5) }).unwrap();
@@ -111,7 +112,7 @@ fn blocks_make_orthonormal_bases(_: &Session) {
     assert!(worst < 1e-12, "{worst:e}");
 }
 
-/// Block by block as product by product, and in several steps as in one.
+/// The projection is the same by blocks and by single products, and in several steps and in one.
 fn projections_grow_with_their_bases(_: &Session) {
     let body = body(1e5);
     let mut krylov = grown(&body, 20);
@@ -131,7 +132,7 @@ fn projections_grow_with_their_bases(_: &Session) {
     assert!(whole.leading(20).elastic == first.elastic);
 }
 
-/// However short the contact is for which a basis is made, a force moves a free body as a whole by 1/m, to rounding.
+/// On a basis for a contact of any duration, a force moves an unsupported body with the acceleration 1/m, to rounding.
 fn a_free_body_drifts_after_a_short_contact(_: &Session) {
     let body = free();
     let mut krylov = Krylov::new(&body, 3e6).unwrap();
@@ -145,8 +146,8 @@ fn a_free_body_drifts_after_a_short_contact(_: &Session) {
     assert!((drift - 1.0).abs() < 1e-9, "{drift}");
 }
 
-/// The modes of a plate reach what is hit as the waves of an infinite one do: Σ φ² up to a frequency is that of the infinite plate's
-/// density, and the number of modes is the closed form's.
+/// The modes of a plate respond at the impact point like the waves of an infinite plate: Σ φ² up to a frequency follows
+/// from the infinite plate's density of modes, and the number of modes from the closed form.
 fn short_waves_have_the_density_of_modes(_: &Session) {
     let body = free();
     let mut krylov = Krylov::new(&body, 3e4).unwrap();
@@ -163,14 +164,16 @@ fn short_waves_have_the_density_of_modes(_: &Session) {
         * frequency
         / 1000.0;
     println!("  {} modes of {:.0}, mobility {:.4} of the waves'", below.len(), plate.modes * frequency, sum / waves);
-    // A wave more or less of a hundred, with echoes from the edges: 0.1% to 3% were found up to other frequencies.
+    // The difference is about one wave of a hundred, with reflections from the edges: 0.1% to 3% were found for other
+    // frequencies.
     assert!((sum / waves - 1.0).abs() < 0.05, "{sum} {waves}");
-    // Edges add and take modes by the root of the number.
+    // The edges change the number of modes by about its square root.
     assert!((below.len() as f64 / 100.0 - 1.0).abs() < 0.25, "{}", below.len());
 }
 
-/// A pane hit off its centre: four classes, whose bases are together one of the whole body, orthonormal in the mass, on which K is as
-/// projected; of each class there are as many vectors, and none is of two.
+/// A pane hit off its centre has four symmetry classes. Their bases together are a basis of the whole body: orthonormal
+/// in the mass, and K is the projected one. Each class has the same number of vectors, and no vector belongs to two
+/// classes.
 fn classes_have_bases_of_their_own(_: &Session) {
     let pane = "size = [0.5, 0.4, 0.01]\nmodel = \"mindlin\"";
     let hit = "mass = 0.5\nspeed = 3\npoint = [0.1, 0.07, 0.005]";
@@ -198,7 +201,7 @@ fn classes_have_bases_of_their_own(_: &Session) {
         let met = (0..4).filter(|class| entries[class * size..(class + 1) * size].iter().any(|v| *v != 0.0));
         assert_eq!(met.collect::<Vec<_>>(), [j % 4], "{j}");
     }
-    // a of the whole on the basis, which the force excites in all classes.
+    // The projection of the localisation vector a of the whole; the force excites all classes.
     let force = basis.along(&body.system().localization);
     assert!((&whole.force - force).amax() < 1e-12 * whole.force.amax());
     assert!((0..4).all(|class| whole.force[class] != 0.0));

@@ -1,4 +1,4 @@
-//! Bodies of several materials: layers of a box on meshes and splines, and the physical volumes of a mesh file.
+//! Bodies of several materials: layers of a box with meshes and with splines, and the physical volumes of a mesh file.
 
 use crate::bricks::bricks;
 use crate::modelled::{parse, run};
@@ -13,7 +13,8 @@ pub const TESTS: &[Test<Session>] = tests![layers_of_one_stiffness, volumes_are_
 pub const ALONE: &[Test<Session>] =
     tests![splines_of_one_stiffness, splines_and_hexahedra_agree, weight_of_layers, auto_takes_the_solid];
 
-/// Three layers (m) of which the middle one has Young's modulus (Pa) and density (kg/m³) of its own, free, hit by a small impactor.
+/// A free laminate of three layers (m), whose middle one has another Young's modulus (Pa) and density (kg/m³), hit by a
+/// small impactor.
 fn laminate(layers: [f64; 3], [young, density]: [f64; 2], body: &str, time: &str, rest: &str) -> String {
     let layer = |(thickness, material): (f64, &str)| {
         format!("[[body.layer]]\nthickness = {thickness:e}\nmaterial = \"{material}\"\n")
@@ -28,7 +29,7 @@ fn laminate(layers: [f64; 3], [young, density]: [f64; 2], body: &str, time: &str
     )
 }
 
-/// The same as one box of glass.
+/// The same body as one box of glass.
 fn plate(thickness: f64, body: &str, time: &str, rest: &str) -> String {
     format!(
         "[body]\nsize = [0.3, 0.24, {thickness:e}]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n{body}\n\
@@ -39,7 +40,7 @@ fn plate(thickness: f64, body: &str, time: &str, rest: &str) -> String {
 const PATCH: &str = "[contact]\npatch_radius = 0.006\n";
 const STEPS: &str = "end = 4e-4\nstep = 5e-6\nscheme = \"newmark\"";
 
-/// Largest difference of two series of accelerations over the first one's peak.
+/// Largest difference of two acceleration series over the first one's peak.
 fn difference(one: &[f64], other: &[f64]) -> f64 {
     let peak = one.iter().fold(0.0_f64, |m, a| m.max(*a));
     one.iter().zip(other).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / peak
@@ -50,7 +51,8 @@ fn accelerations(session: &Session, text: &str) -> Vec<f64> {
     run_steps(&mut impact).iter().map(|step| step.impactor.acceleration).collect()
 }
 
-/// Layers of glass are a plate of glass, on the same cells: five of them, and one of glass that differs by less than rounding shows.
+/// Layers of glass equal a plate of glass on the same cells: five layers, and three of which one differs by less than
+/// is visible.
 fn layers_of_one_stiffness(session: &Session) {
     let body = "cells = [8, 8, 3]\nreduction = \"none\"";
     let whole = accelerations(session, &plate(0.018, body, STEPS, PATCH));
@@ -60,16 +62,16 @@ fn layers_of_one_stiffness(session: &Session) {
         // The change of the modulus, and rounding of the planes' coordinates.
         assert!(off < 1e-9, "{young}: {off:e}");
     }
-    // A core that is really softer is another body.
+    // A core that is much softer gives another result.
     let soft = accelerations(session, &laminate([0.006; 3], [7e9, 2500.0], body, STEPS, PATCH));
     assert!(difference(&whole, &soft) > 1e-2);
 }
 
-/// A mesh file with a physical volume a layer is a box with these layers.
+/// A mesh file with one physical volume for each layer equals a box with these layers.
 fn volumes_are_layers(session: &Session) {
     let (cells, thickness) = ([6, 6, 3], 0.006);
     let text = bricks(Shape::Hexahedron, [0.3, 0.24, 3.0 * thickness], cells, 0.0);
-    // Cells come layer by layer, each as an element of Gmsh's type 5 in the group 4.
+    // Cells are listed layer by layer, each as an element of Gmsh's type 5 in group 4.
     let (mut found, each) = (0, cells[0] * cells[1]);
     let lines = text.lines().map(|line| {
         let is_cell = line.split(' ').nth(1) == Some("5") && line.split(' ').count() == 13;
@@ -113,7 +115,8 @@ fn volumes_are_layers(session: &Session) {
     }
 }
 
-/// Splines with lines at interfaces hold those without: layers that differ by less than shows are the plate.
+/// The spline space with lines at interfaces contains the space without: layers that differ negligibly give the result
+/// of the plate.
 fn splines_of_one_stiffness(session: &Session) {
     let rest = format!("{PATCH}[accuracy]\ntolerance = 1e-3\n");
     let whole = run(&session.world(), &plate(0.018, "model = \"solid\"", "end = 4e-4", &rest));
@@ -122,7 +125,7 @@ fn splines_of_one_stiffness(session: &Session) {
         run(&session.world(), &laminate([0.008, 0.002, 0.008], core, "model = \"solid\"", "end = 4e-4", &rest));
     let (first, _) = whole.difference(&layered);
     assert!(whole.vectors.is_some() && layered.vectors.is_some());
-    // Both are computed to 1e-3, on other discs and cells.
+    // Both have a tolerance of 1e-3, with other discs and cells.
     assert!(first < 1e-3, "{first:e}");
 }
 
@@ -138,11 +141,11 @@ fn splines_and_hexahedra_agree(session: &Session) {
     assert!(meshed.vectors.is_none());
     let (first, _) = splines.difference(&meshed);
     println!("splines and hexahedra differ by {first:e}");
-    // The default mesh is good to about 1% of the peak, as on plates of one material.
+    // The error of the default mesh is about 1% of the peak, as for plates of one material.
     assert!(first < 1.5e-2, "{first:e}");
 }
 
-/// Gravity is on each layer's density: the load's sum is the weight, on every space.
+/// Gravity uses the density of each layer: the sum of the load is the weight, for every discretisation.
 fn weight_of_layers(session: &Session) {
     let weight = 0.3 * 0.24 * 9.8 * (2500.0 * 0.016 + 1100.0 * 0.002);
     let gravity = "[load]\ngravity = [0.0, 0.0, -9.8]\n";
@@ -169,7 +172,7 @@ fn weight_of_layers(session: &Session) {
     }
 }
 
-/// Plate theories of one material are refused, and `auto` says why it takes the solid: this body is no plate.
+/// Plate theories of one material are refused for this body, and `auto` states why it uses the solid.
 fn auto_takes_the_solid(session: &Session) {
     let text =
         |model: &str| laminate([0.003, 0.001, 0.003], [1e9, 1100.0], &format!("model = \"{model}\""), "end = 1e-4", "");

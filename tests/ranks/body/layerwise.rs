@@ -1,4 +1,4 @@
-//! Layerwise plates: against one plate, an independent program's laminate, and solids.
+//! Layerwise plates: comparison with a homogeneous plate, with an independent program's laminate, and with solids.
 
 use crate::laminated::{Reference, reference};
 use crate::modelled::{parse, run};
@@ -21,7 +21,7 @@ pub const ALONE: &[Test<Session>] = tests![
 
 pub const LONG: &[Test<Session>] = tests![a_solid_has_the_reference_too];
 
-/// A free pane with layers (m) of glass and, every other one, of an interlayer.
+/// A free pane with layers (m) of glass alternating with an interlayer.
 fn pane(layers: &[f64], interlayer: &str, body: &str, time: &str, rest: &str) -> String {
     let layer = |(i, thickness): (usize, &f64)| {
         let material = ["glass", "interlayer"][i % 2];
@@ -42,8 +42,8 @@ fn soft(shear: f64) -> String {
     format!("bulk = 2e9\nshear = {shear:e}\ndensity = 1100.0")
 }
 
-/// Three and five layers of one glass, told apart by less than shows, and of one that is not symmetric: Mindlin's plate. Its shear stress is a
-/// parabola, theirs steps, so that shorter waves differ.
+/// Three and five layers of one glass, which differ negligibly, and an unsymmetric stack, agree with Mindlin's plate.
+/// Its shear stress is a parabola and theirs is piecewise constant, so shorter waves differ.
 fn layers_of_one_material_are_one_plate(session: &Session) {
     let rest = "[accuracy]\ntolerance = 2e-3\n";
     let body = "[body]\nmodel = \"mindlin\"\nsize = [0.5, 0.5, 0.02]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
@@ -56,12 +56,12 @@ fn layers_of_one_material_are_one_plate(session: &Session) {
         let (first, _) = one.difference(&several);
         let peaks = several.peak() / one.peak() - 1.0;
         println!("{} layers: {first:e}, peaks {peaks:+e}", layers.len());
-        // Both are computed to 2e-3 of the peak, which itself is better.
+        // Both have a tolerance of 2e-3 of the peak; the peak itself is more accurate.
         assert!(first < 4e-3 && peaks.abs() < 1e-3, "{first:e} {peaks:e}");
     }
 }
 
-/// An elastic interlayer: the solid of splines has 11,000 unknowns where the layerwise plate has 1,500.
+/// An elastic interlayer: the solid of splines has 11,000 unknowns, the layerwise plate 1,500.
 fn solids_of_splines_agree(session: &Session) {
     let text = |model: &str, tolerance: f64| {
         let rest = format!("[accuracy]\ntolerance = {tolerance:e}\n");
@@ -71,15 +71,16 @@ fn solids_of_splines_agree(session: &Session) {
     let (first, _) = solid.difference(&plate);
     println!("{first:e}, peaks {} {}", plate.peak(), solid.peak());
     assert!(plate.unknowns < solid.unknowns / 4);
-    // Each is computed to 2e-2; finer ones differ by 4e-3.
+    // Each has a tolerance of 2e-2; finer ones differ by 4e-3.
     assert!(first < 2.5e-2 && (plate.peak() / solid.peak() - 1.0).abs() < 2e-2, "{first:e}");
-    // A solid of 25,636 unknowns, at a tolerance of 5e-3, which takes half a minute: a plate of 1e-2 is at a tenth of its tolerance.
+    // Peak of a solid with 25,636 unknowns, at a tolerance of 5e-3, which takes half a minute. The plate with a
+    // tolerance of 1e-2 differs from it by a tenth of its tolerance.
     const FINE_SOLID: f64 = 231.62;
     let finer = run(&session.world(), &text("layerwise", 1e-2));
     assert!((finer.peak() / FINE_SOLID - 1.0).abs() < 1e-3, "{}", finer.peak());
 }
 
-/// The largest tensions on all faces, Pa, and the steps.
+/// The largest tensions on all faces, Pa, and the time steps.
 #[derive(Default)]
 struct Largest {
     steps: Vec<Step>,
@@ -106,7 +107,8 @@ fn tensions(comm: &Comm, text: &str) -> (Vec<String>, Largest) {
     (names, largest)
 }
 
-/// The faces of the interlayer: most of their stress is shear across them, of which the plate's layer has one value.
+/// Faces of the interlayer: most of their principal stress is transverse shear, for which the plate's layer has a
+/// single value.
 fn soft_faces_have_their_shear(session: &Session) {
     let of = |model: &str| {
         let rest = "[accuracy]\ntolerance = 2e-2\n";
@@ -116,18 +118,19 @@ fn soft_faces_have_their_shear(session: &Session) {
     let [plate, solid] = ["layerwise", "solid"].map(of);
     println!("{plate:?} {solid:?}");
     for face in [2, 3] {
-        // Two tolerances; stresses in the plane of these faces alone are a third of that.
+        // Two tolerances. The in-plane stresses alone are a third of the tension on these faces.
         assert!((plate[face] / solid[face] - 1.0).abs() < 0.04, "{face}: {} {}", plate[face], solid[face]);
     }
 }
 
-/// A relaxing interlayer, computed by an independent program (tests/fixtures/laminated): peak and largest tensions on the lowest face and on
-/// the lower face of the upper ply. That program is good to 0.5% of its peak, 1% of the stress, and 5% beside the interlayer.
+/// A viscoelastic interlayer, computed by an independent program (tests/fixtures/laminated): the peak, and the largest
+/// tensions on the lowest face and on the lower face of the upper ply. That program's errors are 0.5% of the peak, 1%
+/// of the stress, and 5% next to the interlayer.
 fn the_reference(session: &Session) {
     is_reference(session, LAYERWISE, "end = 3e-3\nstep = 5e-6\nscheme = \"newmark\"", "");
 }
 
-/// The same by a solid of splines on its default cells, one in each layer, under the reference's patch.
+/// The same with a solid of splines on its default cells, one through each layer, with the reference's patch.
 fn a_solid_has_the_reference_too(session: &Session) {
     is_reference(session, "model = \"solid\"", "end = 3e-3", "[contact]\npatch_radius = 0.0025\n");
 }
@@ -144,7 +147,8 @@ fn is_reference(session: &Session, body: &str, time: &str, rest: &str) {
     assert!((found.tensions[5] / 84.46e6 - 1.0).abs() < 0.02 && (found.tensions[1] / 139.87e6 - 1.0).abs() < 0.05);
 }
 
-/// A thick ply over a thin one and the other way round: the membrane stretches too. Splines agree on force and tension.
+/// A thick ply over a thin one, and the reverse: bending then couples with membrane stretching. Splines agree in force
+/// and tension.
 fn layers_that_differ_above_and_below(session: &Session) {
     let text = |model: &str| {
         let body = format!("model = \"{model}\"");
@@ -155,14 +159,16 @@ fn layers_that_differ_above_and_below(session: &Session) {
     assert_eq!(names, others);
     let peak = |of: &Largest| of.steps.iter().map(|step| step.contact.force).fold(0.0, f64::max);
     println!("peaks {} {}; {:?} {:?}", peak(&plate), peak(&solid), plate.tensions, solid.tensions);
-    // Both to 3e-2, which is the force's; stresses beside the soft layer are the layerwise theory's within its own 2%.
+    // Both have a tolerance of 3e-2 for the force. Stresses next to the soft layer agree within the layerwise theory's
+    // own 2%.
     assert!((peak(&plate) / peak(&solid) - 1.0).abs() < 2e-2);
     for face in [1, 5] {
         assert!((plate.tensions[face] / solid.tensions[face] - 1.0).abs() < 0.02, "{}", names[face]);
     }
 }
 
-/// `auto` takes the layerwise plate where its estimate allows, and the solid for what is no plate; a relaxing interlayer too.
+/// `auto` uses the layerwise plate if its estimate allows, and the solid for bodies that are not plates; also with a
+/// viscoelastic interlayer.
 fn auto_climbs(session: &Session) {
     let rest = "[accuracy]\ntolerance = 3e-2\n";
     for interlayer in [soft(1e7), format!("{}\nprony = [{{ modulus = 5e6, time = 1e-4 }}]", soft(5e6))] {

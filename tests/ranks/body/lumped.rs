@@ -1,4 +1,5 @@
-//! Lumped mass: its sums, the frequencies it leaves, and the step that the central difference bears with it.
+//! Lumped mass: its sums, the frequencies of the body with it, and the stable time step of the central difference
+//! method.
 
 use crate::parts::{DENSITY, FREE, HELD, KINDS, Kind, MASS, ON_PAD, POISSON, Parts, SIDEWAYS, SIZE, YOUNG};
 use crate::parts::{largest, parts, peak_contact};
@@ -10,10 +11,10 @@ use ricochet::solve::linear::{Method, solver};
 
 pub const RANKS: &[usize] = &[1, 2];
 pub const TESTS: &[Test<Session>] = tests![lumped_sums, lowest_frequency_converges];
-/// On one rank: the step is the same on each.
+/// Tests on one rank: the time step is the same on every number of ranks.
 pub const ALONE: &[Test<Session>] = tests![measured_limit];
 
-/// Masses are positive, and each component sums to ρV; the dampers' to c times the area.
+/// Lumped masses are positive, and each component sums to ρV; the dampers sum to c times the area.
 fn lumped_sums(session: &Session) {
     for kind in KINDS {
         let Parts { lumped, .. } = parts(&session.world(), kind, SIZE, 0.15, ON_PAD);
@@ -37,7 +38,7 @@ fn lumped_sums(session: &Session) {
     }
 }
 
-/// Bisects for the largest Δt at which the central difference does not grow from a random start.
+/// Finds by bisection the largest Δt at which the central difference method does not grow from a random start.
 fn measured_limit(session: &Session) {
     for kind in KINDS {
         for (supports, touching) in [(HELD, false), (ON_PAD, false), (FREE, true)] {
@@ -68,7 +69,7 @@ fn measured_limit(session: &Session) {
                 limit * found.ritz / critical,
                 limit * found.bound / critical
             );
-            // The bisection's width, and a Ritz value that is low by less than 1e-3.
+            // The width of the bisection, and the Ritz value, which is too low by less than 1e-3.
             assert!(limit > critical / found.bound * (1.0 - 1e-4));
             assert!((limit * found.ritz / critical - 1.0).abs() < 1e-3);
             if touching {
@@ -79,7 +80,7 @@ fn measured_limit(session: &Session) {
     }
 }
 
-/// A body on one rank that vibrates freely, pads pressed, the impactor on it as a linear spring.
+/// A body on one rank that vibrates freely, with pads pressed and the impactor attached by a linear spring.
 struct Vibration<'a> {
     parts: &'a mut Parts,
     contact: Option<LinearContact>,
@@ -96,7 +97,7 @@ impl<'a> Vibration<'a> {
         Self { parts, contact, u, force, product }
     }
 
-    /// −K u, and the impactor's force.
+    /// Computes −K u, and returns the impactor's force.
     fn forces(&mut self, q: f64) -> f64 {
         let body = &mut self.parts.body;
         body.elastic.mult(&self.u, &mut self.force).unwrap();
@@ -115,8 +116,8 @@ impl<'a> Vibration<'a> {
         -contact
     }
 
-    /// Whether |u| becomes a million times that of the start, which is at rest with u at random: just below the limit it becomes
-    /// a hundred times at most, and 1e-5 above the limit e^18.
+    /// Whether |u| grows to a million times its initial value. The body starts at rest with random u. Just below the
+    /// limit |u| grows at most to a hundred times, and 1e-5 above the limit to e^18.
     fn grows(&mut self, step: f64) -> bool {
         let scheme = CentralDifference { step };
         let n = self.u.len();
@@ -130,7 +131,7 @@ impl<'a> Vibration<'a> {
         self.parts.body.clamps.zero(&mut self.u).unwrap();
         let initial = self.u.norm().unwrap();
         for number in 0..=Self::STEPS {
-            // The first pass finds the accelerations of the start.
+            // The first pass computes the initial accelerations.
             if number > 0 {
                 for ((u, v), a) in self.u.write().unwrap().iter_mut().zip(&mut v).zip(&a) {
                     (*u, *v) = scheme.predict(*u, *v, *a);
@@ -158,10 +159,10 @@ impl<'a> Vibration<'a> {
     }
 }
 
-/// A column that moves along its length only: held sideways at its sides, along its length at the bottom, free at the top. Its
-/// lowest frequency is c_p π/(2L), c_p² = (λ + 2μ)/ρ.
+/// A column that moves along its length only: its sides are clamped sideways, the bottom along the length, and the top
+/// is free. Its lowest frequency is c_p π/(2L), c_p² = (λ + 2μ)/ρ.
 ///
-/// Lumped mass converges at order two; on hexahedra of order 2 at order four, distorted or not.
+/// With lumped mass it converges with order two, and on hexahedra of order 2 with order four, distorted or not.
 fn lowest_frequency_converges(session: &Session) {
     let supports =
         SIDEWAYS.to_owned() + "[[support]]\nsurface = \"bottom\"\nkind = \"clamped\"\ncomponents = [\"z\"]\n";
@@ -183,8 +184,8 @@ fn lowest_frequency_converges(session: &Session) {
                 let [one, two] = errors;
                 println!("{:?} {}, moved {distortion}: {one:.2e}, {two:.2e}, order {order:.2}", kind.shape, kind.order);
             }
-            // Undistorted meshes are so fine that the next term changes the order by 0.05 or less. Distorted ones are no
-            // refinements of each other: cells differ by chance.
+            // Undistorted meshes are so fine that the next term changes the order by 0.05 or less. Distorted meshes are
+            // not refinements of each other, so their cells differ at random.
             let least = expected - if distortion == 0.0 { 0.05 } else { 0.1 };
             assert!(order > least && errors[1] < 6e-4, "{kind:?}, {distortion}: {errors:?}");
         }
@@ -201,7 +202,7 @@ fn lowest_frequency(Parts { body, lumped, .. }: &Parts) -> f64 {
     x.copy_from(&body.clamps.free).unwrap();
     let mut momentum = x.duplicate().unwrap();
     let mut square = 0.0;
-    // The next such mode has nine times the eigenvalue: its share falls to 9⁻¹².
+    // The next such mode has nine times the eigenvalue: its part decreases by a factor of 9⁻¹².
     for _ in 0..12 {
         momentum.copy_from(&x).unwrap();
         momentum.pointwise_mult(&lumped.mass).unwrap();

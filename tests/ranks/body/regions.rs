@@ -1,4 +1,4 @@
-//! Supports and loads on parts of surfaces, on every space.
+//! Supports and loads on parts of surfaces, for every discretisation.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -25,7 +25,7 @@ const K: f64 = 3e8;
 const C: f64 = 2e3;
 const PRESSURE: f64 = 7e4;
 
-/// A support, a damper and a traction on a part of a surface.
+/// A scene with a support, a damper and a traction on a part of a surface.
 fn scene(surface: &str, within: &str, rest: &str) -> Scene {
     let [x, y, z] = SIZE;
     let (young, poisson, density) = glass::GLASS;
@@ -39,7 +39,7 @@ fn scene(surface: &str, within: &str, rest: &str) -> Scene {
     Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}")).0
 }
 
-/// The scene's body on each space, with a name.
+/// The scene's body for each discretisation, with a name.
 fn bodies(session: &Session, surface: &str, within: &str) -> Vec<(String, Body)> {
     let mut bodies = Vec::new();
     for symmetry in ["quarter", "none"] {
@@ -58,11 +58,12 @@ fn bodies(session: &Session, surface: &str, within: &str) -> Vec<(String, Body)>
     bodies
 }
 
-/// Springs, dampers and tractions of a unit displacement are k A, c A and p A, whatever cells the part's edges cut.
+/// The resultants of springs, dampers and tractions for a unit displacement are k A, c A and p A, whatever cells the
+/// part's boundary cuts.
 fn areas_of_parts_on_every_space(session: &Session) {
     let [x, y, z] = SIZE;
     let (rim, disc): (f64, f64) = (0.017, 0.083);
-    // Across a thickness of a part.
+    // Area of the sides.
     let edge = 2.0 * (x + y) * z;
     for (surface, within, area) in [
         ("bottom", format!("{{ rim = {rim} }}"), x * y - (x - 2.0 * rim) * (y - 2.0 * rim)),
@@ -80,18 +81,18 @@ fn areas_of_parts_on_every_space(session: &Session) {
                 copies * product.dot(translation).unwrap()
             };
             let found = [along(&body.support) / K, along(&body.damping) / C, {
-                // Against the direction of travel.
+                // Opposite to the direction of travel.
                 -copies * body.load.dot(translation).unwrap() / PRESSURE
             }];
             for found in found {
-                // The rule along the rim of a disc: 1e-10 of each facet.
+                // Quadrature along the rim of a disc: 1e-10 of each facet.
                 assert!((found / area - 1.0).abs() < 1e-9, "{surface} within {within}, {name}: {found} {area}");
             }
         }
     }
 }
 
-/// Triangles of a Gmsh file that a part cuts; a part that has nothing of its surface is refused.
+/// A part that cuts triangles of a Gmsh file. A part that contains nothing of its surface is refused.
 fn areas_of_parts_of_a_mesh(session: &Session) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("meshes/plate20.msh");
     let body = |within: &str| {
@@ -121,7 +122,7 @@ fn areas_of_parts_of_a_mesh(session: &Session) {
         body.support.as_ref().unwrap().mult(&body.translation, &mut product).unwrap();
         let found = product.dot(&body.translation).unwrap() / K;
         assert!((found / area - 1.0).abs() < 1e-9, "{within}: {found} {area}");
-        // The field u_z = x, which shape functions in a wrong place would not have: ∫ x² dA.
+        // ∫ x² dA with the field u_z = x; it would be wrong if shape functions were evaluated at the wrong place.
         let mut tilted = body.translation.duplicate().unwrap();
         let nodes = body.nodes.as_ref().unwrap();
         tilted.write().unwrap().chunks_exact_mut(3).zip(nodes).for_each(|(u, x)| u.copy_from_slice(&[0.0, 0.0, x[0]]));
@@ -133,8 +134,8 @@ fn areas_of_parts_of_a_mesh(session: &Session) {
     assert!(error.contains("support.0.within") && error.contains("lies within"), "{error}");
 }
 
-/// The work of a pressure on plates that lie on a strip: one whose cells have the strip's edge on a line, and others whose lines it does
-/// not meet.
+/// Work of a pressure on plates supported on a strip: one plate has a cell boundary at the strip's edge, the others do
+/// not.
 fn a_strip_that_cuts_cells_is_that_of_a_mesh_with_its_edge(session: &Session) {
     let work = |cells: [usize; 2]| {
         let rest = "[[support]]\nsurface = \"bottom\"\nwithin = { rim = 0.06 }\nkind = \"elastic\"\nstiffness = 1e9\n\
@@ -153,7 +154,7 @@ fn a_strip_that_cuts_cells_is_that_of_a_mesh_with_its_edge(session: &Session) {
     let [with_edge, cut, cut_elsewhere] = [[20, 16], [22, 18], [24, 20]].map(work);
     println!("{with_edge:e}: {:.1e} {:.1e}", cut / with_edge - 1.0, cut_elsewhere / with_edge - 1.0);
     for found in [cut, cut_elsewhere] {
-        // As close as meshes come to each other without a strip.
+        // The meshes differ as much without a strip.
         assert!((found / with_edge - 1.0).abs() < 1e-3, "{found:e} {with_edge:e}");
     }
 }

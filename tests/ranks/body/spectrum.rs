@@ -1,4 +1,4 @@
-//! The largest frequency of a body, against dense eigenvalues.
+//! The largest frequency of a body, compared with dense eigenvalues.
 
 use crate::parts::{FREE, HELD, KINDS, Kind, MASS, ON_PAD, Parts, SIDEWAYS, SIZE, largest, parts, peak_contact};
 use mpi_test::{Test, tests};
@@ -9,7 +9,7 @@ use ricochet::body::{LargestFrequency, LinearContact};
 pub const RANKS: &[usize] = &[1, 2];
 pub const TESTS: &[Test<Session>] = tests![largest_frequency_against_dense, spectrum_that_ends_densely, nothing_free];
 
-/// The matrices of a body that one rank has, free unknowns only, the impactor's as the last one.
+/// The matrices of a body on one rank: the free unknowns, with the impactor's as the last one.
 struct Dense {
     stiffness: DMatrix<f64>,
     mass: DMatrix<f64>,
@@ -58,7 +58,7 @@ impl Dense {
     }
 }
 
-/// A matrix that one rank has.
+/// A matrix on one rank, as a dense matrix.
 fn dense(matrix: &Matrix) -> DMatrix<f64> {
     let mut dense = DMatrix::zeros(matrix.size().0, matrix.size().1);
     for row in matrix.row_range() {
@@ -70,7 +70,8 @@ fn dense(matrix: &Matrix) -> DMatrix<f64> {
     dense
 }
 
-/// ω_max lies between the two numbers, which are close and the same on any number of ranks; contact raises it.
+/// ω_max lies between the Ritz value and the bound, which are close and the same on any number of ranks; contact
+/// increases it.
 fn largest_frequency_against_dense(session: &Session) {
     let (world, alone) = (session.world(), session.alone());
     let [mut error, mut width, mut difference] = [0.0_f64; 3];
@@ -78,14 +79,14 @@ fn largest_frequency_against_dense(session: &Session) {
         for supports in [FREE, HELD, ON_PAD] {
             let mut here = parts(&alone, kind, SIZE, 0.15, supports);
             let mut shared = parts(&world, kind, SIZE, 0.15, supports);
-            // Stiff enough to be felt on these coarse meshes.
+            // So stiff that it has an effect on these coarse meshes.
             let contact = LinearContact { tangent: 1e3 * peak_contact(&here.scene).tangent, mass: MASS };
             for consistent in [false, true] {
                 let [apart, touching] = [None, Some(contact)].map(|contact| {
                     let name = format!("{kind:?}, {supports:?}, consistent {consistent}, {contact:?}");
                     let expected = Dense::new(&mut here, consistent, contact).largest_frequency();
                     let found = largest(&mut shared, consistent, contact);
-                    // Dense rounding is 1e-16 times the ratio of the largest to the least mass.
+                    // Rounding of the dense eigenvalues is 1e-16 times the ratio of the largest to the smallest mass.
                     assert!(found.ritz <= expected * (1.0 + 1e-12), "{name}: {found:?} instead of {expected}");
                     assert!(found.bound >= expected * (1.0 - 1e-12), "{name}: {found:?} instead of {expected}");
                     assert!(found.ritz > expected * (1.0 - 1e-3), "{name}: {found:?} instead of {expected}");
@@ -98,7 +99,7 @@ fn largest_frequency_against_dense(session: &Session) {
                     difference = difference.max((by_one.bound / found.bound - 1.0).abs());
                     expected
                 });
-                // Where springs of the support make ω_max, contact elsewhere adds next to nothing.
+                // If the support's springs determine ω_max, contact elsewhere adds almost nothing.
                 assert!(
                     touching > if supports == FREE { 1.01 * apart } else { apart },
                     "{kind:?}: {apart}, {touching}"
@@ -108,22 +109,22 @@ fn largest_frequency_against_dense(session: &Session) {
             world.collect_garbage().unwrap();
         }
     }
-    // The order of sums, which full orthogonalisation keeps from growing.
+    // The order of sums differs; full orthogonalisation keeps this error from growing.
     assert!(difference < 1e-6, "{difference:e}");
     if world.is_root() {
         println!("ω_max: Ritz value low by {error:.1e}, bound high by {width:.1e}, ranks differ by {difference:.1e}");
     }
 }
 
-/// A column of many equal cells has many frequencies close to the largest: the Ritz value comes near it only, and the bound
-/// still holds.
+/// A column of many equal cells has many frequencies close to the largest. The Ritz value is then less accurate, and
+/// the bound still holds.
 fn spectrum_that_ends_densely(session: &Session) {
     let world = session.world();
     let (kind, size) = (Kind { cells: [1, 1, 60], ..KINDS[0] }, [0.1, 0.1, 6.0]);
     let expected = Dense::new(&mut parts(&session.alone(), kind, size, 0.0, SIDEWAYS), false, None).largest_frequency();
     let found = largest(&mut parts(&world, kind, size, 0.0, SIDEWAYS), false, None);
     let [low, high] = [1.0 - found.ritz / expected, found.bound / expected - 1.0];
-    // Half a percent is promised of both.
+    // Both are promised to half a percent.
     assert!((-1e-12..1e-3).contains(&low) && (1e-6..5e-3).contains(&high), "{found:?} instead of {expected}");
     if world.is_root() {
         println!(
@@ -133,7 +134,7 @@ fn spectrum_that_ends_densely(session: &Session) {
     }
 }
 
-/// A body that is held everywhere has no frequency, but for the impactor's on it.
+/// A body that is constrained everywhere has no frequency of its own; with the impactor in contact there is one.
 fn nothing_free(session: &Session) {
     let surfaces = ["side", "top", "bottom"];
     let held = surfaces.map(|name| format!("[[support]]\nsurface = \"{name}\"\nkind = \"clamped\"\n")).concat();

@@ -1,4 +1,5 @@
-//! Boxes of splines: exact vibrations, symmetries, sums, meshes of hexahedra, the thin limit, and scenes that they do not stand for.
+//! Boxes of splines: exact vibrations, symmetries, sums, comparison with hexahedra, the thin limit, and scenes they
+//! cannot model.
 
 mod bending;
 
@@ -36,12 +37,12 @@ pub const TESTS: &[Test<Session>] = tests![
 ];
 pub const LONG: &[Test<Session>] = tests![loaded_boxes_as_meshes, bending_on_more_supports];
 
-/// Every rank has all of a block, so that one is as good as many.
+/// Every rank has the whole spline body, so the tests run on one rank only.
 fn parse(text: &str) -> Scene {
     Scene::parse("test", text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0
 }
 
-/// The paper's glass under its impactor.
+/// A scene with the paper's glass and impactor.
 fn scene(body: &str, impactor: &str, rest: &str) -> Scene {
     let impactor = format!("mass = {}\nspeed = 1.0\n{impactor}", glass::MASS);
     parse(&glass::scene(body, &impactor, "end = 1e-3", rest))
@@ -60,7 +61,8 @@ fn meshed(session: &Session, scene: &Scene) -> Body {
     Body::solid(scene, &Mesh::new(&comm, &scene.body).unwrap()).unwrap()
 }
 
-/// The displacement under a load at a rate s (1/s), S = K + sC + s²M, with held unknowns at their values.
+/// The displacement under a load at the Laplace parameter s (1/s), S = K + sC + s²M, with the constrained unknowns at
+/// their values.
 fn solve(body: &Body, rate: f64, load: &Vector) -> Vector {
     let (mut right, mut u) = (load.duplicate().unwrap(), load.duplicate().unwrap());
     body.combination(rate, rate * rate).unwrap().mult(&body.clamps.displacement, &mut right).unwrap();
@@ -74,13 +76,13 @@ fn solve(body: &Body, rate: f64, load: &Vector) -> Vector {
     u
 }
 
-/// Reading under a unit force on the whole body, less what the contact law holds of it already.
+/// Displacement average under a unit force on the whole body, minus the part of it that is in the contact law.
 fn answer(body: &Body, rate: f64) -> f64 {
     let a = &body.localization;
     (a.vector.dot(&solve(body, rate, &a.vector)).unwrap() - a.compliance) / body.copies
 }
 
-/// Reading under the scene's loads.
+/// Displacement average under the scene's loads.
 fn deflection(body: &Body) -> f64 {
     let mut load = body.load.duplicate().unwrap();
     load.copy_from(&body.load).unwrap();
@@ -88,7 +90,7 @@ fn deflection(body: &Body) -> f64 {
     body.localization.vector.dot(&solve(body, 0.0, &load)).unwrap()
 }
 
-/// What a half-space yields under Hertz's pressure over 0.025 m, m/N.
+/// Compliance of a half-space under Hertz's pressure over a radius of 0.025 m, m/N.
 fn dent() -> f64 {
     let (young, nu, _) = glass::GLASS;
     0.6 * (1.0 - nu * nu) / (young * 0.025)
@@ -98,8 +100,8 @@ fn clamped(surface: &str, components: &str, rest: &str) -> String {
     format!("[[support]]\nsurface = \"{surface}\"\nkind = \"clamped\"\ncomponents = {components}\n{rest}\n")
 }
 
-/// Between walls on which a box slides its vibrations are products of sines and cosines: two shear waves for each (l, m, n) without
-/// zeros, one with a single zero, and one longitudinal wave for each but (0, 0, 0).
+/// The vibrations of a box that slides between walls are products of sines and cosines. There are two shear waves for
+/// each (l, m, n) without zeros, one with a single zero, and one longitudinal wave for each except (0, 0, 0).
 fn vibrations_between_sliding_walls(session: &Session) {
     let edges = [0.3, 0.23, 0.17];
     let (young, nu, density) = glass::GLASS;
@@ -113,7 +115,7 @@ fn vibrations_between_sliding_walls(session: &Session) {
         exact.extend(vec![shear / density * square; 2_usize.saturating_sub(zeros).min(2)]);
     }
     exact.sort_by(f64::total_cmp);
-    // The force reaches one of the vibrations that share a frequency.
+    // The force excites one of the vibrations that share a frequency.
     exact.dedup_by(|a, b| (*a / *b - 1.0).abs() < 1e-12);
     let walls = ["x", "y", "z"].map(|axis| {
         let side = |end: &str| clamped(&format!("{axis}-{end}"), &format!("[\"{axis}\"]"), "");
@@ -135,7 +137,8 @@ fn vibrations_between_sliding_walls(session: &Session) {
         );
         error
     });
-    // From about 3 cells a half wave to about 5; the order is that of uniform cells, beside the splines.
+    // The resolution is from about 3 cells to about 5 cells in half a wavelength. The observed order corresponds to
+    // splines with uniform cells.
     assert!(errors[1] < 5e-4 && errors[1] < 0.2 * errors[0], "{errors:?}");
 }
 
@@ -146,12 +149,13 @@ fn a_free_box_has_six_rigid_motions(_: &Session) {
     let mut values = eigen.as_slice().to_vec();
     values.sort_by(f64::total_cmp);
     let most = values[values.len() - 1];
-    // Rounding of as many eigenvalues, against the least stiff of the others.
+    // Rounding of the eigenvalues, compared with the lowest elastic one.
     assert!(values[..6].iter().all(|value| value.abs() < 1e-12 * most), "{:?}", &values[..8]);
     assert!(values[6] > 1e-7 * most, "{:?}", &values[..8]);
 }
 
-/// The quarter ends where the whole is smooth but for one derivative.
+/// A quarter gives the result of the whole. At the symmetry planes the splines of the whole have one derivative less
+/// than the exact smoothness.
 fn a_quarter_answers_as_the_whole(session: &Session) {
     for rest in [glass::sides(1e9, 2e5), clamped("bottom", "[\"z\"]", "") + &glass::sides(1e8, 0.0)] {
         for rate in [0.0, 3e3] {
@@ -160,13 +164,14 @@ fn a_quarter_answers_as_the_whole(session: &Session) {
                 answer(&self::body(session, &scene(&body, "", &rest), 1.3), rate)
             });
             println!("{rate}: {quarter:e} {whole:e}, {:.1e} of the dent", (quarter - whole) / dent());
-            // A part of what either is off by, which is a part of the dent.
+            // A fraction of the error of either, which is a fraction of the dent.
             assert!((quarter - whole).abs() < 3e-3 * dent(), "{rate}: {quarter:e} {whole:e}");
         }
     }
 }
 
-/// Mirror images of a hit off the centre, and boxes with their axes exchanged, directions and supports with them.
+/// Mirror images of an impact off the centre, and boxes with exchanged axes (directions and supports too), give the
+/// same result.
 fn images_and_turned_boxes_answer_alike(session: &Session) {
     let (size, point, direction, springs) =
         ([0.31, 0.2, 0.07], [0.04, -0.03, 0.035], [0.36, 0.48, -0.8], [1e9, 3e9, 2e9]);
@@ -195,7 +200,7 @@ fn images_and_turned_boxes_answer_alike(session: &Session) {
         ([2, 1, 0], [1.0; 3]),
     ] {
         let other = case(axes, signs);
-        // Rounding times the condition of the solve.
+        // Rounding times the condition number of the system.
         assert!((other / first - 1.0).abs() < 1e-8, "{axes:?} {signs:?}: {other:e} {first:e}");
     }
 }
@@ -205,7 +210,7 @@ fn product(matrix: &Option<CsrMatrix<f64>>, u: &DVector<f64>, v: &DVector<f64>) 
     matrix.triplet_iter().map(|(i, j, value)| u[i] * value * v[j]).sum()
 }
 
-/// Sums over the body and over faces, of quarters and wholes.
+/// Resultants over the body and over faces, of quarters and of wholes.
 fn resultants(_: &Session) {
     let rest = "[load]\nbody_force = [0, 0, -2e4]\n[[load.traction]]\nsurface = \"top\"\nvalue = [0, 0, -3e3]\n\
         [[load.traction]]\nsurface = \"side\"\nvalue = [0, 0, 5e3]\n\
@@ -233,7 +238,7 @@ fn resultants(_: &Session) {
     }
 }
 
-/// Clamps that are all displaced alike move all of the body so.
+/// If all clamps have the same prescribed displacement, the whole body moves by it.
 fn displaced_clamps_carry_the_box(session: &Session) {
     let rest = clamped("x-min", r#"["x", "y", "z"]"#, "displacement = [1e-3, -2e-3, 3e-3]")
         + &clamped("y-max", r#"["x", "y", "z"]"#, "displacement = [1e-3, -2e-3, 3e-3]");
@@ -254,8 +259,9 @@ fn loaded_boxes_as_meshes(session: &Session) {
     check_boxes_as_meshes(session, 0..4);
 }
 
-/// Static and dynamic answers against quadratic hexahedra: loads, a hit off the centre and oblique ones, a bar hit on its side and on
-/// its end. What the law holds of the dent is taken out, since the block's pressure is spread.
+/// Static and dynamic results are compared with quadratic hexahedra: loads, impacts off the centre and oblique ones, a
+/// bar hit on its side and on its end. The part of the dent that is in the contact law is removed, since the spline
+/// body uses a smoother pressure.
 fn check_boxes_as_meshes(session: &Session, chosen: Range<usize>) {
     let side = clamped("x-min", r#"["x", "y", "z"]"#, "");
     let cantilever = format!(
@@ -299,7 +305,7 @@ fn check_boxes_as_meshes(session: &Session, chosen: Range<usize>) {
         for rate in [0.0, 2e4] {
             let [meshed, found] = [&mesh, &splines].map(|body| answer(body, rate));
             println!("{body}, {rate}: {found:e} and {meshed:e} of a mesh: {:.1e}", found / meshed - 1.0);
-            // What the dent is off by on cells of half the radius is more than the rest.
+            // The error of the dent with cells of half the patch radius is larger than the rest.
             assert!((found / meshed - 1.0).abs() < 5e-3, "{body}, {rate}: {found:e} {meshed:e}");
         }
         let [meshed, found] = [&mesh, &splines].map(deflection);
@@ -311,8 +317,9 @@ fn check_boxes_as_meshes(session: &Session, chosen: Range<usize>) {
     }
 }
 
-/// A square under pressure, its edges held against deflection and along themselves: Navier's w = 0.00406235 q L⁴/D, and what shear adds,
-/// 0.0736714 q L²/(5/6 μh) (Timoshenko & Woinowsky-Krieger, Theory of Plates and Shells, 1959).
+/// A square plate under pressure, with its edges supported against deflection and against motion along the edge:
+/// Navier's w = 0.00406235 q L⁴/D, plus the shear deflection, 0.0736714 q L²/(5/6 μh) (Timoshenko & Woinowsky-Krieger,
+/// Theory of Plates and Shells, 1959).
 fn thin_plates_do_not_lock(session: &Session) {
     let (young, nu, _) = glass::GLASS;
     let sides = [("x", "y"), ("y", "x")].map(|(across, along)| {
@@ -327,12 +334,12 @@ fn thin_plates_do_not_lock(session: &Session) {
         let shear = 0.5 * young / (1.0 + nu) * thickness;
         let exact = 0.004_062_353 / rigidity + 0.073_671_4 / (5.0 / 6.0 * shear);
         println!("h/L = {thickness:e}: {:.2e}", found / exact - 1.0);
-        // Of a dozen cells; a plate that locks is off by all of it.
+        // The discretisation error of a dozen cells; a plate that locks has an error of 100%.
         assert!((found / exact - 1.0).abs() < 2e-4, "{thickness:e}: {:e}", found / exact - 1.0);
     }
 }
 
-/// The force in modal coordinates.
+/// Time history of the force in modal coordinates.
 fn trace(scene: &Scene, body: &Body) -> Trace {
     let impactor = &scene.impactor;
     let rate = 15.0 / hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed);
@@ -342,7 +349,7 @@ fn trace(scene: &Scene, body: &Body) -> Trace {
     ModalImpact::new(scene, &modes).trace(None).unwrap().0
 }
 
-/// The force's history against hexahedra.
+/// Compares the time history of the force with hexahedra.
 fn impacts_as_on_a_mesh(session: &Session) {
     for rest in [glass::sides(1e10, 0.0), glass::sides(2e9, 3e5)] {
         let scene = |cells: &str| {
@@ -356,7 +363,7 @@ fn impacts_as_on_a_mesh(session: &Session) {
         let found = trace(&splines, &body(session, &splines, 1.0));
         let Errors { first_contact: first, .. } = found.difference(&meshed);
         println!("{first:.2e} in the first contact");
-        // Twice what the mesh's cells of half the radius leave.
+        // Twice the discretisation error of the mesh with cells of half the patch radius.
         assert!(first < 3e-3, "{first}");
         session.world().collect_garbage().unwrap();
     }
@@ -387,7 +394,7 @@ fn scenes_that_are_no_blocks(_: &Session) {
         assert!(error.contains(key) && error.contains(clause), "{error}");
     }
     assert_eq!(admits(&scene(size, "direction = [0.6, 0.0, -0.8]", "")), Ok(()));
-    // A cell is the least along an axis, however coarse.
+    // However coarse the cells, there is at least one along each axis.
     for size in ["size = [0.5, 0.4, 0.1]", "size = [0.5, 0.4, 0.01]", "size = [0.1, 0.1, 0.5]"] {
         let block = SplineSolid::new(&scene(size, "stiffness = 1e3", ""), &Settings { cell_size_factor: 8.0 }).unwrap();
         assert!(block.cells.iter().all(|cells| *cells > 0), "{size}: {:?}", block.cells);

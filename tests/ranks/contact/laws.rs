@@ -1,5 +1,5 @@
-//! Laws of contact other than Hertz's, and damping: energies, impulses and restitution against closed forms, in modal coordinates and in
-//! steps.
+//! Contact laws other than Hertz's, and damping: energies, impulses and restitution are compared with closed forms, in
+//! modal coordinates and in time steps.
 
 use mpi_test::{Test, tests};
 use petsc_wrap::Session;
@@ -19,7 +19,7 @@ pub const TESTS: &[Test<Session>] = tests![
 const MASS: f64 = 50.0;
 const SPEED: f64 = 4.0;
 
-/// A pane, hit by a soft impactor; the contact's lines and what else is special.
+/// A pane hit by a soft impactor, with the given lines of the body and the contact, and further tables.
 fn scene(body: &str, contact: &str, rest: &str) -> String {
     format!(
         "[body]\n{body}\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [1.0, 1.0, 0.02]\n\
@@ -27,7 +27,7 @@ fn scene(body: &str, contact: &str, rest: &str) -> String {
     )
 }
 
-/// The points of a power, as an array.
+/// Points of a power law, as an array.
 fn points(stiffness: f64, exponent: f64, end: f64, count: usize) -> String {
     let point = |i: usize| {
         let x = end * i as f64 / count as f64;
@@ -36,15 +36,15 @@ fn points(stiffness: f64, exponent: f64, end: f64, count: usize) -> String {
     format!("[{}]", (0..=count).map(point).collect::<Vec<_>>().join(", "))
 }
 
-/// Largest change of a run's energy, with what was dissipated, over the initial one.
+/// Largest change of a run's total plus dissipated energy, over the initial energy.
 fn imbalance(ran: &Ran) -> f64 {
     let all = ran.steps.iter().map(|step| step.energy.total + step.energy.dissipated);
     let first = ran.steps[0].energy.total;
     all.fold(0.0_f64, |most, energy| most.max((energy / first - 1.0).abs()))
 }
 
-/// On a half-space, which is a wall to the law: the mass comes back at its speed, its impulse is 2 m v, the peak force is that at which
-/// the potential holds m v²/2, and the contact takes the law's time.
+/// A mass on a half-space, which is rigid with such a law. The mass returns with its initial speed and its impulse is 2
+/// m v. At the peak force the potential of the law is m v²/2, and the contact time follows from the law.
 fn a_mass_on_a_wall(session: &Session) {
     let energy = 0.5 * MASS * SPEED * SPEED;
     let table = format!("law = \"table\"\ntable = {}", points(5e4, 1.0, 0.2, 7));
@@ -56,7 +56,8 @@ fn a_mass_on_a_wall(session: &Session) {
     ] {
         let way = (energy * (exponent + 1.0) / stiffness).powf(1.0 / (exponent + 1.0));
         let end = 8.0 * way / SPEED;
-        // Steps of a thousandth of the contact: of fourth order in it but for the touch, where the force has a kink.
+        // Time steps of a thousandth of the contact. The error is of fourth order in them, except at the first touch,
+        // where the force has a kink.
         let time = format!("[time]\nend = {end:e}\nstep = {:e}\n", end / 4000.0);
         let ran = run(&session.world(), &scene("model = \"half-space\"", contact, &time));
         let last = ran.steps.last().unwrap();
@@ -69,7 +70,7 @@ fn a_mass_on_a_wall(session: &Session) {
         ];
         println!("  {contact}: {errors:?}, peak {:.6e} N", episode.peak_force);
         assert!(errors.iter().all(|error| error.abs() < 1e-8), "{contact}: {errors:?}");
-        // The peak lies between steps: (π/1000)²/8 of it.
+        // The peak lies between two steps: (π/1000)²/8 of it is missed.
         let peak = stiffness * way.powf(exponent);
         assert!((episode.peak_force / peak - 1.0).abs() < 2e-6, "{} {peak}", episode.peak_force);
         if exponent == 1.0 {
@@ -79,7 +80,8 @@ fn a_mass_on_a_wall(session: &Session) {
     }
 }
 
-/// d (v + v′) = ln((1 + d v)/(1 − d v′)) for every law (K. H. Hunt & F. R. E. Crossley, J. Appl. Mech. 42, 1975): v′ from the damping d.
+/// The rebound speed v′ for the damping d: d (v + v′) = ln((1 + d v)/(1 − d v′)) for every law (K. H. Hunt & F. R. E.
+/// Crossley, J. Appl. Mech. 42, 1975).
 fn rebound(damping: f64) -> f64 {
     let (mut low, mut high) = (0.0, SPEED.min(1.0 / damping));
     for _ in 0..200 {
@@ -100,14 +102,14 @@ fn restitution_of_hunt_and_crossley(session: &Session) {
     for contact in laws {
         for damping in [0.01, 0.1, 1.0] {
             let contact = format!("{contact}damping = {damping}\n");
-            // Whole contacts: the softest takes 0.09 s.
+            // The run contains the whole contact: the softest takes 0.09 s.
             let text = scene("model = \"half-space\"", &contact, "[time]\nend = 0.2\n[accuracy]\ntolerance = 1e-6\n");
             let ran = run(&session.world(), &text);
             let last = ran.steps.last().unwrap();
             let (found, exact) = (-last.impactor.velocity / SPEED, rebound(damping) / SPEED);
             let lost = 0.5 * MASS * SPEED * SPEED * (1.0 - found * found);
             println!("  d = {damping}: restitution {found:.8}, {exact:.8}; balance {:.1e}", imbalance(&ran));
-            // The steps are for 1e-6 of the force.
+            // The time steps have a tolerance of 1e-6 of the force.
             assert!((found - exact).abs() < 2e-6, "{contact}: {found} and not {exact}");
             assert!((last.energy.dissipated / lost - 1.0).abs() < 1e-5, "{} {lost}", last.energy.dissipated);
             assert!(ran.steps.iter().all(|step| step.contact.force >= 0.0));
@@ -116,7 +118,8 @@ fn restitution_of_hunt_and_crossley(session: &Session) {
     }
 }
 
-/// A power of 3/2 with Hertz's k0 is Hertz's law: where its dent is taken out of a patch, and on a plate, to which it is added.
+/// A power law of 3/2 with Hertz's k0 equals Hertz's law: on a solid, where the dent is removed from the patch, and on
+/// a plate, where it is added.
 fn a_power_of_three_halves_is_hertz(session: &Session) {
     for (body, time) in [
         ("model = \"solid\"\nreduction = 12\ncells = [6, 6, 1]", "end = 1e-3\nstep = 1e-5\n"),
@@ -130,14 +133,14 @@ fn a_power_of_three_halves_is_hertz(session: &Session) {
         assert_eq!(hertz.steps.len(), power.steps.len());
         let (off, _) = hertz.difference(&power);
         println!("  {body}: {off:.1e}");
-        // Rounding of another formula, through a stiff contact.
+        // Rounding of another formula, amplified by a stiff contact.
         assert!(off < 1e-9, "{body}: {off:e}");
         assert!(hertz.peak() > 0.0);
     }
 }
 
-/// A pane on springs under a damped contact: Newmark's, the generalised-α and the energy scheme and the central difference tend to the
-/// history that modal coordinates give, with the order of their steps.
+/// A pane on springs with a damped contact: Newmark's method, generalised-α, the energy scheme and the central
+/// difference method converge to the time history of modal coordinates, with the order of their time steps.
 fn every_scheme_converges_to_the_same_history(session: &Session) {
     let support = "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e7\n";
     let contact = "law = \"power\"\nstiffness = 1e6\nexponent = 1.2\ndamping = 0.1";
@@ -145,27 +148,28 @@ fn every_scheme_converges_to_the_same_history(session: &Session) {
         let time = format!("{support}[time]\nend = 0.02\n{time}");
         run(&session.world(), &scene(body, contact, &time))
     };
-    // Of vibrations that all steps resolve.
+    // The body has only vibrations that all time steps resolve.
     let body = "model = \"mindlin\"\nreduction = 2\ncells = [4, 4, 1]";
     let modal = at(body, "step = 2e-5");
     for scheme in ["newmark", "generalized-alpha", "energy"] {
         let off = |step: f64| at(body, &format!("scheme = \"{scheme}\"\nstep = {step:e}")).difference(&modal).0;
         let (coarse, fine) = (off(2e-4), off(1e-4));
         println!("  {scheme}: {coarse:.1e}, {fine:.1e}, order {:.2}", (coarse / fine).log2());
-        // Second order, but for the next term of the error.
+        // Second order, reduced by the next term of the error.
         assert!((coarse / fine).log2() > 1.9 && fine < 5e-4, "{scheme}: {coarse:e} {fine:e}");
     }
-    // The full Newton step has the condensed one's solution.
+    // The full Newton's method has the solution of the condensed one.
     let solid = |rest: &str, time: &str| {
         at("model = \"solid\"\nreduction = \"none\"\norder = 1\ncells = [4, 4, 1]", &format!("{time}\n{rest}"))
     };
     let condensed = solid("", "scheme = \"newmark\"\nstep = 1e-4");
     let full = solid("[solver]\nnewton = \"full\"\n", "scheme = \"newmark\"\nstep = 1e-4");
-    // Newton's tolerance of 1e-10 of the largest force.
+    // Newton's tolerance is 1e-10 of the largest force.
     assert!(condensed.difference(&full).1 < 1e-7, "{:?}", condensed.difference(&full));
 }
 
-/// The energy scheme keeps energy and what was dissipated to rounding; the others say what they make.
+/// The energy scheme conserves the total plus dissipated energy to rounding; the other schemes report their numerical
+/// energy.
 fn energy_is_kept_or_dissipated(session: &Session) {
     let table = format!("law = \"table\"\ntable = {}\n", points(5e5, 1.3, 0.2, 20));
     for contact in ["law = \"hertz\"\n", "law = \"power\"\nstiffness = 1e6\nexponent = 1.2\n", &table] {
@@ -194,7 +198,8 @@ fn energy_is_kept_or_dissipated(session: &Session) {
     }
 }
 
-/// Beyond the end of its table a law is not known: the step that comes there is refused, in all ways to move.
+/// Beyond the end of its table a law is undefined: the step that reaches the end is refused, with every time
+/// integration.
 fn a_run_ends_where_its_table_does(session: &Session) {
     use ricochet::model::{Model, Simulation};
     let contact = format!("law = \"table\"\ntable = {}", points(5e4, 1.0, 0.05, 5));

@@ -1,4 +1,5 @@
-//! The vector a: where the body is loaded and read, and what it makes of the Newton matrix.
+//! The localisation vector a (contact force vector): its entries, the displacement it measures, and its term in the
+//! Newton matrix.
 
 use crate::bricks;
 use crate::field;
@@ -22,8 +23,9 @@ pub const TESTS: &[Test<Session>] =
 const SIZE: [f64; 3] = [0.4, 0.3, 0.1];
 const CELLS: [usize; 3] = [4, 3, 2];
 
-/// Impact point, direction (of any length), and nodes with a weight that is not zero: hexahedra of order 1 and 2, tetrahedra of
-/// order 1 and 2. Bricks are 0.1 × 0.1 × 0.05 m; their faces' diagonals run from the least to the largest corner.
+/// Impact point, direction (of any length), and the numbers of nodes with a non-zero weight: for hexahedra of order 1
+/// and 2, tetrahedra of order 1 and 2. Bricks are 0.1 × 0.1 × 0.05 m; the diagonals of their faces run from the
+/// smallest to the largest corner.
 type Hit = (&'static str, [f64; 3], [f64; 3], [usize; 4]);
 const HITS: [Hit; 10] = [
     ("vertex", [0.0, 0.05, 0.05], [0.0, 0.0, -1.0], [1, 1, 1, 1]),
@@ -38,7 +40,7 @@ const HITS: [Hit; 10] = [
     ("corner", [0.2, 0.15, 0.05], [-1.0, -1.0, -1.0], [1, 1, 1, 1]),
 ];
 
-/// One kind of element on the body: its number in [`HITS`], and the lines of the scene.
+/// One kind of element for the body: its number in [`HITS`], and the lines of the scene.
 struct Kind {
     number: usize,
     geometry: String,
@@ -68,7 +70,7 @@ fn unit(direction: [f64; 3]) -> [f64; 3] {
     direction.map(|d| d / length)
 }
 
-/// A field of the second degree, and its part of the first.
+/// A field of second degree; its linear part is `linear`.
 fn quadratic([x, y, z]: [f64; 3]) -> [f64; 3] {
     let [a, b, c] = linear([x, y, z]);
     [a + 3.0 * x * y - z * z, b + x * x - 2.0 * y * z, c + y * y + x * z + 5.0 * x * x]
@@ -78,8 +80,8 @@ fn linear([x, y, z]: [f64; 3]) -> [f64; 3] {
     [0.3 + x - 2.0 * y + 0.5 * z, -0.2 + 0.7 * x + y - z, 0.1 - x + 0.4 * y + 3.0 * z]
 }
 
-/// a sums to d over the nodes, has its support on the facet, edge or vertex of the point, and reads the fields of its degree
-/// exactly.
+/// a sums to d over the nodes, is non-zero only on the facet, edge or vertex of the impact point, and gives the exact
+/// value of fields of its degree.
 fn entries_and_fields(session: &Session) {
     let world = session.world();
     let folder = tempfile::tempdir().unwrap();
@@ -95,7 +97,7 @@ fn entries_and_fields(session: &Session) {
                 a.dot(&field).unwrap()
             };
             let along = |u: [f64; 3]| u.iter().zip(d).map(|(u, d)| u * d).sum::<f64>();
-            // Fields are of size one, a has at most 27 entries: rounding is some 1e-16 each.
+            // Fields are of size one, and a has at most 27 entries: rounding is some 1e-16 each.
             for (field, expected) in [
                 (reading(|_| [1.0, 0.0, 0.0]), d[0]),
                 (reading(|_| [0.0, 1.0, 0.0]), d[1]),
@@ -108,7 +110,7 @@ fn entries_and_fields(session: &Session) {
             if kind.order == 2 {
                 assert!((read - expected).abs() < 1e-14, "{name}: {read} instead of {expected}");
             }
-            // A weight that vanishes does so up to rounding of the point's place in the facet.
+            // A weight that should be zero is so up to the rounding of the point's position in the facet.
             let entries = impact.body().localization.entries.iter().filter(|(_, value)| value.abs() > 1e-14).count();
             let components = d.iter().filter(|d| **d != 0.0).count();
             // All ranks have all entries.
@@ -130,7 +132,7 @@ fn sum(comm: &Comm, value: usize) -> usize {
     all
 }
 
-/// |a| and the series, against what each rank computes alone.
+/// |a| and the series are compared with those that each rank computes alone.
 fn the_same_on_all_numbers_of_ranks(session: &Session) {
     let folder = tempfile::tempdir().unwrap();
     let answer = |comm: &Comm, text: &str| {
@@ -157,7 +159,7 @@ fn the_same_on_all_numbers_of_ranks(session: &Session) {
                 let difference = |(one, other): (&[f64; 3], &[f64; 3])| (one[column] - other[column]).abs() / peak;
                 let error = series.iter().zip(&alone).map(difference).fold(0.0, f64::max);
                 worst = worst.max(error);
-                // Sums in another order, amplified by bending: the reference solutions give up to 6e-9 for theirs.
+                // Sums in another order, amplified by bending: for the reference solutions this is up to 6e-9.
                 assert!(error < 1e-7, "{name}, element {}, column {column}: {error:e}", kind.number);
             }
         }
@@ -167,7 +169,7 @@ fn the_same_on_all_numbers_of_ranks(session: &Session) {
     }
 }
 
-/// The fault of a scene that shows on the mesh.
+/// The fault of a scene that is found with its mesh.
 fn fault(comm: &Comm, text: &str) -> ricochet::scene::Fault {
     let (scene, _) = Scene::parse("test", text, &[]).unwrap_or_else(|error| panic!("{error}"));
     let mesh = Mesh::new(comm, &scene.body).unwrap();
@@ -186,7 +188,7 @@ fn points_and_directions_refused(session: &Session) {
         let file = folder.path().join("body.msh");
         std::fs::write(&file, bricks::bricks(shape, SIZE, CELLS, 0.1)).unwrap();
         let kind = Kind { number: 0, geometry: format!("mesh = {file:?}"), order: 2 };
-        // Above a face, beyond an edge, beyond a corner, and within the body.
+        // Above a face, beyond an edge, beyond a corner, and inside the body.
         for (point, nearest) in [
             ([0.03, 0.02, 0.0623], [0.03, 0.02, 0.05]),
             ([0.23, 0.02, 0.09], [0.2, 0.02, 0.05]),
@@ -198,21 +200,21 @@ fn points_and_directions_refused(session: &Session) {
             assert!(fault.everywhere);
             let distance = (0..3).map(|i| (point[i] - nearest[i]).powi(2)).sum::<f64>().sqrt();
             let told: f64 = number_after(&fault.message, "point is ");
-            // Three digits of it are promised.
+            // The message promises three digits.
             assert!((told / distance - 1.0).abs() < 1e-3, "{point:?}: {told} instead of {distance}: {fault}");
             let [x, y, z] = nearest;
             let shown = format!("[{x:.9}, {y:.9}, {z:.9}]");
             // Rounding may put a sign before a zero.
             assert!(fault.help.replace("-0.000000000", "0.000000000").contains(&shown), "{}: {shown}", fault.help);
         }
-        // Out of the body, and along its surface.
+        // Directions out of the body, and along its surface.
         for direction in [[0.0, 0.0, 1.0], [0.3, 0.0, 0.1], [1.0, 0.0, 0.0]] {
             let fault = fault(&world, &scene(&kind, [0.03, 0.02, 0.05], direction, 0.0));
             assert_eq!(fault.key, "impactor.direction", "{direction:?}");
             assert!(fault.help.contains("-1.000000"), "the inward normal is told: {}", fault.help);
         }
     }
-    // A box is looked at before it is meshed.
+    // A box is checked before it is meshed.
     let boxed = &kinds(folder.path())[0];
     for (point, direction, key) in [
         ([0.0, 0.0, 0.06], down, "impact point is 1.00e-2 m away"),
@@ -228,7 +230,8 @@ fn number_after(text: &str, mark: &str) -> f64 {
     rest.split(' ').next().and_then(|word| word.parse().ok()).unwrap_or_else(|| panic!("{text}"))
 }
 
-/// The Newton matrix as PETSc solves with it: its difference to that of a step without contact is F′ââᵀ, entry by entry.
+/// The Newton matrix that PETSc solves with: its difference from the matrix of a step without contact is F′ââᵀ, entry
+/// by entry.
 fn newton_matrix(session: &Session) {
     const VIEW: &str = "-ksp_view_mat";
     let world = session.world();
@@ -236,12 +239,12 @@ fn newton_matrix(session: &Session) {
     for kind in kinds(folder.path()) {
         let file = folder.path().join(format!("jacobian-{}", kind.number));
         options::set(session, VIEW, &format!("binary:{}", file.display())).unwrap();
-        // The gap closes in the third step. A body force makes every step solve.
+        // The gap closes in the third time step. A body force ensures that every step needs a solve.
         let text = scene(&kind, [0.07, 0.03, 0.05], [0.3, -0.4, -1.0], 2.5e-5)
             .replace("end = 4e-4\nstep = 2e-5", "end = 1e-5\nstep = 1e-5");
         let (_, mut impact) = start(&world, &(text.clone() + "[load]\nbody_force = [0.0, 0.0, -1e5]\n"));
         options::clear(session, VIEW).unwrap();
-        // For each step: how many matrices were solved with before it, and δ at Newton's first guess.
+        // For each time step: the number of matrices before it, and δ at Newton's first guess.
         let firsts: Vec<(usize, f64)> = (0..8)
             .map(|_| {
                 let first = (impact.count.iterations, guessed_approach(&impact, 2.5e-5, 1e-5));
@@ -272,7 +275,7 @@ fn newton_matrix(session: &Session) {
                 let expected = tangent * hat[place.0] * hat[place.1];
                 met += usize::from(hat[place.0] * hat[place.1] != 0.0);
                 let error = (value - without - expected).abs();
-                // F′ has the rounding of δ, the difference that of the entries.
+                // F′ has the rounding of δ, and the difference has the rounding of the entries.
                 assert!(error <= 1e-9 * expected.abs() + 1e-15 * largest, "{place:?}: {error:e} from {expected:e}");
             }
             assert_eq!(met, coupled * coupled, "the whole of the block");
@@ -281,7 +284,8 @@ fn newton_matrix(session: &Session) {
     }
 }
 
-/// δ with u and q moved on for a step at constant acceleration: where Newton's method starts. Collective.
+/// Approach δ with u and q advanced by one time step at constant acceleration, the starting point of Newton's method.
+/// Collective.
 fn guessed_approach(impact: &SteppedImpact, gap: f64, step: f64) -> f64 {
     let state = impact.state();
     let a = &impact.body().localization.vector;
@@ -291,18 +295,18 @@ fn guessed_approach(impact: &SteppedImpact, gap: f64, step: f64) -> f64 {
     moved(state.q.position, state.q.velocity, state.q.acceleration) - gap - moved(u, v, acceleration)
 }
 
-/// a as a whole on rank 0, nothing on the others. Collective.
+/// The whole vector a on rank 0, nothing on the others. Collective.
 fn whole(impact: &SteppedImpact) -> Vec<f64> {
     let a = &impact.body().localization.vector;
     let indices: Vec<Int> = if a.comm().is_root() { (0..a.len() as Int).collect() } else { Vec::new() };
     Gather::new(a, &indices).unwrap().fetch(a).unwrap().to_vec()
 }
 
-/// A matrix's places (row, column) and values.
+/// Positions (row, column) and values of a matrix.
 type Entries = Vec<((usize, usize), f64)>;
 
-/// The matrices in a file of PETSc's binary format: a mark, rows, columns, number of entries; entries of each row, columns,
-/// values; big-endian.
+/// The matrices in a file of PETSc's binary format, which has: a mark, numbers of rows, of columns and of entries;
+/// number of entries in each row, columns, values; big-endian.
 fn stored(file: &Path) -> Vec<Entries> {
     const MARK: usize = 1_211_216;
     let bytes = std::fs::read(file).unwrap();

@@ -1,4 +1,4 @@
-//! The vector a of a patch: Hertz's pressure over a disc of the surface.
+//! The localisation vector a of a contact patch: Hertz's pressure over a disc of the surface.
 
 use crate::bricks;
 use mpi_test::{Test, tests};
@@ -23,8 +23,8 @@ pub const TESTS: &[Test<Session>] = tests![
     the_half_space_is_taken_out
 ];
 
-/// A flat face of a body: its centre, two unit vectors along it, right-handed about its outward normal, with the room
-/// that there is, and whether its facets are affine.
+/// A flat face of a body: its centre, two unit vectors along it (right-handed with the outward normal), the room in
+/// these directions, and whether its facets are affine.
 struct Face {
     name: &'static str,
     geometry: String,
@@ -71,7 +71,7 @@ fn faces(folder: &Path) -> Vec<Face> {
         },
         Face {
             centre: [0.0, 0.0, 0.01],
-            // A square within the polygon that is its rim.
+            // A square inside the polygon of the disc's rim.
             room: [0.17, 0.17],
             ..face("disc.msh", format!("mesh = {:?}", sample("disc.msh")), false)
         },
@@ -83,7 +83,7 @@ fn faces(folder: &Path) -> Vec<Face> {
     ]
 }
 
-/// Numbers in (0, 1) that look random (SplitMix64), the same on all ranks.
+/// Pseudo-random numbers in (0, 1) (SplitMix64), the same on all ranks.
 struct Random(u64);
 
 impl Random {
@@ -107,7 +107,7 @@ fn combine(terms: &[(f64, [f64; 3])]) -> [f64; 3] {
     [0, 1, 2].map(|i| terms.iter().map(|(factor, x)| factor * x[i]).sum())
 }
 
-/// A field of the second degree, and its part of the first.
+/// A field of second degree; its linear part is `linear`.
 fn quadratic([x, y, z]: [f64; 3]) -> [f64; 3] {
     let [a, b, c] = linear([x, y, z]);
     [a + 3.0 * x * y - z * z, b + x * x - 2.0 * y * z, c + y * y + x * z + 5.0 * x * x]
@@ -117,8 +117,8 @@ fn linear([x, y, z]: [f64; 3]) -> [f64; 3] {
     [0.3 + x - 2.0 * y + 0.5 * z, -0.2 + 0.7 * x + y - z, 0.1 - x + 0.4 * y + 3.0 * z]
 }
 
-/// ∫p = 1, ∫p x = 0, ∫p x² = r²/5 by the reading of fields, for centres anywhere and radii from a hundredth of a cell
-/// to the whole face, hit from all directions.
+/// ∫p = 1, ∫p x = 0 and ∫p x² = r²/5, measured with fields, for centres anywhere, radii from a hundredth of a cell to
+/// the whole face, and all directions of impact.
 fn totals_and_moments(session: &Session) {
     let world = session.world();
     let folder = tempfile::tempdir().unwrap();
@@ -156,7 +156,7 @@ fn totals_and_moments(session: &Session) {
                     let mean = dot(d, quadratic(point)) + radius * radius / 10.0 * (second[0] + second[1]);
                     error = error.max((reading(&mesh, &a, quadratic) - mean).abs());
                 }
-                // Gmsh's coordinates are good to 1e-11: the top of a mesh is flat to that.
+                // Gmsh writes coordinates to 1e-11, so the top of a mesh is flat to that.
                 assert!(error < 1e-10, "{name}: {error:e}");
                 worst = worst.max(error);
                 assert_eq!(a.patch.unwrap().reason, Reason::Scene);
@@ -169,8 +169,8 @@ fn totals_and_moments(session: &Session) {
     }
 }
 
-/// A field with a kink along an edge of the mesh, |x − x_edge|, is read as r (3/8 + 3/4 e² − e⁴/8) with the edge at e
-/// r from the centre: smooth in e, unlike a point's reading, also where the edge is a hair away.
+/// A field with a kink along an edge of the mesh, |x − x_edge|, has the average r (3/8 + 3/4 e² − e⁴/8), where the edge
+/// is at a distance e r from the centre. It is smooth in e, unlike a point value, also if the edge is very close.
 fn an_edge_under_the_patch(session: &Session) {
     let world = session.world();
     for cells in [[8, 6, 2], [80, 6, 2]] {
@@ -183,7 +183,7 @@ fn an_edge_under_the_patch(session: &Session) {
                 let e = (scene.impactor.point[0] - 0.1) / radius;
                 let found = reading(&mesh, &a, |[x, ..]| [0.0, 0.0, -(x - 0.1).abs()]);
                 let expected = radius * (0.375 + 0.75 * e * e - e.powi(4) / 8.0);
-                // Entries are good to 1e-13, and read values of up to 0.1.
+                // Entries are accurate to 1e-13, and the values are up to 0.1.
                 assert!((found - expected).abs() < 2e-14, "{cells:?}, r = {radius}, e = {e}: {found} {expected}");
             }
         }
@@ -191,7 +191,7 @@ fn an_edge_under_the_patch(session: &Session) {
     }
 }
 
-/// Component, place (in 1e-7 m) and value of all entries, sorted. Collective.
+/// Component, position (in 1e-7 m) and value of all entries, sorted. Collective.
 fn by_place(mesh: &Mesh, a: &Localization) -> Vec<([i64; 4], f64)> {
     let (mut nodes, mut places) = (Vec::new(), Vec::new());
     for facet in 0..mesh.facets.len() {
@@ -224,25 +224,25 @@ fn the_same_on_all_numbers_of_ranks(session: &Session) {
             let mut scene = scene(&face.geometry, order, face.centre);
             scene.impactor.direction = combine(&[(-0.8, normal), (0.6, face.along[0])]);
             let meshes = [&world, &alone].map(|comm| Mesh::new(comm, &scene.body).unwrap());
-            // At the centre, which may be a vertex, and off it.
+            // At the centre, which may be a vertex, and away from it.
             for (shift, part) in [(0.0, 0.5), (0.237, 0.3), (0.5, 0.02)] {
                 scene.impactor.point = combine(&[(1.0, face.centre), (shift * face.room[1], face.along[1])]);
                 let radius = part * (1.0 - shift) * face.room[0].min(face.room[1]);
                 let [a, b] = [&meshes[0], &meshes[1]].map(|mesh| {
                     Localization::patch(mesh, &scene, Some(radius)).unwrap_or_else(|e| panic!("{name}: {e}"))
                 });
-                // Every rank has the same list, ascending, to the last bit.
+                // Every rank has the same ascending list, to the last bit.
                 let (indices, values): (Vec<_>, Vec<f64>) = a.entries.iter().copied().unzip();
                 assert!(indices.is_sorted_by(|one, next| one < next), "{name}");
                 assert_eq!(world.all_gather(&indices), indices.repeat(world.size()), "{name}");
                 assert_eq!(world.all_gather(&values), values.repeat(world.size()), "{name}");
-                // It is the vector.
+                // The list equals the vector.
                 let begin = a.vector.range().start as usize;
                 let mut dense = vec![0.0; a.vector.len()];
                 a.entries.iter().for_each(|(index, value)| dense[*index as usize] = *value);
                 let here = a.vector.read().unwrap();
                 assert_eq!(here[..], dense[begin..begin + here.len()], "{name}");
-                // And the one of a single rank, but for the order of sums.
+                // It also equals the list on a single rank, except for the order of sums.
                 let [lists, expected] = [(&meshes[0], &a), (&meshes[1], &b)].map(|(mesh, a)| by_place(mesh, a));
                 let large = |list: &[([i64; 4], f64)]| -> Vec<[i64; 4]> {
                     list.iter().filter(|(_, value)| value.abs() > 1e-12).map(|(place, _)| *place).collect()
@@ -252,7 +252,7 @@ fn the_same_on_all_numbers_of_ranks(session: &Session) {
                 let (lists, expected) = (sum(&lists), sum(&expected));
                 for (place, value) in &lists {
                     let other = expected.get(place).copied().unwrap_or(0.0);
-                    // A facet's vertices may start elsewhere: the quadrature's 1e-13.
+                    // The vertices of a facet may start at another one: the quadrature's error is 1e-13.
                     assert!((value - other).abs() < 1e-12, "{name}: {value:e} and {other:e} at {place:?}");
                 }
                 assert_eq!(a.compliance, b.compliance);
@@ -262,7 +262,8 @@ fn the_same_on_all_numbers_of_ranks(session: &Session) {
     }
 }
 
-/// A quarter about the impact point: the corner of a box carries a quarter of the disc, and a is made to sum to d.
+/// A quarter disc at the impact point: the corner of a box carries a quarter of the disc, and a is scaled so that it
+/// sums to d.
 fn a_quarter(session: &Session) {
     let world = session.world();
     let mut scene = scene(&boxed(SIZE, [8, 6, 2]), 2, [0.2, 0.15, 0.05]);
@@ -273,20 +274,20 @@ fn a_quarter(session: &Session) {
     let a = Localization::patch(&mesh, &scene, Some(radius)).unwrap();
     let total: f64 = a.entries.iter().map(|(_, value)| value).sum();
     assert!((total + 1.0).abs() < 1e-14, "{total}");
-    // The first moment of a quarter is 3/32 r a quarter, 3/8 r in the mean.
+    // The first moment of a quarter is 3/32 r for a quarter of the force, so 3/8 r on average.
     let found = reading(&mesh, &a, |[x, y, _]| [0.0, 0.0, -(0.2 - x) - 2.0 * (0.15 - y)]);
     assert!((found - 9.0 / 8.0 * radius).abs() < 1e-13, "{found}");
     let compliance = 4.0 * 0.6 * (1.0 - POISSON * POISSON) / (YOUNG * radius);
     assert!((a.compliance / compliance - 1.0).abs() < 1e-14);
     // The thickness along the edge where the two planes of symmetry meet.
     assert!((a.patch.unwrap().thickness - 0.1).abs() < 1e-14);
-    // A patch with no room on the quarter has none on the whole.
+    // A patch without room on the quarter has none on the whole.
     scene.impactor.point = [0.2, 0.14, 0.05];
     assert!(refused(&mesh, &scene, Some(radius)).message.contains("within the patch"));
 }
 
-/// On a block the static aᵀK⁻¹a changes with the radius as c_l does, so that their difference is the block's own:
-/// along the normal and, with the part along the surface, aslant.
+/// On a solid block, the static aᵀK⁻¹a changes with the patch radius like c_l, so their difference depends on the block
+/// only: for an impact along the normal, and for an oblique one with its tangential part.
 fn the_half_space_is_taken_out(session: &Session) {
     let world = session.world();
     let mut scene = scene(&boxed([0.48, 0.48, 0.24], [12, 12, 6]), 2, [0.0, 0.0, 0.12]);
@@ -314,8 +315,8 @@ fn the_half_space_is_taken_out(session: &Session) {
                 (a.vector.dot(&u).unwrap(), a.compliance)
             });
             let ratio = (small.0 - large.0) / (small.1 - large.1);
-            // 3% with these cells, of 2/3 and 1/2 of the radius, 2% with cells of 3/4 of that; aslant, the normal's c_l
-            // alone is 9% less.
+            // 3% with these cells, of 2/3 and 1/2 of the radius; 2% with cells of 3/4 of that size. For an oblique
+            // impact, the c_l of the normal alone would be 9% smaller.
             assert!((ratio - 1.0).abs() < 0.035, "{direction:?} at {point:?}: {ratio}");
         }
     }

@@ -1,4 +1,4 @@
-//! The radius of a patch: what decides it, and which are refused.
+//! Choice of the patch radius, and radii that are refused.
 
 use crate::bricks;
 use crate::patches;
@@ -14,7 +14,7 @@ pub const RANKS: &[usize] = &[1, 2];
 pub const TESTS: &[Test<Session>] =
     tests![radius_chosen, patches_without_room, other_parts_of_the_surface, negative_stiffness_refused];
 
-/// What decides the radius, and what is told of the place.
+/// The reason for the chosen radius, and the reported local geometry.
 fn radius_chosen(session: &Session) {
     let world = session.world();
     let folder = tempfile::tempdir().unwrap();
@@ -43,11 +43,11 @@ fn radius_chosen(session: &Session) {
         let patch = a.patch.unwrap();
         let name = format!("{point:?}: {patch:?}");
         assert_eq!(patch.reason, reason, "{name}");
-        // Coordinates turned and read back.
+        // Rounding of rotated coordinates that were written and read.
         assert!((patch.thickness / thickness - 1.0).abs() < 1e-11, "{name}");
         let (cell, radius) = if cell.is_nan() { (patch.cell, 2.0 * patch.cell) } else { (cell, radius) };
         assert!((patch.cell / cell - 1.0).abs() < 1e-11 && (patch.radius / radius - 1.0).abs() < 1e-11, "{name}");
-        // (3/5)(1−ν²)/(E r), as the impact is along the normal up to rounding.
+        // (3/5)(1−ν²)/(E r), since the impact is along the normal up to rounding.
         let compliance = 0.6 * (1.0 - POISSON * POISSON) / (YOUNG * radius);
         assert!((a.compliance / compliance - 1.0).abs() < 1e-11, "{name}: {}", a.compliance);
         assert!((patch.error() / (0.025 * (radius / thickness).powi(2)) - 1.0).abs() < 1e-10, "{name}");
@@ -56,7 +56,8 @@ fn radius_chosen(session: &Session) {
     }
 }
 
-/// The share on the surface beside a straight edge at the distance e r is 1/2 + 3/4 (e − e³/3).
+/// Patches without enough room are refused. The part of a patch on the surface next to a straight edge, at the distance
+/// e r, is 1/2 + 3/4 (e − e³/3).
 fn patches_without_room(session: &Session) {
     let world = session.world();
     let folder = tempfile::tempdir().unwrap();
@@ -72,9 +73,9 @@ fn patches_without_room(session: &Session) {
             let fault = refused(&mesh, &scene, Some(radius));
             assert!(fault.message.contains(&share), "{share}: {fault}");
         }
-        // A disc that touches the edge has room, as has the default where it is made smaller.
+        // A disc that touches the edge has room, and so has the default radius, which is reduced.
         assert!(Localization::patch(&mesh, &scene, Some(0.029 * (1.0 - 1e-12))).is_ok());
-        // Off every edge but by less than any patch.
+        // Points so close to an edge that no patch fits.
         for place in [[0.2, 0.013], [0.2, 0.15], [0.2 - 1e-9, 0.0]] {
             scene.impactor.point = [place[0], place[1], 0.05];
             let fault = refused(&mesh, &scene, None);
@@ -84,14 +85,15 @@ fn patches_without_room(session: &Session) {
     }
 }
 
-/// Three cubes in the form of an L: the step below is not under the patch, though it looks the same way.
+/// Three cubes in the form of an L: the surface of the lower step does not belong to the patch, though it has the same
+/// normal.
 fn other_parts_of_the_surface(session: &Session) {
     let world = session.world();
     let folder = tempfile::tempdir().unwrap();
     // Nodes (i, j, k) of x = 0…2, y = 0…1, z = 0…2.
     let number = |i: usize, j: usize, k: usize| 1 + i + 3 * (j + 2 * k);
     let nodes: String = (0..18).map(|n| format!("{} {} {} {}\n", n + 1, n % 3, n / 3 % 2, n / 6)).collect();
-    // The corner above the step is no node.
+    // The corner above the step is not a node.
     let nodes: String = nodes
         .lines()
         .filter(|line| !line.ends_with("2 0 2") && !line.ends_with("2 1 2"))
@@ -116,12 +118,12 @@ fn other_parts_of_the_surface(session: &Session) {
     let fault = refused(&mesh, &scene, Some(0.4));
     assert!(fault.message.contains(&share(0.5)), "{fault}");
     assert_eq!(Localization::patch(&mesh, &scene, Some(0.2)).unwrap().patch.unwrap().thickness, 2.0);
-    // On the step, where the wall beside it is no surface to hit.
+    // On the step next to the wall, which is not part of the surface that is hit.
     scene.impactor.point = [1.2, 0.5, 1.0];
     let fault = refused(&mesh, &scene, Some(0.4));
     assert!(fault.message.contains(&share(0.5)), "{fault}");
     assert_eq!(Localization::patch(&mesh, &scene, Some(0.2)).unwrap().patch.unwrap().thickness, 1.0);
-    // Across a ridge of the disc's rim: all of the patch is there, evenly above and below.
+    // Across a ridge of the disc's rim: the whole patch is on the surface, evenly above and below.
     let mut scene = patches::scene(&format!("mesh = {:?}", sample("disc.msh")), 2, [0.25, 0.0, 0.0]);
     scene.impactor.direction = [-1.0, 0.0, 0.0];
     let mesh = Mesh::new(&world, &scene.body).unwrap();
@@ -129,7 +131,8 @@ fn other_parts_of_the_surface(session: &Session) {
     assert!(reading(&mesh, &a, |[_, _, z]| [z, 0.0, 0.0]).abs() < 1e-15);
 }
 
-/// r_p > 1.2 (E*/E′) √(R α) for the half-space's α is the limit told; what even a plate would break is refused.
+/// The reported limit is r_p > 1.2 (E*/E′) √(R α) with the half-space's α. A radius that is too small even for a plate
+/// is refused.
 fn negative_stiffness_refused(session: &Session) {
     let world = session.world();
     let mut scene = scene(&boxed([0.4, 0.4, 0.02], [40, 40, 2]), 1, [0.0, 0.0, 0.01]);
@@ -144,17 +147,17 @@ fn negative_stiffness_refused(session: &Session) {
     let alpha = (1.25 * 52.0 / scene.impactor.stiffness).powf(0.4);
     let limit = 1.2 * combined / plane1 * (radius * alpha).sqrt();
     let patch = |r| Localization::patch(&mesh, &scene, r).unwrap().patch.unwrap();
-    // Fine cells would leave the contact to decide: 1.25 limits are more than h/4 here.
+    // With fine cells the contact would determine the radius: here 1.25 times the limit is more than h/4.
     assert!((patch(None).limit_radius / limit - 1.0).abs() < 1e-12);
     assert!(1.25 * limit > 0.005 && patch(None).reason == Reason::Cells);
     assert!(!patch(Some(1.001 * limit)).is_critical() && patch(Some(0.999 * limit)).is_critical());
-    // On a plate the indentation is less: the radius may be smaller by the root of that.
+    // On a plate the indentation is smaller, so the radius may be smaller by the square root of that ratio.
     let refusal = refused(&mesh, &scene, Some(0.3 * limit));
     let least: f64 = refusal.message.split("about ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     assert!(least < 0.7 * limit && least > 0.3 * limit, "{least} of {limit}");
     assert!(patch(Some(1.001 * least)).is_critical());
     assert!(refusal.help.contains("localization = \"point\""), "{refusal}");
-    // A contact stiffness that no patch on this plate is large enough for.
+    // A contact stiffness for which no patch on this plate is large enough.
     scene.impactor.stiffness = 1e20;
     for radius in [None, Some(0.005), Some(0.19)] {
         let fault = refused(&mesh, &scene, radius);

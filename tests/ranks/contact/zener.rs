@@ -1,9 +1,10 @@
-//! Zener's plate: an impact that is over before any wave comes back from the edge, against the equation that has no edge.
+//! Zener's plate: an impact that is over before any wave returns from the edge is compared with the equation of an
+//! infinite plate.
 //!
-//! Zener's plate is Kirchhoff's. A solid tends to it where the contact is long against h/c_s, the time of a shear wave through
-//! the thickness, and more slowly the larger λ is: what deviates is the shear that Kirchhoff's theory neglects,
-//! a compliance of the order of 1/(E h) in series with the contact's. Measured, contact of 40, 80 and 160 h/c_s: 0.7, 0.2 and
-//! 0.2% of the peak force at λ = 0.1; 1.8, 0.6 and 0.3% at 0.3; 4.5, 2.4 and 0.9% at 1.
+//! Zener's plate follows Kirchhoff's theory. A solid approaches it if the contact is long compared with h/c_s, the time
+//! of a shear wave through the thickness, and more slowly for larger λ. The difference is the shear that Kirchhoff's
+//! theory neglects: a compliance of the order of 1/(E h) in series with the contact's. Measured for contacts of 40, 80
+//! and 160 h/c_s: 0.7, 0.2 and 0.2% of the peak force at λ = 0.1; 1.8, 0.6 and 0.3% at 0.3; 4.5, 2.4 and 0.9% at 1.
 
 use crate::glass::GLASS;
 use crate::start::{run, start};
@@ -16,14 +17,15 @@ use ricochet::form::Material;
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![the_equation_is_that_of_the_table, force_histories];
 
-/// Step of the equation in its own time.
+/// Time step of the equation, in its dimensionless time.
 const STEP: f64 = 1e-3;
 
 /// Thickness of the plates, m.
 const THICKNESS: f64 = 0.01;
 
-/// F = ⟨σ⟩^{3/2} at times n·STEP, from the touch until the separation, where it is zero: σ″ + (1 + λ d/dτ)⟨σ⟩^{3/2} = 0, σ(0) = 0,
-/// σ′(0) = 1, with w = σ′ + λ⟨σ⟩^{3/2} by the classical Runge–Kutta method. With the speed of separation.
+/// Force F = ⟨σ⟩^{3/2} at times n·STEP, from the touch until the separation, where it is zero, and the speed of
+/// separation. The equation σ″ + (1 + λ d/dτ)⟨σ⟩^{3/2} = 0, σ(0) = 0, σ′(0) = 1 is solved with w = σ′ + λ⟨σ⟩^{3/2} by
+/// the classical Runge–Kutta method.
 fn equation(lambda: f64) -> (Vec<f64>, f64) {
     let force = |s: f64| s.max(0.0).powf(1.5);
     let rates = |[s, w]: [f64; 2]| [w - lambda * force(s), -force(s)];
@@ -47,7 +49,7 @@ fn peak(values: &[f64]) -> f64 {
     values.iter().copied().fold(0.0, f64::max)
 }
 
-/// Restitution, peak force and contact time as published for this project's equation, to five digits.
+/// Restitution, peak force and contact time equal the published values for this project's equation, to five digits.
 fn the_equation_is_that_of_the_table(_: &Session) {
     for (lambda, restitution, force, time) in [
         (0.1, 0.84334, 1.03555, 3.27849),
@@ -57,26 +59,28 @@ fn the_equation_is_that_of_the_table(_: &Session) {
     ] {
         let (forces, speed) = equation(lambda);
         assert!((speed - restitution).abs() < 1e-5 && (peak(&forces) - force).abs() < 1e-5, "λ = {lambda}");
-        // The last step passes the end.
+        // The last step is after the end.
         assert!((STEP * (forces.len() - 1) as f64 - time).abs() < 2.0 * STEP, "λ = {lambda}");
     }
 }
 
-/// A plate with a contact of `length` h/c_s until the separation, quadratic cells graded from r_p/2 to the edge.
+/// A plate with a contact of duration `length` h/c_s until the separation. Quadratic cells are graded from r_p/2 at the
+/// centre to the edge.
 struct SteppedImpact {
     lambda: f64,
     length: f64,
-    /// Cells of half an edge.
+    /// Number of cells along half an edge.
     cells: usize,
-    /// Largest over smallest of them.
+    /// Ratio of the largest to the smallest cell.
     grading: f64,
-    /// Steps in the contact.
+    /// Number of time steps in the contact.
     steps: f64,
 }
 
 /// Largest error of the force up to the separation, over its peak.
 ///
-/// The plate's half edge is what a Rayleigh wave, the fastest that bends it, goes there and back in the contact; so no echo comes.
+/// Half an edge of the plate is so long that a Rayleigh wave, the fastest bending wave, needs the contact time to go
+/// there and back; so there is no reflection.
 fn error(comm: &Comm, impact: &SteppedImpact) -> f64 {
     let SteppedImpact { lambda, length, cells, grading, steps } = *impact;
     let (young, poisson, density) = GLASS;
@@ -126,7 +130,7 @@ fn error(comm: &Comm, impact: &SteppedImpact) -> f64 {
     largest
 }
 
-/// Within 1% of the peak until the separation for λ from 0.1 to 1, and the nearer the longer the contact.
+/// The error is within 1% of the peak until the separation for λ from 0.1 to 1, and smaller for longer contacts.
 fn force_histories(session: &Session) {
     let world = session.world();
     let long = [

@@ -1,4 +1,4 @@
-//! What the motion conserves: momentum, and energy where no contact is made.
+//! Conserved quantities of the motion: momentum, and energy without contact.
 
 use crate::bricks;
 use crate::field;
@@ -14,7 +14,7 @@ use ricochet::impact::step::Step;
 pub const RANKS: &[usize] = &[1, 2];
 pub const TESTS: &[Test<Session>] = tests![momentum, balance_of_energy];
 
-/// A scene: what is special in `body` and `rest` (supports and loads), in `impactor` and in `time`.
+/// A scene with further lines of `body`, of `impactor` and of `time`, and further tables `rest` (supports and loads).
 fn scene(body: &str, rest: &str, impactor: &str, time: &str) -> String {
     format!(
         "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsymmetry = \"none\"\n{body}\n{rest}\n\
@@ -23,8 +23,8 @@ fn scene(body: &str, rest: &str, impactor: &str, time: &str) -> String {
     )
 }
 
-/// Linear and angular momentum of body and impactor, along and about the axes: `rigid` are the six rigid motions, and `along` those
-/// of the impactor, d and x × d.
+/// Linear and angular momentum of body and impactor, along and about the axes. `rigid` are the six rigid motions;
+/// `along` is the impactor's part, d and x × d.
 fn momenta(impact: &SteppedImpact, rigid: &[Vector], mass: f64, along: [f64; 6]) -> [f64; 6] {
     let state = impact.state();
     let mut product = state.v.duplicate().unwrap();
@@ -32,8 +32,8 @@ fn momenta(impact: &SteppedImpact, rigid: &[Vector], mass: f64, along: [f64; 6])
     std::array::from_fn(|i| rigid[i].dot(&product).unwrap() + mass * state.q.velocity * along[i])
 }
 
-/// On a free body the impact exchanges momentum and keeps the sum, about a fixed point as well: K knows no rigid motion, and a
-/// loads and reads alike.
+/// On a free body the impact exchanges momentum and conserves its sum, also about a fixed point: K has no energy for
+/// rigid motions, and the localisation vector a is the same for force and displacement.
 fn momentum(session: &Session) {
     let world = session.world();
     let folder = tempfile::tempdir().unwrap();
@@ -43,7 +43,7 @@ fn momentum(session: &Session) {
         let path = folder.path().join("body.msh");
         std::fs::write(&path, bricks::bricks(shape, [0.4, 0.3, 0.1], [4, 3, 2], 0.15)).unwrap();
         let body = format!("mesh = {path:?}\norder = {order}");
-        // Off the centre, between nodes and oblique, so that nothing vanishes by symmetry.
+        // Off the centre, between nodes and oblique, so that nothing is zero because of symmetry.
         let (point, direction) = ([0.063, 0.041, 0.05], [0.48, -0.36, -0.8]);
         let impactor = format!("mass = 2.0\nspeed = 1.0\npoint = {point:?}\ndirection = {direction:?}");
         let (mesh, mut impact) = start(&world, &scene(&body, "", &impactor, "end = 1e-3\nstep = 5e-6"));
@@ -73,13 +73,14 @@ fn momentum(session: &Session) {
             );
         }
         assert!(last.contact.force == 0.0 && last.impactor.velocity < 0.5, "there was an impact, and it is over");
-        // Rounding of K u in 200 steps. A force of 1e-10 of the peak left in each step would do as little.
+        // Rounding of K u in 200 time steps. A residual of 1e-10 of the peak force in each step would have as small an
+        // effect.
         assert!(error < 1e-11, "{shape:?} of order {order}: {before:?} {after:?}");
     }
 }
 
-/// Without contact the average acceleration balances energy to rounding: total + dissipated − external stays, whatever
-/// supports and loads do.
+/// Without contact the average acceleration method balances energy to rounding: total + dissipated − external is
+/// constant for all supports and loads.
 fn balance_of_energy(session: &Session) {
     let world = session.world();
     let elastic = "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = [1e9, 2e9, 3e9]\n\
@@ -95,7 +96,7 @@ fn balance_of_energy(session: &Session) {
     ] {
         for order in [1, 2] {
             let body = format!("size = [0.4, 0.4, 0.1]\ncells = [3, 3, 2]\norder = {order}");
-            // A speed that adds next to nothing to the energy.
+            // A speed that adds almost nothing to the energy.
             let impactor = "mass = 1.0\nspeed = 1e-3\ngap = 1.0";
             let (_, mut impact) = start(&world, &scene(&body, &rest, impactor, "end = 2e-3\nstep = 1e-5"));
             let series = run(&mut impact);
@@ -114,7 +115,7 @@ fn balance_of_energy(session: &Session) {
             assert!(series.iter().all(|step| step.contact.force == 0.0), "{name}");
             let least = 1e-2 * first.energy.total;
             assert!(last.dissipated > least && external > least, "{name}: all terms count");
-            // Rounding in 200 steps of sums whose parts are some tens of the whole.
+            // Rounding in 200 time steps of sums whose parts are some ten times the total.
             assert!(drift < 1e-10, "{name}, order {order}: {drift:e}");
         }
     }

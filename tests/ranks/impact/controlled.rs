@@ -1,4 +1,4 @@
-//! Steps chosen by the error: they meet the tolerance, at less cost than steps of one size.
+//! Time steps chosen by the error: they meet the tolerance, at lower cost than fixed time steps.
 
 use crate::glass;
 use mpi_test::{Test, tests};
@@ -18,16 +18,16 @@ pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] =
     tests![the_tolerance_is_met_with_fewer_solves, an_interruption_between_steps_has_a_checkpoint];
 
-/// The paper's plate of 0.04 m on a coarse mesh: the error meant is that of the steps.
+/// The paper's plate of 0.04 m with a coarse mesh: only the error of the time steps matters here.
 const PLATE: &str = "size = [1.5, 1.5, 0.04]\ncells = [10, 10, 1]\ngrading = [8, 8, 1]";
 
-/// Whole run, s: three hits, free or on springs.
+/// End of the whole run, s: three contacts, free or on springs.
 const END: f64 = 0.02;
 
-/// Steps of the reference: so that it is off by some 3e-5 itself.
+/// Time step of the reference, s, whose own error is then some 3e-5.
 const FINE: f64 = 1e-6;
 
-/// The impactor's acceleration in the first contact, and what the run cost.
+/// The impactor's acceleration in the first contact, and the cost of the run.
 struct History {
     series: Vec<Step>,
     episodes: Vec<Episode>,
@@ -50,7 +50,7 @@ impl History {
         self.series.iter().map(|step| step.impactor.acceleration).fold(0.0, f64::max)
     }
 
-    /// Acceleration between the steps, m/s².
+    /// Acceleration interpolated between the time steps, m/s².
     fn at(&self, time: f64) -> f64 {
         let after = self.series.partition_point(|step| step.time < time).clamp(1, self.series.len() - 1);
         let [a, b] = [&self.series[after - 1], &self.series[after]];
@@ -58,7 +58,7 @@ impl History {
         a.impactor.acceleration * (1.0 - part) + b.impactor.acceleration * part
     }
 
-    /// Largest error over the peak at the steps within the reference's first contact.
+    /// Largest error over the peak, at the time steps within the reference's first contact.
     fn error(&self, reference: &Self) -> f64 {
         let first = reference.episodes[0];
         let within = self.series.iter().filter(|step| step.time <= first.end);
@@ -67,7 +67,8 @@ impl History {
     }
 }
 
-/// The error in the first contact is within the tolerance, and steps of one size that are as good need more solves over the run.
+/// The error in the first contact is within the tolerance, and fixed time steps with the same error need more solves in
+/// the run.
 fn the_tolerance_is_met_with_fewer_solves(session: &Session) {
     let world = session.world();
     for (stiffness, end) in [(0.0, 2e-3), (1e9, 3e-3)] {
@@ -82,7 +83,7 @@ fn the_tolerance_is_met_with_fewer_solves(session: &Session) {
         for tolerance in [1e-2, 1e-3] {
             let controlled = history(&world, stiffness, (END, &format!("[accuracy]\ntolerance = {tolerance:e}")));
             let error = controlled.error(&fine);
-            // The fixed step of the same error, on the line between two of the table in logarithms.
+            // The fixed step with the same error, by interpolation between two of the table in logarithms.
             let pair = fixed.windows(2).find(|pair| pair[1].1 <= error).expect("a fixed step that is as good");
             let slope = (pair[0].1 / pair[1].1).ln() / (pair[0].0 / pair[1].0).ln();
             let step = pair[1].0 * (error / pair[1].1).powf(1.0 / slope);
@@ -99,14 +100,14 @@ fn the_tolerance_is_met_with_fewer_solves(session: &Session) {
     }
 }
 
-/// Takes steps, and the checkpoint where the run is interrupted.
+/// Receives the time steps, and the checkpoint if the run is interrupted.
 #[derive(Default)]
 struct Keeper {
     series: Vec<Step>,
     kept: Option<Checkpoint>,
-    /// How often it was asked to go on, after steps and between them.
+    /// Number of times that the run has asked whether to continue, after time steps and between them.
     asked: usize,
-    /// At which of these it is to end; 0 for never.
+    /// Number of the question at which the run is to end; 0 for never.
     end: usize,
 }
 
@@ -139,12 +140,12 @@ impl Observer for Keeper {
     }
 }
 
-/// Whenever a run is to end, after a step or between two, it hands over a checkpoint of the last step that it has told, and goes on from
-/// there bit for bit; while the first contact may still be taken back there is none.
+/// If a run is ended, after a time step or between two, it delivers a checkpoint of the last step that it has reported,
+/// and continues from there bit for bit. There is no checkpoint while the first contact may still be repeated.
 fn an_interruption_between_steps_has_a_checkpoint(session: &Session) {
     let world = session.world();
     let new = || start(&world, &plate(PLATE, "end = 8e-3", &sides(1e9, 0.0))).1;
-    // To end at the n-th time that it asks.
+    // Ends at the n-th question.
     let watched = |resumed: Option<&Checkpoint>, end: usize| {
         let (mut impact, mut keeper) = (new(), Keeper { end, ..Keeper::default() });
         if let Some(checkpoint) = resumed {
@@ -170,6 +171,6 @@ fn an_interruption_between_steps_has_a_checkpoint(session: &Session) {
         gone_on += 1;
     }
     println!("{gone_on} of 11 gone on, asked {all} times over {} steps", whole.series.len());
-    // The first contact, taken again in smaller steps, is the longer part.
+    // The first contact, repeated with smaller time steps, is the longer part.
     assert!(gone_on >= 4, "{gone_on}");
 }

@@ -1,4 +1,5 @@
-//! Bodies that start at rest under their loads: reactions, rest until the hit, and the same impact as without loads.
+//! Bodies that start in static equilibrium under their loads: reactions, rest until the impact, and the same impact as
+//! without loads.
 
 use std::ops::ControlFlow;
 
@@ -20,7 +21,8 @@ pub const TESTS: &[Test<Session>] = tests![
     what_nothing_holds_has_no_equilibrium
 ];
 
-/// A pane under its weight and a pressure on a part of it; the body's lines, supports, and the lines of the impactor and of time.
+/// A pane under its weight and a pressure on a part of it, with the given lines of the body, the supports, the impactor
+/// and the time.
 fn scene(body: &str, supports: &str, impactor: &str, time: &str) -> String {
     format!(
         "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n{body}\n{supports}\n\
@@ -34,9 +36,9 @@ fn scene(body: &str, supports: &str, impactor: &str, time: &str) -> String {
 const SOLID: &str = "model = \"solid\"\nreduction = \"none\"\norder = 1\nsize = [0.8, 1.0, 0.02]\ncells = [4, 5, 1]";
 const PLATE: &str =
     "model = \"mindlin\"\nsymmetry = \"none\"\nreduction = 40\nsize = [0.8, 1.0, 0.02]\ncells = [5, 6, 1]";
-/// Along the plane it is free: nothing pushes it there.
+/// In its plane the pane is free: no load acts there.
 const SIDES: &str = "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = [0, 0, 1e7]\n";
-/// Pads under strips: the middle of the far strip lifts off beside the pressed corner.
+/// Pads under strips: next to the pressed corner, the middle of the far strip lifts off.
 const STRIPS: &str = "[[support]]\nsurface = \"bottom\"\nwithin = { rim = 0.1 }\nkind = \"pad\"\nstiffness = [0, 0, 1e8]\nnormal = [0, 0, -1]\n";
 
 fn reactions_are_the_weight(session: &Session) {
@@ -54,18 +56,19 @@ fn reactions_are_the_weight(session: &Session) {
         if let Some(pads) = &mut body.pads {
             pads.add_force(None, &u, &mut reaction).unwrap();
         }
-        // Along the impactor's direction, downwards.
+        // Positive along the impactor's direction, downwards.
         let (held, load) = (body.translation.dot(&reaction).unwrap(), body.translation.dot(&body.load).unwrap());
         let weight = 2500.0 * 9.80665 * 0.8 * 1.0 * 0.02 + 500.0 * 0.2 * 0.3;
         if world.is_root() {
             println!("  {load} N, {weight} N, {:.1e}", held / load - 1.0);
         }
-        // The loads' edge cuts cells; the reactions are the acceptance's 1e-9.
+        // The edge of the loaded part cuts cells; the reactions must agree to 1e-9.
         assert!((load / weight - 1.0).abs() < 1e-6 && (held / load - 1.0).abs() < 1e-9, "{held} {load} {weight}");
     }
 }
 
-/// Without pressure, on a pad under all of it: u = ρ g h/k everywhere, but for the squeeze of its own thickness.
+/// Without the pressure, a plate on a pad under its whole bottom has u = ρ g h/k everywhere, plus the compression of
+/// its own thickness.
 fn a_plate_on_a_pad_sinks_in_evenly(session: &Session) {
     let pad = STRIPS.replace("within = { rim = 0.1 }\n", "").replace("1e8", "1e6");
     let text = scene(SOLID, &pad, "gap = 0.5", "end = 1e-3\nstep = 1e-4\nscheme = \"energy\"")
@@ -73,16 +76,18 @@ fn a_plate_on_a_pad_sinks_in_evenly(session: &Session) {
     let ran = run(&session.world(), &text);
     let (weight, thickness) = (2500.0 * 9.80665 * 0.02, 0.02);
     let sunk = weight / 1e6;
-    // In the plane it is free to grow: the column's own shortening, ρ g h²/2E.
+    // It is free to expand in its plane: it shortens like a column, by ρ g h²/2E.
     let exact = sunk + 0.5 * weight * thickness / 70e9;
     for step in &ran.steps {
         let off = step.contact.surface_displacement / exact - 1.0;
-        // The shortening is 1e-7 of it, the elements' linear displacement leaves a part of that.
+        // The shortening is 1e-7 of the displacement, and elements with linear displacements represent only a part of
+        // it.
         assert!(off.abs() < 1e-7, "{off:e}");
     }
 }
 
-/// On a basis, in modal coordinates and in steps, of whatever size: the deflection is that of the body itself, and so is the energy.
+/// Reduced to a basis of any size, in modal coordinates and in time steps, the static deflection and the energy equal
+/// the full body's.
 fn a_reduced_body_sinks_as_far(session: &Session) {
     let damped = SIDES.to_owned() + "damping = [0, 0, 1e4]\n";
     for supports in [SIDES, &damped] {
@@ -101,7 +106,7 @@ fn a_reduced_body_sinks_as_far(session: &Session) {
             ("\"auto\"", ""),
         ] {
             let found = at(reduction, time);
-            // \"auto\" has cells of its own: those of this plate, which bends in a wave as long as itself.
+            // \"auto\" chooses other cells, for this plate, which bends with a wavelength of its size.
             let tolerance = if reduction == "\"auto\"" { 1e-3 } else { 1e-9 };
             for (found, whole) in found.into_iter().zip(whole) {
                 println!("  {reduction}, {time:?}: {found:e}, {:.1e}", found / whole - 1.0);
@@ -111,7 +116,7 @@ fn a_reduced_body_sinks_as_far(session: &Session) {
     }
 }
 
-/// Gap and speed give the time of the hit; until then the surface stays, in every way to move.
+/// The impact time follows from gap and speed. Until then the surface does not move, with every time integration.
 fn nothing_moves_before_the_hit(session: &Session) {
     for (body, supports, time) in [
         (SOLID, SIDES, "scheme = \"newmark\"\nstep = 2e-5"),
@@ -130,14 +135,14 @@ fn nothing_moves_before_the_hit(session: &Session) {
         let hit = ran.contacts[0].start;
         println!("  {time:?}: {rest:.3e} m, moves by {moved:.1e}, hit at {hit:.6e} s");
         assert!(rest > 1e-6 && before().count() > 50 && moved < 1e-9, "{body} {supports} {time}: {moved:e}");
-        // The start of a contact is found within a step.
+        // The start of a contact is known to within one time step.
         assert!((hit - 2e-3).abs() < 2e-5, "{hit}");
         let first = ran.steps[0].energy;
         assert_eq!((first.external, first.dissipated), (0.0, 0.0));
     }
 }
 
-/// Superposition: a linear body's motion from equilibrium is the same whatever the loads.
+/// Superposition: the motion of a linear body from equilibrium does not depend on the loads.
 fn loads_do_not_change_the_impact_of_a_linear_body(session: &Session) {
     for (body, time) in [
         (SOLID, "end = 2e-3\nscheme = \"newmark\"\nstep = 2e-5"),
@@ -145,7 +150,7 @@ fn loads_do_not_change_the_impact_of_a_linear_body(session: &Session) {
         (PLATE, "end = 2e-3\nscheme = \"energy\"\nstep = 2e-5"),
     ] {
         let loaded = scene(body, SIDES, "", time);
-        // A billionth of the loads: with none, bases would lack the deflection's vector.
+        // A billionth of the loads: without loads, the bases would lack the vector of the static deflection.
         let free = loaded.replace("-9.80665", "-9.80665e-9").replace("-500.0", "-500e-9");
         let [loaded, free] = [loaded, free].map(|text| run(&session.world(), &text));
         assert_eq!(loaded.steps.len(), free.steps.len());
@@ -156,7 +161,8 @@ fn loads_do_not_change_the_impact_of_a_linear_body(session: &Session) {
             off = off.max((a.impactor.acceleration - b.impactor.acceleration).abs() / peak);
         }
         println!("  {time:?}: {off:.1e}");
-        // A billionth of the deflection is a thousandth of that of the indentation; and rounding.
+        // The deflection that remains under a billionth of the loads is far below the indentation; the rest is
+        // rounding.
         assert!(off < 1e-8 && peak > 10.0, "{body}: {off:e}");
         let energy = |step: &ricochet::impact::step::Step| {
             step.energy.total + step.energy.dissipated - step.energy.external - step.energy.numerical
@@ -166,7 +172,8 @@ fn loads_do_not_change_the_impact_of_a_linear_body(session: &Session) {
     }
 }
 
-/// Pads that face the wrong way, in steps; loads that nothing holds along their axis are an error of the scene.
+/// Pads that face the wrong way have no equilibrium, in time steps. Loads along an axis without support are an error of
+/// the scene.
 fn what_nothing_holds_has_no_equilibrium(session: &Session) {
     let wrong = STRIPS.replace("normal = [0, 0, -1]", "normal = [0, 0, 1]");
     let scene_of = |body: &str, supports: &str| scene(body, supports, "", "end = 1e-3\nstep = 1e-5");

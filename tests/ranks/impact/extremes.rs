@@ -1,4 +1,4 @@
-//! Tiny and huge inputs: a right answer or a clear refusal, never a number that is none.
+//! Very small and very large inputs give a right result or a clear refusal, and never NaN.
 
 use mpi_test::{Test, tests};
 use std::ops::ControlFlow;
@@ -29,7 +29,7 @@ fn series(session: &Session, overrides: &[&str]) -> Result<(Scene, Vec<Step>)> {
         steps.push(*step);
         Ok(ControlFlow::Continue(()))
     });
-    // What was told before a failure is made of numbers too.
+    // Steps reported before a failure must be finite too.
     for step in &steps {
         let Step { impactor, contact, energy, .. } = step;
         let all = [
@@ -66,7 +66,8 @@ fn answers_or_refusals(session: &Session) {
     for input in inputs {
         for localization in ["contact.localization=patch", "contact.localization=point"] {
             for step in ["time.step=", "time.step=1e-5"] {
-                // Steps for a contact that is a thousand times shorter than any wave's way through a cell: refused after minutes.
+                // Here the contact is a thousand times shorter than a wave's time through a cell: the run is refused
+                // only after minutes, so it is left out.
                 if input == "impactor.stiffness=1e20" && localization.ends_with("point") && step == "time.step=" {
                     continue;
                 }
@@ -84,9 +85,9 @@ fn answers_or_refusals(session: &Session) {
                     step.energy.total + step.energy.dissipated - step.energy.external - step.energy.numerical
                 };
                 let off = (energy(&last) - energy(&first)).abs() / first.energy.total;
-                // Rounding of K u, where the body takes next to nothing of a huge energy.
+                // Rounding of K u, if the body takes only a tiny part of a huge energy.
                 assert!(off < 1e-7, "{input} {localization} {step}: energy off by {off:e}");
-                // The trapezoidal sum of F is what Newmark's γ = 1/2 takes from the impactor.
+                // With Newmark's γ = 1/2, the impactor's change of momentum is the trapezoidal sum of F.
                 let impulse: f64 = steps
                     .windows(2)
                     .map(|pair| 0.5 * (pair[0].contact.force + pair[1].contact.force) * (pair[1].time - pair[0].time))
@@ -102,13 +103,13 @@ fn answers_or_refusals(session: &Session) {
     assert!(answered > 30 && refused > 6);
 }
 
-/// To a milligram the plate is a half-space that does not move: Hertz's contact time, peak and full rebound, on a patch.
+/// For a milligram the plate is a half-space at rest: Hertz's contact time, peak force and full rebound, with a patch.
 fn a_tiny_mass(session: &Session) {
     let (scene, steps) = series(session, &["impactor.mass=1e-6", "time.end=2e-6", "accuracy.tolerance=1e-3"]).unwrap();
     let impactor = &scene.impactor;
     let expected = hertz::peak_force(impactor.stiffness, impactor.mass, impactor.speed);
     let peak = steps.iter().fold(0.0_f64, |peak, step| peak.max(step.contact.force));
-    // The tolerance of the steps, and of the peak between two of them.
+    // The tolerance of the time steps, and of the peak between two of them.
     assert!((peak / expected - 1.0).abs() < 2e-3, "{peak} {expected}");
     let rebound = steps[steps.len() - 1].impactor.velocity / impactor.speed;
     assert!((rebound + 1.0).abs() < 2e-3, "{rebound}");

@@ -1,4 +1,5 @@
-//! Bodies of many temperatures, interpolated between a few: against the body of a temperature itself, and on one rank or several.
+//! Bodies at many temperatures, interpolated between a few: comparison with the body at the temperature itself, on one
+//! rank and on several.
 
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
@@ -12,7 +13,7 @@ use crate::modelled::parse;
 pub const RANKS: &[usize] = &[1, 2];
 pub const TESTS: &[Test<Session>] = tests![what_is_interpolated_is_within_its_part_of_the_estimate];
 
-/// °C.
+/// Temperatures of the bodies, °C.
 fn temperatures() -> Vec<f64> {
     (0..24).map(|n| 2.0 * f64::from(n)).collect()
 }
@@ -38,8 +39,9 @@ fn interpolated(ranks: &Comm) -> Interpolated {
     Interpolated::new(ranks, &temperatures(), &scene_of, &Unwatched(&alone)).unwrap().expect("few bodies")
 }
 
-/// At temperatures between bodies the force is off that of the body there, on the same basis, by no more than the interpolation's own estimate,
-/// and not by so little that this says nothing. Each rank by itself finds the same to the last digit.
+/// At temperatures between the computed bodies, the force is compared with the force for the body there, on the same
+/// basis. The difference is within the interpolation's estimate, and is not negligible compared with it. A single rank
+/// gives the same result to the last digit.
 fn what_is_interpolated_is_within_its_part_of_the_estimate(session: &Session) {
     let (ranks, alone) = (session.world(), session.alone());
     let watch = &Unwatched(&alone);
@@ -55,7 +57,7 @@ fn what_is_interpolated_is_within_its_part_of_the_estimate(session: &Session) {
         let found = together.difference_at(temperature, &scene, watch).unwrap();
         let estimate = together.error_at(temperature).expect("within the range");
         println!("  {temperature} °C: {:.1e} of {:.1e}", found.first_contact, estimate.first_contact);
-        // (At a body itself what its response leaves out is left.)
+        // (At a computed body the part neglected by its reduced response remains.)
         assert!(found.first_contact <= estimate.first_contact + 1e-3, "{temperature} °C: {found:?} {estimate:?}");
         largest = largest.max(found.first_contact);
     }

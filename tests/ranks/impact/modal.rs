@@ -1,4 +1,5 @@
-//! Steps in modal coordinates: order through several contacts, steps for an error, against Newmark's method on the same body.
+//! Time steps in modal coordinates: order through several contacts, step control, comparison with Newmark's method on
+//! the same body.
 
 use mpi_test::{Test, tests};
 use std::ops::ControlFlow;
@@ -21,7 +22,7 @@ pub const TESTS: &[Test<Session>] = tests![
     a_ball_that_is_thrown_up_falls_back
 ];
 
-/// The paper's plate of 0.04 m by Mindlin's theory, with a basis that is the same for all runs.
+/// The paper's plate of 0.04 m by Mindlin's theory, with the same basis for all runs.
 fn scene(supports: &str, rest: &str) -> Scene {
     parse(&(plate("model = \"mindlin\"\nreduction = 60\nsize = [1.5, 1.5, 0.04]", "end = 8e-3", supports) + rest))
 }
@@ -37,7 +38,8 @@ fn trace(scene: &Scene, body: &ModalBody, step: f64) -> Trace {
     ModalImpact::new(scene, body).trace(Some(Steps { largest: step, defect: None, peak: 5e4 })).unwrap().0
 }
 
-/// Largest error of the accelerations that a run tells, over the peak: in the first contact, and over all.
+/// Largest error of the reported accelerations over the peak, in the first contact and over all time; and the number of
+/// steps.
 fn error(scene: &Scene, body: &ModalBody, reference: &Trace) -> (f64, f64, usize) {
     let mass = scene.impactor.mass / body.copies;
     let (mut first, mut all, mut steps) = (0.0_f64, 0.0_f64, 0);
@@ -53,8 +55,8 @@ fn error(scene: &Scene, body: &ModalBody, reference: &Trace) -> (f64, f64, usize
     (first, all, steps)
 }
 
-/// Errors of steps of one size fall with their square or faster, through three contacts, with dampers and without. Frequencies above
-/// 3/Δt answer as springs, and the error is that of this, too.
+/// The errors of fixed time steps fall with second order or faster, through three contacts, with dampers and without.
+/// Modes with frequencies above 3/Δt are treated as springs, which contributes to the error.
 fn order_through_several_contacts(session: &Session) {
     for supports in [String::new(), sides(1e9, 0.0), sides(1e8, 2e5)] {
         let mut scene = scene(&supports, "");
@@ -71,7 +73,8 @@ fn order_through_several_contacts(session: &Session) {
     }
 }
 
-/// At an error of 1e-3 in the first contact, by the scenes' own step control.
+/// With an error of 1e-3 in the first contact and the scene's own step control, fewer steps are needed than with
+/// Newmark's method.
 fn fewer_steps_than_newmark(session: &Session) {
     for supports in [String::new(), sides(1e9, 0.0)] {
         let scene = scene(&supports, "");
@@ -79,7 +82,7 @@ fn fewer_steps_than_newmark(session: &Session) {
         let reference = trace(&scene, &body, 2.5e-7);
         let end = reference.first_end();
         let (error, _, steps) = error(&scene, &body, &reference);
-        // Newmark's on the same basis, in halved steps until it is as good.
+        // Newmark's method on the same basis, with time steps halved until the error is as small.
         let mut stepped = scene.clone();
         stepped.time.modal = false;
         stepped.body.reduction = Reduction::Vectors(60);
@@ -105,7 +108,8 @@ fn fewer_steps_than_newmark(session: &Session) {
     }
 }
 
-/// What the ledger calls numerical falls with the step's third power or faster, and without dampers is all that the balance is off by.
+/// The numerical energy of the ledger falls with third order or faster in the time step. Without dampers it is the only
+/// deviation of the energy balance.
 fn energy_is_what_the_steps_make(session: &Session) {
     let made = [1.6e-5, 4e-6].map(|step| {
         let mut scene = scene(&sides(1e8, 2e5), "");
@@ -114,7 +118,7 @@ fn energy_is_what_the_steps_make(session: &Session) {
         let (first, last) = (ran.steps[0].energy, ran.steps.last().unwrap().energy);
         let balance = last.total + last.dissipated - last.external - last.numerical - first.total;
         assert!(balance.abs() < 1e-12 * first.total, "{balance:e}");
-        // Dampers take energy at every step, up to what the quadrature of the contact's work makes.
+        // Dampers dissipate energy in every step, up to the quadrature error of the contact's work.
         let mut dissipated = 0.0;
         for step in &ran.steps {
             assert!(step.energy.dissipated >= dissipated - 1e-4 * first.total);
@@ -127,7 +131,8 @@ fn energy_is_what_the_steps_make(session: &Session) {
     assert!(made[0] < 1e-3 && made[1] < made[0] / 16.0);
 }
 
-/// Where a patch's negative compliance makes other schemes of this kind grow: hundreds of modes, steps large and small alike.
+/// No time step is unstable, where a patch's negative compliance makes other such schemes unstable: hundreds of modes,
+/// large and small time steps.
 fn no_step_is_unstable(session: &Session) {
     for (vectors, stiffness) in [(80, 1e10), (24, 1e9), (36, 1e9)] {
         stays_stable(session, vectors, stiffness);
@@ -153,7 +158,8 @@ fn stays_stable(session: &Session, vectors: usize, stiffness: f64) {
     }
 }
 
-/// Contacts that graze, that end before they have begun, and that begin while another one ends: among hundreds of speeds each happens.
+/// Runs with hundreds of speeds reach their end. Among them are contacts that graze, that end before they have begun,
+/// and that begin while another one ends.
 fn every_speed_comes_to_its_end(session: &Session) {
     let mut scene = scene(&sides(1e8, 0.0), "");
     scene.time.end = 0.02;
@@ -169,12 +175,12 @@ fn every_speed_comes_to_its_end(session: &Session) {
             Ok(ControlFlow::Continue(()))
         });
         assert!(flow.unwrap().is_continue());
-        // By the tolerance of 1e-2.
+        // The tolerance of the run is 1e-2.
         assert!((last - scene.time.end).abs() < 1e-12 && made < 1e-3 * initial, "{} {made}", scene.impactor.speed);
     }
 }
 
-/// A ball that a light plate throws up comes down again where a free fall does, and the energy is that of its height.
+/// A ball that a light plate throws up falls back at the time of a free fall, and its energy matches its height.
 fn a_ball_that_is_thrown_up_falls_back(session: &Session) {
     const GRAVITY: f64 = 9.80665;
     let text = plate("model = \"mindlin\"\nreduction = 20\nsize = [1.5, 1.5, 0.04]", "end = 0.3", &sides(1e9, 1e5));
@@ -195,7 +201,7 @@ fn a_ball_that_is_thrown_up_falls_back(session: &Session) {
     let touch = (-speed + (speed * speed + 2.0 * GRAVITY * gap).sqrt()) / GRAVITY;
     let first = steps.iter().position(|step| step.contact.force > 0.0).expect("a contact");
     assert!((steps[first - 1].time - touch).abs() < 1e-12, "{} {touch}", steps[first - 1].time);
-    // Between contacts the impactor flies on a parabola.
+    // Between contacts the impactor moves on a parabola in time.
     for pair in steps.windows(2).filter(|pair| pair.iter().all(|step| step.contact.force == 0.0)) {
         let [from, to] = [&pair[0], &pair[1]];
         let t = to.time - from.time;
@@ -211,9 +217,9 @@ fn a_ball_that_is_thrown_up_falls_back(session: &Session) {
     };
     let (start, largest) = (closed(&steps[0]), steps[0].energy.total);
     let off = steps.iter().map(|step| (closed(step) - start).abs()).fold(0.0, f64::max);
-    // Rounding of some thousand steps.
+    // Rounding of some thousand time steps.
     assert!(off < 1e-11 * largest, "{off:e} of {largest:e}");
-    // The weight's work is the height lost.
+    // The work of the weight equals the loss of height.
     let weight = scene.impactor.mass * GRAVITY;
     assert!(steps.iter().all(|step| (step.energy.external - weight * step.impactor.position).abs() < 1e-9));
 }

@@ -1,4 +1,4 @@
-//! Newton's method on hard cases: it converges without tuning, and what it accepts solves the equations.
+//! Newton's method in hard cases: it converges without tuning, and accepted steps solve the equations.
 
 use crate::start::{run, start};
 use mpi_test::{Test, tests};
@@ -11,7 +11,7 @@ use ricochet::scene::Scene;
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![hard_cases, a_failure_tells_where];
 
-/// A hard case: what differs from a plain impact on a free plate.
+/// A hard case: its differences from a plain impact on a free plate.
 struct Case {
     name: &'static str,
     impactor: &'static str,
@@ -90,7 +90,7 @@ fn scene(case: &Case) -> String {
     )
 }
 
-/// Every step converges, and the equations hold at its end.
+/// Every time step converges, and the equations hold at its end.
 fn hard_cases(session: &Session) {
     let world = session.world();
     for case in cases() {
@@ -104,7 +104,7 @@ fn hard_cases(session: &Session) {
             let step = run(&mut impact)[1];
             most = most.max(impact.count.iterations - before);
             largest = largest.max(step.contact.force);
-            // Newton stops at 1e-10 of the force that a half-space would see: m0 q̈ = −F to ten times that.
+            // Newton's method stops at 1e-10 of the force on a half-space: m0 q̈ = −F to ten times that.
             let row = impactor.mass * impact.state().q.acceleration + step.contact.force;
             assert!(row.abs() <= 1e-9 * scale, "{}, step {number}: {row:e} N left of {scale:e}", case.name);
             if impact.body().pads.is_none() {
@@ -148,7 +148,7 @@ fn residual(impact: &SteppedImpact, force: f64) -> f64 {
     sum.norm_max().unwrap()
 }
 
-/// One iteration is too few for a step that enters contact.
+/// One iteration is not enough for a time step in which contact begins; the error names the step.
 fn a_failure_tells_where(session: &Session) {
     const OPTION: &str = "-snes_max_it";
     options::set(session, OPTION, "1").unwrap();
@@ -162,7 +162,7 @@ fn a_failure_tells_where(session: &Session) {
             Ok(std::ops::ControlFlow::Continue(()))
         })
         .unwrap_err();
-    // 2.5 steps to the contact.
+    // The contact begins after 2.5 time steps.
     assert_eq!(seen, 2, "accepted steps are told before the failure");
     assert!(matches!(error, Error::Solve(_)), "{error:?}");
     assert!(error.is_everywhere());

@@ -1,4 +1,5 @@
-//! The condensed step on pads: the full Newton's solution, with its nonlinear part on the pads' unknowns alone.
+//! The condensed Newton's method with pads: it has the solution of the full method, and iterates on the pads' unknowns
+//! only.
 
 use mpi_test::{Test, tests};
 use std::path::{Path, PathBuf};
@@ -64,7 +65,7 @@ fn scene(case: &Case, newton: &str) -> String {
     )
 }
 
-/// A run by one of the two methods.
+/// Runs a scene by one of the two methods.
 fn solve(comm: &Comm, text: &str) -> Run {
     let (_, mut impact) = start(comm, text);
     let begin = Instant::now();
@@ -77,7 +78,7 @@ fn solve(comm: &Comm, text: &str) -> Run {
 
 struct Run {
     steps: Vec<Step>,
-    /// Newton iterations a step.
+    /// Mean number of Newton iterations in a time step.
     iterations: f64,
     seconds: f64,
 }
@@ -90,7 +91,7 @@ impl Run {
         pairs.map(|(one, other)| (get(one) - get(other)).abs() / scale).fold(0.0, f64::max)
     }
 
-    /// Largest change of the energy's balance, over the initial energy.
+    /// Largest change of the energy balance, over the initial energy.
     fn drift(&self) -> f64 {
         let balance = |step: &Step| step.energy.total + step.energy.dissipated - step.energy.external;
         let first = balance(&self.steps[0]);
@@ -98,10 +99,11 @@ impl Run {
     }
 }
 
-/// Both methods solve the same equations, and the energy scheme keeps its balance with pads as without.
+/// Both methods solve the same equations, and the energy scheme conserves the balance with pads too.
 fn agrees_with_full(session: &Session) {
     let world = session.world();
-    // The full Newton's method is slow on several ranks of a busy machine; the dense equations are rank 0's anyway.
+    // The full Newton's method is slow on several ranks of a busy machine; the dense equations are solved on rank 0
+    // anyway.
     let few =
         |case: &Case| matches!(case.name, "off-centre" | "off-centre, energy" | "clamped, elastic and pad, moved");
     for case in cases().into_iter().filter(|case| world.size() == 1 || few(case)) {
@@ -127,18 +129,19 @@ fn agrees_with_full(session: &Session) {
                 condensed.seconds / full.seconds
             );
         }
-        // Each step is solved to 1e-10 of a half-space's force, by either method; a hundred such steps differ by some 1e-9.
+        // Each time step is solved to 1e-10 of the force on a half-space, by either method; after a hundred time steps
+        // the difference is some 1e-9.
         assert!(errors.iter().all(|error| *error <= 1e-7), "{}: {errors:?}", case.name);
         assert!(condensed.steps.iter().any(|step| step.energy.support > 0.0), "{}: no pad is pressed", case.name);
         if case.time == ENERGY {
-            // The forces on a pad like a wall are rounded at 1e6 times the others'.
+            // The forces on a pad as stiff as a wall are 1e6 times the others, so their rounding is larger.
             let rounding = if case.name.contains("wall") { 1e-8 } else { 1e-9 };
             assert!(drift <= rounding, "{}: {drift:e}", case.name);
         }
     }
 }
 
-/// Which method a body with pads gets, and on which unknowns.
+/// The method used for a body with pads, and its unknowns.
 fn methods(session: &Session) {
     let world = session.world();
     let method = |case: &Case, newton: &str, cells: &str| {
@@ -152,7 +155,7 @@ fn methods(session: &Session) {
         other => panic!("{other:?}"),
     };
     let [plain, .., moved] = &cases()[..6] else { panic!("six cases") };
-    // 9 × 9 nodes on the bottom, pushed along z; or along y and z, but for the 9 that are clamped.
+    // 9 × 9 nodes on the bottom, loaded by the pad along z; or along y and z, without the 9 clamped ones.
     assert_eq!((pushed(plain), pushed(moved)), (81, 2 * 72));
     assert_eq!(method(plain, "full", "cells = [4, 4, 1]"), Method::Full);
     assert_eq!(method(plain, "condensed", "cells = [18, 18, 1]"), Method::Full, "37 × 37 unknowns are too many");
@@ -160,7 +163,7 @@ fn methods(session: &Session) {
     assert_eq!(method(&without, "condensed", "cells = [4, 4, 1]"), Method::Condensed);
 }
 
-/// The reference case, from another program: its mesh, element, scheme and quadrature of the pad.
+/// The reference case of another program, with its mesh, element, scheme and quadrature of the pad.
 fn reference(session: &Session) {
     let world = session.world();
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/reference/plate20-pad");
@@ -188,11 +191,11 @@ fn reference(session: &Session) {
     if world.is_root() {
         println!("plate20-pad: {errors:?}, {:.2} iterations a step", condensed.iterations);
     }
-    // The reference's own rounding is up to 6e-9 (its README); tenfold leaves room.
+    // The reference's own rounding is up to 6e-9 (its README); the tolerance has a margin of a factor of ten.
     assert!(errors.iter().all(|error| *error <= 1e-7), "{errors:?}");
 }
 
-/// The numbers of a file of comma-separated values under one line of names.
+/// The numbers of a CSV file with one header line.
 fn table(path: &Path) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(path).expect("the table");
     text.lines().skip(1).map(|line| line.split(',').map(|word| word.parse().expect("a number")).collect()).collect()

@@ -1,4 +1,4 @@
-//! The eight reference cases, computed with FEniCS by an independent script: same mesh, element and step.
+//! The eight reference cases, computed with FEniCS by an independent script with the same mesh, element and time step.
 
 use mpi_test::{Test, tests};
 use std::ops::ControlFlow;
@@ -53,13 +53,13 @@ impl Case {
         Self { name, folder, data: serde_json::from_str(&text).expect("JSON") }
     }
 
-    /// A number by its path in `case.json`.
+    /// The number at a path of keys in `case.json`.
     fn number(&self, path: &str) -> f64 {
         let value = path.split('.').fold(&self.data, |value, key| &value[key]);
         value.as_f64().unwrap_or_else(|| panic!("{}: no number at {path}", self.name))
     }
 
-    /// The scene of the case, with another list of supports where one is given.
+    /// The scene of the case; `supports` replaces its supports.
     fn scene(&self, supports: Option<&str>) -> Scene {
         let p = |key: &str| self.number(&format!("parameters.{key}"));
         let own = if self.name == "plate20-pad" {
@@ -105,14 +105,15 @@ impl Case {
     }
 }
 
-/// Rounding in the entries of K, amplified by bending, is the largest difference: 1e-8 leaves room, and no more.
+/// The largest difference is rounding in the entries of K, amplified by bending: a tolerance of 1e-8 has a small
+/// margin.
 #[track_caller]
 fn assert_close(case: &Case, what: &str, value: f64, expected: f64) {
     let error = (value - expected).abs() / expected.abs();
     assert!(error <= 1e-8, "{} {what}: {value:e} instead of {expected:e}, {error:.1e} off", case.name);
 }
 
-/// Cases differ in mesh, support and pad; on several ranks one of each mesh and the pad are enough.
+/// The cases differ in mesh, support and pad; on several ranks one case for each mesh and the pad are enough.
 fn invariants_and_statics(session: &Session) {
     let is_enough = |name: &str| ["plate100-k0", "plate20-pad"].contains(&name);
     let cases = CASES.into_iter().filter(|name| session.world().size() == 1 || is_enough(name));
@@ -164,7 +165,7 @@ fn pad(session: &Session, case: &Case) {
     assert_close(case, "pad resultant", force.dot(&u).unwrap(), expected("resultant"));
 }
 
-/// A unit force at the impact point, sides clamped.
+/// A static unit force at the impact point, with clamped sides.
 fn statics(session: &Session, case: &Case) {
     let (_, solid, _) = case.solid(session, Some("[[support]]\nsurface = \"side\"\nkind = \"clamped\"\n"));
     let mut stiffness = solid.elastic.duplicate().unwrap();
@@ -180,14 +181,15 @@ fn statics(session: &Session, case: &Case) {
     assert_close(case, "static energy", 0.5 * product.dot(&u).unwrap(), expected("strain_energy"));
 }
 
-/// A table of numbers: the rows of a CSV file below its head.
+/// The numbers of a CSV file with one header line.
 fn table(path: PathBuf) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(path).expect("a table");
     let row = |line: &str| line.split(',').map(|word| word.parse().expect("a number")).collect();
     text.lines().skip(1).map(row).collect()
 }
 
-/// On one rank the whole series; on several, where every step waits for messages, its first steps, with a contact's beginning.
+/// Number of time steps on several ranks, where every step waits for messages: the first ones, which include the
+/// beginning of a contact. On one rank the whole series is compared.
 const STEPS_ON_RANKS: usize = 30;
 
 fn first_steps(session: &Session, name: &'static str) {
@@ -230,7 +232,7 @@ fn whole_series(session: &Session) {
     CASES.into_iter().for_each(|name| check_series(session, name, usize::MAX));
 }
 
-/// The first steps of a case, or all, against the reference's.
+/// Compares the first time steps of a case, or all, with the reference.
 fn check_series(session: &Session, name: &'static str, most: usize) {
     let world = session.world();
     let case = Case::new(name);
@@ -270,12 +272,13 @@ fn check_series(session: &Session, name: &'static str, most: usize) {
             begin.elapsed().as_secs_f64()
         );
     }
-    // Asked for is 1e-6 of the peak. The reference's own rounding is up to 6e-9 (its README); tenfold leaves room.
+    // The requirement is 1e-6 of the peak. The reference's own rounding is up to 6e-9 (its README); the tolerance has a
+    // margin of a factor of ten.
     assert!(errors.iter().all(|error| *error <= 1e-7), "{}: {errors:?}", case.name);
     assert!(energy <= 1e-7, "{}: {energy}", case.name);
 }
 
-/// Largest difference of an energy from the reference's, over the initial energy.
+/// Largest difference of an energy from the reference, over the initial energy.
 fn energies(case: &Case, steps: &[Step]) -> f64 {
     let expected = table(case.folder.join("energy.csv"));
     let initial = steps[0].energy.total;

@@ -1,4 +1,4 @@
-//! Steps of a laminate whose interlayer relaxes.
+//! Time steps of a laminate with a viscoelastic interlayer.
 
 use crate::laminated::{Reference, reference};
 use crate::modelled;
@@ -15,10 +15,10 @@ pub const TESTS: &[Test<Session>] = tests![
     slow_and_fast_terms_are_elastic,
     a_checkpoint_has_what_relaxes
 ];
-/// Some seconds each.
+/// Tests of some seconds each.
 pub const LONG: &[Test<Session>] = tests![the_reference, the_reference_on_a_basis, elastic_limits];
 
-/// A coarse laminate with a shear modulus (Pa) of the interlayer, its `prony` and the keys of `[time]`.
+/// A coarse laminate with the given shear modulus (Pa) and `prony` of the interlayer, and keys of `[time]`.
 fn laminate(shear: f64, prony: &str, time: &str, rest: &str) -> String {
     format!(
         "[body]\nsize = [0.2, 0.2]\ncells = [4, 4, 3]\n\
@@ -45,7 +45,7 @@ fn difference(one: &[Step], other: &[Step]) -> f64 {
     pairs.fold(0.0_f64, |m, (a, b)| m.max((a.impactor.acceleration - b.impactor.acceleration).abs())) / peak
 }
 
-/// What goes in is stored, lost in the dashpots or made by the scheme; dashpots only lose.
+/// The input energy is stored, lost in the dashpots, or numerical; dashpots only dissipate.
 fn energy_is_stored_or_lost(session: &Session) {
     for scheme in ["newmark", "energy", "generalized-alpha"] {
         let mut made = Vec::new();
@@ -56,7 +56,7 @@ fn energy_is_stored_or_lost(session: &Session) {
             for step in &steps {
                 let energy = step.energy;
                 let left = energy.total + energy.dissipated - energy.external - energy.numerical - initial;
-                // Rounding of a few hundred steps of the terms' products.
+                // Rounding of the terms' products in a few hundred time steps.
                 assert!(left.abs() < 1e-10 * initial, "{scheme}: {left:e} at {}", step.time);
             }
             assert!(steps.windows(2).all(|pair| pair[1].energy.dissipated >= pair[0].energy.dissipated), "{scheme}");
@@ -64,7 +64,7 @@ fn energy_is_stored_or_lost(session: &Session) {
             made.push(last.numerical / initial);
         }
         println!("{scheme}: {made:?}");
-        // What the average acceleration and the midpoint rule make of nothing goes with the square of the step.
+        // The numerical energy of the average acceleration and midpoint rules is of second order in the time step.
         if scheme != "generalized-alpha" {
             assert!(made[1].abs() < 0.4 * made[0].abs() + 1e-12, "{scheme}: {made:?}");
         }
@@ -79,7 +79,8 @@ fn both_newtons_agree(session: &Session) {
     assert!(difference(&condensed, &full) < 1e-8, "{:e}", difference(&condensed, &full));
 }
 
-/// Average acceleration with the exact chain stays of second order, for times shorter than the steps and longer ones.
+/// The average acceleration method with the exact Prony series is of second order, for relaxation times shorter and
+/// longer than the time steps.
 fn order_in_time(session: &Session) {
     let at = |step: f64, every: usize| -> Vec<Step> {
         let all = steps(session, &laminate(1e6, PRONY, &format!("scheme = \"newmark\"\nstep = {step:e}"), ""));
@@ -88,11 +89,12 @@ fn order_in_time(session: &Session) {
     let [coarse, middle, fine] = [(4e-6, 1), (2e-6, 2), (1e-6, 4)].map(|(step, every)| at(step, every));
     let order = (difference(&fine, &coarse) / difference(&fine, &middle)).log2();
     println!("order {order}");
-    // Against a reference of a quarter of the step an order of 2 shows as log₂ 5.
+    // The reference has a quarter of the time step, so order 2 shows as log₂ 5.
     assert!((order - 5.0_f64.log2()).abs() < 0.35, "{order}");
 }
 
-/// Terms slower and faster than anything, followed all the same, are the elastic bodies of the modulus at once and of the one at last.
+/// Prony terms that are extremely slow or fast, but are followed in time, give the results of elastic bodies with the
+/// instantaneous or the long-term modulus.
 fn slow_and_fast_terms_are_elastic(session: &Session) {
     let time = "scheme = \"newmark\"\nstep = 4e-6";
     for (times, shear) in [([1e3, 1e4], 8e6), ([1e-12, 2e-12], 1e6)] {
@@ -100,18 +102,18 @@ fn slow_and_fast_terms_are_elastic(session: &Session) {
         let prony = format!("prony = [{{ modulus = 3e6, time = {a:e} }}, {{ modulus = 4e6, time = {b:e} }}]");
         let relaxing = steps(session, &laminate(1e6, &prony, time, ""));
         let elastic = steps(session, &laminate(shear, "reduction = 1", time, "").replace("reduction = 1", ""));
-        // T/τ of 4e-7, or τ over the contact of 1e-8.
+        // T/τ is 4e-7, or τ over the contact time is 1e-8.
         assert!(difference(&elastic, &relaxing) < 1e-6, "{:e}", difference(&elastic, &relaxing));
     }
 }
 
-/// A run that goes on from a checkpoint is the run.
+/// A run continued from a checkpoint equals the uninterrupted run.
 fn a_checkpoint_has_what_relaxes(session: &Session) {
     use ricochet::impact::TimeIntegration;
     use std::ops::ControlFlow;
     let text = laminate(1e6, PRONY, "scheme = \"newmark\"\nstep = 4e-6", "");
     let whole = steps(session, &text);
-    /// Stops after so many steps, with a checkpoint.
+    /// Stops after `left` time steps, with a checkpoint.
     struct Stopping {
         left: usize,
         steps: Vec<Step>,
@@ -143,7 +145,7 @@ fn a_checkpoint_has_what_relaxes(session: &Session) {
     let rest = run(&mut again);
     let joined: Vec<Step> = stopping.steps.into_iter().chain(rest).collect();
     assert_eq!(joined.len(), whole.len());
-    // To the last bit but for what another factor of the same matrix makes.
+    // Equal, except for rounding of a new factorisation of the same matrix.
     assert!(difference(&whole, &joined) < 1e-12, "{:e}", difference(&whole, &joined));
 }
 
@@ -161,7 +163,8 @@ fn pane(interlayer: f64, material: &str, time: &str, rest: &str) -> String {
     )
 }
 
-/// The same in three dimensions on a basis, in modal coordinates, against finer cells: 0.3% is left there, and 1% is the tolerance here.
+/// The same in three dimensions, reduced to a basis and in modal coordinates, compared with the reference on finer
+/// cells. That reference's error is 0.3%; the tolerance here is 1%.
 fn the_reference_on_a_basis(session: &Session) {
     let Reference { finer: rows, chain: material, .. } = reference();
     let text = pane(0.00076, &material, "end = 3e-3", "[output]\nstress = false\n");
@@ -172,7 +175,8 @@ fn the_reference_on_a_basis(session: &Session) {
     assert!((ran.peak() / peak - 1.0).abs() < 0.005 && off < 0.013, "{} {peak} {off:e}", ran.peak());
 }
 
-/// The history of an independent program with elements of order 3: 0.5% of its peak is left there, and order 2 changes the peak by 1.5%.
+/// Comparison with the time history of an independent program with elements of order 3. Its error is 0.5% of the peak;
+/// elements of order 2 change the peak by 1.5%.
 fn the_reference(session: &Session) {
     let Reference { force: rows, chain: material, .. } = reference();
     let steps = steps(session, &pane(0.00076, &material, "end = 3e-3\nstep = 1e-5\nscheme = \"newmark\"", ""));
@@ -188,8 +192,9 @@ fn the_reference(session: &Session) {
     assert!(off < 0.05 * peak, "{:e}", off / peak);
 }
 
-/// Interlayers that let the plies slide, and that hold them: peaks that an independent program found on coarse cells, on side supports. The
-/// stiffer one on splines, the softer one on given cells, since a basis of sliding plies is large.
+/// Interlayers that let the plies slide, and interlayers that couple them: comparison with peaks that an independent
+/// program found on coarse cells, with side supports. The stiffer one is computed with splines. The softer one is
+/// computed on given cells, since a basis for sliding plies is large.
 fn elastic_limits(session: &Session) {
     let sides = "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\n[accuracy]\ntolerance = 3e-2\n";
     let cells = "[body]\ncells = [20, 20, 5]\ngrading = [3, 3, 1]\nreduction = \"none\"\n";

@@ -1,4 +1,5 @@
-//! A relaxing laminate on a basis: modal coordinates against steps, energies, bases at other temperatures and for other moduli.
+//! A viscoelastic laminate reduced to a basis: modal coordinates against time steps, energies, bases for other
+//! temperatures and moduli.
 
 use std::ops::ControlFlow;
 
@@ -25,10 +26,10 @@ pub const TESTS: &[Test<Session>] = tests![
     estimates_hold_of_strong_relaxation,
     estimates_hold_of_the_smallest
 ];
-/// A minute.
+/// Takes a minute.
 pub const LONG: &[Test<Session>] = tests![estimates_hold];
 
-/// A small laminate on few cells, with an interlayer (Pa, °C) and the keys of `[time]`.
+/// A small laminate on few cells, with the interlayer's thickness (m), its temperature (°C), and further text.
 fn laminate(layer: f64, temperature: f64, rest: &str) -> String {
     format!(
         "[body]\nsize = [0.15, 0.15]\nmodel = \"solid\"\ntemperature = {temperature:e}\n\
@@ -45,7 +46,7 @@ fn laminate(layer: f64, temperature: f64, rest: &str) -> String {
     )
 }
 
-/// A scene's body in all its unknowns.
+/// The body of a scene with all its unknowns.
 fn whole(session: &Session, scene: &Scene) -> Box<Body> {
     let comm = session.world();
     match build(&comm, scene, scene.body.model, 1.6, &Unwatched(&comm)).unwrap() {
@@ -54,7 +55,7 @@ fn whole(session: &Session, scene: &Scene) -> Box<Body> {
     }
 }
 
-/// It on a basis of so many vectors.
+/// The body projected onto a basis with this number of vectors.
 fn projected(body: &Body, scene: &Scene, vectors: usize) -> Projection {
     let mut krylov = DirectSum::new(body, rate(scene)).unwrap();
     krylov.grow(body, vectors).unwrap();
@@ -65,14 +66,15 @@ fn on_basis(session: &Session, scene: &Scene, vectors: usize) -> Projection {
     projected(&whole(session, scene), scene, vectors)
 }
 
-/// The force in modal coordinates in steps of one size, s.
+/// Time history of the force in modal coordinates with fixed time steps, s.
 fn modal(scene: &Scene, projection: &Projection, step: f64) -> Trace {
-    // No part of the plate is hit harder; a stiffer contact would leave fast modes to their springs at any step.
+    // No part of the plate has a higher contact stiffness than this peak gives; for a stiffer contact, fast modes would
+    // be treated as springs at any time step.
     let steps = Steps { largest: step, defect: None, peak: 1e3 };
     ModalImpact::new(scene, &ModalBody::of(projection)).trace(Some(steps)).unwrap().0
 }
 
-/// The force (N of the modelled part) by Newmark's steps of a body.
+/// Times and forces (N on the modelled part) by Newmark's method.
 fn stepped(scene: &Scene, body: Body, step: f64) -> Vec<(f64, f64)> {
     let mut scene = scene.clone();
     (scene.time.modal, scene.time.step) = (false, Some(step));
@@ -86,30 +88,31 @@ fn stepped(scene: &Scene, body: Body, step: f64) -> Vec<(f64, f64)> {
     forces
 }
 
-/// Largest difference to a trace over its peak.
+/// Largest difference from a time history, over its peak.
 fn off(forces: &[(f64, f64)], reference: &Trace) -> f64 {
     forces.iter().map(|(time, force)| (force - reference.at(*time)).abs()).fold(0.0, f64::max) / reference.peak()
 }
 
-/// Newmark's steps of the reduced body, Maxwell terms among them, come to the modal solution with the square of their size.
+/// Newmark's time steps of the reduced body with its Maxwell terms converge to the modal solution with second order.
 fn steps_tend_to_modal_coordinates(session: &Session) {
     let mut scene = parse(&laminate(0.00152, 20.0, ""));
     scene.time.end = 1e-4;
     let projection = on_basis(session, &scene, 8);
     assert!(projection.relaxations[0].chain.terms.len() >= 2, "terms to follow");
-    // All directions of D relax in steps, and in modal coordinates those that the tolerance asks for.
+    // In time steps all directions of D relax; in modal coordinates only those that the tolerance requires.
     let reference = modal(&Scene { tolerance: 1e-9, ..scene.clone() }, &projection, 5e-8);
     let alone = session.alone();
     let errors = [1e-7, 5e-8, 2.5e-8]
         .map(|step| off(&stepped(&scene, Body::of(&alone, &projection.system()).unwrap(), step), &reference));
     println!("  {errors:?}");
     let order = (errors[0] / errors[2]).log2() / 2.0;
-    // Steps that follow the fastest of the vibrations on the basis, which makes the force ring a little.
+    // These time steps resolve the fastest vibration of the basis, which makes the force oscillate a little.
     assert!((1.7..2.3).contains(&order) && errors[2] < 1e-3, "{order} {errors:?}");
 }
 
-/// Steps in modal coordinates have the order that they have without Maxwell terms, and errors no larger: the same body with the elastic
-/// moduli of the contact's time. Steps resolve all vibrations of this basis; where they do not, as at 4e-6 s, both have lower orders.
+/// Time steps in modal coordinates have the same order as without Maxwell terms, and errors no larger. The elastic body
+/// for comparison has the moduli at the contact's time scale. The time steps resolve all vibrations of this basis; if
+/// they do not, for example at 4e-6 s, both have lower orders.
 fn order_is_that_of_elastic_bodies(session: &Session) {
     let relaxing = parse(&laminate(0.00152, 20.0, ""));
     let mut elastic = relaxing.clone();
@@ -124,15 +127,17 @@ fn order_is_that_of_elastic_bodies(session: &Session) {
         errors
     });
     for errors in [&without, &with] {
-        // Four, as of Simpson's rule; the start of the contact, where F goes with t^{3/2}, does not lower it at these times.
+        // Order four, like Simpson's rule. The start of the contact, where F is proportional to t^{3/2}, does not
+        // reduce it at these times.
         let order = (errors[1] / errors[3]).log2() / 2.0;
         assert!((3.6..4.4).contains(&order), "{order} {errors:?}");
     }
-    // Vibrations that dashpots damp are followed no worse.
+    // Vibrations damped by dashpots are integrated no less accurately.
     assert!(with.iter().zip(&without).all(|(with, without)| *with < 1.2 * without), "{with:?} {without:?}");
 }
 
-/// The balance of every step is closed, dashpots only take, and what the integration makes falls with the third power of the step or faster.
+/// The energy balance of every step is closed, dashpots only dissipate, and the numerical energy falls with third order
+/// or faster in the time step.
 fn energy_is_stored_or_lost(session: &Session) {
     let mut scene = parse(&laminate(0.00152, 20.0, ""));
     let body = ModalBody::of(&on_basis(session, &scene, 16));
@@ -150,23 +155,24 @@ fn energy_is_stored_or_lost(session: &Session) {
             let left = energy.total + energy.dissipated - energy.external - energy.numerical - initial;
             assert!(left.abs() < 1e-9 * initial, "{left:e} at {}", step.time);
         }
-        // But for what the quadrature of the contact's work makes.
+        // Except for the quadrature error of the contact's work.
         assert!(steps.windows(2).all(|pair| pair[1].energy.dissipated >= pair[0].energy.dissipated - 1e-6 * initial));
         assert!(last.dissipated > 1e-3 * initial, "{:e}", last.dissipated / initial);
         (last.numerical.abs() / initial, last.dissipated / initial)
     });
     println!("  {made:?}");
     assert!(made[1].0 < made[0].0 / 16.0 && made[0].0 < 1e-3, "{made:?}");
-    // What is lost is the body's, not the step's.
+    // The dissipated energy is a property of the body and does not depend on the time step.
     assert!((made[1].1 / made[0].1 - 1.0).abs() < 0.02, "{made:?}");
 }
 
-/// The chains that a scene's run follows.
+/// The Prony series that a scene's run follows.
 fn chains(scene: &Scene) -> Vec<Maxwell> {
     Description::new(scene).relaxations().into_iter().map(|(chain, _)| chain.clone()).collect()
 }
 
-/// K_e and D are projected one by one: on one basis, a body with another chain is the body that was made with it.
+/// K_e and D are projected separately, so the Prony series can be changed on the same basis. The result equals the body
+/// that was projected with that series.
 fn another_chain_is_the_body_of_that_chain(session: &Session) {
     let [cold, warm] = [5.0, 45.0].map(|temperature| parse(&laminate(0.00152, temperature, "")));
     let (of_cold, of_warm) = (whole(session, &cold), whole(session, &warm));
@@ -177,7 +183,7 @@ fn another_chain_is_the_body_of_that_chain(session: &Session) {
     let exact = basis.products(&of_warm.apply(Operator::Elastic, basis).unwrap());
     assert_ne!(changed.relaxations[0].chain, chains(&cold)[0]);
     assert_eq!(changed.relaxations[0].chain, of_warm.relaxations[0].chain);
-    // A free body's first vector is its translation, of which K is set to zero; rounding of the rest.
+    // The first vector of a free body is its translation, for which K is set to zero; the rest is rounding.
     assert!(
         (&changed.elastic - &exact).amax() < 1e-10 * exact.amax(),
         "{:e}",
@@ -185,7 +191,8 @@ fn another_chain_is_the_body_of_that_chain(session: &Session) {
     );
 }
 
-/// A basis made at 20 °C at 0 to 50 °C: no worse than twice a basis made there, by the difference to one of twice as many vectors.
+/// A basis made at 20 °C is used at 0 to 50 °C. Its error is at most twice the error of a basis made at the
+/// temperature, estimated from the difference to a basis with twice as many vectors.
 fn one_basis_serves_all_temperatures(session: &Session) {
     let at = |temperature: f64| parse(&laminate(0.00152, temperature, ""));
     let shared = on_basis(session, &at(20.0), 40);
@@ -222,7 +229,8 @@ fn estimates_hold(session: &Session) {
     estimate_holds(session, &LAMINATES[1..]);
 }
 
-/// The error of a basis, against all unknowns in the same steps, is below its estimate, and that is no more than ten times it.
+/// The error of a basis, compared with all unknowns in the same time steps, is below its estimate, and the estimate is
+/// at most ten times the error.
 fn estimate_holds(session: &Session, laminates: &[(f64, f64)]) {
     for &(layer, temperature) in laminates {
         let scene = parse(&laminate(layer, temperature, ""));
@@ -235,22 +243,24 @@ fn estimate_holds(session: &Session, laminates: &[(f64, f64)]) {
         let peak = full.iter().fold(0.0_f64, |peak, (_, force)| peak.max(*force));
         let difference =
             |other: &[(f64, f64)]| small.iter().zip(other).map(|(a, b)| (a.1 - b.1).abs()).fold(0.0, f64::max) / peak;
-        let (error, estimate) = (difference(&full), ricochet::model::OF_SMALLER * difference(&large));
+        let (error, estimate) = (difference(&full), ricochet::model::ERROR_FACTOR_OF_SMALLER * difference(&large));
         println!("  {layer} m at {temperature} °C: error {error:.1e}, estimate {estimate:.1e}");
         assert!(error <= estimate && estimate <= 10.0 * error, "{error:e} {estimate:e}");
     }
 }
 
-/// A layerwise pane whose interlayer falls from 400 to 0.3 MPa, and one with a series over twelve decades at three temperatures (°C).
+/// Layerwise panes: temperature (°C), long-term modulus (Pa) and Prony terms of the interlayer. One interlayer relaxes
+/// from 400 to 0.3 MPa; the others have a series over twelve decades, at three temperatures.
 const STRONG: [(f64, f64, &str); 4] =
     [(28.0, 3e5, "{ modulus = 400e6, time = 1e-3 }"), (25.0, 1e5, WIDE), (30.0, 1e5, WIDE), (40.0, 1e5, WIDE)];
 
-/// As of PVB, by size.
+/// A Prony series similar to PVB's.
 const WIDE: &str = "{ modulus = 3.7e7, time = 5e-9 }, { modulus = 1.4e8, time = 7e-8 }, { modulus = 3.4e7, time = 1e-5 },
     { modulus = 1.3e8, time = 2.8e-3 }, { modulus = 4.2e7, time = 0.16 }, { modulus = 1.4e7, time = 2.3 }, { modulus = 3.6e6, time = 35.0 }";
 
-/// A body that relaxes by a hundred times and more within the run, on a basis as large as it asks for: its error against Newmark's steps of all
-/// unknowns is below its estimate, and that is no more than ten times it. These steps are off by 1e-4 at most, a small part of the estimate.
+/// For a body whose modulus relaxes by a factor of a hundred or more within the run, with a basis of the size that it
+/// requires: the error compared with Newmark's time steps of all unknowns is below its estimate, and the estimate is at
+/// most ten times the error. The error of these time steps is at most 1e-4, a small part of the estimate.
 fn estimates_hold_of_strong_relaxation(session: &Session) {
     for (temperature, relaxed, series) in STRONG {
         let scene = parse(&format!(

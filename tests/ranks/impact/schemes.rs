@@ -1,4 +1,4 @@
-//! The energies of every scheme, to rounding.
+//! The energy balance of every time integration scheme, to rounding.
 
 use crate::glass;
 use mpi_test::{Test, tests};
@@ -18,10 +18,10 @@ pub const TESTS: &[Test<Session>] = tests![
     the_ledger_closes_for_every_scheme
 ];
 
-/// The paper's plate of 0.04 m on a mesh that is coarse: what is conserved is so on any.
+/// The paper's plate of 0.04 m with a coarse mesh: conservation does not depend on the mesh.
 const PLATE: &str = "size = [1.5, 1.5, 0.04]\ncells = [8, 8, 1]\ngrading = [6, 6, 1]";
 
-/// What rounding may leave, as a part of the initial energy: noise in K u of up to 5e-10 was seen, and no drift.
+/// Tolerance for rounding, as a fraction of the initial energy: noise in K u of up to 5e-10 was seen, and no drift.
 const ROUNDING: f64 = 1e-9;
 
 /// Contact time of the paper's impactor on a half-space, s.
@@ -37,15 +37,16 @@ fn episodes(series: &[Step]) -> usize {
     episodes.all().len()
 }
 
-/// The largest change of a quantity, as a part of the initial energy.
+/// The largest change of a quantity, as a fraction of the initial energy.
 fn drift(series: &[Step], quantity: impl Fn(&Step) -> f64) -> f64 {
     let first = quantity(&series[0]);
     let largest = series.iter().map(|step| (quantity(step) - first).abs()).fold(0.0, f64::max);
     largest / series[0].energy.total.abs()
 }
 
-/// Total energy of body and impactor over 20 ms and several hits, with steps from 1e-5 s to a third of a contact. The impact
-/// needs the patch's potential too; the plate is free, on springs, or held.
+/// The energy scheme conserves the total energy of body and impactor over 20 ms and several contacts, with time steps
+/// from 1e-5 s to a third of a contact. With a patch, the impact energy includes the patch's potential. The plate is
+/// free, on springs, or clamped.
 fn the_energy_scheme_keeps_the_total(session: &Session) {
     let world = session.world();
     let third = contact_time() / 3.0;
@@ -72,7 +73,7 @@ fn the_energy_scheme_keeps_the_total(session: &Session) {
     }
 }
 
-/// With dampers, and with a pad that the plate leaves and meets again: total + dissipated stays.
+/// With dampers, and with a pad from which the plate lifts off and to which it returns, total + dissipated is constant.
 fn the_energy_scheme_balances_dampers_and_pads(session: &Session) {
     let world = session.world();
     let pad = "[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nnormal = [0, 0, -1]\nstiffness = [0, 0, 1e9]\n";
@@ -94,8 +95,8 @@ fn the_energy_scheme_balances_dampers_and_pads(session: &Session) {
     }
 }
 
-/// total + dissipated − external − numerical of each scheme stays, whatever acts: dampers, loads, the impactor's weight, a gap, displaced supports
-/// and a pad; and what the scheme itself made is not zero where it is not the energy scheme.
+/// total + dissipated − external − numerical is constant for each scheme, with dampers, loads, the impactor's weight, a
+/// gap, displaced supports and a pad. The numerical energy is not zero, except for the energy scheme.
 fn the_ledger_closes_for_every_scheme(session: &Session) {
     let world = session.world();
     let displaced = "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = [1e9, 2e9, 3e9]\n\
@@ -126,10 +127,11 @@ fn the_ledger_closes_for_every_scheme(session: &Session) {
                 if explicit && newton == "full" {
                     continue;
                 }
-                // Explicit steps are chosen; of the others there are about a dozen in a contact.
+                // Explicit time steps are chosen by the program; for the others there are about a dozen time steps in a
+                // contact.
                 let step = if explicit { "" } else { "step = 1e-4\n" };
-                // A displaced clamp starts with a jerk of the highest frequencies, which ρ∞ = 0 overshoots before it
-                // damps them: to five times the initial energy, where a run without a gate of its own is stopped.
+                // A displaced clamp starts suddenly and excites the highest frequencies. ρ∞ = 0 overshoots before it
+                // damps them, up to five times the initial energy; the default energy gate would stop such a run.
                 let rest = format!("{rest}[solver]\nnewton = \"{newton}\"\nenergy_gate = 10.0\n");
                 let impactor = "mass = 52.0\nspeed = 1.0\ngap = 1.234e-4\ngravity = true";
                 let text = scene(PLATE, impactor, &format!("end = 0.01\n{step}{scheme}"), &rest);
@@ -156,7 +158,7 @@ fn the_ledger_closes_for_every_scheme(session: &Session) {
                     series.len() - 1
                 );
                 assert!(dissipated > 1e-3 && external > 1e-4 && hits > 0, "{name}: all terms count");
-                // The energy scheme makes none: what is left is rounding.
+                // The energy scheme has no numerical energy: the rest is rounding.
                 assert_eq!(numerical > ROUNDING, !scheme.contains("energy"), "{name}, {scheme}: {numerical:e}");
                 assert!(drift < ROUNDING, "{name}, {scheme}, {newton}: {drift:e}");
                 world.collect_garbage().unwrap();

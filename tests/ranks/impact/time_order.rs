@@ -1,4 +1,4 @@
-//! Order of the scheme in time.
+//! Order of the time integration scheme.
 
 use crate::start::{run, start};
 use mpi_test::{Test, tests};
@@ -7,11 +7,12 @@ use petsc_wrap::{Matrix, Session, Vector};
 use ricochet::impact::step::Step;
 use ricochet::impact::{State, SteppedImpact, TimeIntegration as _};
 
-/// On one rank: the first test wants its matrices whole, and other tests show that the series are the same on several.
+/// On one rank: the first test needs whole matrices, and other tests show that the series are the same on several
+/// ranks.
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![free_vibration, order_in_contact];
 
-/// A scene: what is special in `body` and `rest` (supports and loads), in `impactor` and in `time`.
+/// A scene with further lines of `body`, of `impactor` and of `time`, and further tables `rest` (supports and loads).
 fn scene(body: &str, rest: &str, impactor: &str, time: &str) -> String {
     format!(
         "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsymmetry = \"none\"\n{body}\n{rest}\n\
@@ -20,7 +21,7 @@ fn scene(body: &str, rest: &str, impactor: &str, time: &str) -> String {
     )
 }
 
-/// A matrix that one rank has.
+/// A matrix on one rank, as a dense matrix.
 fn dense(matrix: &Matrix) -> DMatrix<f64> {
     let mut dense = DMatrix::zeros(matrix.size().0, matrix.size().1);
     for row in matrix.row_range() {
@@ -41,7 +42,7 @@ fn first_elastic_mode(impact: &SteppedImpact) -> (DVector<f64>, f64) {
     let modes = reduced.symmetric_eigen();
     let mut by_frequency: Vec<usize> = (0..modes.eigenvalues.len()).collect();
     by_frequency.sort_by(|&i, &j| modes.eigenvalues[i].total_cmp(&modes.eigenvalues[j]));
-    // Six rigid motions come first.
+    // The first six are rigid motions.
     let mode = by_frequency[6];
     assert!(modes.eigenvalues[by_frequency[5]].abs() < 1e-9 * modes.eigenvalues[mode]);
     let shape = modes.eigenvectors.column(mode).into_owned();
@@ -49,7 +50,8 @@ fn first_elastic_mode(impact: &SteppedImpact) -> (DVector<f64>, f64) {
     (shape, modes.eigenvalues[mode].sqrt())
 }
 
-/// A body that vibrates in its first mode is at cos ωt; the average acceleration conserves its energy.
+/// A body that vibrates in its first mode has the displacement cos ωt times its start; the average acceleration method
+/// conserves its energy.
 fn free_vibration(session: &Session) {
     let comm = session.world();
     let impactor = "mass = 1.0\nspeed = 1.0\ngap = 1e3";
@@ -73,7 +75,7 @@ fn free_vibration(session: &Session) {
         let energy = |step: &Step| step.energy.kinetic + step.energy.elastic;
         let initial = energy(&series[0]);
         let drift = series.iter().map(|step| (energy(step) / initial - 1.0).abs()).fold(0.0, f64::max);
-        // Newton's residual is below 1e-10 of a force; a linear step leaves rounding.
+        // Newton's residual is below 1e-10 of a force; a linear step has only rounding.
         assert!(drift < 1e-10, "energy changes by {drift:e} in {steps} steps");
         let exact = &shape * (amplitude * (omega * end).cos());
         let u = DVector::from_column_slice(&impact.state().u.read().unwrap());
@@ -85,10 +87,10 @@ fn free_vibration(session: &Session) {
     assert!(order >= 1.95, "{errors:?}");
 }
 
-/// The impactor's velocity in the middle of a contact against a step 16 times finer.
+/// The impactor's velocity in the middle of a contact is compared with a run whose time step is 16 times smaller.
 ///
-/// F ~ t^{3/2} at the first touch leaves a term Δt^{5/2} beside the scheme's Δt²; so the order is two, and would stay
-/// below 5/2 for a scheme of any order.
+/// F ~ t^{3/2} at the first touch causes an error term Δt^{5/2} in addition to the scheme's Δt². So the order is two,
+/// and for a scheme of any order it would stay below 5/2.
 fn order_in_contact(session: &Session) {
     let world = session.world();
     let side = "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\ndamping = 1e5";
@@ -103,7 +105,7 @@ fn order_in_contact(session: &Session) {
     };
     let reference = velocity(3200);
     let errors = [50, 100, 200].map(|steps| (velocity(steps) - reference).abs());
-    // The reference's own error, 1/256 of the last one at order two, lowers its order by 0.004.
+    // The reference's own error, 1/256 of the last one at order two, reduces the observed order by 0.004.
     let order = (errors[1] / errors[2]).log2();
     println!("in contact: velocity {reference:.6}, errors {errors:?}, order {order:.3}");
     assert!(order >= 1.9, "{errors:?}");

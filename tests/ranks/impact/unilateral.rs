@@ -1,5 +1,5 @@
-//! Unilateral foundations in modal coordinates and under plates: the springs that they are where they are never left, lift-off, energy,
-//! equilibrium, and the solid on the same pads.
+//! Unilateral foundations (pads) with plates and in modal coordinates: equality with springs while pressed, lift-off,
+//! energy, equilibrium, and comparison with the solid on the same pads.
 
 use mpi_test::{Test, tests};
 use std::time::Instant;
@@ -19,7 +19,8 @@ pub const TESTS: &[Test<Session>] = tests![
     a_pane_on_strips_as_the_solid
 ];
 
-/// A pane of glass under a soft impactor; the body's lines, supports and loads, those of the impactor and of time.
+/// A pane of glass under a soft impactor, with the given lines of the body, the supports and loads, the impactor and
+/// the time.
 fn scene(body: &str, rest: &str, impactor: &str, time: &str) -> String {
     format!(
         "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.5, 0.4, 0.02]\n{body}\n{rest}\n\
@@ -29,12 +30,12 @@ fn scene(body: &str, rest: &str, impactor: &str, time: &str) -> String {
 
 const ON_STRIPS: &str = "[[support]]\nsurface = \"bottom\"\nwithin = { rim = 0.03 }\nkind = \"pad\"\nstiffness = 1e8\n\
     normal = [0, 0, -1]\n";
-/// From below, so that the pane is thrown off its strips.
+/// Impact from below, which throws the pane off its strips.
 const UPWARDS: &str = "direction = [0, 0, 1]\npoint = [0, 0, -0.01]";
 const GRAVITY: &str = "[load]\ngravity = [0, 0, -9.80665]\n";
 
-/// Four posts, pressed by a pressure that the impact does not overcome. Within each the deflection is so smooth that the pads' quadrature
-/// and the springs' are the same.
+/// Four posts under a pressure that the impact does not exceed, so pads and springs agree. Within each post the
+/// deflection is so smooth that the quadratures of pads and of springs are equal.
 fn pads_that_are_never_left_are_springs(session: &Session) {
     let posts = |kind: &str| -> String {
         let post = |x: f64, y: f64| {
@@ -50,7 +51,7 @@ fn pads_that_are_never_left_are_springs(session: &Session) {
             + "[[load.traction]]\nsurface = \"top\"\nvalue = [0, 0, -3e5]\n"
     };
     let ran = |kind: &str| {
-        // All that there is of these cells.
+        // All unknowns of these cells.
         let body = "model = \"mindlin\"\nreduction = 2000";
         let time = "end = 3e-3\nstep = 2e-5\ninitial = \"equilibrium\"";
         run(&session.world(), &(scene(body, &posts(kind), "", time) + "[accuracy]\ntolerance = 0.5\n"))
@@ -62,13 +63,13 @@ fn pads_that_are_never_left_are_springs(session: &Session) {
     assert!(off < 1e-9 && pads.peak() > 0.0);
 }
 
-/// Largest difference of two runs' accelerations at the steps of the coarser one, over the peak.
+/// Largest difference of two runs' accelerations at the time steps of the coarser one, over the peak.
 fn off(coarse: &Ran, fine: &Ran) -> f64 {
     coarse.difference(fine).1 * coarse.peak() / fine.peak()
 }
 
-/// All unknowns of a plate step by step, by the average acceleration, and the same in modal coordinates, on the same cells: those that a
-/// tolerance of 5% takes at once.
+/// All unknowns of a plate with time steps of the average acceleration method, compared with modal coordinates on the
+/// same cells: those that a tolerance of 5% gives first.
 fn lifts_off_as_the_stepped_plate(session: &Session) {
     let ran = |body: &str, time: &str| {
         let text = scene(&format!("model = \"mindlin\"\n{body}"), ON_STRIPS, UPWARDS, &format!("end = 3e-3\n{time}"));
@@ -83,12 +84,13 @@ fn lifts_off_as_the_stepped_plate(session: &Session) {
     let modal = [4e-5, 2e-5].map(|step| off(&ran(whole, &format!("step = {step:e}")), &fine));
     let orders = [stepped, modal].map(|[coarse, fine]| (coarse / fine).log2());
     println!("  {apart:.1e} apart, stepped {stepped:?}, modal {modal:?}, orders {orders:.2?}");
-    // Average acceleration is of order two, and so are λ's quadratics across its kinks. Strips that cut cells are integrated exactly in K and
-    // at points for what pads pull too much, which keeps the two apart: by 5e-5 on these cells, 2e-5 on the next finer ones.
+    // The average acceleration method is of order two, and so is the integration of λ by quadratics across its kinks.
+    // For strips that cut cells, K is integrated exactly, but the excess pull of the pads at quadrature points. This
+    // causes a difference of 5e-5 with these cells, and of 2e-5 with the next finer ones.
     assert!(orders.iter().all(|order| *order > 1.9) && apart < 1e-4 && modal[1] < 1e-5);
 }
 
-/// Without dampers and with them, at rest or in equilibrium before.
+/// Energy balance without dampers and with them, from rest and from equilibrium.
 fn energy_is_what_the_steps_make(session: &Session) {
     let dampers = ON_STRIPS.to_owned() + "damping = [0, 0, 1e4]\n";
     for (supports, initial) in [(ON_STRIPS, "rest"), (&dampers, "rest"), (&dampers, "equilibrium")] {
@@ -103,7 +105,8 @@ fn energy_is_what_the_steps_make(session: &Session) {
                 let balance = now.total + now.dissipated - now.external - now.numerical - first.total;
                 // Rounding.
                 assert!(balance.abs() < 1e-11 * first.total, "{balance:e}");
-                // Energy that springs would have is taken off: it is some times the total where the pane is far off its strips.
+                // The energy that springs would have is subtracted: it is several times the total if the pane is far
+                // off its strips.
                 assert!(now.support >= -1e-8 * first.total, "{:e}", now.support);
                 largest = largest.max(now.numerical.abs() / first.total);
             }
@@ -114,9 +117,9 @@ fn energy_is_what_the_steps_make(session: &Session) {
     }
 }
 
-/// Pads carry the weight, and the deflection is that of the plate with all its unknowns.
+/// Pads carry the weight, and the static deflection equals the deflection of the plate with all its unknowns.
 fn nothing_moves_before_the_hit(session: &Session) {
-    // Beside the middle, so that corners lift off at rest.
+    // The pressure is off the middle, so corners are lifted off in equilibrium.
     let pressed = ON_STRIPS.to_owned()
         + GRAVITY
         + "[[load.traction]]\nsurface = \"top\"\nvalue = [0, 0, -2e4]\nwithin = { box = [[-0.05, -0.05, -1], [0.2, 0.1, 1]] }\n";
@@ -135,11 +138,11 @@ fn nothing_moves_before_the_hit(session: &Session) {
         assert!(moved.abs() < 1e-9, "{moved:e} at {} s", step.time);
         assert!(step.energy.kinetic < 1e-12 * step.energy.total, "{:e}", step.energy.kinetic);
     }
-    // The basis is as good as the tolerance.
+    // The error of the basis is within the tolerance.
     assert!(stepped.difference(&modal).0 < 1e-2);
 }
 
-/// On one strip alone.
+/// A pane on one strip alone tips over and has no equilibrium.
 fn a_body_that_tips_has_no_equilibrium(session: &Session) {
     let one = ON_STRIPS.replace("rim = 0.03", "box = [[-1, -1, -1], [-0.1, 1, 1]]") + GRAVITY;
     for body in ["model = \"mindlin\"", "model = \"solid\"\nreduction = \"none\"\ncells = [5, 4, 1]"] {
@@ -153,7 +156,8 @@ fn a_body_that_tips_has_no_equilibrium(session: &Session) {
     }
 }
 
-/// The acceptance: within 2% of the peak in the first contact, at a tenth of the time or less; springs would be off by more.
+/// The result is within 2% of the peak in the first contact, in a tenth of the solid's time or less; springs instead of
+/// pads would have a larger error.
 fn a_pane_on_strips_as_the_solid(session: &Session) {
     let timed = |text: String| {
         let begin = Instant::now();

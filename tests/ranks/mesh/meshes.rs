@@ -1,4 +1,4 @@
-//! Meshes from Gmsh files: what they measure, and which are refused.
+//! Meshes from Gmsh files: their measures, and meshes that are refused.
 
 use crate::bricks;
 use mpi_test::{Test, tests};
@@ -18,7 +18,7 @@ pub const TESTS: &[Test<Session>] =
 
 const DENSITY: f64 = 2500.0;
 
-/// A body from a mesh file, hit from above at `height`, under unit springs on one surface.
+/// A scene with a body from a mesh file, hit from above at `height`, with unit springs on one surface.
 fn scene(mesh: &Path, order: usize, height: f64, surface: &str) -> Scene {
     let text = format!(
         "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = {DENSITY}\nmesh = {mesh:?}\norder = {order}\n\
@@ -38,7 +38,7 @@ fn body(comm: &Comm, scene: &Scene) -> Result<Body, Error> {
     Body::solid(scene, &Mesh::new(comm, &scene.body)?)
 }
 
-/// 1ᵀA1 / 3: of M the mass, of unit springs the area.
+/// 1ᵀA1 / 3: the mass for M, the area for unit springs.
 fn third_of_sum(matrix: &Matrix, like: &Body) -> f64 {
     let (mut ones, mut product) = (like.load.duplicate().unwrap(), like.load.duplicate().unwrap());
     ones.fill(1.0).unwrap();
@@ -46,7 +46,7 @@ fn third_of_sum(matrix: &Matrix, like: &Body) -> f64 {
     product.dot(&ones).unwrap() / 3.0
 }
 
-/// Against the measures of the geometry, on any number of ranks.
+/// Volumes and areas agree with the geometry, on any number of ranks.
 fn volumes_and_areas(session: &Session) {
     // The rim of the disc is a polygon.
     let (sides, radius, thickness) = (32.0, 0.25, 0.02);
@@ -66,7 +66,7 @@ fn volumes_and_areas(session: &Session) {
             for (surface, area) in surfaces {
                 let body = body(&session.world(), &scene(&file(name), order, height, surface)).unwrap();
                 let error = third_of_sum(&body.mass, &body) / DENSITY / volume - 1.0;
-                // The files' coordinates are Gmsh's, good to 1e-11 of the size (edges of block-hex.msh); sums add rounding.
+                // Gmsh writes coordinates to 1e-11 of the size (edges of block-hex.msh); sums add rounding.
                 assert!(error.abs() < 1e-10, "{name}, order {order}: volume {error:e} off");
                 let springs = body.support.as_ref().expect("unit springs");
                 let error = third_of_sum(springs, &body) / area - 1.0;
@@ -77,7 +77,7 @@ fn volumes_and_areas(session: &Session) {
     }
 }
 
-/// Both files hold one mesh: the same matrices and the same motion.
+/// Both files contain the same mesh: the matrices and the motion are the same.
 fn formats_2_and_4_give_the_same(session: &Session) {
     let world = session.world();
     let measures = |name: &str| {
@@ -100,20 +100,21 @@ fn formats_2_and_4_give_the_same(session: &Session) {
     let peak = two[6..].iter().fold(0.0, |max: f64, force| max.max(*force));
     assert_eq!(two.len(), four.len());
     for (i, (two, four)) in two.iter().zip(&four).enumerate() {
-        // The files order cells and nodes in their own ways: rounding differs.
+        // The files have different orders of cells and nodes, so rounding differs.
         let scale = if i < 6 { *two } else { peak };
         assert!((two - four).abs() <= 1e-9 * scale, "{i}: {two:e} and {four:e}");
     }
 }
 
-/// Writes a mesh into a folder of this rank's own.
+/// Writes a mesh into a folder, which each rank has separately.
 fn write(folder: &tempfile::TempDir, text: &str) -> PathBuf {
     let path = folder.path().join("mesh.msh");
     std::fs::write(&path, text).unwrap();
     path
 }
 
-/// Half of the tetrahedra of [`bricks::bricks`] are mirrored; with two vertices exchanged in every cell it is the other half.
+/// Half of the tetrahedra of [`bricks::bricks`] are mirrored; with two vertices of every cell exchanged, the other half
+/// is.
 fn mirrored_tetrahedra_are_accepted(session: &Session) {
     let folder = tempfile::tempdir().unwrap();
     let text = bricks::bricks(Shape::Tetrahedron, [1.0; 3], [2, 2, 2], 0.2);
@@ -126,11 +127,11 @@ fn mirrored_tetrahedra_are_accepted(session: &Session) {
         assert!((volume - 1.0).abs() < 1e-13, "volume {volume}");
         body.elastic.norm_frobenius().unwrap()
     });
-    // The same cells with their vertices in another order: rounding differs.
+    // The same cells with their vertices in another order, so rounding differs.
     assert!((norms[0] / norms[1] - 1.0).abs() < 1e-13, "{norms:?}");
 }
 
-/// The text with the vertices of every element of a Gmsh type changed.
+/// The text of a mesh with the vertices of every element of a Gmsh type changed.
 fn edit_cells(text: &str, kind: &str, change: impl Fn(&mut [&str])) -> String {
     let line = |line: &str| {
         let mut words: Vec<&str> = line.split(' ').collect();
@@ -142,7 +143,8 @@ fn edit_cells(text: &str, kind: &str, change: impl Fn(&mut [&str])) -> String {
     text.lines().map(line).collect::<Vec<_>>().join("\n") + "\n"
 }
 
-/// A file in MSH 2.2 with nodes and elements (each a line without its number); surface 1 is "top", volume 4 "body".
+/// A file in MSH 2.2 with these nodes and elements (each a line without its number); surface 1 is "top", volume 4 is
+/// "body".
 fn msh(nodes: &[[f64; 3]], elements: &[&str]) -> String {
     let nodes: String = nodes.iter().enumerate().map(|(i, [x, y, z])| format!("{} {x} {y} {z}\n", i + 1)).collect();
     let elements: String = elements.iter().enumerate().map(|(i, element)| format!("{} {element}\n", i + 1)).collect();
@@ -157,7 +159,7 @@ fn msh(nodes: &[[f64; 3]], elements: &[&str]) -> String {
 const TETRAHEDRON: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 fn refusals(session: &Session) {
-    // The middle vertex pulled out through a corner.
+    // The middle vertex is moved out through a corner.
     let cube = bricks::bricks(Shape::Hexahedron, [1.0; 3], [2, 2, 2], 0.0);
     let pulled = |line: &str| if line.starts_with("14 0.0") { "14 0.6 0.6 0.6".to_owned() } else { line.to_owned() };
     let tangled = cube.lines().map(pulled).collect::<Vec<_>>().join("\n") + "\n";
@@ -166,7 +168,7 @@ fn refusals(session: &Session) {
     let middle = |[i, j]: [usize; 2]| [0, 1, 2].map(|c| (TETRAHEDRON[i][c] + TETRAHEDRON[j][c]) / 2.0);
     let second_order: Vec<[f64; 3]> = TETRAHEDRON.into_iter().chain(middles.map(middle)).collect();
     let curved = msh(&second_order, &["9 2 1 1 1 2 3 5 6 7", "11 2 4 4 1 2 3 4 5 6 7 8 9 10"]);
-    // A prism below a tetrahedron, and a hexahedron beside one.
+    // A prism below a tetrahedron, and a hexahedron next to one.
     let below = [[0.0, 0.0, -1.0], [1.0, 0.0, -1.0], [0.0, 1.0, -1.0]];
     let stacked: Vec<[f64; 3]> = TETRAHEDRON.into_iter().chain(below).collect();
     let prism = msh(&stacked, &["2 2 1 1 1 2 4", "4 2 4 4 1 2 3 4", "6 2 4 4 5 6 7 1 2 3"]);
@@ -192,13 +194,13 @@ fn refusals(session: &Session) {
         assert!(format!("{fault} {}", fault.help).contains(expected), "{name}: {fault}");
         assert!(fault.everywhere, "{name}: all ranks go on to end in order");
     }
-    // Found by the one rank that reads.
+    // The fault is found on a single rank too.
     let folder = tempfile::tempdir().unwrap();
     let fault = refusal(&session.alone(), &write(&folder, &msh(&[], &[])), "empty");
     assert_eq!(fault.key, "body.mesh", "empty: {fault}");
 }
 
-/// The fault of a mesh.
+/// The fault with which a mesh is refused.
 fn refusal(comm: &Comm, mesh: &Path, name: &str) -> Fault {
     match body(comm, &scene(mesh, 1, 0.5, "top")) {
         Err(Error::Fault(fault)) => *fault,

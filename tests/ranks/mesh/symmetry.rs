@@ -1,4 +1,4 @@
-//! Graded boxes, and quarters that stand for the whole: measures, and answers to forces.
+//! Graded boxes, and quarters that represent the whole: measures, and responses to forces.
 
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Insert, Int, Matrix, Session, Vector};
@@ -19,7 +19,8 @@ fn parse(body: &str, rest: &str, overrides: &[String]) -> Scene {
     Scene::parse("test", &text, overrides).unwrap_or_else(|error| panic!("{error}")).0
 }
 
-/// Off-centre and centred, on a face and on an edge, whole and quarters.
+/// Boxes hit off the centre and in the centre, on a face and on an edge, as wholes and as quarters: lines of the body,
+/// overrides, and number of copies.
 const BOXES: [(&str, &[&str], usize); 5] = [
     ("size = [1.5, 0.9, 0.1]\ncells = [7, 6, 3]\ngrading = [8, 5, 2]", &["impactor.point=[0.31,-0.12,0.05]"], 1),
     ("size = [1.5, 0.9, 0.1]\ncells = [6, 4, 2]\ngrading = 100\nsymmetry = \"none\"", &[], 1),
@@ -32,7 +33,7 @@ fn owned(texts: &[&str]) -> Vec<String> {
     texts.iter().map(|text| (*text).to_owned()).collect()
 }
 
-/// Σ of all entries over 3: of M the mass, of unit springs the area.
+/// Sum of all entries over 3: the mass for M, the area for unit springs.
 fn third_of_sum(matrix: &Matrix, like: &Vector) -> f64 {
     let (mut ones, mut product) = (like.duplicate().unwrap(), like.duplicate().unwrap());
     ones.fill(1.0).unwrap();
@@ -40,8 +41,8 @@ fn third_of_sum(matrix: &Matrix, like: &Vector) -> f64 {
     product.dot(&ones).unwrap() / 3.0
 }
 
-/// Against the box's volume and faces, a quarter's counted four times. A face that a quarter has no part of is counted by its
-/// mirror image, so that the two of a pair are taken together.
+/// Volumes and areas agree with the box; a quarter's are counted four times. A face outside the quarter is represented
+/// by its mirror image, so the two faces of a pair are tested together.
 fn measures_of_graded_boxes_and_quarters(session: &Session) {
     let world = session.world();
     for (body, overrides, copies) in BOXES {
@@ -69,7 +70,7 @@ fn measures_of_graded_boxes_and_quarters(session: &Session) {
             let solid = Body::solid(&scene, &mesh).unwrap();
             let volume = solid.copies * third_of_sum(&solid.mass, &solid.load) / 2500.0;
             let springs = solid.copies * third_of_sum(solid.support.as_ref().expect("unit springs"), &solid.load);
-            // Sums of some thousand entries.
+            // Rounding of sums of some thousand entries.
             assert!((volume / (x * y * z) - 1.0).abs() < 1e-12, "{body}: volume {volume}");
             assert!((springs / area - 1.0).abs() < 1e-12, "{body}: {surfaces:?} {springs}");
         }
@@ -77,7 +78,7 @@ fn measures_of_graded_boxes_and_quarters(session: &Session) {
     }
 }
 
-/// Every vertex is a point of the scene's grid to the last bit, and so is the part that a quarter takes.
+/// Every vertex is a point of the scene's grid to the last bit, also for a quarter.
 fn vertices_are_those_of_the_grid(session: &Session) {
     for (body, overrides, copies) in BOXES {
         let scene = parse(body, "", &owned(overrides));
@@ -98,20 +99,20 @@ fn vertices_are_those_of_the_grid(session: &Session) {
     }
 }
 
-/// A symmetric scene and a way to ask it: S = K + c1 C + c2 M.
+/// A symmetric scene, and the matrix of the system: S = K + c1 C + c2 M.
 struct Case {
     name: &'static str,
     body: &'static str,
     rest: &'static str,
     overrides: &'static [&'static str],
     operator: [f64; 2],
-    /// Places of the surface in the part that is solved, in halves of the edges.
+    /// Points on the surface of the part that is solved, in units of half the edges.
     probes: [[f64; 3]; 3],
 }
 
 const STATIC: [f64; 2] = [0.0, 0.0];
 
-/// Average acceleration with a step of 10 μs.
+/// c1 and c2 of the average acceleration method with a time step of 10 μs.
 const STEP: [f64; 2] = [2e5, 4e10];
 
 const TOP: [[f64; 3]; 3] = [[0.3, 0.7, 1.0], [1.0, 1.0, -1.0], [0.0, 1.0, 0.2]];
@@ -177,11 +178,11 @@ const CASES: [Case; 6] = [
     },
 ];
 
-/// What a body answers to a force of 1 MN on a, a part of it on a quarter, and to its loads.
+/// Response of a body to a force of 1 MN on the localisation vector a (a quarter of it on a quarter), and to its loads.
 struct Answer {
-    /// aᵀu and the probes' displacements, m.
+    /// aᵀu and the displacements of the probes, m.
     displacements: Vec<f64>,
-    /// ½ uᵀ S u, and the pads' potential, J.
+    /// ½ uᵀ S u, and the potential of the pads, J.
     energies: [f64; 2],
 }
 
@@ -229,7 +230,7 @@ fn answer(comm: &Comm, case: &Case, symmetry: &str) -> Answer {
     Answer { displacements, energies: [0.5 * u.dot(&product).unwrap(), pad].map(|energy| body.copies * energy) }
 }
 
-/// Displacements and energies, statically and in a step, on any number of ranks.
+/// A quarter gives the displacements and energies of the whole, statically and in a time step, on any number of ranks.
 fn a_quarter_answers_as_the_whole(session: &Session) {
     let world = session.world();
     for case in CASES {
@@ -241,7 +242,7 @@ fn a_quarter_answers_as_the_whole(session: &Session) {
             (0..2).fold(0.0, |m, i| f64::max(m, (whole.energies[i] - quarter.energies[i]).abs() / whole.energies[0]));
         println!("{}: displacements {worst:.1e}, energies {energy:.1e}", case.name);
         assert!(case.rest.contains("pad") == (whole.energies[1] > 0.0), "{}", case.name);
-        // The condition of K, at most 1e6 here, times rounding.
+        // The condition number of K, at most 1e6 here, times rounding.
         assert!(worst < 1e-9 && energy < 1e-9, "{}: {worst:e}, {energy:e}", case.name);
         world.collect_garbage().unwrap();
     }

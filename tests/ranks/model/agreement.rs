@@ -1,4 +1,4 @@
-//! Ranks that compute a plate each for itself take the same way, also where they do not round alike.
+//! Ranks that each compute the whole plate take the same decisions, also if their rounding differs.
 
 use std::cell::Cell;
 
@@ -16,7 +16,7 @@ use ricochet::scene::Scene;
 pub const RANKS: &[usize] = &[2];
 pub const TESTS: &[Test<Session>] = tests![all_ranks_come_to_the_same_stages];
 
-/// Counts the stages that a rank comes to.
+/// Counts the stages that a rank reaches.
 struct Counted {
     comm: Comm,
     stages: Cell<usize>,
@@ -33,7 +33,8 @@ impl Watch for Counted {
     }
 }
 
-/// Tolerances that differ stand for processors that do: by themselves, the ranks would take bases of other sizes.
+/// Different tolerances on the ranks stand for different processors: alone, the ranks would use bases of different
+/// sizes.
 fn all_ranks_come_to_the_same_stages(session: &Session) {
     let comm = session.world();
     let scene = parse(&plate("size = [1.5, 1.5, 0.04]", "end = 2e-3", &sides(1e9, 0.0)));

@@ -1,5 +1,5 @@
-//! Stresses on the lower face under the hit and beside it: through a first contact against solids of another program, and at rest against
-//! the exact series of a thick plate.
+//! Stresses on the lower face under the impact point and next to it: through a first contact, compared with solids of
+//! another program; and statically, compared with the exact series of a thick plate.
 
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -19,10 +19,10 @@ pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] =
     tests![histories_beside_the_hit_are_those_of_solids, a_slow_force_has_the_series_of_a_thick_plate];
 
-/// Distances from the line of the force over the thickness.
+/// Distances from the line of the force, over the thickness.
 const RADII: [f64; 5] = [0.0, 0.25, 0.5, 1.0, 2.0];
 
-/// The force and the two larger principal stresses of each probe, step by step.
+/// Time, force, and the two larger principal stresses of each probe, for each time step.
 #[derive(Default)]
 struct Watch(Vec<(f64, f64, Vec<[f64; 2]>)>);
 
@@ -34,7 +34,8 @@ impl Observer for Watch {
     }
 }
 
-/// A plate of glass whose lower face is read at [`RADII`] along x; the force is Hertz's pressure over a quarter of the thickness.
+/// A plate of glass with probes on its lower face at [`RADII`] along x. The force is Hertz's pressure over a quarter of
+/// the thickness.
 struct Plate {
     /// Edge and thickness, m.
     edge: f64,
@@ -69,8 +70,8 @@ const POISSON: f64 = 0.23;
 
 const STEEL: &str = "mass = 52.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n[contact]";
 
-/// Within 2% of the peak of each history (scripts/independent/beside_hit.py; it leaves 3e-3). Before the local field was added, a plate was
-/// off by 11% and more.
+/// The stresses agree within 2% of the peak of each time history (scripts/independent/beside_hit.py, whose own error is
+/// 3e-3). Before the local field was added, the error of a plate was 11% and more.
 fn histories_beside_the_hit_are_those_of_solids(session: &Session) {
     let springs = "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\n";
     for (case, edge, thickness, supports) in [("plate100-k0", 1.5, 0.1, ""), ("plate20-k1e9", 0.5, 0.02, springs)] {
@@ -88,7 +89,7 @@ fn histories_beside_the_hit_are_those_of_solids(session: &Session) {
             let watch = plate.watched(&session.world(), theory, tolerance);
             for (number, radius) in RADII.into_iter().enumerate() {
                 let components = [0, 1].map(|i| History::new(times.clone(), column(2 + 2 * number + i)));
-                // Across the face there is no stress: the principal ones are these, and zero.
+                // The stress normal to the face is zero: the principal stresses are these two and zero.
                 let exact = |time: f64| {
                     let mut stresses = [components[0].at(time), components[1].at(time), 0.0];
                     stresses.sort_by(|a, b| b.total_cmp(a));
@@ -110,15 +111,16 @@ fn histories_beside_the_hit_are_those_of_solids(session: &Session) {
     }
 }
 
-/// σ_xx and σ_yy on the lower face of a square plate of edge a under 1 N at its centre, which is held so that its sides have
-/// u_z = u_t = σ_n = 0: the double series of three-dimensional elasticity (S. Srinivas, C. V. Joga Rao & A. K. Rao, J. Sound Vib. 12, 1970).
+/// σ_xx and σ_yy on the lower face of a square plate with edge a under 1 N at its centre. At its sides u_z = u_t = σ_n
+/// = 0. This is the double series of three-dimensional elasticity (S. Srinivas, C. V. Joga Rao & A. K. Rao, J. Sound
+/// Vib. 12, 1970).
 ///
-/// Each term sin αx sin βy is one wavenumber ξ² = α² + β² of the layer; on its lower face (1 + ν) 2x sinh x/(sinh² x − x²) with x = ξh is
-/// the sum of both stresses, and their difference goes with (α² − β²)/ξ².
+/// Each term sin αx sin βy is one wavenumber ξ² = α² + β² of the layer. On its lower face the sum of both stresses is
+/// (1 + ν) 2x sinh x/(sinh² x − x²) with x = ξh, and their difference is proportional to (α² − β²)/ξ².
 fn series(edge: f64, thickness: f64, patch: f64, x: f64) -> [f64; 2] {
     let terms = (30.0 * edge / (PI * thickness)) as usize;
     let mut sums = [0.0; 2];
-    // Of a force in the middle even terms vanish.
+    // Even terms vanish for a force in the middle.
     for m in (1..terms).step_by(2) {
         for n in (1..terms).step_by(2) {
             let [alpha, beta] = [m, n].map(|n| n as f64 * PI / edge);
@@ -136,8 +138,9 @@ fn series(edge: f64, thickness: f64, patch: f64, x: f64) -> [f64; 2] {
     sums
 }
 
-/// A spring of 1e4 N/m presses a plate of 0.4 × 0.4 × 0.02 m for 0.3 s, where its lowest mode takes 1.6 ms: its inertia adds (1.6e-3/0.6)²/π²,
-/// 1e-6. What is left is that of the cells, and the distance between the force's peak and the nearest step.
+/// A spring of 1e4 N/m presses a plate of 0.4 × 0.4 × 0.02 m for 0.3 s. The period of the plate's lowest mode is 1.6
+/// ms, so its inertia adds (1.6e-3/0.6)²/π², 1e-6. The remaining errors are the discretisation error and the time from
+/// the force's peak to the nearest time step.
 fn a_slow_force_has_the_series_of_a_thick_plate(session: &Session) {
     let supports = [("x-min", "y"), ("x-max", "y"), ("y-min", "x"), ("y-max", "x")].map(|(surface, along)| {
         format!("[[support]]\nsurface = \"{surface}\"\nkind = \"clamped\"\ncomponents = [\"{along}\", \"z\"]\n")

@@ -1,4 +1,5 @@
-//! What `model = "auto"` takes: a half-space only where its error is as told, and no theory that does not stand for the scene.
+//! Choices of `model = "auto"`: a half-space only if its error is as estimated, and no theory that cannot model the
+//! scene.
 
 use crate::glass::plate;
 use crate::modelled::{parse, run_scene};
@@ -19,7 +20,7 @@ pub const TESTS: &[Test<Session>] = tests![
     a_relaxing_plate_of_one_material_is_a_solid
 ];
 
-/// A small ball of steel on a plate of glass.
+/// A scene with a small steel ball on a glass plate.
 fn ball(impactor: &str, rest: &str) -> String {
     format!(
         "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.4, 0.4, 0.02]\n\
@@ -31,8 +32,9 @@ fn model(comm: &Comm, scene: &Scene) -> Model {
     Model::new(comm, scene).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Against Mindlin's plate, which is within 1e-3 of a solid here. The estimate is the sum of what waves, the plate's motion and its thickness
-/// do, each at its worst: it is met, and not by much more than a factor of two.
+/// Comparison with Mindlin's plate, which is within 1e-3 of a solid here. The estimate is the sum of the worst effects
+/// of waves, of the plate's motion and of its thickness. The error is below the estimate, by not much more than a
+/// factor of two.
 fn a_half_space_is_within_its_estimated_error(session: &Session) {
     let comm = session.world();
     for (mass, radius) in [(1e-4, 0.002), (3e-4, 0.003), (1e-3, 0.005), (2e-3, 0.006)] {
@@ -49,7 +51,8 @@ fn a_half_space_is_within_its_estimated_error(session: &Session) {
     }
 }
 
-/// A hit near an edge, forces that move the body before or while it is hit, and an estimate above the tolerance.
+/// A half-space is excluded by an impact near an edge, by forces that move the body before or during the impact, and by
+/// an estimate above the tolerance.
 fn what_rules_a_half_space_out(session: &Session) {
     let comm = session.world();
     let light = "mass = 1e-4\nradius = 0.002";
@@ -72,8 +75,8 @@ fn what_rules_a_half_space_out(session: &Session) {
     }
 }
 
-/// A free plate of glass that Mindlin's theory has within a tenth, and what makes it a solid: coarse where its cells are not asked about,
-/// since it is not run.
+/// A free glass plate that Mindlin's theory models within a tenth, and the changes that require a solid. Its cells are
+/// coarse if they do not matter, since it is not run.
 fn what_rules_plates_out(session: &Session) {
     let comm = session.world();
     let text = |body: &str, impactor: &str, rest: &str| {
@@ -129,7 +132,8 @@ fn what_rules_plates_out(session: &Session) {
     }
 }
 
-/// A plate of one polymer that relaxes is a solid, and what it says names the plate that may be taken.
+/// A viscoelastic plate of one polymer is computed as a solid, and the stated reason names the plate theory that may be
+/// chosen.
 fn a_relaxing_plate_of_one_material_is_a_solid(session: &Session) {
     let text = "[body]\nsize = [0.4, 0.4]\n[[body.layer]]\nthickness = 0.04\nmaterial = \"polymer\"\n\
                 [material.polymer]\ndensity = 1190.0\nbulk = 4e9\nshear = 1e9\nprony = [{ modulus = 0.5e9, time = 5e-4 }]\n\
@@ -143,7 +147,8 @@ fn a_relaxing_plate_of_one_material_is_a_solid(session: &Session) {
     assert_eq!(model(&session.world(), &parse(&named)).theory, scene::Model::Layerwise);
 }
 
-/// Narrow, usual and wide strips of rubber under the edges: auto takes a plate, which is within the tolerance of the solid.
+/// Narrow, usual and wide rubber strips under the edges: `auto` uses a plate, which is within the tolerance of the
+/// solid.
 fn strips_are_for_plates(session: &Session) {
     let comm = session.world();
     for width in [0.005, 0.02, 0.1] {
@@ -164,7 +169,7 @@ fn strips_are_for_plates(session: &Session) {
     }
 }
 
-/// A side that is held below its middle alone stretches the plate when it bends.
+/// A side that is supported only below its middle plane stretches the plate when it bends.
 fn sides_held_unevenly_are_for_solids(session: &Session) {
     let comm = session.world();
     let held = |low: f64, stiffness: &str| {
@@ -179,12 +184,13 @@ fn sides_held_unevenly_are_for_solids(session: &Session) {
         "{:?}",
         auto.reason
     );
-    // Across the plate it does not matter where.
+    // For supports normal to the plate the height does not matter.
     assert_eq!(model(&comm, &held(-0.01, "[0, 0, 1e9]")).theory, scene::Model::Mindlin);
 }
 
-/// A short hit on the whole of a wide plate, which takes 78,408 unknowns in splines: Mindlin's plate is taken, and its error, above its part of
-/// the tolerance, is told. A quarter of it has splines.
+/// A short impact on the whole of a wide plate, which would need 78,408 unknowns with splines: Mindlin's plate is used,
+/// and its error, which is above its share of the tolerance, is reported. A quarter of the plate can be computed with
+/// splines.
 fn a_plate_stands_for_a_solid_too_large_for_splines(session: &Session) {
     let comm = session.world();
     let text = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.4, 0.4, 0.01]\nsymmetry = \"none\"\n\

@@ -1,6 +1,8 @@
-//! The paper's impact on plates, converged in mesh, patch and step: the numbers do not depend on how they are computed.
+//! The paper's impact on plates, converged in mesh, patch and time step: the results do not depend on how they are
+//! computed.
 //!
-//! The references are of quarter models with r_p = h/4, refined in mesh and step until they stood, by an independent script.
+//! The references are of quarter models with r_p = h/4, refined in mesh and time step until they no longer changed, by
+//! an independent script.
 
 use crate::glass;
 use mpi_test::{Test, tests};
@@ -16,10 +18,10 @@ pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![thickest_plate, radius_does_not_matter, an_impact_off_the_centre_converges];
 pub const LONG: &[Test<Session>] = tests![thinner_plates, radius_and_mesh_do_not_matter, radii_agree_off_the_centre];
 
-/// A plate of physics' table of converged answers.
+/// A plate of the table of converged results.
 struct Plate {
     size: &'static str,
-    /// Of the sides, N/m³.
+    /// Stiffness of the side supports, N/m³.
     stiffness: f64,
     end: f64,
     step: f64,
@@ -29,8 +31,8 @@ struct Plate {
     contacts: &'static [f64],
 }
 
-/// Cells are left out. The steps are the longest of a sequence of halves that meet the bounds; what shorter ones and longer ones give:
-/// 0.02 m, k = 0: 415.1 at 1e-5 s, 412.4 at 2.5e-6 s; k = 1e9: 547.0 at 1e-5 s.
+/// The cells are the default ones. The time steps are the longest of a sequence of halved ones that meet the bounds.
+/// Peaks with other time steps: 0.02 m, k = 0: 415.1 at 1e-5 s, 412.4 at 2.5e-6 s; k = 1e9: 547.0 at 1e-5 s.
 const PLATES: [Plate; 5] = [
     Plate { size: "[1.5, 1.5, 0.1]", stiffness: 0.0, end: 1.4e-3, step: 2e-5, peak: 2002.7, contacts: &[0.0, 1.328] },
     Plate {
@@ -67,7 +69,7 @@ const PLATES: [Plate; 5] = [
     },
 ];
 
-/// The impactor's history. Collective.
+/// Time history of the impact. Collective.
 fn history(comm: &Comm, text: &str) -> Vec<Step> {
     let (_, mut impact) = start(comm, text);
     let series = run(&mut impact);
@@ -88,7 +90,7 @@ fn thinner_plates(session: &Session) {
     check_plates(session, &PLATES[1..]);
 }
 
-/// Peaks within 0.5%, starts and ends of the first and the second contact within 1%.
+/// Checks that peaks are within 0.5%, and starts and ends of the first and the second contact within 1%.
 fn check_plates(session: &Session, plates: &[Plate]) {
     let world = session.world();
     for &Plate { size, stiffness, end, step, peak: expected, contacts } in plates {
@@ -110,7 +112,8 @@ fn check_plates(session: &Session, plates: &[Plate]) {
     }
 }
 
-/// Radii of the patch, each with a grading that makes the cells under it at most half as large on the coarser mesh below.
+/// Radii of the patch, m, each with a grading for which the cells under it are at most half as large, on the coarser
+/// mesh below.
 const RADII: [(f64, [f64; 3]); 4] =
     [(0.010, [61.0, 61.0, 15.0]), (0.016, [36.0, 36.0, 8.0]), (0.025, [20.0, 20.0, 4.0]), (0.040, [10.5, 10.5, 2.0])];
 
@@ -122,8 +125,9 @@ fn radius_and_mesh_do_not_matter(session: &Session) {
     check_radii(session, &RADII, &[[18, 18, 3], [36, 36, 6]]);
 }
 
-/// The 0.1 m plate's peak for radii from h/10 to 0.4 h, on two meshes a factor of two apart. What is seen is −0.12% to +0.43% of the
-/// reference, and with the finer meshes +0.22% at most: 0.025 (r_p/h)² of 40 mm less that of 25 mm.
+/// The peak for the 0.1 m plate with radii from h/10 to 0.4 h, on two meshes with cell sizes a factor of two apart.
+/// Observed: −0.12% to +0.43% of the reference, and at most +0.22% with the finer meshes, which is 0.025 (r_p/h)² for
+/// 40 mm minus that for 25 mm.
 fn check_radii(session: &Session, radii: &[(f64, [f64; 3])], meshes: &[[usize; 3]]) {
     let world = session.world();
     for &(radius, grading) in radii {
@@ -145,7 +149,7 @@ fn an_impact_off_the_centre_converges(session: &Session) {
     peak_off_the_centre(session, 0.040, [8, 8, 2]);
 }
 
-/// The change from radius to radius is the patch's own error.
+/// The change from radius to radius is the error of the patch itself.
 fn radii_agree_off_the_centre(session: &Session) {
     let finest =
         [(0.040, [8, 8, 2]), (0.025, [20, 20, 4])].map(|(r, grading)| peak_off_the_centre(session, r, grading));
@@ -153,8 +157,8 @@ fn radii_agree_off_the_centre(session: &Session) {
     assert!((0.0..5e-3).contains(&change), "{finest:?}");
 }
 
-/// Off the centre there is no symmetry and no reference: peaks on meshes up to a factor of two apart agree within 0.5%, and the change
-/// from mesh to mesh shrinks. Returns the finest mesh's.
+/// Off the centre there is no symmetry and no reference. Peaks on meshes up to a factor of two apart agree within 0.5%,
+/// and the change from mesh to mesh decreases. Returns the peak of the finest mesh.
 fn peak_off_the_centre(session: &Session, radius: f64, grading: [usize; 3]) -> f64 {
     let world = session.world();
     let peaks = [[10, 10, 2], [14, 14, 3], [20, 20, 4]].map(|cells| {

@@ -1,21 +1,21 @@
-//! Estimated errors of the acceleration in the first contact against true ones, on the cheapest and hardest of the sixty impacts of
-//! scripts/estimates: thick plates on grids of few cells, and clamped ones.
+//! Estimated errors of the acceleration in the first contact are compared with true errors, for the cheapest and
+//! hardest of the sixty impacts of scripts/estimates: thick plates on grids of few cells, and clamped ones.
 
 use crate::modelled::{Ran, run};
 use mpi_test::{Test, tests};
 use petsc_wrap::Session;
 
-/// On one rank: all have the same of what is here.
+/// On one rank: the computation is the same on all ranks.
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] =
     tests![estimates_are_above_the_errors_of_cells_basis_and_steps, half_the_disc_changes_less_than_is_estimated,];
 
-/// An impact in the centre of a square plate up to somewhat less than the end of its first contact.
+/// An impact in the centre of a square plate, which ends shortly before the end of its first contact.
 struct Case {
     body: &'static str,
     support: &'static str,
     impactor: &'static str,
-    /// s.
+    /// End time, s.
     end: f64,
 }
 
@@ -57,7 +57,8 @@ fn text(case: &Case, model: &str, tolerance: f64) -> String {
     )
 }
 
-/// The acceleration between steps, by the cubic through the four that are nearest: a straight line would be off by as much as is looked for.
+/// The acceleration between time steps, by the cubic through the four nearest steps: the error of linear interpolation
+/// would be as large as the differences of interest.
 fn at(ran: &Ran, time: f64) -> f64 {
     let last = ran.steps.len() - 2;
     let after = ran.steps.partition_point(|step| step.time < time).clamp(2, last);
@@ -69,15 +70,16 @@ fn at(ran: &Ran, time: f64) -> f64 {
     four.iter().map(|step| weight(step.time) * step.impactor.acceleration).sum()
 }
 
-/// Largest difference over the reference's peak, at the steps of a run.
+/// Largest difference over the reference's peak, at the time steps of a run.
 fn difference(ran: &Ran, reference: &Ran) -> f64 {
     let peak = reference.steps.iter().fold(0.0_f64, |peak, step| peak.max(step.impactor.acceleration));
     let off = ran.steps.iter().map(|step| (at(reference, step.time) - step.impactor.acceleration).abs());
     off.fold(0.0, f64::max) / peak
 }
 
-/// References are of the same theory at 3e-4, whose own estimates are a part of what is found. With one cell across solids, and the coarser
-/// cells' sizes in the place of their numbers, the estimates of solids were 0.2 to 0.7 of their errors.
+/// References are of the same theory with a tolerance of 3e-4; their own estimates are a fraction of the differences
+/// found. The estimates of solids would be 0.2 to 0.7 of their errors with one cell across the solids, and with the
+/// sizes of the coarser cells instead of their numbers.
 fn estimates_are_above_the_errors_of_cells_basis_and_steps(session: &Session) {
     let comm = session.world();
     for (number, case) in CASES.iter().enumerate() {
@@ -87,14 +89,14 @@ fn estimates_are_above_the_errors_of_cells_basis_and_steps(session: &Session) {
             let error = difference(&ran, &reference);
             println!("  case {number}, {model}: error {error:.1e}, estimate {:.1e}", ran.error);
             assert!(error <= ran.error, "{number} {model}: {error:e} over {:e}", ran.error);
-            // No more than six times the error, or than six times a tenth of the tolerance.
+            // At most six times the error, or six times a tenth of the tolerance.
             assert!(ran.error <= 6.0 * error.max(1e-3), "{number} {model}: {:e} for {error:e}", ran.error);
         }
     }
 }
 
-/// A plate whose force is on a disc of one thickness in the place of two: another history, by no more than what both may be off. (At tolerances
-/// of 1e-3 they differ by 3e-4, mostly by the coarser of both grids.)
+/// A plate whose force acts on a disc with a radius of one thickness instead of two: the time history differs by no
+/// more than both estimates allow. (At tolerances of 1e-3 the difference is 3e-4, mostly from the coarser grid.)
 fn half_the_disc_changes_less_than_is_estimated(session: &Session) {
     let comm = session.world();
     let case = &CASES[3];

@@ -1,4 +1,4 @@
-//! Default answers against solids that were computed without this program: tests/fixtures/independent.
+//! Results with default settings are compared with solids computed without this program: tests/fixtures/independent.
 
 use crate::glass;
 use mpi_test::{Test, tests};
@@ -15,12 +15,12 @@ pub const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/in
 
 /// An impact of the fixture.
 struct Case {
-    /// The file's, without its extension.
+    /// Name of the fixture's file, without its extension.
     name: &'static str,
     size: &'static str,
-    /// Of the support of all sides, N/m³.
+    /// Stiffness of the supports of all sides, N/m³.
     stiffness: f64,
-    /// Where the top is hit.
+    /// Impact point on the top.
     point: &'static str,
 }
 
@@ -35,7 +35,7 @@ const CASES: [Case; 8] = [
     Case { name: "plate20-k0-off", size: "[0.5, 0.5, 0.02]", stiffness: 0.0, point: "[0.1, 0.0, 0.01]" },
 ];
 
-/// A history of the fixture, between its rows a natural cubic spline.
+/// A time history of the fixture, as a natural cubic spline through its rows.
 pub struct History {
     times: Vec<f64>,
     accelerations: Vec<f64>,
@@ -82,15 +82,15 @@ impl History {
         self.accelerations.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Largest difference over the peak, at the steps of a run: between these a straight line is further off than they are. Rows end
-    /// shortly after the first contact.
+    /// Largest difference over the peak, at the time steps of a run: linear interpolation between these would have
+    /// larger errors. The rows end shortly after the first contact.
     fn difference(&self, ran: &Ran) -> f64 {
         let steps = ran.steps.iter().filter(|step| step.time <= self.times[self.times.len() - 1]);
         steps.map(|step| (self.at(step.time) - step.impactor.acceleration).abs()).fold(0.0, f64::max) / self.peak()
     }
 }
 
-/// Two columns of a table below its head.
+/// Two columns of a table with one header line.
 fn numbers(path: &str, columns: impl Fn(&[f64]) -> (f64, f64)) -> (Vec<f64>, Vec<f64>) {
     let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{path}: {error}"));
     text.lines()
@@ -99,7 +99,7 @@ fn numbers(path: &str, columns: impl Fn(&[f64]) -> (f64, f64)) -> (Vec<f64>, Vec
         .unzip()
 }
 
-/// What the fixture itself may be off by, over the peak: the last column of its table.
+/// The fixture's own error over the peak: the last column of its table.
 fn own_error(name: &str) -> f64 {
     let path = format!("{FOLDER}/errors.csv");
     let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
@@ -108,8 +108,8 @@ fn own_error(name: &str) -> f64 {
     last.parse().expect("a number")
 }
 
-/// sin² has no curvature at the ends but ½ of it, which a natural spline has wrong there: in the middle it converges with h⁴, and
-/// 15 and 17 of 16 leave room for the next term.
+/// sin² has a curvature of ½ at the ends, not zero as a natural spline assumes. In the middle the spline converges with
+/// h⁴. The bounds 15 and 17 around 16 allow for the next term.
 fn the_spline_is_of_fourth_order(_: &Session) {
     let error = |rows: u32| {
         let times: Vec<f64> = (0..=rows).map(|row| std::f64::consts::PI * f64::from(row) / f64::from(rows)).collect();
@@ -121,7 +121,7 @@ fn the_spline_is_of_fourth_order(_: &Session) {
     assert!((15.0..17.0).contains(&(coarse / fine)), "{coarse:e}, {fine:e}");
 }
 
-/// A scene with nothing but what has no default.
+/// Runs a scene that has only keys without defaults.
 fn default_answer(comm: &Comm, case: &Case, end: f64, tolerance: f64) -> Ran {
     let impactor = format!("mass = {}\nspeed = 1.0\npoint = {}", glass::MASS, case.point);
     let support = if case.stiffness > 0.0 { sides(case.stiffness, 0.0) } else { String::new() };
@@ -129,7 +129,7 @@ fn default_answer(comm: &Comm, case: &Case, end: f64, tolerance: f64) -> Ran {
     run(comm, &scene(&format!("size = {}", case.size), &impactor, &format!("end = {end:e}"), &rest))
 }
 
-/// Prints the table of docs/costs.md.
+/// Also prints the table of docs/costs.md.
 fn default_answers_are_within_their_tolerance(session: &Session) {
     let comm = session.world();
     println!("| case | fixture's own error | tolerance | theory | estimated error | difference |");

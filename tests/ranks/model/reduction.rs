@@ -1,4 +1,4 @@
-//! Reduced bodies against the full ones, by the same steps: is the error what the estimate says?
+//! Reduced bodies are compared with the full ones, with the same time steps, to check the estimated error of the basis.
 
 use crate::glass::{plate, sides};
 use crate::modelled::{parse, run, run_scene};
@@ -10,7 +10,7 @@ use ricochet::model::watch::Unwatched;
 use ricochet::model::{Built, build, rate, reduce};
 use ricochet::scene::{Newton, Reduction, Scene, Solver};
 
-/// On one rank: bases are tested on several with the bodies they are made of.
+/// On one rank: bases are tested on several ranks together with their bodies.
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![
     the_estimate_is_the_error,
@@ -21,8 +21,8 @@ pub const TESTS: &[Test<Session>] = tests![
 ];
 pub const LONG: &[Test<Session>] = tests![the_estimate_is_the_error_on_more_plates];
 
-/// The paper's plates in coarse quadratic hexahedra; both runs by Newmark's method at the same step, so that the basis is the only
-/// difference. Steps and mesh need not be fine for that.
+/// The paper's plates with coarse quadratic hexahedra. Both runs use Newmark's method with the same time step, so the
+/// basis is the only difference. Time steps and mesh need not be fine for this.
 fn scene(size: &str, cells: &str, supports: &str) -> Scene {
     let body = format!("model = \"solid\"\nsize = {size}\ncells = {cells}");
     parse(
@@ -42,7 +42,7 @@ fn the_estimate_is_the_error_on_more_plates(session: &Session) {
     check_estimates(session, &plates, &supports);
 }
 
-/// On plates (size and cells) and supports, with few and many vectors.
+/// Checks the estimates for plates (size and cells) and supports, with few and many basis vectors.
 fn check_estimates(session: &Session, plates: &[(&str, &str)], supports: &[String]) {
     let comm = session.world();
     for &(size, cells) in plates {
@@ -61,7 +61,7 @@ fn check_estimates(session: &Session, plates: &[(&str, &str)], supports: &[Strin
                     "  {size} {:?} {vectors} vectors: error {error:.1e}, estimate {estimate:.1e}",
                     supports.lines().last()
                 );
-                // Rounding of two programs' steps: 1e-9 of the peak.
+                // Rounding differs between the two runs: 1e-9 of the peak.
                 assert!(error <= estimate + 1e-9, "{size} {supports} {vectors}: {error:e} over {estimate:e}");
                 assert!(estimate <= 10.0 * error + 1e-8, "{size} {supports} {vectors}: {estimate:e} for {error:e}");
             }
@@ -69,7 +69,8 @@ fn check_estimates(session: &Session, plates: &[(&str, &str)], supports: &[Strin
     }
 }
 
-/// The basis' part of an estimate. The patch's is known, and both are joined as the sum of their powers of 1.5.
+/// The part of an estimate that is due to the basis. The part of the patch is known, and both are combined as the sum
+/// of their powers of 1.5.
 fn without_patch(estimate: f64, thickness: f64) -> f64 {
     let of_patch = 0.025 * (0.03_f64 / thickness).powi(2);
     (estimate.powf(1.5) - of_patch.powf(1.5)).powf(1.0 / 1.5)
@@ -79,7 +80,7 @@ fn thickness(size: &str) -> f64 {
     size.trim_end_matches(']').rsplit(", ").next().unwrap().parse().unwrap()
 }
 
-/// A basis has the rigid motions: momentum goes over to the body to rounding, without supports.
+/// A basis contains the rigid motions: momentum is transferred to the body to rounding, without supports.
 fn a_free_body_keeps_its_motion(session: &Session) {
     let comm = session.world();
     let text = plate(
@@ -91,7 +92,7 @@ fn a_free_body_keeps_its_motion(session: &Session) {
     let (mass, body) = (52.0, 2500.0 * 0.5 * 0.5 * 0.02);
     let last = ran.steps.last().unwrap();
     let initial = ran.steps[0].energy.total;
-    // What the integration makes, by the tolerance of 1e-2.
+    // The numerical energy of the integration, for a tolerance of 1e-2.
     assert!(last.energy.numerical.abs() < 1e-3 * initial, "{:e}", last.energy.numerical);
     let balance = last.energy.total - last.energy.numerical - initial;
     assert!(balance.abs() < 1e-10 * initial, "{balance:e}");
@@ -99,7 +100,8 @@ fn a_free_body_keeps_its_motion(session: &Session) {
     assert!(last.energy.kinetic >= 0.5 * momentum * momentum / body * (1.0 - 1e-9));
 }
 
-/// A weight moves a free body as a whole and does no more: it gives the basis one vector, and the force the others.
+/// A weight accelerates a free body as a whole and has no other effect: it needs one vector of the basis, and the force
+/// has the others.
 fn loads_leave_the_force_its_vectors(session: &Session) {
     let comm = session.world();
     let weight = "[load]\nbody_force = [0.0, 0.0, -24525.0]\n[contact]\npatch_radius = 0.03\n";
@@ -115,8 +117,9 @@ fn loads_leave_the_force_its_vectors(session: &Session) {
     assert!(error <= estimate && estimate < 1e-2, "{error:e} {estimate:e}");
 }
 
-/// A ball that is light beside a thin plate meets its short waves: what a basis leaves of them to the infinite plate, waves of thickness shear
-/// with them, acts on it as they do in a basis that keeps all. (Without the waves of thickness shear the force was off by 1.3e-3 of its peak.)
+/// A light ball on a thin plate excites short waves. The part that a basis does not represent is added by the waves of
+/// the infinite plate, waves of thickness shear included. The result equals the result with a basis of all waves.
+/// (Without the waves of thickness shear the error of the force was 1.3e-3 of its peak.)
 fn short_waves_act_as_those_of_a_basis(session: &Session) {
     let comm = session.world();
     let text = |vectors: &str| {
@@ -134,8 +137,9 @@ fn short_waves_act_as_those_of_a_basis(session: &Session) {
     assert!(error <= estimates && estimates < 1e-3, "{error:e} {estimates:e}");
 }
 
-/// A basis that grows from ten vectors is judged in steps in which the modes of its last ones move: its error in the first contact is within its estimate.
-/// (In the steps of the first vectors, bases of 19 and 30 seemed to be as good as equal, 2e-11 of the peak apart, and were 2e-4 off.)
+/// A basis that grows from ten vectors is compared in time steps that resolve the modes of its last vectors: its error
+/// in the first contact is within its estimate. (In the time steps of the first vectors, bases of 19 and 30 vectors
+/// differed by only 2e-11 of the peak, but their error was 2e-4.)
 fn growing_bases_are_judged_in_steps_that_show_their_modes(session: &Session) {
     let comm = session.world();
     let scene = parse(
@@ -152,7 +156,7 @@ fn growing_bases_are_judged_in_steps_that_show_their_modes(session: &Session) {
     let mut krylov = Krylov::new(body, rate(&scene)).unwrap();
     krylov.grow(body, 2 * reduced.projection.vectors()).unwrap();
     let long = krylov.projection(body).unwrap();
-    // Steps a third as long leave a twenty-seventh of what those chosen for this tolerance do.
+    // Time steps a third as long have a twenty-seventh of the defect of those chosen for this tolerance.
     let Steps { largest, defect, peak } = ModalImpact::new(&scene, ModalBody::of(&long)).trace(None).unwrap().1;
     let fine = Steps { largest: largest / 3.0, defect: defect.map(|defect| defect / 27.0), peak };
     let force =

@@ -1,9 +1,10 @@
-//! The largest tension on the lower face under the hit, against solids of another program: quarter plates of hexahedra of order 3 and 4, graded
-//! to the pressure, which is Hertz's over r_p (52 kg at 1 m/s).
+//! The largest tension on the lower face under the impact point, compared with solids of another program: quarter
+//! plates of hexahedra of order 3 and 4, graded towards the pressure, which is Hertz's over r_p (52 kg at 1 m/s).
 //!
-//! Measured were 17.05 (r_p = h/4) and 17.50 MPa (h/8) for 1.5 × 1.5 × 0.1 m without supports, 73.4 and 74.8 MPa for 0.5 × 0.5 × 0.02 m on
-//! sides of 1e9 N/m³. They go with r_p² as the static layer has it, so that the contacts themselves, of 0.041 h and 0.104 h, have 17.64 and
-//! 74.95 MPa. The measurements' meshes leave 2e-3.
+//! The measured values were 17.05 (r_p = h/4) and 17.50 MPa (h/8) for 1.5 × 1.5 × 0.1 m without supports, and 73.4 and
+//! 74.8 MPa for 0.5 × 0.5 × 0.02 m on side supports of 1e9 N/m³. They depend on r_p² as in the static layer. So the
+//! values for the contacts themselves, of 0.041 h and 0.104 h, are 17.64 and 74.95 MPa. The discretisation error of the
+//! measurements is 2e-3.
 
 use std::ops::ControlFlow;
 
@@ -33,7 +34,7 @@ const PLATES: [(&str, [f64; 2]); 2] = [
     ),
 ];
 
-/// The scene of a plate with more keys.
+/// The scene of a plate with further keys.
 fn scene(plate: &str, more: &str) -> Scene {
     parse(&format!(
         "[impactor]\nmass = 52.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n{more}\n\
@@ -61,9 +62,10 @@ fn largest(comm: &Comm, scene: &Scene) -> LargestTension {
     LargestTension { error_estimate, ..watch.0 }
 }
 
-/// Within half of a per cent at a tolerance of 1e-3; at 1e-2, where the force is off by up to 0.8%, within 1.4%. Without the local field it is
-/// −11% to −21% by plates and +14% by splines. The estimate is no less than what it is off by, but for what the references leave: under the
-/// pressure over h/4, solids of orders 3 and 4, on meshes made apart, have 73.4 and 73.2 MPa on the second plate.
+/// The error is within half a per cent at a tolerance of 1e-3. At 1e-2, where the force has an error of up to 0.8%, it
+/// is within 1.4%. Without the local field it is −11% to −21% for plates and +14% for splines. The estimate is not
+/// below the error, except for the error of the references: under the pressure over h/4, solids of orders 3 and 4 on
+/// different meshes have 73.4 and 73.2 MPa on the second plate.
 fn plates_and_splines_have_the_tension_of_solids(session: &Session) {
     const OF_REFERENCES: f64 = 2e-3;
     let comm = session.world();
@@ -83,7 +85,7 @@ fn plates_and_splines_have_the_tension_of_solids(session: &Session) {
             assert!(error.abs() < found.error_estimate + OF_REFERENCES, "{theory} {tolerance:e}: {found:?}");
         }
     }
-    // A radius that is given is that of the pressure.
+    // A given patch radius is the radius of the pressure.
     for ((plate, [measured, _]), radius) in PLATES.into_iter().zip([0.025, 0.005]) {
         let mut scene = scene(plate, &format!("[contact]\npatch_radius = {radius}\n[accuracy]\ntolerance = 1e-3"));
         scene.body.model = ricochet::scene::Model::Mindlin;
@@ -93,7 +95,7 @@ fn plates_and_splines_have_the_tension_of_solids(session: &Session) {
     }
 }
 
-/// Superconvergent recovery on the default mesh alone is 6% low.
+/// Superconvergent recovery alone gives 6% too little on the default mesh; the correction adds it.
 fn meshes_get_back_what_recovery_loses(session: &Session) {
     let comm = session.world();
     let (plate, [measured, exact]) = PLATES[0];
@@ -109,7 +111,7 @@ fn meshes_get_back_what_recovery_loses(session: &Session) {
     }
 }
 
-/// With `quantity = "stress"` the estimated error of the stress is what is brought under the tolerance: cells become finer.
+/// With `quantity = "stress"` the estimated error of the stress is brought below the tolerance: cells become finer.
 fn tolerances_can_be_for_stress(session: &Session) {
     let comm = session.world();
     let (plate, [_, exact]) = PLATES[0];
@@ -120,12 +122,13 @@ fn tolerances_can_be_for_stress(session: &Session) {
     let by_stress = largest(&comm, &scene);
     println!("{by_force:?}\n{by_stress:?}");
     assert!(by_force.error_estimate > 1e-2 && by_stress.error_estimate < by_force.error_estimate);
-    // Parts of it have parts of the tolerance, which together may be 1.6 of it; to that comes what no cells change.
+    // Parts of the error have shares of the tolerance, which add up to at most 1.6 of it. A part that does not depend
+    // on the cells is added.
     assert!(by_stress.error_estimate < 1.6e-2 + 5e-3 && (by_stress.value / exact - 1.0).abs() < 1e-2);
 }
 
-/// The largest tension of Mindlin's plates against that of spline solids of a smaller tolerance, with the force on a disc half as wide: the difference is
-/// below the sum of both estimates.
+/// The largest tension of Mindlin's plates is compared with spline solids of a smaller tolerance, with the force on a
+/// disc half as wide: the difference is below the sum of both estimates.
 fn hits_off_the_centre_and_near_edges_are_within_their_estimates(session: &Session) {
     const SIDE: &str = "[[support]]\nsurface = \"side\"\n";
     let comm = session.world();

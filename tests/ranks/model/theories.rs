@@ -1,4 +1,4 @@
-//! Theories against solutions that others know.
+//! Theories are compared with published solutions.
 
 use crate::glass::{plate, sides};
 use crate::modelled::run;
@@ -19,7 +19,8 @@ fn near(what: &str, value: f64, expected: f64, part: f64) {
 const BALL: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [1.0, 1.0, 0.1]\n\
                     [impactor]\nmass = 2.0\nradius = 0.05\nstiffness = 1e9\nspeed = 3.0\n";
 
-/// Hertz (1882): F = 1.14326 k0^{0.4} m^{0.6} v^{1.2}, contact time 3.21807 (m²/(k0² v))^{0.2}, restitution 1; the digits given.
+/// Hertz (1882): F = 1.14326 k0^{0.4} m^{0.6} v^{1.2}, contact time 3.21807 (m²/(k0² v))^{0.2}, restitution 1; the
+/// tolerance is the given digits.
 fn half_space(session: &Session) {
     let text =
         BALL.replace("[body]", "[body]\nmodel = \"half-space\"") + "[time]\nend = 5e-3\n[accuracy]\ntolerance = 1e-6\n";
@@ -28,14 +29,14 @@ fn half_space(session: &Session) {
     near("peak", ran.contacts[0].peak_force, 1.14326 * k.powf(0.4) * m.powf(0.6) * v.powf(1.2), 5e-6);
     near("contact time", ran.contacts[0].end, 3.21807 * (m * m / (k * k * v)).powf(0.2), 5e-6);
     near("rebound", ran.steps.last().unwrap().impactor.velocity, -v, 1e-6);
-    // In steps longer than the contact it is still seen.
+    // A contact shorter than a time step is detected too.
     let step = 2.0 * ran.contacts[0].end;
     let ran = run(&session.world(), &text.replace("end = 5e-3\n", &format!("end = 5e-3\nstep = {step:e}\n")));
     assert_eq!(ran.contacts.len(), 1);
     assert!(ran.contacts[0].peak_force > 0.0 && ran.steps.last().unwrap().impactor.velocity < 0.0);
 }
 
-/// Zener's table (physics of C. Zener, Phys. Rev. 59, 1941): all its digits, so 5e-6 of numbers of order one.
+/// Zener's table (C. Zener, Phys. Rev. 59, 1941): all its digits, so 5e-6 for numbers of order one.
 fn infinite_plate(session: &Session) {
     let table = [
         (0.1, 0.84334, 1.03555, 3.27849),
@@ -59,18 +60,19 @@ fn infinite_plate(session: &Session) {
             contact.end / unit,
         ];
         println!("  λ = {lambda}: {found:.6?}");
-        // What the impactor has lost, 1 − e² of ½ m v², the plate's waves have taken; what the steps make is within the tolerance.
+        // The energy lost by the impactor, 1 − e² of ½ m v², is in the plate's waves. The numerical energy is within
+        // the tolerance.
         let (energy, initial) = (ran.steps.last().unwrap().energy, 0.5 * m * v * v);
         assert!((energy.dissipated / initial - (1.0 - found[0] * found[0])).abs() < 1e-6, "{energy:?}");
         assert!(energy.numerical.abs() < 1e-6 * initial, "{energy:?}");
         for (found, expected) in found.into_iter().zip([restitution, peak, time]) {
-            // Half of the table's last digit, and what the tolerance leaves.
+            // Half of the table's last digit, plus the tolerance of the run.
             assert!((found - expected).abs() < 7e-6, "λ = {lambda}: {found} instead of {expected}");
         }
     }
 }
 
-/// Karas' problem, a ball of steel on a simply supported plate of it: the series of 301² modes.
+/// Karas' problem, a steel ball on a simply supported steel plate: the series of 301² modes.
 fn karas(session: &Session) {
     let mass = 7833.0 * 4.0 / 3.0 * std::f64::consts::PI * 1e-6;
     let text = format!(
@@ -88,8 +90,8 @@ fn karas(session: &Session) {
     assert_eq!(ran.contacts.len(), 1);
 }
 
-/// Timoshenko's problem: the ball on a short and on a long beam, as a strip of plate without Poisson's effect; the classical
-/// multiple impact.
+/// Timoshenko's problem: the ball on a short and on a long beam, modelled as a strip of plate without Poisson's effect;
+/// the classical multiple impact.
 fn timoshenko(session: &Session) {
     let hertz = |radius: f64| 4.0 / 3.0 * radius.sqrt() * 215.8e9 / (2.0 * (1.0 - 0.09));
     let beam = |length: f64, radius: f64, end: f64| {
@@ -117,7 +119,8 @@ fn timoshenko(session: &Session) {
     near("second end", second.end, 1782e-6, 5e-3);
 }
 
-/// Mindlin's plate has the contacts of solids converged by an independent program: physics of the paper's plates, k = 0 and 1e9.
+/// Mindlin's plate has the contacts of solids converged by an independent program: the paper's plates with k = 0 and
+/// 1e9.
 fn mindlin_has_the_solids_contacts(session: &Session) {
     // Thickness, edge, k; start and end (ms) of each contact and its peak (m/s²).
     type Row = (f64, f64, f64, &'static [(f64, f64, f64)]);
@@ -145,11 +148,13 @@ fn mindlin_has_the_solids_contacts(session: &Session) {
     }
 }
 
-/// As the plate gets thinner against the contact, the histories of both theories tend to each other: no locking.
+/// As the plate becomes thinner relative to the contact, the time histories of both theories converge to each other:
+/// there is no locking.
 fn mindlin_tends_to_kirchhoff(session: &Session) {
     let mut differences = Vec::new();
     for ratio in [1e-1_f64, 1e-2, 1e-3, 1e-4] {
-        // Lengths and times that keep the history of Kirchhoff's plate alike: mass and stiffness of the impactor by the plate's.
+        // Lengths and times are chosen so that the dimensionless history of Kirchhoff's plate stays the same: mass and
+        // stiffness of the impactor are scaled with the plate's.
         let thickness = ratio;
         let bending = 70e9 * thickness.powi(3) / 12.0 / (1.0 - 0.23_f64.powi(2));
         let mass = 0.2 * 2500.0 * thickness;
@@ -170,7 +175,7 @@ fn mindlin_tends_to_kirchhoff(session: &Session) {
         println!("  h/L = {ratio:e}: {first:.1e}");
         differences.push(first);
     }
-    // They differ as (h/L)², until the tolerance shows.
+    // The difference is proportional to (h/L)², down to the tolerance.
     assert!(differences[1] < 0.03 * differences[0], "{differences:?}");
     assert!(differences[2..].iter().all(|difference| *difference < 3e-3), "{differences:?}");
 }

@@ -1,6 +1,8 @@
-//! The estimated error of Mindlin's theory, by which `model = "auto"` decides, against true errors on scenes of other materials, sizes, impactors and supports than the paper's.
+//! The estimated error of Mindlin's theory, on which `model = "auto"` bases its choice, is compared with true errors
+//! for scenes with other materials, sizes, impactors and supports than the paper's.
 //!
-//! The scenes follow from their number by Halton's sequence. The truth is a box of splines, for which tests/ranks/model/independent.rs vouches.
+//! The scenes follow from their numbers by Halton's sequence. The true solution is a box of splines, which
+//! tests/ranks/model/independent.rs verifies.
 
 use crate::modelled::{Ran, parse, run};
 use mpi_test::{Test, tests};
@@ -14,11 +16,11 @@ pub const TESTS: &[Test<Session>] =
     tests![the_estimate_is_above_the_error, springs_that_hold_the_sections_of_edges, edges_twist_as_those_of_solids];
 pub const LONG: &[Test<Session>] = tests![the_estimate_is_above_the_error_on_more_scenes];
 
-/// Numbers of the scenes that every run of the tests computes: a second or less each, free and held, thick and thin, ν = 0 to 0.45.
+/// Numbers of the scenes in every test run: a second or less each, free and supported, thick and thin, ν = 0 to 0.45.
 const QUICK: [usize; 7] = [1, 4, 6, 8, 12, 14, 24];
 
-/// Those of the table. The factors of the estimate were set with the first 16 and with 20 and 24, the
-/// shortest contact and the thickest clamped plate.
+/// Numbers of the scenes in the table. The factors of the estimate were set with the first 16 scenes and with 20 and
+/// 24, the shortest contact and the thickest clamped plate.
 const ALL: std::ops::RangeInclusive<usize> = 1..=24;
 
 struct Material {
@@ -49,19 +51,19 @@ const SUPPORTS: [Support; 5] = [
     Support { name: "sides clamped", lines: "kind = \"clamped\"" },
 ];
 
-/// A square plate that is hit in its centre by a ball of steel.
+/// A square plate hit in its centre by a steel ball.
 struct Case {
     material: &'static Material,
     support: &'static Support,
-    /// m.
+    /// Edge, m.
     edge: f64,
     /// Edge over thickness.
     slenderness: f64,
-    /// kg.
+    /// Mass of the ball, kg.
     mass: f64,
-    /// Of the ball's surface, m.
+    /// Radius of the ball's surface, m.
     radius: f64,
-    /// m/s.
+    /// Speed of the ball, m/s.
     speed: f64,
 }
 
@@ -82,7 +84,7 @@ impl Case {
         }
     }
 
-    /// Thin solids take many cells.
+    /// Tolerance of the runs; larger for thin plates, since thin solids need many cells.
     fn tolerance(&self) -> f64 {
         if self.slenderness < 40.0 { 3e-4 } else { 1e-3 }
     }
@@ -106,13 +108,14 @@ impl Case {
                 self.tolerance()
             )
         };
-        // Three contacts of a half-space: the first contact, or much of it where it is long.
+        // The run is three contact times of a half-space: it contains the first contact, or much of it if it is long.
         let impactor = parse(&text(1.0)).impactor;
         text(3.0 * hertz::contact_time(impactor.stiffness, impactor.mass, impactor.speed))
     }
 }
 
-/// A number between 0 and 1: the digits of `index` to the base, mirrored at the point (Halton, Numer. Math. 2, 1960).
+/// A number between 0 and 1: the digits of `index` in the base, mirrored at the radix point (Halton, Numer. Math. 2,
+/// 1960).
 fn halton(mut index: usize, base: usize) -> f64 {
     let (mut place, mut value) = (1.0, 0.0);
     while index > 0 {
@@ -123,15 +126,15 @@ fn halton(mut index: usize, base: usize) -> f64 {
     value
 }
 
-/// What a scene's three theories tell, over the peak in the first contact.
+/// Differences between a scene's three theories, over the peak in the first contact.
 struct Errors {
-    /// Between Mindlin's and Kirchhoff's theory.
+    /// Difference between Mindlin's and Kirchhoff's theory.
     difference: f64,
-    /// Of Mindlin's theory.
+    /// Estimated error of Mindlin's theory.
     estimate: f64,
-    /// Between Mindlin's theory and the solid.
+    /// Difference between Mindlin's theory and the solid.
     found: f64,
-    /// What cells, basis and steps of Mindlin's plate and the solid may be off by, as they estimate it themselves.
+    /// Errors of cells, basis and time steps of Mindlin's plate and of the solid, as estimated by the runs.
     unresolved: f64,
 }
 
@@ -148,12 +151,13 @@ fn the_estimate_is_above_the_error(session: &Session) {
     check_scenes(session, &QUICK);
 }
 
-/// The table of docs/costs.md: minutes.
+/// Computes the table of docs/costs.md: takes minutes.
 fn the_estimate_is_above_the_error_on_more_scenes(session: &Session) {
     check_scenes(session, &ALL.collect::<Vec<_>>());
 }
 
-/// A scene fails where the estimate is below what was found, and what was found is more than cells, basis and steps may be off by.
+/// A scene fails if the estimate is below the difference found, and this difference is larger than the errors of cells,
+/// basis and time steps.
 fn check_scenes(session: &Session, numbers: &[usize]) {
     let comm = session.world();
     println!(
@@ -182,8 +186,8 @@ fn check_scenes(session: &Session, numbers: &[usize]) {
     assert!(missed.is_empty(), "{missed:?}");
 }
 
-/// Edges on springs of k h between E/200 and E along the plate, on plates from 5 to 25 times as wide as thick: the part of the difference that is
-/// found is printed. The constant was set with such plates.
+/// Edge springs along the plate with k h between E/200 and E, on plates from 5 to 25 times as wide as thick. The ratio
+/// of the error found to the difference is printed. The constant of the estimate was set with such plates.
 fn springs_that_hold_the_sections_of_edges(session: &Session) {
     // Young's modulus (Pa), edge, thickness (m), mass (kg), k h/E.
     let cases = [
@@ -196,7 +200,7 @@ fn springs_that_hold_the_sections_of_edges(session: &Session) {
     ];
     for (young, edge, thickness, mass, part_of_modulus) in cases {
         let stiffness = part_of_modulus * young / thickness;
-        // Less of the difference is left with softer springs.
+        // With softer springs, a smaller part of the difference is the error.
         let tolerance = if part_of_modulus < 0.02 { 3e-4 } else { 1e-3 };
         let Errors { difference, estimate, found, unresolved } = Errors::new(&session.world(), |model| {
             format!(
@@ -215,8 +219,9 @@ fn springs_that_hold_the_sections_of_edges(session: &Session) {
     }
 }
 
-/// A free plate under a long contact, where the edges' twist is most of what Mindlin's theory had wrong without its term: 0.0184 of the
-/// difference from Kirchhoff's for ν = 0.45, and 0.0079 for ν = 0.23. What is left is a part of that, and cells, basis and steps have theirs.
+/// A free plate under a long contact. Without the term for the edges' twist, most of the error of Mindlin's theory
+/// would come from it: 0.0184 of the difference from Kirchhoff's for ν = 0.45, and 0.0079 for ν = 0.23. The remaining
+/// error is a fraction of that, plus the errors of cells, basis and time steps.
 fn edges_twist_as_those_of_solids(session: &Session) {
     for (poisson, without) in [(0.23, 0.0079), (0.45, 0.0184)] {
         let errors = Errors::new(&session.world(), |model| {

@@ -1,4 +1,4 @@
-//! A plate that bounces on a stiff pad, with steps too coarse for its bounces.
+//! A plate that bounces on a stiff pad, with time steps too coarse for its bounces.
 
 use crate::start::{run, start};
 use mpi_test::{Test, tests};
@@ -29,8 +29,9 @@ fn solve(comm: &Comm, scheme: &str, step: f64) -> Vec<Step> {
     series
 }
 
-/// The average acceleration makes and loses energy by the phase of the hit and of the pad's: with coarse steps the impactor leaves
-/// faster than it came. The energy scheme keeps the total; the generalised-α scheme only loses.
+/// The average acceleration method gains or loses energy, depending on the phase of the impact and of the pad's
+/// contacts: with coarse time steps the impactor can leave faster than it came. The energy scheme conserves the total
+/// energy; the generalised-α scheme only loses.
 fn bounces(session: &Session) {
     let world = session.world();
     let schemes = ["scheme = \"newmark\"", "scheme = \"energy\"", "scheme = \"generalized-alpha\"\nrho_inf = 0.5"];
@@ -49,7 +50,7 @@ fn bounces(session: &Session) {
             );
             match i {
                 0 => assert!(high > 0.05 && low < -0.05 && found > 1.0, "{low} {high} {found}"),
-                // Rounding of K u; phase errors are left, of some part of (Δt/contact)².
+                // Rounding of K u; the remaining phase errors are a fraction of (Δt/contact)².
                 1 => assert!(low.abs().max(high.abs()) < 1e-9 && (found - fine).abs() < 0.02, "{low} {high} {found}"),
                 _ => assert!(high < 1e-9 && low < -0.05 && found < fine, "{low} {high} {found}"),
             }

@@ -1,4 +1,4 @@
-//! Which iteration solves the steps of a body that is too large for a factor.
+//! Choice of the iterative method for the time steps of a body that is too large for a factorisation.
 
 use mpi_test::{Test, tests};
 use petsc_wrap::{FactorEstimate, Session};
@@ -10,8 +10,8 @@ use super::iterative::{COARSE, MULTIGRID, solid, with_options};
 pub const RANKS: &[usize] = &[1, 2, 3];
 pub const TESTS: &[Test<Session>] = tests![choice_for_steps, a_basis_takes_a_factor_that_fits];
 
-/// Steps choose by how far the stiffness outweighs the mass, which grows as the square of the step: an incomplete factor for short ones,
-/// multigrid for long ones. Both solve, with options in their place as well.
+/// The method for a time step depends on the ratio of stiffness to mass, which grows as the square of the step: an
+/// incomplete factorisation for short steps, multigrid for long ones. Both solve, also with options in their place.
 fn choice_for_steps(session: &Session) {
     let world = session.world();
     let mut body = solid(&world, COARSE, "");
@@ -38,8 +38,9 @@ fn choice_for_steps(session: &Session) {
             if world.is_root() {
                 println!("step {step:e} s, {chosen:?}: {iterations} iterations, error {error:.1e}");
             }
-            // Seen: 4, 7 and 13 iterations in the shortest step on one to three ranks (16 with multigrid), 7, 12 and 15 (10) in the next, 54 to
-            // 58 in the longest. The error is the tolerance, times what the condition number makes of it.
+            // Iterations seen: 4, 7 and 13 in the shortest time step on one to three ranks (16 with multigrid), 7, 12
+            // and 15 (10) in the next, 54 to 58 in the longest. The error is the tolerance times the effect of the
+            // condition number.
             assert!(error < 1e-8 && (1..=most).contains(&iterations), "{step:e} {chosen:?}: {iterations}, {error:e}");
         }
     }
@@ -47,7 +48,8 @@ fn choice_for_steps(session: &Session) {
     assert_eq!(body.step_method(1.0).unwrap(), Method::Cholesky, "a factor stays a factor");
 }
 
-/// The vectors of a large body come by a factor where it fits: they are those of a small one's, though its iterations would stop early.
+/// The basis of a large body is computed with a factorisation if it fits in memory. It equals the basis of a small
+/// body, although the iterations of the large one would stop early.
 fn a_basis_takes_a_factor_that_fits(session: &Session) {
     let world = session.world();
     let mut body = solid(&world, COARSE, "");
@@ -57,7 +59,7 @@ fn a_basis_takes_a_factor_that_fits(session: &Session) {
         krylov.grow(&body, 8).unwrap();
         krylov.projection(&body).unwrap().elastic
     });
-    // Two factors of one matrix: rounding, times its condition.
+    // Two factorisations of one matrix: rounding times its condition number.
     let off = (&large - &exact).amax() / exact.amax();
     assert!(off < 1e-7, "{off:e}");
     let multigrid = Method::Multigrid { tolerance: 1e-1 };

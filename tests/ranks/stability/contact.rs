@@ -1,22 +1,23 @@
-//! Restitution on a rigid wall with few steps a contact: which schemes make or lose energy at a hit, and how much.
+//! Restitution on a rigid wall with few time steps in a contact: which schemes gain or lose energy in an impact, and
+//! how much.
 
 use crate::start::{run, start};
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
 use ricochet::contact::hertz;
 
-/// On one rank: a single cell has no more to share.
+/// On one rank: a single cell cannot be distributed.
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![restitution_on_a_rigid_wall];
 
 /// Contact stiffness, N/m^1.5, of a mass of 1 kg at 1 m/s.
 const STIFFNESS: f64 = 1e10;
 
-/// Phases of the touch within a step.
+/// Number of phases of the first touch within a time step.
 const PHASES: u32 = 16;
 
-/// What the relative speed of rebound is off by, 1 being exact, with so many steps a contact and the touch a part of a step after
-/// one. The wall is a clamped cell so stiff that it gives way by 1e-10 of the indentation.
+/// Error of the relative rebound speed (1 is exact) with this number of time steps in a contact, if the touch is at the
+/// fraction `phase` of a step. The wall is a clamped cell so stiff that it deforms by 1e-10 of the indentation.
 fn off(comm: &Comm, scheme: &str, steps: u32, phase: f64) -> f64 {
     let step = hertz::contact_time(STIFFNESS, 1.0, 1.0) / f64::from(steps);
     let (gap, end) = (phase * step, (1.5 * f64::from(steps) + 3.0) * step);
@@ -35,7 +36,7 @@ fn off(comm: &Comm, scheme: &str, steps: u32, phase: f64) -> f64 {
     -last.impactor.velocity - 1.0
 }
 
-/// The least and the largest over all phases.
+/// The smallest and the largest error over all phases.
 fn range(session: &Session, scheme: &str, steps: u32) -> [f64; 2] {
     let world = session.world();
     let all: Vec<f64> = (0..PHASES).map(|n| off(&world, scheme, steps, f64::from(n) / f64::from(PHASES))).collect();
@@ -46,9 +47,10 @@ fn range(session: &Session, scheme: &str, steps: u32) -> [f64; 2] {
     [low, high]
 }
 
-/// The references are of an oscillator of one unknown under the same schemes, by an independent script with 32 phases; so many
-/// phases as are taken here miss less than a tenth of the extremes. The average acceleration gains as often as it loses; the
-/// dissipative schemes lose in every phase, and much with few steps; the energy scheme is exact.
+/// The references are of an oscillator with one unknown under the same schemes, by an independent script with 32
+/// phases. The number of phases here misses less than a tenth of the extremes. The average acceleration method gains as
+/// often as it loses. The dissipative schemes lose in every phase, and much with few time steps. The energy scheme is
+/// exact.
 fn restitution_on_a_rigid_wall(session: &Session) {
     let near = |found: f64, expected: f64| (found / expected - 1.0).abs() < 0.1;
     for (steps, largest) in [(5, 3.4e-3), (10, 1.43e-3), (20, 3.27e-4)] {
@@ -66,7 +68,7 @@ fn restitution_on_a_rigid_wall(session: &Session) {
     }
     for steps in [3, 5, 10, 20] {
         let [low, high] = range(session, "scheme = \"energy\"", steps);
-        // What rounding leaves in δ of its 1e-4 m, and the wall's own 1e-10.
+        // Rounding in δ of its 1e-4 m, and the wall's own 1e-10.
         assert!(low.abs().max(high.abs()) < 1e-9, "{steps}: {low:e} {high:e}");
     }
 }

@@ -1,4 +1,4 @@
-//! Iterative solvers where they fail, and what cures them: rigid motions of a free body, supports as stiff as a clamp.
+//! Cases where iterative solvers fail, and their remedies: rigid motions of a free body, supports as stiff as a clamp.
 
 use crate::start::{run, start};
 use mpi_test::{Test, tests};
@@ -20,7 +20,7 @@ const FINE: &str = "[30, 30, 2]";
 
 pub(super) const MULTIGRID: &[(&str, &str)] = &[("-ksp_type", "cg"), ("-pc_type", "gamg")];
 
-/// The 0.1 m plate on linear elements.
+/// The 0.1 m plate with linear elements.
 fn scene(cells: &str, side: &str) -> String {
     format!(
         "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [1.5, 1.5, 0.1]\ncells = {cells}\norder = 1\n\
@@ -41,7 +41,7 @@ pub(super) fn solid(comm: &Comm, cells: &str, side: &str) -> Body {
     Body::solid(&scene, &Mesh::new(comm, &scene.body).unwrap()).unwrap()
 }
 
-/// Something done under options of PETSc's.
+/// Does some work with PETSc options set, and removes them.
 pub(super) fn with_options<T>(session: &Session, chosen: &[(&str, &str)], work: impl FnOnce() -> T) -> T {
     chosen.iter().for_each(|(name, value)| options::set(session, name, value).unwrap());
     let outcome = work();
@@ -49,7 +49,7 @@ pub(super) fn with_options<T>(session: &Session, chosen: &[(&str, &str)], work: 
     outcome
 }
 
-/// Iterations for S⁻¹a under the options; the solution is that of the direct method.
+/// Number of iterations for S⁻¹a with the options; the solution must equal the direct method's.
 fn iterations(session: &Session, body: &Body, matrix: &Matrix, chosen: &[(&str, &str)]) -> usize {
     let (world, a) = (session.world(), &body.localization.vector);
     let (mut exact, mut x) = (a.duplicate().unwrap(), a.duplicate().unwrap());
@@ -57,16 +57,17 @@ fn iterations(session: &Session, body: &Body, matrix: &Matrix, chosen: &[(&str, 
     let mut ksp = with_options(session, chosen, || solver(&world, "", matrix, Method::Cholesky).unwrap());
     ksp.solve(a, &mut x).unwrap();
     x.axpy(-1.0, &exact).unwrap();
-    // The residual's 1e-12, times what the condition number makes of it.
+    // The residual of 1e-12 times the effect of the condition number.
     let error = x.norm().unwrap() / exact.norm().unwrap();
     assert!(error < 1e-8, "{error:e} off");
     ksp.iterations().unwrap()
 }
 
-/// Multigrid that knows the rigid motions needs as many iterations on any mesh; without them, it needs a multiple, which grows.
+/// With the rigid motions, multigrid needs a similar number of iterations on any mesh. Without them it needs several
+/// times as many, and the number grows.
 fn free_body(session: &Session) {
     let world = session.world();
-    // A step in which the plate's bending waves pass many times over: S is all but K, which is singular.
+    // In such a time step the plate's bending waves cross it many times: S is nearly K, which is singular.
     let c2 = 4.0 / 1e-2_f64.powi(2);
     let [coarse, fine] = [COARSE, FINE].map(|cells| {
         let body = solid(&world, cells, "");
@@ -80,12 +81,12 @@ fn free_body(session: &Session) {
             "free body: {coarse:?} iterations on the coarse mesh, {fine:?} on the fine one, with and without rigid motions"
         );
     }
-    // Seen: 56 and 117; 37 and 166.
+    // Iterations seen: 56 and 117; 37 and 166.
     assert!(coarse.0 <= 70 && fine.0 <= 60, "{coarse:?} {fine:?}");
     assert!(fine.1 >= 3 * fine.0 && fine.1 as f64 >= 1.2 * coarse.1 as f64, "{coarse:?} {fine:?}");
 }
 
-/// A run's accelerations under options of PETSc's.
+/// Accelerations of a run with PETSc options set.
 fn accelerations(session: &Session, side: &str, chosen: &[(&str, &str)]) -> Vec<f64> {
     let world = session.world();
     with_options(session, chosen, || {
@@ -101,7 +102,7 @@ fn peak(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |max, value| max.max(value.abs()))
 }
 
-/// The default tolerance of an iterative solver leaves no mark on a run; a looser one, asked for, does.
+/// The default tolerance of an iterative solver has no visible effect on a run; a requested looser one has.
 fn a_run_by_multigrid(session: &Session) {
     let direct = accelerations(session, "", &[]);
     let error = |more: &[(&str, &str)]| {
@@ -112,12 +113,13 @@ fn a_run_by_multigrid(session: &Session) {
     if session.world().is_root() {
         println!("run by multigrid: {default:.1e} off the direct one; with -ksp_rtol 1e-4, {loose:.1e}");
     }
-    // A hundred steps of a relative 1e-12 each.
+    // A hundred time steps with a relative error of 1e-12 each.
     assert!(default <= 1e-9, "{default:e}");
     assert!(loose >= 1e-6, "{loose:e}");
 }
 
-/// Conjugate gradients pay for a support like a clamp, unless a preconditioner sees the support; the clamp itself costs nothing.
+/// Conjugate gradients need many iterations for a support nearly as stiff as a clamp, unless the preconditioner
+/// includes the support. A real clamp costs nothing.
 fn stiff_support(session: &Session) {
     let world = session.world();
     let plain: &[(&str, &str)] = &[("-ksp_type", "cg"), ("-pc_type", "none")];
@@ -133,12 +135,12 @@ fn stiff_support(session: &Session) {
             "k = 1e18: {plain_stiff} iterations ({multigrid_stiff} with multigrid), clamped {plain_clamped} ({multigrid_clamped})"
         );
     }
-    // Seen: 777 against 64; 46 against 34.
+    // Iterations seen: 777 against 64; 46 against 34.
     assert!(plain_stiff >= 5 * plain_clamped);
     assert!(multigrid_stiff <= 2 * multigrid_clamped);
 }
 
-/// The direct solver takes k → ∞: the peak tends to the clamped plate's as 1/k.
+/// With the direct solver k → ∞ works: the peak tends to the clamped plate's like 1/k.
 fn clamped_in_the_limit(session: &Session) {
     let clamped = peak(accelerations(session, CLAMPED, &[]));
     let stiffness = ["1e12", "1e14", "1e16", "1e18"];
@@ -146,7 +148,8 @@ fn clamped_in_the_limit(session: &Session) {
     if session.world().is_root() {
         println!("peak over the clamped one, less 1, for k = {stiffness:?}: {errors:?}");
     }
-    // Well above the stiffness of the cells beside it, E/h_cell = 5e11, the error is c/k with c = 1.4e10: two decades a step.
+    // Well above the stiffness of the neighbouring cells, E/h_cell = 5e11, the error is c/k with c = 1.4e10: it falls
+    // by two decades in each step of k.
     for pair in errors[1..].windows(2) {
         let ratio = pair[0] / pair[1];
         assert!((90.0..110.0).contains(&ratio), "{errors:?}");
@@ -154,11 +157,11 @@ fn clamped_in_the_limit(session: &Session) {
     assert!(errors[0].abs() < 1e-2 && errors[3].abs() < 1e-7, "{errors:?}");
 }
 
-/// How bodies are solved that are too large for a factor, on one that is not: the history is that of the factor, to a hundredth of the
-/// tolerance asked for, and a solve takes twenty iterations at most.
+/// The methods for bodies too large for a factorisation, tested on a small body: the time history equals that with the
+/// factorisation, to a hundredth of the requested tolerance, and a solve takes at most twenty iterations.
 fn large_bodies(session: &Session) {
     let world = session.world();
-    // The last in steps so small that most answers are nearly the guess.
+    // The last case has such small time steps that the initial guess is nearly the solution of most.
     for (cells, step, tolerance) in
         [("[16, 16, 2]", 2e-5, 1e-2), ("[16, 16, 2]", 2e-5, 1e-4), ("[8, 8, 1]", 1e-6, 1e-2)]
     {
@@ -185,7 +188,7 @@ fn large_bodies(session: &Session) {
         let exact = history(Method::Cholesky);
         let multigrid = by_iterations(&scene);
         let Method::Multigrid { tolerance: part } = multigrid else { panic!("{multigrid:?}") };
-        // Steps choose between the two.
+        // Time steps choose between the two methods.
         for method in [multigrid, Method::Incomplete { tolerance: part }] {
             let steps = history(method);
             let peak = exact.iter().map(|step| step.impactor.acceleration).fold(0.0, f64::max);

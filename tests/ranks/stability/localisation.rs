@@ -1,4 +1,5 @@
-//! Where a force acts: a point has no limit as the mesh is refined, a patch has one; and a patch below the contact's radius fails.
+//! The area on which a force acts: with a point force the solution has no limit as the mesh is refined, with a patch it
+//! has one; and a patch smaller than the contact fails.
 
 use mpi_test::{Test, tests};
 use std::ops::ControlFlow;
@@ -15,7 +16,7 @@ use ricochet::scene::Scene;
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![point_and_patch, patch_below_the_contact];
 
-/// Largest acceleration of the paper's impactor (m/s²) on its plate of 0.1 m, by a quarter.
+/// Largest acceleration (m/s²) of the paper's impactor on its plate of 0.1 m, with a quarter model.
 fn peak(comm: &Comm, body: &str, time: &str, contact: &str) -> f64 {
     let body = format!("size = [1.5, 1.5, 0.1]\nsymmetry = \"quarter\"\n{body}");
     let (_, mut impact) = start(comm, &plate(&body, time, &format!("[contact]\n{contact}\n")));
@@ -27,8 +28,8 @@ fn peak(comm: &Comm, body: &str, time: &str, contact: &str) -> f64 {
     peak
 }
 
-/// Under the point the mesh gives way by F/(E h) times a constant: finer cells, a softer body. The patch's radius takes the place
-/// of the cells'.
+/// Under a point force the mesh has a compliance of 1/(E h) times a constant, with the cell size h: finer cells make
+/// the body softer. With a patch, its radius replaces the cell size.
 fn point_and_patch(session: &Session) {
     let world = session.world();
     // Edges of the cells at the impact point, mm.
@@ -49,21 +50,22 @@ fn point_and_patch(session: &Session) {
     }
     assert!(points.windows(2).all(|pair| pair[1] < 0.9 * pair[0]), "no limit: {points:?}");
     assert!(points[2] < 0.8 * points[0], "{points:?}");
-    // Of the converged 2002.7 m/s² by independent computations.
+    // Relative to the converged 2002.7 m/s² of independent computations.
     assert!(patches.iter().all(|peak| (peak / 2002.7 - 1.0).abs() < 5e-3), "{patches:?}");
 }
 
-/// A small plate with its bottom held, under the paper's impactor.
+/// A small plate with its bottom clamped, under the paper's impactor.
 fn held(radius: f64) -> String {
     let held = "[[support]]\nsurface = \"bottom\"\nkind = \"clamped\"\n";
     let contact = format!("[contact]\npatch_radius = {radius:e}\n");
-    // Cells of 2 mm at the point.
+    // Cells of 2 mm at the impact point.
     let body = "size = [0.1, 0.1, 0.02]\ncells = [16, 16, 3]\ngrading = [6.0, 6.0, 3.0]";
     plate(body, "end = 1e-3\nstep = 1e-5", &format!("{held}{contact}"))
 }
 
-/// Below 1.2 (E*/E') times the contact's radius the law's stiffness is negative. A plate that is soft at its first hit is what can
-/// be foreseen: smaller radii are refused. What the support then stiffens is met in the run.
+/// For patch radii below 1.2 (E*/E') times the contact's radius the stiffness of the law is negative. If the plate is
+/// soft at its first contact, this can be predicted, and smaller radii are refused. If the support stiffens the plate
+/// later, the run detects it.
 fn patch_below_the_contact(session: &Session) {
     let world = session.world();
     let solid = |radius: f64| {
@@ -77,7 +79,7 @@ fn patch_below_the_contact(session: &Session) {
     assert!(matches!(&error, Error::Fault(fault) if fault.key == "contact.patch_radius"), "{error}");
     println!("patch of {:.2} mm: {error}", 300.0 * limit);
 
-    // A mesh has no wider disc.
+    // A wider disc is an option for plates only, not for a mesh.
     let text = held(0.02).replace("patch_radius", "disc_radius");
     let (scene, _) = Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}"));
     let Err(error) = Body::solid(&scene, &Mesh::new(&world, &scene.body).unwrap()) else { panic!("a disc on a mesh") };
@@ -98,10 +100,10 @@ fn patch_below_the_contact(session: &Session) {
     for part in [&format!("step {}", last.number + 1), "stiffness would turn negative", "contact.patch_radius"] {
         assert!(message.contains(part), "{part:?} is not in: {message}");
     }
-    // The steps before it are within the law, and it came in contact.
+    // The time steps before are within the law, and there was contact.
     assert!(last.contact.force > 0.0 && last.energy.total.is_finite());
 
-    // The margin that a radius has which is chosen.
+    // The margin of a radius that the program chooses.
     let (_, mut impact) = start(&world, &held(1.25 * limit));
     let series = run(&mut impact);
     let largest = series.iter().map(|step| step.contact.force).fold(0.0, f64::max);

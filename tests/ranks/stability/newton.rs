@@ -1,4 +1,5 @@
-//! Newton's method from out of contact: without a guard it overshoots the touch, with a bracket it does not.
+//! Newton's method at the beginning of contact: without a guard it overshoots the first touch, with a bracket it does
+//! not.
 
 use mpi_test::{Test, tests};
 use std::ops::ControlFlow;
@@ -13,10 +14,10 @@ pub const TESTS: &[Test<Session>] = tests![overshoot_across_the_touch];
 
 const SEARCH: &str = "-snes_linesearch_type";
 
-/// Steps of a run.
+/// Number of time steps of a run.
 const STEPS: usize = 4;
 
-/// A stiff contact (N/m^1.5) at 1 m/s, with steps (s) and a gap (m).
+/// A stiff contact (N/m^1.5) at 1 m/s, with a time step (s) and a gap (m).
 fn scene(newton: &str, stiffness: f64, step: f64, gap: f64) -> String {
     format!(
         "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.5, 0.5, 0.02]\ncells = [4, 4, 1]\norder = 1\n\
@@ -27,7 +28,7 @@ fn scene(newton: &str, stiffness: f64, step: f64, gap: f64) -> String {
     )
 }
 
-/// The steps and the iterations of a run, or what ended it.
+/// The time steps and the iterations of a run, or the error that ended it.
 fn solve(comm: &Comm, text: &str) -> (Vec<Step>, usize, Result<(), Error>) {
     let (_, mut impact) = start(comm, text);
     let mut steps = vec![];
@@ -41,8 +42,9 @@ fn solve(comm: &Comm, text: &str) -> (Vec<Step>, usize, Result<(), Error>) {
     (steps, iterations, flow.map(|_| ()))
 }
 
-/// Next to the touch the contact's tangent is next to nothing, so an unguarded step of Newton goes on as if there were no contact,
-/// and a contact this stiff answers with a residual that PETSc takes for divergence (1e4 times the first one).
+/// Close to the first touch the contact's tangent is almost zero, so an unguarded Newton step goes on as if there were
+/// no contact. For a contact this stiff, the residual is then so large that PETSc declares divergence (1e4 times the
+/// first one).
 fn overshoot_across_the_touch(session: &Session) {
     let world = session.world();
     let step = 1e-4;
@@ -66,9 +68,9 @@ fn overshoot_across_the_touch(session: &Session) {
             println!("gap of {part} steps: {error}");
             println!("guarded {guarded} and condensed {scalar} iterations in {STEPS} steps, {difference:.1e} apart");
         }
-        // Each step is solved to 1e-10 of a half-space's force.
+        // Each time step is solved to 1e-10 of the force on a half-space.
         assert!(full.len() == STEPS + 1 && condensed.len() == STEPS + 1 && difference < 1e-7, "{difference:e}");
-        // Some bisections for each of the steps in contact.
+        // Some bisections for each of the time steps in contact.
         assert!(guarded <= 15 * STEPS && scalar <= 15 * STEPS, "{guarded}, {scalar}");
     }
 }

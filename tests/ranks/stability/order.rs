@@ -1,4 +1,4 @@
-//! Orders through the kinks of contact: F ~ (t − t0)^{3/2} at the beginning and at the end of a hit.
+//! Orders of the schemes through the kinks of a contact: F ~ (t − t0)^{3/2} at its beginning and at its end.
 
 use crate::start::{run, start};
 use mpi_test::{Test, tests};
@@ -6,19 +6,20 @@ use petsc_wrap::{Comm, Session};
 use ricochet::contact::hertz;
 use ricochet::record::episodes::Episodes;
 
-/// On one rank: a single cell has no more to share.
+/// On one rank: a single cell cannot be distributed.
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![orders_through_a_hit];
 
 /// Contact stiffness, N/m^1.5, of a mass of 1 kg at 1 m/s.
 const STIFFNESS: f64 = 1e10;
 
-/// Phases of the touch within a step: errors depend on it.
+/// Number of phases of the first touch within a time step; the errors depend on the phase.
 const PHASES: u32 = 8;
 
-/// Errors of the beginning and the end of the contact (s) and of the impactor's place after it (m), the largest over the phases.
+/// Errors of the beginning and the end of the contact (s) and of the impactor's position after it (m): the largest over
+/// the phases.
 ///
-/// The wall is a clamped cell so stiff that it gives way by 1e-10 of the indentation.
+/// The wall is a clamped cell so stiff that it deforms by 1e-10 of the indentation.
 fn errors(comm: &Comm, scheme: &str, steps: u32) -> [f64; 3] {
     let contact = hertz::contact_time(STIFFNESS, 1.0, 1.0);
     let step = contact / f64::from(steps);
@@ -41,7 +42,7 @@ fn errors(comm: &Comm, scheme: &str, steps: u32) -> [f64; 3] {
         let [episode] = episodes.all() else { panic!("one hit: {:?}", episodes.all()) };
         assert!(!episodes.is_open());
         let last = series.last().unwrap();
-        // At 1 m/s towards the wall and away from it.
+        // The impactor moves at 1 m/s towards the wall and away from it.
         let place = gap - (last.time - gap - contact);
         let found = [episode.start - gap, episode.end - gap - contact, last.impactor.position - place];
         errors.iter_mut().zip(found).for_each(|(most, error)| *most = most.max(error.abs()));
@@ -50,9 +51,9 @@ fn errors(comm: &Comm, scheme: &str, steps: u32) -> [f64; 3] {
     errors
 }
 
-/// The scheme's own order holds through both kinks, whose terms Δt^{5/2} lie above two; a scheme of a higher order would keep that of
-/// the kinks. The cubic through δ and δ̇ locates the touch to Δt^{7/2}, as the first step's own error has it, and the separation as
-/// well as the scheme has come there: neither is rounded to a step.
+/// Each scheme keeps its order through both kinks, whose error terms Δt^{5/2} are of an order above two; a scheme of a
+/// higher order would be limited by the kinks. The cubic through δ and δ̇ locates the touch to Δt^{7/2}, the error of
+/// the first step, and the separation with the scheme's own order: neither is rounded to a time step.
 fn orders_through_a_hit(session: &Session) {
     let world = session.world();
     let time = hertz::contact_time(STIFFNESS, 1.0, 1.0);
@@ -72,11 +73,12 @@ fn orders_through_a_hit(session: &Session) {
         );
         println!("  at {} steps a contact, orders {observed:.2?}", STEPS[2]);
         let [touch, separation, place] = observed;
-        // The next term is of half an order more: some hundredths at these steps; the first-order scheme's second-order term is large.
+        // The next term is of half an order more: some hundredths with these time steps. The first-order scheme has a
+        // large second-order term.
         let slack = if order == 1.0 { 0.25 } else { 0.05 };
         assert!((touch - 3.5).abs() < 0.05, "{scheme}: {touch}");
         assert!((separation - order).abs() < slack && (place - order).abs() < slack, "{scheme}: {separation}, {place}");
-        // Far within a step.
+        // The errors are much smaller than a time step.
         assert!(all[2][0] < 1e-5 / f64::from(STEPS[2]), "{scheme}");
         assert!(order == 1.0 || all[2][1] < 0.02 / f64::from(STEPS[2]), "{scheme}");
     }

@@ -1,4 +1,5 @@
-//! Schemes that are not stable at every step: where they fail is where theory says, and a cure holds at the same step.
+//! Schemes that are not stable for every time step: they fail where theory predicts, and a remedy works with the same
+//! time step.
 
 use crate::bricks;
 use mpi_test::{Test, tests};
@@ -26,10 +27,10 @@ pub const TESTS: &[Test<Session>] = tests![
     row_sums_of_quadratic_tetrahedra
 ];
 
-/// Steps of a run: at 1.001 of a limit a vibration's energy grows by e^0.18 in each.
+/// Number of time steps of a run: at 1.001 of a limit a vibration's energy grows by e^0.18 in each.
 const STEPS: usize = 300;
 
-/// One kind of element, and the bricks that the block is cut into.
+/// One kind of element, and the bricks into which the block is divided.
 #[derive(Debug, Clone, Copy)]
 struct Kind {
     shape: Shape,
@@ -47,7 +48,7 @@ const KINDS: [Kind; 4] = [
 /// Edges of the block, m.
 const SIZE: [f64; 3] = [0.3, 0.2, 0.1];
 
-/// A free glass block of one kind of element with a mass that comes from afar, or is there (`impactor`).
+/// A free glass block of one kind of element, with a distant mass, or with a mass in contact (`impactor`).
 struct Block {
     kind: Kind,
     impactor: &'static str,
@@ -55,7 +56,8 @@ struct Block {
 }
 
 const AFAR: &str = "mass = 1.0\nspeed = 1.0\nstiffness = 1e10\ngap = 1e3";
-/// A vibration just below the limit seems to change its energy a thousandfold within each beat.
+/// A wide energy gate: just below the limit, the energy of a vibration appears to change a thousandfold within each
+/// beat.
 const WIDE: &str = "[solver]\nenergy_gate = 1e6\n";
 
 impl Block {
@@ -82,12 +84,12 @@ impl Block {
         (scene, mesh, body)
     }
 
-    /// 2/ω_max (s), or the like for other schemes.
+    /// Stability limit 2/ω_max (s), or the corresponding limit of other schemes.
     fn limit(&self, comm: &Comm, consistent: bool, critical: f64) -> f64 {
         self.limit_with(comm, consistent, critical, None)
     }
 
-    /// The same with a contact on it.
+    /// Same as `limit`, with a contact.
     fn limit_with(&self, comm: &Comm, consistent: bool, critical: f64, contact: Option<LinearContact>) -> f64 {
         let (scene, mesh, mut body) = self.build(comm, 1e-6, "");
         let lumped = Lumped::new(&Description::new(&scene), &mesh).unwrap();
@@ -95,14 +97,14 @@ impl Block {
         critical / largest_frequency(&mut body, inertia, contact).unwrap().ritz
     }
 
-    /// A run of the block that vibrates in all its modes: how many steps it made, and whether it was stopped.
+    /// Runs the block from a start in which all its modes vibrate; returns its time steps and whether it was stopped.
     fn vibrate(&self, comm: &Comm, step: f64, scheme: &str) -> (Vec<Step>, Result<(), Error>) {
         let (scene, _, body) = self.build(comm, step, scheme);
         let mut impact = SteppedImpact::new(&scene, body).unwrap();
         let zeros = || impact.body().load.duplicate().unwrap();
         let (mut u, v, mut a) = (zeros(), zeros(), zeros());
         shake(&mut u);
-        // M ü = −K u; where M is not diagonal, ü = 0 is as good a start.
+        // M ü = −K u. If M is not diagonal, the run starts with ü = 0, which serves as well.
         if let Some(lumped) = &impact.body().lumped {
             impact.body().apply_elastic(&u, &mut a).unwrap();
             let mass = lumped.mass.read().unwrap();
@@ -113,7 +115,8 @@ impl Block {
         finish(impact)
     }
 
-    /// The largest step (s) at which [`Self::vibrate`] runs to its end, by bisection, from an estimate that is right by 5%.
+    /// The largest time step (s) at which [`Self::vibrate`] reaches its end, by bisection, from an estimate that is
+    /// accurate to 5%.
     fn measured_limit(&self, comm: &Comm, estimate: f64, scheme: &str) -> f64 {
         let grows = |step: f64| self.vibrate(comm, step, scheme).1.is_err();
         let (mut holds, mut fails) = (0.95 * estimate, 1.05 * estimate);
@@ -126,7 +129,7 @@ impl Block {
     }
 }
 
-/// Displacements of up to 1 μm that look random.
+/// Sets pseudo-random displacements of up to 1 μm.
 fn shake(u: &mut Vector) {
     let mut seed = 1_u64;
     u.write().unwrap().iter_mut().for_each(|u| {
@@ -146,7 +149,8 @@ fn finish(mut impact: SteppedImpact) -> (Vec<Step>, Result<(), Error>) {
 
 const EXPLICIT: &str = "scheme = \"central-difference\"\nallow_unstable = true";
 
-/// Linear and quadratic elements: the quadratic ones' positive masses leave them a limit of their own.
+/// Limits of linear and quadratic elements: the quadratic ones have a separate limit because of their positive lumped
+/// masses.
 fn limit_of_the_central_difference(session: &Session) {
     let world = session.world();
     for kind in KINDS {
@@ -161,7 +165,7 @@ fn limit_of_the_central_difference(session: &Session) {
             let ended = block.vibrate(&world, part * limit, scheme).1;
             assert_eq!(ended.is_err(), fails, "{kind:?}, {part}, {scheme}: {ended:?}");
         }
-        // Unless it is forced, a step above the limit is refused.
+        // A time step above the limit is refused, unless it is forced.
         let (scene, _, body) = block.build(&world, 1.02 * limit, "scheme = \"central-difference\"");
         let Err(Error::Fault(fault)) = SteppedImpact::new(&scene, body) else { panic!("accepted") };
         assert!(fault.key == "time.step" && fault.message.contains("2/ω_max"), "{fault}");
@@ -169,8 +173,8 @@ fn limit_of_the_central_difference(session: &Session) {
     }
 }
 
-/// A heavy mass on a stiff contact: between the limits with and without contact the body gains energy while it is touched, in the
-/// few steps until it is thrown off.
+/// A heavy mass on a stiff contact. With a time step between the limits with and without contact, the body gains energy
+/// while it is touched, in the few steps until it is thrown off.
 fn contact_lowers_the_limit(session: &Session) {
     let world = session.world();
     let (stiffness, mass) = (1e13, 100.0);
@@ -187,7 +191,8 @@ fn contact_lowers_the_limit(session: &Session) {
     assert!(touching < 0.9 * apart);
     let (scene, _, body) = block.build(&world, 0.98 * apart, "scheme = \"central-difference\"");
     assert!(matches!(SteppedImpact::new(&scene, body), Err(Error::Fault(_))), "the limit in contact is the one told");
-    // The total without the scheme's own term of Δt² swings by some 1e-3 in a stable run; the energy scheme leaves rounding.
+    // In a stable run the total energy, without the scheme's own term of Δt², oscillates by some 1e-3; for the energy
+    // scheme only rounding remains.
     for (step, scheme, range) in [
         (0.98 * apart, EXPLICIT, 0.5..f64::INFINITY),
         (0.98 * touching, EXPLICIT, 0.0..5e-3),
@@ -203,12 +208,12 @@ fn contact_lowers_the_limit(session: &Session) {
     }
 }
 
-/// Of the total energy, as a part of it.
+/// Largest change of the total energy, as a fraction of it.
 fn largest_change(steps: &[Step]) -> f64 {
     steps.iter().map(|step| (step.energy.total / steps[0].energy.total - 1.0).abs()).fold(0.0, f64::max)
 }
 
-/// γ = 1/2 with β = 1/6 and γ = 0.6 with β = 0.2 have limits of their own; β ≥ γ/2 has none.
+/// γ = 1/2 with β = 1/6, and γ = 0.6 with β = 0.2, have a stability limit; β ≥ γ/2 has none.
 fn limit_of_newmark(session: &Session) {
     let world = session.world();
     let block = Block::new(KINDS[0]);
@@ -225,7 +230,7 @@ fn limit_of_newmark(session: &Session) {
     }
 }
 
-/// γ < 1/2 grows at every step size, and the gate that every run has stops it.
+/// With γ < 1/2 vibrations grow at every time step, and the energy gate of every run stops it.
 fn gamma_below_a_half(session: &Session) {
     let world = session.world();
     let block = Block { gate: "", ..Block::new(KINDS[0]) };
@@ -243,13 +248,13 @@ fn gamma_below_a_half(session: &Session) {
         ended.unwrap();
         let off = largest_change(&steps);
         println!("γ = 0.5, ω_max Δt = {part}: energy off by {off:.1e}");
-        // The start with ü = 0 is not balanced; that is all.
+        // The start with ü = 0 is not balanced, which is the only change of energy.
         assert!(off < 0.2, "{off}");
     }
 }
 
-/// The rows of a quadratic tetrahedron's mass sum to −1/20 of it at the vertices, 1/5 at the edges: a mesh so lumped grows at
-/// every step size.
+/// The row sums of a quadratic tetrahedron's mass matrix are −1/20 of the mass at the vertices and 1/5 at the edges: a
+/// mesh lumped like this grows at every time step.
 fn row_sums_of_quadratic_tetrahedra(session: &Session) {
     let world = session.world();
     let block = Block::new(KINDS[3]);
@@ -263,7 +268,7 @@ fn row_sums_of_quadratic_tetrahedra(session: &Session) {
         let negative = sums.read().unwrap().iter().filter(|mass| **mass < 0.0).count();
         let lumped = body.lumped.as_mut().unwrap();
         assert!(lumped.mass.read().unwrap().iter().all(|mass| *mass > 0.0));
-        // Each vertex of the mesh.
+        // The vertices of the mesh have negative row sums.
         let vertices: usize = block.kind.cells.iter().map(|n| n + 1).product();
         println!("{part}: {negative} of {} row sums are negative", sums.len());
         assert_eq!(negative, 3 * vertices);

@@ -1,23 +1,24 @@
-//! The points of a face of a box, at the crossings of lines, and what lies between them.
+//! Points of a face of a box at the crossings of lines, and interpolation between them.
 
 use crate::scene::Vec3;
 use crate::scene::faces::along;
 
 use super::FaceTension;
 
-/// Points of a face between lines.
+/// Lines of the points of a face.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FaceGrid {
-    /// The axes along the face.
+    /// Axes along the face.
     pub axes: [usize; 2],
-    /// Coordinates along these, ascending, m.
+    /// Coordinates along these axes, ascending, m.
     pub lines: [Vec<f64>; 2],
-    /// Along which axes the first line is a plane of symmetry.
+    /// Axes along which the first line is a plane of symmetry.
     pub is_mirrored: [bool; 2],
 }
 
 impl FaceGrid {
-    /// Of the faces of a box that is hit across an axis at a point: lines along the axes, m, with those through the hit.
+    /// Grid of the faces of a box impacted along the axis `struck` at the point `hit`: the lines along the axes (m),
+    /// and lines through the impact point.
     pub fn of_box((struck, hit): (usize, Vec3), lines: &[Vec<f64>; 3], mirrors: &[usize]) -> Self {
         let axes = along(struck);
         Self {
@@ -27,7 +28,7 @@ impl FaceGrid {
         }
     }
 
-    /// The points on the face at a height along the axis across it, m.
+    /// Points on the face at a coordinate along the normal axis, m.
     pub(super) fn points(&self, across: usize, height: f64) -> Vec<Vec3> {
         let at = |a: f64, b: f64| {
             let mut x = [0.0; 3];
@@ -37,7 +38,7 @@ impl FaceGrid {
         self.lines[0].iter().flat_map(|a| self.lines[1].iter().map(move |b| at(*a, *b))).collect()
     }
 
-    /// Lifts the largest value to the tops of parabolas through it and its neighbours along each axis.
+    /// Replaces the largest value by the maxima of parabolas through it and its neighbours along each axis.
     pub(super) fn refine(&self, best: usize, top: f64, value: impl Fn(usize) -> f64, found: &mut FaceTension) {
         let count = self.lines[1].len();
         let place = [best / count, best % count];
@@ -46,7 +47,7 @@ impl FaceGrid {
             if at + 1 >= lines.len() || (at == 0 && !self.is_mirrored[side]) {
                 continue;
             }
-            // (Neighbours that are not read make no parabola.)
+            // A neighbour that is left out gives no parabola.
             let (after, ahead) = (value(best + stride), lines[at + 1] - lines[at]);
             let (before, behind) =
                 if at == 0 { (after, ahead) } else { (value(best - stride), lines[at] - lines[at - 1]) };
@@ -63,14 +64,14 @@ impl FaceGrid {
     }
 }
 
-/// Lines with one through the hit.
+/// Lines including one through the impact point.
 fn with_hit(lines: &[f64], hit: f64) -> Vec<f64> {
     let mut lines = lines.to_vec();
     let size = lines.last().copied().unwrap_or_default() - lines.first().copied().unwrap_or_default();
     let place = lines.partition_point(|x| *x < hit);
     let near = (0..lines.len()).find(|&i| (lines[i] - hit).abs() < 1e-6 * size);
     match near {
-        // The hit itself, lest no point be on it.
+        // The exact coordinate, so that one point is at the impact point.
         Some(i) => lines[i] = hit,
         None if place > 0 && place < lines.len() => lines.insert(place, hit),
         None => {}

@@ -1,7 +1,7 @@
 use super::*;
 
-/// A bump between the points of a grid: its height and place come out to the third order of the spacing; on a plane of symmetry and
-/// on the edge as they are.
+/// The height of a maximum between grid points has an error of third order in the spacing; the error of its position is
+/// below the square of the spacing. This holds on a plane of symmetry too.
 #[test]
 fn a_largest_value_between_points_is_found() {
     let errors = [0.1, 0.05].map(|spacing: f64| {
@@ -26,7 +26,7 @@ fn a_largest_value_between_points_is_found() {
             let faces = FaceStresses::new(map, vec![face]);
             let (found, of_points) = faces.tensions(&stresses, &ContactNow::default(), 0.0);
             let [found] = found.try_into().expect("one face");
-            // The map has the largest value too.
+            // The map contains the largest value too.
             assert_eq!(of_points.tension.iter().copied().fold(0.0, f32::max), found.largest as f32);
             worst = worst.max((found.largest - 1.0).abs());
             assert!((found.point[0] - x).abs() < spacing.powi(2) && (found.point[1] - y).abs() < spacing.powi(2));

@@ -1,25 +1,25 @@
-//! The coordinates of many steps, of which those are made that are wanted.
+//! Coordinates of many steps, computed only for the steps that need them.
 
 use std::borrow::Cow;
 
 use nalgebra::DMatrix;
 
-/// The coordinates in which a body moves, at some steps.
+/// Coordinates of a body (unknowns or reduced coordinates) at some steps.
 #[derive(Clone, Copy)]
 pub enum Coordinates<'a> {
-    /// One step after the other.
+    /// Coordinates step by step.
     Given(&'a [f64]),
-    /// Columns times the states of the steps, which are one after the other.
+    /// Product of `columns` and the states of the steps.
     Of {
-        /// A row for each coordinate.
+        /// Matrix with a row for each coordinate and a column for each state variable.
         columns: &'a DMatrix<f64>,
-        /// As long as there are columns, each.
+        /// States step by step; the length of a state is the number of columns.
         states: &'a [f64],
     },
 }
 
 impl Coordinates<'_> {
-    /// Those of some steps, so many each, one step after the other.
+    /// Coordinates of some steps, `count` each, step by step.
     pub fn of(&self, steps: &[usize], count: usize) -> Vec<f64> {
         let chosen = |all: &[f64], length: usize| {
             let mut of_steps = Vec::with_capacity(steps.len() * length);
@@ -32,7 +32,7 @@ impl Coordinates<'_> {
         }
     }
 
-    /// Those of all steps.
+    /// Coordinates of all steps.
     pub fn all(&self) -> Cow<'_, [f64]> {
         match self {
             Self::Given(all) => Cow::Borrowed(all),

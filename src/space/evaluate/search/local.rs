@@ -1,25 +1,25 @@
-//! What the local field adds on a face, as polynomials of the contact's radius.
+//! Local field on a face, as polynomials of the contact radius.
 
 use crate::form::stress::{place, with_shear};
 use crate::space::evaluate::{ContactNow, Face, FaceGrid};
 use crate::stack::PointField;
 
-/// What the local field adds on a face.
+/// Contribution of the local field to the stresses on a face.
 pub(super) struct LocalRows {
-    /// Contact radius up to which they hold, m.
+    /// Largest contact radius for which the polynomials hold, m.
     largest: f64,
-    /// How many coefficients each has.
+    /// Number of coefficients of each polynomial.
     terms: usize,
-    /// By point the coefficients for 1 N of (a + b)/2, (a − b)/2 and ab, Pa.
+    /// For each point, the coefficients for 1 N of (a + b)/2, (a − b)/2 and ab, Pa.
     points: Vec<(usize, Vec<[f64; 3]>)>,
-    /// The same of the stresses across the face, where these are read.
+    /// The same for the stresses across the face, if these are used.
     across: Vec<(usize, Vec<[f64; 3]>)>,
-    /// The face's points that are not read.
+    /// Points of the face that are left out.
     pub left_out: Vec<usize>,
 }
 
 impl LocalRows {
-    /// `None` where fields are no such polynomials.
+    /// `None` if the fields are not such polynomials.
     pub fn new(face: &Face) -> Option<Self> {
         let FaceGrid { axes: [a, b], .. } = face.grid.as_ref()?;
         let left_out = (0..face.points.len()).filter(|point| face.left_out[*point]).collect();
@@ -42,12 +42,12 @@ impl LocalRows {
         Some(rows)
     }
 
-    /// What is added at its points under a contact, in their order; nothing without a force.
+    /// Added stresses at the points under a contact, in their order; none without a force.
     pub fn under(&self, contact: &ContactNow) -> impl Iterator<Item = (usize, [f64; 3])> {
         self.sums(&self.points, contact)
     }
 
-    /// The same with what is added to the stresses across the face.
+    /// Same as [`Self::under`], together with the added stresses across the face.
     pub fn whole_under(&self, contact: &ContactNow) -> impl Iterator<Item = (usize, [[f64; 3]; 2])> {
         let both = self.under(contact).zip(self.sums(&self.across, contact));
         both.map(|((point, in_plane), (_, across))| (point, [in_plane, across]))
@@ -74,20 +74,21 @@ impl LocalRows {
     }
 }
 
-/// The largest principal stress of such parts, those in the plane of a face and those of the stresses across it.
+/// Largest principal stress from the parts of the in-plane stresses and of the stresses across the face.
 pub(super) fn principal_of([m, d, s]: [f64; 3], [m_across, d_across, normal]: [f64; 3]) -> f64 {
     with_shear([m + d, m - d, s], [m_across + d_across, m_across - d_across, normal])
 }
 
-/// What that does not exceed: of a direction with the parts p along the face and z across it the stress is at most λp² + 2τpz + σz², with λ the
-/// principal stress in the plane and τ the whole shear across it.
+/// Upper bound of the largest principal stress. In a direction with the components p along the face and z across it,
+/// the stress is at most λp² + 2τpz + σz², where λ is the in-plane principal stress, τ the magnitude of the transverse
+/// shear stress, and σ the normal stress.
 pub(super) fn ceiling_of([m, d, s]: [f64; 3], [m_across, d_across, normal]: [f64; 3]) -> f64 {
     let in_plane = m + (d * d + s * s).sqrt();
     let shear = 2.0 * (m_across * m_across + d_across * d_across);
     0.5 * (in_plane + normal) + (0.25 * (in_plane - normal).powi(2) + shear).sqrt()
 }
 
-/// (a + b)/2, (a − b)/2 and ab of a, b and ab; and so of az, bz and zz.
+/// (a + b)/2, (a − b)/2 and ab from a, b and ab; likewise from az, bz and zz.
 pub(super) fn parts([a, b, ab]: [f64; 3]) -> [f64; 3] {
     [0.5 * (a + b), 0.5 * (a - b), ab]
 }

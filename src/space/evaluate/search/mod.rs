@@ -1,17 +1,20 @@
-//! The largest tensions of many steps at once, on the faces of a box that moves in few coordinates.
+//! Search for the largest tensions of many steps at once, on the faces of a box with few coordinates.
 //!
-//! At most steps all but a few points of a face are far below its largest tension. Therefore the tensions at all points are looked through in
-//! single precision, and in double precision at those points alone whose tension is the largest or may be, by a bound of the rounding:
-//! what is found is what a search of all points in double precision finds. The stresses come of rows of all of them in single precision
-//! ([`StressRows`]), or, on lines of a face, of fewer coefficients in double ([`LineStresses`]).
+//! At most steps, all but a few points of a face are far below the largest tension. Therefore the tensions at all
+//! points are evaluated in single precision. Double precision is used only at points whose tension may be the largest,
+//! according to a bound of the rounding error. The result is the same as for a search of all points in double
+//! precision. The stresses are computed from rows for all of them in single precision ([`StressRows`]) or, on lines of
+//! a face, from fewer coefficients in double precision ([`LineStresses`]).
 //!
-//! *The bound.* Stresses over a size S are off by some u, as they are made. The principal stress m + √(d² + s²) is off by no more than the
-//! errors of m, d and s together, and by its own few roundings. On the faces of soft layers there are three more parts, of the stresses across the
-//! face, and five errors together: a principal stress is off by no more than the largest sum of errors in a row of the tensor, in which two
-//! are a sum of two parts.
+//! *Bound.* Stresses divided by a size S have an error of at most some u, which depends on how they are computed. The
+//! error of the principal stress m + √(d² + s²) is at most the sum of the errors of m, d and s, plus a few roundings of
+//! its own. On the faces of soft layers there are three more parts, for the stresses across the face, and the sum has
+//! five errors: the error of a principal stress is at most the largest sum of errors in a row of the tensor, in which
+//! two components are sums of two parts.
 //!
-//! *The map.* The same values, times S, give the largest tension over time at each point, within the bound. At the points of a step's largest
-//! tension on a face the one found in double precision counts, between the points too: the largest value of the map is that of the history.
+//! *Map.* The same values, times S, give the largest tension over time at each point, within the bound. At the points
+//! of a step's largest tension on a face, the value found in double precision is used, including interpolation between
+//! points. So the largest value of the map equals the largest value of the time history.
 
 mod coordinates;
 mod local;
@@ -30,63 +33,65 @@ pub(super) use rows::StressRows;
 pub(super) use screen::Screen;
 use seen::{Peaks, Seen, Wanted};
 
-/// Steps whose stresses are computed at once: they stay in the cache.
+/// Number of steps whose stresses are computed at once, so that they stay in the cache.
 const BLOCK: usize = 64;
 
-/// The same on lines, where the matrix that makes coefficients of coordinates is read once for them: it is larger than the cache.
+/// Number of steps computed at once on lines. The matrix from coordinates to coefficients is larger than the cache, and
+/// is read once for all of them.
 const BLOCK_ON_LINES: usize = 256;
 
-/// Values of which the largest is kept together, a power of two for the processor's vectors.
+/// Number of values whose maximum is kept together; a power of two, for the vector units of the processor.
 const LANES: usize = 16;
 
 /// Unit roundoff of single precision.
 const ROUNDOFF: f64 = 0.5 * f32::EPSILON as f64;
 
-/// Roundings of a principal stress of its three parts, with room.
-const OF_PRINCIPAL: f64 = 32.0;
+/// Number of roundings in a principal stress computed from its three parts, with a margin.
+const ROUNDINGS_OF_PRINCIPAL: f64 = 32.0;
 
-/// By how much a tension between points is taken to be above that at the highest one at most: each of two parabolas lifts it by an eighth of how
-/// far a neighbour is below, so by a quarter where that is compressed as much as the highest is stretched. An estimate.
+/// Assumed upper limit of the ratio of a tension between points to the largest tension at the points. Each of two
+/// parabolas adds an eighth of the difference to a neighbour: a quarter of the largest tension if the neighbour has the
+/// same stress in compression. An estimate.
 const LIFTED: f64 = 1.5;
 
-/// A search on all faces of a box.
+/// Search on all faces of a box.
 pub struct TensionSearch<'a> {
     faces: &'a FaceStresses,
-    /// What the local fields add at points near the hit, face by face.
+    /// Local fields at points near the impact point, face by face.
     local: Vec<LocalRows>,
     stresses: Stresses,
-    /// By what steps may be left out that are between others of a smooth history.
+    /// Selects steps of a smooth time history that need no search.
     screen: Option<Rc<Screen>>,
 }
 
-/// What the stresses at the sampled points come of.
+/// Source of the stresses at the sampled points.
 enum Stresses {
     Rows(Rc<StressRows>),
     Lines(LineStresses),
 }
 
-/// The stresses of a step.
+/// Stresses of a step.
 struct OfStep<'a, F> {
-    /// Over S in single precision: (a + b)/2 of all sampled points, then (a − b)/2, then ab.
+    /// Stresses divided by S in single precision: (a + b)/2 at all sampled points, then (a − b)/2, then ab.
     column: &'a [f32],
-    /// S, Pa.
+    /// Size S, Pa.
     size: f64,
-    /// a, b and ab at a sampled point in double precision, Pa.
+    /// Stresses a, b and ab at a sampled point in double precision, Pa.
     at: F,
 }
 
-/// What a search has found.
+/// Result of a search.
 pub struct Searched {
-    /// The largest tension on each face, step by step.
+    /// Largest tension on each face, step by step.
     pub steps: Vec<Vec<FaceTension>>,
-    /// Of each face.
+    /// Largest tensions over the steps, for each face.
     peaks: Vec<Peaks>,
-    /// Points of each face.
+    /// Number of points of each face.
     counts: Vec<usize>,
 }
 
 impl Searched {
-    /// The largest tension over all steps at each point, of the times of the steps, s.
+    /// Largest tension over all steps at each point; `times` are the times of the steps, s.
     pub fn map(&self, times: &[f64]) -> TensionMap {
         let (mut tension, mut time) = (Vec::new(), Vec::new());
         for (peaks, &count) in self.peaks.iter().zip(&self.counts) {
@@ -98,8 +103,8 @@ impl Searched {
 }
 
 impl<'a> TensionSearch<'a> {
-    /// Of stresses for 1 of each of `count` coordinates at the sampled points, a row for each component a, b and ab; `None` but for faces of
-    /// a box.
+    /// Search with rows of stresses at the sampled points for a unit value of each of `count` coordinates; each point
+    /// has a row for each of a, b and ab. `None` unless the body is a box.
     pub fn new(faces: &'a FaceStresses, count: usize, rows: Vec<f64>) -> Option<Self> {
         if faces.map.components() != 3 || count == 0 {
             return None;
@@ -107,8 +112,8 @@ impl<'a> TensionSearch<'a> {
         Self::of(faces, || Stresses::Rows(Rc::new(StressRows::new(count, rows))))
     }
 
-    /// Of a body's coordinates on its basis at steps that follow its motion closely, what is made for it being kept; `None` as of [`Self::new`], and
-    /// where the faces' map is not dense.
+    /// Search in the reduced coordinates of a body, at steps that resolve its motion. The derived data are kept for
+    /// later searches. `None` as for [`Self::new`], or if the map of the faces is not dense.
     pub fn on_basis(faces: &'a FaceStresses) -> Option<Self> {
         let (count, entries) = faces.dense().filter(|(count, _)| *count > 0 && faces.map.components() == 3)?;
         let rows = faces.rows.get_or_init(|| Rc::new(StressRows::new(count, entries.to_vec())));
@@ -117,7 +122,7 @@ impl<'a> TensionSearch<'a> {
         Some(Self { screen: screen.clone(), ..search })
     }
 
-    /// Of stresses on lines; `None` as of [`Self::new`].
+    /// Search with stresses on lines; `None` as for [`Self::new`].
     pub fn on_lines(faces: &'a FaceStresses, lines: &LineStresses) -> Option<Self> {
         Self::of(faces, || Stresses::Lines(lines.clone()))
     }
@@ -127,8 +132,9 @@ impl<'a> TensionSearch<'a> {
         Some(Self { faces, local, stresses: stresses(), screen: None })
     }
 
-    /// The largest tension on each face at some steps, of their coordinates and contacts. Where the largest of all steps is wanted alone, with the
-    /// least one that counts (Pa), none is searched at steps at which it is clearly below both.
+    /// Largest tension on each face at some steps, given their coordinates and contacts. `least` is given if only the
+    /// largest tension of all steps is needed: a step is then left out if its tensions are clearly below both the
+    /// largest one and `least` (Pa).
     pub fn tensions<'c>(
         &self,
         coordinates: impl Into<Coordinates<'c>>,
@@ -177,7 +183,7 @@ impl<'a> TensionSearch<'a> {
         self.searched(found)
     }
 
-    /// The same at the steps that are named, which ascend; nothing is known of the others.
+    /// Same as [`Self::tensions`] for the listed steps, ascending; the other steps have unknown tensions.
     fn tensions_of(&self, high: &[usize], rows: &StressRows, coordinates: Coordinates, mut found: Finding) -> Searched {
         for steps in high.chunks(BLOCK) {
             let some = coordinates.of(steps, rows.count);
@@ -197,22 +203,24 @@ impl<'a> TensionSearch<'a> {
         Searched { steps: found.steps, peaks: found.peaks, counts }
     }
 
-    /// By how much a tension over S that was the largest may lie below the highest one seen.
+    /// Bound of the difference, divided by S, between the largest tension seen and the single-precision value at the
+    /// point of the true largest tension.
     fn bound(&self, top: f32) -> f32 {
         let products = match &self.stresses {
             Stresses::Rows(rows) => rows.count as f64,
-            // They are rounded two or three times.
+            // Stresses on lines have only two or three roundings.
             Stresses::Lines(_) => 0.0,
         };
         let together = if self.faces.faces.iter().any(|face| face.across.is_some()) { 5.0 } else { 3.0 };
-        let error = (together * (products + 4.0) + OF_PRINCIPAL) * ROUNDOFF;
-        // Both may be off; and points count as alike that differ by a part.
-        let of_top = (2.0 * ALIKE + OF_PRINCIPAL * ROUNDOFF) * f64::from(top.abs()).max(1.0);
+        let error = (together * (products + 4.0) + ROUNDINGS_OF_PRINCIPAL) * ROUNDOFF;
+        // Both values may have the error, and points within a relative difference count as equal.
+        let of_top = (2.0 * ALIKE + ROUNDINGS_OF_PRINCIPAL * ROUNDOFF) * f64::from(top.abs()).max(1.0);
         (2.0 * error + of_top) as f32
     }
 }
 
-/// Fills the columns of some steps with their stresses at the sampled points over the largest ones, which it returns.
+/// Fills the columns of some steps with their stresses at the sampled points, divided by the largest stress of each
+/// step. Returns these largest stresses.
 fn scaled(stresses: &[[Together; 3]], columns: &mut [f32]) -> Together {
     let mut sizes = [0.0_f64; TOGETHER];
     for together in stresses.iter().flatten() {
@@ -230,14 +238,14 @@ fn scaled(stresses: &[[Together; 3]], columns: &mut [f32]) -> Together {
     sizes
 }
 
-/// What a search has found so far.
+/// State of a search.
 struct Finding<'a> {
     search: &'a TensionSearch<'a>,
     contacts: &'a [ContactNow],
     steps: Vec<Vec<FaceTension>>,
     peaks: Vec<Peaks>,
     seen: Seen,
-    /// The least tension that counts, Pa, where the largest of all steps is wanted alone; and the largest so far.
+    /// Smallest tension of interest, Pa, if only the largest of all steps is needed; and the largest tension so far.
     least: Option<f64>,
     largest: f64,
 }
@@ -256,12 +264,12 @@ impl<'a> Finding<'a> {
         }
     }
 
-    /// Passes over the steps before a number.
+    /// Marks the steps before a number as unknown.
     fn skip_to(&mut self, step: usize) {
         self.steps.resize(step, vec![FaceTension::UNKNOWN; self.search.faces.faces.len()]);
     }
 
-    /// Takes the next step.
+    /// Searches the next step.
     fn take(&mut self, of_step: &OfStep<impl Fn(usize) -> [f64; 3]>) {
         let Self { search, contacts, steps, peaks, seen, least, largest } = self;
         let OfStep { column, size, at } = of_step;
@@ -270,7 +278,7 @@ impl<'a> Finding<'a> {
         let faces = search.faces.faces.iter().zip(&search.local).zip(peaks);
         let each = faces.map(|((face, local), peaks)| {
             seen.look((face, local), (column, *size), contact, Wanted::Peaks(peaks));
-            // (Where all is compressed, nothing is known of points between.)
+            // If all points are in compression, this gives no limit for the tension between points.
             let is_small = |least: f64| seen.top > 0.0 && LIFTED * f64::from(seen.top) * size < largest.min(least);
             if *size > f64::MIN_POSITIVE && least.is_some_and(is_small) {
                 return FaceTension::UNKNOWN;
@@ -282,15 +290,15 @@ impl<'a> Finding<'a> {
             let (alike, found) = if *size > f64::MIN_POSITIVE && seen.top.is_finite() {
                 peaks.take(&seen.values, *size as f32, number);
                 let bound = search.bound(seen.top);
-                // (Points that are left out have no tension.)
+                // Points that are left out have no tension.
                 face.largest(seen.from(seen.top - bound), value)
             } else {
-                // Without a size, as at rest, single precision tells nothing.
+                // If the size is zero, as at rest, single precision gives no information.
                 let values: Vec<f64> = (0..face.points.len()).map(value).collect();
                 values.iter().enumerate().for_each(|(point, value)| peaks.raise(point, *value as f32, number));
                 face.largest(face.read_points(), |point| values[point])
             };
-            // Points that mirror each other stay alike.
+            // Points that mirror each other keep equal values.
             alike.into_iter().for_each(|point| peaks.raise(point, found.largest as f32, number));
             *largest = largest.max(found.largest);
             found

@@ -1,8 +1,9 @@
-//! Stresses of many steps from rows of all of them, in single precision, and in double where that is asked for.
+//! Stresses of many steps, computed in single precision from rows for all of them, and in double precision on request.
 //!
-//! *The bound.* Coordinates w_i are scaled by ρ_i, the largest stress at any point for w_i = 1, and by S = Σ ρ_i |w_i|. Then each stress
-//! over S is a sum of n products whose absolute values sum to 1 at most; in arithmetic of unit roundoff u it is off by (n + 4) u at most,
-//! roundings of the factors included (Higham, Accuracy and Stability of Numerical Algorithms, §3.1).
+//! *Bound.* Coordinates w_i are scaled by ρ_i, the largest stress at any point for w_i = 1, and by S = Σ ρ_i |w_i|.
+//! Then each stress divided by S is a sum of n products whose absolute values sum to at most 1. In arithmetic of unit
+//! roundoff u its error is at most (n + 4) u, including the roundings of the factors (Higham, Accuracy and Stability of
+//! Numerical Algorithms, §3.1).
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
@@ -10,21 +11,21 @@ use nalgebra::DMatrix;
 
 use super::local::parts;
 
-/// Stresses at the sampled points for 1 of each coordinate.
+/// Stresses at the sampled points for a unit value of each coordinate.
 #[derive(Clone)]
 pub struct StressRows {
-    /// How many coordinates there are.
+    /// Number of coordinates.
     pub count: usize,
-    /// Stresses a, b and ab, a row each.
+    /// Stresses a, b and ab, one row for each.
     rows: Vec<f64>,
-    /// ρ.
+    /// Scales ρ of the coordinates.
     pub scales: Vec<f64>,
-    /// For 1/ρ of each coordinate, a column each: (a + b)/2 of all sampled points, then (a − b)/2, then ab.
+    /// One column for each coordinate, for its value 1/ρ: (a + b)/2 at all sampled points, then (a − b)/2, then ab.
     scaled: DMatrix<f32>,
 }
 
 impl StressRows {
-    /// A row for each component a, b and ab.
+    /// Stresses from a row for each component a, b and ab of each point.
     pub fn new(count: usize, rows: Vec<f64>) -> Self {
         let sampled = rows.len() / (3 * count);
         let of_point = |point: usize, coordinate: usize| {
@@ -46,12 +47,12 @@ impl StressRows {
         Self { count, rows, scales, scaled }
     }
 
-    /// Sampled points.
+    /// Number of sampled points.
     pub fn points(&self) -> usize {
         self.scaled.nrows() / 3
     }
 
-    /// Stresses over S at some steps, a column each, and S.
+    /// Stresses divided by S at some steps, one column for each, and S.
     pub fn of_steps(&self, coordinates: &[f64]) -> (DMatrix<f32>, Vec<f64>) {
         let (mut sizes, mut scaled) = (Vec::new(), Vec::with_capacity(coordinates.len()));
         for of_step in coordinates.chunks(self.count) {
@@ -81,7 +82,7 @@ impl StressRows {
     }
 }
 
-/// Σ a_i b_i of three rows.
+/// Scalar products Σ a_i b_i of three rows with the same factors.
 fn products([a, b, c]: [&[f64]; 3], factors: &[f64]) -> [f64; 3] {
     let mut sums = [0.0; 3];
     for (((a, b), c), factor) in a.iter().zip(b).zip(c).zip(factors) {

@@ -1,8 +1,10 @@
-//! Steps at which the largest tension of all may be, by a search of some of them at some points.
+//! Selection of the steps at which the largest tension of all steps may occur, by a coarse search of some steps at some
+//! points.
 //!
-//! Steps follow the contact, whose force bends more sharply in time than the body does; and points lie closer than waves are long, but under the
-//! hit. So the tensions are first looked at in every few steps on every other line of a face; then at all points in those steps between two of
-//! which one is near the highest.
+//! Steps are short because of the contact force, which varies faster in time than the body. Points are closer than the
+//! wavelengths, except near the impact point. So the tensions are first evaluated at every few steps on every other
+//! line of a face. All points are then searched only in the steps between two such steps, if one of these is near the
+//! highest tension.
 
 use super::local::LocalRows;
 use super::rows::StressRows;
@@ -10,16 +12,17 @@ use super::seen::{Seen, Wanted};
 use super::{BLOCK, ContactNow, Coordinates};
 use crate::space::evaluate::Face;
 
-/// Every so manieth step is looked at.
+/// Interval of steps at which tensions are evaluated.
 const STRIDE: usize = 4;
 
-/// By how much a tension is taken to be above those of the steps and the points about it at most. An estimate.
+/// Assumed upper limit of the ratio of a tension to the tensions at the neighbouring steps and points. An estimate.
 const BETWEEN: f64 = 1.2;
 
-/// Steps from which on that is worth its while.
+/// Smallest number of steps for which the selection saves time.
 const MANY: usize = 64;
 
-/// Some points of faces, by which steps are chosen: all that have the local field of the hit, and of the others those on every other line.
+/// Subset of the points of faces with which steps are selected: all points with the local field, and the other points
+/// on every other line.
 pub struct Screen {
     faces: Vec<Face>,
     local: Vec<LocalRows>,
@@ -27,12 +30,13 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// Of faces with grids and the stresses at all sampled points for 1 of each of `count` coordinates, a row for each component; `None` of others.
+    /// Screen of faces with grids. `rows` are the stresses at all sampled points for a unit value of each of `count`
+    /// coordinates, a row for each component. `None` for other faces.
     pub fn new(faces: &[Face], count: usize, rows: &[f64]) -> Option<Self> {
         let (mut few, mut chosen): (Vec<Face>, Vec<f64>) = (Vec::new(), Vec::new());
         for (number, face) in faces.iter().enumerate() {
             let points = points(face)?;
-            // Faces that share their stresses share the points, too.
+            // Faces that share their stresses also share the selected points.
             let alike = faces[..number].iter().position(|other| other.first == face.first);
             let mut chosen_from = |first: usize| {
                 let place = chosen.len() / (3 * count);
@@ -63,7 +67,8 @@ impl Screen {
         Some(Self { faces: few, local, rows: StressRows::new(count, chosen) })
     }
 
-    /// The steps whose largest tension may be that of all, or at least a given one, Pa; `None` where all are as soon looked through.
+    /// Steps whose largest tension may be the largest of all, or at least `least`, Pa. `None` if searching all steps is
+    /// as fast.
     pub(super) fn steps(&self, coordinates: Coordinates, contacts: &[ContactNow], least: f64) -> Option<Vec<usize>> {
         if contacts.len() < MANY {
             return None;
@@ -81,7 +86,7 @@ impl Screen {
                     seen.look((face, local), (column.as_slice(), size), &contacts[step], Wanted::Largest);
                     f64::from(seen.top) * size
                 });
-                // (Without a size, as at rest, single precision tells nothing.)
+                // If the size is zero, as at rest, single precision gives no information.
                 let top = faces.fold(f64::NEG_INFINITY, f64::max);
                 tops.push(if size > f64::MIN_POSITIVE { top } else { 0.0 });
             }
@@ -99,7 +104,7 @@ impl Screen {
     }
 }
 
-/// The numbers of the points of a face that are looked at, ascending.
+/// Numbers of the selected points of a face, ascending.
 fn points(face: &Face) -> Option<Vec<usize>> {
     let [lines, count] = face.grid.as_ref()?.lines.each_ref().map(Vec::len);
     let is_among = |line: usize, lines: usize| line.is_multiple_of(2) || line + 1 == lines;

@@ -5,39 +5,40 @@ use crate::space::evaluate::{ContactNow, Face};
 use super::LANES;
 use super::local::{LocalRows, ceiling_of, principal_of};
 
-/// Tensions over S at all points of a face, in single precision.
+/// Tensions divided by S at all points of a face, in single precision.
 #[derive(Default)]
 pub(super) struct Seen {
-    /// √(d² + s²) at all sampled points, which faces share.
+    /// √(d² + s²) at all sampled points, which the faces share.
     roots: Vec<f32>,
-    /// Filled up with −∞ to a multiple of [`LANES`].
+    /// Tensions, padded with −∞ to a multiple of [`LANES`].
     pub values: Vec<f32>,
-    /// The largest of each [`LANES`] of them.
+    /// Maximum of each group of [`LANES`] values.
     tops: Vec<f32>,
-    /// The largest of all.
+    /// Maximum of all values.
     pub top: f32,
 }
 
-/// The larger one; the first where the second is NaN.
+/// The larger of two values; the first if the second is NaN.
 #[inline(always)]
 fn larger(a: f32, b: f32) -> f32 {
     if b > a { b } else { a }
 }
 
-/// Which values are wanted; others may be found too large, but neither above the largest one nor above their peaks.
+/// Values that must be exact. Others may be too large, but exceed neither the largest value nor their earlier peaks.
 #[derive(Clone, Copy)]
 pub(super) enum Wanted<'a> {
-    /// All.
+    /// All values.
     #[cfg(test)]
     All,
     /// The largest of the step.
     Largest,
-    /// That, and those above the peaks of earlier steps.
+    /// The largest of the step, and all that exceed the peaks of earlier steps.
     Peaks(&'a Peaks),
 }
 
 impl Wanted<'_> {
-    /// Whether a value is not wanted that is no larger than a ceiling, by the largest one so far; all over S, Pa.
+    /// Whether a value below a ceiling may be left as it is, given the largest value so far. Values are divided by S;
+    /// `size` is S, Pa.
     fn is_out(self, point: usize, ceiling: f32, (top, size): (f32, f64)) -> bool {
         match self {
             #[cfg(test)]
@@ -48,13 +49,14 @@ impl Wanted<'_> {
     }
 }
 
-/// A value in single precision; what a small size takes out of range is as large as can be, so that all points are looked at.
+/// A value in single precision. A value out of range due to a small size becomes infinite, so that all points are then
+/// examined.
 fn known(value: f64) -> f32 {
     if value.is_nan() { f32::INFINITY } else { value as f32 }
 }
 
 impl Seen {
-    /// Takes the stresses of a step.
+    /// Sets the stresses of a step.
     pub fn take(&mut self, column: &[f32]) {
         let sampled = column.len() / 3;
         self.roots.resize(sampled, 0.0);
@@ -65,7 +67,7 @@ impl Seen {
         });
     }
 
-    /// Looks at a face, whose stresses over the size S are parts of a column.
+    /// Computes the tensions on a face from its stresses divided by the size S in a column.
     pub fn look(
         &mut self,
         (face, local): (&Face, &LocalRows),
@@ -76,7 +78,7 @@ impl Seen {
         let (sampled, count) = (column.len() / 3, face.points.len());
         let [mean, half, shear] = [0, 1, 2].map(|part| &column[part * sampled + face.first..][..count]);
         let sign = face.sign as f32;
-        // (What is beyond the points of this face may be those of another one.)
+        // The padding may still hold values of another face.
         self.values.resize(count.next_multiple_of(LANES), f32::NEG_INFINITY);
         let (values, beyond) = self.values.split_at_mut(count);
         beyond.fill(f32::NEG_INFINITY);
@@ -89,13 +91,14 @@ impl Seen {
                 for (point, value) in values.iter_mut().enumerate() {
                     let (mut in_plane, mut across) =
                         (of(face.first, point).map(|part| face.sign * part), of(first, point));
-                    // Where a plate bends, shear is the same on both faces.
+                    // On a plate in bending, transverse shear is the same on both faces.
                     across[2] *= face.sign;
                     if let Some((_, more)) = lacking.next_if(|(of, _)| *of == point) {
                         (0..3).for_each(|i| in_plane[i] += more[0][i] / size);
                         (0..3).for_each(|i| across[i] += more[1][i] / size);
                     }
-                    // Most points are far below, and square roots take less than an arc cosine.
+                    // Most points are far below the largest; the ceiling takes square roots, which are cheaper than an
+                    // arc cosine.
                     let ceiling = known(ceiling_of(in_plane, across));
                     *value = match face.left_out[point] {
                         true => f32::NEG_INFINITY,
@@ -121,7 +124,7 @@ impl Seen {
         self.top = self.tops.iter().copied().fold(f32::NEG_INFINITY, larger);
     }
 
-    /// The points whose values are no lower than some value: few, where most are far below.
+    /// Points whose values are at least `least`; few if most values are far below.
     pub fn from(&self, least: f32) -> impl Iterator<Item = usize> {
         let high = self.tops.iter().enumerate().filter(move |(_, top)| **top >= least);
         high.flat_map(move |(chunk, _)| {
@@ -131,7 +134,7 @@ impl Seen {
     }
 }
 
-/// √(d² + s²): compiled for the vectors of each kind of processor, as the others here.
+/// Computes √(d² + s²). Like the other tasks here, it is compiled for the vector units of each kind of processor.
 struct Rooting<'a> {
     half: &'a [f32],
     shear: &'a [f32],
@@ -148,7 +151,7 @@ impl pulp::NullaryFnOnce for Rooting<'_> {
     }
 }
 
-/// Values from the means, times a sign, and the roots.
+/// Computes values from the means, times a sign, and the roots.
 struct Adding<'a> {
     sign: f32,
     mean: &'a [f32],
@@ -166,7 +169,7 @@ impl pulp::NullaryFnOnce for Adding<'_> {
     }
 }
 
-/// The largest of each [`LANES`] values.
+/// Computes the maximum of each group of [`LANES`] values.
 struct Topping<'a> {
     values: &'a [f32],
     tops: &'a mut [f32],
@@ -178,8 +181,7 @@ impl pulp::NullaryFnOnce for Topping<'_> {
     #[inline(always)]
     fn call(self) {
         for (top, values) in self.tops.iter_mut().zip(self.values.as_chunks::<LANES>().0) {
-            // Halves are compared side by side.
-            // (What is not a number is larger than nothing.)
+            // Compares the two halves element by element; NaN is replaced by −∞ first.
             let mut most = values.map(|value| larger(f32::NEG_INFINITY, value));
             let mut width = LANES / 2;
             while width > 0 {
@@ -193,28 +195,28 @@ impl pulp::NullaryFnOnce for Topping<'_> {
     }
 }
 
-/// The largest tension at each point of a face over the steps so far, in single precision.
+/// Largest tension at each point of a face over the steps so far, in single precision.
 pub(super) struct Peaks {
-    /// Pa, filled up as [`Seen::values`].
+    /// Tension, Pa, padded like [`Seen::values`].
     pub tension: Vec<f32>,
-    /// The numbers of the steps.
+    /// Number of the step of each tension.
     pub steps: Vec<u32>,
 }
 
 impl Peaks {
-    /// Of so many points, before the first step.
+    /// Peaks of `count` points, before the first step.
     pub fn new(count: usize) -> Self {
         let filled = count.next_multiple_of(LANES);
         Self { tension: vec![f32::NEG_INFINITY; filled], steps: vec![0; filled] }
     }
 
-    /// Takes a step's tensions over a size, Pa.
+    /// Includes the tensions of a step, which are divided by a size, Pa.
     pub fn take(&mut self, values: &[f32], size: f32, step: u32) {
         let Self { tension, steps } = self;
         pulp::Arch::new().dispatch(Raising { tension, steps, values, size, step });
     }
 
-    /// Takes the tension at one point, Pa.
+    /// Includes the tension at one point, Pa.
     pub fn raise(&mut self, point: usize, tension: f32, step: u32) {
         if tension > self.tension[point] {
             (self.tension[point], self.steps[point]) = (tension, step);
@@ -222,7 +224,7 @@ impl Peaks {
     }
 }
 
-/// What [`Peaks::take`] does.
+/// Task of [`Peaks::take`].
 struct Raising<'a> {
     tension: &'a mut [f32],
     steps: &'a mut [u32],
@@ -239,7 +241,7 @@ impl pulp::NullaryFnOnce for Raising<'_> {
         let Self { tension, steps, values, size, step } = self;
         for ((top, when), value) in tension.iter_mut().zip(steps).zip(values) {
             let tension = value * size;
-            // Both are written each time, so that the processor's vectors can.
+            // Both are written each time, so that the loop can be vectorised.
             let is_larger = tension > *top;
             *when = if is_larger { step } else { *when };
             *top = if is_larger { tension } else { *top };

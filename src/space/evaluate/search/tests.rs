@@ -1,11 +1,11 @@
-//! The search against one of all points in double precision, and its bound.
+//! Tests of the search against a search of all points in double precision, and of its error bound.
 
 use super::*;
 use crate::form::Spread;
 use crate::space::evaluate::{Face, FaceGrid, LocalPoint, Map, StressMap};
 use crate::stack::{Carrier, Layer, LocalField, Pressure, Stack};
 
-/// Numbers between −1 and 1 without any order.
+/// Pseudo-random numbers between −1 and 1.
 struct Numbers(u64);
 
 impl Numbers {
@@ -15,7 +15,7 @@ impl Numbers {
     }
 }
 
-/// The rows that a search is made of.
+/// Rows of a search.
 fn of_rows<'a>(search: &'a TensionSearch) -> &'a StressRows {
     match &search.stresses {
         Stresses::Rows(rows) => rows,
@@ -26,8 +26,9 @@ fn of_rows<'a>(search: &'a TensionSearch) -> &'a StressRows {
 const COUNT: usize = 37;
 const LINES: usize = 19;
 
-/// A plate of bending stresses that vary over a face, hit at the corner of its quarter; stresses are symmetric in x and y, so that
-/// points that mirror each other have the same tension but for rounding. A soft layer of it has stresses across its faces too.
+/// A plate with bending stresses that vary over a face, impacted at the corner of its quarter. Stresses are symmetric
+/// in x and y, so that points that mirror each other have the same tension up to rounding. A soft layer also has
+/// stresses across its faces.
 fn plate() -> (FaceStresses, Vec<f64>) {
     let lines: Vec<f64> = (0..LINES).map(|i| 0.05 * i as f64).collect();
     let points: Vec<[f64; 3]> = lines.iter().flat_map(|a| lines.iter().map(move |b| [*a, *b, 0.05])).collect();
@@ -79,7 +80,8 @@ fn plate() -> (FaceStresses, Vec<f64>) {
     (FaceStresses::new(map, faces), rows)
 }
 
-/// Coordinates of steps: of all sizes, nothing at all, and one alone; under forces from nothing to most of the stress.
+/// Coordinates of steps (of all magnitudes, all zero, or only one non-zero), with forces from zero to the main part of
+/// the stress.
 fn steps() -> (Vec<f64>, Vec<ContactNow>) {
     let mut numbers = Numbers(11);
     let (mut coordinates, mut contacts) = (Vec::new(), Vec::new());
@@ -92,7 +94,7 @@ fn steps() -> (Vec<f64>, Vec<ContactNow>) {
         };
         for coordinate in 0..COUNT {
             let is_there = step % 7 != 3 || coordinate == step % COUNT;
-            // (A coordinate's number is drawn whether it counts or not.)
+            // A number is drawn whether or not the coordinate is used.
             let number = numbers.next() / (1.0 + coordinate as f64);
             coordinates.push(if is_there { size * number } else { 0.0 });
         }
@@ -102,7 +104,7 @@ fn steps() -> (Vec<f64>, Vec<ContactNow>) {
     (coordinates, contacts)
 }
 
-/// The search of all points in double precision finds the same.
+/// The result agrees with a search of all points in double precision.
 #[test]
 fn what_is_found_is_what_a_search_of_all_points_finds() {
     let (faces, rows) = plate();
@@ -121,17 +123,17 @@ fn what_is_found_is_what_a_search_of_all_points_finds() {
             assert!((one.largest - other.largest).abs() <= rounding, "{step}: {one:?} {other:?}");
             let apart = (0..3).map(|i| (one.point[i] - other.point[i]).abs()).fold(0.0, f64::max);
             assert!(apart < 1e-9, "{step}: {one:?} {other:?}");
-            // Of points that mirror each other the one with the larger x.
+            // Among points that mirror each other, the one with the larger x.
             assert!(one.point[0] >= one.point[1] - 1e-9, "{step}: {one:?}");
             places.insert(one.point.map(|x| (x * 20.0).round() as i64));
         }
     }
-    // Else the steps would show nothing.
+    // Otherwise the steps would not test the search.
     assert!(places.len() > 30, "{}", places.len());
 }
 
-/// Where the largest tension of all steps is wanted alone, that is the same, and so is the first step beyond a least one that counts, though most
-/// steps are not searched.
+/// If only the largest tension of all steps is needed, it is found unchanged, and so is the first step above a smallest
+/// tension of interest, although many steps are not searched.
 #[test]
 fn what_is_far_below_is_left_out() {
     let (faces, rows) = plate();
@@ -147,7 +149,7 @@ fn what_is_far_below_is_left_out() {
             let first = |tensions: &[f64], level: f64| tensions.iter().position(|tension| *tension >= level);
             assert_eq!(first(&found, largest), first(&tensions, largest));
             assert_eq!(first(&found, least), first(&tensions, least));
-            // What is found is what it was, and not all is.
+            // Tensions that are found are unchanged, and some are left out.
             assert!(found.iter().zip(&tensions).all(|(found, all)| found.is_nan() || found == all));
             let left_out = found.iter().filter(|found| found.is_nan()).count();
             assert!(left_out > found.len() / 4, "{left_out} of {}", found.len());
@@ -155,7 +157,7 @@ fn what_is_far_below_is_left_out() {
     }
 }
 
-/// Of a history that is smooth from step to step the largest tension is found by a search of few steps.
+/// The largest tension of a time history that is smooth from step to step is found by a search of few steps.
 #[test]
 fn some_steps_of_a_smooth_history_are_searched() {
     let (faces, rows) = plate();
@@ -183,7 +185,8 @@ fn some_steps_of_a_smooth_history_are_searched() {
     assert!(searched < found.len() / 3, "{searched}");
 }
 
-/// The map holds at each point what a fold over all steps in double precision gives, with its time; its largest value is that of the steps.
+/// The map holds at each point the maximum over all steps in double precision, with its time. Its largest value is the
+/// largest of all steps.
 #[test]
 fn the_map_is_that_of_all_points_and_steps() {
     let (faces, rows) = plate();
@@ -209,14 +212,14 @@ fn the_map_is_that_of_all_points_and_steps() {
         assert_eq!(found.is_finite(), exact.is_finite(), "{point}");
         if exact.is_finite() {
             assert!((found - exact).abs() <= room, "{point}: {found} {exact} {room}");
-            // At its time the tension was as large.
+            // At this time the tension was equally large.
             let then = of_steps[map.time_at(point) as usize].tension[point];
             assert!((then - exact).abs() <= 2.0 * room, "{point}: {then} {exact}");
             near_hit += usize::from(faces.faces.iter().any(|face| face.local.iter().any(|(of, _)| *of == point)));
         }
     }
     assert!(near_hit > 4, "{near_hit}");
-    // As symmetric as the stresses are, the tops between points included.
+    // The map is as symmetric as the stresses, including the maxima between points.
     for (point, tension) in map.tension.iter().enumerate().filter(|(_, tension)| tension.is_finite()) {
         let (face, row, column) = (point / (LINES * LINES), point / LINES % LINES, point % LINES);
         let image = map.tension[(face * LINES + column) * LINES + row];
@@ -226,11 +229,11 @@ fn the_map_is_that_of_all_points_and_steps() {
     let of_history = largest(&mut searched.steps.iter().flatten().map(|one| one.largest as f32));
     let of_map = largest(&mut map.tension.iter().copied());
     assert!((of_map - of_history).abs() <= room, "{of_map} {of_history}");
-    // Else the room would hide what is wrong.
+    // Otherwise the tolerance would hide errors.
     assert!(room < 1e-4 * of_history, "{room} {of_history}");
 }
 
-/// Tensions in single precision are off by less than half of the bound, and not by so little that the bound would say nothing.
+/// The error of tensions in single precision is below half of the bound, but not so small that the bound is useless.
 #[test]
 fn single_precision_keeps_its_bound() {
     let (faces, rows) = plate();
@@ -251,7 +254,7 @@ fn single_precision_keeps_its_bound() {
             for point in (0..face.points.len()).filter(|point| !face.left_out[*point]) {
                 let exact = face.value(point, |number| of_rows(&search).at(number, of_step), contact) / size;
                 let off = (f64::from(seen.values[point]) - exact).abs();
-                // (Below the top there is no need for it: a value that is lower than it may not count.)
+                // Below the top the bound need not hold: a value below its own limit cannot be the largest.
                 let room = 0.5 * bound * exact.abs().max(1.0) / f64::from(seen.top.abs()).max(1.0);
                 worst = worst.max(off / room.max(0.5 * bound));
                 assert!(off < room.max(0.5 * bound), "{step} {point}: {off:e} {bound:e}");
@@ -261,7 +264,8 @@ fn single_precision_keeps_its_bound() {
     assert!(worst > 1e-3, "{worst:e}");
 }
 
-/// Where coordinates are made of states, at the steps alone that are wanted, the same is found as where all of them are given.
+/// If coordinates are computed from states only at the steps that need them, the result is the same as with all
+/// coordinates given.
 #[test]
 fn coordinates_are_made_where_they_are_wanted() {
     let (faces, _) = plate();

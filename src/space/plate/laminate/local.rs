@@ -1,14 +1,15 @@
-//! What a layerwise plate misses of the local field under a load on its top: derived from the static solution of the infinite stack,
-//! nothing fitted.
+//! Constants of the local field under a load on the top face, which a layerwise plate lacks. They are derived from the
+//! static solution of the infinite stack, without fitting.
 //!
-//! As for one layer ([`crate::space::plate::layer`]), in the wavenumber ξ the stack moves by Γ(ξ) under a pressure on its top, the theory
-//! by W(ξ), and a half-space of the layer that is hit by H(ξ). Γ − W falls as ξ⁻² while waves are long, and its factor hardly changes as the
-//! layers begin to slide. So the plate is loaded and read by w + β M, M being the sum of its bending moments, which adds 2β/ξ² by
-//! equilibrium alone. What is left is a constant in the contact law,
+//! As for one layer ([`crate::space::plate::layer`]), let Γ(ξ) be the response of the stack at the wavenumber ξ to a
+//! pressure on its top, W(ξ) the response of the theory, and H(ξ) the response of a half-space of the impacted layer.
+//! For long waves Γ − W is proportional to ξ⁻², and the factor hardly changes as the layers begin to slide. So the
+//! plate is loaded and evaluated by w + β M, where M is the sum of its bending moments. By equilibrium alone, this adds
+//! 2β/ξ². The remainder is a constant in the contact law,
 //!
 //! c = (1/2π) ∫ {[Γ − H] − Γ_L P²} ξ dξ,
 //!
-//! with Γ_L of the plate as it is read and P of the pressure that it is under.
+//! where Γ_L is the response of the plate by w + β M, and P is the transform of the pressure on it.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -16,21 +17,24 @@ use crate::form::Spread;
 use crate::space::plate::layer::{END, integrate};
 use crate::stack::{Layerwise, Stack};
 
-/// ξ over that of the longest wave at most, times the stack's thickness, at which the response is matched.
-const LONG: f64 = 0.05;
+/// Upper limit of ξH for the wavenumber ξ at which the response is matched, where H is the thickness of the stack. ξ is
+/// otherwise the wavenumber π/edge of the longest wave on the plate.
+const LARGEST_MATCHED_WAVENUMBER: f64 = 0.05;
 
-/// ξ times the thickness of the layer that is hit from which on Γ is H: the rest falls as (ξh)² e^{−2ξh}.
+/// Value of ξh, h the thickness of the impacted layer, above which Γ is set to H. The difference is proportional to
+/// (ξh)² e^{−2ξh}.
 const HALF_SPACE: f64 = 22.0;
 
-/// ξR from which on the plate's part of the integral is summed by itself.
+/// Value of ξR above which the plate's part of the integral is integrated separately.
 const APART: f64 = 3.0;
 
-/// β (m/N) and c (m/N) of a stack under a spread pressure on a disc of a radius (m), on a plate whose longer edge is given, m.
+/// Constants β (m/N) and c (m/N) of a stack under a spread pressure on a disc of a radius (m), for a plate with the
+/// longer edge `edge` (m).
 ///
-/// In longer waves than the plate Γ is Γ_L: what is left there is H.
+/// For waves longer than the plate, Γ = Γ_L is assumed; the integrand is then −H ξ.
 pub(super) fn constants(theory: &Layerwise, (spread, radius): (&Spread, f64), edge: f64) -> (f64, f64) {
     let stack = theory.stack();
-    let longest = (PI / edge).min(LONG / stack.thickness());
+    let longest = (PI / edge).min(LARGEST_MATCHED_WAVENUMBER / stack.thickness());
     let wave = theory.wave(longest);
     let reading = 0.5 * longest * longest * (loaded_face(stack, longest) - theory.read(&wave));
     let read = theory.clone().with_reading(reading);
@@ -43,9 +47,10 @@ pub(super) fn constants(theory: &Layerwise, (spread, radius): (&Spread, f64), ed
     };
     let panel = (FRAC_PI_2 / radius).min(1.0 / struck.thickness);
     let apart = (APART / radius).max(longest);
-    // H ξ is a constant.
+    // H ξ is constant.
     let (mut sum, mut from) = (-half_space(longest) * longest * longest, longest);
-    // Panels grow with the wavenumber: a soft layer begins to slide far below 1/H.
+    // The panels grow with the wavenumber, since a soft layer begins to slide far below ξ = 1/H, H being the thickness
+    // of the stack.
     while from < apart {
         let to = (2.0 * from).min(from + 10.0 * panel).min(apart);
         sum += integrate(from, to, panel, together);
@@ -59,7 +64,7 @@ pub(super) fn constants(theory: &Layerwise, (spread, radius): (&Spread, f64), ed
     (reading, sum / (2.0 * PI))
 }
 
-/// Γ, m/Pa.
+/// Response Γ of the loaded face, m/Pa.
 fn loaded_face(stack: &Stack, wavenumber: f64) -> f64 {
     stack.wave(wavenumber).response(stack, 0.0).u_z
 }
@@ -77,7 +82,8 @@ mod tests {
         Layerwise::new(&stack, &Section::new(&stack).shear_factors(&stack)).expect("factors")
     }
 
-    /// One layer has the constants of Mindlin's plate, but for the wave at which they are matched.
+    /// For one layer the constants equal the constants of Mindlin's plate, apart from the finite wavenumber at which
+    /// the response is matched.
     #[test]
     fn one_layer_is_mindlins() {
         let (h, young, poisson, disc) = (0.02, 70e9, 0.23, 2.0);
@@ -86,15 +92,15 @@ mod tests {
         let theory = theory(&[(h, young, poisson)]);
         let (reading, compliance) = constants(&theory, (&spread, disc * h), 1.0);
         let rigidity = young * h.powi(3) / (12.0 * (1.0 - poisson * poisson));
-        // Waves are matched at ξh = 0.05: its square, some times over.
+        // The response is matched at ξh = 0.05; the relative difference is a small multiple of the square of this.
         let exact = single.reading() * h * h / rigidity;
         assert!((reading / exact - 1.0).abs() < 2e-2, "{reading:e} {exact:e}");
         let exact = single.compliance() / (young * h);
         assert!((compliance / exact - 1.0).abs() < 2e-2, "{compliance:e} {exact:e}");
     }
 
-    /// Of a laminate with a soft or a stiff interlayer what the plate reads is the exact response, from the longest waves on; what is left
-    /// is a constant, of a part of (ξH)⁴: sixteen times as much at twice the wavenumber.
+    /// For a laminate with a soft or a stiff interlayer, the response by w + β M agrees with the exact response for
+    /// long waves. The relative error is proportional to (ξH)⁴: sixteen times as large at twice the wavenumber.
     #[test]
     fn long_waves_are_exact() {
         for shear in [1e5, 1e6, 1e7, 1e8] {

@@ -1,4 +1,4 @@
-//! The layers of a plate whose materials differ: how the layerwise theory has them, and how they are hit.
+//! Layers of a plate with different materials: their model in the layerwise theory, and their local contact model.
 
 mod local;
 
@@ -14,49 +14,52 @@ use crate::form::{Material, Spread};
 use crate::scene::Scene;
 use crate::stack::{self, Layerwise, Stack};
 
-/// The disc is at least as wide as for a layer of this part of the stack's thickness.
+/// Smallest thickness of the impacted layer used for the radius of the disc, as a fraction of the thickness of the
+/// stack.
 const LEAST_LAYER: f64 = 0.125;
 
-/// Part of the time of a contact with a half-space at which layers that relax have the modulus by which the plate's local constants are made.
-pub const OF_CONTACT: f64 = 0.5;
+/// Time at which the moduli of viscoelastic layers are taken for the local constants of the plate, as a fraction of the
+/// duration of a contact with a half-space.
+pub const MODULI_TIME_OVER_CONTACT: f64 = 0.5;
 
-/// κ of layers that do not shear.
+/// Shear factor κ of layers that are rigid in shear.
 const RIGID: f64 = 1e3;
 
-/// Part of the stiffest layer's stiffness along the plate from which on a layer counts as one that bends.
+/// Smallest Young's modulus of a layer that counts as bending, as a fraction of the largest Young's modulus.
 const STIFF: f64 = 0.1;
 
-/// Rounds in which the length of the contact's waves settles.
+/// Number of iterations for the length of the waves of the contact.
 const ROUNDS: usize = 30;
 
-/// A plate's layers, from the face that is hit.
+/// Layers of a plate, from the impacted face on.
 #[derive(Debug, Clone)]
 pub struct Laminate {
-    /// How displacements run through them.
+    /// Variation of the displacements through the layers.
     pub(super) profile: Profile,
     parts: Vec<Part>,
     shear_factors: Vec<f64>,
-    /// The theory of the infinite stack, as it is loaded and read; layers that relax have the shear modulus of the contact's time.
+    /// Layerwise theory of the infinite stack, with the reading w + β M. Viscoelastic layers have their shear modulus
+    /// at the contact time.
     pub(super) theory: Layerwise,
-    /// Its pressure.
+    /// Pressure on the disc.
     pub(super) spread: Spread,
-    /// The disc's radius, m.
+    /// Radius of the disc, m.
     pub radius: f64,
-    /// β of the reading w + β M, m/N.
+    /// Factor β in the displacement w + β M, m/N.
     pub reading: f64,
-    /// c of the whole plate, m/N: α = δ − c F.
+    /// Local compliance c of the whole plate, m/N: α = δ − c F.
     pub compliance: f64,
-    /// Mass over an area, kg/m².
+    /// Mass per unit of area, kg/m².
     mass: f64,
-    /// All of the stack as a thin plate.
+    /// Section of the whole stack as a thin plate.
     section: stack::Section,
 }
 
 impl Laminate {
-    /// Of a scene that is a plate, with its parts.
+    /// Layers of a plate-like scene with these parts.
     ///
     /// # Errors
-    /// Why its layers are none of a plate: a clause.
+    /// The reason why the layers do not make a plate: a clause.
     pub(super) fn new(
         scene: &Scene,
         geometry: &PlateGeometry,
@@ -71,7 +74,7 @@ impl Laminate {
         if geometry.normal != 2 {
             return Err(format!("its layers are across z, and it is hit along {}", NAMES[geometry.normal]));
         }
-        // From the face that is hit.
+        // Order the parts from the impacted face.
         if geometry.sign < 0.0 {
             parts.reverse();
         }
@@ -83,7 +86,7 @@ impl Laminate {
             let is_alike = parts[i].material == parts[image].material;
             is_alike && (thicknesses[i] - thicknesses[image]).abs() <= 1e-9 * geometry.thickness
         });
-        let time = OF_CONTACT * scene.impactor.contact_time();
+        let time = MODULI_TIME_OVER_CONTACT * scene.impactor.contact_time();
         let layer = |(part, thickness): (&Part, &f64)| {
             let Material { young, poisson, .. } = part.material.at(time);
             stack::Layer { thickness: *thickness, young, poisson }
@@ -109,23 +112,24 @@ impl Laminate {
         Ok(Self { profile, parts, shear_factors, theory, spread, radius, reading, compliance, mass, section })
     }
 
-    /// The theory of the infinite stack as it is loaded and read, and the pressure.
+    /// Layerwise theory of the infinite stack, as it is loaded and evaluated, and the pressure on the disc.
     pub fn infinite(&self) -> (&Layerwise, &Spread) {
         (&self.theory, &self.spread)
     }
 
-    /// Twice the elastic energy after all relaxation.
+    /// Forms of twice the elastic energy after all relaxation.
     pub(super) fn elastic(&self) -> Vec<Square<2>> {
         let of = |(part, kappa): (&Part, &f64)| LayerModuli::new(part.material.relaxed(), *kappa);
         self.profile.elastic(&self.with_factors().map(of).collect::<Vec<_>>())
     }
 
-    /// Twice the energy of those layers which relax, for a unit of their shear modulus: of the parts with these numbers from below.
+    /// Forms of twice the energy of viscoelastic layers for a unit shear modulus. `relaxing` holds the numbers of their
+    /// parts, counted from below.
     pub(super) fn distortion(&self, geometry: &PlateGeometry, relaxing: &[usize]) -> Vec<Square<2>> {
         let count = self.parts.len();
         let is_relaxing =
             |layer: usize| relaxing.contains(&if geometry.sign < 0.0 { count - 1 - layer } else { layer });
-        // Between the ends of the whole chain, so that it is the same at all temperatures.
+        // The chord is taken between the ends of the whole Prony series, so that it is the same at all temperatures.
         let of = |(layer, (part, kappa)): (usize, (&Part, &f64))| match &part.given {
             Some(chain) if is_relaxing(layer) => {
                 LayerModuli::of_distortion(part.material.bulk(), [chain.equilibrium, chain.instantaneous()], *kappa)
@@ -135,19 +139,20 @@ impl Laminate {
         self.profile.elastic(&self.with_factors().enumerate().map(of).collect::<Vec<_>>())
     }
 
-    /// Twice the kinetic energy.
+    /// Forms of twice the kinetic energy.
     pub(super) fn inertia(&self) -> Vec<Square<2>> {
         let densities: Vec<f64> = self.parts.iter().map(|part| part.material.instantaneous.density).collect();
         self.profile.mass(&densities)
     }
 
-    /// The sum of forces on the layers' volumes along an axis of the scene, N/m².
+    /// Sum of the body forces of the layers along an axis of the scene, integrated over the thickness, N/m².
     pub(super) fn force(&self, axis: usize) -> f64 {
         let heights = self.profile.heights.windows(2);
         heights.zip(&self.parts).map(|(ends, part)| part.force[axis] * (ends[1] - ends[0])).sum()
     }
 
-    /// What is loaded and read beside w: derivatives of rotations, with their factors. M = Σ E′_i ∫ ζ φ_k dζ ∇·θ_k.
+    /// Terms that are loaded and evaluated in addition to w: derivatives of rotations, with their factors. They are β M
+    /// with M = Σ E′_i ∫ ζ φ_k dζ ∇·θ_k.
     pub(super) fn moments(&self) -> Vec<(f64, Derivative<2>)> {
         let layers = self.theory.stack().layers();
         let of_shape = |k: usize| -> f64 {
@@ -161,12 +166,12 @@ impl Laminate {
         (0..self.profile.len()).flat_map(of).collect()
     }
 
-    /// E and ν at once of the layer at a height, with κ of it.
+    /// Instantaneous elastic constants of a layer, and its shear factor κ.
     pub(super) fn law(&self, layer: usize) -> (Material, f64) {
         (self.parts[layer].material.instantaneous, self.shear_factors[layer])
     }
 
-    /// Shear stress along the normal at a height over its mean in the layer, as long waves have it.
+    /// Ratio of the transverse shear stress at a height to its mean in the layer, for long waves.
     pub(super) fn shear_over_mean(&self, height: f64) -> f64 {
         let stack = self.theory.stack();
         let layer = self.profile.layer_at(height);
@@ -174,7 +179,7 @@ impl Laminate {
         self.section.shear(stack, (height + 0.5 * stack.thickness()).clamp(0.0, stack.thickness())) / mean
     }
 
-    /// By what part the static response of the infinite plate is off at the length of the contact's waves.
+    /// Relative error of the static response of the infinite plate at the wavelength of the contact.
     pub fn mismatch(&self, scene: &Scene) -> f64 {
         let section = self.section(scene);
         let wavenumber = TAU / cells::wavelength(&section, cells::contact_time(&section, &scene.impactor));
@@ -183,7 +188,8 @@ impl Laminate {
         (self.theory.read(&self.theory.wave(wavenumber)) / exact - 1.0).abs()
     }
 
-    /// A plate of one layer with the mass, and with the rigidity that the layers have for the waves of a contact: cells are made for these.
+    /// Single-layer plate with the mass of the stack and with its rigidity for the waves of the contact. The cell sizes
+    /// are based on it.
     pub(super) fn section(&self, scene: &Scene) -> Section {
         let stack = self.theory.stack();
         let struck = scene.body.struck();
@@ -197,14 +203,15 @@ impl Laminate {
         for _ in 0..ROUNDS {
             let wavenumber = TAU / cells::wavelength(&section, cells::contact_time(&section, &scene.impactor));
             let deflection = unread.read(&unread.wave(wavenumber));
-            // Half of each step, since a longer wave is that of a stiffer plate.
+            // Take the geometric mean of the old and the new rigidity, since the wavelength increases with the
+            // rigidity.
             let rigidity = (section.rigidity() / (deflection * wavenumber.powi(4))).sqrt();
             section = of_rigidity(rigidity);
         }
         section
     }
 
-    /// The same, with the shear factors of another.
+    /// Copy of the laminate with the shear factors of another.
     #[cfg(test)]
     pub(super) fn with_shear_factors_of(self, other: &Self) -> Self {
         Self { shear_factors: other.shear_factors.clone(), ..self }
@@ -215,18 +222,19 @@ impl Laminate {
     }
 }
 
-/// By what part the layerwise theory's static response is off at the length of the contact's waves ([`Laminate::mismatch`]).
+/// Relative error of the static response of the layerwise theory at the wavelength of the contact
+/// ([`Laminate::mismatch`]).
 ///
 /// # Errors
-/// A fault of `body.model` where the theory does not stand for the scene.
+/// A fault of `body.model` if the theory cannot model the scene.
 pub fn mismatch(scene: &Scene) -> crate::error::Result<f64> {
     Ok(of_scene(scene)?.mismatch(scene))
 }
 
-/// Length of the flexural waves of the contact with a layerwise plate, m, for which its cells are made.
+/// Length of the flexural waves of the contact with a layerwise plate, m. The cell sizes are based on it.
 ///
 /// # Errors
-/// As [`mismatch`].
+/// Same as [`mismatch`].
 pub fn contact_wavelength(scene: &Scene) -> crate::error::Result<f64> {
     let section = of_scene(scene)?.section(scene);
     Ok(cells::wavelength(&section, cells::contact_time(&section, &scene.impactor)))
@@ -239,14 +247,15 @@ fn of_scene(scene: &Scene) -> crate::error::Result<Laminate> {
     Ok(laminate.map_err(|reason| super::fault(theory, &reason))?)
 }
 
-/// Radius of the disc that is pressed, m: as wide as for a plate of the layer that is hit, which may bend by itself on a soft one, where
-/// there is room.
+/// Radius of the loaded disc, m. It is as for a plate made of the impacted layer alone, which may bend separately on a
+/// soft layer, and at most the distance to the edge.
 fn disc(thicknesses: &[f64], geometry: &PlateGeometry, settings: &Settings) -> f64 {
     let layer = thicknesses[0].max(LEAST_LAYER * geometry.thickness);
     (settings.disc_over(layer) * layer).min(geometry.distance_to_edge())
 }
 
-/// The thickness (m) by which the distance from the hit to the edge is judged: a layer's that is hit.
+/// Thickness (m) with which the distance from the impact point to the edge is compared: the thickness of the impacted
+/// layer.
 pub(super) fn struck_thickness(scene: &Scene, thickness: f64) -> f64 {
     scene.body.struck_thickness(thickness).max(LEAST_LAYER * thickness)
 }

@@ -1,4 +1,4 @@
-//! How the bodies are made between which a sweep interpolates.
+//! Makes the bodies between which a sweep interpolates.
 
 use petsc_wrap::Comm;
 use serde::{Deserialize, Serialize};
@@ -15,69 +15,69 @@ use crate::model::watch::Watch;
 use crate::model::{Built, CellSize, Gauges, Operators, build, cell_size, rate, reduce_from};
 use crate::scene::{Body, Scene};
 
-/// Weight of the directions of the basis, over the tolerance, down to which they are taken.
+/// Smallest weight of the directions kept in the basis, relative to the tolerance.
 const DEPTH: f64 = 0.03;
 
-/// How bodies are built: all on the same cells, by one rank for itself.
+/// Settings for building bodies: all have the same cells, and each is built by one rank alone.
 #[derive(Clone)]
 pub struct Cells {
-    /// This rank alone.
+    /// Communicator of this rank alone.
     pub comm: Comm,
-    /// The shortest waves of all, m.
+    /// Shortest wavelength of all members, m.
     pub wavelength: f64,
-    /// Of the cells over those by the rule of thumb.
+    /// Cell size relative to the rule of thumb.
     pub size: f64,
-    /// Numbers of vectors with which bases begin to grow, where they are known.
+    /// Numbers of vectors, of a smaller and a larger basis, with which bases begin to grow, if known.
     pub vectors: Option<[usize; 2]>,
 }
 
-/// A body by which the basis is made or tested.
+/// A body that is used to make or to test the basis.
 pub struct Sample {
     scene: Scene,
     body: Assembled,
-    /// On its own basis.
+    /// The body reduced to its own basis.
     own: ModalBody,
     vibrations: Columns,
     error: Errors,
 }
 
-/// What other ranks need of a sample.
+/// Data of a sample that other ranks need.
 #[derive(Serialize, Deserialize)]
 pub struct SampleNumbers {
-    /// Of its body.
+    /// Number of unknowns of the sample's excited part.
     pub unknowns: usize,
-    /// Its vibrations, one after the other.
+    /// Vibration vectors, one after another.
     pub vibrations: Vec<f64>,
-    /// Of its own basis.
+    /// Errors of the sample's own basis.
     pub error: Errors,
 }
 
 /// The basis that all bodies share.
 pub struct SharedBasis {
     pub cells: Cells,
-    /// Its vectors, of the part of the bodies that the force excites.
+    /// Basis vectors, in the unknowns of the part of the body that the force excites.
     pub basis: Columns,
-    /// How that is part of the whole, where it is not all of it.
+    /// Map from that part to the whole body, if the part is not the whole.
     exchange: Option<Exchange>,
-    /// Unknowns of the whole bodies.
+    /// Number of unknowns of the whole bodies.
     pub unknowns: usize,
-    /// In which all forces are compared.
+    /// Time steps in which all forces are compared.
     pub steps: Steps,
 }
 
-/// A new body on the basis, with how far others are off its force.
+/// A new body on the shared basis, with the differences of other bodies' forces from its force.
 #[derive(Serialize, Deserialize)]
 pub struct Made {
-    /// What it answers.
+    /// Response of the body to the force.
     pub response: Response,
-    /// Of what the response leaves out ([`Response::new`]).
+    /// Error of the simplifications in the response ([`Response::new`]).
     pub of_response: Errors,
-    /// Of the interpolation between earlier bodies.
+    /// Error of the interpolation between earlier bodies at this value.
     pub of_interpolation: Errors,
 }
 
 impl Cells {
-    /// A scene on these cells.
+    /// A scene with these cells.
     pub fn on(&self, scene: Scene) -> Scene {
         Scene { body: Body { wavelength: Some(self.wavelength), ..scene.body }, ..scene }
     }
@@ -89,7 +89,7 @@ impl Cells {
         }
     }
 
-    /// The size of the cells that a scene asks for, with the error that they leave.
+    /// The cell size that a scene needs, with its discretisation error.
     pub fn asked_by(&self, scene: &Scene, watch: &dyn Watch) -> Result<CellSize> {
         cell_size(&self.comm, scene, scene.body.model, self.built(scene, watch)?, watch)
     }
@@ -103,7 +103,7 @@ impl Cells {
         Ok(Sample { own: reduced.take_larger_modal(), error: reduced.error, scene, body, vibrations })
     }
 
-    /// What is read of the faces of a scene's body on some vectors.
+    /// Readout of the stresses on faces of a scene's body, in the coordinates of the given vectors.
     pub fn readout(&self, scene: &Scene, vectors: Vec<Vec<f64>>, watch: &dyn Watch) -> Result<Readout> {
         let Operators { evaluator, body, .. } = self.built(scene, watch)?;
         Ok(Gauges::new(&self.comm, scene, evaluator, body.linear().unknowns(), Some(vectors))?.readout)
@@ -111,18 +111,18 @@ impl Cells {
 }
 
 impl Sample {
-    /// What other ranks need of it.
+    /// Data of the sample that other ranks need.
     pub fn numbers(&self) -> SampleNumbers {
         let vibrations = self.vibrations.iter().flatten().copied().collect();
         SampleNumbers { unknowns: excited(self.body.linear()).unknowns(), vibrations, error: self.error }
     }
 
-    /// The steps that its force takes.
+    /// Time steps that the sample's own force takes.
     pub fn steps(&self) -> Result<Steps> {
         Ok(ModalImpact::new(&self.scene, &self.own).trace(None)?.1)
     }
 
-    /// The vectors of the vibrations of some bodies like this, orthonormal in its mass, one after the other.
+    /// The main vibration vectors of several samples, orthonormal in this body's mass matrix, one after another.
     pub fn common_basis(&self, all: &[SampleNumbers]) -> Result<Vec<f64>> {
         let body = excited(self.body.linear());
         let unknowns = body.unknowns();
@@ -131,7 +131,7 @@ impl Sample {
         Ok(orthonormal_basis(body, &directions.range(0..vectors))?.iter().flatten().copied().collect())
     }
 
-    /// How far the basis is off this body's own one.
+    /// Difference of the force on the shared basis from the force on the body's own basis.
     pub fn off(&self, shared: &SharedBasis) -> Result<Errors> {
         let projection = project(excited(self.body.linear()), &shared.basis, rate(&self.scene))?;
         let (own, _) = ModalImpact::new(&self.scene, &self.own).trace(Some(shared.steps))?;
@@ -139,7 +139,7 @@ impl Sample {
     }
 }
 
-/// Vectors of a length.
+/// Columns of a given length.
 fn columns<'a>(length: usize, vectors: impl Iterator<Item = &'a [f64]>) -> Columns {
     let mut all = Columns::new(length, None);
     vectors.for_each(|vector| all.push(vector));
@@ -147,7 +147,7 @@ fn columns<'a>(length: usize, vectors: impl Iterator<Item = &'a [f64]>) -> Colum
 }
 
 impl SharedBasis {
-    /// Of vectors one after the other, of bodies like a scene's.
+    /// Makes the basis from vectors that are stored one after another, for bodies like a scene's.
     pub fn new(cells: Cells, vectors: &[f64], scene: &Scene, steps: Steps, watch: &dyn Watch) -> Result<Self> {
         let body = cells.built(scene, watch)?.body;
         let length = excited(body.linear()).unknowns();
@@ -156,7 +156,7 @@ impl SharedBasis {
         Ok(Self { cells, basis, exchange, unknowns, steps })
     }
 
-    /// Vectors as those of the whole bodies.
+    /// Maps vectors of the excited part to the whole body.
     pub fn whole(&self, vectors: &Columns) -> Vec<Vec<f64>> {
         let whole = |vector: &[f64]| match &self.exchange {
             Some(exchange) => exchange.whole(vector),
@@ -165,7 +165,7 @@ impl SharedBasis {
         vectors.iter().map(whole).collect()
     }
 
-    /// A scene's body, whose force is compared with that between others.
+    /// Makes a scene's body, and compares its force with the interpolation between `others`.
     pub fn node(
         &self,
         scene: &Scene,
@@ -193,7 +193,7 @@ impl SharedBasis {
         Ok(Made { response, of_response, of_interpolation })
     }
 
-    /// How far a body's force is off another one's.
+    /// Difference of a body's force from an exact one; infinite if the body's run fails.
     fn difference(&self, exact: &Trace, scene: &Scene, body: &ModalBody) -> Errors {
         match ModalImpact::new(scene, body).trace(Some(self.steps)) {
             Ok((trace, _)) => exact.difference(&trace),

@@ -1,9 +1,10 @@
-//! Members that differ in the relaxation of interlayers alone: what a few bodies answer to the force, interpolated.
+//! Interpolates, between a few bodies, the response of members that differ only in the relaxation of interlayers.
 //!
-//! All have one mesh, for the shortest waves of them all, and one basis, of the vibrations of three of them. Bodies are made at values
-//! from which the answers between follow by cubic interpolation ([`Response`]): at each the relaxation, and the local field under the hit,
-//! are its own. Wherever the answers at the middle between two values are not those of the body there, there are more values. Bodies are made
-//! each by one rank, with the same numbers whichever it is, and all ranks get them.
+//! All bodies have one mesh, made for the shortest waves of all members, and one basis, made of the vibrations of three
+//! bodies. Bodies are made at a few values, each with its own relaxation and its own local field under the impactor.
+//! The response ([`Response`]) at other values follows by cubic interpolation. Where the interpolated response at the
+//! middle of an interval differs too much from the body there, the interval is halved. Each body is made by one rank,
+//! with the same numbers on any rank, and all ranks receive it.
 
 mod maker;
 
@@ -18,44 +19,46 @@ use crate::agree::{agree, decided};
 use crate::body::{Directions, Interpolant, ModalBody, Response};
 use crate::error::Result;
 use crate::impact::{Errors, Readout};
-use crate::model::OF_BASIS;
+use crate::model::BASIS_SHARE;
 use crate::model::watch::Watch;
 use crate::scene::{Initial, Load, Model, Scene};
 use crate::space::evaluate::FaceStresses;
 use crate::space::plate::contact_wavelength;
 use maker::{Cells, Made, Sample, SampleNumbers, SharedBasis};
 
-/// Intervals between values at first.
+/// Initial number of intervals between values.
 const FIRST_INTERVALS: usize = 4;
 
-/// Bodies at most.
+/// Largest number of bodies.
 const MAX_BODIES: usize = 65;
 
-/// Part of the tolerance that the interpolation may take.
+/// Share of the tolerance for the interpolation error.
 const INTERPOLATION_SHARE: f64 = 0.3;
 
-/// The error of cubic interpolation over that with intervals twice as long, at least, by which it is judged: a sixteenth where these are short.
-/// (Where a term of the chain comes to be followed, or left out, bodies change at once, and errors hardly fall.)
+/// Smallest assumed ratio of the error of cubic interpolation to the error with intervals twice as long. For short
+/// intervals it is 1/16. Where a term of the chain starts or ceases to be followed, bodies change at once and errors
+/// hardly fall.
 const ERROR_RATIO_ON_HALVING: f64 = 0.25;
 
-/// Stresses of the directions along which bodies are read over the largest, down to which they are taken, over the tolerance.
-const OF_MOTIONS: f64 = 0.2;
+/// Smallest stress of the directions along which bodies are read: relative to the largest stress, divided by the
+/// tolerance.
+const SMALLEST_STRESS_FRACTION: f64 = 0.2;
 
-/// Bodies by which one interpolates.
+/// Number of bodies in an interpolation.
 const STENCIL: usize = 4;
 
-/// What all members share.
+/// Bodies and errors that all members share.
 pub struct Interpolated {
     shared: SharedBasis,
     nodes: Vec<Node>,
-    /// The interpolation's error in each interval, by its upper end.
+    /// Interpolation error in each interval, by the interval's upper end.
     errors: Vec<(f64, Errors)>,
-    /// That of the cells and the basis.
+    /// Discretisation error and error of the basis.
     of_model: Errors,
-    /// Of bodies that lie side by side, by the number of the first, made when a member first asks for it.
+    /// Interpolants of neighbouring bodies, by the index of the first body. Each is made when a member first needs it.
     between: Vec<OnceCell<Interpolant>>,
     is_geometric: bool,
-    /// The directions along which faces are read, as vectors of the bodies.
+    /// The directions along which stresses on faces are read, as vectors of the whole body.
     vectors: Vec<Vec<f64>>,
 }
 
@@ -64,19 +67,20 @@ struct Node {
     value: f64,
     response: Response,
     scene: Scene,
-    /// What is read of its faces, made when a member first asks for it.
+    /// Readout of the stresses on faces, made when a member first needs it.
     readout: OnceCell<Readout>,
 }
 
-/// Values between two numbers of which the bodies are known.
+/// An interval between two indices of values with known bodies.
 struct Interval {
     from: usize,
     to: usize,
-    /// The difference in the middle of the interval of which this is a half; 0 of the first ones.
+    /// Difference at the middle of the interval whose half this is; 0 for the initial intervals.
     before: f64,
 }
 
-/// Whether bodies of a scene may be interpolated: layerwise plates that start at rest, without loads, in chosen steps, whose energies nobody wants.
+/// Whether bodies of a scene may be interpolated: layerwise plates of several layers that start at rest, without loads,
+/// pads and energy gate, in adaptive time steps.
 pub fn admits(scene: &Scene) -> bool {
     let is_moved = scene.load != Load::default() || scene.supports.iter().any(|one| one.displacement != [0.0; 3]);
     let is_layerwise = scene.body.model == Model::Layerwise && scene.body.composition.uniform().is_none();
@@ -87,11 +91,12 @@ pub fn admits(scene: &Scene) -> bool {
 }
 
 impl Interpolated {
-    /// Of ascending values with their scenes; each rank is watched by itself. `None` where it takes too many bodies, or these have no basis in common.
+    /// Makes the bodies for ascending values; `scene_of` returns the scene of a value. Each rank's interruption is
+    /// watched separately. Returns `None` if too many bodies would be needed, or if they cannot share a basis.
     /// Collective.
     ///
     /// # Errors
-    /// Those of a model.
+    /// Same as making a model.
     pub fn new(
         ranks: &Comm,
         values: &[f64],
@@ -117,7 +122,7 @@ impl Interpolated {
         let (errors, between, vectors) = (Vec::new(), Vec::new(), Vec::new());
         let mut all = Self { shared, nodes: Vec::new(), errors, of_model, between, is_geometric, vectors };
         let mut nodes: BTreeMap<usize, Node> = BTreeMap::new();
-        // Intervals whose middles are not known yet; at first there are only their ends.
+        // Intervals whose middle is not known yet. Initially only the ends of intervals are computed.
         let mut open: Vec<Interval> = Vec::new();
         let mut places: Vec<usize> = (0..=FIRST_INTERVALS).map(|k| k * last / FIRST_INTERVALS).collect();
         loop {
@@ -141,7 +146,7 @@ impl Interpolated {
                 true => places.windows(2).map(|ends| Interval { from: ends[0], to: ends[1], before: 0.0 }).collect(),
                 false => all.judged(&open, &places, &found, values, &scene(0)?),
             };
-            // (Neighbours have nothing between them.)
+            // Intervals between neighbouring values have no value inside.
             let closed = open.extract_if(.., |interval| interval.to - interval.from < 2);
             all.errors.extend(closed.map(|interval| (values[interval.to], Errors::default())));
             if open.is_empty() {
@@ -159,7 +164,8 @@ impl Interpolated {
         Ok(Some(all))
     }
 
-    /// Keeps the errors of the intervals that are good enough, by the differences that were found at their middles; the halves of the others are open.
+    /// Keeps the errors of the accurate intervals, estimated from the differences at their middles. Returns the halves
+    /// of the others.
     fn judged(
         &mut self,
         intervals: &[Interval],
@@ -171,7 +177,7 @@ impl Interpolated {
         let mut open = Vec::new();
         for ((&Interval { from, to, before }, &middle), difference) in intervals.iter().zip(middles).zip(found) {
             let size = difference.of(scene.measure);
-            // As it has fallen from the interval before this was half of it.
+            // The ratio by which the difference has fallen from the previous, longer interval.
             let ratio = if before > 0.0 { (size / before).clamp(ERROR_RATIO_ON_HALVING, 1.0) } else { 1.0 };
             let ends = [from, middle, to].map(|place| coordinate(values[place], self.is_geometric));
             let error = on_halving(*difference, ratio * unevenness(ends), scene.tolerance);
@@ -184,7 +190,7 @@ impl Interpolated {
         open
     }
 
-    /// Takes the bodies to the directions that make stresses, along which they are read. Collective.
+    /// Reduces the bodies to the directions that cause stresses, along which they are read. Collective.
     fn read_along_main_motions(&mut self, ranks: &Comm, watch: &dyn Watch) -> Result<()> {
         let (nodes, shared) = (&self.nodes, &self.shared);
         let scene = &nodes[nodes.len() / 2].scene;
@@ -197,7 +203,7 @@ impl Interpolated {
             };
             let responses: Vec<&Response> = nodes.iter().map(|node| &node.response).collect();
             let stresses = stresses.unwrap_or_else(|| DMatrix::identity(count, count));
-            let depth = OF_MOTIONS * scene.tolerance;
+            let depth = SMALLEST_STRESS_FRACTION * scene.tolerance;
             let contact = scene.impactor.contact_time();
             let Directions { shapes, parts } = Response::main_motions(&responses, stresses, contact, depth);
             Ok((shapes.as_slice().to_vec(), parts.as_slice().to_vec()))
@@ -213,16 +219,16 @@ impl Interpolated {
         Ok(())
     }
 
-    /// Unknowns of the bodies.
+    /// Number of unknowns of the whole bodies.
     pub fn unknowns(&self) -> usize {
         self.shared.unknowns
     }
 
-    /// The body at a value for a member's run, with its errors and what is read of it: the faces of the nearest body. `None` for another impact than
-    /// that for which the errors are estimated.
+    /// The interpolated body at a value for a member's run, with its errors and the readout of the nearest body's
+    /// faces. Returns `None` if the member's impact differs from the one for which the errors are estimated.
     ///
     /// # Errors
-    /// Those of a model.
+    /// Same as making a model.
     pub fn at(
         &self,
         value: f64,
@@ -247,7 +253,7 @@ impl Interpolated {
         Ok(Some((between.body(known), errors, readout)))
     }
 
-    /// What is read of a body's faces.
+    /// Readout of the stresses on a body's faces.
     fn readout<'a>(&self, node: &'a Node, watch: &dyn Watch) -> Result<&'a Readout> {
         if let Some(readout) = node.readout.get() {
             return Ok(readout);
@@ -256,15 +262,16 @@ impl Interpolated {
         Ok(node.readout.get_or_init(|| readout))
     }
 
-    /// The estimated error of the interpolation at a value; `None` above all.
+    /// Estimated interpolation error at a value; `None` above the largest value.
     pub fn error_at(&self, value: f64) -> Option<Errors> {
         self.errors.iter().find(|(to, _)| value <= *to).map(|(_, error)| *error)
     }
 
-    /// How far the interpolated body's force is off that of the body which a scene has at a value, on the same basis in the same steps.
+    /// Difference of the interpolated body's force from the force of a scene's actual body at a value, on the same
+    /// basis and in the same steps.
     ///
     /// # Errors
-    /// Those of a model.
+    /// Same as making a model.
     pub fn difference_at(&self, value: f64, scene: &Scene, watch: &dyn Watch) -> Result<Errors> {
         let scene = self.shared.cells.on(scene.clone());
         let near: Vec<&Node> = self.nodes.iter().collect();
@@ -272,8 +279,9 @@ impl Interpolated {
     }
 }
 
-/// The basis of the vibrations of three bodies, at the ends and in the middle of so many places, tested at the middles between these; with its
-/// error. `None` where the bodies are not alike, or the basis is not good enough. Collective.
+/// Makes the basis from the vibrations of three bodies, at the first, middle and last of the places 0 to `last`. It is
+/// tested on two more bodies halfway between these. Returns the basis with its error; `None` if the bodies have
+/// different unknowns or the basis is not accurate enough. Collective.
 fn shared_basis(
     ranks: &Comm,
     last: usize,
@@ -294,7 +302,7 @@ fn shared_basis(
     }
     let of_bases = numbers.iter().fold(Errors::default(), |most, sample| most.max(sample.error));
     numbers.truncate(BASIS);
-    // (The first rank has the first sample.)
+    // Sample 0 is on rank 0.
     let first = |sample: &Option<Sample>| sample.as_ref().map(|sample| sample.common_basis(&numbers)).transpose();
     let Some(vectors) = decided(ranks, || first(&samples[0]))? else { return Ok(None) };
     let steps = spread(ranks, places.len(), |k| match &samples[k] {
@@ -304,7 +312,7 @@ fn shared_basis(
     let Some(steps) = steps[BASIS] else { return Ok(None) };
     let scene = scene(0)?;
     let shared = SharedBasis::new(cells.clone(), &vectors, &scene, steps, watch);
-    // (One rank may be interrupted before the others.)
+    // One rank may be interrupted before the others.
     let shared = agree(ranks, shared.map_err(|error| error.of_all_ranks().as_told()))?;
     let off = spread(ranks, places.len(), |k| match &samples[k] {
         Some(sample) if k >= BASIS => sample.off(&shared),
@@ -313,11 +321,12 @@ fn shared_basis(
     let of_merging = off.into_iter().fold(Errors::default(), Errors::max);
     let (vectors, first, all) = (shared.basis.count(), of_merging.first_contact, of_merging.history);
     tracing::info!(vectors, first, all, "common basis");
-    let is_good = of_merging.of(scene.measure) <= OF_BASIS * scene.tolerance;
+    let is_good = of_merging.of(scene.measure) <= BASIS_SHARE * scene.tolerance;
     Ok(is_good.then(|| (shared, of_bases.joined(of_merging))))
 }
 
-/// RᵀR of the rows R of all stresses on faces, as far as they are read on a basis.
+/// RᵀR, where the rows of R give all stresses on faces from the basis coordinates; `None` if they are not stored as a
+/// dense matrix.
 fn squares(faces: &FaceStresses) -> Option<DMatrix<f64>> {
     let (count, rows) = faces.dense()?;
     let columns = DMatrix::from_row_slice(rows.len() / count.max(1), count, rows);
@@ -326,26 +335,26 @@ fn squares(faces: &FaceStresses) -> Option<DMatrix<f64>> {
 
 /// Bodies next to a value, with the weights of Lagrange's interpolation.
 struct Between<'a> {
-    /// The number of the first of them.
+    /// Index of the first of these bodies.
     begin: usize,
     bodies: Vec<&'a Response>,
     weights: Vec<f64>,
 }
 
-/// That in which answers are interpolated.
+/// The coordinate of interpolation: the value or its logarithm.
 fn coordinate(value: f64, is_geometric: bool) -> f64 {
     if is_geometric { value.ln() } else { value }
 }
 
-/// The largest error of cubic interpolation in the halves of an interval, over what the difference at its middle tells of halves of one length. Members
-/// may have no value in the very middle: the error goes with the fourth power of the longer half, and the difference was seen where the distances to
-/// the ends have a smaller product.
+/// Factor on the interpolation error of an interval's halves for a value that is not exactly in the middle. The error
+/// grows with the fourth power of the longer half. The difference was measured where the product of the distances to
+/// the ends is smaller than at the middle.
 fn unevenness([from, middle, to]: [f64; 3]) -> f64 {
     let (below, above, half) = (middle - from, to - middle, 0.5 * (to - from));
     (below.max(above) / half).powi(4) * half * half / (below * above)
 }
 
-/// The bodies next to a value; `None` where there are none.
+/// The bodies next to a value; `None` if there are none.
 fn between<'a>(nodes: &[&'a Node], value: f64, is_geometric: bool) -> Option<Between<'a>> {
     let above = nodes.partition_point(|node| node.value < value);
     let begin = above.saturating_sub(STENCIL / 2).min(nodes.len().saturating_sub(STENCIL));
@@ -361,7 +370,7 @@ fn between<'a>(nodes: &[&'a Node], value: f64, is_geometric: bool) -> Option<Bet
 }
 
 impl Between<'_> {
-    /// The body between them, by what they have to do with each other where that is known.
+    /// The interpolated body. `known` is the correspondence of the bodies' coordinates, if it was computed before.
     fn body(&self, known: Option<&Interpolant>) -> ModalBody {
         match known {
             Some(known) => known.sum(&self.bodies, &self.weights),
@@ -370,8 +379,9 @@ impl Between<'_> {
     }
 }
 
-/// The error of interpolation between intervals of which the answers in the middle differ so much, where it falls by a ratio on halving. Over the
-/// whole history it is only less than that where the difference is small: contacts come and go with the value.
+/// Estimated interpolation error from the difference at the midpoint, when halving the interval reduces the error by
+/// `ratio`. Over the whole history the ratio is applied only if the difference is within the tolerance, because with
+/// larger differences contacts appear and vanish with the value.
 fn on_halving(difference: Errors, ratio: f64, tolerance: f64) -> Errors {
     let smaller = ratio * difference;
     if difference.history <= tolerance { smaller } else { Errors { history: difference.history, ..smaller } }

@@ -1,4 +1,4 @@
-//! Boxes that bend alone, with half of the functions across the thickness.
+//! Boxes in pure bending, with half of the functions across the thickness.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ use super::{block, body, parse, trace};
 
 pub(super) fn bending_is_all_but_a_constant(session: &Session) {
     check_bending(session, 1..3);
-    // A contact that is as short as waves across the thickness; a pull along the plate.
+    // A contact as short as waves across the thickness; and one with a pull along the plate.
     for (impactor, rest) in [("mass = 0.004\nspeed = 10.0", ""), ("mass = 5.0\nspeed = 1.0", PULL)] {
         let scene = parse(&glass::scene("size = [0.3, 0.3, 0.03]", impactor, "end = 1e-3", rest));
         let free = parse(&glass::scene("size = [0.3, 0.3, 0.03]", "mass = 5.0\nspeed = 1.0", "end = 1e-3", ""));
@@ -23,10 +23,10 @@ pub(super) fn bending_on_more_supports(session: &Session) {
     check_bending(session, 0..5);
 }
 
-/// A load along a side that is next to nothing, and asks for all functions across the thickness.
+/// A negligible load along a side, which forces the use of all functions across the thickness.
 const PULL: &str = "[[load.traction]]\nsurface = \"x-max\"\nvalue = [1e-30, 0, 0]\n";
 
-/// Plates that bend alone, with half of the functions, against the same with all of them.
+/// Plates in bending with half of the functions agree with the same plates with all of them.
 fn check_bending(session: &Session, chosen: Range<usize>) {
     let uneven =
         "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = [3e9, 1e9, 2e8]\ndamping = [1e5, 0, 2e5]\n";
@@ -51,7 +51,8 @@ fn check_bending(session: &Session, chosen: Range<usize>) {
         assert!(10 * bent.unknowns() < 7 * full.unknowns(), "{} {}", bent.unknowns(), full.unknowns());
         let Errors { first_contact: first, .. } = trace(&half, &bent).difference(&trace(&whole, &full));
         println!("{first:.1e} in the first contact");
-        // What different cells across the thickness leave, a part in a thousand in either, and squeezing in motion.
+        // The difference comes from different cells across the thickness, a part in a thousand in either, and from
+        // dynamic squeezing.
         assert!(first < 1.5e-3, "{point} {rest}: {first:e}");
         session.world().collect_garbage().unwrap();
     }
